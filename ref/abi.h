@@ -1,0 +1,108 @@
+/* Every byte that C and the shaders both read. Compiled as C17 and as GLSL 4.50, so it holds only
+ * #define and structs of 4-byte scalars and arrays of them; no function (a shared decoder would make
+ * both sides wrong together), no 16-bit member (halves are packed in words). tests/test_abi.c proves
+ * the layout on the running driver. */
+#ifndef ABI_H
+#define ABI_H
+
+#ifdef VULKAN
+#define U32 uint
+#define ABI_SIZE(type, bytes)
+#else
+#include <stdint.h>
+#define U32 uint32_t
+#define ABI_SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type);
+#endif
+
+#define ABI_NO_PRIM    0xFFFFFFFFu /* hit.prim of a miss; an empty item slot */
+#define ABI_STACK_MAX  64u         /* the largest traversal stack, in entries */
+#define ABI_WORKGROUP  64u         /* rays per workgroup unless asked otherwise */
+#define ABI_TRI_FLOATS 9u          /* floats per gathered triangle: v0, v1, v2 */
+
+/* Specialization constant ids of every tracing shader. */
+#define ABI_SPEC_WORKGROUP 0
+#define ABI_SPEC_BOX       1 /* enum box_test_id */
+#define ABI_SPEC_TRI       2 /* enum tri_test_id */
+#define ABI_SPEC_QUERY     3 /* enum query */
+#define ABI_SPEC_STACK     4 /* entries of the traversal stack: 16, 32 or 64 */
+
+/* Values of ABI_SPEC_BOX, ABI_SPEC_TRI and ABI_SPEC_QUERY. */
+#define ABI_BOX_RTRS      0u
+#define ABI_BOX_ROBUST    1u
+#define ABI_TRI_MT_RTRS   0u
+#define ABI_TRI_MT        1u
+#define ABI_TRI_WOOP      2u
+#define ABI_QUERY_CLOSEST 0u
+#define ABI_QUERY_ANY     1u
+
+/* Descriptor bindings, set 0. */
+#define ABI_BIND_RAYS  0 /* struct ray[] */
+#define ABI_BIND_HITS  1 /* struct hit[] */
+#define ABI_BIND_FLAGS 2 /* U32[]: ABI_FLAG_* per ray */
+#define ABI_BIND_NODES 3 /* U32[]: the packed words of the layout */
+#define ABI_BIND_ITEMS 4 /* U32[]: the packed item array, if the layout has one */
+#define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order */
+
+#define ABI_FLAG_DONE      1u /* the invocation ran to its end */
+#define ABI_FLAG_EXHAUSTED 2u /* stack left over, stack overrun or a loop cut short by the driver */
+
+/* A ray. t counts in multiples of dir, which need not have length 1. */
+struct ray {
+    float org[3];
+    float tmin;
+    float dir[3];
+    float tmax;
+};
+ABI_SIZE(struct ray, 32)
+
+/* An answer. u weighs vertex 1 and v vertex 2 of the triangle; a miss is 0, 0, 0, ABI_NO_PRIM. */
+struct hit {
+    float t;
+    float u;
+    float v;
+    U32 prim;
+};
+ABI_SIZE(struct hit, 16)
+
+/* Push constants of the tracing shaders. */
+struct push {
+    U32 ray_count;
+    U32 root;       /* packed.root */
+    U32 node_count; /* records; also the most nodes a ray may visit */
+    U32 item_count; /* words of the item array */
+    U32 tri_count;
+};
+ABI_SIZE(struct push, 20)
+
+/* One node of layout f32. Inner: first is the index of the second child (the first child follows
+ * its parent directly), count is 0. Leaf: items first .. first + count - 1 of the item array. */
+struct node_f32 {
+    float lo[3];
+    U32 first;
+    float hi[3];
+    U32 count;
+};
+ABI_SIZE(struct node_f32, 32)
+
+/* One 16-byte record of the reduced-footprint layouts: word k holds the half floats of axis k, the
+ * lower bound in the low half; see ref/layouts/ for what tag means in each. */
+struct node_rf {
+    U32 bounds[3];
+    U32 tag;
+};
+ABI_SIZE(struct node_rf, 16)
+
+/* One node of layout rtrs_direct, 48 bytes; the pads are zero. */
+struct node_rtrs_direct {
+    U32 fst;
+    U32 snd;
+    U32 item_first;
+    U32 item_count;
+    float lo[3];
+    U32 pad0;
+    float hi[3];
+    U32 pad1;
+};
+ABI_SIZE(struct node_rtrs_direct, 48)
+
+#endif

@@ -1,0 +1,71 @@
+/* The canonical binary tree that every builder makes and every layout packs. */
+#ifndef BVH_H
+#define BVH_H
+
+#include "ref/scene.h"
+
+/* A node. Inner: item_count == 0, children fst and snd, item_first = items emitted before it (as
+ * the seed's file has it). Leaf: fst == snd == 0, triangles prim[item_first .. +item_count-1]. */
+struct bvh_node {
+    struct box bounds;
+    uint32_t fst;
+    uint32_t snd;
+    uint32_t item_first;
+    uint32_t item_count;
+};
+
+/* Owns its arrays (see bvh_free). Nodes are in pre-order: node 0 is the root, fst is the own index
+ * plus 1, the whole fst subtree comes before snd. An empty scene has node_count 0. */
+struct bvh {
+    struct bvh_node *node;
+    uint32_t *prim; /* a permutation of 0 .. prim_count - 1, in leaf order */
+    uint32_t node_count;
+    uint32_t prim_count;
+};
+
+struct bvh_stats {
+    uint32_t node_count, leaf_count, depth /* root is 0 */, largest_leaf;
+    uint32_t loose_count; /* inner nodes whose box does not contain their triangles */
+};
+
+struct build_options {
+    uint32_t leaf; /* items per leaf: at most (median), aimed at (rtrs); >= 1 */
+    float eps;     /* rtrs: a node whose longest side is below eps / 2 is not split */
+};
+
+#define BUILD_LEAF_DEFAULT 4u
+#define BUILD_EPS_DEFAULT  0.02f
+
+/* A builder. `build` reads a checked scene and makes *out; 0 triangles give an empty tree.
+ * Errors: STATUS_INPUT leaf is 0; STATUS_LIMIT it would never end (reason); STATUS_MEMORY. */
+struct builder {
+    const char *name;
+    const char *summary;
+    bool faithful; /* reproduces the seed, faults included: its trees may fail bvh_check */
+    enum status (*build)(const struct scene *scene, const struct build_options *options,
+                         struct bvh *out, struct reason *reason);
+};
+
+/* NULL-terminated; order is the order of listings, the first is the default. */
+extern const struct builder *const builders[];
+
+/* Returns the builder of that name, or NULL. */
+const struct builder *builder_find(const char *name);
+
+/* Frees what the tree owns and zeroes it. */
+void bvh_free(struct bvh *bvh);
+
+/* Counts; a tree must be well formed (see bvh_check_form). */
+struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene);
+
+/* Checks the form: pre-order, children in range and after their parent, each node reached once,
+ * each triangle of the scene in exactly one leaf. Safe on hostile data.
+ * Errors: STATUS_INPUT with the node and the rule. */
+enum status bvh_check_form(const struct bvh *bvh, const struct scene *scene,
+                           struct reason *reason) MUST_USE;
+
+/* bvh_check_form, and every node's box contains the exact bounds of its triangles. */
+enum status bvh_check(const struct bvh *bvh, const struct scene *scene,
+                      struct reason *reason) MUST_USE;
+
+#endif

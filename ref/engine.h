@@ -1,0 +1,57 @@
+/* An engine answers rays. All engines are driven the same way: open, prepare a job, trace. */
+#ifndef ENGINE_H
+#define ENGINE_H
+
+#include "ref/layout.h"
+#include "ref/primitives/primitives.h"
+
+struct engine_options {
+    uint32_t threads;   /* CPU engines; 0: all */
+    const char *driver; /* Vulkan: part of the driver or device name, or NULL */
+    int device;         /* Vulkan: index as `raydiff doctor` lists them, -1: first that matches */
+    uint32_t workgroup; /* Vulkan: 0 is ABI_WORKGROUP */
+};
+
+/* What is to be traced; everything borrowed, valid until the next prepare or close. */
+struct job {
+    const struct scene *scene;
+    const struct packed *packed; /* NULL for engines without needs_packed */
+    const struct box_test *box;
+    const struct tri_test *tri;
+    enum query query;
+};
+
+/* What one trace call cost. */
+struct trace_report {
+    uint64_t ns;          /* time of the tracing alone */
+    bool device_clock;    /* ns comes from GPU timestamps, else from the host's clock */
+    uint64_t boxes, tris; /* tests done, 0 if not counted */
+    uint64_t memory_bytes; /* scene, tree and buffers the engine holds */
+};
+
+struct engine {
+    const char *name;
+    const char *summary;
+    bool needs_packed; /* false: sees the scene alone (brute, Embree) */
+    bool exact;        /* true: must equal engine cpu's bits on the same packed tree */
+    /* Errors: STATUS_UNSUPPORTED cannot run here (reason), STATUS_DEVICE, STATUS_MEMORY. */
+    enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
+    /* Uploads, builds, compiles. May be called again with another job.
+     * Errors: STATUS_LIMIT too large for the engine, STATUS_UNSUPPORTED, _DEVICE, _MEMORY. */
+    enum status (*prepare)(void *self, const struct job *job, struct reason *reason);
+    /* Traces ray_count rays (0 is fine). Errors: STATUS_DEVICE lost, or a ray was not finished
+     * (stack or loop exhausted: the reason says which ray and why); STATUS_MEMORY. */
+    enum status (*trace)(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                         struct trace_report *report, struct reason *reason);
+    void (*close)(void *self); /* NULL is fine */
+    /* Prints what `raydiff doctor` says: versions, limits, or why it cannot run. */
+    void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
+};
+
+/* NULL-terminated. */
+extern const struct engine *const engines[];
+
+/* Returns the engine of that name, or NULL. */
+const struct engine *engine_find(const char *name);
+
+#endif

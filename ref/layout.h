@@ -1,0 +1,119 @@
+/* A layout: how a binary tree becomes bytes, and how one node is read back. */
+#ifndef LAYOUT_H
+#define LAYOUT_H
+
+#include "ref/abi.h"
+#include "ref/bvh.h"
+
+/* In which order a traversal visits the children it hits. */
+enum visit {
+    VISIT_NEAR, /* smaller entry distance first, fst if equal */
+    VISIT_FST,  /* fst first: the seed's reduced-footprint shader */
+    VISIT_SND,  /* snd first: the seed's direct shader */
+};
+
+struct layout;
+
+/* A packed tree; owns its arrays (see packed_free). node_count == 0: empty scene. */
+struct packed {
+    const struct layout *layout;
+    uint32_t *word; /* node_bytes / 4 words each */
+    uint32_t *item; /* item array, or NULL if items live in the nodes */
+    uint32_t word_count;
+    uint32_t item_count;
+    uint32_t node_count; /* records */
+    uint32_t root;       /* reference of the root */
+    uint32_t tri_count;  /* of the scene it was packed from */
+    uint32_t stack_need; /* entries a traversal can need at most */
+};
+
+#define WIDE_MAX 8
+
+/* One decoded node. Inner: child_count >= 2 (the seed's wrapped trees aside), boxes and references
+ * of the children. Leaf: child_count == 0, item slots item_first .. item_first + item_count - 1, to
+ * be read with layout->item. */
+struct wide {
+    uint32_t child_count;
+    uint32_t item_first;
+    uint32_t item_count;
+    struct box box[WIDE_MAX];
+    uint32_t child[WIDE_MAX];
+};
+
+struct layout {
+    const char *name;
+    const char *summary;
+    uint32_t node_bytes; /* bytes of one record */
+    enum visit order;
+    bool faithful;       /* reproduces the seed or its paper, faults included */
+    /* Packs the whole tree: rounds boxes outward, checks its limits. Sets every member of *out but
+     * layout, tri_count and stack_need, which packed_make fills in; `bvh` may not be empty.
+     * Errors: STATUS_LIMIT with the limit, the scene's number and what would fit instead (or "the
+     * seed panics: F8"); STATUS_MEMORY. */
+    enum status (*pack)(const struct bvh *bvh, const struct scene *scene, struct packed *out,
+                        struct reason *reason);
+    /* Decodes the node `ref`, which must be in range (see packed_ref_valid). Never reads outside
+     * the words: a faithful layout can hold any child reference. */
+    void (*load)(const struct packed *packed, uint32_t ref, struct wide *out);
+    /* The box of the node `ref` itself; the traversal tests the root's. */
+    struct box (*box)(const struct packed *packed, uint32_t ref);
+    /* Triangle of item slot `slot`, or ABI_NO_PRIM if the slot is empty or not a triangle. */
+    uint32_t (*item)(const struct packed *packed, uint32_t slot);
+};
+
+/* NULL-terminated. */
+extern const struct layout *const layouts[];
+
+/* Returns the layout of that name, or NULL. */
+const struct layout *layout_find(const char *name);
+
+/* True if the record `ref` lies in the packed words. */
+static inline bool packed_ref_valid(const struct packed *packed, uint32_t ref)
+{
+    return ref < packed->node_count;
+}
+
+/* Packs `bvh` in `layout`. An empty tree gives node_count 0, which every engine traces as misses.
+ * Errors: STATUS_LIMIT of the layout, or deeper than ABI_STACK_MAX; STATUS_MEMORY. */
+enum status packed_make(const struct layout *layout, const struct bvh *bvh,
+                        const struct scene *scene, struct packed *out,
+                        struct reason *reason) MUST_USE;
+
+/* Tries the layouts that are not faithful, smallest bytes for this tree first, and packs the first
+ * that can hold the scene. `refused` receives one line per smaller layout that could not, separated
+ * by newlines, at most `refused_bytes` with the terminator. Errors: STATUS_LIMIT if none can. */
+enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, struct packed *out,
+                             char *refused, size_t refused_bytes, struct reason *reason) MUST_USE;
+
+void packed_free(struct packed *packed);
+
+/* Bytes of nodes and of the item array. */
+static inline uint64_t packed_node_bytes(const struct packed *packed)
+{
+    return 4 * (uint64_t)packed->word_count;
+}
+
+static inline uint64_t packed_item_bytes(const struct packed *packed)
+{
+    return 4 * (uint64_t)packed->item_count;
+}
+
+/* What packed_check found. */
+struct packed_faults {
+    uint32_t loose_boxes;  /* decoded boxes that do not contain the exact bounds below them */
+    uint32_t bad_refs;     /* child references out of range */
+    uint32_t cycles;       /* nodes reached more than once */
+    uint32_t lost_prims;   /* triangles that no leaf names */
+    uint32_t double_prims; /* triangles named more than once */
+    uint32_t bad_prims;    /* item slots that name no triangle of the scene */
+    uint32_t too_deep;     /* 1 if a path needs more stack than stack_need */
+};
+
+/* Walks the decoded tree and checks it against the scene; written once for every layout.
+ * Returns STATUS_OK if nothing was found, STATUS_INPUT with the first fault in `reason` (node, box,
+ * bounds in hexadecimal floats) otherwise; *faults (may be NULL) has all counts.
+ * STATUS_MEMORY leaves *faults zero. */
+enum status packed_check(const struct packed *packed, const struct scene *scene,
+                         struct packed_faults *faults, struct reason *reason) MUST_USE;
+
+#endif

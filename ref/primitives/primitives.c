@@ -1,0 +1,74 @@
+#include "ref/primitives/primitives.h"
+
+#include "ref/base.h"
+
+#include <math.h>
+#include <string.h>
+
+static const struct box_test box_robust = {
+    .name = "robust", .summary = "slabs, far plane x (1 + 2^-19), closed", .id = ABI_BOX_ROBUST};
+static const struct box_test box_rtrs = {.name = "rtrs",
+                                         .summary = "as published: y and z never cull",
+                                         .id = ABI_BOX_RTRS,
+                                         .faithful = true};
+
+const struct box_test *const box_tests[] = {&box_robust, &box_rtrs, NULL};
+
+static const struct tri_test tri_mt = {
+    .name = "mt", .summary = "Moeller-Trumbore, determinant not 0", .id = ABI_TRI_MT};
+static const struct tri_test tri_woop_test = {.name = "woop",
+                                              .summary = "Woop, Benthin, Wald: watertight",
+                                              .id = ABI_TRI_WOOP,
+                                              .watertight = true};
+static const struct tri_test tri_mt_rtrs = {.name = "mt_rtrs",
+                                            .summary = "as published: |determinant| > 1e-7, open",
+                                            .id = ABI_TRI_MT_RTRS,
+                                            .faithful = true,
+                                            .open = true};
+
+const struct tri_test *const tri_tests[] = {&tri_mt, &tri_woop_test, &tri_mt_rtrs, NULL};
+
+const struct box_test *box_test_find(const char *name)
+{
+    for (size_t i = 0; box_tests[i]; i++)
+        if (strcmp(box_tests[i]->name, name) == 0)
+            return box_tests[i];
+    return NULL;
+}
+
+const struct tri_test *tri_test_find(const char *name)
+{
+    for (size_t i = 0; tri_tests[i]; i++)
+        if (strcmp(tri_tests[i]->name, name) == 0)
+            return tri_tests[i];
+    return NULL;
+}
+
+const char *query_name(enum query query)
+{
+    return query == QUERY_ANY ? "any" : "closest";
+}
+
+bool query_find(const char *name, enum query *out)
+{
+    *out = strcmp(name, "any") == 0 ? QUERY_ANY : QUERY_CLOSEST;
+    return strcmp(name, query_name(*out)) == 0;
+}
+
+bool ray_in_contract(const struct ray *ray)
+{
+    float largest = 0.0f;
+    for (int k = 0; k < 3; k++) {
+        if (!float_is_finite(ray->org[k]) || !float_is_finite(ray->dir[k]))
+            return false;
+        if (fabsf(ray->org[k]) > 0x1p40f)
+            return false;
+        largest = fmaxf(largest, fabsf(ray->dir[k]));
+    }
+    if (!(largest >= 0x1p-40f && largest <= 0x1p40f))
+        return false;
+    for (int k = 0; k < 3; k++)
+        if (ray->dir[k] != 0.0f && fabsf(ray->dir[k]) < SLAB_PARALLEL * largest)
+            return false;
+    return ray->tmin >= 0.0f && ray->tmin <= ray->tmax && float_is_finite(ray->tmin);
+}

@@ -1,0 +1,101 @@
+/* Ray against axis-aligned box, f32. Static inline because they are the inner loop; the shader has
+ * the same operations in the same order, written anew (shaders/slab.glsl). */
+#ifndef SLAB_H
+#define SLAB_H
+
+#include "ref/abi.h"
+#include "ref/geom.h"
+#include "ref/mutant.h"
+
+/* A non-zero direction component below this fraction of the largest one is treated as parallel and
+ * is out of contract; see ray_in_contract. */
+#define SLAB_PARALLEL 0x1p-60f
+
+/* Far plane factor of the robust test, 1 + 2^-19: more than every rounding that Vulkan's default
+ * precision allows in (b - o) * (1 / d) twice; numerics of the proof in README, "Box tests". */
+#define SLAB_FAR 0x1.00002p0f
+
+/* Half width by which the published test widens a box, and its idea of infinity, 2^38. */
+#define SLAB_RTRS_EPS 0.000002f
+#define SLAB_RTRS_INF 0x1p38f
+
+/* What the box tests need of a ray, made once per ray. */
+struct slab_ray {
+    float o[3];
+    float d[3];
+    float inv[3];     /* 1 / d, 0 where parallel */
+    bool parallel[3];
+    float tmin;
+};
+
+static inline struct slab_ray slab_ray_make(const struct ray *ray)
+{
+    struct slab_ray r = {.tmin = ray->tmin};
+    float largest = 0.0f;
+    for (int k = 0; k < 3; k++) {
+        float a = ray->dir[k] < 0.0f ? -ray->dir[k] : ray->dir[k];
+        largest = a > largest ? a : largest;
+    }
+    float least = SLAB_PARALLEL * largest;
+    for (int k = 0; k < 3; k++) {
+        float a = ray->dir[k] < 0.0f ? -ray->dir[k] : ray->dir[k];
+        r.o[k] = ray->org[k];
+        r.d[k] = ray->dir[k];
+        r.parallel[k] = !(a > 0.0f) || a < least; /* NaN is parallel: then every box is missed */
+        r.inv[k] = r.parallel[k] ? 0.0f : 1.0f / ray->dir[k];
+    }
+    return r;
+}
+
+/* Conservative slab test: true whenever the exact ray meets the box at a t in [tmin, tbest], for
+ * IEEE arithmetic and for every Vulkan rounding. *entry is the computed entry distance, >= tmin.
+ * Parallel axes are decided by comparison, so no NaN or infinity takes part. */
+static inline bool slab_robust(const struct slab_ray *r, const struct box *box, float tbest,
+                               float *entry)
+{
+    float tn = r->tmin, tf = tbest;
+    bool ok = true;
+    for (int k = 0; k < 3; k++) {
+        if (r->parallel[k]) {
+            ok = ok && box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
+        } else {
+            float a = ((r->d[k] < 0.0f ? box->hi[k] : box->lo[k]) - r->o[k]) * r->inv[k];
+            float b = ((r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) - r->o[k]) * r->inv[k];
+            float bp = b * SLAB_FAR;
+            tn = a > tn ? a : tn;
+            tf = bp < tf ? bp : tf;
+        }
+    }
+    *entry = tn;
+#if MUTANT == MUTANT_SLAB_STRICT
+    return ok && tn < tf;
+#else
+    return ok && tn <= tf; /* flat boxes have tn == tf */
+#endif
+}
+
+/* The published test: widens by an absolute 2e-6, divides, and lets y and z take no part because
+ * its two infinities are swapped (F1); `<` loses boxes flat in x (F14). Knows no t range: *entry is
+ * what x gives. Kept bit for bit. */
+static inline bool slab_rtrs(const struct slab_ray *r, const struct box *box, float *entry)
+{
+    float t0[3], t1[3];
+    for (int k = 0; k < 3; k++) {
+        t0[k] = (box->lo[k] - SLAB_RTRS_EPS - r->o[k]) / r->d[k];
+        t1[k] = (box->hi[k] + SLAB_RTRS_EPS - r->o[k]) / r->d[k];
+    }
+    float tn = t0[0] < t1[0] ? t0[0] : t1[0];
+    float tf = t1[0] < t0[0] ? t0[0] : t1[0];
+    for (int k = 1; k < 3; k++) {
+        float lesser = t0[k] < t1[k] ? t0[k] : t1[k];
+        float greater = t1[k] < t0[k] ? t0[k] : t1[k];
+        float low = lesser < -SLAB_RTRS_INF ? lesser : -SLAB_RTRS_INF;
+        float high = greater > SLAB_RTRS_INF ? greater : SLAB_RTRS_INF;
+        tn = low > tn ? low : tn;
+        tf = high < tf ? high : tf;
+    }
+    *entry = tn;
+    return tn < tf;
+}
+
+#endif

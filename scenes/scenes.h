@@ -1,0 +1,50 @@
+/* Scenes by name: generators, and files of every format. */
+#ifndef SCENES_H
+#define SCENES_H
+
+#include "ref/scene.h"
+
+struct param {
+    const char *name;
+    const char *summary;
+    double value; /* default */
+    double least, most;
+};
+
+#define GENERATOR_PARAMS 6
+
+/* A scene generator. `make` gets one value per param, in order and in range, and a seed: the same
+ * arguments give the same bytes on every machine. */
+struct generator {
+    const char *name;
+    const char *summary;
+    struct param param[GENERATOR_PARAMS]; /* ends at the first without a name */
+    enum status (*make)(const double *value, uint64_t seed, struct scene *out,
+                        struct reason *reason);
+};
+
+/* NULL-terminated. */
+extern const struct generator *const generators[];
+
+const struct generator *generator_find(const char *name); /* or NULL */
+
+/* Makes or reads a scene from what a user wrote:
+ *   "soup", "soup:n=1000,size=0.1,seed=7"   a generator with parameters (seed default `seed`)
+ *   "path/to/mesh.obj"                      a file, by its ending: .json .obj .ply, each also .gz
+ * A name that is both a generator and an existing file is the generator; write ./name for the file.
+ * The scene has passed scene_check; files without a triangle are refused.
+ * Errors: STATUS_INPUT one line that names file, line or byte, and rule (or the unknown name and
+ * the known ones); STATUS_MEMORY. */
+enum status scene_open(const char *spec, uint64_t seed, struct scene *out,
+                       struct reason *reason) MUST_USE;
+
+/* Reads a file by its ending; as scene_open. */
+enum status scene_read(const char *path, struct scene *out, struct reason *reason) MUST_USE;
+
+/* Writes a file by its ending (.json RTRS, .obj, .ply binary): to a temporary name in the same
+ * folder, then renamed, so that nothing half-written is ever left under `path`.
+ * Errors: STATUS_INPUT unknown ending, cannot write (reason); STATUS_MEMORY. */
+enum status scene_write(const char *path, const struct scene *scene,
+                        struct reason *reason) MUST_USE;
+
+#endif

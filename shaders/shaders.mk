@@ -1,0 +1,1 @@
+# SPIR-V of every shaders/*.comp, and its embedding into C.
