@@ -1,7 +1,7 @@
 /* Every byte that C and the shaders both read. Compiled as C17 and as GLSL 4.50, so it holds only
- * #define and structs of 4-byte scalars and arrays of them; no function (a shared decoder would make
- * both sides wrong together), no 16-bit member (halves are packed in words). tests/test_abi.c proves
- * the layout on the running driver. */
+ * #define and structs of 4-byte scalars and arrays of them; no function (a shared decoder would
+ * make both sides wrong together), no 16-bit member (halves are packed in words). tests/test_abi.c
+ * proves the layout on the running driver. */
 #ifndef ABI_H
 #define ABI_H
 
@@ -10,7 +10,7 @@
 #define ABI_SIZE(type, bytes)
 #else
 #include <stdint.h>
-#define U32 uint32_t
+#define U32                   uint32_t
 #define ABI_SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type);
 #endif
 
@@ -44,7 +44,8 @@
 #define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order */
 
 #define ABI_FLAG_DONE      1u /* the invocation ran to its end */
-#define ABI_FLAG_EXHAUSTED 2u /* stack left over, stack overrun or a loop cut short by the driver */
+#define ABI_FLAG_EXHAUSTED 2u /* stack left over, stack overrun or a loop cut short by the driver  \
+                               */
 
 /* A ray. t counts in multiples of dir, which need not have length 1. */
 struct ray {

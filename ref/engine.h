@@ -23,9 +23,9 @@ struct job {
 
 /* What one trace call cost. */
 struct trace_report {
-    uint64_t ns;          /* time of the tracing alone */
-    bool device_clock;    /* ns comes from GPU timestamps, else from the host's clock */
-    uint64_t boxes, tris; /* tests done, 0 if not counted */
+    uint64_t ns;           /* time of the tracing alone */
+    bool device_clock;     /* ns comes from GPU timestamps, else from the host's clock */
+    uint64_t boxes, tris;  /* tests done, 0 if not counted */
     uint64_t memory_bytes; /* scene, tree and buffers the engine holds */
 };
 

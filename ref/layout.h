@@ -45,7 +45,7 @@ struct layout {
     const char *summary;
     uint32_t node_bytes; /* bytes of one record */
     enum visit order;
-    bool faithful;       /* reproduces the seed or its paper, faults included */
+    bool faithful; /* reproduces the seed or its paper, faults included */
     /* Packs the whole tree: rounds boxes outward, checks its limits. Sets every member of *out but
      * layout, tri_count and stack_need, which packed_make fills in; `bvh` may not be empty.
      * Errors: STATUS_LIMIT with the limit, the scene's number and what would fit instead (or "the

@@ -25,17 +25,17 @@ struct material {
 /* Owns its arrays (see scene_free). A scene made by a reader or generator has passed scene_check.
  * Triangle i has the vertices index[3i .. 3i+2]; its index is its name in every hit. */
 struct scene {
-    float *vertex;          /* 3 * vertex_count, finite */
-    uint32_t *index;        /* 3 * tri_count, each < vertex_count */
+    float *vertex;   /* 3 * vertex_count, finite */
+    uint32_t *index; /* 3 * tri_count, each < vertex_count */
     uint32_t vertex_count;
     uint32_t tri_count;
-    float *normal;          /* 3 * vertex_count, or NULL */
-    int32_t *material_of;   /* tri_count, or NULL: all 0 */
-    struct light *light;    /* light_count, NULL if none */
+    float *normal;        /* 3 * vertex_count, or NULL */
+    int32_t *material_of; /* tri_count, or NULL: all 0 */
+    struct light *light;  /* light_count, NULL if none */
     struct material *material;
     uint32_t light_count;
     uint32_t material_count;
-    struct camera camera;   /* used if has_camera; else scene_camera chooses one */
+    struct camera camera; /* used if has_camera; else scene_camera chooses one */
     bool has_camera;
 };
 

@@ -20,7 +20,7 @@ struct box_test {
 struct tri_test {
     const char *name;
     const char *summary;
-    uint32_t id;     /* ABI_TRI_* */
+    uint32_t id; /* ABI_TRI_* */
     bool faithful;
     bool open;       /* accepts tmin < t < tmax instead of tmin <= t <= tmax */
     bool watertight; /* no ray passes between two triangles that share an edge */

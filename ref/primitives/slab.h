@@ -23,7 +23,7 @@
 struct slab_ray {
     float o[3];
     float d[3];
-    float inv[3];     /* 1 / d, 0 where parallel */
+    float inv[3]; /* 1 / d, 0 where parallel */
     bool parallel[3];
     float tmin;
 };

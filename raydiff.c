@@ -1,0 +1,42 @@
+/* The front door: names, summaries and functions of the sub-commands, nothing else. */
+#include "ref/command.h"
+
+#include <string.h>
+
+static const struct command commands[] = {
+    {NULL, NULL, NULL},
+};
+
+static void print_help(FILE *to)
+{
+    fputs("raydiff: when a ray misses a triangle, find out who is wrong.\n\n"
+          "usage: raydiff COMMAND [ARGUMENTS]     raydiff COMMAND --help\n\n",
+          to);
+    for (const struct command *command = commands; command->name; command++)
+        fprintf(to, "  %-12s %s\n", command->name, command->summary);
+    fputs("\nexit codes: 0 agree, 1 mismatch, 2 usage or bad input, 3 an engine crashed or hung,\n"
+          "            4 internal error, 77 skipped\n"
+          "example:    raydiff check soup:n=1000 --layout f32,rf16\n",
+          to);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) {
+        print_help(stderr);
+        return EXIT_USAGE;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        puts("raydiff " RAYDIFF_VERSION);
+        return EXIT_AGREE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
+        print_help(stdout);
+        return EXIT_AGREE;
+    }
+    for (const struct command *command = commands; command->name; command++)
+        if (strcmp(argv[1], command->name) == 0)
+            return command->run(argc - 1, argv + 1);
+    fprintf(stderr, "raydiff: unknown command '%s' (see raydiff --help)\n", argv[1]);
+    return EXIT_USAGE;
+}
