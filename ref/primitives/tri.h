@@ -1,5 +1,5 @@
 /* Ray against triangle, f32, double-sided. The shader has the same operations in the same order,
- * written anew (shaders/tri.glsl); running-error twins are in ref/judge/. */
+ * written anew (shaders/tri.glsl); running-error twins are in ref/twin.c. */
 #ifndef TRI_H
 #define TRI_H
 

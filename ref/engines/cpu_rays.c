@@ -1,0 +1,79 @@
+#include "ref/engines/cpu_rays.h"
+
+#include <omp.h>
+#include <stdlib.h>
+
+struct cpu_rays {
+    cpu_ray_fn *answer;
+    unsigned threads;
+    struct job job;
+};
+
+unsigned cpu_rays_threads(const struct engine_options *options)
+{
+    int all = omp_get_max_threads();
+    return options->threads ? options->threads : (unsigned)(all > 0 ? all : 1);
+}
+
+enum status cpu_rays_open(const struct engine_options *options, cpu_ray_fn *answer, void **self,
+                          struct reason *reason)
+{
+    struct cpu_rays *made = alloc_zeroed(1, sizeof *made);
+    *self = made;
+    if (!made)
+        return fail(reason, STATUS_MEMORY, "no memory for an engine");
+    made->answer = answer;
+    made->threads = cpu_rays_threads(options);
+    return STATUS_OK;
+}
+
+enum status cpu_rays_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    (void)reason;
+    ((struct cpu_rays *)self)->job = *job;
+    return STATUS_OK;
+}
+
+/* Bytes the traversal reads: packed tree, vertices, indices. */
+static uint64_t job_bytes(const struct job *job)
+{
+    uint64_t bytes = 12 * ((uint64_t)job->scene->vertex_count + job->scene->tri_count);
+    if (job->packed)
+        bytes += packed_node_bytes(job->packed) + packed_item_bytes(job->packed);
+    return bytes;
+}
+
+enum status cpu_rays_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                           struct trace_report *report, struct reason *reason)
+{
+    struct cpu_rays *rays = self;
+    const struct job *job = &rays->job;
+    uint64_t boxes = 0, tris = 0, unfinished = 0;
+    long long worst = -1;
+    uint64_t start = time_ns();
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rays->threads)                          \
+    reduction(+ : boxes, tris, unfinished) reduction(max : worst)
+    for (long long i = 0; i < (long long)ray_count; i++) {
+        struct trace_counts counts = {0, 0};
+        if (rays->answer(job, &ray[i], &hit[i], &counts)) {
+            unfinished++;
+            worst = i > worst ? i : worst;
+        }
+        boxes += counts.boxes;
+        tris += counts.tris;
+    }
+    *report = (struct trace_report){
+        .ns = time_ns() - start, .boxes = boxes, .tris = tris, .memory_bytes = job_bytes(job)};
+    if (unfinished)
+        return fail(reason, STATUS_DEVICE,
+                    "%llu of %zu rays not finished: stack of %u or %u nodes exhausted, last ray "
+                    "%lld",
+                    (unsigned long long)unfinished, ray_count, job->packed->stack_need,
+                    job->packed->node_count, worst);
+    return STATUS_OK;
+}
+
+void cpu_rays_close(void *self)
+{
+    free(self);
+}

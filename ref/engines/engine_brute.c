@@ -1,0 +1,35 @@
+/* Every triangle for every ray, no tree: any difference to it is the tree's. */
+#include "ref/engines/cpu_rays.h"
+#include "ref/trace.h"
+
+#include <stdio.h>
+
+static enum status brute_ray(const struct job *job, const struct ray *ray, struct hit *hit,
+                             struct trace_counts *counts)
+{
+    trace_brute(job->scene, job->tri, job->query, ray, hit);
+    counts->tris += job->scene->tri_count; /* an upper bound for any-hit */
+    return STATUS_OK;
+}
+
+static enum status brute_open(const struct engine_options *options, void **self,
+                              struct reason *reason)
+{
+    return cpu_rays_open(options, brute_ray, self, reason);
+}
+
+static void brute_describe(const struct engine_options *options, char *text, size_t text_bytes)
+{
+    snprintf(text, text_bytes, "%u threads, every triangle for every ray",
+             cpu_rays_threads(options));
+}
+
+const struct engine engine_brute = {
+    .name = "brute",
+    .summary = "C, every triangle: the reference for what a tree loses",
+    .open = brute_open,
+    .prepare = cpu_rays_prepare,
+    .trace = cpu_rays_trace,
+    .close = cpu_rays_close,
+    .describe = brute_describe,
+};

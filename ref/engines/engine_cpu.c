@@ -1,0 +1,35 @@
+/* The reference traversal on all cores. */
+#include "ref/engines/cpu_rays.h"
+#include "ref/trace.h"
+
+#include <stdio.h>
+
+static enum status cpu_ray(const struct job *job, const struct ray *ray, struct hit *hit,
+                           struct trace_counts *counts)
+{
+    return trace_ray(job->packed, job->scene, job->box, job->tri, job->query, ray, hit, counts);
+}
+
+static enum status cpu_open(const struct engine_options *options, void **self,
+                            struct reason *reason)
+{
+    return cpu_rays_open(options, cpu_ray, self, reason);
+}
+
+static void cpu_describe(const struct engine_options *options, char *text, size_t text_bytes)
+{
+    snprintf(text, text_bytes, "%u threads, reference traversal over any layout",
+             cpu_rays_threads(options));
+}
+
+const struct engine engine_cpu = {
+    .name = "cpu",
+    .summary = "C, the reference traversal over any layout",
+    .needs_packed = true,
+    .exact = true,
+    .open = cpu_open,
+    .prepare = cpu_rays_prepare,
+    .trace = cpu_rays_trace,
+    .close = cpu_rays_close,
+    .describe = cpu_describe,
+};

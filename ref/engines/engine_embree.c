@@ -1,0 +1,295 @@
+/* Embree 3 or 4 as a third opinion; the only file that includes it. Without its headers at build
+ * time both engines say so and are skipped. */
+#include "ref/engine.h"
+#include "ref/engines/cpu_rays.h"
+
+#include <stdio.h>
+
+#if HAVE_EMBREE
+
+#if HAVE_EMBREE == 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <fenv.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct embree {
+    RTCDevice device;
+    RTCScene scene; /* NULL before the first prepare */
+    bool robust;
+    unsigned threads;
+    enum query query;
+    atomic_llong bytes; /* held by Embree now */
+    atomic_llong peak;
+};
+
+/* Embree asserts or answers infinities outside this window: such rays are out of contract. */
+#define EMBREE_DIR_MOST 1e18f
+
+static bool embree_memory(void *user, ssize_t bytes, bool post)
+{
+    struct embree *embree = user;
+    (void)post;
+    long long now = atomic_fetch_add(&embree->bytes, (long long)bytes) + (long long)bytes;
+    long long peak = atomic_load(&embree->peak);
+    while (now > peak && !atomic_compare_exchange_weak(&embree->peak, &peak, now))
+        continue;
+    return true;
+}
+
+static enum status embree_error(struct embree *embree, const char *doing, struct reason *reason)
+{
+    enum RTCError error = rtcGetDeviceError(embree->device);
+    if (error == RTC_ERROR_NONE)
+        return STATUS_OK;
+    enum status status = error == RTC_ERROR_OUT_OF_MEMORY ? STATUS_MEMORY : STATUS_DEVICE;
+    return fail(reason, status, "Embree: error %d while %s", (int)error, doing);
+}
+
+static void embree_close(void *self)
+{
+    struct embree *embree = self;
+    if (!embree)
+        return;
+    if (embree->scene)
+        rtcReleaseScene(embree->scene);
+    if (embree->device)
+        rtcReleaseDevice(embree->device);
+    free(embree);
+}
+
+static enum status embree_open_mode(const struct engine_options *options, bool robust, void **self,
+                                    struct reason *reason)
+{
+    struct embree *embree = alloc_zeroed(1, sizeof *embree);
+    *self = NULL;
+    if (!embree)
+        return fail(reason, STATUS_MEMORY, "no memory for an engine");
+    embree->robust = robust;
+    embree->threads = cpu_rays_threads(options);
+    char config[64];
+    snprintf(config, sizeof config, "threads=%u", embree->threads);
+    embree->device = rtcNewDevice(config);
+    if (!embree->device) {
+        free(embree);
+        return fail(reason, STATUS_UNSUPPORTED, "Embree: no device for this processor (error %d)",
+                    (int)rtcGetDeviceError(NULL));
+    }
+    rtcSetDeviceMemoryMonitorFunction(embree->device, embree_memory, embree);
+    *self = embree;
+    return STATUS_OK;
+}
+
+static enum status embree_open(const struct engine_options *options, void **self,
+                               struct reason *reason)
+{
+    return embree_open_mode(options, false, self, reason);
+}
+
+static enum status embree_robust_open(const struct engine_options *options, void **self,
+                                      struct reason *reason)
+{
+    return embree_open_mode(options, true, self, reason);
+}
+
+static enum status embree_add_mesh(struct embree *embree, const struct scene *scene,
+                                   struct reason *reason)
+{
+    RTCGeometry mesh = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float *vertex = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                            3 * sizeof(float), scene->vertex_count);
+    unsigned *index = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              3 * sizeof(unsigned), scene->tri_count);
+    if (!vertex || !index) {
+        rtcReleaseGeometry(mesh);
+        return fail(reason, STATUS_MEMORY, "Embree: no memory for %u triangles", scene->tri_count);
+    }
+    memcpy(vertex, scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count);
+    memcpy(index, scene->index, 3 * sizeof(unsigned) * (size_t)scene->tri_count);
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometryByID(embree->scene, mesh, 0);
+    rtcReleaseGeometry(mesh);
+    return STATUS_OK;
+}
+
+static enum status embree_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    struct embree *embree = self;
+    if (embree->scene)
+        rtcReleaseScene(embree->scene);
+    embree->query = job->query;
+    atomic_store(&embree->peak, atomic_load(&embree->bytes));
+    embree->scene = rtcNewScene(embree->device);
+    rtcSetSceneFlags(embree->scene, embree->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    enum status status = STATUS_OK;
+    if (job->scene->tri_count > 0)
+        status = embree_add_mesh(embree, job->scene, reason);
+    if (status)
+        return status;
+    /* The build sets flush-to-zero on this thread: the reference must not see it. */
+    fenv_t environment;
+    fegetenv(&environment);
+    rtcCommitScene(embree->scene);
+    fesetenv(&environment);
+    return embree_error(embree, "building", reason);
+}
+
+static bool embree_takes(const struct ray *ray)
+{
+    for (int k = 0; k < 3; k++)
+        if (!float_is_finite(ray->org[k]) || !(ray->dir[k] < EMBREE_DIR_MOST) ||
+            !(ray->dir[k] > -EMBREE_DIR_MOST))
+            return false;
+    return ray->tmin >= 0.0f && ray->tmax >= ray->tmin;
+}
+
+static void embree_closest(struct embree *embree, const struct ray *ray, struct hit *hit)
+{
+    struct RTCRayHit query = {
+        .ray = {.org_x = ray->org[0],
+                .org_y = ray->org[1],
+                .org_z = ray->org[2],
+                .tnear = ray->tmin,
+                .dir_x = ray->dir[0],
+                .dir_y = ray->dir[1],
+                .dir_z = ray->dir[2],
+                .tfar = ray->tmax,
+                .mask = 0xFFFFFFFFu},
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .primID = RTC_INVALID_GEOMETRY_ID},
+    };
+#if HAVE_EMBREE == 4
+    rtcIntersect1(embree->scene, &query, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(embree->scene, &context, &query);
+#endif
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        *hit = (struct hit){.prim = ABI_NO_PRIM};
+    else
+        *hit = (struct hit){query.ray.tfar, query.hit.u, query.hit.v, query.hit.primID};
+}
+
+/* Embree does not say what blocked the ray: a hit is triangle 0 at t = 0. */
+static void embree_any(struct embree *embree, const struct ray *ray, struct hit *hit)
+{
+    struct RTCRay query = {.org_x = ray->org[0],
+                           .org_y = ray->org[1],
+                           .org_z = ray->org[2],
+                           .tnear = ray->tmin,
+                           .dir_x = ray->dir[0],
+                           .dir_y = ray->dir[1],
+                           .dir_z = ray->dir[2],
+                           .tfar = ray->tmax,
+                           .mask = 0xFFFFFFFFu};
+#if HAVE_EMBREE == 4
+    rtcOccluded1(embree->scene, &query, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(embree->scene, &context, &query);
+#endif
+    *hit = (struct hit){.prim = query.tfar < 0.0f ? 0 : ABI_NO_PRIM};
+}
+
+static enum status embree_trace(void *self, const struct ray *ray, size_t ray_count,
+                                struct hit *hit, struct trace_report *report, struct reason *reason)
+{
+    struct embree *embree = self;
+    uint64_t start = time_ns();
+#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads)
+    for (long long i = 0; i < (long long)ray_count; i++) {
+        if (!embree_takes(&ray[i]))
+            hit[i] = (struct hit){.prim = ABI_NO_PRIM};
+        else if (embree->query == QUERY_ANY)
+            embree_any(embree, &ray[i], &hit[i]);
+        else
+            embree_closest(embree, &ray[i], &hit[i]);
+    }
+    *report = (struct trace_report){.ns = time_ns() - start,
+                                    .memory_bytes = (uint64_t)atomic_load(&embree->peak)};
+    return embree_error(embree, "tracing", reason);
+}
+
+static void embree_describe(const struct engine_options *options, char *text, size_t text_bytes)
+{
+    RTCDevice device = rtcNewDevice("threads=1");
+    if (!device) {
+        snprintf(text, text_bytes, "no device for this processor");
+        return;
+    }
+    snprintf(text, text_bytes, "Embree %lld.%lld.%lld, %u threads",
+             (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
+             (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
+             (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH),
+             cpu_rays_threads(options));
+    rtcReleaseDevice(device);
+}
+
+#else /* built without Embree */
+
+static enum status embree_open(const struct engine_options *options, void **self,
+                               struct reason *reason)
+{
+    (void)options;
+    *self = NULL;
+    return fail(reason, STATUS_UNSUPPORTED,
+                "built without Embree: install libembree-dev and build again");
+}
+
+static enum status embree_robust_open(const struct engine_options *options, void **self,
+                                      struct reason *reason)
+{
+    return embree_open(options, self, reason);
+}
+
+static enum status embree_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    (void)self, (void)job;
+    return embree_open(NULL, &self, reason);
+}
+
+static enum status embree_trace(void *self, const struct ray *ray, size_t ray_count,
+                                struct hit *hit, struct trace_report *report, struct reason *reason)
+{
+    (void)ray, (void)ray_count, (void)hit, (void)report;
+    return embree_open(NULL, &self, reason);
+}
+
+static void embree_close(void *self)
+{
+    (void)self;
+}
+
+static void embree_describe(const struct engine_options *options, char *text, size_t text_bytes)
+{
+    (void)options;
+    snprintf(text, text_bytes, "built without Embree: install libembree-dev and build again");
+}
+
+#endif
+
+const struct engine engine_embree = {
+    .name = "embree",
+    .summary = "Embree, default mode: fast, leaks at edges",
+    .open = embree_open,
+    .prepare = embree_prepare,
+    .trace = embree_trace,
+    .close = embree_close,
+    .describe = embree_describe,
+};
+
+const struct engine engine_embree_robust = {
+    .name = "embree_robust",
+    .summary = "Embree with RTC_SCENE_FLAG_ROBUST",
+    .open = embree_robust_open,
+    .prepare = embree_prepare,
+    .trace = embree_trace,
+    .close = embree_close,
+    .describe = embree_describe,
+};
