@@ -168,9 +168,11 @@ static enum verdict judge_two_hits(const struct judge *judge, const struct ray *
     struct twin own = twin_of(judge, false, ray, reference->prim);
     struct twin theirs = twin_of(judge, true, ray, answer->prim);
     double apart = fabs((double)answer->t - (double)reference->t);
-    bool near = apart <= own.t_err + theirs.t_err; /* false if a t is NaN */
+    double allowed = own.t_err + theirs.t_err;
+    bool known = isfinite(allowed); /* else a determinant's sign is open: A3, not A2 */
+    bool near = known && apart <= allowed;
     if (answer->prim == reference->prim)
-        return near ? VERDICT_SAME : VERDICT_DIFFERENT;
+        return near ? VERDICT_SAME : known ? VERDICT_DIFFERENT : VERDICT_BOUNDARY;
     if (judge->subject != SUBJECT_TREE && !theirs.possible)
         return VERDICT_DIFFERENT;
     /* Its own t must be right for the triangle it names, whatever the reference found. */

@@ -1,5 +1,6 @@
 #include "ref/twin.h"
 
+#include "ref/base.h"
 #include "ref/mutant.h"
 
 #include <math.h>

@@ -1,0 +1,44 @@
+/* raydiff list: every member of every table. */
+#include "ref/cmd_tables.h"
+#include "ref/command.h"
+
+#include <string.h>
+
+static const char help[] =
+    "usage: raydiff list [KIND]\n"
+    "Lists what can be named on the command line: builders, layouts, box tests, triangle tests,\n"
+    "queries, engines, scenes (generators) and ray sets, each with what it is.\n"
+    "  KIND   only one of them, by a word of its title: builders, layouts, box, triangle, "
+    "queries,\n"
+    "         engines, scenes, ray\n"
+    "example: raydiff list layouts\n"
+    "exit codes: 0, 2 unknown kind\n";
+
+static void print_table(enum table table)
+{
+    const char *name, *summary;
+    printf("%s\n", table_name(table));
+    for (size_t i = 0; (name = table_member(table, i, &summary)); i++)
+        printf("  %-14s %s\n", name, summary);
+}
+
+int cmd_list(int argc, char **argv)
+{
+    if (argc > 1 && strcmp(argv[1], "--help") == 0) {
+        fputs(help, stdout);
+        return EXIT_AGREE;
+    }
+    if (argc > 2)
+        return usage_error("list", "one kind at a time");
+    size_t shown = 0;
+    for (enum table table = 0; table < TABLE_COUNT; table++) {
+        size_t length = argc > 1 ? strlen(argv[1]) : 0;
+        if (length > 0 && strncmp(table_name(table), argv[1], length) != 0)
+            continue;
+        print_table(table);
+        shown++;
+    }
+    if (shown == 0)
+        return usage_error("list", "unknown kind '%s'", argv[1]);
+    return EXIT_AGREE;
+}

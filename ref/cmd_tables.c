@@ -1,0 +1,156 @@
+#define _POSIX_C_SOURCE 200809L
+#include "ref/cmd_tables.h"
+
+#include "ref/engine.h"
+#include "scenes/rays.h"
+#include "scenes/scenes.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PROGRESS_AFTER_NS 2000000000u
+#define PROGRESS_TTY_NS   200000000u
+#define PROGRESS_LOG_NS   10000000000u
+
+const char *table_name(enum table table)
+{
+    static const char *const names[TABLE_COUNT] = {"builders",       "layouts", "box tests",
+                                                   "triangle tests", "queries", "engines",
+                                                   "scenes",         "ray sets"};
+    return names[table];
+}
+
+/* Name and summary of member i of a NULL-terminated table of pointers to named structs. */
+#define MEMBER(table)                                                                              \
+    do {                                                                                           \
+        if (!(table)[i])                                                                           \
+            return NULL;                                                                           \
+        *text = (table)[i]->summary;                                                               \
+        return (table)[i]->name;                                                                   \
+    } while (0)
+
+static const char *member(enum table table, size_t i, const char **text)
+{
+    switch (table) {
+    case TABLE_BUILDERS:
+        MEMBER(builders);
+    case TABLE_LAYOUTS:
+        MEMBER(layouts);
+    case TABLE_BOX_TESTS:
+        MEMBER(box_tests);
+    case TABLE_TRI_TESTS:
+        MEMBER(tri_tests);
+    case TABLE_ENGINES:
+        MEMBER(engines);
+    case TABLE_GENERATORS:
+        MEMBER(generators);
+    case TABLE_RAY_SETS:
+        MEMBER(ray_sets);
+    case TABLE_QUERIES:
+        *text = i == QUERY_ANY ? "the first accepted hit ends the ray" : "the nearest hit";
+        return i <= QUERY_ANY ? query_name((enum query)i) : NULL;
+    case TABLE_COUNT:
+        break;
+    }
+    return NULL;
+}
+
+const char *table_member(enum table table, size_t i, const char **summary)
+{
+    const char *text = NULL;
+    const char *name = member(table, i, &text);
+    if (summary)
+        *summary = text;
+    return name;
+}
+
+struct list table_all(enum table table)
+{
+    struct list list = {.count = 0};
+    for (size_t i = 0; i < LIST_MOST && table_member(table, i, NULL); i++)
+        list.index[list.count++] = i;
+    return list;
+}
+
+static enum status unknown(enum table table, const char *flag, const char *name, size_t length,
+                           struct reason *reason)
+{
+    char known[200] = "";
+    size_t used = 0;
+    const char *one;
+    for (size_t i = 0; (one = table_member(table, i, NULL)) && used < sizeof known; i++)
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one);
+    return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s", flag,
+                (int)(length > 60 ? 60 : length), name, table_name(table), known);
+}
+
+enum status table_parse(enum table table, const char *flag, const char *text, struct list *out,
+                        struct reason *reason)
+{
+    *out = (struct list){.count = 0};
+    if (strcmp(text, "all") == 0) {
+        *out = table_all(table);
+        return STATUS_OK;
+    }
+    for (const char *at = text;; at++) {
+        size_t length = strcspn(at, ",");
+        size_t i = 0;
+        const char *name;
+        while ((name = table_member(table, i, NULL)) &&
+               !(strlen(name) == length && memcmp(name, at, length) == 0))
+            i++;
+        if (!name)
+            return unknown(table, flag, at, length, reason);
+        for (size_t k = 0; k < out->count; k++)
+            if (out->index[k] == i)
+                return fail(reason, STATUS_INPUT, "%s: '%s' is named twice", flag, name);
+        out->index[out->count++] = i;
+        at += length;
+        if (*at == '\0')
+            return STATUS_OK;
+    }
+}
+
+enum status table_parse_one(enum table table, const char *flag, const char *text, size_t *index,
+                            struct reason *reason)
+{
+    struct list list;
+    enum status status = table_parse(table, flag, text, &list, reason);
+    if (status == STATUS_OK && (list.count != 1 || strcmp(text, "all") == 0))
+        status = fail(reason, STATUS_INPUT, "%s: '%s' is not one name", flag, text);
+    *index = status ? 0 : list.index[0];
+    return status;
+}
+
+struct progress progress_make(const char *command)
+{
+    uint64_t now = time_ns();
+    return (struct progress){command, now, now, isatty(STDERR_FILENO) == 1, false};
+}
+
+void progress_step(struct progress *progress, const char *format, ...)
+{
+    uint64_t now = time_ns();
+    uint64_t pause = progress->terminal ? PROGRESS_TTY_NS : PROGRESS_LOG_NS;
+    if (now - progress->start_ns < PROGRESS_AFTER_NS || now - progress->last_ns < pause)
+        return;
+    progress->last_ns = now;
+    progress->shown = true;
+    fprintf(stderr, "%sraydiff %s: %.0f s: ", progress->terminal ? "\r\033[K" : "",
+            progress->command, (double)(now - progress->start_ns) * 1e-9);
+    va_list args;
+    va_start(args, format);
+    vfprintf(stderr, format, args);
+    va_end(args);
+    fputs(progress->terminal ? "" : "\n", stderr);
+    fflush(stderr);
+}
+
+void progress_end(struct progress *progress)
+{
+    if (progress->shown && progress->terminal)
+        fputs("\r\033[K", stderr);
+    progress->shown = false;
+}

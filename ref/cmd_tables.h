@@ -1,0 +1,59 @@
+/* The tables of the product as a user names them: one switch that knows them all, lists like
+ * "f32,rf16" or "all", and progress on the terminal. For commands only. */
+#ifndef CMD_TABLES_H
+#define CMD_TABLES_H
+
+#include "ref/base.h"
+
+enum table {
+    TABLE_BUILDERS,
+    TABLE_LAYOUTS,
+    TABLE_BOX_TESTS,
+    TABLE_TRI_TESTS,
+    TABLE_QUERIES,
+    TABLE_ENGINES,
+    TABLE_GENERATORS,
+    TABLE_RAY_SETS,
+    TABLE_COUNT
+};
+
+#define LIST_MOST 16
+
+/* Some members of one table, by index. */
+struct list {
+    size_t index[LIST_MOST];
+    size_t count;
+};
+
+/* "layouts", "engines", ... */
+const char *table_name(enum table table);
+
+/* Name of member `i`, or NULL past the end; *summary (may be NULL) is what it is. */
+const char *table_member(enum table table, size_t i, const char **summary);
+
+/* All members of the table. */
+struct list table_all(enum table table);
+
+/* Parses "a,b" or "all". Errors: STATUS_INPUT with the flag, the unknown name and the known ones.
+ */
+enum status table_parse(enum table table, const char *flag, const char *text, struct list *out,
+                        struct reason *reason) MUST_USE;
+
+/* As table_parse, for exactly one name. */
+enum status table_parse_one(enum table table, const char *flag, const char *text, size_t *index,
+                            struct reason *reason) MUST_USE;
+
+/* Says on stderr what is being done, once something has taken 2 seconds: on a terminal one line
+ * that is overwritten, else a line every 10 seconds. */
+struct progress {
+    const char *command;
+    uint64_t start_ns, last_ns;
+    bool terminal, shown;
+};
+
+struct progress progress_make(const char *command);
+void progress_step(struct progress *progress, const char *format, ...) PRINTF_LIKE(2, 3);
+/* Wipes the line. */
+void progress_end(struct progress *progress);
+
+#endif

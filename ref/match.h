@@ -1,0 +1,126 @@
+/* A match: one scene, one tree, one set of rays; engines play on it one after the other and the
+ * judge compares. Commands and tests loop over matches. */
+#ifndef MATCH_H
+#define MATCH_H
+
+#include "ref/engine.h"
+#include "ref/judge.h"
+
+#define POOL_MOST    8
+#define FINDING_MOST 4
+#define REPEAT_MOST  32
+
+/* Engines opened once and kept, so that pipelines and devices are made once. */
+struct pool {
+    struct engine_options options;
+    struct {
+        const struct engine *engine;
+        void *self;
+        enum status status; /* of open */
+        struct reason reason;
+    } entry[POOL_MOST];
+    size_t count;
+};
+
+/* Returns the opened engine's self, opening it if needed; NULL with *status and *reason if it
+ * cannot run. */
+void *pool_get(struct pool *pool, const struct engine *engine, enum status *status,
+               struct reason *reason);
+
+/* Closes all engines. */
+void pool_free(struct pool *pool);
+
+struct match_options {
+    const struct builder *builder;
+    struct build_options build;
+    const struct box_test *box;
+    const struct tri_test *tri;
+    enum query query;
+    unsigned repeats;      /* timed traces per engine, 1 to REPEAT_MOST */
+    uint64_t brute_budget; /* ray-triangle tests that the reference may spend */
+};
+
+/* Something that was not allowed. */
+struct finding {
+    size_t ray_index;
+    struct ray ray;
+    struct hit expected, got;
+    bool bits; /* found by comparing with engine cpu, else with the reference */
+};
+
+enum row_status {
+    ROW_OK,
+    ROW_REFUSED, /* the layout cannot hold the scene, or the seed panics */
+    ROW_SKIPPED, /* the engine cannot run here */
+    ROW_FAILED,  /* the engine did not finish */
+    ROW_VACUOUS, /* too few hits to mean anything */
+};
+
+/* One line of a result: an engine on a layout. */
+struct row {
+    const struct engine *engine;
+    const struct layout *layout; /* NULL: the engine needs none */
+    enum row_status status;
+    enum status cause; /* of REFUSED, SKIPPED, FAILED */
+    struct reason reason;
+    uint64_t node_bytes, item_bytes, memory_bytes;
+    size_t rays, hits;
+    size_t compared;             /* rays compared with the reference */
+    size_t count[VERDICT_COUNT]; /* against the reference */
+    size_t bit_differences;      /* against engine cpu on the same tree; exact engines only */
+    bool judged;                 /* false: a member as published takes part, only counted */
+    size_t differences;          /* what makes the exit code 1 */
+    double mrays[3];             /* million rays per second: median, least, most */
+    uint64_t boxes, tris;
+    bool device_clock;
+    struct finding finding[FINDING_MOST];
+    size_t finding_count;
+};
+
+const char *row_status_name(enum row_status status);
+
+/* True if the row makes a command fail with EXIT_MISMATCH. */
+bool row_failed(const struct row *row);
+
+/* Owns what it made; scene and rays are borrowed. */
+struct match {
+    struct match_options options;
+    const struct scene *scene;
+    const struct ray *ray;
+    size_t ray_count;
+    struct bvh bvh;
+    struct bvh_stats stats;
+    struct hit *reference; /* closest hits */
+    size_t brute_count;    /* the first this many are brute force, the rest engine cpu on f32 */
+    struct packed packed;  /* of the layout last packed */
+    struct hit *cpu;       /* engine cpu's hits on packed, or NULL if not yet traced */
+    struct hit *answer;    /* of the engine last run */
+    struct pool *pool;     /* borrowed */
+};
+
+/* Builds the tree and traces the reference.
+ * Errors: STATUS_LIMIT the builder would never end; STATUS_MEMORY; STATUS_DEVICE. */
+enum status match_make(const struct scene *scene, const struct ray *ray, size_t ray_count,
+                       const struct match_options *options, struct pool *pool, struct match *out,
+                       struct reason *reason) MUST_USE;
+
+/* Makes `layout` the one that the next rows run on. Errors: those of packed_make; the match then
+ * has no layout and stays usable. */
+enum status match_pack(struct match *match, const struct layout *layout,
+                       struct reason *reason) MUST_USE;
+
+/* As match_pack with packed_make_auto; `refused` says why smaller layouts could not. */
+enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
+                            struct reason *reason) MUST_USE;
+
+/* Runs one engine on the packed layout (or without one) and judges it. Never fails: what went
+ * wrong is in the row. */
+void match_run(struct match *match, const struct engine *engine, struct row *row);
+
+/* A row for a layout that could not be packed. */
+void match_refused(const struct layout *layout, const struct engine *engine, enum status cause,
+                   const struct reason *reason, struct row *row);
+
+void match_free(struct match *match);
+
+#endif
