@@ -1,0 +1,84 @@
+#include "ref/rng.h"
+#include "scenes/generators/pen.h"
+
+enum { K, ROUGHNESS, HEIGHT };
+
+extern const struct generator gen_terrain;
+
+/* Heights being filled in, (n + 1) x (n + 1), kept where they end up: in the scene's vertices. */
+struct field {
+    struct scene *scene;
+    int n;
+};
+
+static float *height_at(const struct field *field, int x, int z)
+{
+    return &field->scene->vertex[3 * ((size_t)z * ((size_t)field->n + 1) + (size_t)x) + 1];
+}
+
+/* Mean of those of four points at distance `half` that lie in the field: along the axes, or along
+ * the diagonals. */
+static float mean_around(const struct field *field, int x, int z, int half, bool diagonal)
+{
+    static const int8_t step[2][4][2] = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}},
+                                         {{-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
+    float sum = 0.0f;
+    int count = 0;
+    for (int i = 0; i < 4; i++) {
+        int a = x + half * step[diagonal][i][0], b = z + half * step[diagonal][i][1];
+        if (a < 0 || b < 0 || a > field->n || b > field->n)
+            continue;
+        sum += *height_at(field, a, b);
+        count++;
+    }
+    return sum / (float)count;
+}
+
+/* Diamond-square: the middles of the squares first, then the middles of their sides. */
+static void raise_field(const struct field *field, float roughness, float amplitude,
+                        struct rng *rng)
+{
+    int n = field->n;
+    for (int i = 0; i < 4; i++)
+        *height_at(field, i & 1 ? n : 0, i & 2 ? n : 0) = rng_range(rng, -amplitude, amplitude);
+    for (int half = n / 2; half >= 1; half /= 2) {
+        for (int z = half; z < n; z += 2 * half)
+            for (int x = half; x < n; x += 2 * half)
+                *height_at(field, x, z) =
+                    mean_around(field, x, z, half, true) + rng_range(rng, -amplitude, amplitude);
+        for (int z = 0; z <= n; z += half)
+            for (int x = z / half % 2 ? 0 : half; x <= n; x += 2 * half)
+                *height_at(field, x, z) =
+                    mean_around(field, x, z, half, false) + rng_range(rng, -amplitude, amplitude);
+        amplitude *= roughness;
+    }
+}
+
+static enum status make(const double *value, uint64_t seed, struct scene *out,
+                        struct reason *reason)
+{
+    struct pen pen;
+    *out = (struct scene){0};
+    enum status status = pen_values(&gen_terrain, value, 1u << K, reason);
+    if (status)
+        return status;
+    uint32_t n = 1u << (uint32_t)value[K];
+    status = pen_start(&gen_terrain, PEN_QUAD_VERTICES(n), 2 * (uint64_t)n * n, out, &pen, reason);
+    if (status)
+        return status;
+    pen_quad(&pen, (const double[3]){-0.5, 0, 0.5}, (const double[3]){1, 0, 0},
+             (const double[3]){0, 0, -1}, n);
+    struct rng rng = rng_make(seed, 0);
+    raise_field(&(struct field){out, (int)n}, (float)value[ROUGHNESS], (float)value[HEIGHT], &rng);
+    return STATUS_OK;
+}
+
+const struct generator gen_terrain = {
+    .name = "terrain",
+    .summary = "fractal terrain over the unit square, y up, 2 * 4^k triangles",
+    .param = {[K] = {"k", "the grid has 2^k quads a side", 5, 0, 10},
+              [ROUGHNESS] = {"roughness", "factor of the amplitude from one scale to the next", 0.5,
+                             0, 1},
+              [HEIGHT] = {"height", "amplitude of the largest scale", 0.25, 0, 1e6}},
+    .make = make,
+};

@@ -1,0 +1,133 @@
+#include "scenes/generators/pen.h"
+
+#include <assert.h>
+#include <inttypes.h>
+#include <math.h>
+
+enum status pen_values(const struct generator *generator, const double *value, unsigned whole,
+                       struct reason *reason)
+{
+    for (unsigned k = 0; k < GENERATOR_PARAMS && generator->param[k].name; k++) {
+        const struct param *param = &generator->param[k];
+        if (!(value[k] >= param->least && value[k] <= param->most)) /* NaN is outside too */
+            return fail(reason, STATUS_LIMIT, "%s: %s=%g, but it must lie in %g to %g",
+                        generator->name, param->name, value[k], param->least, param->most);
+        if ((whole >> k & 1u) && floor(value[k]) != value[k])
+            return fail(reason, STATUS_INPUT, "%s: %s=%g, but it must be a whole number",
+                        generator->name, param->name, value[k]);
+    }
+    return STATUS_OK;
+}
+
+enum status pen_start(const struct generator *generator, uint64_t vertex_count, uint64_t tri_count,
+                      struct scene *out, struct pen *pen, struct reason *reason)
+{
+    *out = (struct scene){0};
+    *pen = (struct pen){.scene = out};
+    if (tri_count > GENERATOR_TRI_MAX || vertex_count > 3 * (uint64_t)GENERATOR_TRI_MAX)
+        return fail(reason, STATUS_LIMIT,
+                    "%s: %" PRIu64 " triangles and %" PRIu64 " vertices, but at most %u and %u",
+                    generator->name, tri_count, vertex_count, GENERATOR_TRI_MAX,
+                    3 * GENERATOR_TRI_MAX);
+    if (scene_make((uint32_t)vertex_count, (uint32_t)tri_count, out))
+        return fail(reason, STATUS_MEMORY, "%s: no memory for %" PRIu64 " triangles",
+                    generator->name, tri_count);
+    return STATUS_OK;
+}
+
+uint32_t pen_vertex(struct pen *pen, double x, double y, double z)
+{
+    assert(pen->vertex_count < pen->scene->vertex_count);
+    float *v = pen->scene->vertex + 3 * (size_t)pen->vertex_count;
+    v[0] = (float)x;
+    v[1] = (float)y;
+    v[2] = (float)z;
+    return pen->vertex_count++;
+}
+
+void pen_tri(struct pen *pen, uint32_t a, uint32_t b, uint32_t c)
+{
+    assert(pen->tri_count < pen->scene->tri_count);
+    uint32_t *index = pen->scene->index + 3 * (size_t)pen->tri_count;
+    index[0] = a;
+    index[1] = b;
+    index[2] = c;
+    if (pen->scene->material_of)
+        pen->scene->material_of[pen->tri_count] = pen->material;
+    pen->tri_count++;
+}
+
+void pen_quad(struct pen *pen, const double origin[3], const double e1[3], const double e2[3],
+              uint32_t n)
+{
+    uint32_t first = pen->vertex_count;
+    for (uint32_t j = 0; j <= n; j++)
+        for (uint32_t i = 0; i <= n; i++) {
+            double p[3];
+            for (int k = 0; k < 3; k++)
+                p[k] = origin[k] + e1[k] * i / n + e2[k] * j / n;
+            pen_vertex(pen, p[0], p[1], p[2]);
+        }
+    for (uint32_t j = 0; j < n; j++)
+        for (uint32_t i = 0; i < n; i++) {
+            uint32_t a = first + j * (n + 1) + i;
+            pen_tri(pen, a, a + 1, a + n + 2);
+            pen_tri(pen, a, a + n + 2, a + n + 1);
+        }
+}
+
+/* A ring of equal height on the octahedron: 4 * side vertices, one if side is 0. */
+struct ring {
+    uint32_t first;
+    uint32_t side;
+};
+
+static uint32_t ring_vertex(struct ring ring, uint32_t m)
+{
+    return ring.side ? ring.first + m % (4 * ring.side) : ring.first;
+}
+
+static struct ring draw_ring(struct pen *pen, uint32_t n, uint32_t row, const double centre[3],
+                             double radius)
+{
+    struct ring ring = {.first = pen->vertex_count, .side = row <= n ? row : 2 * n - row};
+    int side = (int)ring.side, z = (int)n - (int)row;
+    for (int m = 0; m < (side ? 4 * side : 1); m++) {
+        int turn = side ? m / side : 0, s = side ? m % side : 0, c = side - s;
+        int x = turn == 0 ? c : turn == 1 ? -s : turn == 2 ? -c : s;
+        int y = turn == 0 ? s : turn == 1 ? c : turn == 2 ? -s : -c;
+        double scale = radius / sqrt((double)(x * x + y * y + z * z));
+        pen_vertex(pen, centre[0] + scale * x, centre[1] + scale * y, centre[2] + scale * z);
+    }
+    return ring;
+}
+
+/* Draws the band between the ring nearer to a pole and the longer one; `north` turns the triangles
+ * so that both hemispheres face outward. */
+static void draw_band(struct pen *pen, struct ring polar, struct ring wide, bool north)
+{
+    for (uint32_t turn = 0; turn < 4; turn++)
+        for (uint32_t s = 0; s <= polar.side; s++) {
+            uint32_t a = ring_vertex(polar, turn * polar.side + s);
+            uint32_t b = ring_vertex(wide, turn * wide.side + s);
+            uint32_t c = ring_vertex(wide, turn * wide.side + s + 1);
+            pen_tri(pen, a, north ? b : c, north ? c : b);
+            if (s == polar.side)
+                continue;
+            uint32_t d = ring_vertex(polar, turn * polar.side + s + 1);
+            pen_tri(pen, a, north ? c : d, north ? d : c);
+        }
+}
+
+void pen_sphere(struct pen *pen, uint32_t n, const double centre[3], double radius)
+{
+    struct ring above = draw_ring(pen, n, 0, centre, radius);
+    for (uint32_t row = 1; row <= 2 * n; row++) {
+        struct ring below = draw_ring(pen, n, row, centre, radius);
+        if (row <= n)
+            draw_band(pen, above, below, true);
+        else
+            draw_band(pen, below, above, false);
+        above = below;
+    }
+}
