@@ -43,9 +43,10 @@
 #define ABI_BIND_ITEMS 4 /* U32[]: the packed item array, if the layout has one */
 #define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order */
 
-#define ABI_FLAG_DONE      1u /* the invocation ran to its end */
-#define ABI_FLAG_EXHAUSTED 2u /* stack left over, stack overrun or a loop cut short by the driver  \
-                               */
+#define ABI_FLAG_DONE 1u /* the invocation ran to its end */
+#define ABI_FLAG_EXHAUSTED                                                                         \
+    2u /* stack left over, stack overrun or a loop cut short by the driver                         \
+        */
 
 /* A ray. t counts in multiples of dir, which need not have length 1. */
 struct ray {

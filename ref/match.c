@@ -120,10 +120,21 @@ void match_free(struct match *match)
     *match = (struct match){0};
 }
 
-void match_refused(const struct layout *layout, const struct engine *engine, enum status cause,
-                   const struct reason *reason, struct row *row)
+void match_set(struct match *match, const struct box_test *box, enum query query)
 {
-    *row = (struct row){.engine = engine,
+    match->options.box = box;
+    match->options.query = query;
+    free(match->cpu);
+    match->cpu = NULL;
+}
+
+void match_refused(const struct match *match, const struct layout *layout,
+                   const struct engine *engine, enum status cause, const struct reason *reason,
+                   struct row *row)
+{
+    *row = (struct row){.options = match->options,
+                        .stats = match->stats,
+                        .engine = engine,
                         .layout = layout,
                         .status = ROW_REFUSED,
                         .cause = cause,
@@ -209,6 +220,7 @@ static void judge_row(struct match *match, struct row *row)
             keep_finding(row, match, i, &match->reference[i], false);
     }
     row->compared = match->ray_count;
+    row->brute = match->brute_count;
     if (row->judged)
         row->differences += row->count[VERDICT_DIFFERENT];
     free(verdict);
@@ -296,7 +308,10 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
 
 void match_run(struct match *match, const struct engine *engine, struct row *row)
 {
-    *row = (struct row){.engine = engine, .rays = match->ray_count};
+    *row = (struct row){.options = match->options,
+                        .stats = match->stats,
+                        .engine = engine,
+                        .rays = match->ray_count};
     if (engine->needs_packed) {
         row->layout = match->packed.layout;
         row->node_bytes = packed_node_bytes(&match->packed);

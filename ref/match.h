@@ -58,6 +58,8 @@ enum row_status {
 
 /* One line of a result: an engine on a layout. */
 struct row {
+    struct match_options options; /* of the match it was played in */
+    struct bvh_stats stats;       /* of its tree */
     const struct engine *engine;
     const struct layout *layout; /* NULL: the engine needs none */
     enum row_status status;
@@ -66,6 +68,7 @@ struct row {
     uint64_t node_bytes, item_bytes, memory_bytes;
     size_t rays, hits;
     size_t compared;             /* rays compared with the reference */
+    size_t brute;                /* of them, those compared with brute force */
     size_t count[VERDICT_COUNT]; /* against the reference */
     size_t bit_differences;      /* against engine cpu on the same tree; exact engines only */
     bool judged;                 /* false: a member as published takes part, only counted */
@@ -104,6 +107,9 @@ enum status match_make(const struct scene *scene, const struct ray *ray, size_t 
                        const struct match_options *options, struct pool *pool, struct match *out,
                        struct reason *reason) MUST_USE;
 
+/* Changes box test and query; tree, reference and packed layout stay. */
+void match_set(struct match *match, const struct box_test *box, enum query query);
+
 /* Makes `layout` the one that the next rows run on. Errors: those of packed_make; the match then
  * has no layout and stays usable. */
 enum status match_pack(struct match *match, const struct layout *layout,
@@ -118,8 +124,9 @@ enum status match_pack_auto(struct match *match, char *refused, size_t refused_b
 void match_run(struct match *match, const struct engine *engine, struct row *row);
 
 /* A row for a layout that could not be packed. */
-void match_refused(const struct layout *layout, const struct engine *engine, enum status cause,
-                   const struct reason *reason, struct row *row);
+void match_refused(const struct match *match, const struct layout *layout,
+                   const struct engine *engine, enum status cause, const struct reason *reason,
+                   struct row *row);
 
 void match_free(struct match *match);
 

@@ -1,0 +1,383 @@
+/* raydiff check: the main job. Engines and layouts on one scene, compared ray by ray. */
+#include "ref/cmd_check.h"
+
+#include "ref/command.h"
+#include "scenes/rays.h"
+#include "scenes/scenes.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: raydiff check SCENE... [OPTIONS]\n"
+    "Plays engines and node layouts against each other on every SCENE (a mesh file: .json .obj\n"
+    ".ply, also .gz; or a generator such as soup:n=1000, see raydiff list scenes) and says who\n"
+    "agrees, who differs, how fast each is and how many bytes each needs.\n\n"
+    "  --layout L,..   layouts, 'all', or 'auto' (the smallest that fits)     [f32,rf16]\n"
+    "  --engine E,..   engines, or 'all'                     [every engine that can run here]\n"
+    "  --builder B,..  builders                                                  [median]\n"
+    "  --leaf N        items per leaf, 1 or more                                 [4]\n"
+    "  --eps E         builder rtrs: smallest box that is split                  [0.02]\n"
+    "  --box B,..      box tests                                                 [robust]\n"
+    "  --tri T,..      triangle tests                                            [mt]\n"
+    "  --query Q,..    closest, any, or all                                      [closest]\n"
+    "  --rays SET      ray set                                                   [mixed]\n"
+    "  --count N       rays, 1 or more; 1e6 is accepted                          [100000]\n"
+    "  --seed S        of rays and generators                                    [1]\n"
+    "  --repeat N      timed runs per engine, 1 to 32: median, least, most       [3]\n"
+    "  --brute N       ray-triangle tests that brute force may spend             [2e8]\n"
+    "  --threads N     CPU threads, 0 is all                                     [0]\n"
+    "  --driver NAME   Vulkan: part of a driver's or device's name\n"
+    "  --device N      Vulkan: device by the number that raydiff doctor gives\n"
+    "  --workgroup N   Vulkan: rays per workgroup                                [64]\n"
+    "  --json FILE     all rows, for machines\n\n"
+    "A named layout that refuses the scene exits with 2, a named engine that cannot run with 77.\n"
+    "exit codes: 0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped\n"
+    "example: raydiff check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices\n";
+
+struct check_options {
+    struct list layout, engine, builder, box, tri, query;
+    bool layout_auto, layout_named, engine_named;
+    struct build_options build;
+    size_t rays;
+    uint64_t count, seed, repeats, brute;
+    struct engine_options engines;
+    const char *json;
+};
+
+enum {
+    OPT_LAYOUT = 256,
+    OPT_ENGINE,
+    OPT_BUILDER,
+    OPT_LEAF,
+    OPT_EPS,
+    OPT_BOX,
+    OPT_TRI,
+    OPT_QUERY,
+    OPT_RAYS,
+    OPT_COUNT,
+    OPT_SEED,
+    OPT_REPEAT,
+    OPT_BRUTE,
+    OPT_THREADS,
+    OPT_DRIVER,
+    OPT_DEVICE,
+    OPT_WORKGROUP,
+    OPT_JSON,
+    OPT_HELP
+};
+
+static const struct option long_options[] = {
+    {"layout", 1, NULL, OPT_LAYOUT},
+    {"engine", 1, NULL, OPT_ENGINE},
+    {"builder", 1, NULL, OPT_BUILDER},
+    {"leaf", 1, NULL, OPT_LEAF},
+    {"eps", 1, NULL, OPT_EPS},
+    {"box", 1, NULL, OPT_BOX},
+    {"tri", 1, NULL, OPT_TRI},
+    {"query", 1, NULL, OPT_QUERY},
+    {"rays", 1, NULL, OPT_RAYS},
+    {"count", 1, NULL, OPT_COUNT},
+    {"seed", 1, NULL, OPT_SEED},
+    {"repeat", 1, NULL, OPT_REPEAT},
+    {"brute", 1, NULL, OPT_BRUTE},
+    {"threads", 1, NULL, OPT_THREADS},
+    {"driver", 1, NULL, OPT_DRIVER},
+    {"device", 1, NULL, OPT_DEVICE},
+    {"workgroup", 1, NULL, OPT_WORKGROUP},
+    {"json", 1, NULL, OPT_JSON},
+    {"help", 0, NULL, OPT_HELP},
+    {NULL, 0, NULL, 0},
+};
+
+static struct check_options default_options(void)
+{
+    struct reason reason;
+    struct check_options o = {
+        .engine = table_all(TABLE_ENGINES),
+        .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+        .count = 100000,
+        .seed = 1,
+        .repeats = 3,
+        .brute = 200000000,
+        .engines = {.device = -1},
+    };
+    bool ok = table_parse(TABLE_LAYOUTS, "", "f32,rf16", &o.layout, &reason) == STATUS_OK &&
+              table_parse(TABLE_BUILDERS, "", "median", &o.builder, &reason) == STATUS_OK &&
+              table_parse(TABLE_BOX_TESTS, "", "robust", &o.box, &reason) == STATUS_OK &&
+              table_parse(TABLE_TRI_TESTS, "", "mt", &o.tri, &reason) == STATUS_OK &&
+              table_parse(TABLE_QUERIES, "", "closest", &o.query, &reason) == STATUS_OK &&
+              table_parse_one(TABLE_RAY_SETS, "", "mixed", &o.rays, &reason) == STATUS_OK;
+    if (!ok)
+        abort(); /* a default that no table names is our bug */
+    return o;
+}
+
+static enum status take_layouts(struct check_options *o, const char *text, struct reason *reason)
+{
+    o->layout_named = true;
+    o->layout_auto = strcmp(text, "auto") == 0;
+    if (o->layout_auto)
+        return STATUS_OK;
+    return table_parse(TABLE_LAYOUTS, "--layout", text, &o->layout, reason);
+}
+
+static enum status take_number(struct check_options *o, int option, const char *text,
+                               struct reason *reason)
+{
+    uint64_t n = 0;
+    enum status status = STATUS_OK;
+    switch (option) {
+    case OPT_LEAF:
+        status = parse_count("--leaf", text, 1, 1u << 20, &n, reason);
+        o->build.leaf = (uint32_t)n;
+        break;
+    case OPT_COUNT:
+        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
+    case OPT_SEED:
+        return parse_count("--seed", text, 0, UINT64_MAX, &o->seed, reason);
+    case OPT_REPEAT:
+        return parse_count("--repeat", text, 1, REPEAT_MOST, &o->repeats, reason);
+    case OPT_BRUTE:
+        return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
+    case OPT_THREADS:
+        status = parse_count("--threads", text, 0, 4096, &n, reason);
+        o->engines.threads = (uint32_t)n;
+        break;
+    case OPT_DEVICE:
+        status = parse_count("--device", text, 0, 255, &n, reason);
+        o->engines.device = (int)n;
+        break;
+    case OPT_WORKGROUP:
+        status = parse_count("--workgroup", text, 1, 1024, &n, reason);
+        o->engines.workgroup = (uint32_t)n;
+        break;
+    }
+    return status;
+}
+
+static enum status take_option(struct check_options *o, int option, const char *text,
+                               struct reason *reason)
+{
+    switch (option) {
+    case OPT_LAYOUT:
+        return take_layouts(o, text, reason);
+    case OPT_ENGINE:
+        o->engine_named = strcmp(text, "all") != 0;
+        return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
+    case OPT_BUILDER:
+        return table_parse(TABLE_BUILDERS, "--builder", text, &o->builder, reason);
+    case OPT_BOX:
+        return table_parse(TABLE_BOX_TESTS, "--box", text, &o->box, reason);
+    case OPT_TRI:
+        return table_parse(TABLE_TRI_TESTS, "--tri", text, &o->tri, reason);
+    case OPT_QUERY:
+        return table_parse(TABLE_QUERIES, "--query", text, &o->query, reason);
+    case OPT_RAYS:
+        return table_parse_one(TABLE_RAY_SETS, "--rays", text, &o->rays, reason);
+    case OPT_EPS:
+        return parse_float("--eps", text, &o->build.eps, reason);
+    case OPT_DRIVER:
+        o->engines.driver = text;
+        return STATUS_OK;
+    case OPT_JSON:
+        o->json = text;
+        return STATUS_OK;
+    default:
+        return take_number(o, option, text, reason);
+    }
+}
+
+/* What one run of the command holds. */
+struct check {
+    struct check_options options;
+    struct pool pool;
+    struct progress progress;
+};
+
+static enum status add_row(struct check_scene *result, const struct row *row)
+{
+    size_t capacity = result->row_count; /* grown one by one: rows are few */
+    void *rows = result->row;
+    enum status status = array_reserve(&rows, &capacity, result->row_count + 1, sizeof *row);
+    if (status)
+        return status;
+    result->row = rows;
+    result->row[result->row_count++] = *row;
+    return STATUS_OK;
+}
+
+/* Rows of one engine over all box tests and queries; engines without a tree have no box test. */
+static enum status play_engine(struct check *check, struct match *match,
+                               const struct engine *engine, struct check_scene *result)
+{
+    const struct check_options *o = &check->options;
+    size_t boxes = engine->needs_packed ? o->box.count : 1;
+    for (size_t b = 0; b < boxes; b++)
+        for (size_t q = 0; q < o->query.count; q++) {
+            struct row row;
+            match_set(match, box_tests[o->box.index[b]], (enum query)o->query.index[q]);
+            progress_step(&check->progress, "%s: %s %s %s", result->spec,
+                          engine->needs_packed ? match->packed.layout->name : "-", engine->name,
+                          query_name(match->options.query));
+            match_run(match, engine, &row);
+            if (add_row(result, &row))
+                return STATUS_MEMORY;
+        }
+    return STATUS_OK;
+}
+
+static enum status play_engines(struct check *check, struct match *match, bool packed,
+                                struct check_scene *result)
+{
+    const struct check_options *o = &check->options;
+    enum status status = STATUS_OK;
+    for (size_t e = 0; e < o->engine.count && status == STATUS_OK; e++)
+        if (engines[o->engine.index[e]]->needs_packed == packed)
+            status = play_engine(check, match, engines[o->engine.index[e]], result);
+    return status;
+}
+
+static enum status play_layouts(struct check *check, struct match *match,
+                                struct check_scene *result, struct reason *reason)
+{
+    const struct check_options *o = &check->options;
+    size_t count = o->layout_auto ? 1 : o->layout.count;
+    for (size_t l = 0; l < count; l++) {
+        const struct layout *layout = o->layout_auto ? NULL : layouts[o->layout.index[l]];
+        struct reason refusal = {""};
+        enum status status =
+            layout ? match_pack(match, layout, &refusal)
+                   : match_pack_auto(match, result->refused, sizeof result->refused, &refusal);
+        struct row row;
+        if (status == STATUS_OK) {
+            status = play_engines(check, match, true, result);
+        } else if (status == STATUS_LIMIT) {
+            match_refused(match, layout, NULL, status, &refusal, &row);
+            status = add_row(result, &row);
+        }
+        if (status)
+            return fail(reason, status, "%s: %s", result->spec,
+                        refusal.text[0] ? refusal.text : status_text(status));
+    }
+    return STATUS_OK;
+}
+
+static enum status play_scene(struct check *check, const struct scene *scene,
+                              const struct ray *rays, struct check_scene *result,
+                              struct reason *reason)
+{
+    const struct check_options *o = &check->options;
+    for (size_t t = 0; t < o->tri.count; t++) {
+        for (size_t b = 0; b < o->builder.count; b++) {
+            struct match_options options = {.builder = builders[o->builder.index[b]],
+                                            .build = o->build,
+                                            .box = box_tests[o->box.index[0]],
+                                            .tri = tri_tests[o->tri.index[t]],
+                                            .query = (enum query)o->query.index[0],
+                                            .repeats = (unsigned)o->repeats,
+                                            .brute_budget = o->brute};
+            struct match match;
+            struct reason why = {""};
+            progress_step(&check->progress, "%s: reference", result->spec);
+            enum status status =
+                match_make(scene, rays, result->ray_count, &options, &check->pool, &match, &why);
+            if (status)
+                return fail(reason, status, "%s: %s", result->spec, why.text);
+            status = play_layouts(check, &match, result, reason);
+            /* The same for every builder. */
+            if (status == STATUS_OK && b == 0)
+                status = play_engines(check, &match, false, result);
+            match_free(&match);
+            if (status)
+                return status;
+        }
+    }
+    return STATUS_OK;
+}
+
+static enum status check_one(struct check *check, const char *spec, struct check_scene *result,
+                             struct reason *reason)
+{
+    const struct check_options *o = &check->options;
+    struct scene scene;
+    *result = (struct check_scene){.spec = spec,
+                                   .rays = ray_sets[o->rays]->name,
+                                   .ray_count = (size_t)o->count,
+                                   .seed = o->seed};
+    progress_step(&check->progress, "%s: reading", spec);
+    enum status status = scene_open(spec, o->seed, &scene, reason);
+    if (status)
+        return status;
+    result->tri_count = scene.tri_count;
+    result->vertex_count = scene.vertex_count;
+    struct ray *rays = alloc_zeroed(result->ray_count, sizeof *rays);
+    if (!rays)
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", result->ray_count);
+    if (status == STATUS_OK)
+        status = ray_sets[o->rays]->make(&scene, o->seed, result->ray_count, rays, reason);
+    if (status == STATUS_OK)
+        status = play_scene(check, &scene, rays, result, reason);
+    free(rays);
+    scene_free(&scene);
+    return status;
+}
+
+static int check_all(struct check *check, char *const *spec, size_t count)
+{
+    int code = EXIT_AGREE;
+    struct reason reason = {""};
+    struct check_scene *results = alloc_zeroed(count, sizeof *results);
+    if (!results)
+        return EXIT_INTERNAL;
+    for (size_t i = 0; i < count; i++) {
+        enum status status = check_one(check, spec[i], &results[i], &reason);
+        progress_end(&check->progress);
+        if (status) {
+            fprintf(stderr, "raydiff check: %s\n", reason.text);
+            code = exit_worse(code, exit_of_status(status));
+            continue;
+        }
+        check_print(&results[i]);
+        fflush(stdout);
+        code = exit_worse(code, check_exit(&results[i], check->options.layout_named,
+                                           check->options.engine_named));
+    }
+    if (check->options.json) {
+        enum status status = check_write_json(check->options.json, results, count, code, &reason);
+        if (status) {
+            fprintf(stderr, "raydiff check: %s\n", reason.text);
+            code = exit_worse(code, exit_of_status(status));
+        }
+    }
+    for (size_t i = 0; i < count; i++)
+        free(results[i].row);
+    free(results);
+    return code;
+}
+
+int cmd_check(int argc, char **argv)
+{
+    struct check check = {.options = default_options(), .progress = progress_make("check")};
+    struct reason reason;
+    int option;
+    opterr = 0;
+    optind = 1;
+    while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
+        if (option == OPT_HELP || option == 'h') {
+            fputs(help, stdout);
+            return EXIT_AGREE;
+        }
+        if (option == '?')
+            return usage_error("check", "unknown option or missing value: '%s'", argv[optind - 1]);
+        if (take_option(&check.options, option, optarg, &reason))
+            return usage_error("check", "%s", reason.text);
+    }
+    if (optind == argc)
+        return usage_error("check", "no scene given");
+    check.pool.options = check.options.engines;
+    int code = check_all(&check, argv + optind, (size_t)(argc - optind));
+    pool_free(&check.pool);
+    return code;
+}

@@ -1,0 +1,30 @@
+/* What raydiff check and its report share. For commands only. */
+#ifndef CMD_CHECK_H
+#define CMD_CHECK_H
+
+#include "ref/cmd_tables.h"
+#include "ref/match.h"
+
+/* One scene and all its rows. */
+struct check_scene {
+    const char *spec;
+    uint32_t tri_count, vertex_count;
+    const char *rays;
+    size_t ray_count;
+    uint64_t seed;
+    struct row *row;
+    size_t row_count;
+    char refused[1024]; /* --layout auto: why smaller layouts could not, one per line */
+};
+
+/* Prints the table of a scene, what was refused or skipped and why, and what it means. */
+void check_print(const struct check_scene *scene);
+
+/* The exit code that the rows ask for; a layout or engine counts only if it was named. */
+int check_exit(const struct check_scene *scene, bool layout_named, bool engine_named);
+
+/* Writes all rows as JSON, see README "JSON". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+enum status check_write_json(const char *path, const struct check_scene *scene, size_t scene_count,
+                             int exit_code, struct reason *reason) MUST_USE;
+
+#endif

@@ -1,0 +1,106 @@
+/* The rows of raydiff check as JSON. */
+#include "ref/cmd_check.h"
+
+#include "scenes/file.h"
+
+#include <jansson.h>
+#include <stdlib.h>
+
+/* Floats that matter stand as bit patterns beside the readable text. */
+static json_t *hit_json(const struct hit *hit)
+{
+    if (hit->prim == ABI_NO_PRIM)
+        return json_null();
+    char bits[3][16];
+    const float value[3] = {hit->t, hit->u, hit->v};
+    for (int k = 0; k < 3; k++)
+        snprintf(bits[k], sizeof bits[k], "0x%08x", float_bits(value[k]));
+    return json_pack("{s:I, s:f, s:s, s:s, s:s}", "prim", (json_int_t)hit->prim, "t",
+                     float_is_finite(hit->t) ? (double)hit->t : 0.0, "t_bits", bits[0], "u_bits",
+                     bits[1], "v_bits", bits[2]);
+}
+
+static json_t *finding_json(const struct finding *f)
+{
+    json_t *ray = json_array();
+    const float value[8] = {f->ray.org[0], f->ray.org[1], f->ray.org[2], f->ray.tmin,
+                            f->ray.dir[0], f->ray.dir[1], f->ray.dir[2], f->ray.tmax};
+    for (int k = 0; k < 8; k++) {
+        char bits[16];
+        snprintf(bits, sizeof bits, "0x%08x", float_bits(value[k]));
+        json_array_append_new(ray, json_string(bits));
+    }
+    return json_pack("{s:I, s:s, s:o, s:o, s:o}", "ray", (json_int_t)f->ray_index, "against",
+                     f->bits ? "cpu" : "reference", "ray_bits", ray, "expected",
+                     hit_json(&f->expected), "got", hit_json(&f->got));
+}
+
+static json_t *counts_json(const struct row *row)
+{
+    json_t *counts = json_object();
+    for (enum verdict v = 0; v < VERDICT_COUNT; v++)
+        json_object_set_new(counts, verdict_name(v), json_integer((json_int_t)row->count[v]));
+    return counts;
+}
+
+static json_t *row_json(const struct check_scene *scene, const struct row *row)
+{
+    const struct match_options *o = &row->options;
+    json_t *out = json_pack(
+        "{s:s, s:s?, s:s, s:i, s:s?, s:s?, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "scene",
+        scene->spec, "layout", row->layout ? row->layout->name : NULL, "builder", o->builder->name,
+        "leaf", (int)o->build.leaf, "engine", row->engine ? row->engine->name : NULL, "box",
+        row->layout ? o->box->name : NULL, "tri", o->tri->name, "query", query_name(o->query),
+        "node_bytes", (json_int_t)row->node_bytes, "item_bytes", (json_int_t)row->item_bytes,
+        "memory_bytes", (json_int_t)row->memory_bytes, "rays", (json_int_t)row->rays, "hits",
+        (json_int_t)row->hits, "compared_with_brute", (json_int_t)row->brute);
+    if (!out)
+        return NULL;
+    json_object_set_new(out, "counts", counts_json(row));
+    json_object_set_new(out, "bit_differences", json_integer((json_int_t)row->bit_differences));
+    json_object_set_new(out, "judged", json_boolean(row->judged));
+    json_object_set_new(out, "differences", json_integer((json_int_t)row->differences));
+    json_object_set_new(out, "mrays_per_s",
+                        json_pack("{s:f, s:f, s:f, s:s}", "median", row->mrays[0], "min",
+                                  row->mrays[1], "max", row->mrays[2], "clock",
+                                  row->device_clock ? "device" : "host"));
+    json_object_set_new(out, "box_tests", json_integer((json_int_t)row->boxes));
+    json_object_set_new(out, "triangle_tests", json_integer((json_int_t)row->tris));
+    json_object_set_new(out, "status", json_string(row_status_name(row->status)));
+    json_object_set_new(out, "reason", json_string(row->reason.text));
+    json_t *findings = json_array();
+    for (size_t i = 0; i < row->finding_count; i++)
+        json_array_append_new(findings, finding_json(&row->finding[i]));
+    json_object_set_new(out, "findings", findings);
+    return out;
+}
+
+enum status check_write_json(const char *path, const struct check_scene *scene, size_t scene_count,
+                             int exit_code, struct reason *reason)
+{
+    json_t *scenes = json_array(), *rows = json_array();
+    for (size_t s = 0; s < scene_count; s++) {
+        json_array_append_new(
+            scenes, json_pack("{s:s, s:I, s:I, s:s?, s:I, s:s}", "scene", scene[s].spec,
+                              "triangles", (json_int_t)scene[s].tri_count, "vertices",
+                              (json_int_t)scene[s].vertex_count, "rays", scene[s].rays, "count",
+                              (json_int_t)scene[s].ray_count, "refused", scene[s].refused));
+        for (size_t i = 0; i < scene[s].row_count; i++)
+            json_array_append_new(rows, row_json(&scene[s], &scene[s].row[i]));
+    }
+    json_t *root = json_pack("{s:s, s:i, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "exit", exit_code,
+                             "scenes", scenes, "rows", rows);
+    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    json_decref(root);
+    if (!text)
+        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", path);
+    struct file_out out;
+    enum status status = file_out_open(path, &out, reason);
+    if (status == STATUS_OK) {
+        fputs(text, out.stream);
+        fputc('\n', out.stream);
+        status = file_out_commit(&out, reason);
+    }
+    free(text);
+    return status;
+}

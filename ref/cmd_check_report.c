@@ -1,0 +1,195 @@
+/* What raydiff check prints: the table, the differences, and what they mean. */
+#include "ref/cmd_check.h"
+#include "ref/command.h"
+
+#include <string.h>
+
+static void print_bytes(const struct row *row)
+{
+    if (!row->layout)
+        printf("%9s %9s", "-", "-");
+    else
+        printf("%9.1f %9.1f", (double)row->node_bytes / 1e3, (double)row->item_bytes / 1e3);
+}
+
+static void print_row(const struct row *row)
+{
+    const struct match_options *o = &row->options;
+    printf("%-13s %-13s %-7s %-7s %-7s ", row->layout ? row->layout->name : "-",
+           row->engine ? row->engine->name : "-", row->layout ? o->box->name : "-", o->tri->name,
+           query_name(o->query));
+    if (row->status == ROW_REFUSED || row->status == ROW_SKIPPED || row->status == ROW_FAILED) {
+        printf("%s: %s\n", row_status_name(row->status), row->reason.text);
+        return;
+    }
+    print_bytes(row);
+    printf(" %9zu %6zu %6zu %6zu %6zu ", row->hits, row->count[VERDICT_TIE],
+           row->count[VERDICT_NEAR_TIE], row->count[VERDICT_BOUNDARY], row->count[VERDICT_SLAB]);
+    if (row->judged)
+        printf("%7zu", row->differences);
+    else
+        printf("%7s", row->bit_differences ? "BITS" : "counted");
+    printf(" %8.3f (%.3f-%.3f)", row->mrays[0], row->mrays[1], row->mrays[2]);
+    if (!row->judged)
+        printf(" as published: %zu differ", row->count[VERDICT_DIFFERENT]);
+    if (row->status == ROW_VACUOUS)
+        printf(" %s", row->reason.text);
+    putchar('\n');
+}
+
+static void print_findings(const struct row *row)
+{
+    for (size_t i = 0; i < row->finding_count; i++) {
+        const struct finding *f = &row->finding[i];
+        char line[512];
+        judge_line(&f->ray, &f->expected, &f->got, line, sizeof line);
+        printf("DIFFERENT %s.%s.%s ray %zu (against %s) %s\n", row->engine->name,
+               row->layout ? row->layout->name : "-", row->options.tri->name, f->ray_index,
+               f->bits ? "engine cpu, bit for bit" : "the reference", line);
+    }
+    if (row->differences > row->finding_count && row->finding_count)
+        printf("  ... and %zu more of this row\n", row->differences - row->finding_count);
+}
+
+/* The row of `engine` with a layout of that name, the first in the table, or NULL. */
+static const struct row *row_of(const struct check_scene *scene, const char *engine,
+                                const char *layout)
+{
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct row *row = &scene->row[i];
+        if (row->status == ROW_OK && row->layout && strcmp(row->engine->name, engine) == 0 &&
+            (!layout || strcmp(row->layout->name, layout) == 0))
+            return row;
+    }
+    return NULL;
+}
+
+/* Smallest and, per engine, fastest layout, as ratios within this run. */
+static void print_winners(const struct check_scene *scene)
+{
+    static const char *const players[] = {"vulkan", "cpu"};
+    for (size_t p = 0; p < ARRAY_COUNT(players); p++) {
+        const struct row *base = row_of(scene, players[p], "f32");
+        if (!base)
+            continue;
+        for (size_t i = 0; i < scene->row_count; i++) {
+            const struct row *row = &scene->row[i];
+            if (row->status != ROW_OK || row == base || !row->layout ||
+                row->engine != base->engine || row->options.tri != base->options.tri ||
+                row->options.box != base->options.box || row->options.query != base->options.query)
+                continue;
+            printf("  %s on %s: %.2f of f32's node bytes (%.2f with f32's item array), %.2f times "
+                   "its speed\n",
+                   row->layout->name, players[p],
+                   (double)row->node_bytes / (double)base->node_bytes,
+                   (double)(row->node_bytes + row->item_bytes) /
+                       (double)(base->node_bytes + base->item_bytes),
+                   row->mrays[0] / base->mrays[0]);
+        }
+    }
+    const struct row *cpu = row_of(scene, "cpu", NULL);
+    for (size_t i = 0; i < scene->row_count && cpu; i++) {
+        const struct row *row = &scene->row[i];
+        if (row->status == ROW_OK && !row->layout && row->mrays[0] > 0 &&
+            strncmp(row->engine->name, "embree", 6) == 0 &&
+            row->options.query == cpu->options.query)
+            printf("  cpu on %s: %.2f times the speed of %s\n", cpu->layout->name,
+                   cpu->mrays[0] / row->mrays[0], row->engine->name);
+    }
+}
+
+static void print_agreement(const struct check_scene *scene)
+{
+    size_t exact_rows = 0, exact_rays = 0, exact_bad = 0, lost = 0, judged = 0, allowed = 0;
+    size_t counted = 0;
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct row *row = &scene->row[i];
+        if (row->status != ROW_OK)
+            continue;
+        if (row->engine->exact && strcmp(row->engine->name, "cpu") != 0) {
+            exact_rows++;
+            exact_rays += row->rays;
+            exact_bad += row->bit_differences;
+        }
+        if (!row->judged) {
+            counted += row->count[VERDICT_DIFFERENT];
+            continue;
+        }
+        judged += row->rays;
+        lost += row->count[VERDICT_DIFFERENT];
+        allowed += row->count[VERDICT_TIE] + row->count[VERDICT_NEAR_TIE] +
+                   row->count[VERDICT_BOUNDARY] + row->count[VERDICT_SLAB];
+    }
+    if (exact_rows)
+        printf("  vulkan against cpu: %zu of %zu answers differ in a bit\n", exact_bad, exact_rays);
+    printf(
+        "  against the reference: %zu of %zu answers not allowed; %zu in a named class (tie, near\n"
+        "  tie, boundary, slab: README, \"Allowed differences\")\n",
+        lost, judged, allowed);
+    if (counted)
+        printf("  members as published differ in %zu answers: counted, not judged\n", counted);
+}
+
+static void print_reasons(const struct check_scene *scene)
+{
+    if (scene->refused[0])
+        printf("  --layout auto: %s\n", scene->refused);
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct row *row = &scene->row[i];
+        bool repeated = false;
+        for (size_t k = 0; k < i; k++)
+            repeated |= strcmp(scene->row[k].reason.text, row->reason.text) == 0;
+        if (row->status != ROW_OK && !repeated)
+            printf("  %s %s: %s\n", row->layout ? row->layout->name : row->engine->name,
+                   row_status_name(row->status), row->reason.text);
+    }
+}
+
+void check_print(const struct check_scene *scene)
+{
+    const struct row *first = scene->row_count ? &scene->row[0] : NULL;
+    printf("%s: %u triangles, %u vertices; %zu rays, set %s, seed %llu\n", scene->spec,
+           scene->tri_count, scene->vertex_count, scene->ray_count, scene->rays,
+           (unsigned long long)scene->seed);
+    for (size_t i = 0; i < scene->row_count; i++)
+        if (scene->row[i].status == ROW_OK && scene->row[i].layout) {
+            first = &scene->row[i];
+            break;
+        }
+    if (first)
+        printf("tree: %s, leaf %u: %u nodes, %u leaves, depth %u, largest leaf %u\n",
+               first->options.builder->name, first->options.build.leaf, first->stats.node_count,
+               first->stats.leaf_count, first->stats.depth, first->stats.largest_leaf);
+    if (first && first->compared)
+        printf("reference: every triangle for %zu rays%s\n", first->brute,
+               first->brute < first->compared ? ", engine cpu on f32 for the others" : "");
+    printf("%-13s %-13s %-7s %-7s %-7s %9s %9s %9s %6s %6s %6s %6s %7s %8s\n", "layout", "engine",
+           "box", "tri", "query", "nodes kB", "items kB", "hits", "tie", "near", "bound", "slab",
+           "DIFFER", "Mray/s (least-most)");
+    for (size_t i = 0; i < scene->row_count; i++)
+        print_row(&scene->row[i]);
+    for (size_t i = 0; i < scene->row_count; i++)
+        print_findings(&scene->row[i]);
+    puts("what it means");
+    print_reasons(scene);
+    print_winners(scene);
+    print_agreement(scene);
+    putchar('\n');
+}
+
+int check_exit(const struct check_scene *scene, bool layout_named, bool engine_named)
+{
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct row *row = &scene->row[i];
+        if (row->status == ROW_REFUSED && layout_named)
+            code = exit_worse(code, EXIT_USAGE);
+        if (row->status == ROW_SKIPPED && engine_named)
+            code = exit_worse(code, EXIT_SKIPPED);
+        if (row->status == ROW_FAILED)
+            code = exit_worse(code, row->cause == STATUS_MEMORY ? EXIT_INTERNAL : EXIT_ENGINE);
+        if (row_failed(row))
+            code = exit_worse(code, EXIT_MISMATCH);
+    }
+    return code;
+}
