@@ -55,7 +55,8 @@ const struct builder *builder_find(const char *name);
 /* Frees what the tree owns and zeroes it. */
 void bvh_free(struct bvh *bvh);
 
-/* Counts; a tree must be well formed (see bvh_check_form). */
+/* Counts; a tree must be well formed (see bvh_check_form). All 0 for an empty tree, and without
+ * memory. */
 struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene);
 
 /* Checks the form: pre-order, children in range and after their parent, each node reached once,

@@ -79,9 +79,10 @@ enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out,
                         struct reason *reason) MUST_USE;
 
-/* Tries the layouts that are not faithful, smallest bytes for this tree first, and packs the first
- * that can hold the scene. `refused` receives one line per smaller layout that could not, separated
- * by newlines, at most `refused_bytes` with the terminator. Errors: STATUS_LIMIT if none can. */
+/* Packs in that layout, of those that are not faithful and can hold the scene, which takes the
+ * fewest bytes for this tree. `refused` receives one line per refusing layout of smaller records
+ * (of all, if none can), separated by newlines, at most `refused_bytes` with the terminator.
+ * Errors: STATUS_MEMORY; STATUS_LIMIT if none can. */
 enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, struct packed *out,
                              char *refused, size_t refused_bytes, struct reason *reason) MUST_USE;
 

@@ -1,0 +1,151 @@
+#include "ref/builders/top_down.h"
+
+#include <stdlib.h>
+
+/* A node that waits, and whose child it is. */
+struct task {
+    struct build_node node;
+    uint32_t parent; /* NO_PARENT for the root */
+    bool is_snd;
+};
+
+#define NO_PARENT UINT32_MAX
+
+/* Nodes made so far, and nodes that wait; the last of `task` is next. */
+struct progress {
+    struct bvh_node *node;
+    struct task *task;
+    size_t node_count, node_capacity;
+    size_t task_count, task_capacity;
+};
+
+static struct box range_bounds(const struct build *build, uint32_t first, uint32_t count)
+{
+    struct box all = box_empty();
+    for (uint32_t i = 0; i < count; i++)
+        box_add_box(&all, &build->tri_box[build->prim[first + i]]);
+    return all;
+}
+
+static enum status push(struct progress *progress, const struct task *task)
+{
+    void *array = progress->task;
+    enum status status = array_reserve(&array, &progress->task_capacity, progress->task_count + 1,
+                                       sizeof *progress->task);
+    progress->task = array;
+    if (!status)
+        progress->task[progress->task_count++] = *task;
+    return status;
+}
+
+/* Appends the node of `task` and links it to its parent. */
+static enum status emit(struct progress *progress, const struct task *task, bool leaf)
+{
+    void *array = progress->node;
+    enum status status = array_reserve(&array, &progress->node_capacity, progress->node_count + 1,
+                                       sizeof *progress->node);
+    progress->node = array;
+    if (status)
+        return status;
+    uint32_t index = (uint32_t)progress->node_count++;
+    progress->node[index] = (struct bvh_node){.bounds = task->node.bounds,
+                                              .item_first = task->node.first,
+                                              .item_count = leaf ? task->node.count : 0};
+    if (task->parent != NO_PARENT) {
+        struct bvh_node *parent = &progress->node[task->parent];
+        *(task->is_snd ? &parent->snd : &parent->fst) = index;
+    }
+    return STATUS_OK;
+}
+
+/* Splits one waiting node. Its triangles keep their place in prim: as nodes are done in pre-order,
+ * a node's first triangle is also the number of items before it. */
+static enum status step(const struct build_rule *rule, struct build *build,
+                        struct progress *progress, struct reason *reason)
+{
+    struct task task = progress->task[--progress->task_count];
+    uint32_t left = 0;
+    enum status status = rule->split(build, &task.node, &left, reason);
+    if (status)
+        return status;
+    status = emit(progress, &task, left == 0);
+    if (status || left == 0)
+        return status;
+    struct task child = {.parent = (uint32_t)progress->node_count - 1};
+    for (int side = 1; side >= 0 && !status; side--) {
+        child.is_snd = side == 1;
+        child.node.depth = task.node.depth + 1;
+        child.node.first = task.node.first + (side ? left : 0);
+        child.node.count = side ? task.node.count - left : left;
+        child.node.bounds = range_bounds(build, child.node.first, child.node.count);
+        status = push(progress, &child);
+    }
+    return status;
+}
+
+static enum status build_start(const struct build_rule *rule, struct build *build)
+{
+    uint32_t count = build->scene->tri_count;
+    build->tri_box = alloc_zeroed(count, sizeof *build->tri_box);
+    build->centroid = alloc_zeroed(3 * (size_t)count, sizeof *build->centroid);
+    build->prim = alloc_zeroed(count, sizeof *build->prim);
+    build->spare = alloc_zeroed(count, sizeof *build->spare);
+    if (!build->tri_box || !build->centroid || !build->prim || !build->spare)
+        return STATUS_MEMORY;
+    for (uint32_t i = 0; i < count; i++) {
+        float v[3][3];
+        scene_tri(build->scene, i, v);
+        build->tri_box[i] = scene_tri_bounds(build->scene, i);
+        rule->centroid(v, build->centroid + 3 * (size_t)i);
+        build->prim[i] = i;
+    }
+    return STATUS_OK;
+}
+
+static enum status build_all(const struct build_rule *rule, struct build *build,
+                             struct progress *progress, struct reason *reason)
+{
+    enum status status = build_start(rule, build);
+    if (status)
+        return status;
+    uint32_t count = build->scene->tri_count;
+    struct task root = {.parent = NO_PARENT,
+                        .node = {.bounds = range_bounds(build, 0, count), .count = count}};
+    status = push(progress, &root);
+    while (!status && progress->task_count > 0)
+        status = step(rule, build, progress, reason);
+    return status;
+}
+
+enum status build_top_down(const struct build_rule *rule, const struct scene *scene,
+                           const struct build_options *options, struct bvh *out,
+                           struct reason *reason)
+{
+    *out = (struct bvh){0};
+    if (options->leaf == 0)
+        return fail(reason, STATUS_INPUT, "the leaf size is 0, must be at least 1");
+    if (scene->tri_count > (uint32_t)1 << 31)
+        return fail(reason, STATUS_LIMIT, "a tree holds at most 2^31 triangles, the scene has %u",
+                    scene->tri_count);
+    if (scene->tri_count == 0)
+        return STATUS_OK;
+    struct build build = {.scene = scene, .options = options};
+    struct progress progress = {0};
+    enum status status = build_all(rule, &build, &progress, reason);
+    if (status == STATUS_MEMORY)
+        (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
+    free(build.tri_box);
+    free(build.centroid);
+    free(build.spare);
+    free(progress.task);
+    if (status) {
+        free(build.prim);
+        free(progress.node);
+        return status;
+    }
+    *out = (struct bvh){.node = progress.node,
+                        .prim = build.prim,
+                        .node_count = (uint32_t)progress.node_count,
+                        .prim_count = scene->tri_count};
+    return STATUS_OK;
+}

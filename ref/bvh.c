@@ -1,0 +1,169 @@
+#include "ref/bvh.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void bvh_free(struct bvh *bvh)
+{
+    free(bvh->node);
+    free(bvh->prim);
+    *bvh = (struct bvh){0};
+}
+
+static bool is_leaf(const struct bvh_node *node)
+{
+    return node->item_count > 0;
+}
+
+/* Exact bounds of the triangles below each node, which its stored box may lack. NULL without
+ * memory. Children come after their parent, so one pass backwards is enough. */
+static struct box *subtree_bounds(const struct bvh *bvh, const struct scene *scene)
+{
+    struct box *exact = alloc_zeroed(bvh->node_count, sizeof *exact);
+    if (!exact)
+        return NULL;
+    for (uint32_t i = bvh->node_count; i-- > 0;) {
+        const struct bvh_node *node = &bvh->node[i];
+        exact[i] = box_empty();
+        for (uint32_t k = 0; k < node->item_count; k++) {
+            struct box one = scene_tri_bounds(scene, bvh->prim[node->item_first + k]);
+            box_add_box(&exact[i], &one);
+        }
+        if (!is_leaf(node)) {
+            box_add_box(&exact[i], &exact[node->fst]);
+            box_add_box(&exact[i], &exact[node->snd]);
+        }
+    }
+    return exact;
+}
+
+struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene)
+{
+    struct bvh_stats stats = {0};
+    struct box *exact = subtree_bounds(bvh, scene);
+    uint32_t *depth = alloc_zeroed(bvh->node_count, sizeof *depth);
+    if (exact && depth) {
+        stats.node_count = bvh->node_count;
+        for (uint32_t i = 0; i < bvh->node_count; i++) {
+            const struct bvh_node *node = &bvh->node[i];
+            if (depth[i] > stats.depth)
+                stats.depth = depth[i];
+            if (node->item_count > stats.largest_leaf)
+                stats.largest_leaf = node->item_count;
+            if (is_leaf(node)) {
+                stats.leaf_count++;
+                continue;
+            }
+            depth[node->fst] = depth[node->snd] = depth[i] + 1;
+            if (!box_contains_box(&node->bounds, &exact[i]))
+                stats.loose_count++;
+        }
+    }
+    free(exact);
+    free(depth);
+    return stats;
+}
+
+/* Checks the triangles of the leaves: consecutive ranges of prim, which is a permutation. */
+static enum status check_items(const struct bvh *bvh, uint8_t *seen, struct reason *reason)
+{
+    uint32_t emitted = 0;
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        const struct bvh_node *node = &bvh->node[i];
+        if (node->item_first != emitted)
+            return fail(reason, STATUS_INPUT,
+                        "tree node %u: first item is %u, but %u items come before it", i,
+                        node->item_first, emitted);
+        if (node->item_count > bvh->prim_count - emitted)
+            return fail(reason, STATUS_INPUT,
+                        "tree node %u: items %u to %llu, but the tree has %u items", i, emitted,
+                        (unsigned long long)emitted + node->item_count - 1, bvh->prim_count);
+        emitted += node->item_count;
+    }
+    if (emitted != bvh->prim_count)
+        return fail(reason, STATUS_INPUT, "the tree's leaves hold %u of its %u items", emitted,
+                    bvh->prim_count);
+    for (uint32_t i = 0; i < bvh->prim_count; i++) {
+        uint32_t prim = bvh->prim[i];
+        if (prim >= bvh->prim_count)
+            return fail(reason, STATUS_INPUT, "tree item %u: triangle %u, but the scene has %u", i,
+                        prim, bvh->prim_count);
+        if (seen[prim]++)
+            return fail(reason, STATUS_INPUT, "tree item %u: triangle %u is there twice", i, prim);
+    }
+    return STATUS_OK;
+}
+
+/* Checks the nodes from the last to the first; end[i] becomes the index after i's subtree. */
+static enum status check_nodes(const struct bvh *bvh, uint32_t *end, struct reason *reason)
+{
+    uint32_t count = bvh->node_count;
+    for (uint32_t i = count; i-- > 0;) {
+        const struct bvh_node *node = &bvh->node[i];
+        if (is_leaf(node)) {
+            if (node->fst != 0 || node->snd != 0)
+                return fail(reason, STATUS_INPUT, "tree node %u: a leaf with children %u and %u", i,
+                            node->fst, node->snd);
+            end[i] = i + 1;
+            continue;
+        }
+        if (i + 1 >= count || node->fst != i + 1)
+            return fail(reason, STATUS_INPUT,
+                        "tree node %u: first child is %u, must be the next of %u nodes", i,
+                        node->fst, count);
+        if (end[i + 1] >= count || node->snd != end[i + 1])
+            return fail(reason, STATUS_INPUT,
+                        "tree node %u: second child is %u, must be node %u of %u, the first after "
+                        "the first child's subtree",
+                        i, node->snd, end[i + 1], count);
+        end[i] = end[node->snd];
+    }
+    if (end[0] != count)
+        return fail(reason, STATUS_INPUT, "tree node %u: not reached from the root", end[0]);
+    return STATUS_OK;
+}
+
+enum status bvh_check_form(const struct bvh *bvh, const struct scene *scene, struct reason *reason)
+{
+    if (bvh->prim_count != scene->tri_count)
+        return fail(reason, STATUS_INPUT, "the tree holds %u triangles, the scene has %u",
+                    bvh->prim_count, scene->tri_count);
+    if (bvh->node_count == 0)
+        return bvh->prim_count == 0
+                   ? STATUS_OK
+                   : fail(reason, STATUS_INPUT, "the tree has no node for %u triangles",
+                          bvh->prim_count);
+    uint32_t *end = alloc_zeroed(bvh->node_count, sizeof *end);
+    uint8_t *seen = alloc_zeroed(bvh->prim_count, sizeof *seen);
+    enum status status = STATUS_MEMORY;
+    if (!end || !seen)
+        (void)fail(reason, status, "no memory to check a tree of %u nodes", bvh->node_count);
+    else if ((status = check_nodes(bvh, end, reason)) == STATUS_OK)
+        status = check_items(bvh, seen, reason);
+    free(end);
+    free(seen);
+    return status;
+}
+
+enum status bvh_check(const struct bvh *bvh, const struct scene *scene, struct reason *reason)
+{
+    enum status status = bvh_check_form(bvh, scene, reason);
+    if (status)
+        return status;
+    struct box *exact = subtree_bounds(bvh, scene);
+    if (!exact)
+        return fail(reason, STATUS_MEMORY, "no memory to check a tree of %u nodes",
+                    bvh->node_count);
+    for (uint32_t i = 0; i < bvh->node_count && !status; i++) {
+        const struct box *box = &bvh->node[i].bounds;
+        for (int k = 0; k < 3 && !status; k++)
+            if (!(box->lo[k] <= exact[i].lo[k] && exact[i].hi[k] <= box->hi[k]))
+                status = fail(reason, STATUS_INPUT,
+                              "tree node %u: %c bounds [%a, %a] do not contain its triangles' "
+                              "[%a, %a]",
+                              i, "xyz"[k], (double)box -> lo[k], (double)box -> hi[k],
+                              (double)exact[i].lo[k], (double)exact[i].hi[k]);
+    }
+    free(exact);
+    return status;
+}

@@ -1,0 +1,72 @@
+/* Layout `f32`: struct node_f32 in pre-order, 32 bytes, and the item array prim of the tree. The
+ * baseline: any leaf size, bounds unchanged. */
+#include "ref/layouts/common.h"
+
+#include <string.h>
+
+#define WORDS (sizeof(struct node_f32) / 4)
+
+static struct node_f32 node_at(const struct packed *packed, uint32_t ref)
+{
+    struct node_f32 node;
+    memcpy(&node, packed->word + (size_t)ref * WORDS, sizeof node);
+    return node;
+}
+
+static enum status pack(const struct bvh *bvh, const struct scene *scene, struct packed *out,
+                        struct reason *reason)
+{
+    enum status status = layout_check_finite("f32", bvh, scene, reason);
+    if (!status)
+        status = layout_alloc("f32", bvh->node_count, WORDS, bvh->prim_count, out, reason);
+    if (status)
+        return status;
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        const struct bvh_node *from = &bvh->node[i];
+        struct node_f32 node = {.first = from->item_count ? from->item_first : from->snd,
+                                .count = from->item_count};
+        memcpy(node.lo, from->bounds.lo, sizeof node.lo);
+        memcpy(node.hi, from->bounds.hi, sizeof node.hi);
+        memcpy(out->word + (size_t)i * WORDS, &node, sizeof node);
+    }
+    memcpy(out->item, bvh->prim, bvh->prim_count * sizeof *out->item);
+    return STATUS_OK;
+}
+
+static void load(const struct packed *packed, uint32_t ref, struct wide *out)
+{
+    struct node_f32 node = node_at(packed, ref);
+    out->child_count = 0;
+    out->item_first = node.first;
+    out->item_count = node.count;
+    if (node.count > 0)
+        return;
+    layout_add_child(packed, ref + 1, out);
+    layout_add_child(packed, node.first, out);
+}
+
+static struct box box(const struct packed *packed, uint32_t ref)
+{
+    struct node_f32 node = node_at(packed, ref);
+    struct box box;
+    memcpy(box.lo, node.lo, sizeof box.lo);
+    memcpy(box.hi, node.hi, sizeof box.hi);
+    return box;
+}
+
+static uint32_t item(const struct packed *packed, uint32_t slot)
+{
+    return slot < packed->item_count ? packed->item[slot] : ABI_NO_PRIM;
+}
+
+extern const struct layout layout_f32;
+const struct layout layout_f32 = {
+    .name = "f32",
+    .summary = "32-byte nodes, bounds in float32, index array; the baseline",
+    .node_bytes = sizeof(struct node_f32),
+    .order = VISIT_NEAR,
+    .pack = pack,
+    .load = load,
+    .box = box,
+    .item = item,
+};

@@ -1,0 +1,20 @@
+#include "ref/layout.h"
+
+#include <string.h>
+
+extern const struct layout layout_f32, layout_rf16;
+
+const struct layout *const layouts[] = {
+    &layout_f32,
+    &layout_rf16,
+    NULL,
+};
+_Static_assert(ARRAY_COUNT(layouts) - 1 == LAYOUT_FILES, "a ref/layouts/layout_*.c has no entry");
+
+const struct layout *layout_find(const char *name)
+{
+    for (size_t i = 0; layouts[i]; i++)
+        if (strcmp(layouts[i]->name, name) == 0)
+            return layouts[i];
+    return NULL;
+}

@@ -1,0 +1,137 @@
+#include "ref/layout.h"
+
+#include "ref/mutant.h"
+#include "ref/packed_walk.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The longest path of a tree, in edges: a binary traversal pushes at most one entry per level. */
+static enum status tree_depth(const struct bvh *bvh, uint32_t *out)
+{
+    *out = 0;
+    uint32_t *depth = alloc_zeroed(bvh->node_count, sizeof *depth);
+    if (!depth)
+        return STATUS_MEMORY;
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        const struct bvh_node *node = &bvh->node[i];
+        if (depth[i] > *out)
+            *out = depth[i];
+        if (node->item_count == 0)
+            depth[node->fst] = depth[node->snd] = depth[i] + 1;
+    }
+    free(depth);
+    return STATUS_OK;
+}
+
+/* A faithful layout can wrap references, so that what is decoded is deeper than the tree. If it is
+ * no tree at all, no number is enough. */
+static enum status decoded_depth(const struct packed *packed, uint32_t *out)
+{
+    struct packed_walk walk;
+    enum status status = packed_walk_make(packed, &walk);
+    *out = walk.repeats > 0 || walk.stack_most > ABI_STACK_MAX ? ABI_STACK_MAX : walk.stack_most;
+    packed_walk_free(&walk);
+    return status;
+}
+
+static enum status find_stack_need(const struct bvh *bvh, struct packed *packed,
+                                   struct reason *reason)
+{
+    const char *name = packed->layout->name;
+    uint32_t depth = 0;
+    enum status status = tree_depth(bvh, &depth);
+    if (!status && depth > ABI_STACK_MAX)
+        return fail(reason, STATUS_LIMIT,
+                    "%s: the traversal stack holds %u entries, this tree is %u deep; use builder "
+                    "median or a larger --leaf",
+                    name, ABI_STACK_MAX, depth);
+    if (!status && packed->layout->faithful)
+        status = decoded_depth(packed, &depth);
+    if (status)
+        return fail(reason, status, "%s: no memory to measure the tree's depth", name);
+    packed->stack_need = depth;
+#if MUTANT == MUTANT_SHORT_STACK
+    if (packed->stack_need > 0)
+        packed->stack_need--;
+#endif
+    return STATUS_OK;
+}
+
+enum status packed_make(const struct layout *layout, const struct bvh *bvh,
+                        const struct scene *scene, struct packed *out, struct reason *reason)
+{
+    *out = (struct packed){0};
+    if (bvh->node_count > 0) {
+        enum status status = layout->pack(bvh, scene, out, reason);
+        if (!status) {
+            out->layout = layout;
+            status = find_stack_need(bvh, out, reason);
+        }
+        if (status) {
+            packed_free(out);
+            return status;
+        }
+    }
+    out->layout = layout;
+    out->tri_count = scene->tri_count;
+    return STATUS_OK;
+}
+
+/* Appends `line` to the newline-separated `text` as far as it fits. */
+static void append_line(char *text, size_t text_bytes, const char *line)
+{
+    size_t used = text_bytes > 0 ? strlen(text) : 0;
+    if (used + 1 < text_bytes)
+        (void)snprintf(text + used, text_bytes - used, "%s%s", used > 0 ? "\n" : "", line);
+}
+
+/* Replaces *best by *candidate if that is smaller; frees the other. */
+static void keep_smaller(struct packed *best, struct packed *candidate)
+{
+    uint64_t best_bytes = packed_node_bytes(best) + packed_item_bytes(best);
+    uint64_t bytes = packed_node_bytes(candidate) + packed_item_bytes(candidate);
+    if (best->layout && best_bytes <= bytes) {
+        packed_free(candidate);
+        return;
+    }
+    packed_free(best);
+    *best = *candidate;
+}
+
+enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, struct packed *out,
+                             char *refused, size_t refused_bytes, struct reason *reason)
+{
+    struct reason why[LAYOUT_FILES];
+    bool refuses[LAYOUT_FILES] = {false};
+    *out = (struct packed){0};
+    if (refused_bytes > 0)
+        refused[0] = 0;
+    for (size_t i = 0; layouts[i]; i++) {
+        struct packed candidate;
+        if (layouts[i]->faithful)
+            continue;
+        enum status status = packed_make(layouts[i], bvh, scene, &candidate, &why[i]);
+        if (status == STATUS_MEMORY) {
+            packed_free(out);
+            return fail(reason, status, "%s", why[i].text);
+        }
+        refuses[i] = status != STATUS_OK;
+        if (!refuses[i])
+            keep_smaller(out, &candidate);
+    }
+    for (size_t i = 0; layouts[i]; i++)
+        if (refuses[i] && (!out->layout || layouts[i]->node_bytes < out->layout->node_bytes))
+            append_line(refused, refused_bytes, why[i].text);
+    if (!out->layout)
+        return fail(reason, STATUS_LIMIT, "no layout can hold this scene; see each one's reason");
+    return STATUS_OK;
+}
+
+void packed_free(struct packed *packed)
+{
+    free(packed->word);
+    free(packed->item);
+    *packed = (struct packed){0};
+}

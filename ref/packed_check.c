@@ -1,0 +1,144 @@
+#include "ref/packed_walk.h"
+
+#include <stdlib.h>
+
+/* A check in progress; `exact` has the bounds of the triangles below each visit. */
+struct check {
+    const struct packed *packed;
+    const struct scene *scene;
+    struct packed_walk walk;
+    struct packed_faults faults;
+    struct box *exact;
+    uint8_t *seen; /* a byte per triangle */
+    struct reason *reason;
+    enum status status; /* STATUS_INPUT once a fault is reported */
+};
+
+/* True for the first fault, which is the one to be described. */
+static bool first_fault(struct check *check)
+{
+    bool first = check->status == STATUS_OK;
+    check->status = STATUS_INPUT;
+    return first;
+}
+
+static void check_walk(struct check *check)
+{
+    const struct packed_walk *walk = &check->walk;
+    const char *name = check->packed->layout->name;
+    check->faults.bad_refs = walk->bad_refs;
+    check->faults.cycles = walk->repeats;
+    check->faults.too_deep = walk->stack_most > check->packed->stack_need;
+    if (walk->bad_refs > 0 && first_fault(check))
+        (void)fail(check->reason, STATUS_INPUT,
+                   "%s: record %u: a child reference lies outside the %u records", name,
+                   walk->bad_ref, check->packed->node_count);
+    if (walk->repeats > 0 && first_fault(check))
+        (void)fail(check->reason, STATUS_INPUT, "%s: record %u is reached more than once", name,
+                   walk->repeat_ref);
+    if (check->faults.too_deep && first_fault(check))
+        (void)fail(check->reason, STATUS_INPUT,
+                   "%s: a path needs %u stack entries, the packed tree says %u", name,
+                   walk->stack_most, check->packed->stack_need);
+}
+
+/* Marks the triangle of one item slot and adds it to the bounds of visit `i`. */
+static void check_item(struct check *check, uint32_t i, uint32_t slot)
+{
+    const struct packed *packed = check->packed;
+    uint32_t prim = packed->layout->item(packed, slot);
+    if (prim == ABI_NO_PRIM)
+        return;
+    if (prim >= check->scene->tri_count) {
+        check->faults.bad_prims++;
+        if (first_fault(check))
+            (void)fail(check->reason, STATUS_INPUT,
+                       "%s: record %u: item slot %u names triangle %u of %u", packed->layout->name,
+                       check->walk.visit[i].ref, slot, prim, check->scene->tri_count);
+        return;
+    }
+    if (check->seen[prim]) {
+        check->faults.double_prims++;
+        if (first_fault(check))
+            (void)fail(check->reason, STATUS_INPUT,
+                       "%s: record %u: item slot %u names triangle %u a second time",
+                       packed->layout->name, check->walk.visit[i].ref, slot, prim);
+    }
+    check->seen[prim] = 1;
+    struct box one = scene_tri_bounds(check->scene, prim);
+    box_add_box(&check->exact[i], &one);
+}
+
+static void check_items(struct check *check)
+{
+    for (uint32_t i = 0; i < check->walk.visit_count; i++) {
+        struct wide node;
+        check->packed->layout->load(check->packed, check->walk.visit[i].ref, &node);
+        check->exact[i] = box_empty();
+        if (node.child_count > 0)
+            continue;
+        /* More slots than triangles cannot all be right: one more finds the fault. */
+        uint32_t slots = node.item_count;
+        if (slots > check->scene->tri_count && slots > 8)
+            slots = check->scene->tri_count + 1;
+        for (uint32_t s = 0; s < slots; s++)
+            check_item(check, i, node.item_first + s);
+    }
+    for (uint32_t prim = 0; prim < check->scene->tri_count; prim++) {
+        if (check->seen[prim])
+            continue;
+        check->faults.lost_prims++;
+        if (first_fault(check))
+            (void)fail(check->reason, STATUS_INPUT, "%s: triangle %u is in no leaf",
+                       check->packed->layout->name, prim);
+    }
+}
+
+/* From the last visit to the first, so that a node's bounds are complete before its parent's. */
+static void check_boxes(struct check *check)
+{
+    for (uint32_t i = check->walk.visit_count; i-- > 0;) {
+        const struct packed_visit *visit = &check->walk.visit[i];
+        const struct box *exact = &check->exact[i];
+        for (int k = 0; k < 3; k++) {
+            /* An odd comparison, so that a NaN counts as loose. */
+            if (visit->box.lo[k] <= exact->lo[k] && exact->hi[k] <= visit->box.hi[k])
+                continue;
+            check->faults.loose_boxes++;
+            if (first_fault(check))
+                (void)fail(check->reason, STATUS_INPUT,
+                           "%s: record %u: %c bounds [%a, %a] do not contain [%a, %a] below",
+                           check->packed->layout->name, visit->ref, "xyz"[k],
+                           (double)visit -> box.lo[k], (double)visit->box.hi[k],
+                           (double)exact->lo[k], (double)exact->hi[k]);
+            break;
+        }
+        if (i > 0)
+            box_add_box(&check->exact[visit->parent], exact);
+    }
+}
+
+enum status packed_check(const struct packed *packed, const struct scene *scene,
+                         struct packed_faults *faults, struct reason *reason)
+{
+    struct check check = {.packed = packed, .scene = scene, .reason = reason};
+    if (faults)
+        *faults = (struct packed_faults){0};
+    enum status status = packed_walk_make(packed, &check.walk);
+    check.exact = alloc_zeroed(check.walk.visit_count, sizeof *check.exact);
+    check.seen = alloc_zeroed(scene->tri_count, 1);
+    if (!status && check.exact && check.seen) {
+        check_walk(&check);
+        check_items(&check);
+        check_boxes(&check);
+        status = check.status;
+        if (faults)
+            *faults = check.faults;
+    } else {
+        status = fail(reason, STATUS_MEMORY, "no memory to check %u records", packed->node_count);
+    }
+    packed_walk_free(&check.walk);
+    free(check.exact);
+    free(check.seen);
+    return status;
+}

@@ -1,0 +1,71 @@
+#include "ref/packed_walk.h"
+
+#include <stdlib.h>
+
+/* Appends a visit unless the node was reached before. `seen` has a bit per record. */
+static void reach(struct packed_walk *walk, uint8_t *seen, const struct packed_visit *visit)
+{
+    uint8_t bit = (uint8_t)(1u << visit->ref % 8);
+    if (seen[visit->ref / 8] & bit) {
+        if (walk->repeats++ == 0)
+            walk->repeat_ref = visit->ref;
+        return;
+    }
+    seen[visit->ref / 8] |= bit;
+    walk->visit[walk->visit_count++] = *visit;
+    if (visit->stack > walk->stack_most)
+        walk->stack_most = visit->stack;
+}
+
+/* Appends the children of visit `i`. */
+static void expand(const struct packed *packed, struct packed_walk *walk, uint8_t *seen, uint32_t i)
+{
+    struct wide node;
+    packed->layout->load(packed, walk->visit[i].ref, &node);
+    if (node.item_count > 0 && node.child_count == 0)
+        return;
+    if (node.child_count < 2) {
+        if (walk->bad_refs == 0)
+            walk->bad_ref = walk->visit[i].ref;
+        walk->bad_refs += 2 - node.child_count;
+    }
+    for (uint32_t c = 0; c < node.child_count; c++) {
+        struct packed_visit child = {.ref = node.child[c],
+                                     .parent = i,
+                                     .stack = walk->visit[i].stack + node.child_count - 1,
+                                     .box = node.box[c]};
+        reach(walk, seen, &child);
+    }
+}
+
+enum status packed_walk_make(const struct packed *packed, struct packed_walk *out)
+{
+    *out = (struct packed_walk){0};
+    if (packed->node_count == 0)
+        return STATUS_OK;
+    if (!packed_ref_valid(packed, packed->root)) {
+        out->bad_refs = 1;
+        out->bad_ref = packed->root;
+        return STATUS_OK;
+    }
+    uint8_t *seen = alloc_zeroed((size_t)packed->node_count / 8 + 1, 1);
+    out->visit = alloc_zeroed(packed->node_count, sizeof *out->visit);
+    if (!seen || !out->visit) {
+        free(seen);
+        packed_walk_free(out);
+        return STATUS_MEMORY;
+    }
+    struct packed_visit root = {.ref = packed->root,
+                                .box = packed->layout->box(packed, packed->root)};
+    reach(out, seen, &root);
+    for (uint32_t i = 0; i < out->visit_count; i++)
+        expand(packed, out, seen, i);
+    free(seen);
+    return STATUS_OK;
+}
+
+void packed_walk_free(struct packed_walk *walk)
+{
+    free(walk->visit);
+    *walk = (struct packed_walk){0};
+}
