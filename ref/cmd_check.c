@@ -1,11 +1,11 @@
 /* raydiff check: the main job. Engines and layouts on one scene, compared ray by ray. */
 #include "ref/cmd_check.h"
 
+#include "ref/cmd_options.h"
 #include "ref/command.h"
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
 
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,12 +26,8 @@ static const char help[] =
     "  --count N       rays, 1 or more; 1e6 is accepted                          [100000]\n"
     "  --seed S        of rays and generators                                    [1]\n"
     "  --repeat N      timed runs per engine, 1 to 32: median, least, most       [3]\n"
-    "  --brute N       ray-triangle tests that brute force may spend             [2e8]\n"
-    "  --threads N     CPU threads, 0 is all                                     [0]\n"
-    "  --driver NAME   Vulkan: part of a driver's or device's name\n"
-    "  --device N      Vulkan: device by the number that raydiff doctor gives\n"
-    "  --workgroup N   Vulkan: rays per workgroup                                [64]\n"
-    "  --json FILE     all rows, for machines\n\n"
+    "  --brute N       ray-triangle tests that brute force may spend             "
+    "[2e8]\n" ENGINE_OPTIONS_HELP "  --json FILE     all rows, for machines\n\n"
     "A named layout that refuses the scene exits with 2, a named engine that cannot run with 77.\n"
     "exit codes: 0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped\n"
     "example: raydiff check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices\n";
@@ -60,36 +56,24 @@ enum {
     OPT_SEED,
     OPT_REPEAT,
     OPT_BRUTE,
-    OPT_THREADS,
-    OPT_DRIVER,
-    OPT_DEVICE,
-    OPT_WORKGROUP,
-    OPT_JSON,
-    OPT_HELP
+    OPT_JSON
 };
 
-static const struct option long_options[] = {
-    {"layout", 1, NULL, OPT_LAYOUT},
-    {"engine", 1, NULL, OPT_ENGINE},
-    {"builder", 1, NULL, OPT_BUILDER},
-    {"leaf", 1, NULL, OPT_LEAF},
-    {"eps", 1, NULL, OPT_EPS},
-    {"box", 1, NULL, OPT_BOX},
-    {"tri", 1, NULL, OPT_TRI},
-    {"query", 1, NULL, OPT_QUERY},
-    {"rays", 1, NULL, OPT_RAYS},
-    {"count", 1, NULL, OPT_COUNT},
-    {"seed", 1, NULL, OPT_SEED},
-    {"repeat", 1, NULL, OPT_REPEAT},
-    {"brute", 1, NULL, OPT_BRUTE},
-    {"threads", 1, NULL, OPT_THREADS},
-    {"driver", 1, NULL, OPT_DRIVER},
-    {"device", 1, NULL, OPT_DEVICE},
-    {"workgroup", 1, NULL, OPT_WORKGROUP},
-    {"json", 1, NULL, OPT_JSON},
-    {"help", 0, NULL, OPT_HELP},
-    {NULL, 0, NULL, 0},
-};
+static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
+                                             {"engine", 1, NULL, OPT_ENGINE},
+                                             {"builder", 1, NULL, OPT_BUILDER},
+                                             {"leaf", 1, NULL, OPT_LEAF},
+                                             {"eps", 1, NULL, OPT_EPS},
+                                             {"box", 1, NULL, OPT_BOX},
+                                             {"tri", 1, NULL, OPT_TRI},
+                                             {"query", 1, NULL, OPT_QUERY},
+                                             {"rays", 1, NULL, OPT_RAYS},
+                                             {"count", 1, NULL, OPT_COUNT},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             {"repeat", 1, NULL, OPT_REPEAT},
+                                             {"brute", 1, NULL, OPT_BRUTE},
+                                             {"json", 1, NULL, OPT_JSON},
+                                             ENGINE_OPTIONS};
 
 static struct check_options default_options(void)
 {
@@ -101,7 +85,7 @@ static struct check_options default_options(void)
         .seed = 1,
         .repeats = 3,
         .brute = 200000000,
-        .engines = {.device = -1},
+        .engines = engine_options_default(),
     };
     bool ok = table_parse(TABLE_LAYOUTS, "", "f32,rf16", &o.layout, &reason) == STATUS_OK &&
               table_parse(TABLE_BUILDERS, "", "median", &o.builder, &reason) == STATUS_OK &&
@@ -141,18 +125,8 @@ static enum status take_number(struct check_options *o, int option, const char *
         return parse_count("--repeat", text, 1, REPEAT_MOST, &o->repeats, reason);
     case OPT_BRUTE:
         return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
-    case OPT_THREADS:
-        status = parse_count("--threads", text, 0, 4096, &n, reason);
-        o->engines.threads = (uint32_t)n;
-        break;
-    case OPT_DEVICE:
-        status = parse_count("--device", text, 0, 255, &n, reason);
-        o->engines.device = (int)n;
-        break;
-    case OPT_WORKGROUP:
-        status = parse_count("--workgroup", text, 1, 1024, &n, reason);
-        o->engines.workgroup = (uint32_t)n;
-        break;
+    default:
+        return engine_option_take(option, text, &o->engines, reason);
     }
     return status;
 }
@@ -178,9 +152,6 @@ static enum status take_option(struct check_options *o, int option, const char *
         return table_parse_one(TABLE_RAY_SETS, "--rays", text, &o->rays, reason);
     case OPT_EPS:
         return parse_float("--eps", text, &o->build.eps, reason);
-    case OPT_DRIVER:
-        o->engines.driver = text;
-        return STATUS_OK;
     case OPT_JSON:
         o->json = text;
         return STATUS_OK;

@@ -1,0 +1,34 @@
+#include "ref/cmd_options.h"
+
+#include "ref/command.h"
+
+struct engine_options engine_options_default(void)
+{
+    return (struct engine_options){.device = -1};
+}
+
+enum status engine_option_take(int option, const char *text, struct engine_options *out,
+                               struct reason *reason)
+{
+    uint64_t n = 0;
+    enum status status = STATUS_OK;
+    switch (option) {
+    case OPT_THREADS:
+        status = parse_count("--threads", text, 0, 4096, &n, reason);
+        out->threads = (uint32_t)n;
+        return status;
+    case OPT_DEVICE:
+        status = parse_count("--device", text, 0, 255, &n, reason);
+        out->device = (int)n;
+        return status;
+    case OPT_WORKGROUP:
+        status = parse_count("--workgroup", text, 1, 1024, &n, reason);
+        out->workgroup = (uint32_t)n;
+        return status;
+    case OPT_DRIVER:
+        out->driver = text;
+        return STATUS_OK;
+    default:
+        return fail(reason, STATUS_INPUT, "unknown option");
+    }
+}

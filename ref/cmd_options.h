@@ -1,0 +1,35 @@
+/* Options that several commands take alike. For commands only. */
+#ifndef CMD_OPTIONS_H
+#define CMD_OPTIONS_H
+
+#include "ref/engine.h"
+
+#include <getopt.h>
+
+enum { OPT_THREADS = 1024, OPT_DRIVER, OPT_DEVICE, OPT_WORKGROUP, OPT_HELP };
+
+/* Entries of a getopt_long table; OPT_HELP ends it. */
+#define ENGINE_OPTIONS                                                                             \
+    {"threads", 1, NULL, OPT_THREADS}, {"driver", 1, NULL, OPT_DRIVER},                            \
+        {"device", 1, NULL, OPT_DEVICE}, {"workgroup", 1, NULL, OPT_WORKGROUP},                    \
+        {"help", 0, NULL, OPT_HELP},                                                               \
+    {                                                                                              \
+        NULL, 0, NULL, 0                                                                           \
+    }
+
+/* What they mean, for the end of a help text. */
+#define ENGINE_OPTIONS_HELP                                                                        \
+    "  --threads N     CPU threads, 0 is all                                     [0]\n"            \
+    "  --driver NAME   Vulkan: part of a driver's or device's name\n"                              \
+    "  --device N      Vulkan: device by the number that raydiff doctor gives\n"                   \
+    "  --workgroup N   Vulkan: rays per workgroup                                [64]\n"
+
+/* No thread limit, any Vulkan device. */
+struct engine_options engine_options_default(void);
+
+/* Takes one of ENGINE_OPTIONS. Errors: STATUS_INPUT with the flag, text and range; also for any
+ * other option, which the caller must have handled. */
+enum status engine_option_take(int option, const char *text, struct engine_options *out,
+                               struct reason *reason) MUST_USE;
+
+#endif

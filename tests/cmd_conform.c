@@ -1,0 +1,318 @@
+/* raydiff conform: the conformance suite, its names made from the tables. */
+#include "ref/cmd_options.h"
+#include "ref/command.h"
+#include "tests/cmd_conform_report.h"
+#include "tests/cmd_trial.h"
+
+#include "scenes/scenes.h"
+
+#include <fnmatch.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: raydiff conform [PATTERN] [OPTIONS]\n"
+    "Runs the conformance suite. Without PATTERN a default suite that pairs every combination of\n"
+    "engine, layout, builder, box test, triangle test and query with a scene and a ray set, and\n"
+    "every scene with every ray set. With PATTERN (shell wildcards) every trial of the whole\n"
+    "product whose name matches; a complete name runs whatever it names, also a mesh file. A\n"
+    "pattern without a match fails.\n\n"
+    "  name            query.engine.layout.builder.box.tri.scene.rays.seed, '-' where an engine\n"
+    "                  has no tree; the name is the reproduction\n"
+    "  --list          print the names, run nothing\n"
+    "  --count N       rays per trial                                     [1000]\n"
+    "  --brute N       ray-triangle tests that brute force may spend      [1e8]\n"
+    "  --require E,..  engines whose skips are failures\n"
+    "  --waivers FILE  lines 'PATTERN REASON': failures that are known    [none]\n"
+    "  --verbose       a line per trial\n"
+    "  --tap           TAP 13 on standard output\n"
+    "  --junit FILE    JUnit XML\n" ENGINE_OPTIONS_HELP
+    "\nexit codes: 0 passed, 1 a trial failed, 2 usage or nothing matches, 3 engine failed,\n"
+    "            77 everything was skipped\n"
+    "example: raydiff conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'\n";
+
+struct suite {
+    struct trial *trial;
+    size_t count, capacity;
+    const char *pattern; /* NULL: take all */
+    bool failed;         /* no memory */
+};
+
+static void suite_add(struct suite *suite, const struct trial *trial)
+{
+    char name[TRIAL_NAME_MOST];
+    trial_print(trial, name);
+    if (suite->pattern && fnmatch(suite->pattern, name, 0) != 0)
+        return;
+    void *trials = suite->trial;
+    if (array_reserve(&trials, &suite->capacity, suite->count + 1, sizeof *trial)) {
+        suite->failed = true;
+        return;
+    }
+    suite->trial = trials;
+    suite->trial[suite->count++] = *trial;
+}
+
+static size_t count_of(enum table table)
+{
+    size_t n = 0;
+    while (table_member(table, n, NULL))
+        n++;
+    return n;
+}
+
+static void place(struct trial *trial, size_t scene, size_t rays)
+{
+    strcpy(trial->scene, generators[scene % count_of(TABLE_GENERATORS)]->name);
+    trial->rays = ray_sets[rays % count_of(TABLE_RAY_SETS)];
+    trial->seed = 1;
+}
+
+/* Calls `visit` with every combination of members that are not scene or rays. */
+static void each_combination(struct suite *suite,
+                             void (*visit)(struct suite *, struct trial *, size_t serial))
+{
+    size_t serial = 0;
+    for (size_t b = 0; builders[b]; b++)
+        for (size_t t = 0; tri_tests[t]; t++)
+            for (size_t l = 0; layouts[l]; l++)
+                for (size_t x = 0; box_tests[x]; x++)
+                    for (size_t q = 0; q <= QUERY_ANY; q++)
+                        for (size_t e = 0; engines[e]; e++) {
+                            struct trial trial = {.query = (enum query)q,
+                                                  .engine = engines[e],
+                                                  .layout = layouts[l],
+                                                  .builder = builders[b],
+                                                  .box = box_tests[x],
+                                                  .tri = tri_tests[t]};
+                            if (engines[e]->needs_packed) {
+                                visit(suite, &trial, serial);
+                            } else if (l == 0 && x == 0 && b == 0) {
+                                trial.layout = NULL;
+                                trial.builder = NULL;
+                                trial.box = NULL;
+                                visit(suite, &trial, serial);
+                            }
+                            serial += e == 0; /* engines share scene and rays */
+                        }
+}
+
+static void add_everywhere(struct suite *suite, struct trial *trial, size_t serial)
+{
+    (void)serial;
+    for (size_t s = 0; generators[s]; s++)
+        for (size_t r = 0; ray_sets[r]; r++) {
+            place(trial, s, r);
+            suite_add(suite, trial);
+        }
+}
+
+/* Default suite: each combination once, scenes and rays taken in turn; the repaired parts and the
+ * engines without a tree everywhere. */
+static void add_default(struct suite *suite, struct trial *trial, size_t serial)
+{
+    if (strcmp(trial->engine->name, "brute") == 0)
+        return; /* it is what the others are compared with */
+    bool plain = trial->query == QUERY_CLOSEST && !trial->tri->faithful;
+    if (trial->layout)
+        plain =
+            plain && !trial->layout->faithful && !trial->builder->faithful && !trial->box->faithful;
+    if (plain) {
+        add_everywhere(suite, trial, serial);
+    } else {
+        place(trial, serial, serial / count_of(TABLE_GENERATORS));
+        suite_add(suite, trial);
+    }
+}
+
+static int by_stage(const void *a, const void *b)
+{
+    const struct trial *x = a, *y = b;
+    int order = strcmp(x->scene, y->scene);
+    if (order == 0)
+        order = strcmp(x->rays->name, y->rays->name);
+    if (order == 0)
+        order = strcmp(x->tri->name, y->tri->name);
+    if (order == 0)
+        order = strcmp(x->builder ? x->builder->name : "", y->builder ? y->builder->name : "");
+    if (order == 0)
+        order = strcmp(x->layout ? x->layout->name : "", y->layout ? y->layout->name : "");
+    if (order == 0)
+        order = strcmp(x->box ? x->box->name : "", y->box ? y->box->name : "");
+    if (order == 0)
+        order = (x->query > y->query) - (x->query < y->query);
+    return order ? order : strcmp(x->engine->name, y->engine->name);
+}
+
+/* Neighbours share scene, rays, reference and tree, so sorting saves most of the time. */
+static enum status suite_make(struct suite *suite, struct reason *reason)
+{
+    struct trial one;
+    if (suite->pattern && strpbrk(suite->pattern, "*?[") == NULL) {
+        enum status status = trial_parse(suite->pattern, &one, reason);
+        if (status)
+            return status;
+        suite_add(suite, &one);
+    } else {
+        each_combination(suite, suite->pattern ? add_everywhere : add_default);
+    }
+    if (suite->failed)
+        return fail(reason, STATUS_MEMORY, "no memory for the list of trials");
+    if (suite->count == 0)
+        return fail(reason, STATUS_INPUT, "no trial matches '%s'", suite->pattern);
+    qsort(suite->trial, suite->count, sizeof *suite->trial, by_stage);
+    return STATUS_OK;
+}
+
+struct conform_options {
+    const char *pattern, *junit, *waivers;
+    bool list, verbose, tap;
+    struct list require;
+    uint64_t count, brute;
+    struct engine_options engines;
+};
+
+enum {
+    OPT_LIST = 256,
+    OPT_COUNT,
+    OPT_BRUTE,
+    OPT_REQUIRE,
+    OPT_WAIVERS,
+    OPT_VERBOSE,
+    OPT_TAP,
+    OPT_JUNIT
+};
+
+static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
+                                             {"count", 1, NULL, OPT_COUNT},
+                                             {"brute", 1, NULL, OPT_BRUTE},
+                                             {"require", 1, NULL, OPT_REQUIRE},
+                                             {"waivers", 1, NULL, OPT_WAIVERS},
+                                             {"verbose", 0, NULL, OPT_VERBOSE},
+                                             {"tap", 0, NULL, OPT_TAP},
+                                             {"junit", 1, NULL, OPT_JUNIT},
+                                             ENGINE_OPTIONS};
+
+static enum status take_option(struct conform_options *o, int option, const char *text,
+                               struct reason *reason)
+{
+    switch (option) {
+    case OPT_LIST:
+        o->list = true;
+        break;
+    case OPT_COUNT:
+        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
+    case OPT_BRUTE:
+        return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
+    case OPT_REQUIRE:
+        return table_parse(TABLE_ENGINES, "--require", text, &o->require, reason);
+    case OPT_WAIVERS:
+        o->waivers = text;
+        break;
+    case OPT_VERBOSE:
+        o->verbose = true;
+        break;
+    case OPT_TAP:
+        o->tap = true;
+        break;
+    case OPT_JUNIT:
+        o->junit = text;
+        break;
+    default:
+        return engine_option_take(option, text, &o->engines, reason);
+    }
+    return STATUS_OK;
+}
+
+static bool required(const struct conform_options *o, const struct engine *engine)
+{
+    for (size_t i = 0; i < o->require.count; i++)
+        if (engines[o->require.index[i]] == engine)
+            return true;
+    return false;
+}
+
+/* Runs all trials of the suite into the report. */
+static void run_suite(const struct conform_options *o, const struct suite *suite,
+                      struct conform_report *report)
+{
+    struct stage stage = {
+        .pool = {.options = o->engines}, .ray_count = (size_t)o->count, .brute_budget = o->brute};
+    struct progress progress = progress_make("conform");
+    for (size_t i = 0; i < suite->count; i++) {
+        char name[TRIAL_NAME_MOST];
+        struct row row;
+        struct reason reason = {""};
+        const struct trial *trial = &suite->trial[i];
+        trial_print(trial, name);
+        if (!o->tap)
+            progress_step(&progress, "%zu of %zu: %s", i + 1, suite->count, name);
+        uint64_t start = time_ns();
+        enum status status = stage_run(&stage, trial, &row, &reason);
+        if (!o->tap)
+            progress_end(&progress);
+        conform_report_add(report, name, status, &row, &reason, required(o, trial->engine),
+                           (double)(time_ns() - start) * 1e-9);
+    }
+    stage_free(&stage);
+}
+
+static int list_suite(const struct suite *suite)
+{
+    for (size_t i = 0; i < suite->count; i++) {
+        char name[TRIAL_NAME_MOST];
+        trial_print(&suite->trial[i], name);
+        puts(name);
+    }
+    return EXIT_AGREE;
+}
+
+static int conform(const struct conform_options *o)
+{
+    struct suite suite = {.pattern = o->pattern};
+    struct conform_report report;
+    struct reason reason = {""};
+    enum status status = suite_make(&suite, &reason);
+    int code = EXIT_AGREE;
+    if (status == STATUS_OK && !o->list) {
+        status = conform_report_open(&report, suite.count, o->verbose, o->tap, o->waivers, o->junit,
+                                     &reason);
+        if (status == STATUS_OK) {
+            run_suite(o, &suite, &report);
+            code = conform_report_close(&report);
+        }
+    } else if (status == STATUS_OK) {
+        code = list_suite(&suite);
+    }
+    free(suite.trial);
+    if (status) {
+        fprintf(stderr, "raydiff conform: %s\n", reason.text);
+        return exit_of_status(status);
+    }
+    return code;
+}
+
+int cmd_conform(int argc, char **argv)
+{
+    struct conform_options o = {
+        .count = 1000, .brute = 100000000, .engines = engine_options_default()};
+    struct reason reason;
+    int option;
+    opterr = 0;
+    optind = 1;
+    while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
+        if (option == OPT_HELP || option == 'h') {
+            fputs(help, stdout);
+            return EXIT_AGREE;
+        }
+        if (option == '?')
+            return usage_error("conform", "unknown option or missing value: '%s'",
+                               argv[optind - 1]);
+        if (take_option(&o, option, optarg, &reason))
+            return usage_error("conform", "%s", reason.text);
+    }
+    if (argc - optind > 1)
+        return usage_error("conform", "one pattern at a time; '%s' is a second", argv[optind + 1]);
+    o.pattern = optind < argc ? argv[optind] : NULL;
+    return conform(&o);
+}
