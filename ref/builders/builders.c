@@ -2,10 +2,11 @@
 
 #include <string.h>
 
-extern const struct builder build_median;
+extern const struct builder build_median, build_rtrs;
 
 const struct builder *const builders[] = {
     &build_median,
+    &build_rtrs,
     NULL,
 };
 _Static_assert(ARRAY_COUNT(builders) - 1 == BUILDER_FILES, "a ref/builders/build_*.c has no entry");

@@ -3,11 +3,10 @@
 #include <string.h>
 
 extern const struct layout layout_f32, layout_rf16;
+extern const struct layout layout_rtrs_direct, layout_rtrs_rf, layout_rtrs_rf_paper;
 
 const struct layout *const layouts[] = {
-    &layout_f32,
-    &layout_rf16,
-    NULL,
+    &layout_f32, &layout_rf16, &layout_rtrs_direct, &layout_rtrs_rf, &layout_rtrs_rf_paper, NULL,
 };
 _Static_assert(ARRAY_COUNT(layouts) - 1 == LAYOUT_FILES, "a ref/layouts/layout_*.c has no entry");
 

@@ -1,0 +1,126 @@
+/* Layout `rtrs_rf`: the seed's 16-byte records, as its code packs them and its shader reads them.
+ *   record 0    bounds as halves rounded to nearest (F11), infinite from 65520 on (F12)
+ *   inner tag   low half record of snd, high half record of fst, cut to 16 bits (F9): a record of
+ *               fst from 32768 on sets bit 31, and the node reads as a leaf
+ *   leaf tag    0x80000000; record 1 holds eight 16-bit items, cut (F10), unused 0, no count
+ * The shader reads slots 0 to 5 (F7), skips 0, and takes item k for the scene's triangle k - 1
+ * (F2): the last triangle is never tested. Two faults show while packing: the loop that turns node
+ * indices into record indices also treats a leaf's record 1 as a node (F6), and a leaf of more than
+ * 8 items ends the seed (F8). */
+#include "ref/layouts/common.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define WORDS      (sizeof(struct node_rf) / 4)
+#define SLOTS      8u
+#define SLOTS_READ 6u
+#define LEAF       0x80000000u
+
+static enum status check_leaves(const struct bvh *bvh, struct reason *reason)
+{
+    for (uint32_t i = 0; i < bvh->node_count; i++)
+        if (bvh->node[i].item_count > SLOTS)
+            return fail(reason, STATUS_LIMIT,
+                        "rtrs_rf: the seed panics: F8 (%u items in a leaf of 8 slots)",
+                        bvh->node[i].item_count);
+    return STATUS_OK;
+}
+
+/* Writes the records of node `i` as they are before the fix-up: children are node indices. */
+static void pack_node(const struct bvh *bvh, uint32_t i, uint32_t *word)
+{
+    const struct bvh_node *node = &bvh->node[i];
+    layout_pack_bounds(&node->bounds, half_nearest, half_nearest, word);
+    if (node->item_count == 0) {
+        word[3] = node->fst << 16 | low_half(node->snd);
+        return;
+    }
+    word[3] = LEAF;
+    for (uint32_t s = 0; s < node->item_count; s++)
+        word[WORDS + s / 2] |= low_half(bvh->prim[node->item_first + s]) << (s % 2 * 16);
+}
+
+/* Adds to both halves of every tag without the leaf bit the leaves before that node. The tag of a
+ * leaf's record 1 is two items; where one is beyond the nodes, the seed reads out of range. */
+static enum status fix_up(const struct bvh *bvh, const uint32_t *before, struct packed *out,
+                          struct reason *reason)
+{
+    for (uint32_t r = 0; r < out->node_count; r++) {
+        uint32_t *tag = &out->word[WORDS * (size_t)r + 3];
+        if (*tag & LEAF)
+            continue;
+        uint32_t low = low_half(*tag), high = high_half(*tag);
+        uint32_t larger = low > high ? low : high;
+        if (larger > bvh->node_count)
+            return fail(reason, STATUS_LIMIT,
+                        "rtrs_rf: the seed panics: F6 (record %u holds item %u, taken for one of "
+                        "%u nodes)",
+                        r, larger, bvh->node_count);
+        *tag = low_half(low + before[low]) | low_half(high + before[high]) << 16;
+    }
+    return STATUS_OK;
+}
+
+static enum status pack(const struct bvh *bvh, const struct scene *scene, struct packed *out,
+                        struct reason *reason)
+{
+    (void)scene;
+    enum status status = check_leaves(bvh, reason);
+    if (status)
+        return status;
+    uint32_t *before = layout_leaves_before(bvh);
+    if (!before)
+        return fail(reason, STATUS_MEMORY, "rtrs_rf: no memory to number %u nodes",
+                    bvh->node_count);
+    uint64_t records = (uint64_t)bvh->node_count + before[bvh->node_count];
+    status = layout_alloc("rtrs_rf", records, WORDS, 0, out, reason);
+    for (uint32_t i = 0; i < bvh->node_count && !status; i++)
+        pack_node(bvh, i, out->word + WORDS * (size_t)(i + before[i]));
+    if (!status)
+        status = fix_up(bvh, before, out, reason);
+    free(before);
+    return status;
+}
+
+static void load(const struct packed *packed, uint32_t ref, struct wide *out)
+{
+    uint32_t tag = packed->word[WORDS * (size_t)ref + 3];
+    out->child_count = 0;
+    out->item_first = (ref + 1) * SLOTS;
+    out->item_count = 0;
+    if (tag & LEAF) {
+        out->item_count = SLOTS_READ;
+        return;
+    }
+    layout_add_child(packed, high_half(tag), out);
+    layout_add_child(packed, low_half(tag), out);
+}
+
+static struct box box(const struct packed *packed, uint32_t ref)
+{
+    return layout_unpack_bounds(packed->word + WORDS * (size_t)ref);
+}
+
+/* 0 is the null triangle; what lies beyond the scene is the garbage of F9. */
+static uint32_t item(const struct packed *packed, uint32_t slot)
+{
+    if (slot / 2 >= packed->word_count)
+        return ABI_NO_PRIM;
+    uint32_t word = packed->word[slot / 2];
+    uint32_t stored = slot % 2 ? high_half(word) : low_half(word);
+    return stored > 0 && stored <= packed->tri_count ? stored - 1 : ABI_NO_PRIM;
+}
+
+extern const struct layout layout_rtrs_rf;
+const struct layout layout_rtrs_rf = {
+    .name = "rtrs_rf",
+    .summary = "the seed's 16-byte records, six slots read, its triangle numbering included",
+    .node_bytes = sizeof(struct node_rf),
+    .order = VISIT_FST,
+    .faithful = true,
+    .pack = pack,
+    .load = load,
+    .box = box,
+    .item = item,
+};

@@ -1,0 +1,109 @@
+/* Layout `rtrs_rf_paper`: the 16-byte record as the paper's Listing 6 reads it; packed to be read
+ * so, since the paper does not print how it is written.
+ *   record 0    bounds as halves rounded to nearest, as the seed's code has them
+ *   inner tag   bits 0-14 record of fst, bits 16-30 record of snd, both cut to 15 bits
+ *   leaf tag    0x80000000; record 1: items[0] and [1] in the tag, cut to 15 bits, then items[2] to
+ *               [7] in the halves of bounds[0] to bounds[2], cut to 16 bits; unused 0
+ * All eight slots are read, 0 means empty, item k names triangle k, so triangle 0 is lost. Figure 7
+ * pushes fst, then snd, so snd is visited first. (The seed's code has snd in the low half: with the
+ * listing's names it visits its own fst first.) */
+#include "ref/layouts/common.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define WORDS   (sizeof(struct node_rf) / 4)
+#define SLOTS   8u
+#define LEAF    0x80000000u
+#define BITS_15 0x7FFFu
+
+/* Where slot `s` of a record lies among its eight 16-bit fields, the tag being the last two. */
+static uint32_t field_of(uint32_t s)
+{
+    return s < 2 ? s + 6 : s - 2;
+}
+
+static uint32_t mask_of(uint32_t s)
+{
+    return s < 2 ? BITS_15 : 0xFFFFu;
+}
+
+static void pack_node(const struct bvh *bvh, uint32_t i, const uint32_t *before, uint32_t *word)
+{
+    const struct bvh_node *node = &bvh->node[i];
+    layout_pack_bounds(&node->bounds, half_nearest, half_nearest, word);
+    if (node->item_count == 0) {
+        word[3] = ((node->fst + before[node->fst]) & BITS_15) |
+                  ((node->snd + before[node->snd]) & BITS_15) << 16;
+        return;
+    }
+    word[3] = LEAF;
+    for (uint32_t s = 0; s < node->item_count; s++) {
+        uint32_t stored = bvh->prim[node->item_first + s] & mask_of(s);
+        word[WORDS + field_of(s) / 2] |= stored << (field_of(s) % 2 * 16);
+    }
+}
+
+static enum status pack(const struct bvh *bvh, const struct scene *scene, struct packed *out,
+                        struct reason *reason)
+{
+    (void)scene;
+    for (uint32_t i = 0; i < bvh->node_count; i++)
+        if (bvh->node[i].item_count > SLOTS)
+            return fail(reason, STATUS_LIMIT,
+                        "rtrs_rf_paper: the paper's record has 8 slots, this tree has a leaf of %u "
+                        "items; use --leaf 8 or less",
+                        bvh->node[i].item_count);
+    uint32_t *before = layout_leaves_before(bvh);
+    if (!before)
+        return fail(reason, STATUS_MEMORY, "rtrs_rf_paper: no memory to number %u nodes",
+                    bvh->node_count);
+    uint64_t records = (uint64_t)bvh->node_count + before[bvh->node_count];
+    enum status status = layout_alloc("rtrs_rf_paper", records, WORDS, 0, out, reason);
+    for (uint32_t i = 0; i < bvh->node_count && !status; i++)
+        pack_node(bvh, i, before, out->word + WORDS * (size_t)(i + before[i]));
+    free(before);
+    return status;
+}
+
+static void load(const struct packed *packed, uint32_t ref, struct wide *out)
+{
+    uint32_t tag = packed->word[WORDS * (size_t)ref + 3];
+    out->child_count = 0;
+    out->item_first = (ref + 1) * SLOTS;
+    out->item_count = 0;
+    if (tag & LEAF) {
+        out->item_count = SLOTS;
+        return;
+    }
+    layout_add_child(packed, low_half(tag) & BITS_15, out);
+    layout_add_child(packed, high_half(tag) & BITS_15, out);
+}
+
+static struct box box(const struct packed *packed, uint32_t ref)
+{
+    return layout_unpack_bounds(packed->word + WORDS * (size_t)ref);
+}
+
+static uint32_t item(const struct packed *packed, uint32_t slot)
+{
+    uint32_t field = slot / SLOTS * SLOTS + field_of(slot % SLOTS);
+    if (field / 2 >= packed->word_count)
+        return ABI_NO_PRIM;
+    uint32_t word = packed->word[field / 2];
+    uint32_t stored = (field % 2 ? high_half(word) : low_half(word)) & mask_of(slot % SLOTS);
+    return stored > 0 && stored < packed->tri_count ? stored : ABI_NO_PRIM;
+}
+
+extern const struct layout layout_rtrs_rf_paper;
+const struct layout layout_rtrs_rf_paper = {
+    .name = "rtrs_rf_paper",
+    .summary = "the paper's 16-byte record: 15-bit children, eight slots, 0 means empty",
+    .node_bytes = sizeof(struct node_rf),
+    .order = VISIT_SND,
+    .faithful = true,
+    .pack = pack,
+    .load = load,
+    .box = box,
+    .item = item,
+};
