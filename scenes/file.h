@@ -6,20 +6,31 @@
 
 #include <stdio.h>
 
+#define FILE_LARGEST ((size_t)2 << 30) /* bytes, as stored and as unzipped */
+
 /* Reads all of `path`, gunzipping if it begins with the gzip magic; *bytes has a 0 after the last
- * byte, which does not count. Refuses directories, unreadable and empty files.
+ * byte, which does not count. Refuses directories, unreadable and empty files, what is larger than
+ * FILE_LARGEST, and gzip data that are cut short, damaged or followed by something else.
  * Errors: STATUS_INPUT "PATH: rule"; STATUS_MEMORY. Caller frees *bytes. */
-enum status file_read(const char *path, char **bytes, size_t *size,
-                      struct reason *reason) MUST_USE;
+enum status file_read(const char *path, char **bytes, size_t *size, struct reason *reason) MUST_USE;
+
+/* As file_read, with another largest size. */
+enum status file_read_most(const char *path, size_t most, char **bytes, size_t *size,
+                           struct reason *reason) MUST_USE;
+
+/* The part of `path` that fits into a reason beside a rule: all of it, or its end. */
+const char *file_label(const char *path);
 
 /* A file being written under a temporary name beside its goal. */
 struct file_out {
     FILE *stream;
-    char *path;
-    char *temporary;
+    char *path;      /* the goal; the target, if the path named is a symbolic link */
+    char *temporary; /* NULL: a device or pipe, written directly */
 };
 
-/* Opens a temporary file in the folder of `path`. Errors: STATUS_INPUT cannot write there. */
+/* Opens a temporary file in the folder of `path`, with the permissions of any new file. What is no
+ * regular file and cannot be replaced (/dev/stdout, a pipe) is opened itself.
+ * Errors: STATUS_INPUT a directory, or cannot write there; STATUS_MEMORY. */
 enum status file_out_open(const char *path, struct file_out *out, struct reason *reason) MUST_USE;
 
 /* Flushes, checks for write errors and renames to the goal; on error nothing is left behind. */
