@@ -44,7 +44,8 @@ CPPFLAGS += -DLAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
             -DGENERATOR_FILES=$(words $(wildcard scenes/generators/gen_*.c)) \
             -DTRACE_SHADERS=$(words $(wildcard shaders/trace_*.comp))
 
-.PHONY: all lib tests spv clean
+.PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
+        validate-check format format-check install uninstall scenes mutants lint
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -77,6 +78,85 @@ $(B)/tests/%: $(B)/obj/tests/%.o $(B)/libraydiff.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) -lcmocka $(TEST_LIBS)
 
 include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
+
+# --- what people type -------------------------------------------------------------------------
+
+# The main job: a real mesh that fits the 16-byte layout and one that does not.
+#   make run                     make run SCENE=my.obj ARGS='--layout all'
+RF_FITS   := scenes/fetched/assimp-wuson.obj
+RF_BURSTS := scenes/fetched/glmark2-bunny.obj
+run:
+	@sh .ci/deps.sh run
+	@$(MAKE) --no-print-directory -s -j$(JOBS) all
+	@$(if $(SCENE),,sh scenes/fetch.sh scenes/fetched --minimal --quiet || true)
+	@$(B)/raydiff check $(or $(SCENE),$(wildcard $(RF_FITS) $(RF_BURSTS))) $(ARGS)
+
+JOBS := $(shell nproc 2>/dev/null || echo 2)
+
+check:
+	@sh .ci/deps.sh check
+	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
+	@sh tests/run.sh $(B)
+
+bench: all
+	$(B)/raydiff bench $(ARGS)
+
+scenes:
+	@sh scenes/fetch.sh scenes/fetched
+
+# Item 3 of the main job: 10^6 rays per scene, both queries, all triangle tests. Hours on 2 cores.
+agree: all
+	sh tests/agree.sh $(B) full bench/results/agree
+
+mutants: all tests
+	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS)' MAKE_CMD='$(MAKE)' sh tests/mutants.sh $(B)
+
+lint:
+	@sh tests/rules.sh
+
+# Everything slow: sanitizers, threads, validation, all 2^32 half conversions.
+deep: sanitize-check tsan-check validate-check slow
+
+sanitize-check:
+	@sh .ci/deps.sh check
+	@$(MAKE) --no-print-directory -s -j$(JOBS) config=sanitize all tests
+	@sh tests/run.sh build/sanitize sanitize
+
+tsan-check:
+	@sh .ci/deps.sh deep
+	@$(MAKE) --no-print-directory -s -j$(JOBS) config=tsan all tests
+	@sh tests/run.sh build/tsan tsan
+
+validate-check:
+	@sh .ci/deps.sh check
+	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
+	@RAYDIFF_VALIDATE=1 sh tests/run.sh $(B) validate
+
+slow: tests
+	RAYDIFF_SLOW=1 $(B)/tests/test_half
+
+SOURCES = $(shell git ls-files '*.c' '*.h')
+format:
+	clang-format -i $(SOURCES)
+format-check:
+	clang-format --dry-run -Werror $(SOURCES)
+
+HEADERS := $(wildcard ref/*.h ref/primitives/*.h scenes/*.h)
+install: all lib
+	install -Dm755 $(B)/raydiff $(DESTDIR)$(PREFIX)/bin/raydiff
+	install -Dm644 $(B)/libraydiff.a $(DESTDIR)$(PREFIX)/lib/libraydiff.a
+	for h in $(filter-out %/cmd_check.h %/cmd_options.h %/cmd_tables.h,$(HEADERS)); do \
+	    install -Dm644 $$h $(DESTDIR)$(PREFIX)/include/raydiff/$$h || exit 1; done
+	install -d $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/share/man/man1
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LDLIBS)|' \
+	    ref/raydiff.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/raydiff.pc
+	sed -e 's|@VERSION@|$(VERSION)|' ref/raydiff.1 > $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1
+
+uninstall:
+	rm -f $(DESTDIR)$(PREFIX)/bin/raydiff $(DESTDIR)$(PREFIX)/lib/libraydiff.a \
+	      $(DESTDIR)$(PREFIX)/lib/pkgconfig/raydiff.pc \
+	      $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1
+	rm -rf $(DESTDIR)$(PREFIX)/include/raydiff
 
 clean:
 	rm -rf $(OUT)

@@ -13,7 +13,11 @@
 
 /* Far plane factor of the robust test, 1 + 2^-19: more than every rounding that Vulkan's default
  * precision allows in (b - o) * (1 / d) twice; numerics of the proof in README, "Box tests". */
+#if MUTANT == MUTANT_FAR_NOT_PADDED
+#define SLAB_FAR 1.0f
+#else
 #define SLAB_FAR 0x1.00002p0f
+#endif
 
 /* Half width by which the published test widens a box, and its idea of infinity, 2^38. */
 #define SLAB_RTRS_EPS 0.000002f

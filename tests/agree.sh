@@ -1,0 +1,52 @@
+#!/bin/sh
+# Everybody against everybody: sh tests/agree.sh BUILD quick|full OUTPUT
+# Every generated scene and three real meshes (what is not fetched is said and left out), both
+# queries, all triangle tests: layouts f32 and rf16 with the robust box test; the published box test
+# on scenes up to 4k triangles. Writes OUTPUT.txt and OUTPUT-*.json; fails if any check fails.
+set -u
+raydiff=$1/raydiff
+case $2 in
+full) rays=1000000 published=10000 brute=100000 ;;
+quick) rays=10000 published=1000 brute=2000 ;;
+*)
+    echo "usage: tests/agree.sh BUILD quick|full OUTPUT" >&2
+    exit 2
+    ;;
+esac
+out=$3
+mkdir -p "$(dirname "$out")"
+
+generated=$("$raydiff" list scenes | awk 'NR > 1 {print $1}')
+real=
+for mesh in scenes/fetched/assimp-wuson.obj scenes/fetched/utah-teapot.obj \
+    scenes/fetched/dragon-11k.ply.gz scenes/fetched/glmark2-bunny.obj; do
+    if [ "$(echo $real | wc -w)" -ge 3 ]; then
+        break
+    elif [ -r "$mesh" ]; then
+        real="$real $mesh"
+    else
+        echo "SKIP $mesh: not fetched (make scenes)"
+    fi
+done
+[ -n "$generated" ] || exit 4
+
+code=0
+# name, options...: one raydiff check over scenes.
+part() {
+    name=$1
+    shift
+    "$raydiff" check "$@" --tri all --query all --repeat 1 --json "$out-$name.json" >>"$out.tmp" 2>&1
+    result=$?
+    echo "$name: exit code $result"
+    [ "$result" -eq 0 ] || code=1
+}
+: >"$out.tmp"
+# Brute force up to 16k triangles sees `brute` rays; larger scenes fewer for the same work.
+part robust $generated $real --box robust --count $rays --brute $((brute * 16384))
+part published $generated --box rtrs --count $published --brute $((published * 4096))
+mv "$out.tmp" "$out.txt"
+grep -hE 'differ in a bit|not allowed' "$out.txt" | sort | uniq -c
+if [ "$code" -ne 0 ]; then
+    grep -hE 'DIFFERENT|failed|vacuous' "$out.txt" | head -n 20
+fi
+exit "$code"

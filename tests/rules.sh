@@ -1,0 +1,49 @@
+#!/bin/sh
+# Rules of the house that a compiler does not check. Prints every breach; exit 1 if there is one.
+set -u
+bad=0
+breach() {
+    echo "$1"
+    bad=1
+}
+list() { ls $* 2>/dev/null; }
+
+# Who may include whom: down only.
+for file in $(list ref/*.[ch] ref/*/*.[ch]); do
+    case $file in ref/cmd_*) continue ;; esac
+    grep -nE '#include "(gpu|scenes|tests|bench|fuzz|shaders)/' "$file" /dev/null &&
+        breach "$file: ref/ includes nothing outside ref/"
+done
+for file in $(list scenes/*.[ch] scenes/*/*.[ch] gpu/*.[ch]); do
+    case $file in scenes/cmd_* | gpu/cmd_*) continue ;; esac
+    grep -nE '#include "(tests|bench|fuzz|shaders)/' "$file" /dev/null &&
+        breach "$file: the library includes no program"
+done
+grep -nE '#include "gpu/' $(list scenes/*.[ch] tests/cmd_*.[ch] bench/*.[ch]) /dev/null &&
+    breach "only gpu/ and the driver's own tests include gpu/"
+grep -nE '#include ".*(engine_|layout_|build_|gen_)[a-z0-9_]*\.[ch]"' $(git ls-files '*.c' '*.h') &&
+    breach "members of a table are reached through their table"
+grep -lE '#include <embree[34]?/' $(git ls-files '*.c' '*.h') | grep -v '^ref/engines/engine_embree.c$' &&
+    breach "one file includes Embree"
+
+# Shaders: nothing whose result may differ between drivers.
+grep -nE 'packHalf2x16|\bfma *\(' $(list shaders/*.comp shaders/*.glsl) &&
+    breach "packHalf2x16 and fma differ between drivers"
+grep -nE '\b(cross|dot|normalize|length|distance|mix) *\(' $(list shaders/*.comp shaders/*.glsl) &&
+    breach "write the operations out: these are never decorated NoContraction"
+
+# The library prints nothing and does not exit.
+for file in $(git ls-files 'ref/*.c' 'gpu/*.c' 'scenes/*.c'); do
+    case $file in */cmd_*) continue ;; esac
+    grep -nE '(^|[^a-z_])(printf|puts|perror|exit|abort) *\(' "$file" /dev/null &&
+        breach "$file: the library neither prints nor exits"
+done
+
+# Small rooms.
+for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
+    lines=$(wc -l <"$file")
+    [ "$lines" -le 450 ] || breach "$file: $lines lines; one concept a file, at most 450"
+done
+
+[ "$bad" -eq 0 ] && echo "rules: kept"
+exit "$bad"

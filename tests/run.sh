@@ -1,0 +1,75 @@
+#!/bin/sh
+# Runs the suites of a build and sums up: sh tests/run.sh BUILD [sanitize|tsan|validate]
+# A line per suite; the log of a failing one is printed. Ends with "N passed, N failed, N skipped",
+# counted in suites; what a suite skipped is listed with its reason.
+set -u
+build=$1
+mode=${2:-plain}
+logs=$build/check
+mkdir -p "$logs"
+passed=0 failed=0 skipped=0
+
+# name, command...: passes with 0, is skipped with 77.
+suite() {
+    name=$1
+    shift
+    start=$(date +%s)
+    "$@" >"$logs/$name.log" 2>&1
+    code=$?
+    took=$(($(date +%s) - start))
+    # CMocka's own count of skipped tests, with the line each printed before it.
+    inner=$(grep -c '^\[  SKIPPED \] [a-z_0-9]*$' "$logs/$name.log")
+    case $code in
+    0) passed=$((passed + 1)) word=passed ;;
+    77) skipped=$((skipped + 1)) word=skipped ;;
+    *) failed=$((failed + 1)) word=FAILED ;;
+    esac
+    printf '%-8s %-22s %3d s' "$word" "$name" "$took"
+    [ "$inner" -eq 0 ] || printf '  (%d inside skipped)' "$inner"
+    echo
+    case $word in
+    FAILED)
+        echo "--- exit code $code; last lines of $logs/$name.log"
+        tail -n 40 "$logs/$name.log"
+        echo "---"
+        ;;
+    skipped) tail -n 1 "$logs/$name.log" ;;
+    *) grep -h '^SKIP' "$logs/$name.log" | sort | uniq -c | sed 's/^ */    /' | head -n 8 ;;
+    esac
+}
+
+cpu_engines=cpu
+for test in "$build"/tests/test_*; do
+    case $test in *.d) continue ;; esac
+    name=$(basename "$test")
+    if [ "$mode" = tsan ]; then
+        # Threads of drivers and of Embree are not ours to judge: CPU suites only.
+        case $name in test_abi | test_half_gpu | test_vulkan | test_embree | test_spirv) continue ;; esac
+    fi
+    suite "$name" "$test"
+done
+
+case $mode in
+plain)
+    suite rules sh tests/rules.sh
+    suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
+    suite agree sh tests/agree.sh "$build" quick "$logs/agree"
+    suite cli sh tests/cli.sh "$build/raydiff"
+    suite mutants make -s mutants
+    suite tutorial sh tests/tutorial.sh "$build"
+    ;;
+sanitize)
+    suite conform "$build/raydiff" conform --count 200
+    suite cli sh tests/cli.sh "$build/raydiff"
+    ;;
+validate)
+    suite conform "$build/raydiff" conform '*.vulkan.*' --count 64
+    ;;
+tsan)
+    suite conform_cpu "$build/raydiff" conform "*.$cpu_engines.*.robust.*" --count 100
+    ;;
+esac
+
+echo "logs: $logs"
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]
