@@ -106,7 +106,7 @@ struct packed_faults {
     uint32_t cycles;       /* nodes reached more than once */
     uint32_t lost_prims;   /* triangles that no leaf names */
     uint32_t double_prims; /* triangles named more than once */
-    uint32_t bad_prims;    /* item slots that name no triangle of the scene */
+    uint32_t bad_prims;    /* item slots beyond the scene, leaves of more slots than it needs */
     uint32_t too_deep;     /* 1 if a path needs more stack than stack_need */
 };
 

@@ -69,6 +69,22 @@ static void check_item(struct check *check, uint32_t i, uint32_t slot)
     box_add_box(&check->exact[i], &one);
 }
 
+/* How many slots of a leaf to look at: hostile words can claim 2^32 - 1. Fixed-size leaves have up
+ * to 8 for fewer triangles. */
+static uint32_t leaf_slots(struct check *check, uint32_t i, const struct wide *node)
+{
+    uint32_t most = check->scene->tri_count < 8 ? 8 : check->scene->tri_count;
+    if (node->item_count <= most)
+        return node->item_count;
+    check->faults.bad_prims++;
+    if (first_fault(check))
+        (void)fail(check->reason, STATUS_INPUT,
+                   "%s: record %u: a leaf of %u items for %u triangles",
+                   check->packed->layout->name, check->walk.visit[i].ref, node->item_count,
+                   check->scene->tri_count);
+    return 0;
+}
+
 static void check_items(struct check *check)
 {
     for (uint32_t i = 0; i < check->walk.visit_count; i++) {
@@ -77,10 +93,7 @@ static void check_items(struct check *check)
         check->exact[i] = box_empty();
         if (node.child_count > 0)
             continue;
-        /* More slots than triangles cannot all be right: one more finds the fault. */
-        uint32_t slots = node.item_count;
-        if (slots > check->scene->tri_count && slots > 8)
-            slots = check->scene->tri_count + 1;
+        uint32_t slots = leaf_slots(check, i, &node);
         for (uint32_t s = 0; s < slots; s++)
             check_item(check, i, node.item_first + s);
     }
