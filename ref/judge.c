@@ -7,6 +7,8 @@
 /* (5.5 + 3) u of (|b| + |o|) / |d|: the error of b / d - o / d with Embree's reciprocal, rounded
  * up; it does not shrink with the distance to the box, so no factor on the far plane repairs it. */
 #define SLAB_ERROR (9.0 * 0x1p-24)
+/* How far outside a triangle's box, relative to the coordinates, a hit in its plane may be. */
+#define IN_PLANE_PAD (64.0 * 0x1p-24)
 /* Embree replaces smaller direction components by this one. */
 #define EMBREE_LEAST_DIR 1e-18
 
@@ -161,6 +163,26 @@ static enum verdict judge_any(const struct judge *judge, const struct ray *ray,
     return VERDICT_DIFFERENT;
 }
 
+/* Is the answer's t right for the triangle it names, whatever the reference found? Where the
+ * determinant's sign is open the ray lies in the triangle's plane, as far as float32 can tell: then
+ * every t is right at which the ray is inside the triangle's box. */
+static bool distance_is_of(const struct judge *judge, const struct ray *ray,
+                           const struct hit *answer, double their_err)
+{
+    struct twin named = twin_of(judge, false, ray, answer->prim);
+    double allowed = named.t_err + their_err;
+    if (isfinite(allowed))
+        return fabs((double)answer->t - (double)named.t) <= allowed;
+    struct box box = scene_tri_bounds(judge->scene, answer->prim);
+    for (int k = 0; k < 3; k++) {
+        double o = (double)ray->org[k], at = o + (double)answer->t * (double)ray->dir[k];
+        double pad = IN_PLANE_PAD * ((double)judge->largest[k] + fabs(o));
+        if (!(at >= (double)box.lo[k] - pad && at <= (double)box.hi[k] + pad))
+            return false;
+    }
+    return true;
+}
+
 /* Both found a hit, in different triangles or, for Embree, perhaps in the same. */
 static enum verdict judge_two_hits(const struct judge *judge, const struct ray *ray,
                                    const struct hit *reference, const struct hit *answer)
@@ -175,9 +197,7 @@ static enum verdict judge_two_hits(const struct judge *judge, const struct ray *
         return near ? VERDICT_SAME : known ? VERDICT_DIFFERENT : VERDICT_BOUNDARY;
     if (judge->subject != SUBJECT_TREE && !theirs.possible)
         return VERDICT_DIFFERENT;
-    /* Its own t must be right for the triangle it names, whatever the reference found. */
-    struct twin named = twin_of(judge, false, ray, answer->prim);
-    if (!(fabs((double)answer->t - (double)named.t) <= named.t_err + theirs.t_err))
+    if (!distance_is_of(judge, ray, answer, theirs.t_err))
         return VERDICT_DIFFERENT;
     if (answer->t == reference->t)
         return VERDICT_TIE;

@@ -283,6 +283,28 @@ static void judge_tells_a_reference_that_is_not_complete(void **state)
     assert_int_equal(verdict_of(&s, right), VERDICT_DIFFERENT);
 }
 
+static void judge_bounds_a_hit_in_the_plane_by_the_triangle(void **state)
+{
+    (void)state;
+    /* A quad lying along the ray, and a wall behind it: some t on the quad is allowed, others not.
+     */
+    struct scene scene = layers();
+    scene.vertex[1] = scene.vertex[4] = scene.vertex[7] = scene.vertex[10] = 0; /* y = 0 */
+    scene.vertex[2] = scene.vertex[5] = 0.5f, scene.vertex[8] = scene.vertex[11] = 1.5f;
+    struct ray ray = along_z(0.5f, 0);
+    struct judge judge =
+        judge_make(&scene, tri_test_find("mt"), QUERY_CLOSEST, SUBJECT_EMBREE, true);
+    struct hit reference, answer = {1.0f, 0, 0, 0};
+    trace_brute(&scene, judge.tri, QUERY_CLOSEST, &ray, &reference);
+    assert_true(reference.t == 2.0f);
+    assert_int_equal(judge_answer(&judge, &ray, &reference, &answer), VERDICT_BOUNDARY);
+    answer.t = 0.25f; /* before the quad begins */
+    assert_int_equal(judge_answer(&judge, &ray, &reference, &answer), VERDICT_DIFFERENT);
+    answer.t = 1.75f; /* after it ends */
+    assert_int_equal(judge_answer(&judge, &ray, &reference, &answer), VERDICT_DIFFERENT);
+    scene_free(&scene);
+}
+
 static void judge_line_shows_both_answers(void **state)
 {
     (void)state;
@@ -311,6 +333,7 @@ int main(void)
         cmocka_unit_test(judge_does_not_let_embree_lose_the_inside),
         cmocka_unit_test(judge_leaves_rays_out_of_contract_alone),
         cmocka_unit_test(judge_tells_a_reference_that_is_not_complete),
+        cmocka_unit_test(judge_bounds_a_hit_in_the_plane_by_the_triangle),
         cmocka_unit_test(judge_line_shows_both_answers),
     };
     return cmocka_run_group_tests_name("judge", tests, NULL, NULL) ? 1 : 0;
