@@ -38,11 +38,11 @@ TESTS    := $(TEST_SRC:tests/%.c=$(B)/tests/%)
 SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv)
 
 # A member that no table names would never be tested: the tables compare these with their length.
-CPPFLAGS += -DLAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
-            -DBUILDER_FILES=$(words $(wildcard ref/builders/build_*.c)) \
-            -DENGINE_FILES=$(words $(wildcard ref/engines/engine_*.c gpu/engine_*.c)) \
-            -DGENERATOR_FILES=$(words $(wildcard scenes/generators/gen_*.c)) \
-            -DTRACE_SHADERS=$(words $(wildcard shaders/trace_*.comp))
+COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
+          BUILDER_FILES=$(words $(wildcard ref/builders/build_*.c)) \
+          ENGINE_FILES=$(words $(wildcard ref/engines/engine_*.c gpu/engine_*.c)) \
+          GENERATOR_FILES=$(words $(wildcard scenes/generators/gen_*.c)) \
+          TRACE_SHADERS=$(words $(wildcard shaders/trace_*.comp))
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
         validate-check format format-check install uninstall scenes mutants lint
@@ -60,18 +60,22 @@ $(B)/libraydiff.a: $(LIB_OBJ)
 	@rm -f $@
 	$(AR) rcs $@ $^
 
-# The dependence on this file's flags: a change of the set of files changes the tables' checks.
-$(B)/obj/%.o: %.c | $(B)/gen/.made
+# Everything is compiled anew when the command changes, the tables when a member comes or goes.
+$(B)/obj/%.o: %.c $(B)/gen/flags | $(B)/gen/counts.h
 	@mkdir -p $(@D)
 	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
-$(B)/obj/gen/%.o: $(B)/gen/%.c
+$(B)/obj/gen/%.o: $(B)/gen/%.c $(B)/gen/flags
 	@mkdir -p $(@D)
 	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
-$(B)/gen/.made:
-	@mkdir -p $(@D)
-	@touch $@
+# $(call written,TEXT): the file is touched only if its text changes.
+written = @mkdir -p $(@D); printf '%s\n' $(1) | cmp -s - $@ || printf '%s\n' $(1) >$@
+$(B)/gen/flags: FORCE
+	$(call written,'$(subst ','\'',$(CC) $(CPPFLAGS) $(CFLAGS))')
+$(B)/gen/counts.h: FORCE
+	$(call written,$(foreach count,$(COUNTS),'#define $(subst =, ,$(count))'))
+FORCE:
 
 $(B)/tests/%: $(B)/obj/tests/%.o $(B)/libraydiff.a
 	@mkdir -p $(@D)

@@ -3,6 +3,8 @@
 #include "ref/mutant.h"
 #include "ref/packed_walk.h"
 
+#include "counts.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,7 @@
 #include "ref/bvh.h"
 
+#include "counts.h"
+
 #include <string.h>
 
 extern const struct builder build_median, build_rtrs;

@@ -1,5 +1,7 @@
 #include "ref/engine.h"
 
+#include "counts.h"
+
 #include <string.h>
 
 extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_embree,

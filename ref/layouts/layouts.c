@@ -1,5 +1,7 @@
 #include "ref/layout.h"
 
+#include "counts.h"
+
 #include <string.h>
 
 extern const struct layout layout_f32, layout_rf16;

@@ -1,5 +1,7 @@
 #include "scenes/scenes.h"
 
+#include "counts.h"
+
 #include <string.h>
 
 extern const struct generator gen_soup, gen_sphere, gen_flake, gen_terrain, gen_grid, gen_cornell,

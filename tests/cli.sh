@@ -1,0 +1,134 @@
+#!/bin/sh
+# The command line as a user meets it: exit codes, one clear line per error, nothing half-written.
+#   sh tests/cli.sh RAYDIFF
+set -u
+raydiff=$1
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+
+bad() {
+    echo "FAILED  $1"
+    sed 's/^/        /' "$dir/err" | head -n 5
+    failed=$((failed + 1))
+}
+
+# Expected code, a pattern that standard error must match (. for none), arguments.
+expect() {
+    code=$1 pattern=$2
+    shift 2
+    "$raydiff" "$@" >"$dir/out" 2>"$dir/err"
+    got=$?
+    if [ "$got" -ne "$code" ]; then
+        bad "raydiff $*: exit $got, not $code"
+    elif [ "$code" -ne 0 ] && [ "$pattern" != . ] && ! grep -qE -- "$pattern" "$dir/err"; then
+        bad "raydiff $*: no line like /$pattern/"
+    elif [ "$code" -eq 2 ] && [ "$(wc -l <"$dir/err")" -ne 1 ] && [ "$pattern" != . ]; then
+        bad "raydiff $*: an error is one line"
+    else
+        echo "passed  raydiff $*"
+    fi
+}
+
+cat >"$dir/one.obj" <<'OBJ'
+v 0 0 0
+v 1 0 0
+v 0 1 0
+f 1 2 3
+OBJ
+small="--count 200 --repeat 1 --engine cpu"
+
+# Help is on standard output and succeeds, everywhere.
+for command in '' check conform bench list doctor scene precompute; do
+    expect 0 . $command --help
+    grep -q 'example' "$dir/out" || bad "raydiff $command --help shows no example"
+done
+expect 0 . --version
+
+# Usage.
+expect 2 . 
+expect 2 "unknown command 'chekc'" chekc
+expect 2 'no scene given' check
+expect 2 'unknown option' check soup --frobnicate
+expect 2 'missing value' check soup --count
+expect 2 "unknown name 'f33'; layouts are: f32, rf16" check soup --layout f33
+expect 2 "unknown name 'gpu'; engines are" check soup --engine gpu
+expect 2 "unknown name 'sah'; builders are" check soup --builder sah
+expect 2 "is named twice" check soup --layout f32,f32
+expect 2 "'0' is not a whole number from 1" check soup --count 0
+expect 2 "'0' is not a whole number from 1" check soup --leaf 0
+expect 2 "'-3' is not a whole number" check soup --count -3
+expect 2 "'1.5' is not a whole number" check soup --count 1.5
+expect 2 "'nan' is not a finite number" check soup --eps nan
+expect 2 "no trial matches" conform 'closest.warp.*'
+expect 2 "trial: unknown layout 'f31'" conform closest.cpu.f31.median.robust.mt.soup.random.1
+expect 2 "is not query.engine" conform closest.cpu
+expect 2 "unknown benchmark 'x'" bench x
+expect 2 "unknown kind" list x
+
+# Scenes.
+expect 2 "nothing.obj" check "$dir/nothing.obj" $small
+expect 2 "unknown" check no_such_generator $small
+expect 2 "$dir" check "$dir" $small
+: >"$dir/empty.obj"
+expect 2 "empty.obj" check "$dir/empty.obj" $small
+printf 'v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n' >"$dir/nan.obj"
+expect 2 'nan.obj:3' check "$dir/nan.obj" $small
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n' >"$dir/range.obj"
+expect 2 'range.obj:4' check "$dir/range.obj" $small
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n' >"$dir/past.obj"
+expect 2 'past.obj:4' check "$dir/past.obj" $small
+printf 'v 0 0 0\n' >"$dir/none.obj"
+expect 2 'triangle' check "$dir/none.obj" $small
+head -c 4096 /dev/urandom >"$dir/garbage.ply"
+expect 2 'garbage.ply' check "$dir/garbage.ply" $small
+printf 'ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n' >"$dir/liar.ply"
+expect 2 'liar.ply' check "$dir/liar.ply" $small
+cp "$dir/one.obj" "$dir/one.xyz"
+expect 2 'one.xyz' check "$dir/one.xyz" $small
+
+# Limits: named is an error, by default a row.
+expect 0 . check "$dir/one.obj" --rays primary $small
+expect 2 . check soup:n=100000,size=0.001 --layout rf16 $small
+expect 0 . check soup:n=100000,size=0.2 --brute 1e6 $small
+grep -q 'refused: rf16' "$dir/out" || bad "a refused layout is a row with its reason"
+expect 0 . check soup:n=100000,size=0.2 --layout auto --brute 1e6 $small
+grep -q '^f32 .*cpu' "$dir/out" || bad "--layout auto takes f32 where rf16 cannot"
+
+# A miss everywhere proves nothing.
+printf 'v 0 0 0\nv 1e-6 0 0\nv 0 1e-6 0\nv 1 1 1\nf 1 2 3\nf 1 4 4\n' >"$dir/speck.obj"
+expect 1 . check "$dir/speck.obj" --rays random $small
+grep -q 'vacuous' "$dir/out" || bad "a vacuous row says so"
+
+# Output files: complete or not there.
+expect 0 . check soup $small --json "$dir/rows.json"
+for key in rows layout builder leaf engine box tri query node_bytes rays hits counts differences \
+    mrays_per_s median min max status reason; do
+    grep -q "\"$key\"" "$dir/rows.json" || bad "--json: no key $key"
+done
+expect 2 'no-such-folder' check soup $small --json "$dir/no-such-folder/rows.json"
+expect 0 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --junit "$dir/junit.xml"
+grep -q '<testcase' "$dir/junit.xml" || bad "--junit writes test cases"
+expect 0 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --tap
+grep -q '^ok 1 - closest.cpu.f32' "$dir/out" || bad "--tap prints TAP"
+printf 'closest.cpu.* never fails\n' >"$dir/waivers"
+expect 1 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$dir/waivers"
+[ -z "$(ls "$dir" | grep -i tmp)" ] || bad "a temporary file was left behind"
+
+# The seed's numbers (Figure 8 of its paper), where its scene is at hand.
+seed=../shared/scenes/rtrs-default.json
+if [ -r "$seed" ]; then
+    expect 0 . check "$seed" --builder rtrs --eps 0.02 --leaf 2 --layout rtrs_direct $small --json "$dir/f8.json"
+    grep -q '"node_bytes": 2448' "$dir/f8.json" || bad "rtrs_direct at leaf 2 needs 2,448 bytes"
+    expect 0 . check "$seed" --builder rtrs --eps 0.02 --leaf 4 --layout rtrs_rf $small --json "$dir/f8.json"
+    grep -q '"node_bytes": 656' "$dir/f8.json" || bad "rtrs_rf at leaf 4 needs 656 bytes"
+else
+    echo "SKIP the seed's scene: $seed is not here"
+fi
+
+# An engine that cannot run: skipped by default, 77 when named.
+expect 77 . check soup --count 200 --repeat 1 --engine vulkan --driver no-such-driver
+expect 0 . check soup --count 200 --repeat 1 --driver no-such-driver
+
+echo "cli: $failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,115 @@
+#!/bin/sh
+# Planted bugs (ref/mutant.h): each is compiled into one C unit or one set of shaders, under
+# BUILD/mutants/, and something of the suite must turn red. The same command is run without the bug
+# first and must be green, so that a broken catcher cannot pass for a catch.
+#   CC_CMD=... LIBS=... MAKE_CMD=... sh tests/mutants.sh BUILD
+set -u
+build=$1
+out=$build/mutants
+rm -rf "$out"
+mkdir -p "$out"
+caught=0 missed=0
+
+number() { awk -v name="MUTANT_$1" '$2 == name {print $3}' ref/mutant.h; }
+
+# Scenes that single bugs need: 16 times the same triangle, so that every level of the tree is hit
+# on both sides.
+{
+    echo 'v -1 -1 0'
+    echo 'v 1 -1 0'
+    echo 'v 0 1 0'
+    for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16; do echo 'f 1 2 3'; done
+} >"$out/duplicates.obj"
+
+judge() { # name, what was mutated, code of the healthy run, code of the mutant's
+    if [ "$3" -ne 0 ]; then
+        echo "BROKEN  $1: its catcher fails without the bug (exit $3)"
+        missed=$((missed + 1))
+    elif [ "$4" -eq 1 ] || [ "$4" -eq 3 ]; then
+        echo "caught  $1 (in $2)"
+        caught=$((caught + 1))
+    else
+        echo "MISSED  $1 (in $2): exit $4"
+        missed=$((missed + 1))
+    fi
+}
+
+# name, unit, then the arguments of raydiff that must turn red.
+in_program() {
+    name=$1 unit=$2
+    shift 2
+    dir=$out/$name-$(basename "$unit" .c)
+    mkdir -p "$dir"
+    $CC_CMD "-DMUTANT=$(number "$name")" -c -o "$dir/unit.o" "$unit" &&
+        $CC_CMD -o "$dir/raydiff" "$build"/obj/raydiff.o "$build"/obj/*/cmd_*.o "$dir/unit.o" \
+            "$build/libraydiff.a" $LIBS || { echo "$name does not build"; exit 4; }
+    "$build/raydiff" "$@" >"$dir/healthy.log" 2>&1
+    healthy=$?
+    "$dir/raydiff" "$@" >"$dir/mutant.log" 2>&1
+    judge "$name" "$unit" "$healthy" $?
+}
+
+# name, unit, unit test that must turn red.
+in_test() {
+    name=$1 unit=$2 test=$3
+    dir=$out/$name-$test
+    mkdir -p "$dir"
+    $CC_CMD "-DMUTANT=$(number "$name")" -c -o "$dir/unit.o" "$unit" &&
+        $CC_CMD -o "$dir/$test" "$build/obj/tests/$test.o" "$dir/unit.o" "$build/libraydiff.a" \
+            $LIBS -lcmocka || { echo "$name does not build"; exit 4; }
+    "$build/tests/$test" >"$dir/healthy.log" 2>&1
+    healthy=$?
+    "$dir/$test" >"$dir/mutant.log" 2>&1
+    code=$?
+    [ "$code" -lt 2 ] || code=1 # CMocka returns how many failed
+    judge "$name" "$unit, by $test" "$healthy" "$code"
+}
+
+# name, then arguments of raydiff: the same bug in the shaders.
+in_shaders() {
+    name=$1
+    shift
+    dir=$out/$name-shaders
+    mkdir -p "$dir"
+    $MAKE_CMD -s "B=$dir/b" "MUTANT=$(number "$name")" "$dir/b/gen/shaders.c" >"$dir/make.log" 2>&1 &&
+        $CC_CMD -c -o "$dir/unit.o" "$dir/b/gen/shaders.c" &&
+        $CC_CMD -o "$dir/raydiff" "$build"/obj/raydiff.o "$build"/obj/*/cmd_*.o "$dir/unit.o" \
+            "$build/libraydiff.a" $LIBS || { echo "$name does not build"; cat "$dir/make.log"; exit 4; }
+    if [ "$1" = test_spirv ]; then
+        $CC_CMD -o "$dir/test_spirv" "$build/obj/tests/test_spirv.o" "$dir/unit.o" \
+            "$build/libraydiff.a" $LIBS -lcmocka || exit 4
+        "$build/tests/test_spirv" >"$dir/healthy.log" 2>&1
+        healthy=$?
+        "$dir/test_spirv" >"$dir/mutant.log" 2>&1
+        code=$?
+        [ "$code" -lt 2 ] || code=1
+    else
+        "$build/raydiff" "$@" >"$dir/healthy.log" 2>&1
+        healthy=$?
+        if [ "$healthy" -eq 77 ]; then
+            echo "SKIP $name in shaders: no Vulkan device here"
+            return
+        fi
+        "$dir/raydiff" "$@" >"$dir/mutant.log" 2>&1
+        code=$?
+    fi
+    judge "$name" "shaders" "$healthy" "$code"
+}
+
+in_program HALF_NEAREST ref/half.c check soup --layout rf16 --engine cpu --rays vertices --count 20000 --repeat 1
+in_test HALF_NEAREST ref/half.c test_packed
+in_program LOST_SLOT ref/layouts/layout_rf16.c check soup --layout rf16 --engine cpu --leaf 8 --count 5000 --repeat 1
+in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c check platonic --layout rf16 --engine cpu --count 5000 --repeat 1
+in_program SLAB_STRICT ref/trace.c check grid:height=0 --layout f32 --engine cpu --count 5000 --repeat 1
+in_program SWAPPED_CHILD ref/trace.c check soup --layout f32 --engine cpu --count 5000 --repeat 1
+in_program FAR_NOT_PADDED ref/trace.c check soup --layout f32 --engine cpu --rays corners --count 400000 --tri woop --repeat 1 --brute 1e9
+in_program SHORT_STACK ref/packed.c check "$out/duplicates.obj" --layout f32 --leaf 1 --engine cpu --rays primary --count 5000 --repeat 1
+in_test BAD_TWIN ref/twin.c test_twin
+in_shaders NO_PRECISE test_spirv
+in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --count 5000 --repeat 1
+in_shaders SWAPPED_CHILD check soup --layout f32 --engine vulkan --count 5000 --repeat 1
+in_shaders LOST_SLOT check soup --layout rf16 --engine vulkan --leaf 8 --count 5000 --repeat 1
+in_shaders ZERO_IS_EMPTY check platonic --layout rf16 --engine vulkan --count 5000 --repeat 1
+
+echo "$caught planted bugs caught, $missed missed"
+[ "$missed" -eq 0 ]
