@@ -4,6 +4,8 @@
 #include "ref/layout.h"
 #include "tests/trees.h"
 
+#include "counts.h"
+
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
