@@ -7,6 +7,8 @@ static const struct command commands[] = {
     {"check", "the main job: engines and layouts on a scene, compared ray by ray", cmd_check},
     {"conform", "the conformance suite, each name its own reproduction", cmd_conform},
     {"bench", "speed, bytes, memory and errors, engines interleaved", cmd_bench},
+    {"precompute", "writes a tree as BVH JSON, byte for byte as the seed's tool would",
+     cmd_precompute},
     {"list", "every builder, layout, test, engine, scene and ray set", cmd_list},
     {"doctor", "what can run here, and why the rest cannot", cmd_doctor},
     {NULL, NULL, NULL},

@@ -40,9 +40,9 @@ static enum status take_scenes(struct bench *bench, char *text, struct reason *r
     return STATUS_OK;
 }
 
-static enum status take_option(struct bench *bench, int option, char *text, const char **csv,
-                               struct reason *reason)
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
+    struct bench *bench = user;
     switch (option) {
     case OPT_SCENE:
         return take_scenes(bench, text, reason);
@@ -51,15 +51,16 @@ static enum status take_option(struct bench *bench, int option, char *text, cons
     case OPT_ROUNDS:
         return parse_count("--rounds", text, 1, BENCH_ROUNDS, &bench->rounds, reason);
     case OPT_CSV:
-        *csv = text;
+        bench->csv_path = text;
         return STATUS_OK;
     default:
         return engine_option_take(option, text, &bench->engines, reason);
     }
 }
 
-static int run_benchmarks(struct bench *bench, const char *name, const char *csv)
+static int run_benchmarks(struct bench *bench, const char *name)
 {
+    const char *csv = bench->csv_path;
     struct reason reason = {""};
     int code = EXIT_AGREE;
     size_t run = 0;
@@ -94,22 +95,11 @@ int cmd_bench(int argc, char **argv)
                           .rounds = 9,
                           .engines = engine_options_default(),
                           .progress = progress_make("bench")};
-    const char *csv = NULL;
-    struct reason reason;
-    int option;
-    opterr = 0;
-    optind = 1;
-    while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == OPT_HELP || option == 'h') {
-            print_help();
-            return EXIT_AGREE;
-        }
-        if (option == '?')
-            return usage_error("bench", "unknown option or missing value: '%s'", argv[optind - 1]);
-        if (take_option(&bench, option, optarg, &csv, &reason))
-            return usage_error("bench", "%s", reason.text);
-    }
-    if (argc - optind > 1)
+    int first, code = options_take("bench", print_help, long_options, take_option, &bench, argc,
+                                   argv, &first);
+    if (code >= 0)
+        return code;
+    if (argc - first > 1)
         return usage_error("bench", "one benchmark at a time");
-    return run_benchmarks(&bench, optind < argc ? argv[optind] : NULL, csv);
+    return run_benchmarks(&bench, first < argc ? argv[first] : NULL);
 }

@@ -17,6 +17,7 @@ struct bench {
     uint64_t ray_count, rounds;
     struct engine_options engines;
     struct progress progress;
+    const char *csv_path;
     struct file_out csv; /* stream NULL: none */
 };
 

@@ -46,29 +46,29 @@ static int print_float_environment(void)
     return subnormals && nearest && FLT_EVAL_METHOD == 0 ? EXIT_AGREE : EXIT_INTERNAL;
 }
 
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    return engine_option_take(option, text, user, reason);
+}
+
 int cmd_doctor(int argc, char **argv)
 {
     static const struct option long_options[] = {ENGINE_OPTIONS};
     struct engine_options options = engine_options_default();
-    struct reason reason;
-    int option;
-    opterr = 0;
-    optind = 1;
-    while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == OPT_HELP || option == 'h') {
-            fputs(help, stdout);
-            return EXIT_AGREE;
-        }
-        if (option == '?')
-            return usage_error("doctor", "unknown option or missing value: '%s'", argv[optind - 1]);
-        if (engine_option_take(option, optarg, &options, &reason))
-            return usage_error("doctor", "%s", reason.text);
-    }
-    if (optind < argc)
-        return usage_error("doctor", "'%s' is not an option", argv[optind]);
+    int first, code = options_take("doctor", print_help, long_options, take_option, &options, argc,
+                                   argv, &first);
+    if (code >= 0)
+        return code;
+    if (first < argc)
+        return usage_error("doctor", "'%s' is not an option", argv[first]);
     printf("raydiff        %s, compiled by %s\n", RAYDIFF_VERSION, __VERSION__);
     printf("processors     %ld\n", sysconf(_SC_NPROCESSORS_ONLN));
-    int code = print_float_environment();
+    code = print_float_environment();
     for (size_t i = 0; engines[i]; i++)
         code = exit_worse(code, print_engine(engines[i], &options));
     return code;

@@ -131,9 +131,9 @@ static enum status take_number(struct check_options *o, int option, const char *
     return status;
 }
 
-static enum status take_option(struct check_options *o, int option, const char *text,
-                               struct reason *reason)
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
+    struct check_options *o = user;
     switch (option) {
     case OPT_LAYOUT:
         return take_layouts(o, text, reason);
@@ -328,27 +328,22 @@ static int check_all(struct check *check, char *const *spec, size_t count)
     return code;
 }
 
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
 int cmd_check(int argc, char **argv)
 {
     struct check check = {.options = default_options(), .progress = progress_make("check")};
-    struct reason reason;
-    int option;
-    opterr = 0;
-    optind = 1;
-    while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == OPT_HELP || option == 'h') {
-            fputs(help, stdout);
-            return EXIT_AGREE;
-        }
-        if (option == '?')
-            return usage_error("check", "unknown option or missing value: '%s'", argv[optind - 1]);
-        if (take_option(&check.options, option, optarg, &reason))
-            return usage_error("check", "%s", reason.text);
-    }
-    if (optind == argc)
+    int first, code = options_take("check", print_help, long_options, take_option, &check.options,
+                                   argc, argv, &first);
+    if (code >= 0)
+        return code;
+    if (first == argc)
         return usage_error("check", "no scene given");
     check.pool.options = check.options.engines;
-    int code = check_all(&check, argv + optind, (size_t)(argc - optind));
+    code = check_all(&check, argv + first, (size_t)(argc - first));
     pool_free(&check.pool);
     return code;
 }

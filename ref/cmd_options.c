@@ -32,3 +32,24 @@ enum status engine_option_take(int option, const char *text, struct engine_optio
         return fail(reason, STATUS_INPUT, "unknown option");
     }
 }
+
+int options_take(const char *command, void (*print_help)(void), const struct option *table,
+                 option_fn *take, void *user, int argc, char **argv, int *first)
+{
+    struct reason reason;
+    int option;
+    opterr = 0; /* the message is ours */
+    optind = 1;
+    while ((option = getopt_long(argc, argv, "h", table, NULL)) != -1) {
+        if (option == OPT_HELP || option == 'h') {
+            print_help();
+            return EXIT_AGREE;
+        }
+        if (option == '?')
+            return usage_error(command, "unknown option or missing value: '%s'", argv[optind - 1]);
+        if (take(user, option, optarg, &reason))
+            return usage_error(command, "%s", reason.text);
+    }
+    *first = optind;
+    return -1;
+}

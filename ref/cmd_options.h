@@ -32,4 +32,13 @@ struct engine_options engine_options_default(void);
 enum status engine_option_take(int option, const char *text, struct engine_options *out,
                                struct reason *reason) MUST_USE;
 
+/* Takes one option of a command into `user`. Errors: STATUS_INPUT with the flag, text and rule. */
+typedef enum status option_fn(void *user, int option, char *text, struct reason *reason);
+
+/* Hands every option of the command line to `take`. Returns -1 to go on, with *first the index of
+ * the first argument that is no option; else the exit code: --help (OPT_HELP in the table, or -h)
+ * was printed by `print_help`, or a usage error was. */
+int options_take(const char *command, void (*print_help)(void), const struct option *table,
+                 option_fn *take, void *user, int argc, char **argv, int *first);
+
 #endif

@@ -1,5 +1,6 @@
 /* raydiff precompute: a scene's tree in the seed's file format. */
 #include "ref/bvh_json.h"
+#include "ref/cmd_options.h"
 #include "ref/cmd_tables.h"
 #include "ref/command.h"
 #include "scenes/file.h"
@@ -35,9 +36,9 @@ static const struct option long_options[] = {
     {"eps", 1, NULL, OPT_EPS},         {"seed", 1, NULL, OPT_SEED},
     {"help", 0, NULL, OPT_HELP},       {NULL, 0, NULL, 0}};
 
-static enum status take_option(struct precompute *p, int option, const char *text,
-                               struct reason *reason)
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
+    struct precompute *p = user;
     uint64_t n = 0;
     enum status status = STATUS_OK;
     switch (option) {
@@ -98,28 +99,23 @@ static enum status precompute(const struct precompute *p, struct reason *reason)
     return status;
 }
 
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
 int cmd_precompute(int argc, char **argv)
 {
     struct precompute p = {.build = {BUILD_LEAF_DEFAULT, BUILD_EPS_DEFAULT}, .seed = 1};
     struct reason reason = {""};
     if (table_parse_one(TABLE_BUILDERS, "--builder", "rtrs", &p.builder, &reason))
         return EXIT_INTERNAL;
-    int option;
-    opterr = 0;
-    optind = 1;
-    while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == OPT_HELP || option == 'h') {
-            fputs(help, stdout);
-            return EXIT_AGREE;
-        }
-        if (option == '?')
-            return usage_error("precompute", "unknown option or missing value: '%s'",
-                               argv[optind - 1]);
-        if (take_option(&p, option, optarg, &reason))
-            return usage_error("precompute", "%s", reason.text);
-    }
-    if (optind < argc)
-        return usage_error("precompute", "unexpected argument '%s'", argv[optind]);
+    int first, code = options_take("precompute", print_help, long_options, take_option, &p, argc,
+                                   argv, &first);
+    if (code >= 0)
+        return code;
+    if (first < argc)
+        return usage_error("precompute", "unexpected argument '%s'", argv[first]);
     if (!p.scene || !p.out)
         return usage_error("precompute", "%s is missing", p.scene ? "--out" : "--scene");
     enum status status = precompute(&p, &reason);

@@ -193,9 +193,9 @@ static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
                                              {"junit", 1, NULL, OPT_JUNIT},
                                              ENGINE_OPTIONS};
 
-static enum status take_option(struct conform_options *o, int option, const char *text,
-                               struct reason *reason)
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
+    struct conform_options *o = user;
     switch (option) {
     case OPT_LIST:
         o->list = true;
@@ -292,27 +292,21 @@ static int conform(const struct conform_options *o)
     return code;
 }
 
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
 int cmd_conform(int argc, char **argv)
 {
     struct conform_options o = {
         .count = 1000, .brute = 100000000, .engines = engine_options_default()};
-    struct reason reason;
-    int option;
-    opterr = 0;
-    optind = 1;
-    while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == OPT_HELP || option == 'h') {
-            fputs(help, stdout);
-            return EXIT_AGREE;
-        }
-        if (option == '?')
-            return usage_error("conform", "unknown option or missing value: '%s'",
-                               argv[optind - 1]);
-        if (take_option(&o, option, optarg, &reason))
-            return usage_error("conform", "%s", reason.text);
-    }
-    if (argc - optind > 1)
-        return usage_error("conform", "one pattern at a time; '%s' is a second", argv[optind + 1]);
-    o.pattern = optind < argc ? argv[optind] : NULL;
+    int first, code = options_take("conform", print_help, long_options, take_option, &o, argc, argv,
+                                   &first);
+    if (code >= 0)
+        return code;
+    if (argc - first > 1)
+        return usage_error("conform", "one pattern at a time; '%s' is a second", argv[first + 1]);
+    o.pattern = first < argc ? argv[first] : NULL;
     return conform(&o);
 }
