@@ -6,8 +6,6 @@
 #include "scenes/file.h"
 #include "scenes/scenes.h"
 
-#include <getopt.h>
-
 static const char help[] =
     "usage: raydiff precompute --scene SCENE --out FILE [OPTIONS]\n"
     "Builds a scene's tree and writes it as JSON, byte for byte as the seed's precompute does\n"
@@ -28,7 +26,7 @@ struct precompute {
     uint64_t seed;
 };
 
-enum { OPT_SCENE = 256, OPT_OUT, OPT_BUILDER, OPT_ITEM_COUNT, OPT_EPS, OPT_SEED, OPT_HELP };
+enum { OPT_SCENE = 256, OPT_OUT, OPT_BUILDER, OPT_ITEM_COUNT, OPT_EPS, OPT_SEED };
 
 static const struct option long_options[] = {
     {"scene", 1, NULL, OPT_SCENE},     {"out", 1, NULL, OPT_OUT},
