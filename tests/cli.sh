@@ -68,16 +68,16 @@ expect 2 "unknown kind" list x
 
 # Scenes.
 expect 2 "nothing.obj" check "$dir/nothing.obj" $small
-expect 2 "unknown" check no_such_generator $small
+expect 2 'no file and no generator' check no_such_generator $small
 expect 2 "$dir" check "$dir" $small
 : >"$dir/empty.obj"
 expect 2 "empty.obj" check "$dir/empty.obj" $small
 printf 'v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n' >"$dir/nan.obj"
-expect 2 'nan.obj:3' check "$dir/nan.obj" $small
+expect 2 'nan.obj: line 3' check "$dir/nan.obj" $small
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n' >"$dir/range.obj"
-expect 2 'range.obj:4' check "$dir/range.obj" $small
+expect 2 'range.obj: line 4' check "$dir/range.obj" $small
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n' >"$dir/past.obj"
-expect 2 'past.obj:4' check "$dir/past.obj" $small
+expect 2 'past.obj: line 4' check "$dir/past.obj" $small
 printf 'v 0 0 0\n' >"$dir/none.obj"
 expect 2 'triangle' check "$dir/none.obj" $small
 head -c 4096 /dev/urandom >"$dir/garbage.ply"
