@@ -113,6 +113,21 @@ expect 0 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --tap
 grep -q '^ok 1 - closest.cpu.f32' "$dir/out" || bad "--tap prints TAP"
 printf 'closest.cpu.* never fails\n' >"$dir/waivers"
 expect 1 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$dir/waivers"
+
+# The seed's tree file: complete, byte for byte, or not there.
+expect 2 '--out is missing' precompute --scene "$dir/one.obj"
+expect 2 '--scene is missing' precompute --out "$dir/one.bvh.json"
+expect 2 "'0' is not a whole number from 1" precompute --scene soup --out "$dir/x" --item-count 0
+expect 2 'no-such-folder' precompute --scene soup --out "$dir/no-such-folder/x"
+for i in 1 2 3 4 5; do echo 'f 1 2 3'; done | cat "$dir/one.obj" - >"$dir/copies.obj"
+expect 2 'the seed never ends here: F19' precompute --scene "$dir/copies.obj" --eps 0 --out "$dir/x"
+[ ! -e "$dir/x" ] || bad "a refused precompute writes nothing"
+expect 0 . precompute --scene "$dir/one.obj" --out "$dir/one.bvh.json" --item-count 4 --eps 0.02
+printf '%s' '{"uniforms":[{"fst":0,"snd":0,"item_idx":0,"item_count":1,"bounds":{"min":[0.0,0.0,0.0],' \
+    '"max":[1.0,1.0,0.0]}}],"indices":[0]}' | cmp -s - "$dir/one.bvh.json" ||
+    bad "precompute writes the seed's bytes"
+expect 0 . precompute --scene "$dir/copies.obj" --eps 0 --builder median --out "$dir/x"
+
 [ -z "$(ls "$dir" | grep -i tmp)" ] || bad "a temporary file was left behind"
 
 # The seed's numbers (Figure 8 of its paper), where its scene is at hand.

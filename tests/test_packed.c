@@ -59,6 +59,28 @@ static void packed_check_finds_nothing_in_good_trees(void **state)
     }
 }
 
+/* Bounds that are no halves: rounded any other way than outward, some would be found loose. */
+static void packed_check_finds_nothing_in_outward_rounded_bounds(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(8, 0);
+    for (int round = 0; round < 40; round++) {
+        struct scene scene = trees_grid(200);
+        float size = ldexpf(1, 15 - round); /* 2^15 down to where halves are subnormal */
+        for (int i = 0; i < 9 * 200; i++)
+            scene.vertex[i] = rng_range(&rng, -size, size);
+        struct bvh bvh = trees_make(&scene, 3, TREES_BALANCED);
+        struct packed packed;
+        struct reason reason = {""};
+        assert_int_equal(packed_make(layout_find("rf16"), &bvh, &scene, &packed, &reason), 0);
+        if (packed_check(&packed, &scene, NULL, &reason))
+            fail_msg("size %a: %s", (double)size, reason.text);
+        packed_free(&packed);
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
+}
+
 static void packed_check_finds_a_bound_one_step_too_tight(void **state)
 {
     (void)state;
@@ -294,6 +316,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packed_check_finds_nothing_in_good_trees),
+        cmocka_unit_test(packed_check_finds_nothing_in_outward_rounded_bounds),
         cmocka_unit_test(packed_check_finds_a_bound_one_step_too_tight),
         cmocka_unit_test(packed_check_takes_nan_bounds_for_loose),
         cmocka_unit_test(packed_check_counts_each_kind_of_fault),
