@@ -152,6 +152,7 @@ static void half_bounds_enclose_without_subnormals(void **state)
 }
 
 #if defined(__x86_64__)
+#include <cpuid.h>
 #include <immintrin.h>
 
 /* Returns how many of the 4 floats differ from the processor's conversion. Immediate 1 rounds to
@@ -173,10 +174,12 @@ __attribute__((target("f16c"))) static int differing(uint32_t first)
     return count;
 }
 
+/* F16C is encoded as AVX is, which the operating system must have enabled. */
 static bool have_f16c(void)
 {
+    unsigned a, b, c, d;
     __builtin_cpu_init();
-    return __builtin_cpu_supports("f16c") != 0;
+    return __builtin_cpu_supports("avx") && __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);
 }
 #else
 static int differing(uint32_t first)
