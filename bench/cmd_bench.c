@@ -16,7 +16,7 @@ static const char help[] =
     "  --rounds N      1 to 99                                                   [9]\n"
     "  --csv FILE      all rows, for machines\n" ENGINE_OPTIONS_HELP
     "\nexit codes: 0 measured, 1 an answer was not allowed, 2 bad input, 3 engine failed\n"
-    "example: raydiff bench layouts --scene 'sphere:level=5;scenes/fetched/bunny.obj'\n"
+    "example: raydiff bench layouts --scene 'sphere:n=50;scenes/fetched/bunny.obj'\n"
     "benchmarks:\n";
 
 static const struct benchmark *const benchmarks[] = {&bench_layouts, &bench_builders, NULL};

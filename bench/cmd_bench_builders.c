@@ -37,7 +37,7 @@ static int bench_one(struct bench *bench, const char *spec, const struct scene *
 
 static int run(struct bench *bench)
 {
-    static const char *const own[] = {"soup:n=100000,size=0.01", "sphere:level=6", NULL};
+    static const char *const own[] = {"soup:n=100000,size=0.01", "sphere:n=200", NULL};
     const char *spec[BENCH_SCENES];
     size_t count = bench_scenes(bench, own, spec);
     int code = EXIT_AGREE;

@@ -234,7 +234,7 @@ static int bench_rays(struct field *field, const struct ray_set *set)
 
 static int run(struct bench *bench)
 {
-    static const char *const own[] = {"sphere:level=5", "terrain:k=6",
+    static const char *const own[] = {"sphere:n=50", "terrain:k=6",
                                       "scenes/fetched/dragon-11k.ply.gz", NULL};
     static const char *const sets[] = {"primary", "random", "bounce"};
     const char *spec[BENCH_SCENES];

@@ -67,6 +67,7 @@ plain)
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"
     suite cli sh tests/cli.sh "$build/raydiff"
     suite mutants make -s mutants
+    suite install sh tests/install.sh
     suite tutorial sh tests/tutorial.sh "$build"
     ;;
 sanitize)
