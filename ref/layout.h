@@ -29,9 +29,9 @@ struct packed {
 
 #define WIDE_MAX 8
 
-/* One decoded node. Inner: child_count >= 2 (the seed's wrapped trees aside), boxes and references
- * of the children. Leaf: child_count == 0, item slots item_first .. item_first + item_count - 1, to
- * be read with layout->item. */
+/* One decoded node. Inner: child_count >= 2, boxes and references of the children; those out of
+ * range are dropped (the seed wraps references), so that 1 or 0 may be left. Leaf: child_count ==
+ * 0, item slots item_first .. item_first + item_count - 1, to be read with layout->item. */
 struct wide {
     uint32_t child_count;
     uint32_t item_first;
@@ -74,7 +74,8 @@ static inline bool packed_ref_valid(const struct packed *packed, uint32_t ref)
 }
 
 /* Packs `bvh` in `layout`. An empty tree gives node_count 0, which every engine traces as misses.
- * Errors: STATUS_LIMIT of the layout, or deeper than ABI_STACK_MAX; STATUS_MEMORY. */
+ * Errors: STATUS_INPUT another number of triangles than the scene's; STATUS_LIMIT of the layout, or
+ * deeper than ABI_STACK_MAX; STATUS_MEMORY. */
 enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out,
                         struct reason *reason) MUST_USE;
@@ -82,7 +83,7 @@ enum status packed_make(const struct layout *layout, const struct bvh *bvh,
 /* Packs in that layout, of those that are not faithful and can hold the scene, which takes the
  * fewest bytes for this tree. `refused` receives one line per refusing layout of smaller records
  * (of all, if none can), separated by newlines, at most `refused_bytes` with the terminator.
- * Errors: STATUS_MEMORY; STATUS_LIMIT if none can. */
+ * Errors: STATUS_INPUT as packed_make; STATUS_MEMORY; STATUS_LIMIT if none can. */
 enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, struct packed *out,
                              char *refused, size_t refused_bytes, struct reason *reason) MUST_USE;
 

@@ -65,6 +65,9 @@ enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out, struct reason *reason)
 {
     *out = (struct packed){0};
+    if (bvh->prim_count != scene->tri_count)
+        return fail(reason, STATUS_INPUT, "%s: the tree holds %u triangles, the scene has %u",
+                    layout->name, bvh->prim_count, scene->tri_count);
     if (bvh->node_count > 0) {
         enum status status = layout->pack(bvh, scene, out, reason);
         if (!status) {
@@ -115,7 +118,7 @@ enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, s
         if (layouts[i]->faithful)
             continue;
         enum status status = packed_make(layouts[i], bvh, scene, &candidate, &why[i]);
-        if (status == STATUS_MEMORY) {
+        if (status && status != STATUS_LIMIT) {
             packed_free(out);
             return fail(reason, status, "%s", why[i].text);
         }
@@ -123,11 +126,15 @@ enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, s
         if (!refuses[i])
             keep_smaller(out, &candidate);
     }
+    const struct reason *last = NULL;
     for (size_t i = 0; layouts[i]; i++)
-        if (refuses[i] && (!out->layout || layouts[i]->node_bytes < out->layout->node_bytes))
+        if (refuses[i] && (!out->layout || layouts[i]->node_bytes < out->layout->node_bytes)) {
             append_line(refused, refused_bytes, why[i].text);
+            last = &why[i];
+        }
     if (!out->layout)
-        return fail(reason, STATUS_LIMIT, "no layout can hold this scene; see each one's reason");
+        return fail(reason, STATUS_LIMIT, "no layout can hold this scene: %s",
+                    last ? last->text : "all are faithful to the seed");
     return STATUS_OK;
 }
 

@@ -18,6 +18,8 @@ static void rf16_holds_eight_items_in_a_leaf(void **state)
     must_hold(hold("rf16", trees_grid(7), 7, TREES_BALANCED), true);
     must_hold(hold("rf16", trees_grid(20), 7, TREES_BALANCED), true);
     must_hold(hold("rf16", trees_grid(8), 8, TREES_BALANCED), true);
+    must_hold(hold("f32", trees_grid(9), 9, TREES_BALANCED), true);
+    must_hold(hold("f32", trees_grid(1000), 333, TREES_BALANCED), true);
     must_hold(hold("rf16", trees_grid(20), 8, TREES_BALANCED), true);
     must_refuse(hold("rf16", trees_grid(9), 9, TREES_BALANCED),
                 "rf16: a leaf holds at most 8 items, this tree has one of 9; use --leaf 8");

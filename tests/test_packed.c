@@ -260,6 +260,20 @@ static void packed_make_packs_a_single_leaf_in_every_layout(void **state)
     scene_free(&scene);
 }
 
+static void packed_make_refuses_the_tree_of_another_scene(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(3), other = trees_grid(4);
+    struct bvh bvh = trees_make(&scene, 4, TREES_BALANCED), empty = {0};
+    struct packed packed;
+    assert_int_equal(packed_make(layouts[0], &bvh, &other, &packed, NULL), STATUS_INPUT);
+    assert_int_equal(packed_make(layouts[0], &empty, &scene, &packed, NULL), STATUS_INPUT);
+    assert_int_equal(packed_make_auto(&bvh, &other, &packed, NULL, 0, NULL), STATUS_INPUT);
+    bvh_free(&bvh);
+    scene_free(&scene);
+    scene_free(&other);
+}
+
 static void auto_takes_the_smallest_layout_that_holds_the_scene(void **state)
 {
     (void)state;
@@ -307,7 +321,7 @@ static void auto_refuses_what_no_layout_can_hold(void **state)
     assert_null(packed.word);
     assert_non_null(strstr(refused, "f32: the traversal stack holds 64 entries"));
     assert_non_null(strstr(refused, "\nrf16: the traversal stack holds 64 entries"));
-    assert_non_null(strstr(reason.text, "no layout"));
+    assert_non_null(strstr(reason.text, "no layout can hold this scene: rf16: the traversal"));
     bvh_free(&bvh);
     scene_free(&scene);
 }
@@ -326,6 +340,7 @@ int main(void)
         cmocka_unit_test(packed_check_sees_the_seeds_numbering),
         cmocka_unit_test(packed_make_packs_an_empty_scene_in_every_layout),
         cmocka_unit_test(packed_make_packs_a_single_leaf_in_every_layout),
+        cmocka_unit_test(packed_make_refuses_the_tree_of_another_scene),
         cmocka_unit_test(auto_takes_the_smallest_layout_that_holds_the_scene),
         cmocka_unit_test(auto_refuses_what_no_layout_can_hold),
     };
