@@ -9,7 +9,8 @@
 
 /* Readers. `bytes` is the whole file, unzipped, borrowed, bytes[size] is 0; `name` stands before
  * every reason. A scene that comes out has passed scene_check and has a triangle.
- * Errors: STATUS_INPUT "NAME: line or byte or path: rule"; STATUS_MEMORY. On error *out is zero. */
+ * Errors: STATUS_INPUT "NAME:LINE: rule" (or "NAME: byte N: rule", "NAME: vertices[3].pos: rule");
+ * STATUS_MEMORY. On error *out is zero. */
 
 /* RTRS scene JSON (rtrs). All six keys are required, unknown keys ignored, duplicate keys refused.
  * A number is rounded to double and then to float, as the seed's reader does: where its double lies

@@ -58,7 +58,7 @@ void ply_header_free(struct ply_header *header);
 /* Reads the header at the start of `scan` and leaves the cursor on the first byte of the data.
  * The header has one element "vertex" with scalars x, y and z and one element "face" with one list
  * "vertex_indices" or "vertex_index" of whole numbers; no name stands twice.
- * Errors: STATUS_INPUT "NAME: line N: rule"; STATUS_MEMORY. Free it in either case. */
+ * Errors: STATUS_INPUT "NAME:LINE: rule"; STATUS_MEMORY. Free it in either case. */
 enum status ply_header_read(struct scan *scan, struct ply_header *out,
                             struct reason *reason) MUST_USE;
 

@@ -1,8 +1,8 @@
 #include "scenes/formats.h"
+#include "scenes/json_walk.h"
 
-#include <float.h>
-#include <jansson.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Where a value stands: "vertices[3]", "camera" or the whole file, for reasons. */
@@ -89,195 +89,258 @@ static enum status get_float3(const struct place *place, const json_t *object, c
     return status;
 }
 
-/* The list `key` of the file: its array, and memory for one element of `size` bytes each (NULL for
- * an empty list). */
-static enum status get_list(const struct place *root, const json_t *file, const char *key,
-                            size_t size, const json_t **list, void **memory)
+/* The elements of the four lists as they stand in the file. */
+struct vertex {
+    float pos[3], normal[3];
+};
+
+struct prim {
+    uint32_t index[3];
+    int32_t material;
+};
+
+static enum status take_vertex(const struct place *place, const json_t *json, void *out)
 {
-    *memory = NULL;
-    enum status status = get(root, file, key, list);
-    if (status != STATUS_OK)
-        return status;
-    if (!json_is_array(*list))
-        return refuse(root, key, -1, "must be an array");
-    if (json_array_size(*list) >= UINT32_MAX)
-        return refuse(root, key, -1, "has more than 4294967294 elements");
-    if (json_array_size(*list) == 0)
-        return STATUS_OK;
-    *memory = alloc_zeroed(json_array_size(*list), size);
-    if (!*memory)
-        return fail(root->reason, STATUS_MEMORY, "%s: no memory for %zu %s", root->name,
-                    json_array_size(*list), key);
-    return STATUS_OK;
+    struct vertex *vertex = out;
+    enum status status = get_float3(place, json, "pos", vertex->pos);
+    return status == STATUS_OK ? get_float3(place, json, "normal", vertex->normal) : status;
 }
 
-static enum status read_vertices(const struct place *root, const json_t *file, struct scene *scene)
+static enum status take_prim(const struct place *place, const json_t *json, void *out)
 {
-    const json_t *list;
-    void *positions, *normals;
-    enum status status = get_list(root, file, "vertices", 3 * sizeof(float), &list, &positions);
-    scene->vertex = positions;
-    if (status != STATUS_OK)
-        return status;
-    scene->vertex_count = (uint32_t)json_array_size(list);
-    status = get_list(root, file, "vertices", 3 * sizeof(float), &list, &normals);
-    scene->normal = normals;
-    for (uint32_t i = 0; i < scene->vertex_count && status == STATUS_OK; i++) {
-        const json_t *vertex = json_array_get(list, i);
-        const struct place place = {root->name, "vertices", i, root->reason};
-        status = get_float3(&place, vertex, "pos", scene->vertex + 3 * (size_t)i);
-        if (status == STATUS_OK)
-            status = get_float3(&place, vertex, "normal", scene->normal + 3 * (size_t)i);
-    }
-    return status;
-}
-
-static enum status read_prim(const struct place *place, const json_t *prim, struct scene *scene)
-{
+    struct prim *prim = out;
     const json_t *indices, *material;
-    enum status status = get_three(place, prim, "indices", &indices);
+    enum status status = get_three(place, json, "indices", &indices);
     if (status != STATUS_OK)
         return status;
     for (int k = 0; k < 3; k++) {
         const json_t *index = json_array_get(indices, (size_t)k);
-        if (!json_is_integer(index) || json_integer_value(index) < 0)
-            return refuse(place, "indices", k, "must be a whole number from 0");
-        if (json_integer_value(index) >= scene->vertex_count)
-            return refuse(place, "indices", k, "names a vertex that does not exist");
-        scene->index[3 * place->index + (size_t)k] = (uint32_t)json_integer_value(index);
+        json_int_t number = json_integer_value(index);
+        if (!json_is_integer(index) || number < 0 || number > UINT32_MAX)
+            return refuse(place, "indices", k, "must be a whole number from 0 to 4294967295");
+        prim->index[k] = (uint32_t)number;
     }
-    status = get(place, prim, "material", &material);
+    status = get(place, json, "material", &material);
     if (status != STATUS_OK)
         return status;
-    if (!json_is_integer(material))
-        return refuse(place, "material", -1, "must be a whole number");
     json_int_t number = json_integer_value(material);
-    /* 0 is fine without materials: the default one stands in. */
-    if (number != 0 && (number < 0 || number >= scene->material_count || number > INT32_MAX))
-        return refuse(place, "material", -1, "names a material that does not exist");
-    scene->material_of[place->index] = (int32_t)number;
+    if (!json_is_integer(material) || number < 0 || number > INT32_MAX)
+        return refuse(place, "material", -1, "must be a whole number from 0 to 2147483647");
+    prim->material = (int32_t)number;
     return STATUS_OK;
 }
 
-static enum status read_prims(const struct place *root, const json_t *file, struct scene *scene)
+static enum status take_light(const struct place *place, const json_t *json, void *out)
 {
-    const json_t *list;
-    void *indices, *materials;
-    enum status status = get_list(root, file, "prims", 3 * sizeof(uint32_t), &list, &indices);
-    scene->index = indices;
-    if (status != STATUS_OK)
-        return status;
-    scene->tri_count = (uint32_t)json_array_size(list);
-    if (scene->tri_count == 0)
-        return refuse(root, "prims", -1, "is empty: the scene has no triangle");
-    status = get_list(root, file, "prims", sizeof(int32_t), &list, &materials);
-    scene->material_of = materials;
-    for (uint32_t i = 0; i < scene->tri_count && status == STATUS_OK; i++) {
-        const struct place place = {root->name, "prims", i, root->reason};
-        status = read_prim(&place, json_array_get(list, i), scene);
+    struct light *light = out;
+    enum status status = get_float3(place, json, "pos", light->pos);
+    return status == STATUS_OK ? get_float(place, json, "strength", &light->strength) : status;
+}
+
+static enum status take_material(const struct place *place, const json_t *json, void *out)
+{
+    struct material *material = out;
+    enum status status = get_float3(place, json, "color", material->color);
+    if (status == STATUS_OK)
+        status = get_float3(place, json, "albedo", material->albedo);
+    return status == STATUS_OK ? get_float(place, json, "spec", &material->spec) : status;
+}
+
+/* A list of the file, growing while it is read. */
+struct list {
+    const char *key;
+    size_t size; /* of an element */
+    enum status (*take)(const struct place *place, const json_t *json, void *element);
+    bool seen;
+    void *items;
+    size_t count, capacity;
+};
+
+enum { PRIMS, VERTICES, LIGHTS, MATERIALS, LISTS };
+
+/* The file while it is read. */
+struct rtrs {
+    struct json_walk walk;
+    struct list list[LISTS];
+    struct camera camera;
+    bool has_camera, has_controller;
+};
+
+static enum status read_list(struct json_walk *walk, struct list *list)
+{
+    bool more;
+    enum status status = json_walk_open(walk, '[');
+    while (status == STATUS_OK) {
+        json_t *json;
+        status = json_walk_more(walk, ']', &more);
+        if (status != STATUS_OK || !more || (status = json_walk_value(walk, &json)) != STATUS_OK)
+            break;
+        const struct place place = {walk->name, list->key, list->count, walk->reason};
+        if (list->count == UINT32_MAX - 1)
+            status = refuse(&place, NULL, -1, "is one more than 4294967294");
+        else if (array_reserve(&list->items, &list->capacity, list->count + 1, list->size))
+            status = fail(walk->reason, STATUS_MEMORY, "%s: no memory for %zu %s", walk->name,
+                          list->count + 1, list->key);
+        else
+            status = list->take(&place, json, (char *)list->items + list->count++ * list->size);
+        json_decref(json);
     }
     return status;
 }
 
-static enum status read_lights(const struct place *root, const json_t *file, struct scene *scene)
+static enum status read_camera(struct rtrs *rtrs, const json_t *json)
 {
-    const json_t *list;
-    void *lights;
-    enum status status = get_list(root, file, "lights", sizeof *scene->light, &list, &lights);
-    scene->light = lights;
-    if (status != STATUS_OK)
-        return status;
-    scene->light_count = (uint32_t)json_array_size(list);
-    for (uint32_t i = 0; i < scene->light_count && status == STATUS_OK; i++) {
-        const json_t *light = json_array_get(list, i);
-        const struct place place = {root->name, "lights", i, root->reason};
-        status = get_float3(&place, light, "pos", scene->light[i].pos);
-        if (status == STATUS_OK)
-            status = get_float(&place, light, "strength", &scene->light[i].strength);
-    }
-    return status;
+    const struct place place = {rtrs->walk.name, "camera", NO_INDEX, rtrs->walk.reason};
+    enum status status = get_float3(&place, json, "pos", rtrs->camera.pos);
+    return status == STATUS_OK ? get_float3(&place, json, "at", rtrs->camera.at) : status;
 }
 
-static enum status read_materials(const struct place *root, const json_t *file, struct scene *scene)
+static enum status read_controller(struct rtrs *rtrs, const json_t *json)
 {
-    const json_t *list;
-    void *materials;
-    enum status status =
-        get_list(root, file, "materials", sizeof *scene->material, &list, &materials);
-    scene->material = materials;
-    if (status != STATUS_OK)
-        return status;
-    scene->material_count = (uint32_t)json_array_size(list);
-    for (uint32_t i = 0; i < scene->material_count && status == STATUS_OK; i++) {
-        const json_t *material = json_array_get(list, i);
-        const struct place place = {root->name, "materials", i, root->reason};
-        status = get_float3(&place, material, "color", scene->material[i].color);
-        if (status == STATUS_OK)
-            status = get_float3(&place, material, "albedo", scene->material[i].albedo);
-        if (status == STATUS_OK)
-            status = get_float(&place, material, "spec", &scene->material[i].spec);
-    }
-    return status;
-}
-
-static enum status read_camera(const struct place *root, const json_t *file, struct scene *scene)
-{
-    const json_t *camera, *controller;
-    const struct place place = {root->name, "camera", NO_INDEX, root->reason};
-    enum status status = get(root, file, "camera", &camera);
-    if (status == STATUS_OK)
-        status = get_float3(&place, camera, "pos", scene->camera.pos);
-    if (status == STATUS_OK)
-        status = get_float3(&place, camera, "at", scene->camera.at);
-    if (status == STATUS_OK)
-        status = get(root, file, "camera_controller", &controller);
-    if (status != STATUS_OK)
-        return status;
-    const char *word = json_string_value(controller);
+    const struct place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
+    const char *word = json_string_value(json);
     if (!word || (strcmp(word, "Orbit") != 0 && strcmp(word, "Fixed") != 0))
-        return refuse(root, "camera_controller", -1, "must be \"Orbit\" or \"Fixed\"");
-    scene->camera.orbit = word[0] == 'O';
-    scene->has_camera = true;
+        return refuse(&root, "camera_controller", -1, "must be \"Orbit\" or \"Fixed\"");
+    rtrs->camera.orbit = word[0] == 'O';
     return STATUS_OK;
 }
 
-/* Why jansson could not parse: its text may quote the file, so control bytes are replaced. */
-static enum status refuse_syntax(const char *name, const json_error_t *error, struct reason *reason)
+/* Reads the value of the file's member `key`. */
+static enum status read_member(struct rtrs *rtrs, const char *key)
 {
-    char text[JSON_ERROR_TEXT_LENGTH];
-    snprintf(text, sizeof text, "%s", error->text);
-    for (char *at = text; *at; at++)
-        if ((unsigned char)*at < 0x20 || *at == 0x7F)
-            *at = '?';
-    if (json_error_code(error) == json_error_out_of_memory)
-        return fail(reason, STATUS_MEMORY, "%s: no memory to parse the JSON text", name);
-    return fail(reason, STATUS_INPUT, "%s: line %d, column %d: %s", name, error->line,
-                error->column, text);
+    bool is_camera = strcmp(key, "camera") == 0;
+    bool is_controller = strcmp(key, "camera_controller") == 0;
+    bool *seen = is_camera ? &rtrs->has_camera : is_controller ? &rtrs->has_controller : NULL;
+    struct list *list = NULL;
+    for (int i = 0; i < LISTS; i++)
+        if (strcmp(key, rtrs->list[i].key) == 0)
+            list = &rtrs->list[i];
+    if (list)
+        seen = &list->seen;
+    const struct place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
+    if (seen && *seen)
+        return refuse(&root, key, -1, "is there twice");
+    if (seen)
+        *seen = true;
+    if (list)
+        return read_list(&rtrs->walk, list);
+    json_t *json;
+    enum status status = json_walk_value(&rtrs->walk, &json);
+    if (status == STATUS_OK && is_camera)
+        status = read_camera(rtrs, json);
+    else if (status == STATUS_OK && is_controller)
+        status = read_controller(rtrs, json);
+    json_decref(json);
+    return status;
+}
+
+static enum status read_file(struct rtrs *rtrs)
+{
+    bool more;
+    enum status status = json_walk_open(&rtrs->walk, '{');
+    while (status == STATUS_OK) {
+        json_t *key;
+        status = json_walk_more(&rtrs->walk, '}', &more);
+        if (status != STATUS_OK || !more || (status = json_walk_key(&rtrs->walk, &key)))
+            break;
+        status = read_member(rtrs, json_string_value(key));
+        json_decref(key);
+    }
+    if (status == STATUS_OK)
+        status = json_walk_end(&rtrs->walk);
+    const struct place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
+    if (status == STATUS_OK && !rtrs->has_camera)
+        status = refuse(&root, "camera", -1, "is missing");
+    if (status == STATUS_OK && !rtrs->has_controller)
+        status = refuse(&root, "camera_controller", -1, "is missing");
+    for (int i = 0; i < LISTS && status == STATUS_OK; i++)
+        if (!rtrs->list[i].seen)
+            status = refuse(&root, rtrs->list[i].key, -1, "is missing");
+    if (status == STATUS_OK && rtrs->list[PRIMS].count == 0)
+        status = refuse(&root, "prims", -1, "is empty: the scene has no triangle");
+    return status;
+}
+
+/* Every vertex and material that a triangle names exists; without materials, 0 does: the default
+ * one stands in. */
+static enum status check_names(const struct rtrs *rtrs)
+{
+    const struct prim *prim = rtrs->list[PRIMS].items;
+    size_t materials = rtrs->list[MATERIALS].count;
+    for (size_t i = 0; i < rtrs->list[PRIMS].count; i++) {
+        const struct place place = {rtrs->walk.name, "prims", i, rtrs->walk.reason};
+        for (int k = 0; k < 3; k++)
+            if (prim[i].index[k] >= rtrs->list[VERTICES].count)
+                return refuse(&place, "indices", k, "names a vertex that does not exist");
+        if (prim[i].material != 0 && (size_t)prim[i].material >= materials)
+            return refuse(&place, "material", -1, "names a material that does not exist");
+    }
+    return STATUS_OK;
+}
+
+/* Gives a list that is an array of the scene to it; NULL where it is empty. */
+static void *hand_over(struct list *list, uint32_t *count)
+{
+    void *items = list->items;
+    *count = (uint32_t)list->count;
+    list->items = NULL;
+    return items;
+}
+
+static enum status to_scene(struct rtrs *rtrs, struct scene *out)
+{
+    const struct vertex *vertex = rtrs->list[VERTICES].items;
+    const struct prim *prim = rtrs->list[PRIMS].items;
+    uint32_t vertex_count = (uint32_t)rtrs->list[VERTICES].count;
+    uint32_t tri_count = (uint32_t)rtrs->list[PRIMS].count;
+    enum status status = scene_make(vertex_count, tri_count, out);
+    if (status == STATUS_OK) {
+        out->normal = alloc_zeroed(vertex_count, 3 * sizeof *out->normal);
+        out->material_of = alloc_zeroed(tri_count, sizeof *out->material_of);
+    }
+    if (!out->normal || !out->material_of) {
+        scene_free(out);
+        return fail(rtrs->walk.reason, STATUS_MEMORY, "%s: no memory for %u triangles",
+                    rtrs->walk.name, tri_count);
+    }
+    for (size_t i = 0; i < vertex_count; i++) {
+        memcpy(out->vertex + 3 * i, vertex[i].pos, sizeof vertex[i].pos);
+        memcpy(out->normal + 3 * i, vertex[i].normal, sizeof vertex[i].normal);
+    }
+    for (size_t i = 0; i < tri_count; i++) {
+        memcpy(out->index + 3 * i, prim[i].index, sizeof prim[i].index);
+        out->material_of[i] = prim[i].material;
+    }
+    out->light = hand_over(&rtrs->list[LIGHTS], &out->light_count);
+    out->material = hand_over(&rtrs->list[MATERIALS], &out->material_count);
+    out->camera = rtrs->camera;
+    out->has_camera = true;
+    struct reason rule;
+    status = scene_check(out, &rule);
+    if (status == STATUS_OK)
+        return STATUS_OK;
+    scene_free(out);
+    return fail(rtrs->walk.reason, status, "%s: %s", rtrs->walk.name, rule.text);
 }
 
 enum status read_rtrs(const char *name, const char *bytes, size_t size, struct scene *out,
                       struct reason *reason)
 {
     *out = (struct scene){0};
-    json_error_t error;
-    json_t *file = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &error);
-    if (!file)
-        return refuse_syntax(name, &error, reason);
-    const struct place root = {name, NULL, NO_INDEX, reason};
-    enum status status = read_camera(&root, file, out);
+    struct rtrs rtrs = {
+        .walk = {.name = name, .start = bytes, .at = bytes, .end = bytes + size, .reason = reason},
+        .list = {
+            [PRIMS] = {.key = "prims", .size = sizeof(struct prim), .take = take_prim},
+            [VERTICES] = {.key = "vertices", .size = sizeof(struct vertex), .take = take_vertex},
+            [LIGHTS] = {.key = "lights", .size = sizeof(struct light), .take = take_light},
+            [MATERIALS] = {
+                .key = "materials", .size = sizeof(struct material), .take = take_material}}};
+    enum status status = read_file(&rtrs);
     if (status == STATUS_OK)
-        status = read_vertices(&root, file, out);
+        status = check_names(&rtrs);
     if (status == STATUS_OK)
-        status = read_materials(&root, file, out);
-    if (status == STATUS_OK)
-        status = read_prims(&root, file, out);
-    if (status == STATUS_OK)
-        status = read_lights(&root, file, out);
-    json_decref(file);
-    struct reason rule;
-    if (status == STATUS_OK && (status = scene_check(out, &rule)) != STATUS_OK)
-        status = fail(reason, status, "%s: %s", name, rule.text);
-    if (status != STATUS_OK)
-        scene_free(out);
+        status = to_scene(&rtrs, out);
+    for (int i = 0; i < LISTS; i++)
+        free(rtrs.list[i].items);
     return status;
 }

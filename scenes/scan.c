@@ -21,8 +21,8 @@ enum status scan_fail(const struct scan *scan, struct reason *reason, const char
     if (scan->binary)
         return fail(reason, STATUS_INPUT, "%s: byte %zu: %s", scan->name,
                     (size_t)(scan->at - scan->start), rule);
-    return fail(reason, STATUS_INPUT, "%s: line %llu: %s", scan->name,
-                (unsigned long long)scan->line, rule);
+    return fail(reason, STATUS_INPUT, "%s:%llu: %s", scan->name, (unsigned long long)scan->line,
+                rule);
 }
 
 static bool is_blank(char c)

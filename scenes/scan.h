@@ -18,7 +18,7 @@ struct scan {
 /* A cursor at the start of `bytes`, of which bytes[size] is a 0; borrowed. */
 struct scan scan_make(const char *name, const char *bytes, size_t size);
 
-/* Writes "NAME: line N: " or "NAME: byte N: " and the formatted rule; returns STATUS_INPUT. */
+/* Writes "NAME:LINE: " or "NAME: byte N: " and the formatted rule; returns STATUS_INPUT. */
 enum status scan_fail(const struct scan *scan, struct reason *reason, const char *format, ...)
     PRINTF_LIKE(3, 4);
 

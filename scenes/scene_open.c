@@ -90,8 +90,8 @@ static enum status unknown_scene(const char *spec, struct reason *reason)
     char known[120] = "";
     for (size_t i = 0; generators[i]; i++)
         append(known, sizeof known, generators[i]->name);
-    return fail(reason, STATUS_INPUT, "'%.80s' is no file and no generator; known are %s", spec,
-                known);
+    return fail(reason, STATUS_INPUT,
+                "unknown scene '%.80s': no file, and no generator; those are %s", spec, known);
 }
 
 static enum status unknown_param(const struct generator *generator, const char *key, size_t length,

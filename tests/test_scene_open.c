@@ -83,9 +83,10 @@ static void scene_open_passes_parameters_and_seed(void **state)
 static void scene_open_names_what_it_does_not_know(void **state)
 {
     (void)state;
-    expect_refused("suop", "'suop' is no file and no generator; known are soup, sphere");
-    expect_refused("suop:n=3", "'suop:n=3' is no file and no generator");
-    expect_refused("", "'' is no file and no generator");
+    expect_refused("suop",
+                   "unknown scene 'suop': no file, and no generator; those are soup, sphere");
+    expect_refused("suop:n=3", "unknown scene 'suop:n=3': no file, and no generator");
+    expect_refused("", "unknown scene '': no file, and no generator");
     expect_refused("soup:m=3", "soup: 'm' is no parameter; known are n, size, offset, seed");
     expect_refused("soup:", "soup: '' is no parameter");
     expect_refused("soup:n=3,", "soup: '' is no parameter");
@@ -139,7 +140,7 @@ static void scene_open_reads_files_by_their_ending(void **state)
     assert_true(digest("plain.obj.gz", 1, &count) == want);
     expect_refused("mesh.stl", "mesh.stl: unknown ending");
     expect_refused("./soup", "./soup: unknown ending");
-    expect_refused("noscene.json", "noscene.json: line 1, column");
+    expect_refused("noscene.json", "noscene.json:1:");
     digest("soup", 1, &count);
     assert_int_equal(count, 1000); /* the generator, not the file */
     static const char *const made[] = {"a:b.obj", "UPPER.OBJ",  "plain.obj.gz", "mesh.stl",
