@@ -9,6 +9,7 @@ static const struct command commands[] = {
     {"bench", "speed, bytes, memory and errors, engines interleaved", cmd_bench},
     {"precompute", "writes a tree as BVH JSON, byte for byte as the seed's tool would",
      cmd_precompute},
+    {"scene", "what a scene is, from one format to another, and which there are", cmd_scene},
     {"list", "every builder, layout, test, engine, scene and ray set", cmd_list},
     {"doctor", "what can run here, and why the rest cannot", cmd_doctor},
     {NULL, NULL, NULL},

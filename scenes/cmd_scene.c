@@ -150,6 +150,8 @@ static int scene_info(const struct scene_options *options)
 
 static int scene_convert(const struct scene_options *options)
 {
+    if (options->json)
+        return usage_error("scene", "convert: --json belongs to info");
     if (options->argument_count != 2)
         return usage_error("scene", "convert: one scene and one file are needed");
     const char *from = options->argument[0], *to = options->argument[1];
@@ -198,7 +200,7 @@ static void list_fetched(void)
 static int scene_list(const struct scene_options *options)
 {
     if (options->argument_count != 0 || options->json)
-        return usage_error("scene", "list: takes no argument");
+        return usage_error("scene", "list: takes no argument and no --json");
     printf("generators, as NAME or NAME:PARAMETER=VALUE,PARAMETER=VALUE; each also takes seed=S\n"
            "(range of every parameter, and [default])\n");
     for (size_t i = 0; generators[i]; i++) {

@@ -73,11 +73,11 @@ expect 2 "$dir" check "$dir" $small
 : >"$dir/empty.obj"
 expect 2 "empty.obj" check "$dir/empty.obj" $small
 printf 'v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n' >"$dir/nan.obj"
-expect 2 'nan.obj: line 3' check "$dir/nan.obj" $small
+expect 2 'nan.obj:3: ' check "$dir/nan.obj" $small
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n' >"$dir/range.obj"
-expect 2 'range.obj: line 4' check "$dir/range.obj" $small
+expect 2 'range.obj:4: ' check "$dir/range.obj" $small
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n' >"$dir/past.obj"
-expect 2 'past.obj: line 4' check "$dir/past.obj" $small
+expect 2 'past.obj:4: ' check "$dir/past.obj" $small
 printf 'v 0 0 0\n' >"$dir/none.obj"
 expect 2 'triangle' check "$dir/none.obj" $small
 head -c 4096 /dev/urandom >"$dir/garbage.ply"
@@ -128,6 +128,35 @@ printf '%s' '{"uniforms":[{"fst":0,"snd":0,"item_idx":0,"item_count":1,"bounds":
     bad "precompute writes the seed's bytes"
 expect 0 . precompute --scene "$dir/copies.obj" --eps 0 --builder median --out "$dir/x"
 
+[ -z "$(ls "$dir" | grep -i tmp)" ] || bad "a temporary file was left behind"
+
+# Scenes: what they are, and from one format to another.
+expect 2 'info, convert or list' scene
+expect 2 "unknown action 'inform'" scene inform
+expect 2 'no scene given' scene info
+expect 2 "unknown option or missing value: '--jsonn'" scene info soup --jsonn
+expect 2 'one scene and one file are needed' scene convert soup
+expect 2 "unknown scene 'suop'" scene info suop
+expect 2 "soup: 'm' is no parameter; known are n, size, offset, seed" scene info soup:m=3
+expect 2 'soup: n=-1 must be a number from 0' scene info soup:n=-1
+expect 0 . scene list
+grep -q 'terrain' "$dir/out" || bad "scene list names the generators"
+expect 0 . scene info "$dir/one.obj" soup:n=7,seed=3 --json
+for key in triangles vertices least most longest_side largest_coordinate zero_area duplicates lights \
+    materials camera; do
+    grep -q "\"$key\"" "$dir/out" || bad "scene info --json: no key $key"
+done
+grep -q '"triangles": 7' "$dir/out" || bad "scene info --json counts triangles"
+expect 2 'past.obj:4: ' scene info "$dir/one.obj" "$dir/past.obj"
+grep -q 'triangles  *1$' "$dir/out" || bad "a bad scene does not hide the good one before it"
+expect 0 . scene convert soup:n=50 "$dir/a.ply"
+expect 0 . scene convert "$dir/a.ply" "$dir/b.json"
+expect 0 . scene convert "$dir/b.json" "$dir/c.obj"
+grep -q 'not kept' "$dir/out" || bad "convert says what the format cannot hold"
+expect 0 . scene convert "$dir/c.obj" "$dir/d.ply"
+cmp -s "$dir/a.ply" "$dir/d.ply" || bad "a scene keeps every bit through all formats"
+expect 2 'unknown ending' scene convert soup "$dir/x.stl"
+expect 2 'cannot write' scene convert soup "$dir/no-such-folder/x.ply"
 [ -z "$(ls "$dir" | grep -i tmp)" ] || bad "a temporary file was left behind"
 
 # The seed's numbers (Figure 8 of its paper), where its scene is at hand.
