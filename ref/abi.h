@@ -43,10 +43,11 @@
 #define ABI_BIND_ITEMS 4 /* U32[]: the packed item array, if the layout has one */
 #define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order */
 
-#define ABI_FLAG_DONE 1u /* the invocation ran to its end */
-#define ABI_FLAG_EXHAUSTED                                                                         \
-    2u /* stack left over, stack overrun or a loop cut short by the driver                         \
-        */
+#define ABI_FLAG_DONE      1u  /* the invocation ran to its end */
+#define ABI_FLAG_EXHAUSTED 2u  /* the answer is not to be believed; one of the next says why */
+#define ABI_FLAG_STACK     4u  /* the traversal stack was full */
+#define ABI_FLAG_VISITS    8u  /* more visits than nodes */
+#define ABI_FLAG_LOOP      16u /* a loop ended before its own condition did */
 
 /* A ray. t counts in multiples of dir, which need not have length 1. */
 struct ray {

@@ -1,0 +1,108 @@
+/* The instance, and the validation layer's messages. */
+#include "gpu/vk_private.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
+
+static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                 VkDebugUtilsMessageTypeFlagsEXT types,
+                                                 const VkDebugUtilsMessengerCallbackDataEXT *data,
+                                                 void *user)
+{
+    struct vk_log *log = user;
+    (void)severity;
+    (void)types;
+    if (!atomic_exchange(&log->has_first, true))
+        (void)fail(&log->first, STATUS_DEVICE, "vulkan validation: %s", data->pMessage);
+    atomic_fetch_add(&log->count, 1);
+    return VK_FALSE;
+}
+
+/* General messages are left out: they are the loader's, about drivers that are not used. */
+static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct vk_log *log)
+{
+    return (VkDebugUtilsMessengerCreateInfoEXT){
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                       VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+        .pfnUserCallback = on_message,
+        .pUserData = log,
+    };
+}
+
+/* *found tells whether the loader knows the validation layer. */
+static enum status find_layer(struct vk *vk, bool *found, struct reason *reason)
+{
+    uint32_t count = 0;
+    *found = false;
+    VkResult result = vk->fn.EnumerateInstanceLayerProperties(&count, NULL);
+    if (result != VK_SUCCESS)
+        return vk_fail(vk, reason, result, "vkEnumerateInstanceLayerProperties");
+    VkLayerProperties *layer = alloc_zeroed(count, sizeof *layer);
+    if (!layer)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the list of layers");
+    result = vk->fn.EnumerateInstanceLayerProperties(&count, layer);
+    for (uint32_t i = 0; i < count && result >= 0; i++)
+        *found = *found || strcmp(layer[i].layerName, VALIDATION_LAYER) == 0;
+    free(layer);
+    if (result < 0)
+        return vk_fail(vk, reason, result, "vkEnumerateInstanceLayerProperties");
+    return STATUS_OK;
+}
+
+enum status vk_instance_make(struct vk *vk, struct reason *reason)
+{
+    uint32_t version = 0;
+    VkResult result = vk->fn.EnumerateInstanceVersion(&version);
+    if (result != VK_SUCCESS)
+        return vk_fail(vk, reason, result, "vkEnumerateInstanceVersion");
+    if (version < VK_API_VERSION_1_1)
+        return fail(reason, STATUS_UNSUPPORTED, "vulkan: the loader is older than Vulkan 1.1");
+    bool layer = false;
+    enum status status = vk->options.validate ? find_layer(vk, &layer, reason) : STATUS_OK;
+    if (status)
+        return status;
+    if (vk->options.validate && !layer)
+        return fail(reason, STATUS_UNSUPPORTED,
+                    "vulkan: validation was asked for and " VALIDATION_LAYER " is not installed");
+
+    VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(&vk->log);
+    VkApplicationInfo application = {
+        .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+        .pApplicationName = "raydiff",
+        .apiVersion = version < VK_API_VERSION_1_2 ? VK_API_VERSION_1_1 : VK_API_VERSION_1_2,
+    };
+    VkInstanceCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+        .pNext = layer ? &messenger : NULL, /* so that making and destroying it is watched too */
+        .pApplicationInfo = &application,
+        .enabledLayerCount = layer ? 1 : 0,
+        .ppEnabledLayerNames = (const char *[]){VALIDATION_LAYER},
+        .enabledExtensionCount = layer ? 1 : 0,
+        .ppEnabledExtensionNames = (const char *[]){VK_EXT_DEBUG_UTILS_EXTENSION_NAME},
+    };
+    result = vk->fn.CreateInstance(&info, NULL, &vk->instance);
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+        return fail(reason, STATUS_UNSUPPORTED, "vulkan: the loader found no driver");
+    if (result != VK_SUCCESS)
+        return vk_fail(vk, reason, result, "vkCreateInstance");
+    status = vk_load_instance(vk, reason);
+    if (status || !layer)
+        return status;
+    result = vk->fn.CreateDebugUtilsMessengerEXT(vk->instance, &messenger, NULL, &vk->messenger);
+    if (result != VK_SUCCESS)
+        return vk_fail(vk, reason, result, "vkCreateDebugUtilsMessengerEXT");
+    return STATUS_OK;
+}
+
+uint32_t vk_messages(const struct vk *vk, struct reason *reason)
+{
+    uint32_t count = atomic_load(&vk->log.count);
+    if (count && reason)
+        *reason = vk->log.first;
+    return count;
+}

@@ -1,0 +1,142 @@
+/* Finding the Vulkan loader and its functions at run time. */
+#include "gpu/vk_private.h"
+
+#include <dlfcn.h>
+#include <stddef.h>
+#include <string.h>
+
+#define LOADER "libvulkan.so.1"
+
+/* An entry point: its name and its place in struct vk_fn. */
+struct entry {
+    const char *name;
+    size_t offset;
+};
+
+#define ENTRY(name)                                                                                \
+    {                                                                                              \
+        "vk" #name, offsetof(struct vk_fn, name)                                                   \
+    }
+
+static const struct entry global_entry[] = {
+    ENTRY(EnumerateInstanceVersion),
+    ENTRY(EnumerateInstanceLayerProperties),
+    ENTRY(EnumerateInstanceExtensionProperties),
+    ENTRY(CreateInstance),
+};
+
+static const struct entry instance_entry[] = {
+    ENTRY(DestroyInstance),
+    ENTRY(EnumeratePhysicalDevices),
+    ENTRY(GetPhysicalDeviceProperties),
+    ENTRY(GetPhysicalDeviceProperties2),
+    ENTRY(GetPhysicalDeviceMemoryProperties),
+    ENTRY(GetPhysicalDeviceQueueFamilyProperties),
+    ENTRY(EnumerateDeviceExtensionProperties),
+    ENTRY(CreateDevice),
+    ENTRY(GetDeviceProcAddr),
+};
+
+static const struct entry debug_entry[] = {
+    ENTRY(CreateDebugUtilsMessengerEXT),
+    ENTRY(DestroyDebugUtilsMessengerEXT),
+};
+
+static const struct entry device_entry[] = {
+    ENTRY(DestroyDevice),
+    ENTRY(DeviceWaitIdle),
+    ENTRY(GetDeviceQueue),
+    ENTRY(QueueSubmit),
+    ENTRY(CreateFence),
+    ENTRY(DestroyFence),
+    ENTRY(ResetFences),
+    ENTRY(WaitForFences),
+    ENTRY(CreateCommandPool),
+    ENTRY(DestroyCommandPool),
+    ENTRY(ResetCommandPool),
+    ENTRY(AllocateCommandBuffers),
+    ENTRY(BeginCommandBuffer),
+    ENTRY(EndCommandBuffer),
+    ENTRY(CreateQueryPool),
+    ENTRY(DestroyQueryPool),
+    ENTRY(GetQueryPoolResults),
+    ENTRY(CmdResetQueryPool),
+    ENTRY(CmdWriteTimestamp),
+    ENTRY(CreateBuffer),
+    ENTRY(DestroyBuffer),
+    ENTRY(GetBufferMemoryRequirements),
+    ENTRY(AllocateMemory),
+    ENTRY(FreeMemory),
+    ENTRY(BindBufferMemory),
+    ENTRY(MapMemory),
+    ENTRY(CmdCopyBuffer),
+    ENTRY(CmdPipelineBarrier),
+    ENTRY(CreateShaderModule),
+    ENTRY(DestroyShaderModule),
+    ENTRY(CreateDescriptorSetLayout),
+    ENTRY(DestroyDescriptorSetLayout),
+    ENTRY(CreatePipelineLayout),
+    ENTRY(DestroyPipelineLayout),
+    ENTRY(CreateComputePipelines),
+    ENTRY(DestroyPipeline),
+    ENTRY(CreateDescriptorPool),
+    ENTRY(DestroyDescriptorPool),
+    ENTRY(AllocateDescriptorSets),
+    ENTRY(UpdateDescriptorSets),
+    ENTRY(CmdBindPipeline),
+    ENTRY(CmdBindDescriptorSets),
+    ENTRY(CmdPushConstants),
+    ENTRY(CmdDispatch),
+};
+
+/* Stores one function; all function pointers have one representation here (POSIX). */
+static enum status store(struct vk *vk, const struct entry *entry, PFN_vkVoidFunction function,
+                         struct reason *reason)
+{
+    if (!function)
+        return fail(reason, STATUS_UNSUPPORTED, "vulkan: the loader or driver lacks %s",
+                    entry->name);
+    memcpy((char *)&vk->fn + entry->offset, &function, sizeof function);
+    return STATUS_OK;
+}
+
+static enum status load_instance_entries(struct vk *vk, const struct entry *entry, size_t count,
+                                         struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < count && !status; i++)
+        status =
+            store(vk, entry + i, vk->fn.GetInstanceProcAddr(vk->instance, entry[i].name), reason);
+    return status;
+}
+
+enum status vk_load_library(struct vk *vk, struct reason *reason)
+{
+    const char *name = vk->options.library ? vk->options.library : LOADER;
+    vk->library = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    if (!vk->library)
+        return fail(reason, STATUS_UNSUPPORTED, "vulkan: no loader: %s", dlerror());
+    void *symbol = dlsym(vk->library, "vkGetInstanceProcAddr");
+    if (!symbol)
+        return fail(reason, STATUS_UNSUPPORTED, "vulkan: %s has no vkGetInstanceProcAddr", name);
+    memcpy(&vk->fn.GetInstanceProcAddr, &symbol, sizeof symbol);
+    return load_instance_entries(vk, global_entry, ARRAY_COUNT(global_entry), reason);
+}
+
+enum status vk_load_instance(struct vk *vk, struct reason *reason)
+{
+    enum status status =
+        load_instance_entries(vk, instance_entry, ARRAY_COUNT(instance_entry), reason);
+    if (!status && vk->options.validate)
+        status = load_instance_entries(vk, debug_entry, ARRAY_COUNT(debug_entry), reason);
+    return status;
+}
+
+enum status vk_load_device(struct vk *vk, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < ARRAY_COUNT(device_entry) && !status; i++)
+        status = store(vk, device_entry + i,
+                       vk->fn.GetDeviceProcAddr(vk->device, device_entry[i].name), reason);
+    return status;
+}

@@ -1,0 +1,26 @@
+/* What every tracing shader is told and where it answers; see ref/abi.h. Rays and hits are read and
+ * written as whole quads: on lavapipe a load of four words costs little more than one of one. */
+#ifndef JOB_GLSL
+#define JOB_GLSL
+
+#include "ref/abi.h"
+#include "ref/mutant.h"
+
+layout(local_size_x_id = ABI_SPEC_WORKGROUP) in;
+layout(constant_id = ABI_SPEC_BOX) const uint BOX_TEST = ABI_BOX_ROBUST;
+layout(constant_id = ABI_SPEC_TRI) const uint TRI_TEST = ABI_TRI_MT;
+layout(constant_id = ABI_SPEC_QUERY) const uint QUERY = ABI_QUERY_CLOSEST;
+layout(constant_id = ABI_SPEC_STACK) const uint STACK = 16u;
+
+layout(push_constant) uniform Push { push job; };
+
+layout(std430, set = 0, binding = ABI_BIND_RAYS) readonly buffer Rays { vec4 ray_quad[]; };
+layout(std430, set = 0, binding = ABI_BIND_HITS) writeonly buffer Hits { uvec4 hit_quad[]; };
+layout(std430, set = 0, binding = ABI_BIND_FLAGS) writeonly buffer Flags { uint flag_word[]; };
+layout(std430, set = 0, binding = ABI_BIND_NODES) readonly buffer Nodes { uvec4 node_quad[]; };
+layout(std430, set = 0, binding = ABI_BIND_ITEMS) readonly buffer Items { uint item_word[]; };
+layout(std430, set = 0, binding = ABI_BIND_TRIS) readonly buffer Tris { vec4 tri_quad[]; };
+
+#define NODE_LEAF 0x80000000u /* in the first word that the traversal keeps of a node */
+
+#endif

@@ -1,0 +1,48 @@
+/* Layout f32: 32-byte nodes, see struct node_f32. */
+#include "slab.glsl"
+
+#define ORDER_NEAR
+
+/* What the traversal keeps of a node. Inner: a is its index, b that of the second child. Leaf: a is
+ * bit 31 and the number of items, b the first item. */
+struct node {
+    uint a;
+    uint b;
+};
+
+#define NODE_DONE node(NODE_LEAF, 0u)
+
+node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
+{
+    uvec4 low = node_quad[2u * ref];
+    uvec4 high = node_quad[2u * ref + 1u];
+    nearer = uintBitsToFloat(mix(low.xyz, high.xyz, r.swapped));
+    farther = uintBitsToFloat(mix(high.xyz, low.xyz, r.swapped));
+    return node(high.w == 0u ? ref : high.w | NODE_LEAF, low.w);
+}
+
+uint node_fst(node n)
+{
+    return n.a + 1u;
+}
+
+uint node_snd(node n)
+{
+    return n.b;
+}
+
+struct leaf {
+    uint first;
+    uint count;
+};
+
+leaf leaf_load(node n)
+{
+    return leaf(n.b, n.a & ~NODE_LEAF);
+}
+
+uint leaf_item(leaf l, uint slot)
+{
+    uint at = l.first + slot;
+    return at < job.item_count ? item_word[at] : ABI_NO_PRIM;
+}

@@ -1,0 +1,58 @@
+/* Layout rf16: 16-byte records, two for a leaf. Inner: bits 0-15 of the tag are the record of the
+ * second child, 16-30 of the first. Leaf: bit 31 is set, bits 0-3 count the items, whose 16-bit
+ * triangle indices fill the next record. */
+#include "half.glsl"
+
+#define ORDER_NEAR
+
+/* What the traversal keeps of a node. Inner: the tag. Leaf: bit 31, the record of the items in bits
+ * 4 and up, their number in bits 0-3. */
+struct node {
+    uint a;
+};
+
+#define NODE_DONE node(NODE_LEAF)
+
+node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
+{
+    uvec4 record = node_quad[ref];
+    half_bounds(r, record.xyz, nearer, farther);
+    uint as_leaf = NODE_LEAF | (ref + 1u) << 4 | (record.w & 15u);
+    return node((record.w & NODE_LEAF) == 0u ? record.w : as_leaf);
+}
+
+uint node_fst(node n)
+{
+    return n.a >> 16;
+}
+
+uint node_snd(node n)
+{
+    return n.a & 0xFFFFu;
+}
+
+struct leaf {
+    uvec4 items;
+    uint count;
+};
+
+leaf leaf_load(node n)
+{
+    return leaf(node_quad[(n.a & ~NODE_LEAF) >> 4], n.a & 15u);
+}
+
+uint leaf_item(leaf l, uint slot)
+{
+#if MUTANT == MUTANT_LOST_SLOT
+    if (slot == 7u)
+        return ABI_NO_PRIM;
+#endif
+    uint word = slot < 4u ? (slot < 2u ? l.items.x : l.items.y)
+                          : (slot < 6u ? l.items.z : l.items.w);
+    uint prim = (slot & 1u) == 0u ? word & 0xFFFFu : word >> 16;
+#if MUTANT == MUTANT_ZERO_IS_EMPTY
+    if (prim == 0u)
+        return ABI_NO_PRIM;
+#endif
+    return prim;
+}

@@ -1,0 +1,116 @@
+/* Ray against axis-aligned box: the operations of ref/primitives/slab.h in the same order. Bounds
+ * come as the plane that the ray meets first and the one that it meets last, chosen while they are
+ * loaded. Every comparison is true in the case that goes on, so that a NaN falls to the same side
+ * as in C however the driver turns conditions around. */
+#ifndef SLAB_GLSL
+#define SLAB_GLSL
+
+#include "job.glsl"
+
+#define SLAB_PARALLEL 8.67361737988403547e-19 /* 2^-60 */
+#if MUTANT == MUTANT_FAR_NOT_PADDED
+#define SLAB_FAR 1.0
+#else
+#define SLAB_FAR 1.0000019073486328125 /* 1 + 2^-19 */
+#endif
+#define SLAB_RTRS_EPS 0.000002
+#define SLAB_RTRS_INF 274877906944.0 /* 2^38 */
+
+/* Stand-ins on a parallel axis, so that the test needs no case for it: planes at a distance that no
+ * range reaches narrow nothing. AWAY * AWAY_PAD may overflow, to infinity or not: both will do. */
+#define SLAB_AWAY     3e38
+#define SLAB_AWAY_PAD 4.0
+
+struct slab_ray {
+    vec3 o;
+    vec3 d;
+    vec3 inv;      /* 1 / d, 1 where parallel */
+    vec3 o_near;   /* o, AWAY where parallel */
+    vec3 o_far;    /* o, -AWAY where parallel */
+    vec3 pad;      /* SLAB_FAR, AWAY_PAD where parallel */
+    vec3 at_most;  /* o where parallel, else infinity: at least the near plane of a box hit */
+    vec3 at_least; /* o where parallel, else -infinity: at most the far plane of a box hit */
+    bvec3 swapped; /* the upper bound is met first */
+    float tmin;
+};
+
+slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
+{
+    slab_ray r;
+    bvec3 negative = lessThan(d, vec3(0.0));
+    precise vec3 a = mix(d, -d, negative);
+    float largest = 0.0;
+    largest = a.x > largest ? a.x : largest;
+    largest = a.y > largest ? a.y : largest;
+    largest = a.z > largest ? a.z : largest;
+    precise float least = SLAB_PARALLEL * largest;
+    bvec3 crossing = bvec3(a.x > 0.0 && a.x >= least, a.y > 0.0 && a.y >= least,
+                           a.z > 0.0 && a.z >= least);
+    precise vec3 inv = 1.0 / d;
+    vec3 inf = vec3(uintBitsToFloat(0x7F800000u)); /* compared only, never computed with */
+    r.o = o;
+    r.d = d;
+    r.inv = mix(vec3(1.0), inv, crossing);
+    r.o_near = mix(vec3(SLAB_AWAY), o, crossing);
+    r.o_far = mix(vec3(-SLAB_AWAY), o, crossing);
+    r.pad = mix(vec3(SLAB_AWAY_PAD), vec3(SLAB_FAR), crossing);
+    r.at_most = mix(o, inf, crossing);
+    r.at_least = mix(o, uintBitsToFloat(floatBitsToUint(inf) | 0x80000000u), crossing);
+    r.swapped = bvec3(negative.x && crossing.x, negative.y && crossing.y,
+                      negative.z && crossing.z);
+    if (BOX_TEST == ABI_BOX_RTRS) /* it orders the planes itself */
+        r.swapped = bvec3(false);
+    r.tmin = tmin;
+    return r;
+}
+
+bool slab_robust(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float entry)
+{
+    precise vec3 a = (nearer - r.o_near) * r.inv;
+    precise vec3 b = (farther - r.o_far) * r.inv;
+    precise vec3 bp = b * r.pad;
+    float tn = r.tmin, tf = tbest;
+    tn = a.x > tn ? a.x : tn;
+    tf = bp.x < tf ? bp.x : tf;
+    tn = a.y > tn ? a.y : tn;
+    tf = bp.y < tf ? bp.y : tf;
+    tn = a.z > tn ? a.z : tn;
+    tf = bp.z < tf ? bp.z : tf;
+    entry = tn;
+    bool inside = nearer.x <= r.at_most.x && nearer.y <= r.at_most.y && nearer.z <= r.at_most.z &&
+                  r.at_least.x <= farther.x && r.at_least.y <= farther.y &&
+                  r.at_least.z <= farther.z;
+#if MUTANT == MUTANT_SLAB_STRICT
+    return inside && tn < tf;
+#else
+    return inside && tn <= tf;
+#endif
+}
+
+bool slab_rtrs(slab_ray r, vec3 lo, vec3 hi, out float entry)
+{
+    precise vec3 t0 = (lo - SLAB_RTRS_EPS - r.o) / r.d;
+    precise vec3 t1 = (hi + SLAB_RTRS_EPS - r.o) / r.d;
+    float tn = t0.x < t1.x ? t0.x : t1.x;
+    float tf = t1.x < t0.x ? t0.x : t1.x;
+    for (int k = 1; k < 3; k++) {
+        float lesser = t0[k] < t1[k] ? t0[k] : t1[k];
+        float greater = t1[k] < t0[k] ? t0[k] : t1[k];
+        float low = lesser < -SLAB_RTRS_INF ? lesser : -SLAB_RTRS_INF;
+        float high = greater > SLAB_RTRS_INF ? greater : SLAB_RTRS_INF;
+        tn = low > tn ? low : tn;
+        tf = high < tf ? high : tf;
+    }
+    entry = tn;
+    return tn < tf;
+}
+
+/* The box test of the pipeline. */
+bool slab_test(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float entry)
+{
+    if (BOX_TEST == ABI_BOX_ROBUST)
+        return slab_robust(r, nearer, farther, tbest, entry);
+    return slab_rtrs(r, nearer, farther, entry);
+}
+
+#endif

@@ -1,0 +1,170 @@
+/* The traversal, the same as ref/trace.c visits: one ray an invocation. */
+#include "tri.glsl"
+
+/* The stack: nodes that wait, with their entry distances. */
+node stack_node[STACK];
+float stack_entry[STACK];
+uint stack_count = 0u;
+
+/* Reasons why an answer must not be believed, ABI_FLAG_*. */
+uint trouble = 0u;
+
+bool node_is_leaf(node n)
+{
+    return (n.a & NODE_LEAF) != 0u;
+}
+
+/* NODE_DONE, a leaf without items, ends a walk. */
+bool node_is_done(node n)
+{
+    return n.a == NODE_LEAF;
+}
+
+void stack_push(node n, float entry)
+{
+#if MUTANT == MUTANT_SHORT_STACK
+    if (stack_count >= STACK - 1u) {
+#else
+    if (stack_count >= STACK) {
+#endif
+        trouble |= ABI_FLAG_STACK;
+    } else {
+        stack_node[stack_count] = n;
+        stack_entry[stack_count] = entry;
+        stack_count++;
+    }
+}
+
+/* The next node that can still hold something nearer, or NODE_DONE. */
+node stack_pop(float tbest)
+{
+    bool found = false;
+    while (stack_count > 0u && !found) {
+        stack_count--;
+        found = BOX_TEST != ABI_BOX_ROBUST || stack_entry[stack_count] <= tbest;
+    }
+    if (found)
+        return stack_node[stack_count];
+    if (stack_count > 0u)
+        trouble |= ABI_FLAG_LOOP;
+    return NODE_DONE;
+}
+
+/* The children of an inner node: the next node, the other one pushed. */
+node step_inner(slab_ray slab, node n, float tbest)
+{
+    uint ref0 = node_fst(n), ref1 = node_snd(n);
+    vec3 near0, far0, near1, far1;
+    float entry0, entry1;
+    node child0 = node_load(slab, ref0, near0, far0);
+    node child1 = node_load(slab, ref1, near1, far1);
+    bool hit0 = slab_test(slab, near0, far0, tbest, entry0) && ref0 < job.node_count;
+    bool hit1 = slab_test(slab, near1, far1, tbest, entry1) && ref1 < job.node_count;
+#if defined(ORDER_NEAR)
+    bool second = hit1 && (!hit0 || entry1 < entry0);
+#elif defined(ORDER_SND)
+    bool second = hit1;
+#else
+    bool second = !hit0;
+#endif
+    node next = child0, other = child1;
+    if (second) {
+        next = child1;
+        other = child0;
+    }
+#if MUTANT == MUTANT_SWAPPED_CHILD
+    other = next;
+#endif
+    if (hit0 && hit1)
+        stack_push(other, second ? entry0 : entry1);
+    if (!hit0 && !hit1)
+        next = stack_pop(tbest);
+    return next;
+}
+
+/* The nine floats of a triangle lie in three quads, begun at any word of the first. */
+void tri_load(uint prim, out vec3 v0, out vec3 v1, out vec3 v2)
+{
+    uint at = ABI_TRI_FLOATS * prim;
+    vec4 a = tri_quad[at >> 2], b = tri_quad[(at >> 2) + 1u], c = tri_quad[(at >> 2) + 2u];
+    bool two = (at & 2u) != 0u, one = (at & 1u) != 0u;
+    vec4 d = two ? vec4(a.zw, b.xy) : a;
+    vec4 e = two ? vec4(b.zw, c.xy) : b;
+    vec2 f = two ? c.zw : c.xy;
+    v0 = one ? d.yzw : d.xyz;
+    v1 = one ? e.xyz : vec3(d.w, e.xy);
+    v2 = one ? vec3(e.w, f) : vec3(e.zw, f.x);
+}
+
+/* Tests the items of a leaf in slot order. True if the query is answered. */
+bool step_leaf(tri_ray r, node n, inout vec3 best, inout uint best_prim, inout float tbest)
+{
+    leaf l = leaf_load(n);
+    uint slot = 0u;
+    bool answered = false;
+    while (slot < l.count && !answered) {
+        uint prim = leaf_item(l, slot);
+        slot++;
+        if (prim < job.tri_count) {
+            vec3 v0, v1, v2, tuv;
+            tri_load(prim, v0, v1, v2);
+            if (tri_test_run(TRI_TEST, r, v0, v1, v2, tuv) &&
+                (best_prim == ABI_NO_PRIM || tuv.x < tbest)) {
+                best = tuv;
+                best_prim = prim;
+                tbest = tuv.x;
+                answered = QUERY == ABI_QUERY_ANY;
+            }
+        }
+    }
+    if (slot < l.count && !answered)
+        trouble |= ABI_FLAG_LOOP;
+    return answered;
+}
+
+/* A driver can end a loop before its condition does (lavapipe 22 does after 65,535 iterations), so
+ * every loop's condition is looked at again behind it. */
+void walk(slab_ray slab, tri_ray tri, node n, inout vec3 best, inout uint prim, inout float tbest)
+{
+    uint visits = 0u;
+    while (!node_is_done(n) && trouble == 0u) {
+        while (!node_is_leaf(n) && visits < job.node_count) {
+            visits++;
+            n = step_inner(slab, n, tbest);
+        }
+        if (!node_is_leaf(n)) {
+            trouble |= visits < job.node_count ? ABI_FLAG_LOOP : ABI_FLAG_VISITS;
+        } else if (!node_is_done(n)) {
+            if (visits >= job.node_count)
+                trouble |= ABI_FLAG_VISITS;
+            visits++;
+            if (step_leaf(tri, n, best, prim, tbest))
+                n = NODE_DONE;
+            else
+                n = stack_pop(tbest);
+        }
+    }
+    if (!node_is_done(n))
+        trouble |= ABI_FLAG_LOOP;
+}
+
+void main()
+{
+    uint id = gl_GlobalInvocationID.x;
+    if (id >= job.ray_count)
+        return;
+    vec4 org = ray_quad[2u * id], dir = ray_quad[2u * id + 1u];
+    slab_ray slab = slab_ray_make(org.xyz, dir.xyz, org.w);
+    vec3 best = vec3(0.0);
+    uint prim = ABI_NO_PRIM;
+    float tbest = dir.w;
+    if (job.node_count > 0u) {
+        vec3 nearer, farther;
+        float entry;
+        node root = node_load(slab, job.root, nearer, farther);
+        if (slab_test(slab, nearer, farther, tbest, entry))
+            walk(slab, tri_ray_make(org.xyz, dir.xyz, org.w, dir.w), root, best, prim, tbest);
+    }
+    hit_quad[id] = uvec4(floatBitsToUint(best), prim);
+    flag_word[id] = ABI_FLAG_DONE | trouble | (trouble != 0u ? ABI_FLAG_EXHAUSTED : 0u);
+}
