@@ -24,12 +24,18 @@ float half_normal(uint code)
     return unpackHalf2x16(code).x;
 }
 
+/* How far the half of the plane that is met first lies up in its word. */
+uvec3 half_shift(slab_ray r)
+{
+    return uvec3(r.swapped.x ? 16u : 0u, r.swapped.y ? 16u : 0u, r.swapped.z ? 16u : 0u);
+}
+
 /* Each word of `bounds` holds the lower bound in its low half; the planes in the order in which the
  * ray meets them. `_any` for layouts that can store every code, the other for those that store
  * neither subnormals nor infinities. */
 void half_bounds(slab_ray r, uvec3 bounds, out vec3 nearer, out vec3 farther)
 {
-    uvec3 shift = mix(uvec3(0u), uvec3(16u), r.swapped);
+    uvec3 shift = half_shift(r);
     uvec3 n = bounds >> shift;
     uvec3 f = bounds >> (16u - shift);
     nearer = vec3(half_normal(n.x), half_normal(n.y), half_normal(n.z));
@@ -38,7 +44,7 @@ void half_bounds(slab_ray r, uvec3 bounds, out vec3 nearer, out vec3 farther)
 
 void half_bounds_any(slab_ray r, uvec3 bounds, out vec3 nearer, out vec3 farther)
 {
-    uvec3 shift = mix(uvec3(0u), uvec3(16u), r.swapped);
+    uvec3 shift = half_shift(r);
     uvec3 n = (bounds >> shift) & 0xFFFFu;
     uvec3 f = (bounds >> (16u - shift)) & 0xFFFFu;
     nearer = vec3(half_any(n.x), half_any(n.y), half_any(n.z));

@@ -16,8 +16,7 @@ node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
 {
     uvec4 low = node_quad[2u * ref];
     uvec4 high = node_quad[2u * ref + 1u];
-    nearer = uintBitsToFloat(mix(low.xyz, high.xyz, r.swapped));
-    farther = uintBitsToFloat(mix(high.xyz, low.xyz, r.swapped));
+    slab_order(r, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz), nearer, farther);
     return node(high.w == 0u ? ref : high.w | NODE_LEAF, low.w);
 }
 

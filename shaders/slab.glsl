@@ -34,11 +34,25 @@ struct slab_ray {
     float tmin;
 };
 
+/* Componentwise c ? a : b. Not mix(), which also names a sum that is rounded as it likes. */
+vec3 slab_select(bvec3 c, vec3 a, vec3 b)
+{
+    return vec3(c.x ? a.x : b.x, c.y ? a.y : b.y, c.z ? a.z : b.z);
+}
+
+/* The bounds in the order in which the ray meets them. */
+void slab_order(slab_ray r, vec3 lo, vec3 hi, out vec3 nearer, out vec3 farther)
+{
+    nearer = slab_select(r.swapped, hi, lo);
+    farther = slab_select(r.swapped, lo, hi);
+}
+
 slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
 {
     slab_ray r;
     bvec3 negative = lessThan(d, vec3(0.0));
-    precise vec3 a = mix(d, -d, negative);
+    precise vec3 minus = -d;
+    vec3 a = slab_select(negative, minus, d);
     float largest = 0.0;
     largest = a.x > largest ? a.x : largest;
     largest = a.y > largest ? a.y : largest;
@@ -50,12 +64,12 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     vec3 inf = vec3(uintBitsToFloat(0x7F800000u)); /* compared only, never computed with */
     r.o = o;
     r.d = d;
-    r.inv = mix(vec3(1.0), inv, crossing);
-    r.o_near = mix(vec3(SLAB_AWAY), o, crossing);
-    r.o_far = mix(vec3(-SLAB_AWAY), o, crossing);
-    r.pad = mix(vec3(SLAB_AWAY_PAD), vec3(SLAB_FAR), crossing);
-    r.at_most = mix(o, inf, crossing);
-    r.at_least = mix(o, uintBitsToFloat(floatBitsToUint(inf) | 0x80000000u), crossing);
+    r.inv = slab_select(crossing, inv, vec3(1.0));
+    r.o_near = slab_select(crossing, o, vec3(SLAB_AWAY));
+    r.o_far = slab_select(crossing, o, vec3(-SLAB_AWAY));
+    r.pad = slab_select(crossing, vec3(SLAB_FAR), vec3(SLAB_AWAY_PAD));
+    r.at_most = slab_select(crossing, inf, o);
+    r.at_least = slab_select(crossing, uintBitsToFloat(floatBitsToUint(inf) | 0x80000000u), o);
     r.swapped = bvec3(negative.x && crossing.x, negative.y && crossing.y,
                       negative.z && crossing.z);
     if (BOX_TEST == ABI_BOX_RTRS) /* it orders the planes itself */

@@ -3,6 +3,8 @@
 #ifndef TRI_GLSL
 #define TRI_GLSL
 
+#include "slab.glsl"
+
 #define TRI_RTRS_EPS 1e-7
 
 struct tri_ray {
@@ -26,7 +28,8 @@ tri_ray tri_ray_make(vec3 o, vec3 d, float tmin, float tmax)
     r.d = d;
     r.tmin = tmin;
     r.tmax = tmax;
-    precise vec3 a = mix(d, -d, lessThan(d, vec3(0.0)));
+    precise vec3 minus = -d;
+    vec3 a = slab_select(lessThan(d, vec3(0.0)), minus, d);
     uint kz = a.y > a.x ? 1u : 0u;
     kz = a.z > tri_pick(a, kz) ? 2u : kz;
     uint kx = kz == 2u ? 0u : kz + 1u;

@@ -1,0 +1,51 @@
+/* Layout rtrs_direct: the seed's 48-byte nodes, see struct node_rtrs_direct. Item slot s is the
+ * scene's triangle s - 1, slot 0 the null triangle (F2, F3). */
+#include "slab.glsl"
+
+#define ORDER_SND
+
+/* What the traversal keeps of a node. Inner: the children. Leaf: a is bit 31 and the number of
+ * items, b the first slot. */
+struct node {
+    uint a;
+    uint b;
+};
+
+#define NODE_DONE node(NODE_LEAF, 0u)
+
+/* A child reference from 2^31 on is out of range as 2^31 - 1 is. */
+node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
+{
+    uvec4 head = node_quad[3u * ref];
+    uvec4 lo = node_quad[3u * ref + 1u];
+    uvec4 hi = node_quad[3u * ref + 2u];
+    slab_order(r, uintBitsToFloat(lo.xyz), uintBitsToFloat(hi.xyz), nearer, farther);
+    if (head.w > 0u)
+        return node(head.w | NODE_LEAF, head.z);
+    return node(head.x < NODE_LEAF ? head.x : NODE_LEAF - 1u, head.y);
+}
+
+uint node_fst(node n)
+{
+    return n.a;
+}
+
+uint node_snd(node n)
+{
+    return n.b;
+}
+
+struct leaf {
+    uint first;
+    uint count;
+};
+
+leaf leaf_load(node n)
+{
+    return leaf(n.b, n.a & ~NODE_LEAF);
+}
+
+uint leaf_item(leaf l, uint slot)
+{
+    return l.first + slot - 1u; /* of slot 0 the result is out of range: no triangle */
+}
