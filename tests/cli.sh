@@ -3,6 +3,7 @@
 #   sh tests/cli.sh RAYDIFF
 set -u
 raydiff=$1
+[ -x "$raydiff" ] || { echo "$raydiff: not built"; exit 4; }
 dir=$(mktemp -d) || exit 4
 trap 'rm -rf "$dir"' EXIT
 failed=0
