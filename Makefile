@@ -77,7 +77,7 @@ $(B)/gen/flags: FORCE
 	$(call written,'$(subst ','\'',$(CC) $(CPPFLAGS) $(CFLAGS))')
 $(B)/gen/counts.h: FORCE
 	$(call written,$(foreach count,$(COUNTS),'#define $(subst =, ,$(count))'))
-FORCE:
+.PHONY: FORCE
 
 $(B)/tests/%: $(B)/obj/tests/%.o $(B)/libraydiff.a
 	@mkdir -p $(@D)

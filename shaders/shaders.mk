@@ -23,7 +23,6 @@ $(B)/spv/%.spv: $(B)/spv/raw/%.spv $(TOOL)
 $(B)/spv/list: FORCE
 	@mkdir -p $(@D)
 	@echo '$(SPV)' | cmp -s - $@ || echo '$(SPV)' >$@
-FORCE:
 
 $(B)/gen/shaders.c: $(SPV) $(B)/spv/list $(TOOL)
 	@mkdir -p $(@D)

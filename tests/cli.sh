@@ -69,7 +69,7 @@ expect 2 "unknown kind" list x
 
 # Scenes.
 expect 2 "nothing.obj" check "$dir/nothing.obj" $small
-expect 2 'no file and no generator' check no_such_generator $small
+expect 2 'no file, and no generator' check no_such_generator $small
 expect 2 "$dir" check "$dir" $small
 : >"$dir/empty.obj"
 expect 2 "empty.obj" check "$dir/empty.obj" $small
