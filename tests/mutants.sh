@@ -65,6 +65,22 @@ in_test() {
     judge "$name" "$unit, by $test" "$healthy" "$code"
 }
 
+# name, unit test that includes the bug's header itself.
+in_header() {
+    name=$1 test=$2
+    dir=$out/$name-$test
+    mkdir -p "$dir"
+    $CC_CMD "-DMUTANT=$(number "$name")" -c -o "$dir/unit.o" "tests/$test.c" &&
+        $CC_CMD -o "$dir/$test" "$dir/unit.o" "$build/libraydiff.a" $LIBS -lcmocka ||
+        { echo "$name does not build"; exit 4; }
+    "$build/tests/$test" >"$dir/healthy.log" 2>&1
+    healthy=$?
+    "$dir/$test" >"$dir/mutant.log" 2>&1
+    code=$?
+    [ "$code" -lt 2 ] || code=1
+    judge "$name" "a header, by $test" "$healthy" "$code"
+}
+
 # name, then arguments of raydiff: the same bug in the shaders.
 in_shaders() {
     name=$1
@@ -100,13 +116,13 @@ in_program HALF_NEAREST ref/half.c check soup --layout rf16 --engine cpu --rays 
 in_test HALF_NEAREST ref/half.c test_packed
 in_program LOST_SLOT ref/layouts/layout_rf16.c check soup --layout rf16 --engine cpu --leaf 8 --count 5000 --repeat 1
 in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c check platonic --layout rf16 --engine cpu --count 5000 --repeat 1
-in_program SLAB_STRICT ref/trace.c check grid:height=0 --layout f32 --engine cpu --count 5000 --repeat 1
+in_program SLAB_STRICT ref/trace.c check grid:height=0 --layout f32 --engine cpu --rays ranges --count 5000 --repeat 1
 in_program SWAPPED_CHILD ref/trace.c check soup --layout f32 --engine cpu --count 5000 --repeat 1
-in_program FAR_NOT_PADDED ref/trace.c check soup --layout f32 --engine cpu --rays corners --count 400000 --tri woop --repeat 1 --brute 1e9
+in_header FAR_NOT_PADDED test_primitives
 in_program SHORT_STACK ref/packed.c check "$out/duplicates.obj" --layout f32 --leaf 1 --engine cpu --rays primary --count 5000 --repeat 1
 in_test BAD_TWIN ref/twin.c test_twin
 in_shaders NO_PRECISE test_spirv
-in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --count 5000 --repeat 1
+in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --rays ranges --count 5000 --repeat 1
 in_shaders SWAPPED_CHILD check soup --layout f32 --engine vulkan --count 5000 --repeat 1
 in_shaders LOST_SLOT check soup --layout rf16 --engine vulkan --leaf 8 --count 5000 --repeat 1
 in_shaders ZERO_IS_EMPTY check platonic --layout rf16 --engine vulkan --count 5000 --repeat 1
