@@ -66,6 +66,7 @@ plain)
     suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"
     suite cli sh tests/cli.sh "$build/raydiff"
+    suite fetch sh tests/fetch.sh
     suite mutants make -s mutants
     suite install sh tests/install.sh
     suite tutorial sh tests/tutorial.sh "$build"

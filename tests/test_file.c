@@ -245,7 +245,7 @@ static void file_out_reports_a_full_device(void **state)
 {
     (void)state;
     if (access("/dev/full", W_OK) != 0) {
-        print_message("no /dev/full here\n");
+        print_message("SKIP no /dev/full here\n");
         skip();
     }
     struct file_out out;

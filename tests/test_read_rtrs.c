@@ -208,7 +208,7 @@ static void rtrs_default_scene_loads_unchanged(void **state)
     (void)state;
     const char *path = "../shared/scenes/rtrs-default.json";
     if (access(path, R_OK) != 0) {
-        print_message("%s is not here\n", path);
+        print_message("SKIP %s is not here\n", path);
         skip();
     }
     char *bytes;

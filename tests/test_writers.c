@@ -185,7 +185,7 @@ static void rtrs_default_scene_is_written_byte_for_byte(void **state)
     (void)state;
     const char *path = "../shared/scenes/rtrs-default.json";
     if (access(path, R_OK) != 0) {
-        print_message("%s is not here\n", path);
+        print_message("SKIP %s is not here\n", path);
         skip();
     }
     struct scene scene;
