@@ -91,11 +91,14 @@ include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
 #   make run                     make run SCENE=my.obj ARGS='--layout all'
 RF_FITS   := scenes/fetched/assimp-wuson.obj
 RF_BURSTS := scenes/fetched/glmark2-bunny.obj
+RF_MADE   := terrain:k=5 terrain:k=8
 run:
 	@sh .ci/deps.sh run
 	@$(MAKE) --no-print-directory -s -j$(JOBS) all
 	@$(if $(SCENE),,sh scenes/fetch.sh scenes/fetched --minimal --quiet || true)
-	@$(B)/raydiff check $(or $(SCENE),$(wildcard $(RF_FITS) $(RF_BURSTS))) $(ARGS)
+	@scenes='$(SCENE)'; [ -n "$$scenes" ] || scenes=$$(ls $(RF_FITS) $(RF_BURSTS) 2>/dev/null); \
+	[ -n "$$scenes" ] || { scenes='$(RF_MADE)'; echo "no mesh is here: generated scenes instead"; }; \
+	$(B)/raydiff check $$scenes $(ARGS)
 
 JOBS := $(shell nproc 2>/dev/null || echo 2)
 
