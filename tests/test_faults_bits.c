@@ -41,7 +41,7 @@ static void f9_4744_inner_nodes_of_a_45000_triangle_grid_read_as_leaves(void **s
     assert_true(faults.lost_prims > 10000);
     /* By rays, with the shift made up for. */
     s.scene = &scene;
-    compensate_f2(&s.bvh);
+    compensate_f2(&s.bvh, &scene);
     subject_pack(&s, "rtrs_rf");
     uint32_t lost = triangles_lost(&s, "robust", 0, 44999);
     assert_true(lost > 10000 && lost < 45000);
@@ -178,7 +178,7 @@ static uint32_t lost_by_nearest_rounding(struct scene *inside)
     assert_int_equal(vertex_rays_lost(&s, &hits), 0);
     subject_pack(&s, "rtrs_rf_paper");
     uint32_t lost = vertex_rays_lost(&s, &hits);
-    compensate_f2(&s.bvh);
+    compensate_f2(&s.bvh, &scene);
     subject_pack(&s, "rtrs_rf");
     assert_int_equal(vertex_rays_lost(&s, &hits), lost);
     subject_free(&s);

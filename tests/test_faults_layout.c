@@ -236,7 +236,7 @@ static void f7_the_last_two_of_eight_items_are_never_tested(void **state)
     for (uint32_t k = 0; k < 32; k++) /* triangles 0 .. 7 go to the last leaf */
         bvh.prim[k] = (k + 8) % 32;
     trees_fit(&bvh, &few);
-    compensate_f2(&bvh);
+    compensate_f2(&bvh, &scene);
     struct subject s = subject_of(&scene, bvh, "rtrs_rf");
     for (uint32_t prim = 0; prim < 32; prim++) {
         struct ray ray = ray_at_triangle(&scene, prim);
