@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* How long a device that hung may still take before its objects are left behind. */
+#define GRACE_NS 10000000000u
+
 static const char *result_text(VkResult result)
 {
     switch (result) {
@@ -132,13 +135,14 @@ enum status vk_open(const struct vk_options *options, struct vk **out, struct re
     return status;
 }
 
-/* Destroying objects that the device still uses would be wrong, waiting for ever too. */
-static bool is_idle(struct vk *vk)
+bool vk_idle(struct vk *vk)
 {
-    if (!vk->pending)
-        return true;
-    VkResult result = vk->fn.WaitForFences(vk->device, 1, &vk->fence, VK_TRUE, VK_WAIT_NS);
-    return result == VK_SUCCESS || result == VK_ERROR_DEVICE_LOST;
+    if (vk->pending && !vk->stuck) {
+        VkResult result = vk->fn.WaitForFences(vk->device, 1, &vk->fence, VK_TRUE, GRACE_NS);
+        vk->stuck = result != VK_SUCCESS && result != VK_ERROR_DEVICE_LOST;
+        vk->pending = vk->stuck;
+    }
+    return !vk->stuck;
 }
 
 static void close_device(struct vk *vk)
@@ -159,7 +163,7 @@ uint32_t vk_close(struct vk *vk, struct reason *reason)
 {
     if (!vk)
         return 0;
-    if (!is_idle(vk))
+    if (!vk_idle(vk))
         return vk_messages(vk, reason);
     close_device(vk);
     if (vk->messenger)

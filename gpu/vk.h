@@ -12,10 +12,10 @@
 struct vk_options {
     const char *library; /* the loader to open, NULL: libvulkan.so.1 */
     const char *driver;  /* part of a driver's or device's name in any case, NULL: any */
-    int device;          /* index as in vk_describe, -1: the first that matches and can compute */
-    bool validate;       /* run under VK_LAYER_KHRONOS_validation and count its messages */
-    bool staging;        /* copy through a staging buffer even where memory is shared */
-    uint64_t wait_ns;    /* longest wait for one dispatch, 0: VK_WAIT_NS */
+    int device;    /* index as vk_describe lists them, -1: the first that matches and can compute */
+    bool validate; /* run under VK_LAYER_KHRONOS_validation and count its messages */
+    bool staging;  /* copy through a staging buffer even where memory is shared */
+    uint64_t wait_ns; /* longest wait for one dispatch, 0: VK_WAIT_NS */
 };
 
 /* What matters of a device. */

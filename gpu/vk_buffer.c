@@ -104,7 +104,7 @@ enum status vk_buffer_make(struct vk *vk, uint64_t bytes, struct vk_buffer **out
 
 void vk_buffer_free(struct vk *vk, struct vk_buffer *buffer)
 {
-    if (!buffer)
+    if (!buffer || !vk_idle(vk))
         return;
     if (buffer->buffer)
         vk->fn.DestroyBuffer(vk->device, buffer->buffer, NULL);

@@ -126,7 +126,7 @@ enum status vk_pipeline_make(struct vk *vk, const struct vk_shader *shader,
 
 void vk_pipeline_free(struct vk *vk, struct vk_pipeline *pipeline)
 {
-    if (!pipeline)
+    if (!pipeline || !vk_idle(vk))
         return;
     vk->fn.DestroyPipeline(vk->device, pipeline->pipeline, NULL);
     vk->fn.DestroyDescriptorPool(vk->device, pipeline->pool, NULL);

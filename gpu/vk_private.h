@@ -101,6 +101,7 @@ struct vk {
     struct vk_buffer *staging;
     bool given_up; /* lost, or hung: the fence may still be pending */
     bool pending;  /* submitted and not seen to end */
+    bool stuck;    /* still pending after the grace time */
 };
 
 struct vk_buffer {
@@ -137,6 +138,10 @@ enum status vk_choose(struct vk *vk, struct reason *reason) MUST_USE;
 
 /* One line per device into text, for messages. */
 void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes);
+
+/* True if nothing is running, after some waiting for what hung. If false, no object that a shader
+ * can use may be destroyed. */
+bool vk_idle(struct vk *vk);
 
 /* Begins vk->command; vk_submit ends and submits it and waits. `what` names the work. */
 enum status vk_begin(struct vk *vk, struct reason *reason) MUST_USE;

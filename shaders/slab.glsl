@@ -34,7 +34,7 @@ struct slab_ray {
     float tmin;
 };
 
-/* Componentwise c ? a : b. Not mix(), which also names a sum that is rounded as it likes. */
+/* Componentwise c ? a : b. */
 vec3 slab_select(bvec3 c, vec3 a, vec3 b)
 {
     return vec3(c.x ? a.x : b.x, c.y ? a.y : b.y, c.z ? a.z : b.z);

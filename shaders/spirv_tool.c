@@ -29,6 +29,7 @@ enum {
     OP_TYPE_INT = 21,
     OP_TYPE_FLOAT = 22,
     OP_SPEC_CONSTANT_OP = 52,
+    OP_FUNCTION_END = 56,
     OP_DECORATE = 71,
     OP_MODULE_PROCESSED = 330,
     OP_EXECUTION_MODE_ID = 331,
@@ -132,9 +133,12 @@ static bool read_module(const char *file, struct module *m)
         got = fread(m->word + m->count, sizeof *m->word, capacity - m->count, in);
     }
     bool failed = ferror(in) != 0;
+    bool whole = ftell(in) % 4 == 0;
     fclose(in);
     if (failed)
         return complain(m, m->count, "read error", "the file must be readable");
+    if (!whole)
+        return complain(m, m->count, "file length", "it must be whole words of four bytes");
     if (m->count < HEADER_WORDS || m->word[0] != MAGIC)
         return complain(m, 0, "no SPIR-V header", "a module in this machine's byte order");
     return true;
@@ -198,9 +202,14 @@ static bool check_tracing(const struct module *m, size_t at, const struct instru
 static bool check(const struct module *m)
 {
     struct instruction i;
+    uint32_t last = 0;
     bool ok = true;
-    for (size_t at = HEADER_WORDS, here = at; ok && next(m, &at, &i, &ok); here = at)
+    for (size_t at = HEADER_WORDS, here = at; ok && next(m, &at, &i, &ok); here = at) {
         ok = check_baseline(m, here, &i) && (!m->tracing || check_tracing(m, here, &i));
+        last = i.op;
+    }
+    if (ok && last != OP_FUNCTION_END)
+        return complain(m, m->count, "end of module", "it must come after OpFunctionEnd");
     return ok;
 }
 

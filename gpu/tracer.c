@@ -1,0 +1,317 @@
+#include "gpu/tracer.h"
+
+#include "gpu/shaders.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BINDINGS  6u
+#define CONSTANTS 5u
+
+/* Rays of one dispatch: begun small, doubled while a dispatch is quick, halved when it is slow, so
+ * that neither the wait nor a driver's watchdog ends a long job. */
+#define BATCH_FIRST 16384u
+#define BATCH_MOST  (1u << 20)
+#define QUICK_NS    100000000u
+#define SLOW_NS     1000000000u
+
+/* Triangles gathered at a time while uploading. */
+#define GATHER 8192u
+
+struct cached {
+    const struct shader *shader;
+    uint32_t constant[CONSTANTS];
+    struct vk_pipeline *pipeline;
+};
+
+struct tracer {
+    struct vk *vk;
+    uint32_t workgroup;
+    struct cached *cache;
+    size_t cache_count, cache_capacity;
+    struct vk_pipeline *pipeline; /* of the job; borrowed from the cache */
+    struct vk_buffer *buffer[BINDINGS];
+    uint32_t *flag; /* ray_capacity read back */
+    uint32_t ray_capacity, batch, stack;
+    struct push push;
+};
+
+_Static_assert(ABI_BIND_TRIS == BINDINGS - 1, "the tracing shaders have bindings 0 to 5");
+_Static_assert(ABI_SPEC_STACK == CONSTANTS - 1, "the tracing shaders have constants 0 to 4");
+
+enum status tracer_open(const struct vk_options *options, uint32_t workgroup, struct tracer **out,
+                        struct reason *reason)
+{
+    struct tracer *tracer = alloc_zeroed(1, sizeof *tracer);
+    *out = tracer;
+    if (!tracer)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    tracer->workgroup = workgroup ? workgroup : ABI_WORKGROUP;
+    enum status status = vk_open(options, &tracer->vk, reason);
+    if (!status && tracer->workgroup > vk_limits(tracer->vk)->group_size)
+        status = fail(reason, STATUS_UNSUPPORTED, "vulkan: workgroups of %u: %s allows 1 to %u",
+                      (unsigned)tracer->workgroup, vk_limits(tracer->vk)->device,
+                      (unsigned)vk_limits(tracer->vk)->group_size);
+    if (status) {
+        (void)tracer_close(tracer, NULL);
+        *out = NULL;
+    }
+    return status;
+}
+
+static void free_buffers(struct tracer *tracer)
+{
+    for (uint32_t i = 0; i < BINDINGS; i++) {
+        vk_buffer_free(tracer->vk, tracer->buffer[i]);
+        tracer->buffer[i] = NULL;
+    }
+    free(tracer->flag);
+    tracer->flag = NULL;
+    tracer->ray_capacity = 0;
+}
+
+uint32_t tracer_close(struct tracer *tracer, struct reason *reason)
+{
+    if (!tracer)
+        return 0;
+    free_buffers(tracer);
+    for (size_t i = 0; i < tracer->cache_count; i++)
+        vk_pipeline_free(tracer->vk, tracer->cache[i].pipeline);
+    free(tracer->cache);
+    uint32_t messages = vk_close(tracer->vk, reason);
+    free(tracer);
+    return messages;
+}
+
+uint32_t tracer_pipelines(const struct tracer *tracer)
+{
+    return (uint32_t)tracer->cache_count;
+}
+
+/* Finds or makes the pipeline of the job. */
+static enum status choose_pipeline(struct tracer *tracer, const struct job *job,
+                                   struct reason *reason)
+{
+    char name[64];
+    (void)snprintf(name, sizeof name, "trace_%s", job->packed->layout->name);
+    struct cached want = {
+        shader_find(name),
+        {tracer->workgroup, job->box->id, job->tri->id, job->query, tracer->stack},
+        NULL};
+    if (!want.shader)
+        return fail(reason, STATUS_UNSUPPORTED, "vulkan: there is no shader for layout %s",
+                    job->packed->layout->name);
+    for (size_t i = 0; i < tracer->cache_count; i++)
+        if (tracer->cache[i].shader == want.shader &&
+            memcmp(tracer->cache[i].constant, want.constant, sizeof want.constant) == 0) {
+            tracer->pipeline = tracer->cache[i].pipeline;
+            return STATUS_OK;
+        }
+    void *cache = tracer->cache;
+    if (array_reserve(&cache, &tracer->cache_capacity, tracer->cache_count + 1, sizeof want))
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the list of pipelines");
+    tracer->cache = cache;
+    struct vk_shader shader = {
+        .name = want.shader->name,
+        .word = want.shader->word,
+        .word_count = want.shader->word_count,
+        .binding_count = BINDINGS,
+        .push_bytes = sizeof(struct push),
+        .constant = want.constant,
+        .constant_count = CONSTANTS,
+    };
+    enum status status = vk_pipeline_make(tracer->vk, &shader, &want.pipeline, reason);
+    if (status)
+        return status;
+    tracer->cache[tracer->cache_count++] = want;
+    tracer->pipeline = want.pipeline;
+    return STATUS_OK;
+}
+
+static enum status upload(struct tracer *tracer, uint32_t binding, const void *data, uint64_t bytes,
+                          struct reason *reason)
+{
+    enum status status = vk_buffer_make(tracer->vk, bytes, &tracer->buffer[binding], reason);
+    if (!status && bytes)
+        status = vk_buffer_write(tracer->vk, tracer->buffer[binding], 0, data, bytes, reason);
+    return status;
+}
+
+/* Nine floats per triangle, made a piece at a time. */
+static enum status upload_triangles(struct tracer *tracer, const struct scene *scene,
+                                    struct reason *reason)
+{
+    struct vk_buffer **to = &tracer->buffer[ABI_BIND_TRIS];
+    const uint64_t bytes = ABI_TRI_FLOATS * sizeof(float);
+    enum status status = vk_buffer_make(tracer->vk, bytes * scene->tri_count, to, reason);
+    if (status)
+        return status;
+    float(*tri)[3][3] = alloc_zeroed(GATHER, sizeof *tri);
+    if (!tri)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory to gather triangles");
+    for (uint32_t done = 0; done < scene->tri_count && !status;) {
+        uint32_t part = scene->tri_count - done < GATHER ? scene->tri_count - done : GATHER;
+        for (uint32_t i = 0; i < part; i++)
+            scene_tri(scene, done + i, tri[i]);
+        status = vk_buffer_write(tracer->vk, *to, bytes * done, tri, bytes * part, reason);
+        done += part;
+    }
+    free(tri);
+    return status;
+}
+
+/* The smallest stack class that is enough: a larger private array costs every ray. */
+static enum status choose_stack(struct tracer *tracer, const struct packed *packed,
+                                struct reason *reason)
+{
+    tracer->stack = 16;
+    while (tracer->stack < packed->stack_need)
+        tracer->stack *= 2;
+    if (tracer->stack > ABI_STACK_MAX)
+        return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u",
+                    ABI_STACK_MAX, (unsigned)packed->stack_need);
+    return STATUS_OK;
+}
+
+enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct reason *reason)
+{
+    const struct packed *packed = job->packed;
+    free_buffers(tracer);
+    tracer->pipeline = NULL;
+    tracer->batch = BATCH_FIRST;
+    tracer->push = (struct push){
+        .root = packed->root,
+        .node_count = packed->node_count,
+        .item_count = packed->item_count,
+        .tri_count = job->scene->tri_count,
+    };
+    enum status status = choose_stack(tracer, packed, reason);
+    if (!status)
+        status = choose_pipeline(tracer, job, reason);
+    if (!status)
+        status = upload(tracer, ABI_BIND_NODES, packed->word, packed_node_bytes(packed), reason);
+    if (!status)
+        status = upload(tracer, ABI_BIND_ITEMS, packed->item, packed_item_bytes(packed), reason);
+    if (!status)
+        status = upload_triangles(tracer, job->scene, reason);
+    if (status) {
+        free_buffers(tracer);
+        tracer->pipeline = NULL;
+    }
+    return status;
+}
+
+/* Buffers for `count` rays at a time, or for as many as the device allows. */
+static enum status reserve_rays(struct tracer *tracer, size_t count, struct reason *reason)
+{
+    const struct vk_limits *limits = vk_limits(tracer->vk);
+    uint64_t most = limits->buffer_bytes / sizeof(struct ray);
+    uint64_t groups = (uint64_t)limits->groups * tracer->workgroup;
+    most = groups < most ? groups : most;
+    most = BATCH_MOST < most ? BATCH_MOST : most;
+    uint32_t need = (uint32_t)(count < most ? count : most);
+    if (need <= tracer->ray_capacity)
+        return STATUS_OK;
+    vk_buffer_free(tracer->vk, tracer->buffer[ABI_BIND_RAYS]);
+    vk_buffer_free(tracer->vk, tracer->buffer[ABI_BIND_HITS]);
+    vk_buffer_free(tracer->vk, tracer->buffer[ABI_BIND_FLAGS]);
+    free(tracer->flag);
+    tracer->buffer[ABI_BIND_RAYS] = tracer->buffer[ABI_BIND_HITS] = tracer->buffer[ABI_BIND_FLAGS] =
+        NULL;
+    tracer->ray_capacity = 0;
+    tracer->flag = alloc_zeroed(need, sizeof *tracer->flag);
+    if (!tracer->flag)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the flags of %u rays",
+                    (unsigned)need);
+    enum status status = vk_buffer_make(tracer->vk, (uint64_t)need * sizeof(struct ray),
+                                        &tracer->buffer[ABI_BIND_RAYS], reason);
+    if (!status)
+        status = vk_buffer_make(tracer->vk, (uint64_t)need * sizeof(struct hit),
+                                &tracer->buffer[ABI_BIND_HITS], reason);
+    if (!status)
+        status = vk_buffer_make(tracer->vk, (uint64_t)need * sizeof *tracer->flag,
+                                &tracer->buffer[ABI_BIND_FLAGS], reason);
+    if (!status)
+        tracer->ray_capacity = need;
+    return status;
+}
+
+/* What kept a ray from its end, by its flags. */
+static const char *cause(uint32_t flag)
+{
+    if (flag & ABI_FLAG_STACK)
+        return "its traversal stack overran: the tree is deeper than its stack_need says";
+    if (flag & ABI_FLAG_VISITS)
+        return "it visited more nodes than there are: the tree has a cycle";
+    if (flag & ABI_FLAG_LOOP)
+        return "the driver ended its loop early (lavapipe 22 does after 65,535 iterations)";
+    return "its invocation did not run to the end";
+}
+
+static enum status check_flags(const struct tracer *tracer, size_t first, uint32_t count,
+                               struct reason *reason)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (tracer->flag[i] != ABI_FLAG_DONE)
+            return fail(reason, STATUS_DEVICE, "vulkan: %s: ray %zu was not finished: %s",
+                        vk_limits(tracer->vk)->device, first + i, cause(tracer->flag[i]));
+    return STATUS_OK;
+}
+
+/* Traces `count` rays, `first` is the first one's index for messages. */
+static enum status trace_batch(struct tracer *tracer, const struct ray *ray, size_t first,
+                               uint32_t count, struct hit *hit, struct vk_time *time,
+                               struct reason *reason)
+{
+    struct vk_buffer *flags = tracer->buffer[ABI_BIND_FLAGS];
+    const uint64_t flag_bytes = (uint64_t)count * sizeof *tracer->flag;
+    memset(tracer->flag, 0, flag_bytes); /* so that a ray never traced has no DONE */
+    enum status status = vk_buffer_write(tracer->vk, flags, 0, tracer->flag, flag_bytes, reason);
+    if (!status)
+        status = vk_buffer_write(tracer->vk, tracer->buffer[ABI_BIND_RAYS], 0, ray,
+                                 (uint64_t)count * sizeof *ray, reason);
+    if (status)
+        return status;
+    tracer->push.ray_count = count;
+    uint32_t groups = (count + tracer->workgroup - 1) / tracer->workgroup;
+    status = vk_dispatch(tracer->vk, tracer->pipeline, tracer->buffer, &tracer->push, groups, time,
+                         reason);
+    if (!status)
+        status = vk_buffer_read(tracer->vk, flags, 0, tracer->flag, flag_bytes, reason);
+    if (!status)
+        status = check_flags(tracer, first, count, reason);
+    if (!status)
+        status = vk_buffer_read(tracer->vk, tracer->buffer[ABI_BIND_HITS], 0, hit,
+                                (uint64_t)count * sizeof *hit, reason);
+    return status;
+}
+
+enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ray_count,
+                         struct hit *hit, struct trace_report *report, struct reason *reason)
+{
+    *report = (struct trace_report){.device_clock = true};
+    if (!tracer->pipeline)
+        return fail(reason, STATUS_DEVICE, "vulkan: nothing is prepared to be traced");
+    if (!ray_count)
+        return STATUS_OK;
+    enum status status = reserve_rays(tracer, ray_count, reason);
+    for (size_t done = 0; done < ray_count && !status;) {
+        uint32_t part = tracer->batch < tracer->ray_capacity ? tracer->batch : tracer->ray_capacity;
+        part = ray_count - done < part ? (uint32_t)(ray_count - done) : part;
+        struct vk_time time;
+        status = trace_batch(tracer, ray + done, done, part, hit + done, &time, reason);
+        report->ns += time.ns;
+        report->device_clock = report->device_clock && time.device_clock;
+        if (part == tracer->batch && time.ns < QUICK_NS && tracer->batch < BATCH_MOST)
+            tracer->batch *= 2;
+        else if (time.ns > SLOW_NS && tracer->batch > tracer->workgroup)
+            tracer->batch /= 2;
+        done += part;
+    }
+    if (!status && vk_messages(tracer->vk, reason))
+        status = STATUS_DEVICE;
+    for (uint32_t i = 0; i < BINDINGS; i++)
+        report->memory_bytes += vk_buffer_bytes(tracer->buffer[i]);
+    return status;
+}

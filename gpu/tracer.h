@@ -1,0 +1,34 @@
+/* Rays on a Vulkan device: uploads a packed tree, picks the pipeline, traces in batches. What
+ * engine `vulkan` is made of; tests use it with options that no command has. */
+#ifndef TRACER_H
+#define TRACER_H
+
+#include "gpu/vk.h"
+#include "ref/engine.h"
+
+struct tracer;
+
+/* `workgroup` 0 is ABI_WORKGROUP. *out is NULL on error.
+ * Errors: as vk_open; STATUS_UNSUPPORTED workgroup over the device's limit. */
+enum status tracer_open(const struct vk_options *options, uint32_t workgroup, struct tracer **out,
+                        struct reason *reason) MUST_USE;
+
+/* As engine.prepare; job->packed is needed. Pipelines are kept from job to job.
+ * Errors: STATUS_LIMIT stack_need over ABI_STACK_MAX, or a buffer over the device's limits;
+ * STATUS_UNSUPPORTED no shader for the layout; STATUS_DEVICE; STATUS_MEMORY. */
+enum status tracer_prepare(struct tracer *tracer, const struct job *job,
+                           struct reason *reason) MUST_USE;
+
+/* As engine.trace. Errors: STATUS_DEVICE not prepared, lost, hung, a ray that was not finished, or
+ * validation messages since open (the reason has the first); STATUS_MEMORY. */
+enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ray_count,
+                         struct hit *hit, struct trace_report *report,
+                         struct reason *reason) MUST_USE;
+
+/* Returns vk_close's count of validation messages, those about leaks included; NULL is fine. */
+uint32_t tracer_close(struct tracer *tracer, struct reason *reason);
+
+/* Pipelines made since open. */
+uint32_t tracer_pipelines(const struct tracer *tracer);
+
+#endif

@@ -1,0 +1,323 @@
+/* Laws of the embedded SPIR-V, read by a parser of its own: it goes by the type of a result, not by
+ * a list of operations as shaders/spirv_tool.c does. */
+#define _POSIX_C_SOURCE 200809L
+#include "gpu/shaders.h"
+#include "ref/layout.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum {
+    OP_EXT_INST = 12,
+    OP_CAPABILITY = 17,
+    OP_TYPE_FLOAT = 22,
+    OP_TYPE_VECTOR = 23,
+    OP_TYPE_MATRIX = 24,
+    OP_FIRST_ARITHMETIC = 126, /* OpSNegate */
+    OP_LAST_ARITHMETIC = 152,  /* OpSMulExtended */
+    OP_FMUL = 133,
+    OP_DOT = 148,
+    OP_DECORATE = 71,
+    NO_CONTRACTION = 42,
+    UNPACK_HALF = 62,
+    PACK_HALF = 58,
+    CAPABILITY_SHADER = 1,
+    CAPABILITY_FLOAT16 = 9,
+};
+
+/* What a module holds, by counts. */
+struct found {
+    uint32_t float_ops;   /* arithmetic with a float result */
+    uint32_t bare;        /* of them, without NoContraction */
+    uint32_t sums;        /* dot and matrix products */
+    uint32_t inexact_ext; /* extended instructions other than UnpackHalf2x16 */
+    uint32_t other_capabilities;
+};
+
+/* Marks of an id. */
+enum { IS_FLOAT = 1, IS_PINNED = 2 };
+
+static void mark(const uint32_t *i, uint32_t op, uint32_t count, uint8_t *id)
+{
+    if (op == OP_TYPE_FLOAT)
+        id[i[1]] |= IS_FLOAT;
+    if ((op == OP_TYPE_VECTOR || op == OP_TYPE_MATRIX) && (id[i[2]] & IS_FLOAT))
+        id[i[1]] |= IS_FLOAT;
+    if (op == OP_DECORATE && count == 3 && i[2] == NO_CONTRACTION)
+        id[i[1]] |= IS_PINNED;
+}
+
+static void judge(const uint32_t *i, uint32_t op, const uint8_t *id, struct found *out)
+{
+    if (op >= OP_FIRST_ARITHMETIC && op <= OP_LAST_ARITHMETIC && (id[i[1]] & IS_FLOAT)) {
+        out->float_ops++;
+        out->bare += !(id[i[2]] & IS_PINNED);
+        out->sums += op >= 144 && op <= OP_DOT && op != 147; /* 147: outer product, no sum */
+    }
+    if (op == OP_EXT_INST)
+        out->inexact_ext += i[4] != UNPACK_HALF;
+    if (op == OP_CAPABILITY)
+        out->other_capabilities += i[1] != CAPABILITY_SHADER;
+}
+
+static struct found look(const uint32_t *word, uint32_t count)
+{
+    struct found out = {0};
+    assert_true(count > 5 && word[0] == 0x07230203u);
+    uint8_t *id = calloc(word[3], 1);
+    assert_non_null(id);
+    for (int pass = 0; pass < 2; pass++) /* decorations come before what they decorate */
+        for (uint32_t at = 5; at < count; at += word[at] >> 16) {
+            assert_true(word[at] >> 16 > 0 && (word[at] >> 16) <= count - at);
+            if (pass == 0)
+                mark(word + at, word[at] & 0xFFFFu, word[at] >> 16, id);
+            else
+                judge(word + at, word[at] & 0xFFFFu, id, &out);
+        }
+    free(id);
+    return out;
+}
+
+static void spirv_pins_every_float_operation(void **state)
+{
+    (void)state;
+    size_t tracing = 0;
+    for (const struct shader *shader = shaders; shader->name; shader++) {
+        struct found found = look(shader->word, shader->word_count);
+        if (found.bare)
+            fail_msg("%s: %u of %u float operations without NoContraction", shader->name,
+                     found.bare, found.float_ops);
+        if (!shader->tracing)
+            continue;
+        tracing++;
+        if (found.float_ops < 40)
+            fail_msg("%s: only %u float operations found", shader->name, found.float_ops);
+    }
+    assert_true(tracing > 0);
+}
+
+static void spirv_of_tracing_has_nothing_inexact(void **state)
+{
+    (void)state;
+    for (const struct shader *shader = shaders; shader->name; shader++) {
+        struct found found = look(shader->word, shader->word_count);
+        if (shader->tracing && (found.sums || found.inexact_ext))
+            fail_msg("%s: %u products with a sum, %u inexact extended instructions", shader->name,
+                     found.sums, found.inexact_ext);
+    }
+}
+
+static void spirv_needs_no_capability_but_shader(void **state)
+{
+    (void)state;
+    for (const struct shader *shader = shaders; shader->name; shader++)
+        assert_int_equal(look(shader->word, shader->word_count).other_capabilities, 0);
+}
+
+static void spirv_exists_for_every_layout(void **state)
+{
+    (void)state;
+    for (size_t i = 0; layouts[i]; i++) {
+        char name[64];
+        (void)snprintf(name, sizeof name, "trace_%s", layouts[i]->name);
+        const struct shader *shader = shader_find(name);
+        if (!shader)
+            fail_msg("no shader %s", name);
+        assert_true(shader->tracing);
+    }
+    assert_null(shader_find("trace_nothing"));
+}
+
+/* --- the tool, run on modules that were broken by hand --------------------------------------- */
+
+/* A folder for its files, and the tool beside this program's folder; NULL if it is not there. */
+struct bench {
+    char folder[32];
+    char tool[4096];
+};
+
+static int make_bench(void **state)
+{
+    struct bench *bench = calloc(1, sizeof *bench);
+    if (!bench)
+        return -1;
+    *state = bench;
+    ssize_t length = readlink("/proc/self/exe", bench->tool, sizeof bench->tool - 32);
+    for (int up = 0; up < 2 && length > 0; up++)
+        while (length > 0 && bench->tool[--length] != '/')
+            continue;
+    memcpy(bench->tool + length, "/spirv_tool", sizeof "/spirv_tool");
+    memcpy(bench->folder, "/tmp/raydiff-XXXXXX", sizeof "/tmp/raydiff-XXXXXX");
+    return mkdtemp(bench->folder) ? 0 : -1;
+}
+
+static int free_bench(void **state)
+{
+    struct bench *bench = *state;
+    int left = rmdir(bench->folder);
+    free(bench);
+    return left;
+}
+
+static void path_in(const struct bench *bench, const char *file, char path[64])
+{
+    (void)snprintf(path, 64, "%s/%s", bench->folder, file);
+}
+
+/* Runs `spirv_tool fix` on the words under the name of a tracing shader. Returns its exit code; its
+ * message, and the fixed module if `fixed` is not NULL (*count words). */
+static int run_tool(const struct bench *bench, const uint32_t *word, size_t *count, char said[512],
+                    uint32_t *fixed)
+{
+    char in[64], out[64], command[4096 + 256];
+    path_in(bench, "trace_broken.spv", in);
+    path_in(bench, "trace_fixed.spv", out);
+    FILE *file = fopen(in, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(word, 4, *count, file), *count);
+    assert_int_equal(fclose(file), 0);
+    (void)snprintf(command, sizeof command, "'%s' fix '%s' '%s' 2>&1", bench->tool, in, out);
+    FILE *pipe = popen(command, "r");
+    assert_non_null(pipe);
+    size_t length = fread(said, 1, 511, pipe);
+    said[length] = '\0';
+    int code = pclose(pipe);
+    file = fopen(out, "rb");
+    assert_int_equal(file != NULL, code == 0); /* nothing is left of a refused module */
+    if (file && fixed)
+        *count = fread(fixed, 4, *count + 4096, file);
+    if (file)
+        (void)fclose(file);
+    (void)unlink(out);
+    assert_int_equal(unlink(in), 0);
+    return WEXITSTATUS(code);
+}
+
+static const struct shader *subject(const struct bench *bench)
+{
+    if (access(bench->tool, X_OK) != 0) {
+        print_message("no %s beside this program: skipped\n", bench->tool);
+        skip();
+    }
+    return shader_find("trace_rf16");
+}
+
+/* Copies the subject's words, finds the first instruction `op` (with `value` in its word `at`) and
+ * puts another value there; `at` 0 exchanges the opcode. */
+static uint32_t *broken(const struct shader *shader, uint32_t op, uint32_t at, uint32_t value,
+                        uint32_t other)
+{
+    uint32_t *word = malloc(4 * (size_t)shader->word_count);
+    assert_non_null(word);
+    memcpy(word, shader->word, 4 * (size_t)shader->word_count);
+    for (uint32_t i = 5; i < shader->word_count; i += word[i] >> 16) {
+        if ((word[i] & 0xFFFFu) != op || (at > 0 && word[i + at] != value))
+            continue;
+        word[i + at] = at > 0 ? other : (word[i] & 0xFFFF0000u) | other;
+        return word;
+    }
+    fail_msg("%s has no instruction %u to break", shader->name, op);
+    return NULL;
+}
+
+static void refuses(void **state, uint32_t op, uint32_t at, uint32_t value, uint32_t other,
+                    const char *text)
+{
+    char said[512];
+    const struct shader *shader = subject(*state);
+    size_t count = shader->word_count;
+    uint32_t *word = broken(shader, op, at, value, other);
+    int code = run_tool(*state, word, &count, said, NULL);
+    free(word);
+    assert_int_equal(code, 1);
+    if (!strstr(said, text) || !strstr(said, "trace_broken.spv"))
+        fail_msg("'%s' does not name the file and '%s'", said, text);
+}
+
+static void tool_refuses_dot_products(void **state)
+{
+    refuses(state, OP_FMUL, 0, 0, OP_DOT, "OpDot");
+}
+
+static void tool_refuses_inexact_instructions(void **state)
+{
+    refuses(state, OP_EXT_INST, 4, UNPACK_HALF, PACK_HALF, "PackHalf2x16");
+}
+
+static void tool_refuses_capabilities(void **state)
+{
+    refuses(state, OP_CAPABILITY, 1, CAPABILITY_SHADER, CAPABILITY_FLOAT16, "OpCapability");
+}
+
+static void tool_refuses_doubles(void **state)
+{
+    refuses(state, OP_TYPE_FLOAT, 2, 32, 64, "OpTypeFloat");
+}
+
+static void tool_refuses_a_module_cut_short(void **state)
+{
+    char said[512];
+    const struct shader *shader = subject(*state);
+    size_t count = shader->word_count - 1;
+    assert_int_equal(run_tool(*state, shader->word, &count, said, NULL), 1);
+    assert_non_null(strstr(said, "OpFunctionEnd"));
+    count = 6; /* in the middle of OpCapability */
+    assert_int_equal(run_tool(*state, shader->word, &count, said, NULL), 1);
+    assert_non_null(strstr(said, "instruction length"));
+    count = 3;
+    assert_int_equal(run_tool(*state, shader->word, &count, said, NULL), 1);
+    assert_non_null(strstr(said, "no SPIR-V header"));
+}
+
+static void tool_pins_what_came_bare(void **state)
+{
+    char said[512];
+    const struct shader *shader = subject(*state);
+    size_t count = 5;
+    uint32_t *bare = malloc(4 * (size_t)shader->word_count);
+    uint32_t *fixed = malloc(4 * ((size_t)shader->word_count + 4096));
+    assert_true(bare && fixed);
+    memcpy(bare, shader->word, 4 * count);
+    for (uint32_t i = 5; i < shader->word_count; i += shader->word[i] >> 16) {
+        const uint32_t *word = shader->word + i;
+        if ((word[0] & 0xFFFFu) == OP_DECORATE && word[2] == NO_CONTRACTION)
+            continue;
+        memcpy(bare + count, word, 4 * (size_t)(word[0] >> 16));
+        count += word[0] >> 16;
+    }
+    struct found before = look(bare, (uint32_t)count);
+    assert_int_equal(before.bare, before.float_ops);
+    assert_int_equal(run_tool(*state, bare, &count, said, fixed), 0);
+    struct found after = look(fixed, (uint32_t)count);
+    assert_int_equal(after.bare, 0);
+    assert_int_equal(after.float_ops, before.float_ops);
+    assert_int_equal(count, shader->word_count);
+    free(bare);
+    free(fixed);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(spirv_pins_every_float_operation),
+        cmocka_unit_test(spirv_of_tracing_has_nothing_inexact),
+        cmocka_unit_test(spirv_needs_no_capability_but_shader),
+        cmocka_unit_test(spirv_exists_for_every_layout),
+        cmocka_unit_test_setup_teardown(tool_refuses_dot_products, make_bench, free_bench),
+        cmocka_unit_test_setup_teardown(tool_refuses_inexact_instructions, make_bench, free_bench),
+        cmocka_unit_test_setup_teardown(tool_refuses_capabilities, make_bench, free_bench),
+        cmocka_unit_test_setup_teardown(tool_refuses_doubles, make_bench, free_bench),
+        cmocka_unit_test_setup_teardown(tool_refuses_a_module_cut_short, make_bench, free_bench),
+        cmocka_unit_test_setup_teardown(tool_pins_what_came_bare, make_bench, free_bench),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
