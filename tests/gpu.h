@@ -1,0 +1,117 @@
+/* What the tests of the Vulkan side share. Includes cmocka.h, whose macros must come
+ * last. */
+#ifndef TESTS_GPU_H
+#define TESTS_GPU_H
+
+#include "gpu/shaders.h"
+#include "gpu/tracer.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static inline struct vk_options gpu_options(void)
+{
+    const char *validate = getenv("RAYDIFF_VALIDATE");
+    return (struct vk_options){.device = -1, .validate = validate && strcmp(validate, "1") == 0};
+}
+
+/* Where no device can be opened the test is skipped with the reason. */
+static inline struct vk *gpu_open(const struct vk_options *options)
+{
+    struct vk *vk;
+    struct reason reason = {""};
+    enum status status = vk_open(options, &vk, &reason);
+    if (status == STATUS_UNSUPPORTED) {
+        assert_null(vk);
+        print_message("SKIP %s\n", reason.text);
+        skip();
+    }
+    if (status)
+        fail_msg("%s", reason.text);
+    return vk;
+}
+
+static inline struct tracer *gpu_tracer(const struct vk_options *options, uint32_t workgroup)
+{
+    struct tracer *tracer;
+    struct reason reason = {""};
+    enum status status = tracer_open(options, workgroup, &tracer, &reason);
+    if (status == STATUS_UNSUPPORTED) {
+        assert_null(tracer);
+        print_message("SKIP %s\n", reason.text);
+        skip();
+    }
+    if (status)
+        fail_msg("%s", reason.text);
+    return tracer;
+}
+
+/* Closing must not complain: under validation that covers leaks. */
+static inline void gpu_close_tracer(struct tracer *tracer)
+{
+    struct reason reason = {""};
+    if (tracer_close(tracer, &reason))
+        fail_msg("%s", reason.text);
+}
+
+static inline void gpu_close(struct vk *vk)
+{
+    struct reason reason = {""};
+    if (vk_close(vk, &reason))
+        fail_msg("%s", reason.text);
+}
+
+static inline void gpu_must(enum status status, const struct reason *reason)
+{
+    if (status)
+        fail_msg("%s", reason->text);
+}
+
+/* True if the tracer runs on Mesa's software driver, whose arithmetic is IEEE. */
+static inline bool gpu_is_lavapipe(const struct vk *vk)
+{
+    return strstr(vk_limits(vk)->device, "llvmpipe") != NULL;
+}
+
+/* Runs the embedded shader `name` once: `groups` workgroups of `constant[0]`, its buffers of
+ * `bytes[i]` zeroed; reads all buffers back into data[i]. */
+static inline void gpu_run(struct vk *vk, const char *name, const uint32_t *constant,
+                           uint32_t constant_count, const void *push, uint32_t push_bytes,
+                           uint32_t groups, uint32_t buffer_count, const uint64_t *bytes,
+                           void *const *data)
+{
+    struct reason reason = {""};
+    const struct shader *shader = shader_find(name);
+    struct vk_buffer *buffer[VK_BINDINGS_MAX];
+    struct vk_pipeline *pipeline;
+    struct vk_time time;
+    assert_non_null(shader);
+    struct vk_shader make = {.name = name,
+                             .word = shader->word,
+                             .word_count = shader->word_count,
+                             .binding_count = buffer_count,
+                             .push_bytes = push_bytes,
+                             .constant = constant,
+                             .constant_count = constant_count};
+    gpu_must(vk_pipeline_make(vk, &make, &pipeline, &reason), &reason);
+    for (uint32_t i = 0; i < buffer_count; i++) {
+        memset(data[i], 0, bytes[i]);
+        gpu_must(vk_buffer_make(vk, bytes[i], &buffer[i], &reason), &reason);
+        gpu_must(vk_buffer_write(vk, buffer[i], 0, data[i], bytes[i], &reason), &reason);
+    }
+    gpu_must(vk_dispatch(vk, pipeline, buffer, push, groups, &time, &reason), &reason);
+    for (uint32_t i = 0; i < buffer_count; i++) {
+        gpu_must(vk_buffer_read(vk, buffer[i], 0, data[i], bytes[i], &reason), &reason);
+        vk_buffer_free(vk, buffer[i]);
+    }
+    vk_pipeline_free(vk, pipeline);
+}
+
+#endif
