@@ -1,4 +1,5 @@
 /* Finding the Vulkan loader and its functions at run time. */
+#define _GNU_SOURCE /* dladdr */
 #include "gpu/vk_private.h"
 
 #include <dlfcn.h>
@@ -113,7 +114,7 @@ static enum status load_instance_entries(struct vk *vk, const struct entry *entr
 enum status vk_load_library(struct vk *vk, struct reason *reason)
 {
     const char *name = vk->options.library ? vk->options.library : LOADER;
-    vk->library = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    vk->library = dlopen(name, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (!vk->library)
         return fail(reason, STATUS_UNSUPPORTED, "vulkan: no loader: %s", dlerror());
     void *symbol = dlsym(vk->library, "vkGetInstanceProcAddr");
@@ -132,8 +133,20 @@ enum status vk_load_instance(struct vk *vk, struct reason *reason)
     return status;
 }
 
+/* The library that `function` lies in is never unloaded: Mesa's drivers leak when they are, and are
+ * slow to load again. Nothing depends on its success. */
+static void keep_loaded(PFN_vkVoidFunction function)
+{
+    Dl_info info;
+    void *address;
+    memcpy(&address, &function, sizeof address);
+    if (dladdr(address, &info) && info.dli_fname)
+        (void)dlopen(info.dli_fname, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
+}
+
 enum status vk_load_device(struct vk *vk, struct reason *reason)
 {
+    keep_loaded(vk->fn.GetDeviceProcAddr(vk->device, "vkQueueSubmit"));
     enum status status = STATUS_OK;
     for (size_t i = 0; i < ARRAY_COUNT(device_entry) && !status; i++)
         status = store(vk, device_entry + i,
