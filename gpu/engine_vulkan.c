@@ -1,8 +1,10 @@
 /* Engine `vulkan`: the shaders of shaders/trace_<layout>.comp on any Vulkan 1.1 device.
  * Environment: RAYDIFF_VALIDATE=1 runs under the validation layer and fails on its messages;
  * RAYDIFF_VULKAN_LIBRARY names another loader than libvulkan.so.1. */
+#include "gpu/probe.h"
 #include "gpu/tracer.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,10 +44,30 @@ static void close(void *self)
     (void)tracer_close(self, NULL);
 }
 
+/* What the chosen device computes, after the list of all devices. */
+static void describe_arithmetic(const struct vk_options *options, char *text, size_t text_bytes)
+{
+    struct vk *vk;
+    struct probe_op op[PROBE_OPS];
+    struct reason reason;
+    if (vk_open(options, &vk, &reason))
+        return; /* the list says why */
+    int used = snprintf(text, text_bytes, "arithmetic of %s, ", vk_limits(vk)->device);
+    if (used > 0 && (size_t)used < text_bytes) {
+        if (probe_run(vk, op, &reason))
+            (void)snprintf(text + used, text_bytes - (size_t)used, "unknown: %s\n", reason.text);
+        else
+            probe_text(op, text + used, text_bytes - (size_t)used);
+    }
+    (void)vk_close(vk, NULL);
+}
+
 static void describe(const struct engine_options *options, char *text, size_t text_bytes)
 {
     struct vk_options vk_options = options_of(options);
     vk_describe(&vk_options, text, text_bytes);
+    size_t used = strlen(text);
+    describe_arithmetic(&vk_options, text + used, text_bytes - used);
 }
 
 extern const struct engine engine_vulkan;
