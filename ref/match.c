@@ -147,19 +147,35 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+static enum subject subject_of(const struct engine *engine)
+{
+    if (strcmp(engine->name, "embree") == 0)
+        return SUBJECT_EMBREE;
+    if (strcmp(engine->name, "embree_robust") == 0)
+        return SUBJECT_EMBREE_ROBUST;
+    return SUBJECT_TREE;
+}
+
+/* Brute force answers as many rays as it was given work for, and once: its time per ray is known
+ * from the number of triangles, and 100,000 rays on 70,000 triangles take minutes. */
+static bool is_brute(const struct engine *engine)
+{
+    return !engine->needs_packed && subject_of(engine) == SUBJECT_TREE;
+}
+
 /* Traces `repeats` times; times and work go to the row, the hits of the last to match->answer. */
 static enum status timed_traces(struct match *match, const struct engine *engine, void *self,
                                 struct row *row)
 {
     double speed[REPEAT_MOST];
-    unsigned repeats = match->options.repeats;
+    unsigned repeats = is_brute(engine) ? 1 : match->options.repeats;
     for (unsigned i = 0; i < repeats; i++) {
         struct trace_report report = {0};
         enum status status =
-            engine->trace(self, match->ray, match->ray_count, match->answer, &report, &row->reason);
+            engine->trace(self, match->ray, row->rays, match->answer, &report, &row->reason);
         if (status)
             return status;
-        speed[i] = 1e3 * (double)match->ray_count / (double)(report.ns ? report.ns : 1);
+        speed[i] = 1e3 * (double)row->rays / (double)(report.ns ? report.ns : 1);
         row->boxes = report.boxes;
         row->tris = report.tris;
         row->device_clock = report.device_clock;
@@ -185,23 +201,13 @@ static void keep_finding(struct row *row, const struct match *match, size_t i,
                                                               .bits = bits};
 }
 
-static enum subject subject_of(const struct engine *engine)
-{
-    if (strcmp(engine->name, "embree") == 0)
-        return SUBJECT_EMBREE;
-    if (strcmp(engine->name, "embree_robust") == 0)
-        return SUBJECT_EMBREE_ROBUST;
-    return SUBJECT_TREE;
-}
-
 /* Compares with the reference. Brute force first: there the reference is complete. */
 static void judge_row(struct match *match, struct row *row)
 {
-    unsigned char *verdict = alloc_zeroed(match->ray_count, 1);
+    unsigned char *verdict = alloc_zeroed(row->rays, 1);
     if (!verdict) {
         row->status = ROW_FAILED;
-        row->cause =
-            fail(&row->reason, STATUS_MEMORY, "no memory to judge %zu rays", match->ray_count);
+        row->cause = fail(&row->reason, STATUS_MEMORY, "no memory to judge %zu rays", row->rays);
         return;
     }
     struct judge complete = judge_make(match->scene, match->options.tri, match->options.query,
@@ -209,18 +215,18 @@ static void judge_row(struct match *match, struct row *row)
     struct judge partial = complete;
     partial.reference_complete = false;
 #pragma omp parallel for schedule(dynamic, 64)
-    for (long long i = 0; i < (long long)match->ray_count; i++)
+    for (long long i = 0; i < (long long)row->rays; i++)
         verdict[i] =
             (unsigned char)judge_answer((size_t)i < match->brute_count ? &complete : &partial,
                                         &match->ray[i], &match->reference[i], &match->answer[i]);
-    for (size_t i = 0; i < match->ray_count; i++) {
+    for (size_t i = 0; i < row->rays; i++) {
         row->count[verdict[i]]++;
         row->hits += match->answer[i].prim != ABI_NO_PRIM;
         if (verdict[i] == VERDICT_DIFFERENT && row->judged)
             keep_finding(row, match, i, &match->reference[i], false);
     }
-    row->compared = match->ray_count;
-    row->brute = match->brute_count;
+    row->compared = row->rays;
+    row->brute = match->brute_count < row->rays ? match->brute_count : row->rays;
     if (row->judged)
         row->differences += row->count[VERDICT_DIFFERENT];
     free(verdict);
@@ -255,7 +261,7 @@ static enum status judge_bits_row(struct match *match, struct row *row)
     enum status status = cpu_hits(match, &row->reason);
     if (status)
         return status;
-    for (size_t i = 0; i < match->ray_count; i++) {
+    for (size_t i = 0; i < row->rays; i++) {
         if (judge_bits(&match->ray[i], &match->cpu[i], &match->answer[i]) != VERDICT_DIFFERENT)
             continue;
         row->bit_differences++;
@@ -317,12 +323,14 @@ void match_run(struct match *match, const struct engine *engine, struct row *row
         row->node_bytes = packed_node_bytes(&match->packed);
         row->item_bytes = packed_item_bytes(&match->packed);
     }
+    if (is_brute(engine) && match->brute_count > 0)
+        row->rays = match->brute_count;
     row->cause = run_and_judge(match, engine, row);
-    size_t floor = match->ray_count / VACUOUS_ONE_IN;
+    size_t floor = row->rays / VACUOUS_ONE_IN;
     if (row->status == ROW_OK && row->judged && row->hits < (floor ? floor : 1)) {
         row->status = ROW_VACUOUS;
         fail(&row->reason, STATUS_OK, "vacuous: %zu hits of %zu rays prove nothing", row->hits,
-             match->ray_count);
+             row->rays);
     }
 }
 
