@@ -9,9 +9,11 @@
 #define BINDINGS  6u
 #define CONSTANTS 5u
 
-/* Rays of one dispatch: begun small, doubled while a dispatch is quick, halved when it is slow, so
- * that neither the wait nor a driver's watchdog ends a long job. */
+/* Rays of one dispatch: begun small (all of them may visit every node), doubled while a dispatch is
+ * quick, halved when it is slow, so that neither the wait nor a driver's watchdog ends a long job.
+ */
 #define BATCH_FIRST 16384u
+#define VISITS_MOST (1u << 25)
 #define BATCH_MOST  (1u << 20)
 #define QUICK_NS    100000000u
 #define SLOW_NS     1000000000u
@@ -165,13 +167,21 @@ static enum status upload_triangles(struct tracer *tracer, const struct scene *s
 static enum status choose_stack(struct tracer *tracer, const struct packed *packed,
                                 struct reason *reason)
 {
+    if (packed->stack_need > ABI_STACK_MAX)
+        return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u",
+                    ABI_STACK_MAX, (unsigned)packed->stack_need);
     tracer->stack = 16;
     while (tracer->stack < packed->stack_need)
         tracer->stack *= 2;
-    if (tracer->stack > ABI_STACK_MAX)
-        return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u",
-                    ABI_STACK_MAX, (unsigned)packed->stack_need);
     return STATUS_OK;
+}
+
+static uint32_t first_batch(const struct tracer *tracer, uint32_t node_count)
+{
+    uint32_t batch = VISITS_MOST / (node_count + 1);
+    if (batch > BATCH_FIRST)
+        return BATCH_FIRST;
+    return batch > tracer->workgroup ? batch : tracer->workgroup;
 }
 
 enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct reason *reason)
@@ -179,7 +189,7 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     const struct packed *packed = job->packed;
     free_buffers(tracer);
     tracer->pipeline = NULL;
-    tracer->batch = BATCH_FIRST;
+    tracer->batch = first_batch(tracer, packed->node_count);
     tracer->push = (struct push){
         .root = packed->root,
         .node_count = packed->node_count,
