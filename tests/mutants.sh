@@ -126,9 +126,9 @@ in_program HALF_NEAREST ref/half.c check soup --layout rf16 --engine cpu --rays 
 in_test HALF_NEAREST ref/half.c test_packed
 in_program LOST_SLOT ref/layouts/layout_rf16.c check soup --layout rf16 --engine cpu --leaf 8 --count 5000 --repeat 1
 in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c check platonic --layout rf16 --engine cpu --count 5000 --repeat 1
-in_header SLAB_STRICT test_primitives
+in_header SLAB_STRICT test_boxes
 in_program SWAPPED_CHILD ref/trace.c check soup --layout f32 --engine cpu --count 5000 --repeat 1
-in_header FAR_NOT_PADDED test_primitives
+in_header FAR_NOT_PADDED test_boxes
 in_program SHORT_STACK ref/packed.c check "$out/duplicates.obj" --layout f32 --leaf 1 --engine cpu --rays primary --count 5000 --repeat 1
 in_test BAD_TWIN ref/twin.c test_twin
 in_shaders NO_PRECISE test_spirv
