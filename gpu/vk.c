@@ -171,8 +171,8 @@ uint32_t vk_close(struct vk *vk, struct reason *reason)
     if (vk->instance && vk->fn.DestroyInstance)
         vk->fn.DestroyInstance(vk->instance, NULL);
     uint32_t messages = vk_messages(vk, reason);
-    if (vk->library)
-        (void)dlclose(vk->library);
+    /* The loader stays loaded: unloading it unloads drivers whose threads and thread-local
+     * destructors may still run, and no tool can say any more whose memory was lost. */
     free(vk);
     return messages;
 }
