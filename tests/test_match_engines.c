@@ -1,0 +1,323 @@
+/* Laws of ref/match.h about engines: opened once, failures kept apart, wrong answers found. The
+ * engines here are made up: they do what the test tells them. */
+#include "ref/match.h"
+#include "ref/trace.h"
+#include "scenes/rays.h"
+#include "scenes/scenes.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/matched.h"
+
+#include <string.h>
+
+/* What the made-up engine does next, and what was done to it. */
+static struct script {
+    enum status open, prepare, trace;
+    void (*spoil)(const struct match *match, struct hit *hit);
+    const struct match *match;
+    const struct job *job;
+    unsigned opened, prepared, traced, closed;
+} script;
+
+static enum status act(enum status status, const char *what, struct reason *reason)
+{
+    /* In parentheses, since CMocka has a macro of that name. */
+    return status ? (fail)(reason, status, "made up: %s", what) : STATUS_OK;
+}
+
+static enum status made_up_open(const struct engine_options *options, void **self,
+                                struct reason *reason)
+{
+    (void)options;
+    script.opened++;
+    *self = script.open ? NULL : &script;
+    return act(script.open, "open", reason);
+}
+
+static enum status made_up_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    assert_ptr_equal(self, &script);
+    script.prepared++;
+    script.job = job;
+    return act(script.prepare, "prepare", reason);
+}
+
+static enum status made_up_trace(void *self, const struct ray *ray, size_t ray_count,
+                                 struct hit *hit, struct trace_report *report,
+                                 struct reason *reason)
+{
+    const struct match *match = script.match;
+    assert_ptr_equal(self, &script);
+    script.traced++;
+    *report = (struct trace_report){.ns = 1000, .memory_bytes = 77, .device_clock = true};
+    if (script.trace)
+        return act(script.trace, "trace", reason);
+    for (size_t i = 0; i < ray_count; i++)
+        if (trace_ray(&match->packed, match->scene, match->options.box, match->options.tri,
+                      match->options.query, &ray[i], &hit[i], NULL))
+            return STATUS_DEVICE;
+    if (script.spoil)
+        script.spoil(match, hit);
+    return STATUS_OK;
+}
+
+static void made_up_close(void *self)
+{
+    assert_ptr_equal(self, &script);
+    script.closed++;
+}
+
+static const struct engine made_up = {
+    .name = "made_up",
+    .needs_packed = true,
+    .exact = true,
+    .open = made_up_open,
+    .prepare = made_up_prepare,
+    .trace = made_up_trace,
+    .close = made_up_close,
+};
+
+static struct fixture *begin(void)
+{
+    struct fixture *f = play("soup:n=500", "median", 4);
+    script = (struct script){.match = &f->match};
+    return f;
+}
+
+static void an_engine_is_opened_once_and_closed_once(void **state)
+{
+    (void)state;
+    struct fixture *f = begin();
+    for (unsigned i = 1; i <= 3; i++) {
+        match_run(&f->match, &made_up, &f->row);
+        assert_agrees(f);
+        assert_int_equal(script.opened, 1);
+        assert_int_equal(script.prepared, i); /* another layout could be packed by now */
+    }
+    assert_int_equal(f->row.memory_bytes, 77);
+    assert_true(f->row.device_clock);
+    assert_int_equal(script.closed, 0);
+    pool_free(&f->pool);
+    assert_int_equal(script.closed, 1);
+    assert_int_equal(f->pool.count, 0);
+    done(f);
+    assert_int_equal(script.closed, 1);
+}
+
+static void a_pool_remembers_that_an_engine_cannot_run(void **state)
+{
+    (void)state;
+    static const struct {
+        enum status open;
+        enum row_status row;
+    } failures[] = {{STATUS_UNSUPPORTED, ROW_SKIPPED},
+                    {STATUS_DEVICE, ROW_FAILED},
+                    {STATUS_MEMORY, ROW_FAILED}};
+    for (size_t i = 0; i < ARRAY_COUNT(failures); i++) {
+        struct fixture *f = begin();
+        script.open = failures[i].open;
+        for (int again = 0; again < 3; again++) {
+            match_run(&f->match, &made_up, &f->row);
+            assert_int_equal(f->row.status, failures[i].row);
+            assert_int_equal(f->row.cause, failures[i].open);
+            assert_string_equal(f->row.reason.text, "made up: open");
+            assert_int_equal(f->row.hits + f->row.compared + f->row.differences, 0);
+        }
+        assert_int_equal(script.opened, 1);
+        assert_int_equal(script.prepared, 0);
+        run(f, "cpu"); /* the others go on */
+        assert_agrees(f);
+        done(f);
+        assert_int_equal(script.closed, 0);
+    }
+}
+
+static void what_fails_later_is_told_apart(void **state)
+{
+    (void)state;
+    static const struct {
+        enum status prepare, trace;
+        enum row_status row;
+        const char *reason;
+    } failures[] = {{STATUS_LIMIT, STATUS_OK, ROW_REFUSED, "made up: prepare"},
+                    {STATUS_UNSUPPORTED, STATUS_OK, ROW_SKIPPED, "made up: prepare"},
+                    {STATUS_DEVICE, STATUS_OK, ROW_FAILED, "made up: prepare"},
+                    {STATUS_MEMORY, STATUS_OK, ROW_FAILED, "made up: prepare"},
+                    {STATUS_OK, STATUS_DEVICE, ROW_FAILED, "made up: trace"},
+                    {STATUS_OK, STATUS_MEMORY, ROW_FAILED, "made up: trace"}};
+    struct fixture *f = begin();
+    for (size_t i = 0; i < ARRAY_COUNT(failures); i++) {
+        script.prepare = failures[i].prepare;
+        script.trace = failures[i].trace;
+        match_run(&f->match, &made_up, &f->row);
+        assert_int_equal(f->row.status, failures[i].row);
+        assert_int_equal(f->row.cause, failures[i].prepare | failures[i].trace);
+        assert_string_equal(f->row.reason.text, failures[i].reason);
+        assert_int_equal(f->row.differences + f->row.compared, 0);
+    }
+    script.prepare = script.trace = STATUS_OK; /* a failure is of its row only */
+    match_run(&f->match, &made_up, &f->row);
+    assert_agrees(f);
+    done(f);
+}
+
+/* --- wrong answers --------------------------------------------------------------------------- */
+
+/* The first ray that misses. */
+static size_t a_miss(const struct match *match)
+{
+    size_t i = 0;
+    while (match->reference[i].prim != ABI_NO_PRIM || !ray_in_contract(&match->ray[i]))
+        i++;
+    return i;
+}
+
+/* The first ray whose hit nobody may lose. */
+static size_t a_hit(const struct match *match)
+{
+    for (size_t i = 0;; i++) {
+        float v[3][3];
+        if (match->reference[i].prim == ABI_NO_PRIM || !ray_in_contract(&match->ray[i]))
+            continue;
+        scene_tri(match->scene, match->reference[i].prim, v);
+        if (twin_eval(TWIN_MT, ROUNDING_IEEE, &match->ray[i], v).certain)
+            return i;
+    }
+}
+
+static void one_bit_of_t(const struct match *match, struct hit *hit)
+{
+    struct hit *one = &hit[a_hit(match)];
+    one->t = float_from_bits(float_bits(one->t) ^ 1);
+}
+
+static void one_bit_of_v(const struct match *match, struct hit *hit)
+{
+    struct hit *one = &hit[a_hit(match)];
+    one->v = float_from_bits(float_bits(one->v) ^ 1);
+}
+
+static void another_triangle(const struct match *match, struct hit *hit)
+{
+    hit[a_hit(match)].prim ^= 1;
+}
+
+static void no_triangle(const struct match *match, struct hit *hit)
+{
+    hit[a_hit(match)].prim = match->scene->tri_count;
+}
+
+static void a_lost_hit(const struct match *match, struct hit *hit)
+{
+    hit[a_hit(match)] = (struct hit){.prim = ABI_NO_PRIM};
+}
+
+static void a_phantom(const struct match *match, struct hit *hit)
+{
+    hit[a_miss(match)] = (struct hit){1, 0.25f, 0.25f, 3};
+}
+
+static void a_miss_spelt_otherwise(const struct match *match, struct hit *hit)
+{
+    hit[a_miss(match)].t = 1;
+}
+
+static void a_single_wrong_answer_is_found(void **state)
+{
+    (void)state;
+    static void (*const spoil[])(const struct match *, struct hit *) = {
+        one_bit_of_t, one_bit_of_v, another_triangle,      no_triangle,
+        a_lost_hit,   a_phantom,    a_miss_spelt_otherwise};
+    static struct engine inexact;
+    struct fixture *f = begin();
+    inexact = made_up;
+    inexact.exact = false;
+    for (size_t i = 0; i < ARRAY_COUNT(spoil); i++) {
+        script.spoil = spoil[i];
+        match_run(&f->match, &made_up, &f->row);
+        assert_int_equal(f->row.bit_differences, 1);
+        assert_int_equal(f->row.count[VERDICT_DIFFERENT], 1);
+        assert_int_equal(f->row.differences, 2);
+        assert_int_equal(f->row.finding_count, 2);
+        assert_differs(f, true);
+        match_run(&f->match, &inexact, &f->row); /* is compared with the reference alone */
+        assert_int_equal(f->row.differences, 1);
+        assert_differs(f, false);
+    }
+    done(f);
+}
+
+static void all_lost(const struct match *match, struct hit *hit)
+{
+    for (size_t i = 0; i < match->ray_count; i++)
+        hit[i] = (struct hit){.prim = ABI_NO_PRIM};
+}
+
+static void findings_are_few_and_all_are_counted(void **state)
+{
+    (void)state;
+    struct fixture *f = begin();
+    run(f, "brute");
+    size_t hits = f->row.hits;
+    script.spoil = all_lost;
+    match_run(&f->match, &made_up, &f->row);
+    assert_int_equal(f->row.finding_count, FINDING_MOST);
+    assert_true(f->row.bit_differences > hits * 9 / 10);
+    assert_true(f->row.bit_differences <= hits); /* but rays out of contract */
+    assert_true(row_failed(&f->row));
+    done(f);
+}
+
+/* Bits are compared even where a faithful member keeps a row from being judged. */
+static void an_exact_engine_must_have_the_seeds_faults_bit_for_bit(void **state)
+{
+    (void)state;
+    struct fixture *f = begin();
+    pack(f, "rtrs_rf");
+    match_set(&f->match, box_test_find("rtrs"), QUERY_CLOSEST);
+    match_run(&f->match, &made_up, &f->row);
+    assert_int_equal(f->row.status, ROW_OK);
+    assert_int_equal(f->row.differences, 0);
+    script.spoil = one_bit_of_v;
+    match_run(&f->match, &made_up, &f->row);
+    assert_false(f->row.judged);
+    assert_int_equal(f->row.differences, 1);
+    assert_true(f->row.finding[0].bits && row_failed(&f->row));
+    done(f);
+}
+
+static void a_pool_holds_eight_engines(void **state)
+{
+    (void)state;
+    static struct engine many[POOL_MOST + 1];
+    struct fixture *f = begin();
+    enum status status;
+    for (size_t i = 0; i < ARRAY_COUNT(many); i++) {
+        many[i] = made_up;
+        void *self = pool_get(&f->pool, &many[i], &status, &f->reason);
+        assert_int_equal(status, i < POOL_MOST ? STATUS_OK : STATUS_LIMIT);
+        assert_int_equal(self != NULL, i < POOL_MOST);
+    }
+    assert_non_null(strstr(f->reason.text, "more than 8 engines"));
+    done(f);
+    assert_int_equal(script.closed, POOL_MOST);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_engine_is_opened_once_and_closed_once),
+        cmocka_unit_test(a_pool_remembers_that_an_engine_cannot_run),
+        cmocka_unit_test(what_fails_later_is_told_apart),
+        cmocka_unit_test(a_single_wrong_answer_is_found),
+        cmocka_unit_test(findings_are_few_and_all_are_counted),
+        cmocka_unit_test(an_exact_engine_must_have_the_seeds_faults_bit_for_bit),
+        cmocka_unit_test(a_pool_holds_eight_engines),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
