@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
 
 int exit_worse(int a, int b)
 {
@@ -51,7 +52,9 @@ enum status parse_count(const char *flag, const char *text, uint64_t least, uint
     char *end = NULL;
     errno = 0;
     double value = strtod(text, &end);
-    bool whole = end != text && *end == '\0' && errno == 0 && value == floor(value);
+    /* strtod also reads blanks, hexadecimal, inf and nan. */
+    bool decimal = text[strspn(text, "0123456789.eE+-")] == '\0';
+    bool whole = decimal && end != text && *end == '\0' && errno == 0 && value == floor(value);
     /* Beyond 2^53 a double skips integers: read those as integers. */
     if (whole && value >= 0x1p53) {
         *out = strtoull(text, &end, 10);

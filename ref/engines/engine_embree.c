@@ -28,8 +28,8 @@ struct embree {
     atomic_llong peak;
 };
 
-/* Embree asserts or answers infinities outside this window: such rays are out of contract. */
-#define EMBREE_DIR_MOST 1e18f
+/* Embree asserts on origins and directions from 1.844e18 on: such rays are out of contract. */
+#define EMBREE_MOST 1e18f
 
 static bool embree_memory(void *user, ssize_t bytes, bool post)
 {
@@ -142,8 +142,8 @@ static enum status embree_prepare(void *self, const struct job *job, struct reas
 static bool embree_takes(const struct ray *ray)
 {
     for (int k = 0; k < 3; k++)
-        if (!float_is_finite(ray->org[k]) || !(ray->dir[k] < EMBREE_DIR_MOST) ||
-            !(ray->dir[k] > -EMBREE_DIR_MOST))
+        if (!(ray->org[k] < EMBREE_MOST && ray->org[k] > -EMBREE_MOST) ||
+            !(ray->dir[k] < EMBREE_MOST && ray->dir[k] > -EMBREE_MOST))
             return false;
     return ray->tmin >= 0.0f && ray->tmax >= ray->tmin;
 }
