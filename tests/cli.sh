@@ -171,7 +171,9 @@ else
     echo "SKIP the seed's scene: $seed is not here"
 fi
 
-# An engine that cannot run: skipped by default, 77 when named.
+# An engine that cannot run: skipped by default, 77 when named. Mesa's driver loses 128 bytes when it
+# is unloaded without a device having been made, and is gone when a sanitizer asks whose they were.
+export ASAN_OPTIONS=detect_leaks=0
 expect 77 . check soup --count 200 --repeat 1 --engine vulkan --driver no-such-driver
 expect 0 . check soup --count 200 --repeat 1 --driver no-such-driver
 

@@ -48,10 +48,7 @@ if [ "$mode" = tsan ]; then
     suite tsan_sees_a_race sh tests/race.sh "$logs"
 fi
 # Leaks inside drivers are not ours; ours are.
-if [ "$mode" = sanitize ]; then
-    export LSAN_OPTIONS="suppressions=$(pwd)/tests/lsan.supp"
-    export ASAN_OPTIONS=fast_unwind_on_malloc=0 # else a leak through the loader has no caller
-fi
+[ "$mode" = sanitize ] && export LSAN_OPTIONS="suppressions=$(pwd)/tests/lsan.supp"
 
 for test in "$build"/tests/test_*; do
     case $test in *.d) continue ;; esac
