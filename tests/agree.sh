@@ -6,8 +6,8 @@
 set -u
 raydiff=$1/raydiff
 case $2 in
-full) rays=1000000 published=10000 brute=100000 ;;
-quick) rays=10000 published=1000 brute=2000 ;;
+full) rays=1000000 published=10000 brute=100000 engines=cpu,vulkan,embree,embree_robust ;;
+quick) rays=10000 published=1000 brute=2000 engines=all ;;
 *)
     echo "usage: tests/agree.sh BUILD quick|full OUTPUT" >&2
     exit 2
@@ -35,7 +35,7 @@ code=0
 part() {
     name=$1
     shift
-    "$raydiff" check "$@" --tri all --query all --repeat 1 --json "$out-$name.json" >>"$out.tmp" 2>&1
+    "$raydiff" check "$@" --engine $engines --tri all --query all --repeat 1 --json "$out-$name.json" >>"$out.tmp" 2>&1
     result=$?
     echo "$name: exit code $result"
     [ "$result" -eq 0 ] || code=1
