@@ -26,8 +26,9 @@ static const char help[] =
     "  --count N       rays, 1 or more; 1e6 is accepted                          [100000]\n"
     "  --seed S        of rays and generators                                    [1]\n"
     "  --repeat N      timed runs per engine, 1 to 32: median, least, most       [3]\n"
-    "  --brute N       ray-triangle tests that brute force may spend             "
-    "[2e8]\n" ENGINE_OPTIONS_HELP "  --json FILE     all rows, for machines\n\n"
+    "  --brute N       ray-triangle tests that brute force may spend             [2e8]\n"
+    "  --brute-rays N  the most rays it answers, 0 is all it can afford          "
+    "[0]\n" ENGINE_OPTIONS_HELP "  --json FILE     all rows, for machines\n\n"
     "A named layout that refuses the scene exits with 2, a named engine that cannot run with 77.\n"
     "exit codes: 0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped\n"
     "example: raydiff check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices\n";
@@ -37,7 +38,7 @@ struct check_options {
     bool layout_auto, layout_named, engine_named;
     struct build_options build;
     size_t rays;
-    uint64_t count, seed, repeats, brute;
+    uint64_t count, seed, repeats, brute, brute_rays;
     struct engine_options engines;
     const char *json;
 };
@@ -56,24 +57,19 @@ enum {
     OPT_SEED,
     OPT_REPEAT,
     OPT_BRUTE,
+    OPT_BRUTE_RAYS,
     OPT_JSON
 };
 
-static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
-                                             {"engine", 1, NULL, OPT_ENGINE},
-                                             {"builder", 1, NULL, OPT_BUILDER},
-                                             {"leaf", 1, NULL, OPT_LEAF},
-                                             {"eps", 1, NULL, OPT_EPS},
-                                             {"box", 1, NULL, OPT_BOX},
-                                             {"tri", 1, NULL, OPT_TRI},
-                                             {"query", 1, NULL, OPT_QUERY},
-                                             {"rays", 1, NULL, OPT_RAYS},
-                                             {"count", 1, NULL, OPT_COUNT},
-                                             {"seed", 1, NULL, OPT_SEED},
-                                             {"repeat", 1, NULL, OPT_REPEAT},
-                                             {"brute", 1, NULL, OPT_BRUTE},
-                                             {"json", 1, NULL, OPT_JSON},
-                                             ENGINE_OPTIONS};
+static const struct option long_options[] = {
+    {"layout", 1, NULL, OPT_LAYOUT},   {"engine", 1, NULL, OPT_ENGINE},
+    {"builder", 1, NULL, OPT_BUILDER}, {"leaf", 1, NULL, OPT_LEAF},
+    {"eps", 1, NULL, OPT_EPS},         {"box", 1, NULL, OPT_BOX},
+    {"tri", 1, NULL, OPT_TRI},         {"query", 1, NULL, OPT_QUERY},
+    {"rays", 1, NULL, OPT_RAYS},       {"count", 1, NULL, OPT_COUNT},
+    {"seed", 1, NULL, OPT_SEED},       {"repeat", 1, NULL, OPT_REPEAT},
+    {"brute", 1, NULL, OPT_BRUTE},     {"brute-rays", 1, NULL, OPT_BRUTE_RAYS},
+    {"json", 1, NULL, OPT_JSON},       ENGINE_OPTIONS};
 
 static struct check_options default_options(void)
 {
@@ -123,6 +119,8 @@ static enum status take_number(struct check_options *o, int option, const char *
         return parse_count("--seed", text, 0, UINT64_MAX, &o->seed, reason);
     case OPT_REPEAT:
         return parse_count("--repeat", text, 1, REPEAT_MOST, &o->repeats, reason);
+    case OPT_BRUTE_RAYS:
+        return parse_count("--brute-rays", text, 0, UINT64_MAX, &o->brute_rays, reason);
     case OPT_BRUTE:
         return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
     default:
@@ -248,7 +246,8 @@ static enum status play_scene(struct check *check, const struct scene *scene,
                                             .tri = tri_tests[o->tri.index[t]],
                                             .query = (enum query)o->query.index[0],
                                             .repeats = (unsigned)o->repeats,
-                                            .brute_budget = o->brute};
+                                            .brute_budget = o->brute,
+                                            .brute_rays = o->brute_rays};
             struct match match;
             struct reason why = {""};
             progress_step(&check->progress, "%s: reference", result->spec);

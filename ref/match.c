@@ -59,6 +59,8 @@ static enum status reference_make(struct match *match, struct reason *reason)
 {
     uint64_t per_ray = match->scene->tri_count ? match->scene->tri_count : 1;
     uint64_t affordable = match->options.brute_budget / per_ray;
+    if (match->options.brute_rays && affordable > match->options.brute_rays)
+        affordable = match->options.brute_rays;
     match->brute_count = affordable < match->ray_count ? (size_t)affordable : match->ray_count;
 #pragma omp parallel for schedule(dynamic, 64)
     for (long long i = 0; i < (long long)match->brute_count; i++)

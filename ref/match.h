@@ -38,6 +38,7 @@ struct match_options {
     enum query query;
     unsigned repeats;      /* timed traces per engine, 1 to REPEAT_MOST */
     uint64_t brute_budget; /* ray-triangle tests that the reference may spend */
+    uint64_t brute_rays;   /* and the most rays it answers that way; 0: all it can afford */
 };
 
 /* Something that was not allowed. */

@@ -41,9 +41,9 @@ part() {
     [ "$result" -eq 0 ] || code=1
 }
 : >"$out.tmp"
-# Brute force up to 16k triangles sees `brute` rays; larger scenes fewer for the same work.
-part robust $generated $real --box robust --count $rays --brute $((brute * 16384))
-part published $generated --box rtrs --count $published --brute $((published * 4096))
+# Brute force sees `brute` rays of scenes up to 16k triangles, of larger ones fewer.
+part robust $generated $real --box robust --count $rays --brute $((brute * 16384)) --brute-rays $brute
+part published $generated --box rtrs --count $published --brute $((published * 4096)) --brute-rays $published
 mv "$out.tmp" "$out.txt"
 grep -hE 'differ in a bit|not allowed' "$out.txt" | sort | uniq -c
 if [ "$code" -ne 0 ]; then
