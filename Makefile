@@ -47,7 +47,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           TRACE_SHADERS=$(words $(wildcard shaders/trace_*.comp))
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
-        validate-check format format-check install uninstall scenes mutants lint
+        validate-check format format-check install uninstall scenes mutants lint fuzz-load
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -141,6 +141,16 @@ validate-check:
 	@sh .ci/deps.sh check
 	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
 	@RAYDIFF_VALIDATE=1 sh tests/run.sh $(B) validate
+
+# The readers under libFuzzer; a crash leaves its input behind. Needs clang.
+FUZZ_FLAGS := -std=c17 -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all
+fuzz-load: $(B)/gen/counts.h $(B)/gen/shaders.c
+	@sh .ci/deps.sh deep
+	@mkdir -p $(B)/fuzz/load
+	clang $(CPPFLAGS) $(FUZZ_FLAGS) $(FP) -fopenmp -o $(B)/fuzz/fuzz_load fuzz/fuzz_load.c \
+	    $(LIB_SRC) $(B)/gen/shaders.c $(LDLIBS)
+	cd $(B)/fuzz && ./fuzz_load load -max_total_time=$(or $(SECONDS),30) -max_len=4096 \
+	    -error_exitcode=1 -print_final_stats=1 $(ARGS)
 
 slow: tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_half
