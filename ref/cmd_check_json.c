@@ -56,6 +56,11 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
         (json_int_t)row->hits, "compared_with_brute", (json_int_t)row->brute);
     if (!out)
         return NULL;
+    json_object_set_new(
+        out, "tree",
+        json_pack("{s:I, s:I, s:I, s:I}", "nodes", (json_int_t)row->stats.node_count, "leaves",
+                  (json_int_t)row->stats.leaf_count, "depth", (json_int_t)row->stats.depth,
+                  "largest_leaf", (json_int_t)row->stats.largest_leaf));
     json_object_set_new(out, "counts", counts_json(row));
     json_object_set_new(out, "bit_differences", json_integer((json_int_t)row->bit_differences));
     json_object_set_new(out, "judged", json_boolean(row->judged));

@@ -291,6 +291,10 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
         row->status = status == STATUS_UNSUPPORTED ? ROW_SKIPPED : ROW_FAILED;
         return status;
     }
+    if (engine->needs_packed && !match->packed.layout) {
+        row->status = ROW_FAILED;
+        return fail(&row->reason, STATUS_INPUT, "engine %s needs a packed layout", engine->name);
+    }
     struct job job = job_of(match, engine);
     status = engine->prepare(self, &job, &row->reason);
     if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {

@@ -7,7 +7,7 @@ set -u
 raydiff=$1/raydiff
 case $2 in
 full) rays=1000000 published=10000 brute=100000 engines=cpu,vulkan,embree,embree_robust ;;
-quick) rays=10000 published=1000 brute=2000 engines=all ;;
+quick) rays=10000 published=2000 brute=10000 engines=all ;;
 *)
     echo "usage: tests/agree.sh BUILD quick|full OUTPUT" >&2
     exit 2

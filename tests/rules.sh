@@ -28,10 +28,24 @@ grep -lE '#include <embree[34]?/' $(git ls-files '*.c' '*.h') | grep -v '^ref/en
 
 # Shaders: nothing whose result may differ between drivers.
 for file in $(list shaders/*.comp shaders/*.glsl); do # comments may name what the code must not
-    awk '{ while (match($0, /\/\*[^*]*\*\//)) $0 = substr($0, 1, RSTART - 1) substr($0, RSTART + RLENGTH)
-           if (comment) { if (!sub(/^.*\*\//, "")) next; comment = 0 }
-           if (sub(/\/\*.*$/, "")) comment = 1
-           print FILENAME ":" FNR ": " $0 }' "$file"
+    awk '{
+        line = $0
+        kept = ""
+        while (line != "") {
+            if (comment) {
+                end = index(line, "*/")
+                if (!end) break
+                line = substr(line, end + 2)
+                comment = 0
+            }
+            begin = index(line, "/*")
+            if (!begin) { kept = kept line; break }
+            kept = kept substr(line, 1, begin - 1)
+            line = substr(line, begin + 2)
+            comment = 1
+        }
+        print FILENAME ":" FNR ": " kept
+    }' "$file"
 done >"${TMPDIR:-/tmp}/rules.$$"
 grep -E '\bpackHalf2x16|\bfma *\(' "${TMPDIR:-/tmp}/rules.$$" &&
     breach "packHalf2x16 and fma differ between drivers"

@@ -63,6 +63,7 @@ done
 case $mode in
 plain)
     suite rules sh tests/rules.sh
+    suite rules_planted sh tests/rules_planted.sh
     suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"
     suite cli sh tests/cli.sh "$build/raydiff"

@@ -11,6 +11,8 @@ const struct layout *const layouts[] = {
     &layout_f32, &layout_rf16, &layout_rtrs_direct, &layout_rtrs_rf, &layout_rtrs_rf_paper, NULL,
 };
 _Static_assert(ARRAY_COUNT(layouts) - 1 == LAYOUT_FILES, "a ref/layouts/layout_*.c has no entry");
+_Static_assert(TRACE_SHADERS == LAYOUT_FILES,
+               "a layout has no shaders/trace_*.comp, or one too many");
 
 const struct layout *layout_find(const char *name)
 {

@@ -45,7 +45,7 @@ static inline struct slab_ray slab_ray_make(const struct ray *ray)
         float a = ray->dir[k] < 0.0f ? -ray->dir[k] : ray->dir[k];
         r.o[k] = ray->org[k];
         r.d[k] = ray->dir[k];
-        r.parallel[k] = !(a > 0.0f) || a < least; /* NaN is parallel: then every box is missed */
+        r.parallel[k] = !(a > 0.0f) || a < least; /* NaN is parallel, and lies in no box */
         r.inv[k] = r.parallel[k] ? 0.0f : 1.0f / ray->dir[k];
     }
     return r;

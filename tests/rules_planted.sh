@@ -1,0 +1,37 @@
+#!/bin/sh
+# tests/rules.sh must see a breach of each of its rules, planted one at a time in a copy.
+set -u
+copy=$(mktemp -d) || exit 4
+trap 'rm -rf "$copy"' EXIT
+git ls-files -z -- ref gpu scenes tests bench shaders raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
+cd "$copy" && git init -q . && git add -A || exit 4
+sh tests/rules.sh >log 2>&1 || { cat log; echo "the copy breaks a rule before anything is planted"; exit 1; }
+failed=0
+
+# file, line to append.
+plant() {
+    cp "$1" saved
+    printf '%s\n' "$2" >>"$1"
+    if sh tests/rules.sh >log 2>&1; then
+        echo "MISSED  in $1: $2"
+        failed=1
+    else
+        echo "caught  in $1: $(echo "$2" | head -n 1)"
+    fi
+    cp saved "$1"
+}
+
+plant ref/base.c '#include "gpu/vk.h"'
+plant ref/base.c '#include "scenes/file.h"'
+plant scenes/file.c '#include "tests/cmd_trial.h"'
+plant bench/cmd_bench.c '#include "gpu/vk.h"'
+plant ref/match.c '#include "ref/layouts/layout_f32.h"'
+plant ref/match.c '#include <embree3/rtcore.h>'
+plant shaders/tri.glsl 'float f(float a) { return fma(a, a, a); }'
+plant shaders/half.glsl 'uint f(vec2 a) { return packHalf2x16(a); }'
+plant shaders/slab.glsl 'float f(vec3 a) { return dot(a, a); }'
+plant ref/bvh.c 'void f(void) { printf("x"); }'
+plant gpu/vk.c 'void f(void) { exit (1); }'
+plant ref/half.c "$(awk 'BEGIN { for (i = 0; i < 460; i++) print "/* */" }')"
+[ "$failed" -eq 0 ] && echo "rules: every planted breach caught"
+exit "$failed"
