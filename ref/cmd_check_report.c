@@ -130,18 +130,29 @@ static void print_agreement(const struct check_scene *scene)
         printf("  members as published differ in %zu answers: counted, not judged\n", counted);
 }
 
+/* Who refused, was skipped or failed. */
+static const char *subject_name(const struct row *row)
+{
+    if (row->status == ROW_REFUSED && row->layout)
+        return row->layout->name;
+    return row->engine ? row->engine->name : "--layout auto";
+}
+
 static void print_reasons(const struct check_scene *scene)
 {
-    if (scene->refused[0])
-        printf("  --layout auto: %s\n", scene->refused);
+    for (const char *line = scene->refused; *line;) {
+        size_t length = strcspn(line, "\n");
+        printf("  --layout auto could not take %.*s\n", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
         bool repeated = false;
         for (size_t k = 0; k < i; k++)
             repeated |= strcmp(scene->row[k].reason.text, row->reason.text) == 0;
         if (row->status != ROW_OK && !repeated)
-            printf("  %s %s: %s\n", row->layout ? row->layout->name : row->engine->name,
-                   row_status_name(row->status), row->reason.text);
+            printf("  %s %s: %s\n", subject_name(row), row_status_name(row->status),
+                   row->reason.text);
     }
 }
 
