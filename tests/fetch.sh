@@ -49,24 +49,24 @@ says 'SKIP glmark2-bunny.obj: apt knows no package glmark2-data: run apt-get upd
 holds ''
 
 # Packages with other content than pinned. A package is its own tar here.
-mkdir -p "$dir/root/usr/share/glmark2/models" "$dir/root/usr/share/assimp/models/OBJ" "$dir/root/package/models"
-echo 'v 1 2 3' >"$dir/root/usr/share/glmark2/models/bunny.obj"
+mkdir -p "$dir/tree/usr/share/glmark2/models" "$dir/tree/usr/share/assimp/models/OBJ" "$dir/tree/package/models"
+echo 'v 1 2 3' >"$dir/tree/usr/share/glmark2/models/bunny.obj"
 printf 'v 0 0 0.10\nvn 0 0 1\nv 1 0 0\nv 0 1e-7 0\ni 0\ni 1\ni 2\ni 2\ni 1\ni 0\n' \
-    >"$dir/root/usr/share/glmark2/models/jellyfish.jobj"
-echo '# wuson' >"$dir/root/usr/share/assimp/models/OBJ/WusonOBJ.obj"
+    >"$dir/tree/usr/share/glmark2/models/jellyfish.jobj"
+echo '# wuson' >"$dir/tree/usr/share/assimp/models/OBJ/WusonOBJ.obj"
 printf 'exports.positions=[[0,0,0.10],[1,0,0],[0,-1e-7,0]]\nexports.cells=[[0,1,2],[2,1,0]]' \
-    >"$dir/root/package/index.js"
-echo teapot >"$dir/root/package/teapot.obj"
+    >"$dir/tree/package/index.js"
+echo teapot >"$dir/tree/package/teapot.obj"
 for model in dragon_vrip dragon_vrip_res2 dragon_vrip_res3 dragon_vrip_res4; do
-    echo "$model" >"$dir/root/package/models/$model.ply.gz"
+    echo "$model" >"$dir/tree/package/models/$model.ply.gz"
 done
-tar -cf "$dir/packed.deb" -C "$dir/root" ./usr
-tar -czf "$dir/packed.tgz" -C "$dir/root" package
+tar -cf "$dir/packed.deb" -C "$dir/tree" ./usr
+tar -czf "$dir/packed.tgz" -C "$dir/tree" package
 printf '#!/bin/sh\ncat %s >package.deb\n' "$dir/packed.deb" >"$dir/bin/apt-get"
 printf '#!/bin/sh\ncat %s >package.tgz\n' "$dir/packed.tgz" >"$dir/bin/npm"
 chmod +x "$dir/bin/npm"
 run 1 'other content than pinned is an error' "$dir/meshes"
-says "WRONG glmark2-bunny.obj: sha256 $(sha256sum <"$dir/root/usr/share/glmark2/models/bunny.obj" | cut -d ' ' -f 1), pinned bff773d2"
+says "WRONG glmark2-bunny.obj: sha256 $(sha256sum <"$dir/tree/usr/share/glmark2/models/bunny.obj" | cut -d ' ' -f 1), pinned bff773d2"
 holds ''
 
 # The same content, pinned: every mesh arrives, rewritten where it must be.
@@ -77,15 +77,15 @@ pin() {
     sum=$(sha256sum <"$2" | cut -d ' ' -f 1)
     sed "s/^\( *mesh $1 \)[0-9a-f]*/\1$sum/" "$dir/pinned.sh" >"$dir/next" && mv "$dir/next" "$dir/pinned.sh"
 }
-pin glmark2-bunny.obj "$dir/root/usr/share/glmark2/models/bunny.obj"
+pin glmark2-bunny.obj "$dir/tree/usr/share/glmark2/models/bunny.obj"
 pin glmark2-jellyfish.obj "$dir/jellyfish"
-pin assimp-wuson.obj "$dir/root/usr/share/assimp/models/OBJ/WusonOBJ.obj"
+pin assimp-wuson.obj "$dir/tree/usr/share/assimp/models/OBJ/WusonOBJ.obj"
 pin bunny.obj "$dir/bunny"
-pin utah-teapot.obj "$dir/root/package/teapot.obj"
-pin dragon-11k.ply.gz "$dir/root/package/models/dragon_vrip_res4.ply.gz"
-pin dragon-48k.ply.gz "$dir/root/package/models/dragon_vrip_res3.ply.gz"
-pin dragon-203k.ply.gz "$dir/root/package/models/dragon_vrip_res2.ply.gz"
-pin dragon-871k.ply.gz "$dir/root/package/models/dragon_vrip.ply.gz"
+pin utah-teapot.obj "$dir/tree/package/teapot.obj"
+pin dragon-11k.ply.gz "$dir/tree/package/models/dragon_vrip_res4.ply.gz"
+pin dragon-48k.ply.gz "$dir/tree/package/models/dragon_vrip_res3.ply.gz"
+pin dragon-203k.ply.gz "$dir/tree/package/models/dragon_vrip_res2.ply.gz"
+pin dragon-871k.ply.gz "$dir/tree/package/models/dragon_vrip.ply.gz"
 script=$dir/pinned.sh
 small='assimp-wuson.obj glmark2-bunny.obj glmark2-jellyfish.obj '
 run 0 '--minimal fetches those of Debian alone' "$dir/meshes" --minimal
