@@ -23,8 +23,9 @@ static void print_row(const struct row *row)
         return;
     }
     print_bytes(row);
-    printf(" %9zu %6zu %6zu %6zu %6zu ", row->hits, row->count[VERDICT_TIE],
-           row->count[VERDICT_NEAR_TIE], row->count[VERDICT_BOUNDARY], row->count[VERDICT_SLAB]);
+    printf(" %9zu %6zu %6zu %6zu %5zu %5zu ", row->hits, row->count[VERDICT_TIE],
+           row->count[VERDICT_NEAR_TIE], row->count[VERDICT_BOUNDARY], row->count[VERDICT_SLAB],
+           row->count[VERDICT_NOISE]);
     if (row->judged)
         printf("%7zu", row->differences);
     else
@@ -118,14 +119,15 @@ static void print_agreement(const struct check_scene *scene)
         judged += row->rays;
         lost += row->count[VERDICT_DIFFERENT];
         allowed += row->count[VERDICT_TIE] + row->count[VERDICT_NEAR_TIE] +
-                   row->count[VERDICT_BOUNDARY] + row->count[VERDICT_SLAB];
+                   row->count[VERDICT_BOUNDARY] + row->count[VERDICT_SLAB] +
+                   row->count[VERDICT_NOISE];
     }
     if (exact_rows)
         printf("  vulkan against cpu: %zu of %zu answers differ in a bit\n", exact_bad, exact_rays);
     printf("  against the reference: %zu of %zu answers not allowed; %zu in an allowed class\n",
            lost, judged, allowed);
     if (allowed)
-        puts("  (tie, near tie, boundary, slab: see README, \"Allowed differences\")");
+        puts("  (tie, near tie, boundary, slab, noise: see README, \"Allowed differences\")");
     if (counted)
         printf("  members as published differ in %zu answers: counted, not judged\n", counted);
 }
@@ -174,9 +176,9 @@ void check_print(const struct check_scene *scene)
     if (first && first->compared)
         printf("reference: every triangle for %zu rays%s\n", first->brute,
                first->brute < first->compared ? ", engine cpu on f32 for the others" : "");
-    printf("%-13s %-13s %-7s %-7s %-7s %9s %9s %9s %6s %6s %6s %6s %7s %8s\n", "layout", "engine",
-           "box", "tri", "query", "nodes kB", "items kB", "hits", "tie", "near", "bound", "slab",
-           "DIFFER", "Mray/s (least-most)");
+    printf("%-13s %-13s %-7s %-7s %-7s %9s %9s %9s %6s %6s %6s %5s %5s %7s %8s\n", "layout",
+           "engine", "box", "tri", "query", "nodes kB", "items kB", "hits", "tie", "near", "bound",
+           "slab", "noise", "DIFFER", "Mray/s (least-most)");
     for (size_t i = 0; i < scene->row_count; i++)
         print_row(&scene->row[i]);
     for (size_t i = 0; i < scene->row_count; i++)

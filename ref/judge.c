@@ -15,7 +15,7 @@
 const char *verdict_name(enum verdict verdict)
 {
     static const char *const names[VERDICT_COUNT] = {
-        "same", "tie", "near_tie", "boundary", "slab", "out_of_contract", "different",
+        "same", "tie", "near_tie", "boundary", "slab", "noise", "out_of_contract", "different",
     };
     return verdict < VERDICT_COUNT ? names[verdict] : "unknown";
 }
@@ -163,51 +163,114 @@ static enum verdict judge_any(const struct judge *judge, const struct ray *ray,
     return VERDICT_DIFFERENT;
 }
 
-/* Is the answer's t right for the triangle it names, whatever the reference found? Where the
- * determinant's sign is open the ray lies in the triangle's plane, as far as float32 can tell: then
- * every t is right at which the ray is inside the triangle's box. */
-static bool distance_is_of(const struct judge *judge, const struct ray *ray,
-                           const struct hit *answer, double their_err)
+/* Is the answer's t right for the triangle it names, whatever the reference found? */
+enum distance {
+    DISTANCE_RIGHT,
+    DISTANCE_NOISE, /* the determinant is within its error of zero, and t is not on the triangle */
+    DISTANCE_WRONG,
+};
+
+/* Where the determinant's sign is open the ray lies in the triangle's plane, as far as float32 can
+ * tell: then every t is right at which the ray is inside the triangle's box, and any other is the
+ * quotient of two roundings. */
+static enum distance distance_of(const struct judge *judge, const struct ray *ray,
+                                 const struct hit *answer, const struct twin *own,
+                                 const struct twin *theirs)
 {
-    struct twin named = twin_of(judge, false, ray, answer->prim);
-    double allowed = named.t_err + their_err;
+    double allowed = own->t_err + theirs->t_err;
+    if (!float_is_finite(answer->t))
+        return DISTANCE_WRONG;
     if (isfinite(allowed))
-        return fabs((double)answer->t - (double)named.t) <= allowed;
+        return fabs((double)answer->t - (double)own->t) <= allowed ? DISTANCE_RIGHT
+                                                                   : DISTANCE_WRONG;
     struct box box = scene_tri_bounds(judge->scene, answer->prim);
     for (int k = 0; k < 3; k++) {
         double o = (double)ray->org[k], at = o + (double)answer->t * (double)ray->dir[k];
         double pad = IN_PLANE_PAD * ((double)judge->largest[k] + fabs(o));
         if (!(at >= (double)box.lo[k] - pad && at <= (double)box.hi[k] + pad))
-            return false;
+            return judge->subject == SUBJECT_TREE ? DISTANCE_RIGHT : DISTANCE_NOISE;
     }
-    return true;
+    return DISTANCE_RIGHT;
+}
+
+/* The same triangle twice: t within both bounds. */
+static enum verdict judge_same_triangle(const struct twin *own, const struct twin *theirs,
+                                        const struct hit *reference, const struct hit *answer)
+{
+    double allowed = own->t_err + theirs->t_err;
+    if (!isfinite(allowed))
+        return VERDICT_BOUNDARY;
+    return fabs((double)answer->t - (double)reference->t) <= allowed ? VERDICT_SAME
+                                                                     : VERDICT_DIFFERENT;
+}
+
+/* Two triangles at different t: who lost the nearer one, and may it?
+ * The subject lost the reference's: near if its own t for that triangle could be as large as what
+ * it answered. The reference lost the subject's: near if the reference's own t for that triangle is
+ * no smaller than what it answered (it may have found the other first), or within both its bounds.
+ */
+static enum verdict judge_order(const struct judge *judge, const struct ray *ray,
+                                const struct hit *reference, const struct hit *answer,
+                                const struct twin *answer_own)
+{
+    struct twin own = twin_of(judge, false, ray, reference->prim);
+    struct twin theirs = twin_of(judge, true, ray, reference->prim);
+    double apart = fabs((double)answer->t - (double)reference->t);
+    if (answer->t > reference->t) {
+        double allowed =
+            own.t_err + (judge->subject == SUBJECT_TREE ? answer_own->t_err : theirs.t_err);
+        if (isfinite(allowed) && apart <= allowed)
+            return VERDICT_NEAR_TIE;
+        return judge_lost(judge, ray, reference->prim, (double)answer->t);
+    }
+    if (judge->subject == SUBJECT_TREE && judge->reference_complete)
+        return VERDICT_DIFFERENT; /* the reference tests all: nothing can be nearer */
+    double allowed = own.t_err + answer_own->t_err;
+    double own_apart = (double)reference->t - (double)answer_own->t;
+    if (own_apart <= 0.0 || (isfinite(allowed) && own_apart <= allowed))
+        return VERDICT_NEAR_TIE;
+    return judge_lost(judge, ray, answer->prim, (double)reference->t);
 }
 
 /* Both found a hit, in different triangles or, for Embree, perhaps in the same. */
 static enum verdict judge_two_hits(const struct judge *judge, const struct ray *ray,
                                    const struct hit *reference, const struct hit *answer)
 {
-    struct twin own = twin_of(judge, false, ray, reference->prim);
+    struct twin own = twin_of(judge, false, ray, answer->prim);
     struct twin theirs = twin_of(judge, true, ray, answer->prim);
-    double apart = fabs((double)answer->t - (double)reference->t);
-    double allowed = own.t_err + theirs.t_err;
-    bool known = isfinite(allowed); /* else a determinant's sign is open: A3, not A2 */
-    bool near = known && apart <= allowed;
     if (answer->prim == reference->prim)
-        return near ? VERDICT_SAME : known ? VERDICT_DIFFERENT : VERDICT_BOUNDARY;
+        return judge_same_triangle(&own, &theirs, reference, answer);
     if (judge->subject != SUBJECT_TREE && !theirs.possible)
         return VERDICT_DIFFERENT;
-    if (!distance_is_of(judge, ray, answer, theirs.t_err))
+    enum distance distance = distance_of(judge, ray, answer, &own, &theirs);
+    if (distance == DISTANCE_WRONG)
         return VERDICT_DIFFERENT;
-    if (answer->t == reference->t)
-        return VERDICT_TIE;
-    if (near)
-        return VERDICT_NEAR_TIE;
-    if (answer->t > reference->t)
-        return judge_lost(judge, ray, reference->prim, (double)answer->t);
+    if (distance == DISTANCE_RIGHT)
+        return answer->t == reference->t ? VERDICT_TIE
+                                         : judge_order(judge, ray, reference, answer, &own);
+    /* Noise hides what is behind it, but it excuses no certain hit before it. */
+    if (answer->t > reference->t &&
+        judge_order(judge, ray, reference, answer, &own) == VERDICT_DIFFERENT)
+        return VERDICT_DIFFERENT;
+    return VERDICT_NOISE;
+}
+
+/* The answer is a hit where the reference has none. */
+static enum verdict judge_extra_hit(const struct judge *judge, const struct ray *ray,
+                                    const struct hit *answer)
+{
     if (judge->subject == SUBJECT_TREE && judge->reference_complete)
-        return VERDICT_DIFFERENT; /* the reference tests all: nothing can be nearer */
-    return judge_lost(judge, ray, answer->prim, (double)reference->t);
+        return VERDICT_DIFFERENT;
+    struct twin own = twin_of(judge, false, ray, answer->prim);
+    struct twin theirs = twin_of(judge, true, ray, answer->prim);
+    if (judge->subject != SUBJECT_TREE && !theirs.possible)
+        return VERDICT_DIFFERENT;
+    enum distance distance = distance_of(judge, ray, answer, &own, &theirs);
+    if (distance == DISTANCE_WRONG)
+        return VERDICT_DIFFERENT;
+    if (distance == DISTANCE_NOISE)
+        return VERDICT_NOISE;
+    return judge_lost(judge, ray, answer->prim, INFINITY);
 }
 
 enum verdict judge_answer(const struct judge *judge, const struct ray *ray,
@@ -230,11 +293,7 @@ enum verdict judge_answer(const struct judge *judge, const struct ray *ray,
         return judge_two_hits(judge, ray, reference, answer);
     if (expected)
         return judge_lost(judge, ray, reference->prim, INFINITY);
-    if (judge->subject == SUBJECT_TREE && judge->reference_complete)
-        return VERDICT_DIFFERENT;
-    if (judge->subject != SUBJECT_TREE && !twin_of(judge, true, ray, answer->prim).possible)
-        return VERDICT_DIFFERENT;
-    return judge_lost(judge, ray, answer->prim, INFINITY);
+    return judge_extra_hit(judge, ray, answer);
 }
 
 static int print_hit(const struct hit *hit, char *text, size_t text_bytes)

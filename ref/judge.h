@@ -13,7 +13,8 @@ enum verdict {
     VERDICT_NEAR_TIE,        /* A2 another triangle, t apart by at most both error bounds */
     VERDICT_BOUNDARY,        /* A3 an edge function, determinant or range end within its error */
     VERDICT_SLAB,            /* A4 Embree's default box test cannot see the hit */
-    VERDICT_OUT_OF_CONTRACT, /* A5 the ray is outside what the tests promise */
+    VERDICT_NOISE,           /* A5 Embree's t of a triangle seen edge-on lies off the triangle */
+    VERDICT_OUT_OF_CONTRACT, /* A6 the ray is outside what the tests promise */
     VERDICT_DIFFERENT,       /* everything else: a bug in someone */
     VERDICT_COUNT
 };

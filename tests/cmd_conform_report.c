@@ -142,12 +142,14 @@ static enum outcome decide(enum status status, const struct row *row, const stru
         return FAILED;
     }
     snprintf(why, why_bytes,
-             "%zu rays, %zu hits; same %zu tie %zu near %zu boundary %zu slab %zu out %zu "
+             "%zu rays, %zu hits; same %zu tie %zu near %zu boundary %zu slab %zu noise %zu "
+             "out %zu "
              "different %zu%s; bits %zu",
              row->rays, row->hits, row->count[VERDICT_SAME], row->count[VERDICT_TIE],
              row->count[VERDICT_NEAR_TIE], row->count[VERDICT_BOUNDARY], row->count[VERDICT_SLAB],
-             row->count[VERDICT_OUT_OF_CONTRACT], row->count[VERDICT_DIFFERENT],
-             row->judged ? "" : " (as published, counted)", row->bit_differences);
+             row->count[VERDICT_NOISE], row->count[VERDICT_OUT_OF_CONTRACT],
+             row->count[VERDICT_DIFFERENT], row->judged ? "" : " (as published, counted)",
+             row->bit_differences);
     return row->differences ? FAILED : PASSED;
 }
 
