@@ -19,10 +19,11 @@ static const struct figures {
     struct bvh_stats tree;
     uint32_t shrunk_leaves, shrunk_inner; /* boxes that lose volume by rounding to nearest */
     uint32_t direct_bytes, rf_bytes;
+    uint32_t peak_stack; /* of the seed's traversal in its reduced-footprint order */
 } figures[] = {
-    {2, {51, 26, 7, 2, 2}, 23, 23, 2448, 1232},
-    {4, {27, 14, 5, 4, 0}, 13, 13, 1296, 656},
-    {8, {15, 8, 4, 6, 0}, 7, 7, 720, 368},
+    {2, {51, 26, 7, 2, 2}, 23, 23, 2448, 1232, 7},
+    {4, {27, 14, 5, 4, 0}, 13, 13, 1296, 656, 6},
+    {8, {15, 8, 4, 6, 0}, 7, 7, 720, 368, 5},
 };
 
 static void open_seed_scene(struct scene *scene)
@@ -57,6 +58,36 @@ static void seed_scene_gives_the_published_trees(void **state)
         struct bvh bvh = build_rtrs(&scene, figures[i].leaf);
         struct bvh_stats stats = bvh_stats(&bvh, &scene);
         assert_memory_equal(&stats, &figures[i].tree, sizeof stats);
+        bvh_free(&bvh);
+    }
+    scene_free(&scene);
+}
+
+/* The seed pops a node and pushes both children, fst on top; its box test culls nothing (F1), so
+ * every ray's stack grows as the whole tree makes it. */
+static uint32_t peak_of_seed_stack(const struct bvh *bvh)
+{
+    uint32_t stack[64] = {0}, count = 1, peak = 1;
+    while (count > 0) {
+        const struct bvh_node *node = &bvh->node[stack[--count]];
+        if (node->item_count > 0)
+            continue;
+        assert_true(count + 2 <= ARRAY_COUNT(stack));
+        stack[count++] = node->snd;
+        stack[count++] = node->fst;
+        peak = count > peak ? count : peak;
+    }
+    return peak;
+}
+
+static void seed_stack_peaks_as_published(void **state)
+{
+    (void)state;
+    struct scene scene;
+    open_seed_scene(&scene);
+    for (size_t i = 0; i < ARRAY_COUNT(figures); i++) {
+        struct bvh bvh = build_rtrs(&scene, figures[i].leaf);
+        assert_int_equal(peak_of_seed_stack(&bvh), figures[i].peak_stack);
         bvh_free(&bvh);
     }
     scene_free(&scene);
@@ -154,6 +185,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(seed_scene_gives_the_published_trees),
+        cmocka_unit_test(seed_stack_peaks_as_published),
         cmocka_unit_test(seed_scene_takes_the_published_bytes),
         cmocka_unit_test(rounding_to_nearest_shrinks_most_boxes_of_the_seed_scene),
         cmocka_unit_test(flat_floors_end_the_seed),
