@@ -3,6 +3,7 @@
  * RAYDIFF_VULKAN_LIBRARY names another loader than libvulkan.so.1. */
 #include "gpu/probe.h"
 #include "gpu/tracer.h"
+#include "ref/twin.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,6 +38,16 @@ static enum status trace(void *self, const struct ray *ray, size_t ray_count, st
                          struct trace_report *report, struct reason *reason)
 {
     return tracer_trace(self, ray, ray_count, hit, report, reason);
+}
+
+static struct model model(void *self, const struct tri_test *tri)
+{
+    (void)self;
+    return (struct model){.formula = twin_of_tri(tri->id),
+                          .rounding = ROUNDING_IEEE,
+                          .bits = true,
+                          .watertight = tri->watertight,
+                          .open = tri->open};
 }
 
 static void close(void *self)
@@ -75,10 +86,10 @@ const struct engine engine_vulkan = {
     .name = "vulkan",
     .summary = "compute shaders on a Vulkan device, one per layout",
     .needs_packed = true,
-    .exact = true,
     .open = open,
     .prepare = prepare,
     .trace = trace,
+    .model = model,
     .close = close,
     .describe = describe,
 };

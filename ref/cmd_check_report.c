@@ -107,7 +107,7 @@ static void print_agreement(const struct check_scene *scene)
         const struct row *row = &scene->row[i];
         if (row->status != ROW_OK)
             continue;
-        if (row->engine->exact && strcmp(row->engine->name, "cpu") != 0) {
+        if (row->bits && strcmp(row->engine->name, "cpu") != 0) {
             exact_rows++;
             exact_rays += row->rays;
             exact_bad += row->bit_differences;

@@ -3,6 +3,7 @@
 #define ENGINE_H
 
 #include "ref/layout.h"
+#include "ref/model.h"
 #include "ref/primitives/primitives.h"
 
 struct engine_options {
@@ -33,7 +34,6 @@ struct engine {
     const char *name;
     const char *summary;
     bool needs_packed; /* false: sees the scene alone (brute, Embree) */
-    bool exact;        /* true: must equal engine cpu's bits on the same packed tree */
     /* Errors: STATUS_UNSUPPORTED cannot run here (reason), STATUS_DEVICE, STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
     /* Uploads, builds, compiles. May be called again with another job.
@@ -43,6 +43,14 @@ struct engine {
      * (stack or loop exhausted: the reason says which ray and why); STATUS_MEMORY. */
     enum status (*trace)(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                          struct trace_report *report, struct reason *reason);
+    /* All triangles that each ray hits in its range, for the job last prepared, in no order; ray
+     * i's are hit[i * capacity .. + hit_count[i] - 1]. A count over capacity says how many there
+     * are; then only the first `capacity` are written. Errors: as trace. NULL: cannot (rows skip).
+     */
+    enum status (*trace_all)(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                             struct hit *hit, uint32_t *hit_count, struct reason *reason);
+    /* What the judge may assume of an opened engine's arithmetic with `tri`. */
+    struct model (*model)(void *self, const struct tri_test *tri);
     void (*close)(void *self); /* NULL is fine */
     /* Prints what `raydiff doctor` says: versions, limits, or why it cannot run. */
     void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);

@@ -308,7 +308,8 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
         return status;
     row->status = ROW_OK;
     row->judged = is_judged(match, engine);
-    if (engine->exact)
+    row->bits = engine->model(self, match->options.tri).bits;
+    if (row->bits)
         status = judge_bits_row(match, row);
     if (status) {
         row->status = ROW_FAILED;

@@ -71,7 +71,8 @@ struct row {
     size_t compared;             /* rays compared with the reference */
     size_t brute;                /* of them, those compared with brute force */
     size_t count[VERDICT_COUNT]; /* against the reference */
-    size_t bit_differences;      /* against engine cpu on the same tree; exact engines only */
+    size_t bit_differences;      /* against engine cpu on the same tree, if bits */
+    bool bits;                   /* compared with engine cpu bit for bit */
     bool judged;                 /* false: a member as published takes part, only counted */
     size_t differences;          /* what makes the exit code 1 */
     double mrays[3];             /* million rays per second: median, least, most */

@@ -44,7 +44,7 @@ static struct bounded mul(const struct rounding *k, struct bounded a, struct bou
 {
     float v = a.v * b.v;
     double x = fabs((double)a.v), y = fabs((double)b.v);
-    double e = x * b.e + y * a.e + a.e * b.e + k->mul * UNIT * fabs((double)v) + 0x1p-149;
+    double e = x * b.e + y * a.e + a.e * b.e + k->mul * UNIT * fabs((double)v) + k->tiny;
     return (struct bounded){v, e * SLACK};
 }
 
@@ -55,7 +55,7 @@ static struct bounded divide(const struct rounding *k, struct bounded a, struct 
     if (!(y > b.e) || !float_is_finite(v))
         return (struct bounded){v, INFINITY};
     double q = fabs((double)a.v) / y;
-    double e = (a.e + q * b.e) / (y - b.e) + k->div * UNIT * fabs((double)v) + 0x1p-149;
+    double e = (a.e + q * b.e) / (y - b.e) + k->div * UNIT * fabs((double)v) + k->tiny;
     return (struct bounded){v, e * SLACK};
 }
 
@@ -199,6 +199,7 @@ static struct outcome evaluate(enum twin_formula formula, const struct rounding 
     switch (formula) {
     case TWIN_MT:
     case TWIN_MT_RTRS:
+    case TWIN_UNKNOWN:
         break;
     case TWIN_WOOP:
         return eval_woop(k, &in, &r);
@@ -228,10 +229,21 @@ struct twin twin_eval(enum twin_formula formula, struct rounding rounding, const
         det_known = fabs((double)out.det.v) - out.det.e > (double)TRI_RTRS_EPS;
     bool in_range = t - e > (double)ray->tmin && t + e < (double)ray->tmax;
     bool beyond = t + e < (double)ray->tmin || t - e > (double)ray->tmax;
-    return (struct twin){
+    struct bounded u = divide(&rounding, out.edge[1], out.det);
+    struct bounded w = divide(&rounding, out.edge[2], out.det);
+    struct twin twin = {
         .possible = !(positive && negative) && !beyond,
         .certain = (inside == 3 || inside == -3) && det_known && in_range,
+        .beyond = beyond,
+        .det = det_known ? sign_of(out.det) : 0,
         .t = out.t.v,
+        .u = u.v,
+        .v = w.v,
         .t_err = isnan(e) ? INFINITY : e,
+        .u_err = isnan(u.e) ? INFINITY : u.e,
+        .v_err = isnan(w.e) ? INFINITY : w.e,
     };
+    for (int c = 0; c < 3; c++)
+        twin.edge[c] = sign_of(out.edge[c]);
+    return twin;
 }

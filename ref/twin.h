@@ -4,36 +4,21 @@
 #ifndef TWIN_H
 #define TWIN_H
 
+#include "ref/model.h"
 #include "ref/primitives/primitives.h"
 
 #include <stdbool.h>
 
-/* Whose formula is bounded. The first three are ref/primitives/tri.h; the last two are Embree's
- * default and robust triangle tests, from their published descriptions. */
-enum twin_formula {
-    TWIN_MT,
-    TWIN_MT_RTRS,
-    TWIN_WOOP,
-    TWIN_EMBREE,
-    TWIN_EMBREE_ROBUST,
-};
-
-/* Error of one operation, in units of u = 2^-24. */
-struct rounding {
-    double add, mul, div;
-};
-
-/* IEEE round to nearest: C, lavapipe. */
-#define ROUNDING_IEEE ((struct rounding){1.0, 1.0, 1.0})
-/* Embree: reciprocals by estimate and one Newton step, up to 5.5 u; a fused multiply-add is never
- * worse than the two operations it replaces. */
-#define ROUNDING_EMBREE ((struct rounding){1.0, 1.0, 5.5})
-
 struct twin {
-    bool possible; /* the exact triangle may be hit, as far as this formula can tell */
+    bool possible; /* the exact triangle may be hit in range, as far as this formula can tell */
     bool certain;  /* the exact ray hits the triangle inside [tmin, tmax]: all signs are proven */
-    float t;       /* as the formula computes it */
+    bool beyond;   /* t is certainly outside the range */
+    int edge[3];   /* proven sign of the edge function opposite vertex i; 0: open. The sign is the
+                      formula's own: compare it with det */
+    int det;       /* proven sign of the determinant; 0: open, or not surely over a threshold */
+    float t, u, v; /* as the formula computes them; u weighs vertex 1, v vertex 2 */
     double t_err;  /* |t - exact t| is at most this; infinite if the determinant's sign is open */
+    double u_err, v_err;
 };
 
 /* The formula that triangle test `id` (ABI_TRI_*) computes. */

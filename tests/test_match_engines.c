@@ -1,5 +1,6 @@
 /* Laws of ref/match.h about engines: opened once, failures kept apart, wrong answers found. The
  * engines here are made up: they do what the test tells them. */
+#include "ref/engines/cpu_rays.h"
 #include "ref/match.h"
 #include "ref/trace.h"
 #include "scenes/rays.h"
@@ -66,6 +67,13 @@ static enum status made_up_trace(void *self, const struct ray *ray, size_t ray_c
     return STATUS_OK;
 }
 
+static struct model made_up_model(void *self, const struct tri_test *tri)
+{
+    struct model model = cpu_rays_model(self, tri);
+    model.bits = true;
+    return model;
+}
+
 static void made_up_close(void *self)
 {
     assert_ptr_equal(self, &script);
@@ -75,10 +83,10 @@ static void made_up_close(void *self)
 static const struct engine made_up = {
     .name = "made_up",
     .needs_packed = true,
-    .exact = true,
     .open = made_up_open,
     .prepare = made_up_prepare,
     .trace = made_up_trace,
+    .model = made_up_model,
     .close = made_up_close,
 };
 
@@ -236,7 +244,7 @@ static void a_single_wrong_answer_is_found(void **state)
     static struct engine inexact;
     struct fixture *f = begin();
     inexact = made_up;
-    inexact.exact = false;
+    inexact.model = cpu_rays_model;
     for (size_t i = 0; i < ARRAY_COUNT(spoil); i++) {
         script.spoil = spoil[i];
         match_run(&f->match, &made_up, &f->row);

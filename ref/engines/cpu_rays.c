@@ -1,5 +1,7 @@
 #include "ref/engines/cpu_rays.h"
 
+#include "ref/twin.h"
+
 #include <omp.h>
 #include <stdlib.h>
 
@@ -76,4 +78,13 @@ enum status cpu_rays_trace(void *self, const struct ray *ray, size_t ray_count, 
 void cpu_rays_close(void *self)
 {
     free(self);
+}
+
+struct model cpu_rays_model(void *self, const struct tri_test *tri)
+{
+    (void)self;
+    return (struct model){.formula = twin_of_tri(tri->id),
+                          .rounding = ROUNDING_IEEE,
+                          .watertight = tri->watertight,
+                          .open = tri->open};
 }

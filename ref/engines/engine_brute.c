@@ -30,6 +30,7 @@ const struct engine engine_brute = {
     .open = brute_open,
     .prepare = cpu_rays_prepare,
     .trace = cpu_rays_trace,
+    .model = cpu_rays_model,
     .close = cpu_rays_close,
     .describe = brute_describe,
 };

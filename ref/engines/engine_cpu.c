@@ -16,6 +16,13 @@ static enum status cpu_open(const struct engine_options *options, void **self,
     return cpu_rays_open(options, cpu_ray, self, reason);
 }
 
+static struct model cpu_model(void *self, const struct tri_test *tri)
+{
+    struct model model = cpu_rays_model(self, tri);
+    model.bits = true;
+    return model;
+}
+
 static void cpu_describe(const struct engine_options *options, char *text, size_t text_bytes)
 {
     snprintf(text, text_bytes, "%u threads, reference traversal over any layout",
@@ -26,10 +33,10 @@ const struct engine engine_cpu = {
     .name = "cpu",
     .summary = "C, the reference traversal over any layout",
     .needs_packed = true,
-    .exact = true,
     .open = cpu_open,
     .prepare = cpu_rays_prepare,
     .trace = cpu_rays_trace,
+    .model = cpu_model,
     .close = cpu_rays_close,
     .describe = cpu_describe,
 };

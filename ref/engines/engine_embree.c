@@ -274,12 +274,28 @@ static void embree_describe(const struct engine_options *options, char *text, si
 
 #endif
 
+/* Embree knows one triangle test a mode, whatever ours is. */
+static struct model embree_model(void *self, const struct tri_test *tri)
+{
+    (void)self, (void)tri;
+    return (struct model){
+        .formula = TWIN_EMBREE, .rounding = ROUNDING_EMBREE, .slab = true, .any_unnamed = true};
+}
+
+static struct model embree_robust_model(void *self, const struct tri_test *tri)
+{
+    (void)self, (void)tri;
+    return (struct model){
+        .formula = TWIN_EMBREE_ROBUST, .rounding = ROUNDING_EMBREE, .any_unnamed = true};
+}
+
 const struct engine engine_embree = {
     .name = "embree",
     .summary = "Embree, default mode: fast, leaks at edges",
     .open = embree_open,
     .prepare = embree_prepare,
     .trace = embree_trace,
+    .model = embree_model,
     .close = embree_close,
     .describe = embree_describe,
 };
@@ -290,6 +306,7 @@ const struct engine engine_embree_robust = {
     .open = embree_robust_open,
     .prepare = embree_prepare,
     .trace = embree_trace,
+    .model = embree_robust_model,
     .close = embree_close,
     .describe = embree_describe,
 };

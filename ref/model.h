@@ -1,0 +1,47 @@
+/* What is known of an engine's arithmetic: all that the judge needs to bound its errors. */
+#ifndef MODEL_H
+#define MODEL_H
+
+#include <stdbool.h>
+
+/* Whose formula is bounded. The first three are ref/primitives/tri.h; the next two are Embree's
+ * default and robust triangle tests, from their published descriptions. */
+enum twin_formula {
+    TWIN_MT,
+    TWIN_MT_RTRS,
+    TWIN_WOOP,
+    TWIN_EMBREE,
+    TWIN_EMBREE_ROBUST,
+    TWIN_UNKNOWN, /* judged geometrically: by the smallest vertex displacement that excuses it */
+};
+
+/* Error of one operation: relative, in units of u = 2^-24, and absolute. */
+struct rounding {
+    double add, mul, div;
+    double tiny; /* largest absolute error near zero: 2^-149, or 2^-126 if subnormals are flushed */
+};
+
+/* IEEE round to nearest: C, and a driver whose operator probe found every bit equal. */
+#define ROUNDING_IEEE ((struct rounding){1.0, 1.0, 1.0, 0x1p-149})
+/* The same with subnormal inputs and results flushed to zero. */
+#define ROUNDING_FLUSHED ((struct rounding){1.0, 1.0, 1.0, 0x1p-126})
+/* Embree: reciprocals by estimate and one Newton step, up to 5.5 u; a fused multiply-add is never
+ * worse than the two operations it replaces. */
+#define ROUNDING_EMBREE ((struct rounding){1.0, 1.0, 5.5, 0x1p-126})
+/* Vulkan's specification without a rounding mode: either neighbour, division 2.5 ULP. */
+#define ROUNDING_VULKAN ((struct rounding){2.0, 2.0, 5.0, 0x1p-126})
+/* The same with RoundingModeRTE. */
+#define ROUNDING_VULKAN_RTE ((struct rounding){1.0, 1.0, 5.0, 0x1p-126})
+
+struct model {
+    enum twin_formula formula;
+    struct rounding rounding;
+    bool bits;       /* must equal engine cpu's bits on the same packed tree */
+    bool watertight; /* no ray passes between two triangles that share an edge: no boundary band on
+                        a closed fan */
+    bool open;       /* tmin < t < tmax; else ends are hits too */
+    bool slab;       /* Embree's default box test, b/d - o/d: see VERDICT_SLAB */
+    bool any_unnamed; /* any-hit answers say hit or miss, not which triangle */
+};
+
+#endif

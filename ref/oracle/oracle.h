@@ -1,0 +1,135 @@
+/* The oracle: what a ray exactly hits. The float32 numbers of a scene and a ray are taken as real
+ * numbers and decided without error: a double filter, __int128 where the exponents allow it, else
+ * fixed-width integers of our own. Knows scenes and rays only; never a tree, a layout or an engine
+ * of the ones it judges.
+ *
+ * With A = v0 - o, B = v1 - o, C = v2 - o and [x,y,z] = x . (y cross z):
+ *   w0 = [d,B,C], w1 = [d,C,A], w2 = [d,A,B], D = w0 + w1 + w2, T = [A,B,C], t = T / D
+ * The triangle is closed: a hit is D != 0 and no two w of opposite sign. */
+#ifndef ORACLE_H
+#define ORACLE_H
+
+#include "ref/abi.h"
+#include "ref/scene.h"
+
+/* How the line of a ray meets a triangle, whatever the range of t. */
+enum oracle_class {
+    ORACLE_MISS,      /* passes outside, or parallel beside the plane */
+    ORACLE_INSIDE,    /* through the interior: a certain hit */
+    ORACLE_EDGE,      /* through the interior of an edge: exactly one w is 0 */
+    ORACLE_VERTEX,    /* through a vertex: exactly two w are 0 */
+    ORACLE_IN_PLANE,  /* lies in the plane and touches the triangle: t is an interval */
+    ORACLE_ZERO_AREA, /* the vertices are collinear: never a hit, whatever the ray */
+    ORACLE_CLASS_COUNT
+};
+
+/* Where the exact t lies. Closed intervals (in plane): INSIDE if they meet [tmin, tmax]. */
+enum oracle_range {
+    ORACLE_BELOW,   /* t < tmin */
+    ORACLE_AT_TMIN, /* t == tmin < tmax, or tmin == t == tmax */
+    ORACLE_WITHIN,  /* tmin < t < tmax */
+    ORACLE_AT_TMAX, /* tmin < t == tmax */
+    ORACLE_ABOVE,   /* t > tmax */
+};
+
+/* Whether t == tmin and t == tmax are hits. */
+enum oracle_ends {
+    ORACLE_CLOSED, /* tmin <= t <= tmax: mt, woop */
+    ORACLE_OPEN,   /* tmin < t < tmax: mt_rtrs, the specification of Vulkan's ray query */
+};
+
+/* One ray and one triangle, decided exactly. */
+struct oracle_pair {
+    enum oracle_class class;
+    enum oracle_range range; /* meaningless for MISS and ZERO_AREA */
+    int edge[3];             /* signs of w0, w1, w2: -1, 0, 1; w_i is opposite vertex i */
+    int det;                 /* sign of D */
+    double t_lo, t_hi;       /* enclose t (in plane: the overlap); relative width about 2^-48 */
+    double margin;           /* min |w_i| / |D|: the smallest barycentric, 0 on an edge */
+    bool by_filter;          /* double sufficed */
+};
+
+/* The nearest hit of a ray in its range. */
+struct oracle_answer {
+    uint32_t prim;      /* smallest index of the exact nearest set; ABI_NO_PRIM: a miss */
+    uint32_t tie_count; /* size of the nearest set: triangles at exactly the same t */
+    double t_lo, t_hi;  /* enclose the nearest t */
+    double t_next;      /* lower bound of the next hit's t beyond the set; INFINITY if none */
+    float margin;       /* smallest margin of the nearest set, as oracle_pair's */
+    uint8_t class;      /* enum oracle_class of prim: INSIDE, EDGE, VERTEX; MISS for a miss */
+    uint8_t flags;      /* ORACLE_SAW_* */
+};
+
+#define ORACLE_SAW_IN_PLANE 1u /* some triangle touches the ray in its plane, in range */
+#define ORACLE_SAW_EXACT    2u /* some pair left the filter */
+#define ORACLE_REFUSED      4u /* NaN or infinity in the ray, or tmin > tmax: a miss */
+
+/* How rays find their triangles. */
+enum oracle_path {
+    ORACLE_AUTO,  /* brute up to ORACLE_BRUTE_MOST triangles, else tree */
+    ORACLE_BRUTE, /* every triangle */
+    ORACLE_TREE,  /* own tree in double precision with proven padding */
+};
+#define ORACLE_BRUTE_MOST 65536u
+
+struct oracle; /* of one scene */
+
+/* Work done. */
+struct oracle_stats {
+    uint64_t pairs;     /* ray-triangle pairs looked at */
+    uint64_t undecided; /* of them, those that left the double filter */
+    uint64_t wide;      /* of them, those that left __int128 too */
+};
+
+/* Makes the oracle of `scene`, which is borrowed and must have passed scene_check. The tree is made
+ * at the first use of ORACLE_TREE or here if the scene is over ORACLE_BRUTE_MOST (so that calls
+ * below are const and safe from several threads).
+ * Errors: STATUS_UNSUPPORTED the float environment is not IEEE (oracle_environment); STATUS_MEMORY.
+ */
+enum status oracle_make(const struct scene *scene, struct oracle **out,
+                        struct reason *reason) MUST_USE;
+void oracle_free(struct oracle *oracle); /* NULL is fine */
+
+/* Checks what the filter relies on: round to nearest, subnormals kept (neither FTZ nor DAZ), no
+ * contraction, FLT_EVAL_METHOD 0. Errors: STATUS_UNSUPPORTED with what is wrong. */
+enum status oracle_environment(struct reason *reason) MUST_USE;
+
+/* Exact nearest hits of `count` rays on `threads` threads (0: all). Any finite ray is decided,
+ * whatever its scale; a zero direction misses everything.
+ *   stats   may be NULL; added to
+ * The answer is the same on any path and any number of threads. Errors: STATUS_MEMORY. */
+enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
+                           enum oracle_ends ends, const struct ray *ray, size_t count,
+                           unsigned threads, struct oracle_answer *out, struct oracle_stats *stats,
+                           struct reason *reason) MUST_USE;
+
+/* Decides one pair. The ray must be finite (tmax may be infinite), prim < tri_count. */
+void oracle_pair(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
+                 struct oracle_pair *out);
+
+/* Sign of t_a - t_b, exactly; both must be INSIDE, EDGE or VERTEX for this ray. */
+int oracle_compare(const struct oracle *oracle, const struct ray *ray, uint32_t a, uint32_t b);
+
+/* One triangle along a ray. */
+struct oracle_crossing {
+    uint32_t prim;
+    struct oracle_pair pair;
+};
+
+/* Every triangle of class INSIDE, EDGE, VERTEX or IN_PLANE whose exact t (or interval) meets the
+ * range of the ray, ends included, and whose t_lo <= t_most; sorted by exact t (in plane: by t_lo),
+ * then by index. *list is grown with array_reserve and kept by the caller for the next ray.
+ * Errors: STATUS_MEMORY. */
+enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray, double t_most,
+                             struct oracle_crossing **list, size_t *capacity, size_t *count,
+                             struct reason *reason) MUST_USE;
+
+/* Writes the exact t of a hit as a reduced fraction "num/den" in decimal, or "num/den*2^k". At most
+ * `text_bytes` with the terminator; returns false if it did not fit or the pair is no hit. */
+bool oracle_rational(const struct oracle *oracle, const struct ray *ray, uint32_t prim, char *text,
+                     size_t text_bytes);
+
+/* "miss", "inside", "edge", "vertex", "in_plane", "zero_area". */
+const char *oracle_class_name(enum oracle_class class);
+
+#endif
