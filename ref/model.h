@@ -36,11 +36,11 @@ struct rounding {
 struct model {
     enum twin_formula formula;
     struct rounding rounding;
-    bool bits;       /* must equal engine cpu's bits on the same packed tree */
-    bool watertight; /* no ray passes between two triangles that share an edge: no boundary band on
-                        a closed fan */
-    bool open;       /* tmin < t < tmax; else ends are hits too */
-    bool slab;       /* Embree's default box test, b/d - o/d: see VERDICT_SLAB */
+    bool bits;        /* must equal engine cpu's bits on the same packed tree */
+    bool watertight;  /* no ray passes between two triangles that share an edge: no boundary band on
+                         a closed fan */
+    bool open;        /* tmin < t < tmax; else ends are hits too */
+    bool slab;        /* Embree's default box test, b/d - o/d: see VERDICT_SLAB */
     bool any_unnamed; /* any-hit answers say hit or miss, not which triangle */
 };
 

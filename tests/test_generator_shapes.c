@@ -249,6 +249,52 @@ static void cornell_is_furnished(void **state)
     scene_free(&fine);
 }
 
+/* Length of the longest side and distance of the corner beside it. */
+static void needles_are_as_thin_as_asked(void **state)
+{
+    (void)state;
+    struct scene scene = make("needles", SETTINGS({"n", 100}, {"aspect", 1000}), 5);
+    for (uint32_t i = 0; i < scene.tri_count; i++) {
+        float v[3][3];
+        double along[3], aside[3], length = 0, dot = 0, size = 0;
+        scene_tri(&scene, i, v);
+        for (int k = 0; k < 3; k++) {
+            along[k] = (double)v[1][k] - (double)v[0][k];
+            aside[k] = (double)v[2][k] - (double)v[0][k];
+            length += along[k] * along[k];
+            dot += along[k] * aside[k];
+            size += aside[k] * aside[k];
+        }
+        double from_line = sqrt(fmax(size - dot * dot / length, 0)), at = dot / length;
+        assert_true(sqrt(length) > 0.04 && sqrt(length) < 0.31);
+        assert_true(from_line < 1.1e-3 * sqrt(length)); /* aside may lean along */
+        assert_true(fabs(at - (i % 2 ? 0.5 : 1.0)) < 2e-3);
+    }
+    scene_free(&scene);
+}
+
+static void stack_repeats_each_triangle_in_its_plane(void **state)
+{
+    (void)state;
+    struct scene scene = make("stack", SETTINGS({"n", 50}, {"copies", 3}, {"offset", 3}), 5);
+    assert_int_equal(scene.tri_count, 150);
+    for (uint32_t i = 0; i < scene.tri_count; i += 3) {
+        const uint32_t *a = scene.index + 3 * (size_t)i;
+        float v[3][3], w[3][3];
+        assert_true(a[3] == a[1] && a[4] == a[0] && a[5] == a[2]); /* turned over */
+        assert_true(a[6] == a[0]);
+        scene_tri(&scene, i, v);
+        scene_tri(&scene, i + 2, w);
+        for (int c = 0; c < 3; c++) {
+            assert_true(v[c][2] == v[0][2] && w[c][2] == v[0][2] &&
+                        w[c][2] * 8 == (int)(w[c][2] * 8));
+            for (int k = 0; k < 2 && c > 0; k++)
+                assert_true(w[c][k] == 0.5f * (v[0][k] + v[c][k])); /* halved exactly */
+        }
+    }
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -260,6 +306,8 @@ int main(void)
         cmocka_unit_test(soup_stays_in_its_cube),
         cmocka_unit_test(terrain_is_a_graph_over_the_square),
         cmocka_unit_test(cornell_is_furnished),
+        cmocka_unit_test(needles_are_as_thin_as_asked),
+        cmocka_unit_test(stack_repeats_each_triangle_in_its_plane),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

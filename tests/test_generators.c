@@ -62,7 +62,8 @@ static void defaults_have_the_same_bytes_everywhere(void **state)
         {"soup", 0x136A200C2795A67Eu},     {"sphere", 0xE3319EFA72564E29u},
         {"flake", 0x8967C3551FCBB2CFu},    {"terrain", 0x0EC7878F8D7F3EF5u},
         {"grid", 0x1DE03B40F2AA5C9Cu},     {"cornell", 0x8EFBEC11978E430Du},
-        {"platonic", 0x73B6ABBDC30E0B71u},
+        {"platonic", 0x73B6ABBDC30E0B71u}, {"needles", 0x176F77E057B053BBu},
+        {"stack", 0xDA2B119A06D1F9CBu},
     };
     size_t count = 0;
     bool same = true;
@@ -83,7 +84,7 @@ static void defaults_have_the_same_bytes_everywhere(void **state)
 static void the_seed_changes_what_is_random_only(void **state)
 {
     (void)state;
-    static const char *const random[] = {"soup", "terrain", "grid"};
+    static const char *const random[] = {"soup", "terrain", "grid", "needles", "stack"};
     for (size_t g = 0; generators[g]; g++) {
         bool is_random = false;
         for (size_t i = 0; i < ARRAY_COUNT(random); i++)
@@ -142,6 +143,7 @@ static void counts_must_be_whole(void **state)
         {"soup", "n"},      {"sphere", "n"},  {"flake", "depth"},    {"flake", "n"},
         {"terrain", "k"},   {"grid", "n"},    {"grid", "height"},    {"grid", "z"},
         {"grid", "offset"}, {"cornell", "n"}, {"platonic", "which"}, {"platonic", "rows"},
+        {"needles", "n"},   {"stack", "n"},   {"stack", "copies"},   {"stack", "offset"},
     };
     for (size_t i = 0; i < ARRAY_COUNT(whole); i++) {
         struct scene scene;
@@ -179,6 +181,8 @@ static void a_million_triangles_are_possible(void **state)
         {"grid", {{"n", 724}}, 2 * 724 * 724},
         {"cornell", {{"n", 170}}, 36 * 170 * 170},
         {"platonic", {{"rows", 13000}}, 80 * 13000},
+        {"needles", {{"n", 1 << 20}}, 1 << 20},
+        {"stack", {{"n", 1 << 18}}, 4 << 18},
     };
     for (size_t i = 0; i < ARRAY_COUNT(big); i++) {
         struct scene scene = make(big[i].name, big[i].setting, 1);
