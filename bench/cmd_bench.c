@@ -3,6 +3,7 @@
 
 #include "ref/command.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const char help[] =
@@ -12,23 +13,59 @@ static const char help[] =
     "each speed.\n\n"
     "  NAME            one benchmark                                             [all]\n"
     "  --scene S,..    scenes instead of the benchmark's own, separated by ';'\n"
-    "  --count N       rays per trace, 1 or more                                 [262144]\n"
+    "  --count N       rays per trace, 1 or more                     [the benchmark's own]\n"
     "  --rounds N      1 to 99                                                   [9]\n"
-    "  --csv FILE      all rows, for machines\n" ENGINE_OPTIONS_HELP
-    "\nexit codes: 0 measured, 1 an answer was not allowed, 2 bad input, 3 engine failed\n"
+    "  --csv FILE      all rows, for machines\n"
+    "and where the benchmark says so:\n"
+    "  --engine E,..   engines, or 'all'                  [every engine that can run here]\n"
+    "  --layout L,..   node layouts, or 'all'             [all but the seed's]\n"
+    "  --tri T,..      triangle tests, or 'all'           [all but the seed's]\n"
+    "  --rays R,..     ray sets, or 'all'                 [the benchmark's own]\n"
+    "  --seed S        of rays and generators                                    [1]\n"
+    "  --json FILE     all rows, for machines\n"
+    "  --svg FILE      a plot of what was measured\n" ENGINE_OPTIONS_HELP
+    "\nexit codes: 0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input,\n"
+    "3 engine failed, 77 a named engine cannot run here\n"
     "example: raydiff bench layouts --scene 'sphere:n=50;scenes/fetched/bunny.obj'\n"
     "benchmarks:\n";
 
 static const struct benchmark *const benchmarks[] = {&bench_layouts, &bench_builders, NULL};
 
+/* Names of the bits of benchmark.takes. */
+static const char *const taken[] = {"--engine", "--layout", "--tri", "--rays",
+                                    "--seed",   "--svg",    "--json"};
+
 static void print_help(void)
 {
     fputs(help, stdout);
-    for (size_t i = 0; benchmarks[i]; i++)
+    for (size_t i = 0; benchmarks[i]; i++) {
         printf("  %-12s %s\n", benchmarks[i]->name, benchmarks[i]->summary);
+        if (benchmarks[i]->takes)
+            printf("  %-12s takes", "");
+        for (size_t k = 0; k < ARRAY_COUNT(taken); k++)
+            if (benchmarks[i]->takes & 1u << k)
+                printf(" %s", taken[k]);
+        if (benchmarks[i]->takes)
+            putchar('\n');
+    }
+    for (size_t i = 0; benchmarks[i]; i++)
+        if (benchmarks[i]->about)
+            printf("\n%s: %s", benchmarks[i]->name, benchmarks[i]->about);
 }
 
-enum { OPT_SCENE = 256, OPT_COUNT, OPT_ROUNDS, OPT_CSV };
+enum {
+    OPT_SCENE = 256,
+    OPT_COUNT,
+    OPT_ROUNDS,
+    OPT_CSV,
+    OPT_ENGINE,
+    OPT_LAYOUT,
+    OPT_TRI,
+    OPT_RAYS,
+    OPT_SEED,
+    OPT_SVG,
+    OPT_JSON
+};
 
 static enum status take_scenes(struct bench *bench, char *text, struct reason *reason)
 {
@@ -43,6 +80,8 @@ static enum status take_scenes(struct bench *bench, char *text, struct reason *r
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
     struct bench *bench = user;
+    if (option >= OPT_ENGINE && option <= OPT_JSON)
+        bench->given |= 1u << (option - OPT_ENGINE);
     switch (option) {
     case OPT_SCENE:
         return take_scenes(bench, text, reason);
@@ -53,46 +92,100 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_CSV:
         bench->csv_path = text;
         return STATUS_OK;
+    case OPT_ENGINE:
+        return table_parse(TABLE_ENGINES, "--engine", text, &bench->engine, reason);
+    case OPT_LAYOUT:
+        return table_parse(TABLE_LAYOUTS, "--layout", text, &bench->layout, reason);
+    case OPT_TRI:
+        return table_parse(TABLE_TRI_TESTS, "--tri", text, &bench->tri, reason);
+    case OPT_RAYS:
+        return table_parse(TABLE_RAY_SETS, "--rays", text, &bench->rays, reason);
+    case OPT_SEED:
+        return parse_count("--seed", text, 0, UINT64_MAX, &bench->seed, reason);
+    case OPT_SVG:
+        bench->svg_path = text;
+        return STATUS_OK;
+    case OPT_JSON:
+        bench->json_path = text;
+        return STATUS_OK;
     default:
         return engine_option_take(option, text, &bench->engines, reason);
     }
 }
 
-static int run_benchmarks(struct bench *bench, const char *name)
+/* An option that the named benchmark (or none of all) takes would be ignored: refused instead. */
+static enum status check_given(const struct bench *bench, const char *name, struct reason *reason)
 {
-    const char *csv = bench->csv_path;
-    struct reason reason = {""};
-    int code = EXIT_AGREE;
-    size_t run = 0;
-    if (csv && file_out_open(csv, &bench->csv, &reason))
-        return usage_error("bench", "%s", reason.text);
+    unsigned takes = 0;
+    bool known = false;
     for (size_t i = 0; benchmarks[i]; i++) {
         if (name && strcmp(name, benchmarks[i]->name) != 0)
             continue;
-        run++;
-        code = exit_worse(code, benchmarks[i]->run(bench));
+        known = true;
+        takes |= benchmarks[i]->takes;
     }
+    if (!known)
+        return fail(reason, STATUS_INPUT, "unknown benchmark '%s'", name);
+    for (size_t k = 0; k < ARRAY_COUNT(taken); k++)
+        if (bench->given & ~takes & 1u << k)
+            return fail(reason, STATUS_INPUT, "%s: benchmark %s does not take it", taken[k],
+                        name ? name : "all");
+    return STATUS_OK;
+}
+
+static enum status write_json(const struct bench *bench, int code, struct reason *reason)
+{
+    json_t *root =
+        json_pack("{s:s, s:i, s:O}", "raydiff", RAYDIFF_VERSION, "exit", code, "rows", bench->rows);
+    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    struct file_out out;
+    json_decref(root);
+    if (!text)
+        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", bench->json_path);
+    enum status status = file_out_open(bench->json_path, &out, reason);
+    if (status == STATUS_OK) {
+        fputs(text, out.stream);
+        fputc('\n', out.stream);
+        status = file_out_commit(&out, reason);
+    }
+    free(text);
+    return status;
+}
+
+static int run_benchmarks(struct bench *bench, const char *name)
+{
+    struct reason reason = {""};
+    int code = EXIT_AGREE;
+    if (check_given(bench, name, &reason) ||
+        (bench->csv_path && file_out_open(bench->csv_path, &bench->csv, &reason)))
+        return usage_error("bench", "%s", reason.text);
+    if (bench->json_path)
+        bench->rows = json_array();
+    for (size_t i = 0; benchmarks[i]; i++)
+        if (!name || strcmp(name, benchmarks[i]->name) == 0)
+            code = exit_worse(code, benchmarks[i]->run(bench));
     progress_end(&bench->progress);
-    if (run == 0) {
-        file_out_discard(&bench->csv);
-        return usage_error("bench", "unknown benchmark '%s'", name);
-    }
-    if (csv && file_out_commit(&bench->csv, &reason)) {
-        fprintf(stderr, "raydiff bench: %s\n", reason.text);
-        return EXIT_USAGE;
-    }
-    return code;
+    enum status status = bench->csv_path ? file_out_commit(&bench->csv, &reason) : STATUS_OK;
+    if (status == STATUS_OK && bench->json_path)
+        status = write_json(bench, code, &reason);
+    json_decref(bench->rows);
+    if (status == STATUS_OK)
+        return code;
+    fprintf(stderr, "raydiff bench: %s\n", reason.text);
+    return exit_worse(code, exit_of_status(status));
 }
 
 int cmd_bench(int argc, char **argv)
 {
-    static const struct option long_options[] = {{"scene", 1, NULL, OPT_SCENE},
-                                                 {"count", 1, NULL, OPT_COUNT},
-                                                 {"rounds", 1, NULL, OPT_ROUNDS},
-                                                 {"csv", 1, NULL, OPT_CSV},
-                                                 ENGINE_OPTIONS};
-    struct bench bench = {.ray_count = 262144,
-                          .rounds = 9,
+    static const struct option long_options[] = {
+        {"scene", 1, NULL, OPT_SCENE},   {"count", 1, NULL, OPT_COUNT},
+        {"rounds", 1, NULL, OPT_ROUNDS}, {"csv", 1, NULL, OPT_CSV},
+        {"engine", 1, NULL, OPT_ENGINE}, {"layout", 1, NULL, OPT_LAYOUT},
+        {"tri", 1, NULL, OPT_TRI},       {"rays", 1, NULL, OPT_RAYS},
+        {"seed", 1, NULL, OPT_SEED},     {"svg", 1, NULL, OPT_SVG},
+        {"json", 1, NULL, OPT_JSON},     ENGINE_OPTIONS};
+    struct bench bench = {.rounds = 9,
+                          .seed = 1,
                           .engines = engine_options_default(),
                           .progress = progress_make("bench")};
     int first, code = options_take("bench", print_help, long_options, take_option, &bench, argc,

@@ -7,24 +7,41 @@
 #include "ref/match.h"
 #include "scenes/file.h"
 
+#include <jansson.h>
+
 #define BENCH_SCENES 16
 #define BENCH_ROUNDS 99
+
+/* Options that not every benchmark takes: bits of benchmark.takes. */
+#define BENCH_TAKES_ENGINE 1u
+#define BENCH_TAKES_LAYOUT 2u
+#define BENCH_TAKES_TRI    4u
+#define BENCH_TAKES_RAYS   8u
+#define BENCH_TAKES_SEED   16u
+#define BENCH_TAKES_SVG    32u
+#define BENCH_TAKES_JSON   64u
 
 /* Settings of a run, and where its rows go. */
 struct bench {
     const char *scene[BENCH_SCENES]; /* the user's, if any */
     size_t scene_count;
-    uint64_t ray_count, rounds;
+    uint64_t ray_count, rounds, seed;      /* ray_count 0: the benchmark's own */
+    struct list engine, layout, tri, rays; /* count 0: the benchmark's own */
+    unsigned given;                        /* BENCH_TAKES_*: options on the command line */
     struct engine_options engines;
     struct progress progress;
-    const char *csv_path;
-    struct file_out csv; /* stream NULL: none */
+    const char *csv_path, *json_path, *svg_path;
+    struct file_out csv;  /* stream NULL: none */
+    const char *csv_head; /* benchmark whose column names were written last */
+    json_t *rows;         /* NULL: none */
 };
 
 /* A benchmark; `run` returns an exit code. */
 struct benchmark {
     const char *name;
     const char *summary;
+    unsigned takes;    /* BENCH_TAKES_* */
+    const char *about; /* more than a line, for --help; or NULL */
     int (*run)(struct bench *bench);
 };
 
@@ -40,5 +57,16 @@ struct spread spread_of(double *value, size_t count);
  * with a line that says so. Returns how many are in `out`. */
 size_t bench_scenes(const struct bench *bench, const char *const *own,
                     const char *out[BENCH_SCENES]);
+
+/* Rays per trace: the user's, or the benchmark's own number. */
+size_t bench_rays_count(const struct bench *bench, size_t own);
+
+/* A JSON number, or null if it is not finite. */
+json_t *bench_number(double value);
+
+/* Takes one flat object of named texts, numbers and nulls as a row of the CSV (its names become the
+ * header before the benchmark's first row) and of the JSON; owns `row`. NULL (no memory) is left
+ * out. All rows of a benchmark have the same names in the same order. */
+void bench_row(struct bench *bench, const struct benchmark *benchmark, json_t *row);
 
 #endif

@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/cmd_bench.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,4 +33,69 @@ size_t bench_scenes(const struct bench *bench, const char *const *own,
             out[count++] = own[i];
     }
     return count;
+}
+
+size_t bench_rays_count(const struct bench *bench, size_t own)
+{
+    return bench->ray_count ? (size_t)bench->ray_count : own;
+}
+
+json_t *bench_number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* RFC 4180: quoted if need be, quotes doubled. */
+static void csv_text(FILE *stream, const char *text)
+{
+    if (!strpbrk(text, ",\"\r\n")) {
+        fputs(text, stream);
+        return;
+    }
+    fputc('"', stream);
+    for (; *text; text++) {
+        if (*text == '"')
+            fputc('"', stream);
+        fputc(*text, stream);
+    }
+    fputc('"', stream);
+}
+
+static void csv_value(FILE *stream, const json_t *value)
+{
+    if (json_is_string(value))
+        csv_text(stream, json_string_value(value));
+    else if (json_is_integer(value))
+        fprintf(stream, "%lld", (long long)json_integer_value(value));
+    else if (json_is_real(value))
+        fprintf(stream, "%.9g", json_real_value(value));
+    else if (json_is_boolean(value))
+        fputs(json_is_true(value) ? "true" : "false", stream);
+}
+
+void bench_row(struct bench *bench, const struct benchmark *benchmark, json_t *row)
+{
+    FILE *stream = bench->csv.stream;
+    const char *name;
+    json_t *value;
+    if (row && stream && bench->csv_head != benchmark->name) {
+        fputs("benchmark", stream);
+        json_object_foreach(row, name, value) fprintf(stream, ",%s", name);
+        fputc('\n', stream);
+        bench->csv_head = benchmark->name;
+    }
+    if (row && stream) {
+        fputs(benchmark->name, stream);
+        json_object_foreach(row, name, value)
+        {
+            fputc(',', stream);
+            csv_value(stream, value);
+        }
+        fputc('\n', stream);
+    }
+    if (row && bench->rows) {
+        json_object_set_new(row, "benchmark", json_string(benchmark->name));
+        json_array_append(bench->rows, row);
+    }
+    json_decref(row);
 }

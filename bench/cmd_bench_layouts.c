@@ -11,6 +11,7 @@
 
 /* Ray-triangle tests that brute force may spend per scene and ray set on the error figures. */
 #define BRUTE_BUDGET 100000000u
+#define OWN_RAYS     262144
 
 /* One engine with one layout, prepared and kept while the others run. */
 struct contestant {
@@ -32,6 +33,7 @@ struct field {
     const char *spec, *rays;
     const struct scene *scene;
     const struct ray *ray;
+    size_t ray_count;
     struct hit *hit;
     struct match match;
     struct contestant contestant[CONTESTANTS];
@@ -125,7 +127,7 @@ static size_t base_of(const struct field *field, size_t i)
 
 static enum status race(struct field *field, struct reason *reason)
 {
-    size_t rays = (size_t)field->bench->ray_count;
+    size_t rays = field->ray_count;
     /* Round 0 warms up: pipelines, caches, page faults. */
     for (size_t round = 0; round <= field->bench->rounds; round++) {
         for (size_t i = 0; i < field->count; i++) {
@@ -152,6 +154,36 @@ static enum status race(struct field *field, struct reason *reason)
     return STATUS_OK;
 }
 
+static void write_row(struct field *field, const struct contestant *c, const struct spread *speed,
+                      const struct spread *ratio, size_t allowed)
+{
+    const struct row *row = &c->row;
+    const struct contestant *base = &field->contestant[c->base];
+    json_t *out =
+        json_pack("{s:s, s:I, s:s, s:s, s:s, s:I, s:I}", "scene", field->spec, "triangles",
+                  (json_int_t)field->scene->tri_count, "rays", field->rays, "engine",
+                  c->engine->name, "layout", c->layout ? c->layout->name : "-", "count",
+                  (json_int_t)field->ray_count, "rounds", (json_int_t)field->bench->rounds);
+    json_object_set_new(out, "mrays_median", bench_number(speed->median));
+    json_object_set_new(out, "mrays_min", bench_number(speed->least));
+    json_object_set_new(out, "mrays_max", bench_number(speed->most));
+    json_object_set_new(out, "base_engine", json_string(base->engine->name));
+    json_object_set_new(out, "base_layout", json_string(base->layout ? base->layout->name : "-"));
+    json_object_set_new(out, "ratio_median", bench_number(ratio->median));
+    json_object_set_new(out, "ratio_min", bench_number(ratio->least));
+    json_object_set_new(out, "ratio_max", bench_number(ratio->most));
+    json_object_set_new(out, "node_bytes", json_integer((json_int_t)row->node_bytes));
+    json_object_set_new(out, "item_bytes", json_integer((json_int_t)row->item_bytes));
+    json_object_set_new(out, "memory_bytes", json_integer((json_int_t)c->memory_bytes));
+    json_object_set_new(out, "differences", json_integer((json_int_t)row->differences));
+    json_object_set_new(out, "allowed", json_integer((json_int_t)allowed));
+    json_object_set_new(out, "boxes_per_ray",
+                        bench_number((double)row->boxes / (double)field->ray_count));
+    json_object_set_new(out, "tris_per_ray",
+                        bench_number((double)row->tris / (double)field->ray_count));
+    bench_row(field->bench, &bench_layouts, out);
+}
+
 static void print_contestant(struct field *field, struct contestant *c)
 {
     size_t rounds = (size_t)field->bench->rounds;
@@ -173,18 +205,7 @@ static void print_contestant(struct field *field, struct contestant *c)
     else
         printf("%6s %6s", "-", "-");
     printf(" %8.1f %7zu %6zu\n", (double)c->memory_bytes / tris, row->differences, allowed);
-    if (field->bench->csv.stream)
-        fprintf(field->bench->csv.stream,
-                "layouts,%s,%u,%s,%s,%s,%llu,%zu,%.6g,%.6g,%.6g,%s,%s,%.6g,%.6g,%.6g,%llu,%llu,"
-                "%llu,%zu,%zu,%.6g,%.6g\n",
-                field->spec, field->scene->tri_count, field->rays, c->engine->name,
-                c->layout ? c->layout->name : "-", (unsigned long long)field->bench->ray_count,
-                rounds, speed.median, speed.least, speed.most, base->engine->name,
-                base->layout ? base->layout->name : "-", ratio.median, ratio.least, ratio.most,
-                (unsigned long long)row->node_bytes, (unsigned long long)row->item_bytes,
-                (unsigned long long)c->memory_bytes, row->differences, allowed,
-                (double)row->boxes / (double)field->bench->ray_count,
-                (double)row->tris / (double)field->bench->ray_count);
+    write_row(field, c, &speed, &ratio, allowed);
 }
 
 static int bench_rays(struct field *field, const struct ray_set *set)
@@ -200,12 +221,13 @@ static int bench_rays(struct field *field, const struct ray_set *set)
         .brute_budget = BRUTE_BUDGET,
     };
     struct pool pool = {.options = field->bench->engines};
-    size_t count = (size_t)field->bench->ray_count;
+    size_t count = bench_rays_count(field->bench, OWN_RAYS);
     struct ray *ray = alloc_zeroed(count, sizeof *ray);
     struct hit *hit = alloc_zeroed(count, sizeof *hit);
     enum status status = ray && hit ? STATUS_OK : STATUS_MEMORY;
     int code = EXIT_AGREE;
     field->ray = ray;
+    field->ray_count = count;
     field->hit = hit;
     field->rays = set->name;
     if (status == STATUS_OK)
@@ -241,11 +263,6 @@ static int run(struct bench *bench)
     const char *spec[BENCH_SCENES];
     size_t count = bench_scenes(bench, own, spec);
     int code = EXIT_AGREE;
-    if (bench->csv.stream)
-        fputs("benchmark,scene,triangles,rays,engine,layout,count,rounds,mrays_median,mrays_min,"
-              "mrays_max,base_engine,base_layout,ratio_median,ratio_min,ratio_max,node_bytes,"
-              "item_bytes,memory_bytes,differences,allowed,boxes_per_ray,tris_per_ray\n",
-              bench->csv.stream);
     for (size_t i = 0; i < count; i++) {
         struct scene scene;
         struct reason reason;
@@ -258,7 +275,7 @@ static int run(struct bench *bench)
         printf("\n%s: %u triangles; builder %s, leaf %u, box %s, triangle %s; %llu rays, %llu "
                "rounds interleaved\n",
                spec[i], scene.tri_count, builders[0]->name, BUILD_LEAF_DEFAULT, box_tests[0]->name,
-               tri_tests[0]->name, (unsigned long long)bench->ray_count,
+               tri_tests[0]->name, (unsigned long long)bench_rays_count(bench, OWN_RAYS),
                (unsigned long long)bench->rounds);
         printf("%-8s %-13s %-5s %-21s %-27s %6s %6s %8s %7s %6s\n", "rays", "engine", "nodes",
                "Mray/s (least-most)", "ratio (least-most)", "B/tri", "+items", "mem/tri", "wrong",
@@ -281,5 +298,6 @@ static int run(struct bench *bench)
 const struct benchmark bench_layouts = {
     .name = "layouts",
     .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
+    .takes = BENCH_TAKES_JSON,
     .run = run,
 };

@@ -65,6 +65,7 @@ expect 2 "no trial matches" conform 'closest.warp.*'
 expect 2 "trial: unknown layout 'f31'" conform closest.cpu.f31.median.robust.mt.soup.random.1
 expect 2 "is not query.engine" conform closest.cpu
 expect 2 "unknown benchmark 'x'" bench x
+expect 2 "--svg: benchmark builders does not take it" bench builders --svg "$dir/x.svg"
 expect 2 "unknown kind" list x
 
 # Scenes.
