@@ -83,6 +83,11 @@ $(B)/tests/%: $(B)/obj/tests/%.o $(B)/libraydiff.a
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) -lcmocka $(TEST_LIBS)
 
+# The oracle is checked by a second road, GMP rationals, which only tests have.
+ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
+$(ORACLE_TESTS): $(B)/obj/tests/exact_gmp.o $(B)/obj/tests/oracle_cases.o
+$(ORACLE_TESTS): TEST_LIBS += -lgmp
+
 include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
 
 # --- what people type -------------------------------------------------------------------------
@@ -161,7 +166,7 @@ format:
 format-check:
 	clang-format --dry-run -Werror $(SOURCES)
 
-HEADERS := $(wildcard ref/*.h ref/primitives/*.h scenes/*.h)
+HEADERS := $(wildcard ref/*.h ref/primitives/*.h scenes/*.h) ref/oracle/oracle.h
 install: all lib
 	install -Dm755 $(B)/raydiff $(DESTDIR)$(PREFIX)/bin/raydiff
 	install -Dm644 $(B)/libraydiff.a $(DESTDIR)$(PREFIX)/lib/libraydiff.a

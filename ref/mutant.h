@@ -8,14 +8,18 @@
 #define MUTANT 0
 #endif
 
-#define MUTANT_HALF_NEAREST   1 /* bounds rounded to nearest instead of outward */
-#define MUTANT_LOST_SLOT      2 /* the eighth item slot of a leaf is not read */
-#define MUTANT_ZERO_IS_EMPTY  3 /* triangle 0 taken for an empty slot */
-#define MUTANT_SLAB_STRICT    4 /* < for <= in the box test */
-#define MUTANT_SWAPPED_CHILD  5 /* the far child's reference replaced by the near one's */
-#define MUTANT_NO_PRECISE     6 /* SPIR-V without its NoContraction decorations */
-#define MUTANT_SHORT_STACK    7 /* the traversal stack is one entry short */
-#define MUTANT_FAR_NOT_PADDED 8 /* far plane factor 1 */
-#define MUTANT_BAD_TWIN       9 /* a running-error bound that ignores one rounding step's size */
+#define MUTANT_HALF_NEAREST   1  /* bounds rounded to nearest instead of outward */
+#define MUTANT_LOST_SLOT      2  /* the eighth item slot of a leaf is not read */
+#define MUTANT_ZERO_IS_EMPTY  3  /* triangle 0 taken for an empty slot */
+#define MUTANT_SLAB_STRICT    4  /* < for <= in the box test */
+#define MUTANT_SWAPPED_CHILD  5  /* the far child's reference replaced by the near one's */
+#define MUTANT_NO_PRECISE     6  /* SPIR-V without its NoContraction decorations */
+#define MUTANT_SHORT_STACK    7  /* the traversal stack is one entry short */
+#define MUTANT_FAR_NOT_PADDED 8  /* far plane factor 1 */
+#define MUTANT_BAD_TWIN       9  /* a running-error bound that ignores one rounding step's size */
+#define MUTANT_FILTER_BOUND   20 /* the oracle's filter claims less error than it has */
+#define MUTANT_LOST_CARRY     21 /* the highest carry of a wide sum is dropped */
+#define MUTANT_TREE_UNPADDED  22 /* the oracle's tree trusts its box test to the last bit */
+#define MUTANT_ENDS_SWAPPED   23 /* open ranges are taken as closed and closed ones as open */
 
 #endif

@@ -44,9 +44,11 @@ struct oracle_pair {
     enum oracle_range range; /* meaningless for MISS and ZERO_AREA */
     int edge[3];             /* signs of w0, w1, w2: -1, 0, 1; w_i is opposite vertex i */
     int det;                 /* sign of D */
-    double t_lo, t_hi;       /* enclose t (in plane: the overlap); relative width about 2^-48 */
-    double margin;           /* min |w_i| / |D|: the smallest barycentric, 0 on an edge */
-    bool by_filter;          /* double sufficed */
+    double t_lo, t_hi; /* enclose t, in range with a relative width of at most 2^-40; in plane:
+                          the overlap, cut by the range if it meets it; else infinite */
+    double margin;     /* min w_i / D, the smallest barycentric: 0 on an edge, negative for a
+                          miss, -INFINITY if D is 0 (in plane: 0) */
+    bool by_filter;    /* double sufficed */
 };
 
 /* The nearest hit of a ray in its range. */
@@ -60,8 +62,10 @@ struct oracle_answer {
     uint8_t flags;      /* ORACLE_SAW_* */
 };
 
-#define ORACLE_SAW_IN_PLANE 1u /* some triangle touches the ray in its plane, in range */
-#define ORACLE_SAW_EXACT    2u /* some pair left the filter */
+/* In plane: some triangle touches the ray in its plane, in range and not behind the nearest hit.
+ * Exact: one of the nearest set left the double filter, or there are several. */
+#define ORACLE_SAW_IN_PLANE 1u
+#define ORACLE_SAW_EXACT    2u
 #define ORACLE_REFUSED      4u /* NaN or infinity in the ray, or tmin > tmax: a miss */
 
 /* How rays find their triangles. */

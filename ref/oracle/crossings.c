@@ -1,0 +1,90 @@
+#include "ref/oracle/environment.h"
+#include "ref/oracle/filter.h"
+#include "ref/oracle/internal.h"
+#include "ref/oracle/pair.h"
+
+/* What a crossing is sorted by: the exact t of a hit, t_lo of an interval. */
+static int compare(const struct oracle *oracle, const struct ray *ray,
+                   const struct oracle_crossing *a, const struct oracle_crossing *b)
+{
+    bool a_hit = pair_is_hit(&a->pair), b_hit = pair_is_hit(&b->pair);
+    double a_hi = a_hit ? a->pair.t_hi : a->pair.t_lo, b_hi = b_hit ? b->pair.t_hi : b->pair.t_lo;
+    if (a->pair.t_lo > b_hi)
+        return 1;
+    if (a_hi < b->pair.t_lo)
+        return -1;
+    struct exact one, two;
+    float v[3][3];
+    int sign = 0;
+    if (a_hit) {
+        scene_tri(oracle->scene, a->prim, v);
+        exact_pair(ray, v, &one);
+    }
+    if (b_hit) {
+        scene_tri(oracle->scene, b->prim, v);
+        exact_pair(ray, v, &two);
+    }
+    if (a_hit && b_hit)
+        sign = fraction_compare(&one.t, &two.t);
+    else if (a_hit)
+        sign = fraction_compare_double(&one.t, b->pair.t_lo);
+    else if (b_hit)
+        sign = -fraction_compare_double(&two.t, a->pair.t_lo);
+    return sign ? sign : (a->prim > b->prim) - (a->prim < b->prim);
+}
+
+/* By insertion: lists are short, and nearly in order where a tree found them. */
+static void sort(const struct oracle *oracle, const struct ray *ray, struct oracle_crossing *list,
+                 size_t count)
+{
+    for (size_t i = 1; i < count; i++) {
+        struct oracle_crossing moved = list[i];
+        size_t at = i;
+        while (at > 0 && compare(oracle, ray, &list[at - 1], &moved) > 0) {
+            list[at] = list[at - 1];
+            at--;
+        }
+        list[at] = moved;
+    }
+}
+
+static enum status collect(const struct oracle *oracle, const struct ray *ray, double t_most,
+                           struct oracle_crossing **list, size_t *capacity, size_t *count)
+{
+    struct oracle_stats unused = {0};
+    for (uint32_t prim = 0; prim < oracle->scene->tri_count; prim++) {
+        float v[3][3];
+        struct decided pair;
+        scene_tri(oracle->scene, prim, v);
+        if (filter_misses(ray, v))
+            continue;
+        pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_HITS, &pair, &unused);
+        if (pair.pair.class == ORACLE_MISS || pair.pair.class == ORACLE_ZERO_AREA ||
+            !pair_in_range(&pair.pair, ORACLE_CLOSED) || !(pair.pair.t_lo <= t_most))
+            continue;
+        enum status status = array_reserve((void **)list, capacity, *count + 1, sizeof **list);
+        if (status)
+            return status;
+        /* The early decision leaves out signs that a caller may want. */
+        pair_decide(oracle->scene, false, ray, prim, PAIR_FULL, &pair, &unused);
+        (*list)[(*count)++] = (struct oracle_crossing){prim, pair.pair};
+    }
+    return STATUS_OK;
+}
+
+enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray, double t_most,
+                             struct oracle_crossing **list, size_t *capacity, size_t *count,
+                             struct reason *reason)
+{
+    *count = 0;
+    if (!oracle_takes(ray))
+        return STATUS_OK;
+    __auto_type saved = environment_enter();
+    enum status status = collect(oracle, ray, t_most, list, capacity, count);
+    if (status)
+        *count = 0;
+    else
+        sort(oracle, ray, *list, *count);
+    environment_leave(saved);
+    return status ? fail(reason, status, "oracle: no memory for the crossings") : STATUS_OK;
+}

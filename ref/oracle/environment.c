@@ -1,0 +1,33 @@
+#include "ref/oracle/environment.h"
+
+#include "ref/oracle/oracle.h"
+
+#include <fenv.h>
+#include <float.h>
+
+#ifdef __FAST_MATH__
+#error "the oracle's filter needs IEEE arithmetic"
+#endif
+
+enum status oracle_environment(struct reason *reason)
+{
+    /* volatile: the machine is asked, not the compiler. */
+    volatile double tiny = DBL_MIN, near_one = 1 + 0x1p-30, tail = 1 + 0x1p-29;
+    volatile float small = FLT_MIN, least = 0x1p-149f, huge = 0x1p127f;
+    volatile double half = 0.5;
+    if (FLT_EVAL_METHOD != 0)
+        return fail(reason, STATUS_UNSUPPORTED,
+                    "oracle: float expressions are evaluated in a wider type (FLT_EVAL_METHOD %d)",
+                    (int)FLT_EVAL_METHOD);
+    if (fegetround() != FE_TONEAREST)
+        return fail(reason, STATUS_UNSUPPORTED, "oracle: the rounding mode is not to nearest");
+    if (tiny * half == 0 || small * (float)half == 0)
+        return fail(reason, STATUS_UNSUPPORTED, "oracle: subnormal results are flushed (FTZ)");
+    if (least * huge == 0 || (double)least == 0)
+        return fail(reason, STATUS_UNSUPPORTED, "oracle: subnormal inputs are taken as zero (DAZ)");
+    /* (1 + 2^-30)^2 = 1 + 2^-29 + 2^-60, which rounds to the tail unless it is fused. */
+    double x = near_one, fused = x * x - tail;
+    if (fused != 0)
+        return fail(reason, STATUS_UNSUPPORTED, "oracle: multiply and subtract are contracted");
+    return STATUS_OK;
+}

@@ -1,0 +1,238 @@
+#include "ref/oracle/exact.h"
+
+#include "ref/oracle/grid.h"
+
+#include <math.h>
+
+/* Vertices and origin share one grid, the direction has its own: with P the coordinates' unit and
+ * Q the direction's, w and D come in units of P^2 Q, T in units of P^3, so that t = T / D * P / Q.
+ */
+struct input {
+    struct grid place, way;
+    struct odd o[3], d[3], v[3][3];
+};
+
+static void read_input(const struct ray *ray, float v[3][3], struct input *in)
+{
+    struct odd all[12];
+    for (int k = 0; k < 3; k++) {
+        in->o[k] = all[k] = odd_of(ray->org[k]);
+        in->d[k] = odd_of(ray->dir[k]);
+        for (int c = 0; c < 3; c++)
+            in->v[c][k] = all[3 + 3 * c + k] = odd_of(v[c][k]);
+    }
+    in->place = grid_of(all, 12);
+    in->way = grid_of(in->d, 3);
+}
+
+/* --- __int128 --------------------------------------------------------------------------------- */
+
+static int bits_of(int64_t x)
+{
+    return x ? 64 - __builtin_clzll((unsigned long long)(x < 0 ? -x : x)) : 0;
+}
+
+static __int128 triple(const int64_t x[3], const int64_t y[3], const int64_t z[3])
+{
+    __int128 sum = 0;
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        sum += x[k] * ((__int128)y[i] * z[j] - (__int128)y[j] * z[i]);
+    }
+    return sum;
+}
+
+/* Values that both kinds of integer end in. */
+struct products {
+    struct wide w[3], det, t;
+};
+
+/* Sums: |w| <= 6 * 2^(b_d + 2 b_p), |D| <= 18 * the same, |T| <= 6 * 2^(3 b_p); all below 2^127
+ * under the conditions tested here. Returns false if they do not hold. */
+static bool small_products(const struct input *in, struct products *out)
+{
+    int64_t a[3][3], d[3];
+    int place_bits = 0, way_bits = 0;
+    if (in->place.bits > 60 || in->way.bits > 60)
+        return false;
+    for (int k = 0; k < 3; k++) {
+        int64_t o = grid_int(in->place, in->o[k]);
+        d[k] = grid_int(in->way, in->d[k]);
+        way_bits = bits_of(d[k]) > way_bits ? bits_of(d[k]) : way_bits;
+        for (int c = 0; c < 3; c++) {
+            a[c][k] = grid_int(in->place, in->v[c][k]) - o;
+            place_bits = bits_of(a[c][k]) > place_bits ? bits_of(a[c][k]) : place_bits;
+        }
+    }
+    if (way_bits + 2 * place_bits > 122 || 3 * place_bits > 124)
+        return false;
+    __int128 det = 0;
+    for (int c = 0; c < 3; c++) {
+        __int128 w = triple(d, a[(c + 1) % 3], a[(c + 2) % 3]);
+        wide_set(w, &out->w[c]);
+        det += w;
+    }
+    wide_set(det, &out->det);
+    wide_set(triple(a[0], a[1], a[2]), &out->t);
+    return true;
+}
+
+/* --- wide --------------------------------------------------------------------------------------
+ */
+
+/* x * y - z * u */
+static void cross_term(const struct wide *x, const struct wide *y, const struct wide *z,
+                       const struct wide *u, struct wide *out)
+{
+    struct wide left, right;
+    wide_mul(x, y, &left);
+    wide_mul(z, u, &right);
+    wide_sub(&left, &right, out);
+}
+
+static void wide_triple(const struct wide x[3], const struct wide y[3], const struct wide z[3],
+                        struct wide *out)
+{
+    wide_set(0, out);
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        struct wide minor, term;
+        cross_term(&y[i], &z[j], &y[j], &z[i], &minor);
+        wide_mul(&x[k], &minor, &term);
+        wide_add(out, &term, out);
+    }
+}
+
+/* Vertices relative to the origin, and the direction, all as wide. */
+static void wide_input(const struct input *in, struct wide a[3][3], struct wide d[3])
+{
+    for (int k = 0; k < 3; k++) {
+        struct wide o;
+        grid_wide(in->place, in->o[k], &o);
+        grid_wide(in->way, in->d[k], &d[k]);
+        for (int c = 0; c < 3; c++) {
+            grid_wide(in->place, in->v[c][k], &a[c][k]);
+            wide_sub(&a[c][k], &o, &a[c][k]);
+        }
+    }
+}
+
+static void wide_products(const struct input *in, struct products *out)
+{
+    struct wide a[3][3], d[3];
+    wide_input(in, a, d);
+    wide_set(0, &out->det);
+    for (int c = 0; c < 3; c++) {
+        wide_triple(d, a[(c + 1) % 3], a[(c + 2) % 3], &out->w[c]);
+        wide_add(&out->det, &out->w[c], &out->det);
+    }
+    wide_triple(a[0], a[1], a[2], &out->t);
+}
+
+/* --- a pair ------------------------------------------------------------------------------------
+ */
+
+static double share(const struct wide *w, const struct wide *det)
+{
+    uint64_t w_top, det_top;
+    int w_exponent, det_exponent;
+    if (w->sign == 0)
+        return 0;
+    wide_top(w, &w_top, &w_exponent);
+    wide_top(det, &det_top, &det_exponent);
+    double size = ldexp((double)w_top / (double)det_top, w_exponent - det_exponent);
+    return w->sign == det->sign ? size : -size;
+}
+
+void exact_pair(const struct ray *ray, float v[3][3], struct exact *out)
+{
+    struct input in;
+    struct products value;
+    read_input(ray, v, &in);
+    out->wide = !small_products(&in, &value);
+    if (out->wide)
+        wide_products(&in, &value);
+    out->det = value.det.sign;
+    out->edge_share = out->det ? INFINITY : -INFINITY;
+    for (int c = 0; c < 3; c++) {
+        out->edge[c] = value.w[c].sign;
+        if (out->det)
+            out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
+    }
+    out->in_plane = out->det == 0 && value.t.sign == 0 && in.way.bits > 0;
+    if (out->det) {
+        out->t.num = value.t;
+        out->t.den = value.det;
+        out->t.scale = in.place.exponent - in.way.exponent;
+    }
+}
+
+/* --- in the plane ------------------------------------------------------------------------------
+ */
+
+static void normal_of(const struct wide a[3][3], struct wide n[3])
+{
+    struct wide e1[3], e2[3];
+    for (int k = 0; k < 3; k++) {
+        wide_sub(&a[1][k], &a[0][k], &e1[k]);
+        wide_sub(&a[2][k], &a[0][k], &e2[k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross_term(&e1[i], &e2[j], &e1[j], &e2[i], &n[k]);
+    }
+}
+
+/* Widens [in, out] by one point of the overlap. */
+static void include(const struct fraction *t, bool *any, struct fraction *in, struct fraction *out)
+{
+    if (!*any || fraction_compare(t, in) < 0)
+        *in = *t;
+    if (!*any || fraction_compare(t, out) > 0)
+        *out = *t;
+    *any = true;
+}
+
+bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, struct fraction *out)
+{
+    struct input input;
+    struct wide a[3][3], d[3], n[3], side[3];
+    read_input(ray, v, &input);
+    wide_input(&input, a, d);
+    normal_of(a, n);
+    /* Drop an axis along which the plane is not seen edge-on: what is left is one to one, so the
+     * direction stays nonzero, and one of the two axes can measure t. */
+    int drop = n[0].sign ? 0 : n[1].sign ? 1 : 2;
+    int i = (drop + 1) % 3, j = (drop + 2) % 3, measure = d[i].sign ? i : j;
+    for (int c = 0; c < 3; c++)
+        cross_term(&d[i], &a[c][j], &d[j], &a[c][i], &side[c]);
+    bool any = false;
+    struct fraction t = {.scale = input.place.exponent - input.way.exponent};
+    for (int c = 0; c < 3; c++) {
+        int e = (c + 1) % 3;
+        if (side[c].sign == 0) { /* the vertex is on the line */
+            t.num = a[c][measure];
+            t.den = d[measure];
+            include(&t, &any, in, out);
+        } else if (side[c].sign == -side[e].sign) {
+            /* The edge crosses it, where a_c + (a_e - a_c) * side_c / (side_c - side_e) is. */
+            struct wide span;
+            cross_term(&a[e][measure], &side[c], &a[c][measure], &side[e], &t.num);
+            wide_sub(&side[c], &side[e], &span);
+            wide_mul(&span, &d[measure], &t.den);
+            include(&t, &any, in, out);
+        }
+    }
+    return any;
+}
+
+bool exact_no_area(float v[3][3])
+{
+    struct ray at_origin = {.tmax = 0};
+    struct input in;
+    struct wide a[3][3], d[3], n[3];
+    read_input(&at_origin, v, &in);
+    wide_input(&in, a, d);
+    normal_of(a, n);
+    return n[0].sign == 0 && n[1].sign == 0 && n[2].sign == 0;
+}

@@ -1,0 +1,29 @@
+/* One ray and one triangle in integers: __int128 where the exponents allow it, else wide. */
+#ifndef ORACLE_EXACT_H
+#define ORACLE_EXACT_H
+
+#include "ref/abi.h"
+#include "ref/oracle/fraction.h"
+
+/* What the signs and sizes of w0, w1, w2, D and T say. */
+struct exact {
+    int edge[3];       /* signs of w0, w1, w2 */
+    int det;           /* sign of D */
+    bool in_plane;     /* D == 0 == T and the direction is not 0: see exact_in_plane */
+    bool wide;         /* __int128 did not suffice */
+    double edge_share; /* the smallest w_i / D, to about 2^-50; -INFINITY if D is 0 */
+    struct fraction t; /* T / D, if D is not 0 */
+};
+
+/* Decides a finite ray and triangle; the range of t plays no part. */
+void exact_pair(const struct ray *ray, float v[3][3], struct exact *out);
+
+/* For a ray in the plane of a triangle that has an area: where the line overlaps the triangle.
+ * Returns false if it passes beside it; else *in <= *out, equal if it only touches a vertex. */
+bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in,
+                    struct fraction *out);
+
+/* Whether the vertices are collinear. */
+bool exact_no_area(float v[3][3]);
+
+#endif

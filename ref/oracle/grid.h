@@ -1,0 +1,29 @@
+/* Float32 numbers as integers on a common grid: x = m * 2^exponent. For the oracle's own files. */
+#ifndef ORACLE_GRID_H
+#define ORACLE_GRID_H
+
+#include "ref/base.h"
+#include "ref/oracle/wide.h"
+
+/* x = m * 2^exponent with m odd, or m = exponent = 0. */
+struct odd {
+    int32_t m;
+    int exponent;
+};
+
+struct odd odd_of(float x);
+
+/* The grid of `count` numbers: the largest power of two of which all are multiples, and the bits
+ * that the largest of them then has. */
+struct grid {
+    int exponent;
+    int bits; /* |x| < 2^(exponent + bits); 0 if all are 0 */
+};
+
+struct grid grid_of(const struct odd *x, int count);
+
+/* x in units of the grid; the first needs grid.bits <= 62. */
+int64_t grid_int(struct grid grid, struct odd x);
+void grid_wide(struct grid grid, struct odd x, struct wide *out);
+
+#endif

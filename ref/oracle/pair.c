@@ -1,0 +1,155 @@
+#include "ref/oracle/pair.h"
+
+#include "ref/oracle/filter.h"
+
+#include <math.h>
+
+/* Every enclosure of a t in range is at most this wide, relatively, or else made anew from
+ * integers: the tree relies on it (ref/oracle/tree.h). */
+#define NARROW 0x1p-40
+
+static void enclose(const struct filter *f, double *lo, double *hi)
+{
+    double t = fabs(f->t), d = fabs(f->det);
+    double least = (t - f->t_err) / (d + f->det_err) * (1 - 0x1p-50);
+    double most = (t + f->t_err) / (d - f->det_err) * (1 + 0x1p-50);
+    bool positive = (f->t > 0) == (f->det > 0);
+    *lo = positive ? least : -most;
+    *hi = positive ? most : -least;
+}
+
+/* Fills in what the filter is certain of; false if that is not everything. */
+static bool by_filter(const struct ray *ray, const struct filter *f, struct oracle_pair *pair)
+{
+    double share = INFINITY;
+    pair->det = filter_sign(f->det, f->det_err);
+    bool certain = pair->det != 0, inside = true;
+    for (int c = 0; c < 3; c++) {
+        pair->edge[c] = filter_sign(f->w[c], f->w_err[c]);
+        certain = certain && pair->edge[c] != 0;
+        inside = inside && pair->edge[c] == pair->det;
+        share = fmin(share, f->w[c] / f->det);
+    }
+    if (!certain)
+        return false;
+    pair->margin = share;
+    pair->by_filter = true;
+    pair->class = inside ? ORACLE_INSIDE : ORACLE_MISS;
+    if (!inside)
+        return true;
+    if (filter_sign(f->t, f->t_err) == 0)
+        return false;
+    double lo, hi, tmin = (double)ray->tmin, tmax = (double)ray->tmax;
+    enclose(f, &lo, &hi);
+    pair->t_lo = lo;
+    pair->t_hi = hi;
+    pair->range = hi < tmin ? ORACLE_BELOW : lo > tmax ? ORACLE_ABOVE : ORACLE_WITHIN;
+    if (pair->range != ORACLE_WITHIN)
+        return true;
+    return lo > tmin && hi < tmax && hi - lo <= NARROW * fmin(fabs(lo), fabs(hi));
+}
+
+static enum oracle_range range_of(const struct fraction *t, const struct ray *ray)
+{
+    int low = fraction_compare_double(t, (double)ray->tmin);
+    if (low < 0)
+        return ORACLE_BELOW;
+    if (low == 0 && ray->tmin <= ray->tmax)
+        return ORACLE_AT_TMIN;
+    int high = fraction_compare_double(t, (double)ray->tmax);
+    return high < 0 ? ORACLE_WITHIN : high == 0 ? ORACLE_AT_TMAX : ORACLE_ABOVE;
+}
+
+static void in_plane(const struct ray *ray, float v[3][3], struct oracle_pair *pair)
+{
+    struct fraction in, out;
+    double tmin = (double)ray->tmin, tmax = (double)ray->tmax, unused;
+    if (!exact_in_plane(ray, v, &in, &out))
+        return;
+    pair->class = ORACLE_IN_PLANE;
+    pair->margin = 0;
+    fraction_enclose(&in, &pair->t_lo, &unused);
+    fraction_enclose(&out, &unused, &pair->t_hi);
+    if (fraction_compare_double(&out, tmin) < 0) {
+        pair->range = ORACLE_BELOW;
+    } else if (fraction_compare_double(&in, tmax) > 0) {
+        pair->range = ORACLE_ABOVE;
+    } else {
+        pair->range = ORACLE_WITHIN;
+        pair->t_lo = fmax(pair->t_lo, tmin);
+        pair->t_hi = fmin(pair->t_hi, tmax);
+    }
+}
+
+static void by_integers(const struct ray *ray, float v[3][3], bool flat, struct decided *out)
+{
+    struct oracle_pair *pair = &out->pair;
+    const struct exact *exact = &out->exact;
+    int positive = 0, negative = 0;
+    exact_pair(ray, v, &out->exact);
+    out->have_exact = true;
+    pair->by_filter = false;
+    pair->det = exact->det;
+    pair->margin = exact->edge_share;
+    for (int c = 0; c < 3; c++) {
+        pair->edge[c] = exact->edge[c];
+        positive += exact->edge[c] > 0;
+        negative += exact->edge[c] < 0;
+    }
+    if (flat) {
+        pair->class = ORACLE_ZERO_AREA;
+    } else if (exact->in_plane) {
+        in_plane(ray, v, pair);
+    } else if (exact->det != 0 && (positive == 0 || negative == 0)) {
+        static const enum oracle_class by_sides[] = {
+            [1] = ORACLE_VERTEX, [2] = ORACLE_EDGE, [3] = ORACLE_INSIDE};
+        pair->class = by_sides[positive + negative];
+        fraction_enclose(&exact->t, &pair->t_lo, &pair->t_hi);
+        pair->range = range_of(&exact->t, ray);
+    }
+}
+
+void pair_decide(const struct scene *scene, bool flat, const struct ray *ray, uint32_t prim,
+                 enum pair_depth depth, struct decided *out, struct oracle_stats *stats)
+{
+    float v[3][3];
+    struct filter filter;
+    bool positive = false, negative = false;
+    out->have_exact = false;
+    out->pair.class = flat ? ORACLE_ZERO_AREA : ORACLE_MISS;
+    out->pair.range = ORACLE_BELOW;
+    out->pair.t_lo = -INFINITY;
+    out->pair.t_hi = INFINITY;
+    out->pair.margin = -INFINITY;
+    if (flat && depth == PAIR_HITS)
+        return;
+    scene_tri(scene, prim, v);
+    filter_eval(ray, v, &filter);
+    for (int c = 0; c < 3; c++) {
+        positive |= filter_sign(filter.w[c], filter.w_err[c]) > 0;
+        negative |= filter_sign(filter.w[c], filter.w_err[c]) < 0;
+    }
+    if (depth == PAIR_HITS && positive && negative)
+        return;
+    if (!flat && by_filter(ray, &filter, &out->pair))
+        return;
+    stats->undecided++;
+    out->pair.class = ORACLE_MISS;
+    out->pair.range = ORACLE_BELOW;
+    out->pair.t_lo = -INFINITY;
+    out->pair.t_hi = INFINITY;
+    by_integers(ray, v, flat, out);
+    stats->wide += out->exact.wide;
+}
+
+const struct fraction *pair_t(const struct scene *scene, const struct ray *ray, uint32_t prim,
+                              struct decided *hit)
+{
+    if (!hit->have_exact) {
+        float v[3][3];
+        scene_tri(scene, prim, v);
+        exact_pair(ray, v, &hit->exact);
+        hit->have_exact = true;
+    }
+    return &hit->exact.t;
+}

@@ -1,0 +1,45 @@
+/* Integers of a fixed width that holds everything a pair of triangles can ask for: every finite
+ * float32 is a whole multiple of 2^-149 below 2^277, differences stay below 2^278, so the triple
+ * products stay below 2^839 and the products of two of them below 2^1677: 27 limbs of 64 bits. */
+#ifndef ORACLE_WIDE_H
+#define ORACLE_WIDE_H
+
+#include <stdint.h>
+
+#define WIDE_LIMBS 28
+
+/* Sign and magnitude. Only the lowest `count` limbs are defined; the highest of them is not 0, and
+ * sign is 0 exactly when count is. */
+struct wide {
+    int sign;
+    int count;
+    uint64_t limb[WIDE_LIMBS];
+};
+
+void wide_set(__int128 value, struct wide *out);
+
+/* out = a + b, a - b, a * b. `out` may be one of the operands, but not of a product. */
+void wide_add(const struct wide *a, const struct wide *b, struct wide *out);
+void wide_sub(const struct wide *a, const struct wide *b, struct wide *out);
+void wide_mul(const struct wide *a, const struct wide *b, struct wide *out);
+
+/* Multiplies by 2^bits, or divides exactly: the bits shifted out must be 0. In place. */
+void wide_shift_left(struct wide *a, unsigned bits);
+void wide_shift_right(struct wide *a, unsigned bits);
+
+/* Sign of a - b; the second ignores the signs. */
+int wide_compare(const struct wide *a, const struct wide *b);
+int wide_compare_size(const struct wide *a, const struct wide *b);
+
+/* Bits of |a|, 0 for 0; and the number of trailing zero bits, 0 for 0. */
+unsigned wide_bits(const struct wide *a);
+unsigned wide_trailing(const struct wide *a);
+
+/* The 64 highest bits of |a| != 0, of which the topmost is 1: |a| is at least *top * 2^*exponent
+ * and less than (*top + 1) * 2^*exponent. Returns whether it is exactly the former. */
+int wide_top(const struct wide *a, uint64_t *top, int *exponent);
+
+/* |a| / by rounded down, in place; returns the remainder. by != 0. */
+uint64_t wide_divide_small(struct wide *a, uint64_t by);
+
+#endif
