@@ -47,7 +47,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           TRACE_SHADERS=$(words $(wildcard shaders/trace_*.comp))
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
-        validate-check format format-check install uninstall scenes mutants lint fuzz-load
+        validate-check format format-check drivers install uninstall scenes mutants lint fuzz-load
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -117,6 +117,10 @@ bench: all
 
 scenes:
 	@sh scenes/fetch.sh scenes/fetched
+
+# More Vulkan drivers that need no GPU, fetched beside the system's; exit code 77: not to be had.
+drivers:
+	@sh .ci/drivers.sh $(OUT)/drivers
 
 # Everybody against everybody with 10^6 rays per scene; the result is committed. Slow.
 RESULTS ?= bench/results/lavapipe-22.3.6

@@ -113,9 +113,15 @@ static enum status open_instance(const struct vk_options *options, struct vk **o
     if (!vk)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the device");
     vk->options = *options;
-    enum status status = vk_load_library(vk, reason);
+    struct driver_scope scope = {0};
+    enum status status = driver_find(options->driver, &vk->driver, reason);
+    if (!status)
+        status = vk_load_library(vk, reason);
+    if (!status)
+        status = driver_begin(&vk->driver, &scope, reason);
     if (!status)
         status = vk_instance_make(vk, reason);
+    driver_end(&scope);
     return status;
 }
 

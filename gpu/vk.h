@@ -11,7 +11,7 @@
 
 struct vk_options {
     const char *library; /* the loader to open, NULL: libvulkan.so.1 */
-    const char *driver;  /* part of a driver's or device's name in any case, NULL: any */
+    const char *driver;  /* as driver_find (gpu/vk_driver.h) takes it, NULL: any */
     int device;    /* index as vk_describe lists them, -1: the first that matches and can compute */
     bool validate; /* run under VK_LAYER_KHRONOS_validation and count its messages */
     bool staging;  /* copy through a staging buffer even where memory is shared */
@@ -28,6 +28,7 @@ struct vk_limits {
     uint32_t group_size;        /* most invocations of a workgroup */
     uint32_t timestamp_bits;    /* 0: no timestamps */
     float timestamp_ns;         /* nanoseconds per tick */
+    bool software;              /* a CPU runs it */
     bool shared_memory;         /* buffers are mapped: no staging copies */
     bool round_to_nearest;      /* float controls, 32 bit */
     bool keeps_denormals;
@@ -39,8 +40,9 @@ struct vk_pipeline; /* a compute shader with its constants fixed */
 struct vk_buffer;   /* a storage buffer */
 
 /* Opens loader, instance and one device. `*out` is NULL on error.
- * Errors: STATUS_UNSUPPORTED no loader, no device, no match (the reason lists what there is), no
- * compute queue, no validation layer; STATUS_DEVICE a call failed; STATUS_MEMORY. */
+ * Errors: STATUS_UNSUPPORTED no loader, driver not there, no device, no match (the reason lists
+ * what there is), no compute queue, no validation layer; STATUS_DEVICE a call failed;
+ * STATUS_MEMORY. */
 enum status vk_open(const struct vk_options *options, struct vk **out,
                     struct reason *reason) MUST_USE;
 

@@ -97,6 +97,7 @@ static struct vk_limits limits_of(const struct answers *answers, uint32_t timest
         .group_size = base->limits.maxComputeWorkGroupInvocations,
         .timestamp_bits = timestamp_bits,
         .timestamp_ns = base->limits.timestampPeriod,
+        .software = base->deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU,
         .shared_memory = is_shared(base),
         .round_to_nearest = answers->floats.shaderRoundingModeRTEFloat32,
         .keeps_denormals = answers->floats.shaderDenormPreserveFloat32,
@@ -132,6 +133,17 @@ static bool contains(const char *text, const char *part)
     return length == 0;
 }
 
+/* True if the driver that was asked for runs this device. */
+static bool is_wanted(const struct vk *vk, const struct vk_limits *limits)
+{
+    const struct driver *driver = &vk->driver;
+    if (driver->kind == DRIVER_HARDWARE)
+        return !limits->software;
+    if (driver->kind == DRIVER_PART)
+        return contains(limits->device, driver->text) || contains(limits->driver, driver->text);
+    return true;
+}
+
 /* *device is the loader's list, to be freed by the caller. */
 static enum status enumerate(struct vk *vk, VkPhysicalDevice **device, uint32_t *count,
                              struct reason *reason)
@@ -164,10 +176,9 @@ enum status vk_choose(struct vk *vk, struct reason *reason)
         ask(vk, device[i], &answers);
         bool can = find_family(vk, device[i], &vk->family, &bits);
         vk->limits = limits_of(&answers, bits);
-        found =
-            can && vk->limits.api_version >= VK_API_VERSION_1_1 &&
-            (vk->options.device < 0 || (uint32_t)vk->options.device == i) &&
-            (!driver || contains(vk->limits.device, driver) || contains(vk->limits.driver, driver));
+        found = can && vk->limits.api_version >= VK_API_VERSION_1_1 &&
+                (vk->options.device < 0 || (uint32_t)vk->options.device == i) &&
+                is_wanted(vk, &vk->limits);
         vk->physical = device[i];
     }
     free(device);

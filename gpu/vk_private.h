@@ -4,6 +4,7 @@
 
 #define VK_NO_PROTOTYPES
 #include "gpu/vk.h"
+#include "gpu/vk_driver.h"
 
 #include <stdatomic.h>
 #include <vulkan/vulkan_core.h>
@@ -85,6 +86,7 @@ struct vk {
     void *library;
     struct vk_fn fn;
     struct vk_options options;
+    struct driver driver; /* what options.driver means */
     struct vk_log log;
     VkInstance instance;
     VkDebugUtilsMessengerEXT messenger;

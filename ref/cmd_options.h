@@ -20,7 +20,8 @@ enum { OPT_THREADS = 1024, OPT_DRIVER, OPT_DEVICE, OPT_WORKGROUP, OPT_HELP };
 /* What they mean, for the end of a help text. */
 #define ENGINE_OPTIONS_HELP                                                                        \
     "  --threads N     CPU threads, 0 is all                                     [0]\n"            \
-    "  --driver NAME   Vulkan: part of a driver's or device's name\n"                              \
+    "  --driver NAME   Vulkan: stock, mesa25, swiftshader (make drivers), hardware, a driver's\n"  \
+    "                  JSON file, or part of a driver's or device's name\n"                        \
     "  --device N      Vulkan: device by the number that raydiff doctor gives\n"                   \
     "  --workgroup N   Vulkan: rays per workgroup                                [64]\n"
 

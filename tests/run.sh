@@ -68,6 +68,7 @@ plain)
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"
     suite cli sh tests/cli.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
+    suite drivers sh tests/drivers.sh
     suite mutants make -s mutants
     suite install sh tests/install.sh
     suite tutorial sh tests/tutorial.sh "$build"
