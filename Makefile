@@ -163,6 +163,8 @@ fuzz-load: $(B)/gen/counts.h $(B)/gen/shaders.c
 
 slow: tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_half
+	RAYDIFF_SLOW=1 $(B)/tests/test_oracle
+	RAYDIFF_SLOW=1 $(B)/tests/test_oracle_scene
 
 SOURCES = $(shell git ls-files '*.c' '*.h')
 format:

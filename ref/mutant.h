@@ -20,6 +20,7 @@
 #define MUTANT_FILTER_BOUND   20 /* the oracle's filter claims less error than it has */
 #define MUTANT_LOST_CARRY     21 /* the highest carry of a wide sum is dropped */
 #define MUTANT_TREE_UNPADDED  22 /* the oracle's tree trusts its box test to the last bit */
+#define MUTANT_EARLY_BOUND    24 /* the vectorised filter claims less error than it has */
 #define MUTANT_ENDS_SWAPPED   23 /* open ranges are taken as closed and closed ones as open */
 
 #endif

@@ -300,6 +300,10 @@ void exact_gmp_nearest(const struct scene *scene, const struct ray *ray, enum or
     if (any_plane && exact_gmp_compare(plane, (double)ray->tmin) < 0)
         mpq_set_d(plane, (double)ray->tmin);
     out->in_plane = any_plane && (out->count == 0 || mpq_cmp(plane, out->t) <= 0);
+    out->in_plane_close =
+        any_plane &&
+        (out->count == 0 ||
+         mpq_get_d(plane) <= mpq_get_d(out->t) * (1 + copysign(0x1p-38, mpq_get_d(out->t))));
     exact_gmp_clear(&pair);
     mpq_clear(plane);
 }

@@ -35,7 +35,8 @@ struct gmp_nearest {
     uint32_t prim;  /* smallest index at the smallest t, ABI_NO_PRIM: none */
     uint32_t count; /* size of the set */
     bool in_plane;  /* some triangle has the ray in its plane, in range, from no later than t on */
-    mpq_t t, next;  /* t of the set and of the next hit; next is -1 without one (has_next) */
+    bool in_plane_close; /* or from 2^-38 later on */
+    mpq_t t, next;       /* t of the set and of the next hit; next is -1 without one (has_next) */
     bool has_next;
 };
 

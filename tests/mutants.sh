@@ -51,12 +51,15 @@ in_program() {
 
 # name, unit, unit test that must turn red.
 in_test() {
-    name=$1 unit=$2 test=$3
+    name=$1 unit=$2 test=$3 beside=
     dir=$out/$name-$test
+    case $test in
+    test_oracle*) beside="$build/obj/tests/exact_gmp.o $build/obj/tests/oracle_cases.o -lgmp" ;;
+    esac
     mkdir -p "$dir"
     $CC_CMD "-DMUTANT=$(number "$name")" -c -o "$dir/unit.o" "$unit" &&
-        $CC_CMD -o "$dir/$test" "$build/obj/tests/$test.o" "$dir/unit.o" "$build/libraydiff.a" \
-            $LIBS -lcmocka || { echo "$name does not build"; exit 4; }
+        $CC_CMD -o "$dir/$test" "$build/obj/tests/$test.o" "$dir/unit.o" $beside \
+            "$build/libraydiff.a" $LIBS -lcmocka || { echo "$name does not build"; exit 4; }
     "$build/tests/$test" >"$dir/healthy.log" 2>&1
     healthy=$?
     "$dir/$test" >"$dir/mutant.log" 2>&1
@@ -131,6 +134,11 @@ in_program SWAPPED_CHILD ref/trace.c check soup --layout f32 --engine cpu --coun
 in_header FAR_NOT_PADDED test_boxes
 in_program SHORT_STACK ref/packed.c check "$out/duplicates.obj" --layout f32 --leaf 1 --engine cpu --rays primary --count 5000 --repeat 1
 in_test BAD_TWIN ref/twin.c test_twin
+in_test FILTER_BOUND ref/oracle/filter.c test_oracle
+in_test EARLY_BOUND ref/oracle/early.c test_oracle_rules
+in_test LOST_CARRY ref/oracle/wide.c test_oracle
+in_test TREE_UNPADDED ref/oracle/closest.c test_oracle_scene
+in_test ENDS_SWAPPED ref/oracle/nearest.c test_oracle_rules
 in_shaders NO_PRECISE test_spirv
 in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --rays ranges --count 5000 --repeat 1
 in_shaders SWAPPED_CHILD check soup --layout f32 --engine vulkan --count 5000 --repeat 1

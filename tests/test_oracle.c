@@ -1,8 +1,7 @@
 /* The oracle against GMP rationals, pair by pair, over all kinds of tests/oracle_cases.c. A few
  * thousand pairs per kind; RAYDIFF_SLOW=1: 10^6. */
-#include "ref/oracle/oracle.h"
 #include "tests/exact_gmp.h"
-#include "tests/oracle_cases.h"
+#include "tests/oracle_batch.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,45 +13,6 @@
 #include <stdint.h>
 
 #include <cmocka.h> /* last: it defines fail() as a macro */
-
-#define BATCH 16 /* triangles of a scene, and rays aimed at them */
-
-static size_t pairs_per_kind(void)
-{
-    const char *slow = getenv("RAYDIFF_SLOW");
-    return slow && slow[0] == '1' ? 1000000 : 4000;
-}
-
-struct batch {
-    struct scene scene;
-    struct oracle *oracle;
-    struct ray ray[BATCH];
-};
-
-static void batch_make(const struct oracle_case *kind, uint64_t seed, struct batch *out)
-{
-    struct rng rng = rng_make(seed, 1);
-    struct reason reason = {""};
-    if (scene_make(3 * BATCH, BATCH, &out->scene))
-        abort();
-    for (uint32_t i = 0; i < BATCH; i++) {
-        float v[3][3];
-        kind->make(&rng, seed, &out->ray[i], v);
-        for (uint32_t c = 0; c < 3; c++) {
-            out->scene.index[3 * i + c] = 3 * i + c;
-            for (uint32_t k = 0; k < 3; k++)
-                out->scene.vertex[9 * i + 3 * c + k] = v[c][k];
-        }
-    }
-    if (oracle_make(&out->scene, &out->oracle, &reason))
-        abort();
-}
-
-static void batch_free(struct batch *batch)
-{
-    oracle_free(batch->oracle);
-    scene_free(&batch->scene);
-}
 
 static void print_pair(const char *what, const char *kind, const struct ray *ray, float v[3][3])
 {
@@ -144,7 +104,7 @@ static void oracle_pair_agrees_with_rationals(void **state)
     size_t class[ORACLE_CLASS_COUNT] = {0}, faults = 0;
     for (int k = 0; k < ORACLE_CASES; k++) {
         const struct oracle_case *kind = &oracle_cases[k];
-        size_t batches = pairs_per_kind() / (2 * BATCH);
+        size_t batches = count_per_kind(4000) / (2 * BATCH);
         struct tally all = {0};
 #pragma omp parallel for schedule(dynamic, 8)
         for (size_t b = 0; b < batches; b++) {
@@ -213,7 +173,7 @@ static size_t compare_faults(const struct batch *batch, size_t *ties)
 static void oracle_compare_agrees_with_rationals(void **state)
 {
     (void)state;
-    size_t faults = 0, ties = 0, batches = pairs_per_kind() / 256;
+    size_t faults = 0, ties = 0, batches = count_per_kind(4000) / (BATCH * BATCH);
     for (int k = 0; k < ORACLE_CASES; k++)
 #pragma omp parallel for schedule(dynamic, 2) reduction(+ : faults, ties)
         for (size_t b = 0; b < batches; b++) {

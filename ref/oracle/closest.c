@@ -1,28 +1,103 @@
 #include "ref/oracle/environment.h"
-#include "ref/oracle/filter.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/nearest.h"
+#include "ref/oracle/tree_walk.h"
 
 #include <math.h>
 #include <omp.h>
 
-static void closest_brute(const struct oracle *oracle, enum oracle_ends ends, const struct ray *ray,
-                          struct oracle_answer *out, struct oracle_stats *stats)
+#define TILE 16 /* rays that go through the triangles together, while these are in the cache */
+
+/* What a thread works with. */
+struct work {
+    const struct oracle *oracle;
+    enum oracle_ends ends;
+    struct oracle_stats stats;
+};
+
+/* Decides the triangles of a run of the order that are not certainly missed. */
+static void take_run(struct work *work, const struct ray *ray, const struct early_ray *early,
+                     uint32_t first, uint32_t count, double largest, struct nearest *nearest)
 {
-    const struct scene *scene = oracle->scene;
-    struct nearest nearest;
-    nearest_start(&nearest);
-    for (uint32_t prim = 0; prim < scene->tri_count; prim++) {
-        float v[3][3];
+    const struct oracle *oracle = work->oracle;
+    uint64_t left = oracle->kernel->look(&oracle->soup, early, first, count, largest);
+    work->stats.pairs += count;
+    for (; left; left &= left - 1) {
         struct decided pair;
-        scene_tri(scene, prim, v);
-        if (filter_misses(ray, v))
-            continue;
-        pair_decide(scene, oracle->flat[prim], ray, prim, PAIR_HITS, &pair, stats);
-        nearest_add(&nearest, scene, ray, ends, prim, &pair);
+        uint32_t prim = oracle->tree.order[first + (uint32_t)__builtin_ctzll(left)];
+        pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_HITS, &pair, &work->stats);
+        nearest_add(nearest, oracle->scene, ray, work->ends, prim, &pair);
     }
-    stats->pairs += scene->tri_count;
-    nearest_finish(&nearest, out);
+}
+
+static double largest_in(const struct box *box, const struct early_ray *early)
+{
+    double largest = 0;
+    for (int k = 0; k < 3; k++) {
+        double below = early->o[k] - (double)box->lo[k], above = (double)box->hi[k] - early->o[k];
+        largest = tree_max(largest, tree_max(below, above));
+    }
+    return largest;
+}
+
+/* A tile of rays against every triangle. */
+static void closest_brute(struct work *work, const struct ray *const ray[TILE], int count,
+                          struct nearest nearest[TILE])
+{
+    struct early_ray early[TILE];
+    uint32_t tri_count = work->oracle->scene->tri_count;
+    for (int i = 0; i < count; i++)
+        early[i] = early_ray_make(ray[i]);
+    for (uint32_t first = 0; first < tri_count; first += EARLY_MOST) {
+        uint32_t run = tri_count - first < EARLY_MOST ? tri_count - first : EARLY_MOST;
+        for (int i = 0; i < count; i++)
+            take_run(work, ray[i], &early[i], first, run,
+                     largest_in(&work->oracle->run[first / EARLY_MOST], &early[i]), &nearest[i]);
+    }
+}
+
+static void closest_tree(struct work *work, const struct ray *ray, struct nearest *nearest)
+{
+    struct early_ray early = early_ray_make(ray);
+    struct tree_walk walk;
+    struct tree_leaf leaf;
+    double reach = (double)ray->tmax;
+    tree_walk_start(&walk, &work->oracle->tree, ray);
+    while (tree_walk_next(&walk, reach, &leaf)) {
+        take_run(work, ray, &early, leaf.first, leaf.count, leaf.largest, nearest);
+        reach = tree_min((double)ray->tmax, nearest_reach(nearest));
+    }
+}
+
+static bool is_still(const struct ray *ray)
+{
+    return ray->dir[0] == 0 && ray->dir[1] == 0 && ray->dir[2] == 0;
+}
+
+/* Rays [0, count), count <= TILE. */
+static void closest_tile(struct work *work, bool brute, const struct ray *ray, int count,
+                         struct oracle_answer *out)
+{
+    struct nearest nearest[TILE];
+    const struct ray *taken[TILE];
+    int slot[TILE], slots = 0;
+    for (int i = 0; i < count; i++) {
+        nearest_start(&nearest[slots]);
+        nearest_finish(&nearest[slots], &out[i]); /* a miss */
+        if (!oracle_takes(&ray[i])) {
+            out[i].flags = ORACLE_REFUSED;
+        } else if (!is_still(&ray[i])) {
+            taken[slots] = &ray[i];
+            slot[slots++] = i;
+        }
+    }
+    if (brute)
+        closest_brute(work, taken, slots, nearest);
+    for (int s = 0; s < slots; s++) {
+        if (!brute)
+            closest_tree(work, taken[s], &nearest[s]);
+        nearest_finish(&nearest[s], &out[slot[s]]);
+    }
 }
 
 enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
@@ -32,27 +107,22 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
 {
     uint64_t pairs = 0, undecided = 0, wide = 0;
     int team = threads ? (int)threads : omp_get_max_threads();
-    (void)path;
+    bool brute = path == ORACLE_BRUTE ||
+                 (path == ORACLE_AUTO && oracle->scene->tri_count <= ORACLE_BRUTE_MOST);
     (void)reason;
 #pragma omp parallel num_threads(team) reduction(+ : pairs, undecided, wide)
     {
         __auto_type saved = environment_enter();
-        struct oracle_stats work = {0};
-#pragma omp for schedule(dynamic, 16)
-        for (size_t i = 0; i < count; i++) {
-            if (oracle_takes(&ray[i])) {
-                closest_brute(oracle, ends, &ray[i], &out[i], &work);
-            } else {
-                out[i] = (struct oracle_answer){.prim = ABI_NO_PRIM,
-                                                .t_lo = INFINITY,
-                                                .t_hi = INFINITY,
-                                                .t_next = INFINITY,
-                                                .flags = ORACLE_REFUSED};
-            }
+        struct work work = {.oracle = oracle, .ends = ends};
+#pragma omp for schedule(dynamic, 4)
+        for (size_t tile = 0; tile < (count + TILE - 1) / TILE; tile++) {
+            size_t first = tile * TILE;
+            int size = count - first < TILE ? (int)(count - first) : TILE;
+            closest_tile(&work, brute, ray + first, size, out + first);
         }
-        pairs += work.pairs;
-        undecided += work.undecided;
-        wide += work.wide;
+        pairs += work.stats.pairs;
+        undecided += work.stats.undecided;
+        wide += work.stats.wide;
         environment_leave(saved);
     }
     if (stats) {

@@ -1,7 +1,9 @@
 #include "ref/oracle/environment.h"
-#include "ref/oracle/filter.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/pair.h"
+#include "ref/oracle/tree_walk.h"
+
+#include <math.h>
 
 /* What a crossing is sorted by: the exact t of a hit, t_lo of an interval. */
 static int compare(const struct oracle *oracle, const struct ray *ray,
@@ -48,26 +50,41 @@ static void sort(const struct oracle *oracle, const struct ray *ray, struct orac
     }
 }
 
+/* Appends triangle `prim` if it is met in range. */
+static enum status take(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
+                        double t_most, struct oracle_crossing **list, size_t *capacity,
+                        size_t *count)
+{
+    struct oracle_stats unused = {0};
+    struct decided pair;
+    pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_HITS, &pair, &unused);
+    if (pair.pair.class == ORACLE_MISS || pair.pair.class == ORACLE_ZERO_AREA ||
+        !pair_in_range(&pair.pair, ORACLE_CLOSED) || !(pair.pair.t_lo <= t_most))
+        return STATUS_OK;
+    enum status status = array_reserve((void **)list, capacity, *count + 1, sizeof **list);
+    if (!status)
+        (*list)[(*count)++] = (struct oracle_crossing){prim, pair.pair};
+    return status;
+}
+
 static enum status collect(const struct oracle *oracle, const struct ray *ray, double t_most,
                            struct oracle_crossing **list, size_t *capacity, size_t *count)
 {
-    struct oracle_stats unused = {0};
-    for (uint32_t prim = 0; prim < oracle->scene->tri_count; prim++) {
-        float v[3][3];
-        struct decided pair;
-        scene_tri(oracle->scene, prim, v);
-        if (filter_misses(ray, v))
-            continue;
-        pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_HITS, &pair, &unused);
-        if (pair.pair.class == ORACLE_MISS || pair.pair.class == ORACLE_ZERO_AREA ||
-            !pair_in_range(&pair.pair, ORACLE_CLOSED) || !(pair.pair.t_lo <= t_most))
-            continue;
-        enum status status = array_reserve((void **)list, capacity, *count + 1, sizeof **list);
-        if (status)
-            return status;
-        /* The early decision leaves out signs that a caller may want. */
-        pair_decide(oracle->scene, false, ray, prim, PAIR_FULL, &pair, &unused);
-        (*list)[(*count)++] = (struct oracle_crossing){prim, pair.pair};
+    struct early_ray early = early_ray_make(ray);
+    struct tree_walk walk;
+    struct tree_leaf leaf;
+    /* Enclosures of hits in range are at most 2^-40 wide, so t_lo <= t_most bounds t by this. */
+    double reach = fmin(t_most + fabs(t_most) * 0x1p-38, (double)ray->tmax);
+    tree_walk_start(&walk, &oracle->tree, ray);
+    while (tree_walk_next(&walk, reach, &leaf)) {
+        uint64_t left =
+            oracle->kernel->look(&oracle->soup, &early, leaf.first, leaf.count, leaf.largest);
+        for (; left; left &= left - 1) {
+            uint32_t prim = oracle->tree.order[leaf.first + (uint32_t)__builtin_ctzll(left)];
+            enum status status = take(oracle, ray, prim, t_most, list, capacity, count);
+            if (status)
+                return status;
+        }
     }
     return STATUS_OK;
 }
@@ -77,7 +94,7 @@ enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray,
                              struct reason *reason)
 {
     *count = 0;
-    if (!oracle_takes(ray))
+    if (!oracle_takes(ray) || (ray->dir[0] == 0 && ray->dir[1] == 0 && ray->dir[2] == 0))
         return STATUS_OK;
     __auto_type saved = environment_enter();
     enum status status = collect(oracle, ray, t_most, list, capacity, count);

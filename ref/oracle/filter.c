@@ -25,42 +25,48 @@ static double triple(const double x[3], const double y[3], const double z[3], do
     return sum;
 }
 
-static void subtract(const struct ray *ray, float v[3][3], double a[3][3], double d[3])
+void filter_edges(const struct ray *ray, float v[3][3], struct filter *out)
 {
     for (int k = 0; k < 3; k++) {
-        d[k] = (double)ray->dir[k];
+        out->d[k] = (double)ray->dir[k];
         for (int c = 0; c < 3; c++)
-            a[c][k] = (double)v[c][k] - (double)ray->org[k];
+            out->a[c][k] = (double)v[c][k] - (double)ray->org[k];
+    }
+    for (int c = 0; c < 3; c++) {
+        double perm;
+        out->w[c] = triple(out->d, out->a[(c + 1) % 3], out->a[(c + 2) % 3], &perm);
+        out->w_err[c] = CUBIC * perm;
     }
 }
 
-void filter_eval(const struct ray *ray, float v[3][3], struct filter *out)
+static void edges_of(float v[3][3], double e1[3], double e2[3])
 {
-    double a[3][3], d[3], e1[3], e2[3], perm;
-    subtract(ray, v, a, d);
-    for (int c = 0; c < 3; c++) {
-        out->w[c] = triple(d, a[(c + 1) % 3], a[(c + 2) % 3], &perm);
-        out->w_err[c] = CUBIC * perm;
-    }
     for (int k = 0; k < 3; k++) {
         e1[k] = (double)v[1][k] - (double)v[0][k];
         e2[k] = (double)v[2][k] - (double)v[0][k];
     }
-    out->det = triple(d, e1, e2, &perm);
+}
+
+void filter_plane(float v[3][3], struct filter *out)
+{
+    double e1[3], e2[3], perm;
+    edges_of(v, e1, e2);
+    out->det = triple(out->d, e1, e2, &perm);
     out->det_err = CUBIC * perm;
-    out->t = triple(a[0], e1, e2, &perm);
+    out->t = triple(out->a[0], e1, e2, &perm);
     out->t_err = CUBIC * perm;
 }
 
-bool filter_misses(const struct ray *ray, float v[3][3])
+bool filter_has_area(float v[3][3])
 {
-    double a[3][3], d[3];
-    bool positive = false, negative = false;
-    subtract(ray, v, a, d);
-    for (int c = 0; c < 3; c++) {
-        double perm, w = triple(d, a[(c + 1) % 3], a[(c + 2) % 3], &perm);
-        positive |= w > CUBIC * perm;
-        negative |= w < -CUBIC * perm;
+    double e1[3], e2[3];
+    edges_of(v, e1, e2);
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        double left = e1[i] * e2[j], right = e1[j] * e2[i];
+        /* At most 4 roundings per term: gamma_4, and room for this line's own. */
+        if (fabs(left - right) > 6 * EPS * (fabs(left) + fabs(right)))
+            return true;
     }
-    return positive && negative;
+    return false;
 }

@@ -16,17 +16,18 @@
 #include <stdbool.h>
 
 struct filter {
+    double a[3][3], d[3]; /* vertices relative to the origin, and the direction */
     double w[3], w_err[3];
     double det, det_err;
     double t, t_err; /* T, not divided */
 };
 
-/* Evaluates one pair of finite numbers. */
-void filter_eval(const struct ray *ray, float v[3][3], struct filter *out);
+/* Fills in a, d, w and w_err, then det and t, for a pair of finite numbers. */
+void filter_edges(const struct ray *ray, float v[3][3], struct filter *out);
+void filter_plane(float v[3][3], struct filter *out);
 
-/* Whether the line of the ray certainly misses the triangle: two w of certainly opposite sign. The
- * same formula as filter_eval's, as far as it is needed. */
-bool filter_misses(const struct ray *ray, float v[3][3]);
+/* Whether the vertices certainly are not collinear. */
+bool filter_has_area(float v[3][3]);
 
 /* -1, 1, or 0 if value may have either sign. */
 static inline int filter_sign(double value, double err)

@@ -2,11 +2,18 @@
 #ifndef ORACLE_INTERNAL_H
 #define ORACLE_INTERNAL_H
 
+#include "ref/oracle/early.h"
 #include "ref/oracle/oracle.h"
+#include "ref/oracle/tree.h"
 
 struct oracle {
     const struct scene *scene;
     uint8_t *flat; /* per triangle: its vertices are collinear */
+    struct tree tree;
+    double *coordinate; /* what soup points into; in the order of the tree */
+    struct early_soup soup;
+    struct box *run; /* bounds of each EARLY_MOST triangles of that order */
+    const struct early_kernel *kernel;
 };
 
 /* Whether a ray is decided at all: finite but for tmax = INFINITY, and tmin <= tmax. */

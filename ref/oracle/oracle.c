@@ -1,6 +1,7 @@
 #include "ref/oracle/oracle.h"
 
 #include "ref/oracle/environment.h"
+#include "ref/oracle/filter.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/pair.h"
 
@@ -14,6 +15,36 @@ const char *oracle_class_name(enum oracle_class class)
     return class < ORACLE_CLASS_COUNT ? name[class] : "unknown";
 }
 
+/* The triangles in the order of the tree, a column per coordinate, and the bounds of their runs. */
+static enum status gather(struct oracle *oracle)
+{
+    const struct scene *scene = oracle->scene;
+    size_t count = scene->tri_count, column = count + EARLY_PAD;
+    oracle->coordinate = alloc_zeroed(9 * column, sizeof *oracle->coordinate);
+    oracle->run = alloc_zeroed(count / EARLY_MOST + 1, sizeof *oracle->run);
+    oracle->flat = alloc_zeroed(count, 1);
+    if (!oracle->coordinate || !oracle->run || !oracle->flat)
+        return STATUS_MEMORY;
+    for (size_t i = 0; i < count; i++) {
+        float v[3][3];
+        uint32_t prim = oracle->tree.order[i];
+        struct box *run = &oracle->run[i / EARLY_MOST];
+        scene_tri(scene, prim, v);
+        if (i % EARLY_MOST == 0)
+            *run = box_empty();
+        for (size_t c = 0; c < 3; c++) {
+            box_add_point(run, v[c]);
+            for (size_t k = 0; k < 3; k++)
+                oracle->coordinate[(3 * c + k) * column + i] = (double)v[c][k];
+        }
+        oracle->flat[prim] = !filter_has_area(v) && exact_no_area(v);
+    }
+    for (size_t c = 0; c < 3; c++)
+        for (size_t k = 0; k < 3; k++)
+            oracle->soup.v[c][k] = oracle->coordinate + (3 * c + k) * column;
+    return STATUS_OK;
+}
+
 enum status oracle_make(const struct scene *scene, struct oracle **out, struct reason *reason)
 {
     *out = NULL;
@@ -24,15 +55,13 @@ enum status oracle_make(const struct scene *scene, struct oracle **out, struct r
     if (!oracle)
         return fail(reason, STATUS_MEMORY, "oracle: no memory");
     oracle->scene = scene;
-    oracle->flat = alloc_zeroed(scene->tri_count, 1);
-    if (!oracle->flat) {
+    oracle->kernel = early_best();
+    status = tree_make(scene, &oracle->tree, reason);
+    if (!status && (status = gather(oracle)))
+        fail(reason, status, "oracle: no memory for %u triangles", scene->tri_count);
+    if (status) {
         oracle_free(oracle);
-        return fail(reason, STATUS_MEMORY, "oracle: no memory for %u triangles", scene->tri_count);
-    }
-    for (uint32_t prim = 0; prim < scene->tri_count; prim++) {
-        float v[3][3];
-        scene_tri(scene, prim, v);
-        oracle->flat[prim] = exact_no_area(v);
+        return status;
     }
     *out = oracle;
     return STATUS_OK;
@@ -42,6 +71,9 @@ void oracle_free(struct oracle *oracle)
 {
     if (!oracle)
         return;
+    tree_free(&oracle->tree);
+    free(oracle->coordinate);
+    free(oracle->run);
     free(oracle->flat);
     free(oracle);
 }

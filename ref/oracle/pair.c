@@ -124,13 +124,14 @@ void pair_decide(const struct scene *scene, bool flat, const struct ray *ray, ui
     if (flat && depth == PAIR_HITS)
         return;
     scene_tri(scene, prim, v);
-    filter_eval(ray, v, &filter);
+    filter_edges(ray, v, &filter);
     for (int c = 0; c < 3; c++) {
         positive |= filter_sign(filter.w[c], filter.w_err[c]) > 0;
         negative |= filter_sign(filter.w[c], filter.w_err[c]) < 0;
     }
     if (depth == PAIR_HITS && positive && negative)
         return;
+    filter_plane(v, &filter);
     if (!flat && by_filter(ray, &filter, &out->pair))
         return;
     stats->undecided++;

@@ -1,0 +1,175 @@
+#include "ref/oracle/tree.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define BINS 16
+/* From this depth on nodes are halved by count: 2^32 triangles end 32 levels below. */
+#define DEEP (TREE_DEPTH - 36)
+
+/* What is known of a triangle while building. */
+struct part {
+    struct box box;
+    float middle[3]; /* of the box, rounded anyhow: it only decides where a triangle goes */
+    uint32_t prim;
+};
+
+struct build {
+    struct part *part;
+    struct tree *tree;
+};
+
+/* In double, since the sides may be as long as 2^129. */
+static double half_area(const struct box *box)
+{
+    double side[3];
+    for (int k = 0; k < 3; k++) {
+        side[k] = (double)box->hi[k] - (double)box->lo[k];
+        if (side[k] < 0)
+            return 0;
+    }
+    return side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
+}
+
+struct split {
+    int axis; /* -1: none */
+    double origin, scale;
+    int bin; /* bins up to this one go left */
+};
+
+static int bin_of(const struct split *split, const struct part *part)
+{
+    double at = ((double)part->middle[split->axis] - split->origin) * split->scale;
+    return at < 0 ? 0 : at >= BINS ? BINS - 1 : (int)at;
+}
+
+/* Cheapest split of one axis; leaves *best alone if there is none cheaper than *cost. */
+static void try_axis(const struct part *part, uint32_t count, struct split split, double *cost,
+                     struct split *best)
+{
+    struct box box[BINS], below = box_empty(), above = box_empty();
+    uint32_t size[BINS] = {0}, left = 0, right = 0;
+    double below_cost[BINS];
+    for (int b = 0; b < BINS; b++)
+        box[b] = box_empty();
+    for (uint32_t i = 0; i < count; i++) {
+        int b = bin_of(&split, &part[i]);
+        size[b]++;
+        box_add_box(&box[b], &part[i].box);
+    }
+    for (int b = 0; b < BINS - 1; b++) {
+        box_add_box(&below, &box[b]);
+        left += size[b];
+        below_cost[b] = left * half_area(&below);
+    }
+    for (int b = BINS - 2; b >= 0; b--) {
+        box_add_box(&above, &box[b + 1]);
+        right += size[b + 1];
+        double both = below_cost[b] + right * half_area(&above);
+        if (right > 0 && right < count && both < *cost) {
+            *cost = both;
+            *best = split;
+            best->bin = b;
+        }
+    }
+}
+
+static struct split find_split(const struct part *part, uint32_t count)
+{
+    struct box middles = box_empty();
+    struct split best = {.axis = -1};
+    double cost = INFINITY;
+    for (uint32_t i = 0; i < count; i++)
+        box_add_point(&middles, part[i].middle);
+    for (int k = 0; k < 3; k++) {
+        double extent = (double)middles.hi[k] - (double)middles.lo[k];
+        struct split split = {k, (double)middles.lo[k], BINS / extent, 0};
+        if (extent > 0)
+            try_axis(part, count, split, &cost, &best);
+    }
+    return best;
+}
+
+/* Puts what goes left first; returns how many. Halves the list where no split tells them apart. */
+static uint32_t partition(struct part *part, uint32_t count, unsigned depth)
+{
+    struct split split = {.axis = -1};
+    if (depth < DEEP)
+        split = find_split(part, count);
+    if (split.axis < 0)
+        return count / 2;
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (bin_of(&split, &part[i]) <= split.bin) {
+            struct part swap = part[i];
+            part[i] = part[left];
+            part[left++] = swap;
+        }
+    return left;
+}
+
+static void make_node(const struct build *build, uint32_t at, uint32_t first, uint32_t count,
+                      unsigned depth);
+
+/* Fills in one child of node `at`. */
+static void make_child(const struct build *build, uint32_t at, int side, uint32_t first,
+                       uint32_t count, unsigned depth)
+{
+    struct box box = box_empty();
+    struct tree *tree = build->tree;
+    for (uint32_t i = 0; i < count; i++)
+        box_add_box(&box, &build->part[first + i].box);
+    for (int k = 0; k < 3; k++) {
+        tree->node[at].lo[k][side] = box.lo[k];
+        tree->node[at].hi[k][side] = box.hi[k];
+    }
+    bool leaf = count <= TREE_LEAF;
+    tree->node[at].child[side] = leaf ? first : tree->node_count;
+    tree->node[at].count[side] = leaf ? count : 0;
+    if (!leaf)
+        make_node(build, tree->node_count++, first, count, depth + 1);
+}
+
+static void make_node(const struct build *build, uint32_t at, uint32_t first, uint32_t count,
+                      unsigned depth)
+{
+    uint32_t left = count <= TREE_LEAF ? count : partition(build->part + first, count, depth);
+    make_child(build, at, 0, first, left, depth);
+    make_child(build, at, 1, first + left, count - left, depth);
+}
+
+enum status tree_make(const struct scene *scene, struct tree *out, struct reason *reason)
+{
+    uint32_t count = scene->tri_count;
+    struct build build = {alloc_zeroed(count, sizeof *build.part), out};
+    /* Inner nodes are one fewer than leaves, and each node but the root has two leaves or more
+     * below it. */
+    *out = (struct tree){.node = alloc_zeroed((size_t)count + 1, sizeof *out->node),
+                         .order = alloc_zeroed(count, sizeof *out->order),
+                         .tri_count = count};
+    if (!build.part || !out->node || !out->order) {
+        free(build.part);
+        tree_free(out);
+        return fail(reason, STATUS_MEMORY, "oracle: no memory for a tree of %u triangles", count);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        build.part[i].box = scene_tri_bounds(scene, i);
+        build.part[i].prim = i;
+        for (int k = 0; k < 3; k++)
+            build.part[i].middle[k] =
+                0.5f * build.part[i].box.lo[k] + 0.5f * build.part[i].box.hi[k];
+    }
+    out->node_count = 1;
+    make_node(&build, 0, 0, count, 1);
+    for (uint32_t i = 0; i < count; i++)
+        out->order[i] = build.part[i].prim;
+    free(build.part);
+    return STATUS_OK;
+}
+
+void tree_free(struct tree *tree)
+{
+    free(tree->node);
+    free(tree->order);
+    *tree = (struct tree){0};
+}

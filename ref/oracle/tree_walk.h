@@ -1,0 +1,120 @@
+/* Visits the leaves of a tree that a ray may meet, nearest entry first as far as a stack does that.
+ * For the oracle's own files. */
+#ifndef ORACLE_TREE_WALK_H
+#define ORACLE_TREE_WALK_H
+
+#include "ref/abi.h"
+#include "ref/oracle/tree.h"
+
+#include <math.h>
+
+/* A child still to be visited: side at & 1 of node at >> 1. */
+struct tree_entry {
+    double near;
+    uint32_t at;
+};
+
+struct tree_walk {
+    const struct tree *tree;
+    double o[3], inverse[3];
+    double tmin;
+    bool still[3];    /* the direction is 0 along this axis */
+    bool backward[3]; /* it is negative */
+    unsigned top;
+    struct tree_entry stack[TREE_DEPTH + 1];
+};
+
+/* A run of triangles of tree.order, and a bound on |v - o| in every axis of each. */
+struct tree_leaf {
+    uint32_t first, count;
+    double largest;
+};
+
+static inline double tree_max(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline double tree_min(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/* Pushes the children of a node that the ray enters no later than `reach`, the nearer one last. */
+static inline void tree_visit(struct tree_walk *walk, uint32_t at, double reach)
+{
+    const struct tree_node *node = &walk->tree->node[at];
+    double near[2] = {-INFINITY, -INFINITY}, far[2] = {INFINITY, INFINITY};
+    for (int k = 0; k < 3; k++) {
+        const float *in = walk->backward[k] ? node->hi[k] : node->lo[k];
+        const float *out = walk->backward[k] ? node->lo[k] : node->hi[k];
+        for (int side = 0; side < 2; side++) {
+            double enter = ((double)in[side] - walk->o[k]) * walk->inverse[k];
+            double leave = ((double)out[side] - walk->o[k]) * walk->inverse[k];
+            if (walk->still[k]) {
+                bool beside = walk->o[k] < (double)in[side] || walk->o[k] > (double)out[side];
+                enter = beside ? INFINITY : -INFINITY;
+                leave = INFINITY;
+            }
+            near[side] = tree_max(near[side], enter);
+            far[side] = tree_min(far[side], leave);
+        }
+    }
+    bool enters[2];
+    for (int side = 0; side < 2; side++) {
+        near[side] -= fabs(near[side]) * TREE_PAD;
+        far[side] += fabs(far[side]) * TREE_PAD;
+        enters[side] = near[side] <= far[side] && near[side] <= reach && far[side] >= walk->tmin;
+    }
+    int last = near[1] < near[0];
+    for (int n = 0; n < 2; n++) {
+        int side = n == 0 ? !last : last;
+        if (enters[side])
+            walk->stack[walk->top++] = (struct tree_entry){near[side], 2 * at + (uint32_t)side};
+    }
+}
+
+/* The direction is not 0 in every axis. */
+static inline void tree_walk_start(struct tree_walk *walk, const struct tree *tree,
+                                   const struct ray *ray)
+{
+    walk->tree = tree;
+    walk->top = 0;
+    walk->tmin = (double)ray->tmin;
+    for (int k = 0; k < 3; k++) {
+        walk->o[k] = (double)ray->org[k];
+        walk->still[k] = ray->dir[k] == 0;
+        walk->backward[k] = ray->dir[k] < 0;
+        walk->inverse[k] = walk->still[k] ? 0 : 1 / (double)ray->dir[k];
+    }
+    tree_visit(walk, 0, (double)ray->tmax);
+}
+
+/* The next leaf that the ray may enter at t <= reach, which may shrink from call to call; false if
+ * there is none. */
+static inline bool tree_walk_next(struct tree_walk *walk, double reach, struct tree_leaf *leaf)
+{
+    while (walk->top > 0) {
+        struct tree_entry entry = walk->stack[--walk->top];
+        if (entry.near > reach)
+            continue;
+        const struct tree_node *node = &walk->tree->node[entry.at >> 1];
+        uint32_t side = entry.at & 1;
+        if (node->count[side] == 0) {
+            tree_visit(walk, node->child[side], reach);
+            continue;
+        }
+        leaf->first = node->child[side];
+        leaf->count = node->count[side];
+        leaf->largest = 0;
+        for (int k = 0; k < 3; k++) {
+            double below = walk->o[k] - (double)node->lo[k][side];
+            double above = (double)node->hi[k][side] - walk->o[k];
+            leaf->largest = tree_max(leaf->largest, tree_max(below, above));
+        }
+        return true;
+    }
+    return false;
+}
+
+#endif
