@@ -27,13 +27,14 @@
 #define ABI_SPEC_STACK     4 /* entries of the traversal stack: 16, 32 or 64 */
 
 /* Values of ABI_SPEC_BOX, ABI_SPEC_TRI and ABI_SPEC_QUERY. */
-#define ABI_BOX_RTRS      0u
-#define ABI_BOX_ROBUST    1u
-#define ABI_TRI_MT_RTRS   0u
-#define ABI_TRI_MT        1u
-#define ABI_TRI_WOOP      2u
-#define ABI_QUERY_CLOSEST 0u
-#define ABI_QUERY_ANY     1u
+#define ABI_BOX_RTRS       0u
+#define ABI_BOX_ROBUST     1u
+#define ABI_BOX_WATERTIGHT 2u
+#define ABI_TRI_MT_RTRS    0u
+#define ABI_TRI_MT         1u
+#define ABI_TRI_WOOP       2u
+#define ABI_QUERY_CLOSEST  0u
+#define ABI_QUERY_ANY      1u
 
 /* Descriptor bindings, set 0. */
 #define ABI_BIND_RAYS  0 /* struct ray[] */

@@ -22,5 +22,7 @@
 #define MUTANT_TREE_UNPADDED  22 /* the oracle's tree trusts its box test to the last bit */
 #define MUTANT_EARLY_BOUND    24 /* the vectorised filter claims less error than it has */
 #define MUTANT_ENDS_SWAPPED   23 /* open ranges are taken as closed and closed ones as open */
+#define MUTANT_NEAR_KEPT      30 /* watertight: near plane factor 1 */
+#define MUTANT_BEHIND_FORGOT  31 /* watertight: nothing reaches behind the origin */
 
 #endif

@@ -84,7 +84,7 @@ static bool walk_pop(struct walk *w, uint32_t *next)
     while (w->depth > 0) {
         w->depth--;
         *next = w->ref[w->depth];
-        if (w->box_id != ABI_BOX_ROBUST || w->entry[w->depth] <= w->tbest)
+        if (w->box_id == ABI_BOX_RTRS || w->entry[w->depth] <= w->tbest)
             return true;
     }
     return false;
@@ -97,6 +97,7 @@ static enum status walk_tree(struct walk *w)
     if (packed->node_count == 0)
         return STATUS_OK;
     struct box root = packed->layout->box(packed, packed->root);
+    slab_ray_place(&w->slab, &root);
     w->counts.boxes++;
     if (!box_test_run(w->box_id, &w->slab, &root, w->tbest, &entry))
         return STATUS_OK;

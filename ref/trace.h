@@ -16,9 +16,8 @@ struct trace_counts {
  *   test the root's box; then per node: a leaf tests its items in slot order, a later item wins
  *   only with a smaller t; an inner node tests its children's boxes in order, pushes the later
  *   one and goes on with the earlier one (layout->order).
- * A popped node is skipped if its entry distance is beyond the best t (robust box test only).
- * QUERY_ANY stops at the first accepted triangle.
- *   scene   the packed tree's scene; borrowed
+ * A popped node is skipped if its entry distance is beyond the best t (not by the published box
+ * test). QUERY_ANY stops at the first accepted triangle. scene   the packed tree's scene; borrowed
  *   counts  may be NULL; added to
  * Returns STATUS_OK; STATUS_LIMIT if the stack or the node budget is exhausted (a cyclic tree, or
  * packed.stack_need untrue): then *out is a miss and must not be believed. */

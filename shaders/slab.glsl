@@ -13,6 +13,12 @@
 #else
 #define SLAB_FAR 1.0000019073486328125 /* 1 + 2^-19 */
 #endif
+#define SLAB_NEAR 0.999996185302734375 /* 1 - 2^-18 */
+#if MUTANT == MUTANT_BEHIND_FORGOT
+#define SLAB_BEHIND 0.0
+#else
+#define SLAB_BEHIND 0.0000019073486328125 /* 2^-19 */
+#endif
 #define SLAB_RTRS_EPS 0.000002
 #define SLAB_RTRS_INF 274877906944.0 /* 2^38 */
 
@@ -30,6 +36,8 @@ struct slab_ray {
     vec3 pad;      /* SLAB_FAR, AWAY_PAD where parallel */
     vec3 at_most;  /* o where parallel, else infinity: at least the near plane of a box hit */
     vec3 at_least; /* o where parallel, else -infinity: at most the far plane of a box hit */
+    uint main;     /* the largest axis of |d|, the first of equal ones */
+    float behind;  /* watertight: SLAB_BEHIND of the scene's reach behind the origin */
     bvec3 swapped; /* the upper bound is met first */
     float tmin;
 };
@@ -55,7 +63,9 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     vec3 a = slab_select(negative, minus, d);
     float largest = 0.0;
     largest = a.x > largest ? a.x : largest;
+    r.main = a.y > largest ? 1u : 0u;
     largest = a.y > largest ? a.y : largest;
+    r.main = a.z > largest ? 2u : r.main;
     largest = a.z > largest ? a.z : largest;
     precise float least = SLAB_PARALLEL * largest;
     bvec3 crossing = bvec3(a.x > 0.0 && a.x >= least, a.y > 0.0 && a.y >= least,
@@ -75,7 +85,17 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     if (BOX_TEST == ABI_BOX_RTRS) /* it orders the planes itself */
         r.swapped = bvec3(false);
     r.tmin = tmin;
+    r.behind = 0.0;
     return r;
+}
+
+/* `nearer` is of a box that holds every vertex. */
+void slab_ray_place(inout slab_ray r, vec3 nearer)
+{
+    precise vec3 t = (nearer - r.o) * r.inv;
+    float along = r.main == 0u ? t.x : r.main == 1u ? t.y : t.z;
+    precise float reach = -along * SLAB_BEHIND;
+    r.behind = along < 0.0 ? reach : 0.0;
 }
 
 bool slab_robust(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float entry)
@@ -101,6 +121,25 @@ bool slab_robust(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float e
 #endif
 }
 
+bool slab_watertight(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float entry)
+{
+    precise vec3 a = (nearer - r.o_near) * r.inv;
+    precise vec3 b = (farther - r.o_far) * r.inv;
+    float tn = r.tmin, tf = tbest;
+    tn = a.x > tn ? a.x : tn;
+    tf = b.x < tf ? b.x : tf;
+    tn = a.y > tn ? a.y : tn;
+    tf = b.y < tf ? b.y : tf;
+    tn = a.z > tn ? a.z : tn;
+    tf = b.z < tf ? b.z : tf;
+    precise float lowered = tn * SLAB_NEAR - r.behind;
+    entry = lowered;
+    bool inside = nearer.x <= r.at_most.x && nearer.y <= r.at_most.y && nearer.z <= r.at_most.z &&
+                  r.at_least.x <= farther.x && r.at_least.y <= farther.y &&
+                  r.at_least.z <= farther.z;
+    return inside && lowered <= tf;
+}
+
 bool slab_rtrs(slab_ray r, vec3 lo, vec3 hi, out float entry)
 {
     precise vec3 t0 = (lo - SLAB_RTRS_EPS - r.o) / r.d;
@@ -122,6 +161,8 @@ bool slab_rtrs(slab_ray r, vec3 lo, vec3 hi, out float entry)
 /* The box test of the pipeline. */
 bool slab_test(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float entry)
 {
+    if (BOX_TEST == ABI_BOX_WATERTIGHT)
+        return slab_watertight(r, nearer, farther, tbest, entry);
     if (BOX_TEST == ABI_BOX_ROBUST)
         return slab_robust(r, nearer, farther, tbest, entry);
     return slab_rtrs(r, nearer, farther, entry);

@@ -41,7 +41,7 @@ node stack_pop(float tbest)
     bool found = false;
     while (stack_count > 0u && !found) {
         stack_count--;
-        found = BOX_TEST != ABI_BOX_ROBUST || stack_entry[stack_count] <= tbest;
+        found = BOX_TEST == ABI_BOX_RTRS || stack_entry[stack_count] <= tbest;
     }
     if (found)
         return stack_node[stack_count];
@@ -162,6 +162,7 @@ void main()
         vec3 nearer, farther;
         float entry;
         node root = node_load(slab, job.root, nearer, farther);
+        slab_ray_place(slab, nearer);
         if (slab_test(slab, nearer, farther, tbest, entry))
             walk(slab, tri_ray_make(org.xyz, dir.xyz, org.w, dir.w), root, best, prim, tbest);
     }

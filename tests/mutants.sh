@@ -132,6 +132,8 @@ in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c check platonic --layout rf16 
 in_header SLAB_STRICT test_boxes
 in_program SWAPPED_CHILD ref/trace.c check soup --layout f32 --engine cpu --count 5000 --repeat 1
 in_header FAR_NOT_PADDED test_boxes
+in_header NEAR_KEPT test_boxes
+in_test BEHIND_FORGOT ref/trace.c test_watertight
 in_program SHORT_STACK ref/packed.c check "$out/duplicates.obj" --layout f32 --leaf 1 --engine cpu --rays primary --count 5000 --repeat 1
 in_test BAD_TWIN ref/twin.c test_twin
 in_test FILTER_BOUND ref/oracle/filter.c test_oracle
@@ -144,6 +146,7 @@ in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --rays r
 in_shaders SWAPPED_CHILD check soup --layout f32 --engine vulkan --count 5000 --repeat 1
 in_shaders SHORT_STACK test_vulkan_trace
 in_shaders FAR_NOT_PADDED check soup --layout f32 --engine vulkan --rays corners --count 400000 --repeat 1
+in_shaders BEHIND_FORGOT test_vulkan_watertight
 in_shaders LOST_SLOT check soup --layout rf16 --engine vulkan --leaf 8 --count 5000 --repeat 1
 in_shaders ZERO_IS_EMPTY check platonic --layout rf16 --engine vulkan --count 5000 --repeat 1
 

@@ -1,5 +1,5 @@
-/* Laws of ref/primitives/slab.h: the robust test against exact arithmetic, the published test as it
- * is. */
+/* Laws of ref/primitives/slab.h: the repaired tests against exact arithmetic, the published test as
+ * it is. */
 #include "ref/primitives/primitives.h"
 #include "ref/rng.h"
 
@@ -214,7 +214,7 @@ static void draw(struct rng *rng, enum sample kind, struct ray *ray, struct box 
 
 #define SAMPLES 200000
 
-static void robust_accepts_whatever_the_exact_ray_meets(void **state)
+static void repaired_tests_accept_whatever_the_exact_ray_meets(void **state)
 {
     (void)state;
     for (int kind = 0; kind < SAMPLE_COUNT; kind++) {
@@ -229,6 +229,10 @@ static void robust_accepts_whatever_the_exact_ray_meets(void **state)
             bool hit = slab_robust(&r, &box, ray.tmax, &entry);
             if (hit)
                 assert_true(entry >= ray.tmin);
+            slab_ray_place(&r, &box);
+            bool wide = slab_watertight(&r, &box, ray.tmax, &entry);
+            if (exact_meets(&ray, &box))
+                assert_true(wide);
             if (exact_meets(&ray, &box)) {
                 if (!hit)
                     fail_msg("kind %d: o %a %a %a d %a %a %a lo %a %a %a hi %a %a %a", kind,
@@ -360,7 +364,7 @@ static void rtrs_is_a_test_of_x_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(robust_accepts_whatever_the_exact_ray_meets),
+        cmocka_unit_test(repaired_tests_accept_whatever_the_exact_ray_meets),
         cmocka_unit_test(robust_keeps_the_corner_that_a_padding_of_4u_loses),
         cmocka_unit_test(robust_is_closed_in_every_direction),
         cmocka_unit_test(robust_takes_components_below_2_60_for_parallel),

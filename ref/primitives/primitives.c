@@ -7,12 +7,17 @@
 
 static const struct box_test box_robust = {
     .name = "robust", .summary = "slabs, far plane x (1 + 2^-19), closed", .id = ABI_BOX_ROBUST};
+static const struct box_test box_watertight = {
+    .name = "watertight",
+    .summary = "robust, widened by woop's rounding: a closed mesh stays closed on a tree",
+    .id = ABI_BOX_WATERTIGHT,
+    .watertight = true};
 static const struct box_test box_rtrs = {.name = "rtrs",
                                          .summary = "as published: y and z never cull",
                                          .id = ABI_BOX_RTRS,
                                          .faithful = true};
 
-const struct box_test *const box_tests[] = {&box_robust, &box_rtrs, NULL};
+const struct box_test *const box_tests[] = {&box_robust, &box_watertight, &box_rtrs, NULL};
 
 static const struct tri_test tri_mt = {
     .name = "mt", .summary = "Moeller-Trumbore, determinant not 0", .id = ABI_TRI_MT};

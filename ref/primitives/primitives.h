@@ -13,8 +13,9 @@ enum query {
 struct box_test {
     const char *name;
     const char *summary;
-    uint32_t id;   /* ABI_BOX_* */
-    bool faithful; /* as published, faults included */
+    uint32_t id;     /* ABI_BOX_* */
+    bool faithful;   /* as published, faults included */
+    bool watertight; /* a watertight triangle test stays so on a tree */
 };
 
 struct tri_test {
@@ -55,10 +56,12 @@ static inline bool tri_test_run(uint32_t id, const struct tri_ray *r, float v[3]
     return out->t >= r->tmin && out->t <= r->tmax;
 }
 
-/* Runs the box test `id` (ABI_BOX_*). */
+/* Runs the box test `id` (ABI_BOX_*); slab_ray_place has been called. */
 static inline bool box_test_run(uint32_t id, const struct slab_ray *r, const struct box *box,
                                 float tbest, float *entry)
 {
+    if (id == ABI_BOX_WATERTIGHT)
+        return slab_watertight(r, box, tbest, entry);
     if (id == ABI_BOX_ROBUST)
         return slab_robust(r, box, tbest, entry);
     return slab_rtrs(r, box, entry);

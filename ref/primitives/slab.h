@@ -19,6 +19,19 @@
 #define SLAB_FAR 0x1.00002p0f
 #endif
 
+/* What the watertight test takes off the near plane: a factor, and a share of how far the scene
+ * reaches behind the origin. See slab_watertight. */
+#if MUTANT == MUTANT_NEAR_KEPT
+#define SLAB_NEAR 1.0f
+#else
+#define SLAB_NEAR (1.0f - 0x1p-18f)
+#endif
+#if MUTANT == MUTANT_BEHIND_FORGOT
+#define SLAB_BEHIND 0.0f
+#else
+#define SLAB_BEHIND 0x1p-19f
+#endif
+
 /* Half width by which the published test widens a box, and its idea of infinity, 2^38. */
 #define SLAB_RTRS_EPS 0.000002f
 #define SLAB_RTRS_INF 0x1p38f
@@ -29,6 +42,8 @@ struct slab_ray {
     float d[3];
     float inv[3]; /* 1 / d, 0 where parallel */
     bool parallel[3];
+    int main; /* the largest axis of |d|, the first of equal ones: the one that woop shears along */
+    float behind; /* slab_watertight: SLAB_BEHIND of the scene's reach behind the origin */
     float tmin;
 };
 
@@ -38,6 +53,7 @@ static inline struct slab_ray slab_ray_make(const struct ray *ray)
     float largest = 0.0f;
     for (int k = 0; k < 3; k++) {
         float a = ray->dir[k] < 0.0f ? -ray->dir[k] : ray->dir[k];
+        r.main = a > largest ? k : r.main;
         largest = a > largest ? a : largest;
     }
     float least = SLAB_PARALLEL * largest;
@@ -76,6 +92,42 @@ static inline bool slab_robust(const struct slab_ray *r, const struct box *box, 
 #else
     return ok && tn <= tf; /* flat boxes have tn == tf */
 #endif
+}
+
+/* Tells a ray how far the scene reaches behind its origin, in t along its main axis; `bounds` holds
+ * every vertex. Called once, before slab_watertight. */
+static inline void slab_ray_place(struct slab_ray *r, const struct box *bounds)
+{
+    int k = r->main;
+    float near = r->d[k] < 0.0f ? bounds->hi[k] : bounds->lo[k];
+    float t = (near - r->o[k]) * r->inv[k];
+    r->behind = t < 0.0f ? -t * SLAB_BEHIND : 0.0f;
+}
+
+/* The robust test for woop: also true if woop accepts a triangle in the box only because its own
+ * rounding moved the triangle onto the ray. Woop is watertight over all triangles, but the one that
+ * it accepts need not be one that the exact ray hits, and of a triangle that reaches behind the
+ * origin the error does not shrink with the distance of the hit, so that no factor covers it. The
+ * whole allowance stands on the near side, so that nothing is cut off behind the best hit for less.
+ * Proof in CONTRIBUTING, "Where the constants come from". *entry can be below tmin, even negative.
+ */
+static inline bool slab_watertight(const struct slab_ray *r, const struct box *box, float tbest,
+                                   float *entry)
+{
+    float tn = r->tmin, tf = tbest;
+    bool ok = true;
+    for (int k = 0; k < 3; k++) {
+        if (r->parallel[k]) {
+            ok = ok && box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
+        } else {
+            float a = ((r->d[k] < 0.0f ? box->hi[k] : box->lo[k]) - r->o[k]) * r->inv[k];
+            float b = ((r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) - r->o[k]) * r->inv[k];
+            tn = a > tn ? a : tn;
+            tf = b < tf ? b : tf;
+        }
+    }
+    *entry = tn * SLAB_NEAR - r->behind;
+    return ok && *entry <= tf;
 }
 
 /* The published test: widens by an absolute 2e-6, divides, and lets y and z take no part because
