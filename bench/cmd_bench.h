@@ -45,7 +45,7 @@ struct benchmark {
     int (*run)(struct bench *bench);
 };
 
-extern const struct benchmark bench_layouts, bench_builders;
+extern const struct benchmark bench_layouts, bench_builders, bench_oracle;
 
 /* Median, least and most of `count` values, which are sorted in place; count >= 1. */
 struct spread {
