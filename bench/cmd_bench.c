@@ -20,6 +20,7 @@ static const char help[] =
     "  --engine E,..   engines, or 'all'                  [every engine that can run here]\n"
     "  --layout L,..   node layouts, or 'all'             [all but the seed's]\n"
     "  --tri T,..      triangle tests, or 'all'           [all but the seed's]\n"
+    "  --box B,..      box tests, or 'all'       [robust; watertight for watertight tests]\n"
     "  --rays R,..     ray sets, or 'all'                 [the benchmark's own]\n"
     "  --seed S        of rays and generators                                    [1]\n"
     "  --json FILE     all rows, for machines\n"
@@ -29,12 +30,12 @@ static const char help[] =
     "example: raydiff bench layouts --scene 'sphere:n=50;scenes/fetched/bunny.obj'\n"
     "benchmarks:\n";
 
-static const struct benchmark *const benchmarks[] = {&bench_layouts, &bench_builders, &bench_oracle,
-                                                     NULL};
+static const struct benchmark *const benchmarks[] = {&bench_layouts, &bench_error, &bench_builders,
+                                                     &bench_oracle, NULL};
 
 /* Names of the bits of benchmark.takes. */
-static const char *const taken[] = {"--engine", "--layout", "--tri", "--rays",
-                                    "--seed",   "--svg",    "--json"};
+static const char *const taken[] = {"--engine", "--layout", "--tri", "--box",
+                                    "--rays",   "--seed",   "--svg", "--json"};
 
 static void print_help(void)
 {
@@ -62,6 +63,7 @@ enum {
     OPT_ENGINE,
     OPT_LAYOUT,
     OPT_TRI,
+    OPT_BOX,
     OPT_RAYS,
     OPT_SEED,
     OPT_SVG,
@@ -99,6 +101,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return table_parse(TABLE_LAYOUTS, "--layout", text, &bench->layout, reason);
     case OPT_TRI:
         return table_parse(TABLE_TRI_TESTS, "--tri", text, &bench->tri, reason);
+    case OPT_BOX:
+        return table_parse(TABLE_BOX_TESTS, "--box", text, &bench->box, reason);
     case OPT_RAYS:
         return table_parse(TABLE_RAY_SETS, "--rays", text, &bench->rays, reason);
     case OPT_SEED:
@@ -178,13 +182,19 @@ static int run_benchmarks(struct bench *bench, const char *name)
 
 int cmd_bench(int argc, char **argv)
 {
-    static const struct option long_options[] = {
-        {"scene", 1, NULL, OPT_SCENE},   {"count", 1, NULL, OPT_COUNT},
-        {"rounds", 1, NULL, OPT_ROUNDS}, {"csv", 1, NULL, OPT_CSV},
-        {"engine", 1, NULL, OPT_ENGINE}, {"layout", 1, NULL, OPT_LAYOUT},
-        {"tri", 1, NULL, OPT_TRI},       {"rays", 1, NULL, OPT_RAYS},
-        {"seed", 1, NULL, OPT_SEED},     {"svg", 1, NULL, OPT_SVG},
-        {"json", 1, NULL, OPT_JSON},     ENGINE_OPTIONS};
+    static const struct option long_options[] = {{"scene", 1, NULL, OPT_SCENE},
+                                                 {"count", 1, NULL, OPT_COUNT},
+                                                 {"rounds", 1, NULL, OPT_ROUNDS},
+                                                 {"csv", 1, NULL, OPT_CSV},
+                                                 {"engine", 1, NULL, OPT_ENGINE},
+                                                 {"layout", 1, NULL, OPT_LAYOUT},
+                                                 {"tri", 1, NULL, OPT_TRI},
+                                                 {"box", 1, NULL, OPT_BOX},
+                                                 {"rays", 1, NULL, OPT_RAYS},
+                                                 {"seed", 1, NULL, OPT_SEED},
+                                                 {"svg", 1, NULL, OPT_SVG},
+                                                 {"json", 1, NULL, OPT_JSON},
+                                                 ENGINE_OPTIONS};
     struct bench bench = {.rounds = 9,
                           .seed = 1,
                           .engines = engine_options_default(),

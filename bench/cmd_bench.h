@@ -16,18 +16,19 @@
 #define BENCH_TAKES_ENGINE 1u
 #define BENCH_TAKES_LAYOUT 2u
 #define BENCH_TAKES_TRI    4u
-#define BENCH_TAKES_RAYS   8u
-#define BENCH_TAKES_SEED   16u
-#define BENCH_TAKES_SVG    32u
-#define BENCH_TAKES_JSON   64u
+#define BENCH_TAKES_BOX    8u
+#define BENCH_TAKES_RAYS   16u
+#define BENCH_TAKES_SEED   32u
+#define BENCH_TAKES_SVG    64u
+#define BENCH_TAKES_JSON   128u
 
 /* Settings of a run, and where its rows go. */
 struct bench {
     const char *scene[BENCH_SCENES]; /* the user's, if any */
     size_t scene_count;
-    uint64_t ray_count, rounds, seed;      /* ray_count 0: the benchmark's own */
-    struct list engine, layout, tri, rays; /* count 0: the benchmark's own */
-    unsigned given;                        /* BENCH_TAKES_*: options on the command line */
+    uint64_t ray_count, rounds, seed;           /* ray_count 0: the benchmark's own */
+    struct list engine, layout, tri, box, rays; /* count 0: the benchmark's own */
+    unsigned given;                             /* BENCH_TAKES_*: options on the command line */
     struct engine_options engines;
     struct progress progress;
     const char *csv_path, *json_path, *svg_path;
@@ -45,7 +46,7 @@ struct benchmark {
     int (*run)(struct bench *bench);
 };
 
-extern const struct benchmark bench_layouts, bench_builders, bench_oracle;
+extern const struct benchmark bench_layouts, bench_error, bench_builders, bench_oracle;
 
 /* Median, least and most of `count` values, which are sorted in place; count >= 1. */
 struct spread {

@@ -136,6 +136,20 @@ printf '%s' '{"uniforms":[{"fst":0,"snd":0,"item_idx":0,"item_count":1,"bounds":
     bad "precompute writes the seed's bytes"
 expect 0 . precompute --scene "$dir/copies.obj" --eps 0 --builder median --out "$dir/x"
 
+# Benchmarks: small ones, complete files.
+expect 0 . bench error --scene 'sphere:n=3;soup:n=9,size=0.4' --count 300 --rounds 1 --engine cpu --rays vertices \
+    --layout f32,rf16 --tri mt,woop --svg "$dir/e.svg" --csv "$dir/e.csv" --json "$dir/e.json"
+grep -q '^cpu  *f32  *watertight  *woop' "$dir/out" || bad "bench error has a row per engine, layout and test"
+[ "$(grep -c '^error,' "$dir/e.csv")" -eq 8 ] || bad "bench error --csv has a row per contestant"
+grep -q '^error,"soup:n=9,size=0.4",9,vertices,' "$dir/e.csv" || bad "a CSV text with a comma is quoted"
+[ "$(grep -c '"edge_leaks"' "$dir/e.json")" -eq 8 ] || bad "bench error --json has a row per contestant"
+if command -v xmllint >/dev/null; then
+    xmllint --noout "$dir/e.svg" 2>"$dir/err" || bad "bench error --svg is not well-formed"
+fi
+[ "$(grep -c '<circle' "$dir/e.svg")" -gt 8 ] || bad "bench error --svg shows no points"
+expect 2 'no-such-folder' bench error --scene sphere:n=3 --count 10 --rounds 1 --engine cpu --svg "$dir/no-such-folder/x.svg"
+expect 2 . bench error --scene soup:n=100000,size=0.001 --layout rf16 --engine cpu --count 10 --rounds 1
+
 [ -z "$(ls "$dir" | grep -i tmp)" ] || bad "a temporary file was left behind"
 
 # Scenes: what they are, and from one format to another.

@@ -1,0 +1,336 @@
+/* What raydiff bench error shows: tables, rows for machines, a plot. */
+#include "bench/cmd_bench_error.h"
+#include "bench/plot.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void print_name(const struct error_row *row)
+{
+    printf("%-13s %-13s %-10s %-7s ", row->engine->name, row->layout ? row->layout->name : "-",
+           row->box ? row->box->name : "-", row->tri ? row->tri->name : "own");
+}
+
+static void print_rate(size_t events, size_t count)
+{
+    char text[32];
+    error_rate_text(events, count, text, sizeof text);
+    printf(" %8s", text);
+}
+
+static void print_speeds(const struct error_page *page)
+{
+    printf("%-13s %-13s %-10s %-7s %-23s %-27s %8s %8s %8s %8s %8s\n", "per million:", "", "", "",
+           "", "", "", "", "", "leaks", "leaks");
+    printf("%-13s %-13s %-10s %-7s %-23s %-27s %8s %8s %8s %8s %8s %6s %6s %6s\n", "engine",
+           "nodes", "box", "tri", "Mray/s (least-most)", "ratio (least-most)", "lost", "phantom",
+           "wrong id", "edge", "vertex", "named", "WRONG", "err/E");
+    for (size_t i = 0; i < page->row_count; i++) {
+        const struct error_row *row = &page->row[i];
+        char speed[48], ratio[64];
+        snprintf(speed, sizeof speed, "%.3f (%.3f-%.3f)", row->mrays.median, row->mrays.least,
+                 row->mrays.most);
+        snprintf(ratio, sizeof ratio, "%.2f (%.2f-%.2f) of %s", row->ratio.median, row->ratio.least,
+                 row->ratio.most, row->base);
+        print_name(row);
+        printf("%-23s %-27s", speed, ratio);
+        print_rate(row->sum.kind[ERROR_LOST], row->sum.rays);
+        print_rate(row->sum.kind[ERROR_PHANTOM], row->sum.rays);
+        print_rate(row->sum.kind[ERROR_WRONG], row->sum.rays);
+        for (int target = 0; target < LEAK_TARGETS; target++)
+            print_rate(row->leak[target], page->leak_rays[target]);
+        if (isnan(row->over))
+            printf(" %6s %6s %6s\n", "-", "-", "-");
+        else if (row->judged)
+            printf(" %6zu %6zu %6.3f\n", row->named, row->wrong, row->over);
+        else
+            printf(" %6zu (%4zu) %6.3f\n", row->named, row->wrong, row->over);
+    }
+}
+
+static void print_quantiles(const struct quantiles *q)
+{
+    const double value[3] = {q->p50, q->p99, q->most};
+    for (int k = 0; k < 3; k++)
+        printf(" %8.3g", value[k]);
+}
+
+/* A factor, or that there is none. */
+static void print_factor(double value)
+{
+    if (isfinite(value))
+        printf(" %6.3f", value);
+    else
+        printf(" %6s", "-");
+}
+
+static void print_accuracy(const struct error_page *page)
+{
+    printf("%-13s %-13s %-10s %-7s %26s %26s %26s %6s %6s %6s %7s\n", "in u x size:", "", "", "",
+           "forward", "plane", "point", "boxes", "tris", "bytes", "bytes");
+    printf("%-13s %-13s %-10s %-7s", "engine", "nodes", "box", "tri");
+    for (int k = 0; k < 3; k++)
+        printf(" %8s %8s %8s", "p50", "p99", "max");
+    printf(" %6s %6s %6s %7s\n", "/f32", "/f32", "/node", "/tri");
+    for (size_t i = 0; i < page->row_count; i++) {
+        const struct error_row *row = &page->row[i];
+        print_name(row);
+        print_quantiles(&row->sum.forward);
+        print_quantiles(&row->sum.plane);
+        print_quantiles(&row->sum.point);
+        print_factor(row->boxes_to_f32);
+        print_factor(row->tris_to_f32);
+        if (row->layout)
+            printf(" %6u %7.1f\n", row->layout->node_bytes,
+                   (double)(row->node_bytes + row->item_bytes) / (double)page->tri_count);
+        else
+            printf(" %6s %7s\n", "-", "-");
+    }
+}
+
+static void set(json_t *row, const char *name, json_t *value)
+{
+    json_object_set_new(row, name, value);
+}
+
+static void set_count(json_t *row, const char *name, uint64_t value)
+{
+    set(row, name, json_integer((json_int_t)value));
+}
+
+/* NAME_a, NAME_b and NAME_c. */
+static void set_three(json_t *row, const char *name, const char *const part[3],
+                      const double value[3])
+{
+    for (int k = 0; k < 3; k++) {
+        char full[48];
+        snprintf(full, sizeof full, "%s_%s", name, part[k]);
+        set(row, full, bench_number(value[k]));
+    }
+}
+
+static void set_spread(json_t *row, const char *name, const struct spread *s)
+{
+    static const char *const part[3] = {"median", "min", "max"};
+    set_three(row, name, part, (const double[3]){s->median, s->least, s->most});
+}
+
+static void set_quantiles(json_t *row, const char *name, const struct quantiles *q)
+{
+    static const char *const part[3] = {"p50", "p99", "max"};
+    set_three(row, name, part, (const double[3]){q->p50, q->p99, q->most});
+}
+
+static json_t *row_json(const struct bench *bench, const struct error_page *page,
+                        const struct error_row *row)
+{
+    const struct error_sum *sum = &row->sum;
+    json_t *out = json_object();
+    if (!out)
+        return NULL;
+    set(out, "scene", json_string(page->scene));
+    set_count(out, "triangles", page->tri_count);
+    set(out, "rays", json_string(page->rays));
+    set_count(out, "seed", bench->seed);
+    set(out, "engine", json_string(row->engine->name));
+    set(out, "layout", row->layout ? json_string(row->layout->name) : json_null());
+    set(out, "box", row->box ? json_string(row->box->name) : json_null());
+    set(out, "tri", row->tri ? json_string(row->tri->name) : json_null());
+    set_count(out, "count", page->ray_count);
+    set_count(out, "rounds", bench->rounds);
+    set_spread(out, "mrays", &row->mrays);
+    set(out, "base", json_string(row->base));
+    set_spread(out, "ratio", &row->ratio);
+    set_count(out, "exact_hits", page->exact_hits);
+    set_count(out, "compared", sum->rays);
+    set_count(out, "hits", sum->hits);
+    set_count(out, "lost", sum->kind[ERROR_LOST]);
+    set_count(out, "phantom", sum->kind[ERROR_PHANTOM]);
+    set_count(out, "wrong_id", sum->kind[ERROR_WRONG]);
+    set_count(out, "in_plane", sum->kind[ERROR_FREE]);
+    set_count(out, "edge_rays", page->leak_rays[LEAK_EDGE]);
+    set_count(out, "edge_leaks", row->leak[LEAK_EDGE]);
+    set_count(out, "vertex_rays", page->leak_rays[LEAK_VERTEX]);
+    set_count(out, "vertex_leaks", row->leak[LEAK_VERTEX]);
+    set(out, "judged", json_boolean(row->judged));
+    set_count(out, "named", row->named);
+    set_count(out, "wrong", row->wrong);
+    set(out, "err_over_bound", bench_number(row->over));
+    set_quantiles(out, "forward", &sum->forward);
+    set_quantiles(out, "plane", &sum->plane);
+    set_quantiles(out, "point", &sum->point);
+    set(out, "boxes_per_ray", bench_number(row->boxes));
+    set(out, "tris_per_ray", bench_number(row->tris));
+    set(out, "boxes_to_f32", bench_number(row->boxes_to_f32));
+    set(out, "tris_to_f32", bench_number(row->tris_to_f32));
+    set(out, "bytes_per_node",
+        row->layout ? json_integer((json_int_t)row->layout->node_bytes) : json_null());
+    set_count(out, "node_bytes", row->node_bytes);
+    set_count(out, "item_bytes", row->item_bytes);
+    set_count(out, "memory_bytes", row->memory_bytes);
+    return out;
+}
+
+void error_print(struct bench *bench, const struct error_page *page)
+{
+    printf("\n%s: %u triangles; %zu %s rays, seed %llu, of which exactly %zu hit; builder %s, "
+           "leaf %u; %llu rounds interleaved\n",
+           page->scene, page->tri_count, page->ray_count, page->rays,
+           (unsigned long long)bench->seed, page->exact_hits, builders[0]->name, BUILD_LEAF_DEFAULT,
+           (unsigned long long)bench->rounds);
+    if (page->leak_rays[LEAK_VERTEX])
+        printf("closed: %zu rays from inside aimed at edges, %zu at vertices\n",
+               page->leak_rays[LEAK_EDGE], page->leak_rays[LEAK_VERTEX]);
+    else
+        printf("no leaks counted: %s\n", page->no_leaks.text);
+    print_speeds(page);
+    print_accuracy(page);
+    for (size_t i = 0; i < page->row_count; i++)
+        bench_row(bench, &bench_error, row_json(bench, page, &page->row[i]));
+}
+
+void error_driver(const struct engine_options *options, char *text, size_t text_bytes)
+{
+    const struct engine *vulkan = engine_find("vulkan");
+    char line[1024];
+    snprintf(text, text_bytes, "%s", "");
+    if (!vulkan)
+        return;
+    vulkan->describe(options, line, sizeof line);
+    line[strcspn(line, "\n")] = '\0';
+    /* "0: DEVICE (DRIVER)": DRIVER is the last parenthesis; what it holds in parentheses is of the
+     * machine. */
+    size_t end = strlen(line), at = end;
+    int depth = 0;
+    if (end == 0 || line[end - 1] != ')')
+        return;
+    while (at > 0) {
+        at--;
+        depth += line[at] == ')' ? 1 : line[at] == '(' ? -1 : 0;
+        if (depth == 0)
+            break;
+    }
+    char *driver = line + at + 1;
+    driver[strcspn(driver, "()")] = '\0';
+    size_t length = strlen(driver);
+    while (length > 0 && driver[length - 1] == ' ')
+        driver[--length] = '\0';
+    snprintf(text, text_bytes, "%s", driver);
+}
+
+/* --- the plot ----------------------------------------------------------------------------- */
+
+enum { PANEL_WRONG, PANEL_LEAKS, PANEL_FORWARD, PANELS };
+
+/* What the figure of one page points to. */
+struct drawing {
+    char title[200], subtitle[200];
+    char name[CONTESTANTS][64];
+    struct plot_series series[CONTESTANTS];
+    struct plot_point point[PANELS][CONTESTANTS];
+};
+
+/* Place of `what` in the table, for a colour or a shape. */
+static unsigned place_in(const void *const *table, const void *what)
+{
+    for (unsigned i = 0; table[i]; i++)
+        if (table[i] == what)
+            return i;
+    return 0;
+}
+
+static struct plot_series series_of(const struct error_row *row, char *name, size_t name_bytes)
+{
+    unsigned tri = 3, layout = 2;
+    snprintf(name, name_bytes, "%s%s%s%s%s%s%s", row->engine->name, row->layout ? " " : "",
+             row->layout ? row->layout->name : "", row->box && row->box != box_tests[0] ? " " : "",
+             row->box && row->box != box_tests[0] ? row->box->name : "", row->tri ? " " : "",
+             row->tri ? row->tri->name : "");
+    if (row->tri)
+        tri = place_in((const void *const *)tri_tests, row->tri);
+    if (row->layout)
+        layout = place_in((const void *const *)layouts, row->layout);
+    return (struct plot_series){name, place_in((const void *const *)engines, row->engine), tri,
+                                layout};
+}
+
+/* A rate per million; of none, its upper limit. */
+static void set_rate(struct plot_point *point, size_t events, size_t count)
+{
+    point->below = count > 0 && events == 0;
+    point->y = count ? 1e6 * (double)(events ? events : 3) / (double)count : NAN;
+    point->y_lo = point->y_hi = point->y;
+}
+
+static void draw_row(const struct error_page *page, size_t i, struct drawing *drawing)
+{
+    const struct error_row *row = &page->row[i];
+    const struct error_sum *sum = &row->sum;
+    drawing->series[i] = series_of(row, drawing->name[i], sizeof drawing->name[i]);
+    for (int panel = 0; panel < PANELS; panel++)
+        drawing->point[panel][i] = (struct plot_point){
+            .series = i, .x = row->mrays.median, .x_lo = row->mrays.least, .x_hi = row->mrays.most};
+    set_rate(&drawing->point[PANEL_WRONG][i],
+             sum->kind[ERROR_LOST] + sum->kind[ERROR_PHANTOM] + sum->kind[ERROR_WRONG], sum->rays);
+    set_rate(&drawing->point[PANEL_LEAKS][i], row->leak[LEAK_EDGE] + row->leak[LEAK_VERTEX],
+             page->leak_rays[LEAK_EDGE] + page->leak_rays[LEAK_VERTEX]);
+    struct plot_point *forward = &drawing->point[PANEL_FORWARD][i];
+    forward->y = sum->forward.p99;
+    forward->y_lo = sum->forward.p50;
+    forward->y_hi = isfinite(sum->forward.most) ? sum->forward.most : sum->forward.p99;
+}
+
+static struct plot_figure draw(const struct error_page *page, const char *driver,
+                               struct drawing *drawing)
+{
+    static const char *const title[PANELS] = {"answers that are not the exact one",
+                                              "leaks out of the closed mesh",
+                                              "error of t: 50 %, 99 % (mark), largest"};
+    static const char *const label[PANELS] = {"per million rays, <3/N: arrow",
+                                              "per million rays, <3/N: arrow",
+                                              "|t - exact t| |d| / (u M)"};
+    struct plot_figure figure = {.title = drawing->title,
+                                 .subtitle = drawing->subtitle,
+                                 .series = drawing->series,
+                                 .series_count = page->row_count};
+    snprintf(drawing->title, sizeof drawing->title, "%.90s: %u triangles, %zu %s rays", page->scene,
+             page->tri_count, page->ray_count, page->rays);
+    snprintf(drawing->subtitle, sizeof drawing->subtitle,
+             "right is faster, down is more exact; bars: least to most of the rounds%s%s",
+             driver[0] ? "; vulkan is " : "", driver);
+    for (size_t i = 0; i < page->row_count; i++)
+        draw_row(page, i, drawing);
+    for (int panel = 0; panel < PANELS; panel++) {
+        if (panel == PANEL_LEAKS && page->leak_rays[LEAK_VERTEX] == 0)
+            continue;
+        figure.panel[figure.panel_count++] = (struct plot_panel){.title = title[panel],
+                                                                 .x_label = "speed, million rays/s",
+                                                                 .y_label = label[panel],
+                                                                 .point = drawing->point[panel],
+                                                                 .count = page->row_count};
+    }
+    return figure;
+}
+
+enum status error_plot(const char *path, const struct error_page *page, size_t count,
+                       const char *driver, struct reason *reason)
+{
+    struct plot_figure *figure = alloc_zeroed(count, sizeof *figure);
+    struct drawing *drawing = alloc_zeroed(count, sizeof *drawing);
+    struct file_out out;
+    enum status status = STATUS_OK;
+    if (!figure || !drawing)
+        status = fail(reason, STATUS_MEMORY, "no memory for the plot");
+    for (size_t i = 0; i < count && status == STATUS_OK; i++)
+        figure[i] = draw(&page[i], driver, &drawing[i]);
+    if (status == STATUS_OK)
+        status = file_out_open(path, &out, reason);
+    if (status == STATUS_OK) {
+        plot_write(out.stream, figure, count);
+        status = file_out_commit(&out, reason);
+    }
+    free(figure);
+    free(drawing);
+    return status;
+}

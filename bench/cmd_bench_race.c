@@ -1,0 +1,179 @@
+#include "bench/cmd_bench_race.h"
+
+#include "ref/command.h"
+
+#include <string.h>
+
+/* Adds one if it can run here and the layout can hold the scene. */
+static enum status enter(struct race *race, const struct engine *engine,
+                         const struct layout *layout, const struct box_test *box,
+                         const struct tri_test *tri, struct reason *reason)
+{
+    if (race->count == CONTESTANTS)
+        return fail(reason, STATUS_LIMIT, "more than %d contestants", CONTESTANTS);
+    struct contestant *c = &race->contestant[race->count];
+    *c = (struct contestant){.engine = engine, .layout = layout, .box = box, .tri = tri};
+    struct job job = {.scene = race->scene,
+                      .packed = layout ? &c->packed : NULL,
+                      .box = box,
+                      .tri = tri,
+                      .query = QUERY_CLOSEST};
+    enum status status = STATUS_OK;
+    if (layout)
+        status = packed_make(layout, race->bvh, race->scene, &c->packed, reason);
+    if (status == STATUS_OK)
+        status = engine->open(&race->bench->engines, &c->self, reason);
+    if (status == STATUS_OK) {
+        status = engine->prepare(c->self, &job, reason);
+        if (status)
+            engine->close(c->self);
+    }
+    if (status)
+        packed_free(&c->packed);
+    else
+        race->count++;
+    return status;
+}
+
+/* True if member i was asked for: named, or (nothing being named) not as published. */
+static bool wanted(const struct list *list, size_t i, bool faithful)
+{
+    for (size_t k = 0; k < list->count; k++)
+        if (list->index[k] == i)
+            return true;
+    return list->count == 0 && !faithful;
+}
+
+static int enter_one(struct race *race, const struct engine *engine, const struct layout *layout,
+                     const struct box_test *box, const struct tri_test *tri)
+{
+    const struct bench *bench = race->bench;
+    struct reason reason = {""};
+    enum status status = enter(race, engine, layout, box, tri, &reason);
+    if (status == STATUS_OK)
+        return EXIT_AGREE;
+    progress_end(&race->bench->progress);
+    printf("%-14s %-12s left out: %s\n", engine->name, layout ? layout->name : "-", reason.text);
+    if (status == STATUS_LIMIT)
+        return layout && bench->layout.count ? EXIT_USAGE : EXIT_AGREE;
+    if (status == STATUS_UNSUPPORTED)
+        return bench->engine.count ? EXIT_SKIPPED : EXIT_AGREE;
+    return exit_of_status(status);
+}
+
+/* The first box test that keeps the triangle test's promise. */
+static const struct box_test *box_for(const struct tri_test *tri)
+{
+    for (size_t b = 0; box_tests[b] && tri->watertight; b++)
+        if (box_tests[b]->watertight)
+            return box_tests[b];
+    return box_tests[0];
+}
+
+static int enter_layouts(struct race *race, const struct engine *engine, const struct tri_test *tri)
+{
+    const struct list *boxes = &race->bench->box;
+    int code = EXIT_AGREE;
+    for (size_t l = 0; layouts[l]; l++)
+        for (size_t b = 0; b < (boxes->count ? boxes->count : 1); b++) {
+            const struct box_test *box = boxes->count ? box_tests[boxes->index[b]] : box_for(tri);
+            if (wanted(&race->bench->layout, l, layouts[l]->faithful))
+                code = exit_worse(code, enter_one(race, engine, layouts[l], box, tri));
+        }
+    return code;
+}
+
+/* True if the engine computes our triangle tests, and so takes part once for each. */
+static bool has_our_test(const struct engine *engine)
+{
+    return engine->needs_packed || strstr(engine->name, "brute");
+}
+
+int race_enter(struct race *race, const struct tri_test *tri)
+{
+    int code = EXIT_AGREE;
+    for (size_t e = 0; engines[e]; e++) {
+        bool entered = false;
+        if (!wanted(&race->bench->engine, e, strstr(engines[e]->name, "brute") != NULL))
+            continue;
+        for (size_t t = 0; tri_tests[t]; t++) {
+            bool take =
+                tri ? tri_tests[t] == tri : wanted(&race->bench->tri, t, tri_tests[t]->faithful);
+            if (!take || (entered && !has_our_test(engines[e])))
+                continue;
+            entered = true;
+            int one = engines[e]->needs_packed
+                          ? enter_layouts(race, engines[e], tri_tests[t])
+                          : enter_one(race, engines[e], NULL, box_tests[0], tri_tests[t]);
+            code = exit_worse(code, one);
+        }
+    }
+    return code;
+}
+
+void race_leave(struct race *race)
+{
+    for (size_t i = 0; i < race->count; i++) {
+        race->contestant[i].engine->close(race->contestant[i].self);
+        packed_free(&race->contestant[i].packed);
+    }
+    race->count = 0;
+}
+
+static bool is_named(const struct contestant *c, const char *engine)
+{
+    return strcmp(c->engine->name, engine) == 0;
+}
+
+static size_t base_of(const struct race *race, size_t i)
+{
+    const struct contestant *c = &race->contestant[i];
+    bool vulkan = is_named(c, "vulkan");
+    for (size_t k = 0; k < race->count; k++) {
+        const struct contestant *b = &race->contestant[k];
+        if (vulkan && b->engine == c->engine && b->tri == c->tri && b->box == c->box &&
+            strcmp(b->layout->name, "f32") == 0)
+            return k;
+        if (!vulkan && is_named(b, "embree"))
+            return k;
+    }
+    return i;
+}
+
+const char *race_base_name(const struct race *race, const struct contestant *contestant)
+{
+    const struct contestant *base = &race->contestant[contestant->base];
+    return base->engine == contestant->engine && base->layout ? base->layout->name
+                                                              : base->engine->name;
+}
+
+enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
+                     struct reason *reason)
+{
+    struct bench *bench = race->bench;
+    /* Round 0 warms up: pipelines, caches, page faults. */
+    for (size_t round = 0; round <= bench->rounds; round++) {
+        for (size_t i = 0; i < race->count; i++) {
+            struct contestant *c = &race->contestant[i];
+            struct trace_report report = {0};
+            progress_step(&bench->progress, "%s, round %zu of %llu", race->label, round,
+                          (unsigned long long)bench->rounds);
+            enum status status = c->engine->trace(c->self, ray, count, hit, &report, reason);
+            if (status)
+                return status;
+            c->boxes = report.boxes;
+            c->tris = report.tris;
+            if (report.memory_bytes > c->memory_bytes)
+                c->memory_bytes = report.memory_bytes;
+            if (round > 0)
+                c->mrays[round - 1] = 1e3 * (double)count / (double)(report.ns ? report.ns : 1);
+        }
+    }
+    for (size_t i = 0; i < race->count; i++) {
+        struct contestant *c = &race->contestant[i];
+        c->base = base_of(race, i);
+        for (size_t round = 0; round < bench->rounds; round++)
+            c->ratio[round] = c->mrays[round] / race->contestant[c->base].mrays[round];
+    }
+    return STATUS_OK;
+}

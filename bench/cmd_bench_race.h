@@ -1,0 +1,54 @@
+/* A race: engines on layouts, prepared once and traced by turns, so that all of them meet the same
+ * machine. For commands only. */
+#ifndef CMD_BENCH_RACE_H
+#define CMD_BENCH_RACE_H
+
+#include "bench/cmd_bench.h"
+
+#define CONTESTANTS 48
+
+/* One engine with one layout and triangle test, prepared and kept while the others run. */
+struct contestant {
+    const struct engine *engine;
+    const struct layout *layout; /* NULL: none needed */
+    const struct tri_test *tri;
+    const struct box_test *box;
+    struct packed packed;
+    void *self;
+    uint64_t memory_bytes;
+    uint64_t boxes, tris; /* tests of one trace; 0: not counted */
+    double mrays[BENCH_ROUNDS];
+    double ratio[BENCH_ROUNDS]; /* to its base, round by round */
+    size_t base;                /* index of what it is compared with; its own: nothing */
+};
+
+struct race {
+    struct bench *bench;
+    const char *label; /* scene and rays, for progress */
+    const struct scene *scene;
+    const struct bvh *bvh;
+    struct contestant contestant[CONTESTANTS];
+    size_t count;
+};
+
+/* Who takes part in `bench`'s race: everything the user named, else every engine but brute force
+ * (its time is the triangle count's), every layout and triangle test but the seed's (as published
+ * they test every node), and for each triangle test the box test that suits it. `tri` NULL: the
+ * user's or all; else that one. Engines without a tree have no layout; those whose formula is their
+ * own take part once. Who cannot is left out with a line and, if the user named it, an exit code:
+ * 77 cannot run here, 2 cannot hold the scene. */
+int race_enter(struct race *race, const struct tri_test *tri);
+
+/* Traces `count` rays with all, a round to warm up and then the rounds of the bench; fills in
+ * speeds and ratios. The base of vulkan is itself on f32, that of the others embree. `hit` is
+ * scratch. Errors: those of engine.trace. */
+enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
+                     struct reason *reason) MUST_USE;
+
+/* Closes all. */
+void race_leave(struct race *race);
+
+/* "f32 of vulkan", "embree", ...: what ratios are to. */
+const char *race_base_name(const struct race *race, const struct contestant *contestant);
+
+#endif

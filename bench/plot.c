@@ -1,0 +1,272 @@
+#include "bench/plot.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Sizes in SVG units. */
+#define PANEL_W  290.0
+#define PANEL_H  230.0
+#define LEFT     66.0 /* of a panel: tick labels and the axis label */
+#define GAP      14.0
+#define LEGEND_W 210.0
+#define HEAD     62.0
+#define FOOT     58.0
+#define LINE     18.0
+
+static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                      "#e69f00", "#56b4e9", "#000000"}; /* Okabe and Ito 2008 */
+enum { SHAPES = 4, FILLS = 3 };
+
+/* A logarithmic axis from lo to hi, drawn from `from` to `to`. */
+struct axis {
+    double lo, hi, from, to;
+};
+
+static double place(const struct axis *axis, double value)
+{
+    if (!(value > axis->lo))
+        return axis->from;
+    double part = log(value / axis->lo) / log(axis->hi / axis->lo);
+    return axis->from + part * (axis->to - axis->from);
+}
+
+/* Text content or attribute: what XML gives a meaning is escaped, what it forbids is left out. */
+static void put_text(FILE *stream, const char *text)
+{
+    for (; *text; text++) {
+        switch (*text) {
+        case '&':
+            fputs("&amp;", stream);
+            break;
+        case '<':
+            fputs("&lt;", stream);
+            break;
+        case '>':
+            fputs("&gt;", stream);
+            break;
+        case '"':
+            fputs("&quot;", stream);
+            break;
+        default:
+            if ((unsigned char)*text >= 0x20)
+                fputc(*text, stream);
+        }
+    }
+}
+
+static void put_label(FILE *stream, double x, double y, const char *attributes, const char *text)
+{
+    fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\" %s>", x, y, attributes);
+    put_text(stream, text);
+    fputs("</text>\n", stream);
+}
+
+static void put_line(FILE *stream, double x1, double y1, double x2, double y2, const char *style)
+{
+    fprintf(stream, "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" %s/>\n", x1, y1, x2, y2,
+            style);
+}
+
+static void put_marker(FILE *stream, const struct plot_series *series, double x, double y)
+{
+    static const char *const path[SHAPES] = {NULL, "M-4.4,-4.4h8.8v8.8h-8.8z",
+                                             "M0,-6.2L6.2,0L0,6.2L-6.2,0z", "M0,-6L5.6,4.6H-5.6z"};
+    const char *colour = colours[series->colour % ARRAY_COUNT(colours)];
+    unsigned fill = series->fill % FILLS;
+    char paint[96];
+    snprintf(paint, sizeof paint,
+             "fill=\"%s\" fill-opacity=\"%s\" stroke=\"%s\" stroke-width=\"1.6\"",
+             fill == 1 ? "#ffffff" : colour, fill == 2 ? "0.35" : "1", colour);
+    if (series->shape % SHAPES == 0)
+        fprintf(stream, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4.9\" %s/>\n", x, y, paint);
+    else
+        fprintf(stream, "<path transform=\"translate(%.1f,%.1f)\" d=\"%s\" %s/>\n", x, y,
+                path[series->shape % SHAPES], paint);
+}
+
+/* Widens [*lo, *hi] to take in `value`, if it can stand on a logarithmic axis. */
+static void take_in(double value, double *lo, double *hi)
+{
+    if (!(value > 0.0) || !isfinite(value))
+        return;
+    *lo = fmin(*lo, value);
+    *hi = fmax(*hi, value);
+}
+
+static bool drawn(const struct plot_point *p)
+{
+    return isfinite(p->x) && p->x > 0.0 && isfinite(p->y) && p->y >= 0.0;
+}
+
+/* The axes of a panel: x just wide enough, y in whole decades. */
+static void make_axes(const struct plot_panel *panel, struct axis *x, struct axis *y)
+{
+    double x_lo = INFINITY, x_hi = 0, y_lo = INFINITY, y_hi = 0;
+    for (size_t i = 0; i < panel->count; i++) {
+        const struct plot_point *p = &panel->point[i];
+        if (!drawn(p))
+            continue;
+        const double xs[3] = {p->x, p->x_lo, p->x_hi}, ys[3] = {p->y, p->y_lo, p->y_hi};
+        for (int k = 0; k < 3; k++) {
+            take_in(xs[k], &x_lo, &x_hi);
+            take_in(ys[k], &y_lo, &y_hi);
+        }
+        if (p->below)
+            take_in(0.5 * p->y, &y_lo, &y_hi); /* room for the arrow */
+    }
+    if (!(x_hi > 0.0))
+        x_lo = x_hi = 1.0;
+    if (!(y_hi > 0.0))
+        y_lo = y_hi = 1.0;
+    x->lo = x_lo / 1.3;
+    x->hi = x_hi * 1.3;
+    y->lo = pow(10.0, floor(log10(y_lo) + 1e-9));
+    y->hi = pow(10.0, ceil(log10(y_hi) - 1e-9));
+    if (!(y->hi > y->lo * 9.0))
+        y->hi = y->lo * 10.0;
+    if (y_lo < y->lo * 1.25) /* no marker on the axis itself */
+        y->lo /= 10.0;
+}
+
+/* Ticks at 1, 2 and 5 times the powers of ten, or at the powers alone where those are many. */
+static size_t ticks_of(const struct axis *axis, double *tick, size_t most)
+{
+    double decades = log10(axis->hi / axis->lo);
+    int first = (int)floor(log10(axis->lo)), last = (int)ceil(log10(axis->hi));
+    int step = decades > 6.0 ? 2 : 1;
+    size_t count = 0;
+    for (int e = first; e <= last; e += step)
+        for (int k = 0; k < 3; k++) {
+            static const double factor[3] = {1, 2, 5};
+            double value = factor[k] * pow(10.0, e);
+            if (k > 0 && decades > 2.2)
+                continue;
+            if (value >= axis->lo * 0.999 && value <= axis->hi * 1.001 && count < most)
+                tick[count++] = value;
+        }
+    return count;
+}
+
+/* "0.5", "2000", "1e6". */
+static void tick_text(double value, char *text, size_t text_bytes)
+{
+    int exponent = (int)floor(log10(value) + 1e-9);
+    if (exponent > 4 || exponent < -3)
+        snprintf(text, text_bytes, "%.0fe%d", value / pow(10.0, exponent), exponent);
+    else
+        snprintf(text, text_bytes, "%g", value);
+}
+
+static void put_axes(FILE *stream, const struct plot_panel *panel, const struct axis *x,
+                     const struct axis *y)
+{
+    static const char grid[] = "stroke=\"#dddddd\" stroke-width=\"1\"";
+    double tick[32];
+    char text[32];
+    size_t count = ticks_of(x, tick, ARRAY_COUNT(tick));
+    for (size_t i = 0; i < count; i++) {
+        double at = place(x, tick[i]);
+        put_line(stream, at, y->from, at, y->to, grid);
+        tick_text(tick[i], text, sizeof text);
+        put_label(stream, at, y->from + 15.0, "text-anchor=\"middle\"", text);
+    }
+    count = ticks_of(y, tick, ARRAY_COUNT(tick));
+    for (size_t i = 0; i < count; i++) {
+        double at = place(y, tick[i]);
+        put_line(stream, x->from, at, x->to, at, grid);
+        tick_text(tick[i], text, sizeof text);
+        put_label(stream, x->from - 6.0, at + 4.0, "text-anchor=\"end\"", text);
+    }
+    fprintf(stream,
+            "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"none\" "
+            "stroke=\"#444444\"/>\n",
+            x->from, y->to, x->to - x->from, y->from - y->to);
+    double middle = 0.5 * (x->from + x->to);
+    put_label(stream, middle, y->from + 33.0, "text-anchor=\"middle\"", panel->x_label);
+    put_label(stream, middle, y->to - 7.0, "text-anchor=\"middle\" font-weight=\"bold\"",
+              panel->title);
+    snprintf(text, sizeof text, "%.1f", 0.5 * (y->from + y->to));
+    fprintf(stream, "<text transform=\"translate(%.1f,%s) rotate(-90)\" text-anchor=\"middle\">",
+            x->from - 52.0, text);
+    put_text(stream, panel->y_label);
+    fputs("</text>\n", stream);
+}
+
+static void put_point(FILE *stream, const struct plot_series *series, const struct plot_point *p,
+                      const struct axis *x, const struct axis *y)
+{
+    double px = place(x, p->x), py = place(y, p->y);
+    char bar[64];
+    snprintf(bar, sizeof bar, "stroke=\"%s\" stroke-width=\"1.2\"",
+             colours[series->colour % ARRAY_COUNT(colours)]);
+    if (p->x_lo != p->x || p->x_hi != p->x)
+        put_line(stream, place(x, p->x_lo), py, place(x, p->x_hi), py, bar);
+    if (p->y_lo != p->y || p->y_hi != p->y)
+        put_line(stream, px, place(y, p->y_lo), px, place(y, p->y_hi), bar);
+    if (p->below) {
+        double end = fmin(py + 17.0, y->from);
+        put_line(stream, px, py, px, end, bar);
+        fprintf(stream, "<path d=\"M%.1f,%.1fl-3.5,-5h7z\" fill=\"%s\"/>\n", px, end,
+                colours[series->colour % ARRAY_COUNT(colours)]);
+    }
+    put_marker(stream, series, px, py);
+}
+
+static void put_panel(FILE *stream, const struct plot_figure *figure,
+                      const struct plot_panel *panel, double left, double top)
+{
+    struct axis x = {.from = left + LEFT, .to = left + LEFT + PANEL_W};
+    struct axis y = {.from = top + PANEL_H, .to = top};
+    make_axes(panel, &x, &y);
+    put_axes(stream, panel, &x, &y);
+    for (size_t i = 0; i < panel->count; i++)
+        if (drawn(&panel->point[i]))
+            put_point(stream, &figure->series[panel->point[i].series], &panel->point[i], &x, &y);
+}
+
+static double height_of(const struct plot_figure *figure)
+{
+    double legend = HEAD + LINE * (double)figure->series_count + LINE;
+    return fmax(HEAD + PANEL_H + FOOT, legend);
+}
+
+static double width_of(const struct plot_figure *figure)
+{
+    return (double)figure->panel_count * (LEFT + PANEL_W + GAP) + LEGEND_W;
+}
+
+static void put_figure(FILE *stream, const struct plot_figure *figure, double top)
+{
+    put_label(stream, 14.0, top + 20.0, "font-size=\"15\" font-weight=\"bold\"", figure->title);
+    put_label(stream, 14.0, top + 37.0, "fill=\"#444444\"", figure->subtitle);
+    for (size_t i = 0; i < figure->panel_count; i++)
+        put_panel(stream, figure, &figure->panel[i], (double)i * (LEFT + PANEL_W + GAP),
+                  top + HEAD);
+    double left = width_of(figure) - LEGEND_W + 14.0;
+    for (size_t i = 0; i < figure->series_count; i++) {
+        double at = top + HEAD + 6.0 + LINE * (double)i;
+        put_marker(stream, &figure->series[i], left, at);
+        put_label(stream, left + 13.0, at + 4.0, "", figure->series[i].name);
+    }
+}
+
+void plot_write(FILE *stream, const struct plot_figure *figure, size_t count)
+{
+    double width = 0.0, height = 0.0, top = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        width = fmax(width, width_of(&figure[i]));
+        height += height_of(&figure[i]);
+    }
+    fprintf(stream,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" "
+            "viewBox=\"0 0 %.0f %.0f\" font-family=\"DejaVu Sans, Verdana, sans-serif\" "
+            "font-size=\"11\">\n<title>",
+            width, height, width, height);
+    put_text(stream, figure[0].title);
+    fputs("</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n", stream);
+    for (size_t i = 0; i < count; i++) {
+        put_figure(stream, &figure[i], top);
+        top += height_of(&figure[i]);
+    }
+    fputs("</svg>\n", stream);
+}

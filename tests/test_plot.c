@@ -1,0 +1,232 @@
+/* The SVG plot: well-formed whatever the texts, every point where its numbers put it. */
+#define _POSIX_C_SOURCE 200809L /* open_memstream */
+#include "bench/plot.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Skips a name; NULL if there is none. */
+static const char *skip_name(const char *at)
+{
+    if (!isalpha((unsigned char)*at))
+        return NULL;
+    while (isalnum((unsigned char)*at) || *at == '-')
+        at++;
+    return at;
+}
+
+/* Skips text up to `end`: no markup inside, every & begins an entity that XML knows. */
+static const char *skip_text(const char *at, char end)
+{
+    static const char *const entities[] = {"&amp;", "&lt;", "&gt;", "&quot;"};
+    for (; *at && *at != end; at++) {
+        bool known = *at != '&';
+        for (size_t i = 0; i < ARRAY_COUNT(entities); i++)
+            known = known || strncmp(at, entities[i], strlen(entities[i])) == 0;
+        if (!known || *at == '<' || ((unsigned char)*at < 0x20 && *at != '\n'))
+            return NULL;
+    }
+    return at;
+}
+
+/* The attributes of a tag, each once named and quoted. */
+static const char *skip_attributes(const char *at)
+{
+    while (at && *at == ' ') {
+        at++;
+        if (*at == '/' || *at == '>') /* a space before the end is allowed */
+            break;
+        at = skip_name(at);
+        if (!at || strncmp(at, "=\"", 2) != 0)
+            return NULL;
+        at = skip_text(at + 2, '"');
+        at = at && *at == '"' ? at + 1 : NULL;
+    }
+    return at;
+}
+
+/* True if `text` is one element and nothing else: tags closed in order, attributes quoted. */
+static bool well_formed(const char *text)
+{
+    const char *open[16];
+    size_t depth = 0, roots = 0;
+    while (*text) {
+        if (*text != '<') {
+            text = skip_text(text, '<');
+            if (!text)
+                return false;
+            continue;
+        }
+        bool closing = text[1] == '/';
+        const char *name = text + 1 + closing, *end = skip_name(name);
+        if (!end)
+            return false;
+        if (closing) {
+            size_t length = (size_t)(end - name);
+            if (depth == 0 || strncmp(open[--depth], name, length) != 0 || *end != '>' ||
+                isalnum((unsigned char)open[depth][length]))
+                return false;
+            text = end + 1;
+            continue;
+        }
+        roots += depth == 0;
+        end = skip_attributes(end);
+        if (!end || depth == ARRAY_COUNT(open))
+            return false;
+        if (*end == '>')
+            open[depth++] = name;
+        else if (*end++ != '/' || *end != '>')
+            return false;
+        text = end + 1;
+    }
+    return depth == 0 && roots == 1;
+}
+
+static void the_parser_knows_broken_xml(void **state)
+{
+    (void)state;
+    assert_true(well_formed("<a><b c=\"1\"/>text &amp; more</a>"));
+    static const char *const broken[] = {"<a>",      "<a></b>",      "<a><b></a></b>", "<a c=1/>",
+                                         "<a>&</a>", "<a c=\"<\"/>", "<a/><a/>",       "<a>&x;</a>",
+                                         "<a></aa>", "<a c=\"1/>",   "< a/>",          "<a>\1</a>"};
+    for (size_t i = 0; i < ARRAY_COUNT(broken); i++)
+        if (well_formed(broken[i]))
+            fail_msg("%s", broken[i]);
+}
+
+static const struct plot_series series[] = {{"first <&> \"one\"", 0, 0, 0}, {"second", 1, 0, 1}};
+
+static struct plot_figure figure_of(const struct plot_point *point, size_t count)
+{
+    struct plot_figure figure = {.title = "title <script> & \"quotes\" \x01",
+                                 .subtitle = "sub",
+                                 .series = series,
+                                 .series_count = ARRAY_COUNT(series),
+                                 .panel_count = 1};
+    figure.panel[0] = (struct plot_panel){"panel", "x (unit)", "y > 0 (unit)", point, count};
+    return figure;
+}
+
+/* The document; the caller frees it. */
+static char *drawn(const struct plot_figure *figure, size_t count)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+    assert_non_null(stream);
+    plot_write(stream, figure, count);
+    assert_int_equal(fclose(stream), 0);
+    return text;
+}
+
+static size_t occurrences(const char *text, const char *what)
+{
+    size_t count = 0;
+    for (const char *at = text; (at = strstr(at, what)); at++)
+        count++;
+    return count;
+}
+
+/* Centres of the circles, in order; the legend's come last. */
+static size_t circles(const char *text, double (*centre)[2], size_t most)
+{
+    size_t count = 0;
+    for (const char *at = text; (at = strstr(at, "<circle ")) && count < most; at++, count++)
+        assert_int_equal(
+            sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\"", &centre[count][0], &centre[count][1]), 2);
+    return count;
+}
+
+static struct plot_point point_at(size_t s, double x, double y)
+{
+    return (struct plot_point){s, x, x, x, y, y, y, false};
+}
+
+static void documents_are_well_formed_whatever_the_texts(void **state)
+{
+    (void)state;
+    const struct plot_point point[] = {{0, 1, 0.5, 2, 10, 1, 1000, false},
+                                       {1, 3, 3, 3, 45, 45, 45, true}};
+    struct plot_figure figure[2] = {figure_of(point, 2), figure_of(point, 2)};
+    figure[1].panel[1] = figure[1].panel[0];
+    figure[1].panel_count = 2;
+    char *text = drawn(figure, 2);
+    if (!well_formed(text))
+        fail_msg("%s", text);
+    assert_int_equal(occurrences(text, "<script>"), 0);
+    assert_int_equal(occurrences(text, ">title &lt;script&gt; &amp; &quot;quotes&quot; <"), 3);
+    assert_int_equal(occurrences(text, "x (unit)"), 3);
+    assert_int_equal(occurrences(text, "y &gt; 0 (unit)"), 3);
+    assert_int_equal(occurrences(text, "second"), 2);
+    free(text);
+}
+
+static void points_stand_where_their_logarithms_say(void **state)
+{
+    (void)state;
+    const struct plot_point point[] = {point_at(0, 1, 0.1), point_at(0, 10, 10),
+                                       point_at(1, 100, 1000)};
+    struct plot_figure figure = figure_of(point, 3);
+    char *text = drawn(&figure, 1);
+    double centre[8][2];
+    assert_int_equal(circles(text, centre, 8), 3 + ARRAY_COUNT(series));
+    assert_true(fabs(centre[1][0] - centre[0][0] - (centre[2][0] - centre[1][0])) <= 0.2);
+    assert_true(centre[1][0] - centre[0][0] > 50);
+    assert_true(fabs(centre[0][1] - centre[1][1] - (centre[1][1] - centre[2][1])) <= 0.2);
+    assert_true(centre[0][1] - centre[1][1] > 30); /* up is more */
+    free(text);
+}
+
+static void what_cannot_be_drawn_is_left_out(void **state)
+{
+    (void)state;
+    const struct plot_point point[] = {point_at(0, 1, NAN), point_at(0, 0, 1), point_at(0, NAN, 1),
+                                       point_at(0, 1, INFINITY), point_at(1, 2, 0)};
+    struct plot_figure figure = figure_of(point, 5);
+    char *text = drawn(&figure, 1);
+    double centre[16][2];
+    assert_true(well_formed(text));
+    assert_int_equal(circles(text, centre, 16), 1 + ARRAY_COUNT(series));
+    assert_int_equal(occurrences(text, "nan") + occurrences(text, "inf"), 0);
+    free(text);
+    figure = figure_of(NULL, 0);
+    text = drawn(&figure, 1);
+    assert_true(well_formed(text));
+    assert_int_equal(circles(text, centre, 16), ARRAY_COUNT(series));
+    assert_int_equal(occurrences(text, "nan") + occurrences(text, "inf"), 0);
+    free(text);
+}
+
+static void an_upper_limit_has_an_arrow(void **state)
+{
+    (void)state;
+    struct plot_point point[] = {point_at(0, 1, 45), point_at(1, 2, 900)};
+    struct plot_figure figure = figure_of(point, 2);
+    char *without = drawn(&figure, 1);
+    point[0].below = true;
+    char *with = drawn(&figure, 1);
+    assert_int_equal(occurrences(without, "l-3.5,-5h7z"), 0);
+    assert_int_equal(occurrences(with, "l-3.5,-5h7z"), 1);
+    free(without);
+    free(with);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_parser_knows_broken_xml),
+        cmocka_unit_test(documents_are_well_formed_whatever_the_texts),
+        cmocka_unit_test(points_stand_where_their_logarithms_say),
+        cmocka_unit_test(what_cannot_be_drawn_is_left_out),
+        cmocka_unit_test(an_upper_limit_has_an_arrow),
+    };
+    return cmocka_run_group_tests_name("plot", tests, NULL, NULL) ? 1 : 0;
+}
