@@ -15,18 +15,24 @@ enum twin_formula {
     TWIN_UNKNOWN, /* judged geometrically: by the smallest vertex displacement that excuses it */
 };
 
-/* Error of one operation: relative, in units of u = 2^-24, and absolute. */
+/* What one float32 operation may do. add, mul and div: its error is at most so many u of the exact
+ * result (u = 2^-24, at least 1 each); div is also the error of a reciprocal where a formula has
+ * one. Above 1 the error of a division is promised for divisors between 2^-125 and 2^125 only.
+ * tiny: the largest absolute error near zero, 2^-149; or 2^-126 if subnormal operands and results
+ * may be flushed to zero, each or none. Fusing a multiplication with an addition leaves out a
+ * rounding, so it is always within. */
 struct rounding {
     double add, mul, div;
-    double tiny; /* largest absolute error near zero: 2^-149, or 2^-126 if subnormals are flushed */
+    double tiny;
 };
 
 /* IEEE round to nearest: C, and a driver whose operator probe found every bit equal. */
 #define ROUNDING_IEEE ((struct rounding){1.0, 1.0, 1.0, 0x1p-149})
-/* The same with subnormal inputs and results flushed to zero. */
+/* The same with subnormal operands and results flushed to zero. */
 #define ROUNDING_FLUSHED ((struct rounding){1.0, 1.0, 1.0, 0x1p-126})
-/* Embree: reciprocals by estimate and one Newton step, up to 5.5 u; a fused multiply-add is never
- * worse than the two operations it replaces. */
+/* Embree: reciprocals by an estimate (relative error at most 1.5 * 2^-12 by the processor's manual)
+ * and one Newton step: 1.5^2 u + 2.5 u = 4.75 u without fused operations, less with them or with
+ * the better estimate of AVX-512; 5.5 u until the instruction set is known. */
 #define ROUNDING_EMBREE ((struct rounding){1.0, 1.0, 5.5, 0x1p-126})
 /* Vulkan's specification without a rounding mode: either neighbour, division 2.5 ULP. */
 #define ROUNDING_VULKAN ((struct rounding){2.0, 2.0, 5.0, 0x1p-126})

@@ -6,33 +6,70 @@
 #include <math.h>
 
 #define UNIT 0x1p-24
-/* Covers the rounding of the bounds themselves, which are computed in double. */
-#define SLACK (1.0 + 1e-12)
+/* The bounds are computed in double from values known to 2^-28 of their own bound (see below), so
+ * that both errors together stay below this factor, over all steps of a formula. */
+#define SLACK (1.0 + 0x1p-20)
+/* From here on a result may round to infinity: FLT_MAX less two units of its last place. */
+#define LARGEST 0x1.fffffap127
+/* Flushed subnormals are below this, with room for the error of the comparison itself. */
+#define NORMAL 0x1.001p-126
+/* Divisions that are not correctly rounded are promised for divisors up to 2^126 and from 2^-126;
+ * at the ends an estimated reciprocal may already be flushed. */
+#define DIVISOR_LEAST 0x1p-125
+#define DIVISOR_MOST  0x1p125
+/* Embree's robust test gives u = v = 0 below this sum of edge functions. */
+#define EMBREE_LEAST_SUM 1e-18
 
-/* A float32 as computed, and a bound on its distance to the exact value. */
+/* A value of the formula.
+ *   v  as float32 with round to nearest and subnormals kept: one evaluation of many
+ *   x  the same in double: within 2^-28 e of the exact value, since each float32 step adds at least
+ *      2^-24 of its result to e where the double step errs by 2^-53 of it
+ *   e  |c - exact value| <= e for every evaluation c that the rounding allows; infinite if there is
+ *      none (overflow, division by what may be zero), never NaN */
 struct bounded {
     float v;
-    double e;
+    double x, e;
 };
 
 static struct bounded exact(float v)
 {
-    return (struct bounded){v, 0.0};
+    return (struct bounded){v, (double)v, 0.0};
 }
 
+static struct bounded settle(float v, double x, double e)
+{
+#if MUTANT == MUTANT_BAD_TWIN
+    e *= 1e-4;
+#endif
+    if (!(fabs(x) + e < LARGEST)) /* NaN, too */
+        e = INFINITY;
+    return (struct bounded){v, x, e * SLACK};
+}
+
+/* What a subnormal operand or result may lose by being flushed. */
+static double flush_of(const struct rounding *k)
+{
+    return k->tiny > 0x1p-149 ? k->tiny : 0.0;
+}
+
+/* An operand as the operation sees it: a subnormal one may be flushed. */
+static double operand_error(const struct rounding *k, struct bounded a)
+{
+    bool zero = a.x == 0.0 && a.e == 0.0;
+    return !zero && fabs(a.x) - a.e < NORMAL ? a.e + flush_of(k) : a.e;
+}
+
+/* Sums of float32 are exact below the normal range, unless they are flushed. */
 static struct bounded add(const struct rounding *k, struct bounded a, struct bounded b)
 {
-    float v = a.v + b.v;
-#if MUTANT == MUTANT_BAD_TWIN
-    return (struct bounded){v, 1e-4 * (a.e + b.e + k->add * UNIT * fabs((double)v))};
-#else
-    return (struct bounded){v, (a.e + b.e + k->add * UNIT * fabs((double)v)) * SLACK};
-#endif
+    double x = a.x + b.x, carried = operand_error(k, a) + operand_error(k, b);
+    double e = carried + k->add * UNIT * (fabs(x) + carried) + flush_of(k);
+    return settle(a.v + b.v, x, e);
 }
 
 static struct bounded negate(struct bounded a)
 {
-    return (struct bounded){-a.v, a.e};
+    return (struct bounded){-a.v, -a.x, a.e};
 }
 
 static struct bounded sub(const struct rounding *k, struct bounded a, struct bounded b)
@@ -40,23 +77,37 @@ static struct bounded sub(const struct rounding *k, struct bounded a, struct bou
     return add(k, a, negate(b));
 }
 
-static struct bounded mul(const struct rounding *k, struct bounded a, struct bounded b)
+/* a - b where the engine compares a with b: nothing is rounded. */
+static struct bounded compare(struct bounded a, struct bounded b)
 {
-    float v = a.v * b.v;
-    double x = fabs((double)a.v), y = fabs((double)b.v);
-    double e = x * b.e + y * a.e + a.e * b.e + k->mul * UNIT * fabs((double)v) + k->tiny;
-    return (struct bounded){v, e * SLACK};
+    return settle(a.v - b.v, a.x - b.x, a.e + b.e);
 }
 
+static struct bounded mul(const struct rounding *k, struct bounded a, struct bounded b)
+{
+    double ea = operand_error(k, a), eb = operand_error(k, b);
+    double x = a.x * b.x, carried = fabs(a.x) * eb + fabs(b.x) * ea + ea * eb;
+    double e = carried + k->mul * UNIT * (fabs(x) + carried) + k->tiny;
+    return settle(a.v * b.v, x, e);
+}
+
+/* With a = exact a + da and so on: a'/b' - a/b = (da - a/b db) / b', |b'| >= |b| - eb. */
 static struct bounded divide(const struct rounding *k, struct bounded a, struct bounded b)
 {
-    float v = a.v / b.v;
-    double y = fabs((double)b.v);
-    if (!(y > b.e) || !float_is_finite(v))
-        return (struct bounded){v, INFINITY};
-    double q = fabs((double)a.v) / y;
-    double e = (a.e + q * b.e) / (y - b.e) + k->div * UNIT * fabs((double)v) + k->tiny;
-    return (struct bounded){v, e * SLACK};
+    double ea = operand_error(k, a), eb = operand_error(k, b);
+    double x = a.x / b.x, least = fabs(b.x) - eb, most = fabs(b.x) + eb;
+    bool promised = least > 0.0;
+    if (k->div > 1.0)
+        promised = least >= DIVISOR_LEAST && most <= DIVISOR_MOST;
+    double carried = (ea + fabs(x) * eb) / least;
+    double e = carried + k->div * UNIT * (fabs(x) + carried) + k->tiny;
+    return settle(a.v / b.v, x, promised ? e : INFINITY);
+}
+
+/* Twice a value, without error. */
+static struct bounded twice(struct bounded a)
+{
+    return settle(2.0f * a.v, 2.0 * a.x, 2.0 * a.e);
 }
 
 static void subtract(const struct rounding *k, const struct bounded a[3], const struct bounded b[3],
@@ -75,6 +126,7 @@ static void cross(const struct rounding *k, const struct bounded a[3], const str
     }
 }
 
+/* (x + y) + z */
 static struct bounded dot(const struct rounding *k, const struct bounded a[3],
                           const struct bounded b[3])
 {
@@ -82,12 +134,21 @@ static struct bounded dot(const struct rounding *k, const struct bounded a[3],
     return add(k, sum, mul(k, a[2], b[2]));
 }
 
-/* What every formula ends in: three edge functions of equal sign inside, their sum, and t. */
+/* x + (y + z), as Embree sums. */
+static struct bounded dot_embree(const struct rounding *k, const struct bounded a[3],
+                                 const struct bounded b[3])
+{
+    struct bounded sum = add(k, mul(k, a[1], b[1]), mul(k, a[2], b[2]));
+    return add(k, mul(k, a[0], b[0]), sum);
+}
+
+/* What every formula ends in. */
 struct outcome {
-    struct bounded edge[3];
-    struct bounded det;
-    struct bounded t;
-    double band; /* by how much an edge function may be negative and still be accepted */
+    struct bounded edge[3]; /* inside they have one sign */
+    struct bounded det;     /* their sum, or in proportion to it */
+    struct bounded t, u, v;
+    double band;    /* by how much an edge function may have the other sign and still be accepted */
+    bool det_alone; /* det's sign takes no part in the decision */
 };
 
 struct input {
@@ -106,8 +167,10 @@ static struct outcome eval_moeller_trumbore(const struct rounding *k, const stru
     out.det = dot(k, e1, p);
     out.edge[1] = dot(k, s, p);
     out.edge[2] = dot(k, in->d, q);
-    out.edge[0] = sub(k, out.det, add(k, out.edge[1], out.edge[2]));
+    out.edge[0] = compare(out.det, add(k, out.edge[1], out.edge[2]));
     out.t = divide(k, dot(k, e2, q), out.det);
+    out.u = divide(k, out.edge[1], out.det);
+    out.v = divide(k, out.edge[2], out.det);
     return out;
 }
 
@@ -131,9 +194,15 @@ static struct outcome eval_woop(const struct rounding *k, const struct input *in
     }
     out.det = add(k, add(k, out.edge[0], out.edge[1]), out.edge[2]);
     out.t = divide(k, dot(k, out.edge, z), out.det);
+    out.u = divide(k, out.edge[1], out.det);
+    out.v = divide(k, out.edge[2], out.det);
     return out;
 }
 
+/* Embree multiplies by an estimated reciprocal. u and v are cut off at 1, which of an accepted hit
+ * takes them no farther from the exact value than the bound. The range is tested as
+ * |det| tmin < |T| <= |det| tmax: the product's error, one rounding and one underflow, is among
+ * those that t's bound has counted in T and in the multiplication by the reciprocal. */
 static struct outcome eval_embree(const struct rounding *k, const struct input *in)
 {
     struct bounded e1[3], e2[3], n[3], c[3], r[3];
@@ -143,20 +212,37 @@ static struct outcome eval_embree(const struct rounding *k, const struct input *
     subtract(k, in->v[0], in->o, c);
     cross(k, e2, e1, n);
     cross(k, c, in->d, r);
-    out.det = dot(k, n, in->d);
-    out.edge[1] = dot(k, r, e2);
-    out.edge[2] = dot(k, r, e1);
-    out.edge[0] = sub(k, out.det, add(k, out.edge[1], out.edge[2]));
-    out.t = divide(k, dot(k, n, c), out.det);
+    out.det = dot_embree(k, n, in->d);
+    out.edge[1] = dot_embree(k, r, e2);
+    out.edge[2] = dot_embree(k, r, e1);
+    out.edge[0] = compare(out.det, add(k, out.edge[1], out.edge[2]));
+    struct bounded inverse = divide(k, exact(1.0f), out.det);
+    out.t = mul(k, dot_embree(k, n, c), inverse);
+    out.u = mul(k, out.edge[1], inverse);
+    out.v = mul(k, out.edge[2], inverse);
     return out;
 }
 
+/* Embree's normal of edges a, b, c is, component by component, a x b or b x c, whichever has the
+ * smaller products. Either may be chosen where they are as good as equal. */
+static struct bounded stable_component(const struct rounding *k, const struct bounded e[3][3],
+                                       int i)
+{
+    int j = (i + 1) % 3, l = (i + 2) % 3;
+    struct bounded ab = mul(k, e[0][l], e[1][j]), bc = mul(k, e[1][l], e[2][j]);
+    struct bounded first = sub(k, mul(k, e[0][j], e[1][l]), ab);
+    struct bounded second = sub(k, mul(k, e[1][j], e[2][l]), bc);
+    struct bounded chosen = fabsf(ab.v) < fabsf(bc.v) ? first : second;
+    chosen.e = fmax(first.e, second.e);
+    return chosen;
+}
+
 /* Pluecker edge functions of vertices relative to the origin; negative ones within 2^-23 of their
- * sum are accepted. */
+ * sum are accepted. Edge 0 of Embree's is opposite vertex 1 of the triangle, and so on. */
 static struct outcome eval_embree_robust(const struct rounding *k, const struct input *in)
 {
-    struct bounded v[3][3], e[3][3], sum[3], side[3], n[3];
-    struct outcome out;
+    struct bounded v[3][3], e[3][3], sum[3], side[3], n[3], edge[3];
+    struct outcome out = {.det_alone = true};
     for (int c = 0; c < 3; c++)
         subtract(k, in->v[c], in->o, v[c]);
     for (int c = 0; c < 3; c++) { /* e0 = v2 - v0, e1 = v0 - v1, e2 = v1 - v2 */
@@ -165,19 +251,27 @@ static struct outcome eval_embree_robust(const struct rounding *k, const struct 
         for (int i = 0; i < 3; i++)
             sum[i] = add(k, v[from][i], v[c][i]);
         cross(k, e[c], sum, side);
-        out.edge[c] = dot(k, side, in->d);
+        edge[c] = dot_embree(k, side, in->d);
+        out.edge[(c + 1) % 3] = edge[c];
     }
-    struct bounded all = add(k, add(k, out.edge[0], out.edge[1]), out.edge[2]);
-    out.band = (fabs((double)all.v) + all.e) * 0x1p-22;
-    cross(k, e[0], e[1], n);
-    out.det = dot(k, n, in->d);
-    out.t = divide(k, dot(k, n, v[0]), out.det);
+    struct bounded all = add(k, add(k, edge[0], edge[1]), edge[2]);
+    out.band = (fabs(all.x) + all.e) * 0x1p-23 * SLACK + k->tiny;
+    for (int i = 0; i < 3; i++)
+        n[i] = stable_component(k, e, i);
+    out.det = twice(dot_embree(k, n, in->d));
+    out.t = mul(k, divide(k, exact(1.0f), out.det), twice(dot_embree(k, v[0], n)));
+    struct bounded inverse = divide(k, exact(1.0f), all);
+    if (fabs(all.x) - all.e < EMBREE_LEAST_SUM)
+        inverse.e = INFINITY;
+    out.u = mul(k, edge[0], inverse);
+    out.v = mul(k, edge[1], inverse);
     return out;
 }
 
+/* The sign that the exact value has and that no evaluation can miss, or 0. */
 static int sign_of(struct bounded a)
 {
-    return fabs((double)a.v) > a.e ? (a.v > 0.0f ? 1 : -1) : 0;
+    return fabs(a.x) > a.e ? (a.x > 0.0 ? 1 : -1) : 0;
 }
 
 enum twin_formula twin_of_tri(uint32_t id)
@@ -211,39 +305,45 @@ static struct outcome evaluate(enum twin_formula formula, const struct rounding 
     return eval_moeller_trumbore(k, &in);
 }
 
+/* Are the signs such that no evaluation accepts them? */
+static bool surely_rejected(const struct outcome *out)
+{
+    bool positive = !out->det_alone && sign_of(out->det) > 0;
+    bool negative = !out->det_alone && sign_of(out->det) < 0;
+    for (int c = 0; c < 3; c++) {
+        struct bounded edge = out->edge[c];
+        edge.e += out->band;
+        positive |= sign_of(edge) > 0;
+        negative |= sign_of(edge) < 0;
+    }
+    return positive && negative;
+}
+
 struct twin twin_eval(enum twin_formula formula, struct rounding rounding, const struct ray *ray,
                       float v[3][3])
 {
     struct outcome out = evaluate(formula, &rounding, ray, v);
-    bool positive = false, negative = false; /* beyond the formula's own band */
-    int inside = 0;
-    for (int c = 0; c < 3; c++) {
-        struct bounded slack = {out.edge[c].v, out.edge[c].e + out.band};
-        positive |= sign_of(slack) > 0;
-        negative |= sign_of(slack) < 0;
-        inside += sign_of(out.edge[c]);
-    }
-    double t = (double)out.t.v, e = out.t.e;
-    bool det_known = sign_of(out.det) != 0;
-    if (formula == TWIN_MT_RTRS)
-        det_known = fabs((double)out.det.v) - out.det.e > (double)TRI_RTRS_EPS;
-    bool in_range = t - e > (double)ray->tmin && t + e < (double)ray->tmax;
-    bool beyond = t + e < (double)ray->tmin || t - e > (double)ray->tmax;
-    struct bounded u = divide(&rounding, out.edge[1], out.det);
-    struct bounded w = divide(&rounding, out.edge[2], out.det);
+    double threshold = formula == TWIN_MT_RTRS ? (double)TRI_RTRS_EPS : 0.0;
+    bool det_known = fabs(out.det.x) - out.det.e > threshold;
+    bool det_possible = !(fabs(out.det.x) + out.det.e <= threshold);
+    bool in_range = out.t.x - out.t.e > (double)ray->tmin && out.t.x + out.t.e < (double)ray->tmax;
+    bool beyond = out.t.x + out.t.e < (double)ray->tmin || out.t.x - out.t.e > (double)ray->tmax;
     struct twin twin = {
-        .possible = !(positive && negative) && !beyond,
-        .certain = (inside == 3 || inside == -3) && det_known && in_range,
+        .possible = det_possible && !surely_rejected(&out) && !beyond,
         .beyond = beyond,
         .det = det_known ? sign_of(out.det) : 0,
         .t = out.t.v,
-        .u = u.v,
-        .v = w.v,
-        .t_err = isnan(e) ? INFINITY : e,
-        .u_err = isnan(u.e) ? INFINITY : u.e,
-        .v_err = isnan(w.e) ? INFINITY : w.e,
+        .u = out.u.v,
+        .v = out.v.v,
+        .t_err = out.t.e,
+        .u_err = out.u.e,
+        .v_err = out.v.e,
     };
-    for (int c = 0; c < 3; c++)
+    int inside = 0;
+    for (int c = 0; c < 3; c++) {
         twin.edge[c] = sign_of(out.edge[c]);
+        inside += twin.edge[c];
+    }
+    twin.certain = (inside == 3 || inside == -3) && det_known && in_range;
     return twin;
 }

@@ -1,6 +1,11 @@
 /* Twins: the triangle tests once more, each value carried with a proven bound on its rounding
  * error. They tell which signs an engine could not help getting right, and how far its t may be
- * off. Running error analysis: Wilkinson 1963; Higham 2002, section 3.3. */
+ * off. Running error analysis: Wilkinson 1963; Higham 2002, section 3.3.
+ *
+ * A rounding (ref/model.h) allows many evaluations of one formula: either neighbour, an inexact
+ * division, flushed or fused operations. Everything here holds for each of them and is measured
+ * from the exact value, so that an engine is judged by its answer alone, whatever bits its twin
+ * would have computed. Derivation: CONTRIBUTING.md, "Where the constants come from". */
 #ifndef TWIN_H
 #define TWIN_H
 
@@ -10,21 +15,25 @@
 #include <stdbool.h>
 
 struct twin {
-    bool possible; /* the exact triangle may be hit in range, as far as this formula can tell */
-    bool certain;  /* the exact ray hits the triangle inside [tmin, tmax]: all signs are proven */
-    bool beyond;   /* t is certainly outside the range */
-    int edge[3];   /* proven sign of the edge function opposite vertex i; 0: open. The sign is the
-                      formula's own: compare it with det */
+    bool possible; /* some evaluation accepts the triangle; if not, an answer that names it is
+                      wrong */
+    bool certain;  /* every evaluation accepts it, and the exact ray hits its inside in range */
+    bool beyond;   /* t is certainly outside [tmin, tmax] */
+    int edge[3];   /* proven sign of the edge function opposite vertex i, exact and of every
+                      evaluation; 0: open. The sign is the formula's own: compare it with det */
     int det;       /* proven sign of the determinant; 0: open, or not surely over a threshold */
-    float t, u, v; /* as the formula computes them; u weighs vertex 1, v vertex 2 */
-    double t_err;  /* |t - exact t| is at most this; infinite if the determinant's sign is open */
-    double u_err, v_err;
+    float t, u, v; /* one evaluation, that of C: with another rounding the engine's may differ, and
+                      they may be infinite or NaN. u weighs vertex 1, v vertex 2 */
+    double t_err;  /* |engine's t - exact t| is at most this; infinite if the determinant's sign is
+                      open or a value may overflow; never NaN */
+    double u_err, v_err; /* likewise */
 };
 
 /* The formula that triangle test `id` (ABI_TRI_*) computes. */
 enum twin_formula twin_of_tri(uint32_t id);
 
-/* Evaluates one triangle. The ray is in contract (ray_in_contract). */
+/* Evaluates one triangle. The ray is in contract (ray_in_contract); every k of `rounding` is at
+ * least 1. */
 struct twin twin_eval(enum twin_formula formula, struct rounding rounding, const struct ray *ray,
                       float v[3][3]);
 
