@@ -1,0 +1,128 @@
+/* Why one answer is wrong. What is wrong is decided outside (the judge); here the ray is answered
+ * again with one thing changed at a time, and the change that turns the answer names the cause. */
+#ifndef EXPLAIN_H
+#define EXPLAIN_H
+
+#include "ref/explain/replay.h"
+
+/* What is to be thought of an answer. */
+struct opinion {
+    bool allowed;
+    const char *text;  /* the class: "right", "tie", ..., "wrong: missed"; static */
+    uint32_t expected; /* the triangle that should have been answered, or ABI_NO_PRIM */
+};
+
+typedef void opinion_fn(const void *user, const struct ray *ray, const struct hit *answer,
+                        struct opinion *out);
+
+/* Asks the engine; false if it did not finish these rays. */
+typedef bool ask_fn(void *user, const struct ray *ray, size_t count, struct hit *out);
+
+/* What is to be explained; everything borrowed. */
+struct explain_case {
+    struct replay replay; /* how C answers on the same bytes; tree NULL: engines without one */
+    struct ray ray;
+    opinion_fn *judge;
+    const void *judge_user;
+    ask_fn *ask;     /* the engine, for witnesses; may be NULL */
+    void *ask_user;
+    bool bits;       /* the engine promises C's bits */
+    bool exact;      /* its operators are known to round as C's do */
+    bool known;      /* its formula and its tree are those of `replay`, else it is outside */
+};
+
+/* The engine's answer. */
+struct explain_answer {
+    bool finished;
+    uint32_t flags; /* ABI_FLAG_* if it did not finish and said why, else 0 */
+    struct hit hit;
+};
+
+/* One repair that was tried. */
+struct explain_attempt {
+    enum repair repair;
+    enum replay_end end;
+    struct hit hit;
+    struct opinion opinion;
+    bool changed; /* the answer is another than without it */
+};
+
+/* One planted defect that was tried. */
+struct explain_imitation {
+    enum defect defect;
+    uint32_t parameter;
+    bool same;          /* gives the engine's answer to the ray */
+    uint32_t witnesses; /* and to so many of explanation.witness_count other rays */
+};
+
+#define EXPLAIN_IMITATIONS (DEFECT_COUNT + 8 + ABI_STACK_MAX + 8)
+#define EXPLAIN_WITNESSES  400u /* of one round */
+
+/* One bound of a box on the way, in all its forms. */
+struct explain_bound {
+    float exact, canonical, decoded;
+    enum bound_fault fault;
+    double half_steps;   /* from exact to decoded, positive outward */
+    int64_t float_steps; /* the same */
+};
+
+/* A node on the way to the triangle, root first. */
+struct explain_step {
+    struct replay_note note; /* of the plain replay */
+    uint32_t record;         /* or EXPLAIN_NONE */
+    bool leaf;
+    enum ref_fault ref; /* of its children */
+    struct explain_bound lo[3], hi[3];
+    struct slab_axis slab[3]; /* of its decoded box */
+    uint32_t word[WIDE_MAX * 8];
+    uint32_t word_count;
+};
+
+/* Where the way ended. */
+enum explain_end {
+    END_NOWHERE,   /* there is no triangle that should have been hit, or no tree */
+    END_BOX,       /* the box test of step `last` turned the ray away */
+    END_SKIPPED,   /* step `last` waited on the stack and was skipped for a nearer best hit */
+    END_REFERENCE, /* step `last` was never tested: its parent does not refer to it */
+    END_SLOT,      /* the leaf was entered, its item is not there */
+    END_TRIANGLE,  /* the triangle test said no */
+    END_FARTHER,   /* it was hit, but not nearer than the best */
+    END_HIT,       /* it was hit and kept */
+};
+
+/* Owns `step` (see explain_free). */
+struct explanation {
+    struct opinion opinion; /* of the engine's answer, if it finished */
+    enum cause cause;
+    enum cause with; /* a second one without which the first repair does not help, or NONE */
+    bool inside;     /* C on the same bytes fails in the same way */
+    enum replay_end replayed_end;
+    struct hit replayed;
+    struct opinion replayed_opinion;
+    struct explain_attempt attempt[REPAIR_COUNT];
+    size_t attempt_count;
+    struct explain_imitation imitation[EXPLAIN_IMITATIONS];
+    size_t imitation_count;
+    size_t imitated; /* index of the best, whether the cause or not; or imitation_count */
+    uint32_t witness_count;
+    uint32_t prim; /* the triangle at the end of the way, or ABI_NO_PRIM */
+    struct explain_step *step;
+    uint32_t step_count, last;
+    enum explain_end end;
+    uint32_t slot;              /* of prim in its leaf */
+    enum item_fault slot_fault; /* of that slot */
+    uint32_t slot_stored;       /* what is tested there, or ABI_NO_PRIM */
+    struct replay_notes notes;  /* prim_*: what the triangle test said */
+};
+
+/* Explains `answer`. An allowed answer has cause CAUSE_NONE, unless the engine promises C's bits
+ * and has others. Errors: STATUS_MEMORY; on error *out is zero. */
+enum status explain_make(const struct explain_case *the, const struct explain_answer *answer,
+                         struct explanation *out, struct reason *reason) MUST_USE;
+
+void explain_free(struct explanation *explanation);
+
+/* "was turned away by the box of ...": "box", "skipped", "reference", ... for JSON. */
+const char *explain_end_name(enum explain_end end);
+
+#endif

@@ -1,0 +1,11 @@
+/* The triangle tests as a compiler contracts them: every product that is added or subtracted goes
+ * into an fma. What an engine computes that was built with contraction, to compare with. */
+#ifndef EXPLAIN_FUSED_H
+#define EXPLAIN_FUSED_H
+
+#include "ref/primitives/primitives.h"
+
+/* As tri_test_run. */
+bool fused_tri_run(uint32_t id, const struct tri_ray *r, float v[3][3], struct hit *out);
+
+#endif

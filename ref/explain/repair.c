@@ -1,0 +1,120 @@
+#include "ref/explain/repair.h"
+
+static const struct {
+    const char *name, *text;
+} causes[CAUSE_COUNT] = {
+    [CAUSE_NONE] = {"none", "the answer is allowed"},
+    [CAUSE_INDEX_TRUNCATED] = {"index_truncated",
+                               "a triangle or record index has more bits than its field"},
+    [CAUSE_SLOT_NOT_READ] = {"slot_not_read", "an item slot that leaves use is not read"},
+    [CAUSE_SENTINEL] = {"sentinel", "triangle 0 or a stored 0 is taken for an empty slot"},
+    [CAUSE_INDEX_SHIFTED] = {"index_shifted", "items are numbered one off (F2)"},
+    [CAUSE_WRONG_ITEM] = {"wrong_item", "a leaf tests other triangles than the tree gave it"},
+    [CAUSE_HALF_OVERFLOW] = {"half_overflow", "a stored bound is infinite or not a number"},
+    [CAUSE_HALF_SUBNORMAL_FLUSHED] = {"half_subnormal_flushed",
+                                      "a bound below 2^-14 in magnitude reads as 0"},
+    [CAUSE_ROUNDED_INWARD] = {"rounded_inward",
+                              "a stored bound lies inside the tree's, within a float16 step"},
+    [CAUSE_STORED_BOX] = {"stored_box",
+                          "a stored bound lies inside the tree's by more than rounding can do"},
+    [CAUSE_CUT_BOX] = {"cut_box", "the builder's box does not contain its own triangles (F5)"},
+    [CAUSE_CHILD_REFERENCE] = {"child_reference",
+                               "a child reference leads elsewhere, or a node is misread"},
+    [CAUSE_PARALLEL_AXIS] = {"parallel_axis", "the box test divides by a direction component of 0"},
+    [CAUSE_STRICT_COMPARISON] = {"strict_comparison", "the box test has < where <= is needed"},
+    [CAUSE_BOX_PADDING_TOO_SMALL] = {"box_padding_too_small",
+                                     "the box test's far plane is not padded by its roundings"},
+    [CAUSE_BOX_TEST] = {"box_test", "the box test turns away a ray that meets the box"},
+    [CAUSE_DETERMINANT_THRESHOLD] = {"determinant_threshold",
+                                     "the determinant is under an absolute threshold (F16)"},
+    [CAUSE_TRIANGLE_TEST] = {"triangle_test", "the triangle test is wrong beyond its own bound"},
+    [CAUSE_STACK] = {"stack", "the traversal stack was full"},
+    [CAUSE_LOOP_CAP] = {"loop_cap", "a loop ended before its own condition did"},
+    [CAUSE_CULLED_BY_BEST] = {"culled_by_best", "a box was skipped for a hit that is none"},
+    [CAUSE_STALE_BEST] = {"stale_best", "a farther triangle replaced a nearer one (F13)"},
+    [CAUSE_DRIVER_ARITHMETIC] = {"driver_arithmetic",
+                                 "an operator of the engine does not round as C does"},
+    [CAUSE_SHADER] = {"shader", "C is right on the same bytes and the engine's operators are "
+                                "exact: its own code differs"},
+    [CAUSE_NOT_REPEATABLE] = {"not_repeatable", "the same ray, asked twice, got two answers"},
+    [CAUSE_OUTSIDE] = {"outside", "the engine keeps its tree to itself"},
+    [CAUSE_UNEXPLAINED] = {"unexplained", "no repair made the answer allowed"},
+};
+
+const char *cause_name(enum cause cause)
+{
+    return causes[cause].name;
+}
+
+const char *cause_text(enum cause cause)
+{
+    return causes[cause].text;
+}
+
+static const struct {
+    enum cause cause;
+    const char *text;
+} repairs[REPAIR_COUNT] = {
+    [REPAIR_ITEM_TRUNCATED] = {CAUSE_INDEX_TRUNCATED, "items that were cut to fewer bits restored"},
+    [REPAIR_ITEM_SLOT] = {CAUSE_SLOT_NOT_READ, "every item slot read"},
+    [REPAIR_ITEM_SENTINEL] = {CAUSE_SENTINEL, "slots that read as empty restored"},
+    [REPAIR_ITEM_SHIFTED] = {CAUSE_INDEX_SHIFTED, "items one off restored"},
+    [REPAIR_ITEM_OTHER] = {CAUSE_WRONG_ITEM, "all other wrong items restored"},
+    [REPAIR_REF_TRUNCATED] = {CAUSE_INDEX_TRUNCATED, "references that were cut restored"},
+    [REPAIR_BOX_OVERFLOW] = {CAUSE_HALF_OVERFLOW, "bounds that are not finite restored"},
+    [REPAIR_BOX_FLUSHED] = {CAUSE_HALF_SUBNORMAL_FLUSHED, "bounds flushed to 0 restored"},
+    [REPAIR_BOX_ROUNDED] = {CAUSE_ROUNDED_INWARD, "bounds rounded inward restored"},
+    [REPAIR_BOX_STORED] = {CAUSE_STORED_BOX, "all other bounds inside the tree's restored"},
+    [REPAIR_BOX_CUT] = {CAUSE_CUT_BOX, "boxes grown to contain their triangles"},
+    [REPAIR_REF] = {CAUSE_CHILD_REFERENCE, "all other child references restored"},
+    [REPAIR_PARALLEL] = {CAUSE_PARALLEL_AXIS, "box test: axes of direction 0 by comparison"},
+    [REPAIR_CLOSED] = {CAUSE_STRICT_COMPARISON, "box test: <= for <"},
+    [REPAIR_PADDING] = {CAUSE_BOX_PADDING_TOO_SMALL, "box test: far plane x (1 + 2^-19)"},
+    [REPAIR_BOX_TEST] = {CAUSE_BOX_TEST, "box test: conservative, in double"},
+    [REPAIR_GROWN] = {CAUSE_BOX_PADDING_TOO_SMALL, "boxes grown by 2^-18 of the scene's reach"},
+    [REPAIR_THRESHOLD] = {CAUSE_DETERMINANT_THRESHOLD, "triangle test: no threshold"},
+    [REPAIR_STACK] = {CAUSE_STACK, "stack without end"},
+    [REPAIR_VISITS] = {CAUSE_LOOP_CAP, "four times the visits"},
+    [REPAIR_CULLING] = {CAUSE_CULLED_BY_BEST, "the best hit culls no box"},
+    [REPAIR_TRIANGLE] = {CAUSE_TRIANGLE_TEST, "triangle test: exact"},
+};
+
+enum cause repair_cause(enum repair repair)
+{
+    return repairs[repair].cause;
+}
+
+const char *repair_text(enum repair repair)
+{
+    return repairs[repair].text;
+}
+
+static const struct {
+    enum cause cause;
+    const char *text;
+} defects[DEFECT_COUNT] = {
+    [DEFECT_NONE] = {CAUSE_NONE, "nothing planted"},
+    [DEFECT_SLOT] = {CAUSE_SLOT_NOT_READ, "an item slot is not read"},
+    [DEFECT_ZERO] = {CAUSE_SENTINEL, "triangle 0 is an empty slot"},
+    [DEFECT_SHIFT] = {CAUSE_INDEX_SHIFTED, "items are numbered one off"},
+    [DEFECT_NEAR_AGAIN] = {CAUSE_CHILD_REFERENCE, "the near child is pushed for the far one"},
+    [DEFECT_FAR_DROPPED] = {CAUSE_STACK, "what does not fit on the stack is lost"},
+    [DEFECT_FLUSHED] = {CAUSE_HALF_SUBNORMAL_FLUSHED, "small bounds read as 0"},
+    [DEFECT_STRICT] = {CAUSE_STRICT_COMPARISON, "box test: < for <="},
+    [DEFECT_NOT_PADDED] = {CAUSE_BOX_PADDING_TOO_SMALL, "box test: far plane not padded"},
+    [DEFECT_SLAB_FUSED] = {CAUSE_DRIVER_ARITHMETIC, "box test: b / d - o / d by fma"},
+    [DEFECT_SLAB_SPLIT] = {CAUSE_DRIVER_ARITHMETIC, "box test: b / d - o / d"},
+    [DEFECT_EDGE_FUSED] = {CAUSE_DRIVER_ARITHMETIC, "triangle test: contracted to fma"},
+    [DEFECT_LAST_WINS] = {CAUSE_STALE_BEST, "the last triangle of a leaf wins"},
+    [DEFECT_LOOP] = {CAUSE_LOOP_CAP, "the walk ends early"},
+};
+
+enum cause defect_cause(enum defect defect)
+{
+    return defects[defect].cause;
+}
+
+const char *defect_text(enum defect defect)
+{
+    return defects[defect].text;
+}

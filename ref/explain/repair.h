@@ -1,0 +1,106 @@
+/* Why an answer is wrong, and the single repairs that tell: a wrong ray is answered again and again,
+ * each time with one thing made right; the one that makes the answer allowed is the cause. */
+#ifndef EXPLAIN_REPAIR_H
+#define EXPLAIN_REPAIR_H
+
+#include "ref/base.h"
+
+/* Causes, the most specific first: where several repairs help, the first is named. */
+enum cause {
+    CAUSE_NONE, /* the answer is allowed */
+    /* What a leaf tests. */
+    CAUSE_INDEX_TRUNCATED, /* a triangle or record index has more bits than its field */
+    CAUSE_SLOT_NOT_READ,   /* an item slot is not read in any leaf that uses it, or not counted */
+    CAUSE_SENTINEL,        /* triangle 0 or a stored 0 taken for an empty slot */
+    CAUSE_INDEX_SHIFTED,   /* the leaf tests the triangle before its own (F2) */
+    CAUSE_WRONG_ITEM,      /* the leaf tests triangles that have nothing to do with its own */
+    /* Boxes: what the bytes say against what the tree says. */
+    CAUSE_HALF_OVERFLOW,          /* a stored bound is infinite or NaN */
+    CAUSE_HALF_SUBNORMAL_FLUSHED, /* a bound below 2^-14 in magnitude reads as 0 */
+    CAUSE_ROUNDED_INWARD,         /* inside the tree's bound by at most a float16 step */
+    CAUSE_STORED_BOX,             /* inside by more: the bytes are not the tree's box */
+    CAUSE_CUT_BOX,                /* the tree's own box does not contain its triangles (F5) */
+    CAUSE_CHILD_REFERENCE,        /* a child reference leads elsewhere, or a node reads as a leaf */
+    /* The box test. */
+    CAUSE_PARALLEL_AXIS,         /* a direction component of 0 divides by zero */
+    CAUSE_STRICT_COMPARISON,     /* < where <= is needed: flat boxes are lost */
+    CAUSE_BOX_PADDING_TOO_SMALL, /* the far plane is not padded by all roundings */
+    CAUSE_BOX_TEST,              /* something else of the box test */
+    /* The triangle test. */
+    CAUSE_DETERMINANT_THRESHOLD, /* |determinant| under an absolute threshold (F16) */
+    CAUSE_TRIANGLE_TEST,         /* the formula's own error */
+    /* The traversal. */
+    CAUSE_STACK,          /* the stack was full */
+    CAUSE_LOOP_CAP,       /* a loop ended early: the driver's cap, or the budget of visits */
+    CAUSE_CULLED_BY_BEST, /* a box was skipped because of a nearer hit that is none */
+    CAUSE_STALE_BEST,     /* a farther triangle replaced a nearer one (F13) */
+    /* Outside the bytes. */
+    CAUSE_DRIVER_ARITHMETIC, /* an operator of the engine is not what C has */
+    CAUSE_SHADER,            /* operators exact, bytes right, C right on them: the engine's own code */
+    CAUSE_NOT_REPEATABLE,    /* the same ray, asked twice, got two answers */
+    CAUSE_OUTSIDE,           /* the engine keeps its tree and its formula to itself */
+    CAUSE_UNEXPLAINED,
+    CAUSE_COUNT
+};
+
+/* "rounded_inward", ... */
+const char *cause_name(enum cause cause);
+/* One line: what it means. */
+const char *cause_text(enum cause cause);
+
+/* One thing made right in a replay. A set of them is a mask of 1u << repair. */
+enum repair {
+    REPAIR_ITEM_TRUNCATED, /* item slots of that fault hold the tree's triangle; so the next four */
+    REPAIR_ITEM_SLOT,
+    REPAIR_ITEM_SENTINEL,
+    REPAIR_ITEM_SHIFTED,
+    REPAIR_ITEM_OTHER,
+    REPAIR_REF_TRUNCATED, /* nodes whose children need more bits: the tree's children */
+    REPAIR_BOX_OVERFLOW,  /* bounds of that fault are the tree's; so the next three */
+    REPAIR_BOX_FLUSHED,
+    REPAIR_BOX_ROUNDED,
+    REPAIR_BOX_STORED,
+    REPAIR_BOX_CUT,  /* bounds that do not contain their triangles: exact */
+    REPAIR_REF,      /* all other wrong children: the tree's */
+    REPAIR_PARALLEL, /* box test: an axis of direction 0 is decided by comparison */
+    REPAIR_CLOSED,   /* box test: <= */
+    REPAIR_PADDING,  /* box test: far plane x (1 + 2^-19) */
+    REPAIR_BOX_TEST, /* box test: conservative, in double */
+    REPAIR_GROWN,    /* boxes grown by 2^-18 of how far the scene reaches from the origin */
+    REPAIR_THRESHOLD, /* triangle test: determinant not 0 */
+    REPAIR_STACK,     /* as many entries as there are nodes */
+    REPAIR_VISITS,    /* four times as many visits as nodes */
+    REPAIR_CULLING,   /* the best hit so far culls no box */
+    REPAIR_TRIANGLE,  /* triangle test: exact */
+    REPAIR_COUNT
+};
+
+/* What it stands for if it helps. */
+enum cause repair_cause(enum repair repair);
+/* One line: what is made right. */
+const char *repair_text(enum repair repair);
+
+/* A known defect, planted into a replay to see whether it gives the answer of an engine whose
+ * inside cannot be seen. */
+enum defect {
+    DEFECT_NONE,
+    DEFECT_SLOT,          /* item slot `parameter` of a leaf is not tested */
+    DEFECT_ZERO,          /* triangle 0 is an empty slot */
+    DEFECT_SHIFT,         /* item k tests triangle k - 1 */
+    DEFECT_NEAR_AGAIN,    /* the near child's reference is pushed for the far one */
+    DEFECT_FAR_DROPPED,   /* the stack holds `parameter` entries; what does not fit is lost */
+    DEFECT_FLUSHED,       /* bounds below 2^-14 in magnitude read as 0 */
+    DEFECT_STRICT,        /* box test: < */
+    DEFECT_NOT_PADDED,    /* box test: far plane not padded */
+    DEFECT_SLAB_FUSED,    /* box test: fma(b, 1/d, -(o * 1/d)) */
+    DEFECT_SLAB_SPLIT,    /* box test: b * 1/d - o * 1/d, each rounded */
+    DEFECT_EDGE_FUSED,    /* triangle test: products and sums contracted to fma */
+    DEFECT_LAST_WINS,     /* within a leaf the last accepted triangle wins */
+    DEFECT_LOOP,          /* the walk ends after `parameter` nodes */
+    DEFECT_COUNT
+};
+
+enum cause defect_cause(enum defect defect);
+const char *defect_text(enum defect defect);
+
+#endif

@@ -1,0 +1,299 @@
+#include "ref/explain/replay.h"
+
+#include "ref/explain/fused.h"
+
+#include <math.h>
+#include <string.h>
+
+/* More than any tree of ours needs; only what a repaired stack may take. */
+#define STACK_WITHOUT_END 4096u
+
+struct state {
+    const struct replay *replay;
+    const struct replay_change *change;
+    struct slab_rule rule;
+    struct slab_ray slab;
+    struct tri_ray tri;
+    const struct ray *ray;
+    struct replay_notes *notes;
+    struct hit best;
+    float tbest;
+    float grown; /* by which boxes are widened */
+    uint32_t depth, stack_most, visits_most;
+    uint32_t ref[STACK_WITHOUT_END];
+    float entry[STACK_WITHOUT_END];
+};
+
+static bool repairs(const struct state *s, enum repair repair)
+{
+    return (s->change->repairs >> repair & 1u) != 0;
+}
+
+static bool spoilt(const struct state *s, enum defect defect)
+{
+    return s->change->defect == defect;
+}
+
+static void set_rule(struct state *s)
+{
+    const struct slab_rule plain = slab_rule_of(s->replay->box_id);
+    s->rule = plain;
+    if (repairs(s, REPAIR_PARALLEL))
+        s->rule.by_order = true;
+    if (repairs(s, REPAIR_CLOSED))
+        s->rule.closed = true;
+    if (repairs(s, REPAIR_PADDING))
+        s->rule.far = 0x1.00002p0f;
+    if (spoilt(s, DEFECT_STRICT))
+        s->rule.closed = false;
+    if (spoilt(s, DEFECT_NOT_PADDED))
+        s->rule.far = 1.0f;
+    if (spoilt(s, DEFECT_SLAB_FUSED))
+        s->rule.form = SLAB_FORM_FUSED;
+    if (spoilt(s, DEFECT_SLAB_SPLIT))
+        s->rule.form = SLAB_FORM_SPLIT;
+    s->rule.plain = s->rule.by_order == plain.by_order && s->rule.closed == plain.closed &&
+                    s->rule.far == plain.far && s->rule.form == plain.form;
+}
+
+/* The note of tree node `node`, or NULL if it is not on the path. */
+static struct replay_note *note_of(const struct state *s, uint32_t node)
+{
+    for (uint32_t i = 0; s->notes && node != EXPLAIN_NONE && i < s->notes->count; i++)
+        if (s->notes->step[i].node == node)
+            return &s->notes->step[i];
+    return NULL;
+}
+
+/* The box as this run has it. */
+static struct box changed_box(const struct state *s, const struct box *box)
+{
+    struct box out = *box;
+    for (int k = 0; k < 3; k++) {
+        if (spoilt(s, DEFECT_FLUSHED)) {
+            out.lo[k] = fabsf(out.lo[k]) < 0x1p-14f ? 0.0f : out.lo[k];
+            out.hi[k] = fabsf(out.hi[k]) < 0x1p-14f ? 0.0f : out.hi[k];
+        }
+        out.lo[k] -= s->grown;
+        out.hi[k] += s->grown;
+    }
+    return out;
+}
+
+static bool box_hit(struct state *s, uint32_t ref, const struct box *box, float *entry)
+{
+    float tbest = repairs(s, REPAIR_CULLING) ? s->ray->tmax : s->tbest;
+    struct box stored = changed_box(s, box);
+    bool hit = repairs(s, REPAIR_BOX_TEST)
+                   ? slab_conservative(&s->slab, &stored, tbest, entry)
+                   : slab_by_rule(&s->rule, &s->slab, &stored, tbest, entry);
+    struct replay_note *note = note_of(s, s->replay->tree->node[ref]);
+    if (note && !note->tested) {
+        note->tested = true;
+        note->hit = hit;
+        note->entry = *entry;
+        note->tbest = tbest;
+    }
+    return hit;
+}
+
+/* The triangle test of this run, range included. */
+static bool tri_hit(const struct state *s, uint32_t prim, struct hit *out)
+{
+    if (repairs(s, REPAIR_TRIANGLE) && s->replay->exact)
+        return s->replay->exact(s->replay->exact_user, s->ray, prim, out);
+    float v[3][3];
+    uint32_t id = s->replay->tri_id;
+    scene_tri(s->replay->scene, prim, v);
+    if (spoilt(s, DEFECT_EDGE_FUSED))
+        return fused_tri_run(id, &s->tri, v, out);
+    if (id != ABI_TRI_MT_RTRS || !repairs(s, REPAIR_THRESHOLD))
+        return tri_test_run(id, &s->tri, v, out);
+    return tri_moeller_trumbore(&s->tri, v, 0.0f, out) && out->t > s->tri.tmin &&
+           out->t < s->tri.tmax;
+}
+
+/* `limit`: what an accepted triangle must be nearer than, unless nothing was hit. */
+static bool try_triangle(struct state *s, uint32_t prim, bool any, float limit)
+{
+    struct hit hit;
+    bool accepted = tri_hit(s, prim, &hit);
+    bool kept = accepted && (!any || hit.t < limit);
+    hit.prim = prim;
+    if (s->notes && prim == s->notes->prim && !s->notes->prim_accepted) {
+        s->notes->prim_tested = true;
+        s->notes->prim_accepted = accepted;
+        s->notes->prim_kept = kept;
+        if (accepted)
+            s->notes->prim_hit = hit;
+    }
+    if (!kept)
+        return false;
+    s->best = hit;
+    s->tbest = hit.t;
+    return true;
+}
+
+/* Returns true if the query is answered. */
+static bool leaf(struct state *s, const struct explain_node *node)
+{
+    bool any = s->best.prim != ABI_NO_PRIM;
+    float limit = s->best.t;
+    for (uint32_t slot = 0; slot < node->wide.item_count; slot++) {
+        uint32_t prim = explain_item(s->replay->tree, node, slot);
+        if (spoilt(s, DEFECT_SLOT) && slot == s->change->parameter)
+            continue;
+        if (spoilt(s, DEFECT_ZERO) && prim == 0)
+            continue;
+        if (spoilt(s, DEFECT_SHIFT))
+            prim = prim > 0 && prim != ABI_NO_PRIM ? prim - 1 : ABI_NO_PRIM;
+        if (!spoilt(s, DEFECT_LAST_WINS)) {
+            any = s->best.prim != ABI_NO_PRIM;
+            limit = s->best.t;
+        }
+        if (prim < s->replay->scene->tri_count && try_triangle(s, prim, any, limit) &&
+            s->replay->query == QUERY_ANY)
+            return true;
+    }
+    return false;
+}
+
+/* Pushes a waiting child. False if the stack is full. */
+static bool push(struct state *s, uint32_t ref, float entry)
+{
+    if (spoilt(s, DEFECT_FAR_DROPPED) && s->depth >= s->change->parameter)
+        return true;
+    if (s->depth >= s->stack_most)
+        return false;
+    s->ref[s->depth] = ref;
+    s->entry[s->depth++] = entry;
+    return true;
+}
+
+/* As trace.c: *next, or *any = false if no child is hit. False if the stack is full. */
+static bool inner(struct state *s, const struct wide *node, uint32_t *next, bool *any)
+{
+    bool hit[2] = {false, false};
+    float entry[2] = {0, 0};
+    for (uint32_t i = 0; i < node->child_count && i < 2; i++)
+        hit[i] = box_hit(s, node->child[i], &node->box[i], &entry[i]);
+    *any = hit[0] || hit[1];
+    if (!(hit[0] && hit[1])) {
+        *next = node->child[hit[1] ? 1 : 0];
+        return true;
+    }
+    enum visit order = s->replay->tree->packed->layout->order;
+    int first = order == VISIT_SND ? 1 : 0;
+    if (order == VISIT_NEAR)
+        first = entry[1] < entry[0] ? 1 : 0;
+    *next = node->child[first];
+    return push(s, node->child[spoilt(s, DEFECT_NEAR_AGAIN) ? first : 1 - first],
+                entry[1 - first]);
+}
+
+static bool pop(struct state *s, uint32_t *next)
+{
+    while (s->depth > 0) {
+        s->depth--;
+        *next = s->ref[s->depth];
+        if (s->replay->box_id != ABI_BOX_ROBUST || repairs(s, REPAIR_CULLING) ||
+            s->entry[s->depth] <= s->tbest)
+            return true;
+        struct replay_note *note = note_of(s, s->replay->tree->node[*next]);
+        if (note)
+            note->skipped = true;
+    }
+    return false;
+}
+
+static enum replay_end walk(struct state *s)
+{
+    const struct explain_tree *tree = s->replay->tree;
+    const struct packed *packed = tree->packed;
+    float entry;
+    if (packed->node_count == 0 || !packed_ref_valid(packed, packed->root))
+        return REPLAY_DONE;
+    uint32_t ref = packed->root;
+    struct box root = explain_box(tree, s->change->repairs, ref);
+    if (!box_hit(s, ref, &root, &entry))
+        return REPLAY_DONE;
+    for (uint32_t visits = 0; visits < s->visits_most; visits++) {
+        struct explain_node node;
+        bool descend = false;
+        uint32_t next = 0;
+        if (spoilt(s, DEFECT_LOOP) && visits >= s->change->parameter)
+            return REPLAY_DONE;
+        explain_load(tree, s->change->repairs, ref, &node);
+        struct replay_note *note = note_of(s, node.node);
+        if (note)
+            note->visited = true;
+        if (node.wide.child_count == 0) {
+            if (leaf(s, &node))
+                return REPLAY_DONE;
+        } else if (!inner(s, &node.wide, &next, &descend)) {
+            return REPLAY_STACK;
+        }
+        if (!descend && !pop(s, &next))
+            return REPLAY_DONE;
+        ref = next;
+    }
+    return REPLAY_VISITS;
+}
+
+/* The largest distance on an axis from the origin to the scene's box. */
+static float reach(const struct state *s)
+{
+    float most = 0.0f;
+    for (int k = 0; k < 3 && s->replay->tree && s->replay->tree->bvh->node_count > 0; k++) {
+        most = fmaxf(most, fabsf(s->replay->tree->exact[0].lo[k] - s->ray->org[k]));
+        most = fmaxf(most, fabsf(s->replay->tree->exact[0].hi[k] - s->ray->org[k]));
+    }
+    return most;
+}
+
+/* Every triangle, as trace_brute. */
+static void all(struct state *s)
+{
+    for (uint32_t prim = 0; prim < s->replay->scene->tri_count; prim++) {
+        if (spoilt(s, DEFECT_LOOP) && prim >= s->change->parameter)
+            return;
+        if (spoilt(s, DEFECT_ZERO) && prim == 0)
+            continue;
+        if (try_triangle(s, prim, s->best.prim != ABI_NO_PRIM && !spoilt(s, DEFECT_LAST_WINS),
+                         s->best.t) &&
+            s->replay->query == QUERY_ANY)
+            return;
+    }
+}
+
+enum replay_end replay_run(const struct replay *replay, const struct replay_change *change,
+                           const struct ray *ray, struct hit *out, struct replay_notes *notes)
+{
+    struct state s;
+    s.replay = replay;
+    s.change = change;
+    s.slab = slab_ray_make(ray);
+    s.tri = tri_ray_make(ray);
+    s.ray = ray;
+    s.notes = notes;
+    s.best = (struct hit){.prim = ABI_NO_PRIM};
+    s.tbest = ray->tmax;
+    s.depth = 0;
+    s.grown = repairs(&s, REPAIR_GROWN) ? 0x1p-18f * reach(&s) : 0.0f;
+    enum replay_end end = REPLAY_DONE;
+    set_rule(&s);
+    if (replay->tree) {
+        uint32_t need = replay->tree->packed->stack_need;
+        s.stack_most = need < ABI_STACK_MAX ? need : ABI_STACK_MAX;
+        s.visits_most = replay->tree->packed->node_count;
+        if (repairs(&s, REPAIR_STACK))
+            s.stack_most = STACK_WITHOUT_END;
+        if (repairs(&s, REPAIR_VISITS))
+            s.visits_most = s.visits_most > UINT32_MAX / 4 ? UINT32_MAX : 4 * s.visits_most;
+        end = walk(&s);
+    } else {
+        all(&s);
+    }
+    *out = end == REPLAY_DONE ? s.best : (struct hit){.prim = ABI_NO_PRIM};
+    return end;
+}

@@ -1,0 +1,158 @@
+#include "ref/explain/slabs.h"
+
+#include <math.h>
+
+struct slab_rule slab_rule_of(uint32_t id)
+{
+    struct slab_rule rule = {.id = id, .plain = true, .far = id == ABI_BOX_RTRS ? 1.0f : SLAB_FAR};
+    /* A box flat in x at 100, at which no padding of 2e-6 shows; a far factor shows at 100 only. */
+    const struct ray ray = {{100.0f, 0, 0}, 0, {1, 0, 0}, 1};
+    const struct box flat = {{100.0f, -1, -1}, {100.0f, 1, 1}};
+    struct slab_ray r = slab_ray_make(&ray);
+    float entry;
+    rule.closed = box_test_run(id, &r, &flat, ray.tmax, &entry);
+    rule.by_order = id != ABI_BOX_RTRS;
+    return rule;
+}
+
+/* b against the origin, as a distance along the ray. */
+static float plane(enum slab_form form, float b, float o, float inv)
+{
+    if (form == SLAB_FORM_FUSED)
+        return fmaf(b, inv, -(o * inv));
+    if (form == SLAB_FORM_SPLIT) {
+        float near = b * inv, from = o * inv;
+        return near - from;
+    }
+    return (b - o) * inv;
+}
+
+static bool compare(const struct slab_rule *rule, float near, float far)
+{
+    return rule->closed ? near <= far : near < far;
+}
+
+static bool robust(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
+                   float tbest, float *entry)
+{
+    float tn = r->tmin, tf = tbest;
+    bool ok = true;
+    for (int k = 0; k < 3; k++) {
+        if (r->parallel[k]) {
+            ok = ok && box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
+            continue;
+        }
+        bool down = r->d[k] < 0.0f;
+        float a = plane(rule->form, down ? box->hi[k] : box->lo[k], r->o[k], r->inv[k]);
+        float b = plane(rule->form, down ? box->lo[k] : box->hi[k], r->o[k], r->inv[k]);
+        float bp = b * rule->far;
+        tn = a > tn ? a : tn;
+        tf = bp < tf ? bp : tf;
+    }
+    *entry = tn;
+    return ok && compare(rule, tn, tf);
+}
+
+/* The two planes of axis k as the published test computes them. */
+static void rtrs_planes(const struct slab_rule *rule, const struct slab_ray *r,
+                        const struct box *box, int k, float *t0, float *t1)
+{
+    *t0 = (box->lo[k] - SLAB_RTRS_EPS - r->o[k]) / r->d[k];
+    *t1 = (box->hi[k] + SLAB_RTRS_EPS - r->o[k]) / r->d[k];
+    if (rule->by_order && r->d[k] == 0.0f) {
+        bool between = box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
+        *t0 = between ? -INFINITY : INFINITY;
+        *t1 = INFINITY;
+    }
+}
+
+static bool rtrs(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
+                 float *entry)
+{
+    float t0, t1;
+    rtrs_planes(rule, r, box, 0, &t0, &t1);
+    float tn = t0 < t1 ? t0 : t1, tf = t1 < t0 ? t0 : t1;
+    tf *= rule->far;
+    for (int k = 1; k < 3; k++) {
+        rtrs_planes(rule, r, box, k, &t0, &t1);
+        float lesser = t0 < t1 ? t0 : t1, greater = t1 < t0 ? t0 : t1;
+        float low = lesser < -SLAB_RTRS_INF ? lesser : -SLAB_RTRS_INF;
+        float high = greater > SLAB_RTRS_INF ? greater : SLAB_RTRS_INF;
+        tn = low > tn ? low : tn;
+        tf = high < tf ? high : tf;
+    }
+    *entry = tn;
+    return compare(rule, tn, tf);
+}
+
+bool slab_by_rule(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
+                  float tbest, float *entry)
+{
+    if (rule->plain)
+        return box_test_run(rule->id, r, box, tbest, entry);
+    if (rule->id == ABI_BOX_RTRS)
+        return rtrs(rule, r, box, entry);
+    return robust(rule, r, box, tbest, entry);
+}
+
+/* More than the rounding of a difference and a quotient of doubles. */
+#define PAD 0x1p-48
+
+static void exact_axis(const struct slab_ray *r, const struct box *box, int k, double *enter,
+                       double *leave)
+{
+    double o = (double)r->o[k], d = (double)r->d[k];
+    double lo = (double)box->lo[k], hi = (double)box->hi[k];
+    if (d == 0.0) {
+        bool between = lo <= o && o <= hi;
+        *enter = between ? -INFINITY : INFINITY;
+        *leave = between ? INFINITY : -INFINITY;
+        return;
+    }
+    *enter = ((d < 0 ? hi : lo) - o) / d;
+    *leave = ((d < 0 ? lo : hi) - o) / d;
+}
+
+bool slab_conservative(const struct slab_ray *r, const struct box *box, float tbest, float *entry)
+{
+    double tn = (double)r->tmin, tf = (double)tbest;
+    *entry = r->tmin;
+    for (int k = 0; k < 3; k++) {
+        double enter, leave;
+        exact_axis(r, box, k, &enter, &leave);
+        if (r->d[k] == 0.0f && enter > leave)
+            return false;
+        enter -= fabs(enter) * PAD; /* -infinity stays */
+        leave += fabs(leave) * PAD;
+        tn = enter > tn ? enter : tn;
+        tf = leave < tf ? leave : tf;
+    }
+    if (tn > (double)r->tmin)
+        *entry = nextafterf((float)tn, -INFINITY);
+    return tn <= tf;
+}
+
+void slab_axis_of(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
+                  int axis, struct slab_axis *out)
+{
+    exact_axis(r, box, axis, &out->exact_enter, &out->exact_leave);
+    if (rule->id == ABI_BOX_RTRS) {
+        float t0, t1;
+        rtrs_planes(rule, r, box, axis, &t0, &t1);
+        out->enter = t0 < t1 ? t0 : t1;
+        out->leave = (t1 < t0 ? t0 : t1) * (axis == 0 ? rule->far : 1.0f);
+        return;
+    }
+    if (r->parallel[axis]) {
+        bool between = box->lo[axis] <= r->o[axis] && r->o[axis] <= box->hi[axis];
+        out->enter = between ? -INFINITY : INFINITY;
+        out->leave = between ? INFINITY : -INFINITY;
+        return;
+    }
+    bool down = r->d[axis] < 0.0f;
+    out->enter =
+        plane(rule->form, down ? box->hi[axis] : box->lo[axis], r->o[axis], r->inv[axis]);
+    out->leave =
+        plane(rule->form, down ? box->lo[axis] : box->hi[axis], r->o[axis], r->inv[axis]) *
+        rule->far;
+}

@@ -1,0 +1,46 @@
+/* The box tests of ref/primitives/slab.h once more, each of their properties a switch: to replay a
+ * ray with one of them repaired or spoilt. With the properties that slab_rule_of gives they are the
+ * very same bits, `plain` or not (tests/test_explain_replay.c). */
+#ifndef EXPLAIN_SLABS_H
+#define EXPLAIN_SLABS_H
+
+#include "ref/primitives/primitives.h"
+
+enum slab_form {
+    SLAB_FORM_PLAIN, /* (b - o) * (1 / d); rtrs: (b -+ eps - o) / d */
+    SLAB_FORM_FUSED, /* fma(b, 1 / d, -(o * (1 / d))) */
+    SLAB_FORM_SPLIT, /* b * (1 / d) - o * (1 / d) */
+};
+
+struct slab_rule {
+    uint32_t id;    /* ABI_BOX_* */
+    bool plain;     /* nothing is changed: box_test_run itself answers */
+    bool closed;    /* <=, else < */
+    bool by_order;  /* an axis of direction 0 is decided by comparison (robust always does) */
+    float far;      /* factor of the far plane */
+    enum slab_form form; /* robust only */
+};
+
+/* The properties that box test `id` has in this program, found by asking it. A caller that changes
+ * one clears `plain`; a box test that is unknown here is then treated as `robust`. */
+struct slab_rule slab_rule_of(uint32_t id);
+
+/* As box_test_run, with the rule. */
+bool slab_by_rule(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
+                  float tbest, float *entry);
+
+/* True whenever the exact ray meets the box at a t in [tmin, tbest], whatever the direction; in
+ * double, padded. *entry is at most the exact entry distance, but at least tmin. */
+bool slab_conservative(const struct slab_ray *r, const struct box *box, float tbest, float *entry);
+
+/* What the test computes for one axis, and what is exact to double precision. A parallel axis has
+ * -infinity to infinity if the origin lies between the planes, else infinity to -infinity. */
+struct slab_axis {
+    float enter, leave; /* `leave` with the far factor */
+    double exact_enter, exact_leave;
+};
+
+void slab_axis_of(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
+                  int axis, struct slab_axis *out);
+
+#endif

@@ -1,0 +1,140 @@
+#include "ref/explain/way.h"
+
+#include "ref/explain/steps.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+const char *explain_end_name(enum explain_end end)
+{
+    static const char *const names[] = {
+        [END_NOWHERE] = "nowhere", [END_BOX] = "box",           [END_SKIPPED] = "skipped",
+        [END_REFERENCE] = "reference", [END_SLOT] = "slot",     [END_TRIANGLE] = "triangle",
+        [END_FARTHER] = "farther",     [END_HIT] = "hit",
+    };
+    return names[end];
+}
+
+static void describe_bound(float decoded, float canonical, float exact, bool upper,
+                           struct explain_bound *out)
+{
+    double outward = upper ? 1.0 : -1.0;
+    *out = (struct explain_bound){
+        .exact = exact,
+        .canonical = canonical,
+        .decoded = decoded,
+        .fault = explain_bound_fault(decoded, canonical, exact, upper),
+        .half_steps = outward * half_steps(exact, decoded),
+        .float_steps = (upper ? 1 : -1) * float_steps(exact, decoded),
+    };
+}
+
+static void describe_step(const struct explain_case *the, struct explain_step *step)
+{
+    const struct explain_tree *tree = the->replay.tree;
+    const struct packed *packed = tree->packed;
+    uint32_t node = step->note.node;
+    step->record = tree->record[node];
+    step->leaf = tree->bvh->node[node].item_count > 0;
+    step->ref = explain_ref_fault(tree, node);
+    if (step->record == EXPLAIN_NONE)
+        return;
+    struct box decoded = packed->layout->box(packed, step->record);
+    const struct box *canonical = &tree->bvh->node[node].bounds, *exact = &tree->exact[node];
+    struct slab_rule rule = slab_rule_of(the->replay.box_id);
+    struct slab_ray slab = slab_ray_make(&the->ray);
+    for (int k = 0; k < 3; k++) {
+        describe_bound(decoded.lo[k], canonical->lo[k], exact->lo[k], false, &step->lo[k]);
+        describe_bound(decoded.hi[k], canonical->hi[k], exact->hi[k], true, &step->hi[k]);
+        slab_axis_of(&rule, &slab, &decoded, k, &step->slab[k]);
+    }
+    uint64_t words = packed->layout->node_bytes / 4, first = step->record * words;
+    for (uint64_t i = 0; i < words && i < ARRAY_COUNT(step->word); i++)
+        if (first + i < packed->word_count)
+            step->word[step->word_count++] = packed->word[first + i];
+}
+
+/* The nodes from the root to the triangle's leaf, as notes for the replay. */
+static enum status find_path(const struct explain_tree *tree, struct explanation *out)
+{
+    uint32_t leaf = tree->leaf[out->prim], depth = 0;
+    for (uint32_t node = leaf; node != EXPLAIN_NONE; node = tree->parent[node])
+        depth++;
+    out->step = alloc_zeroed(depth, sizeof *out->step);
+    if (!out->step)
+        return STATUS_MEMORY;
+    out->step_count = depth;
+    for (uint32_t node = leaf; node != EXPLAIN_NONE; node = tree->parent[node])
+        out->step[--depth].note.node = node;
+    return STATUS_OK;
+}
+
+/* Which slot of its leaf holds the triangle, and what is read there. */
+static void find_slot(const struct explain_tree *tree, struct explanation *out)
+{
+    const struct bvh_node *leaf = &tree->bvh->node[tree->leaf[out->prim]];
+    while (tree->bvh->prim[leaf->item_first + out->slot] != out->prim)
+        out->slot++;
+    out->slot_fault =
+        explain_item_fault(tree, tree->leaf[out->prim], out->slot, &out->slot_stored);
+}
+
+static enum explain_end triangle_end(const struct explanation *out, bool entered)
+{
+    if (!out->notes.prim_tested)
+        return entered ? END_SLOT : END_NOWHERE;
+    if (!out->notes.prim_accepted)
+        return END_TRIANGLE;
+    return out->notes.prim_kept ? END_HIT : END_FARTHER;
+}
+
+/* Where the plain replay left the way. A triangle can be tested although its leaf was not entered:
+ * then another leaf names it. */
+static void find_end(struct explanation *out)
+{
+    for (uint32_t i = 0; i < out->step_count; i++) {
+        const struct replay_note *note = &out->step[i].note;
+        out->last = i;
+        if (note->visited)
+            continue;
+        out->end = END_REFERENCE;
+        if (note->tested)
+            out->end = note->hit ? END_SKIPPED : END_BOX;
+        return;
+    }
+    out->end = triangle_end(out, true);
+}
+
+enum status explain_way(const struct explain_case *the, struct explanation *out)
+{
+    const struct explain_tree *tree = the->replay.tree;
+    struct replay_change plain = {0};
+    struct hit hit;
+    out->notes = (struct replay_notes){.prim = out->prim};
+    if (out->prim == ABI_NO_PRIM)
+        return STATUS_OK;
+    if (tree && tree->leaf[out->prim] != EXPLAIN_NONE) {
+        if (find_path(tree, out))
+            return STATUS_MEMORY;
+        find_slot(tree, out);
+    }
+    struct replay_note *note = alloc_zeroed(out->step_count, sizeof *note);
+    if (!note)
+        return STATUS_MEMORY;
+    for (uint32_t i = 0; i < out->step_count; i++)
+        note[i].node = out->step[i].note.node;
+    out->notes.step = note;
+    out->notes.count = out->step_count;
+    (void)replay_run(&the->replay, &plain, &the->ray, &hit, &out->notes);
+    for (uint32_t i = 0; i < out->step_count; i++) {
+        out->step[i].note = note[i];
+        describe_step(the, &out->step[i]);
+    }
+    free(note);
+    out->notes.step = NULL;
+    if (out->step_count > 0)
+        find_end(out);
+    else
+        out->end = triangle_end(out, false);
+    return STATUS_OK;
+}

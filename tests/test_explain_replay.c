@@ -1,0 +1,239 @@
+/* The replay is the reference traversal: the same bits, with nothing changed, over every layout,
+ * box test, triangle test and query; and each switch does what it says. */
+#include "ref/explain/replay.h"
+#include "ref/rng.h"
+#include "scenes/rays.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/explained.h"
+#include "tests/faults.h"
+
+#include <math.h>
+
+#define RAYS 400
+
+static struct scene opened(const char *spec)
+{
+    struct scene scene;
+    struct reason reason = {""};
+    if (scene_open(spec, 1, &scene, &reason))
+        fail_msg("%s", reason.text);
+    return scene;
+}
+
+static void make_rays(const struct scene *scene, struct ray *ray, size_t count)
+{
+    assert_int_equal(ray_set_find("mixed")->make(scene, 3, count, ray, NULL), STATUS_OK);
+}
+
+static void same_as_trace_ray(const struct subject *s, const struct ray *ray)
+{
+    struct explain_tree tree;
+    struct replay_change plain = {0};
+    assert_int_equal(explain_tree_make(s->scene, &s->bvh, &s->packed, &tree, NULL), STATUS_OK);
+    for (size_t b = 0; box_tests[b]; b++)
+        for (size_t t = 0; tri_tests[t]; t++)
+            for (int q = 0; q <= QUERY_ANY; q++)
+                for (size_t i = 0; i < RAYS; i++) {
+                    struct replay replay = {.scene = s->scene,
+                                            .tree = &tree,
+                                            .box_id = box_tests[b]->id,
+                                            .tri_id = tri_tests[t]->id,
+                                            .query = (enum query)q};
+                    struct hit hit, expected;
+                    enum status status =
+                        trace_ray(&s->packed, s->scene, box_tests[b], tri_tests[t], (enum query)q,
+                                  &ray[i], &expected, NULL);
+                    enum replay_end end = replay_run(&replay, &plain, &ray[i], &hit, NULL);
+                    assert_int_equal(end == REPLAY_DONE, status == STATUS_OK);
+                    assert_memory_equal(&hit, &expected, sizeof hit);
+                }
+    explain_tree_free(&tree);
+}
+
+static void a_plain_replay_gives_the_bits_of_the_traversal(void **state)
+{
+    (void)state;
+    static const char *const specs[] = {"soup:n=300", "grid", "platonic"};
+    static struct ray ray[RAYS];
+    for (size_t i = 0; i < ARRAY_COUNT(specs); i++) {
+        struct scene scene = opened(specs[i]);
+        make_rays(&scene, ray, RAYS);
+        for (size_t b = 0; builders[b]; b++)
+            for (size_t l = 0; layouts[l]; l++) {
+                struct subject s =
+                    subject_make(&scene, builders[b]->name, 4, SEED_EPS, layouts[l]->name);
+                if (s.status == STATUS_OK)
+                    same_as_trace_ray(&s, ray);
+                subject_free(&s);
+            }
+        scene_free(&scene);
+    }
+}
+
+/* Also where the traversal gives up: any words, any stack. */
+static void a_plain_replay_of_garbage_ends_as_the_traversal(void **state)
+{
+    (void)state;
+    static struct ray ray[RAYS];
+    struct scene scene = opened("soup:n=200");
+    struct rng rng = rng_make(5, 0);
+    make_rays(&scene, ray, RAYS);
+    for (size_t l = 0; layouts[l]; l++)
+        for (int round = 0; round < 6; round++) {
+            struct subject s = subject_make(&scene, "median", 4, SEED_EPS, layouts[l]->name);
+            assert_int_equal(s.status, STATUS_OK);
+            for (int k = 0; k < 1 << round; k++)
+                s.packed.word[rng_below(&rng, s.packed.word_count)] = rng_below(&rng, UINT32_MAX);
+            /* A traversal of 2^32 - 1 item slots takes too long to be of use here. */
+            for (uint32_t w = 7; s.packed.layout->node_bytes == 32 && w < s.packed.word_count;
+                 w += 8)
+                s.packed.word[w] %= 16;
+            for (uint32_t w = 3; s.packed.layout->node_bytes == 48 && w < s.packed.word_count;
+                 w += 12)
+                s.packed.word[w] %= 16;
+            same_as_trace_ray(&s, ray);
+            subject_free(&s);
+        }
+    scene_free(&scene);
+}
+
+static void without_a_tree_it_is_brute_force(void **state)
+{
+    (void)state;
+    static struct ray ray[RAYS];
+    struct scene scene = opened("soup:n=100");
+    struct replay_change plain = {0};
+    make_rays(&scene, ray, RAYS);
+    for (size_t t = 0; tri_tests[t]; t++)
+        for (int q = 0; q <= QUERY_ANY; q++)
+            for (size_t i = 0; i < RAYS; i++) {
+                struct replay replay = {
+                    .scene = &scene, .tri_id = tri_tests[t]->id, .query = (enum query)q};
+                struct hit hit, expected;
+                trace_brute(&scene, tri_tests[t], (enum query)q, &ray[i], &expected);
+                assert_int_equal(replay_run(&replay, &plain, &ray[i], &hit, NULL), REPLAY_DONE);
+                assert_memory_equal(&hit, &expected, sizeof hit);
+            }
+    scene_free(&scene);
+}
+
+static void the_rule_of_a_box_test_is_found_by_asking_it(void **state)
+{
+    (void)state;
+    struct slab_rule robust = slab_rule_of(ABI_BOX_ROBUST), rtrs = slab_rule_of(ABI_BOX_RTRS);
+    assert_true(robust.closed && robust.by_order);
+    assert_true(robust.far == SLAB_FAR);
+    assert_false(rtrs.closed || rtrs.by_order);
+    assert_true(rtrs.far == 1.0f);
+}
+
+/* Each property once more, written out: the bits are those of the test itself. */
+static void the_rules_give_the_bits_of_the_box_tests(void **state)
+{
+    (void)state;
+    static struct ray ray[RAYS];
+    struct scene scene = opened("soup:n=100");
+    make_rays(&scene, ray, RAYS);
+    size_t hits = 0;
+    for (size_t b = 0; box_tests[b]; b++) {
+        struct slab_rule rule = slab_rule_of(box_tests[b]->id);
+        if (rule.id != ABI_BOX_ROBUST && rule.id != ABI_BOX_RTRS)
+            continue;
+        rule.plain = false;
+        for (size_t i = 0; i < RAYS; i++)
+            for (uint32_t prim = 0; prim < scene.tri_count; prim++) {
+                struct slab_ray r = slab_ray_make(&ray[i]);
+                struct box box = scene_tri_bounds(&scene, prim);
+                float entry = 0, expected_entry = 0;
+                bool expected =
+                    box_test_run(rule.id, &r, &box, ray[i].tmax, &expected_entry);
+                assert_int_equal(slab_by_rule(&rule, &r, &box, ray[i].tmax, &entry), expected);
+                assert_true(!expected || float_bits(entry) == float_bits(expected_entry));
+                hits += expected;
+            }
+    }
+    assert_true(hits > 1000);
+    scene_free(&scene);
+}
+
+/* Whatever robust accepts is accepted, and whatever the exact ray meets: points of the box. */
+static void the_conservative_box_test_turns_away_nothing_that_is_met(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(9, 0);
+    size_t refused = 0;
+    for (int i = 0; i < 20000; i++) {
+        struct ray ray = {.tmax = INFINITY};
+        struct box box;
+        float at[3], entry;
+        for (int k = 0; k < 3; k++) {
+            float a = rng_range(&rng, -4, 4), b = i % 3 ? a : rng_range(&rng, -4, 4);
+            box.lo[k] = fminf(a, b);
+            box.hi[k] = fmaxf(a, b);
+            at[k] = rng_below(&rng, 2) ? box.lo[k] : box.hi[k];
+            ray.dir[k] = ldexpf((float)rng_below(&rng, 9) - 4, (int)rng_below(&rng, 8) - 4);
+            ray.org[k] = at[k] - ray.dir[k]; /* exact often enough */
+        }
+        bool exact = true;
+        for (int k = 0; k < 3; k++)
+            exact = exact && (double)ray.org[k] + (double)ray.dir[k] == (double)at[k];
+        struct slab_ray r = slab_ray_make(&ray);
+        bool met = slab_conservative(&r, &box, ray.tmax, &entry);
+        if (exact) {
+            assert_true(met);
+            assert_true(entry <= 1.0f);
+        }
+        refused += !met;
+        struct slab_ray past = r;
+        past.o[0] = 100;
+        past.d[0] = 1; /* beyond the box for good */
+        assert_false(slab_conservative(&past, &box, ray.tmax, &entry));
+    }
+    assert_true(refused > 100);
+}
+
+/* Notes tell what happened on the way. */
+static void notes_follow_the_path(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(64);
+    struct subject s = subject_make(&scene, "median", 4, SEED_EPS, "rf16");
+    struct suspect suspect = suspect_make(&scene, &s.bvh, &s.packed, "robust", "mt");
+    for (uint32_t prim = 0; prim < 64; prim++) {
+        struct ray ray = ray_at_triangle(&scene, prim);
+        struct explain_case the = case_of(&suspect, &ray);
+        struct replay_change plain = {0};
+        struct replay_note step[2] = {{.node = 0}, {.node = suspect.tree.leaf[prim]}};
+        struct replay_notes notes = {.step = step, .count = 2, .prim = prim};
+        struct hit hit;
+        assert_int_equal(replay_run(&the.replay, &plain, &ray, &hit, &notes), REPLAY_DONE);
+        assert_int_equal(hit.prim, prim);
+        for (int i = 0; i < 2; i++)
+            assert_true(step[i].tested && step[i].hit && step[i].visited && !step[i].skipped);
+        assert_true(notes.prim_tested && notes.prim_accepted && notes.prim_kept);
+        assert_memory_equal(&notes.prim_hit, &hit, sizeof hit);
+    }
+    suspect_free(&suspect);
+    subject_free(&s);
+    scene_free(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_plain_replay_gives_the_bits_of_the_traversal),
+        cmocka_unit_test(a_plain_replay_of_garbage_ends_as_the_traversal),
+        cmocka_unit_test(without_a_tree_it_is_brute_force),
+        cmocka_unit_test(the_rule_of_a_box_test_is_found_by_asking_it),
+        cmocka_unit_test(the_rules_give_the_bits_of_the_box_tests),
+        cmocka_unit_test(the_conservative_box_test_turns_away_nothing_that_is_met),
+        cmocka_unit_test(notes_follow_the_path),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
