@@ -168,8 +168,8 @@ static void an_unpadded_far_plane_is_found(void **state)
     for (uint64_t seed = 1; seed < 20 && found == 0; seed++) {
         assert_int_equal(ray_set_find("corners")->make(&s.scene, seed, RAYS, s.ray, NULL),
                          STATUS_OK);
-        found = explain_wrong(&engine, s.ray, RAYS, 3, DEFECT_NOT_PADDED,
-                              CAUSE_BOX_PADDING_TOO_SMALL);
+        found =
+            explain_wrong(&engine, s.ray, RAYS, 3, DEFECT_NOT_PADDED, CAUSE_BOX_PADDING_TOO_SMALL);
     }
     assert_true(found > 0);
     stage_end(&s);

@@ -58,7 +58,6 @@ static void spoilt_again(struct spoilt *s)
     s->suspect = suspect_make(&s->scene, &s->subject.bvh, &s->subject.packed, "robust", "mt");
 }
 
-
 static void swapped_children_are_a_child_reference(void **state)
 {
     (void)state;

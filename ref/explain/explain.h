@@ -24,11 +24,11 @@ struct explain_case {
     struct ray ray;
     opinion_fn *judge;
     const void *judge_user;
-    ask_fn *ask;     /* the engine, for witnesses; may be NULL */
+    ask_fn *ask; /* the engine, for witnesses; may be NULL */
     void *ask_user;
-    bool bits;       /* the engine promises C's bits */
-    bool exact;      /* its operators are known to round as C's do */
-    bool known;      /* its formula and its tree are those of `replay`, else it is outside */
+    bool bits;  /* the engine promises C's bits */
+    bool exact; /* its operators are known to round as C's do */
+    bool known; /* its formula and its tree are those of `replay`, else it is outside */
 };
 
 /* The engine's answer. */

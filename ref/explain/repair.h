@@ -1,5 +1,6 @@
-/* Why an answer is wrong, and the single repairs that tell: a wrong ray is answered again and again,
- * each time with one thing made right; the one that makes the answer allowed is the cause. */
+/* Why an answer is wrong, and the single repairs that tell: a wrong ray is answered again and
+ * again, each time with one thing made right; the one that makes the answer allowed is the cause.
+ */
 #ifndef EXPLAIN_REPAIR_H
 #define EXPLAIN_REPAIR_H
 
@@ -36,9 +37,9 @@ enum cause {
     CAUSE_STALE_BEST,     /* a farther triangle replaced a nearer one (F13) */
     /* Outside the bytes. */
     CAUSE_DRIVER_ARITHMETIC, /* an operator of the engine is not what C has */
-    CAUSE_SHADER,            /* operators exact, bytes right, C right on them: the engine's own code */
-    CAUSE_NOT_REPEATABLE,    /* the same ray, asked twice, got two answers */
-    CAUSE_OUTSIDE,           /* the engine keeps its tree and its formula to itself */
+    CAUSE_SHADER,         /* operators exact, bytes right, C right on them: the engine's own code */
+    CAUSE_NOT_REPEATABLE, /* the same ray, asked twice, got two answers */
+    CAUSE_OUTSIDE,        /* the engine keeps its tree and its formula to itself */
     CAUSE_UNEXPLAINED,
     CAUSE_COUNT
 };
@@ -60,18 +61,18 @@ enum repair {
     REPAIR_BOX_FLUSHED,
     REPAIR_BOX_ROUNDED,
     REPAIR_BOX_STORED,
-    REPAIR_BOX_CUT,  /* bounds that do not contain their triangles: exact */
-    REPAIR_REF,      /* all other wrong children: the tree's */
-    REPAIR_PARALLEL, /* box test: an axis of direction 0 is decided by comparison */
-    REPAIR_CLOSED,   /* box test: <= */
-    REPAIR_PADDING,  /* box test: far plane x (1 + 2^-19) */
-    REPAIR_BOX_TEST, /* box test: conservative, in double */
-    REPAIR_GROWN,    /* boxes grown by 2^-18 of how far the scene reaches from the origin */
-    REPAIR_THRESHOLD, /* triangle test: determinant not 0 */
-    REPAIR_STACK,     /* as many entries as there are nodes */
-    REPAIR_VISITS,    /* four times as many visits as nodes */
-    REPAIR_CULLING,   /* the best hit so far culls no box */
-    REPAIR_TRIANGLE,  /* triangle test: exact */
+    REPAIR_BOX_CUT,    /* bounds that do not contain their triangles: exact */
+    REPAIR_REF,        /* all other wrong children: the tree's */
+    REPAIR_PARALLEL,   /* box test: an axis of direction 0 is decided by comparison */
+    REPAIR_CLOSED,     /* box test: <= */
+    REPAIR_PADDING,    /* box test: planes padded as the repaired tests have it */
+    REPAIR_BOX_TEST,   /* box test: conservative, in double */
+    REPAIR_WATERTIGHT, /* box test: watertight in place of this one */
+    REPAIR_THRESHOLD,  /* triangle test: determinant not 0 */
+    REPAIR_STACK,      /* as many entries as there are nodes */
+    REPAIR_VISITS,     /* four times as many visits as nodes */
+    REPAIR_CULLING,    /* the best hit so far culls no box */
+    REPAIR_TRIANGLE,   /* triangle test: exact */
     REPAIR_COUNT
 };
 
@@ -84,19 +85,20 @@ const char *repair_text(enum repair repair);
  * inside cannot be seen. */
 enum defect {
     DEFECT_NONE,
-    DEFECT_SLOT,          /* item slot `parameter` of a leaf is not tested */
-    DEFECT_ZERO,          /* triangle 0 is an empty slot */
-    DEFECT_SHIFT,         /* item k tests triangle k - 1 */
-    DEFECT_NEAR_AGAIN,    /* the near child's reference is pushed for the far one */
-    DEFECT_FAR_DROPPED,   /* the stack holds `parameter` entries; what does not fit is lost */
-    DEFECT_FLUSHED,       /* bounds below 2^-14 in magnitude read as 0 */
-    DEFECT_STRICT,        /* box test: < */
-    DEFECT_NOT_PADDED,    /* box test: far plane not padded */
-    DEFECT_SLAB_FUSED,    /* box test: fma(b, 1/d, -(o * 1/d)) */
-    DEFECT_SLAB_SPLIT,    /* box test: b * 1/d - o * 1/d, each rounded */
-    DEFECT_EDGE_FUSED,    /* triangle test: products and sums contracted to fma */
-    DEFECT_LAST_WINS,     /* within a leaf the last accepted triangle wins */
-    DEFECT_LOOP,          /* the walk ends after `parameter` nodes */
+    DEFECT_SLOT,        /* item slot `parameter` of a leaf is not tested */
+    DEFECT_ZERO,        /* triangle 0 is an empty slot */
+    DEFECT_SHIFT,       /* item k tests triangle k - 1 */
+    DEFECT_NEAR_AGAIN,  /* the near child's reference is pushed for the far one */
+    DEFECT_FAR_DROPPED, /* the stack holds `parameter` entries; what does not fit is lost */
+    DEFECT_FLUSHED,     /* bounds below 2^-14 in magnitude read as 0 */
+    DEFECT_STRICT,      /* box test: < */
+    DEFECT_NOT_PADDED,  /* box test: planes not padded */
+    DEFECT_NOT_BEHIND,  /* box test: what reaches behind the origin forgotten */
+    DEFECT_SLAB_FUSED,  /* box test: fma(b, 1/d, -(o * 1/d)) */
+    DEFECT_SLAB_SPLIT,  /* box test: b * 1/d - o * 1/d, each rounded */
+    DEFECT_EDGE_FUSED,  /* triangle test: products and sums contracted to fma */
+    DEFECT_LAST_WINS,   /* within a leaf the last accepted triangle wins */
+    DEFECT_LOOP,        /* the walk ends after `parameter` nodes */
     DEFECT_COUNT
 };
 

@@ -18,7 +18,6 @@ struct state {
     struct replay_notes *notes;
     struct hit best;
     float tbest;
-    float grown; /* by which boxes are widened */
     uint32_t depth, stack_most, visits_most;
     uint32_t ref[STACK_WITHOUT_END];
     float entry[STACK_WITHOUT_END];
@@ -34,26 +33,42 @@ static bool spoilt(const struct state *s, enum defect defect)
     return s->change->defect == defect;
 }
 
+/* What the repaired box tests have, whatever this program was compiled with. */
+static void pad(struct slab_rule *rule)
+{
+    if (rule->id == ABI_BOX_WATERTIGHT) {
+        rule->near = 1.0f - 0x1p-18f;
+        rule->behind = 0x1p-19f;
+    } else {
+        rule->far = 0x1.00002p0f;
+    }
+}
+
 static void set_rule(struct state *s)
 {
-    const struct slab_rule plain = slab_rule_of(s->replay->box_id);
-    s->rule = plain;
+    uint32_t id = repairs(s, REPAIR_WATERTIGHT) ? ABI_BOX_WATERTIGHT : s->replay->box_id;
+    const struct slab_rule plain = slab_rule_of(id);
+    struct slab_rule *rule = &s->rule;
+    *rule = plain;
     if (repairs(s, REPAIR_PARALLEL))
-        s->rule.by_order = true;
-    if (repairs(s, REPAIR_CLOSED))
-        s->rule.closed = true;
-    if (repairs(s, REPAIR_PADDING))
-        s->rule.far = 0x1.00002p0f;
+        rule->by_order = true;
+    if (repairs(s, REPAIR_CLOSED) || repairs(s, REPAIR_WATERTIGHT))
+        rule->closed = true;
+    if (repairs(s, REPAIR_PADDING) || repairs(s, REPAIR_WATERTIGHT))
+        pad(rule);
     if (spoilt(s, DEFECT_STRICT))
-        s->rule.closed = false;
+        rule->closed = false;
     if (spoilt(s, DEFECT_NOT_PADDED))
-        s->rule.far = 1.0f;
+        rule->far = rule->near = 1.0f;
+    if (spoilt(s, DEFECT_NOT_BEHIND))
+        rule->behind = 0.0f;
     if (spoilt(s, DEFECT_SLAB_FUSED))
-        s->rule.form = SLAB_FORM_FUSED;
+        rule->form = SLAB_FORM_FUSED;
     if (spoilt(s, DEFECT_SLAB_SPLIT))
-        s->rule.form = SLAB_FORM_SPLIT;
-    s->rule.plain = s->rule.by_order == plain.by_order && s->rule.closed == plain.closed &&
-                    s->rule.far == plain.far && s->rule.form == plain.form;
+        rule->form = SLAB_FORM_SPLIT;
+    rule->plain = rule->by_order == plain.by_order && rule->closed == plain.closed &&
+                  rule->far == plain.far && rule->near == plain.near &&
+                  rule->behind == plain.behind && rule->form == plain.form;
 }
 
 /* The note of tree node `node`, or NULL if it is not on the path. */
@@ -65,25 +80,14 @@ static struct replay_note *note_of(const struct state *s, uint32_t node)
     return NULL;
 }
 
-/* The box as this run has it. */
-static struct box changed_box(const struct state *s, const struct box *box)
-{
-    struct box out = *box;
-    for (int k = 0; k < 3; k++) {
-        if (spoilt(s, DEFECT_FLUSHED)) {
-            out.lo[k] = fabsf(out.lo[k]) < 0x1p-14f ? 0.0f : out.lo[k];
-            out.hi[k] = fabsf(out.hi[k]) < 0x1p-14f ? 0.0f : out.hi[k];
-        }
-        out.lo[k] -= s->grown;
-        out.hi[k] += s->grown;
-    }
-    return out;
-}
-
 static bool box_hit(struct state *s, uint32_t ref, const struct box *box, float *entry)
 {
     float tbest = repairs(s, REPAIR_CULLING) ? s->ray->tmax : s->tbest;
-    struct box stored = changed_box(s, box);
+    struct box stored = *box;
+    for (int k = 0; k < 3 && spoilt(s, DEFECT_FLUSHED); k++) {
+        stored.lo[k] = fabsf(stored.lo[k]) < 0x1p-14f ? 0.0f : stored.lo[k];
+        stored.hi[k] = fabsf(stored.hi[k]) < 0x1p-14f ? 0.0f : stored.hi[k];
+    }
     bool hit = repairs(s, REPAIR_BOX_TEST)
                    ? slab_conservative(&s->slab, &stored, tbest, entry)
                    : slab_by_rule(&s->rule, &s->slab, &stored, tbest, entry);
@@ -187,8 +191,7 @@ static bool inner(struct state *s, const struct wide *node, uint32_t *next, bool
     if (order == VISIT_NEAR)
         first = entry[1] < entry[0] ? 1 : 0;
     *next = node->child[first];
-    return push(s, node->child[spoilt(s, DEFECT_NEAR_AGAIN) ? first : 1 - first],
-                entry[1 - first]);
+    return push(s, node->child[spoilt(s, DEFECT_NEAR_AGAIN) ? first : 1 - first], entry[1 - first]);
 }
 
 static bool pop(struct state *s, uint32_t *next)
@@ -196,7 +199,7 @@ static bool pop(struct state *s, uint32_t *next)
     while (s->depth > 0) {
         s->depth--;
         *next = s->ref[s->depth];
-        if (s->replay->box_id != ABI_BOX_ROBUST || repairs(s, REPAIR_CULLING) ||
+        if (s->rule.id == ABI_BOX_RTRS || repairs(s, REPAIR_CULLING) ||
             s->entry[s->depth] <= s->tbest)
             return true;
         struct replay_note *note = note_of(s, s->replay->tree->node[*next]);
@@ -215,6 +218,7 @@ static enum replay_end walk(struct state *s)
         return REPLAY_DONE;
     uint32_t ref = packed->root;
     struct box root = explain_box(tree, s->change->repairs, ref);
+    slab_rule_place(&s->rule, &s->slab, &root);
     if (!box_hit(s, ref, &root, &entry))
         return REPLAY_DONE;
     for (uint32_t visits = 0; visits < s->visits_most; visits++) {
@@ -238,17 +242,6 @@ static enum replay_end walk(struct state *s)
         ref = next;
     }
     return REPLAY_VISITS;
-}
-
-/* The largest distance on an axis from the origin to the scene's box. */
-static float reach(const struct state *s)
-{
-    float most = 0.0f;
-    for (int k = 0; k < 3 && s->replay->tree && s->replay->tree->bvh->node_count > 0; k++) {
-        most = fmaxf(most, fabsf(s->replay->tree->exact[0].lo[k] - s->ray->org[k]));
-        most = fmaxf(most, fabsf(s->replay->tree->exact[0].hi[k] - s->ray->org[k]));
-    }
-    return most;
 }
 
 /* Every triangle, as trace_brute. */
@@ -279,7 +272,6 @@ enum replay_end replay_run(const struct replay *replay, const struct replay_chan
     s.best = (struct hit){.prim = ABI_NO_PRIM};
     s.tbest = ray->tmax;
     s.depth = 0;
-    s.grown = repairs(&s, REPAIR_GROWN) ? 0x1p-18f * reach(&s) : 0.0f;
     enum replay_end end = REPLAY_DONE;
     set_rule(&s);
     if (replay->tree) {

@@ -35,7 +35,7 @@ enum replay_end {
 
 /* What happened to one node of the path to a triangle. */
 struct replay_note {
-    uint32_t node; /* tree node; set by the caller */
+    uint32_t node;                      /* tree node; set by the caller */
     bool tested, hit, visited, skipped; /* box tested; hit; entered; popped and skipped by best */
     float entry, tbest;                 /* of the box test */
 };

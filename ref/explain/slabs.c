@@ -4,15 +4,29 @@
 
 struct slab_rule slab_rule_of(uint32_t id)
 {
-    struct slab_rule rule = {.id = id, .plain = true, .far = id == ABI_BOX_RTRS ? 1.0f : SLAB_FAR};
-    /* A box flat in x at 100, at which no padding of 2e-6 shows; a far factor shows at 100 only. */
+    struct slab_rule rule = {.id = id, .plain = true, .far = 1.0f, .near = 1.0f};
+    /* A box flat in x at 100, where neither a widening of 2e-6 nor a factor shows. */
     const struct ray ray = {{100.0f, 0, 0}, 0, {1, 0, 0}, 1};
     const struct box flat = {{100.0f, -1, -1}, {100.0f, 1, 1}};
     struct slab_ray r = slab_ray_make(&ray);
     float entry;
     rule.closed = box_test_run(id, &r, &flat, ray.tmax, &entry);
     rule.by_order = id != ABI_BOX_RTRS;
+    if (id == ABI_BOX_ROBUST)
+        rule.far = SLAB_FAR;
+    if (id == ABI_BOX_WATERTIGHT) {
+        rule.near = SLAB_NEAR;
+        rule.behind = SLAB_BEHIND;
+    }
     return rule;
+}
+
+void slab_rule_place(const struct slab_rule *rule, struct slab_ray *r, const struct box *bounds)
+{
+    int k = r->main;
+    float near = r->d[k] < 0.0f ? bounds->hi[k] : bounds->lo[k];
+    float t = (near - r->o[k]) * r->inv[k];
+    r->behind = t < 0.0f ? -t * rule->behind : 0.0f;
 }
 
 /* b against the origin, as a distance along the ray. */
@@ -32,8 +46,8 @@ static bool compare(const struct slab_rule *rule, float near, float far)
     return rule->closed ? near <= far : near < far;
 }
 
-static bool robust(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
-                   float tbest, float *entry)
+static bool slabs(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
+                  float tbest, float *entry)
 {
     float tn = r->tmin, tf = tbest;
     bool ok = true;
@@ -49,8 +63,8 @@ static bool robust(const struct slab_rule *rule, const struct slab_ray *r, const
         tn = a > tn ? a : tn;
         tf = bp < tf ? bp : tf;
     }
-    *entry = tn;
-    return ok && compare(rule, tn, tf);
+    *entry = tn * rule->near - r->behind;
+    return ok && compare(rule, *entry, tf);
 }
 
 /* The two planes of axis k as the published test computes them. */
@@ -92,7 +106,7 @@ bool slab_by_rule(const struct slab_rule *rule, const struct slab_ray *r, const 
         return box_test_run(rule->id, r, box, tbest, entry);
     if (rule->id == ABI_BOX_RTRS)
         return rtrs(rule, r, box, entry);
-    return robust(rule, r, box, tbest, entry);
+    return slabs(rule, r, box, tbest, entry);
 }
 
 /* More than the rounding of a difference and a quotient of doubles. */
@@ -150,9 +164,7 @@ void slab_axis_of(const struct slab_rule *rule, const struct slab_ray *r, const 
         return;
     }
     bool down = r->d[axis] < 0.0f;
-    out->enter =
-        plane(rule->form, down ? box->hi[axis] : box->lo[axis], r->o[axis], r->inv[axis]);
-    out->leave =
-        plane(rule->form, down ? box->lo[axis] : box->hi[axis], r->o[axis], r->inv[axis]) *
-        rule->far;
+    out->enter = plane(rule->form, down ? box->hi[axis] : box->lo[axis], r->o[axis], r->inv[axis]);
+    out->leave = plane(rule->form, down ? box->lo[axis] : box->hi[axis], r->o[axis], r->inv[axis]) *
+                 rule->far;
 }

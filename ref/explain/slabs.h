@@ -13,17 +13,22 @@ enum slab_form {
 };
 
 struct slab_rule {
-    uint32_t id;    /* ABI_BOX_* */
-    bool plain;     /* nothing is changed: box_test_run itself answers */
-    bool closed;    /* <=, else < */
-    bool by_order;  /* an axis of direction 0 is decided by comparison (robust always does) */
-    float far;      /* factor of the far plane */
-    enum slab_form form; /* robust only */
+    uint32_t id;         /* ABI_BOX_* */
+    bool plain;          /* nothing is changed: box_test_run itself answers */
+    bool closed;         /* <=, else < */
+    bool by_order;       /* an axis of direction 0 is decided by comparison; all but rtrs do */
+    float far;           /* factor of the far plane */
+    float near;          /* factor of the entry; not rtrs */
+    float behind;        /* share of the scene's reach behind the origin; not rtrs */
+    enum slab_form form; /* not rtrs */
 };
 
 /* The properties that box test `id` has in this program, found by asking it. A caller that changes
- * one clears `plain`; a box test that is unknown here is then treated as `robust`. */
+ * one clears `plain`. */
 struct slab_rule slab_rule_of(uint32_t id);
+
+/* As slab_ray_place, with the rule. */
+void slab_rule_place(const struct slab_rule *rule, struct slab_ray *r, const struct box *bounds);
 
 /* As box_test_run, with the rule. */
 bool slab_by_rule(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,

@@ -215,9 +215,12 @@ enum bound_fault explain_bound_fault(float decoded, float canonical, float exact
 }
 
 static const enum repair bound_repair[] = {
-    [BOUND_OK] = REPAIR_COUNT,          [BOUND_OVERFLOW] = REPAIR_BOX_OVERFLOW,
-    [BOUND_FLUSHED] = REPAIR_BOX_FLUSHED, [BOUND_ROUNDED] = REPAIR_BOX_ROUNDED,
-    [BOUND_STORED] = REPAIR_BOX_STORED,   [BOUND_CUT] = REPAIR_BOX_CUT,
+    [BOUND_OK] = REPAIR_COUNT,
+    [BOUND_OVERFLOW] = REPAIR_BOX_OVERFLOW,
+    [BOUND_FLUSHED] = REPAIR_BOX_FLUSHED,
+    [BOUND_ROUNDED] = REPAIR_BOX_ROUNDED,
+    [BOUND_STORED] = REPAIR_BOX_STORED,
+    [BOUND_CUT] = REPAIR_BOX_CUT,
 };
 
 static void repair_bound(uint32_t repairs, float *decoded, float canonical, float exact, bool upper)
@@ -317,12 +320,11 @@ uint32_t explain_item(const struct explain_tree *tree, const struct explain_node
                       uint32_t slot)
 {
     static const enum repair repair_of[] = {
-        [ITEM_NOT_READ] = REPAIR_ITEM_SLOT,      [ITEM_SENTINEL] = REPAIR_ITEM_SENTINEL,
+        [ITEM_NOT_READ] = REPAIR_ITEM_SLOT,       [ITEM_SENTINEL] = REPAIR_ITEM_SENTINEL,
         [ITEM_TRUNCATED] = REPAIR_ITEM_TRUNCATED, [ITEM_SHIFTED] = REPAIR_ITEM_SHIFTED,
         [ITEM_OTHER] = REPAIR_ITEM_OTHER,
     };
-    const struct bvh_node *node =
-        leaf->node == EXPLAIN_NONE ? NULL : &tree->bvh->node[leaf->node];
+    const struct bvh_node *node = leaf->node == EXPLAIN_NONE ? NULL : &tree->bvh->node[leaf->node];
     if (!node || slot >= node->item_count) {
         if (leaf->wide.item_first == EXPLAIN_NONE)
             return ABI_NO_PRIM;

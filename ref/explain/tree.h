@@ -26,9 +26,9 @@ struct explain_tree {
 };
 
 /* Compares `packed`, which may be broken, with the tree it was made from, which has passed
- * bvh_check_form. Records are taken to be numbered in pre-order, one a node or two a leaf, as all layouts
- * do; where neither fits most nodes, by walking both trees together.
- * Errors: STATUS_MEMORY. On error *out is zero. */
+ * bvh_check_form. Records are taken to be numbered in pre-order, one a node or two a leaf, as all
+ * layouts do; where neither fits most nodes, by walking both trees together. Errors: STATUS_MEMORY.
+ * On error *out is zero. */
 enum status explain_tree_make(const struct scene *scene, const struct bvh *bvh,
                               const struct packed *packed, struct explain_tree *out,
                               struct reason *reason) MUST_USE;

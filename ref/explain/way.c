@@ -8,8 +8,8 @@
 const char *explain_end_name(enum explain_end end)
 {
     static const char *const names[] = {
-        [END_NOWHERE] = "nowhere", [END_BOX] = "box",           [END_SKIPPED] = "skipped",
-        [END_REFERENCE] = "reference", [END_SLOT] = "slot",     [END_TRIANGLE] = "triangle",
+        [END_NOWHERE] = "nowhere",     [END_BOX] = "box",   [END_SKIPPED] = "skipped",
+        [END_REFERENCE] = "reference", [END_SLOT] = "slot", [END_TRIANGLE] = "triangle",
         [END_FARTHER] = "farther",     [END_HIT] = "hit",
     };
     return names[end];
@@ -75,8 +75,7 @@ static void find_slot(const struct explain_tree *tree, struct explanation *out)
     const struct bvh_node *leaf = &tree->bvh->node[tree->leaf[out->prim]];
     while (tree->bvh->prim[leaf->item_first + out->slot] != out->prim)
         out->slot++;
-    out->slot_fault =
-        explain_item_fault(tree, tree->leaf[out->prim], out->slot, &out->slot_stored);
+    out->slot_fault = explain_item_fault(tree, tree->leaf[out->prim], out->slot, &out->slot_stored);
 }
 
 static enum explain_end triangle_end(const struct explanation *out, bool entered)
