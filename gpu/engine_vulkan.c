@@ -40,6 +40,12 @@ static enum status trace(void *self, const struct ray *ray, size_t ray_count, st
     return tracer_trace(self, ray, ray_count, hit, report, reason);
 }
 
+static enum status trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                             struct hit *hit, uint32_t *hit_count, struct reason *reason)
+{
+    return tracer_trace_all(self, ray, ray_count, capacity, hit, hit_count, reason);
+}
+
 static struct model model(void *self, const struct tri_test *tri)
 {
     (void)self;
@@ -89,6 +95,7 @@ const struct engine engine_vulkan = {
     .open = open,
     .prepare = prepare,
     .trace = trace,
+    .trace_all = trace_all,
     .model = model,
     .close = close,
     .describe = describe,

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BINDINGS  6u
+#define BINDINGS  7u
 #define CONSTANTS 5u
 
 /* Rays of one dispatch: begun small (all of them may visit every node), doubled while a dispatch is
@@ -17,6 +17,9 @@
 #define BATCH_MOST  (1u << 20)
 #define QUICK_NS    100000000u
 #define SLOW_NS     1000000000u
+
+/* Hits that one dispatch of QUERY_ALL may list, 64 MiB of them; a ray alone may list more. */
+#define LIST_MOST (1u << 22)
 
 /* Triangles gathered at a time while uploading. */
 #define GATHER 8192u
@@ -36,10 +39,18 @@ struct tracer {
     struct vk_buffer *buffer[BINDINGS];
     uint32_t *flag; /* ray_capacity read back */
     uint32_t ray_capacity, batch, stack;
+    bool lists; /* prepared for QUERY_ALL */
     struct push push;
 };
 
-_Static_assert(ABI_BIND_TRIS == BINDINGS - 1, "the tracing shaders have bindings 0 to 5");
+/* Where the answers go. */
+struct answers {
+    struct hit *hit;
+    uint32_t capacity; /* hits a ray: 1 unless QUERY_ALL */
+    uint32_t *found;   /* QUERY_ALL: hits of each ray; else NULL */
+};
+
+_Static_assert(ABI_BIND_FOUND == BINDINGS - 1, "the tracing shaders have bindings 0 to 6");
 _Static_assert(ABI_SPEC_STACK == CONSTANTS - 1, "the tracing shaders have constants 0 to 4");
 
 enum status tracer_open(const struct vk_options *options, uint32_t workgroup, struct tracer **out,
@@ -189,6 +200,7 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     const struct packed *packed = job->packed;
     free_buffers(tracer);
     tracer->pipeline = NULL;
+    tracer->lists = job->query == QUERY_ALL;
     tracer->batch = first_batch(tracer, packed->node_count);
     tracer->push = (struct push){
         .root = packed->root,
@@ -212,38 +224,60 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     return status;
 }
 
-/* Buffers for `count` rays at a time, or for as many as the device allows. */
-static enum status reserve_rays(struct tracer *tracer, size_t count, struct reason *reason)
+/* Makes the buffer of `binding` hold at least `bytes`. */
+static enum status grow(struct tracer *tracer, uint32_t binding, uint64_t bytes,
+                        struct reason *reason)
+{
+    struct vk_buffer **buffer = &tracer->buffer[binding];
+    if (*buffer && vk_buffer_bytes(*buffer) >= bytes)
+        return STATUS_OK;
+    vk_buffer_free(tracer->vk, *buffer);
+    *buffer = NULL;
+    return vk_buffer_make(tracer->vk, bytes, buffer, reason);
+}
+
+static uint64_t least_of(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Buffers for `count` rays at a time, or for as many as the device allows; *at_once says which. */
+static enum status reserve_rays(struct tracer *tracer, size_t count, uint32_t capacity,
+                                uint32_t *at_once, struct reason *reason)
 {
     const struct vk_limits *limits = vk_limits(tracer->vk);
-    uint64_t most = limits->buffer_bytes / sizeof(struct ray);
-    uint64_t groups = (uint64_t)limits->groups * tracer->workgroup;
-    most = groups < most ? groups : most;
-    most = BATCH_MOST < most ? BATCH_MOST : most;
-    uint32_t need = (uint32_t)(count < most ? count : most);
-    if (need <= tracer->ray_capacity)
-        return STATUS_OK;
-    vk_buffer_free(tracer->vk, tracer->buffer[ABI_BIND_RAYS]);
-    vk_buffer_free(tracer->vk, tracer->buffer[ABI_BIND_HITS]);
-    vk_buffer_free(tracer->vk, tracer->buffer[ABI_BIND_FLAGS]);
-    free(tracer->flag);
-    tracer->buffer[ABI_BIND_RAYS] = tracer->buffer[ABI_BIND_HITS] = tracer->buffer[ABI_BIND_FLAGS] =
-        NULL;
-    tracer->ray_capacity = 0;
-    tracer->flag = alloc_zeroed(need, sizeof *tracer->flag);
-    if (!tracer->flag)
-        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the flags of %u rays",
-                    (unsigned)need);
-    enum status status = vk_buffer_make(tracer->vk, (uint64_t)need * sizeof(struct ray),
-                                        &tracer->buffer[ABI_BIND_RAYS], reason);
-    if (!status)
-        status = vk_buffer_make(tracer->vk, (uint64_t)need * sizeof(struct hit),
-                                &tracer->buffer[ABI_BIND_HITS], reason);
-    if (!status)
-        status = vk_buffer_make(tracer->vk, (uint64_t)need * sizeof *tracer->flag,
-                                &tracer->buffer[ABI_BIND_FLAGS], reason);
-    if (!status)
+    const uint64_t hit_bytes = (uint64_t)(capacity ? capacity : 1) * sizeof(struct hit);
+    uint64_t most = least_of(limits->buffer_bytes / sizeof(struct ray),
+                             (uint64_t)limits->groups * tracer->workgroup);
+    most = least_of(most, BATCH_MOST);
+    if (tracer->lists) {
+        uint64_t lists = LIST_MOST * sizeof(struct hit) / hit_bytes;
+        most = least_of(most, lists ? lists : 1);
+    }
+    most = least_of(most, limits->buffer_bytes / hit_bytes);
+    if (most == 0)
+        return fail(reason, STATUS_LIMIT,
+                    "vulkan: %u hits of a ray are over %s's buffers of %llu bytes",
+                    (unsigned)capacity, limits->device, (unsigned long long)limits->buffer_bytes);
+    uint32_t need = (uint32_t)least_of(count, most);
+    *at_once = need;
+    if (need > tracer->ray_capacity) {
+        free(tracer->flag);
+        tracer->ray_capacity = 0;
+        tracer->flag = alloc_zeroed(need, sizeof *tracer->flag);
+        if (!tracer->flag)
+            return fail(reason, STATUS_MEMORY, "vulkan: no memory for the flags of %u rays",
+                        (unsigned)need);
         tracer->ray_capacity = need;
+    }
+    const uint64_t word = sizeof *tracer->flag;
+    enum status status = grow(tracer, ABI_BIND_RAYS, need * sizeof(struct ray), reason);
+    if (!status)
+        status = grow(tracer, ABI_BIND_HITS, need * hit_bytes, reason);
+    if (!status)
+        status = grow(tracer, ABI_BIND_FLAGS, need * word, reason);
+    if (!status)
+        status = grow(tracer, ABI_BIND_FOUND, tracer->lists ? need * word : 0, reason);
     return status;
 }
 
@@ -269,9 +303,24 @@ static enum status check_flags(const struct tracer *tracer, size_t first, uint32
     return STATUS_OK;
 }
 
-/* Traces `count` rays, `first` is the first one's index for messages. */
+/* Copies the answers of `count` rays, the first of which is ray `first`. */
+static enum status read_answers(struct tracer *tracer, size_t first, uint32_t count,
+                                const struct answers *to, struct reason *reason)
+{
+    const size_t hits = (size_t)count * to->capacity;
+    enum status status = STATUS_OK;
+    if (to->found)
+        status = vk_buffer_read(tracer->vk, tracer->buffer[ABI_BIND_FOUND], 0, to->found + first,
+                                count * sizeof *to->found, reason);
+    if (!status && hits)
+        status = vk_buffer_read(tracer->vk, tracer->buffer[ABI_BIND_HITS], 0,
+                                to->hit + first * to->capacity, hits * sizeof *to->hit, reason);
+    return status;
+}
+
+/* Traces `count` rays from `ray` on, which is ray `first`. */
 static enum status trace_batch(struct tracer *tracer, const struct ray *ray, size_t first,
-                               uint32_t count, struct hit *hit, struct vk_time *time,
+                               uint32_t count, const struct answers *to, struct vk_time *time,
                                struct reason *reason)
 {
     struct vk_buffer *flags = tracer->buffer[ABI_BIND_FLAGS];
@@ -284,6 +333,7 @@ static enum status trace_batch(struct tracer *tracer, const struct ray *ray, siz
     if (status)
         return status;
     tracer->push.ray_count = count;
+    tracer->push.capacity = to->capacity;
     uint32_t groups = (count + tracer->workgroup - 1) / tracer->workgroup;
     status = vk_dispatch(tracer->vk, tracer->pipeline, tracer->buffer, &tracer->push, groups, time,
                          reason);
@@ -291,26 +341,27 @@ static enum status trace_batch(struct tracer *tracer, const struct ray *ray, siz
         status = vk_buffer_read(tracer->vk, flags, 0, tracer->flag, flag_bytes, reason);
     if (!status)
         status = check_flags(tracer, first, count, reason);
-    if (!status)
-        status = vk_buffer_read(tracer->vk, tracer->buffer[ABI_BIND_HITS], 0, hit,
-                                (uint64_t)count * sizeof *hit, reason);
-    return status;
+    return status ? status : read_answers(tracer, first, count, to, reason);
 }
 
-enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ray_count,
-                         struct hit *hit, struct trace_report *report, struct reason *reason)
+static enum status trace_rays(struct tracer *tracer, const struct ray *ray, size_t ray_count,
+                              const struct answers *to, struct trace_report *report,
+                              struct reason *reason)
 {
     *report = (struct trace_report){.device_clock = true};
     if (!tracer->pipeline)
         return fail(reason, STATUS_DEVICE, "vulkan: nothing is prepared to be traced");
+    if (tracer->lists != (to->found != NULL))
+        return fail(reason, STATUS_DEVICE, "vulkan: prepared for another query");
     if (!ray_count)
         return STATUS_OK;
-    enum status status = reserve_rays(tracer, ray_count, reason);
+    uint32_t at_once = 0;
+    enum status status = reserve_rays(tracer, ray_count, to->capacity, &at_once, reason);
     for (size_t done = 0; done < ray_count && !status;) {
-        uint32_t part = tracer->batch < tracer->ray_capacity ? tracer->batch : tracer->ray_capacity;
+        uint32_t part = tracer->batch < at_once ? tracer->batch : at_once;
         part = ray_count - done < part ? (uint32_t)(ray_count - done) : part;
-        struct vk_time time;
-        status = trace_batch(tracer, ray + done, done, part, hit + done, &time, reason);
+        struct vk_time time = {0};
+        status = trace_batch(tracer, ray + done, done, part, to, &time, reason);
         report->ns += time.ns;
         report->device_clock = report->device_clock && time.device_clock;
         if (part == tracer->batch && time.ns < QUICK_NS && tracer->batch < BATCH_MOST)
@@ -324,4 +375,20 @@ enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ra
     for (uint32_t i = 0; i < BINDINGS; i++)
         report->memory_bytes += vk_buffer_bytes(tracer->buffer[i]);
     return status;
+}
+
+enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ray_count,
+                         struct hit *hit, struct trace_report *report, struct reason *reason)
+{
+    const struct answers to = {hit, 1, NULL};
+    return trace_rays(tracer, ray, ray_count, &to, report, reason);
+}
+
+enum status tracer_trace_all(struct tracer *tracer, const struct ray *ray, size_t ray_count,
+                             uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                             struct reason *reason)
+{
+    const struct answers to = {hit, capacity, hit_count};
+    struct trace_report unused;
+    return trace_rays(tracer, ray, ray_count, &to, &unused, reason);
 }

@@ -19,11 +19,18 @@ enum status tracer_open(const struct vk_options *options, uint32_t workgroup, st
 enum status tracer_prepare(struct tracer *tracer, const struct job *job,
                            struct reason *reason) MUST_USE;
 
-/* As engine.trace. Errors: STATUS_DEVICE not prepared, lost, hung, a ray that was not finished, or
- * validation messages since open (the reason has the first); STATUS_MEMORY. */
+/* As engine.trace. Errors: STATUS_DEVICE not prepared or for another query, lost, hung, a ray that
+ * was not finished, or validation messages since open (the reason has the first); STATUS_MEMORY. */
 enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ray_count,
                          struct hit *hit, struct trace_report *report,
                          struct reason *reason) MUST_USE;
+
+/* As engine.trace_all, for a job prepared with QUERY_ALL; hits of a ray come in the order of
+ * trace_ray_all. Errors: as tracer_trace; STATUS_LIMIT one ray's capacity is over the device's
+ * buffers. */
+enum status tracer_trace_all(struct tracer *tracer, const struct ray *ray, size_t ray_count,
+                             uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                             struct reason *reason) MUST_USE;
 
 /* Returns vk_close's count of validation messages, those about leaks included; NULL is fine. */
 uint32_t tracer_close(struct tracer *tracer, struct reason *reason);

@@ -35,14 +35,16 @@
 #define ABI_TRI_WOOP       2u
 #define ABI_QUERY_CLOSEST  0u
 #define ABI_QUERY_ANY      1u
+#define ABI_QUERY_ALL      2u
 
 /* Descriptor bindings, set 0. */
 #define ABI_BIND_RAYS  0 /* struct ray[] */
-#define ABI_BIND_HITS  1 /* struct hit[] */
+#define ABI_BIND_HITS  1 /* struct hit[]: one a ray, or push.capacity */
 #define ABI_BIND_FLAGS 2 /* U32[]: ABI_FLAG_* per ray */
 #define ABI_BIND_NODES 3 /* U32[]: the packed words of the layout */
 #define ABI_BIND_ITEMS 4 /* U32[]: the packed item array, if the layout has one */
 #define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order */
+#define ABI_BIND_FOUND 6 /* U32[]: ABI_QUERY_ALL: triangles that each ray hit; else unused */
 
 #define ABI_FLAG_DONE      1u  /* the invocation ran to its end */
 #define ABI_FLAG_EXHAUSTED 2u  /* the answer is not to be believed; one of the next says why */
@@ -75,8 +77,9 @@ struct push {
     U32 node_count; /* records; also the most nodes a ray may visit */
     U32 item_count; /* words of the item array */
     U32 tri_count;
+    U32 capacity; /* ABI_QUERY_ALL: hits of ray i are hit[i * capacity ..], so many at most */
 };
-ABI_SIZE(struct push, 20)
+ABI_SIZE(struct push, 24)
 
 /* One node of layout f32. Inner: first is the index of the second child (the first child follows
  * its parent directly), count is 0. Leaf: items first .. first + count - 1 of the item array. */

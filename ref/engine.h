@@ -43,10 +43,14 @@ struct engine {
      * (stack or loop exhausted: the reason says which ray and why); STATUS_MEMORY. */
     enum status (*trace)(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                          struct trace_report *report, struct reason *reason);
-    /* All triangles that each ray hits in its range, for the job last prepared, in no order; ray
-     * i's are hit[i * capacity .. + hit_count[i] - 1]. A count over capacity says how many there
-     * are; then only the first `capacity` are written. Errors: as trace. NULL: cannot (rows skip).
-     */
+    /* All triangles that each ray hits in its range, for a job prepared with QUERY_ALL (trace is
+     * for the other queries), in no order; ray i's are hit[i * capacity .. + hit_count[i] - 1]. A
+     * count over capacity says how many there are; then only the first `capacity` are written. A
+     * triangle may be listed twice if the engine finds it twice: that is for the judge to see. The
+     * caller keeps ray_count * capacity in bounds (ref/all_hits.h does). Errors: as trace;
+     * STATUS_LIMIT capacity hits of one ray are more than a buffer can hold. NULL: cannot (rows
+     * skip). An engine whose traversal is not ours, such as a ray query, can list candidates and
+     * confirm none. */
     enum status (*trace_all)(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason);
     /* What the judge may assume of an opened engine's arithmetic with `tri`. */

@@ -24,5 +24,6 @@
 #define MUTANT_ENDS_SWAPPED   23 /* open ranges are taken as closed and closed ones as open */
 #define MUTANT_NEAR_KEPT      30 /* watertight: near plane factor 1 */
 #define MUTANT_BEHIND_FORGOT  31 /* watertight: nothing reaches behind the origin */
+#define MUTANT_CULLED_ALL     50 /* all hits: the nearest hit shortens the ray */
 
 #endif

@@ -16,9 +16,12 @@ struct walk {
     uint32_t ref[ABI_STACK_MAX];
     float entry[ABI_STACK_MAX];
     struct trace_counts counts;
+    struct hit *list; /* QUERY_ALL: the first `capacity` of the hits found */
+    uint32_t capacity, found;
 };
 
-/* Keeps `prim` if it is hit nearer than the best; at equal t the first found stays. */
+/* Keeps `prim` if it is hit nearer than the best; at equal t the first found stays. QUERY_ALL lists
+ * it, and the ray keeps its length. */
 static bool walk_triangle(struct walk *w, uint32_t prim)
 {
     float v[3][3];
@@ -27,9 +30,18 @@ static bool walk_triangle(struct walk *w, uint32_t prim)
     w->counts.tris++;
     if (!tri_test_run(w->tri_id, &w->tri, v, &hit))
         return false;
+    hit.prim = prim;
+    if (w->query == QUERY_ALL) {
+        if (w->found < w->capacity)
+            w->list[w->found] = hit;
+        w->found++;
+#if MUTANT == MUTANT_CULLED_ALL
+        w->tbest = hit.t < w->tbest ? hit.t : w->tbest;
+#endif
+        return true;
+    }
     if (w->best.prim != ABI_NO_PRIM && !(hit.t < w->best.t))
         return false;
-    hit.prim = prim;
     w->best = hit;
     w->tbest = hit.t;
     return true;
@@ -121,28 +133,56 @@ static enum status walk_tree(struct walk *w)
     return STATUS_LIMIT;
 }
 
+static void walk_start(struct walk *w, const struct packed *packed, const struct scene *scene,
+                       const struct box_test *box, const struct tri_test *tri, enum query query,
+                       const struct ray *ray)
+{
+    w->packed = packed;
+    w->scene = scene;
+    w->box_id = box->id;
+    w->tri_id = tri->id;
+    w->query = query;
+    w->slab = slab_ray_make(ray);
+    w->tri = tri_ray_make(ray);
+    w->best = (struct hit){.prim = ABI_NO_PRIM};
+    w->tbest = ray->tmax;
+    w->depth = 0;
+    w->counts = (struct trace_counts){0};
+    w->capacity = w->found = 0;
+}
+
+static void walk_count(const struct walk *w, struct trace_counts *counts)
+{
+    if (counts) {
+        counts->boxes += w->counts.boxes;
+        counts->tris += w->counts.tris;
+    }
+}
+
 enum status trace_ray(const struct packed *packed, const struct scene *scene,
                       const struct box_test *box, const struct tri_test *tri, enum query query,
                       const struct ray *ray, struct hit *out, struct trace_counts *counts)
 {
     struct walk w;
-    w.packed = packed;
-    w.scene = scene;
-    w.box_id = box->id;
-    w.tri_id = tri->id;
-    w.query = query;
-    w.slab = slab_ray_make(ray);
-    w.tri = tri_ray_make(ray);
-    w.best = (struct hit){.prim = ABI_NO_PRIM};
-    w.tbest = ray->tmax;
-    w.depth = 0;
-    w.counts = (struct trace_counts){0};
+    walk_start(&w, packed, scene, box, tri, query, ray);
     enum status status = walk_tree(&w);
     *out = status ? (struct hit){.prim = ABI_NO_PRIM} : w.best;
-    if (counts) {
-        counts->boxes += w.counts.boxes;
-        counts->tris += w.counts.tris;
-    }
+    walk_count(&w, counts);
+    return status;
+}
+
+enum status trace_ray_all(const struct packed *packed, const struct scene *scene,
+                          const struct box_test *box, const struct tri_test *tri,
+                          const struct ray *ray, uint32_t capacity, struct hit *out,
+                          uint32_t *count, struct trace_counts *counts)
+{
+    struct walk w;
+    walk_start(&w, packed, scene, box, tri, QUERY_ALL, ray);
+    w.list = out;
+    w.capacity = capacity;
+    enum status status = walk_tree(&w);
+    *count = status ? 0 : w.found;
+    walk_count(&w, counts);
     return status;
 }
 
@@ -164,4 +204,23 @@ void trace_brute(const struct scene *scene, const struct tri_test *tri, enum que
         if (query == QUERY_ANY)
             return;
     }
+}
+
+uint32_t trace_brute_all(const struct scene *scene, const struct tri_test *tri,
+                         const struct ray *ray, uint32_t capacity, struct hit *out)
+{
+    struct tri_ray r = tri_ray_make(ray);
+    uint32_t found = 0;
+    for (uint32_t prim = 0; prim < scene->tri_count; prim++) {
+        float v[3][3];
+        struct hit hit;
+        scene_tri(scene, prim, v);
+        if (!tri_test_run(tri->id, &r, v, &hit))
+            continue;
+        hit.prim = prim;
+        if (found < capacity)
+            out[found] = hit;
+        found++;
+    }
+    return found;
 }

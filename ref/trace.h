@@ -17,7 +17,8 @@ struct trace_counts {
  *   only with a smaller t; an inner node tests its children's boxes in order, pushes the later
  *   one and goes on with the earlier one (layout->order).
  * A popped node is skipped if its entry distance is beyond the best t (not by the published box
- * test). QUERY_ANY stops at the first accepted triangle. scene   the packed tree's scene; borrowed
+ * test). QUERY_ANY stops at the first accepted triangle; QUERY_ALL is trace_ray_all's.
+ *   scene   the packed tree's scene; borrowed
  *   counts  may be NULL; added to
  * Returns STATUS_OK; STATUS_LIMIT if the stack or the node budget is exhausted (a cyclic tree, or
  * packed.stack_need untrue): then *out is a miss and must not be believed. */
@@ -25,8 +26,23 @@ enum status trace_ray(const struct packed *packed, const struct scene *scene,
                       const struct box_test *box, const struct tri_test *tri, enum query query,
                       const struct ray *ray, struct hit *out, struct trace_counts *counts) MUST_USE;
 
+/* Finds every triangle that the ray hits, in the order of work of trace_ray with two differences:
+ * no hit shortens the ray, and none ends it. A triangle in several slots is found several times.
+ *   out     the first `capacity` hits found; may be NULL if that is 0
+ *   count   how many there are, over `capacity` too; 0 on error
+ * Returns as trace_ray. */
+enum status trace_ray_all(const struct packed *packed, const struct scene *scene,
+                          const struct box_test *box, const struct tri_test *tri,
+                          const struct ray *ray, uint32_t capacity, struct hit *out,
+                          uint32_t *count, struct trace_counts *counts) MUST_USE;
+
 /* Tests every triangle in index order; a later one wins only with a smaller t. */
 void trace_brute(const struct scene *scene, const struct tri_test *tri, enum query query,
                  const struct ray *ray, struct hit *out);
+
+/* Finds every triangle that the ray hits, in index order; `out` and the result as trace_ray_all's
+ * `out` and `count`. */
+uint32_t trace_brute_all(const struct scene *scene, const struct tri_test *tri,
+                         const struct ray *ray, uint32_t capacity, struct hit *out);
 
 #endif

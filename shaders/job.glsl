@@ -20,6 +20,7 @@ layout(std430, set = 0, binding = ABI_BIND_FLAGS) writeonly buffer Flags { uint 
 layout(std430, set = 0, binding = ABI_BIND_NODES) readonly buffer Nodes { uvec4 node_quad[]; };
 layout(std430, set = 0, binding = ABI_BIND_ITEMS) readonly buffer Items { uint item_word[]; };
 layout(std430, set = 0, binding = ABI_BIND_TRIS) readonly buffer Tris { vec4 tri_quad[]; };
+layout(std430, set = 0, binding = ABI_BIND_FOUND) writeonly buffer Found { uint found_word[]; };
 
 #define NODE_LEAF 0x80000000u /* in the first word that the traversal keeps of a node */
 

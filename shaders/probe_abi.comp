@@ -48,4 +48,5 @@ void main()
     pushes[e].node_count = told.node_count + e;
     pushes[e].item_count = told.item_count + e;
     pushes[e].tri_count = told.tri_count + e;
+    pushes[e].capacity = told.capacity + e;
 }

@@ -6,6 +6,10 @@ node stack_node[STACK];
 float stack_entry[STACK];
 uint stack_count = 0u;
 
+/* QUERY_ALL: hits listed so far, and where the next one goes. */
+uint found = 0u;
+uint found_at = 0u;
+
 /* Reasons why an answer must not be believed, ABI_FLAG_*. */
 uint trouble = 0u;
 
@@ -96,6 +100,14 @@ void tri_load(uint prim, out vec3 v0, out vec3 v1, out vec3 v2)
     v2 = one ? vec3(e.w, f) : vec3(e.zw, f.x);
 }
 
+/* The ray keeps its length. Past the capacity hits are counted only. */
+void list(vec3 tuv, uint prim)
+{
+    if (found < job.capacity)
+        hit_quad[found_at + found] = uvec4(floatBitsToUint(tuv), prim);
+    found++;
+}
+
 /* Tests the items of a leaf in slot order. True if the query is answered. */
 bool step_leaf(tri_ray r, node n, inout vec3 best, inout uint best_prim, inout float tbest)
 {
@@ -108,8 +120,15 @@ bool step_leaf(tri_ray r, node n, inout vec3 best, inout uint best_prim, inout f
         if (prim < job.tri_count) {
             vec3 v0, v1, v2, tuv;
             tri_load(prim, v0, v1, v2);
-            if (tri_test_run(TRI_TEST, r, v0, v1, v2, tuv) &&
-                (best_prim == ABI_NO_PRIM || tuv.x < tbest)) {
+            bool hit = tri_test_run(TRI_TEST, r, v0, v1, v2, tuv);
+            if (QUERY == ABI_QUERY_ALL) {
+                if (hit)
+                    list(tuv, prim);
+#if MUTANT == MUTANT_CULLED_ALL
+                if (hit && tuv.x < tbest)
+                    tbest = tuv.x;
+#endif
+            } else if (hit && (best_prim == ABI_NO_PRIM || tuv.x < tbest)) {
                 best = tuv;
                 best_prim = prim;
                 tbest = tuv.x;
@@ -155,6 +174,7 @@ void main()
         return;
     vec4 org = ray_quad[2u * id], dir = ray_quad[2u * id + 1u];
     slab_ray slab = slab_ray_make(org.xyz, dir.xyz, org.w);
+    found_at = id * job.capacity;
     vec3 best = vec3(0.0);
     uint prim = ABI_NO_PRIM;
     float tbest = dir.w;
@@ -166,6 +186,9 @@ void main()
         if (slab_test(slab, nearer, farther, tbest, entry))
             walk(slab, tri_ray_make(org.xyz, dir.xyz, org.w, dir.w), root, best, prim, tbest);
     }
-    hit_quad[id] = uvec4(floatBitsToUint(best), prim);
+    if (QUERY == ABI_QUERY_ALL)
+        found_word[id] = found;
+    else
+        hit_quad[id] = uvec4(floatBitsToUint(best), prim);
     flag_word[id] = ABI_FLAG_DONE | trouble | (trouble != 0u ? ABI_FLAG_EXHAUSTED : 0u);
 }

@@ -36,7 +36,7 @@ static char *cut_last(char *text)
 
 static enum status parse_fields(char *const field[6], struct trial *out, struct reason *reason)
 {
-    if (!query_find(field[0], &out->query))
+    if (!query_find(field[0], &out->query) || out->query == QUERY_ALL) /* not judged here yet */
         return fail(reason, STATUS_INPUT, "trial: unknown query '%s'", field[0]);
     out->engine = engine_find(field[1]);
     if (!out->engine)

@@ -141,6 +141,8 @@ in_test EARLY_BOUND ref/oracle/early.c test_oracle_rules
 in_test LOST_CARRY ref/oracle/wide.c test_oracle
 in_test TREE_UNPADDED ref/oracle/closest.c test_oracle_scene
 in_test ENDS_SWAPPED ref/oracle/nearest.c test_oracle_rules
+in_test CULLED_ALL ref/trace.c test_all
+in_test LOST_SLOT ref/layouts/layout_rf16.c test_all
 in_shaders NO_PRECISE test_spirv
 in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --rays ranges --count 5000 --repeat 1
 in_shaders SWAPPED_CHILD check soup --layout f32 --engine vulkan --count 5000 --repeat 1
@@ -149,6 +151,8 @@ in_shaders FAR_NOT_PADDED check soup --layout f32 --engine vulkan --rays corners
 in_shaders BEHIND_FORGOT test_vulkan_watertight
 in_shaders LOST_SLOT check soup --layout rf16 --engine vulkan --leaf 8 --count 5000 --repeat 1
 in_shaders ZERO_IS_EMPTY check platonic --layout rf16 --engine vulkan --count 5000 --repeat 1
+in_shaders CULLED_ALL test_all_engines
+in_shaders LOST_SLOT test_all_engines
 
 echo "$caught planted bugs caught, $missed missed"
 [ "$missed" -eq 0 ]

@@ -93,6 +93,7 @@ static void abi_push_constants_arrive_in_order(void **state)
         assert_int_equal(seen->push[e].node_count, told.node_count + e);
         assert_int_equal(seen->push[e].item_count, told.item_count + e);
         assert_int_equal(seen->push[e].tri_count, told.tri_count + e);
+        assert_int_equal(seen->push[e].capacity, told.capacity + e);
     }
     free(seen);
 }

@@ -38,15 +38,17 @@ static void tables_begin_with_a_repaired_member(void **state)
     assert_true(tri_test_find("woop")->watertight && tri_test_find("mt_rtrs")->open);
 }
 
-static void queries_have_two_names(void **state)
+static void queries_have_three_names(void **state)
 {
     (void)state;
     enum query query = QUERY_ANY;
     assert_true(query_find("closest", &query) && query == QUERY_CLOSEST);
     assert_true(query_find("any", &query) && query == QUERY_ANY);
-    assert_false(query_find("all", &query));
+    assert_true(query_find("all", &query) && query == QUERY_ALL);
+    assert_false(query_find("alle", &query));
     assert_string_equal(query_name(QUERY_CLOSEST), "closest");
     assert_string_equal(query_name(QUERY_ANY), "any");
+    assert_string_equal(query_name(QUERY_ALL), "all");
 }
 
 /* Is a ray in contract that differs from a good one in one float? Word 0-2 origin, 3 tmin, 4-6
@@ -110,7 +112,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tables_find_every_name_and_no_other),
         cmocka_unit_test(tables_begin_with_a_repaired_member),
-        cmocka_unit_test(queries_have_two_names),
+        cmocka_unit_test(queries_have_three_names),
         cmocka_unit_test(contract_has_closed_borders),
         cmocka_unit_test(contract_takes_no_nan_and_no_infinity_but_tmax),
         cmocka_unit_test(nothing_is_contracted),

@@ -7,6 +7,7 @@
 
 struct cpu_rays {
     cpu_ray_fn *answer;
+    cpu_ray_all_fn *answer_all;
     unsigned threads;
     struct job job;
 };
@@ -17,14 +18,15 @@ unsigned cpu_rays_threads(const struct engine_options *options)
     return options->threads ? options->threads : (unsigned)(all > 0 ? all : 1);
 }
 
-enum status cpu_rays_open(const struct engine_options *options, cpu_ray_fn *answer, void **self,
-                          struct reason *reason)
+enum status cpu_rays_open(const struct engine_options *options, cpu_ray_fn *answer,
+                          cpu_ray_all_fn *answer_all, void **self, struct reason *reason)
 {
     struct cpu_rays *made = alloc_zeroed(1, sizeof *made);
     *self = made;
     if (!made)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
     made->answer = answer;
+    made->answer_all = answer_all;
     made->threads = cpu_rays_threads(options);
     return STATUS_OK;
 }
@@ -43,6 +45,17 @@ static uint64_t job_bytes(const struct job *job)
     if (job->packed)
         bytes += packed_node_bytes(job->packed) + packed_item_bytes(job->packed);
     return bytes;
+}
+
+static enum status unfinished_rays(const struct job *job, uint64_t unfinished, size_t ray_count,
+                                   long long last, struct reason *reason)
+{
+    if (!unfinished)
+        return STATUS_OK;
+    return fail(reason, STATUS_DEVICE,
+                "%llu of %zu rays not finished: stack of %u or %u nodes exhausted, last ray %lld",
+                (unsigned long long)unfinished, ray_count, job->packed->stack_need,
+                job->packed->node_count, last);
 }
 
 enum status cpu_rays_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
@@ -66,13 +79,25 @@ enum status cpu_rays_trace(void *self, const struct ray *ray, size_t ray_count, 
     }
     *report = (struct trace_report){
         .ns = time_ns() - start, .boxes = boxes, .tris = tris, .memory_bytes = job_bytes(job)};
-    if (unfinished)
-        return fail(reason, STATUS_DEVICE,
-                    "%llu of %zu rays not finished: stack of %u or %u nodes exhausted, last ray "
-                    "%lld",
-                    (unsigned long long)unfinished, ray_count, job->packed->stack_need,
-                    job->packed->node_count, worst);
-    return STATUS_OK;
+    return unfinished_rays(job, unfinished, ray_count, worst, reason);
+}
+
+enum status cpu_rays_trace_all(void *self, const struct ray *ray, size_t ray_count,
+                               uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                               struct reason *reason)
+{
+    struct cpu_rays *rays = self;
+    const struct job *job = &rays->job;
+    uint64_t unfinished = 0;
+    long long worst = -1;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rays->threads)                          \
+    reduction(+ : unfinished) reduction(max : worst)
+    for (long long i = 0; i < (long long)ray_count; i++)
+        if (rays->answer_all(job, &ray[i], capacity, hit + (size_t)i * capacity, &hit_count[i])) {
+            unfinished++;
+            worst = i > worst ? i : worst;
+        }
+    return unfinished_rays(job, unfinished, ray_count, worst, reason);
 }
 
 void cpu_rays_close(void *self)

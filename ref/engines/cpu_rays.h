@@ -9,15 +9,23 @@
 typedef enum status cpu_ray_fn(const struct job *job, const struct ray *ray, struct hit *hit,
                                struct trace_counts *counts);
 
+/* Finds all hits of one ray; called from several threads at once. As trace_ray_all. */
+typedef enum status cpu_ray_all_fn(const struct job *job, const struct ray *ray, uint32_t capacity,
+                                   struct hit *hit, uint32_t *count);
+
 /* Threads that `options` asks for, at least 1. */
 unsigned cpu_rays_threads(const struct engine_options *options);
 
-/* engine.open, .prepare, .trace, .close and .model around `answer`; see ref/engine.h. */
-enum status cpu_rays_open(const struct engine_options *options, cpu_ray_fn *answer, void **self,
-                          struct reason *reason) MUST_USE;
+/* engine.open, .prepare, .trace, .trace_all, .close and .model around `answer` and `answer_all`;
+ * see ref/engine.h. */
+enum status cpu_rays_open(const struct engine_options *options, cpu_ray_fn *answer,
+                          cpu_ray_all_fn *answer_all, void **self, struct reason *reason) MUST_USE;
 enum status cpu_rays_prepare(void *self, const struct job *job, struct reason *reason);
 enum status cpu_rays_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                            struct trace_report *report, struct reason *reason);
+enum status cpu_rays_trace_all(void *self, const struct ray *ray, size_t ray_count,
+                               uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                               struct reason *reason);
 void cpu_rays_close(void *self);
 struct model cpu_rays_model(void *self, const struct tri_test *tri);
 

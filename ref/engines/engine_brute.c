@@ -12,10 +12,17 @@ static enum status brute_ray(const struct job *job, const struct ray *ray, struc
     return STATUS_OK;
 }
 
+static enum status brute_ray_all(const struct job *job, const struct ray *ray, uint32_t capacity,
+                                 struct hit *hit, uint32_t *count)
+{
+    *count = trace_brute_all(job->scene, job->tri, ray, capacity, hit);
+    return STATUS_OK;
+}
+
 static enum status brute_open(const struct engine_options *options, void **self,
                               struct reason *reason)
 {
-    return cpu_rays_open(options, brute_ray, self, reason);
+    return cpu_rays_open(options, brute_ray, brute_ray_all, self, reason);
 }
 
 static void brute_describe(const struct engine_options *options, char *text, size_t text_bytes)
@@ -30,6 +37,7 @@ const struct engine engine_brute = {
     .open = brute_open,
     .prepare = cpu_rays_prepare,
     .trace = cpu_rays_trace,
+    .trace_all = cpu_rays_trace_all,
     .model = cpu_rays_model,
     .close = cpu_rays_close,
     .describe = brute_describe,

@@ -10,10 +10,17 @@ static enum status cpu_ray(const struct job *job, const struct ray *ray, struct 
     return trace_ray(job->packed, job->scene, job->box, job->tri, job->query, ray, hit, counts);
 }
 
+static enum status cpu_ray_all(const struct job *job, const struct ray *ray, uint32_t capacity,
+                               struct hit *hit, uint32_t *count)
+{
+    return trace_ray_all(job->packed, job->scene, job->box, job->tri, ray, capacity, hit, count,
+                         NULL);
+}
+
 static enum status cpu_open(const struct engine_options *options, void **self,
                             struct reason *reason)
 {
-    return cpu_rays_open(options, cpu_ray, self, reason);
+    return cpu_rays_open(options, cpu_ray, cpu_ray_all, self, reason);
 }
 
 static struct model cpu_model(void *self, const struct tri_test *tri)
@@ -36,6 +43,7 @@ const struct engine engine_cpu = {
     .open = cpu_open,
     .prepare = cpu_rays_prepare,
     .trace = cpu_rays_trace,
+    .trace_all = cpu_rays_trace_all,
     .model = cpu_model,
     .close = cpu_rays_close,
     .describe = cpu_describe,

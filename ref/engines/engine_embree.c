@@ -97,6 +97,32 @@ static enum status embree_robust_open(const struct engine_options *options, void
     return embree_open_mode(options, true, self, reason);
 }
 
+/* One ray of QUERY_ALL: the context that Embree hands back to the filter, and where hits go. */
+struct embree_list {
+#if HAVE_EMBREE == 4
+    struct RTCRayQueryContext context; /* first: Embree knows the list by it */
+#else
+    struct RTCIntersectContext context;
+#endif
+    struct hit *hit;
+    uint32_t capacity, found;
+};
+
+/* Lists the hit and rejects it, so that the ray keeps its length and goes on. Rays come alone: a
+ * group of one has the layout of the single structs, which is all that C has accessors for. */
+static void embree_list_filter(const struct RTCFilterFunctionNArguments *args)
+{
+    struct embree_list *list = (struct embree_list *)args->context;
+    const struct RTCRay *ray = (const struct RTCRay *)args->ray;
+    const struct RTCHit *hit = (const struct RTCHit *)args->hit;
+    if (args->N != 1 || args->valid[0] != -1)
+        return;
+    if (list->found < list->capacity)
+        list->hit[list->found] = (struct hit){ray->tfar, hit->u, hit->v, hit->primID};
+    list->found++;
+    args->valid[0] = 0;
+}
+
 static enum status embree_add_mesh(struct embree *embree, const struct scene *scene,
                                    struct reason *reason)
 {
@@ -111,6 +137,8 @@ static enum status embree_add_mesh(struct embree *embree, const struct scene *sc
     }
     memcpy(vertex, scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count);
     memcpy(index, scene->index, 3 * sizeof(unsigned) * (size_t)scene->tri_count);
+    if (embree->query == QUERY_ALL)
+        rtcSetGeometryIntersectFilterFunction(mesh, embree_list_filter);
     rtcCommitGeometry(mesh);
     rtcAttachGeometryByID(embree->scene, mesh, 0);
     rtcReleaseGeometry(mesh);
@@ -148,9 +176,9 @@ static bool embree_takes(const struct ray *ray)
     return ray->tmin >= 0.0f && ray->tmax >= ray->tmin;
 }
 
-static void embree_closest(struct embree *embree, const struct ray *ray, struct hit *hit)
+static struct RTCRayHit embree_query(const struct ray *ray)
 {
-    struct RTCRayHit query = {
+    return (struct RTCRayHit){
         .ray = {.org_x = ray->org[0],
                 .org_y = ray->org[1],
                 .org_z = ray->org[2],
@@ -162,6 +190,11 @@ static void embree_closest(struct embree *embree, const struct ray *ray, struct 
                 .mask = 0xFFFFFFFFu},
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .primID = RTC_INVALID_GEOMETRY_ID},
     };
+}
+
+static void embree_closest(struct embree *embree, const struct ray *ray, struct hit *hit)
+{
+    struct RTCRayHit query = embree_query(ray);
 #if HAVE_EMBREE == 4
     rtcIntersect1(embree->scene, &query, NULL);
 #else
@@ -173,6 +206,24 @@ static void embree_closest(struct embree *embree, const struct ray *ray, struct 
         *hit = (struct hit){.prim = ABI_NO_PRIM};
     else
         *hit = (struct hit){query.ray.tfar, query.hit.u, query.hit.v, query.hit.primID};
+}
+
+static uint32_t embree_all(struct embree *embree, const struct ray *ray, uint32_t capacity,
+                           struct hit *hit)
+{
+    struct RTCRayHit query = embree_query(ray);
+    struct embree_list list = {.hit = hit, .capacity = capacity};
+#if HAVE_EMBREE == 4
+    struct RTCIntersectArguments arguments;
+    rtcInitRayQueryContext(&list.context);
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &list.context;
+    rtcIntersect1(embree->scene, &query, &arguments);
+#else
+    rtcInitIntersectContext(&list.context);
+    rtcIntersect1(embree->scene, &list.context, &query);
+#endif
+    return list.found;
 }
 
 /* Embree does not say what blocked the ray: a hit is triangle 0 at t = 0. */
@@ -213,6 +264,19 @@ static enum status embree_trace(void *self, const struct ray *ray, size_t ray_co
     }
     *report = (struct trace_report){.ns = time_ns() - start,
                                     .memory_bytes = (uint64_t)atomic_load(&embree->peak)};
+    return embree_error(embree, "tracing", reason);
+}
+
+static enum status embree_trace_all(void *self, const struct ray *ray, size_t ray_count,
+                                    uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                                    struct reason *reason)
+{
+    struct embree *embree = self;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads)
+    for (long long i = 0; i < (long long)ray_count; i++)
+        hit_count[i] = embree_takes(&ray[i])
+                           ? embree_all(embree, &ray[i], capacity, hit + (size_t)i * capacity)
+                           : 0;
     return embree_error(embree, "tracing", reason);
 }
 
@@ -261,6 +325,14 @@ static enum status embree_trace(void *self, const struct ray *ray, size_t ray_co
     return embree_open(NULL, &self, reason);
 }
 
+static enum status embree_trace_all(void *self, const struct ray *ray, size_t ray_count,
+                                    uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                                    struct reason *reason)
+{
+    (void)ray, (void)ray_count, (void)capacity, (void)hit, (void)hit_count;
+    return embree_open(NULL, &self, reason);
+}
+
 static void embree_close(void *self)
 {
     (void)self;
@@ -295,6 +367,7 @@ const struct engine engine_embree = {
     .open = embree_open,
     .prepare = embree_prepare,
     .trace = embree_trace,
+    .trace_all = embree_trace_all,
     .model = embree_model,
     .close = embree_close,
     .describe = embree_describe,
@@ -306,6 +379,7 @@ const struct engine engine_embree_robust = {
     .open = embree_robust_open,
     .prepare = embree_prepare,
     .trace = embree_trace,
+    .trace_all = embree_trace_all,
     .model = embree_robust_model,
     .close = embree_close,
     .describe = embree_describe,

@@ -51,13 +51,19 @@ const struct tri_test *tri_test_find(const char *name)
 
 const char *query_name(enum query query)
 {
-    return query == QUERY_ANY ? "any" : "closest";
+    static const char *const names[QUERY_COUNT] = {"closest", "any", "all"};
+    return query < QUERY_COUNT ? names[query] : "unknown";
 }
 
 bool query_find(const char *name, enum query *out)
 {
-    *out = strcmp(name, "any") == 0 ? QUERY_ANY : QUERY_CLOSEST;
-    return strcmp(name, query_name(*out)) == 0;
+    *out = QUERY_CLOSEST;
+    for (enum query query = QUERY_CLOSEST; query < QUERY_COUNT; query++)
+        if (strcmp(name, query_name(query)) == 0) {
+            *out = query;
+            return true;
+        }
+    return false;
 }
 
 bool ray_in_contract(const struct ray *ray)

@@ -8,6 +8,8 @@
 enum query {
     QUERY_CLOSEST = ABI_QUERY_CLOSEST,
     QUERY_ANY = ABI_QUERY_ANY,
+    QUERY_ALL = ABI_QUERY_ALL, /* every triangle that the ray hits */
+    QUERY_COUNT,
 };
 
 struct box_test {
@@ -34,9 +36,9 @@ extern const struct tri_test *const tri_tests[];
 const struct box_test *box_test_find(const char *name); /* or NULL */
 const struct tri_test *tri_test_find(const char *name); /* or NULL */
 
-/* "closest" or "any". */
+/* "closest", "any" or "all". */
 const char *query_name(enum query query);
-/* Returns false if `name` is neither. */
+/* Returns false if `name` is none of them. */
 bool query_find(const char *name, enum query *out);
 
 /* Runs the triangle test `id` (ABI_TRI_*) on one triangle: true iff it hits and its t lies in

@@ -1,0 +1,37 @@
+/* All hits of many rays in bounded memory: asks an engine's trace_all with little room a ray, then
+ * again with enough for the rays whose hits did not fit. */
+#ifndef ALL_HITS_H
+#define ALL_HITS_H
+
+#include "ref/engine.h"
+
+#define ALL_HITS_RAYS 16384u     /* most rays of one call */
+#define ALL_HITS_MOST (1u << 22) /* most hits of one call, 64 MiB; a ray alone may have more */
+
+/* Owns its arrays; zero it before the first call, use it again for the next. */
+struct all_hits {
+    size_t done;   /* rays of the last call */
+    size_t *first; /* ray i's hits are hit[first[i] .. first[i + 1] - 1], in the engine's order */
+    struct hit *hit;
+    size_t again; /* rays that were traced twice because they had more hits than room */
+    struct hit *scratch;
+    uint32_t *count;
+    struct ray *retry; /* rays traced again, and which they are */
+    size_t *retry_of;
+    size_t first_capacity, hit_capacity, scratch_capacity, count_capacity, retry_capacity,
+        retry_of_capacity;
+};
+
+/* Finds all hits of the first rays of `ray`, at least one and as many as the limits above allow;
+ * the caller goes on behind the first out->done. `self` was prepared with QUERY_ALL and ray_count
+ * is not 0. Errors: STATUS_UNSUPPORTED the engine has no trace_all; those of trace_all;
+ * STATUS_DEVICE also if a ray's second tracing found another number of hits than its first;
+ * STATUS_MEMORY. */
+enum status all_hits_next(const struct engine *engine, void *self, const struct ray *ray,
+                          size_t ray_count, struct all_hits *out, struct reason *reason) MUST_USE;
+void all_hits_free(struct all_hits *all); /* a zero one is fine */
+
+/* Sorts by t, then by prim: the order in which all hits are shown. */
+void all_hits_sort(struct hit *hit, size_t count);
+
+#endif
