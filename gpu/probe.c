@@ -1,6 +1,6 @@
 #include "gpu/probe.h"
 
-#include "gpu/shaders.h"
+#include "gpu/text.h"
 #include "ref/rng.h"
 
 #include <math.h>
@@ -47,16 +47,34 @@ static void make_triples(struct triple *triple)
     }
 }
 
-/* The same operations, compiled without contraction. */
-static void evaluate(const struct triple *t, float out[PROBE_OPS])
+/* How subnormals are treated. */
+struct flush {
+    bool in, out;
+};
+
+static const struct flush flushes[] = {{true, false}, {false, true}, {true, true}};
+
+static float zero_if(bool flush, float x)
 {
-    out[0] = t->a + t->b;
-    out[1] = t->a - t->b;
-    out[2] = t->a * t->b;
-    out[3] = t->a / t->b;
-    out[4] = 1.0f / t->b;
-    out[5] = t->a * t->b + t->c;
-    out[6] = t->a < t->b ? t->a : t->b;
+    bool subnormal = (float_bits(x) & 0x7F800000u) == 0;
+    return flush && subnormal ? float_from_bits(float_bits(x) & 0x80000000u) : x;
+}
+
+/* The same operations, compiled without contraction. */
+static void evaluate(const struct triple *t, struct flush flush, float out[PROBE_OPS])
+{
+    const float a = zero_if(flush.in, t->a), b = zero_if(flush.in, t->b);
+    const float c = zero_if(flush.in, t->c);
+    float product = zero_if(flush.in || flush.out, a * b);
+    out[PROBE_ADD] = a + b;
+    out[PROBE_SUB] = a - b;
+    out[PROBE_MUL] = a * b;
+    out[PROBE_DIV] = a / b;
+    out[PROBE_RECIPROCAL] = 1.0f / b;
+    out[PROBE_MUL_ADD] = product + c;
+    out[PROBE_LESS] = a < b ? t->a : t->b;
+    for (uint32_t k = 0; k < PROBE_OPS; k++)
+        out[k] = zero_if(flush.out, out[k]);
 }
 
 /* Bit patterns in the order of the numbers. */
@@ -66,19 +84,30 @@ static int64_t ordered(float x)
     return bits & 0x80000000u ? -(int64_t)(bits & 0x7FFFFFFFu) : (int64_t)bits;
 }
 
-static void judge(struct probe_op *op, bool is_special, float want, float got)
+static bool is_same(float want, float got)
 {
-    bool same = float_bits(want) == float_bits(got) || (isnan(want) && isnan(got));
-    if (is_special) {
-        op->special++;
-        op->special_differs += !same;
-        return;
-    }
+    return float_bits(want) == float_bits(got) || (isnan(want) && isnan(got));
+}
+
+static void judge_ordinary(struct probe_op *op, float want, float got)
+{
     op->ordinary++;
-    op->ordinary_differs += !same;
+    op->ordinary_differs += !is_same(want, got);
     int64_t apart = llabs(ordered(want) - ordered(got));
     if (apart > op->worst_ulp)
         op->worst_ulp = apart > UINT32_MAX ? UINT32_MAX : (uint32_t)apart;
+}
+
+/* A subnormal that became zero may have either sign. */
+static bool is_flushed(const struct triple *t, uint32_t op, float got)
+{
+    for (size_t i = 0; i < ARRAY_COUNT(flushes); i++) {
+        float want[PROBE_OPS];
+        evaluate(t, flushes[i], want);
+        if (is_same(want[op], got) || (want[op] == 0 && got == 0))
+            return true;
+    }
+    return false;
 }
 
 static void compare(const struct triple *triple, const float *got, struct probe_op out[PROBE_OPS])
@@ -87,16 +116,25 @@ static void compare(const struct triple *triple, const float *got, struct probe_
         out[k] = (struct probe_op){.name = names[k]};
     for (uint32_t i = 0; i < TRIPLES; i++) {
         float want[PROBE_OPS];
-        evaluate(triple + i, want);
-        for (uint32_t k = 0; k < PROBE_OPS; k++)
-            judge(out + k, IS_SPECIAL(i), want[k], got[PROBE_OPS * i + k]);
+        evaluate(triple + i, (struct flush){false, false}, want);
+        for (uint32_t k = 0; k < PROBE_OPS; k++) {
+            float x = got[PROBE_OPS * i + k];
+            if (!IS_SPECIAL(i)) {
+                judge_ordinary(out + k, want[k], x);
+                continue;
+            }
+            out[k].special++;
+            if (!is_same(want[k], x)) {
+                out[k].special_differs++;
+                out[k].flushed += is_flushed(triple + i, k, x);
+            }
+        }
     }
 }
 
-static enum status dispatch(struct vk *vk, const struct triple *triple, float *got,
-                            struct reason *reason)
+static enum status dispatch(struct vk *vk, const struct shader *shader, const struct triple *triple,
+                            float *got, struct reason *reason)
 {
-    const struct shader *shader = shader_find("probe_ops");
     const uint64_t in_bytes = TRIPLES * sizeof *triple;
     const uint64_t out_bytes = TRIPLES * PROBE_OPS * sizeof *got;
     const uint32_t group = GROUP, count = TRIPLES;
@@ -127,7 +165,8 @@ static enum status dispatch(struct vk *vk, const struct triple *triple, float *g
     return status;
 }
 
-enum status probe_run(struct vk *vk, struct probe_op out[PROBE_OPS], struct reason *reason)
+enum status probe_run_shader(struct vk *vk, const struct shader *shader,
+                             struct probe_op out[PROBE_OPS], struct reason *reason)
 {
     struct triple *triple = alloc_zeroed(TRIPLES, sizeof *triple);
     float *got = alloc_zeroed(TRIPLES, PROBE_OPS * sizeof *got);
@@ -137,7 +176,7 @@ enum status probe_run(struct vk *vk, struct probe_op out[PROBE_OPS], struct reas
         status = fail(reason, STATUS_MEMORY, "vulkan: no memory for the operator probe");
     } else {
         make_triples(triple);
-        status = dispatch(vk, triple, got, reason);
+        status = dispatch(vk, shader, triple, got, reason);
         if (!status)
             compare(triple, got, out);
     }
@@ -146,24 +185,89 @@ enum status probe_run(struct vk *vk, struct probe_op out[PROBE_OPS], struct reas
     return status;
 }
 
+enum status probe_run(struct vk *vk, struct probe_op out[PROBE_OPS], struct reason *reason)
+{
+    return probe_run_shader(vk, shader_find("probe_ops"), out, reason);
+}
+
+/* In units of u: half an ulp is 1. */
+static double error_of(const struct probe_op *op, double specified)
+{
+    double seen = 2.0 * op->worst_ulp + 1.0;
+    if (!op->ordinary_differs)
+        return 1.0;
+    return seen > specified ? seen : specified;
+}
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+struct arithmetic probe_arithmetic(const struct probe_op op[PROBE_OPS])
+{
+    const struct rounding spec = ROUNDING_VULKAN;
+    struct arithmetic out = {.rounding = ROUNDING_IEEE, .bits = true};
+    for (uint32_t k = 0; k < PROBE_OPS; k++) {
+        out.bits = out.bits && !op[k].ordinary_differs && op[k].flushed == op[k].special_differs;
+        out.flushes = out.flushes || op[k].special_differs;
+    }
+    if (out.flushes)
+        out.rounding.tiny = spec.tiny;
+    if (out.bits)
+        return out;
+    out.rounding.add =
+        larger(error_of(&op[PROBE_ADD], spec.add), error_of(&op[PROBE_SUB], spec.add));
+    out.rounding.mul = error_of(&op[PROBE_MUL], spec.mul);
+    out.rounding.div =
+        larger(error_of(&op[PROBE_DIV], spec.div), error_of(&op[PROBE_RECIPROCAL], spec.div));
+    return out;
+}
+
+struct arithmetic probe_measure(struct vk *vk)
+{
+    struct probe_op op[PROBE_OPS];
+    if (probe_run(vk, op, NULL))
+        return (struct arithmetic){.rounding = ROUNDING_VULKAN, .flushes = true};
+    return probe_arithmetic(op);
+}
+
+const char *probe_arithmetic_text(const struct arithmetic *arithmetic)
+{
+    if (arithmetic->bits && !arithmetic->flushes)
+        return "IEEE; C's bits are demanded";
+    if (arithmetic->bits)
+        return "IEEE with subnormals as zeros; C's bits are demanded";
+    return "measured errors or Vulkan's promises; C's bits are not demanded";
+}
+
 void probe_text(const struct probe_op op[PROBE_OPS], char *text, size_t text_bytes)
 {
-    size_t used = 0;
     const char *lead = "as in C to the bit:";
     text[0] = '\0';
-    for (uint32_t k = 0; k < PROBE_OPS && used < text_bytes; k++)
+    for (uint32_t k = 0; k < PROBE_OPS; k++)
         if (!op[k].ordinary_differs && !op[k].special_differs) {
-            used += (size_t)snprintf(text + used, text_bytes - used, "%s %s", lead, op[k].name);
+            text_append(text, text_bytes, "%s %s", lead, op[k].name);
             lead = "";
         }
-    if (used > 0 && used < text_bytes)
-        used += (size_t)snprintf(text + used, text_bytes - used, "\n");
-    for (uint32_t k = 0; k < PROBE_OPS && used < text_bytes; k++)
-        if (op[k].ordinary_differs || op[k].special_differs)
-            used += (size_t)snprintf(text + used, text_bytes - used,
-                                     "%s: %u of %u differ, at most %u ulp; %u of %u with zeros, "
-                                     "subnormals, infinities or NaN\n",
-                                     op[k].name, (unsigned)op[k].ordinary_differs,
-                                     (unsigned)op[k].ordinary, (unsigned)op[k].worst_ulp,
-                                     (unsigned)op[k].special_differs, (unsigned)op[k].special);
+    if (text[0])
+        text_append(text, text_bytes, "\n");
+    lead = "as in C but for subnormals, which are zeros:";
+    for (uint32_t k = 0; k < PROBE_OPS; k++)
+        if (!op[k].ordinary_differs && op[k].special_differs &&
+            op[k].flushed == op[k].special_differs) {
+            text_append(text, text_bytes, "%s %s (%u of %u)", lead, op[k].name,
+                        (unsigned)op[k].flushed, (unsigned)op[k].special);
+            lead = "";
+        }
+    if (!lead[0])
+        text_append(text, text_bytes, "\n");
+    for (uint32_t k = 0; k < PROBE_OPS; k++)
+        if (op[k].ordinary_differs || op[k].special_differs > op[k].flushed)
+            text_append(text, text_bytes,
+                        "%s: %u of %u differ, at most %u ulp; %u of %u with zeros, subnormals, "
+                        "infinities or NaN, %u of them by flushing\n",
+                        op[k].name, (unsigned)op[k].ordinary_differs, (unsigned)op[k].ordinary,
+                        (unsigned)op[k].worst_ulp, (unsigned)op[k].special_differs,
+                        (unsigned)op[k].special, (unsigned)op[k].flushed);
 }

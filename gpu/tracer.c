@@ -41,6 +41,8 @@ struct tracer {
     uint32_t ray_capacity, batch, stack;
     bool lists; /* prepared for QUERY_ALL */
     struct push push;
+    struct arithmetic arithmetic;
+    bool measured;
 };
 
 /* Where the answers go. */
@@ -95,6 +97,14 @@ uint32_t tracer_close(struct tracer *tracer, struct reason *reason)
     uint32_t messages = vk_close(tracer->vk, reason);
     free(tracer);
     return messages;
+}
+
+struct arithmetic tracer_arithmetic(struct tracer *tracer)
+{
+    if (!tracer->measured)
+        tracer->arithmetic = probe_measure(tracer->vk);
+    tracer->measured = true;
+    return tracer->arithmetic;
 }
 
 uint32_t tracer_pipelines(const struct tracer *tracer)

@@ -3,7 +3,7 @@
 #ifndef TRACER_H
 #define TRACER_H
 
-#include "gpu/vk.h"
+#include "gpu/probe.h"
 #include "ref/engine.h"
 
 struct tracer;
@@ -34,6 +34,9 @@ enum status tracer_trace_all(struct tracer *tracer, const struct ray *ray, size_
 
 /* Returns vk_close's count of validation messages, those about leaks included; NULL is fine. */
 uint32_t tracer_close(struct tracer *tracer, struct reason *reason);
+
+/* The device's arithmetic, measured by the first call. */
+struct arithmetic tracer_arithmetic(struct tracer *tracer);
 
 /* Pipelines made since open. */
 uint32_t tracer_pipelines(const struct tracer *tracer);

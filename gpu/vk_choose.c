@@ -1,8 +1,8 @@
 /* Listing the devices and choosing one. */
+#include "gpu/text.h"
 #include "gpu/vk_private.h"
 
 #include <ctype.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -110,8 +110,9 @@ static struct vk_limits limits_of(const struct answers *answers, uint32_t timest
         limits.buffer_bytes = answers->allocation.maxMemoryAllocationSize;
     (void)snprintf(limits.device, sizeof limits.device, "%s", base->deviceName);
     if (answers->driver.driverName[0])
-        (void)snprintf(limits.driver, sizeof limits.driver, "%.120s %.120s",
-                       answers->driver.driverName, answers->driver.driverInfo);
+        (void)snprintf(limits.driver, sizeof limits.driver, "%.120s%s%.120s",
+                       answers->driver.driverName, answers->driver.driverInfo[0] ? " " : "",
+                       answers->driver.driverInfo);
     else
         (void)snprintf(limits.driver, sizeof limits.driver, "driver version 0x%x",
                        (unsigned)base->driverVersion);
@@ -200,29 +201,18 @@ enum status vk_choose(struct vk *vk, struct reason *reason)
                 driver ? driver : "any", index, count ? there : "none");
 }
 
-/* Appends to text; what does not fit is cut. */
-static void append(char *text, size_t text_bytes, const char *format, ...) PRINTF_LIKE(3, 4);
-static void append(char *text, size_t text_bytes, const char *format, ...)
-{
-    size_t used = strlen(text);
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(text + used, text_bytes - used, format, args);
-    va_end(args);
-}
-
 static void list_details(const struct vk_limits *limits, char *text, size_t text_bytes)
 {
-    append(text, text_bytes,
-           "\n    Vulkan %u.%u, buffers to %llu MiB, workgroups to %u, timestamps %s",
-           (unsigned)VK_API_VERSION_MAJOR(limits->api_version),
-           (unsigned)VK_API_VERSION_MINOR(limits->api_version),
-           (unsigned long long)(limits->buffer_bytes >> 20), (unsigned)limits->group_size,
-           limits->timestamp_bits ? "yes" : "no (the host's clock is used)");
-    append(text, text_bytes, "\n    f32: round to nearest %s, denormals %s, inf and NaN %s\n",
-           limits->round_to_nearest ? "promised" : "not promised",
-           limits->keeps_denormals ? "kept" : "not promised",
-           limits->keeps_inf_nan ? "kept" : "not promised");
+    text_append(text, text_bytes,
+                "\n    Vulkan %u.%u, buffers to %llu MiB, workgroups to %u, timestamps %s",
+                (unsigned)VK_API_VERSION_MAJOR(limits->api_version),
+                (unsigned)VK_API_VERSION_MINOR(limits->api_version),
+                (unsigned long long)(limits->buffer_bytes >> 20), (unsigned)limits->group_size,
+                limits->timestamp_bits ? "yes" : "no (the host's clock is used)");
+    text_append(text, text_bytes, "\n    f32: round to nearest %s, denormals %s, inf and NaN %s\n",
+                limits->round_to_nearest ? "promised" : "not promised",
+                limits->keeps_denormals ? "kept" : "not promised",
+                limits->keeps_inf_nan ? "kept" : "not promised");
 }
 
 void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes)
@@ -232,7 +222,7 @@ void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes)
     struct reason reason;
     text[0] = '\0';
     if (enumerate(vk, &device, &count, &reason)) {
-        append(text, text_bytes, "%s", reason.text);
+        text_append(text, text_bytes, "%s", reason.text);
         return;
     }
     for (uint32_t i = 0; i < count; i++) {
@@ -241,12 +231,12 @@ void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes)
         ask(vk, device[i], &answers);
         bool can = find_family(vk, device[i], &family, &bits);
         struct vk_limits limits = limits_of(&answers, bits);
-        append(text, text_bytes, "%s%u: %s (%s)%s", i && !details ? "; " : "", (unsigned)i,
-               limits.device, limits.driver, can ? "" : ", cannot compute");
+        text_append(text, text_bytes, "%s%u: %s (%s)%s", i && !details ? "; " : "", (unsigned)i,
+                    limits.device, limits.driver, can ? "" : ", cannot compute");
         if (details)
             list_details(&limits, text, text_bytes);
     }
     if (details && count == 0)
-        append(text, text_bytes, "no device\n");
+        text_append(text, text_bytes, "no device\n");
     free(device);
 }

@@ -40,6 +40,7 @@ struct module {
     uint32_t *word;
     size_t count;
     bool tracing;
+    bool free; /* its arithmetic stays as it is: the driver's freedom is what it measures */
 };
 
 /* One instruction: opcode, its words (the first holds opcode and count). */
@@ -113,6 +114,7 @@ static bool read_module(const char *file, struct module *m)
     *m = (struct module){.file = file};
     const char *slash = strrchr(file, '/');
     m->tracing = strncmp(slash ? slash + 1 : file, "trace_", 6) == 0;
+    m->free = strcmp(slash ? slash + 1 : file, "probe_free.spv") == 0;
     FILE *in = fopen(file, "rb");
     if (!in) {
         perror(file);
@@ -247,11 +249,11 @@ static void write_module(const struct module *m, FILE *out)
     bool ok = true, done = false;
     fwrite(m->word, 4, HEADER_WORDS, out);
     for (size_t at = HEADER_WORDS; next(m, &at, &i, &ok);) {
-        if (!done && !is_preamble(i.op)) {
+        if (!done && !m->free && !is_preamble(i.op)) {
             write_decorations(m, out);
             done = true;
         }
-        if (i.op == OP_DECORATE && i.count == 3 && i.word[2] == NO_CONTRACTION)
+        if (i.op == OP_DECORATE && i.count == 3 && i.word[2] == NO_CONTRACTION && !m->free)
             continue;
         fwrite(i.word, 4, i.count, out);
     }
