@@ -191,9 +191,7 @@ static void print_contestant(struct field *field, struct contestant *c)
     const struct contestant *base = &field->contestant[c->base];
     double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
     struct spread speed = spread_of(c->mrays, rounds), ratio = spread_of(c->ratio, rounds);
-    size_t allowed = row->count[VERDICT_TIE] + row->count[VERDICT_NEAR_TIE] +
-                     row->count[VERDICT_BOUNDARY] + row->count[VERDICT_SLAB] +
-                     row->count[VERDICT_NOISE];
+    size_t allowed = row->rays - row->count[VERDICT_RIGHT] - row->count[VERDICT_WRONG];
     double node = (double)row->node_bytes / tris;
     double nodes = (double)(row->node_bytes + row->item_bytes) / tris;
     printf("%-8s %-13s %-5s %7.3f (%.3f-%.3f) %5.2f (%.2f-%.2f) of %-8s ", field->rays,

@@ -22,6 +22,8 @@ const char *status_text(enum status status)
         return "not available";
     case STATUS_DEVICE:
         return "device failed";
+    case STATUS_INTERNAL:
+        return "internal contradiction";
     }
     return "unknown status";
 }

@@ -19,6 +19,7 @@ enum status {
     STATUS_LIMIT,       /* a stated limit of a layout or engine is exceeded */
     STATUS_UNSUPPORTED, /* not available here: the caller skips, with the reason */
     STATUS_DEVICE,      /* a device or driver failed, or did not finish its work */
+    STATUS_INTERNAL,    /* two of our own ways to the same answer contradict each other: our bug */
 };
 
 /* One line that says why a status is not STATUS_OK: what, where, which rule. */

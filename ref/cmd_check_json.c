@@ -20,6 +20,22 @@ static json_t *hit_json(const struct hit *hit)
                      bits[1], "v_bits", bits[2]);
 }
 
+/* JSON knows no infinity: a number too large to be mistaken. */
+static double finite(double x)
+{
+    return x <= 1e300 ? x : 1e300;
+}
+
+static json_t *judgement_json(const struct judgement *j)
+{
+    if (j->expected == ABI_NO_PRIM)
+        return json_pack("{s:s, s:n, s:f, s:f}", "wrong", wrong_name(j->wrong), "expected", "over",
+                         finite(j->over), "displacement", finite(j->displacement));
+    return json_pack("{s:s, s:I, s:f, s:f, s:f, s:f}", "wrong", wrong_name(j->wrong), "expected",
+                     (json_int_t)j->expected, "t_lo", j->t_lo, "t_hi", j->t_hi, "over",
+                     finite(j->over), "displacement", finite(j->displacement));
+}
+
 static json_t *finding_json(const struct finding *f)
 {
     json_t *ray = json_array();
@@ -30,9 +46,13 @@ static json_t *finding_json(const struct finding *f)
         snprintf(bits, sizeof bits, "0x%08x", float_bits(value[k]));
         json_array_append_new(ray, json_string(bits));
     }
-    return json_pack("{s:I, s:s, s:o, s:o, s:o}", "ray", (json_int_t)f->ray_index, "against",
-                     f->bits ? "cpu" : "reference", "ray_bits", ray, "expected",
-                     hit_json(&f->expected), "got", hit_json(&f->got));
+    json_t *out = json_pack("{s:I, s:s, s:o, s:o}", "ray", (json_int_t)f->ray_index, "against",
+                            f->bits ? "cpu" : "truth", "ray_bits", ray, "got", hit_json(&f->got));
+    if (f->bits)
+        json_object_set_new(out, "expected", hit_json(&f->expected));
+    else
+        json_object_set_new(out, "judgement", judgement_json(&f->judgement));
+    return out;
 }
 
 static json_t *counts_json(const struct row *row)
@@ -41,6 +61,24 @@ static json_t *counts_json(const struct row *row)
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
         json_object_set_new(counts, verdict_name(v), json_integer((json_int_t)row->count[v]));
     return counts;
+}
+
+static json_t *wrong_json(const struct row *row)
+{
+    json_t *counts = json_object();
+    for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
+        json_object_set_new(counts, wrong_name(w), json_integer((json_int_t)row->wrong[w]));
+    return counts;
+}
+
+static json_t *displacement_json(const struct row *row)
+{
+    if (row->displacement.count == 0)
+        return json_null();
+    return json_pack("{s:I, s:f, s:f, s:f, s:I}", "answers", (json_int_t)row->displacement.count,
+                     "p50", row->displacement.p50, "p99", row->displacement.p99, "max",
+                     finite(row->displacement.most), "lost_in_closed_fans",
+                     (json_int_t)row->displacement.fan_lost);
 }
 
 static json_t *row_json(const struct check_scene *scene, const struct row *row)
@@ -62,6 +100,9 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
                   (json_int_t)row->stats.leaf_count, "depth", (json_int_t)row->stats.depth,
                   "largest_leaf", (json_int_t)row->stats.largest_leaf));
     json_object_set_new(out, "counts", counts_json(row));
+    json_object_set_new(out, "wrong", wrong_json(row));
+    json_object_set_new(out, "err_over_bound", json_real(finite(row->worst_over)));
+    json_object_set_new(out, "displacement", displacement_json(row));
     json_object_set_new(out, "bit_differences", json_integer((json_int_t)row->bit_differences));
     json_object_set_new(out, "judged", json_boolean(row->judged));
     json_object_set_new(out, "differences", json_integer((json_int_t)row->differences));

@@ -1,4 +1,4 @@
-/* What raydiff check prints: the table, the differences, and what they mean. */
+/* What raydiff check prints: the table, what is wrong, and what it means. */
 #include "ref/cmd_check.h"
 #include "ref/command.h"
 
@@ -12,6 +12,17 @@ static void print_bytes(const struct row *row)
         printf("%9.1f %9.1f", (double)row->node_bytes / 1e3, (double)row->item_bytes / 1e3);
 }
 
+/* The kinds of what is wrong, or of what a member as published does. */
+static void print_wrong(const struct row *row)
+{
+    if (row->count[VERDICT_WRONG] == 0)
+        return;
+    fputs(row->judged ? "" : " as published:", stdout);
+    for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
+        if (row->wrong[w])
+            printf(" %s %zu", wrong_name(w), row->wrong[w]);
+}
+
 static void print_row(const struct row *row)
 {
     const struct match_options *o = &row->options;
@@ -23,16 +34,24 @@ static void print_row(const struct row *row)
         return;
     }
     print_bytes(row);
-    printf(" %9zu %6zu %6zu %6zu %5zu %5zu ", row->hits, row->count[VERDICT_TIE],
-           row->count[VERDICT_NEAR_TIE], row->count[VERDICT_BOUNDARY], row->count[VERDICT_SLAB],
-           row->count[VERDICT_NOISE]);
-    if (row->judged)
-        printf("%7zu", row->differences);
+    printf(" %7zu", row->hits);
+    for (enum verdict v = VERDICT_TIE; v < VERDICT_WRONG; v++)
+        printf(" %5zu", row->count[v]);
+    if (row->displacement.count)
+        printf(" %5s", "-");
     else
-        printf("%7s", row->bit_differences ? "BITS" : "counted");
+        printf(" %5.2f", row->worst_over);
+    if (row->judged)
+        printf(" %6zu", row->count[VERDICT_WRONG]);
+    else
+        printf(" %6s", "count");
+    printf(" %6zu", row->bit_differences);
     printf(" %8.3f (%.3f-%.3f)", row->mrays[0], row->mrays[1], row->mrays[2]);
-    if (!row->judged)
-        printf(" as published: %zu differ", row->count[VERDICT_DIFFERENT]);
+    print_wrong(row);
+    if (row->displacement.count)
+        printf(" displacement p50 %.2g p99 %.2g max %.3g uM, %zu lost in closed fans",
+               row->displacement.p50, row->displacement.p99, row->displacement.most,
+               row->displacement.fan_lost);
     if (row->status == ROW_VACUOUS)
         printf(" %s", row->reason.text);
     putchar('\n');
@@ -43,10 +62,14 @@ static void print_findings(const struct row *row)
     for (size_t i = 0; i < row->finding_count; i++) {
         const struct finding *f = &row->finding[i];
         char line[512];
-        judge_line(&f->ray, &f->expected, &f->got, line, sizeof line);
-        printf("DIFFERENT %s.%s.%s ray %zu (against %s) %s\n", row->engine->name,
-               row->layout ? row->layout->name : "-", row->options.tri->name, f->ray_index,
-               f->bits ? "engine cpu, bit for bit" : "the reference", line);
+        if (f->bits)
+            judge_bits_line(&f->ray, &f->expected, &f->got, line, sizeof line);
+        else
+            judge_line(&f->ray, &f->judgement, &f->got, line, sizeof line);
+        printf("%s %s.%s.%s.%s ray %zu %s\n", f->bits ? "BITS" : "WRONG",
+               f->bits ? "differ from engine cpu's:" : wrong_name(f->judgement.wrong),
+               row->engine->name, row->layout ? row->layout->name : "-", row->options.tri->name,
+               f->ray_index, line);
     }
     if (row->differences > row->finding_count && row->finding_count)
         printf("  ... and %zu more of this row\n", row->differences - row->finding_count);
@@ -101,8 +124,8 @@ static void print_winners(const struct check_scene *scene)
 
 static void print_agreement(const struct check_scene *scene)
 {
-    size_t exact_rows = 0, exact_rays = 0, exact_bad = 0, lost = 0, judged = 0, allowed = 0;
-    size_t counted = 0;
+    size_t exact_rows = 0, exact_rays = 0, exact_bad = 0, judged = 0, counted = 0;
+    size_t count[VERDICT_COUNT] = {0};
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
         if (row->status != ROW_OK)
@@ -113,23 +136,20 @@ static void print_agreement(const struct check_scene *scene)
             exact_bad += row->bit_differences;
         }
         if (!row->judged) {
-            counted += row->count[VERDICT_DIFFERENT];
+            counted += row->count[VERDICT_WRONG];
             continue;
         }
         judged += row->rays;
-        lost += row->count[VERDICT_DIFFERENT];
-        allowed += row->count[VERDICT_TIE] + row->count[VERDICT_NEAR_TIE] +
-                   row->count[VERDICT_BOUNDARY] + row->count[VERDICT_SLAB] +
-                   row->count[VERDICT_NOISE];
+        for (enum verdict v = 0; v < VERDICT_COUNT; v++)
+            count[v] += row->count[v];
     }
     if (exact_rows)
-        printf("  vulkan against cpu: %zu of %zu answers differ in a bit\n", exact_bad, exact_rays);
-    printf("  against the reference: %zu of %zu answers not allowed; %zu in an allowed class\n",
-           lost, judged, allowed);
-    if (allowed)
-        puts("  (tie, near tie, boundary, slab, noise: see README, \"Allowed differences\")");
+        printf("  bit for bit against cpu: %zu of %zu answers differ\n", exact_bad, exact_rays);
+    printf("  against the exact truth: %zu of %zu answers WRONG;", count[VERDICT_WRONG], judged);
+    for (enum verdict v = 0; v < VERDICT_WRONG; v++)
+        printf(" %s %zu%s", verdict_name(v), count[v], v + 1 < VERDICT_WRONG ? "," : "\n");
     if (counted)
-        printf("  members as published differ in %zu answers: counted, not judged\n", counted);
+        printf("  members as published are wrong in %zu answers: counted, not judged\n", counted);
 }
 
 /* Who refused, was skipped or failed. */
@@ -174,11 +194,13 @@ void check_print(const struct check_scene *scene)
                first->options.builder->name, first->options.build.leaf, first->stats.node_count,
                first->stats.leaf_count, first->stats.depth, first->stats.largest_leaf);
     if (first && first->compared)
-        printf("reference: every triangle for %zu rays%s\n", first->brute,
-               first->brute < first->compared ? ", engine cpu on f32 for the others" : "");
-    printf("%-13s %-13s %-7s %-7s %-7s %9s %9s %9s %6s %6s %6s %5s %5s %7s %8s\n", "layout",
-           "engine", "box", "tri", "query", "nodes kB", "items kB", "hits", "tie", "near", "bound",
-           "slab", "noise", "DIFFER", "Mray/s (least-most)");
+        printf("truth: exact, by the oracle's tree; %zu of %zu rays by brute force too\n",
+               first->brute, first->compared);
+    printf("%-13s %-13s %-7s %-7s %-7s %9s %9s %7s %5s %5s %5s %5s %5s %5s %5s %5s %5s %6s %6s "
+           "%8s\n",
+           "layout", "engine", "box", "tri", "query", "nodes kB", "items kB", "hits", "tie", "near",
+           "bound", "bordr", "plane", "slab", "noise", "out", "err/E", "WRONG", "bits",
+           "Mray/s (least-most)");
     for (size_t i = 0; i < scene->row_count; i++)
         print_row(&scene->row[i]);
     for (size_t i = 0; i < scene->row_count; i++)
@@ -200,7 +222,9 @@ int check_exit(const struct check_scene *scene, bool layout_named, bool engine_n
         if (row->status == ROW_SKIPPED && engine_named)
             code = exit_worse(code, EXIT_SKIPPED);
         if (row->status == ROW_FAILED)
-            code = exit_worse(code, row->cause == STATUS_MEMORY ? EXIT_INTERNAL : EXIT_ENGINE);
+            code = exit_worse(code, row->cause == STATUS_MEMORY || row->cause == STATUS_INTERNAL
+                                        ? EXIT_INTERNAL
+                                        : EXIT_ENGINE);
         if (row_failed(row))
             code = exit_worse(code, EXIT_MISMATCH);
     }

@@ -29,6 +29,7 @@ int exit_of_status(enum status status)
     case STATUS_DEVICE:
         return EXIT_ENGINE;
     case STATUS_MEMORY:
+    case STATUS_INTERNAL:
         return EXIT_INTERNAL;
     }
     return EXIT_INTERNAL;

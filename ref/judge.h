@@ -1,62 +1,106 @@
-/* The judge: is an answer allowed, given the reference's? Knows scenes, rays and triangle tests;
- * never a tree, a layout or an engine's internals. Every allowed class has a name, a counter that
- * is always printed and a paragraph in the README; there is no percentage that passes. */
+/* The judge: is an engine's answer right? Each answer is judged alone, against the exact truth
+ * (ref/oracle) and the proven error of that engine's own formula (ref/twin, ref/model); no other
+ * engine takes part. Knows scenes, rays and triangle tests; never a tree, a layout or an engine's
+ * internals. Every allowed class has a name, a counter that is always printed and a paragraph in
+ * the README; there is no percentage that passes. */
 #ifndef JUDGE_H
 #define JUDGE_H
 
-#include "ref/scene.h"
+#include "ref/oracle/oracle.h"
 #include "ref/twin.h"
 
 enum verdict {
-    VERDICT_SAME,            /* the same bits; Embree: the same triangle, t within both bounds */
-    VERDICT_TIE,             /* A1 another triangle at exactly the same t */
-    VERDICT_NEAR_TIE,        /* A2 another triangle, t apart by at most both error bounds */
-    VERDICT_BOUNDARY,        /* A3 an edge function, determinant or range end within its error */
-    VERDICT_SLAB,            /* A4 Embree's default box test cannot see the hit */
-    VERDICT_NOISE,           /* A5 Embree's t of a triangle seen edge-on lies off the triangle */
-    VERDICT_OUT_OF_CONTRACT, /* A6 the ray is outside what the tests promise */
-    VERDICT_DIFFERENT,       /* everything else: a bug in someone */
+    VERDICT_RIGHT,           /* the exact nearest triangle (any: a triangle exactly hit), t within
+                                the bound; or an exact miss */
+    VERDICT_TIE,             /* A1 one of several triangles at exactly the same nearest t */
+    VERDICT_NEAR_TIE,        /* A2 an exact hit behind the nearest, by no more than both bounds */
+    VERDICT_BOUNDARY,        /* A3 an edge function's or determinant's sign is within its error */
+    VERDICT_BORDER,          /* A4 the exact t is within its error of tmin or tmax */
+    VERDICT_IN_PLANE,        /* A5 the ray lies in the triangle's plane (or it has no area) */
+    VERDICT_SLAB,            /* A6 Embree's default box test cannot see the hit */
+    VERDICT_NOISE,           /* A7 the determinant's sign is open and t lies off the triangle */
+    VERDICT_OUT_OF_CONTRACT, /* A8 the ray or the scene is outside what the tests promise */
+    VERDICT_WRONG,           /* everything else: a bug, see enum wrong */
     VERDICT_COUNT
 };
 
-/* "same", "tie", ... as in the JSON and the tables. */
+enum wrong {
+    WRONG_NOT,
+    WRONG_MISSED,      /* a hit that this formula cannot help finding was lost */
+    WRONG_PHANTOM,     /* a triangle that it cannot find, where nothing is hit; no such triangle */
+    WRONG_TRIANGLE,    /* a triangle that it cannot find, where another one is hit */
+    WRONG_DISTANCE,    /* t is farther from the exact t than the bound, or out of the range */
+    WRONG_BARYCENTRIC, /* u or v is farther from the exact value than the bound */
+    WRONG_NOT_FINITE,  /* t, u or v is NaN or infinite */
+    WRONG_NOT_REPEATABLE, /* the same job gave other bits the second time; given by the caller */
+    WRONG_ANY_DISAGREES, /* any-hit and closest-hit of one engine contradict each other; likewise */
+    WRONG_COUNT
+};
+
+struct judgement {
+    enum verdict verdict;
+    enum wrong wrong;    /* WRONG_NOT unless verdict is VERDICT_WRONG */
+    uint32_t expected;   /* the triangle that should have been answered, or ABI_NO_PRIM; of a lost
+                            hit the one that was lost */
+    double t_lo, t_hi;   /* enclose the exact t of `expected` */
+    double over;         /* err/E: error of t over its bound; 0 where t is not bounded */
+    double displacement; /* unknown formula: smallest displacement of vertices that makes the answer
+                            right, in units of u * max |vertex - origin|, u = 2^-24; else 0 */
+    bool fan;            /* unknown formula: a hit inside a closed fan was lost, see judge_answer */
+};
+
+/* An answer of an unknown formula that needs a larger displacement than this is WRONG. Every test
+ * in use stays under 24 (Woop 2013 with Vulkan's loosest rounding); 2^10 leaves room for shears in
+ * lower precision and for 16-bit fractions of a scene, and is 6e-5 of the distance to the triangle:
+ * what lies beyond is not rounding. */
+#define JUDGE_DISPLACEMENT_MOST 0x1p10
+
+/* "right", "tie", ... as in the JSON and the tables. */
 const char *verdict_name(enum verdict verdict);
 
-/* Whose answer is judged. */
-enum subject {
-    SUBJECT_TREE,          /* the reference's own triangle test, over some tree */
-    SUBJECT_EMBREE,        /* Embree, default */
-    SUBJECT_EMBREE_ROBUST, /* Embree, robust */
-};
+/* "not", "missed", "phantom", ... likewise. */
+const char *wrong_name(enum wrong wrong);
 
-/* What does not change from ray to ray. */
-struct judge {
-    const struct scene *scene;  /* borrowed */
-    const struct tri_test *tri; /* of the reference, and of SUBJECT_TREE */
-    enum query query;
-    enum subject subject;
-    bool reference_complete; /* the reference tested every triangle (brute) */
-    float largest[3];        /* largest |coordinate| per axis of the scene */
-};
+struct judge;
 
-struct judge judge_make(const struct scene *scene, const struct tri_test *tri, enum query query,
-                        enum subject subject, bool reference_complete);
+/* Makes the judge of answers to `query` of an engine with this model. Everything is borrowed; the
+ * oracle is of `scene`. `tri` is what the engine was asked to run, for its range convention.
+ * Errors: STATUS_MEMORY. */
+enum status judge_make(const struct oracle *oracle, const struct scene *scene,
+                       const struct model *model, const struct tri_test *tri, enum query query,
+                       struct judge **out, struct reason *reason) MUST_USE;
 
-/* Judges one answer.
- *   reference   closest hit of the same ray with judge->tri, also for QUERY_ANY
- *   answer      of the subject; any-hit is compared as hit or miss, and an own engine's any-hit
- *               must be what its triangle test says of the triangle it names
- * A reference that is not complete can be the one that lost a hit: that is VERDICT_DIFFERENT too.
- * Never VERDICT_SAME for bits that differ under SUBJECT_TREE. */
-enum verdict judge_answer(const struct judge *judge, const struct ray *ray,
-                          const struct hit *reference, const struct hit *answer);
+/* Judges one answer; safe from several threads at once.
+ *   truth   oracle_closest of the same ray with ORACLE_CLOSED, also for QUERY_ANY and open ranges
+ * A watertight model has no boundary band inside a closed fan: a hit is lost there only if all
+ * triangles of the fan were (ref/judge_fan.c). For an unknown formula that is said by out->fan, and
+ * is WRONG only if the model promises it.
+ * Errors: STATUS_MEMORY (*out is then VERDICT_OUT_OF_CONTRACT: not judged). */
+enum status judge_answer(const struct judge *judge, const struct ray *ray,
+                         const struct oracle_answer *truth, const struct hit *answer,
+                         struct judgement *out);
 
-/* Two engines that must agree bit for bit: VERDICT_SAME, VERDICT_OUT_OF_CONTRACT (differing bits of
- * a ray out of contract) or VERDICT_DIFFERENT. Any-hit too: both visit in the same order. */
+/* Turns a judgement into WRONG_ANY_DISAGREES if the same engine's closest-hit answer contradicts
+ * its any-hit answer, one being a hit and the other a miss. An own formula gives both queries the
+ * same triangle tests in the same order until the first hit, so nothing excuses it; other formulas
+ * may run another code, so there an open sign (any verdict but RIGHT on either side) does. */
+void judge_any_against_closest(const struct judge *judge, const struct ray *ray,
+                               const struct hit *closest, const struct judgement *closest_judgement,
+                               const struct hit *any, struct judgement *any_judgement);
+
+void judge_free(struct judge *judge); /* NULL is fine */
+
+/* Two engines that must agree bit for bit: VERDICT_RIGHT, VERDICT_OUT_OF_CONTRACT (differing bits
+ * of a ray out of contract) or VERDICT_WRONG. Any-hit too: both visit in the same order. */
 enum verdict judge_bits(const struct ray *ray, const struct hit *a, const struct hit *b);
 
-/* Writes one line: the ray, the reference's and the subject's answer in hexadecimal floats. */
-void judge_line(const struct ray *ray, const struct hit *reference, const struct hit *answer,
+/* Writes one line: the ray and the answer in hexadecimal floats, what was expected, and err/E or
+ * the displacement where there is one. */
+void judge_line(const struct ray *ray, const struct judgement *judgement, const struct hit *answer,
                 char *text, size_t text_bytes);
+
+/* The same for two answers that should have the same bits. */
+void judge_bits_line(const struct ray *ray, const struct hit *expected, const struct hit *answer,
+                     char *text, size_t text_bytes);
 
 #endif

@@ -1,13 +1,14 @@
 #include "ref/match.h"
 
-#include "ref/trace.h"
+#include "ref/match_judge.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Below one hit in this many rays (and always without a hit) a row proves nothing. */
 #define VACUOUS_ONE_IN 1000
+/* Ray-triangle tests that engine brute may spend on being asked again. */
+#define BRUTE_AGAIN 10000000u
 
 const char *row_status_name(enum row_status status)
 {
@@ -29,46 +30,48 @@ static struct job job_of(const struct match *match, const struct engine *engine)
                         .query = match->options.query};
 }
 
-/* Closest hits of rays `from` on, by engine cpu over its own f32 tree: the reference where brute
- * force would take too long. */
-static enum status reference_by_tree(struct match *match, size_t from, struct reason *reason)
-{
-    const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
-    const struct box_test *robust = box_test_find("robust");
-    struct bvh bvh = {0};
-    struct packed packed = {0};
-    enum status status = builder_find("median")->build(match->scene, &build, &bvh, reason);
-    if (status == STATUS_OK)
-        status = packed_make(layout_find("f32"), &bvh, match->scene, &packed, reason);
-    int unfinished = 0;
-    if (status == STATUS_OK) {
-#pragma omp parallel for schedule(dynamic, 64) reduction(+ : unfinished)
-        for (long long i = (long long)from; i < (long long)match->ray_count; i++)
-            if (trace_ray(&packed, match->scene, robust, match->options.tri, QUERY_CLOSEST,
-                          &match->ray[i], &match->reference[i], NULL))
-                unfinished++;
-    }
-    if (unfinished)
-        status = fail(reason, STATUS_DEVICE, "reference: %d rays not finished", unfinished);
-    packed_free(&packed);
-    bvh_free(&bvh);
-    return status;
-}
-
-static enum status reference_make(struct match *match, struct reason *reason)
+/* How many rays brute force decides, by the options. */
+static size_t brute_share(const struct match *match)
 {
     uint64_t per_ray = match->scene->tri_count ? match->scene->tri_count : 1;
     uint64_t affordable = match->options.brute_budget / per_ray;
     if (match->options.brute_rays && affordable > match->options.brute_rays)
         affordable = match->options.brute_rays;
-    match->brute_count = affordable < match->ray_count ? (size_t)affordable : match->ray_count;
-#pragma omp parallel for schedule(dynamic, 64)
-    for (long long i = 0; i < (long long)match->brute_count; i++)
-        trace_brute(match->scene, match->options.tri, QUERY_CLOSEST, &match->ray[i],
-                    &match->reference[i]);
-    if (match->brute_count == match->ray_count)
-        return STATUS_OK;
-    return reference_by_tree(match, match->brute_count, reason);
+    return affordable < match->ray_count ? (size_t)affordable : match->ray_count;
+}
+
+/* Do two ways to the truth of one ray agree? Enclosures may differ, but hold the same t. */
+static bool same_truth(const struct oracle_answer *a, const struct oracle_answer *b)
+{
+    return a->prim == b->prim && a->tie_count == b->tie_count && a->class == b->class &&
+           (a->prim == ABI_NO_PRIM || (a->t_lo <= b->t_hi && b->t_lo <= a->t_hi));
+}
+
+/* Decides all rays by the oracle's tree and the first ones by brute force too. */
+static enum status truth_make(struct match *match, struct reason *reason)
+{
+    enum status status = oracle_make(match->scene, &match->oracle, reason);
+    match->brute_count = brute_share(match);
+    struct oracle_answer *brute = alloc_zeroed(match->brute_count, sizeof *brute);
+    if (status == STATUS_OK && !brute)
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", match->ray_count);
+    if (status == STATUS_OK)
+        status = oracle_closest(match->oracle, ORACLE_TREE, ORACLE_CLOSED, match->ray,
+                                match->ray_count, 0, match->truth, &match->work, reason);
+    if (status == STATUS_OK)
+        status = oracle_closest(match->oracle, ORACLE_BRUTE, ORACLE_CLOSED, match->ray,
+                                match->brute_count, 0, brute, &match->work, reason);
+    for (size_t i = 0; i < match->brute_count && status == STATUS_OK; i++)
+        if (!same_truth(&brute[i], &match->truth[i]))
+            status =
+                fail(reason, STATUS_INTERNAL,
+                     "oracle: ray %zu: brute force says triangle %u of %u at t %.17g, the tree "
+                     "%u of %u at %.17g",
+                     i, (unsigned)brute[i].prim, (unsigned)brute[i].tie_count, brute[i].t_lo,
+                     (unsigned)match->truth[i].prim, (unsigned)match->truth[i].tie_count,
+                     match->truth[i].t_lo);
+    free(brute);
+    return status;
 }
 
 enum status match_make(const struct scene *scene, const struct ray *ray, size_t ray_count,
@@ -77,16 +80,19 @@ enum status match_make(const struct scene *scene, const struct ray *ray, size_t 
 {
     *out = (struct match){
         .options = *options, .scene = scene, .ray = ray, .ray_count = ray_count, .pool = pool};
-    enum status status = options->builder->build(scene, &options->build, &out->bvh, reason);
+    enum status status =
+        match_rebuild(out, options->builder, &options->build, options->tri, reason);
     if (status == STATUS_OK) {
-        out->reference = alloc_zeroed(ray_count, sizeof *out->reference);
+        out->truth = alloc_zeroed(ray_count, sizeof *out->truth);
         out->answer = alloc_zeroed(ray_count, sizeof *out->answer);
-        out->stats = bvh_stats(&out->bvh, scene);
-        if (!out->reference || !out->answer)
+        out->again = alloc_zeroed(ray_count, sizeof *out->again);
+        out->moody = alloc_zeroed(ray_count, 1);
+        out->closest.hit = alloc_zeroed(ray_count, sizeof *out->closest.hit);
+        if (!out->truth || !out->answer || !out->again || !out->moody || !out->closest.hit)
             status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", ray_count);
     }
     if (status == STATUS_OK)
-        status = reference_make(out, reason);
+        status = truth_make(out, reason);
     if (status)
         match_free(out);
     return status;
@@ -97,6 +103,22 @@ static void match_unpack(struct match *match)
     packed_free(&match->packed);
     free(match->cpu);
     match->cpu = NULL;
+    match->closest.count = 0;
+}
+
+enum status match_rebuild(struct match *match, const struct builder *builder,
+                          const struct build_options *build, const struct tri_test *tri,
+                          struct reason *reason)
+{
+    match_unpack(match);
+    bvh_free(&match->bvh);
+    match->options.builder = builder;
+    match->options.build = *build;
+    match->options.tri = tri;
+    enum status status = builder->build(match->scene, build, &match->bvh, reason);
+    if (status == STATUS_OK)
+        match->stats = bvh_stats(&match->bvh, match->scene);
+    return status;
 }
 
 enum status match_pack(struct match *match, const struct layout *layout, struct reason *reason)
@@ -117,8 +139,12 @@ void match_free(struct match *match)
 {
     match_unpack(match);
     bvh_free(&match->bvh);
-    free(match->reference);
+    oracle_free(match->oracle);
+    free(match->truth);
     free(match->answer);
+    free(match->again);
+    free(match->moody);
+    free(match->closest.hit);
     *match = (struct match){0};
 }
 
@@ -149,32 +175,39 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static enum subject subject_of(const struct engine *engine)
-{
-    if (strcmp(engine->name, "embree") == 0)
-        return SUBJECT_EMBREE;
-    if (strcmp(engine->name, "embree_robust") == 0)
-        return SUBJECT_EMBREE_ROBUST;
-    return SUBJECT_TREE;
-}
-
-/* Brute force answers as many rays as it was given work for, and once: its time per ray is known
- * from the number of triangles, and 100,000 rays on 70,000 triangles take minutes. */
+/* Every triangle for every ray: its time per ray is known from the number of triangles, and 100,000
+ * rays on 70,000 triangles take minutes. So it answers as many rays as brute force was given work
+ * for, is timed once, and is asked again about few. */
 static bool is_brute(const struct engine *engine)
 {
-    return !engine->needs_packed && subject_of(engine) == SUBJECT_TREE;
+    return strcmp(engine->name, "brute") == 0;
 }
 
-/* Traces `repeats` times; times and work go to the row, the hits of the last to match->answer. */
+/* Traces once more and marks rays whose answer differs in a bit. */
+static enum status trace_again(struct match *match, const struct engine *engine, void *self,
+                               size_t count, struct trace_report *report, struct row *row)
+{
+    *report = (struct trace_report){0};
+    enum status status = engine->trace(self, match->ray, count, match->again, report, &row->reason);
+    for (size_t i = 0; i < count && status == STATUS_OK; i++)
+        match->moody[i] |= memcmp(&match->answer[i], &match->again[i], sizeof *match->again) != 0;
+    return status;
+}
+
+/* Traces `repeats` times, at least twice; times and work go to the row, the hits of the first to
+ * match->answer. */
 static enum status timed_traces(struct match *match, const struct engine *engine, void *self,
                                 struct row *row)
 {
     double speed[REPEAT_MOST];
     unsigned repeats = is_brute(engine) ? 1 : match->options.repeats;
+    uint64_t per_ray = match->scene->tri_count ? match->scene->tri_count : 1;
+    memset(match->moody, 0, match->ray_count);
     for (unsigned i = 0; i < repeats; i++) {
         struct trace_report report = {0};
         enum status status =
-            engine->trace(self, match->ray, row->rays, match->answer, &report, &row->reason);
+            i ? trace_again(match, engine, self, row->rays, &report, row)
+              : engine->trace(self, match->ray, row->rays, match->answer, &report, &row->reason);
         if (status)
             return status;
         speed[i] = 1e3 * (double)row->rays / (double)(report.ns ? report.ns : 1);
@@ -189,49 +222,12 @@ static enum status timed_traces(struct match *match, const struct engine *engine
         repeats % 2 ? speed[repeats / 2] : 0.5 * (speed[repeats / 2 - 1] + speed[repeats / 2]);
     row->mrays[1] = speed[0];
     row->mrays[2] = speed[repeats - 1];
-    return STATUS_OK;
-}
-
-static void keep_finding(struct row *row, const struct match *match, size_t i,
-                         const struct hit *expected, bool bits)
-{
-    if (row->finding_count < FINDING_MOST)
-        row->finding[row->finding_count++] = (struct finding){.ray_index = i,
-                                                              .ray = match->ray[i],
-                                                              .expected = *expected,
-                                                              .got = match->answer[i],
-                                                              .bits = bits};
-}
-
-/* Compares with the reference. Brute force first: there the reference is complete. */
-static void judge_row(struct match *match, struct row *row)
-{
-    unsigned char *verdict = alloc_zeroed(row->rays, 1);
-    if (!verdict) {
-        row->status = ROW_FAILED;
-        row->cause = fail(&row->reason, STATUS_MEMORY, "no memory to judge %zu rays", row->rays);
-        return;
-    }
-    struct judge complete = judge_make(match->scene, match->options.tri, match->options.query,
-                                       subject_of(row->engine), true);
-    struct judge partial = complete;
-    partial.reference_complete = false;
-#pragma omp parallel for schedule(dynamic, 64)
-    for (long long i = 0; i < (long long)row->rays; i++)
-        verdict[i] =
-            (unsigned char)judge_answer((size_t)i < match->brute_count ? &complete : &partial,
-                                        &match->ray[i], &match->reference[i], &match->answer[i]);
-    for (size_t i = 0; i < row->rays; i++) {
-        row->count[verdict[i]]++;
-        row->hits += match->answer[i].prim != ABI_NO_PRIM;
-        if (verdict[i] == VERDICT_DIFFERENT && row->judged)
-            keep_finding(row, match, i, &match->reference[i], false);
-    }
-    row->compared = row->rays;
-    row->brute = match->brute_count < row->rays ? match->brute_count : row->rays;
-    if (row->judged)
-        row->differences += row->count[VERDICT_DIFFERENT];
-    free(verdict);
+    if (repeats > 1)
+        return STATUS_OK;
+    size_t few = (size_t)(BRUTE_AGAIN / per_ray) + 1;
+    struct trace_report untimed;
+    return trace_again(match, engine, self, is_brute(engine) && few < row->rays ? few : row->rays,
+                       &untimed, row);
 }
 
 /* Fills match->cpu, which exact engines are compared with. */
@@ -258,23 +254,19 @@ static enum status cpu_hits(struct match *match, struct reason *reason)
     return status;
 }
 
-static enum status judge_bits_row(struct match *match, struct row *row)
+/* Keeps closest hits for the any-hits that may follow. */
+static void keep_closest(struct match *match, const struct engine *engine, size_t count)
 {
-    enum status status = cpu_hits(match, &row->reason);
-    if (status)
-        return status;
-    for (size_t i = 0; i < row->rays; i++) {
-        if (judge_bits(&match->ray[i], &match->cpu[i], &match->answer[i]) != VERDICT_DIFFERENT)
-            continue;
-        row->bit_differences++;
-        keep_finding(row, match, i, &match->cpu[i], true);
-    }
-    row->differences += row->bit_differences;
-    return STATUS_OK;
+    if (match->options.query != QUERY_CLOSEST)
+        return;
+    memcpy(match->closest.hit, match->answer, count * sizeof *match->answer);
+    match->closest.count = count;
+    match->closest.engine = engine;
+    match->closest.box = match->options.box;
 }
 
-/* A row is judged against the reference only if nobody in it is as published: of the seed's parts
- * it is known that they differ, so their differences are counted. */
+/* A row is judged only if nobody in it is as published: of the seed's parts it is known that they
+ * are wrong, so their wrong answers are counted. */
 static bool is_judged(const struct match *match, const struct engine *engine)
 {
     if (!engine->needs_packed)
@@ -308,15 +300,17 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
         return status;
     row->status = ROW_OK;
     row->judged = is_judged(match, engine);
-    row->bits = engine->model(self, match->options.tri).bits;
+    struct model model = engine->model(self, match->options.tri);
+    row->bits = model.bits;
     if (row->bits)
-        status = judge_bits_row(match, row);
-    if (status) {
+        status = cpu_hits(match, &row->reason);
+    if (status == STATUS_OK)
+        status = match_judge(match, &model, row);
+    if (status)
         row->status = ROW_FAILED;
-        return status;
-    }
-    judge_row(match, row);
-    return row->cause;
+    else
+        keep_closest(match, engine, row->rays);
+    return status;
 }
 
 void match_run(struct match *match, const struct engine *engine, struct row *row)
@@ -339,34 +333,4 @@ void match_run(struct match *match, const struct engine *engine, struct row *row
         fail(&row->reason, STATUS_OK, "vacuous: %zu hits of %zu rays prove nothing", row->hits,
              row->rays);
     }
-}
-
-void *pool_get(struct pool *pool, const struct engine *engine, enum status *status,
-               struct reason *reason)
-{
-    size_t i = 0;
-    while (i < pool->count && pool->entry[i].engine != engine)
-        i++;
-    if (i == POOL_MOST) {
-        *status = fail(reason, STATUS_LIMIT, "more than %d engines", POOL_MOST);
-        return NULL;
-    }
-    if (i == pool->count) {
-        pool->count++;
-        pool->entry[i].engine = engine;
-        pool->entry[i].status =
-            engine->open(&pool->options, &pool->entry[i].self, &pool->entry[i].reason);
-    }
-    *status = pool->entry[i].status;
-    if (*status && reason)
-        *reason = pool->entry[i].reason;
-    return pool->entry[i].self;
-}
-
-void pool_free(struct pool *pool)
-{
-    for (size_t i = 0; i < pool->count; i++)
-        if (pool->entry[i].status == STATUS_OK)
-            pool->entry[i].engine->close(pool->entry[i].self);
-    pool->count = 0;
 }

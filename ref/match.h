@@ -1,5 +1,5 @@
-/* A match: one scene, one tree, one set of rays; engines play on it one after the other and the
- * judge compares. Commands and tests loop over matches. */
+/* A match: one scene, one tree, one set of rays and the exact truth about them; engines play on it
+ * one after the other and the judge judges each alone. Commands and tests loop over matches. */
 #ifndef MATCH_H
 #define MATCH_H
 
@@ -37,16 +37,19 @@ struct match_options {
     const struct tri_test *tri;
     enum query query;
     unsigned repeats;      /* timed traces per engine, 1 to REPEAT_MOST */
-    uint64_t brute_budget; /* ray-triangle tests that the reference may spend */
-    uint64_t brute_rays;   /* and the most rays it answers that way; 0: all it can afford */
+    uint64_t brute_budget; /* ray-triangle pairs that the oracle's brute force may spend */
+    uint64_t brute_rays;   /* and the most rays it decides that way; 0: all it can afford */
 };
 
 /* Something that was not allowed. */
 struct finding {
     size_t ray_index;
     struct ray ray;
-    struct hit expected, got;
-    bool bits; /* found by comparing with engine cpu, else with the reference */
+    struct hit got;
+    struct judgement judgement; /* why it is WRONG, unless `bits` */
+    struct oracle_answer truth;
+    struct hit expected; /* engine cpu's, if `bits` */
+    bool bits;           /* found by comparing with engine cpu, else by the judge */
 };
 
 enum row_status {
@@ -68,14 +71,21 @@ struct row {
     struct reason reason;
     uint64_t node_bytes, item_bytes, memory_bytes;
     size_t rays, hits;
-    size_t compared;             /* rays compared with the reference */
-    size_t brute;                /* of them, those compared with brute force */
-    size_t count[VERDICT_COUNT]; /* against the reference */
-    size_t bit_differences;      /* against engine cpu on the same tree, if bits */
-    bool bits;                   /* compared with engine cpu bit for bit */
-    bool judged;                 /* false: a member as published takes part, only counted */
-    size_t differences;          /* what makes the exit code 1 */
-    double mrays[3];             /* million rays per second: median, least, most */
+    size_t compared;             /* answers judged */
+    size_t brute;                /* of them, those whose truth brute force decided too */
+    size_t count[VERDICT_COUNT]; /* by the judge */
+    size_t wrong[WRONG_COUNT];   /* kinds of count[VERDICT_WRONG] */
+    double worst_over;           /* largest err/E of t, see struct judgement */
+    struct {
+        size_t count;          /* answers that have one: an unknown formula's hits and lost hits */
+        double p50, p99, most; /* displacement, see struct judgement */
+        size_t fan_lost;       /* hits lost inside a closed fan */
+    } displacement;
+    size_t bit_differences; /* against engine cpu on the same tree, if bits */
+    bool bits;              /* compared with engine cpu bit for bit */
+    bool judged;            /* false: a member as published takes part, only counted */
+    size_t differences;     /* what makes the exit code 1 */
+    double mrays[3];        /* million rays per second: median, least, most */
     uint64_t boxes, tris;
     bool device_clock;
     struct finding finding[FINDING_MOST];
@@ -95,21 +105,39 @@ struct match {
     size_t ray_count;
     struct bvh bvh;
     struct bvh_stats stats;
-    struct hit *reference; /* closest hits */
-    size_t brute_count;    /* the first this many are brute force, the rest engine cpu on f32 */
-    struct packed packed;  /* of the layout last packed */
-    struct hit *cpu;       /* engine cpu's hits on packed, or NULL if not yet traced */
-    struct hit *answer;    /* of the engine last run */
-    struct pool *pool;     /* borrowed */
+    struct oracle *oracle;
+    struct oracle_answer *truth; /* exact nearest hits of closed ranges */
+    struct oracle_stats work;    /* what they took */
+    size_t brute_count;   /* the first this many were decided by brute force and by the tree */
+    struct packed packed; /* of the layout last packed */
+    struct hit *cpu;      /* engine cpu's hits on packed, or NULL if not yet traced */
+    struct hit *answer;   /* of the engine last run */
+    struct hit *again;    /* the same asked once more */
+    unsigned char *moody; /* per ray: the two differ */
+    struct {              /* the last closest hits, for any-hit to be compared with */
+        struct hit *hit;  /* room for all rays */
+        size_t count;     /* 0: none */
+        const struct engine *engine;
+        const struct box_test *box;
+    } closest;
+    struct pool *pool; /* borrowed */
 };
 
-/* Builds the tree and traces the reference.
- * Errors: STATUS_LIMIT the builder would never end; STATUS_MEMORY; STATUS_DEVICE. */
+/* Builds the tree and decides every ray exactly: by the oracle's tree, and as many as the options
+ * pay for by brute force too.
+ * Errors: STATUS_LIMIT the builder would never end; STATUS_UNSUPPORTED the oracle cannot run here;
+ * STATUS_MEMORY; STATUS_INTERNAL the oracle's two ways contradict each other. */
 enum status match_make(const struct scene *scene, const struct ray *ray, size_t ray_count,
                        const struct match_options *options, struct pool *pool, struct match *out,
                        struct reason *reason) MUST_USE;
 
-/* Changes box test and query; tree, reference and packed layout stay. */
+/* Another tree and triangle test for the same rays: the truth stays; nothing is packed. On an error
+ * the match is usable for engines without a tree only. Errors: STATUS_LIMIT, STATUS_MEMORY. */
+enum status match_rebuild(struct match *match, const struct builder *builder,
+                          const struct build_options *build, const struct tri_test *tri,
+                          struct reason *reason) MUST_USE;
+
+/* Changes box test and query; tree, truth and packed layout stay. */
 void match_set(struct match *match, const struct box_test *box, enum query query);
 
 /* Makes `layout` the one that the next rows run on. Errors: those of packed_make; the match then
@@ -121,8 +149,9 @@ enum status match_pack(struct match *match, const struct layout *layout,
 enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
                             struct reason *reason) MUST_USE;
 
-/* Runs one engine on the packed layout (or without one) and judges it. Never fails: what went
- * wrong is in the row. */
+/* Runs one engine on the packed layout (or without one) at least twice and judges it. Engines that
+ * promise bits are compared with engine cpu, any-hits with the closest hits of the same engine,
+ * layout and box test if those ran just before. Never fails: what went wrong is in the row. */
 void match_run(struct match *match, const struct engine *engine, struct row *row);
 
 /* A row for a layout that could not be packed. */

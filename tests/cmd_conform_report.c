@@ -117,11 +117,14 @@ static void print_outcome(const struct conform_report *report, const char *name,
     if (outcome == FAILED || outcome == WAIVED || report->verbose)
         printf("%-7s %s: %s\n", words[outcome], name, why);
     for (size_t i = 0; i < row->finding_count && outcome == FAILED; i++) {
+        const struct finding *f = &row->finding[i];
         char line[512];
-        judge_line(&row->finding[i].ray, &row->finding[i].expected, &row->finding[i].got, line,
-                   sizeof line);
-        printf("        ray %zu (against %s) %s\n", row->finding[i].ray_index,
-               row->finding[i].bits ? "engine cpu, bit for bit" : "the reference", line);
+        if (f->bits)
+            judge_bits_line(&f->ray, &f->expected, &f->got, line, sizeof line);
+        else
+            judge_line(&f->ray, &f->judgement, &f->got, line, sizeof line);
+        printf("        ray %zu (%s) %s\n", f->ray_index,
+               f->bits ? "not cpu's bits" : wrong_name(f->judgement.wrong), line);
     }
 }
 
@@ -141,15 +144,12 @@ static enum outcome decide(enum status status, const struct row *row, const stru
         snprintf(why, why_bytes, "%s", row->reason.text);
         return FAILED;
     }
-    snprintf(why, why_bytes,
-             "%zu rays, %zu hits; same %zu tie %zu near %zu boundary %zu slab %zu noise %zu "
-             "out %zu "
-             "different %zu%s; bits %zu",
-             row->rays, row->hits, row->count[VERDICT_SAME], row->count[VERDICT_TIE],
-             row->count[VERDICT_NEAR_TIE], row->count[VERDICT_BOUNDARY], row->count[VERDICT_SLAB],
-             row->count[VERDICT_NOISE], row->count[VERDICT_OUT_OF_CONTRACT],
-             row->count[VERDICT_DIFFERENT], row->judged ? "" : " (as published, counted)",
-             row->bit_differences);
+    int length = snprintf(why, why_bytes, "%zu rays, %zu hits;", row->rays, row->hits);
+    for (enum verdict v = 0; v < VERDICT_COUNT; v++)
+        length += snprintf(why + length, why_bytes - (size_t)length, " %s %zu", verdict_name(v),
+                           row->count[v]);
+    snprintf(why + length, why_bytes - (size_t)length, "%s; err/E %.2f; bits %zu",
+             row->judged ? "" : " (as published, counted)", row->worst_over, row->bit_differences);
     return row->differences ? FAILED : PASSED;
 }
 

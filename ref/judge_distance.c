@@ -1,0 +1,281 @@
+/* Answers of a formula that nobody published: how far must vertices move to make them right?
+ *
+ * Every backward stable test answers exactly for a triangle whose vertices it has moved by a small
+ * multiple of u times the size of the coordinates it works on, which is M = max |vertex - origin|.
+ * So an answer is measured by the smallest such move that makes it right:
+ *   a hit of triangle p at t   the point o + t d must come to lie on p: its distance to p
+ *   a hit of p was lost        p must leave the ray, by the distance to its nearest edge as seen
+ *                              along the ray; or leave the range, or go behind what was answered,
+ *                              by the distance of that point of the ray to p's plane
+ * and the answer as a whole by the largest of these. */
+#include "ref/judge_inner.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct triangle {
+    double v[3][3]; /* relative to the ray's origin */
+    double d[3];
+    double unit; /* u * max |v| */
+};
+
+static struct triangle triangle_of(const struct ray *ray, float v[3][3])
+{
+    struct triangle t;
+    double most = 0.0;
+    for (int k = 0; k < 3; k++) {
+        t.d[k] = (double)ray->dir[k];
+        for (int c = 0; c < 3; c++) {
+            t.v[c][k] = (double)v[c][k] - (double)ray->org[k];
+            most = fmax(most, fabs(t.v[c][k]));
+        }
+    }
+    t.unit = JUDGE_UNIT * most;
+    return t;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void sub(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[k] - b[k];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* Distance of p to the segment a b. */
+static double to_segment(const double p[3], const double a[3], const double b[3])
+{
+    double ab[3], ap[3], rest[3];
+    sub(b, a, ab);
+    sub(p, a, ap);
+    double length = dot(ab, ab), s = length > 0.0 ? dot(ap, ab) / length : 0.0;
+    s = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
+    for (int k = 0; k < 3; k++)
+        rest[k] = ap[k] - s * ab[k];
+    return sqrt(dot(rest, rest));
+}
+
+/* Distance of p to the triangle: to its plane above the triangle, else to the nearest edge. */
+static double to_triangle(const double p[3], const struct triangle *t)
+{
+    double ab[3], ac[3], n[3], ap[3], side[3], least = INFINITY;
+    bool above = true;
+    sub(t->v[1], t->v[0], ab);
+    sub(t->v[2], t->v[0], ac);
+    cross(ab, ac, n);
+    double area = sqrt(dot(n, n));
+    for (int c = 0; c < 3; c++) {
+        const double *a = t->v[c], *b = t->v[(c + 1) % 3];
+        least = fmin(least, to_segment(p, a, b));
+        sub(b, a, ab);
+        sub(p, a, ap);
+        cross(ab, ap, side);
+        above = above && dot(side, n) >= 0.0;
+    }
+    if (!above || !(area > 0.0))
+        return least;
+    sub(p, t->v[0], ap);
+    return fmin(least, fabs(dot(ap, n)) / area);
+}
+
+/* Distance of the ray's point at t to the triangle's plane. */
+static double to_plane(double t, const struct triangle *tri)
+{
+    double ab[3], ac[3], n[3], p[3];
+    sub(tri->v[1], tri->v[0], ab);
+    sub(tri->v[2], tri->v[0], ac);
+    cross(ab, ac, n);
+    for (int k = 0; k < 3; k++)
+        p[k] = t * tri->d[k] - tri->v[0][k];
+    double area = sqrt(dot(n, n));
+    return area > 0.0 ? fabs(dot(p, n)) / area : 0.0;
+}
+
+void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3])
+{
+    struct triangle t = triangle_of(ray, v);
+    for (int c = 0; c < 3; c++) {
+        const double *a = t.v[(c + 1) % 3], *b = t.v[(c + 2) % 3];
+        double n[3], e[3], across[3];
+        cross(a, b, n);
+        sub(b, a, e);
+        cross(t.d, e, across);
+        double length = sqrt(dot(across, across));
+        out[c] = length > 0.0 ? dot(t.d, n) / length / t.unit : 0.0;
+    }
+}
+
+double judge_unit_of_t(const struct ray *ray, float v[3][3])
+{
+    struct triangle t = triangle_of(ray, v);
+    double ab[3], ac[3], n[3];
+    sub(t.v[1], t.v[0], ab);
+    sub(t.v[2], t.v[0], ac);
+    cross(ab, ac, n);
+    return t.unit * sqrt(dot(n, n)) / fabs(dot(t.d, n));
+}
+
+static bool is_hit(const struct oracle_pair *pair)
+{
+    return pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE ||
+           pair->class == ORACLE_VERTEX;
+}
+
+/* What one lost hit needs. */
+struct loss {
+    uint32_t prim;
+    double need; /* displacement, in units; 0: none was lost */
+    double t_lo, t_hi;
+    enum verdict why;
+};
+
+static void keep_least(struct loss *loss, double need, enum verdict why)
+{
+    if (need < loss->need) {
+        loss->need = need;
+        loss->why = why;
+    }
+}
+
+static struct loss loss_of(const struct judge *judge, const struct ray *ray,
+                           const struct oracle_crossing *lost, double reach)
+{
+    float v[3][3];
+    double edge[3];
+    scene_tri(judge->scene, lost->prim, v);
+    struct triangle tri = triangle_of(ray, v);
+    struct loss loss = {lost->prim, INFINITY, lost->pair.t_lo, lost->pair.t_hi, VERDICT_BOUNDARY};
+    judge_edge_distances(ray, v, edge);
+    for (int c = 0; c < 3; c++)
+        keep_least(&loss, fabs(edge[c]), VERDICT_BOUNDARY);
+    if (isfinite(reach))
+        keep_least(&loss, to_plane(reach, &tri) / tri.unit, VERDICT_NEAR_TIE);
+    keep_least(&loss, to_plane((double)ray->tmin, &tri) / tri.unit, VERDICT_BORDER);
+    if (isfinite(ray->tmax))
+        keep_least(&loss, to_plane((double)ray->tmax, &tri) / tri.unit, VERDICT_BORDER);
+    return loss;
+}
+
+/* The lost hit before `reach` that needs most; *fan: one of them lies inside a closed fan all of
+ * whose triangles were lost. */
+static enum status worst_loss(const struct judge *judge, const struct ray *ray, double reach,
+                              struct loss *worst, bool *fan)
+{
+    struct oracle_crossing *list = NULL;
+    size_t capacity = 0, count = 0;
+    enum status status =
+        oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
+    for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+        if (!is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
+            continue;
+        struct loss loss = loss_of(judge, ray, &list[i], reach);
+        if (worst->prim == ABI_NO_PRIM || loss.need > worst->need)
+            *worst = loss;
+        bool closed = false;
+        double limit = 0.0;
+        if (!*fan && loss.why == VERDICT_BOUNDARY)
+            status = judge_fan(judge, ray, list[i].prim, &closed, &limit);
+        *fan = *fan || (closed && reach > limit);
+    }
+    free(list);
+    return status;
+}
+
+/* Judges the named triangle: sets the displacement it needs. */
+static enum verdict named(const struct judge *judge, const struct ray *ray,
+                          const struct oracle_answer *truth, const struct hit *answer,
+                          struct judgement *out)
+{
+    float v[3][3];
+    double at[3], weighed[3];
+    struct oracle_pair pair;
+    scene_tri(judge->scene, answer->prim, v);
+    struct triangle tri = triangle_of(ray, v);
+    oracle_pair(judge->oracle, ray, answer->prim, &pair);
+    for (int k = 0; k < 3; k++) {
+        double u = (double)answer->u, w = (double)answer->v;
+        at[k] = (double)answer->t * tri.d[k];
+        weighed[k] = (1.0 - u - w) * tri.v[0][k] + u * tri.v[1][k] + w * tri.v[2][k] - at[k];
+    }
+    out->displacement = tri.unit > 0.0 ? to_triangle(at, &tri) / tri.unit : 0.0;
+    out->wrong = truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM : WRONG_TRIANGLE;
+    if (!judge_in_range(judge, ray, answer->t)) {
+        out->wrong = WRONG_DISTANCE;
+        return VERDICT_WRONG;
+    }
+    if (out->displacement > JUDGE_DISPLACEMENT_MOST) {
+        double t = judge_plane(ray, v).t, meets[3] = {t * tri.d[0], t * tri.d[1], t * tri.d[2]};
+        if (pair.det != 0 && to_triangle(meets, &tri) <= JUDGE_DISPLACEMENT_MOST * tri.unit)
+            out->wrong = WRONG_DISTANCE;
+        return VERDICT_WRONG;
+    }
+    if (sqrt(dot(weighed, weighed)) > JUDGE_DISPLACEMENT_MOST * tri.unit) {
+        out->wrong = WRONG_BARYCENTRIC;
+        return VERDICT_WRONG;
+    }
+    out->wrong = WRONG_NOT;
+    if (pair.class == ORACLE_IN_PLANE || pair.class == ORACLE_ZERO_AREA)
+        return VERDICT_IN_PLANE;
+    if (!is_hit(&pair))
+        return VERDICT_BOUNDARY;
+    bool open_end = pair.range != ORACLE_WITHIN && judge->model.open;
+    return open_end || pair.range == ORACLE_BELOW || pair.range == ORACLE_ABOVE ? VERDICT_BORDER
+                                                                                : VERDICT_RIGHT;
+}
+
+/* Names a right answer: RIGHT or TIE for one of the exact nearest set, else what kept that away. */
+static enum verdict name_of(const struct judge *judge, const struct ray *ray,
+                            const struct oracle_answer *truth, uint32_t prim, enum verdict why)
+{
+    struct oracle_pair pair;
+    enum verdict nearest = truth->tie_count > 1 ? VERDICT_TIE : VERDICT_RIGHT;
+    if (prim == truth->prim)
+        return nearest;
+    if (prim == ABI_NO_PRIM || truth->tie_count == 1)
+        return why;
+    oracle_pair(judge->oracle, ray, prim, &pair);
+    return is_hit(&pair) && oracle_compare(judge->oracle, ray, prim, truth->prim) == 0 ? nearest
+                                                                                       : why;
+}
+
+enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
+                              const struct oracle_answer *truth, const struct hit *answer,
+                              struct judgement *out)
+{
+    bool miss = answer->prim == ABI_NO_PRIM;
+    double reach = miss ? (double)INFINITY : (double)answer->t;
+    struct loss worst = {.prim = ABI_NO_PRIM, .why = VERDICT_NEAR_TIE};
+    enum status status = STATUS_OK;
+    if (!miss) {
+        out->verdict = named(judge, ray, truth, answer, out);
+        if (out->verdict == VERDICT_WRONG || judge->query == QUERY_ANY)
+            return STATUS_OK;
+    }
+    if (truth->prim == ABI_NO_PRIM)
+        return STATUS_OK;
+    /* Between the nearest and the next hit only the nearest can have been lost. */
+    if (reach > truth->t_hi && !(answer->prim == truth->prim && reach <= truth->t_next))
+        status = worst_loss(judge, ray, reach, &worst, &out->fan);
+    if (status)
+        return status;
+    if (out->verdict == VERDICT_RIGHT)
+        out->verdict = name_of(judge, ray, truth, answer->prim, worst.why);
+    out->displacement = fmax(out->displacement, worst.need);
+    if (worst.need > JUDGE_DISPLACEMENT_MOST || (judge->model.watertight && out->fan)) {
+        out->verdict = VERDICT_WRONG;
+        out->wrong = WRONG_MISSED;
+        out->expected = worst.prim;
+        out->t_lo = worst.t_lo;
+        out->t_hi = worst.t_hi;
+    }
+    return STATUS_OK;
+}

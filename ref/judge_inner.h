@@ -1,0 +1,90 @@
+/* What the judge's files share; for them only. */
+#ifndef JUDGE_INNER_H
+#define JUDGE_INNER_H
+
+#include "ref/judge.h"
+#include "ref/topology.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#define JUDGE_UNIT 0x1p-24 /* u */
+
+struct judge {
+    const struct oracle *oracle;
+    const struct scene *scene;
+    const struct tri_test *tri;
+    struct model model;
+    enum query query;
+    bool own;         /* the formula is one of ref/primitives/tri.h */
+    bool fans;        /* a closed fan cannot be missed: judge_fan.c */
+    bool in_contract; /* the scene's coordinates are */
+    float largest[3]; /* |coordinate| per axis of the scene */
+    /* Made when first asked for; a million triangles take a second. */
+    pthread_mutex_t lock;
+    _Atomic(struct topology *) topology;
+};
+
+/* A triangle's plane and the ray: t, u and v in double, from exact differences (of one rounding at
+ * most). Their error is a 2^-26th of what a float32 formula's bound allows. */
+struct plane_hit {
+    double t, u, v;
+};
+struct plane_hit judge_plane(const struct ray *ray, float v[3][3]);
+
+struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim);
+
+/* Error of t over its bound, given that the exact t lies in [lo, hi]. */
+double judge_over(double t, double lo, double hi, double bound);
+
+/* True if t keeps the range of the engine: closed, or open as model.open says. */
+bool judge_in_range(const struct judge *judge, const struct ray *ray, float t);
+
+/* --- judge_named.c --- */
+
+/* Is the answer right for the triangle it names, whatever else the ray hits? RIGHT: an exact hit
+ * in range, t, u and v within their bounds. Else the class that excuses it, or WRONG with
+ * out->wrong set. Sets out->over. */
+enum verdict judge_named(const struct judge *judge, const struct ray *ray,
+                         const struct oracle_answer *truth, const struct hit *answer,
+                         struct judgement *out);
+
+/* u and v within the twin's bounds? */
+bool judge_barycentrics(const struct ray *ray, float v[3][3], const struct twin *twin,
+                        const struct hit *answer);
+
+/* --- judge_lost.c --- */
+
+/* Looks for a hit that cannot be missed clearly nearer than `reach` (INFINITY: a miss was
+ * answered); then *lost is true and `out` names it. */
+enum status judge_lost(const struct judge *judge, const struct ray *ray,
+                       const struct oracle_answer *truth, double reach, bool *lost,
+                       struct judgement *out);
+
+/* Why the nearest hit, which was not answered, could be lost. */
+enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray,
+                            const struct oracle_answer *truth, double reach);
+
+/* --- judge_fan.c --- */
+
+/* True if `prim`, a hit some of whose signs are open, lies in a closed fan one of whose triangles a
+ * watertight test must hit; then *limit is the largest t that it may answer. Errors: STATUS_MEMORY.
+ */
+enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t prim, bool *closed,
+                      double *limit);
+
+/* --- judge_distance.c --- */
+
+/* Judges an answer of an unknown formula by the displacement it needs. */
+enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
+                              const struct oracle_answer *truth, const struct hit *answer,
+                              struct judgement *out);
+
+/* Distance of the line of the ray to the lines of the triangle's edges, in the plane across the
+ * ray, in units of u * max |vertex - origin|. */
+void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3]);
+
+/* By how much t changes if the triangle moves one such unit along its normal. */
+double judge_unit_of_t(const struct ray *ray, float v[3][3]);
+
+#endif

@@ -1,0 +1,49 @@
+/* Judgements as text. */
+#include "ref/judge.h"
+
+#include <stdio.h>
+
+static void print_hit(const struct hit *hit, char *text, size_t text_bytes)
+{
+    if (hit->prim == ABI_NO_PRIM)
+        snprintf(text, text_bytes, "miss");
+    else
+        snprintf(text, text_bytes, "prim=%u t=%a u=%a v=%a", (unsigned)hit->prim, (double)hit->t,
+                 (double)hit->u, (double)hit->v);
+}
+
+static void print_line(const struct ray *ray, const struct hit *answer, const char *expected,
+                       char *text, size_t text_bytes)
+{
+    char got[128];
+    print_hit(answer, got, sizeof got);
+    snprintf(text, text_bytes, "o=(%a,%a,%a) d=(%a,%a,%a) t=[%a,%a] => %s  expected: %s",
+             (double)ray->org[0], (double)ray->org[1], (double)ray->org[2], (double)ray->dir[0],
+             (double)ray->dir[1], (double)ray->dir[2], (double)ray->tmin, (double)ray->tmax, got,
+             expected);
+}
+
+void judge_line(const struct ray *ray, const struct judgement *judgement, const struct hit *answer,
+                char *text, size_t text_bytes)
+{
+    char expected[160];
+    int length = judgement->expected == ABI_NO_PRIM
+                     ? snprintf(expected, sizeof expected, "miss")
+                     : snprintf(expected, sizeof expected, "prim=%u t=%.17g",
+                                (unsigned)judgement->expected, judgement->t_lo);
+    if (judgement->over > 0.0)
+        snprintf(expected + length, sizeof expected - (size_t)length, " err/E=%.3g",
+                 judgement->over);
+    else if (judgement->displacement > 0.0)
+        snprintf(expected + length, sizeof expected - (size_t)length, " displacement=%.3g uM",
+                 judgement->displacement);
+    print_line(ray, answer, expected, text, text_bytes);
+}
+
+void judge_bits_line(const struct ray *ray, const struct hit *expected, const struct hit *answer,
+                     char *text, size_t text_bytes)
+{
+    char want[128];
+    print_hit(expected, want, sizeof want);
+    print_line(ray, answer, want, text, text_bytes);
+}

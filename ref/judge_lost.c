@@ -1,0 +1,129 @@
+/* Hits that an answer left out: which of them no engine of this formula can miss, and what excuses
+ * the others. */
+#include "ref/judge_inner.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* (5.5 + 3) u of (|b| + |o|) / |d|: the error of b / d - o / d with Embree's reciprocal, rounded
+ * up; it does not shrink with the distance to the box, so no factor on the far plane repairs it. */
+#define SLAB_ERROR (9.0 * JUDGE_UNIT)
+/* Embree replaces smaller direction components by this one. */
+#define EMBREE_LEAST_DIR 1e-18
+/* Below this t the products of a box test may be subnormal, where factors do not cover rounding. */
+#define LEAST_T 0x1p-100
+
+/* True if Embree's default box test may miss the hit at `t` in triangle `prim`. In exact arithmetic
+ * the slabs of every box around the triangle overlap at t. Computed ones can come apart only where
+ * the gap between leaving one axis and entering another is within both errors; slabs of one axis
+ * are rounded alike and stay in order. A box around more triangles has wider gaps and the errors of
+ * at most the largest coordinate. `reach` cuts the boxes behind it, so it has the same error. */
+static bool slab_may_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                          double reach)
+{
+    struct box box = scene_tri_bounds(judge->scene, prim);
+    double enter[3], leave[3], error[3];
+    for (int k = 0; k < 3; k++) {
+        double d = (double)ray->dir[k], o = (double)ray->org[k];
+        if (fabs(d) < EMBREE_LEAST_DIR)
+            d = EMBREE_LEAST_DIR;
+        enter[k] = ((double)(d < 0 ? box.hi[k] : box.lo[k]) - o) / d;
+        leave[k] = ((double)(d < 0 ? box.lo[k] : box.hi[k]) - o) / d;
+        error[k] = SLAB_ERROR * ((double)judge->largest[k] + fabs(o)) / fabs(d);
+    }
+    for (int i = 0; i < 3; i++) {
+        if (leave[i] - (double)ray->tmin <= error[i] || reach - enter[i] <= error[i])
+            return true;
+        for (int j = 0; j < 3; j++)
+            if (i != j && leave[j] - enter[i] <= error[i] + error[j])
+                return true;
+    }
+    return false;
+}
+
+/* Is the exact hit of `prim` one that this formula cannot miss, and is `reach` clearly behind it?
+ * An engine that found it answers at most its own t of it, which is at most t + E; it may also have
+ * answered an earlier find in front of whose box it need not look, and the box is entered within
+ * another E (README, "Box tests"): so up to t + 2 E nothing was lost. */
+static enum status cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                               double t_lo, double t_hi, double reach, bool *lost)
+{
+    struct twin twin = judge_twin(judge, ray, prim);
+    double limit = t_hi + 2.0 * twin.t_err;
+    *lost = false;
+    if (!(t_lo > LEAST_T) || !(reach > t_hi))
+        return STATUS_OK;
+    if (!twin.certain) {
+        bool closed = false;
+        if (judge->fans) {
+            enum status status = judge_fan(judge, ray, prim, &closed, &limit);
+            if (status)
+                return status;
+        }
+        if (!closed)
+            return STATUS_OK;
+    }
+#if MUTANT == MUTANT_NOT_CERTAIN
+    return STATUS_OK;
+#endif
+    *lost = reach > limit && !(judge->model.slab && slab_may_miss(judge, ray, prim, reach));
+    return STATUS_OK;
+}
+
+static bool is_hit(enum oracle_class class)
+{
+    return class == ORACLE_INSIDE || class == ORACLE_EDGE || class == ORACLE_VERTEX;
+}
+
+/* Asks every exact hit before `reach`, nearest first. */
+static enum status ask_all(const struct judge *judge, const struct ray *ray, double reach,
+                           bool *lost, struct judgement *out)
+{
+    struct oracle_crossing *list = NULL;
+    size_t capacity = 0, count = 0;
+    enum status status =
+        oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
+    for (size_t i = 0; i < count && status == STATUS_OK && !*lost; i++) {
+        const struct oracle_pair *pair = &list[i].pair;
+        if (!is_hit(pair->class))
+            continue;
+        status = cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, lost);
+        if (*lost) {
+            out->expected = list[i].prim;
+            out->t_lo = pair->t_lo;
+            out->t_hi = pair->t_hi;
+        }
+    }
+    free(list);
+    return status;
+}
+
+enum status judge_lost(const struct judge *judge, const struct ray *ray,
+                       const struct oracle_answer *truth, double reach, bool *lost,
+                       struct judgement *out)
+{
+    *lost = false;
+    if (truth->prim == ABI_NO_PRIM || !(reach > truth->t_hi))
+        return STATUS_OK;
+    enum status status =
+        cannot_miss(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach, lost);
+    if (status || *lost || (truth->tie_count == 1 && !(reach > truth->t_next)))
+        return status;
+    return ask_all(judge, ray, reach, lost, out);
+}
+
+enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray,
+                            const struct oracle_answer *truth, double reach)
+{
+    struct twin twin = judge_twin(judge, ray, truth->prim);
+    if (isfinite(twin.t_err) && reach <= truth->t_hi + 2.0 * twin.t_err)
+        return VERDICT_NEAR_TIE;
+    bool open = twin.det == 0;
+    for (int c = 0; c < 3; c++)
+        open = open || twin.edge[c] == 0;
+    if (open)
+        return VERDICT_BOUNDARY;
+    if (twin.certain && truth->t_lo > LEAST_T)
+        return VERDICT_SLAB;
+    return VERDICT_BORDER;
+}
