@@ -301,6 +301,8 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
     row->status = ROW_OK;
     row->judged = is_judged(match, engine);
     struct model model = engine->model(self, match->options.tri);
+    if (engine->needs_packed && !match->options.box->watertight)
+        model.watertight = false; /* the triangle test is, but its boxes are not */
     row->bits = model.bits;
     if (row->bits)
         status = cpu_hits(match, &row->reason);

@@ -93,24 +93,34 @@ static inline void assert_agrees(const struct fixture *f)
     assert_true(row->hits > row->rays / 10 && row->hits < row->rays);
 }
 
-/* The row has differences, and its findings are those of the match. `bits`: of cpu's bits, too. */
+/* The row has wrong answers, and its findings are those of the match. `bits`: not cpu's bits, too.
+ */
 static inline void assert_differs(const struct fixture *f, bool bits)
 {
     const struct row *row = &f->row;
+    size_t wrong = 0;
     assert_int_equal(row->status, ROW_OK);
     assert_true(row->differences > 0);
     assert_true(row_failed(row));
     assert_int_equal(row->bit_differences > 0, bits);
-    assert_int_equal(row->differences, row->bit_differences + row->count[VERDICT_DIFFERENT]);
+    assert_int_equal(row->differences, row->bit_differences + row->count[VERDICT_WRONG]);
+    for (int w = WRONG_MISSED; w < WRONG_COUNT; w++)
+        wrong += row->wrong[w];
+    assert_int_equal(wrong, row->count[VERDICT_WRONG]);
     assert_true(row->finding_count > 0 && row->finding_count <= FINDING_MOST);
     for (size_t i = 0; i < row->finding_count; i++) {
         const struct finding *found = &row->finding[i];
-        const struct hit *expected =
-            (found->bits ? f->match.cpu : f->match.reference) + found->ray_index;
-        assert_memory_equal(&found->ray, &f->ray[found->ray_index], sizeof found->ray);
-        assert_memory_equal(&found->expected, expected, sizeof *expected);
-        assert_memory_equal(&found->got, &f->match.answer[found->ray_index], sizeof found->got);
-        assert_memory_not_equal(&found->expected, &found->got, sizeof found->got);
+        size_t at = found->ray_index;
+        assert_memory_equal(&found->ray, &f->ray[at], sizeof found->ray);
+        assert_memory_equal(&found->truth, &f->match.truth[at], sizeof found->truth);
+        assert_memory_equal(&found->got, &f->match.answer[at], sizeof found->got);
+        if (found->bits) {
+            assert_memory_equal(&found->expected, &f->match.cpu[at], sizeof found->expected);
+            assert_memory_not_equal(&found->expected, &found->got, sizeof found->got);
+        } else {
+            assert_int_equal(found->judgement.verdict, VERDICT_WRONG);
+            assert_int_not_equal(found->judgement.wrong, WRONG_NOT);
+        }
     }
 }
 

@@ -25,7 +25,6 @@
 struct opened {
     const struct engine *engine;
     void *self;
-    enum subject subject;
     struct trace_report report;
     struct reason reason;
 };
@@ -35,8 +34,7 @@ static const char *const names[] = {"embree", "embree_robust"};
 static struct opened open_named(size_t which)
 {
     const struct engine_options options = {.threads = 2, .device = -1};
-    struct opened o = {.engine = engine_find(names[which]),
-                       .subject = which == 0 ? SUBJECT_EMBREE : SUBJECT_EMBREE_ROBUST};
+    struct opened o = {.engine = engine_find(names[which])};
     assert_non_null(o.engine);
     enum status status = o.engine->open(&options, &o.self, &o.reason);
     if (status == STATUS_UNSUPPORTED) {
@@ -82,27 +80,41 @@ static struct scene generated(const char *spec)
 static size_t judged_hits(struct opened *o, const struct scene *scene, enum query query,
                           const struct ray *ray, size_t count)
 {
-    struct judge judge = judge_make(scene, tri_tests[0], query, o->subject, true);
+    struct model model = o->engine->model(o->self, tri_tests[0]);
+    struct oracle *oracle;
+    struct judge *judge;
+    struct oracle_answer *truth = calloc(count, sizeof *truth);
     struct hit *hit = calloc(count, sizeof *hit);
     size_t hits = 0;
     assert_non_null(hit);
+    assert_non_null(truth);
+    assert_int_equal(oracle_make(scene, &oracle, &o->reason), STATUS_OK);
+    assert_int_equal(judge_make(oracle, scene, &model, tri_tests[0], query, &judge, &o->reason),
+                     STATUS_OK);
+    assert_int_equal(
+        oracle_closest(oracle, ORACLE_BRUTE, ORACLE_CLOSED, ray, count, 0, truth, NULL, &o->reason),
+        STATUS_OK);
     prepare(o, scene, query);
     ask(o, ray, count, hit);
     for (size_t i = 0; i < count; i++) {
-        struct hit expected;
+        struct judgement judgement;
         char line[400];
-        trace_brute(scene, tri_tests[0], QUERY_CLOSEST, &ray[i], &expected);
         hits += hit[i].prim != ABI_NO_PRIM;
-        if (judge_answer(&judge, &ray[i], &expected, &hit[i]) != VERDICT_DIFFERENT)
+        assert_int_equal(judge_answer(judge, &ray[i], &truth[i], &hit[i], &judgement), STATUS_OK);
+        if (judgement.verdict != VERDICT_WRONG)
             continue;
-        judge_line(&ray[i], &expected, &hit[i], line, sizeof line);
-        fail_msg("%s %s ray %zu %s", o->engine->name, query_name(query), i, line);
+        judge_line(&ray[i], &judgement, &hit[i], line, sizeof line);
+        fail_msg("%s %s ray %zu %s: %s", o->engine->name, query_name(query), i,
+                 wrong_name(judgement.wrong), line);
     }
+    judge_free(judge);
+    oracle_free(oracle);
+    free(truth);
     free(hit);
     return hits;
 }
 
-static void embree_agrees_with_brute_force(void **state)
+static void embree_agrees_with_the_exact_truth(void **state)
 {
     (void)state;
     static const char *const specs[] = {"soup:n=300", "sphere:n=5", "grid:n=8,height=0", "cornell"};
@@ -334,7 +346,7 @@ static void embree_says_what_it_is(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(embree_agrees_with_brute_force),
+        cmocka_unit_test(embree_agrees_with_the_exact_truth),
         cmocka_unit_test(embree_hits_are_in_our_terms),
         cmocka_unit_test(rays_that_embree_asserts_on_are_misses),
         cmocka_unit_test(embrees_conventions_are_allowed),

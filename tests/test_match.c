@@ -23,7 +23,9 @@ static void brute_and_cpu_agree_and_their_counts_add_up(void **state)
     assert_agrees(f);
     assert_null(f->row.layout);
     assert_int_equal(f->row.node_bytes + f->row.item_bytes, 0);
-    assert_int_equal(f->row.count[VERDICT_SAME], RAYS);
+    assert_true(f->row.count[VERDICT_RIGHT] > RAYS * 9 / 10);
+    assert_true(f->row.worst_over > 0.05 && f->row.worst_over <= 1.0);
+    assert_int_equal(f->row.displacement.count, 0); /* the formula is known */
     assert_int_equal(f->row.brute, RAYS);
     assert_int_equal(f->row.tris, 500 * RAYS);
     size_t hits = f->row.hits;
@@ -40,7 +42,7 @@ static void brute_and_cpu_agree_and_their_counts_add_up(void **state)
             assert_true(query == QUERY_CLOSEST || f->row.tris < closest_tris);
             closest_tris = f->row.tris;
             assert_int_equal(f->row.hits, hits);
-            assert_true(f->row.count[VERDICT_SAME] > RAYS * 9 / 10);
+            assert_true(f->row.count[VERDICT_RIGHT] > RAYS * 9 / 10);
             assert_int_equal(f->row.node_bytes, 4 * f->match.packed.word_count);
             assert_int_equal(f->row.item_bytes, l == 0 ? 4 * 500 : 0);
             assert_true(f->row.tris < 500 * RAYS / 10);
@@ -64,11 +66,11 @@ static void speeds_are_least_median_and_most(void **state)
     done(f);
 }
 
-static void a_partial_brute_budget_leaves_the_rest_to_a_tree(void **state)
+static void a_partial_brute_budget_leaves_the_rest_to_the_oracles_tree(void **state)
 {
     (void)state;
     static const size_t affordable[] = {0, 1, 1234, RAYS, RAYS + 1};
-    struct hit *complete = NULL;
+    struct oracle_answer *complete = NULL;
     for (size_t i = ARRAY_COUNT(affordable); i-- > 0;) {
         struct fixture *f = prepare("soup:n=500", "median", 4);
         f->options.brute_budget = 500 * affordable[i] + 499;
@@ -85,14 +87,68 @@ static void a_partial_brute_budget_leaves_the_rest_to_a_tree(void **state)
         if (!complete) {
             complete = calloc(RAYS, sizeof *complete);
             assert_non_null(complete);
-            memcpy(complete, f->match.reference, RAYS * sizeof *complete);
+            memcpy(complete, f->match.truth, RAYS * sizeof *complete);
         }
-        assert_memory_equal(f->match.reference, complete, brute * sizeof *complete);
-        for (size_t r = 0; r < RAYS; r++) /* same or tie, so the same t */
-            assert_true(f->match.reference[r].t == complete[r].t);
+        assert_memory_equal(f->match.truth, complete, RAYS * sizeof *complete);
         done(f);
     }
     free(complete);
+}
+
+static void another_tree_keeps_the_truth(void **state)
+{
+    (void)state;
+    struct fixture *f = play("soup:n=500", "median", 4);
+    struct build_options build = {2, BUILD_EPS_DEFAULT};
+    struct oracle_answer *truth = f->match.truth;
+    uint32_t nodes = f->match.stats.node_count;
+    run(f, "cpu");
+    size_t hits = f->row.hits;
+    assert_int_equal(
+        match_rebuild(&f->match, builder_find("median"), &build, tri_test_find("woop"), &f->reason),
+        STATUS_OK);
+    assert_ptr_equal(f->match.truth, truth);
+    assert_true(f->match.stats.node_count > nodes);
+    assert_null(f->match.packed.layout);
+    run(f, "cpu"); /* nothing is packed */
+    assert_int_equal(f->row.status, ROW_FAILED);
+    pack(f, "f32");
+    run(f, "cpu");
+    assert_agrees(f);
+    assert_string_equal(f->row.options.tri->name, "woop");
+    assert_int_equal(f->row.options.build.leaf, 2);
+    assert_true(f->row.hits != hits); /* another test at the edges */
+    build.eps = 0;
+    for (uint32_t i = 0; i < 9 * 500; i++)
+        f->scene.vertex[i] = (float)(i % 9);
+    assert_int_equal(
+        match_rebuild(&f->match, builder_find("rtrs"), &build, tri_tests[0], &f->reason),
+        STATUS_LIMIT);
+    done(f);
+}
+
+static void no_rays_and_far_scenes_are_fine(void **state)
+{
+    (void)state;
+    struct fixture *f = prepare("soup:n=50", "median", 4);
+    assert_int_equal(match_make(&f->scene, NULL, 0, &f->options, &f->pool, &f->match, &f->reason),
+                     STATUS_OK);
+    pack(f, "f32");
+    run(f, "cpu");
+    assert_int_equal(f->row.status, ROW_VACUOUS);
+    assert_int_equal(verdicts(&f->row), 0);
+    match_free(&f->match);
+    /* One coordinate beyond 2^40 puts the scene out of contract, at 2^40 it is within. */
+    for (int over = 0; over < 2; over++) {
+        f->scene.vertex[0] = over ? 0x1.000002p40f : 0x1p40f;
+        start(f);
+        pack(f, "f32");
+        run(f, "cpu");
+        assert_int_equal(f->row.differences, 0);
+        assert_int_equal(f->row.count[VERDICT_OUT_OF_CONTRACT] == RAYS, over);
+        match_free(&f->match);
+    }
+    done(f);
 }
 
 static void rays_that_all_miss_are_vacuous(void **state)
@@ -173,7 +229,7 @@ static void a_builder_that_never_ends_is_refused_without_a_match(void **state)
         match_make(&f->scene, f->ray, RAYS, &f->options, &f->pool, &f->match, &f->reason),
         STATUS_LIMIT);
     assert_non_null(strstr(f->reason.text, "F19"));
-    assert_null(f->match.reference);
+    assert_null(f->match.truth);
     done(f);
 }
 
@@ -187,7 +243,7 @@ static void an_empty_scene_is_all_misses_for_everybody(void **state)
     pack(f, "rf16");
     run(f, "cpu");
     assert_int_equal(f->row.status, ROW_VACUOUS);
-    assert_int_equal(f->row.count[VERDICT_SAME], RAYS);
+    assert_int_equal(f->row.count[VERDICT_RIGHT], RAYS);
     done(f);
 }
 
@@ -261,7 +317,7 @@ static void rows_with_a_faithful_member_are_counted_not_judged(void **state)
     run(f, "cpu");
     assert_int_equal(f->row.status, ROW_OK);
     assert_false(f->row.judged);
-    assert_true(f->row.count[VERDICT_DIFFERENT] > 0); /* F2 */
+    assert_true(f->row.count[VERDICT_WRONG] > 0); /* F2 */
     assert_int_equal(f->row.differences, 0);
     assert_int_equal(f->row.finding_count, 0);
     assert_false(row_failed(&f->row));
@@ -297,7 +353,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(brute_and_cpu_agree_and_their_counts_add_up),
         cmocka_unit_test(speeds_are_least_median_and_most),
-        cmocka_unit_test(a_partial_brute_budget_leaves_the_rest_to_a_tree),
+        cmocka_unit_test(a_partial_brute_budget_leaves_the_rest_to_the_oracles_tree),
+        cmocka_unit_test(another_tree_keeps_the_truth),
+        cmocka_unit_test(no_rays_and_far_scenes_are_fine),
         cmocka_unit_test(rays_that_all_miss_are_vacuous),
         cmocka_unit_test(one_hit_in_a_thousand_rays_is_enough),
         cmocka_unit_test(a_layout_that_refuses_leaves_a_usable_match),
