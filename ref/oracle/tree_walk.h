@@ -21,7 +21,7 @@ struct tree_walk {
     bool still[3];    /* the direction is 0 along this axis */
     bool backward[3]; /* it is negative */
     unsigned top;
-    struct tree_entry stack[TREE_DEPTH + 1];
+    struct tree_entry stack[TREE_DEPTH + 2]; /* one to write on that may not be kept */
 };
 
 /* A run of triangles of tree.order, and a bound on |v - o| in every axis of each. */
@@ -40,38 +40,51 @@ static inline double tree_min(double a, double b)
     return a < b ? a : b;
 }
 
-/* Pushes the children of a node that the ray enters no later than `reach`, the nearer one last. */
+/* Entry and exit of both children along axis k. */
+static inline void tree_slab(const struct tree_walk *walk, const struct tree_node *node, int k,
+                             double near[2], double far[2])
+{
+    const float *in = walk->backward[k] ? node->hi[k] : node->lo[k];
+    const float *out = walk->backward[k] ? node->lo[k] : node->hi[k];
+    double o = walk->o[k], inverse = walk->inverse[k];
+    for (int side = 0; side < 2; side++) {
+        near[side] = tree_max(near[side], ((double)in[side] - o) * inverse);
+        far[side] = tree_min(far[side], ((double)out[side] - o) * inverse);
+    }
+}
+
+/* The same where the direction is 0: beside the slab, nothing is entered. */
+static inline void tree_still(const struct tree_walk *walk, const struct tree_node *node, int k,
+                              double near[2])
+{
+    for (int side = 0; side < 2; side++)
+        if (walk->o[k] < (double)node->lo[k][side] || walk->o[k] > (double)node->hi[k][side])
+            near[side] = INFINITY;
+}
+
+/* Pushes the children of a node that the ray enters no later than `reach`, the nearer one last.
+ * Which of them it enters is hard to predict: no branches. */
 static inline void tree_visit(struct tree_walk *walk, uint32_t at, double reach)
 {
     const struct tree_node *node = &walk->tree->node[at];
     double near[2] = {-INFINITY, -INFINITY}, far[2] = {INFINITY, INFINITY};
-    for (int k = 0; k < 3; k++) {
-        const float *in = walk->backward[k] ? node->hi[k] : node->lo[k];
-        const float *out = walk->backward[k] ? node->lo[k] : node->hi[k];
-        for (int side = 0; side < 2; side++) {
-            double enter = ((double)in[side] - walk->o[k]) * walk->inverse[k];
-            double leave = ((double)out[side] - walk->o[k]) * walk->inverse[k];
-            if (walk->still[k]) {
-                bool beside = walk->o[k] < (double)in[side] || walk->o[k] > (double)out[side];
-                enter = beside ? INFINITY : -INFINITY;
-                leave = INFINITY;
-            }
-            near[side] = tree_max(near[side], enter);
-            far[side] = tree_min(far[side], leave);
-        }
-    }
-    bool enters[2];
+    for (int k = 0; k < 3; k++)
+        if (walk->still[k])
+            tree_still(walk, node, k, near);
+        else
+            tree_slab(walk, node, k, near, far);
+    unsigned enters[2];
     for (int side = 0; side < 2; side++) {
         near[side] -= fabs(near[side]) * TREE_PAD;
         far[side] += fabs(far[side]) * TREE_PAD;
-        enters[side] = near[side] <= far[side] && near[side] <= reach && far[side] >= walk->tmin;
+        enters[side] = (unsigned)(near[side] <= far[side]) & (unsigned)(near[side] <= reach) &
+                       (unsigned)(far[side] >= walk->tmin);
     }
-    int last = near[1] < near[0];
-    for (int n = 0; n < 2; n++) {
-        int side = n == 0 ? !last : last;
-        if (enters[side])
-            walk->stack[walk->top++] = (struct tree_entry){near[side], 2 * at + (uint32_t)side};
-    }
+    unsigned last = near[1] < near[0], first = 1 - last;
+    walk->stack[walk->top] = (struct tree_entry){near[first], 2 * at + first};
+    walk->top += enters[first];
+    walk->stack[walk->top] = (struct tree_entry){near[last], 2 * at + last};
+    walk->top += enters[last];
 }
 
 /* The direction is not 0 in every axis. */
