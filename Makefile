@@ -85,7 +85,8 @@ $(B)/tests/%: $(B)/obj/tests/%.o $(B)/libraydiff.a
 
 # The oracle is checked by a second road, GMP rationals, which only tests have.
 ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
-$(ORACLE_TESTS): $(B)/obj/tests/exact_gmp.o $(B)/obj/tests/oracle_cases.o
+$(ORACLE_TESTS): $(B)/obj/tests/exact_gmp.o $(B)/obj/tests/exact_gmp_bounds.o \
+    $(B)/obj/tests/exact_gmp_redecide.o $(B)/obj/tests/oracle_cases.o
 $(ORACLE_TESTS): TEST_LIBS += -lgmp
 
 include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
@@ -165,6 +166,7 @@ slow: tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_half
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle_scene
+	RAYDIFF_SLOW=1 $(B)/tests/test_oracle_redecide
 
 SOURCES = $(shell git ls-files '*.c' '*.h')
 format:
