@@ -5,6 +5,7 @@
 
 static const struct command commands[] = {
     {"check", "the main job: engines and layouts on a scene, compared ray by ray", cmd_check},
+    {"explain", "one ray: what is right, what was answered, and why it is wrong", cmd_explain},
     {"conform", "the conformance suite, each name its own reproduction", cmd_conform},
     {"bench", "speed, bytes, memory and errors, engines interleaved", cmd_bench},
     {"precompute", "writes a tree as BVH JSON, byte for byte as the seed's tool would",

@@ -39,7 +39,8 @@ struct tracer {
     struct vk_buffer *buffer[BINDINGS];
     uint32_t *flag; /* ray_capacity read back */
     uint32_t ray_capacity, batch, stack;
-    bool lists; /* prepared for QUERY_ALL */
+    uint32_t trouble; /* flags of the first ray that was not finished */
+    bool lists;       /* prepared for QUERY_ALL */
     struct push push;
     struct arithmetic arithmetic;
     bool measured;
@@ -303,13 +304,16 @@ static const char *cause(uint32_t flag)
     return "its invocation did not run to the end";
 }
 
-static enum status check_flags(const struct tracer *tracer, size_t first, uint32_t count,
+static enum status check_flags(struct tracer *tracer, size_t first, uint32_t count,
                                struct reason *reason)
 {
-    for (uint32_t i = 0; i < count; i++)
-        if (tracer->flag[i] != ABI_FLAG_DONE)
-            return fail(reason, STATUS_DEVICE, "vulkan: %s: ray %zu was not finished: %s",
-                        vk_limits(tracer->vk)->device, first + i, cause(tracer->flag[i]));
+    for (uint32_t i = 0; i < count; i++) {
+        if (tracer->flag[i] == ABI_FLAG_DONE)
+            continue;
+        tracer->trouble = tracer->flag[i];
+        return fail(reason, STATUS_DEVICE, "vulkan: %s: ray %zu was not finished: %s",
+                    vk_limits(tracer->vk)->device, first + i, cause(tracer->flag[i]));
+    }
     return STATUS_OK;
 }
 
@@ -366,6 +370,7 @@ static enum status trace_rays(struct tracer *tracer, const struct ray *ray, size
     if (!ray_count)
         return STATUS_OK;
     uint32_t at_once = 0;
+    tracer->trouble = 0;
     enum status status = reserve_rays(tracer, ray_count, to->capacity, &at_once, reason);
     for (size_t done = 0; done < ray_count && !status;) {
         uint32_t part = tracer->batch < at_once ? tracer->batch : at_once;
@@ -380,6 +385,7 @@ static enum status trace_rays(struct tracer *tracer, const struct ray *ray, size
             tracer->batch /= 2;
         done += part;
     }
+    report->flags = tracer->trouble;
     if (!status && vk_messages(tracer->vk, reason))
         status = STATUS_DEVICE;
     for (uint32_t i = 0; i < BINDINGS; i++)

@@ -28,6 +28,7 @@ struct trace_report {
     bool device_clock;     /* ns comes from GPU timestamps, else from the host's clock */
     uint64_t boxes, tris;  /* tests done, 0 if not counted */
     uint64_t memory_bytes; /* scene, tree and buffers the engine holds */
+    uint32_t flags;        /* ABI_FLAG_* of the first ray not finished, if known; else 0 */
 };
 
 struct engine {

@@ -40,7 +40,7 @@ OBJ
 small="--count 200 --repeat 1 --engine cpu"
 
 # Help is on standard output and succeeds, everywhere.
-for command in '' check conform bench list doctor scene precompute; do
+for command in '' check conform explain bench list doctor scene precompute; do
     expect 0 . $command --help
     grep -q 'example' "$dir/out" || bad "raydiff $command --help shows no example"
 done
@@ -122,6 +122,35 @@ grep -q '^ok 1 - closest.cpu.f32' "$dir/out" || bad "--tap prints TAP"
 printf 'closest.cpu.* never fails\n' >"$dir/waivers"
 expect 1 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$dir/waivers"
 
+# Explanations: one ray, a set, a trial's name.
+expect 2 'no scene given' explain
+expect 2 'one scene at a time' explain soup grid
+expect 2 "ray: 5 numbers" explain soup --ray '0,0,0 1,1'
+expect 2 "does not begin with a float32 number" explain soup --ray '0,0,0 1,1,x'
+expect 2 "is beyond its eighth number" explain soup --ray '0,0,0 1,1,1 0,1 2'
+expect 2 "goes without --rays" explain soup --ray '0,0,0 1,1,1' --index 3
+expect 2 "20 of 20 rays" explain soup --rays random --count 20 --index 20
+expect 2 "unknown cause 'bad luck'" explain soup --cause 'bad luck'
+expect 2 "'all' is not one name" explain soup --query all
+expect 2 "closest or any can be explained" explain all.cpu.f32.median.robust.mt.soup.vertices.1
+expect 2 "a leaf holds at most 8 items" explain soup --layout rf16 --leaf 9
+expect 0 . explain "$dir/one.obj" --ray '0x1p-2,0.25,-1 0,0,1'
+grep -q 'allowed: right' "$dir/out" || bad "explain says why an answer is allowed"
+expect 0 . explain soup --rays random --count 2000
+grep -q 'no answer of cpu is wrong' "$dir/out" || bad "explain says that nothing is wrong"
+expect 1 . explain soup:n=300 --rays vertices --count 5000 --layout rtrs_rf_paper \
+    --json "$dir/page.json"
+grep -q '^cause     sentinel' "$dir/out" || bad "explain names the cause"
+for key in cause truth answer judgement way words float16_steps float32_steps exact_enter tried \
+    command bits; do
+    grep -q "\"$key\"" "$dir/page.json" || bad "explain --json: no key $key"
+done
+again=$(sed -n 's/^again *raydiff //p' "$dir/out")
+eval "expect 1 . $again"
+grep -q '^cause     sentinel' "$dir/out" || bad "explain's own command line gives the same cause"
+expect 1 . explain closest.cpu.rtrs_rf_paper.median.robust.mt.soup.vertices.1 --count 5000
+expect 2 'no-such-folder' explain "$dir/one.obj" --ray '0,0,-1 0,0,1' --json "$dir/no-such-folder/x"
+
 # The seed's tree file: complete, byte for byte, or not there.
 expect 2 '--out is missing' precompute --scene "$dir/one.obj"
 expect 2 '--scene is missing' precompute --out "$dir/one.bvh.json"
@@ -196,6 +225,7 @@ fi
 # is unloaded without a device having been made, and is gone when a sanitizer asks whose they were.
 export ASAN_OPTIONS=detect_leaks=0
 expect 77 . check soup --count 200 --repeat 1 --engine vulkan --driver no-such-driver
+expect 77 . explain soup --engine vulkan --driver no-such-driver
 expect 0 . check soup --count 200 --repeat 1 --driver no-such-driver
 
 echo "cli: $failed failed"

@@ -1,5 +1,7 @@
 #include "ref/explain/repair.h"
 
+#include <string.h>
+
 static const struct {
     const char *name, *text;
 } causes[CAUSE_COUNT] = {
@@ -44,6 +46,14 @@ static const struct {
 const char *cause_name(enum cause cause)
 {
     return causes[cause].name;
+}
+
+bool cause_find(const char *name, enum cause *out)
+{
+    for (*out = CAUSE_NONE; *out < CAUSE_COUNT; (*out)++)
+        if (strcmp(name, causes[*out].name) == 0)
+            return true;
+    return false;
 }
 
 const char *cause_text(enum cause cause)

@@ -46,6 +46,8 @@ enum cause {
 
 /* "rounded_inward", ... */
 const char *cause_name(enum cause cause);
+/* Returns false if no cause has that name. */
+bool cause_find(const char *name, enum cause *out);
 /* One line: what it means. */
 const char *cause_text(enum cause cause);
 

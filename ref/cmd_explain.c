@@ -1,0 +1,377 @@
+/* raydiff explain: one ray, one engine; what is right, what was answered, and why it is wrong. */
+#include "ref/cmd_explain.h"
+
+#include "ref/cmd_options.h"
+#include "ref/cmd_tables.h"
+#include "ref/command.h"
+#include "ref/explain/ray_text.h"
+#include "scenes/rays.h"
+#include "scenes/scenes.h"
+#include "tests/cmd_trial.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: raydiff explain SCENE --ray 'OX,OY,OZ DX,DY,DZ [TMIN,TMAX]' [OPTIONS]\n"
+    "       raydiff explain SCENE --rays SET [--index I] [OPTIONS]\n"
+    "       raydiff explain TRIAL [--index I] [OPTIONS]     (a name of raydiff conform)\n"
+    "Says what a ray exactly hits, what the engine answers, and if that is wrong, why: which node\n"
+    "turned the ray away, its bounds in the triangles, in the tree and in the bytes, and the one\n"
+    "thing that, made right, makes the answer right.\n\n"
+    "  --ray R         numbers in decimal or hexadecimal (0x1.8p+1), or inf, nan\n"
+    "  --rays SET      ray set, as raydiff check takes it                        [mixed]\n"
+    "  --count N       its rays                                  [100000; of a trial 1000]\n"
+    "  --index I       which of them             [the first one that is answered wrongly]\n"
+    "  --cause C       look for a ray with this cause, such as rounded_inward    [any]\n"
+    "  --seed S        of rays and generators                                    [1]\n"
+    "  --engine E      engine                                                    [cpu]\n"
+    "  --layout L      layout                                                    [rf16]\n"
+    "  --builder B     builder                                                   [median]\n"
+    "  --leaf N        items per leaf                                            [4]\n"
+    "  --eps E         builder rtrs: smallest box that is split                  [0.02]\n"
+    "  --box B         box test                                                  [robust]\n"
+    "  --tri T         triangle test                                             [mt]\n"
+    "  --query Q       closest or any                                            "
+    "[closest]\n" ENGINE_OPTIONS_HELP "  --json FILE     the page, for machines\n\n"
+    "Members as published are held to what their repaired forms promise.\n"
+    "exit codes: 0 the answer is allowed, 1 wrong and explained, 2 bad input, 3 the engine did "
+    "not\n"
+    "            finish (explained too), 77 the engine cannot run here\n"
+    "example: raydiff explain soup:n=300 --rays vertices --layout rtrs_rf_paper\n";
+
+struct explain_options {
+    struct explain_of of;
+    const struct ray_set *rays;
+    const char *ray_text, *json;
+    uint64_t count, index;
+    bool has_count, has_index, has_rays, has_cause;
+    enum cause cause; /* looked for, if has_cause */
+    struct engine_options engines;
+};
+
+enum {
+    OPT_RAY = 256,
+    OPT_RAYS,
+    OPT_COUNT,
+    OPT_INDEX,
+    OPT_CAUSE,
+    OPT_SEED,
+    OPT_ENGINE,
+    OPT_LAYOUT,
+    OPT_BUILDER,
+    OPT_LEAF,
+    OPT_EPS,
+    OPT_BOX,
+    OPT_TRI,
+    OPT_QUERY,
+    OPT_JSON
+};
+
+static const struct option long_options[] = {
+    {"ray", 1, NULL, OPT_RAY},       {"rays", 1, NULL, OPT_RAYS},
+    {"count", 1, NULL, OPT_COUNT},   {"index", 1, NULL, OPT_INDEX},
+    {"seed", 1, NULL, OPT_SEED},     {"engine", 1, NULL, OPT_ENGINE},
+    {"layout", 1, NULL, OPT_LAYOUT}, {"builder", 1, NULL, OPT_BUILDER},
+    {"leaf", 1, NULL, OPT_LEAF},     {"eps", 1, NULL, OPT_EPS},
+    {"box", 1, NULL, OPT_BOX},       {"tri", 1, NULL, OPT_TRI},
+    {"query", 1, NULL, OPT_QUERY},   {"json", 1, NULL, OPT_JSON},
+    {"cause", 1, NULL, OPT_CAUSE},   ENGINE_OPTIONS};
+
+static struct explain_options default_options(void)
+{
+    return (struct explain_options){
+        .of = {.seed = 1,
+               .engine = engine_find("cpu"),
+               .layout = layout_find("rf16"),
+               .builder = builders[0],
+               .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+               .box = box_tests[0],
+               .tri = tri_tests[0],
+               .query = QUERY_CLOSEST},
+        .rays = ray_sets[0],
+        .count = 100000,
+        .engines = engine_options_default(),
+    };
+}
+
+/* Takes the options that name a member of a table. */
+static enum status take_name(struct explain_options *o, int option, const char *text,
+                             struct reason *reason)
+{
+    static const struct {
+        int option;
+        enum table table;
+        const char *flag;
+    } names[] = {
+        {OPT_RAYS, TABLE_RAY_SETS, "--rays"},    {OPT_ENGINE, TABLE_ENGINES, "--engine"},
+        {OPT_LAYOUT, TABLE_LAYOUTS, "--layout"}, {OPT_BUILDER, TABLE_BUILDERS, "--builder"},
+        {OPT_BOX, TABLE_BOX_TESTS, "--box"},     {OPT_TRI, TABLE_TRI_TESTS, "--tri"},
+        {OPT_QUERY, TABLE_QUERIES, "--query"}};
+    size_t which = 0, index;
+    while (names[which].option != option)
+        which++;
+    enum status status =
+        table_parse_one(names[which].table, names[which].flag, text, &index, reason);
+    if (status)
+        return status;
+    switch (option) {
+    case OPT_RAYS:
+        o->rays = ray_sets[index];
+        o->has_rays = true;
+        break;
+    case OPT_ENGINE:
+        o->of.engine = engines[index];
+        break;
+    case OPT_LAYOUT:
+        o->of.layout = layouts[index];
+        break;
+    case OPT_BUILDER:
+        o->of.builder = builders[index];
+        break;
+    case OPT_BOX:
+        o->of.box = box_tests[index];
+        break;
+    case OPT_TRI:
+        o->of.tri = tri_tests[index];
+        break;
+    default:
+        o->of.query = (enum query)index;
+        break;
+    }
+    return STATUS_OK;
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct explain_options *o = user;
+    uint64_t leaf = 0;
+    enum status status = STATUS_OK;
+    switch (option) {
+    case OPT_RAY:
+        o->ray_text = text;
+        return STATUS_OK;
+    case OPT_COUNT:
+        o->has_count = true;
+        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
+    case OPT_INDEX:
+        o->has_index = true;
+        return parse_count("--index", text, 0, (1u << 30) - 1, &o->index, reason);
+    case OPT_CAUSE:
+        o->has_cause = cause_find(text, &o->cause);
+        if (!o->has_cause || o->cause == CAUSE_NONE)
+            return fail(reason, STATUS_INPUT, "--cause: unknown cause '%.60s'", text);
+        return STATUS_OK;
+    case OPT_SEED:
+        return parse_count("--seed", text, 0, UINT64_MAX, &o->of.seed, reason);
+    case OPT_LEAF:
+        status = parse_count("--leaf", text, 1, 1u << 20, &leaf, reason);
+        o->of.build.leaf = (uint32_t)leaf;
+        return status;
+    case OPT_EPS:
+        return parse_float("--eps", text, &o->of.build.eps, reason);
+    case OPT_JSON:
+        o->json = text;
+        return STATUS_OK;
+    case OPT_RAYS:
+    case OPT_ENGINE:
+    case OPT_LAYOUT:
+    case OPT_BUILDER:
+    case OPT_BOX:
+    case OPT_TRI:
+    case OPT_QUERY:
+        return take_name(o, option, text, reason);
+    default:
+        return engine_option_take(option, text, &o->engines, reason);
+    }
+}
+
+/* What one run holds. */
+struct explaining {
+    struct explain_options *options;
+    struct scene scene;
+    struct oracle *oracle;
+    struct bvh bvh;
+    struct packed packed;
+    struct pool pool;
+    struct ray *ray;
+    size_t ray_count; /* 1 with --ray */
+};
+
+static enum status make_rays(struct explaining *e, struct reason *reason)
+{
+    const struct explain_options *o = e->options;
+    e->ray_count = o->ray_text ? 1 : (size_t)o->count;
+    e->ray = alloc_zeroed(e->ray_count, sizeof *e->ray);
+    if (!e->ray)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu rays", e->ray_count);
+    if (o->ray_text)
+        return ray_text_read(o->ray_text, RAY_TMAX, e->ray, reason);
+    if (o->has_index && o->index >= o->count)
+        return fail(reason, STATUS_INPUT, "--index: %llu of %llu rays",
+                    (unsigned long long)o->index, (unsigned long long)o->count);
+    return o->rays->make(&e->scene, o->of.seed, e->ray_count, e->ray, reason);
+}
+
+static enum status make_tree(struct explaining *e, struct reason *reason)
+{
+    const struct explain_of *of = &e->options->of;
+    if (!of->engine->needs_packed)
+        return STATUS_OK;
+    enum status status = of->builder->build(&e->scene, &of->build, &e->bvh, reason);
+    if (!status)
+        status = packed_make(of->layout, &e->bvh, &e->scene, &e->packed, reason);
+    return status;
+}
+
+/* Explains the ray asked for, or the first wrong one (with the cause looked for). *index is the
+ * number of rays if there is none. */
+static enum status choose(struct explaining *e, struct judged *judged, struct judged_ray *out,
+                          size_t *index, struct reason *reason)
+{
+    const struct explain_options *o = e->options;
+    *index = o->ray_text ? 0 : (size_t)o->index;
+    if (o->ray_text || o->has_index)
+        return judged_explain(judged, &e->ray[*index], out, reason);
+    for (size_t first = 0;; first = *index + 1) {
+        enum status status = judged_find(judged, e->ray, first, e->ray_count, index, reason);
+        if (status || *index == e->ray_count)
+            return status;
+        status = judged_explain(judged, &e->ray[*index], out, reason);
+        if (status || !o->has_cause || out->why.cause == o->cause)
+            return status;
+        explain_free(&out->why);
+    }
+}
+
+/* *code: the exit code. */
+static enum status explain_one(struct explaining *e, struct judged *judged, int *code,
+                               struct reason *reason)
+{
+    const struct explain_options *o = e->options;
+    struct judged_ray ray;
+    size_t index;
+    enum status status = choose(e, judged, &ray, &index, reason);
+    if (status)
+        return status;
+    if (index == e->ray_count) {
+        printf("%s: %zu rays of set %s, seed %llu: no answer of %s is wrong%s%s\n", o->of.spec,
+               e->ray_count, o->rays->name, (unsigned long long)o->of.seed, o->of.engine->name,
+               o->has_cause ? " with cause " : "", o->has_cause ? cause_name(o->cause) : "");
+        return STATUS_OK;
+    }
+    struct explain_page page = {.of = &o->of,
+                                .scene = &e->scene,
+                                .judged = judged,
+                                .ray = &ray,
+                                .rays = o->ray_text ? NULL : o->rays->name,
+                                .index = index,
+                                .count = e->ray_count};
+    *code = explain_is_wrong(&ray) ? EXIT_MISMATCH : EXIT_AGREE;
+    if (!ray.answer.finished)
+        *code = EXIT_ENGINE;
+    explain_print(&page);
+    if (o->json)
+        status = explain_write_json(o->json, &page, *code, reason);
+    explain_free(&ray.why);
+    return status;
+}
+
+static enum status explain(struct explaining *e, int *code, struct reason *reason)
+{
+    const struct explain_of *of = &e->options->of;
+    struct judged judged = {0};
+    struct job job = {&e->scene, of->engine->needs_packed ? &e->packed : NULL, of->box, of->tri,
+                      of->query};
+    enum status status = scene_open(of->spec, of->seed, &e->scene, reason);
+    if (!status)
+        status = make_rays(e, reason);
+    if (!status)
+        status = make_tree(e, reason);
+    if (!status)
+        status = oracle_make(&e->scene, &e->oracle, reason);
+    if (status)
+        return status;
+    e->pool.options = e->options->engines;
+    void *self = pool_get(&e->pool, of->engine, &status, reason);
+    if (!status)
+        status = of->engine->prepare(self, &job, reason);
+    if (status) {
+        *code = exit_of_status(status);
+        return status;
+    }
+    struct judged_job from = {of->engine, self, &job, &e->bvh, e->oracle};
+    status = judged_make(&from, &judged, reason);
+    if (!status)
+        status = explain_one(e, &judged, code, reason);
+    judged_free(&judged);
+    return status;
+}
+
+/* A trial's name stands for its options. */
+static enum status take_subject(struct explain_options *o, const char *text, struct reason *reason)
+{
+    struct trial trial;
+    struct reason unused;
+    o->of.spec = text;
+    o->of.driver = o->engines.driver;
+    if (trial_parse(text, &trial, &unused) == STATUS_OK) {
+        static char spec[sizeof trial.scene];
+        memcpy(spec, trial.scene, sizeof spec);
+        if (trial.query == QUERY_ALL)
+            return fail(reason, STATUS_INPUT, "%s: closest or any can be explained", text);
+        o->of = (struct explain_of){.spec = spec,
+                                    .seed = trial.seed,
+                                    .engine = trial.engine,
+                                    .layout = trial.layout,
+                                    .builder = trial.builder,
+                                    .build = o->of.build,
+                                    .box = trial.box,
+                                    .tri = trial.tri,
+                                    .query = trial.query,
+                                    .driver = o->engines.driver};
+        o->rays = trial.rays;
+        if (!o->has_count)
+            o->count = 1000;
+    }
+    if (!o->of.engine->needs_packed) {
+        o->of.layout = NULL;
+        o->of.builder = NULL;
+    }
+    if (o->ray_text && (o->has_rays || o->has_index))
+        return fail(reason, STATUS_INPUT, "--ray is one ray: it goes without --rays and --index");
+    return STATUS_OK;
+}
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+int cmd_explain(int argc, char **argv)
+{
+    struct explain_options options = default_options();
+    struct reason reason = {""};
+    int first, code = options_take("explain", print_help, long_options, take_option, &options, argc,
+                                   argv, &first);
+    if (code >= 0)
+        return code;
+    if (argc - first != 1)
+        return usage_error("explain", argc == first ? "no scene given" : "one scene at a time");
+    if (take_subject(&options, argv[first], &reason))
+        return usage_error("explain", "%s", reason.text);
+    struct explaining e = {.options = &options};
+    code = EXIT_AGREE;
+    enum status status = explain(&e, &code, &reason);
+    if (status) {
+        fprintf(stderr, "raydiff explain: %s\n", reason.text);
+        code = exit_worse(code, exit_of_status(status));
+    }
+    pool_free(&e.pool);
+    oracle_free(e.oracle);
+    packed_free(&e.packed);
+    bvh_free(&e.bvh);
+    scene_free(&e.scene);
+    free(e.ray);
+    return code;
+}

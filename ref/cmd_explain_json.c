@@ -1,0 +1,270 @@
+/* The page of raydiff explain as JSON, and its command line. Floats stand as bit patterns beside
+ * the readable number. */
+#include "ref/cmd_explain.h"
+
+#include "ref/explain/outside.h"
+#include "ref/explain/ray_text.h"
+#include "scenes/file.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* JSON knows no NaN and no infinity: then only the bits stand there. */
+static json_t *number(double x)
+{
+    return isfinite(x) ? json_real(x) : json_null();
+}
+
+static json_t *float_json(float x)
+{
+    char bits[16];
+    snprintf(bits, sizeof bits, "0x%08x", float_bits(x));
+    return json_pack("{s:o, s:s}", "value", number((double)x), "bits", bits);
+}
+
+static json_t *floats_json(const float *x, size_t count)
+{
+    json_t *out = json_array();
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(out, float_json(x[i]));
+    return out;
+}
+
+static json_t *prim_json(uint32_t prim)
+{
+    return prim == ABI_NO_PRIM ? json_null() : json_integer((json_int_t)prim);
+}
+
+static json_t *hit_json(const struct hit *hit)
+{
+    return json_pack("{s:o, s:o, s:o, s:o}", "prim", prim_json(hit->prim), "t", float_json(hit->t),
+                     "u", float_json(hit->u), "v", float_json(hit->v));
+}
+
+static json_t *bound_json(const struct explain_bound *bound)
+{
+    static const char *const faults[] = {"ok", "overflow", "flushed", "rounded", "stored", "cut"};
+    return json_pack("{s:o, s:o, s:o, s:o, s:I, s:s}", "exact", float_json(bound->exact), "tree",
+                     float_json(bound->canonical), "decoded", float_json(bound->decoded),
+                     "float16_steps", number(bound->half_steps), "float32_steps",
+                     (json_int_t)bound->float_steps, "fault", faults[bound->fault]);
+}
+
+static json_t *step_json(const struct explain_step *step)
+{
+    static const char *const refs[] = {"ok", "truncated", "other"};
+    json_t *lo = json_array(), *hi = json_array(), *slab = json_array(), *words = json_array();
+    for (int k = 0; k < 3; k++) {
+        const struct slab_axis *axis = &step->slab[k];
+        json_array_append_new(lo, bound_json(&step->lo[k]));
+        json_array_append_new(hi, bound_json(&step->hi[k]));
+        json_array_append_new(
+            slab, json_pack("{s:o, s:o, s:o, s:o}", "enter", float_json(axis->enter), "leave",
+                            float_json(axis->leave), "exact_enter", number(axis->exact_enter),
+                            "exact_leave", number(axis->exact_leave)));
+    }
+    for (uint32_t i = 0; i < step->word_count; i++) {
+        char text[16];
+        snprintf(text, sizeof text, "%08x", step->word[i]);
+        json_array_append_new(words, json_string(text));
+    }
+    return json_pack(
+        "{s:I, s:o, s:b, s:s, s:b, s:b, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o}", "node",
+        (json_int_t)step->note.node, "record",
+        step->record == EXPLAIN_NONE ? json_null() : json_integer((json_int_t)step->record), "leaf",
+        step->leaf, "children", refs[step->ref], "tested", step->note.tested, "hit", step->note.hit,
+        "entered", step->note.visited, "skipped", step->note.skipped, "entry",
+        float_json(step->note.entry), "best", float_json(step->note.tbest), "lo", lo, "hi", hi,
+        "slab", slab, "words", words);
+}
+
+static json_t *tried_json(const struct explanation *why)
+{
+    json_t *out = json_array();
+    for (size_t i = 0; i < why->attempt_count; i++) {
+        const struct explain_attempt *attempt = &why->attempt[i];
+        json_array_append_new(
+            out, json_pack("{s:s, s:s, s:b, s:b, s:b, s:s, s:o}", "cause",
+                           cause_name(repair_cause(attempt->repair)), "repair",
+                           repair_text(attempt->repair), "finished", attempt->end == REPLAY_DONE,
+                           "changed", attempt->changed, "allowed", attempt->opinion.allowed,
+                           "verdict", attempt->opinion.text, "answer", hit_json(&attempt->hit)));
+    }
+    return out;
+}
+
+static json_t *imitated_json(const struct explanation *why)
+{
+    json_t *out = json_array();
+    for (size_t i = 0; i < why->imitation_count; i++) {
+        const struct explain_imitation *one = &why->imitation[i];
+        if (one->same)
+            json_array_append_new(out, json_pack("{s:s, s:s, s:I, s:I, s:I}", "cause",
+                                                 cause_name(defect_cause(one->defect)), "defect",
+                                                 defect_text(one->defect), "parameter",
+                                                 (json_int_t)one->parameter, "witnesses",
+                                                 (json_int_t)one->witnesses, "of",
+                                                 (json_int_t)why->witness_count));
+    }
+    return out;
+}
+
+static json_t *hints_json(const struct explain_page *page)
+{
+    const struct explanation *why = &page->ray->why;
+    struct outside_hint hint[OUTSIDE_HINTS];
+    json_t *out = json_array();
+    size_t count = why->cause == CAUSE_OUTSIDE && why->prim != ABI_NO_PRIM
+                       ? explain_outside(page->scene, &page->ray->ray, why->prim, hint)
+                       : 0;
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(
+            out, json_pack("{s:s, s:s}", "cause", cause_name(hint[i].cause), "text", hint[i].text));
+    return out;
+}
+
+static json_t *subject_json(const struct explain_page *page)
+{
+    const struct explain_of *of = page->of;
+    return json_pack("{s:s, s:I, s:s, s:s?, s:s?, s:i, s:s?, s:s, s:s, s:s?, s:I}", "scene",
+                     of->spec, "seed", (json_int_t)of->seed, "engine", of->engine->name, "layout",
+                     of->layout ? of->layout->name : NULL, "builder",
+                     of->builder ? of->builder->name : NULL, "leaf", (int)of->build.leaf, "box",
+                     of->layout ? of->box->name : NULL, "tri", of->tri->name, "query",
+                     query_name(of->query), "rays", page->rays, "index", (json_int_t)page->index);
+}
+
+static json_t *judgement_json(const struct judged_ray *ray)
+{
+    const struct judgement *judgement = &ray->judgement;
+    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "verdict",
+                     verdict_name(judgement->verdict), "wrong", wrong_name(judgement->wrong),
+                     "expected", prim_json(judgement->expected), "t_lo", number(judgement->t_lo),
+                     "t_hi", number(judgement->t_hi), "over", number(judgement->over),
+                     "displacement", number(judgement->displacement));
+}
+
+static json_t *page_json(const struct explain_page *page, int exit_code)
+{
+    const struct judged_ray *ray = page->ray;
+    const struct explanation *why = &ray->why;
+    const struct oracle_answer *truth = &ray->truth;
+    char command[EXPLAIN_COMMAND_MOST];
+    json_t *way = json_array(), *out = json_object();
+    for (uint32_t i = 0; i < why->step_count; i++)
+        json_array_append_new(way, step_json(&why->step[i]));
+    explain_command(page->of, &ray->ray, command);
+    json_object_set_new(out, "raydiff", json_string(RAYDIFF_VERSION));
+    json_object_set_new(out, "exit", json_integer(exit_code));
+    json_object_set_new(out, "subject", subject_json(page));
+    json_object_set_new(out, "command", json_string(command));
+    json_object_set_new(out, "origin", floats_json(ray->ray.org, 3));
+    json_object_set_new(out, "direction", floats_json(ray->ray.dir, 3));
+    json_object_set_new(out, "tmin", float_json(ray->ray.tmin));
+    json_object_set_new(out, "tmax", float_json(ray->ray.tmax));
+    json_object_set_new(out, "truth",
+                        json_pack("{s:o, s:I, s:o, s:o, s:s}", "prim", prim_json(truth->prim),
+                                  "ties", (json_int_t)truth->tie_count, "t_lo", number(truth->t_lo),
+                                  "t_hi", number(truth->t_hi), "class",
+                                  oracle_class_name((enum oracle_class)truth->class)));
+    json_object_set_new(out, "finished", json_boolean(ray->answer.finished));
+    json_object_set_new(out, "reason", json_string(ray->reason.text));
+    json_object_set_new(out, "answer", hit_json(&ray->answer.hit));
+    json_object_set_new(out, "judgement", judgement_json(ray));
+    json_object_set_new(out, "cause", json_string(cause_name(why->cause)));
+    json_object_set_new(out, "with", json_string(cause_name(why->with)));
+    json_object_set_new(out, "inside", json_boolean(why->inside));
+    json_object_set_new(out, "c_answers", hit_json(&why->replayed));
+    json_object_set_new(out, "end", json_string(explain_end_name(why->end)));
+    json_object_set_new(out, "last", json_integer((json_int_t)why->last));
+    json_object_set_new(out, "way", way);
+    json_object_set_new(out, "tried", tried_json(why));
+    json_object_set_new(out, "imitated", imitated_json(why));
+    json_object_set_new(out, "hints", hints_json(page));
+    return out;
+}
+
+enum status explain_write_json(const char *path, const struct explain_page *page, int exit_code,
+                               struct reason *reason)
+{
+    json_t *root = page_json(page, exit_code);
+    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
+    json_decref(root);
+    if (!text)
+        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", path);
+    struct file_out out;
+    enum status status = file_out_open(path, &out, reason);
+    if (status == STATUS_OK) {
+        fputs(text, out.stream);
+        fputc('\n', out.stream);
+        status = file_out_commit(&out, reason);
+    }
+    free(text);
+    return status;
+}
+
+/* Appends printf-formatted text as far as it fits. */
+static void append(char text[EXPLAIN_COMMAND_MOST], const char *format, const char *word)
+{
+    size_t used = strlen(text);
+    snprintf(text + used, EXPLAIN_COMMAND_MOST - used, format, word);
+}
+
+/* A word as a shell reads it back; quotes inside are left to the user. */
+static void append_word(char text[EXPLAIN_COMMAND_MOST], const char *word)
+{
+    bool plain = word[0] != 0;
+    for (const char *at = word; *at; at++)
+        plain = plain && (strchr("._-/:=,+", *at) || (*at >= '0' && *at <= '9') ||
+                          (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z'));
+    append(text, plain ? " %s" : " '%s'", word);
+}
+
+void explain_command(const struct explain_of *of, const struct ray *ray,
+                     char text[EXPLAIN_COMMAND_MOST])
+{
+    char number[32], numbers[RAY_TEXT_MOST];
+    snprintf(text, EXPLAIN_COMMAND_MOST, "raydiff explain");
+    append_word(text, of->spec);
+    ray_text_write(ray, numbers);
+    append(text, " --ray '%s'", numbers);
+    append(text, " --engine %s", of->engine->name);
+    if (of->layout) {
+        append(text, " --layout %s", of->layout->name);
+        append(text, " --builder %s", of->builder->name);
+        append(text, " --box %s", of->box->name);
+        snprintf(number, sizeof number, "%u", of->build.leaf);
+        if (of->build.leaf != BUILD_LEAF_DEFAULT)
+            append(text, " --leaf %s", number);
+        snprintf(number, sizeof number, "%.9g", (double)of->build.eps);
+        if (of->build.eps != BUILD_EPS_DEFAULT)
+            append(text, " --eps %s", number);
+    }
+    append(text, " --tri %s", of->tri->name);
+    append(text, " --query %s", query_name(of->query));
+    snprintf(number, sizeof number, "%llu", (unsigned long long)of->seed);
+    if (of->seed != 1)
+        append(text, " --seed %s", number);
+    if (of->driver) {
+        append(text, "%s", " --driver");
+        append_word(text, of->driver);
+    }
+}
+
+struct explain_of explain_of_row(const struct row *row, const char *spec, uint64_t seed,
+                                 const char *driver)
+{
+    return (struct explain_of){.spec = spec,
+                               .seed = seed,
+                               .engine = row->engine,
+                               .layout = row->layout,
+                               .builder = row->options.builder,
+                               .build = row->options.build,
+                               .box = row->options.box,
+                               .tri = row->options.tri,
+                               .query = row->options.query,
+                               .driver = driver};
+}

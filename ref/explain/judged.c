@@ -1,0 +1,225 @@
+#include "ref/explain/judged.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rays that are asked at once while looking for a wrong one. */
+#define SEARCH_BATCH 4096u
+
+static bool is_known(const struct judged *judged)
+{
+    switch (judged->model.formula) {
+    case TWIN_MT:
+    case TWIN_MT_RTRS:
+    case TWIN_WOOP:
+        break;
+    case TWIN_EMBREE:
+    case TWIN_EMBREE_ROBUST:
+    case TWIN_UNKNOWN:
+        return false;
+    }
+    return judged->from.job->packed != NULL || strcmp(judged->from.engine->name, "brute") == 0;
+}
+
+enum status judged_make(const struct judged_job *from, struct judged *out, struct reason *reason)
+{
+    const struct job *job = from->job;
+    enum status status = STATUS_OK;
+    *out = (struct judged){.from = *from};
+    out->model = from->engine->model(from->self, job->tri);
+    if (out->model.formula == TWIN_MT_RTRS)
+        out->model.formula = TWIN_MT;
+    if (job->packed && !job->box->watertight)
+        out->model.watertight = false; /* the triangle test is, but its boxes are not */
+    out->has_tree = job->packed && job->packed->node_count > 0;
+    if (out->has_tree)
+        status = explain_tree_make(job->scene, from->bvh, job->packed, &out->tree, reason);
+    if (!status)
+        status = judge_make(from->oracle, job->scene, &out->model, job->tri, job->query,
+                            &out->judge, reason);
+    if (status)
+        judged_free(out);
+    return status;
+}
+
+void judged_free(struct judged *judged)
+{
+    judge_free(judged->judge);
+    if (judged->has_tree)
+        explain_tree_free(&judged->tree);
+    *judged = (struct judged){0};
+}
+
+/* What the judge is asked about one ray. */
+struct question {
+    const struct judged *judged;
+    const struct oracle_answer *truth;
+};
+
+static void opinion(const void *user, const struct ray *ray, const struct hit *answer,
+                    struct opinion *out)
+{
+    const struct question *question = user;
+    struct judgement judgement;
+    /* Without memory the ray counts as out of contract. */
+    (void)judge_answer(question->judged->judge, ray, question->truth, answer, &judgement);
+    out->allowed = judgement.verdict != VERDICT_WRONG;
+    out->text = out->allowed ? verdict_name(judgement.verdict) : wrong_name(judgement.wrong);
+    out->expected = judgement.expected;
+}
+
+/* Barycentric coordinates to more than float precision: w_i / D of ref/oracle/oracle.h. */
+static void exact_weights(const struct scene *scene, const struct ray *ray, uint32_t prim,
+                          struct hit *out)
+{
+    float v[3][3];
+    long double a[3][3], w[3], sum = 0;
+    scene_tri(scene, prim, v);
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++)
+            a[c][k] = (long double)v[c][k] - (long double)ray->org[k];
+    for (int i = 0; i < 3; i++) {
+        const long double *b = a[(i + 1) % 3], *c = a[(i + 2) % 3];
+        w[i] = 0;
+        for (int k = 0; k < 3; k++) {
+            int y = (k + 1) % 3, z = (k + 2) % 3;
+            w[i] += (long double)ray->dir[k] * (b[y] * c[z] - b[z] * c[y]);
+        }
+        sum += w[i];
+    }
+    out->u = (float)(w[1] / sum);
+    out->v = (float)(w[2] / sum);
+}
+
+static bool exact_hit(const void *user, const struct ray *ray, uint32_t prim, struct hit *out)
+{
+    const struct judged *judged = user;
+    struct oracle_pair pair;
+    oracle_pair(judged->from.oracle, ray, prim, &pair);
+    if (pair.class != ORACLE_INSIDE && pair.class != ORACLE_EDGE && pair.class != ORACLE_VERTEX)
+        return false;
+    bool ends = pair.range == ORACLE_AT_TMIN || pair.range == ORACLE_AT_TMAX;
+    if (pair.range != ORACLE_WITHIN && (judged->model.open || !ends))
+        return false;
+    exact_weights(judged->from.job->scene, ray, prim, out);
+    out->t = (float)(0.5 * (pair.t_lo + pair.t_hi));
+    out->prim = prim;
+    return true;
+}
+
+static bool ask(void *user, const struct ray *ray, size_t count, struct hit *out)
+{
+    struct judged *judged = user;
+    struct trace_report report;
+    struct reason reason;
+    return judged->from.engine->trace(judged->from.self, ray, count, out, &report, &reason) ==
+           STATUS_OK;
+}
+
+static struct explain_case case_of(struct judged *judged, const struct ray *ray,
+                                   const struct question *question)
+{
+    const struct job *job = judged->from.job;
+    const struct rounding ieee = ROUNDING_IEEE, *rounding = &judged->model.rounding;
+    return (struct explain_case){
+        .replay = {.scene = job->scene,
+                   .tree = judged->has_tree ? &judged->tree : NULL,
+                   .box_id = job->packed ? job->box->id : 0,
+                   .tri_id = job->tri->id,
+                   .query = job->query,
+                   .exact = exact_hit,
+                   .exact_user = judged},
+        .ray = *ray,
+        .judge = opinion,
+        .judge_user = question,
+        .ask = ask,
+        .ask_user = judged,
+        .bits = judged->model.bits,
+        .exact = rounding->add == ieee.add && rounding->mul == ieee.mul &&
+                 rounding->div == ieee.div && rounding->tiny == ieee.tiny,
+        .known = is_known(judged),
+    };
+}
+
+enum status judged_explain(struct judged *judged, const struct ray *ray, struct judged_ray *out,
+                           struct reason *reason)
+{
+    struct trace_report report = {0};
+    struct question question = {judged, &out->truth};
+    *out = (struct judged_ray){.ray = *ray, .answer.hit.prim = ABI_NO_PRIM};
+    enum status status = oracle_closest(judged->from.oracle, ORACLE_AUTO, ORACLE_CLOSED, ray, 1, 1,
+                                        &out->truth, NULL, reason);
+    if (status)
+        return status;
+    struct hit hit;
+    status = judged->from.engine->trace(judged->from.self, ray, 1, &hit, &report, &out->reason);
+    if (status == STATUS_MEMORY)
+        return fail(reason, status, "%s", out->reason.text);
+    out->answer.finished = status == STATUS_OK;
+    out->answer.flags = report.flags;
+    if (out->answer.finished)
+        out->answer.hit = hit;
+    status = judge_answer(judged->judge, ray, &out->truth, &out->answer.hit, &out->judgement);
+    if (status)
+        return fail(reason, status, "no memory to judge a ray");
+    struct explain_case the = case_of(judged, ray, &question);
+    return explain_make(&the, &out->answer, &out->why, reason);
+}
+
+/* True if this answer is wrong, or not the bits that it should have. */
+static bool is_wrong(struct judged *judged, const struct ray *ray,
+                     const struct oracle_answer *truth, const struct hit *hit)
+{
+    struct question question = {judged, truth};
+    struct explain_case the = case_of(judged, ray, &question);
+    struct replay_change plain = {0};
+    struct opinion what;
+    struct hit expected;
+    opinion(&question, ray, hit, &what);
+    if (!what.allowed)
+        return true;
+    if (!the.bits)
+        return false;
+    return replay_run(&the.replay, &plain, ray, &expected, NULL) != REPLAY_DONE ||
+           memcmp(&expected, hit, sizeof *hit) != 0;
+}
+
+/* The first of these rays that the engine does not finish alone, or `count`. */
+static size_t first_unfinished(struct judged *judged, const struct ray *ray, size_t count)
+{
+    struct hit hit;
+    for (size_t i = 0; i < count; i++)
+        if (!ask(judged, &ray[i], 1, &hit))
+            return i;
+    return count;
+}
+
+enum status judged_find(struct judged *judged, const struct ray *ray, size_t first, size_t count,
+                        size_t *index, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    struct oracle_answer *truth = alloc_zeroed(SEARCH_BATCH, sizeof *truth);
+    struct hit *hit = alloc_zeroed(SEARCH_BATCH, sizeof *hit);
+    if (!truth || !hit)
+        status = fail(reason, STATUS_MEMORY, "no memory to look for a wrong ray");
+    *index = count;
+    for (size_t at = first; at < count && !status && *index == count; at += SEARCH_BATCH) {
+        size_t part = count - at < SEARCH_BATCH ? count - at : SEARCH_BATCH;
+        bool finished = ask(judged, ray + at, part, hit);
+        if (!finished) {
+            size_t which = first_unfinished(judged, ray + at, part);
+            if (which < part)
+                *index = at + which;
+            continue; /* rays that fail only together cannot be named */
+        }
+        status = oracle_closest(judged->from.oracle, ORACLE_AUTO, ORACLE_CLOSED, ray + at, part, 0,
+                                truth, NULL, reason);
+        for (size_t i = 0; i < part && !status && *index == count; i++)
+            if (is_wrong(judged, &ray[at + i], &truth[i], &hit[i]))
+                *index = at + i;
+    }
+    free(truth);
+    free(hit);
+    return status;
+}

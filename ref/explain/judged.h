@@ -1,0 +1,53 @@
+/* An engine's answer to one ray: asked, judged against the exact truth, explained. */
+#ifndef EXPLAIN_JUDGED_H
+#define EXPLAIN_JUDGED_H
+
+#include "ref/engine.h"
+#include "ref/explain/explain.h"
+#include "ref/judge.h"
+
+/* An engine prepared for a job, and what its answers are compared with; all borrowed. */
+struct judged_job {
+    const struct engine *engine;
+    void *self; /* opened, and prepared with `job` */
+    const struct job *job;
+    const struct bvh *bvh; /* the tree that job->packed was made from; NULL without packed */
+    const struct oracle *oracle;
+};
+
+/* Owns what it made (judged_free). */
+struct judged {
+    struct judged_job from;
+    struct model model; /* the engine's; of a triangle test as published that of the repaired one,
+                           so that its faults are not excused */
+    struct explain_tree tree; /* if from.job->packed has nodes */
+    bool has_tree;
+    struct judge *judge;
+};
+
+/* One ray. Owns `why` (explain_free). */
+struct judged_ray {
+    struct ray ray;
+    struct explain_answer answer;
+    struct reason reason; /* if the engine did not finish */
+    struct oracle_answer truth;
+    struct judgement judgement; /* of the answer; of a miss if the engine did not finish */
+    struct explanation why;
+};
+
+/* Errors: STATUS_MEMORY. On error *out is zero. */
+enum status judged_make(const struct judged_job *from, struct judged *out,
+                        struct reason *reason) MUST_USE;
+void judged_free(struct judged *judged);
+
+/* Asks, judges and explains. Errors: STATUS_MEMORY; what the oracle says. */
+enum status judged_explain(struct judged *judged, const struct ray *ray, struct judged_ray *out,
+                           struct reason *reason) MUST_USE;
+
+/* The first ray from `first` on that the engine does not finish, answers wrongly, or with other
+ * bits than C where it promises C's: *index, or `count` if there is none. Errors: as
+ * judged_explain. */
+enum status judged_find(struct judged *judged, const struct ray *ray, size_t first, size_t count,
+                        size_t *index, struct reason *reason) MUST_USE;
+
+#endif

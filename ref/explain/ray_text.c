@@ -1,0 +1,126 @@
+#include "ref/explain/ray_text.h"
+
+#include "ref/decimal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static int hex_digit(char c)
+{
+    if (c >= '0' && c <= '9')
+        return c - '0';
+    if (c >= 'a' && c <= 'f')
+        return c - 'a' + 10;
+    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+/* Reads "1.8p+1", what follows "0x". Returns what follows it, or NULL: no number, or one that is
+ * not exactly a float. */
+static const char *read_hexadecimal(const char *text, float *out)
+{
+    uint64_t digits = 0;
+    int exponent = 0, seen = 0, written = 0;
+    bool negative = false, point = false;
+    for (; hex_digit(*text) >= 0 || (*text == '.' && !point); text++) {
+        if (*text == '.') {
+            point = true;
+            continue;
+        }
+        digits = digits << 4 | (uint64_t)hex_digit(*text);
+        exponent -= point ? 4 : 0;
+        if (++seen > 15)
+            return NULL;
+    }
+    if (seen == 0 || (*text != 'p' && *text != 'P'))
+        return NULL;
+    text++;
+    if (*text == '+' || *text == '-')
+        negative = *text++ == '-';
+    for (seen = 0; *text >= '0' && *text <= '9'; text++) {
+        written = 10 * written + (*text - '0');
+        if (++seen > 4)
+            return NULL;
+    }
+    double value = ldexp((double)digits, exponent + (negative ? -written : written));
+    *out = (float)value;
+    return seen > 0 && (double)*out == value && digits < UINT64_C(1) << 53 ? text : NULL;
+}
+
+static const char *read_number(const char *text, float *out)
+{
+    const char *from = *text == '-' || *text == '+' ? text + 1 : text;
+    float sign = *text == '-' ? -1.0f : 1.0f;
+    const char *end = NULL;
+    *out = 0.0f;
+    if (strncmp(from, "inf", 3) == 0) {
+        *out = INFINITY;
+        end = from + 3;
+    } else if (strncmp(from, "nan", 3) == 0) {
+        *out = NAN;
+        end = from + 3;
+    } else if (from[0] == '0' && (from[1] == 'x' || from[1] == 'X')) {
+        end = read_hexadecimal(from + 2, out);
+    } else {
+        return decimal_read_float(text, out);
+    }
+    *out *= sign;
+    return end;
+}
+
+static bool is_separator(char c)
+{
+    return c == ' ' || c == ',' || c == '\t';
+}
+
+enum status ray_text_read(const char *text, float tmax, struct ray *out, struct reason *reason)
+{
+    float value[8];
+    int count = 0;
+    const char *at = text;
+    *out = (struct ray){.tmax = tmax};
+    while (is_separator(*at))
+        at++;
+    while (*at) {
+        const char *end = count < 8 ? read_number(at, &value[count]) : NULL;
+        if (!end || (*end && !is_separator(*end)))
+            return fail(reason, STATUS_INPUT,
+                        count < 8 ? "ray: '%.40s' does not begin with a float32 number"
+                                  : "ray: '%.40s' is beyond its eighth number",
+                        at);
+        count++;
+        for (at = end; is_separator(*at); at++) {
+        }
+    }
+    if (count != 6 && count != 8)
+        return fail(reason, STATUS_INPUT,
+                    "ray: %d numbers; needed are origin and direction, then perhaps tmin and tmax",
+                    count);
+    memcpy(out->org, value, sizeof out->org);
+    memcpy(out->dir, value + 3, sizeof out->dir);
+    if (count == 8) {
+        out->tmin = value[6];
+        out->tmax = value[7];
+    }
+    return STATUS_OK;
+}
+
+void float_text_write(float x, char text[32])
+{
+    if (isnan(x))
+        snprintf(text, 32, "nan");
+    else
+        snprintf(text, 32, "%a", (double)x);
+}
+
+size_t ray_text_write(const struct ray *ray, char text[RAY_TEXT_MOST])
+{
+    char n[8][32];
+    const float value[8] = {ray->org[0], ray->org[1], ray->org[2], ray->dir[0],
+                            ray->dir[1], ray->dir[2], ray->tmin,   ray->tmax};
+    for (int i = 0; i < 8; i++)
+        float_text_write(value[i], n[i]);
+    int length = snprintf(text, RAY_TEXT_MOST, "%s,%s,%s %s,%s,%s %s,%s", n[0], n[1], n[2], n[3],
+                          n[4], n[5], n[6], n[7]);
+    return length < 0 ? 0 : (size_t)length;
+}
