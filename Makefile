@@ -44,7 +44,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           BUILDER_FILES=$(words $(wildcard ref/builders/build_*.c)) \
           ENGINE_FILES=$(words $(wildcard ref/engines/engine_*.c gpu/engine_*.c)) \
           GENERATOR_FILES=$(words $(wildcard scenes/generators/gen_*.c)) \
-          TRACE_SHADERS=$(words $(wildcard shaders/trace_*.comp))
+          TRACE_SHADERS=$(words $(filter-out %/trace_brute.comp,$(wildcard shaders/trace_*.comp)))
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
         validate-check format format-check drivers install uninstall scenes mutants lint fuzz-load

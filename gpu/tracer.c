@@ -1,5 +1,6 @@
 #include "gpu/tracer.h"
 
+#include "gpu/gather.h"
 #include "gpu/shaders.h"
 
 #include <stdio.h>
@@ -20,9 +21,6 @@
 
 /* Hits that one dispatch of QUERY_ALL may list, 64 MiB of them; a ray alone may list more. */
 #define LIST_MOST (1u << 22)
-
-/* Triangles gathered at a time while uploading. */
-#define GATHER 8192u
 
 struct cached {
     const struct shader *shader;
@@ -162,29 +160,6 @@ static enum status upload(struct tracer *tracer, uint32_t binding, const void *d
     return status;
 }
 
-/* Nine floats per triangle, made a piece at a time. */
-static enum status upload_triangles(struct tracer *tracer, const struct scene *scene,
-                                    struct reason *reason)
-{
-    struct vk_buffer **to = &tracer->buffer[ABI_BIND_TRIS];
-    const uint64_t bytes = ABI_TRI_FLOATS * sizeof(float);
-    enum status status = vk_buffer_make(tracer->vk, bytes * scene->tri_count, to, reason);
-    if (status)
-        return status;
-    float(*tri)[3][3] = alloc_zeroed(GATHER, sizeof *tri);
-    if (!tri)
-        return fail(reason, STATUS_MEMORY, "vulkan: no memory to gather triangles");
-    for (uint32_t done = 0; done < scene->tri_count && !status;) {
-        uint32_t part = scene->tri_count - done < GATHER ? scene->tri_count - done : GATHER;
-        for (uint32_t i = 0; i < part; i++)
-            scene_tri(scene, done + i, tri[i]);
-        status = vk_buffer_write(tracer->vk, *to, bytes * done, tri, bytes * part, reason);
-        done += part;
-    }
-    free(tri);
-    return status;
-}
-
 /* The smallest stack class that is enough: a larger private array costs every ray. */
 static enum status choose_stack(struct tracer *tracer, const struct packed *packed,
                                 struct reason *reason)
@@ -227,7 +202,7 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     if (!status)
         status = upload(tracer, ABI_BIND_ITEMS, packed->item, packed_item_bytes(packed), reason);
     if (!status)
-        status = upload_triangles(tracer, job->scene, reason);
+        status = gather_triangles(tracer->vk, job->scene, &tracer->buffer[ABI_BIND_TRIS], reason);
     if (status) {
         free_buffers(tracer);
         tracer->pipeline = NULL;

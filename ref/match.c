@@ -180,7 +180,7 @@ static int by_size(const void *a, const void *b)
  * for, is timed once, and is asked again about few. */
 static bool is_brute(const struct engine *engine)
 {
-    return strcmp(engine->name, "brute") == 0;
+    return engine->brute;
 }
 
 /* Traces once more and marks rays whose answer differs in a bit. */

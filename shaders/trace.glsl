@@ -1,5 +1,6 @@
 /* The traversal, the same as ref/trace.c visits: one ray an invocation. */
 #include "tri.glsl"
+#include "tri_load.glsl"
 
 /* The stack: nodes that wait, with their entry distances. */
 node stack_node[STACK];
@@ -84,20 +85,6 @@ node step_inner(slab_ray slab, node n, float tbest)
     if (!hit0 && !hit1)
         next = stack_pop(tbest);
     return next;
-}
-
-/* The nine floats of a triangle lie in three quads, begun at any word of the first. */
-void tri_load(uint prim, out vec3 v0, out vec3 v1, out vec3 v2)
-{
-    uint at = ABI_TRI_FLOATS * prim;
-    vec4 a = tri_quad[at >> 2], b = tri_quad[(at >> 2) + 1u], c = tri_quad[(at >> 2) + 2u];
-    bool two = (at & 2u) != 0u, one = (at & 1u) != 0u;
-    vec4 d = two ? vec4(a.zw, b.xy) : a;
-    vec4 e = two ? vec4(b.zw, c.xy) : b;
-    vec2 f = two ? c.zw : c.xy;
-    v0 = one ? d.yzw : d.xyz;
-    v1 = one ? e.xyz : vec3(d.w, e.xy);
-    v2 = one ? vec3(e.w, f) : vec3(e.zw, f.x);
 }
 
 /* The ray keeps its length. Past the capacity hits are counted only. */

@@ -103,7 +103,7 @@ static void spirv_pins_every_float_operation(void **state)
         if (!shader->tracing)
             continue;
         tracing++;
-        if (found.float_ops < 40)
+        if (found.float_ops < 30)
             fail_msg("%s: only %u float operations found", shader->name, found.float_ops);
     }
     assert_true(tracing > 0);

@@ -184,6 +184,108 @@ static void drivers_trace_the_bits_of_c(void **state)
         skip();
 }
 
+/* Closest, any and all hits of engines `brute` and `vulkan_brute`. */
+static void compare_brute(const char *driver, void *self, void *c, struct view *view)
+{
+    enum { CAPACITY = 3 };
+    const struct engine *brute = engine_find("brute"), *vulkan = engine_find("vulkan_brute");
+    struct reason reason = {""};
+    for (size_t t = 0; tri_tests[t]; t++) {
+        if (view->scene.tri_count > 1000 && tri_tests[t]->id != ABI_TRI_WOOP)
+            continue; /* one test for the slow scenes */
+        for (int q = 0; q < 2; q++) {
+            const struct job job = {&view->scene, NULL, box_tests[0], tri_tests[t],
+                                    q ? QUERY_ANY : QUERY_CLOSEST};
+            (void)driver_trace("brute", c, view, &job, view->expected);
+            (void)driver_trace("vulkan_brute", self, view, &job, view->got);
+            if (view_differs(view))
+                fail_msg("%s: %s %s: %zu of %zu answers differ", driver, job.tri->name,
+                         query_name(job.query), view_differs(view), view->ray_count);
+        }
+        const struct job job = {&view->scene, NULL, box_tests[0], tri_tests[t], QUERY_ALL};
+        const size_t n = view->ray_count;
+        struct hit *hit[2] = {calloc(n, CAPACITY * sizeof(struct hit)),
+                              calloc(n, CAPACITY * sizeof(struct hit))};
+        uint32_t *count[2] = {calloc(n, 4), calloc(n, 4)};
+        assert_true(hit[0] && hit[1] && count[0] && count[1]);
+        gpu_must(brute->prepare(c, &job, &reason), &reason);
+        gpu_must(brute->trace_all(c, view->ray, n, CAPACITY, hit[0], count[0], &reason), &reason);
+        gpu_must(vulkan->prepare(self, &job, &reason), &reason);
+        gpu_must(vulkan->trace_all(self, view->ray, n, CAPACITY, hit[1], count[1], &reason),
+                 &reason);
+        assert_memory_equal(count[0], count[1], 4 * n);
+        for (size_t i = 0; i < n; i++) {
+            size_t listed = count[0][i] < CAPACITY ? count[0][i] : CAPACITY;
+            assert_memory_equal(hit[0] + i * CAPACITY, hit[1] + i * CAPACITY,
+                                listed * sizeof(struct hit));
+        }
+        for (int i = 0; i < 2; i++) {
+            free(hit[i]);
+            free(count[i]);
+        }
+    }
+}
+
+/* One part of the triangles, a part and a bit, several parts. */
+static void drivers_brute_force_has_the_bits_of_c(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *spec;
+        size_t rays;
+    } scenes[] = {{"soup:n=1", 65},
+                  {"soup:n=500", 700},
+                  {"soup:n=16384", 70},
+                  {"soup:n=16385", 70},
+                  {"soup:n=40000", 70}};
+    struct engine_options options = {.device = -1};
+    struct reason reason = {""};
+    void *c = NULL;
+    size_t opened = 0;
+    gpu_must(engine_find("brute")->open(&options, &c, &reason), &reason);
+    for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
+        void *self = driver_open("vulkan_brute", cpu_drivers[d]);
+        if (!self)
+            continue;
+        for (size_t s = 0; s < ARRAY_COUNT(scenes); s++) {
+            struct view view = view_make(scenes[s].spec, "mixed", scenes[s].rays);
+            compare_brute(cpu_drivers[d], self, c, &view);
+            view_free(&view);
+        }
+        assert_false(engine_find("vulkan_brute")->model(self, tri_tests[0]).bits); /* no tree */
+        engine_find("vulkan_brute")->close(self);
+        opened++;
+    }
+    engine_find("brute")->close(c);
+    if (!opened)
+        skip();
+}
+
+static void brute_force_of_an_empty_scene_misses(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct hit hit = {1, 1, 1, 1};
+    const struct ray ray = {{0, 0, 0}, 0, {1, 0, 0}, 1};
+    struct reason reason = {""};
+    struct trace_report report;
+    const struct engine *engine = engine_find("vulkan_brute");
+    void *self = driver_open("vulkan_brute", NULL);
+    if (!self)
+        skip();
+    assert_int_equal(scene_make(0, 0, &scene), STATUS_OK);
+    const struct job job = {&scene, NULL, box_tests[0], tri_tests[0], QUERY_CLOSEST};
+    assert_int_equal(engine->trace(self, &ray, 1, &hit, &report, &reason), STATUS_DEVICE);
+    assert_non_null(strstr(reason.text, "prepared"));
+    gpu_must(engine->prepare(self, &job, &reason), &reason);
+    gpu_must(engine->trace(self, &ray, 1, &hit, &report, &reason), &reason);
+    const struct hit miss = {0, 0, 0, ABI_NO_PRIM};
+    assert_memory_equal(&hit, &miss, sizeof hit);
+    gpu_must(engine->trace(self, &ray, 0, &hit, &report, &reason), &reason);
+    engine->close(self);
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -194,6 +296,8 @@ int main(void)
         cmocka_unit_test(driver_file_opens_by_its_path),
         cmocka_unit_test(driver_hardware_is_never_a_cpu),
         cmocka_unit_test(drivers_trace_the_bits_of_c),
+        cmocka_unit_test(drivers_brute_force_has_the_bits_of_c),
+        cmocka_unit_test(brute_force_of_an_empty_scene_misses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
