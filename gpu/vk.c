@@ -54,10 +54,14 @@ static enum status make_device(struct vk *vk, struct reason *reason)
         .queueCount = 1,
         .pQueuePriorities = (const float[]){1.0f},
     };
+    struct vk_ray_features ray;
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+        .pNext = vk->options.ray_query ? vk_ray_chain(&ray, true) : NULL,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
+        .enabledExtensionCount = vk->options.ray_query ? VK_RAY_EXTENSIONS : 0,
+        .ppEnabledExtensionNames = vk_ray_extensions,
         .pEnabledFeatures = &features,
     };
     VkResult result = vk->fn.CreateDevice(vk->physical, &info, NULL, &vk->device);

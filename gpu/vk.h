@@ -15,6 +15,7 @@ struct vk_options {
     int device;    /* index as vk_describe lists them, -1: the first that matches and can compute */
     bool validate; /* run under VK_LAYER_KHRONOS_validation and count its messages */
     bool staging;  /* copy through a staging buffer even where memory is shared */
+    bool ray_query;   /* the device must have ray queries, see gpu/vk_accel.h */
     uint64_t wait_ns; /* longest wait for one dispatch, 0: VK_WAIT_NS */
 };
 
@@ -78,8 +79,9 @@ struct vk_shader {
     const char *name;     /* for messages */
     const uint32_t *word; /* SPIR-V with entry point `main` */
     uint32_t word_count;
-    uint32_t binding_count;   /* storage buffers 0 .. binding_count - 1 of set 0 */
-    uint32_t push_bytes;      /* a multiple of 4, at most 128 */
+    uint32_t binding_count; /* storage buffers 0 .. binding_count - 1 of set 0 */
+    uint32_t push_bytes;    /* a multiple of 4, at most 128 */
+    bool accel; /* binding `binding_count` is an acceleration structure, see vk_pipeline_use */
     const uint32_t *constant; /* value of specialization constant i; borrowed for the call */
     uint32_t constant_count;
 };

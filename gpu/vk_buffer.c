@@ -9,6 +9,12 @@
 
 #define HOST_FLAGS (VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)
 
+/* With ray queries any buffer may hold or feed an acceleration structure. */
+#define RAY_USAGE                                                                                  \
+    (VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |                                                   \
+     VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR |                        \
+     VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR)
+
 /* The first allowed memory type with all of `wanted`; false if there is none. */
 static bool find_type(const struct vk *vk, uint32_t allowed, VkMemoryPropertyFlags wanted,
                       uint32_t *type)
@@ -36,8 +42,13 @@ static enum status bind_memory(struct vk *vk, struct vk_buffer *buffer, bool hos
 {
     VkMemoryRequirements need;
     vk->fn.GetBufferMemoryRequirements(vk->device, buffer->buffer, &need);
+    const VkMemoryAllocateFlagsInfo address = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
+        .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT,
+    };
     VkMemoryAllocateInfo info = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+        .pNext = vk->options.ray_query ? &address : NULL,
         .allocationSize = need.size,
     };
     if (!choose_type(vk, need.memoryTypeBits, host, &info.memoryTypeIndex))
@@ -77,6 +88,8 @@ static enum status make_buffer(struct vk *vk, uint64_t bytes, bool host, struct 
         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT,
     };
+    if (vk->options.ray_query)
+        info.usage |= RAY_USAGE;
     enum status status;
     VkResult result = vk->fn.CreateBuffer(vk->device, &info, NULL, &(*out)->buffer);
     if (result != VK_SUCCESS)
@@ -100,6 +113,18 @@ enum status vk_buffer_make(struct vk *vk, uint64_t bytes, struct vk_buffer **out
                     vk->limits.device, (unsigned long long)vk->limits.buffer_bytes,
                     (unsigned long long)bytes);
     return make_buffer(vk, bytes, vk->limits.shared_memory, out, reason);
+}
+
+enum status vk_buffer_make_unbound(struct vk *vk, uint64_t bytes, struct vk_buffer **out,
+                                   struct reason *reason)
+{
+    *out = NULL;
+    if (vk->allocation_bytes && bytes > vk->allocation_bytes)
+        return fail(reason, STATUS_LIMIT,
+                    "vulkan: %s allocates at most %llu bytes at once, %llu are needed",
+                    vk->limits.device, (unsigned long long)vk->allocation_bytes,
+                    (unsigned long long)bytes);
+    return make_buffer(vk, bytes, false, out, reason);
 }
 
 void vk_buffer_free(struct vk *vk, struct vk_buffer *buffer)

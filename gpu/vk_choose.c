@@ -15,7 +15,7 @@ struct answers {
     VkPhysicalDeviceFloatControlsProperties floats;
 };
 
-static bool has_extension(struct vk *vk, VkPhysicalDevice device, const char *name)
+bool vk_has_extension(struct vk *vk, VkPhysicalDevice device, const char *name)
 {
     uint32_t count = 0;
     if (vk->fn.EnumerateDeviceExtensionProperties(device, NULL, &count, NULL) < 0)
@@ -47,12 +47,12 @@ static void ask(struct vk *vk, VkPhysicalDevice device, struct answers *out)
         return;
     out->base.pNext = &out->allocation;
     if (version >= VK_API_VERSION_1_2 ||
-        has_extension(vk, device, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME)) {
+        vk_has_extension(vk, device, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME)) {
         out->driver.pNext = out->base.pNext;
         out->base.pNext = &out->driver;
     }
     if (version >= VK_API_VERSION_1_2 ||
-        has_extension(vk, device, VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME)) {
+        vk_has_extension(vk, device, VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME)) {
         out->floats.pNext = out->base.pNext;
         out->base.pNext = &out->floats;
     }
@@ -177,9 +177,13 @@ enum status vk_choose(struct vk *vk, struct reason *reason)
         ask(vk, device[i], &answers);
         bool can = find_family(vk, device[i], &vk->family, &bits);
         vk->limits = limits_of(&answers, bits);
-        found = can && vk->limits.api_version >= VK_API_VERSION_1_1 &&
-                (vk->options.device < 0 || (uint32_t)vk->options.device == i) &&
-                is_wanted(vk, &vk->limits);
+        found =
+            can && vk->limits.api_version >= VK_API_VERSION_1_1 &&
+            (vk->options.device < 0 || (uint32_t)vk->options.device == i) &&
+            is_wanted(vk, &vk->limits) &&
+            (!vk->options.ray_query || vk_can_query_rays(vk, device[i], vk->limits.api_version));
+        if (found && answers.allocation.maxMemoryAllocationSize)
+            vk->allocation_bytes = answers.allocation.maxMemoryAllocationSize;
         vk->physical = device[i];
     }
     free(device);
@@ -196,8 +200,8 @@ enum status vk_choose(struct vk *vk, struct reason *reason)
     if (vk->options.device >= 0)
         (void)snprintf(index, sizeof index, "%d", vk->options.device);
     return fail(reason, STATUS_UNSUPPORTED,
-                "vulkan: no device with Vulkan 1.1 compute matches driver '%.40s', index %s; "
-                "there is: %s",
+                "vulkan: no device with Vulkan %s matches driver '%.40s', index %s; there is: %s",
+                vk->options.ray_query ? "ray queries (VK_KHR_ray_query)" : "1.1 compute",
                 driver ? driver : "any", index, count ? there : "none");
 }
 

@@ -31,6 +31,7 @@ static const struct entry instance_entry[] = {
     ENTRY(EnumeratePhysicalDevices),
     ENTRY(GetPhysicalDeviceProperties),
     ENTRY(GetPhysicalDeviceProperties2),
+    ENTRY(GetPhysicalDeviceFeatures2),
     ENTRY(GetPhysicalDeviceMemoryProperties),
     ENTRY(GetPhysicalDeviceQueueFamilyProperties),
     ENTRY(EnumerateDeviceExtensionProperties),
@@ -90,6 +91,15 @@ static const struct entry device_entry[] = {
     ENTRY(CmdDispatch),
 };
 
+static const struct entry ray_entry[] = {
+    ENTRY(GetBufferDeviceAddress),
+    ENTRY(CreateAccelerationStructureKHR),
+    ENTRY(DestroyAccelerationStructureKHR),
+    ENTRY(GetAccelerationStructureBuildSizesKHR),
+    ENTRY(GetAccelerationStructureDeviceAddressKHR),
+    ENTRY(CmdBuildAccelerationStructuresKHR),
+};
+
 /* Stores one function; all function pointers have one representation here (POSIX). */
 static enum status store(struct vk *vk, const struct entry *entry, PFN_vkVoidFunction function,
                          struct reason *reason)
@@ -144,12 +154,20 @@ static void keep_loaded(PFN_vkVoidFunction function)
         (void)dlopen(info.dli_fname, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
 }
 
+static enum status load_device_entries(struct vk *vk, const struct entry *entry, size_t count,
+                                       struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < count && !status; i++)
+        status = store(vk, entry + i, vk->fn.GetDeviceProcAddr(vk->device, entry[i].name), reason);
+    return status;
+}
+
 enum status vk_load_device(struct vk *vk, struct reason *reason)
 {
     keep_loaded(vk->fn.GetDeviceProcAddr(vk->device, "vkQueueSubmit"));
-    enum status status = STATUS_OK;
-    for (size_t i = 0; i < ARRAY_COUNT(device_entry) && !status; i++)
-        status = store(vk, device_entry + i,
-                       vk->fn.GetDeviceProcAddr(vk->device, device_entry[i].name), reason);
+    enum status status = load_device_entries(vk, device_entry, ARRAY_COUNT(device_entry), reason);
+    if (!status && vk->options.ray_query)
+        status = load_device_entries(vk, ray_entry, ARRAY_COUNT(ray_entry), reason);
     return status;
 }

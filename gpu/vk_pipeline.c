@@ -5,7 +5,7 @@
 
 static enum status make_layouts(struct vk *vk, struct vk_pipeline *pipeline, struct reason *reason)
 {
-    VkDescriptorSetLayoutBinding binding[VK_BINDINGS_MAX];
+    VkDescriptorSetLayoutBinding binding[VK_BINDINGS_MAX + 1];
     for (uint32_t i = 0; i < pipeline->binding_count; i++)
         binding[i] = (VkDescriptorSetLayoutBinding){
             .binding = i,
@@ -13,9 +13,15 @@ static enum status make_layouts(struct vk *vk, struct vk_pipeline *pipeline, str
             .descriptorCount = 1,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };
+    binding[pipeline->binding_count] = (VkDescriptorSetLayoutBinding){
+        .binding = pipeline->binding_count,
+        .descriptorType = VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR,
+        .descriptorCount = 1,
+        .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
+    };
     VkDescriptorSetLayoutCreateInfo set = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .bindingCount = pipeline->binding_count,
+        .bindingCount = pipeline->binding_count + (pipeline->accel ? 1 : 0),
         .pBindings = binding,
     };
     VkResult result =
@@ -38,12 +44,15 @@ static enum status make_layouts(struct vk *vk, struct vk_pipeline *pipeline, str
 
 static enum status make_set(struct vk *vk, struct vk_pipeline *pipeline, struct reason *reason)
 {
-    VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, pipeline->binding_count};
+    const VkDescriptorPoolSize size[] = {
+        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, pipeline->binding_count},
+        {VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1},
+    };
     VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
         .maxSets = 1,
-        .poolSizeCount = 1,
-        .pPoolSizes = &size,
+        .poolSizeCount = pipeline->accel ? 2 : 1,
+        .pPoolSizes = size,
     };
     VkResult result = vk->fn.CreateDescriptorPool(vk->device, &pool, NULL, &pipeline->pool);
     if (result != VK_SUCCESS)
@@ -112,6 +121,7 @@ enum status vk_pipeline_make(struct vk *vk, const struct vk_shader *shader,
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for a pipeline");
     pipeline->binding_count = shader->binding_count;
     pipeline->push_bytes = shader->push_bytes;
+    pipeline->accel = shader->accel;
     enum status status = make_layouts(vk, pipeline, reason);
     if (!status)
         status = make_set(vk, pipeline, reason);

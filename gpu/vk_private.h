@@ -29,6 +29,8 @@ struct vk_fn {
     PFN_vkCreateDebugUtilsMessengerEXT CreateDebugUtilsMessengerEXT;
     PFN_vkDestroyDebugUtilsMessengerEXT DestroyDebugUtilsMessengerEXT;
 
+    PFN_vkGetPhysicalDeviceFeatures2 GetPhysicalDeviceFeatures2;
+
     PFN_vkDestroyDevice DestroyDevice;
     PFN_vkDeviceWaitIdle DeviceWaitIdle;
     PFN_vkGetDeviceQueue GetDeviceQueue;
@@ -73,6 +75,14 @@ struct vk_fn {
     PFN_vkCmdBindDescriptorSets CmdBindDescriptorSets;
     PFN_vkCmdPushConstants CmdPushConstants;
     PFN_vkCmdDispatch CmdDispatch;
+
+    /* With ray queries: */
+    PFN_vkGetBufferDeviceAddress GetBufferDeviceAddress;
+    PFN_vkCreateAccelerationStructureKHR CreateAccelerationStructureKHR;
+    PFN_vkDestroyAccelerationStructureKHR DestroyAccelerationStructureKHR;
+    PFN_vkGetAccelerationStructureBuildSizesKHR GetAccelerationStructureBuildSizesKHR;
+    PFN_vkGetAccelerationStructureDeviceAddressKHR GetAccelerationStructureDeviceAddressKHR;
+    PFN_vkCmdBuildAccelerationStructuresKHR CmdBuildAccelerationStructuresKHR;
 };
 
 /* Messages of the validation layer; the callback may run on any thread. */
@@ -93,7 +103,8 @@ struct vk {
     VkPhysicalDevice physical;
     VkPhysicalDeviceMemoryProperties memory;
     struct vk_limits limits;
-    uint32_t family; /* queue family */
+    uint64_t allocation_bytes; /* the largest piece of memory */
+    uint32_t family;           /* queue family */
     VkDevice device;
     VkQueue queue;
     VkCommandPool pool;
@@ -121,6 +132,7 @@ struct vk_pipeline {
     VkDescriptorSet set;
     uint32_t binding_count;
     uint32_t push_bytes;
+    bool accel;
 };
 
 /* Says which call failed and how: STATUS_MEMORY for the out-of-memory results, else
@@ -140,6 +152,27 @@ enum status vk_choose(struct vk *vk, struct reason *reason) MUST_USE;
 
 /* One line per device into text, for messages. */
 void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes);
+
+/* True if the device has the extension. */
+bool vk_has_extension(struct vk *vk, VkPhysicalDevice device, const char *name);
+
+/* True if the device, of Vulkan `version`, can do what vk_options.ray_query asks for. */
+bool vk_can_query_rays(struct vk *vk, VkPhysicalDevice device, uint32_t version);
+
+/* What vkCreateDevice needs for that. */
+struct vk_ray_features {
+    VkPhysicalDeviceBufferDeviceAddressFeatures address;
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR accel;
+    VkPhysicalDeviceRayQueryFeaturesKHR query;
+};
+#define VK_RAY_EXTENSIONS 3u
+extern const char *const vk_ray_extensions[VK_RAY_EXTENSIONS];
+/* Chains and, if `wanted`, switches on what is needed; returns the head of the chain. */
+void *vk_ray_chain(struct vk_ray_features *features, bool wanted);
+
+/* Makes a buffer that no shader binds, up to the largest piece of memory. */
+enum status vk_buffer_make_unbound(struct vk *vk, uint64_t bytes, struct vk_buffer **out,
+                                   struct reason *reason) MUST_USE;
 
 /* True if nothing is running, after some waiting for what hung. If false, no object that a shader
  * can use may be destroyed. */

@@ -11,9 +11,12 @@ $(TOOL): shaders/spirv_tool.c ref/mutant.h
 	$(HOSTCC) -I. -std=c17 -O1 $(WARN) -DMUTANT=$(MUTANT) -o $@ $<
 
 # -g0: names are no use at run time. Includes and abi.h come back through the depfile.
+# Ray queries need SPIR-V 1.4, so they are of Vulkan 1.2.
+$(B)/spv/raw/query_%.spv: TARGET := vulkan1.2
+TARGET := vulkan1.1
 $(B)/spv/raw/%.spv: shaders/%.comp
 	@mkdir -p $(@D)
-	$(GLSLANG) --quiet -V --target-env vulkan1.1 -g0 -DMUTANT=$(MUTANT) -I. -Ishaders \
+	$(GLSLANG) --quiet -V --target-env $(TARGET) -g0 -DMUTANT=$(MUTANT) -I. -Ishaders \
 	    --depfile $(@:.spv=.d) -o $@ $<
 
 $(B)/spv/%.spv: $(B)/spv/raw/%.spv $(TOOL)

@@ -4,7 +4,8 @@
  *   spirv_tool embed OUT.c A.spv ...    table of gpu/shaders.h
  * glslang loses `precise` inside helper functions and struct returns and never decorates dot or
  * cross products, so every float operation gets its NoContraction here, and what cannot be
- * decorated is refused in tracing shaders, those whose file name begins with trace_. */
+ * decorated is refused in tracing shaders, those whose file name begins with trace_. Shaders whose
+ * name begins with query_ may use ray queries, and nothing else beyond the baseline. */
 #include "ref/mutant.h"
 
 #include <ctype.h>
@@ -17,6 +18,7 @@
 #define MAGIC          0x07230203u
 #define HEADER_WORDS   5u
 #define NO_CONTRACTION 42u
+#define RAY_QUERY      4472u /* the capability RayQueryKHR */
 
 enum {
     OP_EXTENSION = 10,
@@ -40,7 +42,8 @@ struct module {
     uint32_t *word;
     size_t count;
     bool tracing;
-    bool free; /* its arithmetic stays as it is: the driver's freedom is what it measures */
+    bool query; /* uses ray queries */
+    bool free;  /* its arithmetic stays as it is: the driver's freedom is what it measures */
 };
 
 /* One instruction: opcode, its words (the first holds opcode and count). */
@@ -114,6 +117,7 @@ static bool read_module(const char *file, struct module *m)
     *m = (struct module){.file = file};
     const char *slash = strrchr(file, '/');
     m->tracing = strncmp(slash ? slash + 1 : file, "trace_", 6) == 0;
+    m->query = strncmp(slash ? slash + 1 : file, "query_", 6) == 0;
     m->free = strcmp(slash ? slash + 1 : file, "probe_free.spv") == 0;
     FILE *in = fopen(file, "rb");
     if (!in) {
@@ -165,9 +169,11 @@ static bool next(const struct module *m, size_t *at, struct instruction *out, bo
 /* The portable baseline: no capability beyond Shader, no extension, 32-bit numbers only. */
 static bool check_baseline(const struct module *m, size_t at, const struct instruction *i)
 {
-    if (i->op == OP_CAPABILITY && !(i->count == 2 && i->word[1] == 1))
+    if (i->op == OP_CAPABILITY &&
+        !(i->count == 2 && (i->word[1] == 1 || (m->query && i->word[1] == RAY_QUERY))))
         return complain(m, at, "OpCapability", "only Shader is promised everywhere");
-    if (i->op == OP_EXTENSION)
+    if (i->op == OP_EXTENSION &&
+        !(m->query && i->count == 6 && memcmp(i->word + 1, "SPV_KHR_ray_query", 18) == 0))
         return complain(m, at, "OpExtension", "no extension is promised everywhere");
     if ((i->op == OP_TYPE_FLOAT || i->op == OP_TYPE_INT) && !(i->count > 2 && i->word[2] == 32))
         return complain(m, at, i->op == OP_TYPE_INT ? "OpTypeInt" : "OpTypeFloat",

@@ -5,11 +5,11 @@
 #include <string.h>
 
 extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_vulkan_brute,
-    engine_embree, engine_embree_robust;
+    engine_rayquery, engine_embree, engine_embree_robust;
 
 const struct engine *const engines[] = {
-    &engine_brute,  &engine_cpu,           &engine_vulkan, &engine_vulkan_brute,
-    &engine_embree, &engine_embree_robust, NULL,
+    &engine_brute,    &engine_cpu,    &engine_vulkan,        &engine_vulkan_brute,
+    &engine_rayquery, &engine_embree, &engine_embree_robust, NULL,
 };
 
 /* One file holds both Embree engines; every other file holds one. */

@@ -1,0 +1,65 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_ray_query : require
+/* Rays through the driver's own tree and triangle test, one an invocation. Triangles are seen from
+ * both sides; the range is open, tmin < t < tmax. What the specification leaves undefined (numbers
+ * that are not finite, tmin below 0 or above tmax) is a miss and not asked. QUERY_ALL lists
+ * candidates and confirms none, so that none ends the ray. */
+#include "job.glsl"
+
+layout(set = 0, binding = ABI_BIND_FOUND + 1) uniform accelerationStructureEXT world;
+
+bool is_finite(vec3 v)
+{
+    uvec3 exponent = floatBitsToUint(v) & 0x7F800000u;
+    return exponent.x != 0x7F800000u && exponent.y != 0x7F800000u && exponent.z != 0x7F800000u;
+}
+
+uvec4 hit_of(float t, vec2 barycentrics, int prim)
+{
+    return uvec4(floatBitsToUint(vec3(t, barycentrics)), uint(prim));
+}
+
+/* More than this many steps of one query are a hang. */
+#define STEPS_MOST 16777216u
+
+void main()
+{
+    uint id = gl_GlobalInvocationID.x;
+    if (id >= job.ray_count)
+        return;
+    vec4 org = ray_quad[2u * id], dir = ray_quad[2u * id + 1u];
+    uvec4 answer = uvec4(0u, 0u, 0u, ABI_NO_PRIM);
+    uint found = 0u, steps = 0u;
+    bool more = false;
+    if (is_finite(org.xyz) && is_finite(dir.xyz) && org.w >= 0.0 && org.w <= dir.w) {
+        const uint flags = QUERY == ABI_QUERY_ALL ? gl_RayFlagsNoOpaqueEXT
+            : QUERY == ABI_QUERY_ANY ? gl_RayFlagsOpaqueEXT | gl_RayFlagsTerminateOnFirstHitEXT
+                                     : gl_RayFlagsOpaqueEXT;
+        rayQueryEXT query;
+        rayQueryInitializeEXT(query, world, flags, 0xFFu, org.xyz, org.w, dir.xyz, dir.w);
+        more = rayQueryProceedEXT(query);
+        while (more && steps < STEPS_MOST) {
+            if (QUERY == ABI_QUERY_ALL) {
+                if (found < job.capacity)
+                    hit_quad[id * job.capacity + found] =
+                        hit_of(rayQueryGetIntersectionTEXT(query, false),
+                               rayQueryGetIntersectionBarycentricsEXT(query, false),
+                               rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
+                found++;
+            }
+            steps++;
+            more = rayQueryProceedEXT(query);
+        }
+        if (QUERY != ABI_QUERY_ALL && rayQueryGetIntersectionTypeEXT(query, true) ==
+                                          gl_RayQueryCommittedIntersectionTriangleEXT)
+            answer = hit_of(rayQueryGetIntersectionTEXT(query, true),
+                            rayQueryGetIntersectionBarycentricsEXT(query, true),
+                            rayQueryGetIntersectionPrimitiveIndexEXT(query, true));
+    }
+    if (QUERY == ABI_QUERY_ALL)
+        found_word[id] = found;
+    else
+        hit_quad[id] = answer;
+    flag_word[id] = ABI_FLAG_DONE | (more ? ABI_FLAG_EXHAUSTED | ABI_FLAG_LOOP : 0u);
+}
