@@ -178,7 +178,7 @@ HEADERS := $(wildcard ref/*.h ref/primitives/*.h scenes/*.h) ref/oracle/oracle.h
 install: all lib
 	install -Dm755 $(B)/raydiff $(DESTDIR)$(PREFIX)/bin/raydiff
 	install -Dm644 $(B)/libraydiff.a $(DESTDIR)$(PREFIX)/lib/libraydiff.a
-	for h in $(filter-out %/cmd_check.h %/cmd_options.h %/cmd_tables.h,$(HEADERS)); do \
+	for h in $(filter-out ref/cmd_% scenes/cmd_%,$(HEADERS)); do \
 	    install -Dm644 $$h $(DESTDIR)$(PREFIX)/include/raydiff/$$h || exit 1; done
 	install -d $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/share/man/man1
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LDLIBS)|' \

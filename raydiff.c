@@ -11,6 +11,7 @@ static const struct command commands[] = {
     {"precompute", "writes a tree as BVH JSON, byte for byte as the seed's tool would",
      cmd_precompute},
     {"scene", "what a scene is, from one format to another, and which there are", cmd_scene},
+    {"leaks", "rays from inside a closed mesh: what passes, what is hit twice", cmd_leaks},
     {"list", "every builder, layout, test, engine, scene and ray set", cmd_list},
     {"doctor", "what can run here, and why the rest cannot", cmd_doctor},
     {NULL, NULL, NULL},

@@ -71,20 +71,12 @@ static enum status weld(const struct scene *scene, struct topology *out)
     return STATUS_OK;
 }
 
-static void corners(const struct topology *topology, const struct scene *scene, uint32_t tri,
-                    uint32_t p[3])
-{
-    for (size_t c = 0; c < 3; c++)
-        p[c] = topology->point[scene->index[3 * (size_t)tri + c]];
-}
-
 /* Lists the sides of all triangles that are not collapsed; returns how many. */
-static size_t list_halves(const struct scene *scene, struct topology *out, struct half_edge *half)
+static size_t list_halves(struct topology *out, struct half_edge *half)
 {
     size_t count = 0;
     for (uint32_t i = 0; i < out->tri_count; i++) {
-        uint32_t p[3];
-        corners(out, scene, i, p);
+        const uint32_t *p = out->corner + 3 * (size_t)i;
         if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) {
             out->collapsed++;
             continue;
@@ -99,12 +91,12 @@ static size_t list_halves(const struct scene *scene, struct topology *out, struc
     return count;
 }
 
-static enum status list_edges(const struct scene *scene, struct topology *out)
+static enum status list_edges(struct topology *out)
 {
     struct half_edge *half = alloc_zeroed(3 * (size_t)out->tri_count, sizeof *half);
     if (!half)
         return STATUS_MEMORY;
-    size_t count = list_halves(scene, out, half);
+    size_t count = list_halves(out, half);
     qsort(half, count, sizeof *half, by_edge);
     for (size_t i = 0; i < count; i++) {
         if (i == 0 || half[i].a != half[i - 1].a || half[i].b != half[i - 1].b)
@@ -123,14 +115,13 @@ static enum status list_edges(const struct scene *scene, struct topology *out)
 }
 
 /* Counting sort of the triangles by point. */
-static void list_fans(const struct scene *scene, struct topology *out)
+static void list_fans(struct topology *out)
 {
     for (int pass = 0; pass < 2; pass++) {
         for (uint32_t i = 0; i < out->tri_count; i++) {
-            uint32_t p[3];
+            const uint32_t *p = out->corner + 3 * (size_t)i;
             if (out->edge_of[3 * (size_t)i] == TOPOLOGY_NONE)
                 continue;
-            corners(out, scene, i, p);
             for (int c = 0; c < 3; c++) {
                 if (pass == 0)
                     out->fan_first[p[c]]++;
@@ -158,26 +149,30 @@ enum status topology_make(const struct scene *scene, struct topology *out, struc
     size_t sides = 3 * (size_t)scene->tri_count;
     out->point = alloc_zeroed(scene->vertex_count, sizeof *out->point);
     out->vertex = alloc_zeroed(scene->vertex_count, sizeof *out->vertex);
+    out->corner = alloc_zeroed(sides, sizeof *out->corner);
     out->edge_of = alloc_zeroed(sides, sizeof *out->edge_of);
     out->edge = alloc_zeroed(sides, sizeof *out->edge);
     out->side = alloc_zeroed(sides, sizeof *out->side);
     out->fan = alloc_zeroed(sides, sizeof *out->fan);
     enum status status = STATUS_OK;
-    if (!out->point || !out->vertex || !out->edge_of || !out->edge || !out->side || !out->fan)
+    if (!out->point || !out->vertex || !out->corner || !out->edge_of || !out->edge || !out->side ||
+        !out->fan)
         status = STATUS_MEMORY;
     if (!status)
         status = weld(scene, out);
     if (!status) {
+        for (size_t i = 0; i < sides; i++)
+            out->corner[i] = out->point[scene->index[i]];
         memset(out->edge_of, 0xFF, sides * sizeof *out->edge_of);
         out->fan_first = alloc_zeroed((size_t)out->point_count + 1, sizeof *out->fan_first);
-        status = out->fan_first ? list_edges(scene, out) : STATUS_MEMORY;
+        status = out->fan_first ? list_edges(out) : STATUS_MEMORY;
     }
     if (status) {
         topology_free(out);
         return fail(reason, status, "no memory for the edges of %u triangles",
                     (unsigned)scene->tri_count);
     }
-    list_fans(scene, out);
+    list_fans(out);
     return STATUS_OK;
 }
 
@@ -185,6 +180,7 @@ void topology_free(struct topology *topology)
 {
     free(topology->point);
     free(topology->vertex);
+    free(topology->corner);
     free(topology->edge_of);
     free(topology->edge);
     free(topology->side);
@@ -208,6 +204,67 @@ bool topology_fan_closed(const struct topology *topology, uint32_t p)
                 return false;
         }
     return topology->fan_first[p] < topology->fan_first[p + 1];
+}
+
+/* True if triangle `tri` runs along its side `edge` from the edge's lower point to the higher. */
+static bool runs_forward(const struct topology *topology, const struct topology_edge *edge,
+                         uint32_t tri)
+{
+    for (uint32_t i = 0; i < edge->forward; i++)
+        if (topology->side[edge->first + i] == tri)
+            return true;
+    return false;
+}
+
+/* The two sides of triangle `tri` that meet point `p`: the one that arrives there and the one that
+ * leaves, in the triangle's own direction. */
+static void sides_at(const struct topology *topology, uint32_t tri, uint32_t p, uint32_t *arrives,
+                     uint32_t *leaves)
+{
+    *arrives = *leaves = TOPOLOGY_NONE;
+    for (size_t c = 0; c < 3; c++) {
+        uint32_t e = topology->edge_of[3 * (size_t)tri + c];
+        const struct topology_edge *edge = &topology->edge[e];
+        if (edge->a != p && edge->b != p)
+            continue;
+        if ((edge->a == p) == runs_forward(topology, edge, tri))
+            *leaves = e;
+        else
+            *arrives = e;
+    }
+}
+
+bool topology_fan_is_ring(const struct topology *topology, uint32_t p)
+{
+    uint32_t size = topology->fan_first[p + 1] - topology->fan_first[p], steps = 0;
+    if (size < 3)
+        return false;
+    uint32_t first = topology->fan[topology->fan_first[p]], tri = first;
+    do {
+        uint32_t arrives, leaves;
+        sides_at(topology, tri, p, &arrives, &leaves);
+        const struct topology_edge *edge = &topology->edge[leaves];
+        if (edge->forward != 1 || edge->backward != 1)
+            return false;
+        uint32_t other = topology->side[edge->first];
+        tri = other == tri ? topology->side[edge->first + 1] : other;
+        steps++;
+    } while (tri != first && steps <= size);
+    return steps == size;
+}
+
+uint32_t topology_shared_edge(const struct topology *topology, uint32_t a, uint32_t b)
+{
+    for (size_t i = 0; i < 3; i++)
+        for (size_t j = 0; j < 3; j++) {
+            uint32_t e = topology->edge_of[3 * (size_t)a + i];
+            if (e == TOPOLOGY_NONE || e != topology->edge_of[3 * (size_t)b + j])
+                continue;
+            const struct topology_edge *edge = &topology->edge[e];
+            if (runs_forward(topology, edge, a) != runs_forward(topology, edge, b))
+                return e;
+        }
+    return TOPOLOGY_NONE;
 }
 
 uint32_t topology_open_edge(const struct topology *topology)

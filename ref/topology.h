@@ -21,6 +21,7 @@ struct topology {
     uint32_t collapsed; /* triangles two corners of which are one point: they have no edges and
                            are in no fan */
     uint32_t *point;    /* vertex_count: the point of each vertex */
+    uint32_t *corner;   /* 3 * tri_count: the points of each triangle */
     uint32_t *vertex;   /* point_count: the first vertex at each point */
     uint32_t *edge_of;  /* 3 * tri_count: [3 * i + c] is the edge from corner c to the next one,
                            TOPOLOGY_NONE in collapsed triangles */
@@ -43,6 +44,14 @@ bool topology_edge_closed(const struct topology_edge *edge);
 
 /* True if every edge that meets point `p` is closed, and there is one. */
 bool topology_fan_closed(const struct topology *topology, uint32_t p);
+
+/* True if the fan of point `p` is one ring: every edge that meets p joins exactly two of its
+ * triangles, of one winding, and all of them hang together. */
+bool topology_fan_is_ring(const struct topology *topology, uint32_t p);
+
+/* The edge that triangles `a` and `b`, not the same, share and run along opposite ways, as
+ * neighbours of one winding do; TOPOLOGY_NONE if there is none. */
+uint32_t topology_shared_edge(const struct topology *topology, uint32_t a, uint32_t b);
 
 /* The first edge that is not closed, in the order of `edge`; TOPOLOGY_NONE if the mesh is closed
  * and consistently wound. */

@@ -73,6 +73,12 @@ static float snap(float x, float quantum)
     return fabsf(steps) < 0x1p23f ? floorf(steps + 0.5f) * quantum : x;
 }
 
+void stage_snap(float quantum, float p[3])
+{
+    for (int k = 0; k < 3; k++)
+        p[k] = snap(p[k], quantum);
+}
+
 void stage_origin(const struct stage *stage, struct rng *rng, bool snapped, float org[3])
 {
     float dir[3];
@@ -84,9 +90,9 @@ void stage_origin(const struct stage *stage, struct rng *rng, bool snapped, floa
         const float lo = stage->box.lo[k], hi = stage->box.hi[k];
         org[k] = outside ? 0.5f * lo + 0.5f * hi + 1.5f * stage->extent * dir[k]
                          : rng_range(rng, lo, hi);
-        if (snapped)
-            org[k] = snap(org[k], ldexpf(1.0f, exponent - 9));
     }
+    if (snapped)
+        stage_snap(ldexpf(1.0f, exponent - 9), org);
 }
 
 bool stage_jitter(const struct stage *stage, struct rng *rng, size_t turn, float p[3])

@@ -20,6 +20,7 @@ enum stage_tag {
     STAGE_AXIS,
     STAGE_BOUNCE,
     STAGE_RANGES,
+    STAGE_INSIDE,
 };
 
 struct stage {
@@ -48,6 +49,9 @@ void stage_triangle(const struct stage *stage, struct rng *rng, float v[3][3]);
 /* An origin to aim from: half of them in the box, half on a sphere around it. Snapped ones are
  * multiples of a power of two near extent / 256, so that on a lattice target - origin is exact. */
 void stage_origin(const struct stage *stage, struct rng *rng, bool snapped, float org[3]);
+
+/* Puts a point on the nearest multiples of `quantum`, where floats are not coarser than that. */
+void stage_snap(float quantum, float p[3]);
 
 /* Moves a target by up to 0, 1e-6 or 1e-3 extents, by turns. Returns true for the first. */
 bool stage_jitter(const struct stage *stage, struct rng *rng, size_t turn, float p[3]);

@@ -86,6 +86,8 @@ static void lists_agree_with_their_definitions(void **state)
                 assert_true(t.point[v[0]] == p || t.point[v[1]] == p || t.point[v[2]] == p);
                 assert_true(i == t.fan_first[p] || t.fan[i - 1] < t.fan[i]);
             }
+        for (size_t i = 0; i < 3 * (size_t)scene.tri_count; i++)
+            assert_int_equal(t.corner[i], t.point[scene.index[i]]);
         for (uint32_t i = 0; i < scene.vertex_count; i++) {
             const float *a = scene.vertex + 3 * (size_t)i;
             const float *b = scene.vertex + 3 * (size_t)t.vertex[t.point[i]];
@@ -109,6 +111,8 @@ static void generators_that_say_so_are_closed(void **state)
             fail_msg("%s: %s", closed[s], reason.text);
         for (uint32_t p = 0; p < topology.point_count; p++)
             assert_true(topology_fan_closed(&topology, p));
+        for (uint32_t p = 0; p < topology.point_count && s < 3; p++) /* flake's spheres touch */
+            assert_true(topology_fan_is_ring(&topology, p));
         topology_free(&topology);
         scene_free(&scene);
     }
@@ -154,6 +158,58 @@ static void faults_are_named(void **state)
     }
 }
 
+/* Two tetrahedra that touch in a point: closed fans all of them, but the one in the middle is two
+ * rings. */
+static void touching_cones_are_no_ring(void **state)
+{
+    (void)state;
+    static const float at[21] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, -1, 0, 0, 0, -1, 0, 0, 0, -1};
+    static const uint32_t index[24] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3,
+                                       0, 4, 5, 0, 6, 4, 0, 5, 6, 4, 6, 5};
+    struct scene scene;
+    struct reason reason = {""};
+    assert_int_equal(scene_make(7, 8, &scene), STATUS_OK);
+    memcpy(scene.vertex, at, sizeof at);
+    memcpy(scene.index, index, sizeof index);
+    struct topology topology = topology_of(&scene);
+    if (topology_is_closed(&topology, &scene, &reason))
+        fail_msg("%s", reason.text);
+    for (uint32_t p = 0; p < 7; p++) {
+        assert_true(topology_fan_closed(&topology, p));
+        assert_int_equal(topology_fan_is_ring(&topology, p), p != 0);
+    }
+    topology_free(&topology);
+    scene_free(&scene);
+}
+
+/* Neighbours share an edge, triangles that only touch in a point do not; a turned one runs the same
+ * way and is no neighbour of one winding. */
+static void neighbours_share_an_edge(void **state)
+{
+    (void)state;
+    struct scene scene = generated("platonic");
+    struct topology t = topology_of(&scene);
+    size_t shared = 0;
+    for (uint32_t a = 0; a < scene.tri_count; a++)
+        for (uint32_t b = 0; b < scene.tri_count; b++) {
+            uint32_t e = a == b ? TOPOLOGY_NONE : topology_shared_edge(&t, a, b);
+            if (e == TOPOLOGY_NONE)
+                continue;
+            shared++;
+            const uint32_t *side = t.side + t.edge[e].first;
+            assert_true((side[0] == a && side[1] == b) || (side[0] == b && side[1] == a));
+        }
+    assert_int_equal(shared, 3 * scene.tri_count);
+    topology_free(&t);
+    scene_free(&scene);
+    struct scene turned = tetrahedron((const uint32_t[12]){0, 2, 1, 0, 3, 1, 4, 3, 2, 1, 2, 3});
+    t = topology_of(&turned);
+    assert_int_equal(topology_shared_edge(&t, 0, 1), TOPOLOGY_NONE);
+    assert_int_not_equal(topology_shared_edge(&t, 0, 2), TOPOLOGY_NONE);
+    topology_free(&t);
+    scene_free(&turned);
+}
+
 static void nothing_is_no_closed_mesh(void **state)
 {
     (void)state;
@@ -181,6 +237,8 @@ int main(void)
         cmocka_unit_test(lists_agree_with_their_definitions),
         cmocka_unit_test(generators_that_say_so_are_closed),
         cmocka_unit_test(faults_are_named),
+        cmocka_unit_test(touching_cones_are_no_ring),
+        cmocka_unit_test(neighbours_share_an_edge),
         cmocka_unit_test(nothing_is_no_closed_mesh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

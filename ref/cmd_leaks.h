@@ -1,0 +1,72 @@
+/* What raydiff leaks and its report share. For commands only. */
+#ifndef CMD_LEAKS_H
+#define CMD_LEAKS_H
+
+#include "ref/cmd_tables.h"
+#include "ref/leaks.h"
+#include "ref/match.h"
+#include "scenes/rays_inside.h"
+
+#define LEAKS_LEAST 1000 /* fewer rays say nothing */
+
+/* What was asked for. */
+struct leaks_options {
+    struct list layout, engine, builder, box, tri;
+    bool layout_named, engine_named;
+    struct build_options build;
+    uint64_t count, seed;
+    const struct leak_profile *profile;
+    struct engine_options engines;
+    const char *json;
+};
+
+/* An engine on a layout, or alone. */
+struct leak_row {
+    const struct engine *engine; /* NULL: no engine could play, the layout refused */
+    const struct layout *layout; /* NULL: the engine needs none */
+    const struct builder *builder;
+    const struct box_test *box;
+    const struct tri_test *tri;
+    enum status status; /* LIMIT: the layout refuses; UNSUPPORTED: cannot run here; else failed */
+    struct reason reason;
+    struct leaks leaks;
+    bool promises; /* a watertight triangle test, and a box test that keeps it so */
+    bool compared; /* with engine cpu on the same tree, bit for bit */
+    size_t bit_differences;
+    char broken[160]; /* what breaks the profile or the engine's promise; empty: nothing */
+};
+
+/* One scene and all its rows. */
+struct leak_scene {
+    const char *spec;
+    const struct leak_profile *profile;
+    uint32_t tri_count, point_count, edge_count;
+    size_t ray_count;
+    uint64_t seed;
+    struct inside inside;
+    char vacuous[120]; /* why the whole result says nothing; empty: it does */
+    struct leak_row *row;
+    size_t row_count;
+};
+
+/* Opens a scene, demands that it is closed, aims, and lets every engine play. *result is whole only
+ * on success; the caller frees result->row. Errors: STATUS_INPUT no such scene, an open mesh, no
+ * point inside; STATUS_MEMORY; those of builders. What fails in a row is in the row. */
+enum status leaks_play(const struct leaks_options *options, struct pool *pool,
+                       struct progress *progress, const char *spec, struct leak_scene *result,
+                       struct reason *reason) MUST_USE;
+
+/* Fills row->broken from its counts. */
+void leak_row_judge(struct leak_row *row, const struct leak_profile *profile);
+
+/* Prints the table of a scene, its findings and what it means. */
+void leaks_print(const struct leak_scene *scene);
+
+/* The exit code that the rows ask for; a layout or engine counts only if it was named. */
+int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_named);
+
+/* Writes all rows as JSON, see README "Leaks". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+enum status leaks_write_json(const char *path, const struct leak_scene *scene, size_t scene_count,
+                             int exit_code, struct reason *reason) MUST_USE;
+
+#endif
