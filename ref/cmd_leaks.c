@@ -15,7 +15,7 @@ static const char help[] =
     "those that hit two triangles where the edge or vertex they share has room for one (double),\n"
     "and those that cross the mesh an even number of times.\n\n"
     "  --layout L,..   layouts, or 'all'                                         [f32,rf16]\n"
-    "  --engine E,..   engines, or 'all'                [every one that can run here but brute]\n"
+    "  --engine E,..   engines, or 'all'                       [all that can run here but brute]\n"
     "  --builder B,..  builders                                                  [median]\n"
     "  --leaf N        items per leaf, 1 or more                                 [4]\n"
     "  --box B,..      box tests                                        [robust,watertight]\n"
@@ -78,7 +78,7 @@ static struct leaks_options default_options(void)
     };
     /* Brute force takes minutes on a real mesh: it plays when it is named. */
     for (size_t i = 0; engines[i]; i++)
-        if (strcmp(engines[i]->name, "brute") != 0)
+        if (!strstr(engines[i]->name, "brute"))
             o.engine.index[o.engine.count++] = i;
     bool ok = table_parse(TABLE_LAYOUTS, "", "f32,rf16", &o.layout, &reason) == STATUS_OK &&
               table_parse(TABLE_BUILDERS, "", "median", &o.builder, &reason) == STATUS_OK &&

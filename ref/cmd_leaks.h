@@ -30,6 +30,7 @@ struct leak_row {
     enum status status; /* LIMIT: the layout refuses; UNSUPPORTED: cannot run here; else failed */
     struct reason reason;
     struct leaks leaks;
+    bool own_test; /* the engine has one triangle test, whatever `tri` says */
     bool promises; /* a watertight triangle test, and a box test that keeps it so */
     bool compared; /* with engine cpu on the same tree, bit for bit */
     size_t bit_differences;

@@ -1,5 +1,6 @@
 /* How raydiff leaks plays one scene: every engine on every tree and test that was asked for. */
 #include "ref/cmd_leaks.h"
+#include "ref/twin.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>
@@ -84,16 +85,28 @@ static enum status play_row(struct play *play, struct leak_row row, struct reaso
     return add_row(play, &row, reason);
 }
 
-/* Engines that need no tree, once; Embree has its own triangle test, once. */
+/* False for engines that have one triangle test of their own, whatever is asked for. */
+static bool runs_our_tests(struct play *play, const struct engine *engine,
+                           const struct tri_test *tri)
+{
+    enum status status;
+    void *self = pool_get(play->pool, engine, &status, NULL);
+    return self && engine->model(self, tri).formula == twin_of_tri(tri->id);
+}
+
+/* Engines that need no tree: those with a test of their own play once. */
 static enum status play_treeless(struct play *play, struct leak_row row, bool first,
                                  struct reason *reason)
 {
     const struct leaks_options *o = play->options;
     enum status status = STATUS_OK;
+    row.layout = NULL;
     for (size_t e = 0; e < o->engine.count && !status; e++) {
         row.engine = engines[o->engine.index[e]];
-        bool ours = strcmp(row.engine->name, "brute") == 0;
-        if (!row.engine->needs_packed && (first || ours))
+        if (row.engine->needs_packed)
+            continue;
+        row.own_test = !runs_our_tests(play, row.engine, row.tri);
+        if (first || !row.own_test)
             status = play_row(play, row, reason);
     }
     return status;

@@ -53,7 +53,8 @@ static void print_row(const struct leak_row *row)
 {
     printf("%-13s %-13s %-10s %-7s", row->layout ? row->layout->name : "-",
            row->engine ? row->engine->name : "-",
-           row->engine && !row->engine->needs_packed ? "-" : row->box->name, row->tri->name);
+           row->engine && !row->engine->needs_packed ? "-" : row->box->name,
+           row->own_test ? "own" : row->tri->name);
     if (row->status) {
         printf(" %s: %s\n",
                row->status == STATUS_LIMIT         ? "refused"
@@ -182,8 +183,8 @@ static json_t *row_json(const struct leak_scene *scene, const struct leak_row *r
                   "layout", row->layout ? row->layout->name : NULL, "engine",
                   row->engine ? row->engine->name : NULL, "builder", row->builder->name, "box",
                   row->engine && !row->engine->needs_packed ? NULL : row->box->name, "tri",
-                  row->tri->name, "promises", (int)row->promises, "broken", row->broken, "status",
-                  status_text(row->status), "reason", row->reason.text);
+                  row->own_test ? "own" : row->tri->name, "promises", (int)row->promises, "broken",
+                  row->broken, "status", status_text(row->status), "reason", row->reason.text);
     if (!out || row->status)
         return out;
     struct leak_tally sum = leaks_total(&row->leaks);

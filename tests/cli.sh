@@ -40,7 +40,7 @@ OBJ
 small="--count 200 --repeat 1 --engine cpu"
 
 # Help is on standard output and succeeds, everywhere.
-for command in '' check conform explain bench list doctor scene precompute; do
+for command in '' check conform explain leaks bench list doctor scene precompute; do
     expect 0 . $command --help
     grep -q 'example' "$dir/out" || bad "raydiff $command --help shows no example"
 done
@@ -179,6 +179,29 @@ fi
 expect 2 'no-such-folder' bench error --scene sphere:n=3 --count 10 --rounds 1 --engine cpu --svg "$dir/no-such-folder/x.svg"
 expect 2 . bench error --scene soup:n=100000,size=0.001 --layout rf16 --engine cpu --count 10 --rounds 1
 
+# Leaks: closed meshes only, rows that promise fail, others are counted.
+few="--count 1000 --layout f32 --engine cpu"
+expect 2 'no scene given' leaks
+expect 2 "unknown name 'opengl'; profiles are: vulkan, dxr" leaks sphere --profile opengl
+expect 2 'no closed mesh: triangle 0, edge of vertices 0 .* the mesh is open there' leaks "$dir/one.obj" $few
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 2\nf 1 4 3\nf 2 3 4\n' >"$dir/turned.obj"
+expect 2 'a triangle is turned round' leaks "$dir/turned.obj" $few
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n' >"$dir/flat.obj"
+expect 2 'flat.obj: no point inside' leaks "$dir/flat.obj" $few
+expect 0 . leaks sphere:n=4 $few --tri mt,woop --json "$dir/leaks.json"
+grep -q 'mt .* counted$' "$dir/out" || bad "leaks: a row that promises nothing is counted"
+grep -q 'watertight *woop .* kept$' "$dir/out" || bad "leaks: woop keeps its word"
+for key in profile scenes aimed_exactly promises broken total aims vertex beside misses double_hits even \
+    lost phantoms repeated bit_differences findings; do
+    grep -q "\"$key\"" "$dir/leaks.json" || bad "leaks --json: no key $key"
+done
+expect 1 . leaks sphere:n=4 $few --tri woop --box watertight --profile dxr
+grep -q 'BROKEN: .* hit twice' "$dir/out" || bad "leaks: woop breaks the DXR rule, and it is said"
+expect 1 . leaks sphere:n=4 --count 999 --layout f32 --engine cpu
+grep -q 'vacuous: 999 rays' "$dir/out" || bad "leaks: too few rays are vacuous"
+expect 2 . leaks sphere:n=4 $few --layout rf16 --leaf 9
+expect 2 'no-such-folder' leaks sphere:n=4 $few --json "$dir/no-such-folder/x"
+
 [ -z "$(ls "$dir" | grep -i tmp)" ] || bad "a temporary file was left behind"
 
 # Scenes: what they are, and from one format to another.
@@ -225,6 +248,7 @@ fi
 # is unloaded without a device having been made, and is gone when a sanitizer asks whose they were.
 export ASAN_OPTIONS=detect_leaks=0
 expect 77 . check soup --count 200 --repeat 1 --engine vulkan --driver no-such-driver
+expect 77 . leaks sphere:n=4 --count 1000 --engine vulkan --driver no-such-driver
 expect 77 . explain soup --engine vulkan --driver no-such-driver
 expect 0 . check soup --count 200 --repeat 1 --driver no-such-driver
 

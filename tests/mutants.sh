@@ -151,6 +151,7 @@ in_shaders FAR_NOT_PADDED check soup --layout f32 --engine vulkan --rays corners
 in_shaders BEHIND_FORGOT test_vulkan_watertight
 in_shaders LOST_SLOT check soup --layout rf16 --engine vulkan --leaf 8 --count 5000 --repeat 1
 in_shaders ZERO_IS_EMPTY check platonic --layout rf16 --engine vulkan --count 5000 --repeat 1
+in_program OPEN_EDGES ref/trace.c leaks sphere --layout f32 --engine cpu --box watertight --tri woop --count 4000
 in_shaders CULLED_ALL test_all_engines
 in_shaders LOST_SLOT test_all_engines
 

@@ -4,6 +4,7 @@
 #define TRI_H
 
 #include "ref/abi.h"
+#include "ref/mutant.h"
 
 #include <stdbool.h>
 
@@ -97,6 +98,10 @@ static inline bool tri_woop(const struct tri_ray *r, float v[3][3], struct hit *
     float w2 = x[1] * y[0] - y[1] * x[0];
     if ((w0 < 0.0f || w1 < 0.0f || w2 < 0.0f) && (w0 > 0.0f || w1 > 0.0f || w2 > 0.0f))
         return false;
+#if MUTANT == MUTANT_OPEN_EDGES
+    if (w0 == 0.0f || w1 == 0.0f || w2 == 0.0f)
+        return false;
+#endif
     float det = (w0 + w1) + w2;
     if (!(det > 0.0f || det < 0.0f)) /* zero and NaN */
         return false;
