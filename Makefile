@@ -12,7 +12,8 @@ B   := $(if $(filter release,$(config)),$(OUT),$(OUT)/$(config))
 
 WARN := -Wall -Wextra -Wconversion -Wvla -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Werror
 # No contraction anywhere: an fma would change the bits that the shaders are compared with.
-FP   := -ffp-contract=off -fno-fast-math
+# gcc 12.2 takes (double)(float)x for x where it packs two of them in a vector: no packing.
+FP   := -ffp-contract=off -fno-fast-math -fno-tree-slp-vectorize
 OPT_release  := -O3 -g
 OPT_debug    := -O0 -g3 -D_GLIBCXX_ASSERTIONS
 OPT_sanitize := -O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
