@@ -35,13 +35,25 @@ static enum status enter(struct race *race, const struct engine *engine,
     return status;
 }
 
-/* True if member i was asked for: named, or (nothing being named) not as published. */
-static bool wanted(const struct list *list, size_t i, bool faithful)
+/* True if `name` stands in "a,b,c". */
+static bool is_in(const char *names, const char *name)
+{
+    size_t length = strlen(name);
+    for (const char *at = names; (at = strstr(at, name)); at++)
+        if ((at == names || at[-1] == ',') && (at[length] == ',' || at[length] == '\0'))
+            return true;
+    return false;
+}
+
+/* True if member i was asked for: named, or (nothing being named) one of `own`; where there is no
+ * `own`, unless it is to be left out. */
+static bool wanted(const struct list *list, size_t i, const char *own, const char *name,
+                   bool left_out)
 {
     for (size_t k = 0; k < list->count; k++)
         if (list->index[k] == i)
             return true;
-    return list->count == 0 && !faithful;
+    return list->count == 0 && (own ? is_in(own, name) : !left_out);
 }
 
 static int enter_one(struct race *race, const struct engine *engine, const struct layout *layout,
@@ -77,7 +89,8 @@ static int enter_layouts(struct race *race, const struct engine *engine, const s
     for (size_t l = 0; layouts[l]; l++)
         for (size_t b = 0; b < (boxes->count ? boxes->count : 1); b++) {
             const struct box_test *box = boxes->count ? box_tests[boxes->index[b]] : box_for(tri);
-            if (wanted(&race->bench->layout, l, layouts[l]->faithful))
+            if (wanted(&race->bench->layout, l, race->own_layouts, layouts[l]->name,
+                       layouts[l]->faithful))
                 code = exit_worse(code, enter_one(race, engine, layouts[l], box, tri));
         }
     return code;
@@ -94,11 +107,13 @@ int race_enter(struct race *race, const struct tri_test *tri)
     int code = EXIT_AGREE;
     for (size_t e = 0; engines[e]; e++) {
         bool entered = false;
-        if (!wanted(&race->bench->engine, e, strstr(engines[e]->name, "brute") != NULL))
+        if (!wanted(&race->bench->engine, e, race->own_engines, engines[e]->name,
+                    strstr(engines[e]->name, "brute") != NULL))
             continue;
         for (size_t t = 0; tri_tests[t]; t++) {
-            bool take =
-                tri ? tri_tests[t] == tri : wanted(&race->bench->tri, t, tri_tests[t]->faithful);
+            bool take = tri ? tri_tests[t] == tri
+                            : wanted(&race->bench->tri, t, NULL, tri_tests[t]->name,
+                                     tri_tests[t]->faithful);
             if (!take || (entered && !has_our_test(engines[e])))
                 continue;
             entered = true;

@@ -27,6 +27,8 @@ struct race {
     const char *label; /* scene and rays, for progress */
     const struct scene *scene;
     const struct bvh *bvh;
+    /* Engines and layouts where the user named none, as "cpu,embree"; NULL: see race_enter. */
+    const char *own_engines, *own_layouts;
     struct contestant contestant[CONTESTANTS];
     size_t count;
 };

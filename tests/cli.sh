@@ -176,6 +176,11 @@ if command -v xmllint >/dev/null; then
     xmllint --noout "$dir/e.svg" 2>"$dir/err" || bad "bench error --svg is not well-formed"
 fi
 [ "$(grep -c '<circle' "$dir/e.svg")" -gt 8 ] || bad "bench error --svg shows no points"
+expect 0 . bench spawn --scene sphere:n=3 --count 300 --engine cpu --csv "$dir/s.csv" --json "$dir/s.json"
+grep -q '^bary  *least' "$dir/out" || bad "bench spawn has a row per point and rule"
+[ "$(grep -c '^spawn,sphere:n=3,' "$dir/s.csv")" -eq 252 ] || bad "bench spawn --csv has 6 places, 14 rows, 3 judges"
+expect 1 . bench spawn --scene "$dir/speck.obj" --count 20 --engine cpu
+grep -q 'vacuous' "$dir/out" || bad "bench spawn says that a scene without hits proves nothing"
 expect 2 'no-such-folder' bench error --scene sphere:n=3 --count 10 --rounds 1 --engine cpu --svg "$dir/no-such-folder/x.svg"
 expect 2 . bench error --scene soup:n=100000,size=0.001 --layout rf16 --engine cpu --count 10 --rounds 1
 
