@@ -48,7 +48,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           TRACE_SHADERS=$(words $(filter-out %/trace_brute.comp,$(wildcard shaders/trace_*.comp)))
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
-        validate-check format format-check drivers install uninstall scenes mutants lint fuzz-load
+        validate-check format format-check drivers install uninstall scenes mutants lint fuzz-load truth
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -89,6 +89,17 @@ ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
 $(ORACLE_TESTS): $(B)/obj/tests/exact_gmp.o $(B)/obj/tests/exact_gmp_bounds.o \
     $(B)/obj/tests/exact_gmp_redecide.o $(B)/obj/tests/oracle_cases.o
 $(ORACLE_TESTS): TEST_LIBS += -lgmp
+
+# The campaign of truth; needs GMP, so it is no part of the program.
+TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact_gmp*.c) \
+               ref/cmd_tables.c ref/cmd_options.c)
+$(B)/truth: $(TRUTH_OBJ) $(B)/libraydiff.a
+	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) -lgmp
+truth:
+	@sh .ci/deps.sh check
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/truth
+	@mkdir -p $(B)/truth-found
+	$(B)/truth --out $(B)/truth-found $(ARGS)
 
 include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
 

@@ -23,12 +23,13 @@ static enum status make(const double *value, uint64_t seed, struct scene *out,
 {
     struct pen pen;
     *out = (struct scene){0};
-    enum status status = pen_values(&gen_stack, value, 1u << N | 1u << COPIES | 1u << OFFSET, reason);
+    enum status status =
+        pen_values(&gen_stack, value, 1u << N | 1u << COPIES | 1u << OFFSET, reason);
     if (status)
         return status;
     uint32_t n = (uint32_t)value[N], copies = (uint32_t)value[COPIES];
-    status = pen_start(&gen_stack, (copies > 2 ? 5 : 3) * (uint64_t)n, (uint64_t)n * copies, out, &pen,
-                       reason);
+    status = pen_start(&gen_stack, (copies > 2 ? 5 : 3) * (uint64_t)n, (uint64_t)n * copies, out,
+                       &pen, reason);
     if (status)
         return status;
     struct rng rng = rng_make(seed, 0);

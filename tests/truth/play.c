@@ -1,0 +1,116 @@
+#include "tests/truth/play.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void stand_free(struct stand *stand)
+{
+    if (stand->has_judged)
+        judged_free(&stand->judged);
+    oracle_free(stand->oracle);
+    packed_free(&stand->packed);
+    bvh_free(&stand->bvh);
+    *stand = (struct stand){0};
+}
+
+bool stand_make(const struct contestant *who, void *self, const struct scene *scene,
+                struct stand *out, struct reason *reason)
+{
+    const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
+    *out = (struct stand){.who = who, .scene = scene};
+    out->job = (struct job){
+        .scene = scene, .box = who->box, .tri = who->tri, .query = QUERY_CLOSEST};
+    enum status status = builders[0]->build(scene, &build, &out->bvh, reason);
+    if (!status && who->layout) {
+        status = packed_make(who->layout, &out->bvh, scene, &out->packed, reason);
+        out->job.packed = &out->packed;
+    }
+    if (!status)
+        status = oracle_make(scene, &out->oracle, reason);
+    if (!status)
+        status = who->engine->prepare(self, &out->job, reason);
+    if (!status) {
+        struct judged_job from = {.engine = who->engine,
+                                  .self = self,
+                                  .job = &out->job,
+                                  .bvh = &out->bvh,
+                                  .oracle = out->oracle};
+        status = judged_make(&from, &out->judged, reason);
+        out->has_judged = status == STATUS_OK;
+    }
+    return status == STATUS_OK;
+}
+
+static struct wrong_answer wrong_at(const struct ground *ground, const struct contestant *who,
+                                    const struct model *model, size_t i)
+{
+    struct wrong_answer wrong = {.who = *who,
+                                 .cause = CAUSE_UNEXPLAINED,
+                                 .rays = ground->rays,
+                                 .index = i,
+                                 .seed = ground->seed,
+                                 .ray = ground->ray[i],
+                                 .hit = ground->hit[i],
+                                 .judgement = ground->judgement[i]};
+    snprintf(wrong.scene, sizeof wrong.scene, "%s", ground->spec);
+    wrong.opinion =
+        exact_gmp_redecide(&ground->scene, &wrong.ray, model, false, &wrong.hit).opinion;
+    return wrong;
+}
+
+/* Decides the wrong answers again, explains the first of them, cuts each new kind down. */
+static void follow_up(const struct ground *ground, const struct contestant *who,
+                      struct stand *stand, void *self, struct tally *tally)
+{
+    size_t seen = 0, known = tally->count;
+    for (size_t i = 0; i < ground->count; i++) {
+        if (ground->judgement[i].verdict != VERDICT_WRONG)
+            continue;
+        struct wrong_answer wrong = wrong_at(ground, who, &stand->judged.model, i);
+        struct judged_ray one;
+        struct reason reason;
+        if (seen++ < WRONG_EXPLAINED && !judged_explain(&stand->judged, &wrong.ray, &one, &reason)) {
+            wrong.cause = one.why.cause;
+            explain_free(&one.why);
+        }
+        (void)tally_add(tally, &wrong);
+    }
+    for (size_t i = known; i < tally->count; i++)
+        reduce(&tally->signature[i].first, &ground->scene, self, &tally->signature[i].smallest);
+}
+
+enum status play(const struct ground *ground, const struct contestant *who, struct pool *pool,
+                 struct tally *tally, struct play_result *out, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    struct trace_report report;
+    struct stand stand = {0};
+    *out = (struct play_result){0};
+    void *self = pool_get(pool, who->engine, &status, reason);
+    if (status || !stand_make(who, self, &ground->scene, &stand, reason)) {
+        stand_free(&stand);
+        out->refused = true;
+        return STATUS_OK;
+    }
+    status = who->engine->trace(self, ground->ray, ground->count, ground->hit, &report, reason);
+    int bad = 0;
+    if (!status) {
+#pragma omp parallel for schedule(dynamic, 256) reduction(+ : bad)
+        for (long long i = 0; i < (long long)ground->count; i++)
+            bad += judge_answer(stand.judged.judge, &ground->ray[i], &ground->truth[i],
+                                &ground->hit[i], &ground->judgement[i]) != STATUS_OK;
+        if (bad)
+            status = fail(reason, STATUS_MEMORY, "no memory to judge %d answers", bad);
+    }
+    for (size_t i = 0; i < ground->count && !status; i++) {
+        out->verdict[ground->judgement[i].verdict]++;
+        out->hits += ground->hit[i].prim != ABI_NO_PRIM;
+        if (ground->judgement[i].over > out->worst_over)
+            out->worst_over = ground->judgement[i].over;
+    }
+    out->judged = status ? 0 : ground->count;
+    if (!status && out->verdict[VERDICT_WRONG] > 0)
+        follow_up(ground, who, &stand, self, tally);
+    stand_free(&stand);
+    return status;
+}
