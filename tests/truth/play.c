@@ -18,8 +18,8 @@ bool stand_make(const struct contestant *who, void *self, const struct scene *sc
 {
     const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
     *out = (struct stand){.who = who, .scene = scene};
-    out->job = (struct job){
-        .scene = scene, .box = who->box, .tri = who->tri, .query = QUERY_CLOSEST};
+    out->job =
+        (struct job){.scene = scene, .box = who->box, .tri = who->tri, .query = QUERY_CLOSEST};
     enum status status = builders[0]->build(scene, &build, &out->bvh, reason);
     if (!status && who->layout) {
         status = packed_make(who->layout, &out->bvh, scene, &out->packed, reason);
@@ -69,7 +69,8 @@ static void follow_up(const struct ground *ground, const struct contestant *who,
         struct wrong_answer wrong = wrong_at(ground, who, &stand->judged.model, i);
         struct judged_ray one;
         struct reason reason;
-        if (seen++ < WRONG_EXPLAINED && !judged_explain(&stand->judged, &wrong.ray, &one, &reason)) {
+        if (seen++ < WRONG_EXPLAINED &&
+            !judged_explain(&stand->judged, &wrong.ray, &one, &reason)) {
             wrong.cause = one.why.cause;
             explain_free(&one.why);
         }

@@ -37,9 +37,9 @@ static bool still_wrong(const struct wrong_answer *wrong, const struct scene *sc
         *out = *wrong;
         out->hit = one.answer.hit;
         out->judgement = one.judgement;
-        out->opinion = exact_gmp_redecide(scene, &wrong->ray, &stand.judged.model, false,
-                                          &one.answer.hit)
-                           .opinion;
+        out->opinion =
+            exact_gmp_redecide(scene, &wrong->ray, &stand.judged.model, false, &one.answer.hit)
+                .opinion;
         explain_free(&one.why);
     }
     stand_free(&stand);
@@ -53,7 +53,7 @@ static bool pass(const struct wrong_answer *wrong, const struct scene *scene, vo
 {
     bool gone = false;
     uint32_t *left = malloc((*count ? *count : 1) * sizeof *left);
-    for (uint32_t at = 0; left && at < *count && *work < WORK_MOST && *count > 1;) {
+    for (uint32_t at = 0; left && at < *count && *work<WORK_MOST && * count> 1;) {
         uint32_t n = 0;
         for (uint32_t i = 0; i < *count; i++)
             if (i < at || i >= at + step)

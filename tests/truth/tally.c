@@ -55,9 +55,9 @@ static void write_command(const struct wrong_answer *answer, const char *scene, 
             who->tri->name);
     if (who->layout)
         fprintf(stream, " --layout %s --box %s", who->layout->name, who->box->name);
-    fprintf(stream, " --ray '%a,%a,%a %a,%a,%a %a,%a'\n", (double)ray->org[0],
-            (double)ray->org[1], (double)ray->org[2], (double)ray->dir[0], (double)ray->dir[1],
-            (double)ray->dir[2], (double)ray->tmin, (double)ray->tmax);
+    fprintf(stream, " --ray '%a,%a,%a %a,%a,%a %a,%a'\n", (double)ray->org[0], (double)ray->org[1],
+            (double)ray->org[2], (double)ray->dir[0], (double)ray->dir[1], (double)ray->dir[2],
+            (double)ray->tmin, (double)ray->tmax);
 }
 
 static enum status write_signature(const struct signature *signature, const char *dir,

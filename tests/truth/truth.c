@@ -105,9 +105,8 @@ static void play_all(struct campaign *c, struct ground *ground)
                     play_one(c, ground, &who, layouts[l]->faithful ? GROUP_PUBLISHED : (int)t);
                 ground->count = count;
             }
-    struct contestant embree = {.engine = engine_find("embree_robust"),
-                                .box = box_tests[0],
-                                .tri = tri_test_find("mt")};
+    struct contestant embree = {
+        .engine = engine_find("embree_robust"), .box = box_tests[0], .tri = tri_test_find("mt")};
     play_one(c, ground, &embree, GROUP_EMBREE);
 }
 
@@ -191,8 +190,8 @@ static int print_result(const struct campaign *c)
         if (s->first.who.layout && !s->first.who.layout->faithful)
             own += s->count;
     }
-    printf("%zu scenes (%zu left out), %zu combinations refused by a layout or skipped\n", c->scenes,
-           c->left_out, c->refused);
+    printf("%zu scenes (%zu left out), %zu combinations refused by a layout or skipped\n",
+           c->scenes, c->left_out, c->refused);
     printf("WRONG: %zu in %zu signatures; cpu and vulkan on f32 and rf16: %zu of %zu\n", wrong,
            c->tally.count, own, c->sum[GROUP_MT].judged + c->sum[GROUP_WOOP].judged);
     printf("decided again by rationals:");
@@ -204,9 +203,10 @@ static int print_result(const struct campaign *c)
 }
 
 enum { OPT_RAYS = 256, OPT_SEED, OPT_OUT };
-static const struct option long_options[] = {
-    {"rays", 1, NULL, OPT_RAYS}, {"seed", 1, NULL, OPT_SEED}, {"out", 1, NULL, OPT_OUT},
-    ENGINE_OPTIONS};
+static const struct option long_options[] = {{"rays", 1, NULL, OPT_RAYS},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             {"out", 1, NULL, OPT_OUT},
+                                             ENGINE_OPTIONS};
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
