@@ -308,39 +308,49 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     return status;
 }
 
-/* A trial's name stands for its options. */
+/* A trial's name stands for its options; what begins like one is one. */
+static enum status take_trial(struct explain_options *o, const char *text, struct reason *reason)
+{
+    static struct trial trial; /* its scene is borrowed */
+    enum status status = trial_parse(text, &trial, reason);
+    if (!status && trial.query == QUERY_ALL)
+        status = fail(reason, STATUS_INPUT, "trial: closest or any can be explained, not all");
+    if (status)
+        return status;
+    o->of = (struct explain_of){.spec = trial.scene,
+                                .seed = trial.seed,
+                                .engine = trial.engine,
+                                .layout = trial.layout,
+                                .builder = trial.builder,
+                                .build = o->of.build,
+                                .box = trial.box,
+                                .tri = trial.tri,
+                                .query = trial.query};
+    o->rays = trial.rays;
+    if (!o->has_count)
+        o->count = 1000;
+    return STATUS_OK;
+}
+
 static enum status take_subject(struct explain_options *o, const char *text, struct reason *reason)
 {
-    struct trial trial;
-    struct reason unused;
+    enum status status = STATUS_OK;
+    bool trial = false;
     o->of.spec = text;
-    o->of.driver = o->engines.driver;
-    if (trial_parse(text, &trial, &unused) == STATUS_OK) {
-        static char spec[sizeof trial.scene];
-        memcpy(spec, trial.scene, sizeof spec);
-        if (trial.query == QUERY_ALL)
-            return fail(reason, STATUS_INPUT, "%s: closest or any can be explained", text);
-        o->of = (struct explain_of){.spec = spec,
-                                    .seed = trial.seed,
-                                    .engine = trial.engine,
-                                    .layout = trial.layout,
-                                    .builder = trial.builder,
-                                    .build = o->of.build,
-                                    .box = trial.box,
-                                    .tri = trial.tri,
-                                    .query = trial.query,
-                                    .driver = o->engines.driver};
-        o->rays = trial.rays;
-        if (!o->has_count)
-            o->count = 1000;
+    for (enum query query = 0; query < QUERY_COUNT; query++) {
+        size_t length = strlen(query_name(query));
+        trial = trial || (strncmp(text, query_name(query), length) == 0 && text[length] == '.');
     }
+    if (trial)
+        status = take_trial(o, text, reason);
+    o->of.driver = o->engines.driver;
     if (!o->of.engine->needs_packed) {
         o->of.layout = NULL;
         o->of.builder = NULL;
     }
-    if (o->ray_text && (o->has_rays || o->has_index))
-        return fail(reason, STATUS_INPUT, "--ray is one ray: it goes without --rays and --index");
-    return STATUS_OK;
+    if (!status && o->ray_text && (o->has_rays || o->has_index))
+        status = fail(reason, STATUS_INPUT, "--ray is one ray: it goes without --rays and --index");
+    return status;
 }
 
 static void print_help(void)

@@ -132,7 +132,8 @@ expect 2 "goes without --rays" explain soup --ray '0,0,0 1,1,1' --index 3
 expect 2 "20 of 20 rays" explain soup --rays random --count 20 --index 20
 expect 2 "unknown cause 'bad luck'" explain soup --cause 'bad luck'
 expect 2 "'all' is not one name" explain soup --query all
-expect 2 "closest or any can be explained" explain all.cpu.f32.median.robust.mt.soup.vertices.1
+expect 2 "trial: unknown layout 'f31'" explain closest.cpu.f31.median.robust.mt.soup.random.1
+expect 2 "trial: " explain all.cpu.f32.median.robust.mt.soup.vertices.1
 expect 2 "a leaf holds at most 8 items" explain soup --layout rf16 --leaf 9
 expect 0 . explain "$dir/one.obj" --ray '0x1p-2,0.25,-1 0,0,1'
 grep -q 'allowed: right' "$dir/out" || bad "explain says why an answer is allowed"
