@@ -114,12 +114,13 @@ static json_t *imitated_json(const struct explanation *why)
 
 static json_t *hints_json(const struct explain_page *page)
 {
-    const struct explanation *why = &page->ray->why;
+    const struct judged_ray *ray = page->ray;
     struct outside_hint hint[OUTSIDE_HINTS];
     json_t *out = json_array();
-    size_t count = why->cause == CAUSE_OUTSIDE && why->prim != ABI_NO_PRIM
-                       ? explain_outside(page->scene, &page->ray->ray, why->prim, hint)
-                       : 0;
+    size_t count = 0;
+    if (!page->judged->known && ray->answer.finished && ray->answer.hit.prim == ABI_NO_PRIM &&
+        ray->truth.prim != ABI_NO_PRIM)
+        count = explain_outside(page->scene, &ray->ray, ray->truth.prim, hint);
     for (size_t i = 0; i < count; i++)
         json_array_append_new(
             out, json_pack("{s:s, s:s}", "cause", cause_name(hint[i].cause), "text", hint[i].text));

@@ -267,19 +267,22 @@ static void print_imitated(const struct explanation *why)
     printf("  C with this planted: %s", defect_text(one->defect));
     if (numbered)
         printf(" (%u)", one->parameter);
-    printf(": the engine's answer, and its answers to %u of %u other rays\n", one->witnesses,
+    printf(": the same as the engine, also for %u of %u other rays\n", one->witnesses,
            why->witness_count);
 }
 
+/* An engine whose tree is not seen lost what is exactly hit, whether that is allowed or not. */
 static void print_hints(const struct explain_page *page)
 {
-    const struct explanation *why = &page->ray->why;
+    const struct judged_ray *ray = page->ray;
     struct outside_hint hint[OUTSIDE_HINTS];
-    if (why->prim == ABI_NO_PRIM)
+    if (page->judged->known || !ray->answer.finished || ray->answer.hit.prim != ABI_NO_PRIM ||
+        ray->truth.prim == ABI_NO_PRIM)
         return;
-    size_t count = explain_outside(page->scene, &page->ray->ray, why->prim, hint);
+    size_t count = explain_outside(page->scene, &ray->ray, ray->truth.prim, hint);
     for (size_t i = 0; i < count; i++)
-        printf("  would be lost by %s (%s)\n", hint[i].text, cause_name(hint[i].cause));
+        printf("%s%s (%s)\n", i == 0 ? "lost by?   " : "           ", hint[i].text,
+               cause_name(hint[i].cause));
 }
 
 static void print_cause(const struct explain_page *page)
@@ -295,9 +298,7 @@ static void print_cause(const struct explain_page *page)
         puts("  C on the same bytes does the same; repaired one at a time it answers");
         print_tried(why);
         puts("  (repairs that change nothing are left out)");
-    } else if (why->cause == CAUSE_OUTSIDE) {
-        print_hints(page);
-    } else if (page->ray->answer.finished && why->cause != CAUSE_NOT_REPEATABLE) {
+    } else if (why->imitation_count > 0) {
         print_imitated(why);
     }
 }
@@ -321,6 +322,7 @@ void explain_print(const struct explain_page *page)
     if (ray->answer.finished && ray->answer.hit.prim != ray->why.prim)
         print_triangle(page, ray->answer.hit.prim);
     print_cause(page);
+    print_hints(page);
     explain_command(page->of, &ray->ray, command);
     printf("again     %s\n", command);
 }

@@ -29,13 +29,15 @@ static inline void suspect_free(struct suspect *s)
     explain_tree_free(&s->tree);
 }
 
-/* user: the suspect. What is as near as what mt hits is allowed. */
+/* user: the suspect. What is as near as what its triangle test (mt for mt_rtrs) hits of all
+ * triangles is allowed. */
 static inline void brute_opinion(const void *user, const struct ray *ray, const struct hit *answer,
                                  struct opinion *out)
 {
     const struct suspect *s = user;
     struct hit best;
-    trace_brute(s->scene, tri_test_find("mt"), QUERY_CLOSEST, ray, &best);
+    const char *tri = strcmp(s->tri, "mt_rtrs") == 0 ? "mt" : s->tri;
+    trace_brute(s->scene, tri_test_find(tri), QUERY_CLOSEST, ray, &best);
     bool same = (answer->prim == ABI_NO_PRIM) == (best.prim == ABI_NO_PRIM);
     *out = (struct opinion){same && answer->t == best.t, "brute", best.prim};
 }

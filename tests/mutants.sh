@@ -155,5 +155,7 @@ in_program OPEN_EDGES ref/trace.c leaks sphere --layout f32 --engine cpu --box w
 in_shaders CULLED_ALL test_all_engines
 in_shaders LOST_SLOT test_all_engines
 
+. tests/mutants_explain.sh
+
 echo "$caught planted bugs caught, $missed missed"
 [ "$missed" -eq 0 ]

@@ -61,24 +61,21 @@ static void repair_inside(const struct explain_case *the, struct explanation *ou
         try_two(the, out);
 }
 
-static enum cause cause_of_flags(uint32_t flags)
+/* The engine did not finish. If C does not either, repairs say why; else the engine's own flags do,
+ * and if they say only that it went in circles, or nothing, an imitation. */
+static enum status explain_unfinished(const struct explain_case *the,
+                                      const struct explain_answer *answer, struct explanation *out)
 {
-    if (flags & ABI_FLAG_STACK)
-        return CAUSE_STACK;
-    return flags & ABI_FLAG_LOOP ? CAUSE_LOOP_CAP : CAUSE_UNEXPLAINED;
-}
-
-/* The engine did not finish. If C does not either, repairs say why; else its own flags. */
-static void explain_unfinished(const struct explain_case *the, uint32_t flags,
-                               struct explanation *out)
-{
-    if (out->replayed_end != REPLAY_DONE) {
+    out->cause = CAUSE_STACK;
+    if (out->replayed_end != REPLAY_DONE)
         repair_inside(the, out);
-        return;
-    }
-    out->cause = cause_of_flags(flags);
-    if (out->cause == CAUSE_UNEXPLAINED)
-        out->cause = the->exact ? CAUSE_SHADER : CAUSE_DRIVER_ARITHMETIC;
+    else if (answer->flags & ABI_FLAG_STACK)
+        return STATUS_OK;
+    else if (answer->flags & ABI_FLAG_VISITS || !(answer->flags & ABI_FLAG_LOOP))
+        return explain_imitate(the, answer, out);
+    else
+        out->cause = CAUSE_LOOP_CAP; /* the visits alone would end the loop as well */
+    return STATUS_OK;
 }
 
 static bool repeats(const struct explain_case *the, const struct hit *hit)
@@ -88,9 +85,10 @@ static bool repeats(const struct explain_case *the, const struct hit *hit)
 }
 
 /* The engine finished with something that is not allowed, or not C's. */
-static enum status explain_answered(const struct explain_case *the, const struct hit *hit,
-                                    struct explanation *out)
+static enum status explain_answered(const struct explain_case *the,
+                                    const struct explain_answer *answer, struct explanation *out)
 {
+    const struct hit *hit = &answer->hit;
     bool same = out->replayed_end == REPLAY_DONE && same_bits(hit, &out->replayed);
     if (!repeats(the, hit)) {
         out->cause = CAUSE_NOT_REPEATABLE;
@@ -101,7 +99,7 @@ static enum status explain_answered(const struct explain_case *the, const struct
     } else if (same) {
         repair_inside(the, out);
     } else {
-        return explain_imitate(the, hit, out);
+        return explain_imitate(the, answer, out);
     }
     return STATUS_OK;
 }
@@ -118,14 +116,14 @@ enum status explain_make(const struct explain_case *the, const struct explain_an
     out->replayed_opinion = plain.opinion;
     if (answer->finished) {
         the->judge(the->judge_user, &the->ray, &answer->hit, &out->opinion);
-        status = explain_answered(the, &answer->hit, out);
+        status = explain_answered(the, answer, out);
     } else {
         /* A miss, to learn what should have been answered. */
         struct hit miss = {.prim = ABI_NO_PRIM};
         the->judge(the->judge_user, &the->ray, &miss, &out->opinion);
         out->opinion.allowed = false;
         out->opinion.text = "not finished";
-        explain_unfinished(the, answer->flags, out);
+        status = explain_unfinished(the, answer, out);
     }
     out->prim = out->opinion.expected;
     if (!status)

@@ -32,6 +32,7 @@ enum status judged_make(const struct judged_job *from, struct judged *out, struc
         out->model.formula = TWIN_MT;
     if (job->packed && !job->box->watertight)
         out->model.watertight = false; /* the triangle test is, but its boxes are not */
+    out->known = is_known(out);
     out->has_tree = job->packed && job->packed->node_count > 0;
     if (out->has_tree)
         status = explain_tree_make(job->scene, from->bvh, job->packed, &out->tree, reason);
@@ -138,7 +139,7 @@ static struct explain_case case_of(struct judged *judged, const struct ray *ray,
         .bits = judged->model.bits,
         .exact = rounding->add == ieee.add && rounding->mul == ieee.mul &&
                  rounding->div == ieee.div && rounding->tiny == ieee.tiny,
-        .known = is_known(judged),
+        .known = judged->known,
     };
 }
 

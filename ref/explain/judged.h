@@ -23,6 +23,7 @@ struct judged {
     struct explain_tree tree; /* if from.job->packed has nodes */
     bool has_tree;
     struct judge *judge;
+    bool known; /* formula and tree are those that C replays; else the engine is outside */
 };
 
 /* One ray. Owns `why` (explain_free). */
