@@ -203,7 +203,8 @@ static void what_the_watertight_box_test_is_for_is_found(void **state)
     suspect.box = "robust";
     count_causes(&suspect, ray, 2000, causes);
     assert_true(causes[CAUSE_BOX_PADDING_TOO_SMALL] > 5);
-    /* A box behind the best hit by less than rounding is a near tie to the judge, not to this test. */
+    /* A box behind the best hit by less than rounding is a near tie to the judge, not to this test.
+     */
     assert_true(causes[CAUSE_CULLED_BY_BEST] <= 5);
     assert_int_equal(causes[CAUSE_BOX_PADDING_TOO_SMALL] + causes[CAUSE_CULLED_BY_BEST] +
                          causes[CAUSE_NONE],
