@@ -89,6 +89,9 @@ ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
 $(ORACLE_TESTS): $(B)/obj/tests/exact_gmp.o $(B)/obj/tests/exact_gmp_bounds.o \
     $(B)/obj/tests/exact_gmp_redecide.o $(B)/obj/tests/oracle_cases.o
 $(ORACLE_TESTS): TEST_LIBS += -lgmp
+BOUNDS_TESTS := $(filter $(B)/tests/test_bounds%,$(TESTS))
+$(BOUNDS_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle_cases.o)
+$(BOUNDS_TESTS): TEST_LIBS += -lgmp
 
 # The campaign of truth; needs GMP, so it is no part of the program.
 TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact_gmp*.c) \

@@ -1,0 +1,308 @@
+#include "tests/legal.h"
+
+#include "ref/base.h"
+
+#include <float.h>
+#include <math.h>
+
+#define UNIT 0x1p-24
+
+static uint32_t next_choice(struct legal *l)
+{
+    uint32_t choice = 0, at = l->count++ % LEGAL_MOST;
+    switch (l->style) {
+    case LEGAL_ALL_NEAREST:
+        break;
+    case LEGAL_ALL_LOW:
+        choice = LEGAL_LOW;
+        break;
+    case LEGAL_ALL_HIGH:
+        choice = LEGAL_HIGH | LEGAL_FUSE | LEGAL_FLUSH;
+        break;
+    case LEGAL_RANDOM:
+        choice = (uint32_t)rng_u64(&l->rng) & 63u;
+        break;
+    case LEGAL_CHOSEN:
+        choice = l->choice[at];
+        break;
+    }
+    l->choice[at] = (uint8_t)choice;
+    return choice;
+}
+
+static bool flushes(const struct legal *l)
+{
+    return l->rounding.tiny > 0x1p-149;
+}
+
+static float flushed(const struct legal *l, float x, bool wanted)
+{
+    return wanted && flushes(l) && fabsf(x) < FLT_MIN ? copysignf(0, x) : x;
+}
+
+/* The float32 next to head + tail, |tail| far below head's last place, on the side chosen. */
+static float neighbour(double head, double tail, float nearest, uint32_t choice)
+{
+    float f = (float)head;
+    bool below = (double)f < head || ((double)f == head && tail > 0);
+    bool above = (double)f > head || ((double)f == head && tail < 0);
+    if (choice & LEGAL_LOW)
+        return above ? nextafterf(f, -INFINITY) : f;
+    if (choice & LEGAL_HIGH)
+        return below ? nextafterf(f, INFINITY) : f;
+    return nearest;
+}
+
+static float rounded(const struct legal *l, double k, double head, double tail, float nearest,
+                     uint32_t choice)
+{
+    float f = nearest;
+    if (k >= 2.0 && isfinite(head)) {
+        f = neighbour(head, tail, nearest, choice);
+        /* Below the normal range one float32 step may be more than tiny only if nothing flushes. */
+    }
+    return flushed(l, f, (choice & LEGAL_FLUSH) != 0);
+}
+
+float legal_add(struct legal *l, float a, float b)
+{
+    uint32_t choice = next_choice(l);
+    a = flushed(l, a, (choice & LEGAL_FLUSH_A) != 0);
+    b = flushed(l, b, (choice & LEGAL_FLUSH_B) != 0);
+    double x = (double)a, y = (double)b, sum = x + y, back = sum - x;
+    double tail = (x - (sum - back)) + (y - back); /* Knuth: exactly what the sum lost */
+    return rounded(l, l->rounding.add, sum, tail, a + b, choice);
+}
+
+static float legal_sub(struct legal *l, float a, float b)
+{
+    return legal_add(l, a, -b);
+}
+
+float legal_mul(struct legal *l, float a, float b)
+{
+    uint32_t choice = next_choice(l);
+    a = flushed(l, a, (choice & LEGAL_FLUSH_A) != 0);
+    b = flushed(l, b, (choice & LEGAL_FLUSH_B) != 0);
+    return rounded(l, l->rounding.mul, (double)a * (double)b, 0, a * b, choice);
+}
+
+/* Any float32 within div u of the quotient: the farthest one on the side chosen. */
+float legal_div(struct legal *l, float a, float b)
+{
+    uint32_t choice = next_choice(l);
+    a = flushed(l, a, (choice & LEGAL_FLUSH_A) != 0);
+    b = flushed(l, b, (choice & LEGAL_FLUSH_B) != 0);
+    double q = (double)a / (double)b, k = l->rounding.div;
+    float f = a / b;
+    if (k > 1.0 && isfinite(q) && (choice & (LEGAL_LOW | LEGAL_HIGH))) {
+        /* A little inside, so that the double's own rounding does not lead outside. */
+        double reach = fabs(q) * k * UNIT * (1 - 1e-9) + (flushes(l) ? 0 : 0x1p-149);
+        bool low = choice & LEGAL_LOW;
+        double end = low ? q - reach : q + reach;
+        f = neighbour(end, 0, (float)end, low ? LEGAL_HIGH : LEGAL_LOW);
+    }
+    return flushed(l, f, (choice & LEGAL_FLUSH) != 0);
+}
+
+/* a b + c, in one rounding or two. */
+static float multiply_add(struct legal *l, float a, float b, float c)
+{
+    uint32_t at = l->count;
+    uint32_t choice = next_choice(l);
+    if (!l->fuses || !(choice & LEGAL_FUSE)) {
+        l->count = at + 1;
+        return legal_add(l, legal_mul(l, a, b), c);
+    }
+    a = flushed(l, a, (choice & LEGAL_FLUSH_A) != 0);
+    b = flushed(l, b, (choice & LEGAL_FLUSH_B) != 0);
+    return flushed(l, fmaf(a, b, c), (choice & LEGAL_FLUSH) != 0);
+}
+
+static float seen(struct legal *l, float x)
+{
+    return flushed(l, x, (next_choice(l) & LEGAL_FLUSH_A) != 0);
+}
+
+static void subtract(struct legal *l, const float a[3], const float b[3], float out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = legal_sub(l, a[i], b[i]);
+}
+
+static void cross(struct legal *l, const float a[3], const float b[3], float out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        out[i] = multiply_add(l, a[j], b[k], -legal_mul(l, a[k], b[j]));
+    }
+}
+
+/* Ours add from the front, Embree from the back. */
+static float dot(struct legal *l, const float a[3], const float b[3])
+{
+    return multiply_add(l, a[2], b[2], multiply_add(l, a[1], b[1], legal_mul(l, a[0], b[0])));
+}
+
+static float dot_back(struct legal *l, const float a[3], const float b[3])
+{
+    return multiply_add(l, a[0], b[0], multiply_add(l, a[1], b[1], legal_mul(l, a[2], b[2])));
+}
+
+static struct evaluation moeller_trumbore(struct legal *l, const struct ray *ray, float v[3][3],
+                                          bool rtrs)
+{
+    float e1[3], e2[3], s[3], p[3], q[3];
+    struct evaluation out;
+    subtract(l, v[1], v[0], e1);
+    subtract(l, v[2], v[0], e2);
+    subtract(l, ray->org, v[0], s);
+    cross(l, ray->dir, e2, p);
+    cross(l, s, e1, q);
+    float det = dot(l, e1, p), u = dot(l, s, p), w = dot(l, ray->dir, q), t = dot(l, e2, q);
+    float sign = det < 0 ? -1.0f : 1.0f, us = sign * u, ws = sign * w;
+    out.t = legal_div(l, t, det);
+    out.u = legal_div(l, u, det);
+    out.v = legal_div(l, w, det);
+    out.edge[0] = 0; /* never computed */
+    out.edge[1] = u;
+    out.edge[2] = w;
+    float size = seen(l, fabsf(det));
+    out.accepted =
+        size > (rtrs ? TRI_RTRS_EPS : 0.0f) && seen(l, us) >= 0 && us <= size && seen(l, ws) >= 0 &&
+        legal_add(l, us, ws) <= size &&
+        (rtrs ? out.t > ray->tmin && out.t < ray->tmax : out.t >= ray->tmin && out.t <= ray->tmax);
+    return out;
+}
+
+static struct evaluation woop(struct legal *l, const struct ray *ray, float v[3][3])
+{
+    struct tri_ray r = tri_ray_make(ray); /* for its axes */
+    float x[3], y[3], z[3];
+    struct evaluation out;
+    float sx = legal_div(l, ray->dir[r.kx], ray->dir[r.kz]);
+    float sy = legal_div(l, ray->dir[r.ky], ray->dir[r.kz]);
+    float sz = legal_div(l, 1, ray->dir[r.kz]);
+    for (int c = 0; c < 3; c++) {
+        float az = legal_sub(l, v[c][r.kz], ray->org[r.kz]);
+        x[c] = legal_sub(l, legal_sub(l, v[c][r.kx], ray->org[r.kx]), legal_mul(l, sx, az));
+        y[c] = legal_sub(l, legal_sub(l, v[c][r.ky], ray->org[r.ky]), legal_mul(l, sy, az));
+        z[c] = legal_mul(l, sz, az);
+    }
+    bool negative = false, positive = false;
+    for (int c = 0; c < 3; c++) {
+        int a = (c + 2) % 3, b = (c + 1) % 3;
+        out.edge[c] = legal_sub(l, legal_mul(l, x[a], y[b]), legal_mul(l, y[a], x[b]));
+        float sign = seen(l, out.edge[c]);
+        negative |= sign < 0;
+        positive |= sign > 0;
+    }
+    float det = legal_add(l, legal_add(l, out.edge[0], out.edge[1]), out.edge[2]);
+    out.t = legal_div(l, dot(l, out.edge, z), det);
+    out.u = legal_div(l, out.edge[1], det);
+    out.v = legal_div(l, out.edge[2], det);
+    float sign = seen(l, det);
+    out.accepted = !(negative && positive) && (sign > 0 || sign < 0) && out.t >= ray->tmin &&
+                   out.t <= ray->tmax;
+    return out;
+}
+
+/* Embree reports no weight above 1. */
+static struct evaluation cut_off(struct evaluation hit)
+{
+    if (hit.accepted) {
+        hit.u = fminf(hit.u, 1);
+        hit.v = fminf(hit.v, 1);
+    }
+    return hit;
+}
+
+static struct evaluation embree(struct legal *l, const struct ray *ray, float v[3][3])
+{
+    float e1[3], e2[3], n[3], c[3], r[3];
+    struct evaluation out;
+    subtract(l, v[0], v[1], e1);
+    subtract(l, v[2], v[0], e2);
+    cross(l, e2, e1, n);
+    subtract(l, v[0], ray->org, c);
+    cross(l, c, ray->dir, r);
+    float den = dot_back(l, n, ray->dir), sign = signbit(den) ? -1.0f : 1.0f;
+    float u = sign * dot_back(l, r, e2), w = sign * dot_back(l, r, e1);
+    float t = sign * dot_back(l, n, c), size = fabsf(den);
+    float inverse = legal_div(l, 1, size);
+    out.t = legal_mul(l, t, inverse);
+    out.u = legal_mul(l, u, inverse);
+    out.v = legal_mul(l, w, inverse);
+    out.edge[0] = 0;
+    out.edge[1] = sign * u;
+    out.edge[2] = sign * w;
+    bool inside = seen(l, den) != 0 && seen(l, u) >= 0 && seen(l, w) >= 0 &&
+                  legal_add(l, u, w) <= seen(l, size);
+    out.accepted = inside && legal_mul(l, size, ray->tmin) < seen(l, t) &&
+                   seen(l, t) <= legal_mul(l, size, ray->tmax);
+    return cut_off(out);
+}
+
+/* Component i of the normal from edges a and b; *first is the product that decides which edges. */
+static float normal_part(struct legal *l, const float a[3], const float b[3], int i, float *first)
+{
+    int j = (i + 1) % 3, k = (i + 2) % 3;
+    *first = legal_mul(l, a[k], b[j]);
+    return multiply_add(l, a[j], b[k], -*first);
+}
+
+static struct evaluation embree_robust(struct legal *l, const struct ray *ray, float v[3][3])
+{
+    float a[3][3], e[3][3], uvw[3], n[3];
+    struct evaluation out;
+    for (int c = 0; c < 3; c++)
+        subtract(l, v[c], ray->org, a[c]);
+    for (int c = 0; c < 3; c++) {
+        const float *from = a[(c + 2) % 3], *to = a[c];
+        float sum[3], side[3];
+        subtract(l, from, to, e[c]);
+        for (int i = 0; i < 3; i++)
+            sum[i] = legal_add(l, from[i], to[i]);
+        cross(l, e[c], sum, side);
+        uvw[c] = dot_back(l, side, ray->dir);
+        out.edge[(c + 1) % 3] = uvw[c];
+    }
+    float all = legal_add(l, legal_add(l, uvw[0], uvw[1]), uvw[2]);
+    float eps = legal_mul(l, 0x1p-23f, fabsf(all));
+    float least = fminf(fminf(seen(l, uvw[0]), seen(l, uvw[1])), seen(l, uvw[2]));
+    float most = fmaxf(fmaxf(seen(l, uvw[0]), seen(l, uvw[1])), seen(l, uvw[2]));
+    for (int i = 0; i < 3; i++) {
+        float ab, bc;
+        float from_ab = normal_part(l, e[0], e[1], i, &ab);
+        float from_bc = normal_part(l, e[1], e[2], i, &bc);
+        n[i] = fabsf(ab) < fabsf(bc) ? from_ab : from_bc;
+    }
+    float den = 2 * dot_back(l, n, ray->dir), t = 2 * dot_back(l, a[0], n);
+    out.t = legal_mul(l, legal_div(l, 1, den), t);
+    float inverse = fabsf(all) < 1e-18f ? 0 : legal_div(l, 1, all);
+    out.u = legal_mul(l, uvw[0], inverse);
+    out.v = legal_mul(l, uvw[1], inverse);
+    out.accepted = (least >= -eps || most <= eps) && ray->tmin <= out.t && out.t <= ray->tmax &&
+                   seen(l, den) != 0;
+    return cut_off(out);
+}
+
+struct evaluation legal_evaluate(struct legal *l, enum twin_formula formula, const struct ray *ray,
+                                 float v[3][3])
+{
+    l->count = 0;
+    switch (formula) {
+    case TWIN_WOOP:
+        return woop(l, ray, v);
+    case TWIN_EMBREE:
+        return embree(l, ray, v);
+    case TWIN_EMBREE_ROBUST:
+        return embree_robust(l, ray, v);
+    case TWIN_MT_RTRS:
+        return moeller_trumbore(l, ray, v, true);
+    case TWIN_MT:
+    case TWIN_UNKNOWN:
+        break;
+    }
+    return moeller_trumbore(l, ray, v, false);
+}

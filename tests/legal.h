@@ -1,0 +1,54 @@
+/* Legal evaluations: the triangle tests computed as badly as a rounding (ref/model.h) allows, each
+ * operation by choice. Written anew, from the descriptions, with the decisions that the engines
+ * make; for tests of the twins. */
+#ifndef TESTS_LEGAL_H
+#define TESTS_LEGAL_H
+
+#include "ref/model.h"
+#include "ref/rng.h"
+#include "ref/twin.h"
+
+/* More operations than any formula has. */
+#define LEGAL_MOST 256
+
+/* One operation's choices. */
+#define LEGAL_LOW     1u  /* the least result allowed, else the nearest */
+#define LEGAL_HIGH    2u  /* the greatest */
+#define LEGAL_FLUSH_A 4u  /* a subnormal first operand is taken for zero, if subnormals may be */
+#define LEGAL_FLUSH_B 8u  /* the second */
+#define LEGAL_FLUSH   16u /* a subnormal result */
+#define LEGAL_FUSE    32u /* a product is not rounded before it is added, if that is allowed */
+
+enum legal_style {
+    LEGAL_ALL_NEAREST,
+    LEGAL_ALL_LOW,
+    LEGAL_ALL_HIGH,
+    LEGAL_RANDOM,
+    LEGAL_CHOSEN, /* as `choice` says */
+};
+
+struct legal {
+    struct rounding rounding;
+    bool fuses;
+    enum legal_style style;
+    struct rng rng;
+    uint32_t count; /* operations of the last evaluation */
+    uint8_t choice[LEGAL_MOST];
+};
+
+struct evaluation {
+    float edge[3]; /* opposite vertex i; inside, all have one sign */
+    float t, u, v;
+    bool accepted; /* signs, determinant and range of the ray */
+};
+
+/* Evaluates one triangle. */
+struct evaluation legal_evaluate(struct legal *legal, enum twin_formula formula,
+                                 const struct ray *ray, float v[3][3]);
+
+/* One operation, for formulas elsewhere. */
+float legal_add(struct legal *legal, float a, float b);
+float legal_mul(struct legal *legal, float a, float b);
+float legal_div(struct legal *legal, float a, float b);
+
+#endif
