@@ -5,11 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* (5.5 + 3) u of (|b| + |o|) / |d|: the error of b / d - o / d with Embree's reciprocal, rounded
- * up; it does not shrink with the distance to the box, so no factor on the far plane repairs it. */
-#define SLAB_ERROR (9.0 * JUDGE_UNIT)
-/* Embree replaces smaller direction components by this one. */
-#define EMBREE_LEAST_DIR 1e-18
+/* The error of b / d - o / d does not shrink with the distance to the box, so no factor on the far
+ * plane repairs it. */
+#define SLAB_ERROR (EMBREE_SLAB_ERROR * JUDGE_UNIT)
 /* Below this t the products of a box test may be subnormal, where factors do not cover rounding. */
 #define LEAST_T 0x1p-100
 

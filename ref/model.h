@@ -39,6 +39,16 @@ struct rounding {
 /* The same with RoundingModeRTE. */
 #define ROUNDING_VULKAN_RTE ((struct rounding){1.0, 1.0, 5.0, 0x1p-126})
 
+/* Embree's published constants. */
+#ifndef EMBREE_BAND /* a test turns it */
+/* Robust triangle test: an edge function may have the other sign by this share of their sum. */
+#define EMBREE_BAND 0x1p-23
+#endif
+/* Default box test, b / d - o / d: error of a plane's distance, in u (|b| + |o|) / |d|. */
+#define EMBREE_SLAB_ERROR 9.0
+/* Smaller components of the direction are replaced by this one. */
+#define EMBREE_LEAST_DIR 1e-18
+
 struct model {
     enum twin_formula formula;
     struct rounding rounding;

@@ -237,8 +237,8 @@ static struct bounded stable_component(const struct rounding *k, const struct bo
     return chosen;
 }
 
-/* Pluecker edge functions of vertices relative to the origin; negative ones within 2^-23 of their
- * sum are accepted. Edge 0 of Embree's is opposite vertex 1 of the triangle, and so on. */
+/* Pluecker edge functions of vertices relative to the origin; negative ones within EMBREE_BAND of
+ * their sum are accepted. Edge 0 of Embree's is opposite vertex 1 of the triangle, and so on. */
 static struct outcome eval_embree_robust(const struct rounding *k, const struct input *in)
 {
     struct bounded v[3][3], e[3][3], sum[3], side[3], n[3], edge[3];
@@ -255,7 +255,7 @@ static struct outcome eval_embree_robust(const struct rounding *k, const struct 
         out.edge[(c + 1) % 3] = edge[c];
     }
     struct bounded all = add(k, add(k, edge[0], edge[1]), edge[2]);
-    out.band = (fabs(all.x) + all.e) * 0x1p-23 * SLACK + k->tiny;
+    out.band = (fabs(all.x) + all.e) * EMBREE_BAND * SLACK + k->tiny;
     for (int i = 0; i < 3; i++)
         n[i] = stable_component(k, e, i);
     out.det = twice(dot_embree(k, n, in->d));

@@ -105,8 +105,8 @@ float legal_div(struct legal *l, float a, float b)
     return flushed(l, f, (choice & LEGAL_FLUSH) != 0);
 }
 
-/* a b + c, in one rounding or two. */
-static float multiply_add(struct legal *l, float a, float b, float c)
+/* In one rounding or two. */
+float legal_multiply_add(struct legal *l, float a, float b, float c)
 {
     uint32_t at = l->count;
     uint32_t choice = next_choice(l);
@@ -134,19 +134,21 @@ static void cross(struct legal *l, const float a[3], const float b[3], float out
 {
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        out[i] = multiply_add(l, a[j], b[k], -legal_mul(l, a[k], b[j]));
+        out[i] = legal_multiply_add(l, a[j], b[k], -legal_mul(l, a[k], b[j]));
     }
 }
 
 /* Ours add from the front, Embree from the back. */
 static float dot(struct legal *l, const float a[3], const float b[3])
 {
-    return multiply_add(l, a[2], b[2], multiply_add(l, a[1], b[1], legal_mul(l, a[0], b[0])));
+    return legal_multiply_add(l, a[2], b[2],
+                              legal_multiply_add(l, a[1], b[1], legal_mul(l, a[0], b[0])));
 }
 
 static float dot_back(struct legal *l, const float a[3], const float b[3])
 {
-    return multiply_add(l, a[0], b[0], multiply_add(l, a[1], b[1], legal_mul(l, a[2], b[2])));
+    return legal_multiply_add(l, a[0], b[0],
+                              legal_multiply_add(l, a[1], b[1], legal_mul(l, a[2], b[2])));
 }
 
 static struct evaluation moeller_trumbore(struct legal *l, const struct ray *ray, float v[3][3],
@@ -175,20 +177,26 @@ static struct evaluation moeller_trumbore(struct legal *l, const struct ray *ray
     return out;
 }
 
+void legal_woop_shear(struct legal *l, const struct tri_ray *r, float v[3][3], float x[3],
+                      float y[3], float z[3])
+{
+    float sx = legal_div(l, r->d[r->kx], r->d[r->kz]);
+    float sy = legal_div(l, r->d[r->ky], r->d[r->kz]);
+    float sz = legal_div(l, 1, r->d[r->kz]);
+    for (int c = 0; c < 3; c++) {
+        float az = legal_sub(l, v[c][r->kz], r->o[r->kz]);
+        x[c] = legal_sub(l, legal_sub(l, v[c][r->kx], r->o[r->kx]), legal_mul(l, sx, az));
+        y[c] = legal_sub(l, legal_sub(l, v[c][r->ky], r->o[r->ky]), legal_mul(l, sy, az));
+        z[c] = legal_mul(l, sz, az);
+    }
+}
+
 static struct evaluation woop(struct legal *l, const struct ray *ray, float v[3][3])
 {
     struct tri_ray r = tri_ray_make(ray); /* for its axes */
     float x[3], y[3], z[3];
     struct evaluation out;
-    float sx = legal_div(l, ray->dir[r.kx], ray->dir[r.kz]);
-    float sy = legal_div(l, ray->dir[r.ky], ray->dir[r.kz]);
-    float sz = legal_div(l, 1, ray->dir[r.kz]);
-    for (int c = 0; c < 3; c++) {
-        float az = legal_sub(l, v[c][r.kz], ray->org[r.kz]);
-        x[c] = legal_sub(l, legal_sub(l, v[c][r.kx], ray->org[r.kx]), legal_mul(l, sx, az));
-        y[c] = legal_sub(l, legal_sub(l, v[c][r.ky], ray->org[r.ky]), legal_mul(l, sy, az));
-        z[c] = legal_mul(l, sz, az);
-    }
+    legal_woop_shear(l, &r, v, x, y, z);
     bool negative = false, positive = false;
     for (int c = 0; c < 3; c++) {
         int a = (c + 2) % 3, b = (c + 1) % 3;
@@ -248,7 +256,7 @@ static float normal_part(struct legal *l, const float a[3], const float b[3], in
 {
     int j = (i + 1) % 3, k = (i + 2) % 3;
     *first = legal_mul(l, a[k], b[j]);
-    return multiply_add(l, a[j], b[k], -*first);
+    return legal_multiply_add(l, a[j], b[k], -*first);
 }
 
 static struct evaluation embree_robust(struct legal *l, const struct ray *ray, float v[3][3])

@@ -50,5 +50,10 @@ struct evaluation legal_evaluate(struct legal *legal, enum twin_formula formula,
 float legal_add(struct legal *legal, float a, float b);
 float legal_mul(struct legal *legal, float a, float b);
 float legal_div(struct legal *legal, float a, float b);
+float legal_multiply_add(struct legal *legal, float a, float b, float c); /* a b + c */
+
+/* The places of a triangle's vertices that woop computes across the ray; r has the axes. */
+void legal_woop_shear(struct legal *legal, const struct tri_ray *r, float v[3][3], float x[3],
+                      float y[3], float z[3]);
 
 #endif

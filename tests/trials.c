@@ -23,9 +23,10 @@ static void aim(struct ray *ray, const double target[3])
 static void make_beside(struct rng *rng, struct ray *ray, float v[3][3])
 {
     float offset = rng_below(rng, 2) ? 0.0f : 100.0f, size = ldexpf(1, -(int)rng_below(rng, 8));
-    double by = ldexp(rng_below(rng, 2) ? 1 : -1, -12 - (int)rng_below(rng, 18));
+    double by = ldexp(1, -12 - (int)rng_below(rng, 18));
     double a = (double)rng_float(rng), weight[3] = {0, 0, 0}, target[3];
     uint32_t first = rng_below(rng, 3);
+    by = rng_below(rng, 2) ? by : -by;
     for (int k = 0; k < 3; k++) {
         float base = offset + rng_range(rng, -1, 1);
         ray->org[k] = offset + rng_range(rng, -4, 4);
@@ -59,7 +60,7 @@ static void make_grazing(struct rng *rng, struct ray *ray, float v[3][3])
 static void make_near_or_far(struct rng *rng, struct ray *ray, float v[3][3])
 {
     double distance = ldexp(1, 16 - (int)rng_below(rng, 32)), target[3];
-    double a = (double)rng_float(rng), b = (1 - a) * (double)rng_float(rng);
+    double a = (double)rng_float(rng), b = (double)rng_float(rng) * (1 - a);
     double weight[3] = {a, b, 1 - a - b};
     for (int c = 0; c < 3; c++)
         for (int k = 0; k < 3; k++)
