@@ -55,6 +55,10 @@ in_test() {
     dir=$out/$name-$test
     case $test in
     test_oracle*) beside="$build/obj/tests/exact_gmp.o $build/obj/tests/oracle_cases.o -lgmp" ;;
+    test_bounds*)
+        beside="$build/obj/tests/exact_gmp.o $build/obj/tests/oracle_cases.o -lgmp"
+        beside="$build/obj/tests/trials.o $build/obj/tests/legal.o $beside"
+        ;;
     esac
     mkdir -p "$dir"
     $CC_CMD "-DMUTANT=$(number "$name")" -c -o "$dir/unit.o" "$unit" &&
@@ -136,6 +140,10 @@ in_header NEAR_KEPT test_boxes
 in_test BEHIND_FORGOT ref/trace.c test_watertight
 in_program SHORT_STACK ref/packed.c check "$out/duplicates.obj" --layout f32 --leaf 1 --engine cpu --rays primary --count 5000 --repeat 1
 in_test BAD_TWIN ref/twin.c test_twin
+in_test BAD_TWIN ref/twin.c test_bounds
+in_test OPERAND_KEPT ref/twin.c test_bounds
+in_test FILTER_BOUND ref/oracle/filter.c test_bounds_oracle
+in_test EARLY_BOUND ref/oracle/early.c test_bounds_oracle
 in_test FILTER_BOUND ref/oracle/filter.c test_oracle
 in_test EARLY_BOUND ref/oracle/early.c test_oracle_rules
 in_test LOST_CARRY ref/oracle/wide.c test_oracle
