@@ -182,6 +182,7 @@ slow: tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle_scene
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle_redecide
+	for test in $(BOUNDS_TESTS); do RAYDIFF_SLOW=1 $$test || exit 1; done
 
 SOURCES = $(shell git ls-files '*.c' '*.h')
 format:
