@@ -137,29 +137,33 @@ static enum status set_scene(struct stage *stage, const struct trial *trial, str
     return status;
 }
 
-/* The match of the stage's scene with the trial's builder and triangle test. */
+/* The match of the stage's scene and rays, with the trial's builder and triangle test. */
 static enum status set_match(struct stage *stage, const struct trial *trial, struct reason *reason)
 {
     const struct builder *builder = trial->builder ? trial->builder : builders[0];
     const struct box_test *box = trial->box ? trial->box : box_tests[0];
-    if (stage->has_match &&
-        (stage->match.options.builder != builder || stage->match.options.tri != trial->tri))
-        drop_match(stage);
-    if (stage->has_match) {
-        match_set(&stage->match, box, trial->query);
-        return STATUS_OK;
+    const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
+    enum status status = STATUS_OK;
+    if (stage->has_match) { /* its truth is that of the scene and rays */
+        if (stage->match.options.builder != builder || stage->match.options.tri != trial->tri)
+            status = match_rebuild(&stage->match, builder, &build, trial->tri, reason);
+        if (status)
+            drop_match(stage);
+        else
+            match_set(&stage->match, box, trial->query);
+        return status;
     }
     struct match_options options = {
         .builder = builder,
-        .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+        .build = build,
         .box = box,
         .tri = trial->tri,
         .query = trial->query,
         .repeats = 1,
         .brute_budget = stage->brute_budget,
     };
-    enum status status = match_make(&stage->scene, stage->ray, stage->ray_count, &options,
-                                    &stage->pool, &stage->match, reason);
+    status = match_make(&stage->scene, stage->ray, stage->ray_count, &options, &stage->pool,
+                        &stage->match, reason);
     stage->has_match = status == STATUS_OK;
     return status;
 }

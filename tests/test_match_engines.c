@@ -372,6 +372,36 @@ static void findings_are_few_and_all_are_counted(void **state)
     done(f);
 }
 
+static struct model no_model(void *self, const struct tri_test *tri)
+{
+    (void)self, (void)tri;
+    return (struct model){.formula = TWIN_UNKNOWN};
+}
+
+static void an_unknown_formula_is_judged_by_displacements(void **state)
+{
+    (void)state;
+    static struct engine secret;
+    struct fixture *f = begin();
+    secret = made_up;
+    secret.model = no_model;
+    match_run(&f->match, &secret, &f->row);
+    assert_agrees(f);
+    assert_true(f->row.displacement.count >= f->row.hits * 9 / 10);
+    assert_true(f->row.displacement.count <= f->row.hits + f->row.count[VERDICT_BOUNDARY]);
+    assert_true(f->row.displacement.p50 > 0);
+    assert_true(f->row.displacement.p50 < f->row.displacement.p99);
+    assert_true(f->row.displacement.p99 <= f->row.displacement.most);
+    assert_true(f->row.displacement.most < 300); /* slivers: mt is not backward stable */
+    assert_true(f->row.worst_over == 0);
+    script.spoil = a_lost_hit;
+    match_run(&f->match, &secret, &f->row);
+    assert_int_equal(f->row.wrong[WRONG_MISSED], 1);
+    assert_true(f->row.displacement.most > JUDGE_DISPLACEMENT_MOST);
+    assert_differs(f, false);
+    done(f);
+}
+
 /* Bits are compared even where a faithful member keeps a row from being judged. */
 static void an_exact_engine_must_have_the_seeds_faults_bit_for_bit(void **state)
 {
@@ -416,6 +446,7 @@ int main(void)
         cmocka_unit_test(a_single_wrong_answer_is_found),
         cmocka_unit_test(an_answer_that_changes_is_wrong),
         cmocka_unit_test(an_any_hit_that_contradicts_the_closest_hit_is_wrong),
+        cmocka_unit_test(an_unknown_formula_is_judged_by_displacements),
         cmocka_unit_test(findings_are_few_and_all_are_counted),
         cmocka_unit_test(an_exact_engine_must_have_the_seeds_faults_bit_for_bit),
         cmocka_unit_test(a_pool_holds_eight_engines),
