@@ -1,10 +1,6 @@
-/* Laws of ref/match.h about engines: opened once, failures kept apart, wrong answers found. The
- * engines here are made up: they do what the test tells them. */
-#include "ref/engines/cpu_rays.h"
+/* Laws of ref/match.h about answers: wrong ones are found, and told apart. The engine here is made
+ * up: it answers what the test tells it. */
 #include "ref/match.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
-#include "scenes/scenes.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,167 +8,9 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/matched.h"
+#include "tests/made_up.h"
 
 #include <string.h>
-
-/* What the made-up engine does next, and what was done to it. */
-static struct script {
-    enum status open, prepare, trace;
-    void (*spoil)(const struct match *match, struct hit *hit);
-    const struct match *match;
-    const struct job *job;
-    unsigned opened, prepared, traced, closed;
-} script;
-
-static enum status act(enum status status, const char *what, struct reason *reason)
-{
-    /* In parentheses, since CMocka has a macro of that name. */
-    return status ? (fail)(reason, status, "made up: %s", what) : STATUS_OK;
-}
-
-static enum status made_up_open(const struct engine_options *options, void **self,
-                                struct reason *reason)
-{
-    (void)options;
-    script.opened++;
-    *self = script.open ? NULL : &script;
-    return act(script.open, "open", reason);
-}
-
-static enum status made_up_prepare(void *self, const struct job *job, struct reason *reason)
-{
-    assert_ptr_equal(self, &script);
-    script.prepared++;
-    script.job = job;
-    return act(script.prepare, "prepare", reason);
-}
-
-static enum status made_up_trace(void *self, const struct ray *ray, size_t ray_count,
-                                 struct hit *hit, struct trace_report *report,
-                                 struct reason *reason)
-{
-    const struct match *match = script.match;
-    assert_ptr_equal(self, &script);
-    script.traced++;
-    *report = (struct trace_report){.ns = 1000, .memory_bytes = 77, .device_clock = true};
-    if (script.trace)
-        return act(script.trace, "trace", reason);
-    for (size_t i = 0; i < ray_count; i++)
-        if (trace_ray(&match->packed, match->scene, match->options.box, match->options.tri,
-                      match->options.query, &ray[i], &hit[i], NULL))
-            return STATUS_DEVICE;
-    if (script.spoil)
-        script.spoil(match, hit);
-    return STATUS_OK;
-}
-
-static struct model made_up_model(void *self, const struct tri_test *tri)
-{
-    struct model model = cpu_rays_model(self, tri);
-    model.bits = true;
-    return model;
-}
-
-static void made_up_close(void *self)
-{
-    assert_ptr_equal(self, &script);
-    script.closed++;
-}
-
-static const struct engine made_up = {
-    .name = "made_up",
-    .needs_packed = true,
-    .open = made_up_open,
-    .prepare = made_up_prepare,
-    .trace = made_up_trace,
-    .model = made_up_model,
-    .close = made_up_close,
-};
-
-static struct fixture *begin(void)
-{
-    struct fixture *f = play("soup:n=500", "median", 4);
-    script = (struct script){.match = &f->match};
-    return f;
-}
-
-static void an_engine_is_opened_once_and_closed_once(void **state)
-{
-    (void)state;
-    struct fixture *f = begin();
-    for (unsigned i = 1; i <= 3; i++) {
-        match_run(&f->match, &made_up, &f->row);
-        assert_agrees(f);
-        assert_int_equal(script.opened, 1);
-        assert_int_equal(script.prepared, i); /* another layout could be packed by now */
-    }
-    assert_int_equal(f->row.memory_bytes, 77);
-    assert_true(f->row.device_clock);
-    assert_int_equal(script.closed, 0);
-    pool_free(&f->pool);
-    assert_int_equal(script.closed, 1);
-    assert_int_equal(f->pool.count, 0);
-    done(f);
-    assert_int_equal(script.closed, 1);
-}
-
-static void a_pool_remembers_that_an_engine_cannot_run(void **state)
-{
-    (void)state;
-    static const struct {
-        enum status open;
-        enum row_status row;
-    } failures[] = {{STATUS_UNSUPPORTED, ROW_SKIPPED},
-                    {STATUS_DEVICE, ROW_FAILED},
-                    {STATUS_MEMORY, ROW_FAILED}};
-    for (size_t i = 0; i < ARRAY_COUNT(failures); i++) {
-        struct fixture *f = begin();
-        script.open = failures[i].open;
-        for (int again = 0; again < 3; again++) {
-            match_run(&f->match, &made_up, &f->row);
-            assert_int_equal(f->row.status, failures[i].row);
-            assert_int_equal(f->row.cause, failures[i].open);
-            assert_string_equal(f->row.reason.text, "made up: open");
-            assert_int_equal(f->row.hits + f->row.compared + f->row.differences, 0);
-        }
-        assert_int_equal(script.opened, 1);
-        assert_int_equal(script.prepared, 0);
-        run(f, "cpu"); /* the others go on */
-        assert_agrees(f);
-        done(f);
-        assert_int_equal(script.closed, 0);
-    }
-}
-
-static void what_fails_later_is_told_apart(void **state)
-{
-    (void)state;
-    static const struct {
-        enum status prepare, trace;
-        enum row_status row;
-        const char *reason;
-    } failures[] = {{STATUS_LIMIT, STATUS_OK, ROW_REFUSED, "made up: prepare"},
-                    {STATUS_UNSUPPORTED, STATUS_OK, ROW_SKIPPED, "made up: prepare"},
-                    {STATUS_DEVICE, STATUS_OK, ROW_FAILED, "made up: prepare"},
-                    {STATUS_MEMORY, STATUS_OK, ROW_FAILED, "made up: prepare"},
-                    {STATUS_OK, STATUS_DEVICE, ROW_FAILED, "made up: trace"},
-                    {STATUS_OK, STATUS_MEMORY, ROW_FAILED, "made up: trace"}};
-    struct fixture *f = begin();
-    for (size_t i = 0; i < ARRAY_COUNT(failures); i++) {
-        script.prepare = failures[i].prepare;
-        script.trace = failures[i].trace;
-        match_run(&f->match, &made_up, &f->row);
-        assert_int_equal(f->row.status, failures[i].row);
-        assert_int_equal(f->row.cause, failures[i].prepare | failures[i].trace);
-        assert_string_equal(f->row.reason.text, failures[i].reason);
-        assert_int_equal(f->row.differences + f->row.compared, 0);
-    }
-    script.prepare = script.trace = STATUS_OK; /* a failure is of its row only */
-    match_run(&f->match, &made_up, &f->row);
-    assert_agrees(f);
-    done(f);
-}
 
 /* --- wrong answers --------------------------------------------------------------------------- */
 
@@ -420,36 +258,15 @@ static void an_exact_engine_must_have_the_seeds_faults_bit_for_bit(void **state)
     done(f);
 }
 
-static void a_pool_holds_eight_engines(void **state)
-{
-    (void)state;
-    static struct engine many[POOL_MOST + 1];
-    struct fixture *f = begin();
-    enum status status;
-    for (size_t i = 0; i < ARRAY_COUNT(many); i++) {
-        many[i] = made_up;
-        void *self = pool_get(&f->pool, &many[i], &status, &f->reason);
-        assert_int_equal(status, i < POOL_MOST ? STATUS_OK : STATUS_LIMIT);
-        assert_int_equal(self != NULL, i < POOL_MOST);
-    }
-    assert_non_null(strstr(f->reason.text, "more than 8 engines"));
-    done(f);
-    assert_int_equal(script.closed, POOL_MOST);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_engine_is_opened_once_and_closed_once),
-        cmocka_unit_test(a_pool_remembers_that_an_engine_cannot_run),
-        cmocka_unit_test(what_fails_later_is_told_apart),
         cmocka_unit_test(a_single_wrong_answer_is_found),
         cmocka_unit_test(an_answer_that_changes_is_wrong),
         cmocka_unit_test(an_any_hit_that_contradicts_the_closest_hit_is_wrong),
         cmocka_unit_test(an_unknown_formula_is_judged_by_displacements),
         cmocka_unit_test(findings_are_few_and_all_are_counted),
         cmocka_unit_test(an_exact_engine_must_have_the_seeds_faults_bit_for_bit),
-        cmocka_unit_test(a_pool_holds_eight_engines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
