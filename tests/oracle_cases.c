@@ -198,7 +198,7 @@ static void make_no_area(struct rng *rng, uint64_t seed, struct ray *ray, float 
 /* Many triangles of a batch share a plane, an edge or all of themselves. */
 static void make_ties(struct rng *rng, uint64_t seed, struct ray *ray, float v[3][3])
 {
-    struct rng shared = rng_make(seed, 99);
+    struct rng start = rng_make(seed, 99), shared = {rng_u64(&start)};
     float corner[4][3];
     for (int k = 0; k < 3; k++) {
         float x = small_int(&shared, 50), y = small_int(&shared, 50), p = small_int(&shared, 50);

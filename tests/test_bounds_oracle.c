@@ -98,7 +98,7 @@ static void filter_has_this_much_slack(void **state)
             struct filter f;
             trial_make(kind, n, &pair, &trial);
             filter_edges(&trial.ray, trial.v, &f);
-            filter_plane(trial.v, &f);
+            filter_plane(&f);
             fill(&q, &trial);
             for (int c = 0; c < 3; c++)
                 most[0] = fmax(most[0], share(&q, q.d, q.a[(c + 1) % 3], q.a[(c + 2) % 3], f.w[c],

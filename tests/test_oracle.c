@@ -54,7 +54,7 @@ static const char *pair_fault(const struct ray *ray, const struct oracle_pair *g
             if (mpq_cmp(want->weight[c], *least) < 0)
                 least = &want->weight[c];
         double margin = mpq_get_d(*least);
-        if (fabs(got->margin - margin) > 1e-9 * margin + (got->by_filter ? 1e-4 * margin : 0))
+        if (fabs(got->margin - margin) > 1e-9 * margin + (got->by_filter ? 0x1p-18 * margin : 0))
             return "margin";
     }
     if (want->class == ORACLE_IN_PLANE) { /* the overlap, cut by the range if it meets it */

@@ -106,7 +106,9 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
                            struct reason *reason)
 {
     uint64_t pairs = 0, undecided = 0, wide = 0;
+    size_t tiles = (count + TILE - 1) / TILE;
     int team = threads ? (int)threads : omp_get_max_threads();
+    team = tiles < (size_t)team ? (int)tiles + (tiles == 0) : team;
     bool brute = path == ORACLE_BRUTE ||
                  (path == ORACLE_AUTO && oracle->scene->tri_count <= ORACLE_BRUTE_MOST);
     (void)reason;
@@ -115,7 +117,7 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
         __auto_type saved = environment_enter();
         struct work work = {.oracle = oracle, .ends = ends};
 #pragma omp for schedule(dynamic, 4)
-        for (size_t tile = 0; tile < (count + TILE - 1) / TILE; tile++) {
+        for (size_t tile = 0; tile < tiles; tile++) {
             size_t first = tile * TILE;
             int size = count - first < TILE ? (int)(count - first) : TILE;
             closest_tile(&work, brute, ray + first, size, out + first);

@@ -29,38 +29,35 @@ void filter_edges(const struct ray *ray, float v[3][3], struct filter *out)
 {
     for (int k = 0; k < 3; k++) {
         out->d[k] = (double)ray->dir[k];
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             out->a[c][k] = (double)v[c][k] - (double)ray->org[k];
+            out->e[c][k] = (double)v[(c + 2) % 3][k] - (double)v[(c + 1) % 3][k];
+        }
     }
     for (int c = 0; c < 3; c++) {
         double perm;
-        out->w[c] = triple(out->d, out->a[(c + 1) % 3], out->a[(c + 2) % 3], &perm);
+        out->w[c] = triple(out->d, out->a[(c + 1) % 3], out->e[c], &perm);
         out->w_err[c] = CUBIC * perm;
     }
 }
 
-static void edges_of(float v[3][3], double e1[3], double e2[3])
+/* (v1 - v0) x (v2 - v0) = (v2 - v1) x (v0 - v2) */
+void filter_plane(struct filter *out)
 {
-    for (int k = 0; k < 3; k++) {
-        e1[k] = (double)v[1][k] - (double)v[0][k];
-        e2[k] = (double)v[2][k] - (double)v[0][k];
-    }
-}
-
-void filter_plane(float v[3][3], struct filter *out)
-{
-    double e1[3], e2[3], perm;
-    edges_of(v, e1, e2);
-    out->det = triple(out->d, e1, e2, &perm);
+    double perm;
+    out->det = triple(out->d, out->e[0], out->e[1], &perm);
     out->det_err = CUBIC * perm;
-    out->t = triple(out->a[0], e1, e2, &perm);
+    out->t = triple(out->a[0], out->e[0], out->e[1], &perm);
     out->t_err = CUBIC * perm;
 }
 
 bool filter_has_area(float v[3][3])
 {
     double e1[3], e2[3];
-    edges_of(v, e1, e2);
+    for (int k = 0; k < 3; k++) {
+        e1[k] = (double)v[1][k] - (double)v[0][k];
+        e2[k] = (double)v[2][k] - (double)v[0][k];
+    }
     for (int k = 0; k < 3; k++) {
         int i = (k + 1) % 3, j = (k + 2) % 3;
         double left = e1[i] * e2[j], right = e1[j] * e2[i];

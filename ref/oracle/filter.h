@@ -1,7 +1,7 @@
 /* The double filter of one pair: w, D and T with proven bounds on their rounding errors.
  *
- * w0 = d . (B x C) and its like; D = d . N and T = A . N with N = (v1 - v0) x (v2 - v0), which are
- * the same numbers as w0 + w1 + w2 and [A, B, C], but of small terms where the triangle is small.
+ * w0 = d . (B x (v2 - v1)) and its like; D = d . N and T = A . N with N = (v1 - v0) x (v2 - v0):
+ * the same numbers as in oracle.h, but of small terms where the triangle is small.
  * Each difference of two float32 has one rounding, each term of a sum at most 8 in all, each a
  * factor 1 + e with |e| <= 2^-53; so |computed - exact| <= gamma_8 * perm, where perm is the same
  * expression with every term taken positive (Higham 2002, lemma 3.1). perm is computed too, no less
@@ -17,14 +17,15 @@
 
 struct filter {
     double a[3][3], d[3]; /* vertices relative to the origin, and the direction */
+    double e[3][3];       /* edges: v[c + 2] - v[c + 1], opposite vertex c */
     double w[3], w_err[3];
     double det, det_err;
     double t, t_err; /* T, not divided */
 };
 
-/* Fills in a, d, w and w_err, then det and t, for a pair of finite numbers. */
+/* Fills in a, d, e, w and w_err, then det and t, for a pair of finite numbers. */
 void filter_edges(const struct ray *ray, float v[3][3], struct filter *out);
-void filter_plane(float v[3][3], struct filter *out);
+void filter_plane(struct filter *out);
 
 /* Whether the vertices certainly are not collinear. */
 bool filter_has_area(float v[3][3]);

@@ -23,7 +23,7 @@ enum oracle_class {
     ORACLE_CLASS_COUNT
 };
 
-/* Where the exact t lies. Closed intervals (in plane): INSIDE if they meet [tmin, tmax]. */
+/* Where the exact t lies. An interval (in plane) is WITHIN if it meets [tmin, tmax]. */
 enum oracle_range {
     ORACLE_BELOW,   /* t < tmin */
     ORACLE_AT_TMIN, /* t == tmin < tmax, or tmin == t == tmax */
@@ -46,8 +46,8 @@ struct oracle_pair {
     int det;                 /* sign of D */
     double t_lo, t_hi; /* enclose t, in range with a relative width of at most 2^-40; in plane:
                           the overlap, cut by the range if it meets it; else infinite */
-    double margin;     /* min w_i / D, the smallest barycentric: 0 on an edge, negative for a
-                          miss, -INFINITY if D is 0 (in plane: 0) */
+    double margin;     /* min w_i / D, the smallest barycentric: 0 on an edge and in plane; of a
+                          hit known to 2^-18 of itself; negative for a miss, -INFINITY if D is 0 */
     bool by_filter;    /* double sufficed */
 };
 
@@ -85,23 +85,25 @@ struct oracle_stats {
     uint64_t wide;      /* of them, those that left __int128 too */
 };
 
-/* Makes the oracle of `scene`, which is borrowed and must have passed scene_check. The tree is made
- * at the first use of ORACLE_TREE or here if the scene is over ORACLE_BRUTE_MOST (so that calls
- * below are const and safe from several threads).
+/* Makes the oracle of `scene`, which is borrowed and must have passed scene_check, with its tree
+ * (some 0.7 us and 150 bytes per triangle); calls below are const and safe from several threads.
  * Errors: STATUS_UNSUPPORTED the float environment is not IEEE (oracle_environment); STATUS_MEMORY.
  */
 enum status oracle_make(const struct scene *scene, struct oracle **out,
                         struct reason *reason) MUST_USE;
 void oracle_free(struct oracle *oracle); /* NULL is fine */
 
-/* Checks what the filter relies on: round to nearest, subnormals kept (neither FTZ nor DAZ), no
- * contraction, FLT_EVAL_METHOD 0. Errors: STATUS_UNSUPPORTED with what is wrong. */
+/* Checks what the filter relies on, on the calling thread: round to nearest, subnormals kept
+ * (neither FTZ nor DAZ), no contraction, FLT_EVAL_METHOD 0. The functions below set the modes that
+ * a thread can have wrong (a library may have left FTZ and DAZ) and put them back. Errors:
+ * STATUS_UNSUPPORTED with what is wrong. */
 enum status oracle_environment(struct reason *reason) MUST_USE;
 
 /* Exact nearest hits of `count` rays on `threads` threads (0: all). Any finite ray is decided,
  * whatever its scale; a zero direction misses everything.
  *   stats   may be NULL; added to
- * The answer is the same on any path and any number of threads. Errors: STATUS_MEMORY. */
+ * The answer is the same on any path and any number of threads; ORACLE_TREE is the fastest, about
+ * 1 us a ray on a mesh of 10^4 triangles. Errors: STATUS_MEMORY. */
 enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
                            enum oracle_ends ends, const struct ray *ray, size_t count,
                            unsigned threads, struct oracle_answer *out, struct oracle_stats *stats,

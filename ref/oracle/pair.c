@@ -7,6 +7,8 @@
 /* Every enclosure of a t in range is at most this wide, relatively, or else made anew from
  * integers: the tree relies on it (ref/oracle/tree.h). */
 #define NARROW 0x1p-40
+/* So that the margin of a hit is known to about 2^-18 of itself, its w and D are known better. */
+#define KNOWN 0x1p-20
 
 static void enclose(const struct filter *f, double *lo, double *hi)
 {
@@ -23,11 +25,12 @@ static bool by_filter(const struct ray *ray, const struct filter *f, struct orac
 {
     double share = INFINITY;
     pair->det = filter_sign(f->det, f->det_err);
-    bool certain = pair->det != 0, inside = true;
+    bool certain = pair->det != 0, inside = true, known = f->det_err <= KNOWN * fabs(f->det);
     for (int c = 0; c < 3; c++) {
         pair->edge[c] = filter_sign(f->w[c], f->w_err[c]);
         certain = certain && pair->edge[c] != 0;
         inside = inside && pair->edge[c] == pair->det;
+        known = known && f->w_err[c] <= KNOWN * fabs(f->w[c]);
         share = fmin(share, f->w[c] / f->det);
     }
     if (!certain)
@@ -37,7 +40,7 @@ static bool by_filter(const struct ray *ray, const struct filter *f, struct orac
     pair->class = inside ? ORACLE_INSIDE : ORACLE_MISS;
     if (!inside)
         return true;
-    if (filter_sign(f->t, f->t_err) == 0)
+    if (!known || filter_sign(f->t, f->t_err) == 0)
         return false;
     double lo, hi, tmin = (double)ray->tmin, tmax = (double)ray->tmax;
     enclose(f, &lo, &hi);
@@ -131,7 +134,7 @@ void pair_decide(const struct scene *scene, bool flat, const struct ray *ray, ui
     }
     if (depth == PAIR_HITS && positive && negative)
         return;
-    filter_plane(v, &filter);
+    filter_plane(&filter);
     if (!flat && by_filter(ray, &filter, &out->pair))
         return;
     stats->undecided++;
