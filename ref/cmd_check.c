@@ -286,7 +286,8 @@ static enum status check_one(struct check *check, const char *spec, struct check
     *result = (struct check_scene){.spec = spec,
                                    .rays = ray_sets[o->rays]->name,
                                    .ray_count = (size_t)o->count,
-                                   .seed = o->seed};
+                                   .seed = o->seed,
+                                   .driver = o->engines.driver};
     progress_step(&check->progress, "%s: reading", spec);
     enum status status = scene_open(spec, o->seed, &scene, reason);
     if (status)

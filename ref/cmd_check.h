@@ -12,6 +12,7 @@ struct check_scene {
     const char *rays;
     size_t ray_count;
     uint64_t seed;
+    const char *driver; /* of --driver, or NULL */
     struct row *row;
     size_t row_count;
     char refused[1024]; /* --layout auto: why smaller layouts could not, one per line */

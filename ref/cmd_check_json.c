@@ -1,6 +1,7 @@
 /* The rows of raydiff check as JSON. */
 #include "ref/cmd_check.h"
 
+#include "ref/cmd_finding.h"
 #include "scenes/file.h"
 
 #include <jansson.h>
@@ -36,8 +37,10 @@ static json_t *judgement_json(const struct judgement *j)
                      finite(j->over), "displacement", finite(j->displacement));
 }
 
-static json_t *finding_json(const struct finding *f)
+static json_t *finding_json(const struct check_scene *scene, const struct row *row,
+                            const struct finding *f)
 {
+    char command[EXPLAIN_COMMAND_MOST];
     json_t *ray = json_array();
     const float value[8] = {f->ray.org[0], f->ray.org[1], f->ray.org[2], f->ray.tmin,
                             f->ray.dir[0], f->ray.dir[1], f->ray.dir[2], f->ray.tmax};
@@ -52,6 +55,8 @@ static json_t *finding_json(const struct finding *f)
         json_object_set_new(out, "expected", hit_json(&f->expected));
     else
         json_object_set_new(out, "judgement", judgement_json(&f->judgement));
+    if (finding_command(row, f, scene->spec, scene->seed, scene->driver, command))
+        json_object_set_new(out, "explain", json_string(command));
     return out;
 }
 
@@ -116,7 +121,7 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
     json_object_set_new(out, "reason", json_string(row->reason.text));
     json_t *findings = json_array();
     for (size_t i = 0; i < row->finding_count; i++)
-        json_array_append_new(findings, finding_json(&row->finding[i]));
+        json_array_append_new(findings, finding_json(scene, row, &row->finding[i]));
     json_object_set_new(out, "findings", findings);
     return out;
 }

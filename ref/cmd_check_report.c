@@ -1,5 +1,7 @@
 /* What raydiff check prints: the table, what is wrong, and what it means. */
 #include "ref/cmd_check.h"
+
+#include "ref/cmd_finding.h"
 #include "ref/command.h"
 
 #include <string.h>
@@ -57,20 +59,10 @@ static void print_row(const struct row *row)
     putchar('\n');
 }
 
-static void print_findings(const struct row *row)
+static void print_findings(const struct check_scene *scene, const struct row *row)
 {
-    for (size_t i = 0; i < row->finding_count; i++) {
-        const struct finding *f = &row->finding[i];
-        char line[512];
-        if (f->bits)
-            judge_bits_line(&f->ray, &f->expected, &f->got, line, sizeof line);
-        else
-            judge_line(&f->ray, &f->judgement, &f->got, line, sizeof line);
-        printf("%s %s.%s.%s.%s ray %zu %s\n", f->bits ? "BITS" : "WRONG",
-               f->bits ? "differ from engine cpu's:" : wrong_name(f->judgement.wrong),
-               row->engine->name, row->layout ? row->layout->name : "-", row->options.tri->name,
-               f->ray_index, line);
-    }
+    for (size_t i = 0; i < row->finding_count; i++)
+        finding_print(row, &row->finding[i], scene->spec, scene->seed, scene->driver);
     if (row->differences > row->finding_count && row->finding_count)
         printf("  ... and %zu more of this row\n", row->differences - row->finding_count);
 }
@@ -125,7 +117,7 @@ static void print_winners(const struct check_scene *scene)
 static void print_agreement(const struct check_scene *scene)
 {
     size_t exact_rows = 0, exact_rays = 0, exact_bad = 0, judged = 0, counted = 0;
-    size_t count[VERDICT_COUNT] = {0};
+    size_t count[VERDICT_COUNT] = {0}, wrong[WRONG_COUNT] = {0};
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
         if (row->status != ROW_OK)
@@ -142,10 +134,15 @@ static void print_agreement(const struct check_scene *scene)
         judged += row->rays;
         for (enum verdict v = 0; v < VERDICT_COUNT; v++)
             count[v] += row->count[v];
+        for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
+            wrong[w] += row->wrong[w];
     }
     if (exact_rows)
         printf("  bit for bit against cpu: %zu of %zu answers differ\n", exact_bad, exact_rays);
-    printf("  against the exact truth: %zu of %zu answers WRONG;", count[VERDICT_WRONG], judged);
+    printf("  against the exact truth: %zu of %zu answers WRONG", count[VERDICT_WRONG], judged);
+    for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
+        printf("%s%s %zu", w == WRONG_MISSED ? " (" : ", ", wrong_name(w), wrong[w]);
+    printf(")\n  allowed:");
     for (enum verdict v = 0; v < VERDICT_WRONG; v++)
         printf(" %s %zu%s", verdict_name(v), count[v], v + 1 < VERDICT_WRONG ? "," : "\n");
     if (counted)
@@ -204,7 +201,7 @@ void check_print(const struct check_scene *scene)
     for (size_t i = 0; i < scene->row_count; i++)
         print_row(&scene->row[i]);
     for (size_t i = 0; i < scene->row_count; i++)
-        print_findings(&scene->row[i]);
+        print_findings(scene, &scene->row[i]);
     puts("what it means");
     print_reasons(scene);
     print_winners(scene);

@@ -72,3 +72,25 @@ explains NEAR_KEPT ref/trace.c box_padding_too_small 1 soup --layout f32 --box w
 explains BEHIND_FORGOT ref/trace.c box_padding_too_small 1 "$out/corridor.obj" --layout f32 --leaf 1 --box watertight --tri woop --ray "$at_the_edge"
 explains BEHIND_FORGOT shaders box_padding_too_small 1 "$out/corridor.obj" --layout f32 --leaf 1 --box watertight --tri woop --engine vulkan --ray "$at_the_edge"
 explains SHORT_STACK shaders stack 3 "$out/deep.obj" --builder rtrs --eps 0 --leaf 1 --layout f32 --engine vulkan --ray '0,0,0 32,1,1'
+
+# name, unit, cause, arguments of raydiff check: its first finding's command, run as printed, names
+# the cause; so does the one in the JSON.
+check_tells_how() {
+    name=$1 unit=$2 cause=$3
+    shift 3
+    mutant_program "$name" "$unit"
+    "$dir/raydiff" check "$@" --json "$dir/check.json" >"$dir/check-mutant.log" 2>&1
+    told=$(sed -n 's/^  explain: raydiff //p' "$dir/check-mutant.log" | head -n 1)
+    eval "\"$dir/raydiff\" $told" >"$dir/told.log" 2>&1
+    got=$?
+    if [ -n "$told" ] && [ "$got" -eq 1 ] && grep -q "^cause  *$cause:" "$dir/told.log" &&
+        grep -qF "\"explain\": \"raydiff $told\"" "$dir/check.json"; then
+        echo "caught  $name in $unit: as check tells to explain it, $cause"
+        caught=$((caught + 1))
+    else
+        echo "MISSED  $name in $unit: check tells '$told', exit $got, $(grep '^cause' "$dir/told.log")"
+        missed=$((missed + 1))
+    fi
+}
+check_tells_how HALF_NEAREST ref/half.c rounded_inward soup:n=900 --rays vertices --count 20000 --engine cpu --seed 7 --repeat 1
+check_tells_how SLAB_STRICT shaders strict_comparison grid:height=0 --layout f32 --rays ranges --count 5000 --engine vulkan --repeat 1
