@@ -1,5 +1,6 @@
-/* Decides an answer that was judged WRONG once more: exact hits by tests/exact_gmp.c, error bounds
- * by tests/exact_gmp_bounds.c. Neither the oracle nor the twins have a part in it. */
+/* Decides an answer that was judged WRONG once more: exact hits by tests/exact_gmp.c, what the
+ * formula makes of a triangle by tests/exact_gmp_replay.c where its bits are promised, else by the
+ * error bounds of tests/exact_gmp_bounds.c. Neither the oracle nor the twins have a part in it. */
 #ifndef EXACT_GMP_REDECIDE_H
 #define EXACT_GMP_REDECIDE_H
 
@@ -10,7 +11,7 @@
 enum gmp_opinion {
     GMP_CONFIRMED,  /* no evaluation of the formula could give this answer */
     GMP_OPEN,       /* neither is proven; always so for a formula that is not known */
-    GMP_OVERTURNED, /* the answer is the exact one, rounded: it is right */
+    GMP_OVERTURNED, /* the answer is the exact one, rounded; or what the formula must give */
 };
 
 /* "confirmed", "open", "overturned". */
@@ -27,6 +28,7 @@ enum gmp_proof {
     GMP_PROOF_NEARER,      /* a triangle that must be accepted lies nearer than both bounds */
     GMP_PROOF_MISSED,      /* a miss, but this triangle must be accepted */
     GMP_PROOF_RIGHT,       /* overturned */
+    GMP_PROOF_EXCUSED,     /* overturned: the formula rejects every triangle that is hit */
 };
 
 struct gmp_second {

@@ -253,7 +253,7 @@ static enum status embree_trace(void *self, const struct ray *ray, size_t ray_co
 {
     struct embree *embree = self;
     uint64_t start = time_ns();
-#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads)
+#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
     for (long long i = 0; i < (long long)ray_count; i++) {
         if (!embree_takes(&ray[i]))
             hit[i] = (struct hit){.prim = ABI_NO_PRIM};
@@ -272,7 +272,7 @@ static enum status embree_trace_all(void *self, const struct ray *ray, size_t ra
                                     struct reason *reason)
 {
     struct embree *embree = self;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads)
+#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
     for (long long i = 0; i < (long long)ray_count; i++)
         hit_count[i] = embree_takes(&ray[i])
                            ? embree_all(embree, &ray[i], capacity, hit + (size_t)i * capacity)

@@ -112,7 +112,7 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
     bool brute = path == ORACLE_BRUTE ||
                  (path == ORACLE_AUTO && oracle->scene->tri_count <= ORACLE_BRUTE_MOST);
     (void)reason;
-#pragma omp parallel num_threads(team) reduction(+ : pairs, undecided, wide)
+#pragma omp parallel num_threads(team) if (count > TILE) reduction(+ : pairs, undecided, wide)
     {
         __auto_type saved = environment_enter();
         struct work work = {.oracle = oracle, .ends = ends};

@@ -7,34 +7,33 @@ void stand_free(struct stand *stand)
 {
     if (stand->has_judged)
         judged_free(&stand->judged);
-    oracle_free(stand->oracle);
     packed_free(&stand->packed);
-    bvh_free(&stand->bvh);
     *stand = (struct stand){0};
 }
 
-bool stand_make(const struct contestant *who, void *self, const struct scene *scene,
-                struct stand *out, struct reason *reason)
+enum status stand_tree(const struct scene *scene, struct bvh *out, struct reason *reason)
 {
     const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
-    *out = (struct stand){.who = who, .scene = scene};
+    return builders[0]->build(scene, &build, out, reason);
+}
+
+bool stand_make(const struct contestant *who, void *self, const struct scene *scene,
+                const struct bvh *bvh, const struct oracle *oracle, struct stand *out,
+                struct reason *reason)
+{
+    *out = (struct stand){.who = who, .scene = scene, .bvh = bvh, .oracle = oracle};
     out->job =
         (struct job){.scene = scene, .box = who->box, .tri = who->tri, .query = QUERY_CLOSEST};
-    enum status status = builders[0]->build(scene, &build, &out->bvh, reason);
-    if (!status && who->layout) {
-        status = packed_make(who->layout, &out->bvh, scene, &out->packed, reason);
+    enum status status = STATUS_OK;
+    if (who->layout) {
+        status = packed_make(who->layout, bvh, scene, &out->packed, reason);
         out->job.packed = &out->packed;
     }
     if (!status)
-        status = oracle_make(scene, &out->oracle, reason);
-    if (!status)
         status = who->engine->prepare(self, &out->job, reason);
     if (!status) {
-        struct judged_job from = {.engine = who->engine,
-                                  .self = self,
-                                  .job = &out->job,
-                                  .bvh = &out->bvh,
-                                  .oracle = out->oracle};
+        struct judged_job from = {
+            .engine = who->engine, .self = self, .job = &out->job, .bvh = bvh, .oracle = oracle};
         status = judged_make(&from, &out->judged, reason);
         out->has_judged = status == STATUS_OK;
     }
@@ -42,7 +41,7 @@ bool stand_make(const struct contestant *who, void *self, const struct scene *sc
 }
 
 static struct wrong_answer wrong_at(const struct ground *ground, const struct contestant *who,
-                                    const struct model *model, size_t i)
+                                    size_t i)
 {
     struct wrong_answer wrong = {.who = *who,
                                  .cause = CAUSE_UNEXPLAINED,
@@ -53,24 +52,40 @@ static struct wrong_answer wrong_at(const struct ground *ground, const struct co
                                  .hit = ground->hit[i],
                                  .judgement = ground->judgement[i]};
     snprintf(wrong.scene, sizeof wrong.scene, "%s", ground->spec);
-    wrong.opinion =
-        exact_gmp_redecide(&ground->scene, &wrong.ray, model, false, &wrong.hit).opinion;
     return wrong;
 }
 
-/* Decides the wrong answers again, explains the first of them, cuts each new kind down. */
-static void follow_up(const struct ground *ground, const struct contestant *who,
-                      struct stand *stand, void *self, struct tally *tally)
+/* Decides `count` wrong answers again, the rays wrong[0 .. count - 1] of the ground. */
+static void redecide(const struct ground *ground, const struct model *model, const uint32_t *wrong,
+                     size_t count, uint8_t *opinion)
 {
-    size_t seen = 0, known = tally->count;
-    for (size_t i = 0; i < ground->count; i++) {
-        if (ground->judgement[i].verdict != VERDICT_WRONG)
-            continue;
-        struct wrong_answer wrong = wrong_at(ground, who, &stand->judged.model, i);
+#pragma omp parallel for schedule(dynamic, 4)
+    for (long long n = 0; n < (long long)count; n++) {
+        uint32_t i = wrong[n];
+        opinion[n] = (uint8_t)exact_gmp_redecide(&ground->scene, &ground->ray[i], model, false,
+                                                 &ground->hit[i])
+                         .opinion;
+    }
+}
+
+/* Decides the wrong answers again, explains the first of them, cuts each new kind down. */
+static enum status follow_up(const struct ground *ground, const struct contestant *who,
+                             struct stand *stand, void *self, struct tally *tally)
+{
+    size_t count = 0, known = tally->count;
+    uint32_t *at = malloc(ground->count * sizeof *at);
+    uint8_t *opinion = malloc(ground->count);
+    for (size_t i = 0; at && i < ground->count; i++)
+        if (ground->judgement[i].verdict == VERDICT_WRONG)
+            at[count++] = (uint32_t)i;
+    if (at && opinion)
+        redecide(ground, &stand->judged.model, at, count, opinion);
+    for (size_t n = 0; at && opinion && n < count; n++) {
+        struct wrong_answer wrong = wrong_at(ground, who, at[n]);
         struct judged_ray one;
         struct reason reason;
-        if (seen++ < WRONG_EXPLAINED &&
-            !judged_explain(&stand->judged, &wrong.ray, &one, &reason)) {
+        wrong.opinion = opinion[n];
+        if (n < WRONG_EXPLAINED && !judged_explain(&stand->judged, &wrong.ray, &one, &reason)) {
             wrong.cause = one.why.cause;
             explain_free(&one.why);
         }
@@ -78,6 +93,10 @@ static void follow_up(const struct ground *ground, const struct contestant *who,
     }
     for (size_t i = known; i < tally->count; i++)
         reduce(&tally->signature[i].first, &ground->scene, self, &tally->signature[i].smallest);
+    bool done = at && opinion;
+    free(at);
+    free(opinion);
+    return done ? STATUS_OK : STATUS_MEMORY;
 }
 
 enum status play(const struct ground *ground, const struct contestant *who, struct pool *pool,
@@ -88,7 +107,8 @@ enum status play(const struct ground *ground, const struct contestant *who, stru
     struct stand stand = {0};
     *out = (struct play_result){0};
     void *self = pool_get(pool, who->engine, &status, reason);
-    if (status || !stand_make(who, self, &ground->scene, &stand, reason)) {
+    if (status ||
+        !stand_make(who, self, &ground->scene, &ground->bvh, ground->oracle, &stand, reason)) {
         stand_free(&stand);
         out->refused = true;
         return STATUS_OK;
@@ -111,7 +131,7 @@ enum status play(const struct ground *ground, const struct contestant *who, stru
     }
     out->judged = status ? 0 : ground->count;
     if (!status && out->verdict[VERDICT_WRONG] > 0)
-        follow_up(ground, who, &stand, self, tally);
+        status = follow_up(ground, who, &stand, self, tally);
     stand_free(&stand);
     return status;
 }

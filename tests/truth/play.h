@@ -39,19 +39,23 @@ enum status play(const struct ground *ground, const struct contestant *who, stru
 struct stand {
     const struct contestant *who;
     const struct scene *scene;
-    struct bvh bvh;
+    const struct bvh *bvh;
+    const struct oracle *oracle;
     struct packed packed;
-    struct oracle *oracle;
     struct job job;
     struct judged judged;
     bool has_judged;
 };
 
-/* Builds, packs and prepares `who` (opened as `self`) on a scene of its own; false if it cannot.
- * Freed by stand_free. */
+/* Packs and prepares `who` (opened as `self`) on a scene with its tree and oracle, all borrowed;
+ * false if it cannot. Freed by stand_free. */
 bool stand_make(const struct contestant *who, void *self, const struct scene *scene,
-                struct stand *out, struct reason *reason);
+                const struct bvh *bvh, const struct oracle *oracle, struct stand *out,
+                struct reason *reason);
 void stand_free(struct stand *stand);
+
+/* The tree that all contestants of a scene stand on. Errors: as the builder's. */
+enum status stand_tree(const struct scene *scene, struct bvh *out, struct reason *reason) MUST_USE;
 
 /* Cuts the scene of `wrong` down while the answer stays wrong in the same way (kind and cause):
  * halves, quarters, ... of the triangles are taken away in turn. *out is made anew if the result is

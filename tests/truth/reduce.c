@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Triangles of all tries together: each try builds the scene anew. */
-#define WORK_MOST 3000000u
+#define WORK_MOST 1000000u
 
 /* The triangles of `scene` whose index is in keep[0 .. count - 1]. */
 static bool subset(const struct scene *scene, const uint32_t *keep, uint32_t count,
@@ -26,11 +26,14 @@ static bool subset(const struct scene *scene, const uint32_t *keep, uint32_t cou
 static bool still_wrong(const struct wrong_answer *wrong, const struct scene *scene, void *self,
                         struct wrong_answer *out)
 {
-    struct stand stand;
+    struct stand stand = {0};
+    struct bvh bvh = {0};
+    struct oracle *oracle = NULL;
     struct reason reason;
     struct judged_ray one;
     bool same = false;
-    if (stand_make(&wrong->who, self, scene, &stand, &reason) &&
+    if (!stand_tree(scene, &bvh, &reason) && !oracle_make(scene, &oracle, &reason) &&
+        stand_make(&wrong->who, self, scene, &bvh, oracle, &stand, &reason) &&
         !judged_explain(&stand.judged, &wrong->ray, &one, &reason)) {
         same = one.answer.finished && one.judgement.verdict == VERDICT_WRONG &&
                one.judgement.wrong == wrong->judgement.wrong && one.why.cause == wrong->cause;
@@ -43,6 +46,8 @@ static bool still_wrong(const struct wrong_answer *wrong, const struct scene *sc
         explain_free(&one.why);
     }
     stand_free(&stand);
+    oracle_free(oracle);
+    bvh_free(&bvh);
     return same;
 }
 

@@ -131,6 +131,8 @@ static enum status play_scene(struct campaign *c, const char *spec, struct reaso
     enum status status = scene_open(spec, 1, &ground.scene, reason);
     if (!status)
         status = oracle_make(&ground.scene, &ground.oracle, reason);
+    if (!status)
+        status = stand_tree(&ground.scene, &ground.bvh, reason);
     ground.ray = alloc_zeroed(BATCH, sizeof *ground.ray);
     ground.truth = alloc_zeroed(BATCH, sizeof *ground.truth);
     ground.hit = alloc_zeroed(BATCH, sizeof *ground.hit);
@@ -151,6 +153,7 @@ static enum status play_scene(struct campaign *c, const char *spec, struct reaso
     free(ground.hit);
     free(ground.judgement);
     oracle_free(ground.oracle);
+    bvh_free(&ground.bvh);
     scene_free(&ground.scene);
     return status;
 }
@@ -182,8 +185,8 @@ static int print_result(const struct campaign *c)
         const struct signature *s = &c->tally.signature[i];
         char name[160];
         signature_name(s, name, sizeof name);
-        printf("%-72s %8zu wrong, smallest scene %u triangles\n", name, s->count,
-               s->smallest.scene.tri_count);
+        printf("%-68s %8zu wrong (confirmed %zu), smallest scene %u triangles\n", name, s->count,
+               s->opinion[GMP_CONFIRMED], s->smallest.scene.tri_count);
         wrong += s->count;
         for (int k = 0; k < GMP_OPINION_COUNT; k++)
             opinion[k] += s->opinion[k];
