@@ -29,7 +29,7 @@ CFLAGS   := -std=c17 $(OPT_$(config)) $(WARN) $(FP) -fopenmp $(CFLAGS_EXTRA)
 LDLIBS   := $(if $(HAVE_EMBREE),-lembree$(HAVE_EMBREE)) -ljansson -lz -ldl -lm -lpthread
 
 # Files named cmd_* are the program's, all others of these folders the library's.
-LIB_SRC  := $(foreach file,$(wildcard ref/*.c ref/*/*.c gpu/*.c scenes/*.c scenes/*/*.c bench/*.c),\
+LIB_SRC  := $(foreach file,$(wildcard ref/*.c ref/*/*.c gpu/*.c scenes/*.c scenes/*/*.c bench/*.c tests/hard/*.c),\
               $(if $(filter cmd_%,$(notdir $(file))),,$(file)))
 CMD_SRC  := raydiff.c $(wildcard */cmd_*.c)
 TEST_SRC := $(wildcard tests/test_*.c)

@@ -220,6 +220,7 @@ extern const struct engine engine_rayquery;
 const struct engine engine_rayquery = {
     .name = "rayquery",
     .summary = "the Vulkan driver's own ray queries, where it has them",
+    .own_tri = true,
     .open = open,
     .prepare = prepare,
     .trace = trace,

@@ -35,8 +35,9 @@ struct engine {
     const char *name;
     const char *summary;
     bool needs_packed; /* false: sees the scene alone (brute, Embree) */
-    bool brute; /* tests every triangle: asked for no more rays than match_options.brute_budget
-                   pays for */
+    bool brute;   /* tests every triangle: asked for no more rays than match_options.brute_budget
+                     pays for */
+    bool own_tri; /* has a triangle test of its own, whatever job.tri is */
     /* Errors: STATUS_UNSUPPORTED cannot run here (reason), STATUS_DEVICE, STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
     /* Uploads, builds, compiles. May be called again with another job.

@@ -119,8 +119,25 @@ expect 0 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --junit "$dir/
 grep -q '<testcase' "$dir/junit.xml" || bad "--junit writes test cases"
 expect 0 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --tap
 grep -q '^ok 1 - closest.cpu.f32' "$dir/out" || bad "--tap prints TAP"
-printf 'closest.cpu.* never fails\n' >"$dir/waivers"
+printf 'closest.cpu.* never fails README.md\n' >"$dir/waivers"
 expect 1 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$dir/waivers"
+printf '# list\nclosest.cpu.* no link\n' >"$dir/waivers"
+expect 2 'waivers:2: a waiver ends in a link' conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$dir/waivers"
+
+# Hard cases.
+hard=hard.03-border.closest.cpu.f32.median.robust.mt
+expect 2 "no hard case matches 'hard.99-\*'" conform 'hard.99-*'
+expect 0 . conform --hard --list
+grep -q "^$hard\$" "$dir/out" || bad "conform --hard --list names every trial"
+expect 0 . conform $hard --summary --markdown "$dir/hard.md" --html "$dir/hard.html" --junit "$dir/hard.xml"
+grep -q '^03  border  *\. *$' "$dir/out" || bad "--summary prints the matrix"
+grep -q '^| 03 border | passed |$' "$dir/hard.md" || bad "--markdown writes the matrix"
+grep -q '<td class="passed"' "$dir/hard.html" || bad "--html writes the matrix"
+grep -q "name=\"$hard\"" "$dir/hard.xml" || bad "--junit writes hard cases"
+expect 2 'no-such-folder' conform $hard --markdown "$dir/no-such-folder/hard.md"
+printf '%s known README.md\n' "$hard" >"$dir/waivers"
+expect 1 . conform $hard --waivers "$dir/waivers"
+grep -q 'excused no failing trial' "$dir/out" || bad "a waiver that excuses nothing fails"
 
 # Explanations: one ray, a set, a trial's name.
 expect 2 'no scene given' explain

@@ -1,6 +1,7 @@
 /* raydiff conform: the conformance suite, its names made from the tables. */
 #include "ref/cmd_options.h"
 #include "ref/command.h"
+#include "tests/cmd_conform_hard.h"
 #include "tests/cmd_conform_report.h"
 #include "tests/cmd_trial.h"
 
@@ -23,7 +24,13 @@ static const char help[] =
     "  --count N       rays per trial                                     [1000]\n"
     "  --brute N       ray-triangle tests that brute force may spend      [1e8]\n"
     "  --require E,..  engines whose skips are failures\n"
-    "  --waivers FILE  lines 'PATTERN REASON': failures that are known    [none]\n"
+    "  --hard          the hard cases, on every member: names hard.NN-CASE.query.engine.layout.\n"
+    "                  builder.box.tri; a PATTERN that begins with 'hard.' means them too\n"
+    "  --summary       the hard cases as a matrix\n"
+    "  --markdown FILE the matrix as Markdown\n"
+    "  --html FILE     the matrix as a web page\n"
+    "  --waivers FILE  lines 'PATTERN [@VERSION] REASON LINK': failures that are known\n"
+    "                  [none; hard cases: tests/waivers.txt, if it is here]\n"
     "  --verbose       a line per trial\n"
     "  --tap           TAP 13 on standard output\n"
     "  --junit FILE    JUnit XML\n" ENGINE_OPTIONS_HELP
@@ -165,8 +172,8 @@ static enum status suite_make(struct suite *suite, struct reason *reason)
 }
 
 struct conform_options {
-    const char *pattern, *junit, *waivers;
-    bool list, verbose, tap;
+    const char *pattern, *junit, *waivers, *markdown, *html;
+    bool list, verbose, tap, hard, summary;
     struct list require;
     uint64_t count, brute;
     struct engine_options engines;
@@ -180,7 +187,11 @@ enum {
     OPT_WAIVERS,
     OPT_VERBOSE,
     OPT_TAP,
-    OPT_JUNIT
+    OPT_JUNIT,
+    OPT_HARD,
+    OPT_SUMMARY,
+    OPT_MARKDOWN,
+    OPT_HTML
 };
 
 static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
@@ -191,6 +202,10 @@ static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
                                              {"verbose", 0, NULL, OPT_VERBOSE},
                                              {"tap", 0, NULL, OPT_TAP},
                                              {"junit", 1, NULL, OPT_JUNIT},
+                                             {"hard", 0, NULL, OPT_HARD},
+                                             {"summary", 0, NULL, OPT_SUMMARY},
+                                             {"markdown", 1, NULL, OPT_MARKDOWN},
+                                             {"html", 1, NULL, OPT_HTML},
                                              ENGINE_OPTIONS};
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
@@ -217,6 +232,20 @@ static enum status take_option(void *user, int option, char *text, struct reason
         break;
     case OPT_JUNIT:
         o->junit = text;
+        break;
+    case OPT_HARD:
+        o->hard = true;
+        break;
+    case OPT_SUMMARY:
+        o->hard = o->summary = true;
+        break;
+    case OPT_MARKDOWN:
+        o->hard = true;
+        o->markdown = text;
+        break;
+    case OPT_HTML:
+        o->hard = true;
+        o->html = text;
         break;
     default:
         return engine_option_take(option, text, &o->engines, reason);
@@ -275,8 +304,11 @@ static int conform(const struct conform_options *o)
     enum status status = suite_make(&suite, &reason);
     int code = EXIT_AGREE;
     if (status == STATUS_OK && !o->list) {
-        status = conform_report_open(&report, suite.count, o->verbose, o->tap, o->waivers, o->junit,
+        status = conform_report_open(&report, suite.count, o->pattern == NULL, o->waivers, o->junit,
                                      &reason);
+        report.verbose = o->verbose;
+        report.tap = o->tap;
+        report.options = o->engines;
         if (status == STATUS_OK) {
             run_suite(o, &suite, &report);
             code = conform_report_close(&report);
@@ -308,5 +340,17 @@ int cmd_conform(int argc, char **argv)
     if (argc - first > 1)
         return usage_error("conform", "one pattern at a time; '%s' is a second", argv[first + 1]);
     o.pattern = first < argc ? argv[first] : NULL;
+    if (o.hard || (o.pattern && strncmp(o.pattern, "hard.", 5) == 0))
+        return conform_hard(&(struct conform_hard_options){.pattern = o.pattern,
+                                                           .junit = o.junit,
+                                                           .waivers = o.waivers,
+                                                           .markdown = o.markdown,
+                                                           .html = o.html,
+                                                           .list = o.list,
+                                                           .verbose = o.verbose,
+                                                           .tap = o.tap,
+                                                           .summary = o.summary,
+                                                           .require = o.require,
+                                                           .engines = o.engines});
     return conform(&o);
 }

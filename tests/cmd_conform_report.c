@@ -3,71 +3,39 @@
 #include "ref/command.h"
 
 #include <ctype.h>
-#include <fnmatch.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum outcome { PASSED, FAILED, SKIPPED, WAIVED };
-
-static enum status read_waiver_line(struct conform_report *report, char *line, size_t number,
-                                    struct reason *reason)
+void conform_versions(const struct engine_options *options, char *text, size_t text_bytes)
 {
-    char *text = line + strspn(line, " \t\r");
-    if (*text == '\0' || *text == '#')
-        return STATUS_OK;
-    size_t length = strcspn(text, " \t");
-    char *why = text + length + strspn(text + length, " \t");
-    if (*why == '\0')
-        return fail(reason, STATUS_INPUT, "%s:%zu: a waiver needs a reason after its pattern",
-                    report->waiver_path, number);
-    if (report->waiver_count == WAIVER_MOST || length >= 256 || strlen(why) >= 256)
-        return fail(reason, STATUS_INPUT, "%s:%zu: at most %d waivers of 255 characters",
-                    report->waiver_path, number, WAIVER_MOST);
-    struct waiver *waiver = &report->waiver[report->waiver_count++];
-    memcpy(waiver->pattern, text, length);
-    strcpy(waiver->reason, why);
-    return STATUS_OK;
-}
-
-static enum status read_waivers(struct conform_report *report, struct reason *reason)
-{
-    char *bytes = NULL;
-    size_t size = 0, number = 0;
-    enum status status = file_read(report->waiver_path, &bytes, &size, reason);
-    if (status)
-        return status;
-    for (char *line = bytes; status == STATUS_OK && line < bytes + size;) {
-        char *end = line + strcspn(line, "\n");
-        bool last = *end == '\0';
-        *end = '\0';
-        status = read_waiver_line(report, line, ++number, reason);
-        line = last ? bytes + size : end + 1;
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t e = 0; engines[e] && used < text_bytes; e++) {
+        char one[1024] = "";
+        engines[e]->describe(options, one, sizeof one);
+        int n = snprintf(text + used, text_bytes - used, "%s: %s%s", engines[e]->name, one,
+                         one[0] && one[strlen(one) - 1] == '\n' ? "" : "\n");
+        used += n > 0 ? (size_t)n : 0;
     }
-    free(bytes);
-    return status;
 }
 
-enum status conform_report_open(struct conform_report *report, size_t expected, bool verbose,
-                                bool tap, const char *waivers, const char *junit,
-                                struct reason *reason)
+enum status conform_report_open(struct conform_report *report, size_t expected, bool complete,
+                                const char *waivers, const char *junit, struct reason *reason)
 {
-    *report = (struct conform_report){.expected = expected,
-                                      .verbose = verbose,
-                                      .tap = tap,
-                                      .waiver_path = waivers,
-                                      .start_ns = time_ns()};
-    enum status status = waivers ? read_waivers(report, reason) : STATUS_OK;
+    *report =
+        (struct conform_report){.expected = expected, .complete = complete, .start_ns = time_ns()};
+    enum status status = waivers ? waivers_read(waivers, &report->waivers, reason) : STATUS_OK;
     if (status == STATUS_OK && junit)
         status = file_out_open(junit, &report->junit, reason);
-    if (status)
+    if (status) {
+        waivers_free(&report->waivers);
         return status;
+    }
     if (report->junit.stream)
         fprintf(report->junit.stream,
                 "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n"
                 "<testsuite name=\"raydiff conform\" tests=\"%zu\">\n",
                 expected);
-    if (tap)
-        printf("TAP version 13\n1..%zu\n", expected);
     return STATUS_OK;
 }
 
@@ -87,36 +55,108 @@ static void print_xml(FILE *to, const char *text)
     }
 }
 
-static void add_junit(FILE *to, const char *name, enum outcome outcome, const char *why,
-                      double seconds)
+static bool counts_as_passed(enum outcome outcome)
+{
+    return outcome == OUTCOME_PASSED || outcome == OUTCOME_KNOWN;
+}
+
+static void add_junit(FILE *to, const struct conform_entry *entry, enum outcome outcome,
+                      const char *why)
 {
     fprintf(to, "<testcase classname=\"conform\" name=\"");
-    print_xml(to, name);
-    fprintf(to, "\" time=\"%.3f\"", seconds);
-    if (outcome == PASSED) {
+    print_xml(to, entry->name);
+    fprintf(to, "\" time=\"%.3f\"", entry->seconds);
+    if (counts_as_passed(outcome)) {
         fputs("/>\n", to);
         return;
     }
-    fputs(outcome == FAILED ? "><failure message=\"" : "><skipped message=\"", to);
+    fputs(outcome == OUTCOME_FAILED ? "><failure message=\"" : "><skipped message=\"", to);
     print_xml(to, why);
     fputs("\"/></testcase>\n", to);
 }
 
-static void print_outcome(const struct conform_report *report, const char *name,
-                          enum outcome outcome, const char *why, const struct row *row)
+static void print_entry(const struct conform_report *report, const struct conform_entry *entry,
+                        enum outcome outcome, const char *why)
 {
     if (report->tap) {
-        printf("%s %zu - %s%s%s\n", outcome == FAILED ? "not ok" : "ok", report->done, name,
-               outcome == PASSED   ? ""
-               : outcome == FAILED ? " # "
-                                   : " # SKIP ",
-               outcome == PASSED ? "" : why);
+        if (report->done == 1)
+            printf("TAP version 13\n1..%zu\n", report->expected);
+        bool plain = counts_as_passed(outcome);
+        printf("%s %zu - %s%s%s\n", outcome == OUTCOME_FAILED ? "not ok" : "ok", report->done,
+               entry->name,
+               plain                       ? ""
+               : outcome == OUTCOME_FAILED ? " # "
+                                           : " # SKIP ",
+               plain ? "" : why);
         return;
     }
-    static const char *const words[] = {"PASSED", "FAILED", "SKIPPED", "WAIVED"};
-    if (outcome == FAILED || outcome == WAIVED || report->verbose)
-        printf("%-7s %s: %s\n", words[outcome], name, why);
-    for (size_t i = 0; i < row->finding_count && outcome == FAILED; i++) {
+    static const char *const words[OUTCOME_COUNT] = {"SKIPPED", "REFUSED", "PASSED",
+                                                     "KNOWN",   "WAIVED",  "FAILED"};
+    if (outcome == OUTCOME_FAILED || report->verbose ||
+        (outcome == OUTCOME_WAIVED && !report->quiet))
+        printf("%-7s %s: %s\n", words[outcome], entry->name, why);
+}
+
+static enum waiver_event event_of(enum outcome outcome)
+{
+    if (outcome == OUTCOME_FAILED)
+        return WAIVER_FAILED;
+    return outcome == OUTCOME_SKIPPED ? WAIVER_SKIPPED : WAIVER_PASSED;
+}
+
+enum outcome conform_report_put(struct conform_report *report, const struct conform_entry *entry,
+                                const struct waiver **waiver)
+{
+    enum outcome outcome = entry->outcome;
+    char why[512];
+    const struct waiver *excuse = waivers_note(&report->waivers, entry->name, event_of(outcome));
+    snprintf(why, sizeof why, "%s", entry->why);
+    if (excuse) {
+        outcome = OUTCOME_WAIVED;
+        snprintf(why, sizeof why, "%s %s", excuse->reason, excuse->link);
+    }
+    if (waiver)
+        *waiver = excuse;
+    report->done++;
+    report->outcomes[outcome]++;
+    if (outcome == OUTCOME_FAILED)
+        report->code = exit_worse(report->code, entry->code);
+    print_entry(report, entry, outcome, why);
+    if (report->junit.stream)
+        add_junit(report->junit.stream, entry, outcome, why);
+    return outcome;
+}
+
+/* What became of the trial, and one line that says why. */
+static enum outcome decide(enum status status, const struct row *row, const struct reason *reason,
+                           bool required, char *why, size_t why_bytes)
+{
+    if (status || row->status == ROW_FAILED) {
+        snprintf(why, why_bytes, "%s", status ? reason->text : row->reason.text);
+        return OUTCOME_FAILED;
+    }
+    if (row->status == ROW_REFUSED || row->status == ROW_SKIPPED) {
+        snprintf(why, why_bytes, "%s", row->reason.text);
+        if (row->status == ROW_REFUSED)
+            return OUTCOME_REFUSED;
+        return required ? OUTCOME_FAILED : OUTCOME_SKIPPED;
+    }
+    if (row->status == ROW_VACUOUS) {
+        snprintf(why, why_bytes, "%s", row->reason.text);
+        return OUTCOME_FAILED;
+    }
+    int length = snprintf(why, why_bytes, "%zu rays, %zu hits;", row->rays, row->hits);
+    for (enum verdict v = 0; v < VERDICT_COUNT; v++)
+        length += snprintf(why + length, why_bytes - (size_t)length, " %s %zu", verdict_name(v),
+                           row->count[v]);
+    snprintf(why + length, why_bytes - (size_t)length, "%s; err/E %.2f; bits %zu",
+             row->judged ? "" : " (as published, counted)", row->worst_over, row->bit_differences);
+    return row->differences ? OUTCOME_FAILED : OUTCOME_PASSED;
+}
+
+static void print_findings(const struct row *row)
+{
+    for (size_t i = 0; i < row->finding_count; i++) {
         const struct finding *f = &row->finding[i];
         char line[512];
         if (f->bits)
@@ -128,79 +168,68 @@ static void print_outcome(const struct conform_report *report, const char *name,
     }
 }
 
-/* What became of the trial, and one line that says why. */
-static enum outcome decide(enum status status, const struct row *row, const struct reason *reason,
-                           bool required, char *why, size_t why_bytes)
-{
-    if (status || row->status == ROW_FAILED) {
-        snprintf(why, why_bytes, "%s", status ? reason->text : row->reason.text);
-        return FAILED;
-    }
-    if (row->status == ROW_REFUSED || row->status == ROW_SKIPPED) {
-        snprintf(why, why_bytes, "%s", row->reason.text);
-        return required && row->status == ROW_SKIPPED ? FAILED : SKIPPED;
-    }
-    if (row->status == ROW_VACUOUS) {
-        snprintf(why, why_bytes, "%s", row->reason.text);
-        return FAILED;
-    }
-    int length = snprintf(why, why_bytes, "%zu rays, %zu hits;", row->rays, row->hits);
-    for (enum verdict v = 0; v < VERDICT_COUNT; v++)
-        length += snprintf(why + length, why_bytes - (size_t)length, " %s %zu", verdict_name(v),
-                           row->count[v]);
-    snprintf(why + length, why_bytes - (size_t)length, "%s; err/E %.2f; bits %zu",
-             row->judged ? "" : " (as published, counted)", row->worst_over, row->bit_differences);
-    return row->differences ? FAILED : PASSED;
-}
-
-static struct waiver *waiver_of(struct conform_report *report, const char *name)
-{
-    for (size_t i = 0; i < report->waiver_count; i++)
-        if (fnmatch(report->waiver[i].pattern, name, 0) == 0)
-            return &report->waiver[i];
-    return NULL;
-}
-
 void conform_report_add(struct conform_report *report, const char *name, enum status status,
                         const struct row *row, const struct reason *reason, bool required,
                         double seconds)
 {
     char why[512];
-    enum outcome outcome = decide(status, row, reason, required, why, sizeof why);
-    struct waiver *waiver = outcome == FAILED ? waiver_of(report, name) : NULL;
-    if (waiver) {
-        waiver->used++;
-        outcome = WAIVED;
-        snprintf(why, sizeof why, "%s", waiver->reason);
-    }
-    report->done++;
-    report->passed += outcome == PASSED;
-    report->failed += outcome == FAILED;
-    report->skipped += outcome == SKIPPED;
-    report->waived += outcome == WAIVED;
+    struct conform_entry entry = {.name = name, .why = why, .seconds = seconds};
+    bool engine_failed = status == STATUS_OK && row->status == ROW_FAILED;
+    entry.outcome = decide(status, row, reason, required, why, sizeof why);
+    entry.code = status ? exit_of_status(status) : engine_failed ? EXIT_ENGINE : EXIT_MISMATCH;
+    enum outcome outcome = conform_report_put(report, &entry, NULL);
     report->rays += row->compared;
     for (int v = 0; v < VERDICT_COUNT; v++)
         report->count[v] += row->count[v];
-    if (outcome == FAILED) {
-        bool engine_failed = status == STATUS_OK && row->status == ROW_FAILED;
-        int code = status ? exit_of_status(status) : engine_failed ? EXIT_ENGINE : EXIT_MISMATCH;
-        report->code = exit_worse(report->code, code);
+    if (outcome == OUTCOME_FAILED && !report->tap)
+        print_findings(row);
+}
+
+static void judge_waivers(struct conform_report *report)
+{
+    if (report->waivers.count > 0)
+        conform_versions(&report->options, report->versions, sizeof report->versions);
+    for (size_t i = 0; i < report->waivers.count; i++) {
+        const struct waiver *w = &report->waivers.waiver[i];
+        enum waiver_fault fault = waiver_judge(w, report->complete, report->versions);
+        if (fault == WAIVER_FINE)
+            continue;
+        if (fault == WAIVER_GONE) {
+            if (!report->tap)
+                printf("NOTE    %s:%zu: '%s' shows no more in a version that is not %s\n",
+                       report->waivers.path, w->line, w->pattern, w->version);
+            continue;
+        }
+        printf("%s%s:%zu: waiver '%s' %s\n", report->tap ? "# " : "FAILED  ", report->waivers.path,
+               w->line, w->pattern,
+               fault == WAIVER_NOTHING ? "names nothing: correct or remove it"
+                                       : "excused no failing trial: remove it");
+        report->outcomes[OUTCOME_FAILED]++;
+        report->code = exit_worse(report->code, EXIT_MISMATCH);
     }
-    print_outcome(report, name, outcome, why, row);
-    if (report->junit.stream)
-        add_junit(report->junit.stream, name, outcome, why, seconds);
+}
+
+static void print_sums(const struct conform_report *report)
+{
+    printf("%zu rays judged:", report->rays);
+    for (enum verdict v = 0; v < VERDICT_COUNT; v++)
+        printf(" %s %zu", verdict_name(v), report->count[v]);
+    if (report->excused)
+        printf("\n%zu rays more in trials that are waived or show a known defect", report->excused);
+    printf("\n%zu trials in %.1f s, %zu waived", report->done,
+           (double)(time_ns() - report->start_ns) * 1e-9, report->outcomes[OUTCOME_WAIVED]);
+    if (report->outcomes[OUTCOME_KNOWN])
+        printf(", %zu show a known defect", report->outcomes[OUTCOME_KNOWN]);
+    printf("\n%zu passed, %zu failed, %zu skipped\n",
+           report->outcomes[OUTCOME_PASSED] + report->outcomes[OUTCOME_KNOWN],
+           report->outcomes[OUTCOME_FAILED],
+           report->outcomes[OUTCOME_SKIPPED] + report->outcomes[OUTCOME_REFUSED]);
 }
 
 int conform_report_close(struct conform_report *report)
 {
     struct reason reason = {""};
-    for (size_t i = 0; i < report->waiver_count; i++)
-        if (report->waiver[i].used == 0) {
-            printf("FAILED  waiver '%s' matched no failing trial: remove it\n",
-                   report->waiver[i].pattern);
-            report->failed++;
-            report->code = exit_worse(report->code, EXIT_MISMATCH);
-        }
+    judge_waivers(report);
     if (report->junit.stream) {
         fputs("</testsuite>\n</testsuites>\n", report->junit.stream);
         if (file_out_commit(&report->junit, &reason)) {
@@ -208,15 +237,12 @@ int conform_report_close(struct conform_report *report)
             report->code = exit_worse(report->code, EXIT_USAGE);
         }
     }
-    if (report->passed == 0 && report->failed == 0 && report->code == EXIT_AGREE)
+    size_t ran = report->done - report->outcomes[OUTCOME_SKIPPED] -
+                 report->outcomes[OUTCOME_REFUSED] - report->outcomes[OUTCOME_WAIVED];
+    if (ran == 0 && report->code == EXIT_AGREE && report->outcomes[OUTCOME_FAILED] == 0)
         report->code = EXIT_SKIPPED;
-    if (report->tap)
-        return report->code;
-    printf("%zu rays compared:", report->rays);
-    for (enum verdict v = 0; v < VERDICT_COUNT; v++)
-        printf(" %s %zu", verdict_name(v), report->count[v]);
-    printf("\n%zu trials in %.1f s, %zu waived\n%zu passed, %zu failed, %zu skipped\n",
-           report->done, (double)(time_ns() - report->start_ns) * 1e-9, report->waived,
-           report->passed, report->failed, report->skipped);
+    if (!report->tap)
+        print_sums(report);
+    waivers_free(&report->waivers);
     return report->code;
 }

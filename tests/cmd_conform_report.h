@@ -4,33 +4,47 @@
 
 #include "ref/match.h"
 #include "scenes/file.h"
-
-#define WAIVER_MOST 64
-
-struct waiver {
-    char pattern[256];
-    char reason[256];
-    size_t used;
-};
+#include "tests/hard/matrix.h"
+#include "tests/hard/waivers.h"
 
 struct conform_report {
     size_t expected, done;
-    size_t passed, failed, skipped, waived;
+    size_t outcomes[OUTCOME_COUNT];
     size_t rays, count[VERDICT_COUNT];
-    bool verbose, tap;
+    size_t excused; /* rays of hard cases whose failure is waived or known, not in `rays` */
+    bool verbose, tap, complete;
+    bool quiet; /* waived ones are not printed: they stand in a matrix */
     int code;
     uint64_t start_ns;
-    struct waiver waiver[WAIVER_MOST];
-    size_t waiver_count;
+    struct engine_options options; /* of the engines whose versions waivers name */
+    struct waivers waivers;
+    char versions[8192];   /* of conform_versions, if there are waivers */
     struct file_out junit; /* stream NULL: none */
-    const char *waiver_path;
 };
 
-/* Reads the waivers and opens the JUnit file. Errors: STATUS_INPUT bad waiver line, cannot write.
- */
-enum status conform_report_open(struct conform_report *report, size_t expected, bool verbose,
-                                bool tap, const char *waivers, const char *junit,
+/* What became of one trial or hard case. */
+struct conform_entry {
+    const char *name;
+    enum outcome outcome; /* a waiver turns OUTCOME_FAILED into OUTCOME_WAIVED */
+    const char *why;
+    int code; /* of a failure */
+    double seconds;
+};
+
+/* What every engine says of itself, a line or more each; one that cannot run says why. */
+void conform_versions(const struct engine_options *options, char *text, size_t text_bytes);
+
+/* Reads the waivers and opens the JUnit file.
+ *   complete   the suite is not cut by a pattern: waivers that name nothing are faults
+ * Errors: STATUS_INPUT bad waiver line, cannot write. */
+enum status conform_report_open(struct conform_report *report, size_t expected, bool complete,
+                                const char *waivers, const char *junit,
                                 struct reason *reason) MUST_USE;
+
+/* Counts and prints an entry; returns what it is under the waivers, and the waiver that excuses it
+ * in *waiver (may be NULL). */
+enum outcome conform_report_put(struct conform_report *report, const struct conform_entry *entry,
+                                const struct waiver **waiver);
 
 /* Adds the outcome of one trial: `status` and `reason` of stage_run, and its row. */
 void conform_report_add(struct conform_report *report, const char *name, enum status status,

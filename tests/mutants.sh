@@ -166,6 +166,17 @@ in_program OPEN_EDGES ref/trace.c leaks sphere --layout f32 --engine cpu --box w
 in_shaders CULLED_ALL test_all_engines
 in_shaders LOST_SLOT test_all_engines
 
+
+# The same bugs, each by the hard case that is there for it.
+in_program HALF_NEAREST ref/half.c conform 'hard.36-half-middles.closest.cpu.rf16.median.robust.mt'
+in_program LOST_SLOT ref/layouts/layout_rf16.c conform 'hard.45-leaf-slots.closest.cpu.rf16.median.robust.mt'
+in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c conform 'hard.46-index-zero.closest.cpu.rf16.median.robust.mt'
+in_program SWAPPED_CHILD ref/trace.c conform 'hard.16-lattice.closest.cpu.f32.median.robust.mt'
+in_program CULLED_ALL ref/trace.c conform 'hard.57-parity.all.cpu.f32.median.robust.mt'
+in_program OPEN_EDGES ref/trace.c conform 'hard.05-grid-vertices.closest.cpu.f32.median.watertight.woop'
+in_shaders SLAB_STRICT conform 'hard.17-on-surface.closest.vulkan.f32.median.robust.mt'
+in_shaders LOST_SLOT conform 'hard.45-leaf-slots.closest.vulkan.rf16.median.robust.mt'
+
 . tests/mutants_explain.sh
 
 echo "$caught planted bugs caught, $missed missed"

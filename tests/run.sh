@@ -65,6 +65,7 @@ plain)
     suite rules sh tests/rules.sh
     suite rules_planted sh tests/rules_planted.sh
     suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
+    suite conform_hard "$build/raydiff" conform --hard --junit "$logs/hard.xml"
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"
     suite cli sh tests/cli.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
@@ -75,10 +76,12 @@ plain)
     ;;
 sanitize)
     suite conform "$build/raydiff" conform --count 200
+    suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/cli.sh "$build/raydiff"
     ;;
 validate)
     suite conform "$build/raydiff" conform '*.vulkan.*' --count 64
+    suite conform_hard "$build/raydiff" conform 'hard.*.vulkan.*.median.watertight.*'
     ;;
 tsan)
     suite conform_cpu "$build/raydiff" conform "*.cpu.*.median.robust.*" --count 100

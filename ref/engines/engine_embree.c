@@ -364,6 +364,7 @@ static struct model embree_robust_model(void *self, const struct tri_test *tri)
 const struct engine engine_embree = {
     .name = "embree",
     .summary = "Embree, default mode: fast, leaks at edges",
+    .own_tri = true,
     .open = embree_open,
     .prepare = embree_prepare,
     .trace = embree_trace,
@@ -376,6 +377,7 @@ const struct engine engine_embree = {
 const struct engine engine_embree_robust = {
     .name = "embree_robust",
     .summary = "Embree with RTC_SCENE_FLAG_ROBUST",
+    .own_tri = true,
     .open = embree_robust_open,
     .prepare = embree_prepare,
     .trace = embree_trace,

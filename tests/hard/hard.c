@@ -1,0 +1,124 @@
+#include "tests/hard/hard.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static void part_free(struct hard_part *part)
+{
+    scene_free(&part->scene);
+    free(part->ray);
+    free(part->want);
+    free(part->id);
+    free(part->prim_of);
+    *part = (struct hard_part){0};
+}
+
+void hard_free(struct hard_made *made)
+{
+    for (size_t i = 0; i < made->part_count; i++)
+        part_free(&made->part[i]);
+    made->part_count = 0;
+}
+
+enum status hard_make(const struct hard_case *one, struct hard_made *out, struct reason *reason)
+{
+    out->part_count = 0;
+    for (size_t i = 0; i < HARD_PARTS_MOST; i++)
+        out->part[i] = (struct hard_part){0};
+    one->make(out);
+    for (size_t i = 0; i < out->part_count; i++) {
+        const struct hard_part *part = &out->part[i];
+        struct reason why;
+        if (part->failed)
+            return fail(reason, STATUS_MEMORY, "hard case %u, part %s: no memory, or no such scene",
+                        one->number, part->label);
+        if (!part->bad_scene && scene_check(&part->scene, &why))
+            return fail(reason, STATUS_INPUT, "hard case %u, part %s: %.200s", one->number,
+                        part->label, why.text);
+    }
+    return STATUS_OK;
+}
+
+const char *hard_property_name(enum hard_property property)
+{
+    static const char *const names[PROPERTY_COUNT] = {
+        "kept",   "verdict", "hit",       "miss",   "id",     "t",    "ends",
+        "like",   "culled",  "bits",      "repeat", "any",    "mode", "stray",
+        "finite", "refusal", "structure", "budget", "parity",
+    };
+    return (size_t)property < PROPERTY_COUNT ? names[property] : "unknown";
+}
+
+static bool own_formula(const struct model *model)
+{
+    return model->formula == TWIN_MT || model->formula == TWIN_MT_RTRS ||
+           model->formula == TWIN_WOOP;
+}
+
+static bool in_scope(enum hard_scope scope, const struct model *model)
+{
+    return scope == HARD_ALL || (scope == HARD_OWN && own_formula(model)) ||
+           (scope == HARD_TIGHT && model->watertight);
+}
+
+static bool names_one_of(const struct hard_part *part, const struct hard_want *want, uint32_t prim)
+{
+    for (uint32_t i = 0; i < want->id_count; i++)
+        if (part->id[want->id_first + i] == prim)
+            return true;
+    return false;
+}
+
+/* The widest component is the only one as wide: then woop chooses the same axis however they are
+ * named. */
+static bool one_axis_is_largest(const float dir[3])
+{
+    float a = fabsf(dir[0]), b = fabsf(dir[1]), c = fabsf(dir[2]);
+    float most = fmaxf(a, fmaxf(b, c));
+    return (a == most) + (b == most) + (c == most) == 1;
+}
+
+/* The other ray's answer, turned into what this one's should be. */
+static bool is_like(const struct hard_part *part, size_t i, const struct hard_subject *subject,
+                    const struct hit *answer, const struct hit *like, bool excused)
+{
+    const struct hard_want *want = &part->want[i];
+    bool hit = answer->prim != ABI_NO_PRIM;
+    uint32_t prim = answer->prim;
+    if (hit && part->prim_of)
+        prim = prim < part->scene.tri_count ? part->prim_of[prim] : ABI_NO_PRIM;
+    if (hit != (like->prim != ABI_NO_PRIM))
+        return excused;
+    if (!hit || subject->any)
+        return true;
+    if (prim != like->prim)
+        return excused;
+    bool mt = subject->model.formula == TWIN_MT || subject->model.formula == TWIN_MT_RTRS;
+    bool woop = subject->model.formula == TWIN_WOOP && one_axis_is_largest(part->ray[i].dir);
+    if (!(mt && part->like_bits & HARD_LIKE_MT) && !(woop && part->like_bits & HARD_LIKE_WOOP))
+        return true;
+    return answer->t == ldexpf(like->t, want->shift) - want->add;
+}
+
+enum hard_property hard_check(const struct hard_part *part, size_t i,
+                              const struct hard_subject *subject, const struct hit *answer,
+                              const struct hit *like, bool excused)
+{
+    const struct hard_want *want = &part->want[i];
+    bool hit = answer->prim != ABI_NO_PRIM;
+    if (!in_scope(want->scope, &subject->model))
+        return PROPERTY_KEPT;
+    if (want->what & WANT_HIT && !hit)
+        return PROPERTY_HIT;
+    if (want->what & WANT_MISS && hit)
+        return PROPERTY_MISS;
+    if (want->what & WANT_ENDS && hit == subject->model.open)
+        return PROPERTY_ENDS;
+    if (want->what & WANT_ID && hit && !subject->any && !names_one_of(part, want, answer->prim))
+        return PROPERTY_ID;
+    if (want->what & WANT_T && hit && !subject->any && !(answer->t == want->t))
+        return PROPERTY_T;
+    if (want->what & WANT_LIKE && like && !is_like(part, i, subject, answer, like, excused))
+        return PROPERTY_LIKE;
+    return PROPERTY_KEPT;
+}

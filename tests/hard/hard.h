@@ -1,0 +1,152 @@
+/* The hard cases: scenes and rays that broke ray tracers, each with the property that every engine,
+ * layout, builder, box test and triangle test must keep on it. Knows how answers are checked, never
+ * how they are found; tests/hard/run.h plays a case on a member. */
+#ifndef HARD_H
+#define HARD_H
+
+#include "ref/abi.h"
+#include "ref/model.h"
+#include "ref/scene.h"
+
+#define HARD_PARTS_MOST   72
+#define HARD_LABEL_MOST   24
+#define HARD_DEFECTS_MOST 4
+
+struct engine;
+struct layout;
+
+/* Of whom something is wanted. */
+enum hard_scope {
+    HARD_ALL,   /* of everybody */
+    HARD_OWN,   /* of engines that compute one of our own triangle tests */
+    HARD_TIGHT, /* of engines that promise to be watertight */
+};
+
+/* What is wanted of the answer to a ray; bits. Beside it every answer is judged. */
+#define WANT_HIT  1u /* some hit */
+#define WANT_MISS 2u /* a miss */
+#define WANT_ID   4u /* a hit names one of a set of triangles; not asked of any-hit */
+#define WANT_T    8u /* a hit has exactly this t; not asked of any-hit */
+#define WANT_ENDS                                                                                  \
+    16u               /* its exact t is an end of the range: a hit where ends count, else a miss   \
+                       */
+#define WANT_LIKE 32u /* the same as another ray's answer, up to what HARD_LIKE_* says */
+
+struct hard_want {
+    unsigned what; /* 0: nothing */
+    enum hard_scope scope;
+    uint32_t id_first, id_count; /* WANT_ID: of part.id */
+    float t;                     /* WANT_T */
+    uint32_t like;               /* WANT_LIKE: a ray of part.like */
+    int shift;                   /* its t times 2^shift is this one's ... */
+    float add;                   /* ... minus add */
+};
+
+/* In which triangle tests two related rays must agree in every bit of t; in the others they name
+ * the same triangle, and the judge bounds t. Bits. */
+#define HARD_LIKE_MT   1u
+#define HARD_LIKE_WOOP 2u
+
+/* One scene with its rays; owns its arrays. Zero-initialized it is empty. */
+struct hard_part {
+    char label[HARD_LABEL_MOST]; /* "k=-30" */
+    struct scene scene;
+    struct ray *ray;
+    struct hard_want *want; /* one per ray */
+    uint32_t *id;           /* the sets of WANT_ID */
+    uint32_t *prim_of;      /* like: triangle i is triangle prim_of[i] there; NULL: i */
+    size_t ray_count, id_count;
+    size_t vertex_room, index_room, ray_room, want_room, id_room, prim_room;
+    size_t like;             /* part that WANT_LIKE points into */
+    unsigned like_bits;      /* HARD_LIKE_* */
+    uint32_t leaf;           /* items per leaf; 0: the default */
+    bool deep;               /* the rtrs builder splits without a smallest size (eps 0) */
+    bool bad_scene;          /* scene_check refuses it: answers are not judged */
+    const char *must_refuse; /* layouts that must refuse it, separated by blanks; or NULL */
+    double boxes_most;       /* mean box tests per ray on repaired members; 0: not asked */
+    bool failed;             /* no memory: what is here is incomplete */
+};
+
+/* All parts of a case. */
+struct hard_made {
+    struct hard_part part[HARD_PARTS_MOST];
+    size_t part_count;
+};
+
+/* A defect that the case is there to show: members that must break it. */
+struct hard_defect {
+    const char *fault;           /* "F2", "embree#589", "packHalf2x16" */
+    const char *cause;           /* as explain names it, or NULL */
+    const char *members;         /* pattern of query.engine.layout.builder.box.tri */
+    const struct layout *layout; /* a member of no table, made to be wrong; or NULL */
+    const struct engine *engine;
+};
+
+#define HARD_TREES_ONLY 1u  /* asks nothing of engines without a tree */
+#define HARD_NO_HITS    2u  /* no ray hits, by design */
+#define HARD_TWICE      4u  /* traced twice: the same bits */
+#define HARD_ANY_TOO    8u  /* any-hit is compared with the member's own closest hit */
+#define HARD_FLOAT_MODE 16u /* again with FTZ and DAZ set, on one thread and on many: same bits */
+#define HARD_PARITY     32u /* a closed mesh: an even number of crossings from outside */
+#define HARD_STRUCTURE  64u /* packed_check of every member, as published ones too */
+
+struct hard_case {
+    unsigned number; /* 1 to 60: ../shared/design/numerics.md, section 4; above: README */
+    const char *name;
+    const char *recipe, *expected, *source; /* one line each */
+    unsigned flags;
+    void (*make)(struct hard_made *made);
+    struct hard_defect defect[HARD_DEFECTS_MOST]; /* ends at the first without a fault */
+};
+
+/* NULL-terminated, by number. */
+extern const struct hard_case *const hard_cases[];
+
+/* Makes all parts of a case; the same bytes on every machine.
+ * Errors: STATUS_MEMORY; STATUS_INPUT a recipe that names a scene wrongly. Free in either case. */
+enum status hard_make(const struct hard_case *one, struct hard_made *out,
+                      struct reason *reason) MUST_USE;
+
+void hard_free(struct hard_made *made);
+
+/* What can be broken. */
+enum hard_property {
+    PROPERTY_KEPT,    /* nothing */
+    PROPERTY_VERDICT, /* the judge says WRONG */
+    PROPERTY_HIT,     /* WANT_HIT */
+    PROPERTY_MISS,    /* WANT_MISS */
+    PROPERTY_ID,      /* WANT_ID */
+    PROPERTY_T,       /* WANT_T */
+    PROPERTY_ENDS,    /* WANT_ENDS */
+    PROPERTY_LIKE,    /* WANT_LIKE */
+    PROPERTY_CULLED,  /* brute force with the same test hits what is truly hit, the tree nothing */
+    PROPERTY_BITS,    /* engine cpu answers other bits */
+    PROPERTY_REPEAT,  /* a second trace answers other bits */
+    PROPERTY_ANY,     /* any-hit and closest hit do not agree that there is a hit */
+    PROPERTY_MODE,    /* the float mode or the number of threads changes the answer */
+    PROPERTY_STRAY,   /* something was written behind the last answer */
+    PROPERTY_FINITE,  /* a hit whose t, u or v is not finite, or of no triangle of the scene */
+    PROPERTY_REFUSAL, /* should have refused, or refused without a reason */
+    PROPERTY_STRUCTURE, /* packed_check found a fault */
+    PROPERTY_BUDGET,    /* more box tests than the case allows */
+    PROPERTY_PARITY,    /* an odd number of crossings */
+    PROPERTY_COUNT
+};
+
+/* "verdict", "hit", ... */
+const char *hard_property_name(enum hard_property property);
+
+/* Who answered, as far as a want asks. */
+struct hard_subject {
+    struct model model;
+    bool any; /* any-hit: names some triangle, at its own t */
+};
+
+/* Checks the answer to ray `i` of `part` against its want. `like` is the same member's answers to
+ * part.like (NULL: WANT_LIKE is not asked), `excused` that the judge lets this ray's answer be
+ * another triangle or a miss. PROPERTY_KEPT or the first that is broken. */
+enum hard_property hard_check(const struct hard_part *part, size_t i,
+                              const struct hard_subject *subject, const struct hit *answer,
+                              const struct hit *like, bool excused);
+
+#endif

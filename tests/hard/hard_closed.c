@@ -1,0 +1,175 @@
+/* Hard cases of closed meshes: what a watertight test must never miss, and crossings. */
+#include "tests/hard/parts.h"
+
+#include <math.h>
+
+#define SPHERE "sphere:n=6"
+
+/* Three closed meshes of extent 1 to 1000 around the origin. */
+static struct hard_part *closed_mesh(struct hard_made *made, size_t i, float *reach)
+{
+    *reach = i == 2 ? 1000.0f : 1.0f;
+    if (i == 0)
+        return part_open(made, SPHERE);
+    struct hard_part *part = part_add(made, i == 1 ? "cube" : "large sphere");
+    if (i == 1) {
+        part_cube(part, (const float[3]){-1, -1, -1}, 2);
+        return part;
+    }
+    struct hard_made other = {.part_count = 0};
+    struct hard_part *sphere = part_open(&other, "sphere:n=5,radius=1000");
+    part_copy_scene(part, sphere);
+    part->failed |= sphere->failed;
+    hard_free(&other);
+    return part;
+}
+
+/* Origins well inside a sphere of radius `reach`. */
+static void origin_inside(struct rng *rng, float reach, float from[3])
+{
+    for (int k = 0; k < 3; k++)
+        from[k] = reach * rng_range(rng, -0.5f, 0.5f);
+}
+
+static void make_edges(struct hard_made *made)
+{
+    for (size_t m = 0; m < 3; m++) {
+        float reach, from[3], to[3];
+        struct hard_part *part = closed_mesh(made, m, &reach);
+        struct rng rng = rng_make(14, m);
+        for (uint32_t i = 0; i < 250 && !part->failed; i++) {
+            origin_inside(&rng, reach, from);
+            part_edge(part, rng_below(&rng, part->scene.tri_count), (int)(i % 3), to);
+            want(part_ray(part, ray_at(from, to)), HARD_TIGHT, WANT_HIT);
+        }
+    }
+}
+
+const struct hard_case hard_edges = {
+    .number = 14,
+    .name = "closed-edges",
+    .recipe = "rays from inside closed meshes at the rounded middles of their edges",
+    .expected = "watertight tests: always a hit",
+    .source = "mitsuba3#1149 and #1300, dimforge/parry#444: leaks at edges",
+    .make = make_edges,
+};
+
+static void make_vertices(struct hard_made *made)
+{
+    for (size_t m = 0; m < 3; m++) {
+        float reach, from[3];
+        struct hard_part *part = closed_mesh(made, m, &reach);
+        struct rng rng = rng_make(15, m);
+        for (uint32_t i = 0; i < 250 && !part->failed; i++) {
+            origin_inside(&rng, reach, from);
+            const float *to = part->scene.vertex + 3 * (size_t)(i % part->scene.vertex_count);
+            want(part_ray(part, ray_at(from, to)), HARD_TIGHT, WANT_HIT);
+        }
+    }
+}
+
+const struct hard_case hard_vertices = {
+    .number = 15,
+    .name = "closed-vertices",
+    .recipe = "rays from inside closed meshes at their vertices",
+    .expected = "watertight tests: always a hit",
+    .source = "RenderKit/embree#181, #174; Mesa's lvp_build_intersect_ray_box",
+    .make = make_vertices,
+};
+
+static void make_parity(struct hard_made *made)
+{
+    for (size_t m = 0; m < 3; m++) {
+        float reach;
+        struct hard_part *part = closed_mesh(made, m, &reach);
+        struct rng rng = rng_make(57, m);
+        for (uint32_t i = 0; i < 200 && !part->failed; i++) {
+            float from[3], to[3], length = 0;
+            for (int k = 0; k < 3; k++) {
+                from[k] = rng_range(&rng, -1, 1);
+                length += from[k] * from[k];
+            }
+            for (int k = 0; k < 3; k++)
+                from[k] *= 16 * reach / sqrtf(length);
+            part_point(part, &rng, rng_below(&rng, part->scene.tri_count), to);
+            want(part_ray(part, ray_at(from, to)), HARD_ALL, WANT_HIT);
+        }
+    }
+}
+
+const struct hard_case hard_parity = {
+    .number = 57,
+    .name = "parity",
+    .recipe = "rays from far outside through closed meshes, at points inside triangles",
+    .expected = "an even number of crossings, by the oracle and by every engine that lists them",
+    .source = "RenderKit/embree#188: a double hit on an edge",
+    .flags = HARD_PARITY,
+    .make = make_parity,
+};
+
+/* Two triangles of opposite winding: by Vulkan's rules their edge is not shared, by ours it is:
+ * a sheared edge has one sign however it is run through. */
+static void make_opposite(struct hard_made *made)
+{
+    struct hard_part *part = part_open(made, SPHERE);
+    struct rng rng = rng_make(61, 0);
+    for (uint32_t i = 0; i < part->scene.tri_count; i += 2) {
+        uint32_t *v = part->scene.index + 3 * (size_t)i;
+        uint32_t swap = v[1];
+        v[1] = v[2];
+        v[2] = swap;
+    }
+    for (uint32_t i = 0; i < 400 && !part->failed; i++) {
+        float from[3], to[3];
+        origin_inside(&rng, 1, from);
+        if (i % 2)
+            part_edge(part, i % part->scene.tri_count, (int)(i % 3), to);
+        else
+            for (int k = 0; k < 3; k++)
+                to[k] = part->scene.vertex[3 * (i % part->scene.vertex_count) + (uint32_t)k];
+        want(part_ray(part, ray_at(from, to)), HARD_TIGHT, WANT_HIT);
+    }
+}
+
+const struct hard_case hard_opposite_winding = {
+    .number = 61,
+    .name = "opposite-winding",
+    .recipe =
+        "a closed sphere with every other triangle's winding flipped, aimed at edges, vertices",
+    .expected = "watertight tests: always a hit, since a shared edge has one sign either way",
+    .source = "VK-GL-CTS#446: a mesh with flipped windings; dimforge/parry#171: back faces",
+    .make = make_opposite,
+};
+
+/* The halves of a sphere as two meshes: equal coordinates, no vertex shared. */
+static void make_seam(struct hard_made *made)
+{
+    struct hard_made halves = {.part_count = 0};
+    struct hard_part *part = part_add(made, "split sphere"), *from = part_open(&halves, SPHERE);
+    struct rng rng = rng_make(62, 0);
+    for (uint32_t i = 0; i < from->scene.tri_count; i++) {
+        float v[3][3];
+        scene_tri(&from->scene, i, v);
+        part_tri_of(part, (const float(*)[3])v);
+    }
+    part->failed |= from->failed;
+    hard_free(&halves);
+    for (uint32_t i = 0; i < 400 && !part->failed; i++) {
+        float a[3], to[3];
+        origin_inside(&rng, 1, a);
+        part_edge(part, rng_below(&rng, part->scene.tri_count), (int)rng_below(&rng, 3), to);
+        if (i % 2)
+            for (int k = 0; k < 3; k++)
+                to[k] = part->scene.vertex[9 * (i % part->scene.tri_count) + (uint32_t)k];
+        want(part_ray(part, ray_at(a, to)), HARD_TIGHT, WANT_HIT);
+    }
+}
+
+const struct hard_case hard_seam = {
+    .number = 62,
+    .name = "seam",
+    .recipe = "a closed sphere of triangles that share coordinates but no vertex",
+    .expected = "watertight tests: always a hit; what counts are coordinates, not indices",
+    .source = "Oblikovati#2146: a crack at a seam; MeshLib#1079: fma changes the triangle test",
+    .make = make_seam,
+};

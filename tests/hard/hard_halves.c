@@ -1,0 +1,140 @@
+/* Hard cases of float16 bounds: rounding, overflow, subnormals, zero. */
+#include "tests/hard/parts.h"
+
+#include "ref/half.h"
+
+#include <math.h>
+
+/* A float32 right between two neighbouring halves near x, or one step beside the middle. */
+static float half_middle(float x, int step)
+{
+    float lo = half_to_float(half_down(x)), hi = half_to_float(half_up(x));
+    float middle = 0.5f * (lo + hi);
+    if (step)
+        middle = nextafterf(middle, step < 0 ? -INFINITY : INFINITY);
+    return middle;
+}
+
+/* Triangles whose every coordinate rounds to nearest to the wrong side as often as not; rays meet
+ * them inside, within 2^-9 of their size from a vertex. */
+static void make_middles(struct hard_made *made)
+{
+    struct hard_part *part = part_add(made, "soup");
+    struct rng rng = rng_make(36, 0);
+    for (int i = 0; i < 150; i++) {
+        float v[3][3], at[3];
+        for (int k = 0; k < 3; k++)
+            at[k] = rng_range(&rng, -8, 8);
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < 3; k++)
+                v[c][k] = half_middle(at[k] + rng_range(&rng, -1, 1), (int)rng_below(&rng, 3) - 1);
+        part_tri_of(part, (const float(*)[3])v);
+    }
+    for (uint32_t i = 0; i < 450 && !part->failed; i++) {
+        float v[3][3], from[3], to[3];
+        scene_tri(&part->scene, i / 3, v);
+        for (int k = 0; k < 3; k++) {
+            float *corner = v[i % 3], middle = (v[0][k] + v[1][k] + v[2][k]) / 3;
+            to[k] = corner[k] + 0x1p-9f * (middle - corner[k]);
+            from[k] = rng_range(&rng, -12, 12);
+        }
+        want(part_ray(part, ray_at(from, to)), HARD_ALL, WANT_HIT);
+    }
+}
+
+const struct hard_case hard_middles = {
+    .number = 36,
+    .name = "half-middles",
+    .recipe = "vertices right between halves and one float32 beside, aimed at just inside them",
+    .expected = "a hit: bounds are rounded outward",
+    .source = "gkjohnson/three-mesh-bvh#169: bounds rounded inward on store; the seed's F11",
+    .make = make_middles,
+};
+
+static void aim_at_grid(struct hard_part *part, uint32_t n, float cell, float from, uint64_t seed)
+{
+    struct rng rng = rng_make(seed, 0);
+    for (int i = 0; i < 32; i++) {
+        uint32_t c = rng_below(&rng, n), r = rng_below(&rng, n);
+        float x = from + cell * ((float)c + 0.25f), y = from + cell * ((float)r + 0.75f);
+        struct ray ray = ray_of(x, y, from - cell, 0, 0, cell);
+        if (i % 2) {
+            ray.org[0] -= cell;
+            ray.dir[0] = cell;
+        }
+        want_id(part, part_ray(part, ray), HARD_ALL, 2 * (c + n * r) + 1);
+    }
+}
+
+static void make_overflow(struct hard_made *made)
+{
+    static const float most[] = {65504, 65505, 65519, 65520, 100000};
+    for (size_t m = 0; m < ARRAY_COUNT(most); m++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            struct hard_part *part = part_add(made, "%g", (double)most[m] * sign);
+            part_grid(part, 8, 2, 0, 1, sign < 0 ? -most[m] : most[m] - 8);
+            for (uint32_t i = 0; i < part->scene.vertex_count && !part->failed; i++)
+                part->scene.vertex[3 * (size_t)i + 2] = sign < 0 ? -most[m] : most[m] - 8;
+            part->must_refuse = most[m] > 65504 ? "rf16" : NULL;
+            aim_at_grid(part, 8, 1, sign < 0 ? -most[m] : most[m] - 8, 37 + m);
+        }
+}
+
+const struct hard_case hard_overflow = {
+    .number = 37,
+    .name = "half-overflow",
+    .recipe = "a grid that ends at 65504, 65505, 65519, 65520, 1e5 and their negatives",
+    .expected = "the triangle aimed at; beyond 65504 rf16 refuses",
+    .source = "bulletphysics/bullet3#558: quantised bounds overflow; the seed's F12",
+    .make = make_overflow,
+};
+
+static void make_subnormal(struct hard_made *made)
+{
+    for (int k = 14; k <= 25; k++) {
+        struct hard_part *part = part_add(made, "2^-%d", k);
+        float cell = ldexpf(1, -k - 3);
+        part_grid(part, 8, 2, 0, cell, 0);
+        aim_at_grid(part, 8, cell, 0, (uint64_t)k);
+    }
+}
+
+const struct hard_case hard_subnormal = {
+    .number = 38,
+    .name = "half-subnormal",
+    .recipe = "grids of extent 2^-14 to 2^-25, where halves are subnormal",
+    .expected = "the triangle aimed at",
+    .source = "GPUOpen FSR#21, DirectXMath#104 and #110: float16 subnormals flushed or wrong",
+    .make = make_subnormal,
+};
+
+static void make_straddle(struct hard_made *made)
+{
+    static const float reach[] = {0x1p-25f, 0x1p-24f, 0x1p-15f, 0x1p-14f};
+    for (size_t r = 0; r < ARRAY_COUNT(reach); r++) {
+        struct hard_part *part = part_add(made, "%a", (double)reach[r]);
+        float s = reach[r];
+        part_cube(part, (const float[3]){-s, -s, -s}, 2 * s);
+        struct rng rng = rng_make(39, r);
+        for (uint32_t i = 0; i < 48 && !part->failed; i++) {
+            float from[3], to[3];
+            part_point(part, &rng, i % 12, to);
+            for (int k = 0; k < 3; k++)
+                from[k] = 4 * s * (rng_float(&rng) - 0.5f) + (k == (int)(i % 3) ? 8 * s : 0);
+            want(part_ray(part, ray_at(from, to)), HARD_ALL, WANT_HIT);
+            struct ray inside = ray_of(0, 0, 0, to[0], to[1], to[2]);
+            for (int k = 0; k < 3 && i % 2; k++)
+                inside.org[k] = -inside.org[k];
+            want_id(part, part_ray(part, inside), HARD_ALL, i % 12);
+        }
+    }
+}
+
+const struct hard_case hard_straddle = {
+    .number = 39,
+    .name = "half-zero",
+    .recipe = "cubes of +-2^-25 to +-2^-14 around 0, from outside and from their middle",
+    .expected = "a hit; from the middle the triangle aimed at, from 0 and from -0",
+    .source = "numerics.md 4, 39: the sign of zero in bounds",
+    .make = make_straddle,
+};

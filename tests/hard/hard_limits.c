@@ -1,0 +1,281 @@
+/* Hard cases of limits: leaf slots, triangle and node numbers, depth, empty and tiny scenes. */
+#include "tests/hard/parts.h"
+
+#include <math.h>
+
+/* `count` triangles in rows of 256 cells of 1/4 in the plane z = 1; numbers below 2^9 and multiples
+ * of 1/8. Triangle i is met alone, at its own cell. */
+static void speckles(struct hard_part *part, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        float x = 0.25f * (float)(i % 256), y = 0.25f * (float)(i / 256);
+        const float v[3][3] = {{x, y, 1}, {x + 0.125f, y, 1}, {x, y + 0.125f, 1}};
+        part_tri_of(part, v);
+    }
+}
+
+static void aim_at_speckle(struct hard_part *part, uint32_t i)
+{
+    float x = 0.25f * (float)(i % 256) + 0.03125f, y = 0.25f * (float)(i / 256) + 0.03125f;
+    float d = i % 2 ? 1.0f : -1.0f;
+    struct ray ray = i % 3 ? ray_of(x, y, 1 - d, 0, 0, d) : ray_of(x - 0.5f, y, 1 - d, 0.5f, 0, d);
+    want_id(part, part_ray(part, ray), HARD_ALL, i);
+}
+
+static void make_leaves(struct hard_made *made)
+{
+    static const struct {
+        uint32_t count, leaf;
+    } leaves[] = {{1, 8},  {2, 8},  {3, 8},  {4, 8},  {5, 8},  {6, 8},  {7, 8},  {8, 8},
+                  {9, 8},  {10, 8}, {11, 8}, {12, 8}, {13, 8}, {14, 8}, {15, 8}, {16, 8},
+                  {16, 1}, {7, 7},  {14, 7}, {9, 9},  {16, 9}, {18, 9}};
+    for (size_t l = 0; l < ARRAY_COUNT(leaves); l++) {
+        struct hard_part *part =
+            part_add(made, "%u in leaves of %u", leaves[l].count, leaves[l].leaf);
+        part->leaf = leaves[l].leaf;
+        part->must_refuse = leaves[l].leaf == 9 && leaves[l].count % 9 == 0 ? "rf16" : NULL;
+        speckles(part, leaves[l].count);
+        for (uint32_t i = 0; i < leaves[l].count; i++)
+            aim_at_speckle(part, i);
+    }
+}
+
+const struct hard_case hard_leaves = {
+    .number = 45,
+    .name = "leaf-slots",
+    .recipe = "1 to 18 triangles in leaves of 1, 7, 8 and 9",
+    .expected = "each triangle hit in turn; rf16 refuses a leaf of 9",
+    .source =
+        "jbikker/tinybvh#28; hankotanks/rt_rs: slots 7 and 8 are not read (F7), panics (F6, F8)",
+    .make = make_leaves,
+};
+
+static void make_index_zero(struct hard_made *made)
+{
+    struct hard_part *part = part_add(made, "only one");
+    speckles(part, 1);
+    aim_at_speckle(part, 0);
+    part = part_add(made, "nearest of 16");
+    for (int i = 0; i < 16; i++) {
+        float z = (float)(i + 1);
+        const float v[3][3] = {{0, 0, z}, {4, 0, z}, {0, 4, z}};
+        part_tri_of(part, v);
+    }
+    for (int i = 0; i < 32; i++) {
+        float x = 0.125f * (float)(1 + i % 8), y = 0.25f * (float)(1 + i / 8);
+        want_id(part, part_ray(part, ray_of(x, y, 0, 0, 0, 1)), HARD_ALL, 0);
+    }
+}
+
+const struct hard_case hard_index_zero = {
+    .number = 46,
+    .name = "index-zero",
+    .recipe = "triangle 0 alone, and as the nearest of 16",
+    .expected = "triangle 0",
+    .source = "hankotanks/rt_rs: 0 means empty; the seed's F2",
+    .make = make_index_zero,
+};
+
+static void make_indices(struct hard_made *made)
+{
+    static const uint32_t at[] = {0, 1, 2, 32766, 32767, 32768, 32769, 65533, 65534, 65535, 65536};
+    for (uint32_t count = 65536; count <= 65537; count++) {
+        struct hard_part *part = part_add(made, "%u triangles", count);
+        part->leaf = 8;
+        part->must_refuse = count > 65536 ? "rf16" : NULL;
+        speckles(part, count);
+        for (size_t a = 0; a < ARRAY_COUNT(at); a++)
+            if (at[a] < count)
+                aim_at_speckle(part, at[a]);
+    }
+}
+
+const struct hard_case hard_indices = {
+    .number = 47,
+    .name = "triangle-numbers",
+    .recipe = "65536 and 65537 triangles, aimed at 0, 32767, 32768, 65535, 65536",
+    .expected = "the triangle aimed at; beyond 65535 rf16 refuses",
+    .source = "numerics.md 4, 47: numbers cut to 15 or 16 bits; the seed's F10",
+    .make = make_indices,
+};
+
+static void make_nodes(struct hard_made *made)
+{
+    for (uint32_t count = 10923; count <= 10924; count++) { /* 3 L - 1 records: 32768 and 32771 */
+        struct hard_part *part = part_add(made, "%u leaves", count);
+        part->leaf = 1;
+        part->must_refuse = count > 10923 ? "rf16" : NULL;
+        speckles(part, count);
+        for (uint32_t i = 0; i < 32; i++)
+            aim_at_speckle(part, i < 16 ? i * 682 : count - 1 - (i - 16) * 5);
+    }
+}
+
+const struct hard_case hard_nodes = {
+    .number = 48,
+    .name = "node-numbers",
+    .recipe = "trees of 10923 and 10924 leaves: 32768 and 32771 records",
+    .expected = "the triangle aimed at; beyond record 32767 rf16 refuses, and does not wrap",
+    .source = "numerics.md 4, 48: the leaf mark, bit 31, collides; the seed's F9",
+    .make = make_nodes,
+};
+
+/* Triangle i is turned by i quarter turns, scaled by 1 + i / 8, and lies in the plane z = 1. */
+static void make_concentric(struct hard_made *made)
+{
+    static const uint32_t counts[] = {2, 7, 8, 9, 64};
+    for (size_t c = 0; c < ARRAY_COUNT(counts); c++) {
+        struct hard_part *part = part_add(made, "%u", counts[c]);
+        for (uint32_t i = 0; i < counts[c]; i++) {
+            float s = 1 + 0.125f * (float)i;
+            const float v[3][3] = {{-s, -s, 1}, {s, -s, 1}, {0, 2 * s, 1}};
+            part_tri_of(part, v);
+        }
+        for (uint32_t i = 0; i < counts[c]; i++) { /* between the borders of i - 1 and i */
+            float y = -1 - 0.125f * (float)i + 0.0625f;
+            for (int way = 0; way < 2; way++) {
+                float d = way ? 1.0f : -1.0f;
+                struct hard_want *w = part_ray(part, ray_of(0.0625f, y, 1 - d, 0, 0, d));
+                uint32_t id[64];
+                for (uint32_t k = i; k < counts[c]; k++)
+                    id[k - i] = k;
+                want_ids(part, w, HARD_ALL, counts[c] - i, id);
+            }
+        }
+    }
+}
+
+const struct hard_case hard_concentric = {
+    .number = 49,
+    .name = "concentric",
+    .recipe = "2, 7, 8, 9 and 64 triangles of one centroid, each larger than the last",
+    .expected = "builds; between two borders one of the larger ones",
+    .source = "hoverinc/ray-tracing-renderer#81: equal centroids recurse for ever; the seed's F19",
+    .make = make_concentric,
+};
+
+static void make_series(struct hard_made *made)
+{
+    for (int deep = 0; deep < 2; deep++)
+        for (int count = 30; count <= 58; count += 28) {
+            struct hard_part *part = part_add(made, "%d%s", count, deep ? ", no least size" : "");
+            part->leaf = 1;
+            part->deep = deep;
+            for (int i = 0; i < count; i++) {
+                float x = ldexpf(1, -i), s = 0.125f * x;
+                const float v[3][3] = {{x, 0, 0}, {x, s, 0}, {x, 0, s}};
+                part_tri_of(part, v);
+            }
+            for (int i = 0; i < count; i++) {
+                float x = ldexpf(1, -i), s = 0.03125f * x;
+                struct hard_want *w = part_ray(part, ray_of(1.25f * x, s, s, -0.25f * x, 0, 0));
+                if (i < 24)
+                    want_id(part, w, HARD_ALL, (uint32_t)i);
+                struct ray slanted = ray_of(1.25f * x, 0, s, -0.25f * x, s, 0);
+                if (i < 24)
+                    want_id(part, part_ray(part, slanted), HARD_OWN, (uint32_t)i);
+            }
+        }
+}
+
+const struct hard_case hard_series = {
+    .number = 50,
+    .name = "series",
+    .recipe =
+        "30 and 58 triangles at 2^-i, one to a leaf; the rtrs builder also without a least size",
+    .expected = "the triangle aimed at, or the tree is refused as too deep",
+    .source = "jbikker/tinybvh#192, #164: stacks overrun on deep trees",
+    .make = make_series,
+};
+
+static void make_nothing(struct hard_made *made)
+{
+    struct hard_part *part = part_add(made, "empty");
+    for (int i = 0; i < 130; i++)
+        want(part_ray(part, ray_of((float)i, 0, 0, i % 2 ? 0.0f : 1.0f, 0, 1)), HARD_ALL,
+             WANT_MISS);
+}
+
+const struct hard_case hard_nothing = {
+    .number = 51,
+    .name = "empty-scene",
+    .recipe = "no triangle at all",
+    .expected = "a miss",
+    .source = "gfx-rs/wgpu#6731, #8637: crashes; the seed's F20 reads node 0",
+    .flags = HARD_NO_HITS,
+    .make = make_nothing,
+};
+
+static void make_one(struct hard_made *made)
+{
+    struct hard_part *part = part_add(made, "one");
+    struct rng rng = rng_make(52, 0);
+    const float v[3][3] = {{1, 2, 3}, {3, 2, 4}, {1, 5, 4}};
+    part_tri_of(part, v);
+    for (int i = 0; i < 100; i++) {
+        float from[3], to[3];
+        part_point(part, &rng, 0, to);
+        for (int k = 0; k < 3; k++)
+            from[k] = to[k] + rng_range(&rng, -4, 4);
+        from[2] = to[2] + (i % 2 ? 6.0f : -6.0f);
+        want_id(part, part_ray(part, ray_at(from, to)), HARD_ALL, 0);
+        to[i % 2] += 9; /* and past it */
+        want(part_ray(part, ray_at(from, to)), HARD_ALL, WANT_MISS);
+    }
+}
+
+const struct hard_case hard_one = {
+    .number = 52,
+    .name = "one-triangle",
+    .recipe = "a single triangle, so that the root is a leaf; aimed at and past it",
+    .expected = "triangle 0; past it a miss",
+    .source = "numerics.md 4, 52: the root's own box; the seed's F2: a blank picture",
+    .make = make_one,
+};
+
+/* 65,536 triangles that all the rays pass, the nearest the last: a loop that ends early shows. */
+static void make_stack(struct hard_made *made)
+{
+    struct hard_part *part = part_add(made, "65536 deep");
+    uint32_t count = 65536;
+    part->leaf = 8;
+    for (uint32_t i = 0; i < count; i++) {
+        float z = 0.5f * (float)(count - i);
+        const float v[3][3] = {{0, 0, z}, {4, 0, z}, {0, 4, z}};
+        part_tri_of(part, v);
+    }
+    for (int i = 0; i < 8; i++) {
+        float x = 0.25f * (float)(1 + i % 4), y = 0.5f * (float)(1 + i / 4);
+        want_id(part, part_ray(part, ray_of(x, y, 0, 0, 0, 1)), HARD_ALL, count - 1);
+        want_id(part, part_ray(part, ray_of(x, y, 40000, 0, 0, -1)), HARD_ALL, 0);
+    }
+}
+
+const struct hard_case hard_stack = {
+    .number = 53,
+    .name = "long-loop",
+    .recipe = "65,536 triangles one behind the other, the nearest the last; from both ends",
+    .expected = "the nearest; as the tree says, so brute force in one shader loop",
+    .source = "Mesa's LP_MAX_TGSI_LOOP_ITERATIONS: lavapipe 22.3.6 ends loops after 65,535 rounds",
+    .make = make_stack,
+};
+
+static void make_counts(struct hard_made *made)
+{
+    static const size_t counts[] = {0, 1, 63, 64, 65, 127, 1000};
+    for (size_t c = 0; c < ARRAY_COUNT(counts); c++) {
+        struct hard_part *part = part_add(made, "%zu rays", counts[c]);
+        speckles(part, 64);
+        for (size_t i = 0; i < counts[c]; i++)
+            aim_at_speckle(part, (uint32_t)(i % 64));
+    }
+}
+
+const struct hard_case hard_counts = {
+    .number = 54,
+    .name = "ray-counts",
+    .recipe = "0, 1, 63, 64, 65, 127 and 1000 rays",
+    .expected = "every ray's own triangle, and nothing written behind the last answer",
+    .source = "numerics.md 4, 54: the bound of a dispatch; the seed's F25",
+    .make = make_counts,
+};

@@ -1,0 +1,179 @@
+#include "tests/hard/matrix.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const char *outcome_name(enum outcome outcome)
+{
+    static const char *const names[OUTCOME_COUNT] = {"skipped", "refused", "passed",
+                                                     "known",   "waived",  "failed"};
+    return (size_t)outcome < OUTCOME_COUNT ? names[outcome] : "unknown";
+}
+
+const char *outcome_meaning(enum outcome outcome)
+{
+    static const char *const meanings[OUTCOME_COUNT] = {
+        "skipped: the engine cannot run here",
+        "refused: a builder, layout or engine says why it will not take the scene",
+        "passed",
+        "known: shows the defect that the case is there to show",
+        "waived: fails, and a waiver says why that is known",
+        "FAILED",
+    };
+    return (size_t)outcome < OUTCOME_COUNT ? meanings[outcome] : "";
+}
+
+static bool is_member(const struct layout *layout)
+{
+    for (size_t i = 0; layouts[i]; i++)
+        if (layouts[i] == layout)
+            return true;
+    return layout == NULL;
+}
+
+static bool is_engine(const struct engine *engine)
+{
+    for (size_t i = 0; engines[i]; i++)
+        if (engines[i] == engine)
+            return true;
+    return false;
+}
+
+/* Returns the column's index; MATRIX_COLUMNS_MOST if there is no room. */
+static size_t column_of(struct matrix *matrix, const struct hard_member *m)
+{
+    struct matrix_column c = {.engine = m->engine, .layout = m->layout};
+    c.published = hard_member_faithful(m);
+    c.made = !is_member(m->layout) || !is_engine(m->engine);
+    if (!m->engine->own_tri && !(c.published && m->layout))
+        c.tri = m->tri;
+    for (size_t i = 0; i < matrix->column_count; i++) {
+        const struct matrix_column *at = &matrix->column[i];
+        if (at->engine == c.engine && at->layout == c.layout && at->tri == c.tri &&
+            at->published == c.published)
+            return i;
+    }
+    if (matrix->column_count == MATRIX_COLUMNS_MOST)
+        return MATRIX_COLUMNS_MOST;
+    matrix->column[matrix->column_count] = c;
+    return matrix->column_count++;
+}
+
+static enum status row_of(struct matrix *matrix, const struct hard_case *one, size_t *row)
+{
+    for (*row = 0; *row < matrix->row_count; ++*row)
+        if (matrix->row[*row] == one)
+            return STATUS_OK;
+    void *rows = matrix->row, *cells = matrix->cell;
+    size_t need = (matrix->row_count + 1) * MATRIX_COLUMNS_MOST;
+    enum status status =
+        array_reserve(&rows, &matrix->row_room, matrix->row_count + 1, sizeof(void *));
+    matrix->row = rows;
+    if (status == STATUS_OK)
+        status = array_reserve(&cells, &matrix->cell_room, need, sizeof *matrix->cell);
+    matrix->cell = cells;
+    if (status)
+        return status;
+    memset(matrix->cell + *row * MATRIX_COLUMNS_MOST, 0,
+           MATRIX_COLUMNS_MOST * sizeof *matrix->cell);
+    matrix->row[matrix->row_count++] = one;
+    return STATUS_OK;
+}
+
+static char *copy(const char *text)
+{
+    char *out = alloc_zeroed(strlen(text) + 1, 1);
+    return out ? strcpy(out, text) : NULL;
+}
+
+static enum status note(struct matrix *matrix, const struct hard_case *one,
+                        const struct hard_member *member, enum outcome outcome, const char *why)
+{
+    for (size_t i = 0; i < matrix->note_count && outcome != OUTCOME_FAILED; i++)
+        if (matrix->note[i].outcome == outcome && strcmp(matrix->note[i].why, why) == 0) {
+            matrix->note[i].count++;
+            return STATUS_OK;
+        }
+    void *notes = matrix->note;
+    enum status status =
+        array_reserve(&notes, &matrix->note_room, matrix->note_count + 1, sizeof *matrix->note);
+    matrix->note = notes;
+    if (status)
+        return status;
+    char name[HARD_NAME_MOST];
+    hard_name_print(one, member, name);
+    struct matrix_note made = {copy(name), copy(why), outcome, 1};
+    matrix->note[matrix->note_count++] = made;
+    return made.name && made.why ? STATUS_OK : STATUS_MEMORY;
+}
+
+enum status matrix_add(struct matrix *matrix, const struct hard_case *one,
+                       const struct hard_member *member, enum outcome outcome, size_t rays,
+                       const char *why, struct reason *reason)
+{
+    size_t row, column = column_of(matrix, member);
+    if (column == MATRIX_COLUMNS_MOST)
+        return fail(reason, STATUS_LIMIT, "matrix: more than %d columns", MATRIX_COLUMNS_MOST);
+    enum status status = row_of(matrix, one, &row);
+    if (status == STATUS_OK && outcome >= OUTCOME_KNOWN)
+        status = note(matrix, one, member, outcome, why);
+    if (status)
+        return fail(reason, status, "no memory for the matrix");
+    matrix->cell[row * MATRIX_COLUMNS_MOST + column].count[outcome]++;
+    matrix->total[outcome]++;
+    matrix->rays += rays;
+    return STATUS_OK;
+}
+
+void matrix_free(struct matrix *matrix)
+{
+    for (size_t i = 0; i < matrix->note_count; i++) {
+        free(matrix->note[i].name);
+        free(matrix->note[i].why);
+    }
+    free(matrix->note);
+    free(matrix->row);
+    free(matrix->cell);
+    *matrix = (struct matrix){0};
+}
+
+enum outcome matrix_worst(const struct matrix_cell *cell)
+{
+    for (int o = OUTCOME_COUNT - 1; o >= 0; o--)
+        if (cell->count[o] > 0)
+            return (enum outcome)o;
+    return OUTCOME_COUNT;
+}
+
+const char *matrix_table_title(size_t table)
+{
+    static const char *const titles[MATRIX_TABLES] = {
+        "Repaired members", "Members as published, faults included", "Members made to be wrong"};
+    return titles[table];
+}
+
+bool matrix_in_table(const struct matrix *matrix, size_t column, size_t table)
+{
+    const struct matrix_column *c = &matrix->column[column];
+    return table == (c->made ? 2 : c->published ? 1 : 0);
+}
+
+bool matrix_table_is_empty(const struct matrix *matrix, size_t table)
+{
+    for (size_t c = 0; c < matrix->column_count; c++)
+        if (matrix_in_table(matrix, c, table))
+            return false;
+    return true;
+}
+
+const char *matrix_layout_name(const struct matrix_column *column)
+{
+    return column->layout ? column->layout->name : "-";
+}
+
+const char *matrix_tri_name(const struct matrix_column *column)
+{
+    if (column->tri)
+        return column->tri->name;
+    return column->engine->own_tri ? "own" : "all";
+}

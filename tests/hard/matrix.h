@@ -1,0 +1,94 @@
+/* The matrix of hard cases: what became of each case on each engine, layout and triangle test, for
+ * a person to read. */
+#ifndef HARD_MATRIX_H
+#define HARD_MATRIX_H
+
+#include "tests/hard/run.h"
+
+#include <stdio.h>
+
+/* What becomes of a trial, the worst last. */
+enum outcome {
+    OUTCOME_SKIPPED, /* an engine cannot run here */
+    OUTCOME_REFUSED, /* a builder, layout or engine says why it will not */
+    OUTCOME_PASSED,
+    OUTCOME_KNOWN,  /* shows the defect that the case is there to show */
+    OUTCOME_WAIVED, /* fails, and a waiver says why that is known */
+    OUTCOME_FAILED,
+    OUTCOME_COUNT
+};
+
+/* "skipped", "refused", "passed", "known", "waived", "failed". */
+const char *outcome_name(enum outcome outcome);
+/* One line: what it means. */
+const char *outcome_meaning(enum outcome outcome);
+
+#define MATRIX_COLUMNS_MOST 64
+
+/* One engine on one layout with one triangle test, repaired; or all that is as published on one
+ * engine and layout. */
+struct matrix_column {
+    const struct engine *engine;
+    const struct layout *layout; /* NULL: no tree */
+    const struct tri_test *tri;  /* NULL: the engine's own, or several as published */
+    bool published;              /* some part is as published */
+    bool made;                   /* a member of no table, made to be wrong */
+};
+
+struct matrix_cell {
+    size_t count[OUTCOME_COUNT];
+};
+
+/* Something that is not plain: a failure; or what one waiver or one case's defect excuses. */
+struct matrix_note {
+    char *name; /* the reproduction; of several the first */
+    char *why;  /* of a failure what is broken, of others the excuse */
+    enum outcome outcome;
+    size_t count; /* 1 of a failure */
+};
+
+/* Owns its arrays; zero is empty. */
+struct matrix {
+    struct matrix_column column[MATRIX_COLUMNS_MOST];
+    size_t column_count;
+    const struct hard_case **row; /* in order of their first result */
+    struct matrix_cell *cell;     /* row_count * MATRIX_COLUMNS_MOST */
+    size_t row_count, row_room, cell_room;
+    struct matrix_note *note;
+    size_t note_count, note_room;
+    size_t total[OUTCOME_COUNT];
+    size_t rays;
+};
+
+/* Adds a result. `why` is one line: what is broken, or the excuse. Errors: STATUS_MEMORY;
+ * STATUS_LIMIT more columns than MATRIX_COLUMNS_MOST. */
+enum status matrix_add(struct matrix *matrix, const struct hard_case *one,
+                       const struct hard_member *member, enum outcome outcome, size_t rays,
+                       const char *why, struct reason *reason) MUST_USE;
+void matrix_free(struct matrix *matrix);
+
+static inline const struct matrix_cell *matrix_at(const struct matrix *matrix, size_t row,
+                                                  size_t column)
+{
+    return &matrix->cell[row * MATRIX_COLUMNS_MOST + column];
+}
+
+/* The worst of a cell's outcomes; OUTCOME_COUNT if it has none. */
+enum outcome matrix_worst(const struct matrix_cell *cell);
+
+/* The matrix is shown in tables: repaired members, those as published, those made to be wrong. */
+#define MATRIX_TABLES 3
+const char *matrix_table_title(size_t table);
+bool matrix_in_table(const struct matrix *matrix, size_t column, size_t table);
+bool matrix_table_is_empty(const struct matrix *matrix, size_t table);
+/* "-" without a tree. */
+const char *matrix_layout_name(const struct matrix_column *column);
+/* "own": the engine's; "all": of several. */
+const char *matrix_tri_name(const struct matrix_column *column);
+
+/* Writers; errors of the stream are the caller's to see. `versions` is a line for each engine. */
+void matrix_text(const struct matrix *matrix, FILE *out);
+void matrix_markdown(const struct matrix *matrix, const char *versions, FILE *out);
+void matrix_html(const struct matrix *matrix, const char *versions, FILE *out);
+
+#endif

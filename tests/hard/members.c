@@ -1,0 +1,84 @@
+#include "tests/hard/members.h"
+
+#include <fnmatch.h>
+#include <string.h>
+
+static bool asks(const struct hard_case *one, enum query query)
+{
+    return query != QUERY_ALL || one->flags & HARD_PARITY;
+}
+
+static void each_engine(const struct hard_case *one, struct hard_member *member, hard_visit *visit,
+                        void *user)
+{
+    for (enum query q = QUERY_CLOSEST; q < QUERY_COUNT; q++)
+        for (size_t e = 0; asks(one, q) && engines[e]; e++)
+            if (engines[e]->needs_packed) {
+                member->query = q;
+                member->engine = engines[e];
+                visit(user, one, member);
+            }
+}
+
+static void each_without_tree(const struct hard_case *one, hard_visit *visit, void *user)
+{
+    for (size_t e = 0; engines[e]; e++)
+        for (size_t t = 0; tri_tests[t] && (t == 0 || !engines[e]->own_tri); t++)
+            for (enum query q = QUERY_CLOSEST; q < QUERY_COUNT; q++)
+                if (!engines[e]->needs_packed && asks(one, q))
+                    visit(user, one,
+                          &(struct hard_member){
+                              .query = q, .engine = engines[e], .tri = tri_tests[t]});
+}
+
+/* A member of no table: what it does not name is repaired. */
+static void visit_made(const struct hard_case *one, const struct hard_defect *defect,
+                       hard_visit *visit, void *user)
+{
+    struct hard_member member = {.query = QUERY_CLOSEST,
+                                 .engine = defect->engine ? defect->engine : engine_find("cpu"),
+                                 .layout = defect->layout ? defect->layout : layout_find("f32"),
+                                 .builder = builder_find("median"),
+                                 .box = box_test_find("watertight")};
+    for (size_t t = 0; tri_tests[t]; t++) {
+        member.tri = tri_tests[t];
+        if (!tri_tests[t]->faithful)
+            visit(user, one, &member);
+    }
+}
+
+void hard_each_member(const struct hard_case *one, hard_visit *visit, void *user)
+{
+    struct hard_member m = {0};
+    for (size_t b = 0; builders[b]; b++)
+        for (size_t l = 0; layouts[l]; l++)
+            for (size_t x = 0; box_tests[x]; x++)
+                for (size_t t = 0; tri_tests[t]; t++) {
+                    m.builder = builders[b];
+                    m.layout = layouts[l];
+                    m.box = box_tests[x];
+                    m.tri = tri_tests[t];
+                    each_engine(one, &m, visit, user);
+                }
+    for (size_t d = 0; d < HARD_DEFECTS_MOST && one->defect[d].fault; d++)
+        if (one->defect[d].layout || one->defect[d].engine)
+            visit_made(one, &one->defect[d], visit, user);
+    if (!(one->flags & HARD_TREES_ONLY))
+        each_without_tree(one, visit, user);
+}
+
+const struct hard_defect *hard_defect_of(const struct hard_case *one,
+                                         const struct hard_member *member)
+{
+    char name[HARD_NAME_MOST];
+    hard_member_print(member, name);
+    for (size_t d = 0; d < HARD_DEFECTS_MOST && one->defect[d].fault; d++) {
+        const struct hard_defect *defect = &one->defect[d];
+        if ((defect->layout && defect->layout != member->layout) ||
+            (defect->engine && defect->engine != member->engine))
+            continue;
+        if (fnmatch(defect->members, name, 0) == 0)
+            return defect;
+    }
+    return NULL;
+}

@@ -1,0 +1,18 @@
+/* All members that a hard case is played on: every combination of the tables, and the members made
+ * to be wrong that the case itself brings. */
+#ifndef HARD_MEMBERS_H
+#define HARD_MEMBERS_H
+
+#include "tests/hard/run.h"
+
+typedef void hard_visit(void *user, const struct hard_case *one, const struct hard_member *member);
+
+/* Calls `visit` for each, in an order that makes the most of a stage: neighbours share the tree,
+ * then the layout, then box and triangle test. */
+void hard_each_member(const struct hard_case *one, hard_visit *visit, void *user);
+
+/* The defect of the case that this member must show, or NULL. */
+const struct hard_defect *hard_defect_of(const struct hard_case *one,
+                                         const struct hard_member *member);
+
+#endif

@@ -1,0 +1,221 @@
+#include "tests/hard/parts.h"
+
+#include "scenes/scenes.h"
+
+#include <assert.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Makes room for `more` elements; false (and part.failed) without memory. */
+static bool reserve(struct hard_part *part, void **array, size_t *room, size_t need, size_t size)
+{
+    if (!part->failed && array_reserve(array, room, need, size))
+        part->failed = true;
+    return !part->failed;
+}
+
+struct hard_part *part_add(struct hard_made *made, const char *label, ...)
+{
+    assert(made->part_count < HARD_PARTS_MOST);
+    struct hard_part *part = &made->part[made->part_count++];
+    va_list args;
+    va_start(args, label);
+    (void)vsnprintf(part->label, sizeof part->label, label, args);
+    va_end(args);
+    return part;
+}
+
+struct hard_part *part_open(struct hard_made *made, const char *spec)
+{
+    struct hard_part *part = part_add(made, "%s", spec);
+    if (scene_open(spec, 1, &part->scene, NULL)) {
+        part->failed = true;
+        return part;
+    }
+    part->vertex_room = 3 * (size_t)part->scene.vertex_count;
+    part->index_room = 3 * (size_t)part->scene.tri_count;
+    return part;
+}
+
+void part_copy_scene(struct hard_part *part, const struct hard_part *from)
+{
+    for (uint32_t i = 0; i < from->scene.vertex_count; i++) {
+        const float *p = from->scene.vertex + 3 * (size_t)i;
+        part_vertex(part, p[0], p[1], p[2]);
+    }
+    for (uint32_t i = 0; i < from->scene.tri_count; i++) {
+        const uint32_t *v = from->scene.index + 3 * (size_t)i;
+        part_tri(part, v[0], v[1], v[2]);
+    }
+}
+
+uint32_t part_vertex(struct hard_part *part, float x, float y, float z)
+{
+    struct scene *scene = &part->scene;
+    void *array = scene->vertex;
+    size_t at = 3 * (size_t)scene->vertex_count;
+    if (!reserve(part, &array, &part->vertex_room, at + 3, sizeof(float)))
+        return 0;
+    scene->vertex = array;
+    scene->vertex[at] = x;
+    scene->vertex[at + 1] = y;
+    scene->vertex[at + 2] = z;
+    return scene->vertex_count++;
+}
+
+uint32_t part_tri(struct hard_part *part, uint32_t a, uint32_t b, uint32_t c)
+{
+    struct scene *scene = &part->scene;
+    void *array = scene->index;
+    size_t at = 3 * (size_t)scene->tri_count;
+    if (!reserve(part, &array, &part->index_room, at + 3, sizeof(uint32_t)))
+        return 0;
+    scene->index = array;
+    scene->index[at] = a;
+    scene->index[at + 1] = b;
+    scene->index[at + 2] = c;
+    return scene->tri_count++;
+}
+
+uint32_t part_tri_of(struct hard_part *part, const float v[3][3])
+{
+    uint32_t a = part_vertex(part, v[0][0], v[0][1], v[0][2]);
+    uint32_t b = part_vertex(part, v[1][0], v[1][1], v[1][2]);
+    uint32_t c = part_vertex(part, v[2][0], v[2][1], v[2][2]);
+    return part_tri(part, a, b, c);
+}
+
+void part_grid(struct hard_part *part, uint32_t n, int up, float height, float cell, float from)
+{
+    uint32_t first = part->scene.vertex_count, side = n + 1;
+    for (uint32_t j = 0; j < side; j++)
+        for (uint32_t i = 0; i < side; i++) {
+            float p[3];
+            p[up] = height;
+            p[(up + 1) % 3] = from + cell * (float)i;
+            p[(up + 2) % 3] = from + cell * (float)j;
+            part_vertex(part, p[0], p[1], p[2]);
+        }
+    for (uint32_t j = 0; j < n; j++)
+        for (uint32_t i = 0; i < n; i++) {
+            uint32_t a = first + i + side * j;
+            part_tri(part, a, a + 1, a + side + 1);
+            part_tri(part, a, a + side + 1, a + side);
+        }
+}
+
+uint32_t grid_tri(uint32_t n, float x, float y)
+{
+    uint32_t i = (uint32_t)x, j = (uint32_t)y;
+    return 2 * (i + n * j) + (x - (float)i < y - (float)j);
+}
+
+void part_cube(struct hard_part *part, const float from[3], float size)
+{
+    static const unsigned char corner[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
+                                                {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                                {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    uint32_t first = part->scene.vertex_count;
+    for (int c = 0; c < 8; c++)
+        part_vertex(part, from[0] + (c & 1 ? size : 0), from[1] + (c & 2 ? size : 0),
+                    from[2] + (c & 4 ? size : 0));
+    for (size_t i = 0; i < ARRAY_COUNT(corner); i++)
+        part_tri(part, first + corner[i][0], first + corner[i][1], first + corner[i][2]);
+}
+
+void part_scale(struct hard_part *part, float factor)
+{
+    for (size_t i = 0; i < 3 * (size_t)part->scene.vertex_count; i++)
+        part->scene.vertex[i] *= factor;
+}
+
+struct ray ray_at(const float from[3], const float to[3])
+{
+    return ray_of(from[0], from[1], from[2], to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+}
+
+struct hard_want *part_ray(struct hard_part *part, struct ray ray)
+{
+    static struct hard_want lost; /* written to and never read: the part has failed */
+    void *rays = part->ray, *wants = part->want;
+    size_t need = part->ray_count + 1;
+    bool ok = reserve(part, &rays, &part->ray_room, need, sizeof *part->ray);
+    part->ray = rays;
+    ok = ok && reserve(part, &wants, &part->want_room, need, sizeof *part->want);
+    part->want = wants;
+    if (!ok)
+        return &lost;
+    part->ray[part->ray_count] = ray;
+    part->want[part->ray_count] = (struct hard_want){0};
+    return &part->want[part->ray_count++];
+}
+
+void want(struct hard_want *want, enum hard_scope scope, unsigned what)
+{
+    want->what |= what;
+    want->scope = scope;
+}
+
+void want_ids(struct hard_part *part, struct hard_want *w, enum hard_scope scope, uint32_t count,
+              const uint32_t *id)
+{
+    void *ids = part->id;
+    if (!reserve(part, &ids, &part->id_room, part->id_count + count, sizeof *part->id))
+        return;
+    part->id = ids;
+    w->id_first = (uint32_t)part->id_count;
+    w->id_count = count;
+    memcpy(part->id + part->id_count, id, count * sizeof *id);
+    part->id_count += count;
+    want(w, scope, WANT_HIT | WANT_ID);
+}
+
+void want_id(struct hard_part *part, struct hard_want *w, enum hard_scope scope, uint32_t id)
+{
+    want_ids(part, w, scope, 1, &id);
+}
+
+void want_t(struct hard_want *w, enum hard_scope scope, float t)
+{
+    w->t = t;
+    want(w, scope, WANT_HIT | WANT_T);
+}
+
+void want_like(struct hard_want *w, enum hard_scope scope, size_t like, int shift, float add)
+{
+    w->like = (uint32_t)like;
+    w->shift = shift;
+    w->add = add;
+    want(w, scope, WANT_LIKE);
+}
+
+void part_point(const struct hard_part *part, struct rng *rng, uint32_t prim, float p[3])
+{
+    float v[3][3], w[3] = {0.125f, 0.125f, 0.125f};
+    float a = 0.625f * rng_float(rng), b = 0.625f * rng_float(rng);
+    if (part->failed)
+        return;
+    if (a > b) {
+        float swap = a;
+        a = b;
+        b = swap;
+    }
+    w[0] += a;
+    w[1] += b - a;
+    w[2] += 0.625f - b;
+    scene_tri(&part->scene, prim, v);
+    for (int k = 0; k < 3; k++)
+        p[k] = w[0] * v[0][k] + w[1] * v[1][k] + w[2] * v[2][k];
+}
+
+void part_edge(const struct hard_part *part, uint32_t prim, int c, float p[3])
+{
+    float v[3][3];
+    if (part->failed)
+        return;
+    scene_tri(&part->scene, prim, v);
+    for (int k = 0; k < 3; k++)
+        p[k] = 0.5f * (v[c][k] + v[(c + 1) % 3][k]);
+}

@@ -1,0 +1,54 @@
+/* Waivers: failures that are known, each with a reason and a link. A waiver that no longer excuses
+ * anything is itself a failure, so that the list cannot grow old. */
+#ifndef HARD_WAIVERS_H
+#define HARD_WAIVERS_H
+
+#include "ref/base.h"
+
+struct waiver {
+    char *pattern; /* shell wildcards, of the name of a trial or hard case */
+    char *version; /* part of an engine's version: elsewhere it may excuse nothing; or NULL */
+    char *reason;
+    char *link;
+    size_t line;
+    size_t named;  /* names that it matches, played or not */
+    size_t ran;    /* of them, those that were played */
+    size_t failed; /* of them, those that failed */
+};
+
+/* Owns its arrays; zero is an empty list. */
+struct waivers {
+    struct waiver *waiver;
+    size_t count, capacity;
+    char *text; /* what the strings point into */
+    char path[256];
+};
+
+/* Reads lines "PATTERN [@VERSION] REASON... LINK"; blank lines and lines that start with '#' are
+ * comments. VERSION is a part of what `raydiff doctor` says of an engine, '_' for a blank; LINK is
+ * the last word and has "://" or ".md" in it.
+ * Errors: STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY. */
+enum status waivers_read(const char *path, struct waivers *out, struct reason *reason) MUST_USE;
+void waivers_free(struct waivers *waivers);
+
+enum waiver_event { WAIVER_SKIPPED, WAIVER_PASSED, WAIVER_FAILED };
+
+/* Notes what became of `name`, and returns the first waiver that excuses its failure; NULL if it
+ * did not fail or nothing does. All waivers that match count it. */
+const struct waiver *waivers_note(struct waivers *waivers, const char *name,
+                                  enum waiver_event event);
+
+enum waiver_fault {
+    WAIVER_FINE,
+    WAIVER_UNUSED,  /* what it names was played and did not fail: remove it */
+    WAIVER_NOTHING, /* it names nothing: correct or remove it */
+    WAIVER_GONE,    /* no fault: nothing failed, but in another version than it is about */
+};
+
+/* Judges a waiver at the end.
+ *   complete   every name of the suite was noted, so that no match means that none exists
+ *   versions   what the engines say of themselves
+ * A waiver whose names were all skipped, because an engine cannot run here, is fine. */
+enum waiver_fault waiver_judge(const struct waiver *waiver, bool complete, const char *versions);
+
+#endif

@@ -1,0 +1,205 @@
+#define _POSIX_C_SOURCE 200809L
+/* Waivers and the matrix: what they excuse, when they are themselves at fault, what is shown. */
+#include "tests/hard/matrix.h"
+#include "tests/hard/waivers.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+static enum status read_text(const char *text, struct waivers *out, struct reason *reason)
+{
+    char path[] = "/tmp/raydiff-waivers-XXXXXX";
+    int fd = mkstemp(path);
+    FILE *file = fd < 0 ? NULL : fdopen(fd, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+    enum status status = waivers_read(path, out, reason);
+    unlink(path);
+    return status;
+}
+
+static void lines_are_read(void **state)
+{
+    struct waivers w;
+    struct reason reason = {""};
+    (void)state;
+    assert_int_equal(read_text("# a comment\n\n"
+                               "hard.03-*.embree.* @Embree_3.13 borders, as known https://a.b/c\n"
+                               "  *.rf16.*\tneeds more  README.md\r\n",
+                               &w, &reason),
+                     STATUS_OK);
+    assert_int_equal(w.count, 2);
+    assert_string_equal(w.waiver[0].pattern, "hard.03-*.embree.*");
+    assert_string_equal(w.waiver[0].version, "Embree 3.13");
+    assert_string_equal(w.waiver[0].reason, "borders, as known");
+    assert_string_equal(w.waiver[0].link, "https://a.b/c");
+    assert_int_equal(w.waiver[0].line, 3);
+    assert_null(w.waiver[1].version);
+    assert_string_equal(w.waiver[1].link, "README.md");
+    waivers_free(&w);
+}
+
+static void bad_lines_are_refused(void **state)
+{
+    static const char *const bad[] = {"*.rf16.*\n", "*.rf16.* because\n",
+                                      "*.rf16.* https://a.b/c\n", "\n*.x.* @V https://a.b/c\n"};
+    (void)state;
+    for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
+        struct waivers w;
+        struct reason reason = {""};
+        assert_int_equal(read_text(bad[i], &w, &reason), STATUS_INPUT);
+        assert_non_null(strstr(reason.text, i == 3 ? ":2: " : ":1: "));
+        assert_int_equal(w.count, 0);
+    }
+}
+
+/* Plays names against three waivers and judges these at the end. */
+static void waivers_excuse_and_grow_old(void **state)
+{
+    struct waivers w;
+    struct reason reason = {""};
+    (void)state;
+    assert_int_equal(read_text("*.a.* first https://a.b/c\n"
+                               "*.b.* second https://a.b/c\n"
+                               "*.c.* @Embree_3 third https://a.b/c\n"
+                               "*.d.* fourth https://a.b/c\n"
+                               "*.e.* fifth https://a.b/c\n",
+                               &w, &reason),
+                     STATUS_OK);
+    assert_ptr_equal(waivers_note(&w, "x.a.b.y", WAIVER_FAILED), &w.waiver[0]);
+    assert_null(waivers_note(&w, "x.z.y", WAIVER_FAILED));
+    assert_null(waivers_note(&w, "x.a.y", WAIVER_PASSED));
+    assert_null(waivers_note(&w, "x.c.y", WAIVER_PASSED));
+    assert_null(waivers_note(&w, "x.d.y", WAIVER_PASSED));
+    assert_null(waivers_note(&w, "x.e.y", WAIVER_SKIPPED));
+    /* The second matched the first name too, which failed. */
+    assert_int_equal(waiver_judge(&w.waiver[0], true, "Embree 3.13.5"), WAIVER_FINE);
+    assert_int_equal(waiver_judge(&w.waiver[1], true, "Embree 3.13.5"), WAIVER_FINE);
+    assert_int_equal(waiver_judge(&w.waiver[2], true, "Embree 4.3.0"), WAIVER_GONE);
+    assert_int_equal(waiver_judge(&w.waiver[2], true, "Embree 3.13.5"), WAIVER_UNUSED);
+    assert_int_equal(waiver_judge(&w.waiver[3], true, ""), WAIVER_UNUSED);
+    assert_int_equal(waiver_judge(&w.waiver[3], false, ""), WAIVER_UNUSED);
+    assert_int_equal(waiver_judge(&w.waiver[4], true, ""), WAIVER_FINE);
+    waivers_free(&w);
+    assert_int_equal(read_text("*.no-such.* reason https://a.b/c\n", &w, &reason), STATUS_OK);
+    (void)waivers_note(&w, "x.a.y", WAIVER_FAILED);
+    assert_int_equal(waiver_judge(&w.waiver[0], true, ""), WAIVER_NOTHING);
+    assert_int_equal(waiver_judge(&w.waiver[0], false, ""), WAIVER_FINE);
+    waivers_free(&w);
+}
+
+/* --- matrix ----------------------------------------------------------------------------------- */
+
+static struct hard_member member(const char *engine, const char *layout, const char *tri)
+{
+    return (struct hard_member){.query = QUERY_CLOSEST,
+                                .engine = engine_find(engine),
+                                .layout = layout_find(layout),
+                                .builder = builder_find("median"),
+                                .box = box_test_find("robust"),
+                                .tri = tri_test_find(tri)};
+}
+
+static void put(struct matrix *m, size_t row, const struct hard_member *who, enum outcome outcome,
+                const char *why)
+{
+    struct reason reason = {""};
+    if (matrix_add(m, hard_cases[row], who, outcome, 10, why, &reason))
+        fail_msg("%s", reason.text);
+}
+
+/* One of each outcome; the cell of two shows the worse. */
+static struct matrix filled(void)
+{
+    struct matrix m = {.row_count = 0};
+    struct hard_member cpu = member("cpu", "f32", "mt"), woop = member("cpu", "f32", "woop"),
+                       seed = member("cpu", "rtrs_rf", "mt"), gpu = member("vulkan", "f32", "mt");
+    put(&m, 0, &cpu, OUTCOME_PASSED, "");
+    put(&m, 0, &cpu, OUTCOME_FAILED, "1 ray < lost & | gone");
+    put(&m, 0, &woop, OUTCOME_REFUSED, "");
+    put(&m, 0, &gpu, OUTCOME_SKIPPED, "");
+    put(&m, 1, &seed, OUTCOME_WAIVED, "F2 https://a.b/c");
+    put(&m, 1, &seed, OUTCOME_WAIVED, "F2 https://a.b/c");
+    put(&m, 1, &cpu, OUTCOME_KNOWN, "F9");
+    return m;
+}
+
+static void matrix_counts(void **state)
+{
+    struct matrix m = filled();
+    (void)state;
+    assert_int_equal(m.row_count, 2);
+    assert_int_equal(m.column_count, 4);
+    assert_int_equal(m.rays, 70);
+    assert_int_equal(matrix_worst(matrix_at(&m, 0, 0)), OUTCOME_FAILED);
+    assert_int_equal(matrix_worst(matrix_at(&m, 0, 3)), OUTCOME_COUNT);
+    assert_int_equal(matrix_worst(matrix_at(&m, 1, 3)), OUTCOME_WAIVED);
+    assert_true(matrix_in_table(&m, 3, 1) && !matrix_in_table(&m, 3, 0));
+    assert_true(matrix_table_is_empty(&m, 2));
+    assert_int_equal(m.note_count, 3); /* the two waived ones are one note */
+    matrix_free(&m);
+}
+
+typedef void writer(const struct matrix *matrix, const char *versions, FILE *out);
+
+static void written_text(const struct matrix *matrix, const char *versions, FILE *out)
+{
+    (void)versions;
+    matrix_text(matrix, out);
+}
+
+static char *written(writer *write, const struct matrix *m)
+{
+    char *text = NULL;
+    size_t bytes = 0;
+    FILE *out = open_memstream(&text, &bytes);
+    assert_non_null(out);
+    write(m, "cpu: <2 threads>\n", out);
+    assert_int_equal(fclose(out), 0);
+    return text;
+}
+
+/* Every row and every failure with its reproduction is shown; what is markup is escaped. */
+static void matrix_is_shown(void **state)
+{
+    struct matrix m = filled();
+    const char *name = "raydiff conform 'hard.01-axis.closest.cpu.f32.median.robust.mt'";
+    char *text = written(written_text, &m), *page = written(matrix_html, &m),
+         *markdown = written(matrix_markdown, &m);
+    (void)state;
+    assert_non_null(strstr(text, name));
+    assert_non_null(strstr(text, "\n01  axis                   F      r      s"));
+    assert_non_null(strstr(text, "1 failed, 2 waived, 1 known, 1 passed, 1 refused, 1 skipped"));
+    assert_non_null(strstr(markdown, "| 01 axis | FAILED | refused | skipped |"));
+    assert_non_null(strstr(markdown, "1 ray &lt; lost &amp; \\| gone"));
+    assert_non_null(strstr(markdown, "F2 https://a.b/c"));
+    assert_non_null(strstr(page, "<td class=\"failed\" title=\"1 failed 1 passed \">FAILED</td>"));
+    assert_non_null(strstr(page, "1 ray &lt; lost &amp; | gone"));
+    assert_non_null(strstr(page, "cpu: &lt;2 threads&gt;"));
+    assert_null(strstr(page, "lost &  "));
+    assert_non_null(strstr(page, hard_cases[1]->name));
+    free(text);
+    free(page);
+    free(markdown);
+    matrix_free(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lines_are_read),
+        cmocka_unit_test(bad_lines_are_refused),
+        cmocka_unit_test(waivers_excuse_and_grow_old),
+        cmocka_unit_test(matrix_counts),
+        cmocka_unit_test(matrix_is_shown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
