@@ -80,24 +80,28 @@ struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_
     return twin;
 }
 
-struct plane_hit judge_plane(const struct ray *ray, float v[3][3])
+static double dot(const double a[3], const double b[3])
 {
-    double p[3][3], d[3], n[3][3], w[3], side = 0.0;
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+double judge_plane_t(const struct ray *ray, float v[3][3])
+{
+    double d[3], e1[3], e2[3], s[3], n[3];
     for (int k = 0; k < 3; k++) {
         d[k] = (double)ray->dir[k];
-        for (int c = 0; c < 3; c++)
-            p[c][k] = (double)v[c][k] - (double)ray->org[k];
+        e1[k] = (double)v[1][k] - (double)v[0][k];
+        e2[k] = (double)v[2][k] - (double)v[0][k];
+        s[k] = (double)v[0][k] - (double)ray->org[k];
     }
-    for (int c = 0; c < 3; c++) { /* n[c] = the cross product of the other two */
-        const double *a = p[(c + 1) % 3], *b = p[(c + 2) % 3];
-        for (int k = 0; k < 3; k++)
-            n[c][k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-        w[c] = d[0] * n[c][0] + d[1] * n[c][1] + d[2] * n[c][2];
-    }
-    for (int k = 0; k < 3; k++)
-        side += p[0][k] * n[0][k];
-    double det = w[0] + w[1] + w[2];
-    return (struct plane_hit){side / det, w[1] / det, w[2] / det};
+    cross(e1, e2, n);
+    return dot(s, n) / dot(d, n);
 }
 
 double judge_over(double t, double lo, double hi, double bound)
@@ -111,13 +115,10 @@ bool judge_in_range(const struct judge *judge, const struct ray *ray, float t)
     return judge->model.open ? t > ray->tmin && t < ray->tmax : t >= ray->tmin && t <= ray->tmax;
 }
 
-bool judge_barycentrics(const struct ray *ray, float v[3][3], const struct twin *twin,
-                        const struct hit *answer)
+bool judge_barycentrics(const struct twin *twin, const struct hit *answer)
 {
-    struct plane_hit plane = judge_plane(ray, v);
-    /* The last terms cover the rounding of the plane's own values. */
-    double u = fabs((double)answer->u - plane.u), u_most = twin->u_err * (1 + 0x1p-20) + 0x1p-45;
-    double w = fabs((double)answer->v - plane.v), w_most = twin->v_err * (1 + 0x1p-20) + 0x1p-45;
+    double u = fabs((double)answer->u - twin->u_near), u_most = twin->u_err * (1 + JUDGE_SHARE);
+    double w = fabs((double)answer->v - twin->v_near), w_most = twin->v_err * (1 + JUDGE_SHARE);
     return (isinf(twin->u_err) || u <= u_most) && (isinf(twin->v_err) || w <= w_most);
 }
 
@@ -132,16 +133,14 @@ static bool settled(const struct judge *judge, const struct ray *ray,
                     const struct oracle_answer *truth, const struct hit *answer,
                     struct judgement *out)
 {
-    float v[3][3];
     struct twin twin = judge_twin(judge, ray, truth->prim);
-    scene_tri(judge->scene, truth->prim, v);
     double t = (double)answer->t;
     if (!isfinite(twin.t_err) || !judge_in_range(judge, ray, answer->t))
         return false;
     double over = judge_over(t, truth->t_lo, truth->t_hi, twin.t_err);
     /* Behind the next hit: then it may be that one that was lost. */
     if (!(over <= 1.0) || !(judge->query == QUERY_ANY || t <= truth->t_next) ||
-        !judge_barycentrics(ray, v, &twin, answer))
+        !judge_barycentrics(&twin, answer))
         return false;
     out->over = over;
     out->verdict =

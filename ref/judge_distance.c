@@ -213,7 +213,7 @@ static enum verdict named(const struct judge *judge, const struct ray *ray,
         return VERDICT_WRONG;
     }
     if (out->displacement > JUDGE_DISPLACEMENT_MOST) {
-        double t = judge_plane(ray, v).t, meets[3] = {t * tri.d[0], t * tri.d[1], t * tri.d[2]};
+        double t = judge_plane_t(ray, v), meets[3] = {t * tri.d[0], t * tri.d[1], t * tri.d[2]};
         if (pair.det != 0 && to_triangle(meets, &tri) <= JUDGE_DISPLACEMENT_MOST * tri.unit)
             out->wrong = WRONG_DISTANCE;
         return VERDICT_WRONG;

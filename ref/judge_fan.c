@@ -36,10 +36,6 @@
 /* Triangles of a fan; larger ones (the poles of very fine spheres) get the boundary band. */
 #define FAN_MOST 1024
 
-/* How far an edge must be from the ray, in u * max |vertex - origin|, for an unknown formula to be
- * sure of its side: Woop with Vulkan's loosest rounding is within 24. */
-#define FAN_BAND 32.0
-
 struct fan {
     const struct judge *judge;
     const struct topology *topology;
@@ -60,10 +56,8 @@ struct seen {
 /* Returns false if its t is not proven to lie inside the range. */
 static bool see_by_twin(const struct fan *fan, uint32_t prim, struct seen *seen)
 {
-    float v[3][3];
     struct twin twin = judge_twin(fan->judge, fan->ray, prim);
-    scene_tri(fan->judge->scene, prim, v);
-    double t = judge_plane(fan->ray, v).t, e = twin.t_err * (1.0 + 0x1p-20);
+    double t = twin.t_near, e = twin.t_err * (1.0 + JUDGE_SHARE);
     seen->det = twin.det;
     for (int c = 0; c < 3; c++)
         seen->edge[c] = twin.edge[c];
@@ -83,7 +77,7 @@ static bool see_by_distance(const struct fan *fan, uint32_t prim, struct seen *s
     seen->det = pair.det;
     for (int c = 0; c < 3; c++)
         seen->edge[c] = fabs(distance[c]) > FAN_BAND ? pair.edge[c] : 0;
-    double t = judge_plane(fan->ray, v).t, band = FAN_BAND * judge_unit_of_t(fan->ray, v);
+    double t = judge_plane_t(fan->ray, v), band = FAN_BAND * judge_unit_of_t(fan->ray, v);
     seen->t_most = t + JUDGE_DISPLACEMENT_MOST / FAN_BAND * band;
     return t - band > (double)fan->ray->tmin && t + band < (double)fan->ray->tmax;
 }

@@ -25,12 +25,16 @@ struct judge {
     _Atomic(struct topology *) topology;
 };
 
-/* A triangle's plane and the ray: t, u and v in double, from exact differences (of one rounding at
- * most). Their error is a 2^-26th of what a float32 formula's bound allows. */
-struct plane_hit {
-    double t, u, v;
-};
-struct plane_hit judge_plane(const struct ray *ray, float v[3][3]);
+/* Share of its bound by which a twin's near-exact value may be off, with room to spare. */
+#define JUDGE_SHARE 0x1p-20
+
+/* How far an edge must be from the ray, in u * max |vertex - origin|, for an unknown formula to be
+ * sure of its side: Woop with Vulkan's loosest rounding is within 24. */
+#define FAN_BAND 32.0
+
+/* Where the ray meets the triangle's plane, in double from the triangle's own edges. No bound is
+ * proven: for formulas that have none either. */
+double judge_plane_t(const struct ray *ray, float v[3][3]);
 
 struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim);
 
@@ -50,8 +54,7 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
                          struct judgement *out);
 
 /* u and v within the twin's bounds? */
-bool judge_barycentrics(const struct ray *ray, float v[3][3], const struct twin *twin,
-                        const struct hit *answer);
+bool judge_barycentrics(const struct twin *twin, const struct hit *answer);
 
 /* --- judge_lost.c --- */
 

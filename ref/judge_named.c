@@ -80,12 +80,11 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
     oracle_pair(judge->oracle, ray, answer->prim, &pair);
     if (!isfinite(twin.t_err))
         return unbounded(ray, v, &pair, t);
-    struct plane_hit plane = judge_plane(ray, v);
-    double slack = 0x1p-20 * twin.t_err + 0x1p-45 * fabs(plane.t);
-    out->over = judge_over(t, plane.t - slack, plane.t + slack, twin.t_err);
+    double share = JUDGE_SHARE * twin.t_err;
+    out->over = judge_over(t, twin.t_near - share, twin.t_near + share, twin.t_err);
     if (!(out->over <= 1.0))
         return wrong(out, WRONG_DISTANCE);
-    if (!judge_barycentrics(ray, v, &twin, answer))
+    if (!judge_barycentrics(&twin, answer))
         return wrong(out, WRONG_BARYCENTRIC);
     return by_pair(judge, &pair);
 }

@@ -23,6 +23,7 @@
 #define MUTANT_EARLY_BOUND    24 /* the vectorised filter claims less error than it has */
 #define MUTANT_ENDS_SWAPPED   23 /* open ranges are taken as closed and closed ones as open */
 #define MUTANT_NEAR_KEPT      30 /* watertight: near plane factor 1 */
+#define MUTANT_NEAR_ROUNDED   33 /* a twin whose near-exact t is in float32 */
 #define MUTANT_OPERAND_KEPT   32 /* a twin that flushes results, but not operands */
 #define MUTANT_BEHIND_FORGOT  31 /* watertight: nothing reaches behind the origin */
 #define MUTANT_CULLED_ALL     50 /* all hits: the nearest hit shortens the ray */

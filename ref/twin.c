@@ -6,6 +6,7 @@
 #include <math.h>
 
 #define UNIT 0x1p-24
+#ifndef TWIN_TURNED /* a test turns them */
 /* The bounds are computed in double from values known to 2^-28 of their own bound (see below), so
  * that both errors together stay below this factor, over all steps of a formula. */
 #define SLACK (1.0 + 0x1p-20)
@@ -17,6 +18,7 @@
  * at the ends an estimated reciprocal may already be flushed. */
 #define DIVISOR_LEAST 0x1p-125
 #define DIVISOR_MOST  0x1p125
+#endif
 /* Embree's robust test gives u = v = 0 below this sum of edge functions. */
 #define EMBREE_LEAST_SUM 1e-18
 
@@ -342,7 +344,13 @@ struct twin twin_eval(enum twin_formula formula, struct rounding rounding, const
         .t_err = out.t.e,
         .u_err = out.u.e,
         .v_err = out.v.e,
+        .t_near = out.t.x,
+        .u_near = out.u.x,
+        .v_near = out.v.x,
     };
+#if MUTANT == MUTANT_NEAR_ROUNDED
+    twin.t_near = (double)out.t.v;
+#endif
     int inside = 0;
     for (int c = 0; c < 3; c++) {
         twin.edge[c] = sign_of(out.edge[c]);

@@ -26,7 +26,8 @@ struct twin {
                       they may be infinite or NaN. u weighs vertex 1, v vertex 2 */
     double t_err;  /* |engine's t - exact t| is at most this; infinite if the determinant's sign is
                       open or a value may overflow; never NaN */
-    double u_err, v_err; /* likewise */
+    double u_err, v_err;           /* likewise */
+    double t_near, u_near, v_near; /* the exact values, to 2^-28 of a finite bound */
 };
 
 /* The formula that triangle test `id` (ABI_TRI_*) computes. */

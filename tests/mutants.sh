@@ -141,6 +141,7 @@ in_test BEHIND_FORGOT ref/trace.c test_watertight
 in_program SHORT_STACK ref/packed.c check "$out/duplicates.obj" --layout f32 --leaf 1 --engine cpu --rays primary --count 5000 --repeat 1
 in_test BAD_TWIN ref/twin.c test_twin
 in_test BAD_TWIN ref/twin.c test_bounds
+in_test NEAR_ROUNDED ref/twin.c test_bounds_judge
 in_test OPERAND_KEPT ref/twin.c test_bounds
 in_test FILTER_BOUND ref/oracle/filter.c test_bounds_oracle
 in_test EARLY_BOUND ref/oracle/early.c test_bounds_oracle

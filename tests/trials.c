@@ -130,6 +130,12 @@ static struct truth truth_of(const struct ray *ray, const struct gmp_pair *pair)
     return truth;
 }
 
+void trial_truth(struct gmp_pair *pair, struct trial *trial)
+{
+    exact_gmp_pair(&trial->ray, trial->v, pair);
+    trial->truth = truth_of(&trial->ray, pair);
+}
+
 void trial_make(int kind, uint64_t index, struct gmp_pair *pair, struct trial *out)
 {
     struct rng rng = rng_make(index, (uint64_t)kind + 1);
@@ -140,8 +146,7 @@ void trial_make(int kind, uint64_t index, struct gmp_pair *pair, struct trial *o
         out->ray.tmin = 0;
         out->ray.tmax = rng_below(&rng, 2) ? INFINITY : rng_range(&rng, 0, 2);
     }
-    exact_gmp_pair(&out->ray, out->v, pair);
-    out->truth = truth_of(&out->ray, pair);
+    trial_truth(pair, out);
 }
 
 /* --- claims ---------------------------------------------------------------------------------- */

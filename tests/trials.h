@@ -35,6 +35,9 @@ const char *trial_kind(int kind);
 /* Draws pair `index` of a kind. `pair` is scratch. */
 void trial_make(int kind, uint64_t index, struct gmp_pair *pair, struct trial *out);
 
+/* Fills in the truth of a ray and triangle made elsewhere. */
+void trial_truth(struct gmp_pair *pair, struct trial *trial);
+
 /* Whether everything that `twin` says holds of the exact truth and of `evaluation`. Returns NULL,
  * or what does not hold. `near` is set in either case. */
 const char *trial_broken(const struct trial *trial, enum twin_formula formula,
