@@ -19,9 +19,9 @@ const char *verdict_name(enum verdict verdict)
 
 const char *wrong_name(enum wrong wrong)
 {
-    static const char *const names[WRONG_COUNT] = {"not",        "missed",         "phantom",
-                                                   "triangle",   "distance",       "barycentric",
-                                                   "not_finite", "not_repeatable", "any_disagrees"};
+    static const char *const names[WRONG_COUNT] = {
+        "not",        "missed",         "phantom",       "triangle", "distance", "barycentric",
+        "not_finite", "not_repeatable", "any_disagrees", "twice",    "order"};
     return wrong < WRONG_COUNT ? names[wrong] : "unknown";
 }
 
@@ -178,7 +178,8 @@ static enum status judge_certified(const struct judge *judge, const struct ray *
              oracle_compare(judge->oracle, ray, answer->prim, truth->prim) == 0)
         out->verdict = VERDICT_TIE;
     else
-        out->verdict = judge_why_lost(judge, ray, truth, reach);
+        out->verdict =
+            judge_why_lost(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach);
     return STATUS_OK;
 }
 

@@ -34,6 +34,8 @@ enum wrong {
     WRONG_NOT_FINITE,  /* t, u or v is NaN or infinite */
     WRONG_NOT_REPEATABLE, /* the same job gave other bits the second time; given by the caller */
     WRONG_ANY_DISAGREES, /* any-hit and closest-hit of one engine contradict each other; likewise */
+    WRONG_TWICE,         /* all hits: one triangle is listed twice, see ref/judge_all.h */
+    WRONG_ORDER,         /* all hits: a later t before an earlier one */
     WRONG_COUNT
 };
 

@@ -165,6 +165,14 @@ static struct loss loss_of(const struct judge *judge, const struct ray *ray,
     return loss;
 }
 
+double judge_loss(const struct judge *judge, const struct ray *ray,
+                  const struct oracle_crossing *lost, double reach, enum verdict *why)
+{
+    struct loss loss = loss_of(judge, ray, lost, reach);
+    *why = loss.why;
+    return loss.need;
+}
+
 /* The lost hit before `reach` that needs most; *fan: one of them lies inside a closed fan all of
  * whose triangles were lost. */
 static enum status worst_loss(const struct judge *judge, const struct ray *ray, double reach,
@@ -183,17 +191,16 @@ static enum status worst_loss(const struct judge *judge, const struct ray *ray, 
         bool closed = false;
         double limit = 0.0;
         if (!*fan && loss.why == VERDICT_BOUNDARY)
-            status = judge_fan(judge, ray, list[i].prim, &closed, &limit);
+            status = judge_fan(judge, ray, list[i].prim, NULL, &closed, &limit);
         *fan = *fan || (closed && reach > limit);
     }
     free(list);
     return status;
 }
 
-/* Judges the named triangle: sets the displacement it needs. */
-static enum verdict named(const struct judge *judge, const struct ray *ray,
-                          const struct oracle_answer *truth, const struct hit *answer,
-                          struct judgement *out)
+enum verdict judge_named_by_distance(const struct judge *judge, const struct ray *ray,
+                                     const struct oracle_answer *truth, const struct hit *answer,
+                                     struct judgement *out)
 {
     float v[3][3];
     double at[3], weighed[3];
@@ -256,7 +263,7 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
     struct loss worst = {.prim = ABI_NO_PRIM, .why = VERDICT_NEAR_TIE};
     enum status status = STATUS_OK;
     if (!miss) {
-        out->verdict = named(judge, ray, truth, answer, out);
+        out->verdict = judge_named_by_distance(judge, ray, truth, answer, out);
         if (out->verdict == VERDICT_WRONG || judge->query == QUERY_ANY)
             return STATUS_OK;
     }

@@ -156,8 +156,8 @@ static enum status topology_of(const struct judge *judge, const struct topology 
     return status;
 }
 
-enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t prim, bool *closed,
-                      double *limit)
+enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                      const struct judge_found *found, bool *closed, double *limit)
 {
     struct fan fan = {.judge = judge, .ray = ray, .limit = -INFINITY};
     *closed = false;
@@ -166,7 +166,7 @@ enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t
         return status;
     fan.prim[fan.count++] = prim;
     for (size_t i = 0; i < fan.count; i++)
-        if (!grow(&fan, i))
+        if (judge_find(found, fan.prim[i]) || !grow(&fan, i))
             return STATUS_OK;
     *closed = fan.rim;
     *limit = fan.limit;

@@ -58,23 +58,43 @@ bool judge_barycentrics(const struct twin *twin, const struct hit *answer);
 
 /* --- judge_lost.c --- */
 
+/* Triangles that an engine did find, sorted by index. */
+struct judge_found {
+    struct judge_slot {
+        uint32_t prim;
+        uint32_t at; /* place in the engine's list */
+    } *slot;
+    size_t count;
+};
+
+/* The entry of `prim`, the first if there are several, or NULL; `found` may be NULL. */
+const struct judge_slot *judge_find(const struct judge_found *found, uint32_t prim);
+
+/* Is the exact hit of `prim`, which was not found, one that this formula cannot miss, and is
+ * `reach` clearly behind it?
+ *   found   what was; NULL: nothing
+ * Errors: STATUS_MEMORY. */
+enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                              double t_lo, double t_hi, double reach,
+                              const struct judge_found *found, bool *lost);
+
 /* Looks for a hit that cannot be missed clearly nearer than `reach` (INFINITY: a miss was
  * answered); then *lost is true and `out` names it. */
 enum status judge_lost(const struct judge *judge, const struct ray *ray,
                        const struct oracle_answer *truth, double reach, bool *lost,
                        struct judgement *out);
 
-/* Why the nearest hit, which was not answered, could be lost. */
-enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray,
-                            const struct oracle_answer *truth, double reach);
+/* Why the exact hit of `prim`, which was not answered, could be lost. */
+enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                            double t_lo, double t_hi, double reach);
 
 /* --- judge_fan.c --- */
 
 /* True if `prim`, a hit some of whose signs are open, lies in a closed fan one of whose triangles a
- * watertight test must hit; then *limit is the largest t that it may answer. Errors: STATUS_MEMORY.
- */
-enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t prim, bool *closed,
-                      double *limit);
+ * watertight test must hit, and none of them is among `found` (which may be NULL); then *limit is
+ * the largest t that it may answer. Errors: STATUS_MEMORY. */
+enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                      const struct judge_found *found, bool *closed, double *limit);
 
 /* --- judge_distance.c --- */
 
@@ -82,6 +102,15 @@ enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t
 enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
                               const struct oracle_answer *truth, const struct hit *answer,
                               struct judgement *out);
+
+/* As judge_named for an unknown formula; sets out->displacement. */
+enum verdict judge_named_by_distance(const struct judge *judge, const struct ray *ray,
+                                     const struct oracle_answer *truth, const struct hit *answer,
+                                     struct judgement *out);
+
+/* The displacement that a lost hit needs, and what it would make of it. */
+double judge_loss(const struct judge *judge, const struct ray *ray,
+                  const struct oracle_crossing *lost, double reach, enum verdict *why);
 
 /* Distance of the line of the ray to the lines of the triangle's edges, in the plane across the
  * ray, in units of u * max |vertex - origin|. */

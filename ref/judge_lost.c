@@ -39,12 +39,26 @@ static bool slab_may_miss(const struct judge *judge, const struct ray *ray, uint
     return false;
 }
 
-/* Is the exact hit of `prim` one that this formula cannot miss, and is `reach` clearly behind it?
- * An engine that found it answers at most its own t of it, which is at most t + E; it may also have
+const struct judge_slot *judge_find(const struct judge_found *found, uint32_t prim)
+{
+    size_t from = 0, to = found ? found->count : 0;
+    while (from < to) {
+        size_t middle = from + (to - from) / 2;
+        if (found->slot[middle].prim < prim)
+            from = middle + 1;
+        else
+            to = middle;
+    }
+    return found && from < found->count && found->slot[from].prim == prim ? &found->slot[from]
+                                                                          : NULL;
+}
+
+/* An engine that found it answers at most its own t of it, which is at most t + E; it may also have
  * answered an earlier find in front of whose box it need not look, and the box is entered within
  * another E (README, "Box tests"): so up to t + 2 E nothing was lost. */
-static enum status cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
-                               double t_lo, double t_hi, double reach, bool *lost)
+enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                              double t_lo, double t_hi, double reach,
+                              const struct judge_found *found, bool *lost)
 {
     struct twin twin = judge_twin(judge, ray, prim);
     double limit = t_hi + 2.0 * twin.t_err;
@@ -54,7 +68,7 @@ static enum status cannot_miss(const struct judge *judge, const struct ray *ray,
     if (!twin.certain) {
         bool closed = false;
         if (judge->fans) {
-            enum status status = judge_fan(judge, ray, prim, &closed, &limit);
+            enum status status = judge_fan(judge, ray, prim, found, &closed, &limit);
             if (status)
                 return status;
         }
@@ -85,7 +99,8 @@ static enum status ask_all(const struct judge *judge, const struct ray *ray, dou
         const struct oracle_pair *pair = &list[i].pair;
         if (!is_hit(pair->class))
             continue;
-        status = cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, lost);
+        status = judge_cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, NULL,
+                                   lost);
         if (*lost) {
             out->expected = list[i].prim;
             out->t_lo = pair->t_lo;
@@ -104,24 +119,24 @@ enum status judge_lost(const struct judge *judge, const struct ray *ray,
     if (truth->prim == ABI_NO_PRIM || !(reach > truth->t_hi))
         return STATUS_OK;
     enum status status =
-        cannot_miss(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach, lost);
+        judge_cannot_miss(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach, NULL, lost);
     if (status || *lost || (truth->tie_count == 1 && !(reach > truth->t_next)))
         return status;
     return ask_all(judge, ray, reach, lost, out);
 }
 
-enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray,
-                            const struct oracle_answer *truth, double reach)
+enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                            double t_lo, double t_hi, double reach)
 {
-    struct twin twin = judge_twin(judge, ray, truth->prim);
-    if (isfinite(twin.t_err) && reach <= truth->t_hi + 2.0 * twin.t_err)
+    struct twin twin = judge_twin(judge, ray, prim);
+    if (isfinite(twin.t_err) && reach <= t_hi + 2.0 * twin.t_err)
         return VERDICT_NEAR_TIE;
     bool open = twin.det == 0;
     for (int c = 0; c < 3; c++)
         open = open || twin.edge[c] == 0;
     if (open)
         return VERDICT_BOUNDARY;
-    if (twin.certain && truth->t_lo > LEAST_T)
+    if (twin.certain && t_lo > LEAST_T)
         return VERDICT_SLAB;
     return VERDICT_BORDER;
 }
