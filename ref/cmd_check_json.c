@@ -86,6 +86,16 @@ static json_t *displacement_json(const struct row *row)
                      (json_int_t)row->displacement.fan_lost);
 }
 
+static json_t *lists_json(const struct row *row)
+{
+    if (row->options.query != QUERY_ALL)
+        return json_null();
+    return json_pack("{s:I, s:I, s:b, s:I, s:I}", "triangles", (json_int_t)row->lists.triangles,
+                     "double_hits", (json_int_t)row->lists.doubles, "closed", row->lists.closed,
+                     "parity_known", (json_int_t)row->lists.parity, "parity_off",
+                     (json_int_t)row->lists.parity_off);
+}
+
 static json_t *row_json(const struct check_scene *scene, const struct row *row)
 {
     const struct match_options *o = &row->options;
@@ -108,6 +118,7 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
     json_object_set_new(out, "wrong", wrong_json(row));
     json_object_set_new(out, "err_over_bound", json_real(finite(row->worst_over)));
     json_object_set_new(out, "displacement", displacement_json(row));
+    json_object_set_new(out, "lists", lists_json(row));
     json_object_set_new(out, "bit_differences", json_integer((json_int_t)row->bit_differences));
     json_object_set_new(out, "judged", json_boolean(row->judged));
     json_object_set_new(out, "differences", json_integer((json_int_t)row->differences));

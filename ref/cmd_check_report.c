@@ -25,6 +25,18 @@ static void print_wrong(const struct row *row)
             printf(" %s %zu", wrong_name(w), row->wrong[w]);
 }
 
+/* What lists of all hits have beside the counters of single answers. */
+static void print_lists(const struct row *row)
+{
+    if (row->options.query != QUERY_ALL)
+        return;
+    printf(" %zu triangles listed, %zu double hits,", row->lists.triangles, row->lists.doubles);
+    if (row->lists.closed)
+        printf(" parity off in %zu of %zu", row->lists.parity_off, row->lists.parity);
+    else
+        printf(" no parity (the mesh is open)");
+}
+
 static void print_row(const struct row *row)
 {
     const struct match_options *o = &row->options;
@@ -54,6 +66,7 @@ static void print_row(const struct row *row)
         printf(" displacement p50 %.2g p99 %.2g max %.3g uM, %zu lost in closed fans",
                row->displacement.p50, row->displacement.p99, row->displacement.most,
                row->displacement.fan_lost);
+    print_lists(row);
     if (row->status == ROW_VACUOUS)
         printf(" %s", row->reason.text);
     putchar('\n');

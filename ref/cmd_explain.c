@@ -113,6 +113,8 @@ static enum status take_name(struct explain_options *o, int option, const char *
         which++;
     enum status status =
         table_parse_one(names[which].table, names[which].flag, text, &index, reason);
+    if (!status && option == OPT_QUERY && index == QUERY_ALL)
+        status = fail(reason, STATUS_INPUT, "--query: closest or any can be explained, not all");
     if (status)
         return status;
     switch (option) {

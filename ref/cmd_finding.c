@@ -2,15 +2,36 @@
 
 #include <stdio.h>
 
+/* How far before the place at fault of a list its explanation begins, relative to its t. */
+#define BEFORE 0x1p-18f
+
+static void start_before(const struct finding *finding, struct ray *ray)
+{
+    bool lost = finding->got.prim == ABI_NO_PRIM;
+    float t = finding->got.t;
+    if (lost)
+        t = finding->bits ? finding->expected.t : (float)finding->judgement.t_lo;
+    t -= BEFORE * t;
+    if (t > ray->tmin && t < ray->tmax)
+        ray->tmin = t;
+}
+
 bool finding_command(const struct row *row, const struct finding *finding, const char *spec,
                      uint64_t seed, const char *driver, char text[EXPLAIN_COMMAND_MOST])
 {
-    text[0] = '\0';
-    /* What another run may answer otherwise cannot be explained by one. */
-    if (!finding->bits && finding->judgement.wrong == WRONG_NOT_REPEATABLE)
-        return false;
     struct explain_of of = explain_of_row(row, spec, seed, driver);
-    explain_command(&of, &finding->ray, text);
+    struct ray ray = finding->ray;
+    enum wrong kind = finding->bits ? WRONG_NOT : finding->judgement.wrong;
+    text[0] = '\0';
+    /* What another run may answer otherwise cannot be explained by one, nor can a closest hit say
+     * anything of a list as a whole. */
+    if (kind == WRONG_NOT_REPEATABLE || kind == WRONG_TWICE || kind == WRONG_ORDER)
+        return false;
+    if (of.query == QUERY_ALL) {
+        of.query = QUERY_CLOSEST;
+        start_before(finding, &ray);
+    }
+    explain_command(&of, &ray, text);
     return true;
 }
 
@@ -24,8 +45,8 @@ void finding_print(const struct row *row, const struct finding *finding, const c
         judge_line(&finding->ray, &finding->judgement, &finding->got, line, sizeof line);
     printf("%s %s %s.%s.%s.%s ray %zu %s\n", finding->bits ? "BITS" : "WRONG",
            finding->bits ? "differ from engine cpu's:" : wrong_name(finding->judgement.wrong),
-           query_name(row->options.query), row->engine->name,
-           row->layout ? row->layout->name : "-", row->options.tri->name, finding->ray_index, line);
+           query_name(row->options.query), row->engine->name, row->layout ? row->layout->name : "-",
+           row->options.tri->name, finding->ray_index, line);
     if (finding_command(row, finding, spec, seed, driver, command))
         printf("  explain: %s\n", command);
 }

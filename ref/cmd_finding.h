@@ -14,7 +14,8 @@ void finding_print(const struct row *row, const struct finding *finding, const c
                    uint64_t seed, const char *driver);
 
 /* Writes only the command, "raydiff explain SCENE --ray '...' ...", at most EXPLAIN_COMMAND_MOST
- * bytes; false if there is nothing that it could explain. */
+ * bytes; false if there is nothing that it could explain. Of a list of all hits: the closest hit of
+ * the same ray from just before the place at fault on. */
 bool finding_command(const struct row *row, const struct finding *finding, const char *spec,
                      uint64_t seed, const char *driver, char text[EXPLAIN_COMMAND_MOST]);
 

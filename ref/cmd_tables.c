@@ -49,8 +49,10 @@ static const char *member(enum table table, size_t i, const char **text)
     case TABLE_RAY_SETS:
         MEMBER(ray_sets);
     case TABLE_QUERIES:
-        *text = i == QUERY_ANY ? "the first accepted hit ends the ray" : "the nearest hit";
-        return i <= QUERY_ANY ? query_name((enum query)i) : NULL;
+        *text = i == QUERY_ALL   ? "every triangle along the ray, sorted"
+                : i == QUERY_ANY ? "the first accepted hit ends the ray"
+                                 : "the nearest hit";
+        return i < QUERY_COUNT ? query_name((enum query)i) : NULL;
     case TABLE_COUNT:
         break;
     }
@@ -86,11 +88,17 @@ static enum status unknown(enum table table, const char *flag, const char *name,
                 (int)(length > 60 ? 60 : length), name, table_name(table), known);
 }
 
+/* Of queries, "all" is one. */
+static bool is_everything(enum table table, const char *text)
+{
+    return table != TABLE_QUERIES && strcmp(text, "all") == 0;
+}
+
 enum status table_parse(enum table table, const char *flag, const char *text, struct list *out,
                         struct reason *reason)
 {
     *out = (struct list){.count = 0};
-    if (strcmp(text, "all") == 0) {
+    if (is_everything(table, text)) {
         *out = table_all(table);
         return STATUS_OK;
     }
@@ -118,7 +126,7 @@ enum status table_parse_one(enum table table, const char *flag, const char *text
 {
     struct list list;
     enum status status = table_parse(table, flag, text, &list, reason);
-    if (status == STATUS_OK && (list.count != 1 || strcmp(text, "all") == 0))
+    if (status == STATUS_OK && (list.count != 1 || is_everything(table, text)))
         status = fail(reason, STATUS_INPUT, "%s: '%s' is not one name", flag, text);
     *index = status ? 0 : list.index[0];
     return status;

@@ -178,8 +178,7 @@ static enum status judge_certified(const struct judge *judge, const struct ray *
              oracle_compare(judge->oracle, ray, answer->prim, truth->prim) == 0)
         out->verdict = VERDICT_TIE;
     else
-        out->verdict =
-            judge_why_lost(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach);
+        out->verdict = judge_why_lost(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach);
     return STATUS_OK;
 }
 

@@ -197,8 +197,8 @@ enum status judge_list(const struct judge *judge, const struct ray *ray, const s
 {
     struct listing l = {.judge = judge, .ray = ray, .hit = hit, .count = count, .out = out};
     size_t capacity = 0;
-    *out = (struct list_judgement){
-        .judgement = {.verdict = VERDICT_RIGHT, .expected = ABI_NO_PRIM}, .at_fault = no_hit};
+    *out = (struct list_judgement){.judgement = {.verdict = VERDICT_RIGHT, .expected = ABI_NO_PRIM},
+                                   .at_fault = no_hit};
     if (settled(&l))
         return STATUS_OK;
     l.found.slot = alloc_zeroed(count, sizeof *l.found.slot);

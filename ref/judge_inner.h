@@ -63,7 +63,7 @@ struct judge_found {
     struct judge_slot {
         uint32_t prim;
         uint32_t at; /* place in the engine's list */
-    } *slot;
+    } * slot;
     size_t count;
 };
 

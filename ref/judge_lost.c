@@ -99,8 +99,8 @@ static enum status ask_all(const struct judge *judge, const struct ray *ray, dou
         const struct oracle_pair *pair = &list[i].pair;
         if (!is_hit(pair->class))
             continue;
-        status = judge_cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, NULL,
-                                   lost);
+        status =
+            judge_cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, NULL, lost);
         if (*lost) {
             out->expected = list[i].prim;
             out->t_lo = pair->t_lo;

@@ -1,6 +1,7 @@
 #include "ref/match.h"
 
 #include "ref/match_judge.h"
+#include "ref/match_lists.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -275,6 +276,43 @@ static bool is_judged(const struct match *match, const struct engine *engine)
            !match->options.box->faithful;
 }
 
+/* Lists all hits and judges them, beside engine cpu's if they must have its bits. */
+static enum status run_lists(struct match *match, const struct engine *engine, void *self,
+                             const struct model *model, struct row *row)
+{
+    const struct engine *cpu = engine_find("cpu");
+    enum status status = STATUS_OK;
+    void *beside = NULL;
+    if (row->bits && engine != cpu) {
+        struct job job = job_of(match, cpu);
+        beside = pool_get(match->pool, cpu, &status, &row->reason);
+        if (status == STATUS_OK)
+            status = cpu->prepare(beside, &job, &row->reason);
+    }
+    if (status == STATUS_OK)
+        status = match_lists(match, engine, self, beside, model, row);
+    return status;
+}
+
+/* Traces and judges on an engine that is prepared. */
+static enum status play_row(struct match *match, const struct engine *engine, void *self,
+                            struct row *row)
+{
+    struct model model = engine->model(self, match->options.tri);
+    if (engine->needs_packed && !match->options.box->watertight)
+        model.watertight = false; /* the triangle test is, but its boxes are not */
+    row->judged = is_judged(match, engine);
+    row->bits = model.bits;
+    if (match->options.query == QUERY_ALL)
+        return run_lists(match, engine, self, &model, row);
+    enum status status = timed_traces(match, engine, self, row);
+    if (status == STATUS_OK && row->bits)
+        status = cpu_hits(match, &row->reason);
+    if (status == STATUS_OK)
+        status = match_judge(match, &model, row);
+    return status;
+}
+
 static enum status run_and_judge(struct match *match, const struct engine *engine, struct row *row)
 {
     enum status status = STATUS_OK;
@@ -288,29 +326,18 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
         return fail(&row->reason, STATUS_INPUT, "engine %s needs a packed layout", engine->name);
     }
     struct job job = job_of(match, engine);
-    status = engine->prepare(self, &job, &row->reason);
+    if (match->options.query == QUERY_ALL && !engine->trace_all)
+        status = fail(&row->reason, STATUS_UNSUPPORTED, "%s cannot list all hits", engine->name);
+    else
+        status = engine->prepare(self, &job, &row->reason);
     if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
         row->status = status == STATUS_LIMIT ? ROW_REFUSED : ROW_SKIPPED;
         return status;
     }
-    row->status = ROW_FAILED; /* until it has finished */
     if (status == STATUS_OK)
-        status = timed_traces(match, engine, self, row);
-    if (status)
-        return status;
-    row->status = ROW_OK;
-    row->judged = is_judged(match, engine);
-    struct model model = engine->model(self, match->options.tri);
-    if (engine->needs_packed && !match->options.box->watertight)
-        model.watertight = false; /* the triangle test is, but its boxes are not */
-    row->bits = model.bits;
-    if (row->bits)
-        status = cpu_hits(match, &row->reason);
+        status = play_row(match, engine, self, row);
+    row->status = status ? ROW_FAILED : ROW_OK;
     if (status == STATUS_OK)
-        status = match_judge(match, &model, row);
-    if (status)
-        row->status = ROW_FAILED;
-    else
         keep_closest(match, engine, row->rays);
     return status;
 }

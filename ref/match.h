@@ -45,7 +45,7 @@ struct match_options {
 struct finding {
     size_t ray_index;
     struct ray ray;
-    struct hit got;
+    struct hit got;             /* of a list: the hit at fault; a miss if one is lost */
     struct judgement judgement; /* why it is WRONG, unless `bits` */
     struct oracle_answer truth;
     struct hit expected; /* engine cpu's, if `bits` */
@@ -81,6 +81,14 @@ struct row {
         double p50, p99, most; /* displacement, see struct judgement */
         size_t fan_lost;       /* hits lost inside a closed fan */
     } displacement;
+    struct {               /* QUERY_ALL: an answer is a list, a hit one that is not empty */
+        size_t triangles;  /* listed */
+        size_t doubles;    /* lists with two triangles of which exactly one should be hit */
+        bool closed;       /* the mesh is: then also */
+        size_t parity;     /* lists of which it is known whether they must be even or odd, but for
+                              those with a wall on an end of the range (VERDICT_BORDER) */
+        size_t parity_off; /* and that are not, with each double hit counted once */
+    } lists;
     size_t bit_differences; /* against engine cpu on the same tree, if bits */
     bool bits;              /* compared with engine cpu bit for bit */
     bool judged;            /* false: a member as published takes part, only counted */
@@ -151,7 +159,8 @@ enum status match_pack_auto(struct match *match, char *refused, size_t refused_b
 
 /* Runs one engine on the packed layout (or without one) at least twice and judges it. Engines that
  * promise bits are compared with engine cpu, any-hits with the closest hits of the same engine,
- * layout and box test if those ran just before. Never fails: what went wrong is in the row. */
+ * layout and box test if those ran just before. QUERY_ALL: two traces, timed by the host, work not
+ * counted. Never fails: what went wrong is in the row. */
 void match_run(struct match *match, const struct engine *engine, struct row *row);
 
 /* A row for a layout that could not be packed. */

@@ -76,16 +76,15 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void sum_up_displacements(struct judging *j)
+void match_displacements(double *displacement, struct row *row)
 {
-    struct row *row = j->row;
     size_t count = row->displacement.count;
     if (count == 0)
         return;
-    qsort(j->displacement, count, sizeof *j->displacement, by_size);
-    row->displacement.p50 = j->displacement[(count - 1) / 2];
-    row->displacement.p99 = j->displacement[(count - 1) * 99 / 100];
-    row->displacement.most = j->displacement[count - 1];
+    qsort(displacement, count, sizeof *displacement, by_size);
+    row->displacement.p50 = displacement[(count - 1) / 2];
+    row->displacement.p99 = displacement[(count - 1) * 99 / 100];
+    row->displacement.most = displacement[count - 1];
 }
 
 static enum status judge_all(struct judging *j)
@@ -102,7 +101,7 @@ static enum status judge_all(struct judging *j)
         for (size_t i = 0; i < count; i++)
             count_one(j, first + i, &j->judgement[i]);
     }
-    sum_up_displacements(j);
+    match_displacements(j->displacement, j->row);
     return STATUS_OK;
 }
 

@@ -10,4 +10,7 @@
 enum status match_judge(const struct match *match, const struct model *model,
                         struct row *row) MUST_USE;
 
+/* Sorts an unknown formula's row->displacement.count displacements and takes their percentiles. */
+void match_displacements(double *displacement, struct row *row);
+
 #endif

@@ -115,6 +115,23 @@ for key in rows layout builder leaf engine box tri query node_bytes rays hits co
     grep -q "\"$key\"" "$dir/rows.json" || bad "--json: no key $key"
 done
 expect 2 'no-such-folder' check soup $small --json "$dir/no-such-folder/rows.json"
+# Every allowed class and every kind of WRONG has a counter, also of 0, and is told of in the README.
+expect 0 'parity off in [0-9]* of [0-9]*$' check sphere $small --query closest,any,all --json "$dir/rows.json"
+for key in right tie near_tie boundary border in_plane slab noise out_of_contract; do
+    grep -q "^  allowed:.* $key [0-9]" "$dir/out" || bad "check counts no $key"
+    grep -q "\"$key\": [0-9]" "$dir/rows.json" || bad "--json counts no $key"
+    grep -q "[\`*]$key[\`*]" README.md || bad "the README does not tell of $key"
+done
+for key in missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees \
+    twice order; do
+    grep -q "WRONG (.*$key 0[,)]" "$dir/out" || bad "check counts no $key"
+    grep -q "\"$key\": 0" "$dir/rows.json" || bad "--json counts no $key"
+    grep -q "^| \`$key\` |" README.md || bad "the README does not tell of $key"
+done
+for key in err_over_bound displacement lists double_hits parity_off closed; do
+    grep -q "\"$key\": " "$dir/rows.json" || bad "--json has no $key"
+done
+expect 2 "queries are: closest, any, all" check soup --query every $small
 expect 0 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --junit "$dir/junit.xml"
 grep -q '<testcase' "$dir/junit.xml" || bad "--junit writes test cases"
 expect 0 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --tap
@@ -148,7 +165,8 @@ expect 2 "is beyond its eighth number" explain soup --ray '0,0,0 1,1,1 0,1 2'
 expect 2 "goes without --rays" explain soup --ray '0,0,0 1,1,1' --index 3
 expect 2 "20 of 20 rays" explain soup --rays random --count 20 --index 20
 expect 2 "unknown cause 'bad luck'" explain soup --cause 'bad luck'
-expect 2 "'all' is not one name" explain soup --query all
+expect 2 "closest or any can be explained, not all" explain soup --query all
+expect 2 "'closest,any' is not one name" explain soup --query closest,any
 expect 2 "trial: unknown layout 'f31'" explain closest.cpu.f31.median.robust.mt.soup.random.1
 expect 2 "trial: " explain all.cpu.f32.median.robust.mt.soup.vertices.1
 expect 2 "a leaf holds at most 8 items" explain soup --layout rf16 --leaf 9

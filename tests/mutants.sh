@@ -148,6 +148,10 @@ in_test EARLY_BOUND ref/oracle/early.c test_bounds_oracle
 in_test FAN_OFF ref/judge.c test_judge_fan
 in_test NOT_CERTAIN ref/judge_lost.c test_judge
 in_test HUGE_BOUND ref/judge.c test_judge
+in_test FAN_OFF ref/judge.c test_judge_all
+in_test NOT_CERTAIN ref/judge_lost.c test_judge_all
+in_test HUGE_BOUND ref/judge.c test_judge_all
+in_program CULLED_ALL ref/trace.c check soup --query all --layout f32 --engine cpu --count 3000 --repeat 1
 in_test FILTER_BOUND ref/oracle/filter.c test_oracle
 in_test EARLY_BOUND ref/oracle/early.c test_oracle_rules
 in_test LOST_CARRY ref/oracle/wide.c test_oracle
