@@ -48,7 +48,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           TRACE_SHADERS=$(words $(filter-out %/trace_brute.comp,$(wildcard shaders/trace_*.comp)))
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
-        validate-check format format-check drivers install uninstall scenes mutants lint fuzz-load truth
+        validate-check format format-check drivers install uninstall scenes mutants lint fuzz-load truth leaks
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -143,6 +143,10 @@ drivers:
 RESULTS ?= bench/results/lavapipe-22.3.6
 agree: all
 	sh tests/agree.sh $(B) full $(RESULTS)/agree
+
+# Rays at edges and vertices of closed meshes from inside, 10^6 a mesh, on each CPU driver.
+leaks: all
+	sh tests/leaks.sh $(B) $(RESULTS)/leaks
 
 mutants: all tests
 	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS)' MAKE_CMD='$(MAKE)' sh tests/mutants.sh $(B)

@@ -1,6 +1,7 @@
 #include "ref/leaks.h"
 
 #include "ref/all_hits.h"
+#include "ref/twin.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -167,27 +168,68 @@ size_t leaks_extra(const struct topology *topology, const struct oracle *oracle,
     return extra;
 }
 
+/* Whose lists are counted. */
+struct lister {
+    const struct leak_rays *rays;
+    const struct scene *scene;
+    struct model model;
+};
+
+static struct twin twin_of(const struct lister *lister, const struct ray *ray, uint32_t prim)
+{
+    float v[3][3];
+    scene_tri(lister->scene, prim, v);
+    return twin_eval(lister->model.formula, lister->model.rounding, ray, v);
+}
+
+/* True if the formula cannot reject `prim`, which the ray crosses inside, without accepting one
+ * that touches it: no sign is open, or around the corners of each open edge the ray sees one side
+ * only. Else it is within a rounding of a silhouette and may pass both walls that meet there. */
+static bool is_wall(const struct lister *lister, const struct ray *ray, uint32_t prim)
+{
+    if (lister->model.formula == TWIN_UNKNOWN)
+        return true;
+    const struct topology *topology = lister->rays->topology;
+    struct twin twin = twin_of(lister, ray, prim);
+    if (twin.certain)
+        return true;
+    for (uint32_t c = 0; c < 3; c++) {
+        uint32_t p = topology->corner[3 * (size_t)prim + c];
+        if (twin.edge[(c + 1) % 3] != 0 && twin.edge[(c + 2) % 3] != 0)
+            continue;
+        if (twin.det == 0 || !topology_fan_is_ring(topology, p))
+            return false;
+        for (uint32_t i = topology->fan_first[p]; i < topology->fan_first[p + 1]; i++)
+            if (twin_of(lister, ray, topology->fan[i]).det != twin.det)
+                return false;
+    }
+    return true;
+}
+
 /* Compares a list with the exact crossings of its ray. Rounding may choose among triangles that
- * touch; what touches none is another wall. */
-static enum status count_walls(const struct leak_rays *rays, size_t i, const uint32_t *prim,
+ * touch; what touches none is another wall, unless the formula may err so far. */
+static enum status count_walls(const struct lister *lister, size_t i, const uint32_t *prim,
                                size_t count, struct leak_tally *tally, struct reason *reason)
 {
+    const struct leak_rays *rays = lister->rays;
     struct oracle_crossing *crossing = NULL;
+    const struct ray *ray = &rays->ray[i];
     size_t capacity = 0, crossings = 0;
     bool lost = false, phantom = false;
-    enum status status = oracle_crossings(rays->oracle, &rays->ray[i], INFINITY, &crossing,
-                                          &capacity, &crossings, reason);
+    enum status status =
+        oracle_crossings(rays->oracle, ray, INFINITY, &crossing, &capacity, &crossings, reason);
     for (size_t c = 0; c < crossings && !status; c++) {
         bool listed = crossing[c].pair.class != ORACLE_INSIDE;
         for (size_t k = 0; k < count && !listed; k++)
             listed = touch(rays->topology, prim[k], crossing[c].prim);
-        lost = lost || !listed;
+        lost = lost || (!listed && is_wall(lister, ray, crossing[c].prim));
     }
     for (size_t k = 0; k < count && !status; k++) {
         bool met = false;
         for (size_t c = 0; c < crossings && !met; c++)
             met = touch(rays->topology, prim[k], crossing[c].prim);
-        phantom = phantom || !met;
+        phantom = phantom || (!met && (lister->model.formula == TWIN_UNKNOWN ||
+                                       !twin_of(lister, ray, prim[k]).possible));
     }
     tally->lost += lost;
     tally->phantoms += phantom;
@@ -203,9 +245,10 @@ static int by_prim(const void *left, const void *right)
 
 /* Counts one ray's list, which is sorted by triangle on the way; `scratch` has room for two numbers
  * a hit. */
-static enum status count_list(const struct leak_rays *rays, size_t i, struct hit *hit, size_t hits,
+static enum status count_list(const struct lister *lister, size_t i, struct hit *hit, size_t hits,
                               uint32_t *scratch, struct leaks *out, struct reason *reason)
 {
+    const struct leak_rays *rays = lister->rays;
     struct leak_tally *tally = &out->tally[rays->aim[i]];
     uint32_t *prim = scratch, *group = scratch + hits, pair[2];
     size_t count = 0;
@@ -224,11 +267,11 @@ static enum status count_list(const struct leak_rays *rays, size_t i, struct hit
     }
     if ((count - extra) % 2 == 1)
         return STATUS_OK;
-    return count_walls(rays, i, prim, count, tally, reason);
+    return count_walls(lister, i, prim, count, tally, reason);
 }
 
 /* Counts the lists of rays `at` and on. */
-static enum status count_lists_of(const struct leak_rays *rays, size_t at, struct all_hits *all,
+static enum status count_lists_of(const struct lister *lister, size_t at, struct all_hits *all,
                                   struct leaks *out, uint64_t *digest, struct reason *reason)
 {
     enum status status = STATUS_OK;
@@ -240,7 +283,7 @@ static enum status count_lists_of(const struct leak_rays *rays, size_t at, struc
         size_t hits = all->first[i + 1] - all->first[i];
         if (digest)
             digest[at + i] = mix(digest[at + i] + hits, hit, hits * sizeof *hit);
-        status = count_list(rays, at + i, hit, hits, scratch, out, reason);
+        status = count_list(lister, at + i, hit, hits, scratch, out, reason);
     }
     free(scratch);
     return status;
@@ -254,12 +297,15 @@ static enum status count_lists(const struct leak_rays *rays, const struct engine
     struct all_hits all = {0};
     every.query = QUERY_ALL;
     enum status status = engine->prepare(self, &every, reason);
+    struct lister lister = {rays, job->scene, {.formula = TWIN_UNKNOWN}};
+    if (!status && engine->model)
+        lister.model = engine->model(self, job->tri);
     for (size_t at = 0; at < rays->ray_count && !status; at += all.done) {
         uint64_t start = time_ns();
         status = all_hits_next(engine, self, rays->ray + at, rays->ray_count - at, &all, reason);
         out->ns += time_ns() - start;
         if (!status)
-            status = count_lists_of(rays, at, &all, out, digest, reason);
+            status = count_lists_of(&lister, at, &all, out, digest, reason);
     }
     all_hits_free(&all);
     return status;

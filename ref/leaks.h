@@ -26,9 +26,10 @@ struct leak_tally {
     size_t even;    /* an even number of triangles is hit, also 0 */
     /* Of rays whose number stays even with each double hit counted once: */
     size_t lost;     /* a triangle that the exact ray crosses inside is not listed, nor is one that
-                        touches it: a wall was passed through */
+                        touches it: a wall was passed through. Not counted within the formula's
+                        proven error of a silhouette, where both walls may be passed */
     size_t phantoms; /* a triangle is listed that the exact ray does not meet, nor does any that
-                        touches it */
+                        touches it, and that the formula cannot accept within its proven error */
     size_t repeated; /* one triangle is listed twice */
 };
 

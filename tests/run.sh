@@ -67,6 +67,7 @@ plain)
     suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
     suite conform_hard "$build/raydiff" conform --hard --junit "$logs/hard.xml"
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"
+    suite leaks sh tests/leaks.sh "$build" "$logs/leaks" 10000
     suite cli sh tests/cli.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh

@@ -94,8 +94,11 @@ static void mt_leaks_and_woop_does_not(void **state)
         assert_int_equal(total.repeated, 0);
         assert_true(total.doubles > RAYS / 50); /* zero counts as inside, on both sides */
         struct leak_tally leaky = leaks_total(&mt);
-        /* In a box that is closed around it all, most rays that pass a wall meet another. */
-        assert_true(mt.lists && leaky.misses > 0 && leaky.lost > RAYS / 100);
+        /* In a box that is closed around it all, most rays that pass a wall meet another. What mt
+         * hits beside the exact silhouettes of solids is within its error. */
+        assert_true(mt.lists && leaky.misses > 0 && leaky.lost > 0);
+        assert_true(s == 2 || leaky.lost > RAYS / 200);
+        assert_int_equal(leaky.phantoms, 0);
         assert_true(s > 0 || (mt.tally[LEAK_EDGE].misses > RAYS / 4 / 20 &&
                               mt.tally[LEAK_EDGE].misses < RAYS / 4 / 5));
         mesh_free(m);
