@@ -48,7 +48,8 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           TRACE_SHADERS=$(words $(filter-out %/trace_brute.comp,$(wildcard shaders/trace_*.comp)))
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
-        validate-check format format-check drivers install uninstall scenes mutants lint fuzz-load truth leaks
+        validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
+        lint fuzz-load truth leaks
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -155,7 +156,7 @@ lint:
 	@sh tests/rules.sh
 
 # Everything slow: sanitizers, threads, validation, all 2^32 half conversions.
-deep: sanitize-check tsan-check validate-check slow
+deep: sanitize-check tsan-check validate-check validate-gpu-check slow
 
 sanitize-check:
 	@sh .ci/deps.sh check
@@ -171,6 +172,12 @@ validate-check:
 	@sh .ci/deps.sh check
 	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
 	@RAYDIFF_VALIDATE=1 sh tests/run.sh $(B) validate
+
+# The same, every access of a shader to memory watched (GPU-assisted validation).
+validate-gpu-check:
+	@sh .ci/deps.sh check
+	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
+	@RAYDIFF_VALIDATE=gpu sh tests/run.sh $(B) watch
 
 # The readers under libFuzzer; a crash leaves its input behind. Needs clang.
 FUZZ_FLAGS := -std=c17 -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all

@@ -44,10 +44,11 @@ enum status vk_fail(struct vk *vk, struct reason *reason, VkResult result, const
                 what, result_text(result), (int)result);
 }
 
-/* Robust buffer access, which every device has, keeps a broken tree from hurting the driver. */
+/* Robust buffer access, which every device has, keeps a broken tree from hurting the driver; where
+ * accesses are watched, it would excuse them. */
 static enum status make_device(struct vk *vk, struct reason *reason)
 {
-    VkPhysicalDeviceFeatures features = {.robustBufferAccess = VK_TRUE};
+    VkPhysicalDeviceFeatures features = {.robustBufferAccess = !vk->options.watch};
     VkDeviceQueueCreateInfo queue = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
         .queueFamilyIndex = vk->family,

@@ -14,6 +14,8 @@ struct vk_options {
     const char *driver;  /* as driver_find (gpu/vk_driver.h) takes it, NULL: any */
     int device;    /* index as vk_describe lists them, -1: the first that matches and can compute */
     bool validate; /* run under VK_LAYER_KHRONOS_validation and count its messages */
+    bool watch;    /* the same, every access of a shader to memory included; switches off the
+                      robustness that makes broken accesses harmless */
     bool staging;  /* copy through a staging buffer even where memory is shared */
     bool ray_query;   /* the device must have ray queries, see gpu/vk_accel.h */
     uint64_t wait_ns; /* longest wait for one dispatch, 0: VK_WAIT_NS */

@@ -5,6 +5,10 @@
 #include <string.h>
 
 #define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
+/* What watching cannot do without 64-bit integers: check buffer addresses, which no shader of ours
+ * uses. The only note of the layer that is no fault. */
+#define WATCH_NOTE_NAME "UNASSIGNED-GPU-Assisted Validation Warning"
+#define WATCH_NOTE_TEXT "No buffer device address checking"
 
 static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                                  VkDebugUtilsMessageTypeFlagsEXT types,
@@ -14,6 +18,9 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     struct vk_log *log = user;
     (void)severity;
     (void)types;
+    if (data->pMessageIdName && strcmp(data->pMessageIdName, WATCH_NOTE_NAME) == 0 &&
+        strstr(data->pMessage, WATCH_NOTE_TEXT))
+        return VK_FALSE;
     if (!atomic_exchange(&log->has_first, true))
         (void)fail(&log->first, STATUS_DEVICE, "vulkan validation: %s", data->pMessage);
     atomic_fetch_add(&log->count, 1);
@@ -54,6 +61,11 @@ static enum status find_layer(struct vk *vk, bool *found, struct reason *reason)
     return STATUS_OK;
 }
 
+static const VkValidationFeatureEnableEXT watched[] = {
+    VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
+    VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT,
+};
+
 enum status vk_instance_make(struct vk *vk, struct reason *reason)
 {
     uint32_t version = 0;
@@ -63,14 +75,21 @@ enum status vk_instance_make(struct vk *vk, struct reason *reason)
     if (version < VK_API_VERSION_1_1)
         return fail(reason, STATUS_UNSUPPORTED, "vulkan: the loader is older than Vulkan 1.1");
     bool layer = false;
-    enum status status = vk->options.validate ? find_layer(vk, &layer, reason) : STATUS_OK;
+    bool asked = vk->options.validate || vk->options.watch;
+    enum status status = asked ? find_layer(vk, &layer, reason) : STATUS_OK;
     if (status)
         return status;
-    if (vk->options.validate && !layer)
+    if (asked && !layer)
         return fail(reason, STATUS_UNSUPPORTED,
                     "vulkan: validation was asked for and " VALIDATION_LAYER " is not installed");
 
     VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(&vk->log);
+    const VkValidationFeaturesEXT watch = {
+        .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+        .pNext = &messenger, /* so that making and destroying the instance is watched too */
+        .enabledValidationFeatureCount = vk->options.watch ? ARRAY_COUNT(watched) : 0,
+        .pEnabledValidationFeatures = watched,
+    };
     VkApplicationInfo application = {
         .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
         .pApplicationName = "raydiff",
@@ -78,12 +97,13 @@ enum status vk_instance_make(struct vk *vk, struct reason *reason)
     };
     VkInstanceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-        .pNext = layer ? &messenger : NULL, /* so that making and destroying it is watched too */
+        .pNext = layer ? &watch : NULL,
         .pApplicationInfo = &application,
         .enabledLayerCount = layer ? 1 : 0,
         .ppEnabledLayerNames = (const char *[]){VALIDATION_LAYER},
-        .enabledExtensionCount = layer ? 1 : 0,
-        .ppEnabledExtensionNames = (const char *[]){VK_EXT_DEBUG_UTILS_EXTENSION_NAME},
+        .enabledExtensionCount = layer ? 2 : 0,
+        .ppEnabledExtensionNames = (const char *[]){VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                                    VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME},
     };
     result = vk->fn.CreateInstance(&info, NULL, &vk->instance);
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER)

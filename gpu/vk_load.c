@@ -138,7 +138,7 @@ enum status vk_load_instance(struct vk *vk, struct reason *reason)
 {
     enum status status =
         load_instance_entries(vk, instance_entry, ARRAY_COUNT(instance_entry), reason);
-    if (!status && vk->options.validate)
+    if (!status && (vk->options.validate || vk->options.watch))
         status = load_instance_entries(vk, debug_entry, ARRAY_COUNT(debug_entry), reason);
     return status;
 }

@@ -14,6 +14,7 @@ struct vk_options vulkan_options(const struct engine_options *options)
         .driver = options->driver,
         .device = options->device,
         .validate = validate && strcmp(validate, "1") == 0,
+        .watch = validate && strcmp(validate, "gpu") == 0,
     };
 }
 

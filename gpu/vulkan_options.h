@@ -1,5 +1,6 @@
 /* What the Vulkan engines share. Environment: RAYDIFF_VALIDATE=1 runs under the validation layer
- * and fails on its messages; RAYDIFF_VULKAN_LIBRARY names another loader than libvulkan.so.1. */
+ * and fails on its messages, =gpu with every access of a shader to memory watched;
+ * RAYDIFF_VULKAN_LIBRARY names another loader than libvulkan.so.1. */
 #ifndef VULKAN_OPTIONS_H
 #define VULKAN_OPTIONS_H
 

@@ -28,6 +28,7 @@
 #define MUTANT_BEHIND_FORGOT  31 /* watertight: nothing reaches behind the origin */
 #define MUTANT_CULLED_ALL     50 /* all hits: the nearest hit shortens the ray */
 #define MUTANT_OPEN_EDGES     51 /* woop takes an edge function of zero for outside */
+#define MUTANT_PAST_LAST_RAY  60 /* shaders: invocations past the last ray work, too */
 #define MUTANT_FAN_OFF        40 /* watertight tests get a boundary band on closed fans */
 #define MUTANT_NOT_CERTAIN    41 /* no exact hit is certain: losing it is always excused */
 #define MUTANT_HUGE_BOUND     42 /* the bound of t times a million */

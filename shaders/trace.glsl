@@ -157,8 +157,10 @@ void walk(slab_ray slab, tri_ray tri, node n, inout vec3 best, inout uint prim, 
 void main()
 {
     uint id = gl_GlobalInvocationID.x;
+#if MUTANT != MUTANT_PAST_LAST_RAY
     if (id >= job.ray_count)
         return;
+#endif
     vec4 org = ray_quad[2u * id], dir = ray_quad[2u * id + 1u];
     slab_ray slab = slab_ray_make(org.xyz, dir.xyz, org.w);
     found_at = id * job.capacity;

@@ -19,7 +19,9 @@
 static inline struct vk_options gpu_options(void)
 {
     const char *validate = getenv("RAYDIFF_VALIDATE");
-    return (struct vk_options){.device = -1, .validate = validate && strcmp(validate, "1") == 0};
+    return (struct vk_options){.device = -1,
+                               .validate = validate && strcmp(validate, "1") == 0,
+                               .watch = validate && strcmp(validate, "gpu") == 0};
 }
 
 /* Where no device can be opened the test is skipped with the reason. */

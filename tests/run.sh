@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs the suites of a build and sums up: sh tests/run.sh BUILD [sanitize|tsan|validate]
+# Runs the suites of a build and sums up: sh tests/run.sh BUILD [sanitize|tsan|validate|watch]
 # A line per suite; the log of a failing one is printed. Ends with "N passed, N failed, N skipped",
 # counted in suites; what a suite skipped is listed with its reason.
 set -u
@@ -57,6 +57,9 @@ for test in "$build"/tests/test_*; do
         # Threads of drivers and of Embree are not ours to judge: CPU suites only.
         case $name in test_abi | test_half_gpu | test_vulkan* | test_spirv) continue ;; esac
     fi
+    if [ "$mode" = watch ]; then # what runs shaders
+        case $name in test_abi | test_half_gpu | test_vulkan*) ;; *) continue ;; esac
+    fi
     suite "$name" "$test"
 done
 
@@ -83,6 +86,10 @@ sanitize)
 validate)
     suite conform "$build/raydiff" conform '*.vulkan.*' --count 64
     suite conform_hard "$build/raydiff" conform 'hard.*.vulkan.*.median.watertight.*'
+    ;;
+watch)
+    suite conform "$build/raydiff" conform '*.vulkan.*.terrain.*' --count 64
+    suite rayquery "$build/raydiff" check sphere --engine rayquery --driver mesa25 --count 2000 --repeat 1
     ;;
 tsan)
     suite conform_cpu "$build/raydiff" conform "*.cpu.*.median.robust.*" --count 100

@@ -170,6 +170,10 @@ static void vulkan_reports_a_hang_and_gives_the_device_up(void **state)
 {
     (void)state;
     struct vk_options options = gpu_options();
+    if (options.watch) { /* the layer waits after each submission, to read what was seen */
+        print_message("SKIP hangs: the watching layer waits longer than any limit\n");
+        skip();
+    }
     options.wait_ns = 1;
     struct vk *vk = gpu_open(&options);
     struct reason reason = {""};
