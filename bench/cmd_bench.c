@@ -15,7 +15,7 @@ static const char help[] =
     "  --scene S,..    scenes instead of the benchmark's own, separated by ';'\n"
     "  --count N       rays per trace, 1 or more                     [the benchmark's own]\n"
     "  --rounds N      1 to 99                                                   [9]\n"
-    "  --csv FILE      all rows, for machines\n"
+    "  --csv FILE      all rows, for machines; '-': the standard output, alone\n"
     "and where the benchmark says so:\n"
     "  --engine E,..   engines, or 'all'                  [every engine that can run here]\n"
     "  --layout L,..   node layouts, or 'all'             [all but the seed's]\n"
@@ -23,7 +23,7 @@ static const char help[] =
     "  --box B,..      box tests, or 'all'       [robust; watertight for watertight tests]\n"
     "  --rays R,..     ray sets, or 'all'                 [the benchmark's own]\n"
     "  --seed S        of rays and generators                                    [1]\n"
-    "  --json FILE     all rows, for machines\n"
+    "  --json FILE     all rows, for machines; '-' likewise\n"
     "  --svg FILE      a plot of what was measured\n" ENGINE_OPTIONS_HELP
     "\nexit codes: 0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input,\n"
     "3 engine failed, 77 a named engine cannot run here\n"
@@ -138,20 +138,37 @@ static enum status check_given(const struct bench *bench, const char *name, stru
     return STATUS_OK;
 }
 
-static enum status write_json(const struct bench *bench, int code, struct reason *reason)
+/* Opens what is written from the start, and what would otherwise come too late. */
+static enum status open_outputs(struct bench *bench, struct reason *reason)
+{
+    bool csv = bench->csv_path && strcmp(bench->csv_path, "-") == 0;
+    bool json = bench->json_path && strcmp(bench->json_path, "-") == 0;
+    if ((csv && json) || (bench->svg_path && strcmp(bench->svg_path, "-") == 0))
+        return fail(reason, STATUS_INPUT,
+                    csv && json ? "--csv and --json cannot both be '-'"
+                                : "--svg: needs a file, not '-'");
+    enum status status = STATUS_OK;
+    if (bench->csv_path)
+        status = bench_out(bench->csv_path, &bench->csv, reason);
+    if (status == STATUS_OK && json)
+        status = bench_out(bench->json_path, &bench->json, reason);
+    return status;
+}
+
+static enum status write_json(struct bench *bench, int code, struct reason *reason)
 {
     json_t *root =
         json_pack("{s:s, s:i, s:O}", "raydiff", RAYDIFF_VERSION, "exit", code, "rows", bench->rows);
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    struct file_out out;
+    struct file_out *out = &bench->json;
     json_decref(root);
     if (!text)
         return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", bench->json_path);
-    enum status status = file_out_open(bench->json_path, &out, reason);
+    enum status status = out->stream ? STATUS_OK : file_out_open(bench->json_path, out, reason);
     if (status == STATUS_OK) {
-        fputs(text, out.stream);
-        fputc('\n', out.stream);
-        status = file_out_commit(&out, reason);
+        fputs(text, out->stream);
+        fputc('\n', out->stream);
+        status = file_out_commit(out, reason);
     }
     free(text);
     return status;
@@ -161,8 +178,7 @@ static int run_benchmarks(struct bench *bench, const char *name)
 {
     struct reason reason = {""};
     int code = EXIT_AGREE;
-    if (check_given(bench, name, &reason) ||
-        (bench->csv_path && file_out_open(bench->csv_path, &bench->csv, &reason)))
+    if (check_given(bench, name, &reason) || open_outputs(bench, &reason))
         return usage_error("bench", "%s", reason.text);
     if (bench->json_path)
         bench->rows = json_array();

@@ -106,6 +106,40 @@ static enum status trace(const struct field *field, const struct contestant *c,
     return c->engine->trace(c->self, known->ray, known->count, field->hit, &report, reason);
 }
 
+/* Judges the answers to `known` and adds them to the row. Errors: STATUS_MEMORY. */
+static enum status judge_rays(const struct field *field, const struct contestant *c,
+                              const struct known_rays *known, struct error_row *row,
+                              struct reason *reason)
+{
+    struct model model = c->engine->model(c->self, c->tri);
+    struct judge *judge;
+    size_t wrong = 0, named = 0, failed = 0;
+    double over = 0, displacement = 0;
+    enum status status =
+        judge_make(field->oracle, field->scene, &model, c->tri, QUERY_CLOSEST, &judge, reason);
+    if (status)
+        return status;
+#pragma omp parallel for schedule(dynamic, 64) reduction(+ : wrong, named, failed)                  \
+    reduction(max : over, displacement)
+    for (long long i = 0; i < (long long)known->count; i++) {
+        struct judgement judgement;
+        failed += judge_answer(judge, &known->ray[i], &known->truth[i], &field->hit[i],
+                               &judgement) != STATUS_OK;
+        wrong += judgement.verdict == VERDICT_WRONG;
+        named += judgement.verdict != VERDICT_WRONG && judgement.verdict != VERDICT_RIGHT;
+        over = fmax(over, judgement.over);
+        displacement = fmax(displacement, judgement.displacement);
+    }
+    judge_free(judge);
+    if (failed)
+        return fail(reason, STATUS_MEMORY, "no memory to judge %zu answers", failed);
+    row->wrong += wrong;
+    row->named += named;
+    row->over = isnan(row->over) ? over : fmax(row->over, over);
+    row->displacement = fmax(row->displacement, displacement);
+    return STATUS_OK;
+}
+
 /* Leaks and errors of one contestant. */
 static enum status measure(const struct field *field, const struct contestant *c,
                            const struct known_rays *known, struct error_row *row,
@@ -116,6 +150,8 @@ static enum status measure(const struct field *field, const struct contestant *c
         const struct known_rays *leak = &field->leak[target];
         if (leak->count)
             status = trace(field, c, leak, reason);
+        if (leak->count && status == STATUS_OK)
+            status = judge_rays(field, c, leak, row, reason);
         for (size_t i = 0; i < leak->count && status == STATUS_OK; i++)
             row->leak[target] += field->hit[i].prim == ABI_NO_PRIM;
     }
@@ -124,6 +160,8 @@ static enum status measure(const struct field *field, const struct contestant *c
     if (status == STATUS_OK)
         status = error_sum_make(field->oracle, field->scene, known->ray, known->truth, field->hit,
                                 known->count, &row->sum, reason);
+    if (status == STATUS_OK)
+        status = judge_rays(field, c, known, row, reason);
     return status;
 }
 
@@ -337,8 +375,9 @@ static const char about[] =
     "confidence\n"
     "  leaks                     misses of rays from inside a closed mesh, aimed at its edges and\n"
     "                            vertices, per million\n"
-    "  WRONG, err/E              answers that no rounding of the engine's own formula explains;\n"
-    "                            the largest error of t over its proven bound\n"
+    "  named, WRONG, err/E       answers in an allowed class; answers that no rounding of the\n"
+    "                            engine's own formula explains; the largest error of t over its\n"
+    "                            proven bound; of leak rays, too\n"
     "  forward                   |t - exact t| |d| / (u M): M is the triangle's size seen from "
     "the\n"
     "                            origin, max |v - o|; u = 2^-24\n"

@@ -24,6 +24,7 @@ struct error_row {
     size_t named;        /* answers in an allowed class */
     double over;         /* largest error of t over its proven bound; 0: none is
                             bounded; NAN: not judged */
+    double displacement; /* the largest that an answer of an unknown formula needs, see judge.h */
     double boxes, tris;  /* tests per ray; NAN: not counted */
     double boxes_to_f32; /* against the same engine and tests on f32; NAN: not there */
     double tris_to_f32;

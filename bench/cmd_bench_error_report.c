@@ -157,6 +157,7 @@ static json_t *row_json(const struct bench *bench, const struct error_page *page
     set_count(out, "named", row->named);
     set_count(out, "wrong", row->wrong);
     set(out, "err_over_bound", bench_number(row->over));
+    set(out, "displacement", bench_number(row->displacement));
     set_quantiles(out, "forward", &sum->forward);
     set_quantiles(out, "plane", &sum->plane);
     set_quantiles(out, "point", &sum->point);

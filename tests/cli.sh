@@ -65,6 +65,13 @@ expect 2 "no trial matches" conform 'closest.warp.*'
 expect 2 "trial: unknown layout 'f31'" conform closest.cpu.f31.median.robust.mt.soup.random.1
 expect 2 "is not query.engine" conform closest.cpu
 expect 2 "unknown benchmark 'x'" bench x
+expect 2 "cannot both be '-'" bench oracle --csv - --json -
+expect 2 "needs a file" bench error --svg -
+expect 0 . bench oracle --scene sphere:n=4 --count 64 --rounds 1 --json -
+head -c 2 "$dir/out" | grep -q '^{' || bad "bench --json - prints more than JSON"
+tail -n 1 "$dir/out" | grep -q '^}' || bad "bench --json - prints more than JSON"
+grep -q '"filter_ns"' "$dir/out" || bad "bench oracle --json - has no filter_ns"
+grep -q '^oracle' "$dir/err" || bad "bench --json - hides its tables"
 expect 2 "--svg: benchmark builders does not take it" bench builders --svg "$dir/x.svg"
 expect 2 "unknown kind" list x
 
