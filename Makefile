@@ -49,7 +49,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
-        lint fuzz-load truth leaks
+        lint fuzz-load truth leaks bounds
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -154,6 +154,7 @@ mutants: all tests
 
 lint:
 	@sh tests/rules.sh
+	@sh tests/constants.sh
 
 # Everything slow: sanitizers, threads, validation, all 2^32 half conversions.
 deep: sanitize-check tsan-check validate-check validate-gpu-check slow
@@ -188,6 +189,13 @@ fuzz-load: $(B)/gen/counts.h $(B)/gen/shaders.c
 	    $(LIB_SRC) $(B)/gen/shaders.c $(LDLIBS)
 	cd $(B)/fuzz && ./fuzz_load load -max_total_time=$(or $(SECONDS),30) -max_len=4096 \
 	    -error_exitcode=1 -print_final_stats=1 $(ARGS)
+
+# Every rounding constant tightened until something breaks; CONTRIBUTING.md has what it prints.
+bounds:
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(BOUNDS_TESTS)
+	@for test in $(BOUNDS_TESTS); do echo "# $$(basename $$test)"; \
+	    RAYDIFF_SLOW=1 $$test >$(B)/bounds.log 2>&1; code=$$?; \
+	    grep -v '^\[' $(B)/bounds.log; [ $$code -eq 0 ] || exit 1; done
 
 slow: tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_half

@@ -67,6 +67,8 @@ case $mode in
 plain)
     suite rules sh tests/rules.sh
     suite rules_planted sh tests/rules_planted.sh
+    suite constants sh tests/constants.sh
+    suite constants_planted sh tests/constants_planted.sh
     suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
     suite conform_hard "$build/raydiff" conform --hard --junit "$logs/hard.xml"
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"

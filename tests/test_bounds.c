@@ -64,7 +64,7 @@ struct tally {
 static void count(struct tally *tally, const struct twin *twin, const struct nearness *near)
 {
     tally->evaluations++;
-    tally->bounded += isfinite(twin->t_err);
+    tally->bounded += isfinite(twin->t_err) ? 1 : 0;
     tally->certain += twin->certain;
     tally->most.t = fmax(tally->most.t, near->t);
     tally->most.u = fmax(tally->most.u, near->u);

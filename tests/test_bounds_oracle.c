@@ -4,6 +4,7 @@
 
 #include "ref/oracle/early.h"
 #include "ref/oracle/filter.h"
+#include "ref/oracle/pair.c" /* for its own functions */
 #include "ref/oracle/tree.h"
 
 #include <math.h>
@@ -115,6 +116,94 @@ static void filter_has_this_much_slack(void **state)
         assert_true(most[i] <= 1 && most[i] > 0.1);
 }
 
+/* --- areas and enclosures --------------------------------------------------------------------- */
+
+/* Error of a component of the normal over what filter_has_area allows it. */
+static double area_share(struct rationals *q, const struct trial *trial, int k)
+{
+    int i = (k + 1) % 3, j = (k + 2) % 3;
+    double e1[2], e2[2];
+    const int axis[2] = {i, j};
+    for (int n = 0; n < 2; n++) {
+        e1[n] = (double)trial->v[1][axis[n]] - (double)trial->v[0][axis[n]];
+        e2[n] = (double)trial->v[2][axis[n]] - (double)trial->v[0][axis[n]];
+    }
+    double left = e1[0] * e2[1], right = e1[1] * e2[0];
+    mpq_mul(q->left, q->e1[i], q->e2[j]);
+    mpq_mul(q->right, q->e1[j], q->e2[i]);
+    mpq_sub(q->left, q->left, q->right);
+    mpq_set_d(q->out, left - right);
+    mpq_sub(q->out, q->out, q->left);
+    double off = fabs(mpq_get_d(q->out));
+    return off > 0 ? off / (FILTER_FLAT * (fabs(left) + fabs(right))) : 0;
+}
+
+/* How much of its widening an enclosure needs: the filter's bounds taken as exact numbers, without
+ * the slack that they have. */
+static double enclosure_share(struct rationals *q, const struct filter *f)
+{
+    double lo, hi, d = fabs(f->det), t = fabs(f->t);
+    enclose(f, &lo, &hi);
+    double inner = fmin(fabs(lo), fabs(hi)), outer = fmax(fabs(lo), fabs(hi)), most = 0;
+    for (int n = 0; n < 2; n++) { /* 0: the lower end, (t - e) / (d + e'); 1: the upper */
+        mpq_set_d(q->left, t);
+        mpq_set_d(q->right, n ? f->t_err : -f->t_err);
+        mpq_add(q->left, q->left, q->right);
+        mpq_set_d(q->out, d);
+        mpq_set_d(q->right, n ? -f->det_err : f->det_err);
+        mpq_add(q->out, q->out, q->right);
+        mpq_div(q->left, q->left, q->out);
+        double exact = mpq_get_d(q->left);
+        mpq_set_d(q->right, n ? outer : inner);
+        mpq_sub(q->right, n ? q->right : q->left, n ? q->left : q->right);
+        double room = mpq_get_d(q->right) / (exact * ENCLOSE_PAD); /* 1: none was needed */
+        most = fmax(most, 1 - room);
+    }
+    return most;
+}
+
+static void enclosures_have_this_much_slack(void **state)
+{
+    (void)state;
+    struct rationals q;
+    struct gmp_pair pair;
+    double area = 0, needed = 0, widest = 0;
+    uint64_t refused = 0;
+    each(&q, init);
+    exact_gmp_init(&pair);
+    for (int kind = 0; kind < TRIAL_KINDS; kind++)
+        for (uint64_t n = 0; n < pairs_each(); n++) {
+            struct trial trial;
+            struct filter f;
+            double lo, hi;
+            trial_make(kind, n, &pair, &trial);
+            filter_edges(&trial.ray, trial.v, &f);
+            filter_plane(&f);
+            fill(&q, &trial);
+            for (int k = 0; k < 3; k++)
+                area = fmax(area, area_share(&q, &trial, k));
+            if (filter_sign(f.det, f.det_err) == 0 || filter_sign(f.t, f.t_err) == 0)
+                continue;
+            needed = fmax(needed, enclosure_share(&q, &f));
+            enclose(&f, &lo, &hi);
+            double width = (hi - lo) / fmin(fabs(lo), fabs(hi));
+            if (width <= NARROW)
+                widest = fmax(widest, width);
+            else
+                refused++;
+        }
+    exact_gmp_clear(&pair);
+    each(&q, clear);
+    print_message("oracle's areas, 6 * 2^-53: largest error over bound %.3f\n", area);
+    print_message("oracle's enclosures of t, 2^-50: needed of it %.3f\n", needed);
+    print_message(
+        "oracle's enclosures kept, 2^-40: widest %.3f of it; made anew from integers %llu\n",
+        widest / NARROW, (unsigned long long)refused);
+    assert_true(area <= 1 && area > 0.1);
+    assert_true(needed <= 1 && needed > 0.05);
+    assert_true(widest > 0 && refused > 0);
+}
+
 /* --- the first look --------------------------------------------------------------------------- */
 
 static double largest_of(const struct trial *trial)
@@ -213,6 +302,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filter_has_this_much_slack),
+        cmocka_unit_test(enclosures_have_this_much_slack),
         cmocka_unit_test(first_look_has_this_much_slack),
         cmocka_unit_test(planes_have_this_much_slack),
     };

@@ -61,8 +61,7 @@ bool filter_has_area(float v[3][3])
     for (int k = 0; k < 3; k++) {
         int i = (k + 1) % 3, j = (k + 2) % 3;
         double left = e1[i] * e2[j], right = e1[j] * e2[i];
-        /* At most 4 roundings per term: gamma_4, and room for this line's own. */
-        if (fabs(left - right) > 6 * EPS * (fabs(left) + fabs(right)))
+        if (fabs(left - right) > FILTER_FLAT * (fabs(left) + fabs(right)))
             return true;
     }
     return false;

@@ -15,6 +15,9 @@
 
 #include <stdbool.h>
 
+/* The same of a component of N: 4 roundings a term. */
+#define FILTER_FLAT (6 * 0x1p-53)
+
 struct filter {
     double a[3][3], d[3]; /* vertices relative to the origin, and the direction */
     double e[3][3];       /* edges: v[c + 2] - v[c + 1], opposite vertex c */

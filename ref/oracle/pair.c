@@ -10,11 +10,14 @@
 /* So that the margin of a hit is known to about 2^-18 of itself, its w and D are known better. */
 #define KNOWN 0x1p-20
 
+/* Widening of an end of an enclosure: a sum, a difference and a quotient are rounded. */
+#define ENCLOSE_PAD 0x1p-50
+
 static void enclose(const struct filter *f, double *lo, double *hi)
 {
     double t = fabs(f->t), d = fabs(f->det);
-    double least = (t - f->t_err) / (d + f->det_err) * (1 - 0x1p-50);
-    double most = (t + f->t_err) / (d - f->det_err) * (1 + 0x1p-50);
+    double least = (t - f->t_err) / (d + f->det_err) * (1 - ENCLOSE_PAD);
+    double most = (t + f->t_err) / (d - f->det_err) * (1 + ENCLOSE_PAD);
     bool positive = (f->t > 0) == (f->det > 0);
     *lo = positive ? least : -most;
     *hi = positive ? most : -least;
