@@ -1,6 +1,6 @@
 #!/bin/sh
 # Keeps CONTRIBUTING.md, "Where the constants come from", true: every row of its tables names files
-# that have its constant with that value, and every power of two or ten in the code of ref/ and
+# that have its constant with that value, and every power of two, or of ten below 1, in the code of ref/ and
 # shaders/ (commands left out) stands in a row with its file. Prints every breach; exit 1 if there
 # is one.
 #   sh tests/constants.sh [PAGE]
@@ -54,7 +54,7 @@ while IFS='|' read -r _ names values files _; do
     done <"$work/files"
 done <"$work/rows" >"$work/said"
 
-literal='0x[0-9a-fA-F.]+p[-+]?[0-9]+|[0-9]+(\.[0-9]+)?e[-+]?[0-9]+'
+literal='0x[0-9a-fA-F.]+p[-+]?[0-9]+|[0-9]+(\.[0-9]+)?e-[0-9]+'
 for file in $(git ls-files 'ref/*.[ch]' 'ref/*/*.[ch]' 'shaders/*.glsl' 'shaders/*.comp'); do
     case $file in ref/cmd_* | ref/decimal.c) continue ;; esac
     bare "$file" >"$work/bare"
