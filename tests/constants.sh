@@ -1,8 +1,8 @@
 #!/bin/sh
 # Keeps CONTRIBUTING.md, "Where the constants come from", true: every row of its tables names files
-# that have its constant with that value, and every power of two, or of ten below 1, in the code of ref/ and
-# shaders/ (commands left out) stands in a row with its file. Prints every breach; exit 1 if there
-# is one.
+# that have its constant with that value, and every power of two, or of ten below 1, in the code of
+# ref/ and shaders/ (commands left out) stands in a row with its file. Prints every breach; exit 1
+# if there is one.
 #   sh tests/constants.sh [PAGE]
 set -u
 page=${1:-CONTRIBUTING.md}
