@@ -35,7 +35,7 @@ static struct model model(void *self, const struct tri_test *tri)
     return (struct model){.formula = twin_of_tri(tri->id),
                           .rounding = arithmetic.rounding,
                           .bits = arithmetic.bits,
-                          .watertight = tri->watertight,
+                          .watertight = tri->watertight && rounding_is_nearest(arithmetic.rounding),
                           .open = tri->open};
 }
 

@@ -207,7 +207,8 @@ static struct model model(void *self, const struct tri_test *tri)
     b->measured = true;
     return (struct model){.formula = twin_of_tri(tri->id),
                           .rounding = b->arithmetic.rounding,
-                          .watertight = tri->watertight,
+                          .watertight =
+                              tri->watertight && rounding_is_nearest(b->arithmetic.rounding),
                           .open = tri->open};
 }
 

@@ -41,8 +41,8 @@ enum status judge_make(const struct oracle *oracle, const struct scene *scene,
     judge->own =
         model->formula == TWIN_MT || model->formula == TWIN_MT_RTRS || model->formula == TWIN_WOOP;
     /* The proof in judge_fan.c needs the same rounding of the same product wherever it is made. */
-    judge->fans = model->watertight && model->formula == TWIN_WOOP && model->rounding.add <= 1.0 &&
-                  model->rounding.mul <= 1.0;
+    judge->fans =
+        model->watertight && model->formula == TWIN_WOOP && rounding_is_nearest(model->rounding);
 #if MUTANT == MUTANT_FAN_OFF
     judge->fans = false;
 #endif

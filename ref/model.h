@@ -49,6 +49,13 @@ struct rounding {
 /* Smaller components of the direction are replaced by this one. */
 #define EMBREE_LEAST_DIR 1e-18
 
+/* Rounding to nearest keeps the order of the products in an edge function, which is what makes
+ * Woop's test watertight; from a looser promise nothing follows. */
+static inline bool rounding_is_nearest(struct rounding rounding)
+{
+    return rounding.add <= 1.0 && rounding.mul <= 1.0;
+}
+
 struct model {
     enum twin_formula formula;
     struct rounding rounding;
