@@ -32,6 +32,17 @@ static int bench_one(struct bench *bench, const char *spec, const struct scene *
            "loose %u\n",
            spec, builder->name, spread.median / tris, spread.least / tris, spread.most / tris,
            stats.node_count, stats.depth, stats.largest_leaf, stats.loose_count);
+    json_t *row =
+        json_pack("{s:s, s:s, s:I, s:I}", "scene", spec, "builder", builder->name, "triangles",
+                  (json_int_t)scene->tri_count, "rounds", (json_int_t)bench->rounds);
+    json_object_set_new(row, "ns_per_tri_median", bench_number(spread.median / tris));
+    json_object_set_new(row, "ns_per_tri_min", bench_number(spread.least / tris));
+    json_object_set_new(row, "ns_per_tri_max", bench_number(spread.most / tris));
+    json_object_set_new(row, "nodes", json_integer(stats.node_count));
+    json_object_set_new(row, "depth", json_integer(stats.depth));
+    json_object_set_new(row, "largest_leaf", json_integer(stats.largest_leaf));
+    json_object_set_new(row, "loose", json_integer(stats.loose_count));
+    bench_row(bench, &bench_builders, row);
     return EXIT_AGREE;
 }
 
@@ -61,5 +72,6 @@ static int run(struct bench *bench)
 const struct benchmark bench_builders = {
     .name = "builders",
     .summary = "time per triangle, nodes, depth",
+    .takes = BENCH_TAKES_JSON,
     .run = run,
 };

@@ -65,6 +65,8 @@ expect 2 "no trial matches" conform 'closest.warp.*'
 expect 2 "trial: unknown layout 'f31'" conform closest.cpu.f31.median.robust.mt.soup.random.1
 expect 2 "is not query.engine" conform closest.cpu
 expect 2 "unknown benchmark 'x'" bench x
+expect 0 . bench builders --scene sphere:n=4 --rounds 1 --csv -
+[ "$(grep -c '^builders,sphere:n=4,' "$dir/out")" -ge 2 ] || bad "bench builders --csv has a row per builder"
 expect 2 "cannot both be '-'" bench oracle --csv - --json -
 expect 2 "needs a file" bench error --svg -
 expect 0 . bench oracle --scene sphere:n=4 --count 64 --rounds 1 --json -
