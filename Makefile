@@ -140,7 +140,7 @@ scenes:
 drivers:
 	@sh .ci/drivers.sh $(OUT)/drivers
 
-# Everybody against everybody with 10^6 rays per scene; the result is committed. Slow.
+# Everybody against everybody, 300,000 rays a scene; the result is committed. Slow.
 RESULTS ?= bench/results/lavapipe-22.3.6
 agree: all
 	sh tests/agree.sh $(B) full $(RESULTS)/agree
