@@ -197,12 +197,13 @@ bounds:
 	    RAYDIFF_SLOW=1 $$test >$(B)/bounds.log 2>&1; code=$$?; \
 	    grep -v '^\[' $(B)/bounds.log; [ $$code -eq 0 ] || exit 1; done
 
-slow: tests
+slow: all tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_half
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle_scene
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle_redecide
 	for test in $(BOUNDS_TESTS); do RAYDIFF_SLOW=1 $$test || exit 1; done
+	$(B)/raydiff conform --hard
 
 SOURCES = $(shell git ls-files '*.c' '*.h')
 format:

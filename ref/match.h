@@ -6,7 +6,7 @@
 #include "ref/engine.h"
 #include "ref/judge.h"
 
-#define POOL_MOST    8
+#define POOL_MOST    12
 #define FINDING_MOST 4
 #define REPEAT_MOST  32
 

@@ -32,5 +32,7 @@
 #define MUTANT_FAN_OFF        40 /* watertight tests get a boundary band on closed fans */
 #define MUTANT_NOT_CERTAIN    41 /* no exact hit is certain: losing it is always excused */
 #define MUTANT_HUGE_BOUND     42 /* the bound of t times a million */
+#define MUTANT_DEFECT_CURED   60 /* a member made to be wrong is right */
+#define MUTANT_OTHER_DEFECT   61 /* it is wrong for another cause */
 
 #endif

@@ -155,6 +155,12 @@ hard=hard.03-border.closest.cpu.f32.median.robust.mt
 expect 2 "no hard case matches 'hard.99-\*'" conform 'hard.99-*'
 expect 0 . conform --hard --list
 grep -q "^$hard\$" "$dir/out" || bad "conform --hard --list names every trial"
+all=$(wc -l <"$dir/out")
+expect 0 . conform --quick --list
+[ "$(wc -l <"$dir/out")" -lt "$all" ] || bad "--quick leaves trials out"
+grep -q "^$hard\$" "$dir/out" || bad "--quick keeps repaired members"
+expect 0 . conform 'hard.79-*.closest.cpu.rf16_nearest.*' --verbose
+grep -q '^KNOWN .*rounded_inward' "$dir/out" || bad "a known defect is shown for its cause"
 expect 0 . conform $hard --summary --markdown "$dir/hard.md" --html "$dir/hard.html" --junit "$dir/hard.xml"
 grep -q '^03  border  *\. *$' "$dir/out" || bad "--summary prints the matrix"
 grep -q '^| 03 border | passed |$' "$dir/hard.md" || bad "--markdown writes the matrix"

@@ -26,6 +26,7 @@ static const char help[] =
     "  --require E,..  engines whose skips are failures\n"
     "  --hard          the hard cases, on every member: names hard.NN-CASE.query.engine.layout.\n"
     "                  builder.box.tri; a PATTERN that begins with 'hard.' means them too\n"
+    "  --quick         without members of which two parts or more are as published\n"
     "  --summary       the hard cases as a matrix\n"
     "  --markdown FILE the matrix as Markdown\n"
     "  --html FILE     the matrix as a web page\n"
@@ -173,7 +174,7 @@ static enum status suite_make(struct suite *suite, struct reason *reason)
 
 struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html;
-    bool list, verbose, tap, hard, summary;
+    bool list, verbose, tap, hard, summary, quick;
     struct list require;
     uint64_t count, brute;
     struct engine_options engines;
@@ -190,23 +191,19 @@ enum {
     OPT_JUNIT,
     OPT_HARD,
     OPT_SUMMARY,
+    OPT_QUICK,
     OPT_MARKDOWN,
     OPT_HTML
 };
 
-static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
-                                             {"count", 1, NULL, OPT_COUNT},
-                                             {"brute", 1, NULL, OPT_BRUTE},
-                                             {"require", 1, NULL, OPT_REQUIRE},
-                                             {"waivers", 1, NULL, OPT_WAIVERS},
-                                             {"verbose", 0, NULL, OPT_VERBOSE},
-                                             {"tap", 0, NULL, OPT_TAP},
-                                             {"junit", 1, NULL, OPT_JUNIT},
-                                             {"hard", 0, NULL, OPT_HARD},
-                                             {"summary", 0, NULL, OPT_SUMMARY},
-                                             {"markdown", 1, NULL, OPT_MARKDOWN},
-                                             {"html", 1, NULL, OPT_HTML},
-                                             ENGINE_OPTIONS};
+static const struct option long_options[] = {
+    {"list", 0, NULL, OPT_LIST},       {"count", 1, NULL, OPT_COUNT},
+    {"brute", 1, NULL, OPT_BRUTE},     {"require", 1, NULL, OPT_REQUIRE},
+    {"waivers", 1, NULL, OPT_WAIVERS}, {"verbose", 0, NULL, OPT_VERBOSE},
+    {"tap", 0, NULL, OPT_TAP},         {"junit", 1, NULL, OPT_JUNIT},
+    {"hard", 0, NULL, OPT_HARD},       {"summary", 0, NULL, OPT_SUMMARY},
+    {"quick", 0, NULL, OPT_QUICK},     {"markdown", 1, NULL, OPT_MARKDOWN},
+    {"html", 1, NULL, OPT_HTML},       ENGINE_OPTIONS};
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
@@ -238,6 +235,9 @@ static enum status take_option(void *user, int option, char *text, struct reason
         break;
     case OPT_SUMMARY:
         o->hard = o->summary = true;
+        break;
+    case OPT_QUICK:
+        o->hard = o->quick = true;
         break;
     case OPT_MARKDOWN:
         o->hard = true;
@@ -350,6 +350,7 @@ int cmd_conform(int argc, char **argv)
                                                            .verbose = o.verbose,
                                                            .tap = o.tap,
                                                            .summary = o.summary,
+                                                           .quick = o.quick,
                                                            .require = o.require,
                                                            .engines = o.engines});
     return conform(&o);

@@ -2,6 +2,7 @@
 
 #include "ref/command.h"
 #include "tests/cmd_conform_report.h"
+#include "tests/hard/causes.h"
 #include "tests/hard/members.h"
 
 #include <fnmatch.h>
@@ -20,6 +21,7 @@ struct suite {
     struct one *one;
     size_t count, capacity;
     const char *pattern; /* NULL: take all */
+    bool quick;          /* without members of which two parts or more are as published */
     bool failed;         /* no memory */
 };
 
@@ -27,6 +29,8 @@ static void suite_add(void *user, const struct hard_case *hard, const struct har
 {
     struct suite *suite = user;
     char name[HARD_NAME_MOST];
+    if (suite->quick && hard_member_published(member) > 1 && !hard_defect_of(hard, member))
+        return;
     hard_name_print(hard, member, name);
     if (suite->pattern && fnmatch(suite->pattern, name, 0) != 0)
         return;
@@ -50,6 +54,13 @@ static enum status suite_make(struct suite *suite, struct reason *reason)
     return STATUS_OK;
 }
 
+static void count_name(void *user, const struct hard_case *hard, const struct hard_member *member)
+{
+    char name[HARD_NAME_MOST];
+    hard_name_print(hard, member, name);
+    waivers_count(user, name);
+}
+
 static bool required(const struct conform_hard_options *o, const struct engine *engine)
 {
     for (size_t i = 0; i < o->require.count; i++)
@@ -58,44 +69,113 @@ static bool required(const struct conform_hard_options *o, const struct engine *
     return false;
 }
 
-/* What a result means for a member that is to show a defect, or for any other. */
-static enum outcome outcome_of(const struct hard_result *result, const struct hard_defect *defect,
-                               bool is_required, char *why, size_t why_bytes)
+/* What belongs to a run. */
+struct run {
+    const struct conform_hard_options *options;
+    struct hard_stage stage;
+    struct conform_report *report;
+    struct matrix *matrix;
+    const char *driver;  /* that `versions` are of */
+    char versions[8192]; /* what the engines say of themselves; "": not asked yet */
+};
+
+/* True if the engines here are said to have the defect. */
+static bool is_expected(struct run *run, const struct hard_defect *defect)
 {
-    hard_result_print(result, why, why_bytes);
-    switch (result->outcome) {
-    case HARD_REFUSED:
-        return OUTCOME_REFUSED;
-    case HARD_SKIPPED:
-        return is_required ? OUTCOME_FAILED : OUTCOME_SKIPPED;
-    case HARD_PASSED:
-        if (!defect)
-            return OUTCOME_PASSED;
-        snprintf(why, why_bytes, "the defect %s shows no more", defect->fault);
-        return OUTCOME_FAILED;
-    case HARD_FAILED:
-        if (!defect || result->unfinished)
-            return OUTCOME_FAILED;
-        snprintf(why, why_bytes, "%s%s%s", defect->fault, defect->cause ? ": " : "",
-                 defect->cause ? defect->cause : "");
-        return OUTCOME_KNOWN;
+    const struct engine_options *options = &run->stage.pool.options;
+    if (!defect->version)
+        return true;
+    if (run->versions[0] == '\0' || run->driver != options->driver)
+        conform_versions(options, run->versions, sizeof run->versions);
+    run->driver = options->driver;
+    return strstr(run->versions, defect->version) != NULL;
+}
+
+/* True if the member is there to show a defect: that it does so otherwise is not excused. */
+static bool is_defect(struct run *run, const struct one *one)
+{
+    const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
+    return defect && is_expected(run, defect);
+}
+
+/* A member that is to show a defect broke the case: for the cause that is known? */
+static enum status confirm(struct run *run, const struct one *one, const struct hard_result *result,
+                           const struct hard_defect *defect, enum outcome *outcome, char *why,
+                           size_t why_bytes, struct reason *reason)
+{
+    struct hard_causes causes;
+    *outcome = OUTCOME_KNOWN;
+    snprintf(why, why_bytes, "%s%s%s", defect->fault, result->reason.text[0] ? ": " : "",
+             result->reason.text);
+    if (defect->cause == CAUSE_NONE)
+        return STATUS_OK;
+    enum status status = hard_explain(&run->stage, &one->member, result, &causes, reason);
+    if (status)
+        return status;
+    if (causes.most != defect->cause) {
+        char found[300];
+        hard_causes_print(&causes, found, sizeof found);
+        *outcome = OUTCOME_FAILED;
+        snprintf(why, why_bytes, "%s: explained as %s, not %s", defect->fault, found,
+                 cause_name(defect->cause));
+    } else {
+        snprintf(why, why_bytes, "%s: %s, %s%s%s", defect->fault, cause_name(causes.most),
+                 cause_text(causes.most), causes.hint[0] ? "; some rays are lost too by " : "",
+                 causes.hint);
     }
-    return OUTCOME_FAILED;
+    return STATUS_OK;
+}
+
+static bool shows(const struct hard_result *result, const struct hard_defect *defect)
+{
+    if (defect->refuses)
+        return result->outcome == HARD_REFUSED &&
+               strstr(result->reason.text, defect->refuses) != NULL;
+    return result->outcome == HARD_FAILED &&
+           (!result->unfinished || defect->cause == CAUSE_LOOP_CAP);
+}
+
+/* What a result means for a member that is to show a defect, or for any other. */
+static enum status outcome_of(struct run *run, const struct one *one,
+                              const struct hard_result *result, enum outcome *outcome, char *why,
+                              size_t why_bytes, struct reason *reason)
+{
+    static const enum outcome plain[] = {[HARD_PASSED] = OUTCOME_PASSED,
+                                         [HARD_FAILED] = OUTCOME_FAILED,
+                                         [HARD_REFUSED] = OUTCOME_REFUSED,
+                                         [HARD_SKIPPED] = OUTCOME_SKIPPED};
+    const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
+    hard_result_print(result, why, why_bytes);
+    *outcome = plain[result->outcome];
+    if (result->outcome == HARD_SKIPPED && required(run->options, one->member.engine))
+        *outcome = OUTCOME_FAILED;
+    if (!defect || result->outcome == HARD_SKIPPED || !is_expected(run, defect))
+        return STATUS_OK;
+    if (shows(result, defect))
+        return confirm(run, one, result, defect, outcome, why, why_bytes, reason);
+    if (result->outcome != HARD_FAILED && !defect->rare) {
+        *outcome = OUTCOME_FAILED;
+        snprintf(why, why_bytes, "the defect %s shows no more", defect->fault);
+    }
+    return STATUS_OK;
 }
 
 /* Adds one result to the report and the matrix. */
-static enum status add_result(const struct conform_hard_options *o, const struct one *one,
+static enum status add_result(struct run *run, const struct one *one,
                               const struct hard_result *result, double seconds,
-                              struct conform_report *report, struct matrix *matrix,
                               struct reason *reason)
 {
     char name[HARD_NAME_MOST], why[900];
     const struct waiver *waiver = NULL;
-    const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
+    struct conform_report *report = run->report;
     hard_name_print(one->hard, &one->member, name);
     struct conform_entry entry = {.name = name, .why = why, .seconds = seconds};
-    entry.outcome = outcome_of(result, defect, required(o, one->member.engine), why, sizeof why);
+    enum status status = outcome_of(run, one, result, &entry.outcome, why, sizeof why, reason);
+    if (status)
+        return status;
     entry.code = result->unfinished ? EXIT_ENGINE : EXIT_MISMATCH;
+    entry.plain =
+        entry.outcome == OUTCOME_FAILED && result->outcome != HARD_SKIPPED && is_defect(run, one);
     enum outcome outcome = conform_report_put(report, &entry, &waiver);
     if (waiver)
         snprintf(why, sizeof why, "%s %s", waiver->reason, waiver->link);
@@ -103,31 +183,27 @@ static enum status add_result(const struct conform_hard_options *o, const struct
     *(excused ? &report->excused : &report->rays) += result->rays;
     for (int v = 0; v < VERDICT_COUNT && !excused; v++)
         report->count[v] += result->count[v];
-    return matrix_add(matrix, one->hard, &one->member, outcome, result->rays, why, reason);
+    return matrix_add(run->matrix, one->hard, &one->member, outcome, result->rays, why, reason);
 }
 
-static enum status run_suite(const struct conform_hard_options *o, const struct suite *suite,
-                             struct conform_report *report, struct matrix *matrix,
-                             struct reason *reason)
+static enum status run_suite(struct run *run, const struct suite *suite, struct reason *reason)
 {
-    struct hard_stage stage = hard_stage_make(&o->engines);
     struct progress progress = progress_make("conform");
     enum status status = STATUS_OK;
+    bool tap = run->options->tap;
     for (size_t i = 0; i < suite->count && status == STATUS_OK; i++) {
         const struct one *one = &suite->one[i];
         struct hard_result result;
-        if (!o->tap)
+        if (!tap)
             progress_step(&progress, "%zu of %zu: %02u-%s", i + 1, suite->count, one->hard->number,
                           one->hard->name);
         uint64_t start = time_ns();
-        status = hard_run(&stage, one->hard, &one->member, &result, reason);
+        status = hard_run(&run->stage, one->hard, &one->member, &result, reason);
         if (status == STATUS_OK)
-            status = add_result(o, one, &result, (double)(time_ns() - start) * 1e-9, report, matrix,
-                                reason);
+            status = add_result(run, one, &result, (double)(time_ns() - start) * 1e-9, reason);
     }
-    if (!o->tap)
+    if (!tap)
         progress_end(&progress);
-    hard_stage_free(&stage);
     return status;
 }
 
@@ -165,19 +241,25 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
     struct matrix matrix = {.row_count = 0};
     struct reason reason = {""};
     const char *waivers = o->waivers ? o->waivers : NULL;
+    bool complete = o->pattern == NULL && !o->quick;
     if (!waivers && access(WAIVERS_HERE, R_OK) == 0)
         waivers = WAIVERS_HERE;
     enum status status =
-        conform_report_open(&report, suite->count, o->pattern == NULL, waivers, o->junit, &reason);
+        conform_report_open(&report, suite->count, complete, waivers, o->junit, &reason);
     if (status) {
         fprintf(stderr, "raydiff conform: %s\n", reason.text);
         return exit_of_status(status);
     }
+    for (size_t i = 0; !complete && hard_cases[i]; i++)
+        hard_each_member(hard_cases[i], count_name, &report.waivers);
     report.verbose = o->verbose;
     report.tap = o->tap;
     report.quiet = true;
     report.options = o->engines;
-    status = run_suite(o, suite, &report, &matrix, &reason);
+    struct run run = {
+        .options = o, .stage = hard_stage_make(&o->engines), .report = &report, .matrix = &matrix};
+    status = run_suite(&run, suite, &reason);
+    hard_stage_free(&run.stage);
     if (status == STATUS_OK)
         status = write_documents(o, &matrix, &reason);
     int code = conform_report_close(&report);
@@ -189,7 +271,7 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
 
 int conform_hard(const struct conform_hard_options *o)
 {
-    struct suite suite = {.pattern = o->pattern};
+    struct suite suite = {.pattern = o->pattern, .quick = o->quick};
     struct reason reason = {""};
     enum status status = suite_make(&suite, &reason);
     int code = EXIT_AGREE;

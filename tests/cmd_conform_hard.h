@@ -7,7 +7,7 @@
 
 struct conform_hard_options {
     const char *pattern, *junit, *waivers, *markdown, *html; /* each may be NULL */
-    bool list, verbose, tap, summary;
+    bool list, verbose, tap, summary, quick;
     struct list require;
     struct engine_options engines;
 };

@@ -27,7 +27,8 @@ struct conform_entry {
     const char *name;
     enum outcome outcome; /* a waiver turns OUTCOME_FAILED into OUTCOME_WAIVED */
     const char *why;
-    int code; /* of a failure */
+    int code;   /* of a failure */
+    bool plain; /* a failure that no waiver may excuse */
     double seconds;
 };
 

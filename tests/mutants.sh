@@ -183,6 +183,8 @@ in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c conform 'hard.46-index-zero.c
 in_program SWAPPED_CHILD ref/trace.c conform 'hard.16-lattice.closest.cpu.f32.median.robust.mt'
 in_program CULLED_ALL ref/trace.c conform 'hard.57-parity.all.cpu.f32.median.robust.mt'
 in_program OPEN_EDGES ref/trace.c conform 'hard.05-grid-vertices.closest.cpu.f32.median.watertight.woop'
+in_program DEFECT_CURED tests/hard/made.c conform 'hard.79-nearest-halves.closest.cpu.rf16_nearest.*'
+in_program OTHER_DEFECT tests/hard/made.c conform 'hard.79-nearest-halves.closest.cpu.rf16_nearest.*'
 in_shaders SLAB_STRICT conform 'hard.17-on-surface.closest.vulkan.f32.median.robust.mt'
 in_shaders LOST_SLOT conform 'hard.45-leaf-slots.closest.vulkan.rf16.median.robust.mt'
 

@@ -88,6 +88,12 @@ static void waivers_excuse_and_grow_old(void **state)
     assert_int_equal(waiver_judge(&w.waiver[3], true, ""), WAIVER_UNUSED);
     assert_int_equal(waiver_judge(&w.waiver[3], false, ""), WAIVER_UNUSED);
     assert_int_equal(waiver_judge(&w.waiver[4], true, ""), WAIVER_FINE);
+    /* Cut by a pattern: the fourth matches a name that was not played. */
+    waivers_count(&w, "x.d.y");
+    assert_int_equal(waiver_judge(&w.waiver[3], false, ""), WAIVER_UNUSED);
+    waivers_count(&w, "x.d.z");
+    assert_int_equal(waiver_judge(&w.waiver[3], false, ""), WAIVER_FINE);
+    assert_int_equal(waiver_judge(&w.waiver[3], true, ""), WAIVER_UNUSED);
     waivers_free(&w);
     assert_int_equal(read_text("*.no-such.* reason https://a.b/c\n", &w, &reason), STATUS_OK);
     (void)waivers_note(&w, "x.a.y", WAIVER_FAILED);

@@ -101,7 +101,7 @@ static void a_pool_holds_eight_engines(void **state)
         assert_int_equal(status, i < POOL_MOST ? STATUS_OK : STATUS_LIMIT);
         assert_int_equal(self != NULL, i < POOL_MOST);
     }
-    assert_non_null(strstr(f->reason.text, "more than 8 engines"));
+    assert_non_null(strstr(f->reason.text, "more than 12 engines"));
     done(f);
     assert_int_equal(script.closed, POOL_MOST);
 }

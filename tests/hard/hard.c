@@ -57,8 +57,10 @@ static bool own_formula(const struct model *model)
 
 static bool in_scope(enum hard_scope scope, const struct model *model)
 {
+    bool asked =
+        model->watertight || model->formula == TWIN_UNKNOWN || model->formula == TWIN_EMBREE_ROBUST;
     return scope == HARD_ALL || (scope == HARD_OWN && own_formula(model)) ||
-           (scope == HARD_TIGHT && model->watertight);
+           (scope == HARD_TIGHT && model->watertight) || (scope == HARD_FANS && asked);
 }
 
 static bool names_one_of(const struct hard_part *part, const struct hard_want *want, uint32_t prim)

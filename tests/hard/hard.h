@@ -5,14 +5,17 @@
 #define HARD_H
 
 #include "ref/abi.h"
+#include "ref/explain/repair.h"
 #include "ref/model.h"
 #include "ref/scene.h"
 
 #define HARD_PARTS_MOST   72
 #define HARD_LABEL_MOST   24
-#define HARD_DEFECTS_MOST 4
+#define HARD_DEFECTS_MOST 6
 
 struct engine;
+struct engine_options;
+struct hard_result;
 struct layout;
 
 /* Of whom something is wanted. */
@@ -20,6 +23,7 @@ enum hard_scope {
     HARD_ALL,   /* of everybody */
     HARD_OWN,   /* of engines that compute one of our own triangle tests */
     HARD_TIGHT, /* of engines that promise to be watertight */
+    HARD_FANS,  /* of these, ray queries (Vulkan: "should") and Embree's robust mode */
 };
 
 /* What is wanted of the answer to a ray; bits. Beside it every answer is judged. */
@@ -73,29 +77,38 @@ struct hard_made {
     size_t part_count;
 };
 
-/* A defect that the case is there to show: members that must break it. */
+/* A defect that the case is there to show: members that must break it, or refuse it. */
 struct hard_defect {
-    const char *fault;           /* "F2", "embree#589", "packHalf2x16" */
-    const char *cause;           /* as explain names it, or NULL */
-    const char *members;         /* pattern of query.engine.layout.builder.box.tri */
+    const char *fault;   /* "F2", "embree#589", "packHalf2x16" */
+    enum cause cause;    /* what explain must say of most wrong rays; CAUSE_NONE: it is not asked,
+                            since no answer is wrong alone */
+    const char *members; /* pattern of query.engine.layout.builder.box.tri */
+    const char *refuses; /* they must refuse, and the reason has this in it; or NULL */
+    const char *version; /* part of what the engines say of themselves: others may be without it;
+                            or NULL */
+    bool rare; /* its rays depend on the processor: where none shows it, nothing is wrong */
     const struct layout *layout; /* a member of no table, made to be wrong; or NULL */
     const struct engine *engine;
 };
 
-#define HARD_TREES_ONLY 1u  /* asks nothing of engines without a tree */
-#define HARD_NO_HITS    2u  /* no ray hits, by design */
-#define HARD_TWICE      4u  /* traced twice: the same bits */
-#define HARD_ANY_TOO    8u  /* any-hit is compared with the member's own closest hit */
-#define HARD_FLOAT_MODE 16u /* again with FTZ and DAZ set, on one thread and on many: same bits */
-#define HARD_PARITY     32u /* a closed mesh: an even number of crossings from outside */
-#define HARD_STRUCTURE  64u /* packed_check of every member, as published ones too */
+#define HARD_TREES_ONLY 1u   /* asks nothing of engines without a tree */
+#define HARD_NO_HITS    2u   /* no ray hits, by design */
+#define HARD_TWICE      4u   /* traced twice: the same bits */
+#define HARD_ANY_TOO    8u   /* any-hit is compared with the member's own closest hit */
+#define HARD_FLOAT_MODE 16u  /* again with FTZ and DAZ set, on one thread and on many: same bits */
+#define HARD_PARITY     32u  /* a closed mesh: an even number of crossings from outside */
+#define HARD_STRUCTURE  64u  /* packed_check of every member, as published ones too */
+#define HARD_NO_TREES   128u /* asks nothing of engines with a tree */
 
 struct hard_case {
     unsigned number; /* 1 to 60: ../shared/design/numerics.md, section 4; above: README */
     const char *name;
     const char *recipe, *expected, *source; /* one line each */
     unsigned flags;
+    const char *driver; /* that the Vulkan engines are to run on, as --driver; NULL: any */
     void (*make)(struct hard_made *made);
+    /* In place of make: asks the driver itself, as engine vulkan. Sets outcome and reason. */
+    void (*probe)(const struct engine_options *options, struct hard_result *out);
     struct hard_defect defect[HARD_DEFECTS_MOST]; /* ends at the first without a fault */
 };
 

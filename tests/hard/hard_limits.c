@@ -1,4 +1,5 @@
 /* Hard cases of limits: leaf slots, triangle and node numbers, depth, empty and tiny scenes. */
+#include "tests/hard/made.h"
 #include "tests/hard/parts.h"
 
 #include <math.h>
@@ -97,6 +98,9 @@ const struct hard_case hard_indices = {
     .expected = "the triangle aimed at; beyond 65535 rf16 refuses",
     .source = "numerics.md 4, 47: numbers cut to 15 or 16 bits; the seed's F10",
     .make = make_indices,
+    .defect = {{.fault = "F10: item numbers are cut to 15 and 16 bits",
+                .cause = CAUSE_INDEX_TRUNCATED,
+                .members = "closest.cpu.rtrs_rf_paper.median.robust.mt"}},
 };
 
 static void make_nodes(struct hard_made *made)
@@ -107,17 +111,30 @@ static void make_nodes(struct hard_made *made)
         part->must_refuse = count > 10923 ? "rf16" : NULL;
         speckles(part, count);
         for (uint32_t i = 0; i < 32; i++)
-            aim_at_speckle(part, i < 16 ? i * 682 : count - 1 - (i - 16) * 5);
+            aim_at_speckle(part, 1 + (i < 16 ? i * 682 : count - 2 - (i - 16) * 5));
     }
+    struct hard_part *part = part_add(made, "12000 leaves"); /* 3 * 1077 records beyond */
+    part->leaf = 1;
+    part->must_refuse = "rf16";
+    speckles(part, 12000);
+    for (uint32_t i = 0; i < 64; i++)
+        aim_at_speckle(part, 187 * (i + 1));
 }
 
 const struct hard_case hard_nodes = {
     .number = 48,
     .name = "node-numbers",
-    .recipe = "trees of 10923 and 10924 leaves: 32768 and 32771 records",
+    .recipe = "trees of 10923, 10924 and 12000 leaves: 32768, 32771 and 35999 records",
     .expected = "the triangle aimed at; beyond record 32767 rf16 refuses, and does not wrap",
     .source = "numerics.md 4, 48: the leaf mark, bit 31, collides; the seed's F9",
     .make = make_nodes,
+    .defect = {{.fault = "F9: record numbers from 32768 on set the leaf bit",
+                .cause = CAUSE_INDEX_TRUNCATED,
+                .members = "closest.cpu.*",
+                .layout = &layout_rtrs_rf_unshifted},
+               {.fault = "F9: record numbers from 32768 on are cut to 15 bits",
+                .cause = CAUSE_INDEX_TRUNCATED,
+                .members = "closest.cpu.rtrs_rf_paper.median.robust.mt"}},
 };
 
 /* Triangle i is turned by i quarter turns, scaled by 1 + i / 8, and lies in the plane z = 1. */
@@ -258,6 +275,10 @@ const struct hard_case hard_stack = {
     .expected = "the nearest; as the tree says, so brute force in one shader loop",
     .source = "Mesa's LP_MAX_TGSI_LOOP_ITERATIONS: lavapipe 22.3.6 ends loops after 65,535 rounds",
     .make = make_stack,
+    .defect = {{.fault = "a loop ends after 65,535 rounds: F1 makes it as long as the tree",
+                .cause = CAUSE_LOOP_CAP,
+                .members = "closest.vulkan.f32.median.rtrs.mt",
+                .version = "Mesa 22.3.6"}},
 };
 
 static void make_counts(struct hard_made *made)

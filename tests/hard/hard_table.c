@@ -13,7 +13,10 @@ extern const struct hard_case hard_axis, hard_minus_zero, hard_border, hard_line
     hard_infinite, hard_leaves, hard_index_zero, hard_indices, hard_nodes, hard_concentric,
     hard_series, hard_nothing, hard_one, hard_stack, hard_counts, hard_relations, hard_shifted,
     hard_parity, hard_structure, hard_any, hard_modes, hard_opposite_winding, hard_seam,
-    hard_budget, hard_corridor;
+    hard_budget, hard_corridor, hard_seed_items, hard_seed_floor, hard_seed_cut, hard_seed_slots,
+    hard_seed_records, hard_seed_halves, hard_seed_last, hard_seed_parallel, hard_seed_threshold,
+    hard_nearest, hard_padding, hard_borders_mesa25, hard_vertices_mesa25, hard_pack_swiftshader,
+    hard_pack_stock, hard_pack_mesa25, hard_loop_stock, hard_loop_mesa25, hard_loop_swiftshader;
 
 const struct hard_case *const hard_cases[] = {
     &hard_axis,
@@ -80,5 +83,24 @@ const struct hard_case *const hard_cases[] = {
     &hard_seam,
     &hard_budget,
     &hard_corridor,
+    &hard_seed_items,
+    &hard_seed_floor,
+    &hard_seed_cut,
+    &hard_seed_slots,
+    &hard_seed_records,
+    &hard_seed_halves,
+    &hard_seed_last,
+    &hard_seed_parallel,
+    &hard_seed_threshold,
+    &hard_nearest,
+    &hard_padding,
+    &hard_borders_mesa25,
+    &hard_vertices_mesa25,
+    &hard_pack_swiftshader,
+    &hard_pack_stock,
+    &hard_pack_mesa25,
+    &hard_loop_stock,
+    &hard_loop_mesa25,
+    &hard_loop_swiftshader,
     NULL,
 };

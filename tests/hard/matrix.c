@@ -43,8 +43,9 @@ static bool is_engine(const struct engine *engine)
 static size_t column_of(struct matrix *matrix, const struct hard_member *m)
 {
     struct matrix_column c = {.engine = m->engine, .layout = m->layout};
-    c.published = hard_member_faithful(m);
-    c.made = !is_member(m->layout) || !is_engine(m->engine);
+    c.published = hard_member_published(m) > 0;
+    c.made = !is_member(m->layout) || !is_engine(m->engine) ||
+             (m->engine->needs_packed && !m->layout); /* asked directly */
     if (!m->engine->own_tri && !(c.published && m->layout))
         c.tri = m->tri;
     for (size_t i = 0; i < matrix->column_count; i++) {
@@ -148,7 +149,8 @@ enum outcome matrix_worst(const struct matrix_cell *cell)
 const char *matrix_table_title(size_t table)
 {
     static const char *const titles[MATRIX_TABLES] = {
-        "Repaired members", "Members as published, faults included", "Members made to be wrong"};
+        "Repaired members", "Members as published, faults included",
+        "Members made to be wrong, drivers asked directly"};
     return titles[table];
 }
 

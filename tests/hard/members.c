@@ -39,7 +39,7 @@ static void visit_made(const struct hard_case *one, const struct hard_defect *de
                                  .engine = defect->engine ? defect->engine : engine_find("cpu"),
                                  .layout = defect->layout ? defect->layout : layout_find("f32"),
                                  .builder = builder_find("median"),
-                                 .box = box_test_find("watertight")};
+                                 .box = box_test_find("robust")};
     for (size_t t = 0; tri_tests[t]; t++) {
         member.tri = tri_tests[t];
         if (!tri_tests[t]->faithful)
@@ -50,7 +50,13 @@ static void visit_made(const struct hard_case *one, const struct hard_defect *de
 void hard_each_member(const struct hard_case *one, hard_visit *visit, void *user)
 {
     struct hard_member m = {0};
-    for (size_t b = 0; builders[b]; b++)
+    if (one->probe) {
+        m.engine = engine_find("vulkan");
+        m.tri = tri_tests[0];
+        visit(user, one, &m);
+        return;
+    }
+    for (size_t b = 0; builders[b] && !(one->flags & HARD_NO_TREES); b++)
         for (size_t l = 0; layouts[l]; l++)
             for (size_t x = 0; box_tests[x]; x++)
                 for (size_t t = 0; tri_tests[t]; t++) {

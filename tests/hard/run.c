@@ -6,10 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool hard_member_faithful(const struct hard_member *m)
+unsigned hard_member_published(const struct hard_member *m)
 {
-    bool tree = m->layout && (m->layout->faithful || m->builder->faithful || m->box->faithful);
-    return tree || m->tri->faithful;
+    unsigned tree = m->layout ? (unsigned)m->layout->faithful + (unsigned)m->builder->faithful +
+                                    (unsigned)m->box->faithful
+                              : 0;
+    return tree + (unsigned)m->tri->faithful;
 }
 
 void hard_member_print(const struct hard_member *m, char name[HARD_NAME_MOST])
@@ -50,9 +52,21 @@ void hard_stage_free(struct hard_stage *stage)
     pool_free(&stage->many);
 }
 
+/* Engines opened on one driver do for all cases on it. */
+static void stage_drive(struct hard_stage *stage, const char *driver)
+{
+    const char *wanted = driver ? driver : stage->options.driver, *now = stage->pool.options.driver;
+    if (wanted == now || (wanted && now && strcmp(wanted, now) == 0))
+        return;
+    pool_free(&stage->pool);
+    pool_free(&stage->many);
+    stage->pool.options.driver = stage->many.options.driver = wanted;
+}
+
 struct hard_stage hard_stage_make(const struct engine_options *options)
 {
-    struct hard_stage stage = {.pool = {.options = *options}, .many = {.options = *options}};
+    struct hard_stage stage = {
+        .options = *options, .pool = {.options = *options}, .many = {.options = *options}};
     stage.pool.options.threads = 1;
     return stage;
 }
@@ -63,6 +77,7 @@ static enum status stage_set(struct hard_stage *stage, const struct hard_case *o
     if (stage->one == one)
         return STATUS_OK;
     stage_drop(stage);
+    stage_drive(stage, one->driver);
     stage->made = alloc_zeroed(1, sizeof *stage->made);
     if (!stage->made)
         return fail(reason, STATUS_MEMORY, "no memory for a hard case");
@@ -192,6 +207,12 @@ enum status hard_run(struct hard_stage *stage, const struct hard_case *one,
                      struct reason *reason)
 {
     *out = (struct hard_result){.outcome = HARD_PASSED};
+    if (one->probe) {
+        stage_drop(stage);
+        stage_drive(stage, one->driver);
+        one->probe(&stage->pool.options, out);
+        return STATUS_OK;
+    }
     enum status status = stage_set(stage, one, reason);
     if (status)
         return status;

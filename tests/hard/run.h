@@ -17,8 +17,8 @@ struct hard_member {
     const struct tri_test *tri;
 };
 
-/* True if somebody in it is as published, faults included. */
-bool hard_member_faithful(const struct hard_member *member);
+/* How many of layout, builder, box test and triangle test are as published, faults included. */
+unsigned hard_member_published(const struct hard_member *member);
 
 /* "closest.cpu.rf16.median.robust.woop"; "-" where there is none. */
 void hard_member_print(const struct hard_member *member, char name[HARD_NAME_MOST]);
@@ -58,6 +58,7 @@ struct hard_cache; /* of one part */
 /* Where cases are played: keeps the parts of one case, their truth, trees and answers, so that the
  * members of a case cost little each. */
 struct hard_stage {
+    struct engine_options options; /* as asked for; a case can name another driver */
     struct pool pool; /* on one thread: with a few hundred rays a second one costs more than it
                          does, and the float mode is a thread's own */
     struct pool many; /* the same engines on as many threads as asked for, for HARD_FLOAT_MODE */

@@ -85,6 +85,12 @@ void waivers_free(struct waivers *waivers)
     *waivers = (struct waivers){0};
 }
 
+void waivers_count(struct waivers *waivers, const char *name)
+{
+    for (size_t i = 0; i < waivers->count; i++)
+        waivers->waiver[i].exist += fnmatch(waivers->waiver[i].pattern, name, 0) == 0;
+}
+
 const struct waiver *waivers_note(struct waivers *waivers, const char *name,
                                   enum waiver_event event)
 {
@@ -108,7 +114,7 @@ enum waiver_fault waiver_judge(const struct waiver *waiver, bool complete, const
         return WAIVER_FINE;
     if (waiver->named == 0)
         return complete ? WAIVER_NOTHING : WAIVER_FINE;
-    if (waiver->ran == 0)
+    if (waiver->ran == 0 || (!complete && waiver->named < waiver->exist))
         return WAIVER_FINE;
     if (waiver->version && !strstr(versions, waiver->version))
         return WAIVER_GONE;

@@ -11,6 +11,7 @@ struct waiver {
     char *reason;
     char *link;
     size_t line;
+    size_t exist;  /* names of the whole suite that it matches; 0: not counted */
     size_t named;  /* names that it matches, played or not */
     size_t ran;    /* of them, those that were played */
     size_t failed; /* of them, those that failed */
@@ -33,6 +34,9 @@ void waivers_free(struct waivers *waivers);
 
 enum waiver_event { WAIVER_SKIPPED, WAIVER_PASSED, WAIVER_FAILED };
 
+/* Counts a name of the whole suite, of which a pattern may choose some to be noted. */
+void waivers_count(struct waivers *waivers, const char *name);
+
 /* Notes what became of `name`, and returns the first waiver that excuses its failure; NULL if it
  * did not fail or nothing does. All waivers that match count it. */
 const struct waiver *waivers_note(struct waivers *waivers, const char *name,
@@ -46,7 +50,8 @@ enum waiver_fault {
 };
 
 /* Judges a waiver at the end.
- *   complete   every name of the suite was noted, so that no match means that none exists
+ *   complete   every name of the suite was noted, so that no match means that none exists; else a
+ *              waiver of which `exist` says that it matches more than was noted is fine
  *   versions   what the engines say of themselves
  * A waiver whose names were all skipped, because an engine cannot run here, is fine. */
 enum waiver_fault waiver_judge(const struct waiver *waiver, bool complete, const char *versions);
