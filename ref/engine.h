@@ -11,6 +11,8 @@ struct engine_options {
     const char *driver; /* Vulkan: part of the driver or device name, or NULL */
     int device;         /* Vulkan: index as `raydiff doctor` lists them, -1: first that matches */
     uint32_t workgroup; /* Vulkan: 0 is ABI_WORKGROUP */
+    bool unguarded;     /* Embree: asks it rays that it does not promise to survive, too; only in a
+                           process that may die */
 };
 
 /* What is to be traced; everything borrowed, valid until the next prepare or close. */

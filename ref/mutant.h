@@ -34,5 +34,6 @@
 #define MUTANT_HUGE_BOUND     42 /* the bound of t times a million */
 #define MUTANT_DEFECT_CURED   60 /* a member made to be wrong is right */
 #define MUTANT_OTHER_DEFECT   61 /* it is wrong for another cause */
+#define MUTANT_UNGUARDED      62 /* Embree is asked rays that it does not survive */
 
 #endif

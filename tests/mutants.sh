@@ -185,6 +185,7 @@ in_program CULLED_ALL ref/trace.c conform 'hard.57-parity.all.cpu.f32.median.rob
 in_program OPEN_EDGES ref/trace.c conform 'hard.05-grid-vertices.closest.cpu.f32.median.watertight.woop'
 in_program DEFECT_CURED tests/hard/made.c conform 'hard.79-nearest-halves.closest.cpu.rf16_nearest.*'
 in_program OTHER_DEFECT tests/hard/made.c conform 'hard.79-nearest-halves.closest.cpu.rf16_nearest.*'
+in_test UNGUARDED ref/engines/engine_embree.c test_bad_input
 in_shaders SLAB_STRICT conform 'hard.17-on-surface.closest.vulkan.f32.median.robust.mt'
 in_shaders LOST_SLOT conform 'hard.45-leaf-slots.closest.vulkan.rf16.median.robust.mt'
 

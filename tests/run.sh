@@ -55,7 +55,7 @@ for test in "$build"/tests/test_*; do
     name=$(basename "$test")
     if [ "$mode" = tsan ]; then
         # Threads of drivers and of Embree are not ours to judge: CPU suites only.
-        case $name in test_abi | test_half_gpu | test_vulkan* | test_spirv) continue ;; esac
+        case $name in test_abi | test_bad_input | test_half_gpu | test_vulkan* | test_spirv) continue ;; esac
     fi
     if [ "$mode" = watch ]; then # what runs shaders
         case $name in test_abi | test_half_gpu | test_vulkan*) ;; *) continue ;; esac
