@@ -33,7 +33,7 @@ struct play_result {
  * smallest scene. Errors: STATUS_DEVICE the engine failed; STATUS_MEMORY. */
 enum status play(const struct ground *ground, const struct contestant *who, struct pool *pool,
                  struct tally *tally, struct play_result *out, struct reason *reason) MUST_USE;
-#define WRONG_EXPLAINED 100u
+#define WRONG_EXPLAINED 1000u
 
 /* An engine on a packed scene, ready to be asked and judged. */
 struct stand {

@@ -28,6 +28,8 @@ struct signature *tally_add(struct tally *tally, const struct wrong_answer *wron
     }
     signature->count++;
     signature->opinion[wrong->opinion]++;
+    if (wrong->opinion != GMP_CONFIRMED && tally->doubtful_count < DOUBTFUL_MOST)
+        tally->doubtful[tally->doubtful_count++] = *wrong;
     return signature;
 }
 
@@ -38,6 +40,16 @@ void signature_name(const struct signature *signature, char *text, size_t text_b
              who->layout ? who->layout->name : "-", who->layout ? who->box->name : "-",
              who->tri->name, wrong_name(signature->first.judgement.wrong),
              cause_name(signature->first.cause));
+}
+
+void wrong_answer_print(const struct wrong_answer *wrong, FILE *stream)
+{
+    char line[640];
+    judge_line(&wrong->ray, &wrong->judgement, &wrong->hit, line, sizeof line);
+    fprintf(stream, "%s: %s, rays %s, seed %llu, index %zu, %s %s %s: %s\n",
+            gmp_opinion_name(wrong->opinion), wrong->scene, wrong->rays,
+            (unsigned long long)wrong->seed, wrong->index, wrong->who.engine->name,
+            wrong->who.layout ? wrong->who.layout->name : "-", wrong->who.tri->name, line);
 }
 
 static void write_answer(const struct wrong_answer *answer, FILE *stream)

@@ -46,9 +46,13 @@ struct signature {
     size_t count, opinion[GMP_OPINION_COUNT];
 };
 
+#define DOUBTFUL_MOST 16
+
 struct tally {
     struct signature signature[SIGNATURES_MOST];
     size_t count;
+    struct wrong_answer doubtful[DOUBTFUL_MOST]; /* the first that rationals did not confirm */
+    size_t doubtful_count;
     size_t beyond; /* wrong answers that found no room: must be 0 */
 };
 
@@ -58,6 +62,9 @@ struct signature *tally_add(struct tally *tally, const struct wrong_answer *wron
 
 /* "cpu.f32.robust.mt.missed.rounded_inward": unique, and fit for a file's name. */
 void signature_name(const struct signature *signature, char *text, size_t text_bytes);
+
+/* Prints one answer: scene, rays, who, and the judge's line. */
+void wrong_answer_print(const struct wrong_answer *wrong, FILE *stream);
 
 /* Writes DIR/NAME.txt and DIR/NAME.ply of every signature: counts, the first, and the smallest with
  * the command that explains it. Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */

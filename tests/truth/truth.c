@@ -2,9 +2,9 @@
  *   truth [--rays N] [--seed S] [--out DIR] [--driver D]
  * N rays of five sets on every scene; engines cpu and vulkan on layouts f32 and rf16, with mt (box
  * test robust) and woop (box test watertight), and embree_robust. The layouts as published, which
- * are known to be wrong, join with 1/50 of the rays: they show that WRONGs are found, decided again
- * and explained. The first of each signature and the smallest scene that still shows it go to DIR.
- * Exit: 0 nothing overturned and no WRONG of cpu or vulkan on f32 or rf16; 1 otherwise; 2 bad
+ * are known to be wrong, join with 1/500 of the rays: they show that WRONGs are found, decided
+ * again and explained. The first of each signature and the smallest scene that still shows it go to
+ * DIR. Exit: 0 nothing overturned and no WRONG of cpu or vulkan on f32 or rf16; 1 otherwise; 2 bad
  * input; 3 an engine failed; 4 no memory. */
 #include "ref/cmd_options.h"
 #include "ref/cmd_tables.h"
@@ -40,7 +40,7 @@ static const char *const specs[] = {
 static const char *const ray_names[] = {"random", "vertices", "edges", "corners", "axis"};
 
 #define BATCH           250000u
-#define PUBLISHED_SHARE 50u
+#define PUBLISHED_SHARE 500u
 
 struct options {
     uint64_t rays, seed;
@@ -60,7 +60,7 @@ struct campaign {
     struct tally tally;
     struct progress progress;
     struct play_result sum[GROUP_COUNT];
-    size_t refused, scenes, left_out;
+    size_t refused, unfinished, scenes, left_out;
     int code;
 };
 
@@ -72,6 +72,11 @@ static void play_one(struct campaign *c, const struct ground *ground, const stru
     progress_step(&c->progress, "%s, %s rays, %s %s %s", ground->spec, ground->rays,
                   who->engine->name, who->layout ? who->layout->name : "", who->tri->name);
     enum status status = play(ground, who, &c->pool, &c->tally, &result, &reason);
+    if (status == STATUS_DEVICE && group == GROUP_PUBLISHED) {
+        /* An index cut to 15 bits can make a circle; the engine says so instead of answering. */
+        c->unfinished++;
+        return;
+    }
     if (status) {
         fprintf(stderr, "truth: %s, %s rays, %s: %s\n", ground->spec, ground->rays,
                 who->engine->name, reason.text);
@@ -193,14 +198,17 @@ static int print_result(const struct campaign *c)
         if (s->first.who.layout && !s->first.who.layout->faithful)
             own += s->count;
     }
-    printf("%zu scenes (%zu left out), %zu combinations refused by a layout or skipped\n",
-           c->scenes, c->left_out, c->refused);
+    printf("%zu scenes (%zu left out), %zu combinations refused by a layout or skipped, %zu of "
+           "published layouts not finished (stack)\n",
+           c->scenes, c->left_out, c->refused, c->unfinished);
     printf("WRONG: %zu in %zu signatures; cpu and vulkan on f32 and rf16: %zu of %zu\n", wrong,
            c->tally.count, own, c->sum[GROUP_MT].judged + c->sum[GROUP_WOOP].judged);
     printf("decided again by rationals:");
     for (int k = 0; k < GMP_OPINION_COUNT; k++)
         printf(" %s %zu", gmp_opinion_name((enum gmp_opinion)k), opinion[k]);
     printf("; without a signature %zu\n", c->tally.beyond);
+    for (size_t i = 0; i < c->tally.doubtful_count; i++)
+        wrong_answer_print(&c->tally.doubtful[i], stdout);
     bool bad = opinion[GMP_OVERTURNED] > 0 || own > 0 || c->tally.beyond > 0;
     return exit_worse(c->code, bad ? EXIT_MISMATCH : EXIT_AGREE);
 }
