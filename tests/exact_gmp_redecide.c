@@ -117,25 +117,27 @@ static enum gmp_proof against_named(struct work *work)
 }
 
 /* Whether the triangle at hand lies so much nearer than the answer that no tree may have turned it
- * away for that. A box is entered no later than at the exact t, give or take the 32 u of a box
- * test; the formula's own t is replayed, or off by E, and so may be the answer's. */
+ * away for that. Our box tests let in every box whose exact entry is before the nearest t so far
+ * (CONTRIBUTING, "Where the constants come from"), and the entry is before the exact t; so with a
+ * replay both t are compared as they are. Else a box is entered within 32 u of the exact t, and the
+ * formula's own t is off by E, as the answer's may be. */
 static bool surely_nearer(const struct work *work)
 {
     const struct gmp_bounds *bounds = &work->bounds;
-    if (work->replayed ? !work->pair.point || !(work->replay.t < work->answer->t)
-                       : !bounds->divided)
+    if (work->replayed)
+        return work->pair.point && work->replay.t < work->answer->t &&
+               exact_gmp_compare(work->pair.t, (double)work->answer->t) < 0;
+    if (!bounds->divided)
         return false;
-    mpq_t t, limit, margin;
-    mpq_inits(t, limit, margin, NULL);
-    mpq_set(t, work->replayed ? work->pair.t : bounds->t.v);
-    if (!work->replayed)
-        mpq_mul_2exp(margin, bounds->t.e, 1);
-    mpq_abs(limit, t);
+    mpq_t limit, margin;
+    mpq_inits(limit, margin, NULL);
+    mpq_mul_2exp(margin, bounds->t.e, 1);
+    mpq_abs(limit, bounds->t.v);
     mpq_div_2exp(limit, limit, 19);
     mpq_add(limit, limit, margin);
-    mpq_add(limit, limit, t);
+    mpq_add(limit, limit, bounds->t.v);
     bool nearer = exact_gmp_compare(limit, (double)work->answer->t) < 0;
-    mpq_clears(t, limit, margin, NULL);
+    mpq_clears(limit, margin, NULL);
     return nearer;
 }
 
