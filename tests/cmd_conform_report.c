@@ -189,15 +189,15 @@ void conform_report_add(struct conform_report *report, const char *name, enum st
 
 static void judge_waivers(struct conform_report *report)
 {
-    if (report->waivers.count > 0)
-        conform_versions(&report->options, report->versions, sizeof report->versions);
     for (size_t i = 0; i < report->waivers.count; i++) {
         const struct waiver *w = &report->waivers.waiver[i];
+        if (w->version && w->ran > 0 && w->failed == 0 && report->versions[0] == '\0')
+            conform_versions(&report->options, report->versions, sizeof report->versions);
         enum waiver_fault fault = waiver_judge(w, report->complete, report->versions);
         if (fault == WAIVER_FINE)
             continue;
         if (fault == WAIVER_GONE) {
-            if (!report->tap)
+            if (!report->tap && report->verbose)
                 printf("NOTE    %s:%zu: '%s' shows no more in a version that is not %s\n",
                        report->waivers.path, w->line, w->pattern, w->version);
             continue;

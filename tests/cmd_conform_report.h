@@ -18,7 +18,7 @@ struct conform_report {
     uint64_t start_ns;
     struct engine_options options; /* of the engines whose versions waivers name */
     struct waivers waivers;
-    char versions[8192];   /* of conform_versions, if there are waivers */
+    char versions[8192];   /* of conform_versions, if a waiver needs them */
     struct file_out junit; /* stream NULL: none */
 };
 
