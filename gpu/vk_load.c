@@ -1,9 +1,11 @@
 /* Finding the Vulkan loader and its functions at run time. */
-#define _GNU_SOURCE /* dladdr */
+#define _GNU_SOURCE /* dl_iterate_phdr */
 #include "gpu/vk_private.h"
 
 #include <dlfcn.h>
+#include <link.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define LOADER "libvulkan.so.1"
@@ -134,24 +136,48 @@ enum status vk_load_library(struct vk *vk, struct reason *reason)
     return load_instance_entries(vk, global_entry, ARRAY_COUNT(global_entry), reason);
 }
 
+/* Paths of the drivers and layers that the loader has loaded. */
+struct loaded {
+    char *path[64];
+    size_t count;
+};
+
+static int note(struct dl_phdr_info *info, size_t bytes, void *user)
+{
+    static const char *const begins[] = {"libvulkan_", "libvk_", "libVkLayer_"};
+    struct loaded *loaded = user;
+    const char *slash = strrchr(info->dlpi_name, '/');
+    const char *name = slash ? slash + 1 : info->dlpi_name;
+    (void)bytes;
+    for (size_t i = 0; i < ARRAY_COUNT(begins); i++)
+        if (strncmp(name, begins[i], strlen(begins[i])) == 0 &&
+            loaded->count < ARRAY_COUNT(loaded->path)) {
+            loaded->path[loaded->count] = strdup(info->dlpi_name);
+            loaded->count += loaded->path[loaded->count] != NULL;
+        }
+    return 0;
+}
+
+/* Drivers and layers are never unloaded, though the loader would do it with each instance: Mesa's
+ * leak when they are, and are slow to load again. Nothing depends on its success. */
+static void keep_drivers_loaded(void)
+{
+    struct loaded loaded = {.count = 0};
+    (void)dl_iterate_phdr(note, &loaded);
+    for (size_t i = 0; i < loaded.count; i++) {
+        (void)dlopen(loaded.path[i], RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
+        free(loaded.path[i]);
+    }
+}
+
 enum status vk_load_instance(struct vk *vk, struct reason *reason)
 {
+    keep_drivers_loaded();
     enum status status =
         load_instance_entries(vk, instance_entry, ARRAY_COUNT(instance_entry), reason);
     if (!status && (vk->options.validate || vk->options.watch))
         status = load_instance_entries(vk, debug_entry, ARRAY_COUNT(debug_entry), reason);
     return status;
-}
-
-/* The library that `function` lies in is never unloaded: Mesa's drivers leak when they are, and are
- * slow to load again. Nothing depends on its success. */
-static void keep_loaded(PFN_vkVoidFunction function)
-{
-    Dl_info info;
-    void *address;
-    memcpy(&address, &function, sizeof address);
-    if (dladdr(address, &info) && info.dli_fname)
-        (void)dlopen(info.dli_fname, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
 }
 
 static enum status load_device_entries(struct vk *vk, const struct entry *entry, size_t count,
@@ -165,7 +191,6 @@ static enum status load_device_entries(struct vk *vk, const struct entry *entry,
 
 enum status vk_load_device(struct vk *vk, struct reason *reason)
 {
-    keep_loaded(vk->fn.GetDeviceProcAddr(vk->device, "vkQueueSubmit"));
     enum status status = load_device_entries(vk, device_entry, ARRAY_COUNT(device_entry), reason);
     if (!status && vk->options.ray_query)
         status = load_device_entries(vk, ray_entry, ARRAY_COUNT(ray_entry), reason);
