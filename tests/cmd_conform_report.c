@@ -104,12 +104,22 @@ static enum waiver_event event_of(enum outcome outcome)
     return outcome == OUTCOME_SKIPPED ? WAIVER_SKIPPED : WAIVER_PASSED;
 }
 
+/* Not before a waiver needs it: every driver is opened for it. */
+static void ask_versions(struct conform_report *report)
+{
+    if (report->versions[0] == '\0')
+        conform_versions(&report->options, report->versions, sizeof report->versions);
+}
+
 enum outcome conform_report_put(struct conform_report *report, const struct conform_entry *entry,
                                 const struct waiver **waiver)
 {
     enum outcome outcome = entry->outcome;
     char why[512];
-    const struct waiver *excuse = waivers_note(&report->waivers, entry->name, event_of(outcome));
+    if (outcome == OUTCOME_FAILED && waivers_name_version(&report->waivers, entry->name))
+        ask_versions(report);
+    const struct waiver *excuse =
+        waivers_note(&report->waivers, entry->name, event_of(outcome), report->versions);
     if (entry->plain)
         excuse = NULL;
     snprintf(why, sizeof why, "%s", entry->why);
@@ -191,8 +201,8 @@ static void judge_waivers(struct conform_report *report)
 {
     for (size_t i = 0; i < report->waivers.count; i++) {
         const struct waiver *w = &report->waivers.waiver[i];
-        if (w->version && w->ran > 0 && w->failed == 0 && report->versions[0] == '\0')
-            conform_versions(&report->options, report->versions, sizeof report->versions);
+        if (w->version && w->ran > 0 && w->failed == 0)
+            ask_versions(report);
         enum waiver_fault fault = waiver_judge(w, report->complete, report->versions);
         if (fault == WAIVER_FINE)
             continue;

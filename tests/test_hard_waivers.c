@@ -74,12 +74,12 @@ static void waivers_excuse_and_grow_old(void **state)
                                "*.e.* fifth https://a.b/c\n",
                                &w, &reason),
                      STATUS_OK);
-    assert_ptr_equal(waivers_note(&w, "x.a.b.y", WAIVER_FAILED), &w.waiver[0]);
-    assert_null(waivers_note(&w, "x.z.y", WAIVER_FAILED));
-    assert_null(waivers_note(&w, "x.a.y", WAIVER_PASSED));
-    assert_null(waivers_note(&w, "x.c.y", WAIVER_PASSED));
-    assert_null(waivers_note(&w, "x.d.y", WAIVER_PASSED));
-    assert_null(waivers_note(&w, "x.e.y", WAIVER_SKIPPED));
+    assert_ptr_equal(waivers_note(&w, "x.a.b.y", WAIVER_FAILED, "Embree 3.13.5"), &w.waiver[0]);
+    assert_null(waivers_note(&w, "x.z.y", WAIVER_FAILED, "Embree 3.13.5"));
+    assert_null(waivers_note(&w, "x.a.y", WAIVER_PASSED, "Embree 3.13.5"));
+    assert_null(waivers_note(&w, "x.c.y", WAIVER_PASSED, "Embree 3.13.5"));
+    assert_null(waivers_note(&w, "x.d.y", WAIVER_PASSED, "Embree 3.13.5"));
+    assert_null(waivers_note(&w, "x.e.y", WAIVER_SKIPPED, "Embree 3.13.5"));
     /* The second matched the first name too, which failed. */
     assert_int_equal(waiver_judge(&w.waiver[0], true, "Embree 3.13.5"), WAIVER_FINE);
     assert_int_equal(waiver_judge(&w.waiver[1], true, "Embree 3.13.5"), WAIVER_FINE);
@@ -94,9 +94,14 @@ static void waivers_excuse_and_grow_old(void **state)
     waivers_count(&w, "x.d.z");
     assert_int_equal(waiver_judge(&w.waiver[3], false, ""), WAIVER_FINE);
     assert_int_equal(waiver_judge(&w.waiver[3], true, ""), WAIVER_UNUSED);
+    /* A failure in another version is not excused, and is no sign that the waiver is needed. */
+    assert_true(waivers_name_version(&w, "x.c.y") && !waivers_name_version(&w, "x.a.y"));
+    assert_null(waivers_note(&w, "x.c.y", WAIVER_FAILED, "Embree 4.3.0"));
+    assert_int_equal(waiver_judge(&w.waiver[2], true, "Embree 4.3.0"), WAIVER_GONE);
+    assert_ptr_equal(waivers_note(&w, "x.c.y", WAIVER_FAILED, "Embree 3.13.5"), &w.waiver[2]);
     waivers_free(&w);
     assert_int_equal(read_text("*.no-such.* reason https://a.b/c\n", &w, &reason), STATUS_OK);
-    (void)waivers_note(&w, "x.a.y", WAIVER_FAILED);
+    (void)waivers_note(&w, "x.a.y", WAIVER_FAILED, "Embree 3.13.5");
     assert_int_equal(waiver_judge(&w.waiver[0], true, ""), WAIVER_NOTHING);
     assert_int_equal(waiver_judge(&w.waiver[0], false, ""), WAIVER_FINE);
     waivers_free(&w);

@@ -91,8 +91,16 @@ void waivers_count(struct waivers *waivers, const char *name)
         waivers->waiver[i].exist += fnmatch(waivers->waiver[i].pattern, name, 0) == 0;
 }
 
+bool waivers_name_version(const struct waivers *waivers, const char *name)
+{
+    for (size_t i = 0; i < waivers->count; i++)
+        if (waivers->waiver[i].version && fnmatch(waivers->waiver[i].pattern, name, 0) == 0)
+            return true;
+    return false;
+}
+
 const struct waiver *waivers_note(struct waivers *waivers, const char *name,
-                                  enum waiver_event event)
+                                  enum waiver_event event, const char *versions)
 {
     const struct waiver *first = NULL;
     for (size_t i = 0; i < waivers->count; i++) {
@@ -101,8 +109,11 @@ const struct waiver *waivers_note(struct waivers *waivers, const char *name,
             continue;
         waiver->named++;
         waiver->ran += event != WAIVER_SKIPPED;
-        waiver->failed += event == WAIVER_FAILED;
-        if (!first && event == WAIVER_FAILED)
+        bool elsewhere = waiver->version && !strstr(versions, waiver->version);
+        if (event != WAIVER_FAILED || elsewhere)
+            continue;
+        waiver->failed++;
+        if (!first)
             first = waiver;
     }
     return first;

@@ -7,7 +7,7 @@
 
 struct waiver {
     char *pattern; /* shell wildcards, of the name of a trial or hard case */
-    char *version; /* part of an engine's version: elsewhere it may excuse nothing; or NULL */
+    char *version; /* part of an engine's version: elsewhere it excuses nothing; or NULL */
     char *reason;
     char *link;
     size_t line;
@@ -37,10 +37,15 @@ enum waiver_event { WAIVER_SKIPPED, WAIVER_PASSED, WAIVER_FAILED };
 /* Counts a name of the whole suite, of which a pattern may choose some to be noted. */
 void waivers_count(struct waivers *waivers, const char *name);
 
+/* True if a waiver that matches `name` is about one version. */
+bool waivers_name_version(const struct waivers *waivers, const char *name);
+
 /* Notes what became of `name`, and returns the first waiver that excuses its failure; NULL if it
- * did not fail or nothing does. All waivers that match count it. */
+ * did not fail or nothing does. All waivers that match count it; its failure only those that are
+ * about no version, or about one that is part of `versions`, what the engines say of themselves
+ * (may be "" where waivers_name_version says no, or nothing failed). */
 const struct waiver *waivers_note(struct waivers *waivers, const char *name,
-                                  enum waiver_event event);
+                                  enum waiver_event event, const char *versions);
 
 enum waiver_fault {
     WAIVER_FINE,
