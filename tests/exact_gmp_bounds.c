@@ -171,8 +171,9 @@ static void set_step(mpq_t out, double k)
     mpq_set_d(out, 1.0 + k * 0x1p-24); /* exact: k is a small multiple of 1/2 */
 }
 
-/* The largest |input| plus 1, and plus 1 / |largest d| where a formula divides by it. */
-static double largest_of(const struct ray *ray, float v[3][3], bool divides)
+/* The largest |input| plus 1, and plus 1 / |largest d| where a formula divides by it: then *depth,
+ * by which one factor of the numerator of t is larger than the other numbers, else 1. */
+static double largest_of(const struct ray *ray, float v[3][3], bool divides, double *depth)
 {
     double largest = 0, direction = 0;
     for (int k = 0; k < 3; k++) {
@@ -182,6 +183,7 @@ static double largest_of(const struct ray *ray, float v[3][3], bool divides)
             largest = fmax(largest, fabs((double)v[c][k]));
     }
     largest = 2 * largest + 1; /* of differences */
+    *depth = divides ? fmax(1 / direction, 1) : 1;
     return fmax(largest, divides ? fmax(1 / direction, direction) : direction) + 1;
 }
 
@@ -251,13 +253,13 @@ void gmp_bounds_of(const struct model *model, const struct ray *ray, float v[3][
 {
     const struct rounding *rounding = &model->rounding;
     bool divides = model->formula == TWIN_WOOP;
-    double largest = largest_of(ray, v, divides);
+    double depth, largest = largest_of(ray, v, divides, &depth);
     struct unit unit;
     struct given in = {.reciprocal = false};
     out->divided = out->det_alone = false;
     out->threshold = model->formula == TWIN_MT_RTRS ? (double)TRI_RTRS_EPS : 0.0;
     /* Products of three, six of them, and room for doubling. */
-    out->none = !(64 * largest * largest * largest < 0x1p126);
+    out->none = !(64 * depth * largest * largest * largest < 0x1p126);
     if (out->none)
         return;
     given_each(&in, vec_init, known_init);
