@@ -231,4 +231,4 @@ uninstall:
 clean:
 	rm -rf $(OUT)
 
--include $(LIB_OBJ:.o=.d) $(CMD_OBJ:.o=.d) $(TESTS:$(B)/tests/%=$(B)/obj/tests/%.d)
+-include $(wildcard $(B)/obj/*.d $(B)/obj/*/*.d $(B)/obj/*/*/*.d)

@@ -287,7 +287,7 @@ static void stack_repeats_each_triangle_in_its_plane(void **state)
         scene_tri(&scene, i + 2, w);
         for (int c = 0; c < 3; c++) {
             assert_true(v[c][2] == v[0][2] && w[c][2] == v[0][2] &&
-                        w[c][2] * 8 == (int)(w[c][2] * 8));
+                        w[c][2] * 8 == floorf(w[c][2] * 8));
             for (int k = 0; k < 2 && c > 0; k++)
                 assert_true(w[c][k] == 0.5f * (v[0][k] + v[c][k])); /* halved exactly */
         }
