@@ -72,7 +72,7 @@ plain)
     suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
     suite conform_hard "$build/raydiff" conform --hard --quick --junit "$logs/hard.xml"
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"
-    suite leaks sh tests/leaks.sh "$build" "$logs/leaks" 10000
+    suite leaks sh tests/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
     suite cli sh tests/cli.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
