@@ -236,14 +236,14 @@ static enum status take_option(void *user, int option, char *text, struct reason
 static void print_help(void)
 {
     puts("usage: truth [--rays N] [--seed S] [--out DIR] [--driver D]\n"
-         "Judges N rays [600000] per scene and contestant; decides every WRONG again.\n"
+         "Judges N rays [650000] per scene and contestant; decides every WRONG again.\n"
          "example: truth --rays 10000 --out build/truth");
 }
 
 int main(int argc, char **argv)
 {
     static struct campaign c;
-    c.options = (struct options){.rays = 600000, .seed = 1, .engines = engine_options_default()};
+    c.options = (struct options){.rays = 650000, .seed = 1, .engines = engine_options_default()};
     c.progress = progress_make("truth");
     int first, code = options_take("truth", print_help, long_options, take_option, &c.options, argc,
                                    argv, &first);
