@@ -28,9 +28,10 @@ CPPFLAGS += -I. -I$(B)/gen -DRAYDIFF_VERSION='"$(VERSION)"' -DHAVE_EMBREE=$(or $
 CFLAGS   := -std=c17 $(OPT_$(config)) $(WARN) $(FP) -fopenmp $(CFLAGS_EXTRA)
 LDLIBS   := $(if $(HAVE_EMBREE),-lembree$(HAVE_EMBREE)) -ljansson -lz -ldl -lm -lpthread
 
-# Files named cmd_* are the program's, all others of these folders the library's.
-LIB_SRC  := $(foreach file,$(wildcard ref/*.c ref/*/*.c gpu/*.c scenes/*.c scenes/*/*.c bench/*.c tests/hard/*.c),\
-              $(if $(filter cmd_%,$(notdir $(file))),,$(file)))
+# Files named cmd_* are the program's, fuzz/fuzz_* have entry points of their own, all others of these
+# folders are the library's.
+LIB_SRC  := $(foreach file,$(wildcard ref/*.c ref/*/*.c gpu/*.c scenes/*.c scenes/*/*.c bench/*.c tests/hard/*.c fuzz/*.c),\
+              $(if $(filter cmd_% fuzz_%,$(notdir $(file))),,$(file)))
 CMD_SRC  := raydiff.c $(wildcard */cmd_*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
 SHADERS  := $(wildcard shaders/*.comp)

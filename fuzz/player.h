@@ -1,0 +1,79 @@
+/* Plays trials: every trial on every contestant, each answer judged, many trials at a time. */
+#ifndef FUZZ_PLAYER_H
+#define FUZZ_PLAYER_H
+
+#include "fuzz/signature.h"
+#include "fuzz/trial.h"
+#include "ref/engine.h"
+
+#define FUZZ_CONTESTANTS_MOST 32u
+#define FUZZ_FINDINGS_MOST    8u /* kept of one trial, the first of each contestant and kind */
+
+/* Engines that need a packed tree once per layout, the others once. */
+struct fuzz_contestant {
+    const struct engine *engine;
+    const struct layout *layout; /* NULL: the engine needs none */
+};
+
+struct fuzz_field {
+    struct fuzz_contestant who[FUZZ_CONTESTANTS_MOST];
+    size_t count;
+    struct engine_options options;
+};
+
+/* Makes the field of all pairs. Errors: STATUS_LIMIT too many. */
+enum status fuzz_field_make(const struct engine *const *engine, size_t engine_count,
+                            const struct layout *const *layout, size_t layout_count,
+                            const struct engine_options *options, struct fuzz_field *out,
+                            struct reason *reason) MUST_USE;
+
+struct fuzz_finding {
+    struct fuzz_signature signature; /* cause: CAUSE_UNEXPLAINED until fuzz_explain */
+    size_t contestant;
+    uint32_t ray; /* index in the trial */
+    struct hit answer;
+    struct judgement judgement;
+};
+
+/* What one trial came to. */
+struct fuzz_result {
+    size_t count[VERDICT_COUNT], wrong; /* over all contestants */
+    size_t judged;                      /* rays with a verdict for every contestant that played */
+    size_t refused;                     /* contestants whose layout cannot hold the trial */
+    struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
+    size_t finding_count;
+    uint64_t coverage[4]; /* bits of states reached, fuzz/coverage.h */
+};
+
+/* Where the time went, ns of this thread. */
+struct fuzz_time {
+    uint64_t engine[FUZZ_CONTESTANTS_MOST];
+    uint64_t generate, build, truth, judge;
+};
+
+/* What is being done, for a parent that sees its child die: written before, read after. */
+struct fuzz_mark {
+    _Atomic uint64_t trial;      /* index in the call of fuzz_play */
+    _Atomic uint32_t contestant; /* FUZZ_CONTESTANTS_MOST: none is running */
+};
+
+struct fuzz_player;
+
+/* Opens the engines. Errors: STATUS_UNSUPPORTED one cannot run here; STATUS_DEVICE;
+ * STATUS_MEMORY. */
+enum status fuzz_player_open(const struct fuzz_field *field, struct fuzz_player **out,
+                             struct reason *reason) MUST_USE;
+void fuzz_player_close(struct fuzz_player *player); /* NULL is fine */
+
+/* Plays `count` trials. Everything an engine does wrong is in the results; what it costs is added
+ * to *time (may be NULL); `mark` may be NULL. Errors: STATUS_MEMORY; STATUS_INTERNAL. */
+enum status fuzz_play(struct fuzz_player *player, const struct fuzz_trial *trial, size_t count,
+                      struct fuzz_result *result, struct fuzz_time *time, struct fuzz_mark *mark,
+                      struct reason *reason) MUST_USE;
+
+/* Finds the cause of a finding and writes it into its signature (ref/explain). Errors:
+ * STATUS_MEMORY. */
+enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
+                         struct fuzz_finding *finding, struct reason *reason) MUST_USE;
+
+#endif

@@ -1,0 +1,70 @@
+#include "fuzz/signature.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const char *fuzz_kind_name(enum fuzz_kind kind)
+{
+    static const char *const name[] = {"bits",  "unfinished", "refused", "tree",
+                                       "crash", "hang",       "protocol"};
+    if (kind > FUZZ_KIND_WRONG && kind < FUZZ_KIND_BITS)
+        return wrong_name((enum wrong)(kind - FUZZ_KIND_WRONG));
+    return kind >= FUZZ_KIND_BITS && kind < FUZZ_KIND_COUNT ? name[kind - FUZZ_KIND_BITS] : "none";
+}
+
+bool fuzz_kind_find(const char *name, enum fuzz_kind *out)
+{
+    for (enum fuzz_kind kind = FUZZ_KIND_WRONG + 1; kind < FUZZ_KIND_COUNT; kind++)
+        if (strcmp(fuzz_kind_name(kind), name) == 0) {
+            *out = kind;
+            return true;
+        }
+    return false;
+}
+
+void fuzz_signature_print(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST])
+{
+    snprintf(text, FUZZ_SIGNATURE_MOST, "%s.%s.%s.%s", signature->engine,
+             signature->layout ? signature->layout->name : "-", fuzz_kind_name(signature->kind),
+             cause_name(signature->cause));
+}
+
+/* Cuts the last field off `text`; NULL if there is none. */
+static char *last_field(char *text)
+{
+    char *dot = strrchr(text, '.');
+    if (!dot)
+        return NULL;
+    *dot = '\0';
+    return dot + 1;
+}
+
+enum status fuzz_signature_parse(const char *text, struct fuzz_signature *out,
+                                 struct reason *reason)
+{
+    char copy[FUZZ_SIGNATURE_MOST];
+    *out = (struct fuzz_signature){0};
+    if (strlen(text) >= sizeof copy)
+        return fail(reason, STATUS_INPUT, "a signature has at most %d characters",
+                    FUZZ_SIGNATURE_MOST - 1);
+    strcpy(copy, text);
+    const char *cause = last_field(copy), *kind = cause ? last_field(copy) : NULL;
+    const char *layout = kind ? last_field(copy) : NULL;
+    if (!layout || copy[0] == '\0' || strlen(copy) >= sizeof out->engine)
+        return fail(reason, STATUS_INPUT, "'%.80s' is no signature engine.layout.kind.cause", text);
+    if (!cause_find(cause, &out->cause))
+        return fail(reason, STATUS_INPUT, "signature: unknown cause '%.40s'", cause);
+    if (!fuzz_kind_find(kind, &out->kind))
+        return fail(reason, STATUS_INPUT, "signature: unknown kind '%.40s'", kind);
+    out->layout = strcmp(layout, "-") == 0 ? NULL : layout_find(layout);
+    if (!out->layout && strcmp(layout, "-") != 0)
+        return fail(reason, STATUS_INPUT, "signature: unknown layout '%.40s'", layout);
+    strcpy(out->engine, copy);
+    return STATUS_OK;
+}
+
+bool fuzz_signature_same(const struct fuzz_signature *a, const struct fuzz_signature *b)
+{
+    return strcmp(a->engine, b->engine) == 0 && a->layout == b->layout && a->kind == b->kind &&
+           a->cause == b->cause;
+}

@@ -1,0 +1,43 @@
+/* What makes two findings one bug: who, on which layout, what kind of wrong, why. */
+#ifndef FUZZ_SIGNATURE_H
+#define FUZZ_SIGNATURE_H
+
+#include "ref/explain/repair.h"
+#include "ref/judge.h"
+#include "ref/layout.h"
+
+/* What kind. The judge's kinds come first, with their names. */
+enum fuzz_kind {
+    FUZZ_KIND_WRONG,                                /* + enum wrong */
+    FUZZ_KIND_BITS = FUZZ_KIND_WRONG + WRONG_COUNT, /* not engine cpu's bits on the same tree */
+    FUZZ_KIND_UNFINISHED, /* stack, visits, loop cap: the engine said so */
+    FUZZ_KIND_REFUSED, /* the engine refused what it should take (never a layout's documented limit)
+                        */
+    FUZZ_KIND_TREE,    /* the packed bytes are no such tree: packed_check */
+    FUZZ_KIND_CRASH,
+    FUZZ_KIND_HANG,
+    FUZZ_KIND_PROTOCOL, /* a pipe peer's answer was late, short or nonsense */
+    FUZZ_KIND_COUNT
+};
+
+struct fuzz_signature {
+    char engine[48]; /* its name; of a pipe "pipe:" and the name of its program, without folder */
+    const struct layout *layout; /* NULL: none */
+    enum fuzz_kind kind;
+    enum cause cause;
+};
+
+/* "missed", "bits", "crash", ... */
+const char *fuzz_kind_name(enum fuzz_kind kind);
+bool fuzz_kind_find(const char *name, enum fuzz_kind *out);
+
+#define FUZZ_SIGNATURE_MOST 160
+
+/* "vulkan.rf16.missed.rounded_inward": a folder's name, unique. */
+void fuzz_signature_print(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST]);
+/* The inverse. Errors: STATUS_INPUT with the field that is wrong. */
+enum status fuzz_signature_parse(const char *text, struct fuzz_signature *out,
+                                 struct reason *reason) MUST_USE;
+bool fuzz_signature_same(const struct fuzz_signature *a, const struct fuzz_signature *b);
+
+#endif

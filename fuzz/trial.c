@@ -1,0 +1,108 @@
+#include "fuzz/trial.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum status fuzz_trial_make(uint32_t vertices, uint32_t triangles, uint32_t rays,
+                            struct fuzz_trial *out, struct reason *reason)
+{
+    *out = (struct fuzz_trial){.ray_count = rays,
+                               .builder = builders[0],
+                               .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+                               .box = box_tests[0],
+                               .tri = tri_tests[0],
+                               .query = QUERY_CLOSEST};
+    if (triangles > FUZZ_TRIANGLES_MOST || vertices > 3 * FUZZ_TRIANGLES_MOST ||
+        rays > FUZZ_RAYS_MOST) {
+        *out = (struct fuzz_trial){0};
+        return fail(reason, STATUS_LIMIT, "a trial has at most %u triangles and %u rays",
+                    FUZZ_TRIANGLES_MOST, FUZZ_RAYS_MOST);
+    }
+    out->ray = alloc_zeroed(rays, sizeof *out->ray);
+    if (!out->ray || scene_make(vertices, triangles, &out->scene)) {
+        fuzz_trial_free(out);
+        return fail(reason, STATUS_MEMORY, "no memory for a trial of %u triangles", triangles);
+    }
+    return STATUS_OK;
+}
+
+enum status fuzz_trial_copy(const struct fuzz_trial *trial, struct fuzz_trial *out,
+                            struct reason *reason)
+{
+    const struct scene *scene = &trial->scene;
+    enum status status =
+        fuzz_trial_make(scene->vertex_count, scene->tri_count, trial->ray_count, out, reason);
+    if (status)
+        return status;
+    struct fuzz_trial owned = *out;
+    *out = *trial;
+    out->scene = owned.scene;
+    out->ray = owned.ray;
+    memcpy(out->scene.vertex, scene->vertex, 12 * (size_t)scene->vertex_count);
+    memcpy(out->scene.index, scene->index, 12 * (size_t)scene->tri_count);
+    memcpy(out->ray, trial->ray, sizeof *trial->ray * trial->ray_count);
+    return STATUS_OK;
+}
+
+void fuzz_trial_free(struct fuzz_trial *trial)
+{
+    scene_free(&trial->scene);
+    free(trial->ray);
+    *trial = (struct fuzz_trial){0};
+}
+
+static uint64_t mix_u32(uint64_t hash, uint32_t word)
+{
+    for (int i = 0; i < 4; i++)
+        hash = (hash ^ (word >> (8 * i) & 0xFF)) * 0x100000001B3u;
+    return hash;
+}
+
+static uint64_t mix_float(uint64_t hash, float x)
+{
+    return mix_u32(hash, float_bits(x));
+}
+
+static uint64_t mix_text(uint64_t hash, const char *text)
+{
+    for (; *text; text++)
+        hash = mix_u32(hash, (unsigned char)*text);
+    return mix_u32(hash, 0);
+}
+
+uint64_t fuzz_trial_hash(const struct fuzz_trial *trial)
+{
+    const struct scene *scene = &trial->scene;
+    uint64_t hash = 0xCBF29CE484222325u;
+    hash = mix_u32(mix_u32(mix_u32(hash, scene->vertex_count), scene->tri_count), trial->ray_count);
+    for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
+        hash = mix_float(hash, scene->vertex[i]);
+    for (size_t i = 0; i < 3 * (size_t)scene->tri_count; i++)
+        hash = mix_u32(hash, scene->index[i]);
+    for (uint32_t i = 0; i < trial->ray_count; i++) {
+        const struct ray *ray = &trial->ray[i];
+        for (int k = 0; k < 3; k++)
+            hash = mix_float(mix_float(hash, ray->org[k]), ray->dir[k]);
+        hash = mix_float(mix_float(hash, ray->tmin), ray->tmax);
+    }
+    hash = mix_text(mix_text(mix_text(hash, trial->builder->name), trial->box->name),
+                    trial->tri->name);
+    hash = mix_u32(hash, (uint32_t)trial->query);
+    return mix_float(mix_u32(hash, trial->build.leaf), trial->build.eps);
+}
+
+enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason)
+{
+    const struct scene *scene = &trial->scene;
+    if (!trial->builder || !trial->box || !trial->tri)
+        return fail(reason, STATUS_INPUT, "a trial names a builder, a box and a triangle test");
+    if (trial->query != QUERY_CLOSEST && trial->query != QUERY_ANY)
+        return fail(reason, STATUS_INPUT, "a trial's query is closest or any");
+    if (trial->build.leaf == 0 || !(trial->build.eps >= 0) || !float_is_finite(trial->build.eps))
+        return fail(reason, STATUS_INPUT, "a trial's leaf is 1 or more, its eps 0 or more");
+    if (scene->tri_count > FUZZ_TRIANGLES_MOST || trial->ray_count > FUZZ_RAYS_MOST)
+        return fail(reason, STATUS_LIMIT, "a trial has at most %u triangles and %u rays",
+                    FUZZ_TRIANGLES_MOST, FUZZ_RAYS_MOST);
+    return scene_check(scene, reason);
+}
