@@ -9,6 +9,8 @@
 #define FUZZ_CONTESTANTS_MOST 32u
 #define FUZZ_FINDINGS_MOST    8u /* kept of one trial, the first of each contestant and kind */
 
+#define FUZZ_BATCH 64u /* trials that are with an engine at a time, at most */
+
 /* Engines that need a packed tree once per layout, the others once. */
 struct fuzz_contestant {
     const struct engine *engine;
@@ -35,25 +37,31 @@ struct fuzz_finding {
     struct judgement judgement;
 };
 
-/* What one trial came to. */
+/* What one trial came to. Every answer is judged alone, by the same judge as everywhere; of a
+ * triangle test as published the repaired one's bounds are asked for, so that its faults are
+ * findings. A contestant refuses where a layout or an engine says STATUS_LIMIT. */
 struct fuzz_result {
-    size_t count[VERDICT_COUNT], wrong; /* over all contestants */
-    size_t judged;                      /* rays with a verdict for every contestant that played */
-    size_t refused;                     /* contestants whose layout cannot hold the trial */
+    size_t count[VERDICT_COUNT]; /* over all contestants */
+    size_t wrong;                /* answers at fault: WRONG, other bits than cpu's, unfinished */
+    size_t judged;               /* rays with a verdict for every contestant that played */
+    size_t refused;              /* contestants whose layout cannot hold the trial */
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
     size_t finding_count;
     uint64_t coverage[4]; /* bits of states reached, fuzz/coverage.h */
 };
 
-/* Where the time went, ns of this thread. */
+/* Where the time went, ns on the clock; added to. `generate` is the caller's. */
 struct fuzz_time {
     uint64_t engine[FUZZ_CONTESTANTS_MOST];
     uint64_t generate, build, truth, judge;
 };
 
-/* What is being done, for a parent that sees its child die: written before, read after. */
+/* What is being done, for a parent that sees its child die: written before, read after. Engines
+ * that take many trials at a time have all of them at risk; playing them again one by one names the
+ * one. */
 struct fuzz_mark {
-    _Atomic uint64_t trial;      /* index in the call of fuzz_play */
+    _Atomic uint64_t trial;      /* index in the call of fuzz_play of the first at risk */
+    _Atomic uint64_t count;      /* trials at risk */
     _Atomic uint32_t contestant; /* FUZZ_CONTESTANTS_MOST: none is running */
 };
 
@@ -65,14 +73,17 @@ enum status fuzz_player_open(const struct fuzz_field *field, struct fuzz_player 
                              struct reason *reason) MUST_USE;
 void fuzz_player_close(struct fuzz_player *player); /* NULL is fine */
 
-/* Plays `count` trials. Everything an engine does wrong is in the results; what it costs is added
- * to *time (may be NULL); `mark` may be NULL. Errors: STATUS_MEMORY; STATUS_INTERNAL. */
+/* Plays `count` trials, which must have passed fuzz_trial_check. Everything an engine does wrong is
+ * in the results; what it costs is added to *time (may be NULL); `mark` may be NULL. An engine that
+ * lost its device is opened anew. The results do not depend on which trials are played together.
+ * Errors: STATUS_MEMORY; STATUS_DEVICE, STATUS_UNSUPPORTED an engine that died cannot be opened
+ * again; STATUS_INTERNAL. */
 enum status fuzz_play(struct fuzz_player *player, const struct fuzz_trial *trial, size_t count,
                       struct fuzz_result *result, struct fuzz_time *time, struct fuzz_mark *mark,
                       struct reason *reason) MUST_USE;
 
-/* Finds the cause of a finding and writes it into its signature (ref/explain). Errors:
- * STATUS_MEMORY. */
+/* Finds the cause of a finding and writes it into its signature (ref/explain). The engine is asked
+ * again: what it then answers rightly is CAUSE_NOT_REPEATABLE. Errors: STATUS_MEMORY. */
 enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
                          struct fuzz_finding *finding, struct reason *reason) MUST_USE;
 

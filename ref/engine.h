@@ -33,6 +33,17 @@ struct trace_report {
     uint32_t flags;        /* ABI_FLAG_* of the first ray not finished, if known; else 0 */
 };
 
+/* One of many small jobs that are traced together. The caller gives what is before `hit`. */
+struct engine_task {
+    struct job job; /* closest or any */
+    const struct ray *ray;
+    size_t ray_count;
+    struct hit *hit;      /* room for ray_count; of a ray that was not finished it is undefined */
+    uint32_t *flag;       /* likewise: ABI_FLAG_DONE of a ray that was finished, else others too */
+    enum status status;   /* of this task: as prepare's and trace's */
+    struct reason reason; /* if it is not STATUS_OK */
+};
+
 struct engine {
     const char *name;
     const char *summary;
@@ -49,6 +60,13 @@ struct engine {
      * (stack or loop exhausted: the reason says which ray and why); STATUS_MEMORY. */
     enum status (*trace)(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                          struct trace_report *report, struct reason *reason);
+    /* Traces `count` jobs with all their rays, to the same bits as prepare and trace of one after
+     * the other; nothing is prepared afterwards. A job that cannot be traced, or has a ray that was
+     * not finished, says so in its own status and keeps no other from being traced.
+     * Errors, after which the tasks hold nothing: STATUS_DEVICE lost; STATUS_MEMORY. NULL: the
+     * engine does one job at a time. */
+    enum status (*trace_tasks)(void *self, struct engine_task *task, size_t count,
+                               struct reason *reason);
     /* All triangles that each ray hits in its range, for a job prepared with QUERY_ALL (trace is
      * for the other queries), in no order; ray i's are hit[i * capacity .. + hit_count[i] - 1]. A
      * count over capacity says how many there are; then only the first `capacity` are written. A

@@ -1,0 +1,142 @@
+/* The cause of a finding: the engine is asked again, alone, and its answer explained. */
+#include "fuzz/stage.h"
+#include "ref/explain/judged.h"
+
+#include <string.h>
+
+/* Bytes that are no tree: the first fault that a comparison with the tree shows. */
+static enum cause tree_cause(const struct explain_tree *tree)
+{
+    const struct bvh *bvh = tree->bvh;
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        const struct bvh_node *node = &bvh->node[i];
+        for (uint32_t slot = 0; slot < node->item_count; slot++) {
+            uint32_t stored;
+            switch (explain_item_fault(tree, i, slot, &stored)) {
+            case ITEM_OK:
+                break;
+            case ITEM_NOT_READ:
+                return CAUSE_SLOT_NOT_READ;
+            case ITEM_SENTINEL:
+                return CAUSE_SENTINEL;
+            case ITEM_TRUNCATED:
+                return CAUSE_INDEX_TRUNCATED;
+            case ITEM_SHIFTED:
+                return CAUSE_INDEX_SHIFTED;
+            case ITEM_OTHER:
+                return CAUSE_WRONG_ITEM;
+            }
+        }
+        enum ref_fault ref = node->item_count ? REF_OK : explain_ref_fault(tree, i);
+        if (ref != REF_OK)
+            return ref == REF_TRUNCATED ? CAUSE_INDEX_TRUNCATED : CAUSE_CHILD_REFERENCE;
+    }
+    return CAUSE_UNEXPLAINED;
+}
+
+static enum cause bound_cause(enum bound_fault fault)
+{
+    switch (fault) {
+    case BOUND_OK:
+        break;
+    case BOUND_OVERFLOW:
+        return CAUSE_HALF_OVERFLOW;
+    case BOUND_FLUSHED:
+        return CAUSE_HALF_SUBNORMAL_FLUSHED;
+    case BOUND_ROUNDED:
+        return CAUSE_ROUNDED_INWARD;
+    case BOUND_STORED:
+        return CAUSE_STORED_BOX;
+    case BOUND_CUT:
+        return CAUSE_CUT_BOX;
+    }
+    return CAUSE_UNEXPLAINED;
+}
+
+/* The same of boxes. */
+static enum cause box_cause(const struct explain_tree *tree)
+{
+    for (uint32_t i = 0; i < tree->bvh->node_count; i++) {
+        if (tree->record[i] == EXPLAIN_NONE)
+            continue;
+        const struct box *canonical = &tree->bvh->node[i].bounds, *exact = &tree->exact[i];
+        struct box box = tree->packed->layout->box(tree->packed, tree->record[i]);
+        for (int k = 0; k < 3; k++) {
+            enum bound_fault lo =
+                explain_bound_fault(box.lo[k], canonical->lo[k], exact->lo[k], false);
+            enum bound_fault hi =
+                explain_bound_fault(box.hi[k], canonical->hi[k], exact->hi[k], true);
+            if (lo != BOUND_OK || hi != BOUND_OK)
+                return bound_cause(lo != BOUND_OK ? lo : hi);
+        }
+    }
+    return CAUSE_UNEXPLAINED;
+}
+
+/* The cause of an answer to a ray, from asking anew. */
+static enum status ray_cause(struct judged *judged, const struct ray *ray,
+                             struct fuzz_finding *finding, struct reason *reason)
+{
+    struct judged_ray again;
+    enum status status = judged_explain(judged, ray, &again, reason);
+    if (status)
+        return status;
+    bool finished = finding->signature.kind != FUZZ_KIND_UNFINISHED;
+    bool same = again.answer.finished == finished &&
+                (!finished || memcmp(&again.answer.hit, &finding->answer, sizeof(struct hit)) == 0);
+    finding->signature.cause = again.why.cause;
+    if (again.why.cause == CAUSE_NONE)
+        finding->signature.cause = same ? CAUSE_UNEXPLAINED : CAUSE_NOT_REPEATABLE;
+    explain_free(&again.why);
+    return STATUS_OK;
+}
+
+static enum status find_cause(struct fuzz_player *player, struct stage *stage,
+                              struct fuzz_finding *finding, struct reason *reason)
+{
+    const struct seat *seat = &player->seat[finding->contestant];
+    const struct job job = stage_job(stage, seat);
+    struct judged judged;
+    enum status status = seat->engine->prepare(seat->self, &job, reason);
+    if (status)
+        return status == STATUS_MEMORY ? status : STATUS_OK; /* then nothing can be asked */
+    struct judged_job from = {.engine = seat->engine,
+                              .self = seat->self,
+                              .job = &job,
+                              .bvh = seat->layout ? &stage->bvh : NULL,
+                              .oracle = stage->oracle};
+    status = judged_make(&from, &judged, reason);
+    if (status)
+        return status;
+    if (finding->signature.kind != FUZZ_KIND_TREE)
+        status = ray_cause(&judged, &stage->trial->ray[finding->ray], finding, reason);
+    else if (judged.has_tree)
+        finding->signature.cause = tree_cause(&judged.tree);
+    if (finding->signature.kind == FUZZ_KIND_TREE && judged.has_tree &&
+        finding->signature.cause == CAUSE_UNEXPLAINED)
+        finding->signature.cause = box_cause(&judged.tree);
+    judged_free(&judged);
+    return status;
+}
+
+enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
+                         struct fuzz_finding *finding, struct reason *reason)
+{
+    const struct seat *seat = &player->seat[finding->contestant];
+    struct stage *stage = &player->stage[0];
+    switch (finding->signature.kind) {
+    case FUZZ_KIND_REFUSED:
+    case FUZZ_KIND_CRASH:
+    case FUZZ_KIND_HANG:
+    case FUZZ_KIND_PROTOCOL:
+        return STATUS_OK; /* no answer to explain, and asking again does it again */
+    default:
+        break;
+    }
+    enum status status = stage_set(stage, player, trial, NULL, reason);
+    if (!status && (!seat->layout || stage->has_packed[seat->layout_index]) &&
+        (finding->ray < trial->ray_count || finding->signature.kind == FUZZ_KIND_TREE))
+        status = find_cause(player, stage, finding, reason);
+    stage_clear(stage);
+    return status;
+}

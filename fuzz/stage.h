@@ -1,0 +1,89 @@
+/* One trial being played: its tree, its packed forms, the truth, and the answers to it. What the
+ * player's files share. */
+#ifndef FUZZ_STAGE_H
+#define FUZZ_STAGE_H
+
+#include "fuzz/player.h"
+#include "ref/oracle/oracle.h"
+
+/* Contestants, and engine cpu on each layout, which bits are compared with. */
+#define SEATS_MOST   (2 * FUZZ_CONTESTANTS_MOST)
+#define LAYOUTS_MOST FUZZ_CONTESTANTS_MOST
+
+/* An opened engine on a layout. */
+struct seat {
+    const struct engine *engine;
+    const struct layout *layout; /* NULL: none */
+    size_t layout_index;         /* in player.layout, if layout */
+    void *self;                  /* shared by all seats of the engine */
+    size_t reference;            /* seat of engine cpu on the same layout, or SEATS_MOST */
+};
+
+struct fuzz_player {
+    struct engine_options options;
+    const struct layout *layout[LAYOUTS_MOST];
+    size_t layout_count;
+    struct seat seat[SEATS_MOST];
+    size_t seat_count, contestants; /* seats beyond the contestants are references */
+    struct stage *stage;            /* FUZZ_BATCH of them */
+    struct engine_task *task;       /* FUZZ_BATCH */
+};
+
+/* How a seat fared on a trial. */
+enum fared {
+    FARED_NOT,     /* not asked: nothing to ask with */
+    FARED_PLAYED,  /* answers stand, flags say which */
+    FARED_REFUSED, /* a documented limit */
+    FARED_FAULTY,  /* answers nothing; answers.kind says why */
+};
+
+struct answers {
+    struct hit *hit;
+    uint32_t *flag;
+    enum fared fared;
+    enum fuzz_kind kind; /* of FARED_FAULTY */
+    uint32_t ray;        /* at which */
+};
+
+/* Arrays are kept from trial to trial. */
+struct stage {
+    const struct fuzz_trial *trial;
+    struct bvh bvh;
+    bool has_tree;
+    struct packed packed[LAYOUTS_MOST];
+    bool has_packed[LAYOUTS_MOST]; /* else the layout refused */
+    bool broken[LAYOUTS_MOST];     /* packed_check found faults that the tree had not */
+    struct oracle *oracle;
+    struct oracle_answer *truth;
+    struct answers answers[SEATS_MOST];
+    void *room; /* holds truth, hits and flags */
+    size_t room_bytes;
+};
+
+/* Builds and packs. Times go to *time (may be NULL). Errors: STATUS_MEMORY; STATUS_INTERNAL. */
+enum status stage_set(struct stage *stage, const struct fuzz_player *player,
+                      const struct fuzz_trial *trial, struct fuzz_time *time,
+                      struct reason *reason) MUST_USE;
+
+/* Frees what belongs to the trial; arrays are kept. */
+void stage_clear(struct stage *stage);
+
+/* Frees everything. */
+void stage_free(struct stage *stage);
+
+/* The job of a seat on a stage. */
+struct job stage_job(const struct stage *stage, const struct seat *seat);
+
+/* Judges all answers of a stage. Errors: STATUS_MEMORY. */
+enum status stage_judge(const struct stage *stage, const struct fuzz_player *player,
+                        struct fuzz_result *out, struct reason *reason) MUST_USE;
+
+/* Asks the seat about `count` stages: in one call if the engine can, else one by one. Nothing an
+ * engine does is an error, but STATUS_MEMORY and a dead engine that cannot be opened again. */
+enum status seat_ask(struct fuzz_player *player, size_t seat, size_t count,
+                     struct reason *reason) MUST_USE;
+
+/* What the judge is told of the seat's engine on a trial; see struct fuzz_result. */
+struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial);
+
+#endif
