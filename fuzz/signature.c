@@ -22,6 +22,20 @@ bool fuzz_kind_find(const char *name, enum fuzz_kind *out)
     return false;
 }
 
+static bool engine_byte(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           (c && strchr("_-+:.", c));
+}
+
+void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *name)
+{
+    size_t i = 0;
+    for (; name[i] && i + 1 < sizeof signature->engine; i++)
+        signature->engine[i] = engine_byte(name[i]) && (i > 0 || name[i] != '.') ? name[i] : '_';
+    signature->engine[i] = '\0';
+}
+
 void fuzz_signature_print(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST])
 {
     snprintf(text, FUZZ_SIGNATURE_MOST, "%s.%s.%s.%s", signature->engine,
@@ -43,23 +57,27 @@ enum status fuzz_signature_parse(const char *text, struct fuzz_signature *out,
                                  struct reason *reason)
 {
     char copy[FUZZ_SIGNATURE_MOST];
-    *out = (struct fuzz_signature){0};
+    struct fuzz_signature read = {0};
+    *out = read;
     if (strlen(text) >= sizeof copy)
         return fail(reason, STATUS_INPUT, "a signature has at most %d characters",
                     FUZZ_SIGNATURE_MOST - 1);
     strcpy(copy, text);
     const char *cause = last_field(copy), *kind = cause ? last_field(copy) : NULL;
     const char *layout = kind ? last_field(copy) : NULL;
-    if (!layout || copy[0] == '\0' || strlen(copy) >= sizeof out->engine)
+    if (!layout)
         return fail(reason, STATUS_INPUT, "'%.80s' is no signature engine.layout.kind.cause", text);
-    if (!cause_find(cause, &out->cause))
+    fuzz_signature_set_engine(&read, copy);
+    if (copy[0] == '\0' || strcmp(read.engine, copy) != 0)
+        return fail(reason, STATUS_INPUT, "signature: '%.60s' is no engine's name", copy);
+    if (!cause_find(cause, &read.cause))
         return fail(reason, STATUS_INPUT, "signature: unknown cause '%.40s'", cause);
-    if (!fuzz_kind_find(kind, &out->kind))
+    if (!fuzz_kind_find(kind, &read.kind))
         return fail(reason, STATUS_INPUT, "signature: unknown kind '%.40s'", kind);
-    out->layout = strcmp(layout, "-") == 0 ? NULL : layout_find(layout);
-    if (!out->layout && strcmp(layout, "-") != 0)
+    read.layout = strcmp(layout, "-") == 0 ? NULL : layout_find(layout);
+    if (!read.layout && strcmp(layout, "-") != 0)
         return fail(reason, STATUS_INPUT, "signature: unknown layout '%.40s'", layout);
-    strcpy(out->engine, copy);
+    *out = read;
     return STATUS_OK;
 }
 

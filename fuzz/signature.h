@@ -21,7 +21,8 @@ enum fuzz_kind {
 };
 
 struct fuzz_signature {
-    char engine[48]; /* its name; of a pipe "pipe:" and the name of its program, without folder */
+    char engine[48]; /* its name; of a pipe "pipe:" and the name of its program, without folder;
+                        letters, digits and _-+:. only, no point in front: it names a folder */
     const struct layout *layout; /* NULL: none */
     enum fuzz_kind kind;
     enum cause cause;
@@ -29,13 +30,17 @@ struct fuzz_signature {
 
 /* "missed", "bits", "crash", ... */
 const char *fuzz_kind_name(enum fuzz_kind kind);
+/* Returns false if no kind has that name. */
 bool fuzz_kind_find(const char *name, enum fuzz_kind *out);
+
+/* Copies an engine's name, what a signature cannot hold as '_', as much as fits. */
+void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *name);
 
 #define FUZZ_SIGNATURE_MOST 160
 
 /* "vulkan.rf16.missed.rounded_inward": a folder's name, unique. */
 void fuzz_signature_print(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST]);
-/* The inverse. Errors: STATUS_INPUT with the field that is wrong. */
+/* The inverse. Errors: STATUS_INPUT with the field that is wrong; *out is zero. */
 enum status fuzz_signature_parse(const char *text, struct fuzz_signature *out,
                                  struct reason *reason) MUST_USE;
 bool fuzz_signature_same(const struct fuzz_signature *a, const struct fuzz_signature *b);

@@ -1,0 +1,219 @@
+/* Trials and signatures: copies, hashes, what no reader may let through, names of folders. */
+#include "fuzz/signature.h"
+#include "fuzz/trial.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h> /* last: it has a macro `fail` */
+
+static struct reason reason;
+
+static struct fuzz_trial make(void)
+{
+    struct fuzz_trial trial;
+    assert_int_equal(fuzz_trial_make(3, 2, 2, &trial, &reason), STATUS_OK);
+    for (int i = 0; i < 9; i++)
+        trial.scene.vertex[i] = (float)(i * i % 5) - 1.5f;
+    static const uint32_t index[] = {0, 1, 2, 2, 1, 0};
+    memcpy(trial.scene.index, index, sizeof index);
+    trial.ray[0] = (struct ray){{0, 1, 2}, 0, {1, -1, 0.5f}, 100};
+    trial.ray[1] = (struct ray){{NAN, 1, INFINITY}, -0.0f, {0, 0, 0}, INFINITY};
+    return trial;
+}
+
+static void trial_make_gives_members_and_zeroes(void **state)
+{
+    (void)state;
+    struct fuzz_trial trial;
+    assert_int_equal(fuzz_trial_make(4, 2, 3, &trial, &reason), STATUS_OK);
+    assert_int_equal(trial.scene.vertex_count, 4);
+    assert_int_equal(trial.scene.tri_count, 2);
+    assert_int_equal(trial.ray_count, 3);
+    assert_ptr_equal(trial.builder, builders[0]);
+    assert_int_equal(fuzz_trial_check(&trial, &reason), STATUS_OK);
+    fuzz_trial_free(&trial);
+    fuzz_trial_free(&trial);
+    static const uint32_t over[][3] = {{3 * FUZZ_TRIANGLES_MOST + 1, 0, 0},
+                                       {0, FUZZ_TRIANGLES_MOST + 1, 0},
+                                       {0, 0, FUZZ_RAYS_MOST + 1}};
+    for (size_t i = 0; i < ARRAY_COUNT(over); i++) {
+        assert_int_equal(fuzz_trial_make(over[i][0], over[i][1], over[i][2], &trial, &reason),
+                         STATUS_LIMIT);
+        assert_null(trial.ray);
+        assert_null(trial.scene.vertex);
+    }
+}
+
+static void trial_copy_is_deep(void **state)
+{
+    (void)state;
+    struct fuzz_trial trial = make(), copy;
+    strcpy(trial.origin.recipe, "made by hand");
+    assert_int_equal(fuzz_trial_copy(&trial, &copy, &reason), STATUS_OK);
+    assert_int_equal(fuzz_trial_hash(&copy), fuzz_trial_hash(&trial));
+    assert_string_equal(copy.origin.recipe, "made by hand");
+    assert_memory_equal(copy.ray, trial.ray, 2 * sizeof *trial.ray);
+    memset(trial.scene.vertex, 0, 36);
+    memset(trial.scene.index, 0, 24);
+    memset(trial.ray, 0, 2 * sizeof *trial.ray);
+    assert_int_not_equal(fuzz_trial_hash(&copy), fuzz_trial_hash(&trial));
+    fuzz_trial_free(&trial);
+    assert_int_equal(copy.scene.index[3], 2);
+    fuzz_trial_free(&copy);
+}
+
+/* Every bit of every number and every member counts; the origin does not. */
+static void trial_hash_sees_all_that_decides(void **state)
+{
+    (void)state;
+    struct fuzz_trial trial = make();
+    uint64_t plain = fuzz_trial_hash(&trial);
+    uint32_t *const words[] = {(uint32_t *)trial.scene.vertex, trial.scene.index,
+                               (uint32_t *)trial.ray};
+    static const size_t counts[] = {9, 6, 16};
+    for (size_t part = 0; part < 3; part++)
+        for (size_t i = 0; i < counts[part]; i++)
+            for (int bit = 0; bit < 32; bit++) {
+                words[part][i] ^= 1u << bit;
+                assert_int_not_equal(fuzz_trial_hash(&trial), plain);
+                words[part][i] ^= 1u << bit;
+            }
+    struct fuzz_trial other = trial;
+    other.builder = builders[1];
+    assert_int_not_equal(fuzz_trial_hash(&other), plain);
+    other = trial;
+    other.box = box_tests[1];
+    assert_int_not_equal(fuzz_trial_hash(&other), plain);
+    other = trial;
+    other.tri = tri_tests[1];
+    assert_int_not_equal(fuzz_trial_hash(&other), plain);
+    other = trial;
+    other.query = QUERY_ANY;
+    assert_int_not_equal(fuzz_trial_hash(&other), plain);
+    other = trial;
+    other.build.leaf++;
+    assert_int_not_equal(fuzz_trial_hash(&other), plain);
+    other = trial;
+    other.build.eps = -other.build.eps;
+    assert_int_not_equal(fuzz_trial_hash(&other), plain);
+    other = trial;
+    other.ray_count--;
+    assert_int_not_equal(fuzz_trial_hash(&other), plain);
+    other = trial;
+    other.origin = (struct fuzz_origin){1, 2, 3, true, "other"};
+    assert_int_equal(fuzz_trial_hash(&other), plain);
+    fuzz_trial_free(&trial);
+}
+
+static void trial_check_refuses_what_no_reader_may_pass(void **state)
+{
+    (void)state;
+    struct fuzz_trial trial = make(), bad;
+    assert_int_equal(fuzz_trial_check(&trial, &reason), STATUS_OK);
+    bad = trial;
+    bad.builder = NULL;
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    bad = trial;
+    bad.tri = NULL;
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    bad = trial;
+    bad.query = QUERY_ALL;
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    bad = trial;
+    bad.build.leaf = 0;
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    static const float eps[] = {-1, NAN, INFINITY};
+    for (size_t i = 0; i < ARRAY_COUNT(eps); i++) {
+        bad = trial;
+        bad.build.eps = eps[i];
+        assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    }
+    bad = trial;
+    bad.scene.tri_count = FUZZ_TRIANGLES_MOST + 1;
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_LIMIT);
+    trial.scene.index[5] = 3;
+    assert_int_equal(fuzz_trial_check(&trial, &reason), STATUS_INPUT);
+    trial.scene.index[5] = 0;
+    trial.scene.vertex[8] = NAN;
+    assert_int_equal(fuzz_trial_check(&trial, &reason), STATUS_INPUT);
+    fuzz_trial_free(&trial);
+}
+
+static void signature_prints_and_parses_every_kind_and_cause(void **state)
+{
+    (void)state;
+    char text[FUZZ_SIGNATURE_MOST];
+    static const char *const names[] = {"cpu", "embree_robust", "pipe:my.tracer-2+x", "a"};
+    size_t count = 0;
+    for (size_t n = 0; n < ARRAY_COUNT(names); n++)
+        for (enum fuzz_kind kind = FUZZ_KIND_WRONG + 1; kind < FUZZ_KIND_COUNT; kind++)
+            for (enum cause cause = CAUSE_NONE; cause < CAUSE_COUNT; cause++) {
+                struct fuzz_signature made = {.kind = kind, .cause = cause}, again;
+                made.layout = count % 3 ? layouts[count % 3 - 1] : NULL;
+                fuzz_signature_set_engine(&made, names[n]);
+                assert_string_equal(made.engine, names[n]);
+                fuzz_signature_print(&made, text);
+                assert_null(strchr(text, '/'));
+                assert_int_equal(fuzz_signature_parse(text, &again, &reason), STATUS_OK);
+                assert_true(fuzz_signature_same(&made, &again));
+                count++;
+            }
+    assert_true(count > 1000);
+}
+
+/* A signature names a folder: nothing may lead out of it. */
+static void signature_refuses_what_names_no_folder(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {
+        "",
+        "cpu",
+        "cpu.rf16.missed",
+        "..rf16.missed.stack",
+        "../x.rf16.missed.stack",
+        "a/b.rf16.missed.stack",
+        ".hidden.rf16.missed.stack",
+        "a b.rf16.missed.stack",
+        "a\n.rf16.missed.stack",
+        ".rf16.missed.stack",
+        "cpu.rf17.missed.stack",
+        "cpu..missed.stack",
+        "cpu.rf16.lost.stack",
+        "cpu.rf16.not.stack",
+        "cpu.rf16.missed.luck",
+        "cpu.rf16.missed.",
+        "engine_of_a_name_that_is_far_too_long_for_a_signature.rf16.missed.stack",
+    };
+    struct fuzz_signature signature;
+    for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
+        reason.text[0] = '\0';
+        if (fuzz_signature_parse(bad[i], &signature, &reason) != STATUS_INPUT)
+            fail_msg("'%s' passes", bad[i]);
+        assert_true(reason.text[0] != '\0');
+        assert_true(signature.engine[0] == '\0');
+    }
+    char longest[1000];
+    memset(longest, 'a', sizeof longest);
+    longest[sizeof longest - 1] = '\0';
+    assert_int_equal(fuzz_signature_parse(longest, &signature, &reason), STATUS_INPUT);
+    fuzz_signature_set_engine(&signature, "../a b/\x80");
+    assert_string_equal(signature.engine, "_._a_b__");
+    fuzz_signature_set_engine(&signature, longest);
+    assert_int_equal(strlen(signature.engine), sizeof signature.engine - 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(trial_make_gives_members_and_zeroes),
+        cmocka_unit_test(trial_copy_is_deep),
+        cmocka_unit_test(trial_hash_sees_all_that_decides),
+        cmocka_unit_test(trial_check_refuses_what_no_reader_may_pass),
+        cmocka_unit_test(signature_prints_and_parses_every_kind_and_cause),
+        cmocka_unit_test(signature_refuses_what_names_no_folder),
+    };
+    return cmocka_run_group_tests_name("fuzz_trial", tests, NULL, NULL);
+}
