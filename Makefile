@@ -39,6 +39,7 @@ SHADERS  := $(wildcard shaders/*.comp)
 LIB_OBJ  := $(LIB_SRC:%.c=$(B)/obj/%.o) $(B)/obj/gen/shaders.o
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 TESTS    := $(TEST_SRC:tests/%.c=$(B)/tests/%)
+SAMPLES  := $(addprefix $(B)/samples/,tracer tracer_bug1 tracer_bug2)
 SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv)
 
 # A member that no table names would never be tested: the tables compare these with their length.
@@ -55,7 +56,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 .SECONDARY:
 all: $(B)/raydiff
 lib: $(B)/libraydiff.a
-tests: $(TESTS)
+tests: $(TESTS) $(SAMPLES)
 spv: $(SPV)
 
 $(B)/raydiff: $(CMD_OBJ) $(B)/libraydiff.a
@@ -85,6 +86,12 @@ $(B)/gen/counts.h: FORCE
 $(B)/tests/%: $(B)/obj/tests/%.o $(B)/libraydiff.a
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) -lcmocka $(TEST_LIBS)
+
+# Sample tracers for `--engine pipe:`, compiled as a stranger would: with nothing of raydiff. The
+# planted bugs must be found.
+$(B)/samples/%: fuzz/samples/tracer.c
+	@mkdir -p $(@D)
+	$(CC) -std=c17 -O2 $(WARN) $(if $(findstring _bug,$*),-DBUG=$(lastword $(subst _bug, ,$*))) -o $@ $<
 
 # The oracle is checked by a second road, GMP rationals, which only tests have.
 ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))

@@ -214,14 +214,21 @@ static void append(char text[EXPLAIN_COMMAND_MOST], const char *format, const ch
     snprintf(text + used, EXPLAIN_COMMAND_MOST - used, format, word);
 }
 
-/* A word as a shell reads it back; quotes inside are left to the user. */
+/* A word as a shell reads it back. */
 static void append_word(char text[EXPLAIN_COMMAND_MOST], const char *word)
 {
     bool plain = word[0] != 0;
     for (const char *at = word; *at; at++)
         plain = plain && (strchr("._-/:=,+", *at) || (*at >= '0' && *at <= '9') ||
                           (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z'));
-    append(text, plain ? " %s" : " '%s'", word);
+    if (plain) {
+        append(text, " %s", word);
+        return;
+    }
+    append(text, "%s", " '");
+    for (const char *at = word; *at; at++)
+        append(text, "%s", *at == '\'' ? "'\\''" : (const char[2]){*at, '\0'});
+    append(text, "%s", "'");
 }
 
 void explain_command(const struct explain_of *of, const struct ray *ray,
@@ -232,7 +239,8 @@ void explain_command(const struct explain_of *of, const struct ray *ray,
     append_word(text, of->spec);
     ray_text_write(ray, numbers);
     append(text, " --ray '%s'", numbers);
-    append(text, " --engine %s", of->engine->name);
+    append(text, "%s", " --engine");
+    append_word(text, of->engine->name);
     if (of->layout) {
         append(text, " --layout %s", of->layout->name);
         append(text, " --builder %s", of->builder->name);

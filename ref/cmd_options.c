@@ -25,6 +25,14 @@ enum status engine_option_take(int option, const char *text, struct engine_optio
         status = parse_count("--workgroup", text, 1, 1024, &n, reason);
         out->workgroup = (uint32_t)n;
         return status;
+    case OPT_PEER_TIME:
+        status = parse_count("--peer-time", text, 1, 86400, &n, reason);
+        out->peer_ms = (uint32_t)(1000 * n);
+        return status;
+    case OPT_PEER_MEMORY:
+        status = parse_count("--peer-memory", text, 0, 1u << 24, &n, reason);
+        out->peer_mb = n ? (uint32_t)n : UINT32_MAX;
+        return status;
     case OPT_DRIVER:
         out->driver = text;
         return STATUS_OK;

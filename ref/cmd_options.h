@@ -6,12 +6,21 @@
 
 #include <getopt.h>
 
-enum { OPT_THREADS = 1024, OPT_DRIVER, OPT_DEVICE, OPT_WORKGROUP, OPT_HELP };
+enum {
+    OPT_THREADS = 1024,
+    OPT_DRIVER,
+    OPT_DEVICE,
+    OPT_WORKGROUP,
+    OPT_PEER_TIME,
+    OPT_PEER_MEMORY,
+    OPT_HELP
+};
 
 /* Entries of a getopt_long table; OPT_HELP ends it. */
 #define ENGINE_OPTIONS                                                                             \
     {"threads", 1, NULL, OPT_THREADS}, {"driver", 1, NULL, OPT_DRIVER},                            \
         {"device", 1, NULL, OPT_DEVICE}, {"workgroup", 1, NULL, OPT_WORKGROUP},                    \
+        {"peer-time", 1, NULL, OPT_PEER_TIME}, {"peer-memory", 1, NULL, OPT_PEER_MEMORY},          \
         {"help", 0, NULL, OPT_HELP},                                                               \
     {                                                                                              \
         NULL, 0, NULL, 0                                                                           \
@@ -23,7 +32,9 @@ enum { OPT_THREADS = 1024, OPT_DRIVER, OPT_DEVICE, OPT_WORKGROUP, OPT_HELP };
     "  --driver NAME   Vulkan: stock, mesa25, swiftshader (make drivers), hardware, a driver's\n"  \
     "                  JSON file, or part of a driver's or device's name\n"                        \
     "  --device N      Vulkan: device by the number that raydiff doctor gives\n"                   \
-    "  --workgroup N   Vulkan: rays per workgroup                                [64]\n"
+    "  --workgroup N   Vulkan: rays per workgroup                                [64]\n"           \
+    "  --peer-time S   pipe:COMMAND: seconds that it may take for a request      [60]\n"           \
+    "  --peer-memory M pipe:COMMAND: its address space in MB, 0 is no limit      [8192]\n"
 
 /* No thread limit, any Vulkan device. */
 struct engine_options engine_options_default(void);

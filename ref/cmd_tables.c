@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "ref/cmd_tables.h"
 
+#include "fuzz/pipe.h"
 #include "ref/engine.h"
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
@@ -84,14 +85,40 @@ static enum status unknown(enum table table, const char *flag, const char *name,
     const char *one;
     for (size_t i = 0; (one = table_member(table, i, NULL)) && used < sizeof known; i++)
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one);
-    return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s", flag,
-                (int)(length > 60 ? 60 : length), name, table_name(table), known);
+    return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s%s", flag,
+                (int)(length > 60 ? 60 : length), name, table_name(table), known,
+                table == TABLE_ENGINES ? ", pipe:COMMAND" : "");
 }
 
 /* Of queries, "all" is one. */
 static bool is_everything(enum table table, const char *text)
 {
     return table != TABLE_QUERIES && strcmp(text, "all") == 0;
+}
+
+/* Length of the name at the start of the text. A command may hold commas: its name goes on to the
+ * end, or to the next command. */
+static size_t name_length(enum table table, const char *text)
+{
+    if (table != TABLE_ENGINES || strncmp(text, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0)
+        return strcspn(text, ",");
+    const char *next = strstr(text, "," PIPE_PREFIX);
+    return next ? (size_t)(next - text) : strlen(text);
+}
+
+/* Puts the engine "pipe:COMMAND" into the table, if that is what is named. */
+static enum status add_peer(enum table table, const char *flag, const char *text, size_t length,
+                            struct reason *reason)
+{
+    char name[PIPE_NAME_MOST + 1];
+    const struct engine *engine;
+    struct reason why = {""};
+    if (table != TABLE_ENGINES || strncmp(text, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0)
+        return STATUS_OK;
+    snprintf(name, sizeof name, "%.*s", (int)(length < PIPE_NAME_MOST ? length : PIPE_NAME_MOST),
+             text);
+    enum status status = pipe_engine(name, &engine, &why);
+    return status ? fail(reason, STATUS_INPUT, "%s: %s", flag, why.text) : STATUS_OK;
 }
 
 enum status table_parse(enum table table, const char *flag, const char *text, struct list *out,
@@ -103,9 +130,12 @@ enum status table_parse(enum table table, const char *flag, const char *text, st
         return STATUS_OK;
     }
     for (const char *at = text;; at++) {
-        size_t length = strcspn(at, ",");
+        size_t length = name_length(table, at);
         size_t i = 0;
         const char *name;
+        enum status status = add_peer(table, flag, at, length, reason);
+        if (status)
+            return status;
         while ((name = table_member(table, i, NULL)) &&
                !(strlen(name) == length && memcmp(name, at, length) == 0))
             i++;

@@ -34,9 +34,9 @@ const char *table_member(enum table table, size_t i, const char **summary);
 /* All members of the table. */
 struct list table_all(enum table table);
 
-/* Parses "a,b" or "all" (of queries one member, not the whole table). Errors: STATUS_INPUT with the
- * flag, the unknown name and the known ones.
- */
+/* Parses "a,b" or "all" (of queries one member, not the whole table). Of engines, "pipe:COMMAND" is
+ * one, too, and is then in the table; a command may hold commas, but not ",pipe:". Errors:
+ * STATUS_INPUT with the flag, the unknown name and the known ones. */
 enum status table_parse(enum table table, const char *flag, const char *text, struct list *out,
                         struct reason *reason) MUST_USE;
 

@@ -13,7 +13,12 @@ struct engine_options {
     uint32_t workgroup; /* Vulkan: 0 is ABI_WORKGROUP */
     bool unguarded;     /* Embree: asks it rays that it does not promise to survive, too; only in a
                            process that may die */
+    uint32_t peer_ms;   /* pipe: the longest that a peer may take for a request; 0: PEER_MS */
+    uint32_t peer_mb;   /* pipe: address space of a peer in MB; 0: PEER_MB, UINT32_MAX: no limit */
 };
+
+#define PEER_MS 60000u
+#define PEER_MB 8192u
 
 /* What is to be traced; everything borrowed, valid until the next prepare or close. */
 struct job {
@@ -48,9 +53,10 @@ struct engine {
     const char *name;
     const char *summary;
     bool needs_packed; /* false: sees the scene alone (brute, Embree) */
-    bool brute;   /* tests every triangle: asked for no more rays than match_options.brute_budget
-                     pays for */
-    bool own_tri; /* has a triangle test of its own, whatever job.tri is */
+    bool brute;    /* tests every triangle: asked for no more rays than match_options.brute_budget
+                      pays for */
+    bool own_tri;  /* has a triangle test of its own, whatever job.tri is */
+    bool recorded; /* its answers were written down before: it can be asked no other ray */
     /* Errors: STATUS_UNSUPPORTED cannot run here (reason), STATUS_DEVICE, STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
     /* Uploads, builds, compiles. May be called again with another job.
@@ -84,8 +90,14 @@ struct engine {
     void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
 };
 
-/* NULL-terminated. */
-extern const struct engine *const engines[];
+/* NULL-terminated: the program's own, then what engine_add added. */
+extern const struct engine *const *const engines;
+
+#define ENGINES_ADDED_MOST 4
+
+/* Adds an engine at the end of the table; borrowed until the program ends. For programs, while no
+ * other thread looks at the table. Errors: STATUS_LIMIT more than ENGINES_ADDED_MOST. */
+enum status engine_add(const struct engine *engine, struct reason *reason) MUST_USE;
 
 /* Returns the engine of that name, or NULL. */
 const struct engine *engine_find(const char *name);

@@ -23,6 +23,7 @@ static const char help[] =
     "  --list          print the names, run nothing\n"
     "  --count N       rays per trial                                     [1000]\n"
     "  --brute N       ray-triangle tests that brute force may spend      [1e8]\n"
+    "  --engine E,..   only these engines; pipe:COMMAND is one, too       [all]\n"
     "  --require E,..  engines whose skips are failures\n"
     "  --hard          the hard cases, on every member: names hard.NN-CASE.query.engine.layout.\n"
     "                  builder.box.tri; a PATTERN that begins with 'hard.' means them too\n"
@@ -43,12 +44,23 @@ struct suite {
     struct trial *trial;
     size_t count, capacity;
     const char *pattern; /* NULL: take all */
+    struct list engine;  /* none: take all */
     bool failed;         /* no memory */
 };
+
+static bool named(const struct list *list, const struct engine *engine)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (engines[list->index[i]] == engine)
+            return true;
+    return false;
+}
 
 static void suite_add(struct suite *suite, const struct trial *trial)
 {
     char name[TRIAL_NAME_MOST];
+    if (suite->engine.count && !named(&suite->engine, trial->engine))
+        return;
     trial_print(trial, name);
     if (suite->pattern && fnmatch(suite->pattern, name, 0) != 0)
         return;
@@ -167,7 +179,9 @@ static enum status suite_make(struct suite *suite, struct reason *reason)
     if (suite->failed)
         return fail(reason, STATUS_MEMORY, "no memory for the list of trials");
     if (suite->count == 0)
-        return fail(reason, STATUS_INPUT, "no trial matches '%s'", suite->pattern);
+        return fail(reason, STATUS_INPUT, "no trial matches '%s'%s",
+                    suite->pattern ? suite->pattern : "*",
+                    suite->engine.count ? " and --engine" : "");
     qsort(suite->trial, suite->count, sizeof *suite->trial, by_stage);
     return STATUS_OK;
 }
@@ -175,7 +189,7 @@ static enum status suite_make(struct suite *suite, struct reason *reason)
 struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html;
     bool list, verbose, tap, hard, summary, quick;
-    struct list require;
+    struct list engine, require;
     uint64_t count, brute;
     struct engine_options engines;
 };
@@ -184,6 +198,7 @@ enum {
     OPT_LIST = 256,
     OPT_COUNT,
     OPT_BRUTE,
+    OPT_ENGINE,
     OPT_REQUIRE,
     OPT_WAIVERS,
     OPT_VERBOSE,
@@ -196,14 +211,21 @@ enum {
     OPT_HTML
 };
 
-static const struct option long_options[] = {
-    {"list", 0, NULL, OPT_LIST},       {"count", 1, NULL, OPT_COUNT},
-    {"brute", 1, NULL, OPT_BRUTE},     {"require", 1, NULL, OPT_REQUIRE},
-    {"waivers", 1, NULL, OPT_WAIVERS}, {"verbose", 0, NULL, OPT_VERBOSE},
-    {"tap", 0, NULL, OPT_TAP},         {"junit", 1, NULL, OPT_JUNIT},
-    {"hard", 0, NULL, OPT_HARD},       {"summary", 0, NULL, OPT_SUMMARY},
-    {"quick", 0, NULL, OPT_QUICK},     {"markdown", 1, NULL, OPT_MARKDOWN},
-    {"html", 1, NULL, OPT_HTML},       ENGINE_OPTIONS};
+static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
+                                             {"count", 1, NULL, OPT_COUNT},
+                                             {"brute", 1, NULL, OPT_BRUTE},
+                                             {"require", 1, NULL, OPT_REQUIRE},
+                                             {"engine", 1, NULL, OPT_ENGINE},
+                                             {"waivers", 1, NULL, OPT_WAIVERS},
+                                             {"verbose", 0, NULL, OPT_VERBOSE},
+                                             {"tap", 0, NULL, OPT_TAP},
+                                             {"junit", 1, NULL, OPT_JUNIT},
+                                             {"hard", 0, NULL, OPT_HARD},
+                                             {"summary", 0, NULL, OPT_SUMMARY},
+                                             {"quick", 0, NULL, OPT_QUICK},
+                                             {"markdown", 1, NULL, OPT_MARKDOWN},
+                                             {"html", 1, NULL, OPT_HTML},
+                                             ENGINE_OPTIONS};
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
@@ -216,6 +238,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
     case OPT_BRUTE:
         return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
+    case OPT_ENGINE:
+        return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
     case OPT_REQUIRE:
         return table_parse(TABLE_ENGINES, "--require", text, &o->require, reason);
     case OPT_WAIVERS:
@@ -253,14 +277,6 @@ static enum status take_option(void *user, int option, char *text, struct reason
     return STATUS_OK;
 }
 
-static bool required(const struct conform_options *o, const struct engine *engine)
-{
-    for (size_t i = 0; i < o->require.count; i++)
-        if (engines[o->require.index[i]] == engine)
-            return true;
-    return false;
-}
-
 /* Runs all trials of the suite into the report. */
 static void run_suite(const struct conform_options *o, const struct suite *suite,
                       struct conform_report *report)
@@ -280,7 +296,7 @@ static void run_suite(const struct conform_options *o, const struct suite *suite
         enum status status = stage_run(&stage, trial, &row, &reason);
         if (!o->tap)
             progress_end(&progress);
-        conform_report_add(report, name, status, &row, &reason, required(o, trial->engine),
+        conform_report_add(report, name, status, &row, &reason, named(&o->require, trial->engine),
                            (double)(time_ns() - start) * 1e-9);
     }
     stage_free(&stage);
@@ -298,14 +314,15 @@ static int list_suite(const struct suite *suite)
 
 static int conform(const struct conform_options *o)
 {
-    struct suite suite = {.pattern = o->pattern};
+    struct suite suite = {.pattern = o->pattern, .engine = o->engine};
     struct conform_report report;
     struct reason reason = {""};
     enum status status = suite_make(&suite, &reason);
     int code = EXIT_AGREE;
     if (status == STATUS_OK && !o->list) {
-        status = conform_report_open(&report, suite.count, o->pattern == NULL, o->waivers, o->junit,
-                                     &reason);
+        status =
+            conform_report_open(&report, suite.count, o->pattern == NULL && o->engine.count == 0,
+                                o->waivers, o->junit, &reason);
         report.verbose = o->verbose;
         report.tap = o->tap;
         report.options = o->engines;
@@ -351,6 +368,7 @@ int cmd_conform(int argc, char **argv)
                                                            .tap = o.tap,
                                                            .summary = o.summary,
                                                            .quick = o.quick,
+                                                           .engine = o.engine,
                                                            .require = o.require,
                                                            .engines = o.engines});
     return conform(&o);

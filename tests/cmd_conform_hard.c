@@ -21,14 +21,25 @@ struct suite {
     struct one *one;
     size_t count, capacity;
     const char *pattern; /* NULL: take all */
+    struct list engine;  /* none: take all */
     bool quick;          /* without members of which two parts or more are as published */
     bool failed;         /* no memory */
 };
+
+static bool named(const struct list *list, const struct engine *engine)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (engines[list->index[i]] == engine)
+            return true;
+    return false;
+}
 
 static void suite_add(void *user, const struct hard_case *hard, const struct hard_member *member)
 {
     struct suite *suite = user;
     char name[HARD_NAME_MOST];
+    if (suite->engine.count && !named(&suite->engine, member->engine))
+        return;
     if (suite->quick && hard_member_published(member) > 1 && !hard_defect_of(hard, member))
         return;
     hard_name_print(hard, member, name);
@@ -50,7 +61,8 @@ static enum status suite_make(struct suite *suite, struct reason *reason)
     if (suite->failed)
         return fail(reason, STATUS_MEMORY, "no memory for the list of hard cases");
     if (suite->count == 0)
-        return fail(reason, STATUS_INPUT, "no hard case matches '%s'", suite->pattern);
+        return fail(reason, STATUS_INPUT, "no hard case matches '%s'",
+                    suite->pattern ? suite->pattern : "hard.*");
     return STATUS_OK;
 }
 
@@ -59,14 +71,6 @@ static void count_name(void *user, const struct hard_case *hard, const struct ha
     char name[HARD_NAME_MOST];
     hard_name_print(hard, member, name);
     waivers_count(user, name);
-}
-
-static bool required(const struct conform_hard_options *o, const struct engine *engine)
-{
-    for (size_t i = 0; i < o->require.count; i++)
-        if (engines[o->require.index[i]] == engine)
-            return true;
-    return false;
 }
 
 /* What belongs to a run. */
@@ -147,7 +151,7 @@ static enum status outcome_of(struct run *run, const struct one *one,
     const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
     hard_result_print(result, why, why_bytes);
     *outcome = plain[result->outcome];
-    if (result->outcome == HARD_SKIPPED && required(run->options, one->member.engine))
+    if (result->outcome == HARD_SKIPPED && named(&run->options->require, one->member.engine))
         *outcome = OUTCOME_FAILED;
     if (!defect || result->outcome == HARD_SKIPPED || !is_expected(run, defect))
         return STATUS_OK;
@@ -241,7 +245,7 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
     struct matrix matrix = {.row_count = 0};
     struct reason reason = {""};
     const char *waivers = o->waivers ? o->waivers : NULL;
-    bool complete = o->pattern == NULL && !o->quick;
+    bool complete = o->pattern == NULL && !o->quick && o->engine.count == 0;
     if (!waivers && access(WAIVERS_HERE, R_OK) == 0)
         waivers = WAIVERS_HERE;
     enum status status =
@@ -271,7 +275,7 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
 
 int conform_hard(const struct conform_hard_options *o)
 {
-    struct suite suite = {.pattern = o->pattern, .quick = o->quick};
+    struct suite suite = {.pattern = o->pattern, .quick = o->quick, .engine = o->engine};
     struct reason reason = {""};
     enum status status = suite_make(&suite, &reason);
     int code = EXIT_AGREE;

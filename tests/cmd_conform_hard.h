@@ -8,7 +8,7 @@
 struct conform_hard_options {
     const char *pattern, *junit, *waivers, *markdown, *html; /* each may be NULL */
     bool list, verbose, tap, summary, quick;
-    struct list require;
+    struct list engine, require; /* engine none: all */
     struct engine_options engines;
 };
 

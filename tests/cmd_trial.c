@@ -1,5 +1,6 @@
 #include "tests/cmd_trial.h"
 
+#include "fuzz/pipe.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>
@@ -25,6 +26,20 @@ static char *cut_first(char **rest)
     return field;
 }
 
+/* Cuts the name of the engine. A command may hold dots: it goes on to the three '-' of an engine
+ * without a tree. */
+static char *cut_engine(char **rest)
+{
+    char *field = *rest;
+    char *end =
+        strncmp(field, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0 ? strstr(field, ".-.-.-.") : NULL;
+    if (!end)
+        return cut_first(rest);
+    *end = '\0';
+    *rest = end + 1;
+    return field;
+}
+
 static char *cut_last(char *text)
 {
     char *dot = strrchr(text, '.');
@@ -39,6 +54,11 @@ static enum status parse_fields(char *const field[6], struct trial *out, struct 
     if (!query_find(field[0], &out->query) || out->query == QUERY_ALL) /* not judged here yet */
         return fail(reason, STATUS_INPUT, "trial: unknown query '%s'", field[0]);
     out->engine = engine_find(field[1]);
+    if (!out->engine && strncmp(field[1], PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0) {
+        enum status status = pipe_engine(field[1], &out->engine, reason);
+        if (status)
+            return status;
+    }
     if (!out->engine)
         return fail(reason, STATUS_INPUT, "trial: unknown engine '%s'", field[1]);
     out->tri = tri_test_find(field[5]);
@@ -73,7 +93,7 @@ enum status trial_parse(const char *name, struct trial *out, struct reason *reas
                     TRIAL_NAME_MOST - 1);
     strcpy(text, name);
     for (int i = 0; i < 6; i++)
-        field[i] = cut_first(&rest);
+        field[i] = i == 1 ? cut_engine(&rest) : cut_first(&rest);
     char *seed = cut_last(rest);
     char *rays = seed ? cut_last(rest) : NULL;
     if (!rays || *rest == '\0' || strlen(rest) >= sizeof out->scene)

@@ -10,7 +10,7 @@
 #include "ref/match.h"
 #include "scenes/rays.h"
 
-#define TRIAL_NAME_MOST 256
+#define TRIAL_NAME_MOST 384
 
 struct trial {
     enum query query;

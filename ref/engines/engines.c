@@ -7,13 +7,28 @@
 extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_vulkan_brute,
     engine_rayquery, engine_embree, engine_embree_robust;
 
-const struct engine *const engines[] = {
-    &engine_brute,    &engine_cpu,    &engine_vulkan,        &engine_vulkan_brute,
-    &engine_rayquery, &engine_embree, &engine_embree_robust, NULL,
-};
-
 /* One file holds both Embree engines; every other file holds one. */
-_Static_assert(ARRAY_COUNT(engines) - 1 == ENGINE_FILES + 1, "an engine_*.c is in no table");
+#define OWN (ENGINE_FILES + 1)
+
+static const struct engine *table[OWN + ENGINES_ADDED_MOST + 1] = {
+    &engine_brute,    &engine_cpu,    &engine_vulkan,        &engine_vulkan_brute,
+    &engine_rayquery, &engine_embree, &engine_embree_robust,
+};
+static size_t count = OWN;
+
+/* The last of the table above; adjust it with the list. */
+_Static_assert(OWN == 7, "an engine_*.c is in no table");
+
+const struct engine *const *const engines = table;
+
+enum status engine_add(const struct engine *engine, struct reason *reason)
+{
+    if (count == OWN + ENGINES_ADDED_MOST)
+        return fail(reason, STATUS_LIMIT, "%.80s: more than %d engines beside the program's own",
+                    engine->name, ENGINES_ADDED_MOST);
+    table[count++] = engine;
+    return STATUS_OK;
+}
 
 const struct engine *engine_find(const char *name)
 {

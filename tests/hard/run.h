@@ -6,7 +6,7 @@
 #include "ref/match.h"
 #include "tests/hard/hard.h"
 
-#define HARD_NAME_MOST 160
+#define HARD_NAME_MOST 320
 
 struct hard_member {
     enum query query;
