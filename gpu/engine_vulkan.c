@@ -23,6 +23,12 @@ static enum status trace(void *self, const struct ray *ray, size_t ray_count, st
     return tracer_trace(self, ray, ray_count, hit, report, reason);
 }
 
+static enum status trace_tasks(void *self, struct engine_task *task, size_t count,
+                               struct reason *reason)
+{
+    return tracer_trace_tasks(self, task, count, reason);
+}
+
 static enum status trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason)
 {
@@ -52,6 +58,7 @@ const struct engine engine_vulkan = {
     .open = open,
     .prepare = prepare,
     .trace = trace,
+    .trace_tasks = trace_tasks,
     .trace_all = trace_all,
     .model = model,
     .close = close,

@@ -1,48 +1,20 @@
-#include "gpu/tracer.h"
+#include "gpu/tracer_private.h"
 
 #include "gpu/gather.h"
-#include "gpu/shaders.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define BINDINGS  7u
-#define CONSTANTS 5u
-
 /* Rays of one dispatch: begun small (all of them may visit every node), doubled while a dispatch is
  * quick, halved when it is slow, so that neither the wait nor a driver's watchdog ends a long job.
  */
 #define BATCH_FIRST 16384u
-#define VISITS_MOST (1u << 25)
-#define BATCH_MOST  (1u << 20)
 #define QUICK_NS    100000000u
 #define SLOW_NS     1000000000u
 
 /* Hits that one dispatch of QUERY_ALL may list, 64 MiB of them; a ray alone may list more. */
 #define LIST_MOST (1u << 22)
-
-struct cached {
-    const struct shader *shader;
-    uint32_t constant[CONSTANTS];
-    struct vk_pipeline *pipeline;
-};
-
-struct tracer {
-    struct vk *vk;
-    uint32_t workgroup;
-    struct cached *cache;
-    size_t cache_count, cache_capacity;
-    struct vk_pipeline *pipeline; /* of the job; borrowed from the cache */
-    struct vk_buffer *buffer[BINDINGS];
-    uint32_t *flag; /* ray_capacity read back */
-    uint32_t ray_capacity, batch, stack;
-    uint32_t trouble; /* flags of the first ray that was not finished */
-    bool lists;       /* prepared for QUERY_ALL */
-    struct push push;
-    struct arithmetic arithmetic;
-    bool measured;
-};
 
 /* Where the answers go. */
 struct answers {
@@ -50,9 +22,6 @@ struct answers {
     uint32_t capacity; /* hits a ray: 1 unless QUERY_ALL */
     uint32_t *found;   /* QUERY_ALL: hits of each ray; else NULL */
 };
-
-_Static_assert(ABI_BIND_FOUND == BINDINGS - 1, "the tracing shaders have bindings 0 to 6");
-_Static_assert(ABI_SPEC_STACK == CONSTANTS - 1, "the tracing shaders have constants 0 to 4");
 
 enum status tracer_open(const struct vk_options *options, uint32_t workgroup, struct tracer **out,
                         struct reason *reason)
@@ -76,7 +45,7 @@ enum status tracer_open(const struct vk_options *options, uint32_t workgroup, st
 
 static void free_buffers(struct tracer *tracer)
 {
-    for (uint32_t i = 0; i < BINDINGS; i++) {
+    for (uint32_t i = 0; i < TRACER_BINDINGS; i++) {
         vk_buffer_free(tracer->vk, tracer->buffer[i]);
         tracer->buffer[i] = NULL;
     }
@@ -90,6 +59,7 @@ uint32_t tracer_close(struct tracer *tracer, struct reason *reason)
     if (!tracer)
         return 0;
     free_buffers(tracer);
+    tracer_tasks_free(tracer);
     for (size_t i = 0; i < tracer->cache_count; i++)
         vk_pipeline_free(tracer->vk, tracer->cache[i].pipeline);
     free(tracer->cache);
@@ -111,23 +81,21 @@ uint32_t tracer_pipelines(const struct tracer *tracer)
     return (uint32_t)tracer->cache_count;
 }
 
-/* Finds or makes the pipeline of the job. */
-static enum status choose_pipeline(struct tracer *tracer, const struct job *job,
-                                   struct reason *reason)
+enum status tracer_pipeline(struct tracer *tracer, const struct job *job, uint32_t stack,
+                            struct vk_pipeline **out, struct reason *reason)
 {
     char name[64];
     (void)snprintf(name, sizeof name, "trace_%s", job->packed->layout->name);
-    struct cached want = {
-        shader_find(name),
-        {tracer->workgroup, job->box->id, job->tri->id, job->query, tracer->stack},
-        NULL};
+    struct cached want = {shader_find(name),
+                          {tracer->workgroup, job->box->id, job->tri->id, job->query, stack},
+                          NULL};
     if (!want.shader)
         return fail(reason, STATUS_UNSUPPORTED, "vulkan: there is no shader for layout %s",
                     job->packed->layout->name);
     for (size_t i = 0; i < tracer->cache_count; i++)
         if (tracer->cache[i].shader == want.shader &&
             memcmp(tracer->cache[i].constant, want.constant, sizeof want.constant) == 0) {
-            tracer->pipeline = tracer->cache[i].pipeline;
+            *out = tracer->cache[i].pipeline;
             return STATUS_OK;
         }
     void *cache = tracer->cache;
@@ -138,16 +106,16 @@ static enum status choose_pipeline(struct tracer *tracer, const struct job *job,
         .name = want.shader->name,
         .word = want.shader->word,
         .word_count = want.shader->word_count,
-        .binding_count = BINDINGS,
+        .binding_count = TRACER_BINDINGS,
         .push_bytes = sizeof(struct push),
         .constant = want.constant,
-        .constant_count = CONSTANTS,
+        .constant_count = TRACER_CONSTANTS,
     };
     enum status status = vk_pipeline_make(tracer->vk, &shader, &want.pipeline, reason);
     if (status)
         return status;
     tracer->cache[tracer->cache_count++] = want;
-    tracer->pipeline = want.pipeline;
+    *out = want.pipeline;
     return STATUS_OK;
 }
 
@@ -160,22 +128,31 @@ static enum status upload(struct tracer *tracer, uint32_t binding, const void *d
     return status;
 }
 
-/* The smallest stack class that is enough: a larger private array costs every ray. */
-static enum status choose_stack(struct tracer *tracer, const struct packed *packed,
-                                struct reason *reason)
+enum status tracer_stack(const struct packed *packed, uint32_t *out, struct reason *reason)
 {
     if (packed->stack_need > ABI_STACK_MAX)
         return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u",
                     ABI_STACK_MAX, (unsigned)packed->stack_need);
-    tracer->stack = 16;
-    while (tracer->stack < packed->stack_need)
-        tracer->stack *= 2;
+    *out = 16;
+    while (*out < packed->stack_need)
+        *out *= 2;
     return STATUS_OK;
+}
+
+struct push tracer_push(const struct job *job)
+{
+    return (struct push){
+        .root = job->packed->root,
+        .node_count = job->packed->node_count,
+        .item_count = job->packed->item_count,
+        .tri_count = job->scene->tri_count,
+        .capacity = 1,
+    };
 }
 
 static uint32_t first_batch(const struct tracer *tracer, uint32_t node_count)
 {
-    uint32_t batch = VISITS_MOST / (node_count + 1);
+    uint32_t batch = TRACER_VISITS_MOST / (node_count + 1);
     if (batch > BATCH_FIRST)
         return BATCH_FIRST;
     return batch > tracer->workgroup ? batch : tracer->workgroup;
@@ -188,15 +165,11 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     tracer->pipeline = NULL;
     tracer->lists = job->query == QUERY_ALL;
     tracer->batch = first_batch(tracer, packed->node_count);
-    tracer->push = (struct push){
-        .root = packed->root,
-        .node_count = packed->node_count,
-        .item_count = packed->item_count,
-        .tri_count = job->scene->tri_count,
-    };
-    enum status status = choose_stack(tracer, packed, reason);
+    tracer->push = tracer_push(job);
+    uint32_t stack = 0;
+    enum status status = tracer_stack(packed, &stack, reason);
     if (!status)
-        status = choose_pipeline(tracer, job, reason);
+        status = tracer_pipeline(tracer, job, stack, &tracer->pipeline, reason);
     if (!status)
         status = upload(tracer, ABI_BIND_NODES, packed->word, packed_node_bytes(packed), reason);
     if (!status)
@@ -235,7 +208,7 @@ static enum status reserve_rays(struct tracer *tracer, size_t count, uint32_t ca
     const uint64_t hit_bytes = (uint64_t)(capacity ? capacity : 1) * sizeof(struct hit);
     uint64_t most = least_of(limits->buffer_bytes / sizeof(struct ray),
                              (uint64_t)limits->groups * tracer->workgroup);
-    most = least_of(most, BATCH_MOST);
+    most = least_of(most, TRACER_RAYS_MOST);
     if (tracer->lists) {
         uint64_t lists = LIST_MOST * sizeof(struct hit) / hit_bytes;
         most = least_of(most, lists ? lists : 1);
@@ -267,8 +240,7 @@ static enum status reserve_rays(struct tracer *tracer, size_t count, uint32_t ca
     return status;
 }
 
-/* What kept a ray from its end, by its flags. */
-static const char *cause(uint32_t flag)
+const char *tracer_cause(uint32_t flag)
 {
     if (flag & ABI_FLAG_STACK)
         return "its traversal stack overran: the tree is deeper than its stack_need says";
@@ -287,7 +259,7 @@ static enum status check_flags(struct tracer *tracer, size_t first, uint32_t cou
             continue;
         tracer->trouble = tracer->flag[i];
         return fail(reason, STATUS_DEVICE, "vulkan: %s: ray %zu was not finished: %s",
-                    vk_limits(tracer->vk)->device, first + i, cause(tracer->flag[i]));
+                    vk_limits(tracer->vk)->device, first + i, tracer_cause(tracer->flag[i]));
     }
     return STATUS_OK;
 }
@@ -354,7 +326,7 @@ static enum status trace_rays(struct tracer *tracer, const struct ray *ray, size
         status = trace_batch(tracer, ray + done, done, part, to, &time, reason);
         report->ns += time.ns;
         report->device_clock = report->device_clock && time.device_clock;
-        if (part == tracer->batch && time.ns < QUICK_NS && tracer->batch < BATCH_MOST)
+        if (part == tracer->batch && time.ns < QUICK_NS && tracer->batch < TRACER_RAYS_MOST)
             tracer->batch *= 2;
         else if (time.ns > SLOW_NS && tracer->batch > tracer->workgroup)
             tracer->batch /= 2;
@@ -363,7 +335,7 @@ static enum status trace_rays(struct tracer *tracer, const struct ray *ray, size
     report->flags = tracer->trouble;
     if (!status && vk_messages(tracer->vk, reason))
         status = STATUS_DEVICE;
-    for (uint32_t i = 0; i < BINDINGS; i++)
+    for (uint32_t i = 0; i < TRACER_BINDINGS; i++)
         report->memory_bytes += vk_buffer_bytes(tracer->buffer[i]);
     return status;
 }

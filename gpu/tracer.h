@@ -25,6 +25,11 @@ enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ra
                          struct hit *hit, struct trace_report *report,
                          struct reason *reason) MUST_USE;
 
+/* As engine.trace_tasks: all tasks in few submissions, each with buffers of its own as far as its
+ * shader can see. Errors: as engine.trace_tasks; STATUS_DEVICE validation messages since open. */
+enum status tracer_trace_tasks(struct tracer *tracer, struct engine_task *task, size_t count,
+                               struct reason *reason) MUST_USE;
+
 /* As engine.trace_all, for a job prepared with QUERY_ALL; hits of a ray come in the order of
  * trace_ray_all. Errors: as tracer_trace; STATUS_LIMIT one ray's capacity is over the device's
  * buffers. */

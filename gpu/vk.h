@@ -29,6 +29,7 @@ struct vk_limits {
     uint64_t buffer_bytes;      /* largest storage buffer: range and allocation limits */
     uint32_t groups;            /* most workgroups of a dispatch */
     uint32_t group_size;        /* most invocations of a workgroup */
+    uint64_t alignment;         /* of where a part of a buffer may begin, see vk_work */
     uint32_t timestamp_bits;    /* 0: no timestamps */
     float timestamp_ns;         /* nanoseconds per tick */
     bool software;              /* a CPU runs it */
@@ -106,5 +107,31 @@ struct vk_time {
 enum status vk_dispatch(struct vk *vk, struct vk_pipeline *pipeline,
                         struct vk_buffer *const *buffer, const void *push, uint32_t groups,
                         struct vk_time *time, struct reason *reason) MUST_USE;
+
+/* Descriptor sets for many dispatches in one submission. */
+struct vk_sets;
+
+/* Makes `count` sets of `bindings` storage buffers. Errors: STATUS_DEVICE; STATUS_MEMORY. */
+enum status vk_sets_make(struct vk *vk, uint32_t bindings, uint32_t count, struct vk_sets **out,
+                         struct reason *reason) MUST_USE;
+void vk_sets_free(struct vk *vk, struct vk_sets *sets); /* NULL is fine */
+
+/* One dispatch of many. Its shader sees of buffer i the bytes from part[i].offset on, no others:
+ * robust accesses beyond them are as harmless as those beyond a buffer. */
+struct vk_work {
+    struct vk_pipeline *pipeline; /* without `accel` */
+    struct {
+        uint64_t offset, bytes; /* offset a multiple of the device's alignment; bytes not 0 */
+    } part[VK_BINDINGS_MAX];
+    const void *push;
+    uint32_t groups;
+};
+
+/* Runs `count` dispatches, at most the number of sets, in one submission and waits. buffer[i] is
+ * bound to binding i of all, in parts. They may run in any order, also at once. Errors: as
+ * vk_dispatch. */
+enum status vk_dispatch_many(struct vk *vk, struct vk_sets *sets, struct vk_buffer *const *buffer,
+                             const struct vk_work *work, uint32_t count,
+                             struct reason *reason) MUST_USE;
 
 #endif

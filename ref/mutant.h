@@ -35,5 +35,7 @@
 #define MUTANT_DEFECT_CURED   60 /* a member made to be wrong is right */
 #define MUTANT_OTHER_DEFECT   61 /* it is wrong for another cause */
 #define MUTANT_UNGUARDED      62 /* Embree is asked rays that it does not survive */
+#define MUTANT_NEIGHBOUR      70 /* of many jobs each reads the first one's nodes */
+#define MUTANT_FLAGS_UNREAD   71 /* of many jobs no ray's flags are looked at */
 
 #endif

@@ -1,12 +1,13 @@
 #include "ref/trace.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* One traversal in progress. */
 struct walk {
     const struct packed *packed;
     const struct scene *scene;
-    uint32_t box_id, tri_id;
+    const struct wide *decoded; /* all nodes, or NULL: each is decoded when it is visited */
     enum query query;
     struct slab_ray slab;
     struct tri_ray tri;
@@ -22,13 +23,13 @@ struct walk {
 
 /* Keeps `prim` if it is hit nearer than the best; at equal t the first found stays. QUERY_ALL lists
  * it, and the ray keeps its length. */
-static bool walk_triangle(struct walk *w, uint32_t prim)
+static inline bool walk_triangle(struct walk *w, uint32_t tri_id, uint32_t prim)
 {
     float v[3][3];
     struct hit hit;
     scene_tri(w->scene, prim, v);
     w->counts.tris++;
-    if (!tri_test_run(w->tri_id, &w->tri, v, &hit))
+    if (!tri_test_run(tri_id, &w->tri, v, &hit))
         return false;
     hit.prim = prim;
     if (w->query == QUERY_ALL) {
@@ -48,11 +49,11 @@ static bool walk_triangle(struct walk *w, uint32_t prim)
 }
 
 /* Returns true if the query is answered. */
-static bool walk_leaf(struct walk *w, const struct wide *node)
+static inline bool walk_leaf(struct walk *w, uint32_t tri_id, const struct wide *node)
 {
     for (uint32_t i = 0; i < node->item_count; i++) {
         uint32_t prim = w->packed->layout->item(w->packed, node->item_first + i);
-        if (prim < w->scene->tri_count && walk_triangle(w, prim) && w->query == QUERY_ANY)
+        if (prim < w->scene->tri_count && walk_triangle(w, tri_id, prim) && w->query == QUERY_ANY)
             return true;
     }
     return false;
@@ -60,12 +61,13 @@ static bool walk_leaf(struct walk *w, const struct wide *node)
 
 /* Chooses the next node among the children: *next, or *any = false if none is hit. Pushes the one
  * that waits. Only binary nodes are known here. Returns false if the stack is full. */
-static bool walk_inner(struct walk *w, const struct wide *node, uint32_t *next, bool *any)
+static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide *node,
+                              uint32_t *next, bool *any)
 {
     bool hit[2] = {false, false};
     float entry[2] = {0, 0};
     for (uint32_t i = 0; i < node->child_count; i++) {
-        hit[i] = box_test_run(w->box_id, &w->slab, &node->box[i], w->tbest, &entry[i]);
+        hit[i] = box_test_run(box_id, &w->slab, &node->box[i], w->tbest, &entry[i]);
         w->counts.boxes++;
     }
     *any = hit[0] || hit[1];
@@ -91,18 +93,21 @@ static bool walk_inner(struct walk *w, const struct wide *node, uint32_t *next, 
 }
 
 /* Pops the next node that can still hold something nearer. */
-static bool walk_pop(struct walk *w, uint32_t *next)
+static inline bool walk_pop(struct walk *w, uint32_t box_id, uint32_t *next)
 {
     while (w->depth > 0) {
         w->depth--;
         *next = w->ref[w->depth];
-        if (w->box_id == ABI_BOX_RTRS || w->entry[w->depth] <= w->tbest)
+        if (box_id == ABI_BOX_RTRS || w->entry[w->depth] <= w->tbest)
             return true;
     }
     return false;
 }
 
-static enum status walk_tree(struct walk *w)
+/* The whole walk. Inlined where the tests are known, so that each pair of them has a loop of its
+ * own: fuzzing spends most of its time here. */
+static inline __attribute__((always_inline)) enum status walk_tree(struct walk *w, uint32_t box_id,
+                                                                   uint32_t tri_id)
 {
     const struct packed *packed = w->packed;
     float entry;
@@ -111,36 +116,59 @@ static enum status walk_tree(struct walk *w)
     struct box root = packed->layout->box(packed, packed->root);
     slab_ray_place(&w->slab, &root);
     w->counts.boxes++;
-    if (!box_test_run(w->box_id, &w->slab, &root, w->tbest, &entry))
+    if (!box_test_run(box_id, &w->slab, &root, w->tbest, &entry))
         return STATUS_OK;
     uint32_t ref = packed->root;
     /* In a tree no node is visited twice: more visits than nodes is a cycle. */
     for (uint32_t visits = 0; visits < packed->node_count; visits++) {
-        struct wide node;
+        struct wide loaded;
+        const struct wide *node = w->decoded ? &w->decoded[ref] : &loaded;
         bool descend = false;
         uint32_t next = 0;
-        packed->layout->load(packed, ref, &node);
-        if (node.child_count == 0) {
-            if (walk_leaf(w, &node))
+        if (!w->decoded)
+            packed->layout->load(packed, ref, &loaded);
+        if (node->child_count == 0) {
+            if (walk_leaf(w, tri_id, node))
                 return STATUS_OK;
-        } else if (!walk_inner(w, &node, &next, &descend)) {
+        } else if (!walk_inner(w, box_id, node, &next, &descend)) {
             return STATUS_LIMIT;
         }
-        if (!descend && !walk_pop(w, &next))
+        if (!descend && !walk_pop(w, box_id, &next))
             return STATUS_OK;
         ref = next;
     }
     return STATUS_LIMIT;
 }
 
-static void walk_start(struct walk *w, const struct packed *packed, const struct scene *scene,
-                       const struct box_test *box, const struct tri_test *tri, enum query query,
-                       const struct ray *ray)
+static enum status walk_robust(struct walk *w, uint32_t tri_id)
+{
+    if (tri_id == ABI_TRI_WOOP)
+        return walk_tree(w, ABI_BOX_ROBUST, ABI_TRI_WOOP);
+    return walk_tree(w, ABI_BOX_ROBUST, tri_id);
+}
+
+static enum status walk_watertight(struct walk *w, uint32_t tri_id)
+{
+    if (tri_id == ABI_TRI_WOOP)
+        return walk_tree(w, ABI_BOX_WATERTIGHT, ABI_TRI_WOOP);
+    return walk_tree(w, ABI_BOX_WATERTIGHT, tri_id);
+}
+
+static enum status walk_with(struct walk *w, const struct box_test *box, const struct tri_test *tri)
+{
+    if (box->id == ABI_BOX_ROBUST)
+        return walk_robust(w, tri->id);
+    if (box->id == ABI_BOX_WATERTIGHT)
+        return walk_watertight(w, tri->id);
+    return walk_tree(w, box->id, tri->id);
+}
+
+static void walk_start(struct walk *w, const struct packed *packed, const struct wide *decoded,
+                       const struct scene *scene, enum query query, const struct ray *ray)
 {
     w->packed = packed;
+    w->decoded = decoded;
     w->scene = scene;
-    w->box_id = box->id;
-    w->tri_id = tri->id;
     w->query = query;
     w->slab = slab_ray_make(ray);
     w->tri = tri_ray_make(ray);
@@ -164,10 +192,33 @@ enum status trace_ray(const struct packed *packed, const struct scene *scene,
                       const struct ray *ray, struct hit *out, struct trace_counts *counts)
 {
     struct walk w;
-    walk_start(&w, packed, scene, box, tri, query, ray);
-    enum status status = walk_tree(&w);
+    walk_start(&w, packed, NULL, scene, query, ray);
+    enum status status = walk_with(&w, box, tri);
     *out = status ? (struct hit){.prim = ABI_NO_PRIM} : w.best;
     walk_count(&w, counts);
+    return status;
+}
+
+enum status trace_rays(const struct packed *packed, const struct scene *scene,
+                       const struct box_test *box, const struct tri_test *tri, enum query query,
+                       const struct ray *ray, size_t count, struct hit *out, uint32_t *flag)
+{
+    struct wide *decoded = NULL;
+    enum status status = STATUS_OK;
+    /* Without memory, or if it does not pay, each ray decodes what it visits. */
+    if (packed->node_count > 0 && packed->node_count <= count)
+        decoded = malloc(packed->node_count * sizeof *decoded);
+    for (uint32_t i = 0; i < packed->node_count && decoded; i++)
+        packed->layout->load(packed, i, &decoded[i]);
+    for (size_t i = 0; i < count; i++) {
+        struct walk w;
+        walk_start(&w, packed, decoded, scene, query, &ray[i]);
+        bool finished = walk_with(&w, box, tri) == STATUS_OK;
+        out[i] = finished ? w.best : (struct hit){.prim = ABI_NO_PRIM};
+        flag[i] = finished ? ABI_FLAG_DONE : ABI_FLAG_EXHAUSTED;
+        status = finished ? status : STATUS_LIMIT;
+    }
+    free(decoded);
     return status;
 }
 
@@ -177,10 +228,10 @@ enum status trace_ray_all(const struct packed *packed, const struct scene *scene
                           uint32_t *count, struct trace_counts *counts)
 {
     struct walk w;
-    walk_start(&w, packed, scene, box, tri, QUERY_ALL, ray);
+    walk_start(&w, packed, NULL, scene, QUERY_ALL, ray);
     w.list = out;
     w.capacity = capacity;
-    enum status status = walk_tree(&w);
+    enum status status = walk_with(&w, box, tri);
     *count = status ? 0 : w.found;
     walk_count(&w, counts);
     return status;

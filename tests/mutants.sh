@@ -159,6 +159,8 @@ in_test TREE_UNPADDED ref/oracle/closest.c test_oracle_scene
 in_test ENDS_SWAPPED ref/oracle/nearest.c test_oracle_rules
 in_test CULLED_ALL ref/trace.c test_all
 in_test LOST_SLOT ref/layouts/layout_rf16.c test_all
+in_test NEIGHBOUR gpu/tracer_tasks.c test_fuzz_tasks
+in_test FLAGS_UNREAD gpu/tracer_tasks.c test_fuzz_tasks
 in_shaders NO_PRECISE test_spirv
 in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --rays ranges --count 5000 --repeat 1
 in_shaders SWAPPED_CHILD check soup --layout f32 --engine vulkan --count 5000 --repeat 1

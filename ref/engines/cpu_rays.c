@@ -82,6 +82,16 @@ enum status cpu_rays_trace(void *self, const struct ray *ray, size_t ray_count, 
     return unfinished_rays(job, unfinished, ray_count, worst, reason);
 }
 
+void cpu_rays_tasks(void *self, void (*run)(struct engine_task *task), struct engine_task *task,
+                    size_t count)
+{
+    const struct cpu_rays *rays = self;
+#pragma omp parallel for schedule(dynamic, 1)                                                      \
+    num_threads(rays->threads) if (rays->threads > 1 && count > 1)
+    for (long long i = 0; i < (long long)count; i++)
+        run(&task[i]);
+}
+
 enum status cpu_rays_trace_all(void *self, const struct ray *ray, size_t ray_count,
                                uint32_t capacity, struct hit *hit, uint32_t *hit_count,
                                struct reason *reason)

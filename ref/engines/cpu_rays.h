@@ -26,6 +26,9 @@ enum status cpu_rays_trace(void *self, const struct ray *ray, size_t ray_count, 
 enum status cpu_rays_trace_all(void *self, const struct ray *ray, size_t ray_count,
                                uint32_t capacity, struct hit *hit, uint32_t *hit_count,
                                struct reason *reason);
+/* Runs the tasks, whole ones on each thread. */
+void cpu_rays_tasks(void *self, void (*run)(struct engine_task *task), struct engine_task *task,
+                    size_t count);
 void cpu_rays_close(void *self);
 struct model cpu_rays_model(void *self, const struct tri_test *tri);
 

@@ -10,6 +10,25 @@ static enum status cpu_ray(const struct job *job, const struct ray *ray, struct 
     return trace_ray(job->packed, job->scene, job->box, job->tri, job->query, ray, hit, counts);
 }
 
+static void cpu_task(struct engine_task *task)
+{
+    const struct job *job = &task->job;
+    task->status = STATUS_OK;
+    if (trace_rays(job->packed, job->scene, job->box, job->tri, job->query, task->ray,
+                   task->ray_count, task->hit, task->flag))
+        task->status = fail(&task->reason, STATUS_DEVICE,
+                            "rays not finished: stack of %u or %u nodes exhausted",
+                            job->packed->stack_need, job->packed->node_count);
+}
+
+static enum status cpu_tasks(void *self, struct engine_task *task, size_t count,
+                             struct reason *reason)
+{
+    (void)reason;
+    cpu_rays_tasks(self, cpu_task, task, count);
+    return STATUS_OK;
+}
+
 static enum status cpu_ray_all(const struct job *job, const struct ray *ray, uint32_t capacity,
                                struct hit *hit, uint32_t *count)
 {
@@ -43,6 +62,7 @@ const struct engine engine_cpu = {
     .open = cpu_open,
     .prepare = cpu_rays_prepare,
     .trace = cpu_rays_trace,
+    .trace_tasks = cpu_tasks,
     .trace_all = cpu_rays_trace_all,
     .model = cpu_model,
     .close = cpu_rays_close,
