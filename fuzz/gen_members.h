@@ -1,0 +1,18 @@
+/* Random members of the tables: as published only if `faithful`. */
+#ifndef FUZZ_GEN_MEMBERS_H
+#define FUZZ_GEN_MEMBERS_H
+
+#include "fuzz/trial.h"
+#include "ref/rng.h"
+
+const struct builder *gen_builder(struct rng *rng, bool faithful);
+const struct box_test *gen_box_test(struct rng *rng, bool faithful);
+const struct tri_test *gen_tri_test(struct rng *rng, bool faithful);
+
+/* 1 to 8, most often 4; with `faithful` rarely up to 16, which 16-byte layouts refuse. */
+uint32_t gen_leaf(struct rng *rng, bool faithful);
+
+/* The published builder's threshold: its default, 0, or a power of two down to 2^-30. */
+float gen_eps(struct rng *rng);
+
+#endif
