@@ -92,6 +92,56 @@ uint64_t fuzz_trial_hash(const struct fuzz_trial *trial)
     return mix_float(mix_u32(hash, trial->build.leaf), trial->build.eps);
 }
 
+/* 0 for 0, 1 for 1, 2 for 2, 1.5 and -1: how long its text is. */
+static uint64_t float_weight(float x)
+{
+    uint32_t bits = float_bits(x) & 0x7FFFFFFFu, fraction = bits & 0x7FFFFFu;
+    if (bits == 0)
+        return 0;
+    int exponent = (int)(bits >> 23) - 127;
+    if (exponent == 128)
+        return fraction ? 9 : 8;
+    uint64_t weight = 1;
+    for (; fraction & 0x7FFFFFu; fraction <<= 1)
+        weight++;
+    for (int rest = exponent < 0 ? -exponent : exponent; rest; rest /= 2)
+        weight++;
+    return weight + (float_bits(x) >> 31);
+}
+
+struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial)
+{
+    const struct scene *scene = &trial->scene;
+    struct fuzz_trial_size size = {scene->tri_count, trial->ray_count, scene->vertex_count, 0,
+                                   fuzz_trial_hash(trial)};
+    for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
+        size.bits += float_weight(scene->vertex[i]);
+    for (size_t i = 0; i < trial->ray_count; i++) {
+        const struct ray *ray = &trial->ray[i];
+        for (int k = 0; k < 3; k++)
+            size.bits += float_weight(ray->org[k]) + float_weight(ray->dir[k]);
+        size.bits += float_weight(ray->tmin) + float_weight(ray->tmax);
+    }
+    return size;
+}
+
+static int compare(uint64_t a, uint64_t b)
+{
+    return a < b ? -1 : a > b;
+}
+
+int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_trial_size *b)
+{
+    int order = compare(a->triangles, b->triangles);
+    if (!order)
+        order = compare(a->rays, b->rays);
+    if (!order)
+        order = compare(a->vertices, b->vertices);
+    if (!order)
+        order = compare(a->bits, b->bits);
+    return order ? order : compare(a->hash, b->hash);
+}
+
 enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason)
 {
     const struct scene *scene = &trial->scene;

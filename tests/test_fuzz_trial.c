@@ -142,6 +142,33 @@ static void trial_check_refuses_what_no_reader_may_pass(void **state)
     fuzz_trial_free(&trial);
 }
 
+static void smaller_is_fewer_then_rounder(void **state)
+{
+    (void)state;
+    struct fuzz_trial trial = make();
+    struct fuzz_trial_size plain = fuzz_trial_size(&trial), other;
+    assert_int_equal(fuzz_trial_size_compare(&plain, &plain), 0);
+    trial.scene.vertex[0] = 0x1.000002p+0f; /* longer than any of make() */
+    other = fuzz_trial_size(&trial);
+    assert_true(fuzz_trial_size_compare(&plain, &other) < 0);
+    trial.ray_count--; /* but a ray less */
+    other = fuzz_trial_size(&trial);
+    assert_true(fuzz_trial_size_compare(&plain, &other) > 0);
+    trial.ray_count++;
+    trial.scene.vertex[0] = 0;
+    other = fuzz_trial_size(&trial);
+    assert_true(fuzz_trial_size_compare(&plain, &other) > 0);
+    static const float round[] = {0, 1, 2, 3, 7, 0.1f}; /* each longer than the one before */
+    for (size_t i = 0; i < ARRAY_COUNT(round); i++) {
+        struct fuzz_trial_size before = other;
+        trial.scene.vertex[0] = round[i];
+        other = fuzz_trial_size(&trial);
+        if (i > 0)
+            assert_true(before.bits < other.bits);
+    }
+    fuzz_trial_free(&trial);
+}
+
 static void signature_prints_and_parses_every_kind_and_cause(void **state)
 {
     (void)state;
@@ -212,6 +239,7 @@ int main(void)
         cmocka_unit_test(trial_copy_is_deep),
         cmocka_unit_test(trial_hash_sees_all_that_decides),
         cmocka_unit_test(trial_check_refuses_what_no_reader_may_pass),
+        cmocka_unit_test(smaller_is_fewer_then_rounder),
         cmocka_unit_test(signature_prints_and_parses_every_kind_and_cause),
         cmocka_unit_test(signature_refuses_what_names_no_folder),
     };
