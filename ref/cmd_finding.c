@@ -1,5 +1,7 @@
 #include "ref/cmd_finding.h"
 
+#include "fuzz/recorded.h"
+
 #include <stdio.h>
 
 /* How far before the place at fault of a list its explanation begins, relative to its t. */
@@ -30,6 +32,13 @@ bool finding_command(const struct row *row, const struct finding *finding, const
     if (of.query == QUERY_ALL) {
         of.query = QUERY_CLOSEST;
         start_before(finding, &ray);
+    }
+    char name[RECORDED_NAME_MOST];
+    struct engine answered = *row->engine;
+    if (row->engine->recorded) { /* it can be explained, but not asked again */
+        recorded_name(row->engine->name, &finding->got, name);
+        answered.name = name;
+        of.engine = &answered;
     }
     explain_command(&of, &ray, text);
     return true;

@@ -2,6 +2,7 @@
 #include "ref/cmd_tables.h"
 
 #include "fuzz/pipe.h"
+#include "fuzz/recorded.h"
 #include "ref/engine.h"
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
@@ -96,28 +97,37 @@ static bool is_everything(enum table table, const char *text)
     return table != TABLE_QUERIES && strcmp(text, "all") == 0;
 }
 
+static bool begins_with(const char *text, const char *prefix)
+{
+    return strncmp(text, prefix, strlen(prefix)) == 0;
+}
+
 /* Length of the name at the start of the text. A command may hold commas: its name goes on to the
  * end, or to the next command. */
 static size_t name_length(enum table table, const char *text)
 {
-    if (table != TABLE_ENGINES || strncmp(text, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0)
+    if (table != TABLE_ENGINES || !begins_with(text, PIPE_PREFIX))
         return strcspn(text, ",");
     const char *next = strstr(text, "," PIPE_PREFIX);
     return next ? (size_t)(next - text) : strlen(text);
 }
 
-/* Puts the engine "pipe:COMMAND" into the table, if that is what is named. */
-static enum status add_peer(enum table table, const char *flag, const char *text, size_t length,
-                            struct reason *reason)
+/* Puts the engine "pipe:COMMAND" or "answer:..." into the table, if that is what is named. */
+static enum status add_engine(enum table table, const char *flag, const char *text, size_t length,
+                              struct reason *reason)
 {
     char name[PIPE_NAME_MOST + 1];
     const struct engine *engine;
     struct reason why = {""};
-    if (table != TABLE_ENGINES || strncmp(text, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0)
+    enum status status = STATUS_OK;
+    if (table != TABLE_ENGINES)
         return STATUS_OK;
     snprintf(name, sizeof name, "%.*s", (int)(length < PIPE_NAME_MOST ? length : PIPE_NAME_MOST),
              text);
-    enum status status = pipe_engine(name, &engine, &why);
+    if (begins_with(name, PIPE_PREFIX))
+        status = pipe_engine(name, &engine, &why);
+    else if (begins_with(name, RECORDED_PREFIX))
+        status = recorded_find(name, &engine, &why);
     return status ? fail(reason, STATUS_INPUT, "%s: %s", flag, why.text) : STATUS_OK;
 }
 
@@ -133,7 +143,7 @@ enum status table_parse(enum table table, const char *flag, const char *text, st
         size_t length = name_length(table, at);
         size_t i = 0;
         const char *name;
-        enum status status = add_peer(table, flag, at, length, reason);
+        enum status status = add_engine(table, flag, at, length, reason);
         if (status)
             return status;
         while ((name = table_member(table, i, NULL)) &&

@@ -35,10 +35,13 @@ int cmd_check(int argc, char **argv);
 int cmd_conform(int argc, char **argv);
 int cmd_doctor(int argc, char **argv);
 int cmd_explain(int argc, char **argv);
+int cmd_gen(int argc, char **argv);
+int cmd_judge(int argc, char **argv);
 int cmd_leaks(int argc, char **argv);
 int cmd_list(int argc, char **argv);
 int cmd_precompute(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
+int cmd_verify(int argc, char **argv);
 
 /* Prints "raydiff COMMAND: TEXT" to stderr with a hint at --help and returns EXIT_USAGE. */
 int usage_error(const char *command, const char *format, ...) PRINTF_LIKE(2, 3);

@@ -40,7 +40,7 @@ OBJ
 small="--count 200 --repeat 1 --engine cpu"
 
 # Help is on standard output and succeeds, everywhere.
-for command in '' check conform explain leaks bench list doctor scene precompute; do
+for command in '' check conform explain leaks bench list doctor scene precompute judge gen verify; do
     expect 0 . $command --help
     grep -q 'example' "$dir/out" || bad "raydiff $command --help shows no example"
 done
@@ -201,6 +201,73 @@ eval "expect 1 . $again"
 grep -q '^cause     sentinel' "$dir/out" || bad "explain's own command line gives the same cause"
 expect 1 . explain closest.cpu.rtrs_rf_paper.median.robust.mt.soup.vertices.1 --count 5000
 expect 2 'no-such-folder' explain "$dir/one.obj" --ray '0,0,-1 0,0,1' --json "$dir/no-such-folder/x"
+
+# Any tracer: as a child process, over text in a shell's pipe, from files.
+samples=$(dirname "$raydiff")/samples
+peer="--count 2000 --repeat 1"
+[ -x "$samples/tracer" ] || bad "no sample tracer: make tests builds it"
+if [ -x "$samples/tracer" ]; then
+    expect 0 . check sphere --engine "pipe:$samples/tracer" $peer --json "$dir/peer.json"
+    grep -q "^-  *pipe:.*tracer .* 0 *0 " "$dir/out" || bad "a peer is a row"
+    grep -q '"engine": "pipe:' "$dir/peer.json" || bad "a peer is in the JSON"
+    for bug in 1 2; do
+        expect 1 . check sphere --engine "pipe:$samples/tracer_bug$bug" $peer
+        again=$(sed -n 's/^  explain: raydiff //p' "$dir/out" | head -n 1)
+        eval "expect 1 . $again"
+        grep -q '^verdict   WRONG' "$dir/out" || bad "a peer's WRONG ray can be explained"
+    done
+    expect 0 . check sphere --engine "cpu,pipe:$samples/tracer,pipe:exec '$samples/tracer' a,b" $peer
+    [ "$(grep -c '^-  *pipe:' "$dir/out")" -eq 2 ] || bad "two peers beside cpu, one with a comma"
+    expect 0 . conform "closest.pipe:$samples/tracer.-.-.-.mt.soup.vertices.1"
+    expect 0 . conform 'closest.*.vertices.1' --engine "pipe:$samples/tracer"
+    expect 1 . conform 'closest.*.vertices.1' --engine "pipe:$samples/tracer_bug1"
+    expect 0 . conform 'hard.28-*' --engine "pipe:$samples/tracer"
+    expect 0 . leaks sphere:n=4 --count 1000 --engine "pipe:$samples/tracer"
+fi
+expect 77 . check sphere --engine 'pipe:no-such-tracer' $peer
+grep -q 'exit code 127' "$dir/out" || bad "a command that is not found is skipped, with the reason"
+expect 3 . check sphere --engine 'pipe:echo Hello, World, and all who sail in her' $peer
+grep -q "begins with 'Hell', not with 'RDRA'" "$dir/out" || bad "a peer's nonsense is named"
+expect 3 . check sphere --engine 'pipe:sleep 100' --peer-time 1 $peer
+grep -q 'late: ' "$dir/out" || bad "a peer that hangs is late"
+expect 2 "'pipe:' is not pipe:COMMAND" check sphere --engine pipe:
+expect 2 "'0' is not a whole number from 1" check sphere --peer-time 0
+expect 2 "is not answer:FORMULA" explain soup --engine answer:x
+expect 2 'no scene given' gen
+expect 2 'not all' gen soup --query all
+expect 2 'no-such-folder' gen soup --out "$dir/no-such-folder/x"
+expect 0 . gen sphere:n=4 --count 60 --decimal --out "$dir/rays"
+awk -f fuzz/samples/tracer.awk "$dir/rays" >"$dir/hits"
+"$raydiff" verify <"$dir/hits" >"$dir/out" 2>"$dir/err" || bad "gen | awk | verify: the awk sample is right"
+grep -q 'set mixed, seed 1' "$dir/out" || bad "verify says what it judged"
+expect 0 . judge sphere:n=4 "$dir/rays" "$dir/hits" --json "$dir/judged.json"
+grep -q '"engine": "answer:unknown:ieee:0"' "$dir/judged.json" || bad "judge --json has the row"
+awk '$1 == "h" && !n++ { $5 = ($5 + 60) % 128 } { print }' "$dir/hits" >"$dir/bad"
+expect 1 . judge sphere:n=4 "$dir/rays" "$dir/bad"
+again=$(sed -n 's/^  explain: raydiff //p' "$dir/out" | head -n 1)
+eval "expect 1 . $again"
+grep -q '^verdict   WRONG' "$dir/out" || bad "judge's explain command says why"
+"$raydiff" verify <"$dir/bad" >"$dir/out" 2>"$dir/err"
+[ $? -eq 1 ] || bad "verify: a wrong answer exits with 1"
+expect 2 'MESH, RAYS and HITS are needed' judge sphere "$dir/rays"
+expect 2 "cannot both be '-'" judge sphere - -
+expect 2 'hits: has h or m lines' judge sphere:n=4 "$dir/hits" "$dir/hits"
+expect 2 'rays: has v, t or r lines' judge sphere:n=4 "$dir/rays" "$dir/rays"
+expect 2 'of another scene than sphere:n=5' judge sphere:n=5 "$dir/rays" "$dir/hits"
+head -n 11 "$dir/hits" >"$dir/bad"
+expect 2 'bad:11: ends after 10 of 60 answers' judge sphere:n=4 "$dir/rays" "$dir/bad"
+echo m | cat "$dir/hits" - >"$dir/bad"
+expect 2 'bad:62: an answer to ray 60, but there are only 60 rays' judge sphere:n=4 "$dir/rays" "$dir/bad"
+sed '5s/.*/h 1 0 0 128/' "$dir/hits" >"$dir/bad"
+expect 2 'bad:5: triangle 128 is none of 128' judge sphere:n=4 "$dir/rays" "$dir/bad"
+echo 'refused no spheres' >"$dir/bad"
+expect 3 'bad: the tracer refused: no spheres' judge sphere:n=4 "$dir/rays" "$dir/bad"
+grep -v '^from' "$dir/hits" | "$raydiff" verify >"$dir/out" 2>"$dir/err"
+[ $? -eq 2 ] && grep -q "has no 'from' line" "$dir/err" || bad "verify needs the 'from' line"
+sed 's/^from ./from f/' "$dir/hits" | sed 's/^from ff/from f0/' | "$raydiff" verify >"$dir/out" 2>"$dir/err"
+[ $? -eq 2 ] && grep -q "of another scene or other rays" "$dir/err" || bad "verify knows a stale answer"
+"$raydiff" verify </dev/null >"$dir/out" 2>"$dir/err"
+[ $? -eq 2 ] && grep -q "standard input: is empty" "$dir/err" || bad "verify: no answer at all"
 
 # The seed's tree file: complete, byte for byte, or not there.
 expect 2 '--out is missing' precompute --scene "$dir/one.obj"

@@ -47,7 +47,7 @@ static const char *read_hexadecimal(const char *text, float *out)
     return seen > 0 && (double)*out == value && digits < UINT64_C(1) << 53 ? text : NULL;
 }
 
-static const char *read_number(const char *text, float *out)
+const char *float_text_read(const char *text, float *out)
 {
     const char *from = *text == '-' || *text == '+' ? text + 1 : text;
     float sign = *text == '-' ? -1.0f : 1.0f;
@@ -82,7 +82,7 @@ enum status ray_text_read(const char *text, float tmax, struct ray *out, struct 
     while (is_separator(*at))
         at++;
     while (*at) {
-        const char *end = count < 8 ? read_number(at, &value[count]) : NULL;
+        const char *end = count < 8 ? float_text_read(at, &value[count]) : NULL;
         if (!end || (*end && !is_separator(*end)))
             return fail(reason, STATUS_INPUT,
                         count < 8 ? "ray: '%.40s' does not begin with a float32 number"

@@ -21,4 +21,8 @@ size_t ray_text_write(const struct ray *ray, char text[RAY_TEXT_MOST]);
 /* One number likewise, "0x1.8p+1". */
 void float_text_write(float x, char text[32]);
 
+/* Reads one number as above; the text needs a 0 or another byte that no number contains after it.
+ * Returns the first byte after the number, or NULL if there is none or none that is a float32. */
+const char *float_text_read(const char *text, float *out);
+
 #endif
