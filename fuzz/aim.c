@@ -95,7 +95,7 @@ static void target_half(const struct aim *aim, struct rng *rng, struct target *o
     if (bits & 0x40000u)
         code = bits & 0x80000u ? half_bound_up(bound) : half_bound_down(bound);
     float step = half_to_float(code);
-    if (float_is_finite(step))
+    if (bound <= 65536.0f && bound >= -65536.0f && float_is_finite(step))
         out->at[axis] = float_step(step, (int)(bits >> 24 & 3) - 1);
 }
 

@@ -38,7 +38,8 @@ float aim_set(const float org[3], const float dir[3], struct ray *out)
         out->dir[2] = 1.0f;
         return 1.0f;
     }
-    int exponent = (int)(float_bits(largest) >> 23) - 127, shift = 0;
+    float near = largest < 0x1p-90f ? 0x1p60f : 1.0f; /* subnormals have no exponent */
+    int exponent = (int)(float_bits(largest * near) >> 23) - 127, shift = 0;
     if (exponent > 30)
         shift = 30 - exponent;
     else if (exponent < -30)
@@ -47,9 +48,9 @@ float aim_set(const float org[3], const float dir[3], struct ray *out)
     for (int k = 0; k < 3; k++) {
         if (size_of(out->dir[k]) < least)
             out->dir[k] = zero_like(out->dir[k]);
-        out->dir[k] *= power_of_two(shift);
+        out->dir[k] = out->dir[k] * near * power_of_two(shift);
     }
-    return power_of_two(-shift);
+    return power_of_two(-shift) / near;
 }
 
 /* The nearest multiple of the quantum, where floats are finer. */

@@ -3,6 +3,8 @@
 
 #include "fuzz/gen_sketch.h"
 
+#include <string.h>
+
 /* Coordinates up to which rays are aimed: origins stay within 2^40 then. */
 #define REACH 0x1p37f
 
@@ -34,20 +36,49 @@ static int longest_axis(const struct box *box)
     return axis;
 }
 
-/* Moves the triangles on the lower side of the middle to the front; returns how many. */
-static uint32_t part(struct split *split, struct range range, const struct box *box)
+/* Moves the triangles whose centroids are below `middle`, and the first `ties` of those on it, to
+ * the front; both sides keep their order. Returns how many. */
+static uint32_t part(struct split *split, struct range range, int axis, float middle, uint32_t ties)
+{
+    uint8_t *prim = split->prim + range.first, back[AIM_SPLIT_MOST];
+    uint32_t front = 0, rest = 0;
+    for (uint32_t i = 0; i < range.count; i++) {
+        float at = split->centroid[prim[i]][axis];
+        bool tie = at == middle && ties > 0;
+        ties -= tie;
+        if (at < middle || tie)
+            prim[front++] = prim[i];
+        else
+            back[rest++] = prim[i];
+    }
+    memcpy(prim + front, back, rest);
+    return front;
+}
+
+/* Moves the half with the smaller centroids to the front. */
+static uint32_t halve(struct split *split, struct range range, int axis)
+{
+    float sorted[AIM_SPLIT_MOST];
+    uint32_t half = range.count / 2, below = 0;
+    for (uint32_t i = 0; i < range.count; i++) {
+        float at = split->centroid[split->prim[range.first + i]][axis];
+        uint32_t place = i;
+        for (; place > 0 && sorted[place - 1] > at; place--)
+            sorted[place] = sorted[place - 1];
+        sorted[place] = at;
+    }
+    while (sorted[below] < sorted[half])
+        below++;
+    return part(split, range, axis, sorted[half], half - below);
+}
+
+/* Splits at the middle of the longest axis, in halves if that separates nothing. */
+static uint32_t split_range(struct split *split, struct range range, const struct box *box)
 {
     int axis = longest_axis(box);
     float middle = 0.5f * box->lo[axis] + 0.5f * box->hi[axis];
-    uint32_t front = 0;
-    for (uint32_t i = 0; i < range.count; i++) {
-        uint8_t *prim = split->prim + range.first, at = prim[i];
-        if (split->centroid[at][axis] <= middle) {
-            prim[i] = prim[front];
-            prim[front++] = at;
-        }
-    }
-    return front == 0 || front == range.count ? range.count / 2 : front;
+    uint32_t front = part(split, range, axis, middle, UINT32_MAX);
+    return front == 0 || front == range.count ? halve(split, range, axis) : front;
 }
 
 static void add_split_boxes(uint32_t leaf, struct aim *aim)
@@ -73,7 +104,7 @@ static void add_split_boxes(uint32_t leaf, struct aim *aim)
         aim->box[aim->box_count++] = box;
         if (range.count <= leaf)
             continue;
-        uint32_t front = part(&split, range, &box);
+        uint32_t front = split_range(&split, range, &box);
         todo[waiting++] = (struct range){range.first, front};
         todo[waiting++] = (struct range){range.first + front, range.count - front};
     }

@@ -28,7 +28,8 @@ static void draw_beside(struct sketch *sketch, bool midpoints)
             for (int k = 0; k < 3; k++) {
                 float step = power_of_two((int)exponent - 25), x = anchor[k];
                 int away = (int)rng_below(sketch->rng, 129) - 64;
-                x = narrow ? x + step * (float)away : any_half(sketch, exponent - 1, exponent);
+                x = narrow ? x + step * (float)away
+                           : any_half(sketch, exponent - !midpoints, exponent);
                 if (midpoints)
                     x += 0.5f * step;
                 v[c][k] = float_step(x, (int)rng_below(sketch->rng, 5) - 2);

@@ -114,7 +114,7 @@ static void the_first_thousand_trials_are_what_they_were(void **state)
 {
     (void)state;
     static const struct gen_options published = {16, 64, 100, true};
-    const uint64_t golden = 0x71DCA7C6B7543A5Eu, golden_published = 0x4935F71E4976F58Eu;
+    const uint64_t golden = 0xC7C2FC190DC93183u, golden_published = 0x75E76FF5B958BDBFu;
     uint64_t hash = hash_of_many(&ordinary), faithful = hash_of_many(&published);
     if (hash != golden || faithful != golden_published)
         print_error("0x%016llXu, 0x%016llXu\n", (unsigned long long)hash,
