@@ -99,16 +99,23 @@ static void target_half(const struct aim *aim, struct rng *rng, struct target *o
         out->at[axis] = float_step(step, (int)(bits >> 24 & 3) - 1);
 }
 
-/* By a few steps of a float or a small part of the scene, in half of the rays. */
-static void displace(const struct aim *aim, struct rng *rng, struct target *target)
+/* What the rays of a run have in common: branches that a processor can predict halve the time. */
+struct plan {
+    enum aim_kind kind;
+    enum approach approach;
+    uint32_t between; /* AIM_CORNER: 0 corners, 1 edges; AIM_FACE: 2 */
+    uint32_t moved;   /* 0: by steps of a float, 1: by a part of the scene, else not */
+    uint32_t range;   /* of 64, see limit() */
+};
+
+/* By a few steps of a float or a small part of the scene. */
+static void displace(const struct aim *aim, struct rng *rng, bool steps, struct target *target)
 {
     uint64_t bits = rng_u64(rng);
-    if (bits & 1)
-        return;
     float reach = aim->extent * power_of_two(-6 - (int)(bits >> 8 & 15));
     for (int k = 0; k < 3; k++) {
         uint32_t piece = (uint32_t)(bits >> (16 + 16 * k)) & 0xFFFFu;
-        if (bits & 2)
+        if (steps)
             target->at[k] = float_step(target->at[k], (int)(piece % 5) - 2);
         else
             target->at[k] += reach * ((float)piece * 0x1p-15f - 1.0f);
@@ -116,12 +123,11 @@ static void displace(const struct aim *aim, struct rng *rng, struct target *targ
 }
 
 /* The range: t of the target is `t`. */
-static void limit(struct rng *rng, float t, struct ray *out)
+static void limit(struct rng *rng, uint32_t how, float t, struct ray *out)
 {
-    uint32_t bits = (uint32_t)rng_u64(rng), how = bits & 63;
     if (how < 44)
         return;
-    float beside = float_step(t, (int)(bits >> 8) % 3 - 1);
+    float beside = float_step(t, (int)rng_below(rng, 3) - 1);
     if (how < 52)
         out->tmax = float_from_bits(0x7F800000u);
     else if (how < 55)
@@ -173,6 +179,9 @@ static void grazing_ray(const struct aim *aim, struct rng *rng, struct target *t
     aim_set(org, dir, out);
 }
 
+/* Rays of one kind in a row. */
+#define RUN 4u
+
 /* Of 64 rays so many are of each kind and those before it: 48 are aimed at features. */
 static const uint8_t kind_end[AIM_KINDS] = {13, 26, 31, 37, 48, 54, 58, 60, 63, 64};
 
@@ -188,40 +197,66 @@ static uint32_t choose(const uint8_t *end, uint32_t at)
     return i;
 }
 
-enum aim_kind aim_ray(const struct aim *aim, struct rng *rng, struct ray *out, float target[3])
+static struct plan plan_run(struct rng *rng)
 {
     uint64_t bits = rng_u64(rng);
-    enum aim_kind kind = (enum aim_kind)choose(kind_end, bits & 63);
-    bool bounds = kind == AIM_CORNER || kind == AIM_FACE || kind == AIM_HALF;
-    struct target to = {.axis = (int)(bits >> 8 & 0xFF) % 3};
-    if (kind == AIM_RANDOM || kind == AIM_AXIS) {
-        random_ray(aim, rng, kind == AIM_AXIS, out);
-        return kind;
-    }
-    if (kind == AIM_DEGENERATE) {
+    struct plan plan = {.kind = (enum aim_kind)choose(kind_end, bits & 63)};
+    bool bounds = plan.kind == AIM_CORNER || plan.kind == AIM_FACE || plan.kind == AIM_HALF;
+    plan.approach = (enum approach)choose(bounds ? to_bounds : to_points, bits >> 8 & 15);
+    plan.between = plan.kind == AIM_FACE ? 2 : bits >> 16 & 1;
+    plan.moved = plan.kind == AIM_HALF ? 2 : bits >> 24 & 3;
+    plan.range = bits >> 32 & 63;
+    return plan;
+}
+
+static void aim_planned(const struct aim *aim, struct rng *rng, const struct plan *plan,
+                        struct ray *out, struct target *to)
+{
+    if (plan->kind == AIM_VERTEX)
+        target_vertex(aim, rng, to);
+    else if (plan->kind == AIM_EDGE)
+        target_edge(aim, rng, to);
+    else if (plan->kind == AIM_HALF)
+        target_half(aim, rng, to);
+    else if (plan->kind == AIM_INSIDE)
+        target_inside(aim, rng, to);
+    else
+        target_box(aim, rng, plan->between, to);
+    if (plan->moved < 2)
+        displace(aim, rng, plan->moved == 0, to);
+    float t = aim_approach(aim, rng, to, plan->approach, out);
+    limit(rng, plan->range, t, out);
+}
+
+static void make_ray(const struct aim *aim, struct rng *rng, const struct plan *plan,
+                     struct ray *out, float target[3])
+{
+    struct target to = {.axis = (int)rng_below(rng, 3)};
+    if (plan->kind == AIM_RANDOM || plan->kind == AIM_AXIS)
+        random_ray(aim, rng, plan->kind == AIM_AXIS, out);
+    else if (plan->kind == AIM_DEGENERATE)
         aim_degenerate(aim, rng, out);
-        return kind;
-    }
-    if (kind == AIM_GRAZING) {
+    else if (plan->kind == AIM_GRAZING)
         grazing_ray(aim, rng, &to, out);
-    } else {
-        if (kind == AIM_VERTEX)
-            target_vertex(aim, rng, &to);
-        else if (kind == AIM_EDGE)
-            target_edge(aim, rng, &to);
-        else if (kind == AIM_HALF)
-            target_half(aim, rng, &to);
-        else if (kind == AIM_INSIDE)
-            target_inside(aim, rng, &to);
-        else
-            target_box(aim, rng, kind == AIM_FACE ? 2 : (uint32_t)(bits >> 20 & 1), &to);
-        if (kind != AIM_HALF)
-            displace(aim, rng, &to);
-        uint32_t approach = choose(bounds ? to_bounds : to_points, bits >> 16 & 15);
-        float t = aim_approach(aim, rng, &to, (enum approach)approach, out);
-        limit(rng, t, out);
-    }
+    else
+        aim_planned(aim, rng, plan, out, &to);
     for (int k = 0; k < 3; k++)
         target[k] = to.at[k];
-    return kind;
+}
+
+enum aim_kind aim_ray(const struct aim *aim, struct rng *rng, struct ray *out, float target[3])
+{
+    struct plan plan = plan_run(rng);
+    make_ray(aim, rng, &plan, out, target);
+    return plan.kind;
+}
+
+void aim_rays(const struct aim *aim, struct rng *rng, struct ray *out, uint32_t count)
+{
+    for (uint32_t first = 0; first < count; first += RUN) {
+        struct plan plan = plan_run(rng);
+        float target[3];
+        for (uint32_t i = first; i < first + RUN && i < count; i++)
+            make_ray(aim, rng, &plan, &out[i], target);
+    }
 }

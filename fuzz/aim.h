@@ -42,8 +42,11 @@ struct aim {
  * is aimed at; of a large one those of random triangles. */
 void aim_make(const struct scene *scene, uint32_t leaf, struct rng *rng, struct aim *out);
 
-/* Makes one ray. `target` receives the point it is aimed at (all kinds but AIM_RANDOM, AIM_AXIS,
- * AIM_DEGENERATE, where it is not set). All kinds but AIM_DEGENERATE keep ray_in_contract. */
+/* Makes one ray. `target` receives the point it is aimed at (0, 0, 0 for AIM_RANDOM, AIM_AXIS and
+ * AIM_DEGENERATE). All kinds but AIM_DEGENERATE keep ray_in_contract. */
 enum aim_kind aim_ray(const struct aim *aim, struct rng *rng, struct ray *out, float target[3]);
+
+/* Makes `count` rays, four of a kind in a row: the kinds' shares are those of aim_ray. */
+void aim_rays(const struct aim *aim, struct rng *rng, struct ray *out, uint32_t count);
 
 #endif

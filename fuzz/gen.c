@@ -106,10 +106,7 @@ static enum status make(uint64_t seed, uint64_t index, const struct gen_options 
     choose_tests(&rng, options, sketch.leaf, out);
     struct aim aim;
     aim_make(&out->scene, out->build.leaf, &rng, &aim);
-    for (uint32_t i = 0; i < out->ray_count; i++) {
-        float target[3];
-        aim_ray(&aim, &rng, &out->ray[i], target);
-    }
+    aim_rays(&aim, &rng, out->ray, out->ray_count);
     return STATUS_OK;
 }
 

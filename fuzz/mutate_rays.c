@@ -20,12 +20,10 @@ enum status edit_aim(struct rng *rng, struct fuzz_trial *trial, bool *changed)
     struct aim aim;
     uint32_t count;
     struct ray *ray = some_rays(rng, trial, &count);
-    float target[3];
     if (count == 0)
         return STATUS_OK;
     aim_make(&trial->scene, trial->build.leaf, rng, &aim);
-    for (uint32_t i = 0; i < count; i++)
-        aim_ray(&aim, rng, &ray[i], target);
+    aim_rays(&aim, rng, ray, count);
     *changed = true;
     return STATUS_OK;
 }

@@ -207,6 +207,45 @@ static void rays_that_are_not_aimed_are_caught(void **state)
     assert_true(tally.off > 1000);
 }
 
+/* Rays of whole trials whose lines pass a vertex to rounding, in percent; `aimed` or replaced by
+ * random ones. */
+static double through_vertices(bool aimed)
+{
+    uint32_t all = 0, through = 0;
+    for (uint32_t t = 0; t < 60; t++) {
+        struct fuzz_trial trial = trial_of(37, t, &ordinary);
+        struct rng rng = rng_make(37, t);
+        struct aim aim;
+        if (trial.scene.tri_count == 0 || trial.scene.tri_count > 100) {
+            fuzz_trial_free(&trial);
+            continue;
+        }
+        aim_make(&trial.scene, 1, &rng, &aim);
+        for (uint32_t i = 0; i < trial.ray_count; i++) {
+            float unused[3];
+            double nearest = INFINITY;
+            while (!aimed && aim_ray(&aim, &rng, &trial.ray[i], unused) != AIM_RANDOM)
+                ;
+            for (uint32_t v = 0; v < trial.scene.vertex_count; v++)
+                nearest = fmin(nearest, from_line(&trial.ray[i], trial.scene.vertex + 3 * v));
+            all++;
+            through += nearest <= 0x1p-21 * (double)aim.extent;
+        }
+        fuzz_trial_free(&trial);
+    }
+    return 100.0 * through / all;
+}
+
+static void trials_have_the_aimed_rays(void **state)
+{
+    (void)state;
+    double aimed = through_vertices(true), random = through_vertices(false);
+    print_message(
+        "%.1f %% of the rays of trials pass a vertex to rounding, %.1f %% of random ones\n", aimed,
+        random);
+    assert_true(aimed > 15 && random < 5);
+}
+
 /* --- boxes and halves --------------------------------------------------------------------------
  */
 
@@ -305,6 +344,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(three_rays_of_four_are_aimed_at_features),
         cmocka_unit_test(rays_that_are_not_aimed_are_caught),
+        cmocka_unit_test(trials_have_the_aimed_rays),
         cmocka_unit_test(boxes_are_those_of_the_tree),
         cmocka_unit_test(aimed_rays_find_bounds_rounded_inward),
     };
