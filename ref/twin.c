@@ -33,12 +33,32 @@ struct bounded {
     double x, e;
 };
 
-static struct bounded exact(float v)
+/* A rounding, ready for use. Of a fuzzing run's own time most goes into the steps below, so they
+ * are inlined and what depends on the rounding alone is computed once. */
+struct rules {
+    double add, mul, div; /* relative */
+    double tiny, flush;   /* what a subnormal operand or result may lose */
+    bool estimated;       /* divisions are promised for some divisors only */
+};
+
+#define STEP static inline __attribute__((always_inline))
+
+static struct rules rules_of(const struct rounding *k)
+{
+    return (struct rules){.add = k->add * UNIT,
+                          .mul = k->mul * UNIT,
+                          .div = k->div * UNIT,
+                          .tiny = k->tiny,
+                          .flush = k->tiny > 0x1p-149 ? k->tiny : 0.0,
+                          .estimated = k->div > 1.0};
+}
+
+STEP struct bounded exact(float v)
 {
     return (struct bounded){v, (double)v, 0.0};
 }
 
-static struct bounded settle(float v, double x, double e)
+STEP struct bounded settle(float v, double x, double e)
 {
 #if MUTANT == MUTANT_BAD_TWIN
     e *= 1e-4;
@@ -48,83 +68,79 @@ static struct bounded settle(float v, double x, double e)
     return (struct bounded){v, x, e * SLACK};
 }
 
-/* What a subnormal operand or result may lose by being flushed. */
-static double flush_of(const struct rounding *k)
-{
-    return k->tiny > 0x1p-149 ? k->tiny : 0.0;
-}
-
 /* An operand as the operation sees it: a subnormal one may be flushed. */
-static double operand_error(const struct rounding *k, struct bounded a)
+STEP double operand_error(const struct rules *k, struct bounded a)
 {
 #if MUTANT == MUTANT_OPERAND_KEPT
     (void)k;
     return a.e;
 #endif
+    if (k->flush == 0.0)
+        return a.e;
     bool zero = a.x == 0.0 && a.e == 0.0;
-    return !zero && fabs(a.x) - a.e < NORMAL ? a.e + flush_of(k) : a.e;
+    return !zero && fabs(a.x) - a.e < NORMAL ? a.e + k->flush : a.e;
 }
 
 /* Sums of float32 are exact below the normal range, unless they are flushed. */
-static struct bounded add(const struct rounding *k, struct bounded a, struct bounded b)
+STEP struct bounded add(const struct rules *k, struct bounded a, struct bounded b)
 {
     double x = a.x + b.x, carried = operand_error(k, a) + operand_error(k, b);
-    double e = carried + k->add * UNIT * (fabs(x) + carried) + flush_of(k);
+    double e = carried + k->add * (fabs(x) + carried) + k->flush;
     return settle(a.v + b.v, x, e);
 }
 
-static struct bounded negate(struct bounded a)
+STEP struct bounded negate(struct bounded a)
 {
     return (struct bounded){-a.v, -a.x, a.e};
 }
 
-static struct bounded sub(const struct rounding *k, struct bounded a, struct bounded b)
+STEP struct bounded sub(const struct rules *k, struct bounded a, struct bounded b)
 {
     return add(k, a, negate(b));
 }
 
 /* a - b where the engine compares a with b: nothing is rounded. */
-static struct bounded compare(struct bounded a, struct bounded b)
+STEP struct bounded compare(struct bounded a, struct bounded b)
 {
     return settle(a.v - b.v, a.x - b.x, a.e + b.e);
 }
 
-static struct bounded mul(const struct rounding *k, struct bounded a, struct bounded b)
+STEP struct bounded mul(const struct rules *k, struct bounded a, struct bounded b)
 {
     double ea = operand_error(k, a), eb = operand_error(k, b);
     double x = a.x * b.x, carried = fabs(a.x) * eb + fabs(b.x) * ea + ea * eb;
-    double e = carried + k->mul * UNIT * (fabs(x) + carried) + k->tiny;
+    double e = carried + k->mul * (fabs(x) + carried) + k->tiny;
     return settle(a.v * b.v, x, e);
 }
 
 /* With a = exact a + da and so on: a'/b' - a/b = (da - a/b db) / b', |b'| >= |b| - eb. */
-static struct bounded divide(const struct rounding *k, struct bounded a, struct bounded b)
+STEP struct bounded divide(const struct rules *k, struct bounded a, struct bounded b)
 {
     double ea = operand_error(k, a), eb = operand_error(k, b);
     double x = a.x / b.x, least = fabs(b.x) - eb, most = fabs(b.x) + eb;
     bool promised = least > 0.0;
-    if (k->div > 1.0)
+    if (k->estimated)
         promised = least >= DIVISOR_LEAST && most <= DIVISOR_MOST;
     double carried = (ea + fabs(x) * eb) / least;
-    double e = carried + k->div * UNIT * (fabs(x) + carried) + k->tiny;
+    double e = carried + k->div * (fabs(x) + carried) + k->tiny;
     return settle(a.v / b.v, x, promised ? e : INFINITY);
 }
 
 /* Twice a value, without error. */
-static struct bounded twice(struct bounded a)
+STEP struct bounded twice(struct bounded a)
 {
     return settle(2.0f * a.v, 2.0 * a.x, 2.0 * a.e);
 }
 
-static void subtract(const struct rounding *k, const struct bounded a[3], const struct bounded b[3],
-                     struct bounded out[3])
+STEP void subtract(const struct rules *k, const struct bounded a[3], const struct bounded b[3],
+                   struct bounded out[3])
 {
     for (int i = 0; i < 3; i++)
         out[i] = sub(k, a[i], b[i]);
 }
 
-static void cross(const struct rounding *k, const struct bounded a[3], const struct bounded b[3],
-                  struct bounded out[3])
+STEP void cross(const struct rules *k, const struct bounded a[3], const struct bounded b[3],
+                struct bounded out[3])
 {
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, l = (i + 2) % 3;
@@ -133,16 +149,15 @@ static void cross(const struct rounding *k, const struct bounded a[3], const str
 }
 
 /* (x + y) + z */
-static struct bounded dot(const struct rounding *k, const struct bounded a[3],
-                          const struct bounded b[3])
+STEP struct bounded dot(const struct rules *k, const struct bounded a[3], const struct bounded b[3])
 {
     struct bounded sum = add(k, mul(k, a[0], b[0]), mul(k, a[1], b[1]));
     return add(k, sum, mul(k, a[2], b[2]));
 }
 
 /* x + (y + z), as Embree sums. */
-static struct bounded dot_embree(const struct rounding *k, const struct bounded a[3],
-                                 const struct bounded b[3])
+STEP struct bounded dot_embree(const struct rules *k, const struct bounded a[3],
+                               const struct bounded b[3])
 {
     struct bounded sum = add(k, mul(k, a[1], b[1]), mul(k, a[2], b[2]));
     return add(k, mul(k, a[0], b[0]), sum);
@@ -161,7 +176,7 @@ struct input {
     struct bounded o[3], d[3], v[3][3];
 };
 
-static struct outcome eval_moeller_trumbore(const struct rounding *k, const struct input *in)
+static struct outcome eval_moeller_trumbore(const struct rules *k, const struct input *in)
 {
     struct bounded e1[3], e2[3], s[3], p[3], q[3];
     struct outcome out = {.band = 0.0};
@@ -180,7 +195,7 @@ static struct outcome eval_moeller_trumbore(const struct rounding *k, const stru
     return out;
 }
 
-static struct outcome eval_woop(const struct rounding *k, const struct input *in,
+static struct outcome eval_woop(const struct rules *k, const struct input *in,
                                 const struct tri_ray *r)
 {
     struct bounded x[3], y[3], z[3];
@@ -209,7 +224,7 @@ static struct outcome eval_woop(const struct rounding *k, const struct input *in
  * takes them no farther from the exact value than the bound. The range is tested as
  * |det| tmin < |T| <= |det| tmax: the product's error, one rounding and one underflow, is among
  * those that t's bound has counted in T and in the multiplication by the reciprocal. */
-static struct outcome eval_embree(const struct rounding *k, const struct input *in)
+static struct outcome eval_embree(const struct rules *k, const struct input *in)
 {
     struct bounded e1[3], e2[3], n[3], c[3], r[3];
     struct outcome out = {.band = 0.0};
@@ -231,8 +246,7 @@ static struct outcome eval_embree(const struct rounding *k, const struct input *
 
 /* Embree's normal of edges a, b, c is, component by component, a x b or b x c, whichever has the
  * smaller products. Either may be chosen where they are as good as equal. */
-static struct bounded stable_component(const struct rounding *k, const struct bounded e[3][3],
-                                       int i)
+STEP struct bounded stable_component(const struct rules *k, const struct bounded e[3][3], int i)
 {
     int j = (i + 1) % 3, l = (i + 2) % 3;
     struct bounded ab = mul(k, e[0][l], e[1][j]), bc = mul(k, e[1][l], e[2][j]);
@@ -245,7 +259,7 @@ static struct bounded stable_component(const struct rounding *k, const struct bo
 
 /* Pluecker edge functions of vertices relative to the origin; negative ones within EMBREE_BAND of
  * their sum are accepted. Edge 0 of Embree's is opposite vertex 1 of the triangle, and so on. */
-static struct outcome eval_embree_robust(const struct rounding *k, const struct input *in)
+static struct outcome eval_embree_robust(const struct rules *k, const struct input *in)
 {
     struct bounded v[3][3], e[3][3], sum[3], side[3], n[3], edge[3];
     struct outcome out = {.det_alone = true};
@@ -285,7 +299,7 @@ enum twin_formula twin_of_tri(uint32_t id)
     return id == ABI_TRI_WOOP ? TWIN_WOOP : id == ABI_TRI_MT_RTRS ? TWIN_MT_RTRS : TWIN_MT;
 }
 
-static struct outcome evaluate(enum twin_formula formula, const struct rounding *k,
+static struct outcome evaluate(enum twin_formula formula, const struct rules *k,
                                const struct ray *ray, float v[3][3])
 {
     struct input in;
@@ -328,7 +342,8 @@ static bool surely_rejected(const struct outcome *out)
 struct twin twin_eval(enum twin_formula formula, struct rounding rounding, const struct ray *ray,
                       float v[3][3])
 {
-    struct outcome out = evaluate(formula, &rounding, ray, v);
+    const struct rules rules = rules_of(&rounding);
+    struct outcome out = evaluate(formula, &rules, ray, v);
     double threshold = formula == TWIN_MT_RTRS ? (double)TRI_RTRS_EPS : 0.0;
     bool det_known = fabs(out.det.x) - out.det.e > threshold;
     bool det_possible = !(fabs(out.det.x) + out.det.e <= threshold);

@@ -20,11 +20,11 @@ static int compare(const struct oracle *oracle, const struct ray *ray,
     int sign = 0;
     if (a_hit) {
         scene_tri(oracle->scene, a->prim, v);
-        exact_pair(ray, v, &one);
+        exact_pair(ray, v, true, &one);
     }
     if (b_hit) {
         scene_tri(oracle->scene, b->prim, v);
-        exact_pair(ray, v, &two);
+        exact_pair(ray, v, true, &two);
     }
     if (a_hit && b_hit)
         sign = fraction_compare(&one.t, &two.t);

@@ -47,33 +47,46 @@ struct products {
     struct wide w[3], det, t;
 };
 
-/* Sums: |w| <= 6 * 2^(b_d + 2 b_p), |D| <= 18 * the same, |T| <= 6 * 2^(3 b_p); all below 2^127
- * under the conditions tested here. Returns false if they do not hold. */
-static bool small_products(const struct input *in, struct products *out)
-{
+/* Vertices relative to the origin, and the direction, in their units; how many bits they take. */
+struct small_input {
     int64_t a[3][3], d[3];
-    int place_bits = 0, way_bits = 0;
+    int place_bits, way_bits;
+};
+
+/* Returns false if the exponents lie too far apart. */
+static bool small_input(const struct input *in, struct small_input *out)
+{
+    *out = (struct small_input){.place_bits = 0};
     if (in->place.bits > 60 || in->way.bits > 60)
         return false;
     for (int k = 0; k < 3; k++) {
         int64_t o = grid_int(in->place, in->o[k]);
-        d[k] = grid_int(in->way, in->d[k]);
-        way_bits = bits_of(d[k]) > way_bits ? bits_of(d[k]) : way_bits;
+        out->d[k] = grid_int(in->way, in->d[k]);
+        out->way_bits = bits_of(out->d[k]) > out->way_bits ? bits_of(out->d[k]) : out->way_bits;
         for (int c = 0; c < 3; c++) {
-            a[c][k] = grid_int(in->place, in->v[c][k]) - o;
-            place_bits = bits_of(a[c][k]) > place_bits ? bits_of(a[c][k]) : place_bits;
+            int64_t a = grid_int(in->place, in->v[c][k]) - o;
+            out->a[c][k] = a;
+            out->place_bits = bits_of(a) > out->place_bits ? bits_of(a) : out->place_bits;
         }
     }
-    if (way_bits + 2 * place_bits > 122 || 3 * place_bits > 124)
+    return true;
+}
+
+/* Sums: |w| <= 6 * 2^(b_d + 2 b_p), |D| <= 18 * the same, |T| <= 6 * 2^(3 b_p); all below 2^127
+ * under the conditions tested here. Returns false if they do not hold. */
+static bool small_products(const struct input *in, struct products *out)
+{
+    struct small_input s;
+    if (!small_input(in, &s) || s.way_bits + 2 * s.place_bits > 122 || 3 * s.place_bits > 124)
         return false;
     __int128 det = 0;
     for (int c = 0; c < 3; c++) {
-        __int128 w = triple(d, a[(c + 1) % 3], a[(c + 2) % 3]);
+        __int128 w = triple(s.d, s.a[(c + 1) % 3], s.a[(c + 2) % 3]);
         wide_set(w, &out->w[c]);
         det += w;
     }
     wide_set(det, &out->det);
-    wide_set(triple(a[0], a[1], a[2]), &out->t);
+    wide_set(triple(s.a[0], s.a[1], s.a[2]), &out->t);
     return true;
 }
 
@@ -144,10 +157,11 @@ static double share(const struct wide *w, const struct wide *det)
     return w->sign == det->sign ? size : -size;
 }
 
-void exact_pair(const struct ray *ray, float v[3][3], struct exact *out)
+void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *out)
 {
     struct input in;
     struct products value;
+    int positive = 0, negative = 0;
     read_input(ray, v, &in);
     out->wide = !small_products(&in, &value);
     if (out->wide)
@@ -156,6 +170,10 @@ void exact_pair(const struct ray *ray, float v[3][3], struct exact *out)
     out->edge_share = out->det ? INFINITY : -INFINITY;
     for (int c = 0; c < 3; c++) {
         out->edge[c] = value.w[c].sign;
+        positive += value.w[c].sign > 0;
+        negative += value.w[c].sign < 0;
+    }
+    for (int c = 0; c < 3 && !(hits && positive && negative); c++) {
         if (out->det)
             out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
     }
@@ -193,11 +211,57 @@ static void include(const struct fraction *t, bool *any, struct fraction *in, st
     *any = true;
 }
 
+/* exact_in_plane in __int128. |d| < 2^60 and |a| < 2^61, so that sides and normals stay below
+ * 2^126; the ends of the overlap are made of products of three. Returns false if they do not fit;
+ * else *any says whether there is an overlap. */
+static bool small_in_plane(const struct input *input, bool *any, struct fraction *in,
+                           struct fraction *out)
+{
+    struct small_input s;
+    __int128 n[3], side[3];
+    int positive = 0, negative = 0;
+    if (!small_input(input, &s))
+        return false;
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        n[k] = (__int128)(s.a[1][i] - s.a[0][i]) * (s.a[2][j] - s.a[0][j]) -
+               (__int128)(s.a[1][j] - s.a[0][j]) * (s.a[2][i] - s.a[0][i]);
+    }
+    int drop = n[0] ? 0 : n[1] ? 1 : 2, i = (drop + 1) % 3, j = (drop + 2) % 3;
+    for (int c = 0; c < 3; c++) {
+        side[c] = (__int128)s.d[i] * s.a[c][j] - (__int128)s.d[j] * s.a[c][i];
+        positive += side[c] > 0;
+        negative += side[c] < 0;
+    }
+    *any = false;
+    if (positive == 3 || negative == 3)
+        return true;
+    if (2 * s.place_bits + s.way_bits > 122 || s.place_bits + 2 * s.way_bits > 122)
+        return false;
+    int measure = s.d[i] ? i : j;
+    struct fraction t = {.scale = input->place.exponent - input->way.exponent};
+    for (int c = 0; c < 3; c++) {
+        int e = (c + 1) % 3;
+        bool on = side[c] == 0,
+             crosses = (side[c] < 0 && side[e] > 0) || (side[c] > 0 && side[e] < 0);
+        if (!on && !crosses)
+            continue;
+        wide_set(on ? s.a[c][measure] : s.a[e][measure] * side[c] - s.a[c][measure] * side[e],
+                 &t.num);
+        wide_set(on ? s.d[measure] : (side[c] - side[e]) * s.d[measure], &t.den);
+        include(&t, any, in, out);
+    }
+    return true;
+}
+
 bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, struct fraction *out)
 {
     struct input input;
     struct wide a[3][3], d[3], n[3], side[3];
+    bool any = false;
     read_input(ray, v, &input);
+    if (small_in_plane(&input, &any, in, out))
+        return any;
     wide_input(&input, a, d);
     normal_of(a, n);
     /* Drop an axis along which the plane is not seen edge-on: what is left is one to one, so the
@@ -206,7 +270,6 @@ bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, s
     int i = (drop + 1) % 3, j = (drop + 2) % 3, measure = d[i].sign ? i : j;
     for (int c = 0; c < 3; c++)
         cross_term(&d[i], &a[c][j], &d[j], &a[c][i], &side[c]);
-    bool any = false;
     struct fraction t = {.scale = input.place.exponent - input.way.exponent};
     for (int c = 0; c < 3; c++) {
         int e = (c + 1) % 3;

@@ -11,12 +11,14 @@ struct exact {
     int det;           /* sign of D */
     bool in_plane;     /* D == 0 == T and the direction is not 0: see exact_in_plane */
     bool wide;         /* __int128 did not suffice */
-    double edge_share; /* the smallest w_i / D, to about 2^-50; -INFINITY if D is 0 */
+    double edge_share; /* the smallest w_i / D, to about 2^-50; -INFINITY if D is 0; not filled in
+                          of a miss if `hits` */
     struct fraction t; /* T / D, if D is not 0 */
 };
 
-/* Decides a finite ray and triangle; the range of t plays no part. */
-void exact_pair(const struct ray *ray, float v[3][3], struct exact *out);
+/* Decides a finite ray and triangle; the range of t plays no part. `hits`: of a miss no more than
+ * that it is one will be asked. */
+void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *out);
 
 /* For a ray in the plane of a triangle that has an area: where the line overlaps the triangle.
  * Returns false if it passes beside it; else *in <= *out, equal if it only touches a vertex. */

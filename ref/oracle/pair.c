@@ -87,12 +87,13 @@ static void in_plane(const struct ray *ray, float v[3][3], struct oracle_pair *p
     }
 }
 
-static void by_integers(const struct ray *ray, float v[3][3], bool flat, struct decided *out)
+static void by_integers(const struct ray *ray, float v[3][3], bool flat, bool hits,
+                        struct decided *out)
 {
     struct oracle_pair *pair = &out->pair;
     const struct exact *exact = &out->exact;
     int positive = 0, negative = 0;
-    exact_pair(ray, v, &out->exact);
+    exact_pair(ray, v, hits, &out->exact);
     out->have_exact = true;
     pair->by_filter = false;
     pair->det = exact->det;
@@ -113,6 +114,16 @@ static void by_integers(const struct ray *ray, float v[3][3], bool flat, struct 
         fraction_enclose(&exact->t, &pair->t_lo, &pair->t_hi);
         pair->range = range_of(&exact->t, ray);
     }
+}
+
+/* True if t is certainly out of the range of the ray, whatever the signs of the edges are. */
+static bool out_of_range(const struct ray *ray, const struct filter *f)
+{
+    double lo, hi;
+    if (filter_sign(f->det, f->det_err) == 0 || filter_sign(f->t, f->t_err) == 0)
+        return false;
+    enclose(f, &lo, &hi);
+    return hi < (double)ray->tmin || lo > (double)ray->tmax;
 }
 
 void pair_decide(const struct scene *scene, bool flat, const struct ray *ray, uint32_t prim,
@@ -140,12 +151,16 @@ void pair_decide(const struct scene *scene, bool flat, const struct ray *ray, ui
     filter_plane(&filter);
     if (!flat && by_filter(ray, &filter, &out->pair))
         return;
+    if (depth == PAIR_HITS && out_of_range(ray, &filter)) {
+        out->pair.class = ORACLE_MISS;
+        return;
+    }
     stats->undecided++;
     out->pair.class = ORACLE_MISS;
     out->pair.range = ORACLE_BELOW;
     out->pair.t_lo = -INFINITY;
     out->pair.t_hi = INFINITY;
-    by_integers(ray, v, flat, out);
+    by_integers(ray, v, flat, depth == PAIR_HITS, out);
     stats->wide += out->exact.wide;
 }
 
@@ -155,7 +170,7 @@ const struct fraction *pair_t(const struct scene *scene, const struct ray *ray, 
     if (!hit->have_exact) {
         float v[3][3];
         scene_tri(scene, prim, v);
-        exact_pair(ray, v, &hit->exact);
+        exact_pair(ray, v, true, &hit->exact);
         hit->have_exact = true;
     }
     return &hit->exact.t;

@@ -16,7 +16,8 @@ struct decided {
 
 /* What a caller wants to know of a pair. */
 enum pair_depth {
-    PAIR_HITS, /* MISS may be given as soon as it is certain, with nothing else filled in */
+    PAIR_HITS, /* MISS may be given as soon as it is certain, with nothing else filled in; also of a
+                  hit that is certainly out of the range */
     PAIR_FULL,
 };
 
