@@ -30,8 +30,8 @@ static const char help[] =
     "example: raydiff bench layouts --scene 'sphere:n=50;scenes/fetched/bunny.obj'\n"
     "benchmarks:\n";
 
-static const struct benchmark *const benchmarks[] = {&bench_layouts,  &bench_error,  &bench_spawn,
-                                                     &bench_builders, &bench_oracle, NULL};
+static const struct benchmark *const benchmarks[] = {
+    &bench_layouts, &bench_error, &bench_spawn, &bench_builders, &bench_oracle, &bench_fuzz, NULL};
 
 /* Names of the bits of benchmark.takes. */
 static const char *const taken[] = {"--engine", "--layout", "--tri", "--box",

@@ -47,7 +47,8 @@ struct benchmark {
     int (*run)(struct bench *bench);
 };
 
-extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle;
+extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
+    bench_fuzz;
 
 /* Median, least and most of `count` values, which are sorted in place; count >= 1. */
 struct spread {

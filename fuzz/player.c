@@ -133,7 +133,7 @@ void fuzz_player_close(struct fuzz_player *player)
         if (!is_shared(player, i) && player->seat[i].self)
             player->seat[i].engine->close(player->seat[i].self);
     for (size_t i = 0; i < FUZZ_BATCH && player->stage; i++)
-        stage_free(&player->stage[i]);
+        stage_close(&player->stage[i]);
     free(player->stage);
     free(player->task);
     free(player);

@@ -122,7 +122,7 @@ void stage_clear(struct stage *stage)
     stage->trial = NULL;
 }
 
-void stage_free(struct stage *stage)
+void stage_close(struct stage *stage)
 {
     stage_clear(stage);
     free(stage->room);

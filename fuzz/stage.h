@@ -69,7 +69,7 @@ enum status stage_set(struct stage *stage, const struct fuzz_player *player,
 void stage_clear(struct stage *stage);
 
 /* Frees everything. */
-void stage_free(struct stage *stage);
+void stage_close(struct stage *stage);
 
 /* The job of a seat on a stage. */
 struct job stage_job(const struct stage *stage, const struct seat *seat);

@@ -74,6 +74,12 @@ head -c 2 "$dir/out" | grep -q '^{' || bad "bench --json - prints more than JSON
 tail -n 1 "$dir/out" | grep -q '^}' || bad "bench --json - prints more than JSON"
 grep -q '"filter_ns"' "$dir/out" || bad "bench oracle --json - has no filter_ns"
 grep -q '^oracle' "$dir/err" || bad "bench --json - hides its tables"
+expect 0 . bench fuzz --engine cpu,brute --layout f32 --count 8 --rounds 1 --json -
+for key in trials_per_s judged_rays_per_s harness_share cpu_f32_us brute_alone_us judge_us; do
+    grep -q "\"$key\": [0-9]" "$dir/out" || bad "bench fuzz --json - has no $key"
+done
+expect 2 "unknown .*'x'" bench fuzz --engine x
+expect 2 "--tri: benchmark fuzz does not take it" bench fuzz --tri mt
 expect 2 "--svg: benchmark builders does not take it" bench builders --svg "$dir/x.svg"
 expect 2 "unknown kind" list x
 

@@ -2,102 +2,9 @@
  * in one keeps to it. */
 #include "ref/trace.h"
 
-#include "tests/fuzz_trials.h"
-#include "tests/gpu.h"
-
-#define JOBS 60u
-#define RAYS 130u /* no multiple of a workgroup */
+#include "tests/many_jobs.h"
 
 static const char *const names[] = {"cpu", "vulkan"};
-
-struct bench_job {
-    struct fuzz_trial trial;
-    struct bvh bvh;
-    struct packed packed;
-    struct hit hit[RAYS];
-    uint32_t flag[RAYS];
-};
-
-static struct bench_job jobs[JOBS];
-static struct engine_task tasks[JOBS];
-
-static struct job job_of(const struct bench_job *from)
-{
-    return (struct job){.scene = &from->trial.scene,
-                        .packed = &from->packed,
-                        .box = from->trial.box,
-                        .tri = from->trial.tri,
-                        .query = from->trial.query};
-}
-
-/* Jobs of all kinds: layouts, tests and queries by turns; some without a triangle or a ray. */
-static void make_jobs(void)
-{
-    struct reason reason;
-    for (size_t i = 0; i < JOBS; i++) {
-        struct bench_job *made = &jobs[i];
-        trial_make(5, i, 1, 100, RAYS, &made->trial);
-        if (i % 16 == 9) /* empty */
-            made->trial.scene.tri_count = 0;
-        made->trial.ray_count = i % 16 == 11 ? 0 : RAYS - (uint32_t)(i % 3);
-        const struct layout *layout = layout_find(i % 2 ? "f32" : "rf16");
-        if (made->trial.builder->build(&made->trial.scene, &made->trial.build, &made->bvh,
-                                       &reason) ||
-            packed_make(layout, &made->bvh, &made->trial.scene, &made->packed, &reason))
-            fail_msg("%s", reason.text);
-    }
-}
-
-static void free_jobs(void)
-{
-    for (size_t i = 0; i < JOBS; i++) {
-        fuzz_trial_free(&jobs[i].trial);
-        bvh_free(&jobs[i].bvh);
-        packed_free(&jobs[i].packed);
-    }
-}
-
-static void make_tasks(void)
-{
-    for (size_t i = 0; i < JOBS; i++) {
-        memset(jobs[i].hit, 0xAB, sizeof jobs[i].hit);
-        memset(jobs[i].flag, 0xAB, sizeof jobs[i].flag);
-        tasks[i] = (struct engine_task){.job = job_of(&jobs[i]),
-                                        .ray = jobs[i].trial.ray,
-                                        .ray_count = jobs[i].trial.ray_count,
-                                        .hit = jobs[i].hit,
-                                        .flag = jobs[i].flag,
-                                        .status = STATUS_INTERNAL};
-    }
-}
-
-static void *open_engine(const struct engine *engine)
-{
-    const struct engine_options options = {.device = -1, .threads = 2};
-    struct reason reason;
-    void *self;
-    enum status status = engine->open(&options, &self, &reason);
-    if (status == STATUS_UNSUPPORTED)
-        return NULL;
-    if (status)
-        fail_msg("%s", reason.text);
-    return self;
-}
-
-/* Job `i` alone has the same hits. */
-static void assert_alone(const struct engine *engine, void *self, size_t i)
-{
-    struct hit hit[RAYS];
-    struct trace_report report;
-    struct reason reason = {""};
-    const struct job job = job_of(&jobs[i]);
-    if (engine->prepare(self, &job, &reason) ||
-        engine->trace(self, jobs[i].trial.ray, jobs[i].trial.ray_count, hit, &report, &reason))
-        fail_msg("%s: job %zu: %s", engine->name, i, reason.text);
-    assert_memory_equal(hit, jobs[i].hit, jobs[i].trial.ray_count * sizeof hit[0]);
-    for (uint32_t r = 0; r < jobs[i].trial.ray_count; r++)
-        assert_int_equal(jobs[i].flag[r], ABI_FLAG_DONE);
-}
 
 static void many_jobs_have_the_bits_of_each_alone(void **state)
 {
@@ -180,42 +87,11 @@ static void a_broken_job_keeps_to_itself(void **state)
     free_jobs();
 }
 
-/* Also where memory is not shared; under RAYDIFF_VALIDATE the layer says nothing. */
-static void a_device_takes_many_jobs_through_staging(void **state)
-{
-    (void)state;
-    const struct engine *cpu = engine_find("cpu");
-    void *self = open_engine(cpu);
-    make_jobs();
-    for (int staging = 0; staging < 2; staging++) {
-        struct vk_options options = gpu_options();
-        struct reason reason = {""};
-        options.staging = staging;
-        struct tracer *tracer = gpu_tracer(&options, staging ? 32 : 0);
-        make_tasks();
-        gpu_must(tracer_trace_tasks(tracer, tasks, JOBS, &reason), &reason);
-        struct arithmetic arithmetic = tracer_arithmetic(tracer);
-        uint32_t pipelines = tracer_pipelines(tracer);
-        for (size_t i = 0; i < JOBS; i++) {
-            assert_int_equal(tasks[i].status, STATUS_OK);
-            if (arithmetic.bits)
-                assert_alone(cpu, self, i);
-        }
-        make_tasks();
-        gpu_must(tracer_trace_tasks(tracer, tasks, JOBS, &reason), &reason);
-        assert_int_equal(tracer_pipelines(tracer), pipelines);
-        gpu_close_tracer(tracer);
-    }
-    cpu->close(self);
-    free_jobs();
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(many_jobs_have_the_bits_of_each_alone),
         cmocka_unit_test(a_broken_job_keeps_to_itself),
-        cmocka_unit_test(a_device_takes_many_jobs_through_staging),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
