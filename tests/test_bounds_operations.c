@@ -52,8 +52,11 @@ struct sample {
 
 static struct bounded bound_of(const struct rounding *k, const struct sample *s)
 {
+    const struct rules rules = rules_of(k);
     struct bounded a = exact(s->a), b = exact(s->b);
-    return s->op == OP_ADD ? add(k, a, b) : s->op == OP_MUL ? mul(k, a, b) : divide(k, a, b);
+    return s->op == OP_ADD   ? add(&rules, a, b)
+           : s->op == OP_MUL ? mul(&rules, a, b)
+                             : divide(&rules, a, b);
 }
 
 static float legally(const struct rounding *k, const struct sample *s)
