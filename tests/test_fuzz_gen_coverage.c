@@ -8,6 +8,7 @@
 
 #include "fuzz/coverage.h"
 #include "fuzz/coverage_bits.h"
+#include "ref/rng.h"
 
 #include <cmocka.h>
 
@@ -138,6 +139,35 @@ static void rays_and_truth(void **state)
         print_map(map, text, sizeof text);
         assert_string_equal(text, row[i].expected);
     }
+}
+
+/* The bit agrees with ray_in_contract on every kind of ray. */
+static void out_of_contract_is_what_the_library_says(void **state)
+{
+    (void)state;
+    uint32_t out = 0, all = 0;
+    for (uint32_t i = 0; i < 400; i++) {
+        struct fuzz_trial trial = trial_of(89, i, &ordinary);
+        struct box root = scene_bounds(&trial.scene);
+        struct rng rng = rng_make(97, i);
+        for (uint32_t r = 0; r < trial.ray_count; r++) {
+            struct ray ray = trial.ray[r];
+            struct oracle_answer miss = {.prim = ABI_NO_PRIM};
+            uint64_t map[COVERAGE_WORDS] = {0};
+            if (r % 4 == 0) /* to the ends of the contract */
+                ray.dir[rng_below(&rng, 3)] *= ldexpf(1, (int)rng_below(&rng, 130) - 65);
+            if (r % 8 == 1)
+                ray.org[rng_below(&rng, 3)] = ldexpf(1.0f + rng_float(&rng), 39 + (int)(r % 3));
+            coverage_add_truth(map, &ray, &root, &miss);
+            bool is_out =
+                map[COVERAGE_RAY / 64] >> COVERAGE_RAY % 64 & 1; /* COVERAGE_RAY_OUT is 0 */
+            assert_int_equal(is_out, !ray_in_contract(&ray));
+            out += is_out;
+            all++;
+        }
+        fuzz_trial_free(&trial);
+    }
+    assert_true(out > all / 50 && out < all / 2);
 }
 
 /* --- trees -------------------------------------------------------------------------------------
@@ -341,6 +371,7 @@ int main(void)
         cmocka_unit_test(maps_are_merged_and_counted),
         cmocka_unit_test(answers_and_verdicts),
         cmocka_unit_test(rays_and_truth),
+        cmocka_unit_test(out_of_contract_is_what_the_library_says),
         cmocka_unit_test(trees_and_bytes),
         cmocka_unit_test(numbers_beside_limits),
         cmocka_unit_test(a_deep_tree_and_a_cut_box),
