@@ -214,17 +214,18 @@ static bool wait_for_peer(struct pipe_talk *talk)
     return true;
 }
 
-enum pipe_end pipe_talk(struct pipe_talk *talk, void *bytes, size_t size, bool first, bool last)
+bool pipe_child_is_early(struct pipe_child *child)
+{
+    char spare;
+    return read(child->from, &spare, 1) == 1;
+}
+
+enum pipe_end pipe_talk(struct pipe_talk *talk, void *bytes, size_t size, bool last)
 {
     char spare;
     bool more = false;
     talk->got = 0;
-    if (first) {
-        ssize_t got = read(talk->child->from, &spare, 1);
-        if (got >= 0)
-            return got ? PIPE_EARLY : PIPE_CLOSED;
-        send_some(talk);
-    }
+    send_some(talk);
     if (size == 0) /* nothing to wait for, but something may be there */
         return last && read(talk->child->from, &spare, 1) > 0 ? PIPE_LONG : PIPE_GOT;
     while (talk->got < size) {

@@ -45,15 +45,17 @@ struct pipe_talk {
 
 enum pipe_end {
     PIPE_GOT,   /* all that was wanted */
-    PIPE_EARLY, /* it wrote before it was asked */
     PIPE_LONG,  /* it wrote more than was wanted */
     PIPE_LATE,  /* the deadline passed */
     PIPE_CLOSED /* its output ended */
 };
 
-/* Sends, and receives `size` bytes, then checks that nothing follows if `last`. The first call of
- * an exchange first checks that nothing is there yet. Never blocks longer than the deadline. */
-enum pipe_end pipe_talk(struct pipe_talk *talk, void *bytes, size_t size, bool first, bool last);
+/* True if it has written something that nobody waits for; between exchanges. */
+bool pipe_child_is_early(struct pipe_child *child);
+
+/* Sends, and receives `size` bytes, then checks that nothing follows if `last`. Never blocks longer
+ * than the deadline. */
+enum pipe_end pipe_talk(struct pipe_talk *talk, void *bytes, size_t size, bool last);
 
 /* Takes what the child has written to its standard error so far. */
 void pipe_child_listen(struct pipe_child *child);

@@ -54,7 +54,7 @@ static void place(const struct asked *asked, size_t bytes, char text[64])
 {
     size_t done = bytes / sizeof(struct hit);
     if (asked->rays == 0)
-        snprintf(text, 64, "to a request without rays");
+        snprintf(text, 64, "at a request without rays");
     else if (done == 0)
         snprintf(text, 64, "before the answer to ray %zu", asked->first);
     else
@@ -70,13 +70,11 @@ static enum status blame_end(struct peer *peer, enum pipe_end end, const struct 
     unsigned limit = peer->options.peer_ms;
     place(asked, bytes, where);
     switch (end) {
-    case PIPE_EARLY:
-        return blame(peer, STATUS_DEVICE, reason, "wrote more than the answer before was long");
     case PIPE_LONG:
         snprintf(what, sizeof what, "its answer is longer than %zu rays", asked->rays);
         break;
     case PIPE_LATE:
-        snprintf(what, sizeof what, "late: nothing more %s within %g s", where, 1e-3 * limit);
+        snprintf(what, sizeof what, "late: not done within %g s, %s", 1e-3 * limit, where);
         break;
     case PIPE_CLOSED:
         pipe_child_fate(&peer->child, FATE_MS, fate, &missing);
@@ -102,7 +100,7 @@ static enum status read_refusal(struct peer *peer, struct pipe_talk *talk, uint3
     char text[PIPE_REFUSED_MOST + 1] = "";
     if (bytes > PIPE_REFUSED_MOST)
         return blame(peer, STATUS_DEVICE, reason, "refuses in more than 256 bytes");
-    enum pipe_end end = pipe_talk(talk, text, bytes, false, true);
+    enum pipe_end end = pipe_talk(talk, text, bytes, true);
     if (end != PIPE_GOT)
         return blame_end(peer, end, asked, 0, reason);
     make_printable(text);
@@ -188,7 +186,9 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
                              .part_count = ARRAY_COUNT(part),
                              .deadline_ns = time_ns() + (uint64_t)peer->options.peer_ms * 1000000u};
     struct pipe_answer head;
-    enum pipe_end end = pipe_talk(&talk, &head, sizeof head, true, false);
+    if (!opening && pipe_child_is_early(&peer->child)) /* at first, what it says shows who it is */
+        return blame(peer, STATUS_DEVICE, reason, "wrote more than the answer before was long");
+    enum pipe_end end = pipe_talk(&talk, &head, sizeof head, false);
     if (end != PIPE_GOT)
         return blame_end(peer, end, asked, 0, reason);
     enum status status = check_head(peer, &head, asked, opening, reason);
@@ -198,7 +198,7 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
         peer->head = head;
     if (head.refused)
         return read_refusal(peer, &talk, head.count, asked, reason);
-    end = pipe_talk(&talk, hit, asked->rays * sizeof *hit, false, true);
+    end = pipe_talk(&talk, hit, asked->rays * sizeof *hit, true);
     if (end != PIPE_GOT)
         return blame_end(peer, end, asked, talk.got, reason);
     peer->has_scene = true;

@@ -25,7 +25,7 @@ static const char help[] =
     "  --index I       which of them             [the first one that is answered wrongly]\n"
     "  --cause C       look for a ray with this cause, such as rounded_inward    [any]\n"
     "  --seed S        of rays and generators                                    [1]\n"
-    "  --engine E      engine                                                    [cpu]\n"
+    "  --engine E      engine; pipe:COMMAND is a tracer of your own              [cpu]\n"
     "  --layout L      layout                                                    [rf16]\n"
     "  --builder B     builder                                                   [median]\n"
     "  --leaf N        items per leaf                                            [4]\n"

@@ -115,14 +115,14 @@ static const struct hostile {
     enum status status;
     const char *said;
 } hostile[] = {
-    {"nothing", STATUS_DEVICE, "it ended with exit code 0 to a request without rays"},
+    {"nothing", STATUS_DEVICE, "it ended with exit code 0 at a request without rays"},
     {"dies", STATUS_DEVICE, "it was ended by signal 9 after the answer to ray 16"},
     {"crashes", STATUS_DEVICE, "it was ended by signal 6 before the answer to ray 0"},
     {"exits", STATUS_DEVICE, "it ended with exit code 3 after the answer to ray 16"},
     {"closes", STATUS_DEVICE, "it closed its output after the answer to ray 16"},
-    {"hangs", STATUS_DEVICE, "late: nothing more after the answer to ray 16 within 0.3 s"},
-    {"sleeps", STATUS_DEVICE, "late: nothing more to a request without rays within 0.3 s"},
-    {"deaf", STATUS_DEVICE, "late: nothing more to a request without rays within 0.3 s"},
+    {"hangs", STATUS_DEVICE, "late: not done within 0.3 s, after the answer to ray 16"},
+    {"sleeps", STATUS_DEVICE, "late: not done within 0.3 s, at a request without rays"},
+    {"deaf", STATUS_DEVICE, "late: not done within 0.3 s, at a request without rays"},
     {"short", STATUS_DEVICE, "its answer is about 199 rays, not 200, from ray 0 on"},
     {"long", STATUS_DEVICE, "its answer is longer than 200 rays"},
     {"chatty", STATUS_DEVICE, "wrote more than the answer before was long"},
