@@ -1,5 +1,7 @@
 #include "fuzz/findings_inner.h"
 
+#include "ref/mutant.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -201,7 +203,8 @@ static enum status put_first(struct findings *findings, struct findings_member *
                              struct reason *reason)
 {
     struct findings_order order = findings_order(&file->trial);
-    if (member->entry.has_first && findings_order_compare(&order, &member->entry.first) >= 0)
+    if (MUTANT != MUTANT_LAST_IS_FIRST && member->entry.has_first &&
+        findings_order_compare(&order, &member->entry.first) >= 0)
         return STATUS_OK;
     enum status status = findings_folder_put(findings, file, "first.trial", reason);
     if (status)
@@ -227,7 +230,8 @@ enum status findings_add(struct findings *findings, const struct finding_file *f
         return fail(reason, STATUS_MEMORY, "no memory for %zu signatures", before + 1);
     bool logged = member->entry.lines < FINDINGS_LINES_MOST;
     struct findings_order order = findings_order(&file->trial);
-    if (findings_is_known(findings, &file->signature, &order, ray)) {
+    if (MUTANT != MUTANT_COUNTED_TWICE &&
+        findings_is_known(findings, &file->signature, &order, ray)) {
         news->repeated = true;
         return STATUS_OK;
     }

@@ -1,5 +1,7 @@
 #include "fuzz/signature.h"
 
+#include "fuzz/pipe.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -30,10 +32,22 @@ static bool engine_byte(char c)
 
 void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *name)
 {
-    size_t i = 0;
-    for (; name[i] && i + 1 < sizeof signature->engine; i++)
-        signature->engine[i] = engine_byte(name[i]) && (i > 0 || name[i] != '.') ? name[i] : '_';
-    signature->engine[i] = '\0';
+    bool pipe = strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
+    size_t used = 0;
+    const char *from = name, *end = name + strlen(name);
+    if (pipe) {
+        from += strlen(PIPE_PREFIX);
+        from += strspn(from, " \t");
+        end = from + strcspn(from, " \t");
+        for (const char *at = from; at < end; at++)
+            if (*at == '/')
+                from = at + 1;
+        strcpy(signature->engine, PIPE_PREFIX);
+        used = strlen(PIPE_PREFIX);
+    }
+    for (; from < end && used + 1 < sizeof signature->engine; from++, used++)
+        signature->engine[used] = engine_byte(*from) && (used > 0 || *from != '.') ? *from : '_';
+    signature->engine[used] = '\0';
 }
 
 void fuzz_signature_print(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST])

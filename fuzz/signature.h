@@ -33,7 +33,8 @@ const char *fuzz_kind_name(enum fuzz_kind kind);
 /* Returns false if no kind has that name. */
 bool fuzz_kind_find(const char *name, enum fuzz_kind *out);
 
-/* Copies an engine's name, what a signature cannot hold as '_', as much as fits. */
+/* Sets the engine from its name, what a signature cannot hold as '_', as much as fits; of
+ * "pipe:COMMAND" the first word's last part of a path, "pipe:tracer". */
 void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *name);
 
 #define FUZZ_SIGNATURE_MOST 160

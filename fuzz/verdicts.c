@@ -45,8 +45,7 @@ static void keep(struct judging *j, size_t seat, enum fuzz_kind kind, uint32_t r
         .contestant = seat,
         .ray = ray,
         .answer = {.prim = ABI_NO_PRIM}};
-    (void)snprintf(finding->signature.engine, sizeof finding->signature.engine, "%s",
-                   who->engine->name);
+    fuzz_signature_set_engine(&finding->signature, who->engine->name);
     if (answers->fared == FARED_PLAYED && ray < j->stage->trial->ray_count &&
         answers->flag[ray] == ABI_FLAG_DONE)
         finding->answer = answers->hit[ray];

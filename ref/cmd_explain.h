@@ -38,6 +38,7 @@ struct explain_page {
     const struct judged_ray *ray;
     const char *rays; /* set it comes from, or NULL */
     size_t index, count;
+    const char *again; /* command that shows the page again, NULL: raydiff explain */
 };
 
 /* Prints the page for a person. */

@@ -324,5 +324,5 @@ void explain_print(const struct explain_page *page)
     print_cause(page);
     print_hints(page);
     explain_command(page->of, &ray->ray, command);
-    printf("again     %s\n", command);
+    printf("again     %s\n", page->again ? page->again : command);
 }

@@ -40,6 +40,7 @@ int cmd_judge(int argc, char **argv);
 int cmd_leaks(int argc, char **argv);
 int cmd_list(int argc, char **argv);
 int cmd_precompute(int argc, char **argv);
+int cmd_replay(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
 int cmd_verify(int argc, char **argv);
 

@@ -37,5 +37,10 @@
 #define MUTANT_UNGUARDED      62 /* Embree is asked rays that it does not survive */
 #define MUTANT_NEIGHBOUR      70 /* of many jobs each reads the first one's nodes */
 #define MUTANT_FLAGS_UNREAD   71 /* of many jobs no ray's flags are looked at */
+#define MUTANT_SIGN_OF_ZERO   80 /* the text of -0 has no sign */
+#define MUTANT_COUNTED_TWICE  81 /* a finding that the log has is counted again */
+#define MUTANT_LAST_IS_FIRST  82 /* the newest finding is taken for the first */
+#define MUTANT_TRACER_DIES    83 /* engine cpu does not survive a ray whose tmax is NaN */
+#define MUTANT_TRACER_HANGS   84 /* nor ends on it */
 
 #endif

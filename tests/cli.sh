@@ -40,7 +40,7 @@ OBJ
 small="--count 200 --repeat 1 --engine cpu"
 
 # Help is on standard output and succeeds, everywhere.
-for command in '' check conform explain leaks bench list doctor scene precompute judge gen verify; do
+for command in '' check conform explain leaks bench list doctor scene precompute judge gen verify replay; do
     expect 0 . $command --help
     grep -q 'example' "$dir/out" || bad "raydiff $command --help shows no example"
 done
@@ -362,6 +362,39 @@ expect 2 'unknown ending' scene convert soup "$dir/x.stl"
 expect 2 'cannot write' scene convert soup "$dir/no-such-folder/x.ply"
 [ -z "$(ls "$dir" | grep -i tmp)" ] || bad "a temporary file was left behind"
 
+# Findings played again.
+corpus=fuzz/corpus
+expect 2 'no file given' replay
+expect 2 'nothing.trial: No such file' replay "$dir/nothing.trial"
+expect 2 "unknown name 'rf17'" replay $corpus/sentinel.trial --layout rf17
+head -c 400 $corpus/rounded-inward.trial >"$dir/cut.trial"
+expect 2 'cut.trial:[0-9]+: ' replay "$dir/cut.trial" $corpus/sentinel.trial
+expect 1 . replay $corpus/rounded-inward.trial
+for line in ': STILL FAILS$' '<- expected$' '^  then     raydiff' '^  now      raydiff' '^cause     rounded_inward' \
+    '^again     raydiff replay .*rounded-inward.trial --engine cpu --layout rtrs_rf_paper$'; do
+    grep -q -- "$line" "$dir/out" || bad "replay prints no line like /$line/"
+done
+expect 0 . replay $corpus/rounded-inward.trial --brief --as-expected
+[ "$(wc -l <"$dir/out")" -eq 1 ] || bad "replay --brief prints a line per file"
+expect 0 . replay $corpus/rounded-inward.trial --layout rf16 --json "$dir/replay.json"
+grep -q ': does not fail$' "$dir/out" || bad "replay says that a repaired layout does not fail"
+for key in files expect fails exit then now played engine layout status reason findings; do
+    grep -q "\"$key\": " "$dir/replay.json" || bad "replay --json: no key $key"
+done
+expect 0 . replay $corpus/rounded-outward.trial --engine cpu
+expect 1 . replay $corpus/rounded-outward.trial --layout rtrs_rf_paper --engine cpu
+grep -q ': FAILS$' "$dir/out" || bad "replay says that a clean file fails"
+expect 1 . replay $corpus/rounded-outward.trial --layout rtrs_rf_paper --as-expected --brief
+sed 's/^expect .*/expect cpu.f32.missed.stack/' $corpus/sentinel.trial >"$dir/other.trial"
+expect 0 . replay "$dir/other.trial" --engine cpu
+expect 1 . replay "$dir/other.trial" --engine cpu --as-expected
+sed 's/^expect .*/expect pipe:true.-.protocol.unexplained/' $corpus/sentinel.trial >"$dir/peer.trial"
+expect 2 "name its command: --engine 'pipe:COMMAND'" replay "$dir/peer.trial"
+expect 1 . replay "$dir/peer.trial" --engine pipe:true
+grep -q 'crashed: pipe:true: it ended with exit code 0.*, as expected$' "$dir/out" || bad "replay says what a peer did"
+expect 3 . replay $corpus/rounded-outward.trial --engine cpu,pipe:false
+expect 2 'no-such-folder' replay $corpus/rounded-outward.trial --engine cpu --json "$dir/no-such-folder/x"
+
 # The seed's numbers (Figure 8 of its paper), where its scene is at hand.
 seed=../shared/scenes/rtrs-default.json
 if [ -r "$seed" ]; then
@@ -379,6 +412,7 @@ export ASAN_OPTIONS=detect_leaks=0
 expect 77 . check soup --count 200 --repeat 1 --engine vulkan --driver no-such-driver
 expect 77 . leaks sphere:n=4 --count 1000 --engine vulkan --driver no-such-driver
 expect 77 . explain soup --engine vulkan --driver no-such-driver
+expect 77 . replay fuzz/corpus/sentinel.trial --engine vulkan --driver no-such-driver
 expect 0 . check soup --count 200 --repeat 1 --driver no-such-driver
 
 echo "cli: $failed failed"

@@ -293,13 +293,13 @@ static void run_suite(const struct conform_options *o, const struct suite *suite
         if (!o->tap)
             progress_step(&progress, "%zu of %zu: %s", i + 1, suite->count, name);
         uint64_t start = time_ns();
-        enum status status = stage_run(&stage, trial, &row, &reason);
+        enum status status = trial_stage_run(&stage, trial, &row, &reason);
         if (!o->tap)
             progress_end(&progress);
         conform_report_add(report, name, status, &row, &reason, named(&o->require, trial->engine),
                            (double)(time_ns() - start) * 1e-9);
     }
-    stage_free(&stage);
+    trial_stage_free(&stage);
 }
 
 static int list_suite(const struct suite *suite)

@@ -127,7 +127,7 @@ static void drop_scene(struct stage *stage)
     stage->has_scene = false;
 }
 
-void stage_free(struct stage *stage)
+void trial_stage_free(struct stage *stage)
 {
     drop_scene(stage);
     pool_free(&stage->pool);
@@ -188,8 +188,8 @@ static enum status set_match(struct stage *stage, const struct trial *trial, str
     return status;
 }
 
-enum status stage_run(struct stage *stage, const struct trial *trial, struct row *row,
-                      struct reason *reason)
+enum status trial_stage_run(struct stage *stage, const struct trial *trial, struct row *row,
+                            struct reason *reason)
 {
     *row = (struct row){.engine = trial->engine, .layout = trial->layout};
     enum status status = set_scene(stage, trial, reason);

@@ -47,9 +47,9 @@ struct stage {
 
 /* Runs one trial. Errors: those of reading the scene, making rays or the reference; everything
  * else is in *row. A builder that would never end and a layout that refuses are ROW_REFUSED. */
-enum status stage_run(struct stage *stage, const struct trial *trial, struct row *row,
-                      struct reason *reason) MUST_USE;
+enum status trial_stage_run(struct stage *stage, const struct trial *trial, struct row *row,
+                            struct reason *reason) MUST_USE;
 
-void stage_free(struct stage *stage);
+void trial_stage_free(struct stage *stage);
 
 #endif

@@ -161,6 +161,15 @@ in_test CULLED_ALL ref/trace.c test_all
 in_test LOST_SLOT ref/layouts/layout_rf16.c test_all
 in_test NEIGHBOUR gpu/tracer_tasks.c test_fuzz_tasks
 in_test FLAGS_UNREAD gpu/tracer_tasks.c test_fuzz_tasks
+in_test SIGN_OF_ZERO fuzz/finding_file_number.c test_fuzz_numbers
+in_test COUNTED_TWICE fuzz/findings.c test_fuzz_merge
+in_test LAST_IS_FIRST fuzz/findings.c test_fuzz_merge
+replay="replay --brief --as-expected --engine cpu --time 2"
+in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
+in_program TRACER_HANGS ref/trace.c $replay fuzz/corpus/bad-rays.trial
+in_program HALF_NEAREST ref/half.c $replay fuzz/corpus/rounded-outward.trial
+in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c $replay fuzz/corpus/triangle-zero.trial
+in_program LOST_SLOT ref/layouts/layout_rf16.c $replay fuzz/corpus/eighth-slot.trial
 in_shaders NO_PRECISE test_spirv
 in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --rays ranges --count 5000 --repeat 1
 in_shaders SWAPPED_CHILD check soup --layout f32 --engine vulkan --count 5000 --repeat 1

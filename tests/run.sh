@@ -73,6 +73,7 @@ plain)
     suite conform_hard "$build/raydiff" conform --hard --quick --junit "$logs/hard.xml"
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"
     suite leaks sh tests/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
+    suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
     suite cli sh tests/cli.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
@@ -81,6 +82,7 @@ plain)
     suite tutorial sh tests/tutorial.sh "$build"
     ;;
 sanitize)
+    suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
     suite conform "$build/raydiff" conform --count 200
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/cli.sh "$build/raydiff"

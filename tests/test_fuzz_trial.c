@@ -228,6 +228,10 @@ static void signature_refuses_what_names_no_folder(void **state)
     assert_int_equal(fuzz_signature_parse(longest, &signature, &reason), STATUS_INPUT);
     fuzz_signature_set_engine(&signature, "../a b/\x80");
     assert_string_equal(signature.engine, "_._a_b__");
+    fuzz_signature_set_engine(&signature, "pipe: /opt/x y/my.tracer --fast a/b");
+    assert_string_equal(signature.engine, "pipe:x");
+    fuzz_signature_set_engine(&signature, "pipe:./build/my.tracer --fast a/b");
+    assert_string_equal(signature.engine, "pipe:my.tracer");
     fuzz_signature_set_engine(&signature, longest);
     assert_int_equal(strlen(signature.engine), sizeof signature.engine - 1);
 }
