@@ -23,6 +23,8 @@ struct peer {
     struct job job;
     struct pipe_answer head; /* what it says of itself */
     struct model model;
+    enum engine_fault fault; /* of the last call */
+    size_t fault_ray;
 };
 
 /* One request, for its messages. */
@@ -69,14 +71,17 @@ static enum status blame_end(struct peer *peer, enum pipe_end end, const struct 
     bool missing = false;
     unsigned limit = peer->options.peer_ms;
     place(asked, bytes, where);
+    peer->fault_ray = asked->first + bytes / sizeof(struct hit);
     switch (end) {
     case PIPE_LONG:
         snprintf(what, sizeof what, "its answer is longer than %zu rays", asked->rays);
         break;
     case PIPE_LATE:
+        peer->fault = ENGINE_LATE;
         snprintf(what, sizeof what, "late: not done within %g s, %s", 1e-3 * limit, where);
         break;
     case PIPE_CLOSED:
+        peer->fault = ENGINE_ENDED;
         pipe_child_fate(&peer->child, FATE_MS, fate, &missing);
         snprintf(what, sizeof what, "%s %s", fate, where);
         break;
@@ -152,6 +157,7 @@ static enum status check_hits(struct peer *peer, const struct asked *asked, stru
         if (hit[i].prim == ABI_NO_PRIM) {
             hit[i] = (struct hit){.prim = ABI_NO_PRIM};
         } else if (hit[i].prim >= peer->job.scene->tri_count) {
+            peer->fault_ray = asked->first + i;
             snprintf(what, sizeof what, "its answer to ray %zu names triangle %u of %u",
                      asked->first + i, (unsigned)hit[i].prim, (unsigned)peer->job.scene->tri_count);
             return blame(peer, STATUS_DEVICE, reason, what);
@@ -186,6 +192,8 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
                              .part_count = ARRAY_COUNT(part),
                              .deadline_ns = time_ns() + (uint64_t)peer->options.peer_ms * 1000000u};
     struct pipe_answer head;
+    peer->fault = ENGINE_NONSENSE; /* whatever is not said otherwise */
+    peer->fault_ray = asked->first;
     if (!opening && pipe_child_is_early(&peer->child)) /* at first, what it says shows who it is */
         return blame(peer, STATUS_DEVICE, reason, "wrote more than the answer before was long");
     enum pipe_end end = pipe_talk(&talk, &head, sizeof head, false);
@@ -288,6 +296,13 @@ static enum status peer_trace(void *self, const struct ray *ray, size_t ray_coun
     return STATUS_OK;
 }
 
+static enum engine_fault peer_fault(void *self, size_t *ray)
+{
+    const struct peer *peer = self;
+    *ray = peer->fault_ray;
+    return peer->fault;
+}
+
 static struct model peer_model(void *self, const struct tri_test *tri)
 {
     (void)tri;
@@ -314,7 +329,7 @@ static size_t name_count;
     {                                                                                              \
         .name = name_of[n], .summary = "a child process, over a pipe", .own_tri = true,            \
         .open = open_##n, .prepare = peer_prepare, .trace = peer_trace, .model = peer_model,       \
-        .close = peer_close, .describe = describe_##n                                              \
+        .fault = peer_fault, .close = peer_close, .describe = describe_##n                         \
     }
 
 PLACE(0)

@@ -98,6 +98,21 @@ static enum status ask_singly(struct fuzz_player *player, size_t seat, struct st
     return STATUS_OK;
 }
 
+/* Of an engine in a process of its own, which the next call starts again; false: it is none. */
+static bool peer_failed(const struct seat *who, const struct stage *stage, struct answers *answers)
+{
+    static const enum fuzz_kind kinds[] = {[ENGINE_FINE] = FUZZ_KIND_PROTOCOL,
+                                           [ENGINE_ENDED] = FUZZ_KIND_CRASH,
+                                           [ENGINE_LATE] = FUZZ_KIND_HANG,
+                                           [ENGINE_NONSENSE] = FUZZ_KIND_PROTOCOL};
+    if (!who->engine->fault)
+        return false;
+    size_t ray = 0;
+    enum engine_fault fault = who->engine->fault(who->self, &ray);
+    fared_badly(answers, kinds[fault], ray < stage->trial->ray_count ? ray : 0);
+    return true;
+}
+
 /* One stage by prepare and trace. */
 static enum status ask_alone(struct fuzz_player *player, size_t seat, struct stage *stage,
                              struct reason *reason)
@@ -127,6 +142,8 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct sta
         fared_by_status(answers, status);
         return STATUS_OK;
     }
+    if (peer_failed(who, stage, answers))
+        return STATUS_OK;
     if (is_alive(who)) {
         status = who->engine->prepare(who->self, &job, reason);
         return status ? status : ask_singly(player, seat, stage, reason);

@@ -49,6 +49,14 @@ struct engine_task {
     struct reason reason; /* if it is not STATUS_OK */
 };
 
+/* How an engine in a process of its own failed. */
+enum engine_fault {
+    ENGINE_FINE,
+    ENGINE_ENDED,   /* its process ended */
+    ENGINE_LATE,    /* its time was over */
+    ENGINE_NONSENSE /* what it answered is no answer */
+};
+
 struct engine {
     const char *name;
     const char *summary;
@@ -83,6 +91,10 @@ struct engine {
      * confirm none. */
     enum status (*trace_all)(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason);
+    /* What the last prepare or trace with STATUS_DEVICE was, and how many of its rays were answered
+     * before (*ray). The engine stays usable: the next call starts its process again. NULL: it has
+     * none; after STATUS_DEVICE it may have to be opened again. */
+    enum engine_fault (*fault)(void *self, size_t *ray);
     /* What the judge may assume of an opened engine's arithmetic with `tri`. */
     struct model (*model)(void *self, const struct tri_test *tri);
     void (*close)(void *self); /* NULL is fine */
