@@ -188,15 +188,18 @@ validate-gpu-check:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
 	@RAYDIFF_VALIDATE=gpu sh tests/run.sh $(B) watch
 
-# The readers under libFuzzer; a crash leaves its input behind. Needs clang.
+# The readers under libFuzzer; a crash leaves its input behind, and so does an allocation far beyond
+# the input's size. Needs clang.
 FUZZ_FLAGS := -std=c17 -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all
 fuzz-load: $(B)/gen/counts.h $(B)/gen/shaders.c
 	@sh .ci/deps.sh deep
 	@mkdir -p $(B)/fuzz/load
 	clang $(CPPFLAGS) $(FUZZ_FLAGS) $(FP) -fopenmp -o $(B)/fuzz/fuzz_load fuzz/fuzz_load.c \
 	    $(LIB_SRC) $(B)/gen/shaders.c $(LDLIBS)
+	for file in fuzz/corpus/*.trial; do \
+	    { printf '\003'; cat $$file; } >$(B)/fuzz/load/$$(basename $$file); done
 	cd $(B)/fuzz && ./fuzz_load load -max_total_time=$(or $(SECONDS),30) -max_len=4096 \
-	    -error_exitcode=1 -print_final_stats=1 $(ARGS)
+	    -malloc_limit_mb=1 -error_exitcode=1 -print_final_stats=1 $(ARGS)
 
 # Every rounding constant tightened until something breaks; CONTRIBUTING.md has what it prints.
 bounds:
