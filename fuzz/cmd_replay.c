@@ -183,16 +183,25 @@ static void play_file(struct replay_worker *worker, size_t i)
     file->code = code_of(options, file);
 }
 
-/* The page of the first finding that is expected; of a clean file of the first at all. */
+/* True if it has a ray that can be explained. */
+static bool has_page(const struct fuzz_finding *finding)
+{
+    enum fuzz_kind kind = finding->signature.kind;
+    return kind <= FUZZ_KIND_BITS || kind == FUZZ_KIND_UNFINISHED;
+}
+
+/* The page of the first finding that the file expects; of a clean one of the first at all. */
 static void print_page(struct replay_worker *worker, size_t i)
 {
     const struct replay_file *file = &worker->files[i];
     for (size_t k = 0; k < file->played_count; k++) {
         const struct replay_played *played = &file->played[k];
-        if (played->expected < played->finding_count) {
-            replay_page(worker, i, &played->who, played->finding[played->expected].ray);
-            return;
-        }
+        for (size_t n = played->expected; n < played->finding_count; n++)
+            if (has_page(&played->finding[n]) &&
+                replay_is_expected(worker->options, &file->file, &played->finding[n].signature)) {
+                replay_page(worker, i, &played->who, played->finding[n].ray);
+                return;
+            }
     }
 }
 

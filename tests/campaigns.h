@@ -112,8 +112,8 @@ static inline size_t compare_folders(const char *a, const char *b)
     size_t files = 0;
     struct dirent *one;
     while ((one = readdir(listing)) != NULL) {
-        char *left, *right;
-        size_t left_size, right_size;
+        char *left = NULL, *right = NULL;
+        size_t left_size = 0, right_size = 0;
         struct stat about;
         if (one->d_name[0] == '.')
             continue;

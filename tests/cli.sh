@@ -385,6 +385,16 @@ expect 0 . replay $corpus/rounded-outward.trial --engine cpu
 expect 1 . replay $corpus/rounded-outward.trial --layout rtrs_rf_paper --engine cpu
 grep -q ': FAILS$' "$dir/out" || bad "replay says that a clean file fails"
 expect 1 . replay $corpus/rounded-outward.trial --layout rtrs_rf_paper --as-expected --brief
+# Its cause shows on the second ray only; the first is lost for another one.
+awk '/^vertices/ { print; print "-100 -10 0\n-101 -10 0\n-100 -11 0"; skip = 3; next }
+    skip > 0 { skip--; next }
+    /^rays/ { print "rays 2\n-100.25 -10.25 9 0 0 -1 0 inf"; next }
+    { print }' $corpus/rounded-inward.trial >"$dir/behind.trial"
+expect 1 . replay "$dir/behind.trial" --engine cpu
+grep -q 'missed rounded_inward, ray 1 .*<- expected$' "$dir/out" || bad "replay finds a cause behind another"
+sed 's/^expect .*/expect cpu.rtrs_rf_paper.missed.sentinel/' "$dir/behind.trial" >"$dir/before.trial"
+expect 1 . replay "$dir/before.trial" --engine cpu
+grep -q 'missed sentinel, ray 0 .*<- expected$' "$dir/out" || bad "replay finds the first cause"
 sed 's/^expect .*/expect cpu.f32.missed.stack/' $corpus/sentinel.trial >"$dir/other.trial"
 expect 0 . replay "$dir/other.trial" --engine cpu
 expect 1 . replay "$dir/other.trial" --engine cpu --as-expected
