@@ -173,10 +173,11 @@ void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *o
         positive += value.w[c].sign > 0;
         negative += value.w[c].sign < 0;
     }
-    for (int c = 0; c < 3 && !(hits && positive && negative); c++) {
-        if (out->det)
-            out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
-    }
+    out->in_plane = false;
+    if (hits && positive && negative) /* a miss; in the plane of an area all w are 0 */
+        return;
+    for (int c = 0; c < 3 && out->det; c++)
+        out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
     out->in_plane = out->det == 0 && value.t.sign == 0 && in.way.bits > 0;
     if (out->det) {
         out->t.num = value.t;

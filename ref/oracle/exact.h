@@ -11,8 +11,8 @@ struct exact {
     int det;           /* sign of D */
     bool in_plane;     /* D == 0 == T and the direction is not 0: see exact_in_plane */
     bool wide;         /* __int128 did not suffice */
-    double edge_share; /* the smallest w_i / D, to about 2^-50; -INFINITY if D is 0; not filled in
-                          of a miss if `hits` */
+    double edge_share; /* the smallest w_i / D, to about 2^-50; -INFINITY if D is 0; this and
+                          t are not filled in of a miss if `hits` */
     struct fraction t; /* T / D, if D is not 0 */
 };
 

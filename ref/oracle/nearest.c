@@ -12,7 +12,10 @@ void nearest_start(struct nearest *nearest)
 
 static void start_set(struct nearest *nearest, uint32_t prim, const struct decided *hit)
 {
-    nearest->rep = *hit;
+    nearest->rep.pair = hit->pair;
+    nearest->rep.have_exact = hit->have_exact;
+    if (hit->have_exact) /* large, and seldom there */
+        nearest->rep.exact = hit->exact;
     nearest->rep_prim = prim;
     nearest->prim = prim;
     nearest->count = 1;
