@@ -34,7 +34,7 @@ static struct fuzz_player *open_player(const struct engine *const *engine, size_
 {
     const struct engine_options options = {.device = -1, .threads = 1};
     const struct layout *layout[ARRAY_COUNT(layout_names)];
-    struct fuzz_player *player;
+    struct fuzz_player *player = NULL;
     struct reason reason;
     for (size_t i = 0; i < ARRAY_COUNT(layout); i++)
         layout[i] = layout_find(layout_names[i]);
