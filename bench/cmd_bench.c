@@ -2,6 +2,7 @@
 #include "bench/cmd_bench.h"
 
 #include "ref/command.h"
+#include "ref/cmd_json.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -159,19 +160,7 @@ static enum status write_json(struct bench *bench, int code, struct reason *reas
 {
     json_t *root =
         json_pack("{s:s, s:i, s:O}", "raydiff", RAYDIFF_VERSION, "exit", code, "rows", bench->rows);
-    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    struct file_out *out = &bench->json;
-    json_decref(root);
-    if (!text)
-        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", bench->json_path);
-    enum status status = out->stream ? STATUS_OK : file_out_open(bench->json_path, out, reason);
-    if (status == STATUS_OK) {
-        fputs(text, out->stream);
-        fputc('\n', out->stream);
-        status = file_out_commit(out, reason);
-    }
-    free(text);
-    return status;
+    return json_write_to(&bench->json, bench->json_path, root, 9, reason);
 }
 
 static int run_benchmarks(struct bench *bench, const char *name)

@@ -3,6 +3,7 @@
 
 #include "ref/explain/ray_text.h"
 #include "scenes/file.h"
+#include "ref/cmd_json.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -165,17 +166,5 @@ enum status replay_write_json(const char *path, const struct replay_file *file, 
         json_array_append_new(files, file_json(&file[i]));
     json_t *root =
         json_pack("{s:s, s:i, s:o}", "raydiff", RAYDIFF_VERSION, "exit", code, "files", files);
-    char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
-    json_decref(root);
-    if (!text)
-        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", path);
-    struct file_out out;
-    enum status status = file_out_open(path, &out, reason);
-    if (!status) {
-        fputs(text, out.stream);
-        fputc('\n', out.stream);
-        status = file_out_commit(&out, reason);
-    }
-    free(text);
-    return status;
+    return json_write(path, root, 17, reason);
 }

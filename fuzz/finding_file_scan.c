@@ -1,6 +1,6 @@
 #include "fuzz/finding_file_scan.h"
 
-#include "fuzz/finding_file_number.h"
+#include "ref/float_word.h"
 
 #include <string.h>
 

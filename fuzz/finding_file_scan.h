@@ -19,7 +19,7 @@ enum status finding_keyword(struct scan *scan, const char *expected,
 enum status finding_whole(struct scan *scan, const char *what, uint64_t most, uint64_t *out,
                           struct reason *reason) MUST_USE;
 
-/* Takes a float (fuzz/finding_file_number.h), a finite one unless `any`. Errors: STATUS_INPUT. */
+/* Takes a float (ref/float_word.h), a finite one unless `any`. Errors: STATUS_INPUT. */
 enum status finding_float(struct scan *scan, const char *what, bool any, float *out,
                           struct reason *reason) MUST_USE;
 

@@ -1,7 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "fuzz/finding_file.h"
 
-#include "fuzz/finding_file_number.h"
+#include "ref/float_word.h"
 #include "ref/decimal.h"
 #include "scenes/file.h"
 

@@ -1,5 +1,6 @@
 #include "gpu/card.h"
 
+#include "gpu/probe_once.h"
 #include "ref/half.h"
 #include "ref/rng.h"
 
@@ -15,37 +16,21 @@
 #define LOOP_STEPS  100000u
 #define LOOP_NESTED 100u
 
-/* Runs an embedded probe: `in` to binding 0, binding 1 to `out`, one invocation per element. */
+/* Runs an embedded probe. */
 static enum status run(struct vk *vk, const char *name, uint32_t group, const void *push,
                        uint32_t push_bytes, uint32_t groups, const void *in, uint64_t in_bytes,
                        void *out, uint64_t out_bytes, struct reason *reason)
 {
-    const struct shader *shader = shader_find(name);
-    struct vk_shader make = {.name = name,
-                             .word = shader->word,
-                             .word_count = shader->word_count,
-                             .binding_count = 2,
-                             .push_bytes = push_bytes,
-                             .constant = &group,
-                             .constant_count = 1};
-    struct vk_pipeline *pipeline = NULL;
-    struct vk_buffer *buffer[2] = {NULL, NULL};
-    struct vk_time time;
-    enum status status = vk_pipeline_make(vk, &make, &pipeline, reason);
-    if (!status)
-        status = vk_buffer_make(vk, in_bytes, &buffer[0], reason);
-    if (!status)
-        status = vk_buffer_make(vk, out_bytes, &buffer[1], reason);
-    if (!status)
-        status = vk_buffer_write(vk, buffer[0], 0, in, in_bytes, reason);
-    if (!status)
-        status = vk_dispatch(vk, pipeline, buffer, push, groups, &time, reason);
-    if (!status)
-        status = vk_buffer_read(vk, buffer[1], 0, out, out_bytes, reason);
-    vk_buffer_free(vk, buffer[0]);
-    vk_buffer_free(vk, buffer[1]);
-    vk_pipeline_free(vk, pipeline);
-    return status;
+    const struct probe_job job = {.shader = shader_find(name),
+                                  .group = group,
+                                  .groups = groups,
+                                  .push = push,
+                                  .push_bytes = push_bytes,
+                                  .in = in,
+                                  .in_bytes = in_bytes,
+                                  .out = out,
+                                  .out_bytes = out_bytes};
+    return probe_once(vk, &job, reason);
 }
 
 struct triple {

@@ -2,6 +2,7 @@
 #include "gpu/cmd_doctor.h"
 
 #include "scenes/file.h"
+#include "ref/cmd_json.h"
 
 #include <stdlib.h>
 
@@ -28,17 +29,5 @@ enum status doctor_write_json(const char *path, const struct doctor *doctor, str
         (void)json_array_append_new(list[1], driver_json(&doctor->driver[i]));
     json_t *root = json_pack("{s:s, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "engines", list[0],
                              "drivers", list[1]);
-    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    json_decref(root);
-    if (!text)
-        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", path);
-    struct file_out out;
-    enum status status = file_out_open(path, &out, reason);
-    if (status == STATUS_OK) {
-        fputs(text, out.stream);
-        fputc('\n', out.stream);
-        status = file_out_commit(&out, reason);
-    }
-    free(text);
-    return status;
+    return json_write(path, root, 9, reason);
 }

@@ -1,5 +1,6 @@
 #include "gpu/probe.h"
 
+#include "gpu/probe_once.h"
 #include "gpu/text.h"
 #include "ref/rng.h"
 
@@ -132,39 +133,6 @@ static void compare(const struct triple *triple, const float *got, struct probe_
     }
 }
 
-static enum status dispatch(struct vk *vk, const struct shader *shader, const struct triple *triple,
-                            float *got, struct reason *reason)
-{
-    const uint64_t in_bytes = TRIPLES * sizeof *triple;
-    const uint64_t out_bytes = TRIPLES * PROBE_OPS * sizeof *got;
-    const uint32_t group = GROUP, count = TRIPLES;
-    struct vk_shader make = {.name = shader->name,
-                             .word = shader->word,
-                             .word_count = shader->word_count,
-                             .binding_count = 2,
-                             .push_bytes = sizeof count,
-                             .constant = &group,
-                             .constant_count = 1};
-    struct vk_pipeline *pipeline = NULL;
-    struct vk_buffer *buffer[2] = {NULL, NULL};
-    struct vk_time time;
-    enum status status = vk_pipeline_make(vk, &make, &pipeline, reason);
-    if (!status)
-        status = vk_buffer_make(vk, in_bytes, &buffer[0], reason);
-    if (!status)
-        status = vk_buffer_make(vk, out_bytes, &buffer[1], reason);
-    if (!status)
-        status = vk_buffer_write(vk, buffer[0], 0, triple, in_bytes, reason);
-    if (!status)
-        status = vk_dispatch(vk, pipeline, buffer, &count, TRIPLES / GROUP, &time, reason);
-    if (!status)
-        status = vk_buffer_read(vk, buffer[1], 0, got, out_bytes, reason);
-    vk_buffer_free(vk, buffer[0]);
-    vk_buffer_free(vk, buffer[1]);
-    vk_pipeline_free(vk, pipeline);
-    return status;
-}
-
 enum status probe_run_shader(struct vk *vk, const struct shader *shader,
                              struct probe_op out[PROBE_OPS], struct reason *reason)
 {
@@ -176,7 +144,17 @@ enum status probe_run_shader(struct vk *vk, const struct shader *shader,
         status = fail(reason, STATUS_MEMORY, "vulkan: no memory for the operator probe");
     } else {
         make_triples(triple);
-        status = dispatch(vk, shader, triple, got, reason);
+        const uint32_t count = TRIPLES;
+        const struct probe_job job = {.shader = shader,
+                                      .group = GROUP,
+                                      .groups = TRIPLES / GROUP,
+                                      .push = &count,
+                                      .push_bytes = sizeof count,
+                                      .in = triple,
+                                      .in_bytes = TRIPLES * sizeof *triple,
+                                      .out = got,
+                                      .out_bytes = TRIPLES * PROBE_OPS * sizeof *got};
+        status = probe_once(vk, &job, reason);
         if (!status)
             compare(triple, got, out);
     }

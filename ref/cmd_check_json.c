@@ -3,6 +3,7 @@
 
 #include "ref/cmd_finding.h"
 #include "scenes/file.h"
+#include "ref/cmd_json.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -152,17 +153,5 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
     }
     json_t *root = json_pack("{s:s, s:i, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "exit", exit_code,
                              "scenes", scenes, "rows", rows);
-    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    json_decref(root);
-    if (!text)
-        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", path);
-    struct file_out out;
-    enum status status = file_out_open(path, &out, reason);
-    if (status == STATUS_OK) {
-        fputs(text, out.stream);
-        fputc('\n', out.stream);
-        status = file_out_commit(&out, reason);
-    }
-    free(text);
-    return status;
+    return json_write(path, root, 9, reason);
 }

@@ -5,6 +5,7 @@
 #include "ref/explain/outside.h"
 #include "ref/explain/ray_text.h"
 #include "scenes/file.h"
+#include "ref/cmd_json.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -192,19 +193,7 @@ enum status explain_write_json(const char *path, const struct explain_page *page
                                struct reason *reason)
 {
     json_t *root = page_json(page, exit_code);
-    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
-    json_decref(root);
-    if (!text)
-        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", path);
-    struct file_out out;
-    enum status status = file_out_open(path, &out, reason);
-    if (status == STATUS_OK) {
-        fputs(text, out.stream);
-        fputc('\n', out.stream);
-        status = file_out_commit(&out, reason);
-    }
-    free(text);
-    return status;
+    return json_write(path, root, 17, reason);
 }
 
 /* Appends printf-formatted text as far as it fits. */

@@ -2,6 +2,7 @@
 #include "ref/cmd_leaks.h"
 #include "ref/command.h"
 #include "scenes/file.h"
+#include "ref/cmd_json.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -224,17 +225,5 @@ enum status leaks_write_json(const char *path, const struct leak_scene *scene, s
     json_t *root = json_pack("{s:s, s:s, s:i, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "profile",
                              scene_count ? scene[0].profile->name : "", "exit", exit_code, "scenes",
                              scenes, "rows", rows);
-    char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
-    json_decref(root);
-    if (!text)
-        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", path);
-    struct file_out out;
-    enum status status = file_out_open(path, &out, reason);
-    if (status == STATUS_OK) {
-        fputs(text, out.stream);
-        fputc('\n', out.stream);
-        status = file_out_commit(&out, reason);
-    }
-    free(text);
-    return status;
+    return json_write(path, root, 17, reason);
 }

@@ -1,5 +1,5 @@
 /* Floats as the text files of findings have them: to the bit there and back. */
-#include "fuzz/finding_file_number.h"
+#include "ref/float_word.h"
 #include "ref/rng.h"
 
 #include <math.h>

@@ -1,71 +1,22 @@
 #include "ref/explain/ray_text.h"
 
 #include "ref/decimal.h"
+#include "ref/float_word.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static int hex_digit(char c)
-{
-    if (c >= '0' && c <= '9')
-        return c - '0';
-    if (c >= 'a' && c <= 'f')
-        return c - 'a' + 10;
-    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-}
-
-/* Reads "1.8p+1", what follows "0x". Returns what follows it, or NULL: no number, or one that is
- * not exactly a float. */
-static const char *read_hexadecimal(const char *text, float *out)
-{
-    uint64_t digits = 0;
-    int exponent = 0, seen = 0, written = 0;
-    bool negative = false, point = false;
-    for (; hex_digit(*text) >= 0 || (*text == '.' && !point); text++) {
-        if (*text == '.') {
-            point = true;
-            continue;
-        }
-        digits = digits << 4 | (uint64_t)hex_digit(*text);
-        exponent -= point ? 4 : 0;
-        if (++seen > 15)
-            return NULL;
-    }
-    if (seen == 0 || (*text != 'p' && *text != 'P'))
-        return NULL;
-    text++;
-    if (*text == '+' || *text == '-')
-        negative = *text++ == '-';
-    for (seen = 0; *text >= '0' && *text <= '9'; text++) {
-        written = 10 * written + (*text - '0');
-        if (++seen > 4)
-            return NULL;
-    }
-    double value = ldexp((double)digits, exponent + (negative ? -written : written));
-    *out = (float)value;
-    return seen > 0 && (double)*out == value && digits < UINT64_C(1) << 53 ? text : NULL;
-}
-
 const char *float_text_read(const char *text, float *out)
 {
-    const char *from = *text == '-' || *text == '+' ? text + 1 : text;
-    float sign = *text == '-' ? -1.0f : 1.0f;
-    const char *end = NULL;
-    *out = 0.0f;
-    if (strncmp(from, "inf", 3) == 0) {
-        *out = INFINITY;
-        end = from + 3;
-    } else if (strncmp(from, "nan", 3) == 0) {
-        *out = NAN;
-        end = from + 3;
-    } else if (from[0] == '0' && (from[1] == 'x' || from[1] == 'X')) {
-        end = read_hexadecimal(from + 2, out);
-    } else {
-        return decimal_read_float(text, out);
+    const char *from = text + (*text == '-' || *text == '+'), *rule;
+    if (strncmp(from, "nan", 3) == 0 && from[3] != ':') { /* of no particular bits */
+        *out = *text == '-' ? -NAN : NAN;
+        return from + 3;
     }
-    *out *= sign;
-    return end;
+    if (from[0] == 'i' || (from[0] == '0' && (from[1] == 'x' || from[1] == 'X')))
+        return float_word_read(text, out, &rule);
+    return decimal_read_float(text, out); /* beyond the range: infinite, as a ray may be */
 }
 
 static bool is_separator(char c)

@@ -1,4 +1,4 @@
-#include "fuzz/finding_file_number.h"
+#include "ref/float_word.h"
 
 #include "ref/decimal.h"
 #include "ref/mutant.h"

@@ -1,6 +1,6 @@
-/* Floats as the text files of findings have them: every bit pattern has a text of its own. */
-#ifndef FUZZ_FINDING_FILE_NUMBER_H
-#define FUZZ_FINDING_FILE_NUMBER_H
+/* Floats as text, to the bit: every bit pattern has a text of its own, and it reads back. */
+#ifndef FLOAT_WORD_H
+#define FLOAT_WORD_H
 
 #include "ref/base.h"
 
