@@ -191,6 +191,22 @@ static void signature_prints_and_parses_every_kind_and_cause(void **state)
     assert_true(count > 1000);
 }
 
+static void signatures_differ_in_every_field(void **state)
+{
+    (void)state;
+    struct fuzz_signature one = {
+        .layout = layouts[0], .kind = FUZZ_KIND_BITS, .cause = CAUSE_STACK};
+    fuzz_signature_set_engine(&one, "cpu");
+    struct fuzz_signature other[5] = {one, one, one, one, one};
+    fuzz_signature_set_engine(&other[0], "cpu2");
+    other[1].layout = layouts[1];
+    other[2].layout = NULL;
+    other[3].kind = FUZZ_KIND_CRASH;
+    other[4].cause = CAUSE_SHADER;
+    for (size_t i = 0; i < ARRAY_COUNT(other); i++)
+        assert_false(fuzz_signature_same(&one, &other[i]) || fuzz_signature_same(&other[i], &one));
+}
+
 /* A signature names a folder: nothing may lead out of it. */
 static void signature_refuses_what_names_no_folder(void **state)
 {
@@ -245,6 +261,7 @@ int main(void)
         cmocka_unit_test(trial_check_refuses_what_no_reader_may_pass),
         cmocka_unit_test(smaller_is_fewer_then_rounder),
         cmocka_unit_test(signature_prints_and_parses_every_kind_and_cause),
+        cmocka_unit_test(signatures_differ_in_every_field),
         cmocka_unit_test(signature_refuses_what_names_no_folder),
     };
     return cmocka_run_group_tests_name("fuzz_trial", tests, NULL, NULL);

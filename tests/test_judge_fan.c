@@ -130,6 +130,29 @@ static void a_closed_tip_cannot_be_missed(void **state)
     }
 }
 
+/* Woop's promise needs the order of products that rounding to nearest keeps. */
+static void a_closed_tip_may_be_missed_where_rounding_is_not_to_nearest(void **state)
+{
+    (void)state;
+    struct rounding loose[] = {ROUNDING_VULKAN, ROUNDING_IEEE, ROUNDING_IEEE};
+    loose[1].add = 1.5;
+    loose[2].mul = 1.5;
+    assert_true(rounding_is_nearest(ROUNDING_IEEE) && rounding_is_nearest(ROUNDING_FLUSHED));
+    assert_true(rounding_is_nearest(ROUNDING_VULKAN_RTE) && rounding_is_nearest(ROUNDING_EMBREE));
+    for (size_t i = 0; i < ARRAY_COUNT(loose); i++) {
+        struct subject subject = *woop;
+        subject.model.rounding = loose[i];
+        assert_false(rounding_is_nearest(loose[i]));
+        for (int edge = 0; edge < 2; edge++) {
+            struct court *c = court_of(tip());
+            court_seat(c, &subject, QUERY_CLOSEST);
+            court_ask(c, at_tip(edge));
+            must_be(c, a_miss(), VERDICT_BOUNDARY);
+            court_close(c);
+        }
+    }
+}
+
 static void a_tip_with_a_gap_may_be_missed(void **state)
 {
     (void)state;
@@ -304,6 +327,7 @@ int main(void)
         cmocka_unit_test(nothing_is_missed_from_inside_a_closed_mesh),
         cmocka_unit_test(shared_positions_are_shared_vertices),
         cmocka_unit_test(a_closed_tip_cannot_be_missed),
+        cmocka_unit_test(a_closed_tip_may_be_missed_where_rounding_is_not_to_nearest),
         cmocka_unit_test(a_tip_with_a_gap_may_be_missed),
         cmocka_unit_test(a_tip_of_two_windings_may_be_missed),
         cmocka_unit_test(a_third_triangle_at_an_edge_opens_it),

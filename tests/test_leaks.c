@@ -98,6 +98,8 @@ static void mt_leaks_and_woop_does_not(void **state)
          * hits beside the exact silhouettes of solids is within its error. */
         assert_true(mt.lists && leaky.misses > 0 && leaky.lost > 0);
         assert_true(s == 2 || leaky.lost > RAYS / 200);
+        /* Of the solids, mt also loses silhouettes, which are no walls: counted, they were 157. */
+        assert_true(s != 1 || leaky.lost < 120);
         assert_int_equal(leaky.phantoms, 0);
         assert_true(s > 0 || (mt.tally[LEAK_EDGE].misses > RAYS / 4 / 20 &&
                               mt.tally[LEAK_EDGE].misses < RAYS / 4 / 5));
