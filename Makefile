@@ -218,7 +218,7 @@ slow: all tests
 
 SOURCES = $(shell git ls-files '*.c' '*.h')
 format:
-	clang-format -i $(SOURCES)
+	@clang-format -i $(SOURCES)
 format-check:
 	clang-format --dry-run -Werror $(SOURCES)
 
