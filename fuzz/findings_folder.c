@@ -101,28 +101,6 @@ static enum status read_member(struct findings *findings, const struct fuzz_sign
     return status;
 }
 
-static bool is_temporary(const char *name)
-{
-    size_t length = strlen(name);
-    return length > 4 && strcmp(name + length - 4, ".tmp") == 0;
-}
-
-/* Removes what a killed writer left: the lock says that there is no other. */
-static void clean(const struct findings *findings, const char *name)
-{
-    char path[FINDINGS_PATH_MOST + 300];
-    snprintf(path, sizeof path, "%s/%s", findings->folder, name);
-    DIR *listing = opendir(path);
-    struct dirent *one;
-    while (listing && (one = readdir(listing)) != NULL) {
-        snprintf(path, sizeof path, "%s/%s/%s", findings->folder, name, one->d_name);
-        if (is_temporary(one->d_name))
-            unlink(path);
-    }
-    if (listing)
-        closedir(listing);
-}
-
 enum status findings_folder_read(struct findings *findings, struct reason *reason)
 {
     DIR *listing = opendir(findings->folder);
@@ -133,9 +111,12 @@ enum status findings_folder_read(struct findings *findings, struct reason *reaso
     while (!status && (one = readdir(listing)) != NULL) {
         struct fuzz_signature signature;
         if (fuzz_signature_parse(one->d_name, &signature, NULL))
-            continue; /* somebody else's */
-        if (findings->writable)
-            clean(findings, one->d_name);
+            continue;             /* somebody else's */
+        if (findings->writable) { /* the lock says that there is no other writer */
+            char path[FINDINGS_PATH_MOST];
+            findings_path(findings, &signature, "", path, sizeof path);
+            file_out_clean(path);
+        }
         status = read_member(findings, &signature, reason);
     }
     closedir(listing);

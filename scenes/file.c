@@ -1,6 +1,7 @@
 #define _GNU_SOURCE /* realpath, O_CLOEXEC */
 #include "scenes/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -257,4 +258,19 @@ void file_out_discard(struct file_out *out)
     free(out->temporary);
     free(out->path);
     *out = (struct file_out){0};
+}
+
+void file_out_clean(const char *folder)
+{
+    char path[4096];
+    DIR *listing = opendir(folder);
+    struct dirent *one;
+    while (listing && (one = readdir(listing)) != NULL) {
+        const char *end = strrchr(one->d_name, '.');
+        int length = snprintf(path, sizeof path, "%s/%s", folder, one->d_name);
+        if (end && end > one->d_name && strcmp(end, ".tmp") == 0 && length < (int)sizeof path)
+            unlink(path);
+    }
+    if (listing)
+        closedir(listing);
 }

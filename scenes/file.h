@@ -39,4 +39,7 @@ enum status file_out_commit(struct file_out *out, struct reason *reason) MUST_US
 /* Drops the temporary file, if it was not committed. Safe on a zero struct. */
 void file_out_discard(struct file_out *out);
 
+/* Removes the temporary files that killed writers left in a folder. For who alone writes there. */
+void file_out_clean(const char *folder);
+
 #endif
