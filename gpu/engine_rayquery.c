@@ -2,7 +2,7 @@
  * them. Nothing is known of its formula, so the judge looks at geometry alone; box and triangle
  * test of the job do not matter. */
 #include "gpu/batch.h"
-#include "gpu/shaders.h"
+#include "gpu/dispatch.h"
 #include "gpu/text.h"
 #include "gpu/vk_accel.h"
 #include "gpu/vulkan_options.h"
@@ -60,21 +60,11 @@ static enum status open(const struct engine_options *options, void **self, struc
     return status;
 }
 
-static enum status make_pipeline(struct rayquery *r, enum query query, struct reason *reason)
+static enum status make_pipeline(struct rayquery *r, const struct job *job, struct reason *reason)
 {
-    struct vk_pipeline **pipeline = &r->pipeline[query];
-    const struct shader *shader = shader_find("query_rays");
-    const uint32_t constant[] = {r->workgroup, ABI_BOX_ROBUST, ABI_TRI_MT, query, 16};
-    struct vk_shader make = {
-        .name = shader->name,
-        .word = shader->word,
-        .word_count = shader->word_count,
-        .binding_count = BATCH_BINDINGS,
-        .push_bytes = sizeof(struct push),
-        .accel = true,
-        .constant = constant,
-        .constant_count = ARRAY_COUNT(constant),
-    };
+    struct vk_pipeline **pipeline = &r->pipeline[job->query];
+    const struct dispatch dispatch = dispatch_query(job, r->workgroup);
+    const struct vk_shader make = dispatch_shader(&dispatch);
     enum status status = *pipeline ? STATUS_OK : vk_pipeline_make(r->vk, &make, pipeline, reason);
     r->chosen = *pipeline;
     return status;
@@ -108,7 +98,7 @@ static enum status prepare(void *self, const struct job *job, struct reason *rea
     vk_accel_free(r->vk, r->accel);
     r->accel = NULL;
     r->lists = job->query == QUERY_ALL;
-    enum status status = make_pipeline(r, job->query, reason);
+    enum status status = make_pipeline(r, job, reason);
     if (!status && job->scene->tri_count)
         status = build(r, job->scene, reason);
     if (!status && r->accel)

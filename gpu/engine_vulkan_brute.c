@@ -2,6 +2,7 @@
  * device. With engine `vulkan` it tells what the tree loses, with engine `brute` what the device's
  * arithmetic does: those two must agree in every bit where the device's operators are C's. */
 #include "gpu/batch.h"
+#include "gpu/dispatch.h"
 #include "gpu/gather.h"
 #include "gpu/probe.h"
 #include "gpu/vulkan_options.h"
@@ -11,9 +12,6 @@
 
 #define QUERIES 3u
 #define TRIS    3u
-
-/* Triangles of one dispatch: under lavapipe 22's loop cap of 65,535. */
-#define PART 16384u
 
 /* Ray-triangle tests of one dispatch: begun small, doubled while a dispatch is quick, halved when
  * it is slow, so that no driver's watchdog ends a long job. */
@@ -78,17 +76,8 @@ static enum status open(const struct engine_options *options, void **self, struc
 static enum status make_pipeline(struct brute *b, const struct job *job, struct reason *reason)
 {
     struct vk_pipeline **pipeline = &b->pipeline[job->tri->id][job->query];
-    const struct shader *shader = shader_find("trace_brute");
-    const uint32_t constant[] = {b->workgroup, ABI_BOX_ROBUST, job->tri->id, job->query, 16};
-    struct vk_shader make = {
-        .name = shader->name,
-        .word = shader->word,
-        .word_count = shader->word_count,
-        .binding_count = BATCH_BINDINGS,
-        .push_bytes = sizeof(struct push),
-        .constant = constant,
-        .constant_count = ARRAY_COUNT(constant),
-    };
+    const struct dispatch dispatch = dispatch_brute(job, b->workgroup);
+    const struct vk_shader make = dispatch_shader(&dispatch);
     enum status status = *pipeline ? STATUS_OK : vk_pipeline_make(b->vk, &make, pipeline, reason);
     b->chosen = *pipeline;
     return status;
@@ -131,22 +120,22 @@ static enum status trace_batch(struct brute *b, struct batch *batch, const struc
                                size_t first, uint32_t count, const struct answers *to,
                                struct trace_report *report, struct reason *reason)
 {
-    struct push push = {.ray_count = count, .tri_count = b->tri_count, .capacity = batch->capacity};
     int turn = 1;
     uint32_t done = 0;
     enum status status = batch_rays(batch, ray + first, count, reason);
     do { /* without a triangle there is one empty part: it writes the misses */
         struct vk_time time = {0};
-        uint32_t part = b->tri_count - done < PART ? b->tri_count - done : PART;
+        struct push push = dispatch_brute_push(b->tri_count, done);
+        uint32_t part = push.node_count - done;
+        push.ray_count = count;
+        push.capacity = batch->capacity;
         turn = 1 - turn;
-        push.root = done;
-        push.node_count = done + part;
         done += part;
         if (!status)
             status = run_part(b, batch, &push, turn, first, &time, reason);
         report->ns += time.ns;
         report->device_clock = report->device_clock && time.device_clock;
-        if (part == PART && time.ns < QUICK_NS && b->tests < TESTS_MOST)
+        if (part == DISPATCH_PART && time.ns < QUICK_NS && b->tests < TESTS_MOST)
             b->tests *= 2;
         else if (time.ns > SLOW_NS && b->tests > TESTS_FIRST)
             b->tests /= 2;
@@ -170,7 +159,8 @@ static enum status trace_rays(struct brute *b, const struct ray *ray, size_t ray
     enum status status =
         batch_make(b->vk, b->workgroup, ray_count, b->lists, to->capacity, true, &batch, reason);
     for (size_t done = 0; done < ray_count && !status;) {
-        uint64_t part = b->tests / (b->tri_count < PART ? b->tri_count + 1 : PART);
+        uint64_t part =
+            b->tests / (b->tri_count < DISPATCH_PART ? b->tri_count + 1 : DISPATCH_PART);
         part = part < 1 ? 1 : part < batch.most ? part : batch.most;
         part = part < ray_count - done ? part : ray_count - done;
         status = trace_batch(b, &batch, ray, done, (uint32_t)part, to, report, reason);

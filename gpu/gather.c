@@ -9,13 +9,17 @@
 
 #define QUAD_BYTES 16u
 
+uint64_t gather_bytes(const struct scene *scene)
+{
+    uint64_t whole = (uint64_t)ABI_TRI_FLOATS * sizeof(float) * scene->tri_count;
+    return (whole + QUAD_BYTES - 1) / QUAD_BYTES * QUAD_BYTES;
+}
+
 enum status gather_triangles(struct vk *vk, const struct scene *scene, struct vk_buffer **out,
                              struct reason *reason)
 {
     const uint64_t bytes = ABI_TRI_FLOATS * sizeof(float);
-    const uint64_t whole = bytes * scene->tri_count;
-    enum status status =
-        vk_buffer_make(vk, (whole + QUAD_BYTES - 1) / QUAD_BYTES * QUAD_BYTES, out, reason);
+    enum status status = vk_buffer_make(vk, gather_bytes(scene), out, reason);
     if (status)
         return status;
     float(*tri)[3][3] = alloc_zeroed(GATHER, sizeof *tri);

@@ -5,8 +5,11 @@
 #include "gpu/vk.h"
 #include "ref/scene.h"
 
-/* Makes a buffer of ABI_TRI_FLOATS floats per triangle, in scene order, padded to whole quads of
- * floats: shaders read quads. *out is NULL on error. Errors: as vk_buffer_make and _write. */
+/* Bytes of that: ABI_TRI_FLOATS floats a triangle, padded to whole quads, which shaders read. */
+uint64_t gather_bytes(const struct scene *scene);
+
+/* Makes a buffer of all triangles, in scene order. *out is NULL on error. Errors: as vk_buffer_make
+ * and _write. */
 enum status gather_triangles(struct vk *vk, const struct scene *scene, struct vk_buffer **out,
                              struct reason *reason) MUST_USE;
 

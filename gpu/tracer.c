@@ -2,7 +2,6 @@
 
 #include "gpu/gather.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,7 +44,7 @@ enum status tracer_open(const struct vk_options *options, uint32_t workgroup, st
 
 static void free_buffers(struct tracer *tracer)
 {
-    for (uint32_t i = 0; i < TRACER_BINDINGS; i++) {
+    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++) {
         vk_buffer_free(tracer->vk, tracer->buffer[i]);
         tracer->buffer[i] = NULL;
     }
@@ -81,17 +80,11 @@ uint32_t tracer_pipelines(const struct tracer *tracer)
     return (uint32_t)tracer->cache_count;
 }
 
-enum status tracer_pipeline(struct tracer *tracer, const struct job *job, uint32_t stack,
+enum status tracer_pipeline(struct tracer *tracer, const struct dispatch *dispatch,
                             struct vk_pipeline **out, struct reason *reason)
 {
-    char name[64];
-    (void)snprintf(name, sizeof name, "trace_%s", job->packed->layout->name);
-    struct cached want = {shader_find(name),
-                          {tracer->workgroup, job->box->id, job->tri->id, job->query, stack},
-                          NULL};
-    if (!want.shader)
-        return fail(reason, STATUS_UNSUPPORTED, "vulkan: there is no shader for layout %s",
-                    job->packed->layout->name);
+    struct cached want = {.shader = dispatch->shader};
+    memcpy(want.constant, dispatch->constant, sizeof want.constant);
     for (size_t i = 0; i < tracer->cache_count; i++)
         if (tracer->cache[i].shader == want.shader &&
             memcmp(tracer->cache[i].constant, want.constant, sizeof want.constant) == 0) {
@@ -102,15 +95,7 @@ enum status tracer_pipeline(struct tracer *tracer, const struct job *job, uint32
     if (array_reserve(&cache, &tracer->cache_capacity, tracer->cache_count + 1, sizeof want))
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the list of pipelines");
     tracer->cache = cache;
-    struct vk_shader shader = {
-        .name = want.shader->name,
-        .word = want.shader->word,
-        .word_count = want.shader->word_count,
-        .binding_count = TRACER_BINDINGS,
-        .push_bytes = sizeof(struct push),
-        .constant = want.constant,
-        .constant_count = TRACER_CONSTANTS,
-    };
+    struct vk_shader shader = dispatch_shader(dispatch);
     enum status status = vk_pipeline_make(tracer->vk, &shader, &want.pipeline, reason);
     if (status)
         return status;
@@ -128,28 +113,6 @@ static enum status upload(struct tracer *tracer, uint32_t binding, const void *d
     return status;
 }
 
-enum status tracer_stack(const struct packed *packed, uint32_t *out, struct reason *reason)
-{
-    if (packed->stack_need > ABI_STACK_MAX)
-        return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u",
-                    ABI_STACK_MAX, (unsigned)packed->stack_need);
-    *out = 16;
-    while (*out < packed->stack_need)
-        *out *= 2;
-    return STATUS_OK;
-}
-
-struct push tracer_push(const struct job *job)
-{
-    return (struct push){
-        .root = job->packed->root,
-        .node_count = job->packed->node_count,
-        .item_count = job->packed->item_count,
-        .tri_count = job->scene->tri_count,
-        .capacity = 1,
-    };
-}
-
 static uint32_t first_batch(const struct tracer *tracer, uint32_t node_count)
 {
     uint32_t batch = TRACER_VISITS_MOST / (node_count + 1);
@@ -165,11 +128,11 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     tracer->pipeline = NULL;
     tracer->lists = job->query == QUERY_ALL;
     tracer->batch = first_batch(tracer, packed->node_count);
-    tracer->push = tracer_push(job);
-    uint32_t stack = 0;
-    enum status status = tracer_stack(packed, &stack, reason);
+    struct dispatch dispatch;
+    enum status status = dispatch_tree(job, tracer->workgroup, &dispatch, reason);
+    tracer->push = dispatch.push;
     if (!status)
-        status = tracer_pipeline(tracer, job, stack, &tracer->pipeline, reason);
+        status = tracer_pipeline(tracer, &dispatch, &tracer->pipeline, reason);
     if (!status)
         status = upload(tracer, ABI_BIND_NODES, packed->word, packed_node_bytes(packed), reason);
     if (!status)
@@ -335,7 +298,7 @@ static enum status trace_rays(struct tracer *tracer, const struct ray *ray, size
     report->flags = tracer->trouble;
     if (!status && vk_messages(tracer->vk, reason))
         status = STATUS_DEVICE;
-    for (uint32_t i = 0; i < TRACER_BINDINGS; i++)
+    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++)
         report->memory_bytes += vk_buffer_bytes(tracer->buffer[i]);
     return status;
 }

@@ -27,8 +27,8 @@ struct entry {
 
 struct tracer_tasks {
     struct vk_sets *sets;
-    struct vk_buffer *buffer[TRACER_BINDINGS];
-    struct arena arena[TRACER_BINDINGS];
+    struct vk_buffer *buffer[DISPATCH_BINDINGS];
+    struct arena arena[DISPATCH_BINDINGS];
     struct vk_work work[GROUP_MOST];
     struct entry entry[GROUP_MOST];
     uint32_t count;
@@ -41,7 +41,7 @@ void tracer_tasks_free(struct tracer *tracer)
     if (!tasks)
         return;
     vk_sets_free(tracer->vk, tasks->sets);
-    for (uint32_t i = 0; i < TRACER_BINDINGS; i++) {
+    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++) {
         vk_buffer_free(tracer->vk, tasks->buffer[i]);
         free(tasks->arena[i].byte);
     }
@@ -56,7 +56,7 @@ static enum status need_tasks(struct tracer *tracer, struct reason *reason)
     tracer->tasks = alloc_zeroed(1, sizeof *tracer->tasks);
     if (!tracer->tasks)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for many jobs");
-    return vk_sets_make(tracer->vk, TRACER_BINDINGS, GROUP_MOST, &tracer->tasks->sets, reason);
+    return vk_sets_make(tracer->vk, DISPATCH_BINDINGS, GROUP_MOST, &tracer->tasks->sets, reason);
 }
 
 /* Takes `bytes` of the arena, at least one quad, where a part may begin; NULL without memory. */
@@ -109,10 +109,10 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
     const struct packed *packed = task->job.packed;
     struct vk_work *work = &tasks->work[tasks->count];
     struct entry *entry = &tasks->entry[tasks->count];
-    uint32_t stack = 0;
-    task->status = tracer_stack(packed, &stack, &task->reason);
+    struct dispatch dispatch;
+    task->status = dispatch_tree(&task->job, tracer->workgroup, &dispatch, &task->reason);
     if (!task->status)
-        task->status = tracer_pipeline(tracer, &task->job, stack, &work->pipeline, &task->reason);
+        task->status = tracer_pipeline(tracer, &dispatch, &work->pipeline, &task->reason);
     if (task->status == STATUS_LIMIT || task->status == STATUS_UNSUPPORTED)
         return STATUS_OK;
     if (task->status)
@@ -129,10 +129,10 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
     work->part[ABI_BIND_NODES] = tasks->work[0].part[ABI_BIND_NODES];
 #endif
     entry->task = task;
-    entry->push = tracer_push(&task->job);
+    entry->push = dispatch.push;
     entry->push.ray_count = (uint32_t)rays;
     work->push = &entry->push;
-    work->groups = (uint32_t)((rays + tracer->workgroup - 1) / tracer->workgroup);
+    work->groups = dispatch_groups(&dispatch, (uint32_t)rays);
     tasks->visits += visits_of(task);
     tasks->count++;
     return STATUS_OK;
@@ -143,7 +143,7 @@ static enum status upload(struct tracer *tracer, struct reason *reason)
 {
     struct tracer_tasks *tasks = tracer->tasks;
     enum status status = STATUS_OK;
-    for (uint32_t i = 0; i < TRACER_BINDINGS && !status; i++) {
+    for (uint32_t i = 0; i < DISPATCH_BINDINGS && !status; i++) {
         const struct arena *arena = &tasks->arena[i];
         if (!tasks->buffer[i] || vk_buffer_bytes(tasks->buffer[i]) < arena->used) {
             vk_buffer_free(tracer->vk, tasks->buffer[i]);
@@ -217,7 +217,7 @@ static enum status flush(struct tracer *tracer, struct reason *reason)
     }
     tasks->count = 0;
     tasks->visits = 0;
-    for (uint32_t i = 0; i < TRACER_BINDINGS; i++)
+    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++)
         tasks->arena[i].used = 0;
     return status;
 }

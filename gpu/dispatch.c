@@ -1,0 +1,96 @@
+#include "gpu/dispatch.h"
+
+#include <stdio.h>
+
+/* The smallest stack class that is enough. */
+static enum status stack_class(const struct packed *packed, uint32_t *out, struct reason *reason)
+{
+    if (packed->stack_need > ABI_STACK_MAX)
+        return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u",
+                    ABI_STACK_MAX, (unsigned)packed->stack_need);
+    *out = 16;
+    while (*out < packed->stack_need)
+        *out *= 2;
+    return STATUS_OK;
+}
+
+enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct dispatch *out,
+                          struct reason *reason)
+{
+    const struct packed *packed = job->packed;
+    char name[64];
+    (void)snprintf(name, sizeof name, "trace_%s", packed->layout->name);
+    *out = (struct dispatch){
+        .shader = shader_find(name),
+        .constant = {[ABI_SPEC_WORKGROUP] = workgroup,
+                     [ABI_SPEC_BOX] = job->box->id,
+                     [ABI_SPEC_TRI] = job->tri->id,
+                     [ABI_SPEC_QUERY] = job->query},
+        .push = {.root = packed->root,
+                 .node_count = packed->node_count,
+                 .item_count = packed->item_count,
+                 .tri_count = job->scene->tri_count,
+                 .capacity = 1},
+    };
+    enum status status = stack_class(packed, &out->constant[ABI_SPEC_STACK], reason);
+    if (!status && !out->shader)
+        status = fail(reason, STATUS_UNSUPPORTED, "vulkan: there is no shader for layout %s",
+                      packed->layout->name);
+    return status;
+}
+
+struct push dispatch_brute_push(uint32_t tri_count, uint32_t first)
+{
+    uint32_t left = tri_count - first;
+    return (struct push){.root = first,
+                         .node_count = first + (left < DISPATCH_PART ? left : DISPATCH_PART),
+                         .tri_count = tri_count,
+                         .capacity = 1};
+}
+
+struct dispatch dispatch_brute(const struct job *job, uint32_t workgroup)
+{
+    return (struct dispatch){
+        .shader = shader_find("trace_brute"),
+        .constant = {[ABI_SPEC_WORKGROUP] = workgroup,
+                     [ABI_SPEC_BOX] = ABI_BOX_ROBUST,
+                     [ABI_SPEC_TRI] = job->tri->id,
+                     [ABI_SPEC_QUERY] = job->query,
+                     [ABI_SPEC_STACK] = 16},
+        .push = dispatch_brute_push(job->scene->tri_count, 0),
+    };
+}
+
+struct dispatch dispatch_query(const struct job *job, uint32_t workgroup)
+{
+    return (struct dispatch){
+        .shader = shader_find("query_rays"),
+        .constant = {[ABI_SPEC_WORKGROUP] = workgroup,
+                     [ABI_SPEC_BOX] = ABI_BOX_ROBUST,
+                     [ABI_SPEC_TRI] = ABI_TRI_MT,
+                     [ABI_SPEC_QUERY] = job->query,
+                     [ABI_SPEC_STACK] = 16},
+        .push = {.capacity = 1},
+        .accel = true,
+    };
+}
+
+uint32_t dispatch_groups(const struct dispatch *dispatch, uint32_t ray_count)
+{
+    uint32_t workgroup = dispatch->constant[ABI_SPEC_WORKGROUP];
+    return (uint32_t)(((uint64_t)ray_count + workgroup - 1) / workgroup);
+}
+
+struct vk_shader dispatch_shader(const struct dispatch *dispatch)
+{
+    return (struct vk_shader){
+        .name = dispatch->shader->name,
+        .word = dispatch->shader->word,
+        .word_count = dispatch->shader->word_count,
+        .binding_count = DISPATCH_BINDINGS,
+        .push_bytes = sizeof(struct push),
+        .accel = dispatch->accel,
+        .constant = dispatch->constant,
+        .constant_count = DISPATCH_CONSTANTS,
+    };
+}
