@@ -2,9 +2,8 @@
 #ifndef CMD_BENCH_FUZZ_H
 #define CMD_BENCH_FUZZ_H
 
+#include "fuzz/child.h"
 #include "fuzz/player.h"
-
-#include <sys/types.h>
 
 #define CREW_MOST 64u
 
@@ -18,16 +17,13 @@ struct crew_report {
 };
 
 struct crew {
-    struct {
-        pid_t pid;
-        int ask, answer; /* pipes: to it, from it */
-    } worker[CREW_MOST];
+    struct child worker[CREW_MOST];
     size_t count;
 };
 
 /* Starts `count` processes, each of which opens the field and plays some trials, so that pipelines
- * are made. The calling process must not have opened any engine. Errors: STATUS_INTERNAL no process
- * or pipe; else what the first worker says that cannot. crew_stop in any case. */
+ * are made. The calling process must not have opened any engine. Errors: STATUS_DEVICE no
+ * process, or one died; else what the first worker says that cannot. crew_stop in any case. */
 enum status crew_start(const struct fuzz_field *field, uint64_t seed, size_t count,
                        struct crew *out, struct reason *reason) MUST_USE;
 

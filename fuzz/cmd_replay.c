@@ -7,7 +7,6 @@
 #include "ref/cmd_tables.h"
 #include "ref/command.h"
 
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -273,7 +272,6 @@ int cmd_replay(int argc, char **argv)
         fputs("raydiff replay: out of memory\n", stderr);
         return EXIT_INTERNAL;
     }
-    signal(SIGPIPE, SIG_IGN); /* a child that died is seen by what it does not answer */
     code = read_files(argv + first, count, files);
     for (size_t i = 0; i < count && code == EXIT_AGREE; i++)
         code = check_engine(&options, &files[i]);

@@ -2,10 +2,9 @@
 #ifndef FUZZ_CMD_REPLAY_H
 #define FUZZ_CMD_REPLAY_H
 
+#include "fuzz/child.h"
 #include "fuzz/finding_file.h"
 #include "fuzz/player.h"
-
-#include <sys/types.h>
 
 #define REPLAY_REASON 200
 
@@ -61,8 +60,7 @@ bool replay_is_expected(const struct replay_options *options, const struct findi
 struct replay_worker {
     const struct replay_options *options;
     struct replay_file *files; /* read before the child is made, so that it has them too */
-    pid_t child;               /* 0: none */
-    int to, from;
+    struct child child;
 };
 
 /* Plays a contestant on file `i`: sets fate, reason and findings of *played. */

@@ -1,20 +1,14 @@
 /* The child that raydiff replay plays in, and how the parent asks it. The files were read before
  * the fork, so that both sides have them, and pointers to them and to tables mean the same. */
-#define _POSIX_C_SOURCE 200809L
 #include "fuzz/cmd_replay.h"
 
 #include "fuzz/versions.h"
 #include "ref/cmd_explain.h"
 #include "ref/match.h"
 
-#include <errno.h>
-#include <poll.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 enum task { TASK_PLAY, TASK_PAGE, TASK_VERSIONS };
 
@@ -46,7 +40,7 @@ struct open_player {
     struct reason reason;
 };
 
-struct child {
+struct troupe {
     const struct replay_options *options;
     const struct replay_file *files;
     struct open_player *open;
@@ -54,18 +48,18 @@ struct child {
     struct pool pool; /* for pages */
 };
 
-static struct open_player *get_player(struct child *child, const struct fuzz_contestant *who)
+static struct open_player *get_player(struct troupe *troupe, const struct fuzz_contestant *who)
 {
-    for (size_t i = 0; i < child->open_count; i++)
-        if (child->open[i].who.engine == who->engine && child->open[i].who.layout == who->layout)
-            return &child->open[i];
-    void *array = child->open;
-    if (array_reserve(&array, &child->open_capacity, child->open_count + 1, sizeof *child->open))
+    for (size_t i = 0; i < troupe->open_count; i++)
+        if (troupe->open[i].who.engine == who->engine && troupe->open[i].who.layout == who->layout)
+            return &troupe->open[i];
+    void *array = troupe->open;
+    if (array_reserve(&array, &troupe->open_capacity, troupe->open_count + 1, sizeof *troupe->open))
         return NULL;
-    child->open = array;
-    struct open_player *open = &child->open[child->open_count++];
+    troupe->open = array;
+    struct open_player *open = &troupe->open[troupe->open_count++];
     *open = (struct open_player){.who = *who};
-    struct fuzz_field field = {.who = {*who}, .count = 1, .options = child->options->engines};
+    struct fuzz_field field = {.who = {*who}, .count = 1, .options = troupe->options->engines};
     open->status = fuzz_player_open(&field, &open->player, &open->reason);
     return open;
 }
@@ -79,18 +73,18 @@ static enum status explain_all(struct open_player *open, const struct fuzz_trial
     return status;
 }
 
-static bool has_expected(const struct child *child, const struct finding_file *file,
+static bool has_expected(const struct troupe *troupe, const struct finding_file *file,
                          const struct fuzz_result *result)
 {
     for (size_t i = 0; i < result->finding_count; i++)
-        if (replay_is_expected(child->options, file, &result->finding[i].signature))
+        if (replay_is_expected(troupe->options, file, &result->finding[i].signature))
             return true;
     return false;
 }
 
 /* The player keeps the first finding of a kind, which may have another cause than the one that the
  * file expects: then the rays are played one by one. */
-static enum status look_behind(struct child *child, struct open_player *open,
+static enum status look_behind(struct troupe *troupe, struct open_player *open,
                                const struct finding_file *file, struct fuzz_result *result,
                                struct reason *reason)
 {
@@ -99,7 +93,7 @@ static enum status look_behind(struct child *child, struct open_player *open,
            result->finding[masking].signature.kind != file->signature.kind)
         masking++;
     if (!file->has_signature || masking == result->finding_count ||
-        has_expected(child, file, result))
+        has_expected(troupe, file, result))
         return STATUS_OK;
     enum status status = STATUS_OK;
     for (uint32_t i = result->finding[masking].ray + 1; i < file->trial.ray_count && !status; i++) {
@@ -111,7 +105,7 @@ static enum status look_behind(struct child *child, struct open_player *open,
         if (!status)
             status = explain_all(open, &alone, &one, reason);
         for (size_t k = 0; k < one.finding_count && !status; k++)
-            if (replay_is_expected(child->options, file, &one.finding[k].signature)) {
+            if (replay_is_expected(troupe->options, file, &one.finding[k].signature)) {
                 one.finding[k].ray = i;
                 result->finding[masking] = one.finding[k];
                 return STATUS_OK;
@@ -120,10 +114,10 @@ static enum status look_behind(struct child *child, struct open_player *open,
     return status;
 }
 
-static void play(struct child *child, const struct request *request, struct reply *reply)
+static void play(struct troupe *troupe, const struct request *request, struct reply *reply)
 {
-    const struct finding_file *file = &child->files[request->file].file;
-    struct open_player *open = get_player(child, &request->who);
+    const struct finding_file *file = &troupe->files[request->file].file;
+    struct open_player *open = get_player(troupe, &request->who);
     struct fuzz_result *result = alloc_zeroed(1, sizeof *result);
     enum status status = open && result ? STATUS_OK : STATUS_MEMORY;
     reply->fate = REPLAYED;
@@ -139,7 +133,7 @@ static void play(struct child *child, const struct request *request, struct repl
     if (!status)
         status = explain_all(open, &file->trial, result, &reply->reason);
     if (!status)
-        status = look_behind(child, open, file, result, &reply->reason);
+        status = look_behind(troupe, open, file, result, &reply->reason);
     if (status) {
         reply->fate = REPLAY_FAILED;
         if (!reply->reason.text[0])
@@ -163,10 +157,10 @@ struct page_parts {
     struct judged_ray ray;
 };
 
-static enum status make_page(struct child *child, const struct request *request,
+static enum status make_page(struct troupe *troupe, const struct request *request,
                              struct page_parts *parts, struct reason *reason)
 {
-    const struct fuzz_trial *trial = &child->files[request->file].file.trial;
+    const struct fuzz_trial *trial = &troupe->files[request->file].file.trial;
     const struct layout *layout = request->who.layout;
     enum status status = STATUS_OK;
     if (layout)
@@ -177,7 +171,7 @@ static enum status make_page(struct child *child, const struct request *request,
         status = oracle_make(&trial->scene, &parts->oracle, reason);
     if (status)
         return status;
-    void *self = pool_get(&child->pool, request->who.engine, &status, reason);
+    void *self = pool_get(&troupe->pool, request->who.engine, &status, reason);
     const struct job job = {&trial->scene, layout ? &parts->packed : NULL, trial->box, trial->tri,
                             trial->query};
     if (!status)
@@ -192,7 +186,7 @@ static enum status make_page(struct child *child, const struct request *request,
     if (status)
         return status;
     char again[EXPLAIN_COMMAND_MOST];
-    const char *path = child->files[request->file].path;
+    const char *path = troupe->files[request->file].path;
     snprintf(again, sizeof again, "raydiff replay %s --engine %s%s%s", path,
              request->who.engine->name, layout ? " --layout " : "", layout ? layout->name : "");
     const struct explain_of of = {.spec = path,
@@ -210,143 +204,70 @@ static enum status make_page(struct child *child, const struct request *request,
     return STATUS_OK;
 }
 
-static void print_page(struct child *child, const struct request *request, struct reply *reply)
+static void print_page(struct troupe *troupe, const struct request *request, struct reply *reply)
 {
     struct page_parts parts = {0};
-    reply->printed = make_page(child, request, &parts, &reply->reason) == STATUS_OK;
+    reply->printed = make_page(troupe, request, &parts, &reply->reason) == STATUS_OK;
     judged_free(&parts.judged);
     oracle_free(parts.oracle);
     packed_free(&parts.packed);
     bvh_free(&parts.bvh);
 }
 
-static bool read_all(int from, void *bytes, size_t size)
+/* The child's life: until the parent closes its end. */
+static void serve(struct child *parent, void *user)
 {
-    for (size_t done = 0; done < size;) {
-        ssize_t got = read(from, (char *)bytes + done, size - done);
-        if (got == 0 || (got < 0 && errno != EINTR))
-            return false;
-        done += got > 0 ? (size_t)got : 0;
-    }
-    return true;
-}
-
-static bool write_all(int to, const void *bytes, size_t size)
-{
-    for (size_t done = 0; done < size;) {
-        ssize_t put = write(to, (const char *)bytes + done, size - done);
-        if (put <= 0 && errno != EINTR)
-            return false;
-        done += put > 0 ? (size_t)put : 0;
-    }
-    return true;
-}
-
-/* Until the parent closes its end. */
-static void serve(struct child *child, int from, int to)
-{
+    const struct replay_worker *worker = user;
+    struct troupe troupe = {.options = worker->options, .files = worker->files};
     struct request request;
-    while (read_all(from, &request, sizeof request)) {
+    troupe.pool.options = worker->options->engines;
+    while (child_receive_into(parent, &request, sizeof request, CHILD_FOREVER)) {
         struct reply *reply = alloc_zeroed(1, sizeof *reply);
         if (!reply)
             return;
         if (request.task == TASK_PLAY)
-            play(child, &request, reply);
+            play(&troupe, &request, reply);
         else if (request.task == TASK_PAGE)
-            print_page(child, &request, reply);
+            print_page(&troupe, &request, reply);
         else
-            fuzz_versions(request.engine, request.engine_count, &child->options->engines,
+            fuzz_versions(request.engine, request.engine_count, &worker->options->engines,
                           reply->versions, sizeof reply->versions);
-        fflush(NULL);
-        bool sent = write_all(to, reply, sizeof *reply);
+        fflush(stdout);
+        bool sent = child_send(parent, reply, sizeof *reply, CHILD_FOREVER);
         free(reply);
         if (!sent)
             return;
     }
-    for (size_t i = 0; i < child->open_count; i++)
-        fuzz_player_close(child->open[i].player);
-    free(child->open);
-    pool_free(&child->pool);
+    for (size_t i = 0; i < troupe.open_count; i++)
+        fuzz_player_close(troupe.open[i].player);
+    free(troupe.open);
+    pool_free(&troupe.pool);
 }
 
 /* --- the parent ------------------------------------------------------------------------------ */
 
-static bool start(struct replay_worker *worker)
-{
-    int down[2], up[2];
-    if (worker->child)
-        return true;
-    if (pipe(down) != 0)
-        return false;
-    if (pipe(up) != 0) {
-        close(down[0]);
-        close(down[1]);
-        return false;
-    }
-    fflush(NULL);
-    worker->child = fork();
-    if (worker->child == 0) {
-        struct child child = {.options = worker->options, .files = worker->files};
-        child.pool.options = worker->options->engines;
-        close(down[1]);
-        close(up[0]);
-        serve(&child, down[0], up[1]);
-        _exit(0);
-    }
-    close(down[0]);
-    close(up[1]);
-    worker->to = down[1];
-    worker->from = up[0];
-    if (worker->child > 0)
-        return true;
-    worker->child = 0;
-    close(worker->to);
-    close(worker->from);
-    return false;
-}
-
-/* Ends it; returns its wait status. */
-static int stop(struct replay_worker *worker, bool by_force)
-{
-    int status = 0;
-    if (by_force)
-        kill(worker->child, SIGKILL);
-    close(worker->to);
-    while (waitpid(worker->child, &status, 0) < 0 && errno == EINTR) {
-    }
-    close(worker->from);
-    worker->child = 0;
-    return status;
-}
-
 static void ask(struct replay_worker *worker, const struct request *request, struct reply *reply)
 {
+    struct child *child = &worker->child;
+    struct child_fate fate;
+    const void *bytes;
+    size_t size;
     *reply = (struct reply){.fate = REPLAY_FAILED};
-    if (!start(worker)) {
-        fail(&reply->reason, STATUS_INTERNAL, "cannot make a child process: %s", strerror(errno));
+    if (!child->pid && child_start(serve, worker, child, &reply->reason))
+        return;
+    enum child_got got = CHILD_GONE;
+    if (child_send(child, request, sizeof *request, worker->options->seconds * 1000))
+        got = child_receive(child, sizeof *reply, worker->options->seconds * 1000, &bytes, &size);
+    if (got == CHILD_GOT && size == sizeof *reply) {
+        memcpy(reply, bytes, size);
         return;
     }
-    struct pollfd wait = {.fd = worker->from, .events = POLLIN};
-    int ready = -1;
-    if (write_all(worker->to, request, sizeof *request))
-        do {
-            ready = poll(&wait, 1, (int)worker->options->seconds * 1000);
-        } while (ready < 0 && errno == EINTR);
-    if (ready == 0) {
-        stop(worker, true);
-        *reply = (struct reply){.fate = REPLAY_HUNG};
+    child_end(child, got == CHILD_LATE ? 0 : 1000, &fate);
+    reply->fate = got == CHILD_LATE ? REPLAY_HUNG : REPLAY_CRASHED;
+    if (got == CHILD_LATE)
         fail(&reply->reason, STATUS_DEVICE, "no answer within %u s", worker->options->seconds);
-        return;
-    }
-    if (ready > 0 && read_all(worker->from, reply, sizeof *reply))
-        return;
-    int status = stop(worker, false);
-    *reply = (struct reply){.fate = REPLAY_CRASHED};
-    if (WIFSIGNALED(status))
-        fail(&reply->reason, STATUS_DEVICE, "killed by signal %d (%s)", WTERMSIG(status),
-             strsignal(WTERMSIG(status)));
     else
-        fail(&reply->reason, STATUS_DEVICE, "ended itself with code %d", WEXITSTATUS(status));
+        fail(&reply->reason, STATUS_DEVICE, "%s", fate.text);
 }
 
 void replay_play(struct replay_worker *worker, size_t i, struct replay_played *played)
@@ -391,6 +312,5 @@ void replay_versions(struct replay_worker *worker, size_t i)
 
 void replay_end(struct replay_worker *worker)
 {
-    if (worker->child)
-        stop(worker, false);
+    child_end(&worker->child, 10000, NULL);
 }

@@ -166,6 +166,8 @@ in_test COUNTED_TWICE fuzz/findings.c test_fuzz_merge
 in_test LAST_IS_FIRST fuzz/findings.c test_fuzz_merge
 in_test ALL_AS_RARE fuzz/feedback.c test_fuzz_feedback
 in_test HELD_FORGOTTEN fuzz/feedback.c test_fuzz_feedback
+in_test HALF_MESSAGE fuzz/child.c test_fuzz_child
+in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
 in_program TRACER_HANGS ref/trace.c $replay fuzz/corpus/bad-rays.trial
