@@ -36,7 +36,8 @@ CMD_SRC  := raydiff.c $(wildcard */cmd_*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
 SHADERS  := $(wildcard shaders/*.comp)
 
-LIB_OBJ  := $(LIB_SRC:%.c=$(B)/obj/%.o) $(B)/obj/gen/shaders.o
+GEN_SRC  := $(B)/gen/shaders.c $(B)/gen/baseline.c # the library's, made
+LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 TESTS    := $(TEST_SRC:tests/%.c=$(B)/tests/%)
 SAMPLES  := $(addprefix $(B)/samples/,tracer tracer_bug1 tracer_bug2)
@@ -82,6 +83,12 @@ $(B)/gen/flags: FORCE
 $(B)/gen/counts.h: FORCE
 	$(call written,$(foreach count,$(COUNTS),'#define $(subst =, ,$(count))'))
 .PHONY: FORCE
+
+# The baseline is part of the program, so that an installed one has it.
+$(B)/gen/baseline.c: fuzz/baseline.txt
+	@mkdir -p $(@D)
+	@{ echo 'extern const char baseline_shipped[];' && echo 'const char baseline_shipped[] =' && \
+	  sed -e 's/[\\"?]/\\&/g' -e 's/^/    "/' -e 's/$$/\\n"/' $< && echo ';'; } >$@
 
 $(B)/tests/%: $(B)/obj/tests/%.o $(B)/libraydiff.a
 	@mkdir -p $(@D)
@@ -191,11 +198,11 @@ validate-gpu-check:
 # The readers under libFuzzer; a crash leaves its input behind, and so does an allocation far beyond
 # the input's size. Needs clang.
 FUZZ_FLAGS := -std=c17 -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all
-fuzz-load: $(B)/gen/counts.h $(B)/gen/shaders.c
+fuzz-load: $(B)/gen/counts.h $(GEN_SRC)
 	@sh .ci/deps.sh deep
 	@mkdir -p $(B)/fuzz/load
 	clang $(CPPFLAGS) $(FUZZ_FLAGS) $(FP) -fopenmp -o $(B)/fuzz/fuzz_load fuzz/fuzz_load.c \
-	    $(LIB_SRC) $(B)/gen/shaders.c $(LDLIBS)
+	    $(LIB_SRC) $(GEN_SRC) $(LDLIBS)
 	for file in fuzz/corpus/*.trial; do \
 	    { printf '\003'; cat $$file; } >$(B)/fuzz/load/$$(basename $$file); done
 	cd $(B)/fuzz && ./fuzz_load load -max_total_time=$(or $(SECONDS),30) -max_len=4096 \

@@ -46,5 +46,6 @@
 #define MUTANT_HELD_FORGOTTEN 111 /* feedback keeps trials that reach nothing new */
 #define MUTANT_HALF_MESSAGE   90  /* what a dead child sent of a message is taken for all of it */
 #define MUTANT_SIBLINGS_HELD  91  /* a child keeps the files that its parent had open */
+#define MUTANT_NEVER_EXPIRES  112 /* an entry of the baseline excuses for ever */
 
 #endif

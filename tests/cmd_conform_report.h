@@ -5,7 +5,7 @@
 #include "ref/match.h"
 #include "scenes/file.h"
 #include "tests/hard/matrix.h"
-#include "tests/hard/waivers.h"
+#include "fuzz/waivers.h"
 
 struct conform_report {
     size_t expected, done;

@@ -168,6 +168,7 @@ in_test ALL_AS_RARE fuzz/feedback.c test_fuzz_feedback
 in_test HELD_FORGOTTEN fuzz/feedback.c test_fuzz_feedback
 in_test HALF_MESSAGE fuzz/child.c test_fuzz_child
 in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
+in_test NEVER_EXPIRES fuzz/baseline.c test_fuzz_baseline
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
 in_program TRACER_HANGS ref/trace.c $replay fuzz/corpus/bad-rays.trial

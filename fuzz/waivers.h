@@ -1,13 +1,15 @@
-/* Waivers: failures that are known, each with a reason and a link. A waiver that no longer excuses
- * anything is itself a failure, so that the list cannot grow old. */
-#ifndef HARD_WAIVERS_H
-#define HARD_WAIVERS_H
+/* Waivers: failures that are known, each with a reason and a link, of the conformance suite and,
+ * with dates, of campaigns (fuzz/baseline.h). In the suite one that no longer excuses anything is
+ * itself a failure, so that the list cannot grow old. */
+#ifndef FUZZ_WAIVERS_H
+#define FUZZ_WAIVERS_H
 
 #include "ref/base.h"
 
 struct waiver {
     char *pattern; /* shell wildcards, of the name of a trial or hard case */
     char *version; /* part of an engine's version: elsewhere it excuses nothing; or NULL */
+    char *until;   /* YYYY-MM-DD, the last day on which it excuses; NULL: it has none */
     char *reason;
     char *link;
     size_t line;
@@ -27,10 +29,19 @@ struct waivers {
 
 /* Reads lines "PATTERN [@VERSION] REASON... LINK"; blank lines and lines that start with '#' are
  * comments. VERSION is a part of what `raydiff doctor` says of an engine, '_' for a blank; LINK is
- * the last word and has "://" or ".md" in it.
+ * the last word and has "://" or ".md" in it. Control characters and a second line of the same
+ * pattern, version and date are refused.
  * Errors: STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY. */
 enum status waivers_read(const char *path, struct waivers *out, struct reason *reason) MUST_USE;
+
+/* The same of bytes in memory, which it takes over and frees; `name` stands in messages. With
+ * `dated` each line says "until YYYY-MM-DD" or "until -" before the reason. */
+enum status waivers_parse(const char *name, char *text, size_t size, bool dated,
+                          struct waivers *out, struct reason *reason) MUST_USE;
 void waivers_free(struct waivers *waivers);
+
+/* True if it is about `name` (shell wildcards) and about one of these versions, or about none. */
+bool waiver_is_about(const struct waiver *waiver, const char *name, const char *versions);
 
 enum waiver_event { WAIVER_SKIPPED, WAIVER_PASSED, WAIVER_FAILED };
 
