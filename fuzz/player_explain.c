@@ -4,34 +4,46 @@
 
 #include <string.h>
 
-/* Bytes that are no tree: the first fault that a comparison with the tree shows. */
+static enum cause item_cause(enum item_fault fault)
+{
+    switch (fault) {
+    case ITEM_OK:
+        break;
+    case ITEM_NOT_READ:
+        return CAUSE_SLOT_NOT_READ;
+    case ITEM_SENTINEL:
+        return CAUSE_SENTINEL;
+    case ITEM_TRUNCATED:
+        return CAUSE_INDEX_TRUNCATED;
+    case ITEM_SHIFTED:
+        return CAUSE_INDEX_SHIFTED;
+    case ITEM_OTHER:
+        return CAUSE_WRONG_ITEM;
+    }
+    return CAUSE_NONE;
+}
+
+/* Bytes that are no tree: of what a comparison with the tree shows the most frequent, the first of
+ * equal ones. */
 static enum cause tree_cause(const struct explain_tree *tree)
 {
     const struct bvh *bvh = tree->bvh;
+    uint32_t count[CAUSE_COUNT] = {0};
+    enum cause most = CAUSE_UNEXPLAINED;
     for (uint32_t i = 0; i < bvh->node_count; i++) {
         const struct bvh_node *node = &bvh->node[i];
         for (uint32_t slot = 0; slot < node->item_count; slot++) {
             uint32_t stored;
-            switch (explain_item_fault(tree, i, slot, &stored)) {
-            case ITEM_OK:
-                break;
-            case ITEM_NOT_READ:
-                return CAUSE_SLOT_NOT_READ;
-            case ITEM_SENTINEL:
-                return CAUSE_SENTINEL;
-            case ITEM_TRUNCATED:
-                return CAUSE_INDEX_TRUNCATED;
-            case ITEM_SHIFTED:
-                return CAUSE_INDEX_SHIFTED;
-            case ITEM_OTHER:
-                return CAUSE_WRONG_ITEM;
-            }
+            count[item_cause(explain_item_fault(tree, i, slot, &stored))]++;
         }
         enum ref_fault ref = node->item_count ? REF_OK : explain_ref_fault(tree, i);
         if (ref != REF_OK)
-            return ref == REF_TRUNCATED ? CAUSE_INDEX_TRUNCATED : CAUSE_CHILD_REFERENCE;
+            count[ref == REF_TRUNCATED ? CAUSE_REFERENCE_TRUNCATED : CAUSE_CHILD_REFERENCE]++;
     }
-    return CAUSE_UNEXPLAINED;
+    for (enum cause cause = CAUSE_COUNT; cause-- > CAUSE_NONE + 1;)
+        if (count[cause] > 0 && count[cause] >= count[most])
+            most = cause;
+    return most;
 }
 
 static enum cause bound_cause(enum bound_fault fault)
@@ -119,13 +131,26 @@ static enum status find_cause(struct fuzz_player *player, struct stage *stage,
     return status;
 }
 
+/* Why a layout's program ends on the tree. */
+static enum cause end_cause(const struct layout *layout, const struct bvh *bvh)
+{
+    switch (layout && layout->end ? layout->end(bvh, NULL) : LAYOUT_GOES_ON) {
+    case LAYOUT_GOES_ON:
+        break;
+    case LAYOUT_END_LEAF:
+        return CAUSE_LEAF_OVERFULL;
+    case LAYOUT_END_ITEM:
+        return CAUSE_ITEM_AS_NODE;
+    }
+    return CAUSE_UNEXPLAINED;
+}
+
 enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
                          struct fuzz_finding *finding, struct reason *reason)
 {
     const struct seat *seat = &player->seat[finding->contestant];
     struct stage *stage = &player->stage[0];
     switch (finding->signature.kind) {
-    case FUZZ_KIND_REFUSED:
     case FUZZ_KIND_CRASH:
     case FUZZ_KIND_HANG:
     case FUZZ_KIND_PROTOCOL:
@@ -134,8 +159,11 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
         break;
     }
     enum status status = stage_set(stage, player, trial, NULL, reason);
-    if (!status && (!seat->layout || stage->has_packed[seat->layout_index]) &&
-        (finding->ray < trial->ray_count || finding->signature.kind == FUZZ_KIND_TREE))
+    if (!status && finding->signature.kind == FUZZ_KIND_REFUSED)
+        finding->signature.cause =
+            stage->has_tree ? end_cause(seat->layout, &stage->bvh) : CAUSE_UNEXPLAINED;
+    else if (!status && (!seat->layout || stage->has_packed[seat->layout_index]) &&
+             (finding->ray < trial->ray_count || finding->signature.kind == FUZZ_KIND_TREE))
         status = find_cause(player, stage, finding, reason);
     stage_clear(stage);
     return status;

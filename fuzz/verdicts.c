@@ -134,7 +134,15 @@ static enum status judge_ray(struct judging *j, uint32_t i)
     return STATUS_OK;
 }
 
-/* What is not about a single ray: refusals, faults, and bytes that are no tree (once a layout). */
+/* True if the layout could not be made because the program that it reproduces ends there. */
+static bool ends(const struct stage *stage, const struct seat *seat)
+{
+    return stage->has_tree && !stage->has_packed[seat->layout_index] && seat->layout->end &&
+           seat->layout->end(&stage->bvh, NULL) != LAYOUT_GOES_ON;
+}
+
+/* What is not about a single ray: refusals, faults, and, once a layout, bytes that are no tree or
+ * an end in their place. */
 static void judge_seats(struct judging *j)
 {
     bool told[LAYOUTS_MOST] = {false};
@@ -142,9 +150,12 @@ static void judge_seats(struct judging *j)
         const struct seat *seat = &j->player->seat[s];
         const struct answers *answers = &j->stage->answers[s];
         j->out->refused += answers->fared == FARED_REFUSED;
-        if (seat->layout && j->stage->broken[seat->layout_index] && !told[seat->layout_index]) {
+        if (seat->layout && !told[seat->layout_index]) {
             told[seat->layout_index] = true;
-            keep(j, s, FUZZ_KIND_TREE, 0, NULL);
+            if (j->stage->broken[seat->layout_index])
+                keep(j, s, FUZZ_KIND_TREE, 0, NULL);
+            else if (ends(j->stage, seat))
+                keep(j, s, FUZZ_KIND_REFUSED, 0, NULL);
         }
         if (answers->fared == FARED_FAULTY) {
             j->out->wrong++;

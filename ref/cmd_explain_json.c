@@ -97,6 +97,18 @@ static json_t *tried_json(const struct explanation *why)
     return out;
 }
 
+/* Repairs that help only together. */
+static json_t *needed_json(const struct explanation *why)
+{
+    json_t *out = json_array();
+    for (enum repair repair = 0; repair < REPAIR_COUNT; repair++)
+        if (why->needed >> repair & 1u)
+            json_array_append_new(out,
+                                  json_pack("{s:s, s:s}", "cause", cause_name(repair_cause(repair)),
+                                            "repair", repair_text(repair)));
+    return out;
+}
+
 static json_t *imitated_json(const struct explanation *why)
 {
     json_t *out = json_array();
@@ -177,7 +189,7 @@ static json_t *page_json(const struct explain_page *page, int exit_code)
     json_object_set_new(out, "answer", hit_json(&ray->answer.hit));
     json_object_set_new(out, "judgement", judgement_json(ray));
     json_object_set_new(out, "cause", json_string(cause_name(why->cause)));
-    json_object_set_new(out, "with", json_string(cause_name(why->with)));
+    json_object_set_new(out, "needed", needed_json(why));
     json_object_set_new(out, "inside", json_boolean(why->inside));
     json_object_set_new(out, "c_answers", hit_json(&why->replayed));
     json_object_set_new(out, "end", json_string(explain_end_name(why->end)));

@@ -285,15 +285,28 @@ static void print_hints(const struct explain_page *page)
                cause_name(hint[i].cause));
 }
 
+/* The other faults of a ray that has several. */
+static void print_needed(const struct explanation *why)
+{
+    bool first = true;
+    for (enum repair repair = 0; repair < REPAIR_COUNT; repair++) {
+        enum cause cause = repair_cause(repair);
+        if (!(why->needed >> repair & 1u))
+            continue;
+        if (!first)
+            printf("  and     %s: %s (no repair helps alone)\n", cause_name(cause),
+                   cause_text(cause));
+        first = false;
+    }
+}
+
 static void print_cause(const struct explain_page *page)
 {
     const struct explanation *why = &page->ray->why;
     if (why->cause == CAUSE_NONE)
         return;
     printf("cause     %s: %s\n", cause_name(why->cause), cause_text(why->cause));
-    if (why->with != CAUSE_NONE)
-        printf("  and    %s: %s (neither repair helps alone)\n", cause_name(why->with),
-               cause_text(why->with));
+    print_needed(why);
     if (why->inside) {
         puts("  C on the same bytes does the same; repaired one at a time it answers");
         print_tried(why);

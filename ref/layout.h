@@ -12,6 +12,13 @@ enum visit {
     VISIT_SND,  /* snd first: the seed's direct shader */
 };
 
+/* How the program that a faithful layout reproduces ends on a tree, in place of packing it. */
+enum layout_end {
+    LAYOUT_GOES_ON,
+    LAYOUT_END_LEAF, /* a leaf has more items than slots */
+    LAYOUT_END_ITEM, /* items of a leaf are taken for nodes, of which there are not so many */
+};
+
 struct layout;
 
 /* A packed tree; owns its arrays (see packed_free). node_count == 0: empty scene. */
@@ -52,6 +59,9 @@ struct layout {
      * seed panics: F8"); STATUS_MEMORY. */
     enum status (*pack)(const struct bvh *bvh, const struct scene *scene, struct packed *out,
                         struct reason *reason);
+    /* Whether the program that is reproduced ends on this tree; then pack() says STATUS_LIMIT with
+     * the same reason. `reason` may be NULL. NULL: it ends on none. */
+    enum layout_end (*end)(const struct bvh *bvh, struct reason *reason);
     /* Decodes the node `ref`, which must be in range (see packed_ref_valid). Never reads outside
      * the words: a faithful layout can hold any child reference. */
     void (*load)(const struct packed *packed, uint32_t ref, struct wide *out);

@@ -155,7 +155,7 @@ static void f9_inner_nodes_read_as_leaves(void **state)
         struct explanation out = explained(&suspect, &ray);
         wrong += out.cause != CAUSE_NONE;
         if (out.cause != CAUSE_NONE)
-            assert_int_equal(out.cause, CAUSE_INDEX_TRUNCATED);
+            assert_int_equal(out.cause, CAUSE_REFERENCE_TRUNCATED);
         explain_free(&out);
     }
     assert_true(wrong > 20 && wrong < 100);

@@ -117,7 +117,7 @@ static void cut_numbers_are_truncated(void **state)
         ray = ray_at_triangle(&scene, prim);
         enum cause cause = cause_of(&suspect, &ray);
         wrong += cause != CAUSE_NONE;
-        assert_true(cause == CAUSE_NONE || cause == CAUSE_INDEX_TRUNCATED);
+        assert_true(cause == CAUSE_NONE || cause == CAUSE_REFERENCE_TRUNCATED);
     }
     assert_true(wrong > 20);
     suspect_free(&suspect);
@@ -299,7 +299,7 @@ static void two_faults_are_told_together(void **state)
     spoilt_again(&s);
     struct explanation out = explained(&s.suspect, &s.ray[prim]);
     assert_int_equal(out.cause, CAUSE_WRONG_ITEM);
-    assert_int_equal(out.with, CAUSE_HALF_OVERFLOW);
+    assert_int_equal(out.needed, 1u << REPAIR_ITEM_OTHER | 1u << REPAIR_BOX_OVERFLOW);
     explain_free(&out);
     spoilt_free(&s);
 }

@@ -21,44 +21,69 @@ static void run(const struct explain_case *the, uint32_t repairs, struct explain
         the->judge(the->judge_user, &the->ray, &out->hit, &out->opinion);
 }
 
-/* Tries every repair alone. Returns the cause of the first that helps, or CAUSE_UNEXPLAINED. */
-static enum cause try_one(const struct explain_case *the, struct explanation *out)
+/* Repairs that make a traversal forgiving: each can find a triangle in spite of what is wrong with
+ * the bytes, so that they prove something only if nothing else helps. */
+#define FORGIVING                                                                                  \
+    (1u << REPAIR_BOX_TEST | 1u << REPAIR_WATERTIGHT | 1u << REPAIR_CULLING | 1u << REPAIR_TRIANGLE)
+#define EVERYTHING ((1u << REPAIR_COUNT) - 1)
+
+/* Tries every repair alone. */
+static void try_each(const struct explain_case *the, struct explanation *out)
 {
-    enum cause cause = CAUSE_UNEXPLAINED;
     for (enum repair repair = 0; repair < REPAIR_COUNT; repair++) {
         struct explain_attempt *attempt = &out->attempt[out->attempt_count++];
         attempt->repair = repair;
         run(the, 1u << repair, attempt);
         attempt->changed =
             attempt->end != out->replayed_end || !same_bits(&attempt->hit, &out->replayed);
-        if (attempt->opinion.allowed && cause == CAUSE_UNEXPLAINED)
-            cause = repair_cause(repair);
     }
-    return cause;
 }
 
-/* Two faults on one ray: the first pair that helps. */
-static void try_two(const struct explain_case *the, struct explanation *out)
+/* The first repair of `among` that helps alone, or REPAIR_COUNT. */
+static enum repair first_that_helps(const struct explanation *out, uint32_t among)
 {
-    for (enum repair a = 0; a < REPAIR_COUNT; a++)
-        for (enum repair b = a + 1; b < REPAIR_COUNT; b++) {
-            struct explain_attempt attempt;
-            run(the, 1u << a | 1u << b, &attempt);
-            if (attempt.opinion.allowed) {
-                out->cause = repair_cause(a);
-                out->with = repair_cause(b);
-                return;
-            }
-        }
+    for (size_t i = 0; i < out->attempt_count; i++)
+        if ((among >> out->attempt[i].repair & 1u) && out->attempt[i].opinion.allowed)
+            return out->attempt[i].repair;
+    return REPAIR_COUNT;
+}
+
+/* Several faults on one ray: of the repairs `all`, which must help together, what is left when each
+ * that is not needed is taken away, the least specific first; 0 if all together do not help. */
+static uint32_t least_that_helps(const struct explain_case *the, uint32_t all)
+{
+    struct explain_attempt attempt;
+    run(the, all, &attempt);
+    if (!attempt.opinion.allowed)
+        return 0;
+    for (enum repair repair = REPAIR_COUNT; repair-- > 0;) {
+        if (!(all >> repair & 1u))
+            continue;
+        run(the, all & ~(1u << repair), &attempt);
+        if (attempt.opinion.allowed)
+            all &= ~(1u << repair);
+    }
+    return all;
 }
 
 /* C answers as the engine did: what is wrong is in the bytes or in C. */
 static void repair_inside(const struct explain_case *the, struct explanation *out)
 {
     out->inside = true;
-    out->cause = try_one(the, out);
-    if (out->cause == CAUSE_UNEXPLAINED)
-        try_two(the, out);
+    try_each(the, out);
+    enum repair first = first_that_helps(out, EVERYTHING & ~FORGIVING);
+    if (first == REPAIR_COUNT)
+        out->needed = least_that_helps(the, EVERYTHING & ~FORGIVING);
+    if (first == REPAIR_COUNT && !out->needed)
+        first = first_that_helps(out, FORGIVING);
+    if (first == REPAIR_COUNT && !out->needed) /* the watertight box test allows for more */
+        out->needed = least_that_helps(the, EVERYTHING & ~(1u << REPAIR_BOX_TEST));
+    if (first == REPAIR_COUNT && !out->needed)
+        out->needed = least_that_helps(the, EVERYTHING);
+    if (first == REPAIR_COUNT)
+        for (first = 0; first < REPAIR_COUNT && !(out->needed >> first & 1u);)
+            first++;
+    out->cause = first < REPAIR_COUNT ? repair_cause(first) : CAUSE_UNEXPLAINED;
 }
 
 /* The engine did not finish. If C does not either, repairs say why; else the engine's own flags do,

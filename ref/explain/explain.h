@@ -94,7 +94,8 @@ enum explain_end {
 struct explanation {
     struct opinion opinion; /* of the engine's answer, if it finished */
     enum cause cause;
-    enum cause with; /* a second one without which the first repair does not help, or NONE */
+    uint32_t needed; /* mask of 1u << repair that help only together; 0: one alone does, or none.
+                        `cause` is the first's */
     bool inside;     /* C on the same bytes fails in the same way */
     enum replay_end replayed_end;
     struct hit replayed;

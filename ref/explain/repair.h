@@ -10,7 +10,7 @@
 enum cause {
     CAUSE_NONE, /* the answer is allowed */
     /* What a leaf tests. */
-    CAUSE_INDEX_TRUNCATED, /* a triangle or record index has more bits than its field */
+    CAUSE_INDEX_TRUNCATED, /* a triangle's index has more bits than its field (F10) */
     CAUSE_SLOT_NOT_READ,   /* an item slot is not read in any leaf that uses it, or not counted */
     CAUSE_SENTINEL,        /* triangle 0 or a stored 0 taken for an empty slot */
     CAUSE_INDEX_SHIFTED,   /* the leaf tests the triangle before its own (F2) */
@@ -21,6 +21,7 @@ enum cause {
     CAUSE_ROUNDED_INWARD,         /* inside the tree's bound by at most a float16 step */
     CAUSE_STORED_BOX,             /* inside by more: the bytes are not the tree's box */
     CAUSE_CUT_BOX,                /* the tree's own box does not contain its triangles (F5) */
+    CAUSE_REFERENCE_TRUNCATED,    /* a record's index has more bits than its field (F9) */
     CAUSE_CHILD_REFERENCE,        /* a child reference leads elsewhere, or a node reads as a leaf */
     /* The box test. */
     CAUSE_PARALLEL_AXIS,         /* a direction component of 0 divides by zero */
@@ -35,6 +36,9 @@ enum cause {
     CAUSE_LOOP_CAP,       /* a loop ended early: the driver's cap, or the budget of visits */
     CAUSE_CULLED_BY_BEST, /* a box was skipped because of a nearer hit that is none */
     CAUSE_STALE_BEST,     /* a farther triangle replaced a nearer one (F13) */
+    /* What ends the program that a layout reproduces, in place of an answer. */
+    CAUSE_LEAF_OVERFULL, /* more triangles in a leaf than its record has slots (F8) */
+    CAUSE_ITEM_AS_NODE,  /* items of a leaf are taken for references to nodes (F6) */
     /* Outside the bytes. */
     CAUSE_DRIVER_ARITHMETIC, /* an operator of the engine is not what C has */
     CAUSE_SHADER,         /* operators exact, bytes right, C right on them: the engine's own code */

@@ -17,14 +17,40 @@
 #define SLOTS_READ 6u
 #define LEAF       0x80000000u
 
-static enum status check_leaves(const struct bvh *bvh, struct reason *reason)
+/* The tag of a leaf's record 1 is items 6 and 7; without bit 31 the loop that numbers records
+ * takes both for nodes, and where one is beyond the nodes it reads out of range. */
+static bool item_beyond(const struct bvh *bvh, const struct bvh_node *leaf, uint32_t *item)
 {
+    uint32_t last[2] = {0, 0};
+    for (uint32_t s = 6; s < leaf->item_count; s++)
+        last[s - 6] = low_half(bvh->prim[leaf->item_first + s]);
+    *item = last[0] > last[1] ? last[0] : last[1];
+    return last[1] < LEAF >> 16 && *item > bvh->node_count;
+}
+
+static enum layout_end end(const struct bvh *bvh, struct reason *reason)
+{
+    uint32_t item, leaves = 0;
     for (uint32_t i = 0; i < bvh->node_count; i++)
-        if (bvh->node[i].item_count > SLOTS)
-            return fail(reason, STATUS_LIMIT,
-                        "rtrs_rf: the seed panics: F8 (%u items in a leaf of 8 slots)",
-                        bvh->node[i].item_count);
-    return STATUS_OK;
+        if (bvh->node[i].item_count > SLOTS) {
+            (void)fail(reason, STATUS_LIMIT,
+                       "rtrs_rf: the seed panics: F8 (%u items in a leaf of 8 slots)",
+                       bvh->node[i].item_count);
+            return LAYOUT_END_LEAF;
+        }
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        if (bvh->node[i].item_count == 0)
+            continue;
+        leaves++;
+        if (item_beyond(bvh, &bvh->node[i], &item)) {
+            (void)fail(reason, STATUS_LIMIT,
+                       "rtrs_rf: the seed panics: F6 (record %u holds item %u, taken for one of "
+                       "%u nodes)",
+                       i + leaves, item, bvh->node_count);
+            return LAYOUT_END_ITEM;
+        }
+    }
+    return LAYOUT_GOES_ON;
 }
 
 /* Writes the records of node `i` as they are before the fix-up: children are node indices. */
@@ -41,44 +67,35 @@ static void pack_node(const struct bvh *bvh, uint32_t i, uint32_t *word)
         word[WORDS + s / 2] |= low_half(bvh->prim[node->item_first + s]) << (s % 2 * 16);
 }
 
-/* Adds to both halves of every tag without the leaf bit the leaves before that node. The tag of a
- * leaf's record 1 is two items; where one is beyond the nodes, the seed reads out of range. */
-static enum status fix_up(const struct bvh *bvh, const uint32_t *before, struct packed *out,
-                          struct reason *reason)
+/* Adds to both halves of every tag without the leaf bit the leaves before that node, the tag of a
+ * leaf's record 1 included. */
+static void fix_up(const uint32_t *before, struct packed *out)
 {
     for (uint32_t r = 0; r < out->node_count; r++) {
         uint32_t *tag = &out->word[WORDS * (size_t)r + 3];
         if (*tag & LEAF)
             continue;
         uint32_t low = low_half(*tag), high = high_half(*tag);
-        uint32_t larger = low > high ? low : high;
-        if (larger > bvh->node_count)
-            return fail(reason, STATUS_LIMIT,
-                        "rtrs_rf: the seed panics: F6 (record %u holds item %u, taken for one of "
-                        "%u nodes)",
-                        r, larger, bvh->node_count);
         *tag = low_half(low + before[low]) | low_half(high + before[high]) << 16;
     }
-    return STATUS_OK;
 }
 
 static enum status pack(const struct bvh *bvh, const struct scene *scene, struct packed *out,
                         struct reason *reason)
 {
     (void)scene;
-    enum status status = check_leaves(bvh, reason);
-    if (status)
-        return status;
+    if (end(bvh, reason) != LAYOUT_GOES_ON)
+        return STATUS_LIMIT;
     uint32_t *before = layout_leaves_before(bvh);
     if (!before)
         return fail(reason, STATUS_MEMORY, "rtrs_rf: no memory to number %u nodes",
                     bvh->node_count);
     uint64_t records = (uint64_t)bvh->node_count + before[bvh->node_count];
-    status = layout_alloc("rtrs_rf", records, WORDS, 0, out, reason);
+    enum status status = layout_alloc("rtrs_rf", records, WORDS, 0, out, reason);
     for (uint32_t i = 0; i < bvh->node_count && !status; i++)
         pack_node(bvh, i, out->word + WORDS * (size_t)(i + before[i]));
     if (!status)
-        status = fix_up(bvh, before, out, reason);
+        fix_up(before, out);
     free(before);
     return status;
 }
@@ -120,6 +137,7 @@ const struct layout layout_rtrs_rf = {
     .order = VISIT_FST,
     .faithful = true,
     .pack = pack,
+    .end = end,
     .load = load,
     .box = box,
     .item = item,

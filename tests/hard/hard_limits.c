@@ -129,11 +129,11 @@ const struct hard_case hard_nodes = {
     .source = "numerics.md 4, 48: the leaf mark, bit 31, collides; the seed's F9",
     .make = make_nodes,
     .defect = {{.fault = "F9: record numbers from 32768 on set the leaf bit",
-                .cause = CAUSE_INDEX_TRUNCATED,
+                .cause = CAUSE_REFERENCE_TRUNCATED,
                 .members = "closest.cpu.*",
                 .layout = &layout_rtrs_rf_unshifted},
                {.fault = "F9: record numbers from 32768 on are cut to 15 bits",
-                .cause = CAUSE_INDEX_TRUNCATED,
+                .cause = CAUSE_REFERENCE_TRUNCATED,
                 .members = "closest.cpu.rtrs_rf_paper.median.robust.mt"}},
 };
 
