@@ -43,6 +43,8 @@
 #define MUTANT_TRACER_DIES    83  /* engine cpu does not survive a ray whose tmax is NaN */
 #define MUTANT_TRACER_HANGS   84  /* nor ends on it */
 #define MUTANT_ALL_AS_RARE    110 /* feedback chooses every trial as often */
+#define MUTANT_NOT_ESCAPED    113 /* text goes into JUnit and TAP as it is */
+#define MUTANT_UNPLAYED_PASS  114 /* a contestant that played nothing passes */
 #define MUTANT_HELD_FORGOTTEN 111 /* feedback keeps trials that reach nothing new */
 #define MUTANT_HALF_MESSAGE   90  /* what a dead child sent of a message is taken for all of it */
 #define MUTANT_SIBLINGS_HELD  91  /* a child keeps the files that its parent had open */

@@ -166,6 +166,8 @@ in_test COUNTED_TWICE fuzz/findings.c test_fuzz_merge
 in_test LAST_IS_FIRST fuzz/findings.c test_fuzz_merge
 in_test ALL_AS_RARE fuzz/feedback.c test_fuzz_feedback
 in_test HELD_FORGOTTEN fuzz/feedback.c test_fuzz_feedback
+in_test NOT_ESCAPED fuzz/ci_text.c test_fuzz_report
+in_test UNPLAYED_PASS fuzz/report.c test_fuzz_report
 in_test HALF_MESSAGE fuzz/child.c test_fuzz_child
 in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
 in_test NEVER_EXPIRES fuzz/baseline.c test_fuzz_baseline
