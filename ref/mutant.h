@@ -49,5 +49,9 @@
 #define MUTANT_HALF_MESSAGE   90  /* what a dead child sent of a message is taken for all of it */
 #define MUTANT_SIBLINGS_HELD  91  /* a child keeps the files that its parent had open */
 #define MUTANT_NEVER_EXPIRES  112 /* an entry of the baseline excuses for ever */
+#define MUTANT_ANY_CAUSE      100 /* the shrinker keeps the kind of a finding, but not its cause */
+#define MUTANT_ONE_ROUND      101 /* it stops after a round, whatever that found */
+#define MUTANT_UNPAID         102 /* its asks are not limited */
+#define MUTANT_NOT_ASKED      103 /* it takes the candidate beside the one that shows it */
 
 #endif

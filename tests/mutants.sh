@@ -170,6 +170,10 @@ in_test NOT_ESCAPED fuzz/ci_text.c test_fuzz_report
 in_test UNPLAYED_PASS fuzz/report.c test_fuzz_report
 in_test HALF_MESSAGE fuzz/child.c test_fuzz_child
 in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
+in_test ANY_CAUSE fuzz/shrink_play.c test_fuzz_shrink_faults
+in_test ONE_ROUND fuzz/shrink.c test_fuzz_shrink
+in_test UNPAID fuzz/shrink.c test_fuzz_shrink
+in_test NOT_ASKED fuzz/shrink.c test_fuzz_shrink
 in_test NEVER_EXPIRES fuzz/baseline.c test_fuzz_baseline
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
