@@ -1,11 +1,11 @@
 #!/bin/sh
 # Planted bugs (ref/mutant.h): each is compiled into one C unit or one set of shaders, under
-# BUILD/mutants/, and something of the suite must turn red. The same command is run without the bug
+# BUILD/mutants/suite, and something of the suite must turn red. The same command is run without the bug
 # first and must be green, so that a broken catcher cannot pass for a catch.
 #   CC_CMD=... LIBS=... MAKE_CMD=... sh tests/mutants.sh BUILD
 set -u
 build=$1
-out=$build/mutants
+out=$build/mutants/suite
 rm -rf "$out"
 mkdir -p "$out"
 caught=0 missed=0
