@@ -1,7 +1,7 @@
 #!/bin/sh
 # Planted bugs (ref/mutant.h): each is compiled into one C unit or one set of shaders, under
-# BUILD/mutants/suite, and something of the suite must turn red. The same command is run without the bug
-# first and must be green, so that a broken catcher cannot pass for a catch.
+# BUILD/mutants/suite, and something of the suite must turn red. The same command is run without the
+# bug first and must be green, so that a broken catcher cannot pass for a catch.
 #   CC_CMD=... LIBS=... MAKE_CMD=... sh tests/mutants.sh BUILD
 set -u
 build=$1
