@@ -28,6 +28,7 @@ struct early_ray early_ray_make(const struct ray *ray)
 #define MAX(a, b)                               ((a) > (b) ? (a) : (b))
 #define MIN(a, b)                               ((a) < (b) ? (a) : (b))
 #define MISSED(most, least, bound, minus_bound) ((most) > (bound) && (least) < (minus_bound))
+#define ABOVE(value, bound)                     ((value) > (bound))
 #include "ref/oracle/early_kernel.h"
 
 static bool always(void)
@@ -50,6 +51,7 @@ static bool always(void)
 #define MIN   _mm_min_pd
 #define MISSED(most, least, bound, minus_bound)                                                    \
     _mm_movemask_pd(_mm_and_pd(_mm_cmpgt_pd(most, bound), _mm_cmplt_pd(least, minus_bound)))
+#define ABOVE(value, bound) _mm_movemask_pd(_mm_cmpgt_pd(value, bound))
 #include "ref/oracle/early_kernel.h"
 
 #define KERNEL        avx2
@@ -65,6 +67,7 @@ static bool always(void)
 #define MISSED(most, least, bound, minus_bound)                                                    \
     _mm256_movemask_pd(_mm256_and_pd(_mm256_cmp_pd(most, bound, _CMP_GT_OQ),                       \
                                      _mm256_cmp_pd(least, minus_bound, _CMP_LT_OQ)))
+#define ABOVE(value, bound) _mm256_movemask_pd(_mm256_cmp_pd(value, bound, _CMP_GT_OQ))
 #include "ref/oracle/early_kernel.h"
 
 #define KERNEL        avx512
@@ -80,6 +83,7 @@ static bool always(void)
 #define MISSED(most, least, bound, minus_bound)                                                    \
     _mm512_mask_cmp_pd_mask(_mm512_cmp_pd_mask(most, bound, _CMP_GT_OQ), least, minus_bound,       \
                             _CMP_LT_OQ)
+#define ABOVE(value, bound) _mm512_cmp_pd_mask(value, bound, _CMP_GT_OQ)
 #include "ref/oracle/early_kernel.h"
 
 static bool has_avx2(void)

@@ -9,7 +9,10 @@
  *   each product is off by 2 * 2.01 M * 6.02 e M + 4.05 e M^2 <= 28.3 e M^2;
  *   the difference by 2 * 28.3 e M^2 + 8.1 e M^2 <= 65 e M^2.
  * EARLY_BOUND has room for M computed in double. Nothing underflows: with float32 inputs s is at
- * least 2^-277, x' a multiple of 2^-479, the products of 2^-958. */
+ * least 2^-277, x' a multiple of 2^-479, the products of 2^-958.
+ *
+ * A triangle whose x' are all of one sign lies beside the line, too; so with y'. Of a ray in its
+ * plane all products are 0, and only this tells. EARLY_BESIDE has room over the 6.02 e M of x'. */
 #ifndef ORACLE_EARLY_H
 #define ORACLE_EARLY_H
 
@@ -22,6 +25,11 @@
 #define EARLY_BOUND (0.125 * 0x1p-53)
 #else
 #define EARLY_BOUND (72 * 0x1p-53)
+#endif
+#if MUTANT == MUTANT_EARLY_BESIDE
+#define EARLY_BESIDE (0.125 * 0x1p-53)
+#else
+#define EARLY_BESIDE (8 * 0x1p-53)
 #endif
 #define EARLY_MOST 64u /* triangles looked at in one call */
 #define EARLY_PAD  8u  /* elements that each array has behind its last */

@@ -3,8 +3,9 @@
  *   LANES, V  doubles per vector and its type
  *   LOAD, SPLAT, SUB, MUL, MAX, MIN
  *   MISSED(most, least, bound, minus_bound)  bits of lanes with most > bound and least <
- * minus_bound Neither KERNEL_TARGET may allow fma, nor may the operations be reordered: see
- * early.h. */
+ *     minus_bound
+ *   ABOVE(value, bound)  bits of lanes with value > bound
+ * Neither KERNEL_TARGET may allow fma, nor may the operations be reordered: see early.h. */
 KERNEL_TARGET
 static uint64_t KERNEL(const struct early_soup *soup, const struct early_ray *ray, uint32_t first,
                        uint32_t count, double largest)
@@ -12,7 +13,8 @@ static uint64_t KERNEL(const struct early_soup *soup, const struct early_ray *ra
     const V ox = SPLAT(ray->o[ray->kx]), oy = SPLAT(ray->o[ray->ky]), oz = SPLAT(ray->o[ray->kz]);
     const V sx = SPLAT(ray->s[0]), sy = SPLAT(ray->s[1]);
     const double size = EARLY_BOUND * largest * largest;
-    const V bound = SPLAT(size), minus_bound = SPLAT(-size);
+    const V bound = SPLAT(size), minus_bound = SPLAT(-size), zero = SPLAT(0);
+    const V beside = SPLAT(EARLY_BESIDE * largest);
     const double *at[3][3];
     uint64_t missed = 0;
     for (int c = 0; c < 3; c++) {
@@ -31,7 +33,11 @@ static uint64_t KERNEL(const struct early_soup *soup, const struct early_ray *ra
         V w1 = SUB(MUL(x[2], y[0]), MUL(y[2], x[0]));
         V w2 = SUB(MUL(x[0], y[1]), MUL(y[0], x[1]));
         V most = MAX(MAX(w0, w1), w2), least = MIN(MIN(w0, w1), w2);
-        missed |= (uint64_t)MISSED(most, least, bound, minus_bound) << i;
+        V low = MAX(MIN(MIN(x[0], x[1]), x[2]), MIN(MIN(y[0], y[1]), y[2]));
+        V high = MIN(MAX(MAX(x[0], x[1]), x[2]), MAX(MAX(y[0], y[1]), y[2]));
+        uint64_t lanes = (uint64_t)MISSED(most, least, bound, minus_bound) |
+                         (uint64_t)ABOVE(MAX(low, SUB(zero, high)), beside);
+        missed |= lanes << i;
     }
     return ~missed & (~(uint64_t)0 >> (EARLY_MOST - count));
 }
@@ -47,3 +53,4 @@ static uint64_t KERNEL(const struct early_soup *soup, const struct early_ray *ra
 #undef MAX
 #undef MIN
 #undef MISSED
+#undef ABOVE

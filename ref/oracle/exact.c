@@ -1,12 +1,12 @@
 #include "ref/oracle/exact.h"
 
 #include "ref/oracle/grid.h"
+#include "ref/oracle/medium.h"
+#include "ref/oracle/small.h"
 
 #include <math.h>
 
-/* Vertices and origin share one grid, the direction has its own: with P the coordinates' unit and
- * Q the direction's, w and D come in units of P^2 Q, T in units of P^3, so that t = T / D * P / Q.
- */
+/* Units as in ref/oracle/small.h. */
 struct input {
     struct grid place, way;
     struct odd o[3], d[3], v[3][3];
@@ -25,70 +25,11 @@ static void read_input(const struct ray *ray, float v[3][3], struct input *in)
     in->way = grid_of(in->d, 3);
 }
 
-/* --- __int128 --------------------------------------------------------------------------------- */
-
-static int bits_of(int64_t x)
-{
-    return x ? 64 - __builtin_clzll((unsigned long long)(x < 0 ? -x : x)) : 0;
-}
-
-static __int128 triple(const int64_t x[3], const int64_t y[3], const int64_t z[3])
-{
-    __int128 sum = 0;
-    for (int k = 0; k < 3; k++) {
-        int i = (k + 1) % 3, j = (k + 2) % 3;
-        sum += x[k] * ((__int128)y[i] * z[j] - (__int128)y[j] * z[i]);
-    }
-    return sum;
-}
-
 /* Values that both kinds of integer end in. */
 struct products {
     struct wide w[3], det, t;
+    int scale;
 };
-
-/* Vertices relative to the origin, and the direction, in their units; how many bits they take. */
-struct small_input {
-    int64_t a[3][3], d[3];
-    int place_bits, way_bits;
-};
-
-/* Returns false if the exponents lie too far apart. */
-static bool small_input(const struct input *in, struct small_input *out)
-{
-    *out = (struct small_input){.place_bits = 0};
-    if (in->place.bits > 60 || in->way.bits > 60)
-        return false;
-    for (int k = 0; k < 3; k++) {
-        int64_t o = grid_int(in->place, in->o[k]);
-        out->d[k] = grid_int(in->way, in->d[k]);
-        out->way_bits = bits_of(out->d[k]) > out->way_bits ? bits_of(out->d[k]) : out->way_bits;
-        for (int c = 0; c < 3; c++) {
-            int64_t a = grid_int(in->place, in->v[c][k]) - o;
-            out->a[c][k] = a;
-            out->place_bits = bits_of(a) > out->place_bits ? bits_of(a) : out->place_bits;
-        }
-    }
-    return true;
-}
-
-/* Sums: |w| <= 6 * 2^(b_d + 2 b_p), |D| <= 18 * the same, |T| <= 6 * 2^(3 b_p); all below 2^127
- * under the conditions tested here. Returns false if they do not hold. */
-static bool small_products(const struct input *in, struct products *out)
-{
-    struct small_input s;
-    if (!small_input(in, &s) || s.way_bits + 2 * s.place_bits > 122 || 3 * s.place_bits > 124)
-        return false;
-    __int128 det = 0;
-    for (int c = 0; c < 3; c++) {
-        __int128 w = triple(s.d, s.a[(c + 1) % 3], s.a[(c + 2) % 3]);
-        wide_set(w, &out->w[c]);
-        det += w;
-    }
-    wide_set(det, &out->det);
-    wide_set(triple(s.a[0], s.a[1], s.a[2]), &out->t);
-    return true;
-}
 
 /* --- wide --------------------------------------------------------------------------------------
  */
@@ -116,6 +57,33 @@ static void wide_triple(const struct wide x[3], const struct wide y[3], const st
     }
 }
 
+static int bits_of(unsigned __int128 x)
+{
+    uint64_t above = (uint64_t)(x >> 64), below = (uint64_t)x;
+    return above ? 128 - __builtin_clzll(above) : below ? 64 - __builtin_clzll(below) : 0;
+}
+
+/* The same numbers for medium; returns false if they take too many bits. */
+static bool medium_input(const struct input *in, struct medium_input *out)
+{
+    unsigned __int128 place = 0, way = 0;
+    if (in->place.bits > 120 || in->way.bits > 120)
+        return false;
+    for (int k = 0; k < 3; k++) {
+        __int128 o = grid_int(in->place, in->o[k]), d = grid_int(in->way, in->d[k]);
+        out->d[k] = d;
+        way |= (unsigned __int128)(d < 0 ? -d : d);
+        for (int c = 0; c < 3; c++) {
+            __int128 a = grid_int(in->place, in->v[c][k]) - o;
+            out->a[c][k] = a;
+            place |= (unsigned __int128)(a < 0 ? -a : a);
+        }
+    }
+    out->place_bits = bits_of(place);
+    out->way_bits = bits_of(way);
+    return true;
+}
+
 /* Vertices relative to the origin, and the direction, all as wide. */
 static void wide_input(const struct input *in, struct wide a[3][3], struct wide d[3])
 {
@@ -130,10 +98,22 @@ static void wide_input(const struct input *in, struct wide a[3][3], struct wide 
     }
 }
 
-static void wide_products(const struct input *in, struct products *out)
+static void wide_products(const struct ray *ray, float v[3][3], struct products *out)
 {
+    struct input in;
     struct wide a[3][3], d[3];
-    wide_input(in, a, d);
+    struct medium_input medium;
+    struct medium_products product;
+    read_input(ray, v, &in);
+    out->scale = in.place.exponent - in.way.exponent;
+    if (medium_input(&in, &medium) && medium_multiply(&medium, &product)) {
+        for (int c = 0; c < 3; c++)
+            medium_wide(&product.w[c], &out->w[c]);
+        medium_wide(&product.det, &out->det);
+        medium_wide(&product.t, &out->t);
+        return;
+    }
+    wide_input(&in, a, d);
     wide_set(0, &out->det);
     for (int c = 0; c < 3; c++) {
         wide_triple(d, a[(c + 1) % 3], a[(c + 2) % 3], &out->w[c]);
@@ -153,36 +133,67 @@ static double share(const struct wide *w, const struct wide *det)
         return 0;
     wide_top(w, &w_top, &w_exponent);
     wide_top(det, &det_top, &det_exponent);
-    double size = ldexp((double)w_top / (double)det_top, w_exponent - det_exponent);
+    double size = times_power((double)w_top / (double)det_top, w_exponent - det_exponent);
     return w->sign == det->sign ? size : -size;
+}
+
+/* Signs of w and D; returns whether two w have opposite ones: a miss, since in the plane of an area
+ * all are 0. */
+static bool take_signs(const int edge[3], int det, struct exact *out)
+{
+    bool positive = false, negative = false;
+    out->det = det;
+    out->edge_share = det ? INFINITY : -INFINITY;
+    out->in_plane = false;
+    for (int c = 0; c < 3; c++) {
+        out->edge[c] = edge[c];
+        positive |= edge[c] > 0;
+        negative |= edge[c] < 0;
+    }
+    return positive && negative;
+}
+
+static int sign_of(__int128 x)
+{
+    return (x > 0) - (x < 0);
+}
+
+/* Returns whether there is more to say than the signs. */
+static bool multiply(const struct ray *ray, float v[3][3], bool hits, struct exact *out,
+                     struct products *value)
+{
+    struct small small;
+    struct small_products product;
+    out->wide = !small_make(ray, v, &small) || !small_multiply(&small, &product);
+    if (out->wide) {
+        wide_products(ray, v, value);
+        const int edge[3] = {value->w[0].sign, value->w[1].sign, value->w[2].sign};
+        return !take_signs(edge, value->det.sign, out) || !hits;
+    }
+    const int edge[3] = {sign_of(product.w[0]), sign_of(product.w[1]), sign_of(product.w[2])};
+    if (take_signs(edge, sign_of(product.det), out) && hits)
+        return false;
+    for (int c = 0; c < 3; c++)
+        wide_set(product.w[c], &value->w[c]);
+    wide_set(product.det, &value->det);
+    wide_set(product.t, &value->t);
+    value->scale = small.scale;
+    return true;
 }
 
 void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *out)
 {
-    struct input in;
     struct products value;
-    int positive = 0, negative = 0;
-    read_input(ray, v, &in);
-    out->wide = !small_products(&in, &value);
-    if (out->wide)
-        wide_products(&in, &value);
-    out->det = value.det.sign;
-    out->edge_share = out->det ? INFINITY : -INFINITY;
-    for (int c = 0; c < 3; c++) {
-        out->edge[c] = value.w[c].sign;
-        positive += value.w[c].sign > 0;
-        negative += value.w[c].sign < 0;
-    }
-    out->in_plane = false;
-    if (hits && positive && negative) /* a miss; in the plane of an area all w are 0 */
+    if (!multiply(ray, v, hits, out, &value))
         return;
     for (int c = 0; c < 3 && out->det; c++)
         out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
-    out->in_plane = out->det == 0 && value.t.sign == 0 && in.way.bits > 0;
+    bool still = ray->dir[0] == 0 && ray->dir[1] == 0 && ray->dir[2] == 0;
+    out->in_plane = out->det == 0 && value.t.sign == 0 && !still;
     if (out->det) {
         out->t.num = value.t;
         out->t.den = value.det;
-        out->t.scale = in.place.exponent - in.way.exponent;
+        out->t.scale = value.scale;
     }
 }
 
@@ -212,57 +223,15 @@ static void include(const struct fraction *t, bool *any, struct fraction *in, st
     *any = true;
 }
 
-/* exact_in_plane in __int128. |d| < 2^60 and |a| < 2^61, so that sides and normals stay below
- * 2^126; the ends of the overlap are made of products of three. Returns false if they do not fit;
- * else *any says whether there is an overlap. */
-static bool small_in_plane(const struct input *input, bool *any, struct fraction *in,
-                           struct fraction *out)
-{
-    struct small_input s;
-    __int128 n[3], side[3];
-    int positive = 0, negative = 0;
-    if (!small_input(input, &s))
-        return false;
-    for (int k = 0; k < 3; k++) {
-        int i = (k + 1) % 3, j = (k + 2) % 3;
-        n[k] = (__int128)(s.a[1][i] - s.a[0][i]) * (s.a[2][j] - s.a[0][j]) -
-               (__int128)(s.a[1][j] - s.a[0][j]) * (s.a[2][i] - s.a[0][i]);
-    }
-    int drop = n[0] ? 0 : n[1] ? 1 : 2, i = (drop + 1) % 3, j = (drop + 2) % 3;
-    for (int c = 0; c < 3; c++) {
-        side[c] = (__int128)s.d[i] * s.a[c][j] - (__int128)s.d[j] * s.a[c][i];
-        positive += side[c] > 0;
-        negative += side[c] < 0;
-    }
-    *any = false;
-    if (positive == 3 || negative == 3)
-        return true;
-    if (2 * s.place_bits + s.way_bits > 122 || s.place_bits + 2 * s.way_bits > 122)
-        return false;
-    int measure = s.d[i] ? i : j;
-    struct fraction t = {.scale = input->place.exponent - input->way.exponent};
-    for (int c = 0; c < 3; c++) {
-        int e = (c + 1) % 3;
-        bool on = side[c] == 0,
-             crosses = (side[c] < 0 && side[e] > 0) || (side[c] > 0 && side[e] < 0);
-        if (!on && !crosses)
-            continue;
-        wide_set(on ? s.a[c][measure] : s.a[e][measure] * side[c] - s.a[c][measure] * side[e],
-                 &t.num);
-        wide_set(on ? s.d[measure] : (side[c] - side[e]) * s.d[measure], &t.den);
-        include(&t, any, in, out);
-    }
-    return true;
-}
-
 bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, struct fraction *out)
 {
     struct input input;
+    struct small small;
     struct wide a[3][3], d[3], n[3], side[3];
     bool any = false;
-    read_input(ray, v, &input);
-    if (small_in_plane(&input, &any, in, out))
+    if (small_make(ray, v, &small) && small_in_plane(&small, &any, in, out))
         return any;
+    read_input(ray, v, &input);
     wide_input(&input, a, d);
     normal_of(a, n);
     /* Drop an axis along which the plane is not seen edge-on: what is left is one to one, so the

@@ -1,5 +1,7 @@
 #include "ref/oracle/fraction.h"
 
+#include "ref/oracle/grid.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
@@ -54,6 +56,16 @@ int fraction_compare_double(const struct fraction *a, double x)
     return sign * compare_shifted(&left, &right, a->scale - (exponent - 53));
 }
 
+/* The next double above a positive one, or below (by -1). */
+static double neighbour(double x, int by)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits += (uint64_t)(int64_t)by;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
 void fraction_enclose(const struct fraction *a, double *lo, double *hi)
 {
     *lo = *hi = 0;
@@ -68,12 +80,10 @@ void fraction_enclose(const struct fraction *a, double *lo, double *hi)
     unsigned __int128 above = (n_wide + ((unsigned __int128)!n_whole << 62)) / d;
     bool exact = n_whole && d_whole && n_wide % d == 0 && (below & 0x1FFF) == 0; /* 51 bits left */
     int exponent = n_exponent - d_exponent - 62 + a->scale;
-    double small = ldexp((double)below, exponent), large = ldexp((double)(above + 1), exponent);
-    if (!exact) {
-        small = nextafter(small, 0.0); /* (double) rounds either way */
-        large = nextafter(large, INFINITY);
-    } else {
-        large = small;
+    double small = times_power((double)(uint64_t)below, exponent), large = small;
+    if (!exact) { /* (double) rounds either way */
+        small = neighbour(small, -1);
+        large = neighbour(times_power((double)(above + 1), exponent), 1);
     }
     *lo = sign_of(a) > 0 ? small : -large;
     *hi = sign_of(a) > 0 ? large : -small;

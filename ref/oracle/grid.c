@@ -28,9 +28,9 @@ struct grid grid_of(const struct odd *x, int count)
     return (struct grid){low, high - low};
 }
 
-int64_t grid_int(struct grid grid, struct odd x)
+__int128 grid_int(struct grid grid, struct odd x)
 {
-    return x.m ? (int64_t)x.m * ((int64_t)1 << (x.exponent - grid.exponent)) : 0;
+    return x.m ? x.m * ((__int128)1 << (x.exponent - grid.exponent)) : 0;
 }
 
 void grid_wide(struct grid grid, struct odd x, struct wide *out)

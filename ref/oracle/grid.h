@@ -5,6 +5,24 @@
 #include "ref/base.h"
 #include "ref/oracle/wide.h"
 
+#include <math.h>
+#include <string.h>
+
+/* 2^exponent, which is a normal number. */
+static inline double power_of_two(int exponent)
+{
+    uint64_t bits = (uint64_t)(exponent + 1023) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return power;
+}
+
+/* x * 2^exponent as ldexp rounds it. */
+static inline double times_power(double x, int exponent)
+{
+    return exponent >= -1022 && exponent <= 1023 ? x * power_of_two(exponent) : ldexp(x, exponent);
+}
+
 /* x = m * 2^exponent with m odd, or m = exponent = 0. */
 struct odd {
     int32_t m;
@@ -22,8 +40,8 @@ struct grid {
 
 struct grid grid_of(const struct odd *x, int count);
 
-/* x in units of the grid; the first needs grid.bits <= 62. */
-int64_t grid_int(struct grid grid, struct odd x);
+/* x in units of the grid; the first needs grid.bits <= 126. */
+__int128 grid_int(struct grid grid, struct odd x);
 void grid_wide(struct grid grid, struct odd x, struct wide *out);
 
 #endif

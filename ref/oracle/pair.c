@@ -55,30 +55,37 @@ static bool by_filter(const struct ray *ray, const struct filter *f, struct orac
     return lo > tmin && hi < tmax && hi - lo <= NARROW * fmin(fabs(lo), fabs(hi));
 }
 
-static enum oracle_range range_of(const struct fraction *t, const struct ray *ray)
+/* Where t in [lo, hi] lies; its fraction is asked only if that leaves it open. */
+static enum oracle_range range_of(const struct fraction *t, double lo, double hi,
+                                  const struct ray *ray)
 {
-    int low = fraction_compare_double(t, (double)ray->tmin);
+    double tmin = (double)ray->tmin, tmax = (double)ray->tmax;
+    if (hi < tmin)
+        return ORACLE_BELOW;
+    if (lo > tmin && (hi < tmax || lo > tmax))
+        return hi < tmax ? ORACLE_WITHIN : ORACLE_ABOVE;
+    int low = fraction_compare_double(t, tmin);
     if (low < 0)
         return ORACLE_BELOW;
     if (low == 0 && ray->tmin <= ray->tmax)
         return ORACLE_AT_TMIN;
-    int high = fraction_compare_double(t, (double)ray->tmax);
+    int high = fraction_compare_double(t, tmax);
     return high < 0 ? ORACLE_WITHIN : high == 0 ? ORACLE_AT_TMAX : ORACLE_ABOVE;
 }
 
 static void in_plane(const struct ray *ray, float v[3][3], struct oracle_pair *pair)
 {
     struct fraction in, out;
-    double tmin = (double)ray->tmin, tmax = (double)ray->tmax, unused;
+    double tmin = (double)ray->tmin, tmax = (double)ray->tmax, in_hi, out_lo;
     if (!exact_in_plane(ray, v, &in, &out))
         return;
     pair->class = ORACLE_IN_PLANE;
     pair->margin = 0;
-    fraction_enclose(&in, &pair->t_lo, &unused);
-    fraction_enclose(&out, &unused, &pair->t_hi);
-    if (fraction_compare_double(&out, tmin) < 0) {
+    fraction_enclose(&in, &pair->t_lo, &in_hi);
+    fraction_enclose(&out, &out_lo, &pair->t_hi);
+    if (!(out_lo >= tmin) && fraction_compare_double(&out, tmin) < 0) {
         pair->range = ORACLE_BELOW;
-    } else if (fraction_compare_double(&in, tmax) > 0) {
+    } else if (!(in_hi <= tmax) && fraction_compare_double(&in, tmax) > 0) {
         pair->range = ORACLE_ABOVE;
     } else {
         pair->range = ORACLE_WITHIN;
@@ -112,7 +119,7 @@ static void by_integers(const struct ray *ray, float v[3][3], bool flat, bool hi
             [1] = ORACLE_VERTEX, [2] = ORACLE_EDGE, [3] = ORACLE_INSIDE};
         pair->class = by_sides[positive + negative];
         fraction_enclose(&exact->t, &pair->t_lo, &pair->t_hi);
-        pair->range = range_of(&exact->t, ray);
+        pair->range = range_of(&exact->t, pair->t_lo, pair->t_hi, ray);
     }
 }
 
