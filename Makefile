@@ -36,7 +36,7 @@ CMD_SRC  := raydiff.c $(wildcard */cmd_*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
 SHADERS  := $(wildcard shaders/*.comp)
 
-GEN_SRC  := $(B)/gen/shaders.c $(B)/gen/baseline.c # the library's, made
+GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c templates.c) # the library's, made
 LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 TESTS    := $(TEST_SRC:tests/%.c=$(B)/tests/%)
@@ -122,6 +122,17 @@ truth:
 	$(B)/truth --out $(B)/truth-found $(ARGS)
 
 include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
+
+# Parts of the C programs that `raydiff export` writes, as text. They are read as they are, never
+# compiled here.
+TEMPLATES := $(sort $(wildcard fuzz/export/*.c))
+$(B)/gen/templates.c: $(TEMPLATES) Makefile
+	@mkdir -p $(@D)
+	{ echo '#include "fuzz/export_template.h"'; \
+	  echo 'const struct export_template export_templates[] = {'; \
+	  for file in $(TEMPLATES); do printf '{"%s",\n' "$${file##*/}"; \
+	      sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $$file; echo '},'; done; \
+	  echo '{0, 0}};'; } >$@
 
 # --- what people type -------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ static const struct command commands[] = {
     {"check", "the main job: engines and layouts on a scene, compared ray by ray", cmd_check},
     {"explain", "one ray: what is right, what was answered, and why it is wrong", cmd_explain},
     {"replay", "findings played again: whether each is still there, and why", cmd_replay},
+    {"export", "a finding as a C program for a driver's maker, without raydiff", cmd_export},
     {"conform", "the conformance suite, each name its own reproduction", cmd_conform},
     {"judge", "answers of a tracer that cannot be run here, from files", cmd_judge},
     {"gen", "writes a scene and rays as text, for a tracer to answer", cmd_gen},

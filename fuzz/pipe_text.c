@@ -359,8 +359,9 @@ void pipe_text_write(FILE *stream, const struct pipe_from *from, const struct sc
                      const struct ray *ray, size_t ray_count, enum query query, bool decimal)
 {
     fprintf(stream, "raydiff %u\n", PIPE_VERSION);
-    fprintf(stream, "from %016" PRIx64 " %" PRIu64 " %" PRIu64 " %s %s\n", from->hash, from->seed,
-            from->count, from->rays, from->spec);
+    if (from)
+        fprintf(stream, "from %016" PRIx64 " %" PRIu64 " %" PRIu64 " %s %s\n", from->hash,
+                from->seed, from->count, from->rays, from->spec);
     fprintf(stream, "query %s\n", query_name(query));
     for (size_t i = 0; i < scene->vertex_count; i++)
         put_line(stream, 'v', scene->vertex + 3 * i, 3, decimal);

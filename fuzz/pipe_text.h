@@ -64,8 +64,8 @@ void pipe_text_free(struct pipe_text *text); /* a zero one is fine */
 uint64_t pipe_hash(const struct scene *scene, const struct ray *ray, size_t ray_count,
                    enum query query);
 
-/* Writes a request; decimals are the shortest that read back as the same bits. Whether the stream
- * took it is for the caller to ask. */
+/* Writes a request; `from` may be NULL: there is no such line. Decimals are the shortest that read
+ * back as the same bits. Whether the stream took it is for the caller to ask. */
 void pipe_text_write(FILE *stream, const struct pipe_from *from, const struct scene *scene,
                      const struct ray *ray, size_t ray_count, enum query query, bool decimal);
 

@@ -40,7 +40,7 @@ OBJ
 small="--count 200 --repeat 1 --engine cpu"
 
 # Help is on standard output and succeeds, everywhere.
-for command in '' check conform explain leaks bench list doctor scene precompute judge gen verify replay; do
+for command in '' check conform explain leaks bench list doctor scene precompute judge gen verify replay export; do
     expect 0 . $command --help
     grep -q 'example' "$dir/out" || bad "raydiff $command --help shows no example"
 done
@@ -404,6 +404,26 @@ expect 1 . replay "$dir/peer.trial" --engine pipe:true
 grep -q 'crashed: pipe:true: it ended with exit code 0.*, as expected$' "$dir/out" || bad "replay says what a peer did"
 expect 3 . replay $corpus/rounded-outward.trial --engine cpu,pipe:false
 expect 2 'no-such-folder' replay $corpus/rounded-outward.trial --engine cpu --json "$dir/no-such-folder/x"
+
+# Findings for people without raydiff.
+expect 2 'no file given' export
+expect 2 'one file at a time' export $corpus/sentinel.trial $corpus/wrong-item.trial
+expect 2 'nothing.trial: No such file' export "$dir/nothing.trial"
+expect 2 "'basic' is not c, amber or text" export $corpus/sentinel.trial --form basic
+expect 2 "unknown name 'rf17'" export $corpus/sentinel.trial --layout rf17
+expect 2 "'cpu' is raydiff's own C.*--engine vulkan" export $corpus/sentinel.trial
+expect 2 "tracer of its own: --form text" export "$dir/peer.trial"
+expect 2 "not engine embree: --form c" export $corpus/sentinel.trial --engine embree --form amber
+expect 2 'there is no ray 1: the file has 1' export $corpus/sentinel.trial --engine vulkan --ray 1
+expect 2 'no-such-folder' export $corpus/sentinel.trial --engine vulkan --to "$dir/no-such-folder/x"
+expect 0 . export $corpus/sentinel.trial --engine vulkan --to "$dir/finding.c"
+[ -s "$dir/out" ] && bad "export --to prints the program, too"
+grep -q 'cc finding.c -lvulkan -o finding' "$dir/finding.c" || bad "export says how to compile the file that it wrote"
+grep -q 'no driver is at fault' "$dir/err" || bad "export says that C fails there, too"
+expect 0 . export $corpus/rounded-outward.trial --form text
+"$raydiff" gen sphere:n=4 --count 1 | grep -c '^from ' | grep -qx 1 || bad "gen says where a scene comes from"
+grep -q '^from ' "$dir/out" && bad "export --form text claims to come from a generator"
+awk -f fuzz/samples/tracer.awk "$dir/out" | grep -q '^h ' || bad "a text tracer reads export --form text"
 
 # The seed's numbers (Figure 8 of its paper), where its scene is at hand.
 seed=../shared/scenes/rtrs-default.json

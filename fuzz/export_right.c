@@ -1,0 +1,160 @@
+/* What may be answered: found by asking the judge, so that no rule is written down twice. */
+#include "fuzz/export_inner.h"
+
+#include "ref/mutant.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* An answer being widened. */
+struct asking {
+    const struct judge *judge;
+    const struct ray *ray;
+    const struct oracle_answer *truth;
+    bool no_memory;
+};
+
+static bool takes(struct asking *asking, const struct hit *hit)
+{
+    struct judgement judgement;
+    if (judge_answer(asking->judge, asking->ray, asking->truth, hit, &judgement))
+        asking->no_memory = true;
+    return judgement.verdict != VERDICT_WRONG;
+}
+
+/* Floats in their order as integers, and back. */
+static int64_t place_of(float x)
+{
+    uint32_t bits = float_bits(x);
+    return bits >> 31 ? -(int64_t)(bits & 0x7FFFFFFFu) : (int64_t)bits;
+}
+
+static float float_at(int64_t place)
+{
+    return place < 0 ? float_from_bits(0x80000000u | (uint32_t)-place)
+                     : float_from_bits((uint32_t)place);
+}
+
+/* The last number on the way from *x, a member of `hit` that is taken, to `end` with which it still
+ * is. What is taken is an interval around the exact value. */
+static float widen(struct asking *asking, struct hit *hit, float *x, float end)
+{
+    const float from = *x;
+    int64_t good = place_of(from), bad = place_of(end);
+    *x = end;
+    if (takes(asking, hit))
+        good = bad;
+    while (llabs(bad - good) > 1) {
+        int64_t middle = (good + bad) / 2;
+        *x = float_at(middle);
+        if (takes(asking, hit))
+            good = middle;
+        else
+            bad = middle;
+    }
+    *x = from;
+    return float_at(good);
+}
+
+static void widen_both(struct asking *asking, struct hit *hit, float *x, float out[2])
+{
+#if MUTANT == MUTANT_EXPORT_EXACT
+    out[0] = out[1] = *x;
+    return;
+#endif
+    out[0] = widen(asking, hit, x, -FLT_MAX);
+    out[1] = widen(asking, hit, x, FLT_MAX);
+}
+
+static enum status add(struct export_case *the, const struct export_right *right,
+                       struct reason *reason)
+{
+    void *array = the->right;
+    if (array_reserve(&array, &the->right_capacity, the->right_count + 1, sizeof *right))
+        return fail(reason, STATUS_MEMORY, "no memory for what is right");
+    the->right = array;
+    the->right[the->right_count++] = *right;
+    return STATUS_OK;
+}
+
+/* Adds the answer and all that is taken around it. */
+static enum status add_around(struct export_case *the, struct asking *asking, uint32_t i,
+                              struct hit hit, struct reason *reason)
+{
+    struct export_right right = {.ray = i, .prim = hit.prim};
+    widen_both(asking, &hit, &hit.t, right.t);
+    widen_both(asking, &hit, &hit.u, right.u);
+    widen_both(asking, &hit, &hit.v, right.v);
+    return add(the, &right, reason);
+}
+
+/* A triangle is looked at with the exact numbers, and with those that C computes (which count where
+ * the exact ones have no float). */
+static enum status ask_triangle(struct export_case *the, struct asking *asking, uint32_t i,
+                                uint32_t prim, struct reason *reason)
+{
+    float v[3][3];
+    enum twin_formula formula = the->model.formula == TWIN_UNKNOWN ? TWIN_WOOP : the->model.formula;
+    scene_tri(&the->trial->scene, prim, v);
+    struct twin twin = twin_eval(formula, the->model.rounding, asking->ray, v);
+    struct hit exact = {(float)twin.t_near, (float)twin.u_near, (float)twin.v_near, prim};
+    struct hit rounded = {twin.t, twin.u, twin.v, prim};
+    if (takes(asking, &exact))
+        return add_around(the, asking, i, exact, reason);
+    if (takes(asking, &rounded))
+        return add_around(the, asking, i, rounded, reason);
+    return STATUS_OK;
+}
+
+static enum status ask_ray(struct export_case *the, const struct judge *judge, uint32_t i,
+                           struct reason *reason)
+{
+    struct asking asking = {judge, &the->ray[i], &the->truth[i], false};
+    const struct hit miss = {.prim = ABI_NO_PRIM};
+    struct judgement judgement;
+    enum status status = judge_answer(judge, asking.ray, asking.truth, &miss, &judgement);
+    if (status || judgement.verdict == VERDICT_OUT_OF_CONTRACT)
+        return status ? fail(reason, status, "no memory to judge a ray") : STATUS_OK;
+    if (judgement.verdict != VERDICT_WRONG)
+        status = add(the, &(struct export_right){.ray = i, .prim = ABI_NO_PRIM}, reason);
+    const struct hit hit = {.prim = 0};
+    if (export_is_unnamed(the)) {
+        if (!status && takes(&asking, &hit))
+            status = add(the, &(struct export_right){.ray = i, .prim = 0}, reason);
+    } else {
+        for (uint32_t prim = 0; prim < the->trial->scene.tri_count && !status; prim++)
+            status = ask_triangle(the, &asking, i, prim, reason);
+    }
+    return asking.no_memory ? fail(reason, STATUS_MEMORY, "no memory to judge a ray") : status;
+}
+
+enum status export_find_right(struct export_case *the, const struct judge *judge,
+                              struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < the->ray_count && !status; i++)
+        status = ask_ray(the, judge, i, reason);
+    return status;
+}
+
+static bool is_within(float x, const float interval[2])
+{
+    return x >= interval[0] && x <= interval[1];
+}
+
+bool export_is_right(const struct export_case *the, uint32_t i, const struct hit *hit)
+{
+    bool judged = false;
+    for (size_t k = 0; k < the->right_count; k++) {
+        const struct export_right *right = &the->right[k];
+        if (right->ray != i)
+            continue;
+        judged = true;
+        if (right->prim == hit->prim && (hit->prim == ABI_NO_PRIM || (is_within(hit->t, right->t) &&
+                                                                      is_within(hit->u, right->u) &&
+                                                                      is_within(hit->v, right->v))))
+            return true;
+    }
+    return !judged;
+}
