@@ -10,7 +10,7 @@ endif
 OUT := build
 B   := $(if $(filter release,$(config)),$(OUT),$(OUT)/$(config))
 
-WARN := -Wall -Wextra -Wconversion -Wvla -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Werror
+WARN := -Wall -Wextra -Wundef -Wconversion -Wvla -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Werror
 # No contraction anywhere: an fma would change the bits that the shaders are compared with.
 # gcc 12.2 takes (double)(float)x for x where it packs two of them in a vector: no packing.
 FP   := -ffp-contract=off -fno-fast-math -fno-tree-slp-vectorize
@@ -122,6 +122,7 @@ truth:
 	$(B)/truth --out $(B)/truth-found $(ARGS)
 
 include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
+include mutants.mk # planted, selftest
 
 # Parts of the C programs that `raydiff export` writes, as text. They are read as they are, never
 # compiled here.

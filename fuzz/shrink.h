@@ -8,7 +8,7 @@
 #include "fuzz/player.h"
 
 /* Asks that are enough for nearly all small trials to reach their fixpoint. */
-#define SHRINK_ASKS 40000u
+#define SHRINK_ASKS 100000u
 
 /* Most candidates in one call of a shrink_ask_fn. */
 #define SHRINK_BATCH FUZZ_BATCH
@@ -19,8 +19,9 @@ typedef enum status shrink_ask_fn(void *user, const struct fuzz_trial *candidate
                                   size_t *first, struct reason *reason);
 
 enum shrink_end {
-    SHRINK_FIXPOINT, /* nothing smaller was found: shrinking again changes nothing */
-    SHRINK_OUT_OF_ASKS,
+    SHRINK_FIXPOINT,    /* nothing smaller was found: shrinking again changes nothing */
+    SHRINK_OUT_OF_ASKS, /* they are spent, or what was not tried costs too many of them; the same
+                           number of asks again changes nothing in the second case */
     SHRINK_OUT_OF_TIME,
     SHRINK_NOT_SHOWN, /* the trial does not show it: nothing was done */
 };
@@ -40,7 +41,7 @@ struct shrink_stats {
 };
 
 struct shrink_options {
-    uint64_t asks; /* the most that is spent; 0: SHRINK_ASKS */
+    uint64_t asks; /* the most that is spent, after the first; 0: SHRINK_ASKS */
     uint64_t ns;   /* the longest that it may take; 0: no end. Then the result is not the same on
                       every machine */
     /* Called now and then, NULL: never; `best` is the smallest so far. */

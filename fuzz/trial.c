@@ -92,12 +92,12 @@ uint64_t fuzz_trial_hash(const struct fuzz_trial *trial)
     return mix_float(mix_u32(hash, trial->build.leaf), trial->build.eps);
 }
 
-/* 0 for 0, 1 for 1, 2 for 2, 1.5 and -1: how long its text is. */
+/* 0 for 0, 1 for 1 and -0, 2 for 2, 1.5 and -1: how long its text is. */
 static uint64_t float_weight(float x)
 {
     uint32_t bits = float_bits(x) & 0x7FFFFFFFu, fraction = bits & 0x7FFFFFu;
     if (bits == 0)
-        return 0;
+        return float_bits(x) >> 31;
     int exponent = (int)(bits >> 23) - 127;
     if (exponent == 128)
         return fraction ? 9 : 8;
@@ -107,6 +107,36 @@ static uint64_t float_weight(float x)
     for (int rest = exponent < 0 ? -exponent : exponent; rest; rest /= 2)
         weight++;
     return weight + (float_bits(x) >> 31);
+}
+
+/* Corners whose vertex is not numbered in the order in which triangles name them. */
+static uint64_t disorder(const struct scene *scene)
+{
+    uint64_t out_of_order = 0;
+    uint32_t next = 0;
+    for (size_t i = 0; i < 3 * (size_t)scene->tri_count; i++)
+        if (scene->index[i] == next)
+            next++;
+        else if (scene->index[i] > next)
+            out_of_order++;
+    return out_of_order;
+}
+
+/* 0 for what fuzz_trial_make sets; else more the farther down its table a member stands. */
+static uint64_t member_weight(const struct fuzz_trial *trial)
+{
+    uint64_t weight = trial->query != QUERY_CLOSEST;
+    for (size_t i = 0; builders[i] && builders[i] != trial->builder; i++)
+        weight++;
+    for (size_t i = 0; box_tests[i] && box_tests[i] != trial->box; i++)
+        weight++;
+    for (size_t i = 0; tri_tests[i] && tri_tests[i] != trial->tri; i++)
+        weight++;
+    if (trial->build.leaf != BUILD_LEAF_DEFAULT)
+        weight += 1 + (uint64_t)trial->build.leaf;
+    if (trial->build.eps != BUILD_EPS_DEFAULT)
+        weight += 1 + float_weight(trial->build.eps);
+    return weight;
 }
 
 struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial)
@@ -120,8 +150,10 @@ struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial)
         const struct ray *ray = &trial->ray[i];
         for (int k = 0; k < 3; k++)
             size.bits += float_weight(ray->org[k]) + float_weight(ray->dir[k]);
-        size.bits += float_weight(ray->tmin) + float_weight(ray->tmax);
+        size.bits += float_weight(ray->tmin);
+        size.bits += ray->tmax == INFINITY ? 0 : 1 + float_weight(ray->tmax);
     }
+    size.bits += disorder(scene) + member_weight(trial);
     return size;
 }
 

@@ -48,7 +48,8 @@ uint64_t fuzz_trial_hash(const struct fuzz_trial *trial);
 /* How much there is for a person to read: what a shrinker makes less of. Compared in this order. */
 struct fuzz_trial_size {
     uint32_t triangles, rays, vertices;
-    uint64_t bits; /* of all numbers: 0 for 0, else significant ones and those of the exponent */
+    uint64_t bits; /* of all numbers: 0 for 0, a tmax of infinity and the defaults of members, else
+                      significant ones and those of the exponent; 1 for a vertex out of order */
     uint64_t hash; /* fuzz_trial_hash: so that of two different trials one is the smaller */
 };
 

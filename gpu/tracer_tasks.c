@@ -132,7 +132,11 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
     entry->push = dispatch.push;
     entry->push.ray_count = (uint32_t)rays;
     work->push = &entry->push;
+#if MUTANT == MUTANT_GROUPS_CUT
+    work->groups = (uint32_t)(rays / tracer->workgroup);
+#else
     work->groups = dispatch_groups(&dispatch, (uint32_t)rays);
+#endif
     tasks->visits += visits_of(task);
     tasks->count++;
     return STATUS_OK;

@@ -1,6 +1,6 @@
 /* Numbers of the planted bugs. The shipped program is compiled with MUTANT 0 and holds none;
- * tests/mutants.mk compiles one C unit or shader with -DMUTANT=n into build/mutants/ and demands
- * that the suite turns red. Plain #define, so that GLSL can include it. */
+ * tests/mutants.sh and mutants.mk compile one C unit or shader with -DMUTANT=n into build/mutants/,
+ * and the suite, or the fuzzer, must find it. Plain #define, so that GLSL can include it. */
 #ifndef MUTANT_H
 #define MUTANT_H
 
@@ -43,6 +43,8 @@
 #define MUTANT_TRACER_DIES    83  /* engine cpu does not survive a ray whose tmax is NaN */
 #define MUTANT_TRACER_HANGS   84  /* nor ends on it */
 #define MUTANT_ALL_AS_RARE    110 /* feedback chooses every trial as often */
+#define MUTANT_NOT_ESCAPED    113 /* text goes into JUnit and TAP as it is */
+#define MUTANT_UNPLAYED_PASS  114 /* a contestant that played nothing passes */
 #define MUTANT_HELD_FORGOTTEN 111 /* feedback keeps trials that reach nothing new */
 #define MUTANT_HALF_MESSAGE   90  /* what a dead child sent of a message is taken for all of it */
 #define MUTANT_SIBLINGS_HELD  91  /* a child keeps the files that its parent had open */
@@ -53,5 +55,56 @@
 #define MUTANT_EXPORT_NO_RAYS 115 /* export: the push constants say that there is no ray */
 #define MUTANT_EXPORT_EXACT   116 /* export: only the exact numbers are right, to the bit */
 #define MUTANT_EXPORT_ENDIAN  117 /* export: the bytes of a word in the other order */
+#define MUTANT_ANY_CAUSE      100 /* the shrinker keeps the kind of a finding, but not its cause */
+#define MUTANT_ONE_ROUND      101 /* it stops after a round, whatever that found */
+#define MUTANT_UNPAID         102 /* its asks are not limited */
+#define MUTANT_NOT_ASKED      103 /* it takes the candidate beside the one that shows it */
+
+/* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
+ * or the judge. */
+#define MUTANT_CONTRACTED_EDGE     200 /* woop: an edge function of one fma and one product */
+#define MUTANT_CONTRACTED_CROSS    201 /* mt: a cross product's component the same way */
+#define MUTANT_THIRD_AXIS          202 /* woop never shears along z */
+#define MUTANT_BACK_CULLED         203 /* mt: a negative determinant is a miss */
+#define MUTANT_SIGN_KEPT           204 /* mt: v keeps its sign where the determinant is negative */
+#define MUTANT_PARALLELOGRAM       205 /* mt: u + v <= 1 is not asked for */
+#define MUTANT_UV_SWAPPED          206 /* mt: u and v change places */
+#define MUTANT_TMIN_OPEN           207 /* > for >= at tmin */
+#define MUTANT_TMIN_UNREAD         208 /* 0 for tmin */
+#define MUTANT_TMAX_OPEN           209 /* < for <= at tmax */
+#define MUTANT_TMAX_UNREAD         210 /* no triangle is too far */
+#define MUTANT_PARALLEL_DIVIDED    211 /* box test: no case for a component of 0 */
+#define MUTANT_PARALLEL_STRICT     212 /* box test: < for <= on an axis that the ray is parallel to */
+#define MUTANT_SLAB_REARRANGED     213 /* box test: b / d - o / d for (b - o) / d at the far plane */
+#define MUTANT_FIRST_HIT_KEPT      214 /* the first hit found is the answer */
+#define MUTANT_LATER_WINS          215 /* <= for <: of equally near hits the last found */
+#define MUTANT_NUMBERS_KEPT        216 /* a nearer hit changes the triangle, not t, u, v */
+#define MUTANT_MISS_IS_ZERO        217 /* a miss is triangle 0 */
+#define MUTANT_LAST_IS_EMPTY       218 /* the scene's last triangle is taken for an empty slot */
+#define MUTANT_ANY_FIRST_ITEM      219 /* any-hit tests only the first item of each leaf */
+#define MUTANT_ANY_TOO_EARLY       220 /* any-hit ends with the first triangle tested */
+#define MUTANT_EQUAL_ENTRY_LOST    221 /* of two children met at the same t one is forgotten */
+#define MUTANT_FAR_FIRST           222 /* the farther child is visited first */
+#define MUTANT_POP_STRICT          223 /* < for <= where a node that waited is looked at again */
+#define MUTANT_BOTTOM_UNREAD       224 /* the lowest entry of the stack is never popped */
+#define MUTANT_STACK_WRAPPED       225 /* the stack's index is cut to two bits */
+#define MUTANT_HALF_TRUNCATED      226 /* bounds rounded toward zero instead of outward */
+#define MUTANT_HALF_FLUSHED        227 /* subnormal bounds become 0, inward too */
+#define MUTANT_HALF_NO_CARRY       228 /* rounding away stops where it would carry */
+#define MUTANT_HALF_ABOVE_ONLY     229 /* rounds outward only from the middle on */
+#define MUTANT_HALF_SIGN           230 /* shader: a half's sign is dropped */
+#define MUTANT_SND_OFFSET          231 /* rf16: the second child's record before its leaves are added */
+#define MUTANT_RECORD_CUT          232 /* rf16: record of the second child cut to 14 bits */
+#define MUTANT_ITEM_CUT            233 /* rf16: items cut to 15 bits */
+#define MUTANT_EIGHT_IS_NONE       234 /* rf16: the number of items cut to three bits */
+#define MUTANT_HI_CUT              235 /* f32: a copy of the upper bounds is one float short */
+#define MUTANT_ITEMS_UNSORTED      236 /* f32: items in the scene's order, not the tree's */
+#define MUTANT_SLOTS_WRAPPED       237 /* f32: only the first two items of a leaf are read */
+#define MUTANT_WORD_LATE           238 /* shader: a triangle's last vertex read one word early */
+#define MUTANT_BOUNDS_ONE_SHORT    239 /* builder: a node's last triangle is not in its box */
+#define MUTANT_BOUNDS_BY_EXTENT    240 /* builder: upper bound as lower bound plus extent, rounded */
+#define MUTANT_BOUNDS_TWO_VERTICES 241 /* builder: a triangle's third vertex is not in its box */
+#define MUTANT_SPLIT_LOSES         242 /* builder: a split drops one triangle and doubles another */
+#define MUTANT_GROUPS_CUT          243 /* vulkan: the last group of rays, not full, is not traced */
 
 #endif

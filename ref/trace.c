@@ -41,8 +41,16 @@ static inline bool walk_triangle(struct walk *w, uint32_t tri_id, uint32_t prim)
 #endif
         return true;
     }
+#if MUTANT == MUTANT_FIRST_HIT_KEPT
+    if (w->best.prim != ABI_NO_PRIM)
+        return false;
+#elif MUTANT == MUTANT_LATER_WINS
+    if (w->best.prim != ABI_NO_PRIM && !(hit.t <= w->best.t))
+        return false;
+#else
     if (w->best.prim != ABI_NO_PRIM && !(hit.t < w->best.t))
         return false;
+#endif
     w->best = hit;
     w->tbest = hit.t;
     return true;
@@ -53,8 +61,19 @@ static inline bool walk_leaf(struct walk *w, uint32_t tri_id, const struct wide 
 {
     for (uint32_t i = 0; i < node->item_count; i++) {
         uint32_t prim = w->packed->layout->item(w->packed, node->item_first + i);
+#if MUTANT == MUTANT_LAST_IS_EMPTY
+        if (prim + 1 == w->scene->tri_count)
+            continue;
+#endif
         if (prim < w->scene->tri_count && walk_triangle(w, tri_id, prim) && w->query == QUERY_ANY)
             return true;
+#if MUTANT == MUTANT_ANY_FIRST_ITEM
+        if (w->query == QUERY_ANY)
+            return false;
+#elif MUTANT == MUTANT_ANY_TOO_EARLY
+        if (w->query == QUERY_ANY)
+            return true;
+#endif
     }
     return false;
 }
@@ -70,6 +89,9 @@ static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide
         hit[i] = box_test_run(box_id, &w->slab, &node->box[i], w->tbest, &entry[i]);
         w->counts.boxes++;
     }
+#if MUTANT == MUTANT_EQUAL_ENTRY_LOST
+    hit[1] = hit[1] && (!hit[0] || entry[0] != entry[1]);
+#endif
     *any = hit[0] || hit[1];
     if (!(hit[0] && hit[1])) {
         *next = node->child[hit[1] ? 1 : 0];
@@ -84,6 +106,8 @@ static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide
         return false;
 #if MUTANT == MUTANT_SWAPPED_CHILD
     w->ref[w->depth] = node->child[first];
+#elif MUTANT == MUTANT_STACK_WRAPPED
+    w->ref[w->depth % 4] = node->child[1 - first];
 #else
     w->ref[w->depth] = node->child[1 - first];
 #endif
@@ -95,10 +119,22 @@ static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide
 /* Pops the next node that can still hold something nearer. */
 static inline bool walk_pop(struct walk *w, uint32_t box_id, uint32_t *next)
 {
+#if MUTANT == MUTANT_BOTTOM_UNREAD
+    while (w->depth > 1) {
+#else
     while (w->depth > 0) {
+#endif
         w->depth--;
+#if MUTANT == MUTANT_STACK_WRAPPED
+        *next = w->ref[w->depth % 4];
+#else
         *next = w->ref[w->depth];
+#endif
+#if MUTANT == MUTANT_POP_STRICT
+        if (box_id == ABI_BOX_RTRS || w->entry[w->depth] < w->tbest)
+#else
         if (box_id == ABI_BOX_RTRS || w->entry[w->depth] <= w->tbest)
+#endif
             return true;
     }
     return false;

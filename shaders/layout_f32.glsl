@@ -42,6 +42,10 @@ leaf leaf_load(node n)
 
 uint leaf_item(leaf l, uint slot)
 {
+#if MUTANT == MUTANT_SLOTS_WRAPPED
+    uint at = l.first + (slot & 1u);
+#else
     uint at = l.first + slot;
+#endif
     return at < job.item_count ? item_word[at] : ABI_NO_PRIM;
 }

@@ -75,6 +75,10 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     r.o = o;
     r.d = d;
     r.inv = slab_select(crossing, inv, vec3(1.0));
+#if MUTANT == MUTANT_PARALLEL_DIVIDED
+    crossing = bvec3(true);
+    r.inv = inv;
+#endif
     r.o_near = slab_select(crossing, o, vec3(SLAB_AWAY));
     r.o_far = slab_select(crossing, o, vec3(-SLAB_AWAY));
     r.pad = slab_select(crossing, vec3(SLAB_FAR), vec3(SLAB_AWAY_PAD));
@@ -101,7 +105,11 @@ void slab_ray_place(inout slab_ray r, vec3 nearer)
 bool slab_robust(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float entry)
 {
     precise vec3 a = (nearer - r.o_near) * r.inv;
+#if MUTANT == MUTANT_SLAB_REARRANGED
+    precise vec3 b = farther * r.inv - r.o_far * r.inv;
+#else
     precise vec3 b = (farther - r.o_far) * r.inv;
+#endif
     precise vec3 bp = b * r.pad;
     float tn = r.tmin, tf = tbest;
     tn = a.x > tn ? a.x : tn;
@@ -111,9 +119,13 @@ bool slab_robust(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float e
     tn = a.z > tn ? a.z : tn;
     tf = bp.z < tf ? bp.z : tf;
     entry = tn;
+#if MUTANT == MUTANT_PARALLEL_STRICT
+    bool inside = all(lessThan(nearer, r.at_most)) && all(lessThan(r.at_least, farther));
+#else
     bool inside = nearer.x <= r.at_most.x && nearer.y <= r.at_most.y && nearer.z <= r.at_most.z &&
                   r.at_least.x <= farther.x && r.at_least.y <= farther.y &&
                   r.at_least.z <= farther.z;
+#endif
 #if MUTANT == MUTANT_SLAB_STRICT
     return inside && tn < tf;
 #else

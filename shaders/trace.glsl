@@ -34,7 +34,11 @@ void stack_push(node n, float entry)
 #endif
         trouble |= ABI_FLAG_STACK;
     } else {
+#if MUTANT == MUTANT_STACK_WRAPPED
+        stack_node[stack_count & 3u] = n;
+#else
         stack_node[stack_count] = n;
+#endif
         stack_entry[stack_count] = entry;
         stack_count++;
     }
@@ -44,10 +48,21 @@ void stack_push(node n, float entry)
 node stack_pop(float tbest)
 {
     bool found = false;
+#if MUTANT == MUTANT_BOTTOM_UNREAD
+    stack_count -= stack_count == 1u ? 1u : 0u;
+#endif
     while (stack_count > 0u && !found) {
         stack_count--;
+#if MUTANT == MUTANT_POP_STRICT
+        found = BOX_TEST == ABI_BOX_RTRS || stack_entry[stack_count] < tbest;
+#else
         found = BOX_TEST == ABI_BOX_RTRS || stack_entry[stack_count] <= tbest;
+#endif
     }
+#if MUTANT == MUTANT_STACK_WRAPPED
+    if (found)
+        return stack_node[stack_count & 3u];
+#endif
     if (found)
         return stack_node[stack_count];
     if (stack_count > 0u)
@@ -65,7 +80,12 @@ node step_inner(slab_ray slab, node n, float tbest)
     node child1 = node_load(slab, ref1, near1, far1);
     bool hit0 = slab_test(slab, near0, far0, tbest, entry0) && ref0 < job.node_count;
     bool hit1 = slab_test(slab, near1, far1, tbest, entry1) && ref1 < job.node_count;
-#if defined(ORDER_NEAR)
+#if MUTANT == MUTANT_EQUAL_ENTRY_LOST
+    hit1 = hit1 && (!hit0 || entry0 != entry1);
+#endif
+#if MUTANT == MUTANT_FAR_FIRST
+    bool second = hit1 && (!hit0 || entry1 > entry0);
+#elif defined(ORDER_NEAR)
     bool second = hit1 && (!hit0 || entry1 < entry0);
 #elif defined(ORDER_SND)
     bool second = hit1;
@@ -104,6 +124,9 @@ bool step_leaf(tri_ray r, node n, inout vec3 best, inout uint best_prim, inout f
     while (slot < l.count && !answered) {
         uint prim = leaf_item(l, slot);
         slot++;
+#if MUTANT == MUTANT_LAST_IS_EMPTY
+        prim = prim + 1u == job.tri_count ? ABI_NO_PRIM : prim;
+#endif
         if (prim < job.tri_count) {
             vec3 v0, v1, v2, tuv;
             tri_load(prim, v0, v1, v2);
@@ -115,12 +138,25 @@ bool step_leaf(tri_ray r, node n, inout vec3 best, inout uint best_prim, inout f
                 if (hit && tuv.x < tbest)
                     tbest = tuv.x;
 #endif
+#if MUTANT == MUTANT_FIRST_HIT_KEPT
+            } else if (hit && best_prim == ABI_NO_PRIM) {
+#elif MUTANT == MUTANT_LATER_WINS
+            } else if (hit && (best_prim == ABI_NO_PRIM || tuv.x <= tbest)) {
+#else
             } else if (hit && (best_prim == ABI_NO_PRIM || tuv.x < tbest)) {
+#endif
+#if MUTANT == MUTANT_NUMBERS_KEPT
+                best = best_prim == ABI_NO_PRIM ? tuv : best;
+#else
                 best = tuv;
+#endif
                 best_prim = prim;
                 tbest = tuv.x;
                 answered = QUERY == ABI_QUERY_ANY;
             }
+#if MUTANT == MUTANT_ANY_TOO_EARLY
+            answered = QUERY == ABI_QUERY_ANY;
+#endif
         }
     }
     if (slot < l.count && !answered)
@@ -165,7 +201,11 @@ void main()
     slab_ray slab = slab_ray_make(org.xyz, dir.xyz, org.w);
     found_at = id * job.capacity;
     vec3 best = vec3(0.0);
+#if MUTANT == MUTANT_MISS_IS_ZERO
+    uint prim = 0u;
+#else
     uint prim = ABI_NO_PRIM;
+#endif
     float tbest = dir.w;
     if (job.node_count > 0u) {
         vec3 nearer, farther;

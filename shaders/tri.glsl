@@ -31,7 +31,9 @@ tri_ray tri_ray_make(vec3 o, vec3 d, float tmin, float tmax)
     precise vec3 minus = -d;
     vec3 a = slab_select(lessThan(d, vec3(0.0)), minus, d);
     uint kz = a.y > a.x ? 1u : 0u;
+#if MUTANT != MUTANT_THIRD_AXIS
     kz = a.z > tri_pick(a, kz) ? 2u : kz;
+#endif
     uint kx = kz == 2u ? 0u : kz + 1u;
     uint ky = kx == 2u ? 0u : kx + 1u;
     float dz = tri_pick(d, kz);
@@ -65,11 +67,27 @@ bool tri_moeller_trumbore(tri_ray r, vec3 v0, vec3 v1, vec3 v2, float eps, out v
     float u = tri_sum(s, p);
     float w = tri_sum(r.d, q);
     float t = tri_sum(e2, q);
+#if MUTANT == MUTANT_BACK_CULLED
+    float size = det;
+#else
     precise float size = det < 0.0 ? -det : det;
+#endif
     precise float us = det < 0.0 ? -u : u;
+#if MUTANT == MUTANT_SIGN_KEPT
+    float ws = w;
+#else
     precise float ws = det < 0.0 ? -w : w;
+#endif
+#if MUTANT == MUTANT_PARALLELOGRAM
+    float both = ws;
+#else
     precise float both = us + ws;
+#endif
+#if MUTANT == MUTANT_UV_SWAPPED
+    precise vec3 quotient = vec3(t, w, u) / det;
+#else
     precise vec3 quotient = vec3(t, u, w) / det;
+#endif
     tuv = quotient;
     return size > eps && us >= 0.0 && us <= size && ws >= 0.0 && both <= size;
 }
@@ -93,6 +111,9 @@ bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
     float t = tri_sum(w, z);
     precise vec3 quotient = vec3(t, w.y, w.z) / det;
     tuv = quotient;
+#if MUTANT == MUTANT_OPEN_EDGES
+    negative = negative || w.x == 0.0 || w.y == 0.0 || w.z == 0.0;
+#endif
     return !(negative && positive) && (det > 0.0 || det < 0.0);
 }
 
@@ -101,6 +122,15 @@ bool tri_test_run(uint id, tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 {
     if (id == ABI_TRI_WOOP)
         return tri_woop(r, v0, v1, v2, tuv) && tuv.x >= r.tmin && tuv.x <= r.tmax;
+#if MUTANT == MUTANT_TMIN_OPEN
+    return tri_moeller_trumbore(r, v0, v1, v2, 0.0, tuv) && tuv.x > r.tmin && tuv.x <= r.tmax;
+#elif MUTANT == MUTANT_TMIN_UNREAD
+    return tri_moeller_trumbore(r, v0, v1, v2, 0.0, tuv) && tuv.x >= 0.0 && tuv.x <= r.tmax;
+#elif MUTANT == MUTANT_TMAX_OPEN
+    return tri_moeller_trumbore(r, v0, v1, v2, 0.0, tuv) && tuv.x >= r.tmin && tuv.x < r.tmax;
+#elif MUTANT == MUTANT_TMAX_UNREAD
+    return tri_moeller_trumbore(r, v0, v1, v2, 0.0, tuv) && tuv.x >= r.tmin;
+#endif
     if (id == ABI_TRI_MT_RTRS)
         return tri_moeller_trumbore(r, v0, v1, v2, TRI_RTRS_EPS, tuv) && tuv.x > r.tmin &&
                tuv.x < r.tmax;

@@ -2,7 +2,6 @@
 
 #include "ref/command.h"
 
-#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,33 +25,10 @@ enum status conform_report_open(struct conform_report *report, size_t expected, 
         (struct conform_report){.expected = expected, .complete = complete, .start_ns = time_ns()};
     enum status status = waivers ? waivers_read(waivers, &report->waivers, reason) : STATUS_OK;
     if (status == STATUS_OK && junit)
-        status = file_out_open(junit, &report->junit, reason);
-    if (status) {
+        status = ci_junit_open(junit, &report->junit, reason);
+    if (status)
         waivers_free(&report->waivers);
-        return status;
-    }
-    if (report->junit.stream)
-        fprintf(report->junit.stream,
-                "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n"
-                "<testsuite name=\"raydiff conform\" tests=\"%zu\">\n",
-                expected);
-    return STATUS_OK;
-}
-
-static void print_xml(FILE *to, const char *text)
-{
-    for (; *text; text++) {
-        if (*text == '<')
-            fputs("&lt;", to);
-        else if (*text == '>')
-            fputs("&gt;", to);
-        else if (*text == '&')
-            fputs("&amp;", to);
-        else if (*text == '"')
-            fputs("&quot;", to);
-        else
-            fputc(isprint((unsigned char)*text) ? *text : ' ', to);
-    }
+    return status;
 }
 
 static bool counts_as_passed(enum outcome outcome)
@@ -60,41 +36,34 @@ static bool counts_as_passed(enum outcome outcome)
     return outcome == OUTCOME_PASSED || outcome == OUTCOME_KNOWN;
 }
 
-static void add_junit(FILE *to, const struct conform_entry *entry, enum outcome outcome,
-                      const char *why)
+/* In TAP and JUnit alike. */
+static struct ci_case case_of(const struct conform_entry *entry, enum outcome outcome,
+                              const char *why)
 {
-    fprintf(to, "<testcase classname=\"conform\" name=\"");
-    print_xml(to, entry->name);
-    fprintf(to, "\" time=\"%.3f\"", entry->seconds);
-    if (counts_as_passed(outcome)) {
-        fputs("/>\n", to);
-        return;
-    }
-    fputs(outcome == OUTCOME_FAILED ? "><failure message=\"" : "><skipped message=\"", to);
-    print_xml(to, why);
-    fputs("\"/></testcase>\n", to);
+    bool plain = counts_as_passed(outcome);
+    return (struct ci_case){.group = "conform",
+                            .name = entry->name,
+                            .state = plain                       ? CI_PASSED
+                                     : outcome == OUTCOME_FAILED ? CI_FAILED
+                                     : outcome == OUTCOME_WAIVED ? CI_KNOWN
+                                                                 : CI_SKIPPED,
+                            .why = plain ? NULL : why,
+                            .seconds = entry->seconds};
 }
 
-static void print_entry(const struct conform_report *report, const struct conform_entry *entry,
+static void print_entry(const struct conform_report *report, const struct ci_case *one,
                         enum outcome outcome, const char *why)
 {
-    if (report->tap) {
-        if (report->done == 1)
-            printf("TAP version 13\n1..%zu\n", report->expected);
-        bool plain = counts_as_passed(outcome);
-        printf("%s %zu - %s%s%s\n", outcome == OUTCOME_FAILED ? "not ok" : "ok", report->done,
-               entry->name,
-               plain                       ? ""
-               : outcome == OUTCOME_FAILED ? " # "
-                                           : " # SKIP ",
-               plain ? "" : why);
-        return;
-    }
     static const char *const words[OUTCOME_COUNT] = {"SKIPPED", "REFUSED", "PASSED",
                                                      "KNOWN",   "WAIVED",  "FAILED"};
-    if (outcome == OUTCOME_FAILED || report->verbose ||
-        (outcome == OUTCOME_WAIVED && !report->quiet))
-        printf("%-7s %s: %s\n", words[outcome], entry->name, why);
+    if (report->tap) {
+        if (report->done == 1)
+            ci_tap_head(stdout, report->expected);
+        ci_tap_case(stdout, report->done, one);
+    } else if (outcome == OUTCOME_FAILED || report->verbose ||
+               (outcome == OUTCOME_WAIVED && !report->quiet)) {
+        printf("%-7s %s: %s\n", words[outcome], one->name, why);
+    }
 }
 
 static enum waiver_event event_of(enum outcome outcome)
@@ -133,9 +102,10 @@ enum outcome conform_report_put(struct conform_report *report, const struct conf
     report->outcomes[outcome]++;
     if (outcome == OUTCOME_FAILED)
         report->code = exit_worse(report->code, entry->code);
-    print_entry(report, entry, outcome, why);
-    if (report->junit.stream)
-        add_junit(report->junit.stream, entry, outcome, why);
+    const struct ci_case one = case_of(entry, outcome, why);
+    print_entry(report, &one, outcome, why);
+    if (report->junit.body)
+        ci_junit_add(&report->junit, &one);
     return outcome;
 }
 
@@ -242,12 +212,10 @@ int conform_report_close(struct conform_report *report)
 {
     struct reason reason = {""};
     judge_waivers(report);
-    if (report->junit.stream) {
-        fputs("</testsuite>\n</testsuites>\n", report->junit.stream);
-        if (file_out_commit(&report->junit, &reason)) {
-            fprintf(stderr, "raydiff conform: %s\n", reason.text);
-            report->code = exit_worse(report->code, EXIT_USAGE);
-        }
+    double seconds = (double)(time_ns() - report->start_ns) * 1e-9;
+    if (report->junit.body && ci_junit_close(&report->junit, "raydiff conform", seconds, &reason)) {
+        fprintf(stderr, "raydiff conform: %s\n", reason.text);
+        report->code = exit_worse(report->code, EXIT_USAGE);
     }
     size_t ran = report->done - report->outcomes[OUTCOME_SKIPPED] -
                  report->outcomes[OUTCOME_REFUSED] - report->outcomes[OUTCOME_WAIVED];

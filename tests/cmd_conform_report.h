@@ -5,6 +5,7 @@
 #include "ref/match.h"
 #include "scenes/file.h"
 #include "tests/hard/matrix.h"
+#include "fuzz/ci.h"
 #include "fuzz/waivers.h"
 
 struct conform_report {
@@ -19,7 +20,7 @@ struct conform_report {
     struct engine_options options; /* of the engines whose versions waivers name */
     struct waivers waivers;
     char versions[8192];   /* of conform_versions, if a waiver needs them */
-    struct file_out junit; /* stream NULL: none */
+    struct ci_junit junit; /* body NULL: none */
 };
 
 /* What became of one trial or hard case. */

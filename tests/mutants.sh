@@ -1,11 +1,11 @@
 #!/bin/sh
 # Planted bugs (ref/mutant.h): each is compiled into one C unit or one set of shaders, under
-# BUILD/mutants/, and something of the suite must turn red. The same command is run without the bug
-# first and must be green, so that a broken catcher cannot pass for a catch.
+# BUILD/mutants/suite, and something of the suite must turn red. The same command is run without the
+# bug first and must be green, so that a broken catcher cannot pass for a catch.
 #   CC_CMD=... LIBS=... MAKE_CMD=... sh tests/mutants.sh BUILD
 set -u
 build=$1
-out=$build/mutants
+out=$build/mutants/suite
 rm -rf "$out"
 mkdir -p "$out"
 caught=0 missed=0
@@ -169,8 +169,14 @@ in_test COUNTED_TWICE fuzz/findings.c test_fuzz_merge
 in_test LAST_IS_FIRST fuzz/findings.c test_fuzz_merge
 in_test ALL_AS_RARE fuzz/feedback.c test_fuzz_feedback
 in_test HELD_FORGOTTEN fuzz/feedback.c test_fuzz_feedback
+in_test NOT_ESCAPED fuzz/ci_text.c test_fuzz_report
+in_test UNPLAYED_PASS fuzz/report.c test_fuzz_report
 in_test HALF_MESSAGE fuzz/child.c test_fuzz_child
 in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
+in_test ANY_CAUSE fuzz/shrink_play.c test_fuzz_shrink_faults
+in_test ONE_ROUND fuzz/shrink.c test_fuzz_shrink
+in_test UNPAID fuzz/shrink.c test_fuzz_shrink
+in_test NOT_ASKED fuzz/shrink.c test_fuzz_shrink
 in_test NEVER_EXPIRES fuzz/baseline.c test_fuzz_baseline
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial

@@ -4,6 +4,8 @@
  * eps has no meaning here and is ignored. */
 #include "ref/builders/top_down.h"
 
+#include "ref/mutant.h"
+
 /* Depth is at most this, whatever the input: a node of n triangles at depth d keeps
  * d + ceil(log2(n)) <= DEPTH_MOST, at first because n <= 2^31, later because a split that would
  * break it is replaced by halving, which lowers ceil(log2(n)) by one. */
@@ -87,6 +89,9 @@ static uint32_t partition(struct build *build, const struct build_node *node, si
         else
             build->spare[right++] = prim[i];
     }
+#if MUTANT == MUTANT_SPLIT_LOSES
+    right -= right > 1;
+#endif
     for (uint32_t i = 0; i < right; i++)
         prim[left + i] = build->spare[i];
     return left;

@@ -1,6 +1,7 @@
 /* Layout `f32`: struct node_f32 in pre-order, 32 bytes, and the item array prim of the tree. The
  * baseline: any leaf size, bounds unchanged. */
 #include "ref/layouts/common.h"
+#include "ref/mutant.h"
 
 #include <string.h>
 
@@ -26,10 +27,18 @@ static enum status pack(const struct bvh *bvh, const struct scene *scene, struct
         struct node_f32 node = {.first = from->item_count ? from->item_first : from->snd,
                                 .count = from->item_count};
         memcpy(node.lo, from->bounds.lo, sizeof node.lo);
+#if MUTANT == MUTANT_HI_CUT
+        memcpy(node.hi, from->bounds.hi, sizeof node.hi - sizeof node.hi[0]);
+#else
         memcpy(node.hi, from->bounds.hi, sizeof node.hi);
+#endif
         memcpy(out->word + (size_t)i * WORDS, &node, sizeof node);
     }
     memcpy(out->item, bvh->prim, bvh->prim_count * sizeof *out->item);
+#if MUTANT == MUTANT_ITEMS_UNSORTED
+    for (uint32_t i = 0; i < bvh->prim_count; i++)
+        out->item[i] = i;
+#endif
     return STATUS_OK;
 }
 

@@ -55,7 +55,17 @@ static inline bool tri_test_run(uint32_t id, const struct tri_ray *r, float v[3]
         return false;
     if (id == ABI_TRI_MT_RTRS)
         return out->t > r->tmin && out->t < r->tmax;
+#if MUTANT == MUTANT_TMIN_OPEN
+    return out->t > r->tmin && out->t <= r->tmax;
+#elif MUTANT == MUTANT_TMIN_UNREAD
+    return out->t >= 0.0f && out->t <= r->tmax;
+#elif MUTANT == MUTANT_TMAX_OPEN
+    return out->t >= r->tmin && out->t < r->tmax;
+#elif MUTANT == MUTANT_TMAX_UNREAD
+    return out->t >= r->tmin;
+#else
     return out->t >= r->tmin && out->t <= r->tmax;
+#endif
 }
 
 /* Runs the box test `id` (ABI_BOX_*); slab_ray_place has been called. */

@@ -61,7 +61,11 @@ static inline struct slab_ray slab_ray_make(const struct ray *ray)
         float a = ray->dir[k] < 0.0f ? -ray->dir[k] : ray->dir[k];
         r.o[k] = ray->org[k];
         r.d[k] = ray->dir[k];
+#if MUTANT == MUTANT_PARALLEL_DIVIDED
+        r.parallel[k] = a > 0.0f && a < least;
+#else
         r.parallel[k] = !(a > 0.0f) || a < least; /* NaN is parallel, and lies in no box */
+#endif
         r.inv[k] = r.parallel[k] ? 0.0f : 1.0f / ray->dir[k];
     }
     return r;
@@ -77,10 +81,18 @@ static inline bool slab_robust(const struct slab_ray *r, const struct box *box, 
     bool ok = true;
     for (int k = 0; k < 3; k++) {
         if (r->parallel[k]) {
+#if MUTANT == MUTANT_PARALLEL_STRICT
+            ok = ok && box->lo[k] < r->o[k] && r->o[k] < box->hi[k];
+#else
             ok = ok && box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
+#endif
         } else {
             float a = ((r->d[k] < 0.0f ? box->hi[k] : box->lo[k]) - r->o[k]) * r->inv[k];
+#if MUTANT == MUTANT_SLAB_REARRANGED
+            float b = (r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) * r->inv[k] - r->o[k] * r->inv[k];
+#else
             float b = ((r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) - r->o[k]) * r->inv[k];
+#endif
             float bp = b * SLAB_FAR;
             tn = a > tn ? a : tn;
             tf = bp < tf ? bp : tf;

@@ -1,0 +1,46 @@
+# The planted bugs of raydiff fuzz --self-test (fuzz/selftest.txt): a whole program of each, of which
+# one unit or one shader is compiled with the bug, in $(B)/mutants. Their table is copied beside them.
+SELFTEST := $(B)/mutants
+# BUG:UNIT of every line.
+PLANTED := $(shell awk '!/^#/ && NF {print $$1 ":" $$2}' fuzz/selftest.txt)
+PLANTED_DIRS :=
+
+# $(call plant,BUG,UNIT): a C unit. It comes before the library, so that the library's is not taken.
+define plant_unit
+$(SELFTEST)/$(1).$(basename $(notdir $(2)))/unit.o: $(2) $(B)/gen/flags
+	@mkdir -p $$(@D)
+	$$(CC) $$(CPPFLAGS) -DMUTANT=MUTANT_$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
+endef
+# A shader: its SPIR-V in the place of the healthy one's. The tool that decorates it can be the bug.
+define plant_shader
+$(SELFTEST)/$(1).$(2)/tool: shaders/spirv_tool.c ref/mutant.h
+	@mkdir -p $$(@D)
+	$$(HOSTCC) -I. -std=c17 -O1 $$(WARN) -DMUTANT=MUTANT_$(1) -o $$@ $$<
+$(SELFTEST)/$(1).$(2)/raw/$(2).spv: shaders/$(2).comp
+	@mkdir -p $$(@D)
+	$$(GLSLANG) --quiet -V --target-env vulkan1.1 -g0 -DMUTANT=MUTANT_$(1) -I. -Ishaders \
+	    --depfile $$(@:.spv=.d) -o $$@ $$<
+$(SELFTEST)/$(1).$(2)/$(2).spv: $(SELFTEST)/$(1).$(2)/raw/$(2).spv $(SELFTEST)/$(1).$(2)/tool
+	$(SELFTEST)/$(1).$(2)/tool fix $$< $$@
+$(SELFTEST)/$(1).$(2)/unit.c: $(SELFTEST)/$(1).$(2)/$(2).spv $(SPV) $(TOOL)
+	$$(TOOL) embed $$@ $(SPV:$(B)/spv/$(2).spv=$(SELFTEST)/$(1).$(2)/$(2).spv)
+$(SELFTEST)/$(1).$(2)/unit.o: $(SELFTEST)/$(1).$(2)/unit.c $(B)/gen/flags
+	$$(CC) $$(CPPFLAGS) $$(CFLAGS) -c -o $$@ $$<
+endef
+plant = $(if $(filter %.c,$(2)),$(call plant_unit,$(1),$(2)),$(call plant_shader,$(1),$(2)))
+
+$(foreach one,$(PLANTED),$(eval $(call plant,$(word 1,$(subst :, ,$(one))),$(word 2,$(subst :, ,$(one))))))
+$(foreach one,$(PLANTED),$(eval PLANTED_DIRS += \
+    $(SELFTEST)/$(word 1,$(subst :, ,$(one))).$(basename $(notdir $(word 2,$(subst :, ,$(one)))))))
+
+$(SELFTEST)/%/raydiff: $(SELFTEST)/%/unit.o $(CMD_OBJ) $(B)/libraydiff.a
+	$(CC) $(CFLAGS) -s -o $@ $(CMD_OBJ) $< $(B)/libraydiff.a $(LDLIBS)
+
+$(SELFTEST)/selftest.txt: fuzz/selftest.txt
+	@mkdir -p $(@D)
+	cp $< $@
+
+.PHONY: planted selftest
+planted: $(SELFTEST)/selftest.txt $(addsuffix /raydiff,$(PLANTED_DIRS))
+
+-include $(wildcard $(addsuffix /unit.d,$(PLANTED_DIRS)) $(addsuffix /raw/*.d,$(PLANTED_DIRS)))
