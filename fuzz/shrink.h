@@ -66,4 +66,21 @@ enum status fuzz_shrink_finding(struct fuzz_player *alone, const struct finding_
                                 const struct shrink_options *options, struct finding_file *out,
                                 struct shrink_stats *stats, struct reason *reason) MUST_USE;
 
+/* Where an engine is played that may crash or hang: in a child process. */
+struct shrink_apart {
+    struct fuzz_contestant who; /* the signature's engine and layout */
+    struct engine_options engines;
+    uint32_t ms;     /* the longest that a candidate may take; longer is FUZZ_KIND_HANG */
+    uint64_t memory; /* bytes that the child may hold; more is FUZZ_KIND_CRASH; 0: any number */
+};
+
+/* As fuzz_shrink_finding, for every kind: that the child dies or hangs is what a finding of kind
+ * crash or hang shows, and of the others it is something else, which ends nothing. out->versions
+ * are those of the engine as it is here. The caller has no threads that an engine would need
+ * (fuzz/child.h). Errors: as fuzz_shrink_finding; STATUS_UNSUPPORTED the engine cannot run here;
+ * STATUS_DEVICE it cannot be opened, or no process to be had. */
+enum status fuzz_shrink_apart(const struct shrink_apart *how, const struct finding_file *file,
+                              const struct shrink_options *options, struct finding_file *out,
+                              struct shrink_stats *stats, struct reason *reason) MUST_USE;
+
 #endif

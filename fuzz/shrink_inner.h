@@ -41,4 +41,18 @@ int shrink_exponent(float x);
 /* x 2^by; may round or overflow. */
 float shrink_scaled(float x, int by);
 
+/* Asking a player; the user of a shrink_ask_fn. */
+struct shrink_asking {
+    struct fuzz_player *player; /* of one contestant, the signature's */
+    const struct fuzz_signature *wanted;
+    struct fuzz_finding finding; /* of the last trial that showed it */
+};
+
+/* Whether `who` is the contestant of the file's signature. Errors: STATUS_INPUT it is not, or there
+ * is no signature. */
+enum status shrink_check_who(const struct fuzz_contestant *who, const struct finding_file *file,
+                             struct reason *reason) MUST_USE;
+
+shrink_ask_fn shrink_ask_player;
+
 #endif

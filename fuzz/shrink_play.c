@@ -1,5 +1,5 @@
 /* What the shrinker asks of engines: whether a trial still shows the finding. */
-#include "fuzz/shrink.h"
+#include "fuzz/shrink_inner.h"
 #include "fuzz/stage.h"
 #include "ref/mutant.h"
 
@@ -7,12 +7,6 @@
 
 /* Findings of the kind but of another cause that are looked behind in one trial. */
 #define BEHIND_MOST 64u
-
-struct asking {
-    struct fuzz_player *player;
-    const struct fuzz_signature *wanted;
-    struct fuzz_finding finding; /* of the last trial that showed it */
-};
 
 static const struct fuzz_finding *of_kind(const struct fuzz_result *result, enum fuzz_kind kind)
 {
@@ -24,7 +18,7 @@ static const struct fuzz_finding *of_kind(const struct fuzz_result *result, enum
 
 /* Whether a trial shows it, given what playing it came to. A result has only the first finding of a
  * kind, which may have another cause: then the rays behind it are played again. */
-static enum status shows(struct asking *asking, const struct fuzz_trial *trial,
+static enum status shows(struct shrink_asking *asking, const struct fuzz_trial *trial,
                          const struct fuzz_result *result, bool *out, struct reason *reason)
 {
     struct fuzz_trial rest = *trial; /* borrows */
@@ -58,10 +52,10 @@ static enum status shows(struct asking *asking, const struct fuzz_trial *trial,
     return STATUS_OK;
 }
 
-static enum status ask_player(void *user, const struct fuzz_trial *candidate, size_t count,
+enum status shrink_ask_player(void *user, const struct fuzz_trial *candidate, size_t count,
                               size_t *first, struct reason *reason)
 {
-    struct asking *asking = user;
+    struct shrink_asking *asking = user;
     struct fuzz_result result[SHRINK_BATCH];
     enum status status = fuzz_play(asking->player, candidate, count, result, NULL, NULL, reason);
     for (*first = 0; *first < count && !status; ++*first) {
@@ -73,25 +67,34 @@ static enum status ask_player(void *user, const struct fuzz_trial *candidate, si
     return status;
 }
 
+enum status shrink_check_who(const struct fuzz_contestant *who, const struct finding_file *file,
+                             struct reason *reason)
+{
+    struct fuzz_signature mine = file->signature;
+    if (!file->has_signature)
+        return fail(reason, STATUS_INPUT, "a trial that shows nothing cannot be shrunk");
+    fuzz_signature_set_engine(&mine, who->engine->name);
+    mine.layout = who->layout;
+    if (!fuzz_signature_same(&mine, &file->signature))
+        return fail(reason, STATUS_INPUT, "shrinking needs the signature's engine and layout");
+    return STATUS_OK;
+}
+
 enum status fuzz_shrink_finding(struct fuzz_player *alone, const struct finding_file *file,
                                 const struct shrink_options *options, struct finding_file *out,
                                 struct shrink_stats *stats, struct reason *reason)
 {
-    struct asking asking = {.player = alone, .wanted = &file->signature};
-    struct fuzz_signature mine = file->signature;
+    struct shrink_asking asking = {.player = alone, .wanted = &file->signature};
+    const struct fuzz_contestant who = {alone->seat[0].engine, alone->seat[0].layout};
     *out = (struct finding_file){0};
     *stats = (struct shrink_stats){0};
-    if (!file->has_signature)
-        return fail(reason, STATUS_INPUT, "a trial that shows nothing cannot be shrunk");
-    if (alone->contestants == 1) {
-        fuzz_signature_set_engine(&mine, alone->seat[0].engine->name);
-        mine.layout = alone->seat[0].layout;
-    }
-    if (alone->contestants != 1 || !fuzz_signature_same(&mine, &file->signature))
-        return fail(reason, STATUS_INPUT, "shrinking needs the signature's engine and layout");
+    if (alone->contestants != 1)
+        return fail(reason, STATUS_INPUT, "shrinking needs a player of one contestant");
+    enum status status = shrink_check_who(&who, file, reason);
     struct fuzz_trial smaller;
-    enum status status =
-        fuzz_shrink_trial(&file->trial, ask_player, &asking, options, &smaller, stats, reason);
+    if (!status)
+        status = fuzz_shrink_trial(&file->trial, shrink_ask_player, &asking, options, &smaller,
+                                   stats, reason);
     if (status)
         return status;
     *out = *file;

@@ -59,6 +59,7 @@
 #define MUTANT_ONE_ROUND      101 /* it stops after a round, whatever that found */
 #define MUTANT_UNPAID         102 /* its asks are not limited */
 #define MUTANT_NOT_ASKED      103 /* it takes the candidate beside the one that shows it */
+#define MUTANT_HANG_IS_CRASH  104 /* an engine that hangs is said to have crashed */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

@@ -177,6 +177,7 @@ in_test ANY_CAUSE fuzz/shrink_play.c test_fuzz_shrink_faults
 in_test ONE_ROUND fuzz/shrink.c test_fuzz_shrink
 in_test UNPAID fuzz/shrink.c test_fuzz_shrink
 in_test NOT_ASKED fuzz/shrink.c test_fuzz_shrink
+in_test HANG_IS_CRASH fuzz/shrink_apart.c test_fuzz_shrink_apart
 in_test NEVER_EXPIRES fuzz/baseline.c test_fuzz_baseline
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
