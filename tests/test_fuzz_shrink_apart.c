@@ -186,7 +186,8 @@ static void hanging_and_taking_all_memory_are_shrunk(void **state)
         struct finding_file out = shrink(&how, &file, 14, &stats);
         assert_int_equal(stats.end, SHRINK_OUT_OF_ASKS);
         assert_true(stats.accepted >= 2);
-        assert_true(stats.after.rays < 4 && stats.after.triangles >= 2);
+        assert_true(stats.after.rays < 4 || stats.after.triangles < 5);
+        assert_true(stats.after.triangles >= 2);
         bool down = false;
         for (uint32_t k = 0; k < out.trial.ray_count; k++)
             down = down || out.trial.ray[k].dir[2] < 0;
