@@ -139,6 +139,11 @@ void fuzz_player_close(struct fuzz_player *player)
     free(player);
 }
 
+void fuzz_player_leave_out(struct fuzz_player *player, uint32_t contestants)
+{
+    player->left_out = contestants;
+}
+
 static void mark_set(struct fuzz_mark *mark, size_t first, size_t count, size_t contestant)
 {
     if (!mark)
@@ -158,6 +163,11 @@ static size_t batch_size(const struct fuzz_trial *trial, size_t count)
     return size;
 }
 
+static bool is_left_out(const struct fuzz_player *player, size_t seat)
+{
+    return seat < player->contestants && (player->left_out >> seat & 1u);
+}
+
 /* Asks all seats about the stages of a batch, which begins with trial `first` of the call. */
 static enum status ask_all(struct fuzz_player *player, size_t first, size_t count,
                            struct fuzz_time *time, struct fuzz_mark *mark, struct reason *reason)
@@ -165,9 +175,14 @@ static enum status ask_all(struct fuzz_player *player, size_t first, size_t coun
     enum status status = STATUS_OK;
     for (size_t s = 0; s < player->seat_count && !status; s++) {
         uint64_t start = time_ns();
+        if (is_left_out(player, s))
+            continue; /* make_room has set that nothing was answered */
         mark_set(mark, first, count, s < player->contestants ? s : FUZZ_CONTESTANTS_MOST);
+        player->mark = mark;
+        player->mark_first = first;
         status = seat_ask(player, s, count, reason);
-        mark_set(mark, first, count, FUZZ_CONTESTANTS_MOST);
+        if (!status)
+            mark_set(mark, first, count, FUZZ_CONTESTANTS_MOST);
         uint64_t spent = time_ns() - start;
         if (time && s < player->contestants)
             time->engine[s] += spent;

@@ -45,6 +45,7 @@ struct fuzz_result {
     size_t wrong;                /* answers at fault: WRONG, other bits than cpu's, unfinished */
     size_t judged;               /* rays with a verdict for every contestant that played */
     size_t refused;              /* contestants whose layout cannot hold the trial */
+    uint32_t refusers;           /* the same as a mask of 1u << contestant */
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
     size_t finding_count;
     uint64_t coverage[4]; /* bits of states reached, fuzz/coverage.h */
@@ -62,7 +63,8 @@ struct fuzz_time {
 struct fuzz_mark {
     _Atomic uint64_t trial;      /* index in the call of fuzz_play of the first at risk */
     _Atomic uint64_t count;      /* trials at risk */
-    _Atomic uint32_t contestant; /* FUZZ_CONTESTANTS_MOST: none is running */
+    _Atomic uint32_t contestant; /* FUZZ_CONTESTANTS_MOST: none is running; after an error the one
+                                    that was */
 };
 
 struct fuzz_player;
@@ -72,6 +74,10 @@ struct fuzz_player;
 enum status fuzz_player_open(const struct fuzz_field *field, struct fuzz_player **out,
                              struct reason *reason) MUST_USE;
 void fuzz_player_close(struct fuzz_player *player); /* NULL is fine */
+
+/* From now on the contestants of the mask (1u << contestant) are not asked: as if the field had not
+ * got them, but that the others keep their numbers. */
+void fuzz_player_leave_out(struct fuzz_player *player, uint32_t contestants);
 
 /* Plays `count` trials, which must have passed fuzz_trial_check. Everything an engine does wrong is
  * in the results; what it costs is added to *time (may be NULL); `mark` may be NULL. An engine that

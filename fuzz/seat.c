@@ -2,6 +2,7 @@
  */
 #include "fuzz/stage.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -205,8 +206,13 @@ enum status seat_ask(struct fuzz_player *player, size_t seat, size_t count, stru
             return status;
         status = is_alive(who) ? STATUS_OK : revive(player, seat, reason);
     }
-    for (size_t i = 0; i < count && !status; i++)
+    for (size_t i = 0; i < count && !status; i++) {
+        if (player->mark) { /* only this one is at risk */
+            atomic_store(&player->mark->trial, player->mark_first + i);
+            atomic_store(&player->mark->count, 1);
+        }
         if (can_ask(who, &player->stage[i], &player->stage[i].answers[seat]))
             status = ask_alone(player, seat, &player->stage[i], reason);
+    }
     return status;
 }

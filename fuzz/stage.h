@@ -25,6 +25,9 @@ struct fuzz_player {
     size_t layout_count;
     struct seat seat[SEATS_MOST];
     size_t seat_count, contestants; /* seats beyond the contestants are references */
+    uint32_t left_out;              /* contestants that are not asked */
+    struct fuzz_mark *mark;         /* of the call of fuzz_play, or NULL */
+    size_t mark_first;              /* the batch's first trial in that call */
     struct stage *stage;            /* FUZZ_BATCH of them */
     struct engine_task *task;       /* FUZZ_BATCH */
 };

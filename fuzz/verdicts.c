@@ -149,7 +149,10 @@ static void judge_seats(struct judging *j)
     for (size_t s = 0; s < j->player->contestants; s++) {
         const struct seat *seat = &j->player->seat[s];
         const struct answers *answers = &j->stage->answers[s];
-        j->out->refused += answers->fared == FARED_REFUSED;
+        if (answers->fared == FARED_REFUSED) {
+            j->out->refused++;
+            j->out->refusers |= 1u << s;
+        }
         if (seat->layout && !told[seat->layout_index]) {
             told[seat->layout_index] = true;
             if (j->stage->broken[seat->layout_index])

@@ -1,0 +1,124 @@
+/* What a campaign says of itself in its folder's log, to go on from there. */
+#include "fuzz/campaign_inner.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_plain(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           (c && strchr("_-+:.,/", c));
+}
+
+bool campaign_state_put(char *state, size_t size, const char *name, const char *value)
+{
+    size_t used = strlen(state), room = used + strlen(name) + 3 * strlen(value) + 3;
+    if (room > size)
+        return false;
+    used += (size_t)sprintf(state + used, "%s%s=", used ? "|" : "", name);
+    for (; *value; value++)
+        if (is_plain(*value))
+            state[used++] = *value;
+        else
+            used += (size_t)sprintf(state + used, "%%%02X", (unsigned char)*value);
+    state[used] = '\0';
+    return true;
+}
+
+/* Where the value of that name begins, or NULL. */
+static const char *find(const char *state, const char *name)
+{
+    size_t length = strlen(name);
+    while (state && !(strncmp(state, name, length) == 0 && state[length] == '=')) {
+        state = strchr(state, '|');
+        state += state != NULL;
+    }
+    return state ? state + length + 1 : NULL;
+}
+
+bool campaign_state_get(const char *state, const char *name, char *value, size_t size)
+{
+    const char *from = find(state, name);
+    size_t used = 0;
+    if (size > 0)
+        value[0] = '\0';
+    if (!from)
+        return false;
+    for (; *from && *from != '|'; from++) {
+        char c = *from;
+        if (used + 1 >= size)
+            return false;
+        if (c == '%' && from[1] && from[2]) {
+            const char hex[3] = {from[1], from[2], '\0'};
+            c = (char)strtoul(hex, NULL, 16);
+            from += 2;
+        }
+        value[used++] = c;
+        value[used] = '\0';
+    }
+    return true;
+}
+
+static uint64_t number(const char *state, const char *name)
+{
+    char text[32];
+    return campaign_state_get(state, name, text, sizeof text) ? strtoull(text, NULL, 10) : 0;
+}
+
+static bool put_number(char *state, const char *name, uint64_t value)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%llu", (unsigned long long)value);
+    return campaign_state_put(state, FINDINGS_STATE_MOST, name, text);
+}
+
+/* A digit for each finding, in their order. */
+static bool put_shrunk(const struct campaign *c, char *state)
+{
+    char text[1024];
+    size_t count = c->marks < sizeof text - 1 ? c->marks : sizeof text - 1;
+    for (size_t i = 0; i < count; i++)
+        text[i] = c->mark[i].shrunk ? '1' : '0';
+    text[count] = '\0';
+    return campaign_state_put(state, FINDINGS_STATE_MOST, "shrunk", text);
+}
+
+void campaign_state_read(struct campaign *c)
+{
+    const char *state = findings_state(c->findings);
+    char text[1024];
+    c->corpus_done = number(state, "corpus_done") != 0;
+    c->next = c->applied = number(state, "next");
+    c->mut_next = number(state, "mut");
+    c->trials_done = c->view.before = number(state, "trials");
+    if (campaign_state_get(state, "coverage", text, sizeof text) &&
+        strlen(text) == 16 * COVERAGE_WORDS)
+        for (size_t w = 0; w < COVERAGE_WORDS; w++) {
+            char word[17];
+            memcpy(word, text + 16 * w, 16);
+            word[16] = '\0';
+            c->view.coverage[w] = strtoull(word, NULL, 16);
+        }
+    (void)campaign_state_get(state, "shrunk", text, sizeof text);
+    for (size_t i = 0; i < c->marks && text[i]; i++)
+        c->mark[i].shrunk = text[i] == '1';
+}
+
+enum status campaign_state_write(struct campaign *c, struct reason *reason)
+{
+    char state[FINDINGS_STATE_MOST] = "", coverage[16 * COVERAGE_WORDS + 1];
+    for (size_t w = 0; w < COVERAGE_WORDS; w++)
+        sprintf(coverage + 16 * w, "%016llx", (unsigned long long)c->view.coverage[w]);
+    if (strlen(c->options->identity) < sizeof state / 2)
+        strcpy(state, c->options->identity);
+    if (!state[0] || !put_number(state, "corpus_done", c->corpus_done) ||
+        !put_number(state, "next", c->applied) || !put_number(state, "mut", c->mut_next) ||
+        !put_number(state, "trials", c->trials_done) ||
+        !campaign_state_put(state, sizeof state, "coverage", coverage) || !put_shrunk(c, state))
+        return fail(reason, STATUS_INPUT, "the options of a campaign are too long to be kept");
+    enum status status = findings_checkpoint(c->findings, state, reason);
+    c->dirty = c->found = false;
+    c->saved_ns = time_ns();
+    return status;
+}
