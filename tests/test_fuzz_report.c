@@ -76,8 +76,8 @@ typedef enum status writer(const struct report *report, const char *to, struct r
 
 static char *written(writer *write, const struct report *report, const char *name)
 {
-    char *text;
-    size_t size;
+    char *text = NULL;
+    size_t size = 0;
     snprintf(path, sizeof path, "%s/%s", root, name);
     if (write(report, path, &reason) || file_read(path, &text, &size, &reason))
         fail_msg("%s", reason.text);
