@@ -1,4 +1,5 @@
 /* The cause of a finding: the engine is asked again, alone, and its answer explained. */
+#include "fuzz/scaled.h"
 #include "fuzz/stage.h"
 #include "ref/explain/judged.h"
 
@@ -85,6 +86,30 @@ static enum cause box_cause(const struct explain_tree *tree)
     return CAUSE_UNEXPLAINED;
 }
 
+/* The seat's engine prepared with a stage, and what its answers are compared with. */
+struct asked {
+    struct job job;
+    struct judged judged;
+    bool possible; /* else the engine will not be asked, and `judged` is zero */
+};
+
+static enum status ask_anew(const struct seat *seat, const struct stage *stage, struct asked *out,
+                            struct reason *reason)
+{
+    *out = (struct asked){.job = stage_job(stage, seat)};
+    enum status status = seat->engine->prepare(seat->self, &out->job, reason);
+    if (status)
+        return status == STATUS_MEMORY ? status : STATUS_OK;
+    const struct judged_job from = {.engine = seat->engine,
+                                    .self = seat->self,
+                                    .job = &out->job,
+                                    .bvh = seat->layout ? &stage->bvh : NULL,
+                                    .oracle = stage->oracle};
+    status = judged_make(&from, &out->judged, reason);
+    out->possible = status == STATUS_OK;
+    return status;
+}
+
 /* The cause of an answer to a ray, from asking anew. */
 static enum status ray_cause(struct judged *judged, const struct ray *ray,
                              struct fuzz_finding *finding, struct reason *reason)
@@ -98,36 +123,56 @@ static enum status ray_cause(struct judged *judged, const struct ray *ray,
                 (!finished || memcmp(&again.answer.hit, &finding->answer, sizeof(struct hit)) == 0);
     finding->signature.cause = again.why.cause;
     if (again.why.cause == CAUSE_NONE)
-        finding->signature.cause = same ? CAUSE_UNEXPLAINED : CAUSE_NOT_REPEATABLE;
+        finding->signature.cause = CAUSE_UNEXPLAINED;
+    if (!same && (finished || again.why.cause == CAUSE_NONE))
+        finding->signature.cause = CAUSE_NOT_REPEATABLE;
     explain_free(&again.why);
     return STATUS_OK;
+}
+
+/* Asks an engine from outside at another scale. */
+static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_trial *trial,
+                                struct fuzz_finding *finding, struct reason *reason)
+{
+    const struct seat *seat = &player->seat[finding->contestant];
+    struct stage *stage = &player->stage[0];
+    struct fuzz_trial scaled;
+    struct judged_ray answer;
+    struct asked asked = {.possible = false};
+    bool possible;
+    enum status status = fuzz_trial_scaled(trial, finding->ray, &scaled, &possible, reason);
+    if (status || !possible)
+        return status;
+    status = stage_set(stage, player, &scaled, NULL, reason);
+    if (!status && (!seat->layout || stage->has_packed[seat->layout_index]))
+        status = ask_anew(seat, stage, &asked, reason);
+    if (asked.possible && !status &&
+        (status = judged_explain(&asked.judged, scaled.ray, &answer, reason)) == STATUS_OK) {
+        if (answer.answer.finished && answer.why.opinion.allowed)
+            finding->signature.cause = CAUSE_SCALE;
+        explain_free(&answer.why);
+    }
+    judged_free(&asked.judged);
+    stage_clear(stage);
+    fuzz_trial_free(&scaled);
+    return status;
 }
 
 static enum status find_cause(struct fuzz_player *player, struct stage *stage,
                               struct fuzz_finding *finding, struct reason *reason)
 {
-    const struct seat *seat = &player->seat[finding->contestant];
-    const struct job job = stage_job(stage, seat);
-    struct judged judged;
-    enum status status = seat->engine->prepare(seat->self, &job, reason);
-    if (status)
-        return status == STATUS_MEMORY ? status : STATUS_OK; /* then nothing can be asked */
-    struct judged_job from = {.engine = seat->engine,
-                              .self = seat->self,
-                              .job = &job,
-                              .bvh = seat->layout ? &stage->bvh : NULL,
-                              .oracle = stage->oracle};
-    status = judged_make(&from, &judged, reason);
-    if (status)
+    struct asked asked;
+    enum status status = ask_anew(&player->seat[finding->contestant], stage, &asked, reason);
+    if (status || !asked.possible)
         return status;
     if (finding->signature.kind != FUZZ_KIND_TREE)
-        status = ray_cause(&judged, &stage->trial->ray[finding->ray], finding, reason);
-    else if (judged.has_tree)
-        finding->signature.cause = tree_cause(&judged.tree);
-    if (finding->signature.kind == FUZZ_KIND_TREE && judged.has_tree &&
+        status = ray_cause(&asked.judged, &stage->trial->ray[finding->ray], finding, reason);
+    else if (asked.judged.has_tree)
+        finding->signature.cause = tree_cause(&asked.judged.tree);
+    if (finding->signature.kind == FUZZ_KIND_TREE && asked.judged.has_tree &&
         finding->signature.cause == CAUSE_UNEXPLAINED)
-        finding->signature.cause = box_cause(&judged.tree);
-    judged_free(&judged);
+        finding->signature.cause = box_cause(&asked.judged.tree);
+    judged_free(&asked.judged);
     return status;
 }
 
@@ -166,5 +211,7 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
              (finding->ray < trial->ray_count || finding->signature.kind == FUZZ_KIND_TREE))
         status = find_cause(player, stage, finding, reason);
     stage_clear(stage);
+    if (!status && finding->signature.cause == CAUSE_OUTSIDE)
+        status = scaled_cause(player, trial, finding, reason);
     return status;
 }

@@ -45,6 +45,8 @@ static const struct {
     [CAUSE_SHADER] = {"shader", "C is right on the same bytes and the engine's operators are "
                                 "exact: its own code differs"},
     [CAUSE_NOT_REPEATABLE] = {"not_repeatable", "the same ray, asked twice, got two answers"},
+    [CAUSE_SCALE] = {"scale", "right at another scale: a constant that does not scale, or "
+                              "underflow"},
     [CAUSE_OUTSIDE] = {"outside", "the engine keeps its tree to itself"},
     [CAUSE_UNEXPLAINED] = {"unexplained", "no repair made the answer allowed"},
 };

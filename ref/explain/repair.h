@@ -43,7 +43,9 @@ enum cause {
     CAUSE_DRIVER_ARITHMETIC, /* an operator of the engine is not what C has */
     CAUSE_SHADER,         /* operators exact, bytes right, C right on them: the engine's own code */
     CAUSE_NOT_REPEATABLE, /* the same ray, asked twice, got two answers */
-    CAUSE_OUTSIDE,        /* the engine keeps its tree and its formula to itself */
+    CAUSE_SCALE, /* right at another scale: a constant that does not scale, or underflow; of engines
+                    that keep their tree and their formula to themselves */
+    CAUSE_OUTSIDE, /* something else of such an engine */
     CAUSE_UNEXPLAINED,
     CAUSE_COUNT
 };

@@ -1,0 +1,16 @@
+/* The same question at another scale. Scaling scene, origin and direction by a power of two changes
+ * no bit of a mantissa, no t and no truth: an engine that is wrong at one scale alone has a
+ * constant that does not scale, or underflows. That can be asked of any engine, also of one whose
+ * inside cannot be seen. */
+#ifndef FUZZ_SCALED_H
+#define FUZZ_SCALED_H
+
+#include "fuzz/trial.h"
+
+/* The trial with ray `ray` alone, scaled up as far as rays and scenes are answered for (2^40).
+ * *possible: whether that is another trial: it was smaller, and finite. Else *out is zero.
+ * Errors: STATUS_MEMORY. */
+enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray, struct fuzz_trial *out,
+                              bool *possible, struct reason *reason) MUST_USE;
+
+#endif

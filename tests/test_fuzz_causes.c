@@ -1,0 +1,185 @@
+/* Causes that only asking again can tell: engines that keep their inside to themselves, made here
+ * to be wrong at one scale alone or at all, and engines that do not answer alike twice. */
+#include "fuzz/player.h"
+#include "fuzz/scaled.h"
+#include "ref/trace.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+enum plan {
+    PLAN_RIGHT,
+    PLAN_THRESHOLD, /* an absolute threshold of the determinant */
+    PLAN_LOSES,     /* always a miss */
+    PLAN_ONCE,      /* wrong the first time, then right */
+    PLAN_TWICE,     /* wrong the first two times, then right */
+    PLAN_EACH_OTHER /* another wrong distance each time */
+};
+
+static struct {
+    enum plan plan;
+    struct job job;
+    uint32_t asked;
+} planned;
+
+static enum status planned_open(const struct engine_options *options, void **self,
+                                struct reason *reason)
+{
+    (void)options, (void)reason;
+    *self = &planned;
+    planned.asked = 0;
+    return STATUS_OK;
+}
+
+static enum status planned_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    (void)self, (void)reason;
+    planned.job = *job;
+    return STATUS_OK;
+}
+
+static enum status planned_trace(void *self, const struct ray *ray, size_t count, struct hit *hit,
+                                 struct trace_report *report, struct reason *reason)
+{
+    (void)self, (void)report, (void)reason;
+    const char *test = planned.plan == PLAN_THRESHOLD ? "mt_rtrs" : "mt";
+    const struct hit miss = {.prim = ABI_NO_PRIM};
+    for (size_t i = 0; i < count; i++) {
+        planned.asked++;
+        trace_brute(planned.job.scene, tri_test_find(test), QUERY_CLOSEST, &ray[i], &hit[i]);
+        if (planned.plan == PLAN_LOSES || (planned.plan == PLAN_ONCE && planned.asked == 1) ||
+            (planned.plan == PLAN_TWICE && planned.asked <= 2))
+            hit[i] = miss;
+        if (planned.plan == PLAN_EACH_OTHER)
+            hit[i].t += (float)planned.asked;
+    }
+    return STATUS_OK;
+}
+
+static struct model planned_model(void *self, const struct tri_test *tri)
+{
+    (void)self, (void)tri;
+    return (struct model){.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
+}
+
+static void planned_close(void *self)
+{
+    (void)self;
+}
+
+static const struct engine planned_engine = {.name = "planned",
+                                             .open = planned_open,
+                                             .prepare = planned_prepare,
+                                             .trace = planned_trace,
+                                             .model = planned_model,
+                                             .close = planned_close};
+
+/* A triangle of that size, a ray at its middle. */
+static struct fuzz_trial one_triangle(float size)
+{
+    struct fuzz_trial trial;
+    struct reason reason;
+    if (fuzz_trial_make(3, 1, 1, &trial, &reason))
+        fail_msg("%s", reason.text);
+    const float vertex[9] = {0, 0, 0, size, 0, 0, 0, size, 0};
+    memcpy(trial.scene.vertex, vertex, sizeof vertex);
+    for (uint32_t i = 0; i < 3; i++)
+        trial.scene.index[i] = i;
+    trial.ray[0] = (struct ray){
+        .org = {0.25f * size, 0.25f * size, -size}, .dir = {0, 0, size}, .tmax = 1000.0f};
+    return trial;
+}
+
+/* What a triangle of that size comes to: "" or kind.cause. */
+static void play(enum plan plan, float size, char text[FUZZ_SIGNATURE_MOST])
+{
+    const struct engine *engine = &planned_engine;
+    const struct engine_options options = {.threads = 1};
+    struct fuzz_trial trial = one_triangle(size);
+    struct fuzz_result result;
+    struct fuzz_player *player;
+    struct fuzz_field field;
+    struct reason reason;
+    planned.plan = plan;
+    text[0] = 0;
+    if (fuzz_field_make(&engine, 1, NULL, 0, &options, &field, &reason) ||
+        fuzz_player_open(&field, &player, &reason) ||
+        fuzz_play(player, &trial, 1, &result, NULL, NULL, &reason))
+        fail_msg("%s", reason.text);
+    assert_true(result.finding_count <= 1);
+    if (result.finding_count > 0) {
+        if (fuzz_explain(player, &trial, &result.finding[0], &reason))
+            fail_msg("%s", reason.text);
+        fuzz_signature_print(&result.finding[0].signature, text);
+    }
+    fuzz_player_close(player);
+    fuzz_trial_free(&trial);
+}
+
+static void a_cause_is_found_by_asking_again(void **state)
+{
+    (void)state;
+    static const struct {
+        enum plan plan;
+        float size;
+        const char *signature;
+    } expected[] = {
+        {PLAN_RIGHT, 4e-3f, ""},
+        {PLAN_THRESHOLD, 4e-3f, "planned.-.missed.scale"},
+        {PLAN_THRESHOLD, 5e-3f, ""}, /* 1.25e-7 is above the threshold */
+        {PLAN_LOSES, 4e-3f, "planned.-.missed.outside"},
+        {PLAN_LOSES, 0x1p38f, "planned.-.missed.outside"}, /* as large as can be: no other scale */
+        {PLAN_ONCE, 4e-3f, "planned.-.missed.not_repeatable"},
+        {PLAN_TWICE, 4e-3f, "planned.-.missed.not_repeatable"},
+        {PLAN_EACH_OTHER, 4e-3f, "planned.-.distance.not_repeatable"},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(expected); i++) {
+        char text[FUZZ_SIGNATURE_MOST];
+        play(expected[i].plan, expected[i].size, text);
+        if (strcmp(text, expected[i].signature) != 0)
+            fail_msg("plan %d, triangle of %g: '%s', not '%s'", (int)expected[i].plan,
+                     (double)expected[i].size, text, expected[i].signature);
+    }
+}
+
+/* Only exponents change, all alike; what cannot be scaled up is left. */
+static void a_scaled_trial_is_the_same_question(void **state)
+{
+    (void)state;
+    struct fuzz_trial trial = one_triangle(0x1.8p-140f), scaled;
+    struct reason reason;
+    bool possible;
+    trial.ray[0].dir[2] = 1;
+    assert_int_equal(fuzz_trial_scaled(&trial, 0, &scaled, &possible, &reason), STATUS_OK);
+    assert_true(possible);
+    assert_int_equal(scaled.ray_count, 1);
+    float up = scaled.ray[0].dir[2];
+    assert_true(up == 0x1p38f && scaled.ray[0].tmax == 1000.0f);
+    for (int k = 0; k < 9; k++)
+        assert_true((double)scaled.scene.vertex[k] == (double)trial.scene.vertex[k] * (double)up);
+    assert_true(fuzz_trial_check(&scaled, &reason) == STATUS_OK);
+    fuzz_trial_free(&scaled);
+    static const float no[] = {0x1p39f, 0x1p41f, INFINITY, NAN};
+    for (size_t i = 0; i < ARRAY_COUNT(no); i++) {
+        trial.ray[0].org[0] = no[i];
+        assert_int_equal(fuzz_trial_scaled(&trial, 0, &scaled, &possible, &reason), STATUS_OK);
+        assert_false(possible);
+        assert_null(scaled.ray);
+    }
+    fuzz_trial_free(&trial);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_cause_is_found_by_asking_again),
+        cmocka_unit_test(a_scaled_trial_is_the_same_question),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
