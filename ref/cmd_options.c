@@ -2,6 +2,8 @@
 
 #include "ref/command.h"
 
+#include <string.h>
+
 struct engine_options engine_options_default(void)
 {
     return (struct engine_options){.device = -1};
@@ -45,16 +47,21 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
                  option_fn *take, void *user, int argc, char **argv, int *first)
 {
     struct reason reason;
-    int option;
+    int option, index = 0;
     opterr = 0; /* the message is ours */
     optind = 1;
-    while ((option = getopt_long(argc, argv, "h", table, NULL)) != -1) {
+    while ((option = getopt_long(argc, argv, "h", table, &index)) != -1) {
         if (option == OPT_HELP || option == 'h') {
             print_help();
             return EXIT_AGREE;
         }
         if (option == '?')
             return usage_error(command, "unknown option or missing value: '%s'", argv[optind - 1]);
+        if (optarg && strcmp(optarg, "-") == 0)
+            return usage_error(command,
+                               "--%s: '-' is no value; a file of that name is ./-, standard output "
+                               "/dev/stdout",
+                               table[index].name);
         if (take(user, option, optarg, &reason))
             return usage_error(command, "%s", reason.text);
     }

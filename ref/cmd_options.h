@@ -49,7 +49,8 @@ typedef enum status option_fn(void *user, int option, char *text, struct reason 
 
 /* Hands every option of the command line to `take`. Returns -1 to go on, with *first the index of
  * the first argument that is no option; else the exit code: --help (OPT_HELP in the table, or -h)
- * was printed by `print_help`, or a usage error was. */
+ * was printed by `print_help`, or a usage error was. No option takes "-": standard output has the
+ * report and cannot be a file of another form, too. */
 int options_take(const char *command, void (*print_help)(void), const struct option *table,
                  option_fn *take, void *user, int argc, char **argv, int *first);
 

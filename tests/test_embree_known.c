@@ -1,0 +1,167 @@
+/* What fuzz/baseline.txt says of Embree 3, with numbers: two constants that do not scale. Skipped
+ * where there is another Embree or none. */
+#include "fuzz/baseline.h"
+#include "fuzz/player.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+static void need_embree_3(void)
+{
+    const struct engine_options options = {.threads = 1};
+    const struct engine *embree = engine_find("embree");
+    char text[200] = "";
+    void *self;
+    struct reason reason;
+    if (embree->open(&options, &self, &reason))
+        skip();
+    embree->close(self);
+    embree->describe(&options, text, sizeof text);
+    if (strncmp(text, "Embree 3.", 9) != 0)
+        skip();
+}
+
+struct question {
+    float vertex[5][3][3];
+    uint32_t triangles;
+    struct ray ray;
+};
+
+static struct fuzz_trial trial_of(const struct question *q)
+{
+    struct fuzz_trial trial;
+    struct reason reason;
+    if (fuzz_trial_make(3 * q->triangles, q->triangles, 1, &trial, &reason))
+        fail_msg("%s", reason.text);
+    memcpy(trial.scene.vertex, q->vertex, q->triangles * sizeof q->vertex[0]);
+    for (uint32_t i = 0; i < 3 * q->triangles; i++)
+        trial.scene.index[i] = i;
+    trial.ray[0] = q->ray;
+    return trial;
+}
+
+/* What the engine does wrong, and what the baseline says of it: "" or the signature. */
+static void play(const char *name, const struct question *q, char text[FUZZ_SIGNATURE_MOST])
+{
+    const struct engine *engine = engine_find(name);
+    const struct engine_options options = {.threads = 1};
+    struct fuzz_trial trial = trial_of(q);
+    struct baseline baseline;
+    struct baseline_answer answer;
+    struct fuzz_result result;
+    struct fuzz_player *player;
+    struct fuzz_field field;
+    struct reason reason;
+    text[0] = 0;
+    if (fuzz_field_make(&engine, 1, NULL, 0, &options, &field, &reason) ||
+        fuzz_player_open(&field, &player, &reason) ||
+        fuzz_play(player, &trial, 1, &result, NULL, NULL, &reason) ||
+        baseline_open(&baseline, &reason))
+        fail_msg("%s", reason.text);
+    if (result.finding_count > 0) {
+        if (fuzz_explain(player, &trial, &result.finding[0], &reason))
+            fail_msg("%s", reason.text);
+        fuzz_signature_print(&result.finding[0].signature, text);
+        baseline_ask(&baseline, &result.finding[0].signature, "embree: Embree 3.13.5", "2026-12-01",
+                     &answer);
+        assert_int_equal(answer.state, BASELINE_KNOWN);
+        baseline_ask(&baseline, &result.finding[0].signature, "embree: Embree 4.3.0", "2026-12-01",
+                     &answer);
+        assert_int_equal(answer.state, BASELINE_NEW);
+    }
+    baseline_close(&baseline);
+    fuzz_player_close(player);
+    fuzz_trial_free(&trial);
+}
+
+/* Triangles are so small that the triangle test is sure of them. */
+#define SIZE 0x1p-50f
+
+/* More than four triangles, so that Embree makes boxes. The ray runs along z at x = 0; triangle 0
+ * reaches from x = -SIZE to `margin`, and is hit at z = t. The others lie aside. */
+static struct question beside_a_border(float margin, float t)
+{
+    struct question q = {.triangles = 5, .ray = {.dir = {0, 0, 1}, .tmax = 1e30f}};
+    const float first[3][3] = {{-SIZE, -SIZE, t}, {-SIZE, SIZE, t}, {margin, 0, t}};
+    memcpy(q.vertex[0], first, sizeof first);
+    for (int i = 1; i < 5; i++)
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < 3; k++)
+                q.vertex[i][c][k] = first[c][k] - (k == 0 ? 4.0f * SIZE * (float)i : 0.0f);
+    return q;
+}
+
+/* A direction of 0 is taken for 1e-18: at z = t the box test looks at x = 1e-18 t. */
+static void a_direction_of_0_moves_the_ray_by_1e_18_t(void **state)
+{
+    (void)state;
+    need_embree_3();
+    static const struct {
+        float margin, t;
+        bool lost;
+    } cases[] = {{0.5e-18f, 1, true},     {2e-18f, 1, false},     {2e-18f, 4, true},
+                 {8e-18f, 4, false},      {1.25e-16f, 250, true}, {5e-16f, 250, false},
+                 {0.5e-18f, 0.25f, false}};
+    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
+        char text[FUZZ_SIGNATURE_MOST];
+        struct question q = beside_a_border(cases[i].margin, cases[i].t);
+        play("embree_robust", &q, text);
+        if (strcmp(text, cases[i].lost ? "embree_robust.-.missed.scale" : "") != 0)
+            fail_msg("margin %g, t %g: '%s'", (double)cases[i].margin, (double)cases[i].t, text);
+        for (int c = 0; c < 15; c++) /* 2^10 times as large, margins too, in the same place */
+            for (int k = 0; k < 3; k++)
+                q.vertex[c / 3][c % 3][k] *= 1024.0f;
+        q.ray.dir[2] = 1024.0f;
+        play("embree_robust", &q, text);
+        assert_string_equal(text, "");
+    }
+}
+
+/* Its sign is lost, too: a ray that leans away from the border is moved across it. */
+static void the_sign_of_a_small_direction_is_lost(void **state)
+{
+    (void)state;
+    need_embree_3();
+    char text[FUZZ_SIGNATURE_MOST];
+    struct question q = beside_a_border(0.5e-18f, 1);
+    q.ray.dir[0] = -0x1p-60f; /* -8.7e-19 */
+    play("embree_robust", &q, text);
+    assert_string_equal(text, "embree_robust.-.missed.scale");
+    q.ray.dir[0] = -0x1p-59f; /* -1.7e-18 is taken as it is */
+    play("embree_robust", &q, text);
+    assert_string_equal(text, "");
+}
+
+/* The determinant is a^2 d of a right angle of sides a, seen along d. */
+static void a_subnormal_determinant_gives_nan(void **state)
+{
+    (void)state;
+    need_embree_3();
+    for (int e = -44; e <= -38; e++) {
+        char text[FUZZ_SIGNATURE_MOST];
+        float a = ldexpf(1.0f, e), d = ldexpf(1.0f, -40);
+        struct question q = {
+            .triangles = 1,
+            .vertex = {{{0, 0, 0}, {a, 0, 0}, {0, a, 0}}},
+            .ray = {.org = {0.25f * a, 0.25f * a, -d}, .dir = {0, 0, d}, .tmax = 1e30f}};
+        play("embree", &q, text);
+        bool subnormal = a * a * d < 0x1p-126f;
+        assert_string_equal(text, subnormal ? "embree.-.not_finite.scale" : "");
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_direction_of_0_moves_the_ray_by_1e_18_t),
+        cmocka_unit_test(the_sign_of_a_small_direction_is_lost),
+        cmocka_unit_test(a_subnormal_determinant_gives_nan),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
