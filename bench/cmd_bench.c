@@ -139,35 +139,24 @@ static enum status check_given(const struct bench *bench, const char *name, stru
     return STATUS_OK;
 }
 
-/* Opens what is written from the start, and what would otherwise come too late. */
-static enum status open_outputs(struct bench *bench, struct reason *reason)
+/* The CSV is written from the start. */
+static enum status open_csv(struct bench *bench, struct reason *reason)
 {
-    bool csv = bench->csv_path && strcmp(bench->csv_path, "-") == 0;
-    bool json = bench->json_path && strcmp(bench->json_path, "-") == 0;
-    if ((csv && json) || (bench->svg_path && strcmp(bench->svg_path, "-") == 0))
-        return fail(reason, STATUS_INPUT,
-                    csv && json ? "--csv and --json cannot both be '-'"
-                                : "--svg: needs a file, not '-'");
-    enum status status = STATUS_OK;
-    if (bench->csv_path)
-        status = bench_out(bench->csv_path, &bench->csv, reason);
-    if (status == STATUS_OK && json)
-        status = bench_out(bench->json_path, &bench->json, reason);
-    return status;
+    return bench->csv_path ? options_out(bench->csv_path, &bench->csv, reason) : STATUS_OK;
 }
 
 static enum status write_json(struct bench *bench, int code, struct reason *reason)
 {
     json_t *root =
         json_pack("{s:s, s:i, s:O}", "raydiff", RAYDIFF_VERSION, "exit", code, "rows", bench->rows);
-    return json_write_to(&bench->json, bench->json_path, root, 9, reason);
+    return json_write(bench->json_path, root, 9, reason);
 }
 
 static int run_benchmarks(struct bench *bench, const char *name)
 {
     struct reason reason = {""};
     int code = EXIT_AGREE;
-    if (check_given(bench, name, &reason) || open_outputs(bench, &reason))
+    if (check_given(bench, name, &reason) || open_csv(bench, &reason))
         return usage_error("bench", "%s", reason.text);
     if (bench->json_path)
         bench->rows = json_array();

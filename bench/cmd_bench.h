@@ -33,7 +33,6 @@ struct bench {
     struct progress progress;
     const char *csv_path, *json_path, *svg_path;
     struct file_out csv;  /* stream NULL: none */
-    struct file_out json; /* of "-" only: files are opened when all is measured */
     const char *csv_head; /* benchmark whose column names were written last */
     json_t *rows;         /* NULL: none */
 };
@@ -66,10 +65,6 @@ size_t bench_rays_count(const struct bench *bench, size_t own);
 
 /* A JSON number, or null if it is not finite. */
 json_t *bench_number(double value);
-
-/* Opens `path`, or for "-" what was the standard output: printed text then goes to the standard
- * error output instead, so that the rows stand alone. Once a run. Errors: as file_out_open. */
-enum status bench_out(const char *path, struct file_out *out, struct reason *reason) MUST_USE;
 
 /* Takes one flat object of named texts, numbers and nulls as a row of the CSV (its names become the
  * header before the benchmark's first row) and of the JSON; owns `row`. NULL (no memory) is left

@@ -40,22 +40,6 @@ size_t bench_rays_count(const struct bench *bench, size_t own)
     return bench->ray_count ? (size_t)bench->ray_count : own;
 }
 
-enum status bench_out(const char *path, struct file_out *out, struct reason *reason)
-{
-    if (strcmp(path, "-") != 0)
-        return file_out_open(path, out, reason);
-    fflush(stdout);
-    int kept = dup(STDOUT_FILENO);
-    FILE *stream = kept < 0 ? NULL : fdopen(kept, "w");
-    *out = (struct file_out){.stream = stream, .path = strdup("the standard output")};
-    if (out->stream && out->path && dup2(STDERR_FILENO, STDOUT_FILENO) >= 0)
-        return STATUS_OK;
-    if (!stream && kept >= 0)
-        close(kept);
-    file_out_discard(out);
-    return fail(reason, STATUS_INPUT, "-: cannot write to the standard output");
-}
-
 json_t *bench_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();

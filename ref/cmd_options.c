@@ -1,8 +1,12 @@
+#define _POSIX_C_SOURCE 200809L /* fdopen, strdup */
 #include "ref/cmd_options.h"
 
 #include "ref/command.h"
 
+#include <fcntl.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 struct engine_options engine_options_default(void)
 {
@@ -43,6 +47,47 @@ enum status engine_option_take(int option, const char *text, struct engine_optio
     }
 }
 
+/* What was the standard output, once an option has asked for it. */
+static FILE *aside;
+
+/* From here on what is printed goes to the standard error output. */
+static bool set_aside(struct reason *reason)
+{
+    fflush(stdout);
+    int kept = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
+    aside = kept < 0 ? NULL : fdopen(kept, "w");
+    if (aside && dup2(STDERR_FILENO, STDOUT_FILENO) >= 0)
+        return true;
+    (void)fail(reason, STATUS_INPUT, "-: cannot write to the standard output");
+    return false;
+}
+
+/* An option's value is "-". False: it may not be. */
+static bool take_dash(const char *name, struct reason *reason)
+{
+    static const char *const whole_files[] = {"out", "svg", "junit", "markdown", "html"};
+    for (size_t i = 0; i < ARRAY_COUNT(whole_files); i++)
+        if (strcmp(name, whole_files[i]) == 0)
+            return !fail(reason, STATUS_INPUT, "--%s: needs a file, not '-'", name);
+    if (strcmp(name, "json") != 0 && strcmp(name, "csv") != 0)
+        return true; /* the command says what it is */
+    if (aside)
+        return !fail(reason, STATUS_INPUT, "--csv and --json cannot both be '-'");
+    return set_aside(reason);
+}
+
+enum status options_out(const char *path, struct file_out *out, struct reason *reason)
+{
+    if (strcmp(path, "-") != 0)
+        return file_out_open(path, out, reason);
+    *out = (struct file_out){.stream = aside, .path = strdup("the standard output")};
+    aside = NULL;
+    if (out->stream && out->path)
+        return STATUS_OK;
+    file_out_discard(out);
+    return fail(reason, STATUS_INPUT, "-: cannot write to the standard output");
+}
+
 int options_take(const char *command, void (*print_help)(void), const struct option *table,
                  option_fn *take, void *user, int argc, char **argv, int *first)
 {
@@ -57,11 +102,8 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
         }
         if (option == '?')
             return usage_error(command, "unknown option or missing value: '%s'", argv[optind - 1]);
-        if (optarg && strcmp(optarg, "-") == 0)
-            return usage_error(command,
-                               "--%s: '-' is no value; a file of that name is ./-, standard output "
-                               "/dev/stdout",
-                               table[index].name);
+        if (optarg && strcmp(optarg, "-") == 0 && !take_dash(table[index].name, &reason))
+            return usage_error(command, "%s", reason.text);
         if (take(user, option, optarg, &reason))
             return usage_error(command, "%s", reason.text);
     }

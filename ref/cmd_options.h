@@ -3,6 +3,7 @@
 #define CMD_OPTIONS_H
 
 #include "ref/engine.h"
+#include "scenes/file.h"
 
 #include <getopt.h>
 
@@ -49,9 +50,14 @@ typedef enum status option_fn(void *user, int option, char *text, struct reason 
 
 /* Hands every option of the command line to `take`. Returns -1 to go on, with *first the index of
  * the first argument that is no option; else the exit code: --help (OPT_HELP in the table, or -h)
- * was printed by `print_help`, or a usage error was. No option takes "-": standard output has the
- * report and cannot be a file of another form, too. */
+ * was printed by `print_help`, or a usage error was. With `--json -` or `--csv -` what is printed
+ * goes to the standard error output, so that what options_out writes stands alone; other files
+ * cannot be "-". */
 int options_take(const char *command, void (*print_help)(void), const struct option *table,
                  option_fn *take, void *user, int argc, char **argv, int *first);
+
+/* Opens the file of an option: `path`, or for "-" what was the standard output, once. Errors: as
+ * file_out_open. */
+enum status options_out(const char *path, struct file_out *out, struct reason *reason) MUST_USE;
 
 #endif

@@ -425,6 +425,27 @@ expect 0 . export $corpus/rounded-outward.trial --form text
 grep -q '^from ' "$dir/out" && bad "export --form text claims to come from a generator"
 awk -f fuzz/samples/tracer.awk "$dir/out" | grep -q '^h ' || bad "a text tracer reads export --form text"
 
+# '-' is the standard output of every --json, and no other file.
+stands_alone() {
+    head -c 1 "$dir/out" | grep -q '^{' || bad "$1 --json - prints more than JSON"
+    tail -n 1 "$dir/out" | grep -q '^}' || bad "$1 --json - prints more than JSON"
+    [ "$(grep -c . "$dir/err")" -gt 1 ] || bad "$1 --json - hides its report"
+}
+for arguments in "check soup $small" "leaks sphere:n=4 $few" "judge sphere:n=4 $dir/rays $dir/hits" \
+    "replay $corpus/rounded-outward.trial --engine cpu"; do
+    expect 0 . $arguments --json -
+    stands_alone "raydiff $arguments"
+done
+expect 0 . explain "$dir/one.obj" --ray '0.25,0.25,-1 0,0,1' --json -
+stands_alone explain
+expect 77 . doctor --driver no-such-driver --json -
+stands_alone doctor
+for arguments in 'bench error --svg' 'conform --junit' 'conform --markdown' 'conform --html' \
+    'gen soup --out' 'precompute --scene soup --out'; do
+    expect 2 "needs a file, not '-'" $arguments -
+done
+[ ! -e ./- ] || bad "a file named - was written"
+
 # The seed's numbers (Figure 8 of its paper), where its scene is at hand.
 seed=../shared/scenes/rtrs-default.json
 if [ -r "$seed" ]; then
