@@ -65,7 +65,8 @@ static bool set_aside(struct reason *reason)
 /* An option's value is "-". False: it may not be. */
 static bool take_dash(const char *name, struct reason *reason)
 {
-    static const char *const whole_files[] = {"out", "svg", "junit", "markdown", "html"};
+    static const char *const whole_files[] = {"out",   "svg",      "junit", "tap",
+                                              "jsonl", "markdown", "html"};
     for (size_t i = 0; i < ARRAY_COUNT(whole_files); i++)
         if (strcmp(name, whole_files[i]) == 0)
             return !fail(reason, STATUS_INPUT, "--%s: needs a file, not '-'", name);

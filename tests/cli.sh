@@ -440,7 +440,7 @@ expect 0 . explain "$dir/one.obj" --ray '0.25,0.25,-1 0,0,1' --json -
 stands_alone explain
 expect 77 . doctor --driver no-such-driver --json -
 stands_alone doctor
-for arguments in 'bench error --svg' 'conform --junit' 'conform --markdown' 'conform --html' \
+for arguments in 'bench error --svg' 'conform --junit' 'conform --markdown' 'fuzz --tap' \
     'gen soup --out' 'precompute --scene soup --out'; do
     expect 2 "needs a file, not '-'" $arguments -
 done
