@@ -149,10 +149,10 @@ static struct common in_common(const struct export_case *the, uint32_t ray)
     return c;
 }
 
-/* Floats that are not negative are ordered as their bits are. */
+/* Positive floats are ordered as their bits are; -0 is 0, too, and has another place. */
 static void put_interval(const char *name, const float x[2], unsigned offset, FILE *to)
 {
-    if (!(x[0] >= 0.0f)) {
+    if (!(x[0] > 0.0f)) {
         fprintf(to, "# %s in [%.9g, %.9g] cannot be said of bits\n", name, (double)x[0],
                 (double)x[1]);
         return;

@@ -111,6 +111,11 @@ static void put_right(const struct export_case *the, const struct export_right *
     fprintf(to, "    {%u, %u, /* ray %u: triangle %u */\n     {", (unsigned)right->ray,
             (unsigned)right->prim, (unsigned)right->ray, (unsigned)right->prim);
     put_floats(right->t, 2, "},", "t: ", to);
+    if (export_is_followed(the)) {
+        fputs("     {-INFINITY, INFINITY}, {-INFINITY, INFINITY}}, /* u and v: see is_there */\n",
+              to);
+        return;
+    }
     fputs("     {", to);
     put_floats(right->u, 2, "},", "u: ", to);
     fputs("     {", to);
@@ -307,7 +312,7 @@ static void put_data(const void *user, FILE *to)
 
 void export_write_c(const struct export_case *the, const struct export_options *options, FILE *to)
 {
-    const char *defined[4] = {NULL};
+    const char *defined[8] = {NULL};
     int count = 0;
     if (the->reference)
         defined[count++] = "REFERENCE";
@@ -317,6 +322,8 @@ void export_write_c(const struct export_case *the, const struct export_options *
         defined[count++] = "ROBUST";
     if (the->trial->query == QUERY_ANY)
         defined[count++] = "ANY";
+    if (export_is_followed(the))
+        defined[count++] = "FOLLOWED";
     fputs("/*\n", to);
     export_comment(the, options, " * ", to);
     fputs(" */\n", to);

@@ -35,6 +35,11 @@ bool export_is_unnamed(const struct export_case *the)
     return the->trial->query == QUERY_ANY && the->model.any_unnamed;
 }
 
+bool export_is_followed(const struct export_case *the)
+{
+    return the->model.formula == TWIN_UNKNOWN;
+}
+
 /* --- for whom --- */
 
 /* What can be exported in a form that needs the engine. */

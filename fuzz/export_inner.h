@@ -16,7 +16,8 @@ enum export_subject {
     SUBJECT_TRACER, /* somebody's tracer that reads text */
 };
 
-/* A right answer: triangle prim, or ABI_NO_PRIM, with t, u and v in these closed intervals. */
+/* A right answer: triangle prim, or ABI_NO_PRIM, with t, u and v in these closed intervals; those
+ * of u and v are infinite if export_is_followed. */
 struct export_right {
     uint32_t ray, prim;
     float t[2], u[2], v[2];
@@ -65,7 +66,8 @@ bool export_is_vulkan(const struct export_case *the);
 enum status export_find_right(struct export_case *the, const struct judge *judge,
                               struct reason *reason) MUST_USE;
 
-/* True if one of the right answers to ray `i` is this one. */
+/* True if one of the right answers to ray `i` is this one (if export_is_followed: as far as its
+ * triangle and t tell). */
 bool export_is_right(const struct export_case *the, uint32_t i, const struct hit *hit);
 
 /* The comment that heads every form: each line begins with `begin`. */
@@ -77,6 +79,10 @@ void export_print_right(const struct export_case *the, const struct export_right
 
 /* True if answers say hit or miss and name no triangle. */
 bool export_is_unnamed(const struct export_case *the);
+
+/* True if the formula is not known: then u and v must give the ray's point at t, to
+ * JUDGE_DISPLACEMENT_MOST units, wherever in its interval t is. */
+bool export_is_followed(const struct export_case *the);
 
 void export_write_c(const struct export_case *the, const struct export_options *options, FILE *to);
 void export_write_amber(const struct export_case *the, const struct export_options *options,

@@ -12,12 +12,47 @@ struct asking {
     const struct judge *judge;
     const struct ray *ray;
     const struct oracle_answer *truth;
+    float v[3][3]; /* of the triangle that is answered */
+    bool follow;   /* the formula is not known: u and v are those of the ray's point at t, as the
+                      judge only asks whether the two places are the same */
     bool no_memory;
 };
 
-static bool takes(struct asking *asking, const struct hit *hit)
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* u and v of the point of the triangle's plane nearest to the ray's point at t; without a plane of
+ * its longest edge. */
+static void follow(const struct asking *asking, struct hit *hit)
+{
+    double p[3], b[3], c[3], u = 0, v = 0;
+    for (int k = 0; k < 3; k++) {
+        double a = (double)asking->v[0][k];
+        p[k] = (double)asking->ray->org[k] + (double)hit->t * (double)asking->ray->dir[k] - a;
+        b[k] = (double)asking->v[1][k] - a;
+        c[k] = (double)asking->v[2][k] - a;
+    }
+    double bb = dot(b, b), bc = dot(b, c), cc = dot(c, c), pb = dot(p, b), pc = dot(p, c);
+    double area = bb * cc - bc * bc;
+    if (area > 0) {
+        u = (cc * pb - bc * pc) / area;
+        v = (bb * pc - bc * pb) / area;
+    } else if (bb >= cc && bb > 0) {
+        u = pb / bb;
+    } else if (cc > 0) {
+        v = pc / cc;
+    }
+    hit->u = (float)u;
+    hit->v = (float)v;
+}
+
+static bool takes(struct asking *asking, struct hit *hit)
 {
     struct judgement judgement;
+    if (asking->follow)
+        follow(asking, hit);
     if (judge_answer(asking->judge, asking->ray, asking->truth, hit, &judgement))
         asking->no_memory = true;
     return judgement.verdict != VERDICT_WRONG;
@@ -84,45 +119,66 @@ static enum status add_around(struct export_case *the, struct asking *asking, ui
 {
     struct export_right right = {.ray = i, .prim = hit.prim};
     widen_both(asking, &hit, &hit.t, right.t);
-    widen_both(asking, &hit, &hit.u, right.u);
-    widen_both(asking, &hit, &hit.v, right.v);
+    if (asking->follow) {
+        right.u[0] = right.v[0] = -INFINITY;
+        right.u[1] = right.v[1] = INFINITY;
+    } else {
+        widen_both(asking, &hit, &hit.u, right.u);
+        widen_both(asking, &hit, &hit.v, right.v);
+    }
     return add(the, &right, reason);
 }
 
-/* A triangle is looked at with the exact numbers, and with those that C computes (which count where
- * the exact ones have no float). */
+/* Where the ray is nearest to a point, in multiples of its direction. */
+static float nearest_t(const struct ray *ray, const float point[3])
+{
+    double d[3], to[3];
+    for (int k = 0; k < 3; k++) {
+        d[k] = (double)ray->dir[k];
+        to[k] = (double)point[k] - (double)ray->org[k];
+    }
+    return (float)(dot(to, d) / dot(d, d));
+}
+
+/* A triangle is looked at with the exact numbers; where these are no floats, as those of a ray in
+ * its plane, with what C computes, where the ray begins, and beside its vertices. */
 static enum status ask_triangle(struct export_case *the, struct asking *asking, uint32_t i,
                                 uint32_t prim, struct reason *reason)
 {
-    float v[3][3];
-    enum twin_formula formula = the->model.formula == TWIN_UNKNOWN ? TWIN_WOOP : the->model.formula;
-    scene_tri(&the->trial->scene, prim, v);
-    struct twin twin = twin_eval(formula, the->model.rounding, asking->ray, v);
-    struct hit exact = {(float)twin.t_near, (float)twin.u_near, (float)twin.v_near, prim};
-    struct hit rounded = {twin.t, twin.u, twin.v, prim};
-    if (takes(asking, &exact))
-        return add_around(the, asking, i, exact, reason);
-    if (takes(asking, &rounded))
-        return add_around(the, asking, i, rounded, reason);
+    enum twin_formula formula = asking->follow ? TWIN_WOOP : the->model.formula;
+    const struct ray *ray = asking->ray;
+    scene_tri(&the->trial->scene, prim, asking->v);
+    struct twin twin = twin_eval(formula, the->model.rounding, ray, asking->v);
+    if (!asking->follow && !twin.possible)
+        return STATUS_OK;
+    struct hit tried[] = {{(float)twin.t_near, (float)twin.u_near, (float)twin.v_near, prim},
+                          {twin.t, twin.u, twin.v, prim},
+                          {ray->tmin, 0, 0, prim},
+                          {nearest_t(ray, asking->v[0]), 0, 0, prim},
+                          {nearest_t(ray, asking->v[1]), 0, 0, prim},
+                          {nearest_t(ray, asking->v[2]), 0, 0, prim}};
+    for (size_t k = 0; k < ARRAY_COUNT(tried); k++)
+        if (takes(asking, &tried[k]))
+            return add_around(the, asking, i, tried[k], reason);
     return STATUS_OK;
 }
 
 static enum status ask_ray(struct export_case *the, const struct judge *judge, uint32_t i,
                            struct reason *reason)
 {
-    struct asking asking = {judge, &the->ray[i], &the->truth[i], false};
-    const struct hit miss = {.prim = ABI_NO_PRIM};
+    struct asking asking = {.judge = judge, .ray = &the->ray[i], .truth = &the->truth[i]};
+    struct hit miss = {.prim = ABI_NO_PRIM}, hit = {.prim = 0};
     struct judgement judgement;
     enum status status = judge_answer(judge, asking.ray, asking.truth, &miss, &judgement);
     if (status || judgement.verdict == VERDICT_OUT_OF_CONTRACT)
         return status ? fail(reason, status, "no memory to judge a ray") : STATUS_OK;
     if (judgement.verdict != VERDICT_WRONG)
         status = add(the, &(struct export_right){.ray = i, .prim = ABI_NO_PRIM}, reason);
-    const struct hit hit = {.prim = 0};
     if (export_is_unnamed(the)) {
         if (!status && takes(&asking, &hit))
             status = add(the, &(struct export_right){.ray = i, .prim = 0}, reason);
     } else {
+        asking.follow = export_is_followed(the);
         for (uint32_t prim = 0; prim < the->trial->scene.tri_count && !status; prim++)
             status = ask_triangle(the, &asking, i, prim, reason);
     }

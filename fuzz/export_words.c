@@ -99,12 +99,17 @@ static void hit_text(const struct export_case *the, const struct hit *hit, char 
 
 void export_print_right(const struct export_case *the, const struct export_right *right, FILE *to)
 {
-    if (right->prim == ABI_NO_PRIM || export_is_unnamed(the))
+    if (right->prim == ABI_NO_PRIM || export_is_unnamed(the)) {
         fputs(right->prim == ABI_NO_PRIM ? "a miss" : "a hit", to);
+        return;
+    }
+    fprintf(to, "triangle %u, t in [%.9g, %.9g], ", (unsigned)right->prim, (double)right->t[0],
+            (double)right->t[1]);
+    if (export_is_followed(the))
+        fputs("u and v of the ray's point there", to);
     else
-        fprintf(to, "triangle %u, t in [%.9g, %.9g], u in [%.9g, %.9g], v in [%.9g, %.9g]",
-                (unsigned)right->prim, (double)right->t[0], (double)right->t[1],
-                (double)right->u[0], (double)right->u[1], (double)right->v[0], (double)right->v[1]);
+        fprintf(to, "u in [%.9g, %.9g], v in [%.9g, %.9g]", (double)right->u[0],
+                (double)right->u[1], (double)right->v[0], (double)right->v[1]);
 }
 
 /* The ray that tells most: the first that was answered wrongly here, else by C, else the first. */
@@ -164,8 +169,8 @@ static void say_tolerance(struct comment *c, const struct export_case *the)
     if (the->model.formula == TWIN_UNKNOWN)
         say(c, "Tolerance", 12,
             "the formula is not known: an answer is right if it is exact for vertices moved by at "
-            "most 2^-14 of their distance from the ray's origin. Each interval below is as wide as "
-            "that allows with the other two numbers exact.");
+            "most 2^-14 of the largest distance of a vertex from the ray's origin. u and v must "
+            "give the ray's point at t as exactly.");
     else if (export_is_vulkan(the))
         say(c, "Tolerance", 12,
             "proven error bounds of the shader's own formula around the exact values, for a driver "

@@ -29,11 +29,16 @@ static void print_right(uint32_t i)
         if (rights[k].prim == MISS || UNNAMED)
             puts(rights[k].prim == MISS ? "a miss" : "a hit");
         else
+#if EXPORT_FOLLOWED
+            printf("triangle %" PRIu32 " at t in [%.9g, %.9g], u and v of the ray's point there\n",
+                   rights[k].prim, (double)rights[k].t[0], (double)rights[k].t[1]);
+#else
             printf("triangle %" PRIu32 " at t in [%.9g, %.9g], u in [%.9g, %.9g], v in "
                    "[%.9g, %.9g]\n",
                    rights[k].prim, (double)rights[k].t[0], (double)rights[k].t[1],
                    (double)rights[k].u[0], (double)rights[k].u[1], (double)rights[k].v[0],
                    (double)rights[k].v[1]);
+#endif
     }
     if (!count)
         puts("  any answer is right");
@@ -44,6 +49,33 @@ static int is_within(float x, const float interval[2])
     return x >= interval[0] && x <= interval[1];
 }
 
+#if EXPORT_FOLLOWED
+/* u and v give the same place as the ray's point at t, but for 2^-14 of the triangle's distance. */
+static int is_there(uint32_t i, const struct hit *hit)
+{
+    struct ray ray;
+    double most = 0, apart = 0;
+    memcpy(&ray, rays[i], sizeof ray);
+    for (int c = 0; c < 3; c++) {
+        double length = 0;
+        for (int k = 0; k < 3; k++) {
+            double v = (double)vertices[indices[hit->prim][c]][k] - (double)ray.org[k];
+            length += v * v;
+        }
+        most = length > most ? length : most;
+    }
+    for (int k = 0; k < 3; k++) {
+        double u = (double)hit->u, v = (double)hit->v;
+        double place = (1 - u - v) * (double)vertices[indices[hit->prim][0]][k] +
+                       u * (double)vertices[indices[hit->prim][1]][k] +
+                       v * (double)vertices[indices[hit->prim][2]][k] - (double)ray.org[k] -
+                       (double)hit->t * (double)ray.dir[k];
+        apart += place * place;
+    }
+    return apart <= most * 0x1p-28;
+}
+
+#endif
 static int is_right(uint32_t i, const struct hit *hit)
 {
     int judged = 0;
@@ -56,7 +88,11 @@ static int is_right(uint32_t i, const struct hit *hit)
             return 1;
         if (right->prim == hit->prim && is_within(hit->t, right->t) &&
             is_within(hit->u, right->u) && is_within(hit->v, right->v))
+#if EXPORT_FOLLOWED
+            return is_there(i, hit);
+#else
             return 1;
+#endif
     }
     return !judged;
 }
