@@ -127,10 +127,13 @@ static bool is_embree(const struct export_case *the)
     return the->subject == SUBJECT_EMBREE || the->subject == SUBJECT_EMBREE_ROBUST;
 }
 
-static bool dies(const struct finding_file *file)
+/* True if the finding is that this engine crashes or hangs. */
+static bool dies(const struct export_case *the)
 {
-    return file->has_signature &&
-           (file->signature.kind == FUZZ_KIND_CRASH || file->signature.kind == FUZZ_KIND_HANG);
+    const struct fuzz_signature *signature = &the->file->signature;
+    return the->file->has_signature && the->engine &&
+           strcmp(signature->engine, the->engine->name) == 0 &&
+           (signature->kind == FUZZ_KIND_CRASH || signature->kind == FUZZ_KIND_HANG);
 }
 
 static enum status take_rays(struct export_case *the, uint32_t only, struct reason *reason)
@@ -147,7 +150,7 @@ static enum status take_rays(struct export_case *the, uint32_t only, struct reas
         if (only != EXPORT_ALL_RAYS && i != only)
             continue;
         /* Embree does not promise to survive such rays: the engine does not ask them either. */
-        if (is_embree(the) && !dies(the->file) && !ray_in_contract(&trial->ray[i])) {
+        if (is_embree(the) && !dies(the) && !ray_in_contract(&trial->ray[i])) {
             the->left_out++;
             continue;
         }
@@ -286,7 +289,7 @@ static enum status ask_here(struct export_case *the, const struct export_options
     struct trace_report report;
     void *self = NULL;
     enum status status = STATUS_UNSUPPORTED;
-    if (the->subject == SUBJECT_TRACER || dies(the->file))
+    if (the->subject == SUBJECT_TRACER || dies(the))
         (void)fail(&why, status, "it was not asked here");
     else
         status = the->engine->open(&options->engines, &self, &why);

@@ -173,6 +173,9 @@ in_test NOT_ESCAPED fuzz/ci_text.c test_fuzz_report
 in_test UNPLAYED_PASS fuzz/report.c test_fuzz_report
 in_test HALF_MESSAGE fuzz/child.c test_fuzz_child
 in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
+in_test EXPORT_NO_RAYS fuzz/export_case.c test_vulkan_export
+in_test EXPORT_EXACT fuzz/export_right.c test_vulkan_export_data
+in_test EXPORT_ENDIAN fuzz/export_amber.c test_vulkan_export_amber
 in_test ANY_CAUSE fuzz/shrink_play.c test_fuzz_shrink_faults
 in_test ONE_ROUND fuzz/shrink.c test_fuzz_shrink
 in_test UNPAID fuzz/shrink.c test_fuzz_shrink
