@@ -70,6 +70,7 @@ static void update_view(struct campaign *c)
         view->shrunk += c->mark[i].shrunk;
         view->to_shrink += !c->mark[i].shrunk;
     }
+    view->unplayed = campaign_blocks_left(c);
     view->phase = !c->versions[0]  ? CAMPAIGN_STARTING
                   : !c->ending     ? CAMPAIGN_PLAYING
                   : c->play_end_ns ? CAMPAIGN_SHRINKING
@@ -115,12 +116,21 @@ static bool is_done(struct campaign *c)
     return c->no_more_jobs || !campaign_jobs_left(c);
 }
 
+/* What was kept to be mutated; so a kill loses no more of it than of the rest. */
+static enum status save_kept(struct campaign *c, struct reason *reason)
+{
+    char path[PATH_MOST];
+    snprintf(path, sizeof path, "%s/" KEPT_FOLDER, c->options->folder);
+    return feedback_save(c->feedback, path, reason);
+}
+
 static enum status save(struct campaign *c, bool now, struct reason *reason)
 {
     uint64_t since = time_ns() - c->saved_ns;
     if (!c->dirty || (!now && since < (c->found ? FOUND_NS : SAVE_NS)))
         return STATUS_OK;
-    return campaign_state_write(c, reason);
+    enum status status = campaign_state_write(c, reason);
+    return status || !c->options->mutate ? status : save_kept(c, reason);
 }
 
 /* All trials were ordered: nobody has one, and there is no next. */
@@ -209,11 +219,8 @@ enum status campaign_run(const struct campaign_options *options, struct findings
         status = go_on(c, reason);
     if (!status)
         status = save(c, true, reason);
-    if (!status && options->mutate) {
-        char path[PATH_MOST];
-        snprintf(path, sizeof path, "%s/" KEPT_FOLDER, options->folder);
-        status = feedback_save(c->feedback, path, reason);
-    }
+    if (!status && options->mutate)
+        status = save_kept(c, reason);
     if (!c->play_end_ns)
         c->play_end_ns = time_ns();
     if (!status) {

@@ -71,6 +71,7 @@ struct campaign_view {
     uint64_t coverage[COVERAGE_WORDS]; /* of the campaign */
     size_t kept;                       /* trials to mutate */
     uint32_t workers, restarts;
+    bool unplayed;            /* trials of options.trials are left for another run */
     size_t to_shrink, shrunk; /* signatures */
     const char *versions;
     const char *said; /* on the last death of a worker, or "" */

@@ -40,13 +40,25 @@ static struct block *make_mutants(struct campaign *c)
     return block;
 }
 
+/* The first block of our shard from `block` on. */
+static uint64_t own_block(const struct campaign_options *o, uint64_t block)
+{
+    while (block % o->shards != o->shard - 1)
+        block++;
+    return block;
+}
+
 /* True if stream gen has a block for us; then c->next is its number. */
 static bool has_next(struct campaign *c)
 {
     const struct campaign_options *o = c->options;
-    while (c->next % o->shards != o->shard - 1)
-        c->next++;
+    c->next = own_block(o, c->next);
     return o->trials == 0 || c->next * FUZZ_BATCH < o->trials;
+}
+
+bool campaign_blocks_left(const struct campaign *c)
+{
+    return own_block(c->options, c->applied) * FUZZ_BATCH < c->options->trials;
 }
 
 struct block *campaign_block_next(struct campaign *c, enum status *status)

@@ -90,6 +90,8 @@ enum status campaign_state_write(struct campaign *c, struct reason *reason) MUST
 
 /* The next block to play; NULL: there is none now (or no memory: *status). */
 struct block *campaign_block_next(struct campaign *c, enum status *status);
+/* True if trials that options->trials asks for have not been applied, whatever stopped them. */
+bool campaign_blocks_left(const struct campaign *c);
 void campaign_block_free(struct block *block);
 /* Takes a worker's report into the block; true if the block is done. Errors: STATUS_MEMORY. */
 enum status campaign_block_take(struct campaign *c, struct block *block,

@@ -43,7 +43,8 @@ static const char help[] =
     "  --json FILE, --junit FILE, --tap FILE, --jsonl FILE\n"
     "                    results, for machines\n\n"
     "exit codes: 0 nothing that the baseline does not know, 1 a finding outside it, 2 bad input,\n"
-    "            3 an engine cannot be opened, 4 internal error, 77 an engine cannot run here\n"
+    "            3 an engine cannot be opened, 4 internal error, 77 an engine cannot run here,\n"
+    "            128 + the signal that ended it before all of --trials were played\n"
     "example: raydiff fuzz --time 60\n";
 
 enum {
@@ -175,11 +176,11 @@ static enum status take_option(void *user, int option, char *text, struct reason
     }
 }
 
-static volatile sig_atomic_t stop;
+static volatile sig_atomic_t stop, signalled;
 
 static void on_signal(int number)
 {
-    (void)number;
+    signalled = number;
     stop = stop ? 2 : 1;
 }
 
@@ -246,6 +247,7 @@ static enum status make_campaign(struct fuzz_command *c, struct reason *reason)
     o->tick = fuzz_show;
     o->user = c;
     o->stop = &stop;
+    c->signalled = &signalled;
     return make_rules(c, reason);
 }
 

@@ -54,7 +54,8 @@ struct fuzz_command {
     bool terminal;
     int lines; /* that are to be overwritten */
     uint64_t shown_ns, stats_ns;
-    struct reason failed; /* writing a report did */
+    volatile sig_atomic_t *signalled; /* the signal that ended it; 0: none */
+    struct reason failed;             /* writing a report did */
     enum status failed_status;
     int code;
 };

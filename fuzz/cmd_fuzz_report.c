@@ -43,6 +43,22 @@ static double rate(uint64_t count, uint64_t ns)
     return ns ? (double)count / seconds(ns) : 0;
 }
 
+#define UNUSED_MOST 512
+
+/* The next entry of the baseline from *at on that excused nothing; false: there is none. To be
+ * asked after the findings. */
+static bool unused_line(const struct fuzz_command *c, const struct campaign_view *view, size_t *at,
+                        char line[UNUSED_MOST])
+{
+    const char *path;
+    const struct waiver *waiver =
+        baseline_unused(&c->baseline, &view->options->rules.field, view->versions, at, &path);
+    if (waiver)
+        snprintf(line, UNUSED_MOST, "%.200s:%zu: '%.160s' excused nothing here", path, waiver->line,
+                 waiver->pattern);
+    return waiver != NULL;
+}
+
 /* --- JSON ------------------------------------------------------------------------------------ */
 
 static json_t *finding_json(const struct fuzz_command *c, const struct campaign_view *view,
@@ -154,12 +170,16 @@ enum status fuzz_stats(const struct fuzz_command *c, const struct campaign_view 
 
 /* --- CI -------------------------------------------------------------------------------------- */
 
+#define NOTES_MOST 32
+
 /* What struct report borrows. */
 struct report_room {
     struct report_finding *finding;
     char (*text)[6][FUZZ_PATH_MOST]; /* signature, reason, first, smallest, replay, none */
     struct report_contestant contestant[FUZZ_CONTESTANTS_MOST];
     char name[FUZZ_CONTESTANTS_MOST][NAME_MOST];
+    const char *note[NOTES_MOST];
+    char unused[NOTES_MOST][UNUSED_MOST];
 };
 
 static void fill_finding(const struct fuzz_command *c, const struct campaign_view *view, size_t i,
@@ -201,6 +221,17 @@ static void fill_contestants(const struct campaign_view *view, struct report_roo
     }
 }
 
+static size_t fill_notes(const struct fuzz_command *c, const struct campaign_view *view,
+                         struct report_room *room)
+{
+    size_t notes = 0, at = 0;
+    if (c->left_out[0])
+        room->note[notes++] = c->left_out;
+    for (; notes < NOTES_MOST && unused_line(c, view, &at, room->unused[notes]); notes++)
+        room->note[notes] = room->unused[notes];
+    return notes;
+}
+
 static enum status write_ci(const struct fuzz_command *c, const struct campaign_view *view,
                             struct reason *reason)
 {
@@ -214,9 +245,8 @@ static enum status write_ci(const struct fuzz_command *c, const struct campaign_
     if (!room || !room->finding || !room->text) {
         status = fail(reason, STATUS_MEMORY, "no memory for a report");
     } else {
-        const char *note = c->left_out;
         struct report report = {.seed = c->seed,
-                                .trials = view->trials,
+                                .trials = view->trials + view->before,
                                 .judged = view->judged,
                                 .seconds = seconds(view->ns),
                                 .harness_share = campaign_harness_share(view, NULL),
@@ -224,11 +254,11 @@ static enum status write_ci(const struct fuzz_command *c, const struct campaign_
                                 .contestants = view->options->rules.field.count,
                                 .finding = room->finding,
                                 .findings = count,
-                                .note = &note,
-                                .notes = note[0] != '\0'};
+                                .note = room->note};
         fill_contestants(view, room);
         for (size_t i = 0; i < count; i++)
             fill_finding(c, view, i, room);
+        report.notes = fill_notes(c, view, room);
         if (c->junit)
             status = report_junit(&report, c->junit, reason);
         if (!status && c->tap)
@@ -264,6 +294,20 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
     printf("         raydiff replay %s\n", path);
 }
 
+static void print_unused(const struct fuzz_command *c, const struct campaign_view *view)
+{
+    char line[UNUSED_MOST];
+    size_t at = c->baseline.list[0].count; /* what is shipped need not show in every campaign */
+    while (unused_line(c, view, &at, line))
+        printf("unused     %s\n", line);
+}
+
+/* No trial in any run. */
+static bool is_vacuous(const struct campaign_view *view)
+{
+    return view->trials + view->before == 0;
+}
+
 static void print_summary(const struct fuzz_command *c, const struct campaign_view *view)
 {
     size_t flaky, news = campaign_news(view, &flaky), count = findings_count(view->findings);
@@ -289,6 +333,11 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
         printf("flaky      %zu: never showed again in %u times alone\n", flaky, CAMPAIGN_AGAIN);
     if (left > 0 && news > 0)
         printf("to shrink  %zu: raydiff min %s\n", left, c->folder);
+    print_unused(c, view);
+    if (view->unplayed)
+        printf("unplayed   trials are left: run it again to go on\n");
+    if (is_vacuous(view))
+        printf("vacuous    no trial was played: nothing is tested\n");
     printf("findings   %zu distinct, %zu outside the baseline, in %s\n", count, news, c->folder);
 }
 
@@ -296,7 +345,9 @@ void fuzz_report(void *user, const struct campaign_view *view)
 {
     struct fuzz_command *c = user;
     fuzz_show_end(c);
-    c->code = campaign_news(view, NULL) > 0 ? EXIT_MISMATCH : EXIT_AGREE;
+    c->code = campaign_news(view, NULL) > 0 || is_vacuous(view) ? EXIT_MISMATCH : EXIT_AGREE;
+    if (view->unplayed && *c->signalled) /* so that who waits for a shard knows */
+        c->code = 128 + *c->signalled;
     for (size_t i = 0; i < findings_count(view->findings); i++)
         print_finding(c, view, i);
     print_summary(c, view);

@@ -75,6 +75,7 @@ plain)
     suite leaks sh tests/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
     suite cli sh tests/cli.sh "$build/raydiff"
+    suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
     suite mutants make -s mutants
@@ -86,6 +87,7 @@ sanitize)
     suite conform "$build/raydiff" conform --count 200
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/cli.sh "$build/raydiff"
+    suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
     ;;
 validate)
     suite conform "$build/raydiff" conform '*.vulkan.*' --count 64
