@@ -52,7 +52,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
-        lint fuzz-load truth leaks bounds
+        lint fuzz-load truth leaks bounds parallel-check slurm-check
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -175,6 +175,12 @@ agree: all
 # Rays at edges and vertices of closed meshes from inside, 10^6 a mesh, on each CPU driver.
 leaks: all
 	sh tests/leaks.sh $(B) $(RESULTS)/leaks
+
+# The recipes for many machines, with what they need from Debian; exit code 77: not to be had.
+parallel-check slurm-check: %-check:
+	@sh .ci/deps.sh $* || { echo "SKIPPED $@: its packages cannot be had"; exit 77; }
+	@$(MAKE) --no-print-directory -s -j$(JOBS) all
+	@sh tests/$*.sh $(B)
 
 mutants: all tests
 	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS)' MAKE_CMD='$(MAKE)' sh tests/mutants.sh $(B)

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs the Debian packages that a purpose needs and that are missing, saying what and why.
-#   .ci/deps.sh run|check|deep
+#   .ci/deps.sh run|check|deep|parallel|slurm
 # Does nothing, without network, once they are there. Uses sudo when not root.
 set -u
 
@@ -12,12 +12,16 @@ check="$run libcmocka-dev:unit_tests pkg-config:test_of_make_install spirv-tools
 vulkan-validationlayers:Vulkan_validation libgmp-dev:rationals_that_check_the_oracle"
 deep="$check clang:second_compiler,_TSan libomp-dev:OpenMP_that_TSan_understands
 clang-format:make_format"
+parallel="$run parallel:shards_on_many_machines"
+slurm="$run slurm-wlm:shards_as_a_job_array munge:which_Slurm_needs"
 case $purpose in
 run) wanted=$run ;;
 check) wanted=$check ;;
 deep) wanted=$deep ;;
+parallel) wanted=$parallel ;;
+slurm) wanted=$slurm ;;
 *)
-    echo "usage: .ci/deps.sh run|check|deep" >&2
+    echo "usage: .ci/deps.sh run|check|deep|parallel|slurm" >&2
     exit 2
     ;;
 esac

@@ -165,7 +165,7 @@ void baseline_ask(struct baseline *baseline, const struct fuzz_signature *signat
                 (expired && answer->state == BASELINE_EXPIRED))
                 continue;
             answer->state = expired ? BASELINE_EXPIRED : BASELINE_KNOWN;
-            snprintf(answer->text, sizeof answer->text, "%s%s%s%.180s %.80s (%.30s:%zu)",
+            snprintf(answer->text, sizeof answer->text, "%s%s%s%.400s %.240s (%.60s:%zu)",
                      expired ? "known until " : "", expired ? waiver->until : "",
                      expired ? ": " : "", waiver->reason, waiver->link, list->path, waiver->line);
         }

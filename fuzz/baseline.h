@@ -39,7 +39,7 @@ const char *baseline_state_name(enum baseline_state state);
 
 struct baseline_answer {
     enum baseline_state state;
-    char text[320]; /* one line: reason, link, where that stands; "" if new */
+    char text[768]; /* one line: reason, link, where that stands; "" if new */
 };
 
 /* Today in UTC, "YYYY-MM-DD". */

@@ -20,7 +20,7 @@ bool report_counts(const struct report_finding *finding)
 /* A test case and the text that it points into. */
 struct written {
     struct ci_case one;
-    char name[320], why[1024], detail[4096];
+    char name[320], why[2048], detail[4096];
 };
 
 /* Called for each test case in order. */
