@@ -163,6 +163,19 @@ static enum status ask_triangle(struct export_case *the, struct asking *asking, 
     return STATUS_OK;
 }
 
+/* Every triangle, the exact nearest one first. */
+static enum status ask_triangles(struct export_case *the, struct asking *asking, uint32_t i,
+                                 struct reason *reason)
+{
+    uint32_t first = asking->truth->prim;
+    enum status status =
+        first == ABI_NO_PRIM ? STATUS_OK : ask_triangle(the, asking, i, first, reason);
+    for (uint32_t prim = 0; prim < the->trial->scene.tri_count && !status; prim++)
+        if (prim != first)
+            status = ask_triangle(the, asking, i, prim, reason);
+    return status;
+}
+
 static enum status ask_ray(struct export_case *the, const struct judge *judge, uint32_t i,
                            struct reason *reason)
 {
@@ -172,16 +185,14 @@ static enum status ask_ray(struct export_case *the, const struct judge *judge, u
     enum status status = judge_answer(judge, asking.ray, asking.truth, &miss, &judgement);
     if (status || judgement.verdict == VERDICT_OUT_OF_CONTRACT)
         return status ? fail(reason, status, "no memory to judge a ray") : STATUS_OK;
-    if (judgement.verdict != VERDICT_WRONG)
-        status = add(the, &(struct export_right){.ray = i, .prim = ABI_NO_PRIM}, reason);
-    if (export_is_unnamed(the)) {
-        if (!status && takes(&asking, &hit))
-            status = add(the, &(struct export_right){.ray = i, .prim = 0}, reason);
-    } else {
+    if (!export_is_unnamed(the)) {
         asking.follow = export_is_followed(the);
-        for (uint32_t prim = 0; prim < the->trial->scene.tri_count && !status; prim++)
-            status = ask_triangle(the, &asking, i, prim, reason);
+        status = ask_triangles(the, &asking, i, reason);
+    } else if (takes(&asking, &hit)) {
+        status = add(the, &(struct export_right){.ray = i, .prim = 0}, reason);
     }
+    if (!status && judgement.verdict != VERDICT_WRONG)
+        status = add(the, &(struct export_right){.ray = i, .prim = ABI_NO_PRIM}, reason);
     return asking.no_memory ? fail(reason, STATUS_MEMORY, "no memory to judge a ray") : status;
 }
 

@@ -1,9 +1,7 @@
 /* What a finding is, in words, for the head of every form. */
 #include "fuzz/export_inner.h"
 
-#include "ref/explain/ray_text.h"
-
-#include <math.h>
+#include <float.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -97,19 +95,28 @@ static void hit_text(const struct export_case *the, const struct hit *hit, char 
                  (double)hit->t, (double)hit->u, (double)hit->v);
 }
 
+static void print_interval(const char *name, const float x[2], FILE *to)
+{
+    if (x[0] <= -FLT_MAX && x[1] >= FLT_MAX)
+        fprintf(to, ", any %s", name);
+    else
+        fprintf(to, ", %s in [%.9g, %.9g]", name, (double)x[0], (double)x[1]);
+}
+
 void export_print_right(const struct export_case *the, const struct export_right *right, FILE *to)
 {
     if (right->prim == ABI_NO_PRIM || export_is_unnamed(the)) {
         fputs(right->prim == ABI_NO_PRIM ? "a miss" : "a hit", to);
         return;
     }
-    fprintf(to, "triangle %u, t in [%.9g, %.9g], ", (unsigned)right->prim, (double)right->t[0],
-            (double)right->t[1]);
-    if (export_is_followed(the))
-        fputs("u and v of the ray's point there", to);
-    else
-        fprintf(to, "u in [%.9g, %.9g], v in [%.9g, %.9g]", (double)right->u[0],
-                (double)right->u[1], (double)right->v[0], (double)right->v[1]);
+    fprintf(to, "triangle %u", (unsigned)right->prim);
+    print_interval("t", right->t, to);
+    if (export_is_followed(the)) {
+        fputs(", u and v of the ray's point there", to);
+        return;
+    }
+    print_interval("u", right->u, to);
+    print_interval("v", right->v, to);
 }
 
 /* The ray that tells most: the first that was answered wrongly here, else by C, else the first. */

@@ -19,6 +19,14 @@ static void print_ray(uint32_t i)
            (double)ray.dir[1], (double)ray.dir[2], (double)ray.tmin, (double)ray.tmax);
 }
 
+static void print_interval(const char *name, const float x[2])
+{
+    if (x[0] <= -FLT_MAX && x[1] >= FLT_MAX)
+        printf(", any %s", name);
+    else
+        printf(", %s in [%.9g, %.9g]", name, (double)x[0], (double)x[1]);
+}
+
 static void print_right(uint32_t i)
 {
     uint32_t count = 0;
@@ -26,18 +34,18 @@ static void print_right(uint32_t i)
         if (rights[k].ray != i)
             continue;
         printf("  %-11s", count++ ? "or" : "right is");
-        if (rights[k].prim == MISS || UNNAMED)
+        if (rights[k].prim == MISS || UNNAMED) {
             puts(rights[k].prim == MISS ? "a miss" : "a hit");
-        else
+            continue;
+        }
+        printf("triangle %" PRIu32, rights[k].prim);
+        print_interval("t", rights[k].t);
 #if EXPORT_FOLLOWED
-            printf("triangle %" PRIu32 " at t in [%.9g, %.9g], u and v of the ray's point there\n",
-                   rights[k].prim, (double)rights[k].t[0], (double)rights[k].t[1]);
+        puts(", u and v of the ray's point there");
 #else
-            printf("triangle %" PRIu32 " at t in [%.9g, %.9g], u in [%.9g, %.9g], v in "
-                   "[%.9g, %.9g]\n",
-                   rights[k].prim, (double)rights[k].t[0], (double)rights[k].t[1],
-                   (double)rights[k].u[0], (double)rights[k].u[1], (double)rights[k].v[0],
-                   (double)rights[k].v[1]);
+        print_interval("u", rights[k].u);
+        print_interval("v", rights[k].v);
+        puts("");
 #endif
     }
     if (!count)
