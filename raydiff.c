@@ -8,6 +8,7 @@ static const struct command commands[] = {
     {"explain", "one ray: what is right, what was answered, and why it is wrong", cmd_explain},
     {"fuzz", "random trials on engines and layouts; what is wrong is kept", cmd_fuzz},
     {"merge", "joins the findings of campaigns, such as shards", cmd_merge},
+    {"min", "findings made smaller, as long as they show the same", cmd_min},
     {"replay", "findings played again: whether each is still there, and why", cmd_replay},
     {"export", "a finding as a C program for a driver's maker, without raydiff", cmd_export},
     {"conform", "the conformance suite, each name its own reproduction", cmd_conform},

@@ -6,6 +6,7 @@
 #include "ref/explain/ray_text.h"
 #include "scenes/file.h"
 #include "ref/cmd_json.h"
+#include "ref/command.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -215,33 +216,16 @@ static void append(char text[EXPLAIN_COMMAND_MOST], const char *format, const ch
     snprintf(text + used, EXPLAIN_COMMAND_MOST - used, format, word);
 }
 
-/* A word as a shell reads it back. */
-static void append_word(char text[EXPLAIN_COMMAND_MOST], const char *word)
-{
-    bool plain = word[0] != 0;
-    for (const char *at = word; *at; at++)
-        plain = plain && (strchr("._-/:=,+", *at) || (*at >= '0' && *at <= '9') ||
-                          (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z'));
-    if (plain) {
-        append(text, " %s", word);
-        return;
-    }
-    append(text, "%s", " '");
-    for (const char *at = word; *at; at++)
-        append(text, "%s", *at == '\'' ? "'\\''" : (const char[2]){*at, '\0'});
-    append(text, "%s", "'");
-}
-
 void explain_command(const struct explain_of *of, const struct ray *ray,
                      char text[EXPLAIN_COMMAND_MOST])
 {
     char number[32], numbers[RAY_TEXT_MOST];
     snprintf(text, EXPLAIN_COMMAND_MOST, "raydiff explain");
-    append_word(text, of->spec);
+    command_word(text, EXPLAIN_COMMAND_MOST, of->spec);
     ray_text_write(ray, numbers);
     append(text, " --ray '%s'", numbers);
     append(text, "%s", " --engine");
-    append_word(text, of->engine->name);
+    command_word(text, EXPLAIN_COMMAND_MOST, of->engine->name);
     if (of->layout) {
         append(text, " --layout %s", of->layout->name);
         append(text, " --builder %s", of->builder->name);
@@ -260,7 +244,7 @@ void explain_command(const struct explain_of *of, const struct ray *ray,
         append(text, " --seed %s", number);
     if (of->driver) {
         append(text, "%s", " --driver");
-        append_word(text, of->driver);
+        command_word(text, EXPLAIN_COMMAND_MOST, of->driver);
     }
 }
 

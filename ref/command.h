@@ -41,6 +41,7 @@ int cmd_gen(int argc, char **argv);
 int cmd_judge(int argc, char **argv);
 int cmd_leaks(int argc, char **argv);
 int cmd_list(int argc, char **argv);
+int cmd_min(int argc, char **argv);
 int cmd_merge(int argc, char **argv);
 int cmd_precompute(int argc, char **argv);
 int cmd_replay(int argc, char **argv);
@@ -49,6 +50,10 @@ int cmd_verify(int argc, char **argv);
 
 /* Prints "raydiff COMMAND: TEXT" to stderr with a hint at --help and returns EXIT_USAGE. */
 int usage_error(const char *command, const char *format, ...) PRINTF_LIKE(2, 3);
+
+/* Appends a blank and the word as a shell reads it back, in quotes if it needs them, to a command
+ * line; as much as fits. */
+void command_word(char *text, size_t text_bytes, const char *word);
 
 /* Parses a whole decimal integer in [least, most]; "1e6" style powers are accepted.
  * Errors: STATUS_INPUT with the flag, the text and the range. */

@@ -40,7 +40,7 @@ OBJ
 small="--count 200 --repeat 1 --engine cpu"
 
 # Help is on standard output and succeeds, everywhere.
-for command in '' check conform explain leaks bench list doctor scene precompute judge gen verify replay export fuzz merge; do
+for command in '' check conform explain leaks bench list doctor scene precompute judge gen verify replay export fuzz merge min; do
     expect 0 . $command --help
     grep -q 'example' "$dir/out" || bad "raydiff $command --help shows no example"
 done
@@ -425,6 +425,51 @@ expect 0 . export $corpus/rounded-outward.trial --form text
 grep -q '^from ' "$dir/out" && bad "export --form text claims to come from a generator"
 awk -f fuzz/samples/tracer.awk "$dir/out" | grep -q '^h ' || bad "a text tracer reads export --form text"
 
+# Findings made smaller.
+expect 2 'no file or folder given' min
+expect 2 'one at a time' min $corpus/sentinel.trial $corpus/wrong-item.trial
+expect 2 'nothing.trial: No such file' min "$dir/nothing.trial"
+expect 2 "it expects 'clean'" min $corpus/rounded-outward.trial
+expect 2 "name its command: --engine 'pipe:COMMAND'" min "$dir/peer.trial"
+expect 2 'is no folder of findings' min "$dir"
+expect 2 'are for a file' min "$dir" --force
+expect 2 'no-such-folder' min $corpus/sentinel.trial --out "$dir/no-such-folder/x"
+expect 1 . min "$dir/other.trial"
+grep -q 'does not show here; nothing was written' "$dir/out" || bad "min says that nothing shows"
+[ ! -e "$dir/other.min.trial" ] || bad "min writes what does not show"
+cp $corpus/rounded-inward.trial "$dir/big.trial"
+expect 0 . min "$dir/big.trial"
+for line in '^  before   2 triangles, 1 ray, 6 vertices' '^  after    2 triangles, 1 ray, 3 vertices' \
+    '^  cause    rounded_inward: ' "^  replay   raydiff replay $dir/big.min.trial$"; do
+    grep -q -- "$line" "$dir/out" || bad "min prints no line like /$line/"
+done
+expect 0 . replay "$dir/big.min.trial" --engine cpu --as-expected
+expect 2 'is there already: --force or --out' min "$dir/big.trial"
+expect 0 . min "$dir/big.trial" --force
+expect 0 . min "$dir/big.min.trial"
+grep -q 'wrote    nothing: it is the smallest' "$dir/out" || bad "min makes its own result smaller"
+expect 0 . min "$dir/big.min.trial" --out "$dir/same.trial" --json "$dir/min.json"
+cmp -s "$dir/big.min.trial" "$dir/same.trial" || bad "min --out writes another trial"
+for key in signature result end before after bytes asks tried accepted rounds written exit; do
+    grep -q "\"$key\": " "$dir/min.json" || bad "min --json: no key $key"
+done
+expect 1 . fuzz --trials 40 --rays 100 --jobs 1 --corpus none --faithful --engine cpu --layout rtrs_rf,rtrs_direct \
+    --no-shrink --dir "$dir/findings"
+expect 0 . min "$dir/findings"
+grep -Eq '[1-9] of them smaller now$' "$dir/out" || bad "min of a folder makes nothing smaller"
+for file in "$dir"/findings/*missed*/smallest.trial; do
+    [ "$(wc -c <"$file")" -le 4096 ] || bad "$file is larger than 4 kB"
+    expect 0 . replay "$file" --engine cpu --brief --as-expected
+done
+expect 0 . min "$dir/findings"
+grep -q ' 0 of them smaller now$' "$dir/out" || bad "min of a folder makes its own results smaller"
+bug=$(dirname "$raydiff")/samples/tracer_bug1
+if [ -x "$bug" ]; then
+    expect 1 . fuzz --trials 20 --rays 100 --jobs 1 --corpus none --engine "pipe:$bug" --no-shrink --dir "$dir/peer"
+    expect 0 . min "$dir/peer" --engine "pipe:$bug"
+    grep -Eq 'pipe:tracer_bug1.* [1-4], 1 .* smaller' "$dir/out" || bad "min of a peer's bug leaves it as large as it was"
+fi
+
 # '-' is the standard output of every --json, and no other file.
 stands_alone() {
     head -c 1 "$dir/out" | grep -q '^{' || bad "$1 --json - prints more than JSON"
@@ -432,7 +477,7 @@ stands_alone() {
     [ "$(grep -c . "$dir/err")" -gt 1 ] || bad "$1 --json - hides its report"
 }
 for arguments in "check soup $small" "leaks sphere:n=4 $few" "judge sphere:n=4 $dir/rays $dir/hits" \
-    "replay $corpus/rounded-outward.trial --engine cpu"; do
+    "replay $corpus/rounded-outward.trial --engine cpu" "min $dir/big.min.trial"; do
     expect 0 . $arguments --json -
     stands_alone "raydiff $arguments"
 done

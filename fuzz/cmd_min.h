@@ -1,0 +1,57 @@
+/* What the parts of raydiff min share. For commands only. */
+#ifndef FUZZ_CMD_MIN_H
+#define FUZZ_CMD_MIN_H
+
+#include "fuzz/shrink.h"
+#include "ref/cmd_tables.h"
+
+#define MIN_PATH_MOST 4096
+
+struct min_options {
+    const char *out, *json;
+    bool force;
+    uint64_t asks, seconds, trial_seconds, memory_mib;
+    struct engine_options engines;
+};
+
+enum min_fate {
+    MIN_SMALLER,
+    MIN_SMALLEST,  /* nothing smaller was found */
+    MIN_NOT_SHOWN, /* it does not show here */
+    MIN_SKIPPED,   /* its engine cannot run here, or it is not repeatable */
+    MIN_FAILED,    /* see code and reason */
+};
+
+/* A finding, and what became of it. */
+struct min_row {
+    char path[MIN_PATH_MOST];
+    char written[MIN_PATH_MOST]; /* "": nothing was */
+    struct finding_file file, smaller;
+    const struct engine *engine;
+    struct shrink_stats stats;
+    size_t bytes_before, bytes_after; /* of the files' texts */
+    enum min_fate fate;
+    struct reason reason;
+    int code; /* enum exit_code */
+};
+
+/* Reads and shrinks row->path; sets everything else but `written`. */
+void min_shrink(const struct min_options *options, struct min_row *row);
+
+void min_row_free(struct min_row *row);
+
+/* Prints what became of a file, and how to go on. */
+void min_print(const struct min_row *row);
+
+/* The same of a row of a folder, as a line of a table; NULL: its head. */
+void min_print_line(const struct min_row *row);
+
+/* Shrinks the smallest trial of each signature of a folder of findings, prints a table, and writes
+ * options->json. Returns the exit code. */
+int min_folder(const struct min_options *options, const char *folder);
+
+/* Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+enum status min_write_json(const char *path, const struct min_row *row, size_t count, int code,
+                           struct reason *reason) MUST_USE;
+
+#endif

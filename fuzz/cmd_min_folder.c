@@ -1,0 +1,83 @@
+/* raydiff min DIR: the smallest trial of each finding of a folder, made smaller. */
+#include "fuzz/cmd_min.h"
+
+#include "fuzz/findings.h"
+#include "ref/command.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* A folder is made where there is none: this must be one already. */
+static bool is_findings(const char *folder)
+{
+    char path[MIN_PATH_MOST];
+    struct stat there;
+    return snprintf(path, sizeof path, "%s/findings.jsonl", folder) < MIN_PATH_MOST &&
+           stat(path, &there) == 0;
+}
+
+static void shrink_entry(const struct min_options *options, struct findings *findings, size_t i,
+                         struct min_row *row)
+{
+    const struct findings_entry *entry = findings_entry(findings, i);
+    struct findings_news news;
+    row->file.signature = entry->signature; /* the table names it also if it cannot be read */
+    findings_path(findings, &entry->signature, "smallest.trial", row->path, sizeof row->path);
+    if (entry->signature.cause == CAUSE_NOT_REPEATABLE) {
+        row->fate = MIN_SKIPPED; /* what does not show twice cannot be asked for */
+        fail(&row->reason, STATUS_UNSUPPORTED, "not repeatable");
+        return;
+    }
+    const struct fuzz_signature signature = entry->signature;
+    min_shrink(options, row);
+    if (row->fate == MIN_FAILED)
+        row->file.signature = signature;
+    if (row->fate != MIN_SMALLER)
+        return;
+    enum status status = findings_offer(findings, &row->smaller, &news, &row->reason);
+    if (status) {
+        row->fate = MIN_FAILED;
+        row->code = exit_of_status(status);
+    } else if (news.smallest) {
+        strcpy(row->written, row->path);
+    }
+}
+
+int min_folder(const struct min_options *options, const char *folder)
+{
+    struct findings *findings;
+    struct reason reason;
+    if (!is_findings(folder))
+        return usage_error("min", "%s is no folder of findings", folder);
+    enum status status = findings_open(folder, &findings, &reason);
+    if (status) {
+        fprintf(stderr, "raydiff min: %s\n", reason.text);
+        return exit_of_status(status);
+    }
+    size_t count = findings_count(findings), smaller = 0;
+    struct min_row *row = alloc_zeroed(count, sizeof *row);
+    int code = row ? EXIT_AGREE : EXIT_INTERNAL;
+    if (!row)
+        fputs("raydiff min: out of memory\n", stderr);
+    else if (count > 0)
+        min_print_line(NULL);
+    for (size_t i = 0; i < count && row; i++) {
+        shrink_entry(options, findings, i, &row[i]);
+        min_print_line(&row[i]);
+        fflush(stdout);
+        code = exit_worse(code, row[i].code);
+        smaller += row[i].written[0] != '\0';
+    }
+    if (row)
+        printf("%s: %zu findings, %zu of them smaller now\n", folder, count, smaller);
+    findings_close(findings);
+    if (row && options->json && min_write_json(options->json, row, count, code, &reason)) {
+        fprintf(stderr, "raydiff min: %s\n", reason.text);
+        code = exit_worse(code, EXIT_USAGE);
+    }
+    for (size_t i = 0; i < count && row; i++)
+        min_row_free(&row[i]);
+    free(row);
+    return code;
+}
