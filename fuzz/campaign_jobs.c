@@ -55,13 +55,9 @@ static bool in_hand(const struct campaign *c, size_t i, enum slot_task task)
     return false;
 }
 
-/* A worker is no place to crash again and again in; a peer does that in a process of its own. */
 static bool can_shrink(const struct campaign *c, size_t i)
 {
-    const struct fuzz_signature *signature = &entry_of(c, i)->signature;
-    const struct engine *engine = engine_of(c, i);
-    bool died = signature->kind == FUZZ_KIND_CRASH || signature->kind == FUZZ_KIND_HANG;
-    return engine && (!died || engine->fault) && signature->cause != CAUSE_NOT_REPEATABLE;
+    return engine_of(c, i) && entry_of(c, i)->signature.cause != CAUSE_NOT_REPEATABLE;
 }
 
 static bool is_to_shrink(const struct campaign *c, size_t i)
@@ -99,6 +95,8 @@ static bool send_job(struct campaign *c, struct slot *slot, size_t i, enum slot_
         order.shrink = true;
         order.asks = soon ? SOON_ASKS : 0;
         order.ns = soon ? SOON_NS : 0;
+        order.ms = c->options->trial_ms;
+        order.memory = c->options->memory_bytes;
     }
     slot->task = task;
     slot->entry = i;

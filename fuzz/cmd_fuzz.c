@@ -251,7 +251,21 @@ static enum status make_campaign(struct fuzz_command *c, struct reason *reason)
     return make_rules(c, reason);
 }
 
-/* A folder that is nobody's is not found by accident: an installed program has no corpus. */
+/* Leaves out trials of members as published, whose faults are known. */
+static void keep_repaired(struct feedback_list *list)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        const struct fuzz_trial *trial = &list->trial[i];
+        if (trial->builder->faithful || trial->box->faithful || trial->tri->faithful)
+            fuzz_trial_free(&list->trial[i]);
+        else
+            list->trial[kept++] = list->trial[i];
+    }
+    list->count = kept;
+}
+
+/* Where nobody names a folder there may be none: an installed program has no corpus. */
 static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
 {
     const char *folder = c->corpus ? c->corpus : "fuzz/corpus";
@@ -260,7 +274,13 @@ static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
         return STATUS_OK;
     if (c->corpus && (stat(folder, &what) != 0 || !S_ISDIR(what.st_mode)))
         return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", folder);
-    return feedback_load(folder, FEEDBACK_BYTES, &c->corpus_trials, reason);
+    enum status status = feedback_load(folder, FEEDBACK_BYTES, &c->corpus_trials, reason);
+    if (!status && c->corpus_trials.left_out > 0)
+        fprintf(stderr, "raydiff fuzz: corpus: %zu files left out: %s\n",
+                c->corpus_trials.left_out, c->corpus_trials.said.text);
+    if (!status && !c->faithful)
+        keep_repaired(&c->corpus_trials);
+    return status;
 }
 
 static enum status prepare(struct fuzz_command *c, struct reason *reason)

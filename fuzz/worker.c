@@ -217,11 +217,18 @@ static enum status shrink(struct worker *w, const struct work_order *order,
         return fail(&report->reason, STATUS_INPUT, "the finding's engine does not take part");
     enter(w, WORK_SHRINKING);
     uint64_t begun = time_ns();
-    alone.who[0] = field->who[i];
-    status = fuzz_player_open(&alone, &player, &report->reason);
-    if (!status)
+    enum fuzz_kind kind = file->signature.kind;
+    if (kind == FUZZ_KIND_CRASH || kind == FUZZ_KIND_HANG) {
+        const struct shrink_apart apart = {field->who[i], field->options, order->ms, order->memory};
         status =
-            fuzz_shrink_finding(player, file, &options, &small, &report->shrunk, &report->reason);
+            fuzz_shrink_apart(&apart, file, &options, &small, &report->shrunk, &report->reason);
+    } else {
+        alone.who[0] = field->who[i];
+        status = fuzz_player_open(&alone, &player, &report->reason);
+        if (!status)
+            status = fuzz_shrink_finding(player, file, &options, &small, &report->shrunk,
+                                         &report->reason);
+    }
     if (!status)
         status = finding_file_print(&small, text, size, &report->reason);
     finding_file_free(&small);

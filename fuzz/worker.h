@@ -52,6 +52,8 @@ struct work_order {
     uint32_t left_out; /* contestants that do not play, 1u << contestant */
     bool unexplained;  /* findings are not explained */
     uint64_t asks, ns; /* bounds of shrinking, as in struct shrink_options */
+    uint32_t ms;       /* of a candidate that may hang or crash: struct shrink_apart */
+    uint64_t memory;
     /* A finding file's text may follow: the base of stream or the finding to shrink. */
 };
 
