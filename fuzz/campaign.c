@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TICK_NS  100000000u
-#define FOUND_NS 200000000u  /* between checkpoints while there are findings */
-#define SAVE_NS  1000000000u /* and while there are none */
+#define TICK_NS 100000000u
+/* Between checkpoints while nothing is written to the log: of many findings only the number is. */
+#define SAVE_NS 1000000000u
 /* Shrinking goes on for so long after the last trial. */
 #define GRACE_NS 30000000000u
 
@@ -127,7 +127,7 @@ static enum status save_kept(struct campaign *c, struct reason *reason)
 static enum status save(struct campaign *c, bool now, struct reason *reason)
 {
     uint64_t since = time_ns() - c->saved_ns;
-    if (!c->dirty || (!now && since < (c->found ? FOUND_NS : SAVE_NS)))
+    if (!c->dirty || (!now && !c->found && since < SAVE_NS))
         return STATUS_OK;
     enum status status = campaign_state_write(c, reason);
     return status || !c->options->mutate ? status : save_kept(c, reason);

@@ -240,6 +240,25 @@ static void count_trial(struct campaign *c, const struct block *block, const str
         view->refused[i] += one->refusers >> i & 1u;
 }
 
+static enum status add_finding(struct campaign *c, const struct work_finding *one,
+                               struct finding_file *file, struct reason *reason)
+{
+    struct findings_news news;
+    uint32_t ray = one->finding.ray < file->trial.ray_count ? one->finding.ray : FINDINGS_NO_RAY;
+    file->signature = one->finding.signature;
+    enum status status = findings_add(c->findings, file, ray, one->opinion, &news, reason);
+    if (!status)
+        status = campaign_marks_update(c, reason);
+    for (size_t i = 0; i < c->marks && !status && !news.repeated; i++) {
+        const struct findings_entry *entry = findings_entry(c->findings, i);
+        if (!fuzz_signature_same(&entry->signature, &file->signature))
+            continue;
+        c->found = c->found || entry->lines == entry->count; /* else it is only counted */
+        c->mark[i].shrunk = c->mark[i].shrunk && !news.smallest;
+    }
+    return status;
+}
+
 /* The trial's findings, and its place in the feedback; it is made anew only if somebody needs it.
  */
 static enum status apply_trial(struct campaign *c, const struct block *block, uint32_t i,
@@ -258,21 +277,9 @@ static enum status apply_trial(struct campaign *c, const struct block *block, ui
     if (!status)
         status = feedback_add(c->feedback, wanted ? &file.trial : NULL, coverage, &reached, reason);
     snprintf(file.versions, sizeof file.versions, "%s", c->versions);
-    for (size_t k = 0; k < block->findings && !status; k++) {
-        const struct work_finding *one = &block->finding[k];
-        struct findings_news news;
-        uint32_t ray = one->finding.ray < file.trial.ray_count ? one->finding.ray : FINDINGS_NO_RAY;
-        if (one->trial != i || !found)
-            continue;
-        file.signature = one->finding.signature;
-        status = findings_add(c->findings, &file, ray, one->opinion, &news, reason);
-        c->found = true;
-        if (!status)
-            status = campaign_marks_update(c, reason);
-        for (size_t m = 0; m < c->marks && news.smallest && !status; m++)
-            if (fuzz_signature_same(&findings_entry(c->findings, m)->signature, &file.signature))
-                c->mark[m].shrunk = false;
-    }
+    for (size_t k = 0; k < block->findings && found && !status; k++)
+        if (block->finding[k].trial == i)
+            status = add_finding(c, &block->finding[k], &file, reason);
     finding_file_free(&file);
     return status;
 }

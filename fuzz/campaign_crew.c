@@ -250,7 +250,9 @@ static enum status watch(struct campaign *c, struct slot *slot, bool memory, str
     if (slot->task == SLOT_IDLE)
         return STATUS_OK;
     if (is_stuck(c, slot)) {
-        snprintf(why, sizeof why, "did not answer within %.0f s", (double)limit_ms(c, slot) * 1e-3);
+        /* Whatever limit it was: the words are kept, and are the same in every run. */
+        snprintf(why, sizeof why, "did not answer within %g s",
+                 (double)c->options->trial_ms * 1e-3);
         return end_worker(c, slot, true, why, reason);
     }
     if (memory && most > 0 && child_memory(&slot->child) > most) {

@@ -72,7 +72,7 @@ struct campaign {
     struct campaign_mark *mark;
     size_t marks, mark_capacity;
     bool dirty; /* something was applied since the last checkpoint */
-    bool found; /* findings among it */
+    bool found; /* lines of findings among it */
     uint64_t saved_ns, memory_ns, ticked_ns, start_ns, play_end_ns, shrink_ns;
     bool ending; /* no more blocks */
     bool no_more_jobs;

@@ -276,8 +276,8 @@ static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
         return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", folder);
     enum status status = feedback_load(folder, FEEDBACK_BYTES, &c->corpus_trials, reason);
     if (!status && c->corpus_trials.left_out > 0)
-        fprintf(stderr, "raydiff fuzz: corpus: %zu files left out: %s\n",
-                c->corpus_trials.left_out, c->corpus_trials.said.text);
+        fprintf(stderr, "raydiff fuzz: corpus: %zu files left out: %s\n", c->corpus_trials.left_out,
+                c->corpus_trials.said.text);
     if (!status && !c->faithful)
         keep_repaired(&c->corpus_trials);
     return status;
