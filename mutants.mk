@@ -5,13 +5,13 @@ SELFTEST := $(B)/mutants
 PLANTED := $(shell awk '!/^#/ && NF {print $$1 ":" $$2}' fuzz/selftest.txt)
 PLANTED_DIRS :=
 
-# $(call plant,BUG,UNIT): a C unit. It comes before the library, so that the library's is not taken.
+# $(call plant,BUG,UNIT): of a C unit. It comes before the library, so that the library's is not taken.
 define plant_unit
 $(SELFTEST)/$(1).$(basename $(notdir $(2)))/unit.o: $(2) $(B)/gen/flags
 	@mkdir -p $$(@D)
 	$$(CC) $$(CPPFLAGS) -DMUTANT=MUTANT_$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
 endef
-# A shader: its SPIR-V in the place of the healthy one's. The tool that decorates it can be the bug.
+# Of a shader: its SPIR-V in the place of the healthy one's. The tool that decorates it can be the bug.
 define plant_shader
 $(SELFTEST)/$(1).$(2)/tool: shaders/spirv_tool.c ref/mutant.h
 	@mkdir -p $$(@D)
@@ -40,7 +40,18 @@ $(SELFTEST)/selftest.txt: fuzz/selftest.txt
 	@mkdir -p $(@D)
 	cp $< $@
 
-.PHONY: planted selftest
-planted: $(SELFTEST)/selftest.txt $(addsuffix /raydiff,$(PLANTED_DIRS))
+# All of them; and some, of which every kind of program is one, for `make check`.
+.PHONY: planted selftest selftest-quick
+planted: $(B)/raydiff $(SELFTEST)/selftest.txt $(addsuffix /raydiff,$(PLANTED_DIRS))
+selftest:
+	@$(MAKE) --no-print-directory -s -j$(JOBS) planted
+	$(B)/raydiff fuzz --self-test $(ARGS)
+
+comma := ,
+empty :=
+QUICK := HALF_NEAREST.half BOUNDS_BY_EXTENT.top_down CONTRACTED_EDGE.trace TMAX_UNREAD.trace \
+         LOST_SLOT.trace_rf16 NO_PRECISE.trace_f32
+selftest-quick: $(B)/raydiff $(SELFTEST)/selftest.txt $(QUICK:%=$(SELFTEST)/%/raydiff)
+	$(B)/raydiff fuzz --self-test --only $(subst $(empty) $(empty),$(comma),$(strip $(QUICK))) $(ARGS)
 
 -include $(wildcard $(addsuffix /unit.d,$(PLANTED_DIRS)) $(addsuffix /raw/*.d,$(PLANTED_DIRS)))

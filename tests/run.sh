@@ -79,6 +79,7 @@ plain)
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
     suite mutants make -s mutants
+    suite mutants_none sh tests/mutants_none.sh "$build"
     suite install sh tests/install.sh
     suite tutorial sh tests/tutorial.sh "$build"
     ;;

@@ -1,7 +1,7 @@
-/* Laws of the embedded SPIR-V, read by a parser of its own: it goes by the type of a result, not by
- * a list of operations as shaders/spirv_tool.c does. */
+/* Laws of the embedded SPIR-V, read by another parser (gpu/spirv_look.h) than that of the tool that
+ * made it. */
 #define _POSIX_C_SOURCE 200809L
-#include "gpu/shaders.h"
+#include "gpu/spirv_look.h"
 #include "ref/layout.h"
 
 #include <stdarg.h>
@@ -34,56 +34,12 @@ enum {
     CAPABILITY_FLOAT16 = 9,
 };
 
-/* What a module holds, by counts. */
-struct found {
-    uint32_t float_ops;   /* arithmetic with a float result */
-    uint32_t bare;        /* of them, without NoContraction */
-    uint32_t sums;        /* dot and matrix products */
-    uint32_t inexact_ext; /* extended instructions other than UnpackHalf2x16 */
-    uint32_t other_capabilities;
-};
-
-/* Marks of an id. */
-enum { IS_FLOAT = 1, IS_PINNED = 2 };
-
-static void mark(const uint32_t *i, uint32_t op, uint32_t count, uint8_t *id)
+static struct spirv_found look(const uint32_t *word, uint32_t count)
 {
-    if (op == OP_TYPE_FLOAT)
-        id[i[1]] |= IS_FLOAT;
-    if ((op == OP_TYPE_VECTOR || op == OP_TYPE_MATRIX) && (id[i[2]] & IS_FLOAT))
-        id[i[1]] |= IS_FLOAT;
-    if (op == OP_DECORATE && count == 3 && i[2] == NO_CONTRACTION)
-        id[i[1]] |= IS_PINNED;
-}
-
-static void judge(const uint32_t *i, uint32_t op, const uint8_t *id, struct found *out)
-{
-    if (op >= OP_FIRST_ARITHMETIC && op <= OP_LAST_ARITHMETIC && (id[i[1]] & IS_FLOAT)) {
-        out->float_ops++;
-        out->bare += !(id[i[2]] & IS_PINNED);
-        out->sums += op >= 144 && op <= OP_DOT && op != 147; /* 147: outer product, no sum */
-    }
-    if (op == OP_EXT_INST)
-        out->inexact_ext += i[4] != UNPACK_HALF;
-    if (op == OP_CAPABILITY)
-        out->other_capabilities += i[1] != CAPABILITY_SHADER;
-}
-
-static struct found look(const uint32_t *word, uint32_t count)
-{
-    struct found out = {0};
-    assert_true(count > 5 && word[0] == 0x07230203u);
-    uint8_t *id = calloc(word[3], 1);
-    assert_non_null(id);
-    for (int pass = 0; pass < 2; pass++) /* decorations come before what they decorate */
-        for (uint32_t at = 5; at < count; at += word[at] >> 16) {
-            assert_true(word[at] >> 16 > 0 && (word[at] >> 16) <= count - at);
-            if (pass == 0)
-                mark(word + at, word[at] & 0xFFFFu, word[at] >> 16, id);
-            else
-                judge(word + at, word[at] & 0xFFFFu, id, &out);
-        }
-    free(id);
+    struct spirv_found out;
+    struct reason reason;
+    if (spirv_look(word, count, &out, &reason))
+        fail_msg("%s", reason.text);
     return out;
 }
 
@@ -92,7 +48,7 @@ static void spirv_pins_every_float_operation(void **state)
     (void)state;
     size_t tracing = 0;
     for (const struct shader *shader = shaders; shader->name; shader++) {
-        struct found found = look(shader->word, shader->word_count);
+        struct spirv_found found = look(shader->word, shader->word_count);
         if (strcmp(shader->name, "probe_free") == 0) { /* measures what happens without */
             assert_true(found.float_ops > 0 && found.bare == found.float_ops);
             continue;
@@ -113,7 +69,7 @@ static void spirv_of_tracing_has_nothing_inexact(void **state)
 {
     (void)state;
     for (const struct shader *shader = shaders; shader->name; shader++) {
-        struct found found = look(shader->word, shader->word_count);
+        struct spirv_found found = look(shader->word, shader->word_count);
         if (shader->tracing && (found.sums || found.inexact_ext))
             fail_msg("%s: %u products with a sum, %u inexact extended instructions", shader->name,
                      found.sums, found.inexact_ext);
