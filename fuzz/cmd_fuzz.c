@@ -1,6 +1,7 @@
 /* raydiff fuzz: a campaign on this machine. */
 #define _POSIX_C_SOURCE 200809L
 #include "fuzz/cmd_fuzz.h"
+#include "fuzz/cmd_selftest.h"
 
 #include "fuzz/report.h"
 #include "ref/command.h"
@@ -41,7 +42,8 @@ static const char help[] =
     "  --driver NAME, --device N, --workgroup N, --peer-time S, --peer-memory MB\n"
     "                    of engines, as in raydiff check\n"
     "  --json FILE, --junit FILE, --tap FILE, --jsonl FILE\n"
-    "                    results, for machines\n\n"
+    "                    results, for machines\n"
+    "  --self-test       is every planted bug found? (raydiff fuzz --self-test --help)\n\n"
     "exit codes: 0 nothing that the baseline does not know, 1 a finding outside it, 2 bad input,\n"
     "            3 an engine cannot be opened, 4 internal error, 77 an engine cannot run here,\n"
     "            128 + the signal that ended it before all of --trials were played\n"
@@ -322,6 +324,8 @@ int cmd_fuzz(int argc, char **argv)
 {
     static struct fuzz_command c;
     struct reason reason = {""};
+    if (argc > 1 && strcmp(argv[1], "--self-test") == 0)
+        return cmd_selftest(argc - 1, argv + 1);
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
     int first;
     c = (struct fuzz_command){.seed = 1,

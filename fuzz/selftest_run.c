@@ -18,6 +18,7 @@
 /* Beyond its time limit a program opens its engines, explains, and ends. */
 #define GRACE_MS 60000u
 #define MANY     "1000000000" /* trials: named, so that they are the stream `gen` alone */
+#define TRIAL_S  "2"          /* an engine's time: a bug that hangs costs it several times over */
 
 static bool is_check(const struct selftest_job *job)
 {
@@ -61,13 +62,18 @@ static void become(struct child *parent, void *user)
         argv[count++] = "--self-test";
         argv[count++] = "--shaders";
     } else {
-        const char *const both[] = {
-            "--seed",      seed,       "--engine", job->engines, "--layout",
-            job->layouts,  "--dir",    job->found, "--jobs",     "1",
-            "--no-shrink", "--corpus", "none",     "--trials",   job->trials ? trials : MANY};
-        memcpy(argv + count, both, sizeof both);
-        count += ARRAY_COUNT(both);
-        const char *const hunt[] = {"--time", seconds, "--until", "1"};
+        const char *const always[][2] = {{"--seed", seed},
+                                         {"--engine", job->engines},
+                                         {"--layout", job->layouts},
+                                         {"--dir", job->found},
+                                         {"--jobs", "1"},
+                                         {"--corpus", "none"},
+                                         {"--trial-time", TRIAL_S},
+                                         {"--trials", job->trials ? trials : MANY}};
+        const char *const hunt[][2] = {{"--time", seconds}, {"--until", "1"}};
+        argv[count++] = "--no-shrink";
+        memcpy(argv + count, always, sizeof always);
+        count += sizeof always / sizeof argv[0];
         if (!job->trials)
             memcpy(argv + count, hunt, sizeof hunt);
     }

@@ -80,6 +80,7 @@ plain)
     suite drivers sh tests/drivers.sh
     suite mutants make -s mutants
     suite mutants_none sh tests/mutants_none.sh "$build"
+    suite selftest make -s selftest-quick
     suite install sh tests/install.sh
     suite tutorial sh tests/tutorial.sh "$build"
     ;;

@@ -163,7 +163,8 @@ static void a_program_that_finds_something_has_found_its_bug(void **state)
     size_t size;
     if (file_read(in_root("finds/log"), &log, &size, &reason))
         fail_msg("%s", reason.text);
-    assert_non_null(strstr(log, "fuzz --seed 7 --engine cpu,vulkan --layout f32 --dir "));
+    assert_non_null(
+        strstr(log, "fuzz --no-shrink --seed 7 --engine cpu,vulkan --layout f32 --dir "));
     assert_non_null(strstr(log, " --until 1"));
     free(log);
 }

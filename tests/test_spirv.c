@@ -256,10 +256,10 @@ static void tool_pins_what_came_bare(void **state)
         memcpy(bare + count, word, 4 * (size_t)(word[0] >> 16));
         count += word[0] >> 16;
     }
-    struct found before = look(bare, (uint32_t)count);
+    struct spirv_found before = look(bare, (uint32_t)count);
     assert_int_equal(before.bare, before.float_ops);
     assert_int_equal(run_tool(*state, bare, &count, said, fixed), 0);
-    struct found after = look(fixed, (uint32_t)count);
+    struct spirv_found after = look(fixed, (uint32_t)count);
     assert_int_equal(after.bare, 0);
     assert_int_equal(after.float_ops, before.float_ops);
     assert_int_equal(count, shader->word_count);
