@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define PART 32u /* rays that are judged together */
+
 /* A trial being judged. */
 struct judging {
     const struct stage *stage;
@@ -14,6 +16,9 @@ struct judging {
     struct judge *judge[FUZZ_CONTESTANTS_MOST]; /* owned by the first seat of a kind */
     size_t alike[FUZZ_CONTESTANTS_MOST];        /* the first seat that is judged alike */
     bool bits[FUZZ_CONTESTANTS_MOST];
+    /* Of a part of the rays. */
+    struct judgement judgement[FUZZ_CONTESTANTS_MOST][PART];
+    bool own[FUZZ_CONTESTANTS_MOST][PART]; /* else it is the first seat's */
 };
 
 static bool same_rounding(const struct rounding *a, const struct rounding *b)
@@ -60,7 +65,6 @@ static enum status make_judges(struct judging *j, struct reason *reason)
     const struct fuzz_trial *trial = stage->trial;
     struct model model[FUZZ_CONTESTANTS_MOST];
     for (size_t i = 0; i < j->player->contestants; i++) {
-        j->judge[i] = NULL;
         j->alike[i] = i;
         if (stage->answers[i].fared != FARED_PLAYED)
             continue;
@@ -94,17 +98,49 @@ static void compare_bits(struct judging *j, size_t seat, uint32_t i,
     keep(j, seat, FUZZ_KIND_BITS, i, judgement);
 }
 
-/* All answers to ray i. A judge is a function of ray and answer: who is judged alike and has the
- * same bits has the same verdict. */
-static enum status judge_ray(struct judging *j, uint32_t i)
+/* A judge is a function of ray and answer: who is judged alike and has the same bits has the same
+ * verdict. */
+static bool is_copy(const struct judging *j, size_t seat, uint32_t i)
+{
+    const struct answers *answers = &j->stage->answers[seat];
+    const struct answers *first = &j->stage->answers[j->alike[seat]];
+    return j->alike[seat] != seat && first->flag[i] == ABI_FLAG_DONE &&
+           memcmp(&first->hit[i], &answers->hit[i], sizeof first->hit[i]) == 0;
+}
+
+/* Judges what one seat answered to the rays from `first` on. */
+static enum status judge_seat(struct judging *j, size_t seat, uint32_t first, uint32_t count)
 {
     const struct stage *stage = j->stage;
-    struct judgement judgement[FUZZ_CONTESTANTS_MOST];
+    const struct answers *answers = &stage->answers[seat];
+    struct judge_question question[PART];
+    struct judgement judgement[PART];
+    uint32_t ray[PART], asked = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t i = first + k;
+        j->own[seat][k] = false;
+        if (answers->flag[i] != ABI_FLAG_DONE || is_copy(j, seat, i))
+            continue;
+        j->own[seat][k] = true;
+        ray[asked] = k;
+        question[asked++] =
+            (struct judge_question){&stage->trial->ray[i], &stage->truth[i], &answers->hit[i]};
+    }
+    enum status status = judge_answers(j->judge[j->alike[seat]], question, asked, judgement);
+    for (uint32_t k = 0; k < asked; k++)
+        j->judgement[seat][ray[k]] = judgement[k];
+    return status;
+}
+
+/* Counts all answers to ray i, which is ray k of the part. */
+static void count_ray(struct judging *j, uint32_t i, uint32_t k)
+{
+    const struct stage *stage = j->stage;
     const enum query query = stage->trial->query;
     uint32_t verdicts = 0;
     bool all = true;
     for (size_t s = 0; s < j->player->contestants; s++) {
-        const struct answers *answers = &stage->answers[s], *first = &stage->answers[j->alike[s]];
+        const struct answers *answers = &stage->answers[s];
         if (answers->fared != FARED_PLAYED)
             continue;
         if (answers->flag[i] != ABI_FLAG_DONE) {
@@ -113,24 +149,32 @@ static enum status judge_ray(struct judging *j, uint32_t i)
             all = false;
             continue;
         }
-        if (j->alike[s] != s && first->flag[i] == ABI_FLAG_DONE &&
-            memcmp(&first->hit[i], &answers->hit[i], sizeof first->hit[i]) == 0)
-            judgement[s] = judgement[j->alike[s]];
-        else if (judge_answer(j->judge[j->alike[s]], &stage->trial->ray[i], &stage->truth[i],
-                              &answers->hit[i], &judgement[s]))
-            return STATUS_MEMORY;
-        else
-            coverage_add_answer(j->out->coverage, query, &judgement[s]);
-        verdicts |= 1u << judgement[s].verdict;
-        j->out->count[judgement[s].verdict]++;
-        if (judgement[s].verdict == VERDICT_WRONG) {
+        const struct judgement *judgement = &j->judgement[j->own[s][k] ? s : j->alike[s]][k];
+        if (j->own[s][k])
+            coverage_add_answer(j->out->coverage, query, judgement);
+        verdicts |= 1u << judgement->verdict;
+        j->out->count[judgement->verdict]++;
+        if (judgement->verdict == VERDICT_WRONG) {
             j->out->wrong++;
-            keep(j, s, FUZZ_KIND_WRONG + judgement[s].wrong, i, &judgement[s]);
+            keep(j, s, FUZZ_KIND_WRONG + judgement->wrong, i, judgement);
         }
-        compare_bits(j, s, i, &judgement[s]);
+        compare_bits(j, s, i, judgement);
     }
     j->out->judged += all && verdicts;
     coverage_add_verdicts(j->out->coverage, verdicts);
+}
+
+static enum status judge_rays(struct judging *j)
+{
+    uint32_t rays = j->stage->trial->ray_count;
+    for (uint32_t first = 0; first < rays; first += PART) {
+        uint32_t count = rays - first < PART ? rays - first : PART;
+        for (size_t s = 0; s < j->player->contestants; s++)
+            if (j->stage->answers[s].fared == FARED_PLAYED && judge_seat(j, s, first, count))
+                return STATUS_MEMORY;
+        for (uint32_t k = 0; k < count; k++)
+            count_ray(j, first + k, k);
+    }
     return STATUS_OK;
 }
 
@@ -190,7 +234,12 @@ static void cover(const struct judging *j)
 enum status stage_judge(const struct stage *stage, const struct fuzz_player *player,
                         struct fuzz_result *out, struct reason *reason)
 {
-    struct judging j = {.stage = stage, .player = player, .out = out};
+    struct judging j; /* large, and filled where it is used */
+    j.stage = stage;
+    j.player = player;
+    j.out = out;
+    for (size_t i = 0; i < player->contestants; i++)
+        j.judge[i] = NULL;
     bool faulty = false;
     *out = (struct fuzz_result){0};
     cover(&j);
@@ -198,9 +247,8 @@ enum status stage_judge(const struct stage *stage, const struct fuzz_player *pla
     for (size_t i = 0; i < player->contestants; i++)
         faulty = faulty || stage->answers[i].fared == FARED_FAULTY;
     enum status status = make_judges(&j, reason);
-    for (uint32_t i = 0; i < stage->trial->ray_count && !status; i++)
-        if ((status = judge_ray(&j, i)))
-            (void)fail(reason, status, "no memory to judge a ray");
+    if (!status && (status = judge_rays(&j)))
+        (void)fail(reason, status, "no memory to judge a ray");
     if (faulty)
         out->judged = 0; /* somebody has no verdict */
     for (size_t i = 0; i < player->contestants; i++)

@@ -69,9 +69,13 @@ void judge_free(struct judge *judge)
     free(judge);
 }
 
-struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim)
+struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                       const struct judge_known *known)
 {
     float v[3][3];
+    for (size_t i = 0; known && i < known->count; i++)
+        if (known->prim[i] == prim || MUTANT == MUTANT_OTHER_TWIN)
+            return known->twin[i];
     scene_tri(judge->scene, prim, v);
     struct twin twin = twin_eval(judge->model.formula, judge->model.rounding, ray, v);
 #if MUTANT == MUTANT_HUGE_BOUND
@@ -131,9 +135,9 @@ static void set_wrong(struct judgement *out, enum wrong wrong)
 /* Most answers: the nearest triangle itself, t within its bound. True if that settles it. */
 static bool settled(const struct judge *judge, const struct ray *ray,
                     const struct oracle_answer *truth, const struct hit *answer,
-                    struct judgement *out)
+                    const struct judge_known *known, struct judgement *out)
 {
-    struct twin twin = judge_twin(judge, ray, truth->prim);
+    struct twin twin = judge_twin(judge, ray, truth->prim, known);
     double t = (double)answer->t;
     if (!isfinite(twin.t_err) || !judge_in_range(judge, ray, answer->t))
         return false;
@@ -151,21 +155,21 @@ static bool settled(const struct judge *judge, const struct ray *ray,
 /* The rule: the named triangle is possible, its t is right, and no certain hit lies before it. */
 static enum status judge_certified(const struct judge *judge, const struct ray *ray,
                                    const struct oracle_answer *truth, const struct hit *answer,
-                                   struct judgement *out)
+                                   const struct judge_known *known, struct judgement *out)
 {
     bool miss = answer->prim == ABI_NO_PRIM, lost = false;
     if (truth->prim == ABI_NO_PRIM && miss)
         return STATUS_OK;
-    if (!miss && answer->prim == truth->prim && settled(judge, ray, truth, answer, out))
+    if (!miss && answer->prim == truth->prim && settled(judge, ray, truth, answer, known, out))
         return STATUS_OK;
     enum verdict named = VERDICT_RIGHT;
     if (!miss) {
-        named = out->verdict = judge_named(judge, ray, truth, answer, out);
+        named = out->verdict = judge_named(judge, ray, truth, answer, known, out);
         if (named == VERDICT_WRONG || judge->query == QUERY_ANY)
             return STATUS_OK;
     }
     double reach = miss ? (double)INFINITY : (double)answer->t;
-    enum status status = judge_lost(judge, ray, truth, reach, &lost, out);
+    enum status status = judge_lost(judge, ray, truth, reach, known, &lost, out);
     if (status || lost) {
         set_wrong(out, WRONG_MISSED);
         return status;
@@ -178,7 +182,8 @@ static enum status judge_certified(const struct judge *judge, const struct ray *
              oracle_compare(judge->oracle, ray, answer->prim, truth->prim) == 0)
         out->verdict = VERDICT_TIE;
     else
-        out->verdict = judge_why_lost(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach);
+        out->verdict =
+            judge_why_lost(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach, known);
     return STATUS_OK;
 }
 
@@ -190,13 +195,13 @@ static enum status judge_unnamed(const struct judge *judge, const struct ray *ra
     if (hit == (truth->prim != ABI_NO_PRIM))
         return STATUS_OK;
     if (!hit)
-        return judge_certified(judge, ray, truth, &(struct hit){.prim = ABI_NO_PRIM}, out);
+        return judge_certified(judge, ray, truth, &(struct hit){.prim = ABI_NO_PRIM}, NULL, out);
     if (judge->model.formula == TWIN_UNKNOWN) {
         out->verdict = VERDICT_BOUNDARY; /* nothing is known that could contradict it */
         return STATUS_OK;
     }
     for (uint32_t prim = 0; prim < judge->scene->tri_count; prim++)
-        if (judge_twin(judge, ray, prim).possible) {
+        if (judge_twin(judge, ray, prim, NULL).possible) {
             out->verdict = VERDICT_BOUNDARY;
             return STATUS_OK;
         }
@@ -204,9 +209,9 @@ static enum status judge_unnamed(const struct judge *judge, const struct ray *ra
     return STATUS_OK;
 }
 
-enum status judge_answer(const struct judge *judge, const struct ray *ray,
-                         const struct oracle_answer *truth, const struct hit *answer,
-                         struct judgement *out)
+enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool in_contract,
+                          const struct oracle_answer *truth, const struct hit *answer,
+                          const struct judge_known *known, struct judgement *out)
 {
     bool hit = answer->prim != ABI_NO_PRIM;
     bool unnamed = judge->query == QUERY_ANY && judge->model.any_unnamed;
@@ -219,7 +224,7 @@ enum status judge_answer(const struct judge *judge, const struct ray *ray,
         set_wrong(out, WRONG_PHANTOM); /* whatever the ray */
         return STATUS_OK;
     }
-    if (!judge->in_contract || !ray_in_contract(ray)) {
+    if (!judge->in_contract || !in_contract) {
         out->verdict = VERDICT_OUT_OF_CONTRACT;
         return STATUS_OK;
     }
@@ -230,10 +235,17 @@ enum status judge_answer(const struct judge *judge, const struct ray *ray,
     else if (judge->model.formula == TWIN_UNKNOWN)
         status = judge_by_distance(judge, ray, truth, answer, out);
     else
-        status = judge_certified(judge, ray, truth, answer, out);
+        status = judge_certified(judge, ray, truth, answer, known, out);
     if (status)
         *out = (struct judgement){.verdict = VERDICT_OUT_OF_CONTRACT, .expected = truth->prim};
     return status;
+}
+
+enum status judge_answer(const struct judge *judge, const struct ray *ray,
+                         const struct oracle_answer *truth, const struct hit *answer,
+                         struct judgement *out)
+{
+    return judge_knowing(judge, ray, ray_in_contract(ray), truth, answer, NULL, out);
 }
 
 void judge_any_against_closest(const struct judge *judge, const struct ray *ray,

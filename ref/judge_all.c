@@ -79,7 +79,7 @@ static void judge_listed(struct listing *l)
         struct judgement one = {.verdict = VERDICT_RIGHT};
         enum verdict verdict =
             unknown ? judge_named_by_distance(l->judge, l->ray, &nothing, &l->hit[i], &one)
-                    : judge_named(l->judge, l->ray, &nothing, &l->hit[i], &one);
+                    : judge_named(l->judge, l->ray, &nothing, &l->hit[i], NULL, &one);
         sum->over = fmax(sum->over, one.over);
         sum->displacement = fmax(sum->displacement, one.displacement);
         if (verdict == VERDICT_WRONG)
@@ -135,13 +135,13 @@ static enum status left_out(struct listing *l, const struct oracle_crossing *cro
     const struct oracle_pair *pair = &crossing->pair;
     bool lost = false;
     enum status status = judge_cannot_miss(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
-                                           (double)INFINITY, &l->found, &lost);
+                                           (double)INFINITY, &l->found, NULL, &lost);
     if (lost) {
         wrong(l, WRONG_MISSED, &no_hit);
         expect(l, crossing->prim, pair->t_lo, pair->t_hi);
     } else {
         need(l, judge_why_lost(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
-                               (double)INFINITY));
+                               (double)INFINITY, NULL));
     }
     return status;
 }

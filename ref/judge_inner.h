@@ -36,7 +36,22 @@ struct judge {
  * proven: for formulas that have none either. */
 double judge_plane_t(const struct ray *ray, float v[3][3]);
 
-struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim);
+/* Twins of one ray that were computed before, with many others. */
+#define JUDGE_KNOWN_MOST 2
+struct judge_known {
+    uint32_t prim[JUDGE_KNOWN_MOST];
+    struct twin twin[JUDGE_KNOWN_MOST];
+    size_t count;
+};
+
+/* `known` may be NULL. */
+struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                       const struct judge_known *known);
+
+/* As judge_answer, in_contract being that of the ray. */
+enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool in_contract,
+                          const struct oracle_answer *truth, const struct hit *answer,
+                          const struct judge_known *known, struct judgement *out);
 
 /* Error of t over its bound, given that the exact t lies in [lo, hi]. */
 double judge_over(double t, double lo, double hi, double bound);
@@ -51,7 +66,7 @@ bool judge_in_range(const struct judge *judge, const struct ray *ray, float t);
  * out->wrong set. Sets out->over. */
 enum verdict judge_named(const struct judge *judge, const struct ray *ray,
                          const struct oracle_answer *truth, const struct hit *answer,
-                         struct judgement *out);
+                         const struct judge_known *known, struct judgement *out);
 
 /* u and v within the twin's bounds? */
 bool judge_barycentrics(const struct twin *twin, const struct hit *answer);
@@ -76,17 +91,19 @@ const struct judge_slot *judge_find(const struct judge_found *found, uint32_t pr
  * Errors: STATUS_MEMORY. */
 enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
                               double t_lo, double t_hi, double reach,
-                              const struct judge_found *found, bool *lost);
+                              const struct judge_found *found, const struct judge_known *known,
+                              bool *lost);
 
 /* Looks for a hit that cannot be missed clearly nearer than `reach` (INFINITY: a miss was
  * answered); then *lost is true and `out` names it. */
 enum status judge_lost(const struct judge *judge, const struct ray *ray,
-                       const struct oracle_answer *truth, double reach, bool *lost,
-                       struct judgement *out);
+                       const struct oracle_answer *truth, double reach,
+                       const struct judge_known *known, bool *lost, struct judgement *out);
 
 /* Why the exact hit of `prim`, which was not answered, could be lost. */
 enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray, uint32_t prim,
-                            double t_lo, double t_hi, double reach);
+                            double t_lo, double t_hi, double reach,
+                            const struct judge_known *known);
 
 /* --- judge_fan.c --- */
 

@@ -58,9 +58,10 @@ const struct judge_slot *judge_find(const struct judge_found *found, uint32_t pr
  * another E (README, "Box tests"): so up to t + 2 E nothing was lost. */
 enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
                               double t_lo, double t_hi, double reach,
-                              const struct judge_found *found, bool *lost)
+                              const struct judge_found *found, const struct judge_known *known,
+                              bool *lost)
 {
-    struct twin twin = judge_twin(judge, ray, prim);
+    struct twin twin = judge_twin(judge, ray, prim, known);
     double limit = t_hi + 2.0 * twin.t_err;
     *lost = false;
     if (!(t_lo > LEAST_T) || !(reach > t_hi))
@@ -87,20 +88,35 @@ static bool is_hit(enum oracle_class class)
     return class == ORACLE_INSIDE || class == ORACLE_EDGE || class == ORACLE_VERTEX;
 }
 
+#define TOGETHER 8u /* twins computed together */
+
+static void know(const struct judge *judge, const struct ray *ray,
+                 const struct oracle_crossing *crossing, size_t count, struct twin *out)
+{
+    struct twin_pair pair[TOGETHER];
+    for (size_t i = 0; i < count; i++)
+        pair[i] = (struct twin_pair){ray, crossing[i].prim};
+    twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, count, out);
+}
+
 /* Asks every exact hit before `reach`, nearest first. */
 static enum status ask_all(const struct judge *judge, const struct ray *ray, double reach,
                            bool *lost, struct judgement *out)
 {
     struct oracle_crossing *list = NULL;
     size_t capacity = 0, count = 0;
+    struct twin twin[TOGETHER];
     enum status status =
         oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
     for (size_t i = 0; i < count && status == STATUS_OK && !*lost; i++) {
         const struct oracle_pair *pair = &list[i].pair;
+        if (i % TOGETHER == 0)
+            know(judge, ray, list + i, count - i < TOGETHER ? count - i : TOGETHER, twin);
         if (!is_hit(pair->class))
             continue;
-        status =
-            judge_cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, NULL, lost);
+        const struct judge_known known = {{list[i].prim}, {twin[i % TOGETHER]}, 1};
+        status = judge_cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, NULL,
+                                   &known, lost);
         if (*lost) {
             out->expected = list[i].prim;
             out->t_lo = pair->t_lo;
@@ -112,23 +128,23 @@ static enum status ask_all(const struct judge *judge, const struct ray *ray, dou
 }
 
 enum status judge_lost(const struct judge *judge, const struct ray *ray,
-                       const struct oracle_answer *truth, double reach, bool *lost,
-                       struct judgement *out)
+                       const struct oracle_answer *truth, double reach,
+                       const struct judge_known *known, bool *lost, struct judgement *out)
 {
     *lost = false;
     if (truth->prim == ABI_NO_PRIM || !(reach > truth->t_hi))
         return STATUS_OK;
-    enum status status =
-        judge_cannot_miss(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach, NULL, lost);
+    enum status status = judge_cannot_miss(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach,
+                                           NULL, known, lost);
     if (status || *lost || (truth->tie_count == 1 && !(reach > truth->t_next)))
         return status;
     return ask_all(judge, ray, reach, lost, out);
 }
 
 enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray, uint32_t prim,
-                            double t_lo, double t_hi, double reach)
+                            double t_lo, double t_hi, double reach, const struct judge_known *known)
 {
-    struct twin twin = judge_twin(judge, ray, prim);
+    struct twin twin = judge_twin(judge, ray, prim, known);
     if (isfinite(twin.t_err) && reach <= t_hi + 2.0 * twin.t_err)
         return VERDICT_NEAR_TIE;
     bool open = twin.det == 0;

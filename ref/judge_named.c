@@ -65,11 +65,11 @@ static enum verdict wrong(struct judgement *out, enum wrong kind)
 
 enum verdict judge_named(const struct judge *judge, const struct ray *ray,
                          const struct oracle_answer *truth, const struct hit *answer,
-                         struct judgement *out)
+                         const struct judge_known *known, struct judgement *out)
 {
     float v[3][3];
     struct oracle_pair pair;
-    struct twin twin = judge_twin(judge, ray, answer->prim);
+    struct twin twin = judge_twin(judge, ray, answer->prim, known);
     double t = (double)answer->t;
     scene_tri(judge->scene, answer->prim, v);
     if (!twin.possible)

@@ -51,6 +51,8 @@
 #define MUTANT_EARLY_BESIDE   105 /* the same of the filter that looks for triangles on one side */
 #define MUTANT_FACE_FORGOT    106 /* two hits of triangles with a vertex in common have the same t */
 #define MUTANT_MEDIUM_SIGN    107 /* a product of middling integers is right of positive ones only */
+#define MUTANT_OTHER_TWIN     108 /* a judge of many takes the twin of another triangle */
+#define MUTANT_LANE_SLIPPED   109 /* twins by vectors are all concluded with the first ray */
 #define MUTANT_NEVER_EXPIRES  112 /* an entry of the baseline excuses for ever */
 #define MUTANT_EXPORT_NO_RAYS 115 /* export: the push constants say that there is no ray */
 #define MUTANT_EXPORT_EXACT   116 /* export: only the exact numbers are right, to the bit */

@@ -11,6 +11,7 @@
 
 #include "ref/model.h"
 #include "ref/primitives/primitives.h"
+#include "ref/scene.h"
 
 #include <stdbool.h>
 
@@ -37,5 +38,22 @@ enum twin_formula twin_of_tri(uint32_t id);
  * least 1. */
 struct twin twin_eval(enum twin_formula formula, struct rounding rounding, const struct ray *ray,
                       float v[3][3]);
+
+/* A ray and a triangle of a scene. */
+struct twin_pair {
+    const struct ray *ray;
+    uint32_t prim;
+};
+
+/* Evaluates many, the same twins as twin_eval of each but t, u and v, which may be NaN: by vectors
+ * of the widest kind that runs here, several times as fast. */
+void twin_eval_many(enum twin_formula formula, struct rounding rounding, const struct scene *scene,
+                    const struct twin_pair *pair, size_t count, struct twin *out);
+
+/* The same by a kind of vectors, for tests. */
+struct twin_kernel;
+void twin_eval_by(const struct twin_kernel *kernel, enum twin_formula formula,
+                  struct rounding rounding, const struct scene *scene, const struct twin_pair *pair,
+                  size_t count, struct twin *out);
 
 #endif

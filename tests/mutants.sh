@@ -145,6 +145,8 @@ in_test NEAR_ROUNDED ref/twin.c test_bounds_judge
 in_test OPERAND_KEPT ref/twin.c test_bounds
 in_test FILTER_BOUND ref/oracle/filter.c test_bounds_oracle
 in_test EARLY_BOUND ref/oracle/early.c test_bounds_oracle
+in_test LANE_SLIPPED ref/twin.c test_twin_many
+in_test OTHER_TWIN ref/judge.c test_judge_many
 in_test FAN_OFF ref/judge.c test_judge_fan
 in_test NOT_CERTAIN ref/judge_lost.c test_judge
 in_test HUGE_BOUND ref/judge.c test_judge

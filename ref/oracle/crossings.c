@@ -17,7 +17,9 @@ static int compare(const struct oracle *oracle, const struct ray *ray,
         return -1;
     struct exact one, two;
     float v[3][3];
-    int sign = 0;
+    int sign = 0, by_prim = (a->prim > b->prim) - (a->prim < b->prim);
+    if (a_hit && b_hit && pair_same_face(oracle->scene, a->prim, &a->pair, b->prim, &b->pair))
+        return by_prim;
     if (a_hit) {
         scene_tri(oracle->scene, a->prim, v);
         exact_pair(ray, v, true, &one);
@@ -32,7 +34,7 @@ static int compare(const struct oracle *oracle, const struct ray *ray,
         sign = fraction_compare_double(&one.t, b->pair.t_lo);
     else if (b_hit)
         sign = -fraction_compare_double(&two.t, a->pair.t_lo);
-    return sign ? sign : (a->prim > b->prim) - (a->prim < b->prim);
+    return sign ? sign : by_prim;
 }
 
 /* By insertion: lists are short, and nearly in order where a tree found them. */

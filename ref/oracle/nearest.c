@@ -40,33 +40,6 @@ static void join_set(struct nearest *nearest, uint32_t prim, const struct decide
     }
 }
 
-/* Whether both hits lie inside the same face: the triangle, an edge or a vertex that they share,
- * being the vertices whose w is not 0. The line meets each of them in one point, since no D is 0:
- * then it is the same, and so is t. */
-static bool same_face(const struct scene *scene, uint32_t a, const struct oracle_pair *at_a,
-                      uint32_t b, const struct oracle_pair *at_b)
-{
-    float v[3][3], w[3][3];
-    if (at_a->class != at_b->class)
-        return false;
-    scene_tri(scene, a, v);
-    scene_tri(scene, b, w);
-    for (int i = 0; i < 3; i++) {
-        bool shared = at_a->edge[i] == 0;
-        for (int j = 0; j < 3 && !shared; j++)
-            shared = at_b->edge[j] != 0 && v[i][0] == w[j][0] && v[i][1] == w[j][1] &&
-                     v[i][2] == w[j][2];
-#if MUTANT == MUTANT_FACE_FORGOT
-        if (shared && at_a->edge[i] != 0)
-            return true;
-#else
-        if (!shared)
-            return false;
-#endif
-    }
-    return true;
-}
-
 /* Sign of the hit's t less the set's, exactly. */
 static int order(struct nearest *nearest, const struct scene *scene, const struct ray *ray,
                  uint32_t prim, struct decided *hit)
@@ -75,7 +48,7 @@ static int order(struct nearest *nearest, const struct scene *scene, const struc
         return 1;
     if (hit->pair.t_hi < nearest->rep.pair.t_lo)
         return -1;
-    if (same_face(scene, prim, &hit->pair, nearest->rep_prim, &nearest->rep.pair))
+    if (pair_same_face(scene, prim, &hit->pair, nearest->rep_prim, &nearest->rep.pair))
         return 0;
     return fraction_compare(pair_t(scene, ray, prim, hit),
                             pair_t(scene, ray, nearest->rep_prim, &nearest->rep));

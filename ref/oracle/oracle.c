@@ -104,9 +104,10 @@ int oracle_compare(const struct oracle *oracle, const struct ray *ray, uint32_t 
     __auto_type saved = environment_enter();
     pair_decide(oracle->scene, oracle->flat[a], ray, a, PAIR_FULL, &one, &unused);
     pair_decide(oracle->scene, oracle->flat[b], ray, b, PAIR_FULL, &two, &unused);
-    int sign = one.pair.t_lo > two.pair.t_hi ? 1
-               : one.pair.t_hi < two.pair.t_lo
-                   ? -1
+    int sign = one.pair.t_lo > two.pair.t_hi   ? 1
+               : one.pair.t_hi < two.pair.t_lo ? -1
+               : pair_same_face(oracle->scene, a, &one.pair, b, &two.pair)
+                   ? 0
                    : fraction_compare(pair_t(oracle->scene, ray, a, &one),
                                       pair_t(oracle->scene, ray, b, &two));
     environment_leave(saved);

@@ -182,3 +182,27 @@ const struct fraction *pair_t(const struct scene *scene, const struct ray *ray, 
     }
     return &hit->exact.t;
 }
+
+bool pair_same_face(const struct scene *scene, uint32_t a, const struct oracle_pair *at_a,
+                    uint32_t b, const struct oracle_pair *at_b)
+{
+    float v[3][3], w[3][3];
+    if (at_a->class != at_b->class)
+        return false;
+    scene_tri(scene, a, v);
+    scene_tri(scene, b, w);
+    for (int i = 0; i < 3; i++) {
+        bool shared = at_a->edge[i] == 0;
+        for (int j = 0; j < 3 && !shared; j++)
+            shared = at_b->edge[j] != 0 && v[i][0] == w[j][0] && v[i][1] == w[j][1] &&
+                     v[i][2] == w[j][2];
+#if MUTANT == MUTANT_FACE_FORGOT
+        if (shared && at_a->edge[i] != 0)
+            return true;
+#else
+        if (!shared)
+            return false;
+#endif
+    }
+    return true;
+}

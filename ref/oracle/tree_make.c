@@ -1,5 +1,7 @@
 #include "ref/oracle/tree.h"
 
+#include "ref/oracle/early.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -17,6 +19,7 @@ struct part {
 struct build {
     struct part *part;
     struct tree *tree;
+    uint32_t leaf; /* triangles of one, at most */
 };
 
 /* In double, since the sides may be as long as 2^129. */
@@ -123,7 +126,7 @@ static void make_child(const struct build *build, uint32_t at, int side, uint32_
         tree->node[at].lo[k][side] = box.lo[k];
         tree->node[at].hi[k][side] = box.hi[k];
     }
-    bool leaf = count <= TREE_LEAF;
+    bool leaf = count <= build->leaf;
     tree->node[at].child[side] = leaf ? first : tree->node_count;
     tree->node[at].count[side] = leaf ? count : 0;
     if (!leaf)
@@ -133,7 +136,7 @@ static void make_child(const struct build *build, uint32_t at, int side, uint32_
 static void make_node(const struct build *build, uint32_t at, uint32_t first, uint32_t count,
                       unsigned depth)
 {
-    uint32_t left = count <= TREE_LEAF ? count : partition(build->part + first, count, depth);
+    uint32_t left = count <= build->leaf ? count : partition(build->part + first, count, depth);
     make_child(build, at, 0, first, left, depth);
     make_child(build, at, 1, first + left, count - left, depth);
 }
@@ -141,7 +144,9 @@ static void make_node(const struct build *build, uint32_t at, uint32_t first, ui
 enum status tree_make(const struct scene *scene, struct tree *out, struct reason *reason)
 {
     uint32_t count = scene->tri_count;
-    struct build build = {alloc_zeroed(count, sizeof *build.part), out};
+    /* So few are looked at in less time than a tree of them is made in. */
+    uint32_t leaf = count <= EARLY_MOST ? EARLY_MOST : TREE_LEAF;
+    struct build build = {alloc_zeroed(count, sizeof *build.part), out, leaf};
     /* Inner nodes are one fewer than leaves, and each node but the root has two leaves or more
      * below it. */
     *out = (struct tree){.node = alloc_zeroed((size_t)count + 1, sizeof *out->node),
