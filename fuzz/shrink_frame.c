@@ -110,7 +110,9 @@ static uint32_t aimed(const struct fuzz_trial *trial)
 }
 
 #define FEATURES 16 /* corners, middles of edges, points inside */
-#define WAYS     6  /* along the axes, both ways */
+/* Ways to come: along an axis, with length 1 or that of before; as before; the same with powers of
+ * two. */
+enum { UNIT_WAYS = 6, OWN_WAY = 2 * UNIT_WAYS, ROUND_WAY, WAYS };
 
 /* Weights of the corners: a feature has three, and one of them turned twice is the next. */
 static void feature(uint32_t i, float w[3])
@@ -126,19 +128,43 @@ static void feature(uint32_t i, float w[3])
         w[(k + i) % 3] = kinds[i / 3][k];
 }
 
-/* A ray along an axis from 1 in front of a feature of the triangle. */
+/* The power of two below its largest component. */
+static float length_of(const float dir[3])
+{
+    float most = 0;
+    for (int k = 0; k < 3; k++) {
+        float size = dir[k] < 0 ? -dir[k] : dir[k];
+        most = size > most ? size : most;
+    }
+    return shrink_scaled(1.0f, shrink_exponent(most));
+}
+
+/* Sets the ray's direction, and in step[] how far in front it begins. */
+static void turn(struct ray *ray, uint32_t way, float step[3])
+{
+    float sign = way % 2 ? -1.0f : 1.0f, length = way < UNIT_WAYS ? 1.0f : length_of(ray->dir);
+    for (uint32_t k = 0; k < 3; k++) {
+        bool along = k == way % UNIT_WAYS / 2;
+        if (way == ROUND_WAY && ray->dir[k] != 0)
+            ray->dir[k] = (ray->dir[k] < 0 ? -1.0f : 1.0f) *
+                          shrink_scaled(1.0f, shrink_exponent(ray->dir[k]));
+        else if (way < OWN_WAY)
+            ray->dir[k] = along ? sign * length : 0.0f;
+        step[k] = way >= OWN_WAY ? ray->dir[k] : along ? sign : 0.0f;
+    }
+}
+
+/* A plainer ray that begins in front of a feature of the triangle and goes there. */
 static bool change_aim(struct fuzz_trial *trial, uint32_t first, uint32_t count, uint32_t variant)
 {
-    uint32_t axis = variant % WAYS / 2;
     struct ray *ray = &trial->ray[0];
-    float v[3][3], w[3];
+    float v[3][3], w[3], step[3];
     (void)count;
     feature(variant / WAYS, w);
+    turn(ray, variant % WAYS, step);
     scene_tri(&trial->scene, first, v);
-    for (uint32_t k = 0; k < 3; k++) {
-        ray->dir[k] = k != axis ? 0.0f : variant % 2 ? -1.0f : 1.0f;
-        ray->org[k] = (w[0] * v[0][k] + w[1] * v[1][k]) + w[2] * v[2][k] - ray->dir[k];
-    }
+    for (uint32_t k = 0; k < 3; k++)
+        ray->org[k] = (w[0] * v[0][k] + w[1] * v[1][k]) + w[2] * v[2][k] - step[k];
     ray->tmin = 0;
     ray->tmax = float_from_bits(0x7F800000u);
     return true;
