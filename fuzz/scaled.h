@@ -1,14 +1,15 @@
-/* The same question at another scale. Scaling scene, origin and direction by a power of two changes
- * no bit of a mantissa, no t and no truth: an engine that is wrong at one scale alone has a
- * constant that does not scale, or underflows. That can be asked of any engine, also of one whose
- * inside cannot be seen. */
+/* The same question at another scale. Scaling scene and origin by a power of two, and the direction
+ * by another, changes no bit of a mantissa, every t by a power of two, and no truth: an engine that
+ * is wrong at one scale alone has a constant that does not scale, or underflows. That can be asked
+ * of any engine, also of one whose inside cannot be seen. */
 #ifndef FUZZ_SCALED_H
 #define FUZZ_SCALED_H
 
 #include "fuzz/trial.h"
 
-/* The trial with ray `ray` alone, scaled up as far as rays and scenes are answered for (2^40).
- * *possible: whether that is another trial: it was smaller, and finite. Else *out is zero.
+/* The trial with ray `ray` alone, scaled up as far as rays and scenes are answered for (2^40), its
+ * range likewise; a tmax beyond the largest float becomes infinite.
+ * *possible: whether that is another trial, of a ray in contract. Else *out is zero.
  * Errors: STATUS_MEMORY. */
 enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray, struct fuzz_trial *out,
                               bool *possible, struct reason *reason) MUST_USE;

@@ -14,7 +14,9 @@
 #include <stdlib.h>
 
 struct triangle {
-    double v[3][3]; /* relative to the ray's origin */
+    double v[3][3];    /* relative to the ray's origin */
+    double side[3][3]; /* from vertex c to the next: not the difference of the above, which of a
+                          small triangle far away is less than the rounding of a double */
     double d[3];
     double unit; /* u * max |v| */
 };
@@ -27,6 +29,7 @@ static struct triangle triangle_of(const struct ray *ray, float v[3][3])
         t.d[k] = (double)ray->dir[k];
         for (int c = 0; c < 3; c++) {
             t.v[c][k] = (double)v[c][k] - (double)ray->org[k];
+            t.side[c][k] = (double)v[(c + 1) % 3][k] - (double)v[c][k];
             most = fmax(most, fabs(t.v[c][k]));
         }
     }
@@ -51,11 +54,16 @@ static void cross(const double a[3], const double b[3], double out[3])
         out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* Distance of p to the segment a b. */
-static double to_segment(const double p[3], const double a[3], const double b[3])
+/* Across the triangle's plane; its length is twice the area. */
+static void normal_of(const struct triangle *t, double out[3])
 {
-    double ab[3], ap[3], rest[3];
-    sub(b, a, ab);
+    cross(t->side[2], t->side[0], out);
+}
+
+/* Distance of p to the segment from a along ab. */
+static double to_segment(const double p[3], const double a[3], const double ab[3])
+{
+    double ap[3], rest[3];
     sub(p, a, ap);
     double length = dot(ab, ab), s = length > 0.0 ? dot(ap, ab) / length : 0.0;
     s = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
@@ -67,19 +75,15 @@ static double to_segment(const double p[3], const double a[3], const double b[3]
 /* Distance of p to the triangle: to its plane above the triangle, else to the nearest edge. */
 static double to_triangle(const double p[3], const struct triangle *t)
 {
-    double ab[3], ac[3], n[3], ap[3], side[3], least = INFINITY;
+    double n[3], ap[3], beside[3], least = INFINITY;
     bool above = true;
-    sub(t->v[1], t->v[0], ab);
-    sub(t->v[2], t->v[0], ac);
-    cross(ab, ac, n);
+    normal_of(t, n);
     double area = sqrt(dot(n, n));
     for (int c = 0; c < 3; c++) {
-        const double *a = t->v[c], *b = t->v[(c + 1) % 3];
-        least = fmin(least, to_segment(p, a, b));
-        sub(b, a, ab);
-        sub(p, a, ap);
-        cross(ab, ap, side);
-        above = above && dot(side, n) >= 0.0;
+        least = fmin(least, to_segment(p, t->v[c], t->side[c]));
+        sub(p, t->v[c], ap);
+        cross(t->side[c], ap, beside);
+        above = above && dot(beside, n) >= 0.0;
     }
     if (!above || !(area > 0.0))
         return least;
@@ -90,10 +94,8 @@ static double to_triangle(const double p[3], const struct triangle *t)
 /* Distance of the ray's point at t to the triangle's plane. */
 static double to_plane(double t, const struct triangle *tri)
 {
-    double ab[3], ac[3], n[3], p[3];
-    sub(tri->v[1], tri->v[0], ab);
-    sub(tri->v[2], tri->v[0], ac);
-    cross(ab, ac, n);
+    double n[3], p[3];
+    normal_of(tri, n);
     for (int k = 0; k < 3; k++)
         p[k] = t * tri->d[k] - tri->v[0][k];
     double area = sqrt(dot(n, n));
@@ -104,11 +106,10 @@ void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3])
 {
     struct triangle t = triangle_of(ray, v);
     for (int c = 0; c < 3; c++) {
-        const double *a = t.v[(c + 1) % 3], *b = t.v[(c + 2) % 3];
-        double n[3], e[3], across[3];
-        cross(a, b, n);
-        sub(b, a, e);
-        cross(t.d, e, across);
+        const double *side = t.side[(c + 1) % 3];
+        double n[3], across[3];
+        cross(t.v[(c + 1) % 3], side, n);
+        cross(t.d, side, across);
         double length = sqrt(dot(across, across));
         out[c] = length > 0.0 ? dot(t.d, n) / length / t.unit : 0.0;
     }
@@ -117,10 +118,8 @@ void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3])
 double judge_unit_of_t(const struct ray *ray, float v[3][3])
 {
     struct triangle t = triangle_of(ray, v);
-    double ab[3], ac[3], n[3];
-    sub(t.v[1], t.v[0], ab);
-    sub(t.v[2], t.v[0], ac);
-    cross(ab, ac, n);
+    double n[3];
+    normal_of(&t, n);
     return t.unit * sqrt(dot(n, n)) / fabs(dot(t.d, n));
 }
 

@@ -148,31 +148,49 @@ static void a_cause_is_found_by_asking_again(void **state)
     }
 }
 
-/* Only exponents change, all alike; what cannot be scaled up is left. */
+/* Only exponents change: of positions alike, of the direction alike, of the range what follows. */
 static void a_scaled_trial_is_the_same_question(void **state)
 {
     (void)state;
-    struct fuzz_trial trial = one_triangle(0x1.8p-140f), scaled;
-    struct reason reason;
-    bool possible;
-    trial.ray[0].dir[2] = 1;
-    assert_int_equal(fuzz_trial_scaled(&trial, 0, &scaled, &possible, &reason), STATUS_OK);
-    assert_true(possible);
-    assert_int_equal(scaled.ray_count, 1);
-    float up = scaled.ray[0].dir[2];
-    assert_true(up == 0x1p38f && scaled.ray[0].tmax == 1000.0f);
-    for (int k = 0; k < 9; k++)
-        assert_true((double)scaled.scene.vertex[k] == (double)trial.scene.vertex[k] * (double)up);
-    assert_true(fuzz_trial_check(&scaled, &reason) == STATUS_OK);
-    fuzz_trial_free(&scaled);
-    static const float no[] = {0x1p39f, 0x1p41f, INFINITY, NAN};
-    for (size_t i = 0; i < ARRAY_COUNT(no); i++) {
-        trial.ray[0].org[0] = no[i];
+    static const struct {
+        float size, direction, tmin, tmax;
+        int positions, directions;
+        bool possible;
+    } cases[] = {
+        {0x1.8p-140f, 1, 0, 1000, 178, 38, true},        /* tmax becomes infinite */
+        {1, 0x1p-20f, 0.75f, 1000, 38, 58, true},        /* tmin 0.75 * 2^-20 */
+        {0x1p20f, 0x1p-39f, 0x1p-140f, 1, 18, 18, true}, /* 2^-59 of tmin would be 0 */
+        {0x1p39f, 1, 0, 1, 0, 38, true},
+        {0x1p39f, 0x1p39f, 0, 1, 0, 0, false},
+        {0x1p41f, 1, 0, 1, 0, 0, false},
+        {INFINITY, 1, 0, 1, 0, 0, false},
+        {1, NAN, 0, 1, 0, 0, false},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
+        struct fuzz_trial trial = one_triangle(cases[i].size), scaled;
+        struct ray *ray = &trial.ray[0];
+        struct reason reason;
+        bool possible;
+        *ray = (struct ray){
+            {cases[i].size, 0, 0}, cases[i].tmin, {0, 0, cases[i].direction}, cases[i].tmax};
         assert_int_equal(fuzz_trial_scaled(&trial, 0, &scaled, &possible, &reason), STATUS_OK);
-        assert_false(possible);
-        assert_null(scaled.ray);
+        assert_int_equal(possible, cases[i].possible);
+        if (possible) {
+            int positions = cases[i].positions, directions = cases[i].directions;
+            assert_int_equal(scaled.ray_count, 1);
+            for (int k = 0; k < 9; k++)
+                assert_true(scaled.scene.vertex[k] == ldexpf(trial.scene.vertex[k], positions));
+            assert_true(scaled.ray[0].org[0] == ldexpf(ray->org[0], positions));
+            assert_true(scaled.ray[0].dir[2] == ldexpf(ray->dir[2], directions));
+            assert_true(scaled.ray[0].tmin == ldexpf(ray->tmin, positions - directions));
+            assert_true(scaled.ray[0].tmax == ldexpf(ray->tmax, positions - directions));
+            assert_int_equal(fuzz_trial_check(&scaled, &reason), STATUS_OK);
+        } else {
+            assert_null(scaled.ray);
+        }
+        fuzz_trial_free(&scaled);
+        fuzz_trial_free(&trial);
     }
-    fuzz_trial_free(&trial);
 }
 
 int main(void)

@@ -204,6 +204,42 @@ static void the_worst_of_several_needs_counts(void **state)
     court_close(c);
 }
 
+/* A triangle about the world's origin, seen from afar: whatever its size, it can be lost by no less
+ * than moving it aside, and by no more than its size. */
+static void small_triangles_far_away_are_lost_for_less_than_their_size(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(7, 0);
+    size_t hits = 0;
+    for (int exponent = -70; exponent <= -6; exponent++)
+        for (int i = 0; i < 20; i++) {
+            struct scene scene;
+            struct ray ray = {.tmax = 1e30f};
+            assert_int_equal(scene_make(3, 1, &scene), STATUS_OK);
+            for (uint32_t k = 0; k < 3; k++) {
+                int a = (int)rng_below(&rng, 65) - 32, b = (int)rng_below(&rng, 65) - 32;
+                scene.vertex[k] = ldexpf((float)a, exponent - 5);
+                scene.vertex[3 + k] = ldexpf((float)b, exponent - 5);
+                scene.vertex[6 + k] = ldexpf((float)(-a - b), exponent - 5);
+                scene.index[k] = k;
+                ray.org[k] = rng_range(&rng, 2, 8);
+                ray.dir[k] = -ray.org[k];
+            }
+            struct court *c = court_of(scene);
+            court_seat(c, unknown, QUERY_CLOSEST);
+            court_ask(c, ray);
+            if (c->truth.prim == 0) {
+                hits++;
+                enum verdict lost = verdict(c, a_miss());
+                assert_true(c->judgement.displacement <= ldexp(4.0, exponent + 24));
+                if (exponent < -19) /* 256 u of 3.4 and more are above 2^-15 */
+                    assert_int_equal(lost, VERDICT_BOUNDARY);
+            }
+            court_close(c);
+        }
+    assert_true(hits > 1000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -212,6 +248,7 @@ int main(void)
         cmocka_unit_test(a_hit_needs_its_distance_to_the_triangle),
         cmocka_unit_test(a_lost_hit_needs_its_nearest_way_out),
         cmocka_unit_test(the_worst_of_several_needs_counts),
+        cmocka_unit_test(small_triangles_far_away_are_lost_for_less_than_their_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,7 +19,8 @@ static bool is_known(const struct judged *judged)
     case TWIN_UNKNOWN:
         return false;
     }
-    return judged->from.job->packed != NULL || strcmp(judged->from.engine->name, "brute") == 0;
+    return judged->from.job->packed != NULL || strcmp(judged->from.engine->name, "brute") == 0 ||
+           strcmp(judged->from.engine->name, "vulkan_brute") == 0;
 }
 
 enum status judged_make(const struct judged_job *from, struct judged *out, struct reason *reason)
