@@ -84,8 +84,13 @@ void min_print(const struct min_row *row)
     finding_text(row, text, sizeof text);
     if (text[0])
         printf("  shows    ray %u %s\n", row->stats.finding.ray, text);
-    printf("  cause    %s: %s\n", cause_name(row->file.signature.cause),
-           cause_text(row->file.signature.cause));
+    if (row->file.signature.kind == FUZZ_KIND_CRASH)
+        puts("  shows    the engine's process ends");
+    else if (row->file.signature.kind == FUZZ_KIND_HANG)
+        puts("  shows    the engine does not answer in time");
+    else
+        printf("  cause    %s: %s\n", cause_name(row->file.signature.cause),
+               cause_text(row->file.signature.cause));
     printf("  wrote    %s\n", row->written[0] ? row->written : "nothing: it is the smallest");
     print_replay(row);
 }
