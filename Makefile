@@ -52,7 +52,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
-        lint fuzz-load truth leaks bounds parallel-check slurm-check
+        lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -123,6 +123,7 @@ truth:
 
 include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
 include mutants.mk # planted, selftest
+include fuzz/fire/fire.mk # files under fire
 
 # Parts of the C programs that `raydiff export` writes, as text. They are read as they are, never
 # compiled here.
@@ -213,18 +214,26 @@ validate-gpu-check:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
 	@RAYDIFF_VALIDATE=gpu sh tests/run.sh $(B) watch
 
-# The readers under libFuzzer; a crash leaves its input behind, and so does an allocation far beyond
-# the input's size. Needs clang.
-FUZZ_FLAGS := -std=c17 -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all
-fuzz-load: $(B)/gen/counts.h $(GEN_SRC)
+# Every reader under libFuzzer, one after the other, TIME seconds each: a crash, a leak, a hang, or an
+# allocation far beyond the input's size ends it with exit code 1. ENTRY='obj ply' chooses.
+fuzz-files:
 	@sh .ci/deps.sh deep
-	@mkdir -p $(B)/fuzz/load
-	clang $(CPPFLAGS) $(FUZZ_FLAGS) $(FP) -fopenmp -o $(B)/fuzz/fuzz_load fuzz/fuzz_load.c \
-	    $(LIB_SRC) $(GEN_SRC) $(LDLIBS)
-	for file in fuzz/corpus/*.trial; do \
-	    { printf '\003'; cat $$file; } >$(B)/fuzz/load/$$(basename $$file); done
-	cd $(B)/fuzz && ./fuzz_load load -max_total_time=$(or $(SECONDS),30) -max_len=4096 \
-	    -malloc_limit_mb=1 -error_exitcode=1 -print_final_stats=1 $(ARGS)
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/fire/seeds
+	@$(MAKE) --no-print-directory -s -j$(JOBS) FIRE_OUT=$(OUT)/fire-libfuzzer fire-engine
+	@sh fuzz/fire/run.sh $(OUT)/fire-libfuzzer $(B)/fire/seeds $(or $(TIME),60) $(or $(ENTRY),$(FIRE_NAMES))
+
+# The same under AFL++ (Debian package afl++).
+fuzz-afl:
+	@command -v afl-fuzz >/dev/null || { echo "afl-fuzz is missing: apt-get install afl++"; exit 77; }
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/fire/seeds
+	@$(MAKE) --no-print-directory -s -j$(JOBS) FIRE_OUT=$(OUT)/fire-afl FIRE_CC=afl-clang-fast \
+	    FIRE_FLAGS='-g -O2 -fsanitize=undefined -fno-sanitize-recover=all' fire-engine
+	@sh fuzz/fire/afl.sh $(OUT)/fire-afl $(B)/fire/seeds $(or $(TIME),60) $(or $(ENTRY),$(FIRE_NAMES))
+
+# The script for OSS-Fuzz, with what is on this machine in place of its image.
+fuzz-oss:
+	@sh .ci/deps.sh deep
+	@sh tests/oss_fuzz.sh $(OUT)/oss-fuzz
 
 # Every rounding constant tightened until something breaks; CONTRIBUTING.md has what it prints.
 bounds:

@@ -268,9 +268,10 @@ int cmd_judge(int argc, char **argv)
 }
 
 /* Makes scene and rays again from what the answer says of its request. */
-static enum status make_again(struct judging *j, const struct pipe_from *from,
+static enum status make_again(struct judging *j, const struct pipe_text *look,
                               struct reason *reason)
 {
+    const struct pipe_from *from = &look->from;
     const struct ray_set *set = ray_set_find(from->rays);
     if (from->spec[0] == '\0')
         return fail(reason, STATUS_INPUT,
@@ -278,6 +279,12 @@ static enum status make_again(struct judging *j, const struct pipe_from *from,
                     "which raydiff gen writes");
     if (!set || from->count < 1 || from->count > 1u << 30)
         return fail(reason, STATUS_INPUT, "standard input: 'from' names no ray set of any count");
+    if (look->refused[0])
+        return fail(reason, STATUS_DEVICE, "standard input: the tracer refused: %s", look->refused);
+    if (look->hit_count < from->count) /* before so many rays are made */
+        return fail(reason, STATUS_INPUT,
+                    "standard input:%" PRIu64 ": ends after %zu of %" PRIu64 " answers",
+                    look->last_line, look->hit_count, from->count);
     j->ray_name = set->name;
     j->spec = from->spec;
     j->seed = from->seed;
@@ -311,7 +318,7 @@ static enum status read_piped(struct judging *j, struct pipe_text *look, struct 
         return status;
     status = pipe_text_parse("standard input", bytes, size, &limits, look, reason);
     if (!status)
-        status = make_again(j, &look->from, reason);
+        status = make_again(j, look, reason);
     if (!status) /* once more, now that is known what may be in it */
         status = parse_answer(j, "standard input", bytes, size, reason);
     free(bytes);

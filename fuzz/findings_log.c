@@ -4,6 +4,7 @@
 #include "fuzz/findings_inner.h"
 
 #include "ref/explain/ray_text.h"
+#include "ref/json_text.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -228,6 +229,8 @@ static enum status read_line(const struct log_line *line, const char *text, size
 {
     json_error_t error;
     struct findings_line finding = {.text = text, .length = length};
+    if (!json_text_fits(text, length))
+        return bad(line, JSON_TEXT_RULE);
     json_t *root = json_loadb(text, length, JSON_REJECT_DUPLICATES, &error);
     enum status status;
     if (!json_is_object(root))

@@ -224,7 +224,7 @@ static enum status read_from(struct reading *r)
     from->seed = (uint64_t)n[0];
     from->count = (uint64_t)n[1];
     length = good ? scan_word(&r->scan, &rest) : 0;
-    good = good && length > 0 && length < sizeof from->rays;
+    good = good && length > 0 && length < sizeof from->rays && !memchr(rest, 0, length);
     if (good)
         memcpy(from->rays, rest, length);
     if (good)

@@ -38,6 +38,9 @@ enum status fail(struct reason *reason, enum status status, const char *format, 
     va_end(args);
     if (length >= (int)sizeof reason->text)
         memcpy(reason->text + sizeof reason->text - 4, "...", 4);
+    for (char *at = reason->text; *at; at++)
+        if ((unsigned char)*at < 0x20 || *at == 0x7F)
+            *at = '?';
     return status;
 }
 

@@ -31,7 +31,8 @@ struct reason {
 const char *status_text(enum status status);
 
 /* Writes a printf-formatted line to `reason` (NULL: nothing) and returns `status`, so that a
- * failing function ends with `return fail(...)`. Too long a line is cut and ends in "...". */
+ * failing function ends with `return fail(...)`. Too long a line is cut and ends in "..."; it may
+ * quote a file, so control bytes are written as '?'. */
 enum status fail(struct reason *reason, enum status status, const char *format, ...)
     PRINTF_LIKE(3, 4);
 

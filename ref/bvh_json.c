@@ -1,6 +1,7 @@
 #include "ref/bvh_json.h"
 
 #include "ref/decimal.h"
+#include "ref/json_text.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -166,14 +167,10 @@ static enum status read_tree(struct reading *reading, const json_t *file, struct
     return status;
 }
 
-/* jansson's message may quote the file: control bytes do not belong in a line. */
 static enum status refuse_syntax(const char *name, json_error_t *error, struct reason *reason)
 {
     if (json_error_code(error) == json_error_out_of_memory)
         return fail(reason, STATUS_MEMORY, "%s: no memory to parse the JSON text", name);
-    for (char *at = error->text; *at; at++)
-        if ((unsigned char)*at < 0x20 || *at == 0x7F)
-            *at = '?';
     return fail(reason, STATUS_INPUT, "%s: line %d, column %d: %s", name, error->line,
                 error->column, error->text);
 }
@@ -183,6 +180,8 @@ enum status bvh_json_read(const char *name, const char *bytes, size_t size,
 {
     *out = (struct bvh){0};
     json_error_t error;
+    if (!json_text_fits(bytes, size))
+        return fail(reason, STATUS_INPUT, "%s: " JSON_TEXT_RULE, name);
     json_t *file = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &error);
     if (!file)
         return refuse_syntax(name, &error, reason);

@@ -1,35 +1,55 @@
-/* raydiff precompute: a scene's tree in the seed's file format. */
+/* raydiff precompute: a scene's tree in the seed's file format or packed in a layout; and trees of
+ * others, checked. */
 #include "ref/bvh_json.h"
 #include "ref/cmd_options.h"
 #include "ref/cmd_tables.h"
 #include "ref/command.h"
+#include "ref/packed_file.h"
 #include "scenes/file.h"
 #include "scenes/scenes.h"
 
+#include <stdlib.h>
+
 static const char help[] =
     "usage: raydiff precompute --scene SCENE --out FILE [OPTIONS]\n"
+    "       raydiff precompute --scene SCENE --verify FILE\n"
     "Builds a scene's tree and writes it as JSON, byte for byte as the seed's precompute does\n"
-    "with builder rtrs.\n\n"
+    "with builder rtrs; or checks a file that somebody else made.\n\n"
     "  --scene SCENE     a mesh file (.json .obj .ply, also .gz) or a generator such as soup:n=50\n"
     "  --out FILE        written to a temporary name and renamed\n"
+    "  --layout L        not as JSON, but packed in a layout: see ref/packed_file.h\n"
+    "  --verify FILE     JSON or packed: is it a tree of the scene, and are its boxes large "
+    "enough?\n"
     "  --builder B       see raydiff list builders                                [rtrs]\n"
     "  --item-count N    items per leaf: the goal of rtrs, the limit of others    [4]\n"
     "  --eps E           builder rtrs: a box below half of it is not split        [0.02]\n"
     "  --seed S          of a generator                                           [1]\n\n"
-    "exit codes: 0 written, 2 bad input, or the seed never ends here, 4 no memory\n"
+    "exit codes: 0 written, or verified; 1 a tree, but with too small boxes, or triangles in no\n"
+    "leaf or in several; 2 bad input, no tree, or the seed never ends here; 4 no memory\n"
     "example: raydiff precompute --scene default.json --out default.bvh.json --item-count 2\n";
 
 struct precompute {
-    const char *scene, *out;
+    const char *scene, *out, *verify;
+    const struct layout *layout; /* NULL: JSON */
     size_t builder;
     struct build_options build;
     uint64_t seed;
 };
 
-enum { OPT_SCENE = 256, OPT_OUT, OPT_BUILDER, OPT_ITEM_COUNT, OPT_EPS, OPT_SEED };
+enum {
+    OPT_SCENE = 256,
+    OPT_OUT,
+    OPT_LAYOUT,
+    OPT_VERIFY,
+    OPT_BUILDER,
+    OPT_ITEM_COUNT,
+    OPT_EPS,
+    OPT_SEED
+};
 
 static const struct option long_options[] = {
     {"scene", 1, NULL, OPT_SCENE},     {"out", 1, NULL, OPT_OUT},
+    {"layout", 1, NULL, OPT_LAYOUT},   {"verify", 1, NULL, OPT_VERIFY},
     {"builder", 1, NULL, OPT_BUILDER}, {"item-count", 1, NULL, OPT_ITEM_COUNT},
     {"eps", 1, NULL, OPT_EPS},         {"seed", 1, NULL, OPT_SEED},
     {"help", 0, NULL, OPT_HELP},       {NULL, 0, NULL, 0}};
@@ -46,6 +66,15 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_OUT:
         p->out = text;
         break;
+    case OPT_VERIFY:
+        p->verify = text;
+        break;
+    case OPT_LAYOUT: {
+        size_t which = 0;
+        status = table_parse_one(TABLE_LAYOUTS, "--layout", text, &which, reason);
+        p->layout = status ? NULL : layouts[which];
+        break;
+    }
     case OPT_BUILDER:
         return table_parse_one(TABLE_BUILDERS, "--builder", text, &p->builder, reason);
     case OPT_ITEM_COUNT:
@@ -60,32 +89,48 @@ static enum status take_option(void *user, int option, char *text, struct reason
     return status;
 }
 
-/* Nothing is left under the output's name unless all of it was written. */
-static enum status write_tree(const char *path, const struct bvh *bvh, struct reason *reason)
+/* Nothing is left under the output's name unless all of it was written. Packed, unless NULL. */
+static enum status write_tree(const char *path, const struct bvh *bvh, const struct packed *packed,
+                              struct reason *reason)
 {
     struct file_out out = {0};
     enum status status = file_out_open(path, &out, reason);
     if (status)
         return status;
-    bvh_json_write(bvh, out.stream);
+    if (packed)
+        packed_file_write(packed, out.stream);
+    else
+        bvh_json_write(bvh, out.stream);
     status = file_out_commit(&out, reason);
     file_out_discard(&out);
     return status;
 }
 
-static enum status precompute(const struct precompute *p, struct reason *reason)
+/* As JSON, or packed as was asked for. */
+static enum status write_out(const struct precompute *p, const struct scene *scene,
+                             const struct bvh *bvh, struct reason *reason)
 {
-    struct scene scene;
+    struct packed packed = {0};
+    enum status status = STATUS_OK;
+    if (p->layout)
+        status = packed_make(p->layout, bvh, scene, &packed, reason);
+    if (!status)
+        status = write_tree(p->out, bvh, p->layout ? &packed : NULL, reason);
+    packed_free(&packed);
+    return status;
+}
+
+static enum status precompute(const struct precompute *p, const struct scene *scene,
+                              struct reason *reason)
+{
     struct bvh bvh;
-    enum status status = scene_open(p->scene, p->seed, &scene, reason);
-    if (status)
-        return status;
     struct reason why = {""};
-    status = builders[p->builder]->build(&scene, &p->build, &bvh, &why);
-    if (status) {
-        (void)fail(reason, status, "%s: %s", file_label(p->scene), why.text);
-    } else if ((status = write_tree(p->out, &bvh, reason)) == STATUS_OK) {
-        struct bvh_stats stats = bvh_stats(&bvh, &scene);
+    enum status status = builders[p->builder]->build(scene, &p->build, &bvh, &why);
+    if (status)
+        return fail(reason, status, "%s: %s", file_label(p->scene), why.text);
+    status = write_out(p, scene, &bvh, reason);
+    if (!status) {
+        struct bvh_stats stats = bvh_stats(&bvh, scene);
         fprintf(stderr,
                 "%s: %u triangles, %u nodes, %u leaves of at most %u items, depth %u, %u inner "
                 "boxes too small\n",
@@ -93,8 +138,58 @@ static enum status precompute(const struct precompute *p, struct reason *reason)
                 stats.depth, stats.loose_count);
     }
     bvh_free(&bvh);
-    scene_free(&scene);
     return status;
+}
+
+/* *sound: nothing is wrong with it; else `reason` says what. */
+static enum status verify_packed(const char *bytes, size_t size, const struct precompute *p,
+                                 const struct scene *scene, bool *sound, struct reason *reason)
+{
+    struct packed packed;
+    struct packed_faults faults;
+    enum status status =
+        packed_file_read(file_label(p->verify), bytes, size, scene, &packed, &faults, reason);
+    *sound = !status && reason->text[0] == '\0';
+    if (!status)
+        printf("%s: layout %s, %u records, %u boxes too small, %u triangles in no leaf, %u in "
+               "several\n",
+               p->verify, packed.layout->name, packed.node_count, faults.loose_boxes,
+               faults.lost_prims, faults.double_prims);
+    packed_free(&packed);
+    return status;
+}
+
+static enum status verify_json(const char *bytes, size_t size, const struct precompute *p,
+                               const struct scene *scene, bool *sound, struct reason *reason)
+{
+    struct bvh bvh;
+    enum status status = bvh_json_read(file_label(p->verify), bytes, size, scene, &bvh, reason);
+    *sound = !status && bvh_check(&bvh, scene, reason) == STATUS_OK;
+    if (!status) {
+        struct bvh_stats stats = bvh_stats(&bvh, scene);
+        printf("%s: %u nodes, %u leaves of at most %u items, depth %u, %u inner boxes too small\n",
+               p->verify, stats.node_count, stats.leaf_count, stats.largest_leaf, stats.depth,
+               stats.loose_count);
+    }
+    bvh_free(&bvh);
+    return status;
+}
+
+/* Returns the exit code. */
+static int verify(const struct precompute *p, const struct scene *scene)
+{
+    char *bytes;
+    size_t size;
+    bool sound = false;
+    struct reason reason = {""};
+    enum status status = file_read(p->verify, &bytes, &size, &reason);
+    if (!status)
+        status = packed_file_is(bytes, size) ? verify_packed(bytes, size, p, scene, &sound, &reason)
+                                             : verify_json(bytes, size, p, scene, &sound, &reason);
+    free(bytes);
+    if (!sound)
+        fprintf(stderr, "raydiff precompute: %s\n", reason.text);
+    return status ? exit_of_status(status) : sound ? EXIT_AGREE : EXIT_MISMATCH;
 }
 
 static void print_help(void)
@@ -114,10 +209,19 @@ int cmd_precompute(int argc, char **argv)
         return code;
     if (first < argc)
         return usage_error("precompute", "unexpected argument '%s'", argv[first]);
-    if (!p.scene || !p.out)
+    if (!p.scene || (!p.out && !p.verify))
         return usage_error("precompute", "%s is missing", p.scene ? "--out" : "--scene");
-    enum status status = precompute(&p, &reason);
+    if (p.verify && (p.out || p.layout))
+        return usage_error("precompute", "--verify takes no --out and no --layout");
+    struct scene scene;
+    enum status status = scene_open(p.scene, p.seed, &scene, &reason);
+    code = EXIT_AGREE;
+    if (!status && p.verify)
+        code = verify(&p, &scene);
+    else if (!status)
+        status = precompute(&p, &scene, &reason);
+    scene_free(&scene);
     if (status)
         fprintf(stderr, "raydiff precompute: %s\n", reason.text);
-    return exit_of_status(status);
+    return status ? exit_of_status(status) : code;
 }

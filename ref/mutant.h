@@ -57,6 +57,8 @@
 #define MUTANT_EXPORT_NO_RAYS 115 /* export: the push constants say that there is no ray */
 #define MUTANT_EXPORT_EXACT   116 /* export: only the exact numbers are right, to the bit */
 #define MUTANT_EXPORT_ENDIAN  117 /* export: the bytes of a word in the other order */
+#define MUTANT_COUNT_BELIEVED 118 /* a PLY file's counts are allocated for before they are read */
+#define MUTANT_BLOB_BELIEVED  119 /* a packed tree from outside is traced unchecked */
 #define MUTANT_ANY_CAUSE      100 /* the shrinker keeps the kind of a finding, but not its cause */
 #define MUTANT_ONE_ROUND      101 /* it stops after a round, whatever that found */
 #define MUTANT_UNPAID         102 /* its asks are not limited */

@@ -30,8 +30,12 @@ struct source {
     size_t most;
 };
 
-static enum status too_large(const struct source *source, struct reason *reason)
+static enum status too_large(const struct source *source, size_t most, struct reason *reason)
 {
+    if (most < source->most)
+        return fail(reason, STATUS_INPUT,
+                    "%s: unzips to more than %u times its size, as no mesh does; unzip it first",
+                    source->label, FILE_UNZIPPED_TIMES);
     return fail(reason, STATUS_INPUT, "%s: larger than %zu bytes, the most that is read",
                 source->label, source->most);
 }
@@ -61,7 +65,7 @@ static enum status read_stream(const struct source *source, FILE *stream, size_t
         if (ferror(stream))
             return fail(reason, STATUS_INPUT, "%s: %s", source->label, strerror(errno));
         if (buffer->size > source->most)
-            return too_large(source, reason);
+            return too_large(source, source->most, reason);
         if (got < step)
             return STATUS_OK;
         step = buffer->size < 1 << 24 ? 1 << 16 : 1 << 24;
@@ -94,6 +98,29 @@ static bool is_gzip(const char *bytes, size_t size)
     return size >= 2 && (unsigned char)bytes[0] == 0x1F && (unsigned char)bytes[1] == 0x8B;
 }
 
+/* Unzipped bytes that a file may have. Real meshes are unzipped to 2 to 25 times their size, zeros
+ * to 1000 times. */
+static size_t unzipped_most(size_t packed)
+{
+    return FILE_UNZIPPED_TIMES * packed + FILE_UNZIPPED_FIXED;
+}
+
+/* Makes room for at least one byte and the 0; never for more than `most` + 2. What is beyond half
+ * of that is taken at once: old and new array together are then at most one and a half times it. */
+static enum status unzip_reserve(struct buffer *out, size_t most, struct reason *reason)
+{
+    if (out->capacity >= out->size + 2)
+        return STATUS_OK;
+    size_t grown = out->capacity ? 2 * out->capacity : 1 << 16;
+    grown = grown <= most / 2 ? grown : most + 2;
+    char *bytes = realloc(out->bytes, grown);
+    if (!bytes)
+        return fail(reason, STATUS_MEMORY, "no memory for a file of %zu bytes", out->size);
+    out->bytes = bytes;
+    out->capacity = grown;
+    return STATUS_OK;
+}
+
 /* Unzips one member, the gzip data that begin at packed[*at], and moves *at behind it. */
 static enum status gunzip_member(const struct source *source, const struct buffer *packed,
                                  size_t *at, struct buffer *out, struct reason *reason)
@@ -102,19 +129,21 @@ static enum status gunzip_member(const struct source *source, const struct buffe
                     .avail_in = (uInt)(packed->size - *at)};
     if (inflateInit2(&zip, 15 + 16) != Z_OK) /* the largest window, gzip header only */
         return fail(reason, STATUS_MEMORY, "%s: no memory to unzip", source->label);
+    size_t most = unzipped_most(packed->size);
+    most = most < source->most ? most : source->most;
     enum status status = STATUS_OK;
     int code = Z_OK;
     while (status == STATUS_OK && code == Z_OK) {
-        const size_t step = 1 << 20;
-        status = buffer_reserve(out, step, reason);
+        status = unzip_reserve(out, most, reason);
         if (status != STATUS_OK)
             break;
+        const size_t room = out->capacity - out->size - 1;
         zip.next_out = (Bytef *)out->bytes + out->size;
-        zip.avail_out = (uInt)step;
+        zip.avail_out = (uInt)room;
         code = inflate(&zip, Z_NO_FLUSH);
-        out->size += step - zip.avail_out;
-        if (out->size > source->most)
-            status = too_large(source, reason);
+        out->size += room - zip.avail_out;
+        if (out->size > most)
+            status = too_large(source, most, reason);
     }
     size_t done = packed->size - zip.avail_in;
     if (status == STATUS_OK && code == Z_MEM_ERROR)

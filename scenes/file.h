@@ -8,9 +8,14 @@
 
 #define FILE_LARGEST ((size_t)2 << 30) /* bytes, as stored and as unzipped */
 
+/* A zipped file may have that many bytes for each byte stored, and a fixed number. */
+#define FILE_UNZIPPED_TIMES 40u
+#define FILE_UNZIPPED_FIXED ((size_t)1 << 20)
+
 /* Reads all of `path`, gunzipping if it begins with the gzip magic; *bytes has a 0 after the last
  * byte, which does not count. Refuses directories, unreadable and empty files, what is larger than
- * FILE_LARGEST, and gzip data that are cut short, damaged or followed by something else.
+ * FILE_LARGEST, and gzip data that are cut short, damaged, followed by something else or unzip to
+ * more than a mesh can (FILE_UNZIPPED_TIMES).
  * Errors: STATUS_INPUT "PATH: rule"; STATUS_MEMORY. Caller frees *bytes. */
 enum status file_read(const char *path, char **bytes, size_t *size, struct reason *reason) MUST_USE;
 

@@ -72,9 +72,6 @@ enum status json_walk_value(struct json_walk *walk, json_t **out)
                     walk->name);
     if (walk->at == walk->end)
         return refuse(walk, 1, 1, "the text is cut short");
-    for (char *at = error.text; *at; at++) /* it may quote the file */
-        if ((unsigned char)*at < 0x20 || *at == 0x7F)
-            *at = '?';
     return refuse(walk, error.line, error.column, error.text);
 }
 

@@ -1,3 +1,4 @@
+#include "ref/json_text.h"
 #include "scenes/formats.h"
 #include "scenes/json_walk.h"
 
@@ -335,6 +336,8 @@ enum status read_rtrs(const char *name, const char *bytes, size_t size, struct s
             [LIGHTS] = {.key = "lights", .size = sizeof(struct light), .take = take_light},
             [MATERIALS] = {
                 .key = "materials", .size = sizeof(struct material), .take = take_material}}};
+    if (!json_text_fits(bytes, size))
+        return fail(reason, STATUS_INPUT, "%s: " JSON_TEXT_RULE, name);
     enum status status = read_file(&rtrs);
     if (status == STATUS_OK)
         status = check_names(&rtrs);

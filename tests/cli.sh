@@ -289,6 +289,26 @@ printf '%s' '{"uniforms":[{"fst":0,"snd":0,"item_idx":0,"item_count":1,"bounds":
     bad "precompute writes the seed's bytes"
 expect 0 . precompute --scene "$dir/copies.obj" --eps 0 --builder median --out "$dir/x"
 
+# Trees of others: packed or JSON, checked, whole or not at all.
+sed 's/^v 1/v 70000/' "$dir/one.obj" >"$dir/far.obj"
+expect 0 . precompute --scene soup:n=40 --out "$dir/tree.rdpk" --builder median --layout rf16
+expect 0 . precompute --scene soup:n=40 --verify "$dir/tree.rdpk"
+grep -q 'layout rf16, .* 0 boxes too small, 0 triangles in no leaf' "$dir/out" || bad "verify counts faults"
+expect 2 'is of 40 triangles, the scene has 41' precompute --scene soup:n=41 --verify "$dir/tree.rdpk"
+head -c 100 "$dir/tree.rdpk" >"$dir/cut.rdpk"
+expect 2 'cut.rdpk: .* bytes, not 100' precompute --scene soup:n=40 --verify "$dir/cut.rdpk"
+expect 0 . precompute --scene soup:n=40 --out "$dir/tree.json" --builder median
+expect 0 . precompute --scene soup:n=40 --verify "$dir/tree.json"
+sed 's/"max":\[[^]]*\]/"max":[0,0,0]/' "$dir/tree.json" >"$dir/small.json"
+expect 1 . precompute --scene soup:n=40 --verify "$dir/small.json"
+expect 2 'takes no --out' precompute --scene soup --verify "$dir/x" --out "$dir/y"
+expect 2 'at most 65504' precompute --scene "$dir/far.obj" --layout rf16 --builder median --out "$dir/y"
+[ ! -e "$dir/y" ] || bad "a layout that refuses leaves nothing"
+
+# verify makes no more rays than there are answers.
+sed 's/^\(from [^ ]* [^ ]*\) [0-9]*/\1 1000000000/' "$dir/hits" | "$raydiff" verify >"$dir/out" 2>"$dir/err"
+[ $? -eq 2 ] && grep -q 'ends after .* of 1000000000 answers' "$dir/err" || bad "verify trusts no count"
+
 # Benchmarks: small ones, complete files.
 expect 0 . bench error --scene 'sphere:n=3;soup:n=9,size=0.4' --count 300 --rounds 1 --engine cpu --rays vertices \
     --layout f32,rf16 --tri mt,woop --svg "$dir/e.svg" --csv "$dir/e.csv" --json "$dir/e.json"

@@ -129,6 +129,24 @@ in_shaders() {
     judge "$name" "shaders" "$healthy" "$code"
 }
 
+# name, unit, entry of the files under fire whose seeds must end it.
+in_fire() {
+    name=$1 unit=$2 entry=$3
+    dir=$out/$name-fire
+    mkdir -p "$dir"
+    $CC_CMD "-DMUTANT=$(number "$name")" -c -o "$dir/unit.o" "$unit" &&
+        $CC_CMD -o "$dir/$entry" "$build/obj/fuzz/fire/entry_$entry.o" "$dir/unit.o" \
+            "$build"/obj/fuzz/fire/harness.o "$build"/obj/fuzz/fire/count.o \
+            "$build"/obj/fuzz/fire/main.o "$build/libraydiff.a" $LIBS ||
+        { echo "$name does not build"; exit 4; }
+    "$build/fire/$entry" "$build/fire/seeds/$entry" >"$dir/healthy.log" 2>&1
+    healthy=$?
+    "$dir/$entry" "$build/fire/seeds/$entry" >"$dir/mutant.log" 2>&1
+    code=$?
+    grep -q 'does not hold' "$dir/mutant.log" && [ "$code" -gt 128 ] && code=1
+    judge "$name" "$unit, by the seeds of $entry" "$healthy" "$code"
+}
+
 in_program HALF_NEAREST ref/half.c check soup --layout rf16 --engine cpu --rays vertices --count 20000 --repeat 1
 in_test HALF_NEAREST ref/half.c test_packed
 in_program LOST_SLOT ref/layouts/layout_rf16.c check soup --layout rf16 --engine cpu --leaf 8 --count 5000 --repeat 1
@@ -191,6 +209,8 @@ in_program TRACER_HANGS ref/trace.c $replay fuzz/corpus/bad-rays.trial
 in_program HALF_NEAREST ref/half.c $replay fuzz/corpus/rounded-outward.trial
 in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c $replay fuzz/corpus/triangle-zero.trial
 in_program LOST_SLOT ref/layouts/layout_rf16.c $replay fuzz/corpus/eighth-slot.trial
+in_fire COUNT_BELIEVED scenes/read_ply.c ply
+in_fire BLOB_BELIEVED ref/packed_file.c packed
 in_shaders NO_PRECISE test_spirv
 in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --rays ranges --count 5000 --repeat 1
 in_shaders SWAPPED_CHILD check soup --layout f32 --engine vulkan --count 5000 --repeat 1

@@ -74,6 +74,7 @@ plain)
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"
     suite leaks sh tests/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
+    suite fire sh tests/fire.sh "$build"
     suite cli sh tests/cli.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
@@ -86,6 +87,7 @@ plain)
     ;;
 sanitize)
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
+    suite fire sh tests/fire.sh "$build"
     suite conform "$build/raydiff" conform --count 200
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/cli.sh "$build/raydiff"

@@ -157,6 +157,32 @@ static void file_read_refuses_more_than_the_most(void **state)
     assert_int_equal(file_read_most("/dev/zero", 1999, &bytes, &size, &reason), STATUS_INPUT);
 }
 
+/* Zeros: what a gzip file of some kilobytes can become if nobody stops it. */
+static void file_read_stops_what_unzips_without_end(void **state)
+{
+    (void)state;
+    const size_t large = (size_t)8 << 20;
+    char *text = malloc(large + 1), *packed = malloc(large), *bytes;
+    size_t size;
+    assert_true(text && packed);
+    memset(text, '0', large);
+    for (size_t length = large; length >= FILE_UNZIPPED_FIXED; length /= 2) {
+        text[length] = '\0';
+        size_t zipped = gzip(text, packed, large);
+        bool most = length <= FILE_UNZIPPED_TIMES * zipped + FILE_UNZIPPED_FIXED;
+        put("zeros.gz", packed, zipped);
+        assert_int_equal(file_read(in_folder("zeros.gz"), &bytes, &size, &reason),
+                         most ? STATUS_OK : STATUS_INPUT);
+        assert_int_equal(size, most ? length : 0);
+        assert_int_equal(most, length == FILE_UNZIPPED_FIXED);
+        if (!most)
+            assert_non_null(strstr(reason.text, "unzips to more than 40 times its size"));
+        free(bytes);
+    }
+    free(text);
+    free(packed);
+}
+
 static void file_label_keeps_the_end_of_a_long_path(void **state)
 {
     (void)state;
@@ -285,6 +311,7 @@ int main(void)
         cmocka_unit_test(file_read_unzips_by_content),
         cmocka_unit_test(file_read_notices_every_cut_and_damage_of_gzip),
         cmocka_unit_test(file_read_refuses_more_than_the_most),
+        cmocka_unit_test(file_read_stops_what_unzips_without_end),
         cmocka_unit_test(file_label_keeps_the_end_of_a_long_path),
         cmocka_unit_test(file_out_appears_only_when_committed),
         cmocka_unit_test(file_out_writes_through_a_link),

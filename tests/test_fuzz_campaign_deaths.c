@@ -131,13 +131,15 @@ static uint64_t planned_twice(void)
 static void a_hang_is_one(void **state)
 {
     (void)state;
-    check_deaths(PLAN_HANG, planned_twice(), "fragile.f32.hang.unexplained", "did not answer within 0.5 s");
+    check_deaths(PLAN_HANG, planned_twice(), "fragile.f32.hang.unexplained",
+                 "did not answer within 0.5 s");
 }
 
 static void too_much_memory_is_one(void **state)
 {
     (void)state;
-    check_deaths(PLAN_EAT, planned_twice(), "fragile.f32.crash.unexplained", "held more than 300 MiB");
+    check_deaths(PLAN_EAT, planned_twice(), "fragile.f32.crash.unexplained",
+                 "held more than 300 MiB");
 }
 
 static void what_does_not_die_again_is_flaky(void **state)

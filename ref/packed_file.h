@@ -1,0 +1,37 @@
+/* A packed tree as a file, from or for another packer or tracer. Little-endian 32-bit words:
+ *
+ *   "RDPK", version 1, name of the layout in 16 bytes (zeros behind it), bytes of a record,
+ * records, items, record of the root, triangles of the scene, stack entries a traversal can need
+ *   then the records, then the items (of layouts that have an item array)
+ *
+ * What a record's words mean is said in shaders/ and ref/layouts/ by layout_NAME. */
+#ifndef PACKED_FILE_H
+#define PACKED_FILE_H
+
+#include "ref/layout.h"
+
+#include <stdio.h>
+
+#define PACKED_FILE_VERSION 1u
+
+/* Writes the tree; whether the stream took it is for the caller to ask. */
+void packed_file_write(const struct packed *packed, FILE *stream);
+
+/* True if the bytes begin as such a file does. */
+bool packed_file_is(const char *bytes, size_t size);
+
+/* Reads a tree for `scene` and checks it as packed_check before anything else looks at it. What
+ * comes out is safe to trace: every reference and triangle is in range, no record is reached twice,
+ * the stack is enough. It may still be wrong: *faults (may be NULL) counts boxes that are too small
+ * and triangles in no leaf or in several, and `reason` has the first of them, or is empty.
+ *   name   of the file, for reasons
+ *   bytes  `size` bytes; borrowed
+ * Holds at most 8 times `size` and 64 bytes a triangle of the scene, beside *out.
+ * Errors: STATUS_INPUT "NAME: rule", also what packed_check says of an unsafe tree (the faithful
+ * layouts' own references wrap, so that some trees of theirs are); STATUS_MEMORY. On error *out is
+ * zero. */
+enum status packed_file_read(const char *name, const char *bytes, size_t size,
+                             const struct scene *scene, struct packed *out,
+                             struct packed_faults *faults, struct reason *reason) MUST_USE;
+
+#endif
