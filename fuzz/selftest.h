@@ -50,7 +50,8 @@ struct selftest_result {
 /* A program to be run. Everything borrowed. */
 struct selftest_job {
     const char *program;
-    const char *folder; /* its own: emptied of what an earlier run has left, gets "found", "log" */
+    const char *folder; /* its own: emptied of what an earlier run has left, gets "found",
+                           "report.json" and "log" */
     const char *engines, *layouts;
     uint64_t seed;
     uint64_t trials;  /* play so many; 0: until something is found */
@@ -58,8 +59,9 @@ struct selftest_job {
     struct selftest_result result;
     /* Private. */
     struct child child;
-    uint64_t start_ns;
-    char found[SELFTEST_PATH_MOST], log[SELFTEST_PATH_MOST];
+    uint64_t start_ns, seen_ns; /* seen: when it first had a finding */
+    bool stopping;
+    char found[SELFTEST_PATH_MOST], log[SELFTEST_PATH_MOST], report[SELFTEST_PATH_MOST];
 };
 
 /* Starts it. Errors: STATUS_INPUT the folder cannot be written; as child_start. */

@@ -9,6 +9,9 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
+#include <glob.h>
+#include <jansson.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +20,7 @@
 
 /* Beyond its time limit a program opens its engines, explains, and ends. */
 #define GRACE_MS 60000u
+#define STOP_NS  2000000000u  /* for a campaign to end by itself after its first finding */
 #define MANY     "1000000000" /* trials: named, so that they are the stream `gen` alone */
 #define TRIAL_S  "2"          /* an engine's time: a bug that hangs costs it several times over */
 
@@ -37,12 +41,16 @@ static enum status clear_folder(struct selftest_job *job, struct reason *reason)
 {
     if ((unsigned)snprintf(job->found, sizeof job->found, "%s/found", job->folder) >=
             sizeof job->found ||
+        (unsigned)snprintf(job->report, sizeof job->report, "%s/report.json", job->folder) >=
+            sizeof job->report ||
         (unsigned)snprintf(job->log, sizeof job->log, "%s/log", job->folder) >= sizeof job->log)
         return fail(reason, STATUS_INPUT, "%.100s...: the name is too long", job->folder);
     if (mkdir(job->folder, 0777) != 0 && errno != EEXIST)
         return fail(reason, STATUS_INPUT, "%s: %s", job->folder, strerror(errno));
     if (nftw(job->found, remove_one, 8, FTW_DEPTH | FTW_PHYS) != 0 && errno != ENOENT)
         return fail(reason, STATUS_INPUT, "%s: %s", job->found, strerror(errno));
+    if (unlink(job->report) != 0 && errno != ENOENT)
+        return fail(reason, STATUS_INPUT, "%s: %s", job->report, strerror(errno));
     return STATUS_OK;
 }
 
@@ -66,6 +74,7 @@ static void become(struct child *parent, void *user)
                                          {"--engine", job->engines},
                                          {"--layout", job->layouts},
                                          {"--dir", job->found},
+                                         {"--json", job->report},
                                          {"--jobs", "1"},
                                          {"--corpus", "none"},
                                          {"--trial-time", TRIAL_S},
@@ -118,9 +127,25 @@ static void read_said(struct selftest_job *job, bool first)
         fclose(log);
 }
 
-/* The finding of the lowest trial, if there is one. */
+/* True if the program says of a finding that it counts: it is not known, and shows again. */
+static bool one_counts(const struct selftest_job *job)
+{
+    json_t *root = json_load_file(job->report, 0, NULL), *one;
+    size_t i;
+    bool counts = false;
+    json_array_foreach(json_object_get(root, "findings"), i, one)
+    {
+        const char *state = json_string_value(json_object_get(one, "state"));
+        counts = counts || (state && strcmp(state, "new") == 0);
+    }
+    json_decref(root);
+    return counts;
+}
+
+/* The finding of the lowest trial, if there is one and one counts. */
 static enum status look(struct selftest_job *job, struct reason *reason)
 {
+    bool counts = job->trials || one_counts(job); /* without a bug any is too many */
     struct findings *findings = NULL;
     const struct findings_entry *best = NULL;
     enum status status = findings_look(job->found, &findings, reason);
@@ -130,7 +155,7 @@ static enum status look(struct selftest_job *job, struct reason *reason)
     }
     if (status)
         return status;
-    for (size_t i = 0; i < findings_count(findings); i++) {
+    for (size_t i = 0; i < findings_count(findings) && counts; i++) {
         const struct findings_entry *entry = findings_entry(findings, i);
         if (!best || findings_order_compare(&entry->first, &best->first) < 0)
             best = entry;
@@ -158,7 +183,8 @@ static enum status conclude(struct selftest_job *job, const struct child_fate *f
     } else if (fine && is_check(job) && fate->code <= EXIT_MISMATCH) {
         result->end = fate->code ? SELFTEST_FOUND : SELFTEST_CLEAN;
         read_said(job, true);
-    } else if (fine && !is_check(job) && fate->code <= EXIT_MISMATCH) {
+    } else if (fine && !is_check(job) &&
+               (fate->code <= EXIT_MISMATCH || (job->stopping && fate->code == 128 + SIGTERM))) {
 #if MUTANT == MUTANT_FOUND_ANYWAY
         result->end = fate->code ? SELFTEST_FOUND : SELFTEST_CLEAN;
 #else
@@ -173,6 +199,24 @@ static enum status conclude(struct selftest_job *job, const struct child_fate *f
     return STATUS_OK;
 }
 
+/* A finding that is shown only among other trials does not end a campaign at once, since it may be
+ * one that never shows again. Here it may: the campaign still plays it again and says which. */
+static void stop_soon(struct selftest_job *job)
+{
+    char pattern[SELFTEST_PATH_MOST + 16];
+    glob_t files;
+    if (job->trials || job->stopping || is_check(job))
+        return;
+    (void)snprintf(pattern, sizeof pattern, "%s/*/first.trial", job->found);
+    if (glob(pattern, GLOB_NOSORT, NULL, &files) == 0) {
+        job->stopping = job->seen_ns && time_ns() - job->seen_ns > STOP_NS;
+        job->seen_ns = job->seen_ns ? job->seen_ns : time_ns();
+        if (job->stopping)
+            kill(job->child.pid, SIGTERM);
+        globfree(&files);
+    }
+}
+
 bool selftest_ended(struct selftest_job *job, enum status *status, struct reason *reason)
 {
     struct child_fate fate;
@@ -180,6 +224,7 @@ bool selftest_ended(struct selftest_job *job, enum status *status, struct reason
     size_t size;
     uint64_t ns = time_ns() - job->start_ns;
     *status = STATUS_OK;
+    stop_soon(job);
     bool late = !job->trials && ns / 1000000u > (uint64_t)job->seconds * 1000u + GRACE_MS;
     if (!late && child_receive(&job->child, 0, 0, &bytes, &size) == CHILD_LATE)
         return false;

@@ -1,5 +1,7 @@
 #include "gpu/dispatch.h"
 
+#include "ref/mutant.h"
+
 #include <stdio.h>
 
 /* The smallest stack class that is enough. */
@@ -28,7 +30,11 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
                      [ABI_SPEC_QUERY] = job->query},
         .push = {.root = packed->root,
                  .node_count = packed->node_count,
+#if MUTANT == MUTANT_ITEMS_SHORT
+                 .item_count = packed->item_count - 1,
+#else
                  .item_count = packed->item_count,
+#endif
                  .tri_count = job->scene->tri_count,
                  .capacity = 1},
     };

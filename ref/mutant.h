@@ -111,6 +111,7 @@
 #define MUTANT_BOUNDS_TWO_VERTICES 241 /* builder: a triangle's third vertex is not in its box */
 #define MUTANT_SPLIT_LOSES         242 /* builder: a split drops one triangle and doubles another */
 #define MUTANT_GROUPS_CUT          243 /* vulkan: the last group of rays, not full, is not traced */
+#define MUTANT_ITEMS_SHORT         244 /* vulkan: the shader is told of one item less */
 #define MUTANT_FOUND_ANYWAY        290 /* the self-test believes a program that shows nothing */
 
 #endif
