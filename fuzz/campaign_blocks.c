@@ -1,6 +1,8 @@
 /* Blocks of trials: which comes next, what workers report of them, and what becomes of that. */
 #include "fuzz/campaign_inner.h"
 
+#include "ref/mutant.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,10 +30,19 @@ static struct block *make(struct campaign *c, enum work_stream stream, uint64_t 
     return block;
 }
 
+/* So many mutants as have no more triangles than a block of the largest ordinary trials. */
+static uint64_t mutants_of(const struct campaign *c, const struct fuzz_trial *base)
+{
+    uint64_t room = (uint64_t)FUZZ_BATCH * c->rules.gen.triangles_most;
+    uint64_t count = room / (base->scene.tri_count + 1u);
+    return count < 1 ? 1 : count < FUZZ_BATCH ? count : FUZZ_BATCH;
+}
+
 static struct block *make_mutants(struct campaign *c)
 {
     const struct fuzz_trial *base = feedback_choose(c->feedback, &c->rng);
-    struct block *block = base ? make(c, WORK_MUT, c->mut_next * FUZZ_BATCH, FUZZ_BATCH) : NULL;
+    struct block *block =
+        base ? make(c, WORK_MUT, c->mut_next * FUZZ_BATCH, mutants_of(c, base)) : NULL;
     if (block) {
         block->base = base;
         c->mut_next++;
@@ -40,25 +51,38 @@ static struct block *make_mutants(struct campaign *c)
     return block;
 }
 
-/* The first block of our shard from `block` on. */
-static uint64_t own_block(const struct campaign_options *o, uint64_t block)
+/* The first trial of our shard from trial `at` of stream gen on. */
+static uint64_t own_trial(const struct campaign_options *o, uint64_t at)
 {
-    while (block % o->shards != o->shard - 1)
-        block++;
-    return block;
+    uint32_t shard = MUTANT == MUTANT_SHARDS_OVERLAP && o->shard > 1 ? o->shard - 2 : o->shard - 1;
+    while (at / FUZZ_BATCH % o->shards != shard)
+        at = (at / FUZZ_BATCH + 1) * FUZZ_BATCH;
+    return at;
 }
 
-/* True if stream gen has a block for us; then c->next is its number. */
+/* True if stream gen has a trial for us; then it is c->next. */
 static bool has_next(struct campaign *c)
 {
     const struct campaign_options *o = c->options;
-    c->next = own_block(o, c->next);
-    return o->trials == 0 || c->next * FUZZ_BATCH < o->trials;
+    c->next = own_trial(o, c->next);
+    return o->trials == 0 || c->next < o->trials;
+}
+
+/* From c->next to the end of its block, or of the campaign. */
+static struct block *make_next(struct campaign *c)
+{
+    const struct campaign_options *o = c->options;
+    uint64_t count = FUZZ_BATCH - c->next % FUZZ_BATCH;
+    if (o->trials > 0 && o->trials - c->next < count)
+        count = o->trials - c->next;
+    struct block *block = make(c, WORK_GEN, c->next, count);
+    c->next += block ? count : 0;
+    return block;
 }
 
 bool campaign_blocks_left(const struct campaign *c)
 {
-    return own_block(c->options, c->applied) * FUZZ_BATCH < c->options->trials;
+    return own_trial(c->options, c->applied) < c->options->trials;
 }
 
 struct block *campaign_block_next(struct campaign *c, enum status *status)
@@ -78,9 +102,7 @@ struct block *campaign_block_next(struct campaign *c, enum status *status)
     } else if (o->mutate && feedback_count(c->feedback) > 0 && 2 * c->mutated < c->ordered) {
         block = make_mutants(c);
     } else if (has_next(c)) {
-        uint64_t first = c->next * FUZZ_BATCH;
-        block = make(c, WORK_GEN, first, o->trials ? o->trials - first : FUZZ_BATCH);
-        c->next += block != NULL;
+        block = make_next(c);
     } else {
         wanted = false;
     }
@@ -138,7 +160,7 @@ static enum status keep(struct block *block, const struct work_finding *finding)
 static void go_on_alone(struct block *block, uint32_t at)
 {
     block->at = at;
-    block->left_out = 0;
+    block->left_out = MUTANT == MUTANT_STILL_LEFT_OUT ? block->left_out : 0;
     block->unexplained = false;
 }
 
@@ -195,6 +217,10 @@ enum status campaign_block_take(struct campaign *c, struct block *block,
 enum status campaign_block_died(struct campaign *c, struct block *block, const struct death *death)
 {
     enum status status = STATUS_OK;
+    if (!block->alone && MUTANT == MUTANT_BLAMED_TOGETHER) {
+        block->died_alone = block->done = true;
+        return keep_death(c, block, (uint32_t)death->trial, death, CAUSE_UNEXPLAINED);
+    }
     if (!block->alone) { /* together: nobody knows yet which trial it was */
         block->alone = true;
         block->death = *death;
@@ -294,7 +320,7 @@ enum status campaign_block_apply(struct campaign *c, struct block *block, struct
     }
     c->view.kept = feedback_count(c->feedback);
     if (block->stream == WORK_GEN) {
-        c->applied = block->first / FUZZ_BATCH + 1;
+        c->applied = block->first + block->count;
         c->trials_done += block->count;
     }
     if (block->stream == WORK_CORPUS &&

@@ -59,8 +59,8 @@ struct campaign {
     bool corpus_done;            /* in an earlier run */
     uint64_t corpus_next;        /* trial of the corpus to be ordered next */
     uint64_t kept_next;          /* likewise of those kept */
-    uint64_t next;               /* block of stream gen to be ordered next */
-    uint64_t applied;            /* the first that is not applied yet */
+    uint64_t next;               /* trial of stream gen to be ordered next */
+    uint64_t applied;            /* the one behind the last that is applied */
     uint64_t trials_done;        /* of stream gen, all runs */
     uint64_t mut_next;           /* block of stream mut */
     uint64_t ordered, mutated;   /* blocks of this run */

@@ -1,6 +1,8 @@
 /* What a campaign says of itself in its folder's log, to go on from there. */
 #include "fuzz/campaign_inner.h"
 
+#include "ref/mutant.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -113,8 +115,8 @@ enum status campaign_state_write(struct campaign *c, struct reason *reason)
     if (strlen(c->options->identity) < sizeof state / 2)
         strcpy(state, c->options->identity);
     if (!state[0] || !put_number(state, "corpus_done", c->corpus_done) ||
-        !put_number(state, "next", c->applied) || !put_number(state, "mut", c->mut_next) ||
-        !put_number(state, "trials", c->trials_done) ||
+        !put_number(state, "next", MUTANT == MUTANT_STATE_AHEAD ? c->next : c->applied) ||
+        !put_number(state, "mut", c->mut_next) || !put_number(state, "trials", c->trials_done) ||
         !campaign_state_put(state, sizeof state, "coverage", coverage) || !put_shrunk(c, state))
         return fail(reason, STATUS_INPUT, "the options of a campaign are too long to be kept");
     enum status status = findings_checkpoint(c->findings, state, reason);

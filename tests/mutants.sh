@@ -192,6 +192,10 @@ in_test HELD_FORGOTTEN fuzz/feedback.c test_fuzz_feedback
 in_test NOT_ESCAPED fuzz/ci_text.c test_fuzz_report
 in_test UNPLAYED_PASS fuzz/report.c test_fuzz_report
 in_test HALF_MESSAGE fuzz/child.c test_fuzz_child
+in_test STATE_AHEAD fuzz/campaign_state.c test_fuzz_campaign
+in_test SHARDS_OVERLAP fuzz/campaign_blocks.c test_fuzz_campaign
+in_test BLAMED_TOGETHER fuzz/campaign_blocks.c test_fuzz_campaign_deaths
+in_test STILL_LEFT_OUT fuzz/campaign_blocks.c test_fuzz_campaign_deaths
 in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
 in_test EXPORT_NO_RAYS fuzz/export_case.c test_vulkan_export
 in_test EXPORT_EXACT fuzz/export_right.c test_vulkan_export_data

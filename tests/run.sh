@@ -77,6 +77,7 @@ plain)
     suite fire sh tests/fire.sh "$build"
     suite cli sh tests/cli.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
+    suite fuzz sh tests/fuzz.sh "$build"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
     suite mutants make -s mutants
@@ -92,6 +93,7 @@ sanitize)
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/cli.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
+    suite fuzz sh tests/fuzz.sh "$build"
     ;;
 validate)
     suite conform "$build/raydiff" conform '*.vulkan.*' --count 64

@@ -1,0 +1,103 @@
+#!/bin/sh
+# raydiff fuzz and raydiff merge as a user meets them: options, going on, peers, merging.
+#   sh tests/fuzz.sh BUILD
+set -u
+build=$1
+raydiff=$build/raydiff
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+bad() {
+    echo "FAILED  $1"
+    sed 's/^/        /' "$dir/out" "$dir/err" | tail -n 8
+    failed=$((failed + 1))
+}
+# Expected code, a line of stderr (. for none), arguments.
+expect() {
+    code=$1 line=$2
+    shift 2
+    "$raydiff" "$@" >"$dir/out" 2>"$dir/err"
+    got=$?
+    if [ "$got" -ne "$code" ]; then
+        bad "raydiff $*: exit $got, not $code"
+    elif [ "$line" != . ] && ! grep -qE -- "$line" "$dir/err"; then
+        bad "raydiff $*: no line like /$line/"
+    else
+        echo "passed  raydiff $*"
+    fi
+}
+has() { grep -qE -- "$2" "$dir/$1" || bad "$1 has no line like /$2/"; }
+
+# What is wrong with the options.
+expect 2 "only options are expected" fuzz here
+expect 2 "--shard: '3' is not two numbers" fuzz --shard 3
+expect 2 '--shard: 4 is more than 3' fuzz --shard 4/3
+expect 2 '--shard.*0' fuzz --shard 0/3
+expect 2 '--triangles: 9 is more than 8' fuzz --triangles 9-8
+expect 2 '--rays' fuzz --rays 0
+expect 2 '--jobs' fuzz --jobs 0
+expect 2 '--trials' fuzz --trials none
+expect 2 "--trial-time: '0' is not in" fuzz --trial-time 0
+expect 2 "unknown name 'rf17'" fuzz --layout rf17
+expect 2 "unknown name 'gpu'" fuzz --engine gpu
+expect 2 'no-such-folder/x: No such file' fuzz --dir "$dir/no-such-folder/x"
+expect 2 'no-such-corpus is no folder' fuzz --corpus "$dir/no-such-corpus" --dir "$dir/none"
+expect 2 'known.txt' fuzz --baseline "$dir/known.txt" --dir "$dir/none"
+
+# A campaign, and going on with it.
+small="--rays 40 --jobs 2 --corpus none"
+expect 1 . fuzz $small --engine cpu --layout rtrs_rf --faithful --trials 200 --seed 9 --dir "$dir/a" --json "$dir/a.json"
+has out '^new      cpu\.rtrs_rf\.missed\.index_shifted  [0-9]+ times, smallest: [1-4] triangles?, 1 ray$'
+has out '^         items are numbered one off'
+has out '^         raydiff replay .*/a/cpu\.rtrs_rf\.missed\.index_shifted/smallest\.trial$'
+has out '^trials     200 '
+for key in trials_per_s judged_rays_per_s harness_share harness_to_engines triangles_mean triangles_median \
+    rays judged findings signature count first smallest replay state coverage versions restarts seed exit; do
+    grep -q "\"$key\": " "$dir/a.json" || bad "fuzz --json: no key $key"
+done
+[ -s "$dir/a/stats.json" ] || bad "the folder has its stats"
+"$raydiff" replay "$dir/a/cpu.rtrs_rf.missed.index_shifted/smallest.trial" --brief >"$dir/out" 2>"$dir/err"
+[ $? -eq 1 ] || bad "a finding of a campaign fails when it is replayed"
+expect 2 '--seed 8: the campaign in .*/a has 9 ' fuzz --dir "$dir/a" --seed 8
+expect 2 '--layout f32: the campaign in .*/a has rtrs_rf ' fuzz --dir "$dir/a" --layout f32
+expect 2 '--shard 1/2: the campaign in .*/a has none ' fuzz --dir "$dir/a" --shard 1/2
+expect 1 . fuzz $small --dir "$dir/a" --trials 264 --seed 9
+has out '^trials     64 .*, after 200 of earlier runs$'
+expect 1 . fuzz $small --dir "$dir/b" --engine cpu --layout rtrs_rf --faithful --trials 9000 --until 2
+has out '^findings   [2-9] distinct'
+expect 0 . fuzz $small --dir "$dir/c" --engine cpu --builder median --layout f32 --time 1 --triangles 2-5
+has out 'triangles \(median [2-6]\)'
+expect 77 . fuzz $small --dir "$dir/d" --engine vulkan --driver no-such-driver --trials 64
+
+# Tracers of others: one with a bug, one that is not there any more when it is asked, one that hangs.
+tracer="pipe:$build/samples/tracer"
+expect 0 . fuzz $small --engine "$tracer" --trials 128 --dir "$dir/sound"
+expect 1 . fuzz $small --engine "${tracer}_bug1" --trials 128 --dir "$dir/bug"
+has out '^new      pipe:tracer_bug1\.'
+has out 'smallest: [1-4] triangles?, 1 ray$'
+finding=$(ls -d "$dir"/bug/pipe:tracer_bug1.* | head -n 1)
+"$raydiff" replay "$finding/smallest.trial" --brief --engine "${tracer}_bug1" >"$dir/out" 2>"$dir/err"
+[ $? -eq 1 ] || bad "a tracer's finding fails when it is replayed"
+"$raydiff" replay "$finding/smallest.trial" --brief --engine "$tracer" >"$dir/out" 2>"$dir/err"
+[ $? -eq 0 ] || bad "and not with the sound tracer"
+expect 3 . fuzz $small --engine pipe:false --trials 64 --dir "$dir/never"
+expect 1 . fuzz $small --engine "cpu,pipe:dd bs=1 count=30000 status=none | $build/samples/tracer" --layout f32 --trials 64 \
+    --no-shrink --dir "$dir/dies"
+has out '^new      pipe:dd\.-\.crash'
+has out '^trials     64 '
+expect 1 . fuzz $small --engine "cpu,pipe:dd bs=1 count=90000 status=none | $build/samples/tracer; sleep 100" --layout f32 \
+    --trials 64 --trial-time 0.5 --no-shrink --dir "$dir/hangs"
+has out '^new      pipe:dd\.-\.hang'
+has out '^trials     64 '
+
+# Merging.
+expect 2 'no folder given' merge --to "$dir/m"
+expect 2 'says where to' merge "$dir/a"
+expect 2 'no-such' merge --to "$dir/m" "$dir/no-such"
+expect 2 'not empty' merge --to "$dir/a" "$dir/b"
+expect 2 . merge --to "$dir/m" "$dir/a" "$dir/a"
+expect 0 . merge --to "$dir/m" "$dir/a" "$dir/b"
+has out '^to     .*/m: [0-9]+ distinct, [0-9]+ in all$'
+expect 2 'of no campaign, but of raydiff merge' fuzz --dir "$dir/m"
+echo "fuzz: $failed failed"
+[ "$failed" -eq 0 ]
