@@ -55,7 +55,7 @@ static void play(const char *name, const struct question *q, char text[FUZZ_SIGN
     struct baseline baseline;
     struct baseline_answer answer;
     struct fuzz_result result;
-    struct fuzz_player *player;
+    struct fuzz_player *player = NULL;
     struct fuzz_field field;
     struct reason reason;
     text[0] = 0;

@@ -103,7 +103,7 @@ static void play(enum plan plan, float size, char text[FUZZ_SIGNATURE_MOST])
     const struct engine_options options = {.threads = 1};
     struct fuzz_trial trial = one_triangle(size);
     struct fuzz_result result;
-    struct fuzz_player *player;
+    struct fuzz_player *player = NULL;
     struct fuzz_field field;
     struct reason reason;
     planned.plan = plan;
