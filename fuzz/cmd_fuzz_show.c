@@ -8,6 +8,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A line and its end, on a terminal as narrow as they come. */
+#define ROW_MOST 80
+
 #define SCREEN_NS 1000000000u
 #define LINE_NS   10000000000u
 #define STATS_NS  3000000000u
@@ -20,7 +23,7 @@ static double per_second(uint64_t count, uint64_t ns)
 /* A line of the screen, cut to what every terminal has. */
 PRINTF_LIKE(2, 3) static void row(struct fuzz_command *c, const char *format, ...)
 {
-    char text[80];
+    char text[ROW_MOST];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -58,35 +61,66 @@ static void left_text(const struct campaign_view *view, char text[40])
         snprintf(text, 40, "of %llu", (unsigned long long)(o->trials / o->shards));
 }
 
-/* Contestants by their share of the engines' and the harness's time. */
+/* Items of a list, as many rows as they need. */
+struct items {
+    struct fuzz_command *command;
+    const char *label;
+    char text[ROW_MOST];
+};
+
+static void end_row(struct items *items)
+{
+    row(items->command, "%-9s %s", items->label, items->text);
+    items->label = "";
+    items->text[0] = '\0';
+}
+
+static void add_share(struct items *items, const char *name, double share)
+{
+    char one[ROW_MOST];
+    size_t used = strlen(items->text);
+    snprintf(one, sizeof one, "%s%.30s %.3g %%", used ? ", " : "", name, 100 * share);
+    if (used + strlen(one) > ROW_MOST - 12) {
+        end_row(items);
+        used = 0;
+        memmove(one, one + 2, strlen(one) - 1); /* without the comma */
+    }
+    snprintf(items->text + used, sizeof items->text - used, "%s", one);
+}
+
+/* Engines, all layouts together, by their share of the time, and the harness. */
 static void show_shares(struct fuzz_command *c, const struct campaign_view *view)
 {
     const struct fuzz_field *field = &view->options->rules.field;
-    char text[80] = "";
-    double all =
-        (double)(view->time.generate + view->time.build + view->time.truth + view->time.judge);
-    size_t used = 0;
+    struct items items = {.command = c, .label = "time"};
+    double all = 0, harness = campaign_harness_share(view, NULL);
     for (size_t i = 0; i < field->count; i++)
         all += (double)view->time.engine[i];
-    for (size_t i = 0; i < field->count && used < sizeof text && all > 0; i++) {
-        const struct layout *layout = field->who[i].layout;
-        used +=
-            (size_t)snprintf(text + used, sizeof text - used, "%s%.12s%s%s %.0f%%", i ? ", " : "",
-                             field->who[i].engine->name, layout ? "." : "",
-                             layout ? layout->name : "", 100 * (double)view->time.engine[i] / all);
+    for (size_t i = 0; i < field->count && all > 0; i++) {
+        double mine = 0;
+        size_t first = 0;
+        while (field->who[first].engine != field->who[i].engine)
+            first++;
+        for (size_t k = i; k < field->count && first == i; k++)
+            if (field->who[k].engine == field->who[i].engine)
+                mine += (double)view->time.engine[k];
+        if (first == i)
+            add_share(&items, field->who[i].engine->name, mine / all * (1 - harness));
     }
-    row(c, "time      %s, harness %.0f%%", text, 100 * campaign_harness_share(view, NULL));
+    add_share(&items, "harness", harness);
+    end_row(&items);
 }
 
 static void show_verdicts(struct fuzz_command *c, const struct campaign_view *view)
 {
-    char text[80] = "";
-    size_t used = 0;
-    for (size_t v = 0; v < VERDICT_COUNT && used < sizeof text; v++)
+    struct items items = {.command = c, .label = "verdicts"};
+    uint64_t all = 0;
+    for (size_t v = 0; v < VERDICT_COUNT; v++)
+        all += view->count[v];
+    for (size_t v = 0; v < VERDICT_COUNT; v++)
         if (view->count[v] > 0)
-            used += (size_t)snprintf(text + used, sizeof text - used, "%s%s %.3g", used ? ", " : "",
-                                     verdict_name((enum verdict)v), (double)view->count[v]);
-    row(c, "verdicts  %s", text);
+            add_share(&items, verdict_name((enum verdict)v), (double)view->count[v] / (double)all);
+    end_row(&items);
 }
 
 static uint64_t total_of(const struct campaign_view *view)
@@ -102,16 +136,15 @@ static void draw(struct fuzz_command *c, const struct campaign_view *view)
     char left[40];
     left_text(view, left);
     if (c->lines > 0)
-        fprintf(stderr, "\033[%dA", c->lines);
+        fprintf(stderr, "\033[%dA\033[J", c->lines);
     c->lines = 0;
     row(c, "raydiff fuzz: %s, seed %llu, %llu s  %s", phase_text(view), (unsigned long long)c->seed,
         (unsigned long long)(view->ns / 1000000000u), left);
     row(c, "trials    %llu (%.0f/s), judged rays %.3g (%.3g/s)", (unsigned long long)view->trials,
         per_second(view->trials, view->play_ns), (double)view->judged,
         per_second(view->judged, view->play_ns));
-    row(c, "findings  %zu distinct, %zu new, %llu in all; %zu to be shrunk",
-        findings_count(view->findings), campaign_news(view, NULL),
-        (unsigned long long)total_of(view), view->to_shrink);
+    row(c, "findings  %zu distinct, %zu new, %llu in all", findings_count(view->findings),
+        campaign_news(view, NULL), (unsigned long long)total_of(view));
     row(c, "coverage  %u of %u, %zu trials kept, %llu mutants; corpus %s",
         (unsigned)coverage_count(view->coverage), (unsigned)coverage_known(), view->kept,
         (unsigned long long)view->mutants, view->options->rules.corpus_count ? "played" : "none");
