@@ -23,27 +23,58 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* u and v of the point of the triangle's plane nearest to the ray's point at t; without a plane of
- * its longest edge. */
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* The point of the edge from corner a to corner b nearest to p, as weights; its squared distance.
+ */
+static double nearest_on_edge(double corner[3][3], int a, int b, const double p[3],
+                              double weight[3])
+{
+    double edge[3], to[3], rest[3];
+    for (int k = 0; k < 3; k++) {
+        edge[k] = corner[b][k] - corner[a][k];
+        to[k] = p[k] - corner[a][k];
+    }
+    double length = dot(edge, edge), s = length > 0 ? dot(to, edge) / length : 0;
+    s = s < 0 ? 0 : s > 1 ? 1 : s;
+    for (int k = 0; k < 3; k++)
+        rest[k] = to[k] - s * edge[k];
+    weight[0] = weight[1] = weight[2] = 0;
+    weight[a] = 1 - s;
+    weight[b] += s;
+    return dot(rest, rest);
+}
+
+/* u and v of the point of the triangle nearest to the ray's point at t: above the triangle that of
+ * its plane (by cross products: normal equations know nothing of a sliver), else one of an edge. */
 static void follow(const struct asking *asking, struct hit *hit)
 {
-    double p[3], b[3], c[3], u = 0, v = 0;
+    double p[3], corner[3][3], b[3], c[3], to[3], n[3], over_c[3], over_b[3], best = INFINITY;
     for (int k = 0; k < 3; k++) {
-        double a = (double)asking->v[0][k];
-        p[k] = (double)asking->ray->org[k] + (double)hit->t * (double)asking->ray->dir[k] - a;
-        b[k] = (double)asking->v[1][k] - a;
-        c[k] = (double)asking->v[2][k] - a;
+        p[k] = (double)asking->ray->org[k] + (double)hit->t * (double)asking->ray->dir[k];
+        for (int i = 0; i < 3; i++)
+            corner[i][k] = (double)asking->v[i][k];
+        b[k] = corner[1][k] - corner[0][k];
+        c[k] = corner[2][k] - corner[0][k];
+        to[k] = p[k] - corner[0][k];
     }
-    double bb = dot(b, b), bc = dot(b, c), cc = dot(c, c), pb = dot(p, b), pc = dot(p, c);
-    double area = bb * cc - bc * bc;
-    if (area > 0) {
-        u = (cc * pb - bc * pc) / area;
-        v = (bb * pc - bc * pb) / area;
-    } else if (bb >= cc && bb > 0) {
-        u = pb / bb;
-    } else if (cc > 0) {
-        v = pc / cc;
-    }
+    cross(b, c, n);
+    cross(to, c, over_c);
+    cross(b, to, over_b);
+    double area = dot(n, n), u = dot(over_c, n) / area, v = dot(over_b, n) / area;
+    if (!(area > 0 && u >= 0 && v >= 0 && u + v <= 1))
+        for (int i = 0; i < 3; i++) {
+            double weight[3], far = nearest_on_edge(corner, i, (i + 1) % 3, p, weight);
+            if (far < best) {
+                best = far;
+                u = weight[1];
+                v = weight[2];
+            }
+        }
     hit->u = (float)u;
     hit->v = (float)v;
 }
@@ -129,37 +160,79 @@ static enum status add_around(struct export_case *the, struct asking *asking, ui
     return add(the, &right, reason);
 }
 
-/* Where the ray is nearest to a point, in multiples of its direction. */
-static float nearest_t(const struct ray *ray, const float point[3])
+/* Where the ray's line is nearest to the edge from a to b, in multiples of its direction. */
+static double nearest_t(const struct ray *ray, const float a[3], const float b[3])
 {
-    double d[3], to[3];
+    double d[3], edge[3], to[3], at[3];
     for (int k = 0; k < 3; k++) {
         d[k] = (double)ray->dir[k];
-        to[k] = (double)point[k] - (double)ray->org[k];
+        edge[k] = (double)b[k] - (double)a[k];
+        to[k] = (double)ray->org[k] - (double)a[k];
     }
-    return (float)(dot(to, d) / dot(d, d));
+    double dd = dot(d, d), de = dot(d, edge), ee = dot(edge, edge);
+    double across = dd * ee - de * de;
+    double s = across > 0 ? (dd * dot(edge, to) - de * dot(d, to)) / across : 0;
+    s = s < 0 ? 0 : s > 1 ? 1 : s;
+    for (int k = 0; k < 3; k++)
+        at[k] = s * edge[k] - to[k];
+    return dot(at, d) / dd;
 }
 
-/* A triangle is looked at with the exact numbers; where these are no floats, as those of a ray in
- * its plane, with what C computes, where the ray begins, and beside its vertices. */
+/* Where the ray hits the triangle, exactly, or else its plane; not finite if it is parallel. */
+static double plane_t(const struct export_case *the, const struct asking *asking, uint32_t prim)
+{
+    struct oracle_pair pair;
+    double d[3], n[3], to[3], b[3], c[3];
+    oracle_pair(the->oracle, asking->ray, prim, &pair);
+    if (pair.class == ORACLE_INSIDE || pair.class == ORACLE_EDGE || pair.class == ORACLE_VERTEX)
+        return 0.5 * (pair.t_lo + pair.t_hi);
+    for (int k = 0; k < 3; k++) {
+        double a = (double)asking->v[0][k];
+        d[k] = (double)asking->ray->dir[k];
+        to[k] = a - (double)asking->ray->org[k];
+        b[k] = (double)asking->v[1][k] - a;
+        c[k] = (double)asking->v[2][k] - a;
+    }
+    cross(b, c, n);
+    return dot(to, n) / dot(d, n);
+}
+
+/* The nearest float that the range of the ray, without its ends where they are none, has. */
+static float in_range(const struct export_case *the, const struct ray *ray, float t)
+{
+    float least = the->model.open ? nextafterf(ray->tmin, INFINITY) : ray->tmin;
+    float most = the->model.open ? nextafterf(ray->tmax, -INFINITY) : ray->tmax;
+    return t < least ? least : t > most ? most : t;
+}
+
+/* A triangle is looked at with the exact numbers and with those that C computes; and, as neither
+ * need be near where the ray is in its plane or passes beside it, where the ray is nearest to its
+ * edges, and where it begins. The judge says which of them counts. */
 static enum status ask_triangle(struct export_case *the, struct asking *asking, uint32_t i,
                                 uint32_t prim, struct reason *reason)
 {
     enum twin_formula formula = asking->follow ? TWIN_WOOP : the->model.formula;
     const struct ray *ray = asking->ray;
-    scene_tri(&the->trial->scene, prim, asking->v);
-    struct twin twin = twin_eval(formula, the->model.rounding, ray, asking->v);
+    float(*v)[3] = asking->v;
+    scene_tri(&the->trial->scene, prim, v);
+    struct twin twin = twin_eval(formula, the->model.rounding, ray, v);
     if (!asking->follow && !twin.possible)
         return STATUS_OK;
-    struct hit tried[] = {{(float)twin.t_near, (float)twin.u_near, (float)twin.v_near, prim},
+    float u_near = (float)twin.u_near, v_near = (float)twin.v_near;
+    struct hit tried[] = {{(float)twin.t_near, u_near, v_near, prim},
+                          {(float)plane_t(the, asking, prim), u_near, v_near, prim},
                           {twin.t, twin.u, twin.v, prim},
-                          {ray->tmin, 0, 0, prim},
-                          {nearest_t(ray, asking->v[0]), 0, 0, prim},
-                          {nearest_t(ray, asking->v[1]), 0, 0, prim},
-                          {nearest_t(ray, asking->v[2]), 0, 0, prim}};
-    for (size_t k = 0; k < ARRAY_COUNT(tried); k++)
+                          {(float)nearest_t(ray, v[0], v[1]), u_near, v_near, prim},
+                          {(float)nearest_t(ray, v[1], v[2]), u_near, v_near, prim},
+                          {(float)nearest_t(ray, v[2], v[0]), u_near, v_near, prim},
+                          {ray->tmin, 0, 0, prim}};
+    for (size_t k = 0; k < ARRAY_COUNT(tried); k++) {
+        tried[k].t = in_range(the, ray, tried[k].t);
+        if (!float_is_finite(tried[k].u) || !float_is_finite(tried[k].v))
+            tried[k].u = tried[k].v = 0.0f;
         if (takes(asking, &tried[k]))
             return add_around(the, asking, i, tried[k], reason);
+    }
     return STATUS_OK;
 }
 
