@@ -10,7 +10,9 @@ for source in fuzz/fire/entry_*.c; do
     kept=fuzz/fire/found/$name
     [ -d "$kept" ] || kept=
     log=$build/fire/$name.log
-    "$build/fire/$name" "$build/fire/seeds/$name" $kept >"$log" 2>&1
+    large=$build/fire/seeds/large/$name
+    [ -d "$large" ] || large=
+    "$build/fire/$name" "$build/fire/seeds/$name" $large $kept >"$log" 2>&1
     code=$?
     said=$(grep "^fire $name inputs" "$log")
     if [ $code -ne 0 ] || [ -z "$said" ]; then

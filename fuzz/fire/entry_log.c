@@ -1,5 +1,6 @@
-/* The log of a folder of findings. */
+/* The log of a folder of findings, and what a campaign reads of itself in it. */
 #define _POSIX_C_SOURCE 200809L
+#include "fuzz/campaign.h"
 #include "fuzz/findings_inner.h"
 #include "fuzz/fire/fire.h"
 
@@ -14,6 +15,17 @@ static enum status count_line(void *user, const struct findings_line *line, stru
     FIRE_MUST(findings_order_compare(&line->order, &line->order) == 0);
     ++*lines;
     return STATUS_OK;
+}
+
+/* Values of the state fit into what they are asked for. */
+static void must_be_state(const char *state)
+{
+    static const char *const name[] = {"next", "seed", "coverage", "shrunk", ""};
+    char value[64];
+    for (size_t i = 0; i < ARRAY_COUNT(name); i++)
+        for (size_t size = 1; size <= sizeof value; size *= 2)
+            if (campaign_state_get(state, name[i], value, size))
+                FIRE_MUST(strlen(value) < size);
 }
 
 /* A folder whose log is the bytes. */
@@ -50,6 +62,7 @@ static bool play(const char *bytes, size_t size)
     }
     FIRE_MUST(status || logged == lines);
     FIRE_MUST(strlen(findings_state(findings)) < FINDINGS_STATE_MOST);
+    must_be_state(findings_state(findings));
     bool taken = status == STATUS_OK && (lines > 0 || findings_state(findings)[0]);
     findings_close(findings);
     return taken;

@@ -36,10 +36,10 @@ for name; do
     [ -r "$dictionary" ] && dictionary=-dict=$dictionary || dictionary=
     kept=fuzz/fire/found/$name
     [ -d "$kept" ] || kept=
-    # 64 bytes of input may hold 4 kB and the fixed amount; the entry itself is exact about it.
+    # How much memory an input may hold is the entry's to say; these limits are only a net below it.
     nice -n 19 "$fuzzers/fuzz_$name" "$corpus" "$seeds/$name" $kept $dictionary \
         -max_total_time="$seconds" -max_len=16384 -timeout="$late" -rss_limit_mb=2048 \
-        -malloc_limit_mb=512 -detect_leaks=1 -print_final_stats=1 -verbosity=1 -use_value_profile=0 \
+        -malloc_limit_mb=512 -detect_leaks=1 -print_final_stats=1 \
         -artifact_prefix="$found/" >"$log" 2>&1 &
     child=$!
     watch $child

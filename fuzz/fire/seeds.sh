@@ -190,7 +190,7 @@ line='"stream":"gen","seed":"7","index":"12","version":1,"trial":"00000000000000
 {
     printf '{"signature":"cpu.rtrs_rf.missed.rounded_inward",%s,"rays":1,"ray":0,"at":"","opinion":"x"}\n' "$line"
     printf '{"signature":"vulkan.rtrs_rf.crash.unexplained",%s,"rays":1,"opinion":""}\n' "$line"
-    printf '{"checkpoint":"trials 64","more":{"cpu.rtrs_rf.missed.rounded_inward":3}}\n'
+    printf '{"checkpoint":"engines=cpu%%2Cvulkan|seed=7|next=64|coverage=00ff|shrunk=01","more":{"cpu.rtrs_rf.missed.rounded_inward":3}}\n'
 } >log/whole
 {
     cat log/whole
@@ -209,6 +209,37 @@ cp "$repository/fuzz/baseline.txt" baseline/shipped
 } >baseline/dated
 { printf '\001' && cat "$repository/tests/waivers.txt"; } >baseline/waivers
 echo 'a.b.c.d until 2026-02-30 no such day x.md' >baseline/day
+
+# --- large ones, for the plain programs: what takes the most memory a byte, in arrays that have just
+# grown and been copied
+for entry in obj ply rtrs tree text log; do
+    mkdir -p large/$entry
+done
+{
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\n'
+    for i in 1 2 3; do
+        printf 'f 1 2 3 '
+        many 1 60000 | tr ',' ' '
+        echo
+    done
+} >large/obj/fans.obj
+{
+    head_ply binary_big_endian 3 700
+    printf "$three"
+    i=0
+    while [ $i -lt 700 ]; do
+        printf '\377'
+        head -c 255 /dev/zero
+        i=$((i + 1))
+    done
+} >large/ply/fans.ply
+printf '{"uniforms":[%s],"indices":[]}' "$(many '{"":0},[],[],[]' 65537)" >large/tree/dense.json
+printf '{"unknown":[%s]}' "$(many '{"":0},[],[],[]' 65537)" >large/rtrs/dense.json
+printf '{"checkpoint":"x","more":{},"a":[%s]}\n' "$(many '{"":0},[],[],[]' 65537)" >large/log/dense
+{
+    many m 131073 | tr ',' '\n'
+    echo
+} >large/text/misses
 
 cd "$repository"
 mv "$out.new" "$out"
