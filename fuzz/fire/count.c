@@ -91,19 +91,23 @@ bool fire_counts(void)
 #endif
 
 #ifdef HOOKS
-#include <sanitizer/allocator_interface.h>
+/* As in <sanitizer/allocator_interface.h>, which GCC does not bring. */
+int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void *, size_t),
+                                              void (*free_hook)(const volatile void *));
+size_t __sanitizer_get_allocated_size(const volatile void *block);
+int __sanitizer_get_ownership(const volatile void *block);
 
 static void hook_malloc(const volatile void *block, size_t size)
 {
     (void)size;
     if (block)
-        took(__sanitizer_get_allocated_size((const void *)block));
+        took(__sanitizer_get_allocated_size(block));
 }
 
 static void hook_free(const volatile void *block)
 {
-    if (block && __sanitizer_get_ownership((const void *)block))
-        gave(__sanitizer_get_allocated_size((const void *)block));
+    if (block && __sanitizer_get_ownership(block))
+        gave(__sanitizer_get_allocated_size(block));
 }
 
 __attribute__((constructor)) static void install(void)

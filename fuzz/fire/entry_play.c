@@ -135,7 +135,7 @@ static void must_be_known(struct fuzz_player *player, const struct fuzz_trial *t
     fuzz_signature_print(&finding->signature, text);
     if (is_repaired(trial, finding)) {
         fprintf(stderr, "fire play: ray %u: %s\n", finding->ray, text);
-        FIRE_MUST(!"a repaired member is wrong");
+        fire_broken("repaired members are right", __FILE__, __LINE__);
     }
     FIRE_MUST(fuzz_explain(player, trial, finding, &reason) == STATUS_OK);
     fuzz_signature_print(&finding->signature, text);
@@ -161,7 +161,7 @@ static bool play(const char *bytes, size_t size)
     player = player ? player : open_player();
     if (fuzz_play(player, &trial, 1, &result, NULL, NULL, &reason)) {
         fprintf(stderr, "fire play: %s\n", reason.text);
-        FIRE_MUST(!"a trial that is one can be played");
+        fire_broken("a trial can be played", __FILE__, __LINE__);
     }
     FIRE_MUST(result.judged <= trial.ray_count);
     for (size_t i = 0; i < result.finding_count; i++)

@@ -10,6 +10,8 @@ $(B)/fire/%: $(B)/obj/fuzz/fire/entry_%.o $(addprefix $(B)/obj/,$(FIRE_SRC:.c=.o
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(FIRE_LINK_$*)
 tests: $(FIRE)
+$(B)/tests/test_fire: $(addprefix $(B)/obj/,$(FIRE_SRC:.c=.o))
+$(B)/tests/test_fire: TEST_LIBS += $(B)/libraydiff.a $(LDLIBS) # what these need
 
 # 2. With a fuzzing engine, the library compiled for it: make fire-engine FIRE_OUT=FOLDER.
 #   FIRE_CC, FIRE_FLAGS        compiler and its flags
