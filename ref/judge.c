@@ -187,6 +187,26 @@ static enum status judge_certified(const struct judge *judge, const struct ray *
     return STATUS_OK;
 }
 
+#define TOGETHER 8u /* twins computed together */
+
+/* Whether some triangle may be taken for hit. */
+static bool any_possible(const struct judge *judge, const struct ray *ray)
+{
+    uint32_t count = judge->scene->tri_count;
+    bool possible = false;
+    for (uint32_t first = 0; first < count && !possible; first += TOGETHER) {
+        struct twin_pair pair[TOGETHER];
+        struct twin twin[TOGETHER];
+        uint32_t part = count - first < TOGETHER ? count - first : TOGETHER;
+        for (uint32_t i = 0; i < part; i++)
+            pair[i] = (struct twin_pair){ray, first + i};
+        twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, part, twin);
+        for (uint32_t i = 0; i < part; i++)
+            possible = possible || twin[i].possible;
+    }
+    return possible;
+}
+
 /* Any-hit that names no triangle: only hit or miss can be judged. A hit where nothing is exactly
  * hit needs a triangle that this formula may take for hit; all are asked. */
 static enum status judge_unnamed(const struct judge *judge, const struct ray *ray,
@@ -200,12 +220,10 @@ static enum status judge_unnamed(const struct judge *judge, const struct ray *ra
         out->verdict = VERDICT_BOUNDARY; /* nothing is known that could contradict it */
         return STATUS_OK;
     }
-    for (uint32_t prim = 0; prim < judge->scene->tri_count; prim++)
-        if (judge_twin(judge, ray, prim, NULL).possible) {
-            out->verdict = VERDICT_BOUNDARY;
-            return STATUS_OK;
-        }
-    set_wrong(out, WRONG_PHANTOM);
+    if (any_possible(judge, ray))
+        out->verdict = VERDICT_BOUNDARY;
+    else
+        set_wrong(out, WRONG_PHANTOM);
     return STATUS_OK;
 }
 

@@ -175,7 +175,7 @@ in_program CULLED_ALL ref/trace.c check soup --query all --layout f32 --engine c
 in_test FILTER_BOUND ref/oracle/filter.c test_oracle
 in_test EARLY_BOUND ref/oracle/early.c test_oracle_rules
 in_test EARLY_BESIDE ref/oracle/early.c test_oracle_rules
-in_test FACE_FORGOT ref/oracle/nearest.c test_oracle_ties
+in_test FACE_FORGOT ref/oracle/pair.c test_oracle_ties
 in_test MEDIUM_SIGN ref/oracle/medium.c test_oracle
 in_test LOST_CARRY ref/oracle/wide.c test_oracle
 in_test TREE_UNPADDED ref/oracle/closest.c test_oracle_scene

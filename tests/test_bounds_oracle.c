@@ -215,7 +215,8 @@ static double largest_of(const struct trial *trial)
     return most;
 }
 
-/* Does the first look drop the triangle, with its bound times `factor`? */
+/* Does the first look drop the triangle, with its bound of products times `factor`, and that of
+ * places times its root? */
 static bool dropped(const struct trial *trial, double factor)
 {
     double v[3][3][1 + EARLY_PAD] = {0};
@@ -264,8 +265,9 @@ static void first_look_has_this_much_slack(void **state)
             broke += 1.0 / 512;
     }
     print_message(
-        "oracle's first look, 72 * 2^-53: dropped an exact hit at %.2f * 2^-53, of %llu\n",
-        72 * broke, (unsigned long long)trials);
+        "oracle's first look, 72 and 8 * 2^-53: dropped an exact hit at %.2f and %.2f * 2^-53, "
+        "of %llu\n",
+        72 * broke, 8 * sqrt(broke), (unsigned long long)trials);
     assert_true(broke > 0); /* else the search sees nothing */
 }
 

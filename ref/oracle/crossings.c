@@ -18,7 +18,7 @@ static int compare(const struct oracle *oracle, const struct ray *ray,
     struct exact one, two;
     float v[3][3];
     int sign = 0, by_prim = (a->prim > b->prim) - (a->prim < b->prim);
-    if (a_hit && b_hit && pair_same_face(oracle->scene, a->prim, &a->pair, b->prim, &b->pair))
+    if (a_hit && b_hit && pair_same_place(oracle->scene, a->prim, &a->pair, b->prim, &b->pair))
         return by_prim;
     if (a_hit) {
         scene_tri(oracle->scene, a->prim, v);

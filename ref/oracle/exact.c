@@ -153,6 +153,12 @@ static bool take_signs(const int edge[3], int det, struct exact *out)
     return positive && negative;
 }
 
+/* Of a hit: whether it is on an edge or a vertex. */
+static bool on_border(const struct exact *pair)
+{
+    return pair->edge[0] == 0 || pair->edge[1] == 0 || pair->edge[2] == 0;
+}
+
 static int sign_of(__int128 x)
 {
     return (x > 0) - (x < 0);
@@ -173,7 +179,7 @@ static bool multiply(const struct ray *ray, float v[3][3], bool hits, struct exa
     const int edge[3] = {sign_of(product.w[0]), sign_of(product.w[1]), sign_of(product.w[2])};
     if (take_signs(edge, sign_of(product.det), out) && hits)
         return false;
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3 && !(hits && on_border(out)); c++)
         wide_set(product.w[c], &value->w[c]);
     wide_set(product.det, &value->det);
     wide_set(product.t, &value->t);
@@ -186,13 +192,16 @@ void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *o
     struct products value;
     if (!multiply(ray, v, hits, out, &value))
         return;
-    for (int c = 0; c < 3 && out->det; c++)
-        out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
+    if (out->det && hits && on_border(out)) /* the others are positive */
+        out->edge_share = 0;
+    else if (out->det)
+        for (int c = 0; c < 3; c++)
+            out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
     bool still = ray->dir[0] == 0 && ray->dir[1] == 0 && ray->dir[2] == 0;
     out->in_plane = out->det == 0 && value.t.sign == 0 && !still;
     if (out->det) {
-        out->t.num = value.t;
-        out->t.den = value.det;
+        wide_copy(&value.t, &out->t.num);
+        wide_copy(&value.det, &out->t.den);
         out->t.scale = value.scale;
     }
 }

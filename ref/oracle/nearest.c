@@ -48,7 +48,7 @@ static int order(struct nearest *nearest, const struct scene *scene, const struc
         return 1;
     if (hit->pair.t_hi < nearest->rep.pair.t_lo)
         return -1;
-    if (pair_same_face(scene, prim, &hit->pair, nearest->rep_prim, &nearest->rep.pair))
+    if (pair_same_place(scene, prim, &hit->pair, nearest->rep_prim, &nearest->rep.pair))
         return 0;
     return fraction_compare(pair_t(scene, ray, prim, hit),
                             pair_t(scene, ray, nearest->rep_prim, &nearest->rep));

@@ -106,7 +106,7 @@ int oracle_compare(const struct oracle *oracle, const struct ray *ray, uint32_t 
     pair_decide(oracle->scene, oracle->flat[b], ray, b, PAIR_FULL, &two, &unused);
     int sign = one.pair.t_lo > two.pair.t_hi   ? 1
                : one.pair.t_hi < two.pair.t_lo ? -1
-               : pair_same_face(oracle->scene, a, &one.pair, b, &two.pair)
+               : pair_same_place(oracle->scene, a, &one.pair, b, &two.pair)
                    ? 0
                    : fraction_compare(pair_t(oracle->scene, ray, a, &one),
                                       pair_t(oracle->scene, ray, b, &two));

@@ -183,14 +183,29 @@ const struct fraction *pair_t(const struct scene *scene, const struct ray *ray, 
     return &hit->exact.t;
 }
 
-bool pair_same_face(const struct scene *scene, uint32_t a, const struct oracle_pair *at_a,
-                    uint32_t b, const struct oracle_pair *at_b)
+/* Whether all six vertices have one coordinate in common. */
+static bool share_axis_plane(float v[3][3], float w[3][3])
+{
+    for (int k = 0; k < 3; k++) {
+        bool same = true;
+        for (int c = 0; c < 3; c++)
+            same = same && v[c][k] == v[0][k] && w[c][k] == v[0][k];
+        if (same)
+            return true;
+    }
+    return false;
+}
+
+bool pair_same_place(const struct scene *scene, uint32_t a, const struct oracle_pair *at_a,
+                     uint32_t b, const struct oracle_pair *at_b)
 {
     float v[3][3], w[3][3];
-    if (at_a->class != at_b->class)
-        return false;
     scene_tri(scene, a, v);
     scene_tri(scene, b, w);
+    if (share_axis_plane(v, w))
+        return true;
+    if (at_a->class != at_b->class)
+        return false;
     for (int i = 0; i < 3; i++) {
         bool shared = at_a->edge[i] == 0;
         for (int j = 0; j < 3 && !shared; j++)

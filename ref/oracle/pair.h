@@ -30,11 +30,12 @@ void pair_decide(const struct scene *scene, bool flat, const struct ray *ray, ui
 const struct fraction *pair_t(const struct scene *scene, const struct ray *ray, uint32_t prim,
                               struct decided *hit);
 
-/* Whether two hits lie inside the same face: the triangle, an edge or a vertex that they share,
- * being the vertices whose w is not 0. The line meets each of them in one point, since no D is 0:
- * then it is the same, and so is t. */
-bool pair_same_face(const struct scene *scene, uint32_t a, const struct oracle_pair *at_a,
-                    uint32_t b, const struct oracle_pair *at_b);
+/* Whether two hits are in one place by their triangles alone, which then have the same t: in a
+ * plane across an axis that holds both; or inside the same face, the triangle, edge or vertex that
+ * they share, being the vertices whose w is not 0. The line meets each of these in one point, since
+ * no D is 0. False tells nothing. */
+bool pair_same_place(const struct scene *scene, uint32_t a, const struct oracle_pair *at_a,
+                     uint32_t b, const struct oracle_pair *at_b);
 
 /* INSIDE, EDGE or VERTEX. */
 static inline bool pair_is_hit(const struct oracle_pair *pair)

@@ -18,6 +18,15 @@ struct wide {
 
 void wide_set(__int128 value, struct wide *out);
 
+/* Copies the limbs that are defined. */
+static inline void wide_copy(const struct wide *a, struct wide *out)
+{
+    out->sign = a->sign;
+    out->count = a->count;
+    for (int i = 0; i < a->count; i++)
+        out->limb[i] = a->limb[i];
+}
+
 /* out = a + b, a - b, a * b. `out` may be one of the operands, but not of a product. */
 void wide_add(const struct wide *a, const struct wide *b, struct wide *out);
 void wide_sub(const struct wide *a, const struct wide *b, struct wide *out);
