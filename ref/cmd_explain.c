@@ -1,13 +1,11 @@
 /* raydiff explain: one ray, one engine; what is right, what was answered, and why it is wrong. */
-#include "ref/cmd_explain.h"
+#include "ref/cmd_explain_inner.h"
 
 #include "ref/cmd_options.h"
 #include "ref/cmd_tables.h"
 #include "ref/command.h"
 #include "ref/explain/ray_text.h"
-#include "scenes/rays.h"
 #include "scenes/scenes.h"
-#include "tests/cmd_trial.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +14,7 @@ static const char help[] =
     "usage: raydiff explain SCENE --ray 'OX,OY,OZ DX,DY,DZ [TMIN,TMAX]' [OPTIONS]\n"
     "       raydiff explain SCENE --rays SET [--index I] [OPTIONS]\n"
     "       raydiff explain TRIAL [--index I] [OPTIONS]     (a name of raydiff conform)\n"
+    "       raydiff explain FILE.trial [--index I] [--engine E] [--layout L]     (a finding)\n"
     "Says what a ray exactly hits, what the engine answers, and if that is wrong, why: which node\n"
     "turned the ray away, its bounds in the triangles, in the tree and in the bytes, and the one\n"
     "thing that, made right, makes the answer right.\n\n"
@@ -39,16 +38,6 @@ static const char help[] =
     "not\n"
     "            finish (explained too), 77 the engine cannot run here\n"
     "example: raydiff explain soup:n=300 --rays vertices --layout rtrs_rf_paper\n";
-
-struct explain_options {
-    struct explain_of of;
-    const struct ray_set *rays;
-    const char *ray_text, *json;
-    uint64_t count, index;
-    bool has_count, has_index, has_rays, has_cause;
-    enum cause cause; /* looked for, if has_cause */
-    struct engine_options engines;
-};
 
 enum {
     OPT_RAY = 256,
@@ -124,10 +113,12 @@ static enum status take_name(struct explain_options *o, int option, const char *
         break;
     case OPT_ENGINE:
         o->of.engine = engines[index];
-        break;
+        o->has_engine = true;
+        return STATUS_OK;
     case OPT_LAYOUT:
         o->of.layout = layouts[index];
-        break;
+        o->has_layout = true;
+        return STATUS_OK;
     case OPT_BUILDER:
         o->of.builder = builders[index];
         break;
@@ -141,6 +132,7 @@ static enum status take_name(struct explain_options *o, int option, const char *
         o->of.query = (enum query)index;
         break;
     }
+    o->test_flag = names[which].flag;
     return STATUS_OK;
 }
 
@@ -152,9 +144,11 @@ static enum status take_option(void *user, int option, char *text, struct reason
     switch (option) {
     case OPT_RAY:
         o->ray_text = text;
+        o->test_flag = "--ray";
         return STATUS_OK;
     case OPT_COUNT:
         o->has_count = true;
+        o->test_flag = "--count";
         return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
     case OPT_INDEX:
         o->has_index = true;
@@ -165,12 +159,15 @@ static enum status take_option(void *user, int option, char *text, struct reason
             return fail(reason, STATUS_INPUT, "--cause: unknown cause '%.60s'", text);
         return STATUS_OK;
     case OPT_SEED:
+        o->test_flag = "--seed";
         return parse_count("--seed", text, 0, UINT64_MAX, &o->of.seed, reason);
     case OPT_LEAF:
+        o->test_flag = "--leaf";
         status = parse_count("--leaf", text, 1, 1u << 20, &leaf, reason);
         o->of.build.leaf = (uint32_t)leaf;
         return status;
     case OPT_EPS:
+        o->test_flag = "--eps";
         return parse_float("--eps", text, &o->of.build.eps, reason);
     case OPT_JSON:
         o->json = text;
@@ -191,6 +188,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
 /* What one run holds. */
 struct explaining {
     struct explain_options *options;
+    struct finding_file file; /* if that is what is explained */
     struct scene scene;
     struct oracle *oracle;
     struct bvh bvh;
@@ -203,6 +201,12 @@ struct explaining {
 static enum status make_rays(struct explaining *e, struct reason *reason)
 {
     const struct explain_options *o = e->options;
+    if (o->has_file) {
+        if (o->has_index && o->index >= e->ray_count)
+            return fail(reason, STATUS_INPUT, "--index: %llu of %zu rays",
+                        (unsigned long long)o->index, e->ray_count);
+        return STATUS_OK;
+    }
     e->ray_count = o->ray_text ? 1 : (size_t)o->count;
     e->ray = alloc_zeroed(e->ray_count, sizeof *e->ray);
     if (!e->ray)
@@ -257,18 +261,24 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
     if (status)
         return status;
     if (index == e->ray_count) {
-        printf("%s: %zu rays of set %s, seed %llu: no answer of %s is wrong%s%s\n", o->of.spec,
-               e->ray_count, o->rays->name, (unsigned long long)o->of.seed, o->of.engine->name,
-               o->has_cause ? " with cause " : "", o->has_cause ? cause_name(o->cause) : "");
+        char from[80] = "";
+        if (!o->has_file)
+            snprintf(from, sizeof from, " of set %s, seed %llu", o->rays->name,
+                     (unsigned long long)o->of.seed);
+        printf("%s: %zu rays%s: no answer of %s is wrong%s%s\n", o->of.spec, e->ray_count, from,
+               o->of.engine->name, o->has_cause ? " with cause " : "",
+               o->has_cause ? cause_name(o->cause) : "");
         return STATUS_OK;
     }
+    char again[EXPLAIN_COMMAND_MOST];
     struct explain_page page = {.of = &o->of,
                                 .scene = &e->scene,
                                 .judged = judged,
                                 .ray = &ray,
-                                .rays = o->ray_text ? NULL : o->rays->name,
+                                .rays = o->ray_text || o->has_file ? NULL : o->rays->name,
                                 .index = index,
-                                .count = e->ray_count};
+                                .count = e->ray_count,
+                                .again = explain_again(o, index, again)};
     *code = explain_is_wrong(&ray) ? EXIT_MISMATCH : EXIT_AGREE;
     if (!ray.answer.finished)
         *code = EXIT_ENGINE;
@@ -285,7 +295,9 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     struct judged judged = {0};
     struct job job = {&e->scene, of->engine->needs_packed ? &e->packed : NULL, of->box, of->tri,
                       of->query};
-    enum status status = scene_open(of->spec, of->seed, &e->scene, reason);
+    enum status status = STATUS_OK;
+    if (!e->options->has_file)
+        status = scene_open(of->spec, of->seed, &e->scene, reason);
     if (!status)
         status = make_rays(e, reason);
     if (!status)
@@ -310,51 +322,6 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     return status;
 }
 
-/* A trial's name stands for its options; what begins like one is one. */
-static enum status take_trial(struct explain_options *o, const char *text, struct reason *reason)
-{
-    static struct trial trial; /* its scene is borrowed */
-    enum status status = trial_parse(text, &trial, reason);
-    if (!status && trial.query == QUERY_ALL)
-        status = fail(reason, STATUS_INPUT, "trial: closest or any can be explained, not all");
-    if (status)
-        return status;
-    o->of = (struct explain_of){.spec = trial.scene,
-                                .seed = trial.seed,
-                                .engine = trial.engine,
-                                .layout = trial.layout,
-                                .builder = trial.builder,
-                                .build = o->of.build,
-                                .box = trial.box,
-                                .tri = trial.tri,
-                                .query = trial.query};
-    o->rays = trial.rays;
-    if (!o->has_count)
-        o->count = 1000;
-    return STATUS_OK;
-}
-
-static enum status take_subject(struct explain_options *o, const char *text, struct reason *reason)
-{
-    enum status status = STATUS_OK;
-    bool trial = false;
-    o->of.spec = text;
-    for (enum query query = 0; query < QUERY_COUNT; query++) {
-        size_t length = strlen(query_name(query));
-        trial = trial || (strncmp(text, query_name(query), length) == 0 && text[length] == '.');
-    }
-    if (trial)
-        status = take_trial(o, text, reason);
-    o->of.driver = o->engines.driver;
-    if (!o->of.engine->needs_packed) {
-        o->of.layout = NULL;
-        o->of.builder = NULL;
-    }
-    if (!status && o->ray_text && (o->has_rays || o->has_index))
-        status = fail(reason, STATUS_INPUT, "--ray is one ray: it goes without --rays and --index");
-    return status;
-}
-
 static void print_help(void)
 {
     fputs(help, stdout);
@@ -370,9 +337,11 @@ int cmd_explain(int argc, char **argv)
         return code;
     if (argc - first != 1)
         return usage_error("explain", argc == first ? "no scene given" : "one scene at a time");
-    if (take_subject(&options, argv[first], &reason))
-        return usage_error("explain", "%s", reason.text);
     struct explaining e = {.options = &options};
+    if (explain_take_subject(&options, argv[first], &e.file, &reason))
+        return usage_error("explain", "%s", reason.text);
+    /* What the file holds is the run's; freed there. */
+    e.scene = e.file.trial.scene, e.ray = e.file.trial.ray, e.ray_count = e.file.trial.ray_count;
     code = EXIT_AGREE;
     enum status status = explain(&e, &code, &reason);
     if (status) {

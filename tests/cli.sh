@@ -205,6 +205,20 @@ done
 again=$(sed -n 's/^again *raydiff //p' "$dir/out")
 eval "expect 1 . $again"
 grep -q '^cause     sentinel' "$dir/out" || bad "explain's own command line gives the same cause"
+inward=fuzz/corpus/rounded-inward.trial
+expect 1 . explain $inward
+grep -q '^cause     rounded_inward' "$dir/out" || bad "explain names the cause of a finding"
+again=$(sed -n 's/^again     raydiff //p' "$dir/out")
+cp "$dir/out" "$dir/page"
+expect 1 . $again
+cmp -s "$dir/page" "$dir/out" || bad "explain's own command shows the same page again"
+expect 0 . explain $inward --layout rf16
+grep -q '1 rays: no answer of cpu is wrong' "$dir/out" || bad "explain says of a file that nothing is wrong"
+expect 0 . explain $inward --engine embree --index 0
+expect 2 "^raydiff explain: --leaf: $inward brings its own" explain $inward --leaf 2
+expect 2 "^raydiff explain: --rays: $inward brings its own" explain $inward --rays mixed
+expect 2 "--index: 1 of 1 rays" explain $inward --index 1
+expect 2 "none.trial" explain "$dir/none.trial"
 expect 1 . explain closest.cpu.rtrs_rf_paper.median.robust.mt.soup.vertices.1 --count 5000
 expect 2 'no-such-folder' explain "$dir/one.obj" --ray '0,0,-1 0,0,1' --json "$dir/no-such-folder/x"
 

@@ -1,0 +1,31 @@
+/* What the parts of raydiff explain share. For commands only. */
+#ifndef CMD_EXPLAIN_INNER_H
+#define CMD_EXPLAIN_INNER_H
+
+#include "fuzz/finding_file.h"
+#include "ref/cmd_explain.h"
+#include "scenes/rays.h"
+
+struct explain_options {
+    struct explain_of of;
+    const struct ray_set *rays;
+    const char *ray_text, *json;
+    const char *test_flag; /* the last option given that a finding's file decides, or NULL */
+    uint64_t count, index;
+    bool has_count, has_index, has_rays, has_cause, has_engine, has_layout;
+    bool has_file;    /* scene, rays and test come from a finding's file */
+    enum cause cause; /* looked for, if has_cause */
+    struct engine_options engines;
+};
+
+/* Takes what is to be explained: a scene, the name of a trial of raydiff conform, or a finding's
+ * file, which is then read into *file. Errors: STATUS_INPUT; as finding_file_read. */
+enum status explain_take_subject(struct explain_options *options, const char *text,
+                                 struct finding_file *file, struct reason *reason) MUST_USE;
+
+/* Writes the command that explains ray `index` of the finding's file again; NULL if there is no
+ * file. */
+const char *explain_again(const struct explain_options *options, size_t index,
+                          char text[EXPLAIN_COMMAND_MOST]);
+
+#endif

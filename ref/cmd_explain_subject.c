@@ -1,0 +1,141 @@
+/* What raydiff explain is asked about: a scene, a trial's name, a finding's file. */
+#include "ref/cmd_explain_inner.h"
+
+#include "ref/command.h"
+#include "tests/cmd_trial.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* A trial's name stands for its options; what begins like one is one. */
+static bool is_trial(const char *text)
+{
+    for (enum query query = 0; query < QUERY_COUNT; query++) {
+        size_t length = strlen(query_name(query));
+        if (strncmp(text, query_name(query), length) == 0 && text[length] == '.')
+            return true;
+    }
+    return false;
+}
+
+static enum status take_trial(struct explain_options *o, const char *text, struct reason *reason)
+{
+    static struct trial trial; /* its scene is borrowed */
+    enum status status = trial_parse(text, &trial, reason);
+    if (!status && trial.query == QUERY_ALL)
+        status = fail(reason, STATUS_INPUT, "trial: closest or any can be explained, not all");
+    if (status)
+        return status;
+    o->of = (struct explain_of){.spec = trial.scene,
+                                .seed = trial.seed,
+                                .engine = trial.engine,
+                                .layout = trial.layout,
+                                .builder = trial.builder,
+                                .build = o->of.build,
+                                .box = trial.box,
+                                .tri = trial.tri,
+                                .query = trial.query};
+    o->rays = trial.rays;
+    if (!o->has_count)
+        o->count = 1000;
+    return STATUS_OK;
+}
+
+static bool is_file(const char *text)
+{
+    static const char ending[] = ".trial";
+    size_t length = strlen(text), least = sizeof ending - 1;
+    return length > least && strcmp(text + length - least, ending) == 0;
+}
+
+/* The engine of a signature, unless the user names another. */
+static enum status take_engine(struct explain_options *o, const struct fuzz_signature *signature,
+                               struct reason *reason)
+{
+    struct fuzz_signature named;
+    for (size_t i = 0; engines[i] && !o->has_engine; i++) {
+        fuzz_signature_set_engine(&named, engines[i]->name);
+        o->has_engine = strcmp(named.engine, signature->engine) == 0;
+        o->of.engine = engines[i];
+    }
+    if (!o->has_engine)
+        return fail(reason, STATUS_INPUT, "%s: its engine '%s' is not here: name one with --engine",
+                    o->of.spec, signature->engine);
+    return STATUS_OK;
+}
+
+/* The file decides everything but engine and layout. Without --index and --cause its own cause is
+ * looked for, where it has one. */
+static enum status take_file(struct explain_options *o, const char *path, struct finding_file *file,
+                             struct reason *reason)
+{
+    if (o->test_flag)
+        return fail(reason, STATUS_INPUT, "%s: %s brings its own", o->test_flag, path);
+    enum status status = finding_file_read(path, file, reason);
+    if (status)
+        return status;
+    const struct fuzz_trial *trial = &file->trial;
+    o->has_file = true;
+    o->of.builder = trial->builder;
+    o->of.build = trial->build;
+    o->of.box = trial->box;
+    o->of.tri = trial->tri;
+    o->of.query = trial->query;
+    if (file->has_signature) {
+        const struct fuzz_signature *signature = &file->signature;
+        bool on_ray = signature->kind <= FUZZ_KIND_BITS || signature->kind == FUZZ_KIND_UNFINISHED;
+        if (!on_ray && !o->has_index)
+            status = fail(reason, STATUS_INPUT, "%s: a finding of kind %s is on no ray: %s", path,
+                          fuzz_kind_name(signature->kind), "name one with --index, or replay it");
+        if (!status)
+            status = take_engine(o, signature, reason);
+        if (!o->has_layout && signature->layout)
+            o->of.layout = signature->layout;
+        if (!o->has_cause && !o->has_index && signature->cause != CAUSE_NOT_REPEATABLE) {
+            o->has_cause = true;
+            o->cause = signature->cause;
+        }
+    }
+    if (status)
+        finding_file_free(file);
+    return status;
+}
+
+const char *explain_again(const struct explain_options *o, size_t index,
+                          char text[EXPLAIN_COMMAND_MOST])
+{
+    char number[32];
+    if (!o->has_file)
+        return NULL;
+    snprintf(text, EXPLAIN_COMMAND_MOST, "raydiff explain");
+    command_word(text, EXPLAIN_COMMAND_MOST, o->of.spec);
+    snprintf(number, sizeof number, "%zu", index);
+    command_word(text, EXPLAIN_COMMAND_MOST, "--index");
+    command_word(text, EXPLAIN_COMMAND_MOST, number);
+    command_word(text, EXPLAIN_COMMAND_MOST, "--engine");
+    command_word(text, EXPLAIN_COMMAND_MOST, o->of.engine->name);
+    if (o->of.layout) {
+        command_word(text, EXPLAIN_COMMAND_MOST, "--layout");
+        command_word(text, EXPLAIN_COMMAND_MOST, o->of.layout->name);
+    }
+    return text;
+}
+
+enum status explain_take_subject(struct explain_options *o, const char *text,
+                                 struct finding_file *file, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    o->of.spec = text;
+    if (is_trial(text))
+        status = take_trial(o, text, reason);
+    else if (is_file(text))
+        status = take_file(o, text, file, reason);
+    o->of.driver = o->engines.driver;
+    if (!o->of.engine->needs_packed) {
+        o->of.layout = NULL;
+        o->of.builder = NULL;
+    }
+    if (!status && o->ray_text && (o->has_rays || o->has_index))
+        status = fail(reason, STATUS_INPUT, "--ray is one ray: it goes without --rays and --index");
+    return status;
+}
