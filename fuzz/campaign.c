@@ -148,6 +148,9 @@ static enum status go_on(struct campaign *c, struct reason *reason)
             c->ending = true;
         if (!status)
             status = campaign_crew_hear(c, reason);
+        c->ending = c->ending || is_over(c);
+        if (!status) /* before files are written, so that nobody waits for the disk */
+            status = campaign_crew_order(c, reason);
         if (!status)
             status = campaign_blocks_apply(c, reason);
         if (!status)

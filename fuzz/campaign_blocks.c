@@ -47,8 +47,18 @@ static struct block *make_mutants(struct campaign *c)
         block->base = base;
         c->mut_next++;
         c->mutated++;
+        c->mut_triangles += block->count * (uint64_t)base->scene.tri_count;
     }
     return block;
+}
+
+/* Half of the blocks and no more than half of the work: rare states are often those of large
+ * trials.
+ */
+static bool may_mutate(const struct campaign *c)
+{
+    return c->options->mutate && feedback_count(c->feedback) > 0 && 2 * c->mutated < c->ordered &&
+           c->mut_triangles <= c->gen_triangles;
 }
 
 /* The first trial of our shard from trial `at` of stream gen on. */
@@ -77,6 +87,7 @@ static struct block *make_next(struct campaign *c)
         count = o->trials - c->next;
     struct block *block = make(c, WORK_GEN, c->next, count);
     c->next += block ? count : 0;
+    c->gen_triangles += count * (o->rules.gen.triangles_least + o->rules.gen.triangles_most) / 2;
     return block;
 }
 
@@ -99,7 +110,7 @@ struct block *campaign_block_next(struct campaign *c, enum status *status)
     } else if (c->kept_next < c->rules.kept_count) {
         block = make(c, WORK_KEPT, c->kept_next, c->rules.kept_count - c->kept_next);
         c->kept_next += block ? block->count : 0;
-    } else if (o->mutate && feedback_count(c->feedback) > 0 && 2 * c->mutated < c->ordered) {
+    } else if (may_mutate(c)) {
         block = make_mutants(c);
     } else if (has_next(c)) {
         block = make_next(c);

@@ -56,16 +56,17 @@ struct campaign {
     size_t slots;
     char versions[1024];
     /* Streams. */
-    bool corpus_done;            /* in an earlier run */
-    uint64_t corpus_next;        /* trial of the corpus to be ordered next */
-    uint64_t kept_next;          /* likewise of those kept */
-    uint64_t next;               /* trial of stream gen to be ordered next */
-    uint64_t applied;            /* the one behind the last that is applied */
-    uint64_t trials_done;        /* of stream gen, all runs */
-    uint64_t mut_next;           /* block of stream mut */
-    uint64_t ordered, mutated;   /* blocks of this run */
-    struct block *first, **last; /* corpus and gen, in order */
-    size_t waiting;              /* blocks in that list */
+    bool corpus_done;                      /* in an earlier run */
+    uint64_t corpus_next;                  /* trial of the corpus to be ordered next */
+    uint64_t kept_next;                    /* likewise of those kept */
+    uint64_t next;                         /* trial of stream gen to be ordered next */
+    uint64_t applied;                      /* the one behind the last that is applied */
+    uint64_t trials_done;                  /* of stream gen, all runs */
+    uint64_t mut_next;                     /* block of stream mut */
+    uint64_t ordered, mutated;             /* blocks of this run */
+    uint64_t mut_triangles, gen_triangles; /* of those blocks, those of gen about */
+    struct block *first, **last;           /* corpus and gen, in order */
+    size_t waiting;                        /* blocks in that list */
     struct feedback *feedback;
     struct rng rng; /* of choosing whom to mutate */
     /* Findings. */
