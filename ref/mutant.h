@@ -116,6 +116,6 @@
 #define MUTANT_SPLIT_LOSES         242 /* builder: a split drops one triangle and doubles another */
 #define MUTANT_GROUPS_CUT          243 /* vulkan: the last group of rays, not full, is not traced */
 #define MUTANT_ITEMS_SHORT         244 /* vulkan: the shader is told of one item less */
-#define MUTANT_FOUND_ANYWAY        290 /* the self-test believes a program that shows nothing */
+#define MUTANT_FOUND_ANYWAY        290 /* the self-test takes any finding for its bug */
 
 #endif
