@@ -11,6 +11,10 @@
 #include <string.h>
 #include <unistd.h>
 
+/* The rarest planted bug shows only in scenes of more than 32,768 triangles. Of seeds 1 to 8 the
+ * first such trial is the 659th to the 10,358th; this one, the 2,458th, stands in the middle. */
+#define DEFAULT_SEED 2u
+
 /* What a control plays at least. */
 #define CONTROL_TRIALS 1024u
 
@@ -24,7 +28,7 @@ static const char help[] =
     "  --only B,...     only these: by bug, by bug and unit as in LOST_SLOT.trace_rf16, by kind,\n"
     "                   or by engines\n"
     "  --time S         seconds for each                          [60]\n"
-    "  --seed S         of the trials                             [1]\n"
+    "  --seed S         of the trials                             [2]\n"
     "  --jobs N         programs at a time, of one worker each    [cores]\n"
     "  --programs DIR   where they are           [mutants, beside this program]\n"
     "  --shaders        only check that this program's own shaders are pinned\n"
@@ -309,8 +313,10 @@ int cmd_selftest(int argc, char **argv)
     struct reason reason = {""};
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
     int first;
-    c = (struct selftest_command){
-        .seed = 1, .seconds = 60, .terminal = isatty(STDERR_FILENO) == 1, .start_ns = time_ns()};
+    c = (struct selftest_command){.seed = DEFAULT_SEED,
+                                  .seconds = 60,
+                                  .terminal = isatty(STDERR_FILENO) == 1,
+                                  .start_ns = time_ns()};
     c.jobs = cores < 1 ? 1 : cores > SELFTEST_JOBS_MOST ? SELFTEST_JOBS_MOST : (unsigned)cores;
     int code = options_take("fuzz", print_help, long_options, take_option, &c, argc, argv, &first);
     if (code < 0 && first < argc)
