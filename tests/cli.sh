@@ -483,19 +483,6 @@ expect 0 . min "$dir/big.trial" --force
 expect 0 . min "$dir/big.min.trial"
 grep -q 'wrote    nothing: it is the smallest' "$dir/out" || bad "min makes its own result smaller"
 expect 0 . min "$dir/big.min.trial" --out "$dir/same.trial" --json "$dir/min.json"
-# The self-test of the fuzzer, where nothing is built, and with a program that finds nothing.
-expect 2 "no planted bugs in .*/none: type .make selftest" fuzz --self-test --programs "$dir/none"
-mkdir -p "$dir/planted/LOST_SLOT.trace"
-echo 'LOST_SLOT ref/trace.c cpu f32 slots' >"$dir/planted/selftest.txt"
-expect 2 "LOST_SLOT.trace is not built" fuzz --self-test --programs "$dir/planted"
-expect 2 "no bug is 'NONE'" fuzz --self-test --programs "$dir/planted" --only NONE
-printf '#!/bin/sh\necho sick\nexit 4\n' >"$dir/planted/LOST_SLOT.trace/raydiff"
-chmod +x "$dir/planted/LOST_SLOT.trace/raydiff"
-expect 1 . fuzz --self-test --programs "$dir/planted" --json "$dir/self.json"
-[ "$(tail -n 1 "$dir/out")" = "found 0 of 1" ] || bad "fuzz --self-test: the last line is not its sum"
-grep -q '"passed": false' "$dir/self.json" || bad "fuzz --self-test --json: passed"
-expect 0 . fuzz --self-test --shaders
-
 cmp -s "$dir/big.min.trial" "$dir/same.trial" || bad "min --out writes another trial"
 for key in signature result end before after bytes asks tried accepted rounds written exit; do
     grep -q "\"$key\": " "$dir/min.json" || bad "min --json: no key $key"
@@ -517,6 +504,19 @@ if [ -x "$bug" ]; then
     grep -Eq 'pipe:tracer_bug1.* [1-4], 1 .* smaller' "$dir/out" || bad "min of a peer's bug leaves it as large as it was"
 fi
 
+# The self-test of the fuzzer, where nothing is built, and with a program that finds nothing.
+expect 2 "no planted bugs in .*/none: type .make selftest" fuzz --self-test --programs "$dir/none"
+mkdir -p "$dir/planted/LOST_SLOT.trace"
+echo 'LOST_SLOT ref/trace.c cpu f32 slots' >"$dir/planted/selftest.txt"
+expect 2 "LOST_SLOT.trace is not built" fuzz --self-test --programs "$dir/planted"
+expect 2 "no bug is 'NONE'" fuzz --self-test --programs "$dir/planted" --only NONE
+printf '#!/bin/sh\necho sick\nexit 4\n' >"$dir/planted/LOST_SLOT.trace/raydiff"
+chmod +x "$dir/planted/LOST_SLOT.trace/raydiff"
+expect 1 . fuzz --self-test --programs "$dir/planted" --json "$dir/self.json"
+[ "$(tail -n 1 "$dir/out")" = "found 0 of 1" ] || bad "fuzz --self-test: the last line is not its sum"
+grep -q '"passed": false' "$dir/self.json" || bad "fuzz --self-test --json: passed"
+expect 0 . fuzz --self-test --shaders
+
 # '-' is the standard output of every --json, and no other file.
 stands_alone() {
     head -c 1 "$dir/out" | grep -q '^{' || bad "$1 --json - prints more than JSON"
@@ -532,6 +532,8 @@ expect 0 . explain "$dir/one.obj" --ray '0.25,0.25,-1 0,0,1' --json -
 stands_alone explain
 expect 77 . doctor --driver no-such-driver --json -
 stands_alone doctor
+expect 1 . fuzz --self-test --programs "$dir/planted" --json -
+stands_alone "fuzz --self-test"
 for arguments in 'bench error --svg' 'conform --junit' 'conform --markdown' 'fuzz --tap' \
     'gen soup --out' 'precompute --scene soup --out'; do
     expect 2 "needs a file, not '-'" $arguments -
