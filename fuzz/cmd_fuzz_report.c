@@ -1,8 +1,11 @@
 /* What a campaign came to: the table, JSON, and the files of CI systems. */
 #include "fuzz/cmd_fuzz.h"
 
+#include "fuzz/cmd_replay.h"
 #include "fuzz/coverage.h"
+#include "fuzz/pipe.h"
 #include "fuzz/report.h"
+#include "fuzz/worker.h"
 #include "ref/cmd_json.h"
 #include "ref/command.h"
 
@@ -59,6 +62,15 @@ static bool unused_line(const struct fuzz_command *c, const struct campaign_view
     return waiver != NULL;
 }
 
+/* The engine of a signature among those that play; NULL: another campaign's. */
+static const struct engine *engine_of(const struct campaign_view *view,
+                                      const struct fuzz_signature *signature)
+{
+    const struct fuzz_field *field = &view->options->rules.field;
+    size_t i = work_contestant(field, signature);
+    return i < field->count ? field->who[i].engine : NULL;
+}
+
 /* --- JSON ------------------------------------------------------------------------------------ */
 
 static json_t *finding_json(const struct fuzz_command *c, const struct campaign_view *view,
@@ -73,10 +85,10 @@ static json_t *finding_json(const struct fuzz_command *c, const struct campaign_
         return row;
     struct baseline_answer answer;
     enum report_state state = fuzz_state_of(c, view, i, &answer);
-    char command[FUZZ_PATH_MOST + 32];
+    char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
     findings_path(view->findings, &entry->signature, "smallest.trial", smallest, sizeof smallest);
     findings_path(view->findings, &entry->signature, "first.trial", first, sizeof first);
-    snprintf(command, sizeof command, "raydiff replay %s", smallest);
+    replay_command(smallest, engine_of(view, &entry->signature), command, sizeof command);
     json_object_set_new(row, "state", json_string(report_state_name(state)));
     json_object_set_new(row, "known", json_boolean(state == REPORT_KNOWN));
     json_object_set_new(row, "flaky", json_boolean(state == REPORT_FLAKY));
@@ -193,7 +205,7 @@ static void fill_finding(const struct fuzz_command *c, const struct campaign_vie
     snprintf(text[1], FUZZ_PATH_MOST, "%s", answer.text);
     findings_path(view->findings, &entry->signature, "first.trial", text[2], FUZZ_PATH_MOST);
     findings_path(view->findings, &entry->signature, "smallest.trial", text[3], FUZZ_PATH_MOST);
-    snprintf(text[4], FUZZ_PATH_MOST, "raydiff replay %.4000s", text[3]);
+    replay_command(text[3], engine_of(view, &entry->signature), text[4], FUZZ_PATH_MOST);
     room->finding[i] = (struct report_finding){.signature = text[0],
                                                .count = entry->count,
                                                .state = state,
@@ -280,6 +292,7 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
 {
     const struct findings_entry *entry = findings_entry(view->findings, i);
     char signature[FUZZ_SIGNATURE_MOST], path[FUZZ_PATH_MOST];
+    char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
     struct baseline_answer answer;
     enum report_state state = fuzz_state_of(c, view, i, &answer);
     fuzz_signature_print(&entry->signature, signature);
@@ -291,7 +304,8 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
     printf("         %s\n", cause_text(entry->signature.cause));
     if (answer.text[0])
         printf("         %s\n", answer.text);
-    printf("         raydiff replay %s\n", path);
+    replay_command(path, engine_of(view, &entry->signature), command, sizeof command);
+    printf("         %s\n", command);
 }
 
 static void print_unused(const struct fuzz_command *c, const struct campaign_view *view)

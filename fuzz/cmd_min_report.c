@@ -1,6 +1,7 @@
 /* What raydiff min says of findings, for people and for machines. */
 #include "fuzz/cmd_min.h"
 
+#include "fuzz/cmd_replay.h"
 #include "fuzz/pipe.h"
 #include "ref/cmd_json.h"
 #include "ref/command.h"
@@ -51,13 +52,8 @@ static void finding_text(const struct min_row *row, char *text, size_t size)
 
 static void print_replay(const struct min_row *row)
 {
-    char text[MIN_PATH_MOST + PIPE_NAME_MOST] = "raydiff replay";
-    command_word(text, sizeof text, row->written[0] ? row->written : row->path);
-    if (strncmp(row->engine->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0) {
-        size_t used = strlen(text);
-        snprintf(text + used, sizeof text - used, " --engine");
-        command_word(text, sizeof text, row->engine->name);
-    }
+    char text[MIN_PATH_MOST + PIPE_NAME_MOST];
+    replay_command(row->written[0] ? row->written : row->path, row->engine, text, sizeof text);
     printf("  replay   %s\n", text);
 }
 

@@ -56,6 +56,10 @@ struct replay_options {
 bool replay_is_expected(const struct replay_options *options, const struct finding_file *file,
                         const struct fuzz_signature *found);
 
+/* Writes the command that plays a file again; one that needs an engine named, as a pipe: peer, has
+ * it. `engine` may be NULL. */
+void replay_command(const char *path, const struct engine *engine, char *text, size_t text_bytes);
+
 /* A child process that plays: an engine that crashes or hangs takes only it along. */
 struct replay_worker {
     const struct replay_options *options;

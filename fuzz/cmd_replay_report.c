@@ -1,6 +1,8 @@
 /* What raydiff replay says of a file, for people and for machines. */
 #include "fuzz/cmd_replay.h"
 
+#include "fuzz/pipe.h"
+#include "ref/command.h"
 #include "ref/explain/ray_text.h"
 #include "scenes/file.h"
 #include "ref/cmd_json.h"
@@ -41,6 +43,16 @@ static void finding_text(const struct finding_file *file, const struct fuzz_find
     if (finding->ray >= file->trial.ray_count || finding->judgement.verdict != VERDICT_WRONG)
         return;
     judge_line(&file->trial.ray[finding->ray], &finding->judgement, &finding->answer, text, size);
+}
+
+void replay_command(const char *path, const struct engine *engine, char *text, size_t text_bytes)
+{
+    snprintf(text, text_bytes, "raydiff replay");
+    command_word(text, text_bytes, path);
+    if (!engine || strncmp(engine->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0)
+        return;
+    command_word(text, text_bytes, "--engine");
+    command_word(text, text_bytes, engine->name);
 }
 
 static void print_lines(const char *title, const char *lines)

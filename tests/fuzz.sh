@@ -75,6 +75,9 @@ expect 0 . fuzz $small --engine "$tracer" --trials 128 --dir "$dir/sound"
 expect 1 . fuzz $small --engine "${tracer}_bug1" --trials 128 --dir "$dir/bug"
 has out '^new      pipe:tracer_bug1\.'
 has out 'smallest: [1-4] triangles?, 1 ray$'
+printed=$(sed -n 's/^ *raydiff replay//p' "$dir/out" | head -n 1)
+eval "\"\$raydiff\" replay --brief $printed" >"$dir/out" 2>"$dir/err"
+[ $? -eq 1 ] || bad "the command that was printed plays a tracer's finding"
 finding=$(ls -d "$dir"/bug/pipe:tracer_bug1.* | head -n 1)
 "$raydiff" replay "$finding/smallest.trial" --brief --engine "${tracer}_bug1" >"$dir/out" 2>"$dir/err"
 [ $? -eq 1 ] || bad "a tracer's finding fails when it is replayed"
