@@ -34,7 +34,7 @@ static const char *find(const char *state, const char *name)
     size_t length = strlen(name);
     while (state && !(strncmp(state, name, length) == 0 && state[length] == '=')) {
         state = strchr(state, '|');
-        state += state != NULL;
+        state = state ? state + 1 : NULL;
     }
     return state ? state + length + 1 : NULL;
 }
