@@ -2,6 +2,7 @@
 #include "fuzz/worker.h"
 
 #include "fuzz/versions.h"
+#include "fuzz/worker_base.h"
 #include "ref/rng.h"
 
 #include <signal.h>
@@ -287,10 +288,9 @@ static enum status read_order(const char *bytes, size_t size, struct work_order 
 {
     *base = (struct finding_file){0};
     memcpy(order, bytes, sizeof *order);
-    if (size == sizeof *order + 1)
+    if (size == sizeof *order)
         return STATUS_OK;
-    return finding_file_parse("order", bytes + sizeof *order, size - sizeof *order - 1, base,
-                              reason);
+    return worker_base_get(bytes + sizeof *order, size - sizeof *order, base, reason);
 }
 
 static bool obey(struct worker *w, const char *bytes, size_t size)
@@ -368,20 +368,15 @@ enum status worker_start(const struct work_start *start, struct child *out, stru
 bool worker_order(struct child *worker, const struct work_order *order,
                   const struct finding_file *base)
 {
-    char *text = NULL;
-    size_t size = 0;
-    if (base && finding_file_print(base, &text, &size, NULL))
-        return false;
-    char *bytes = malloc(sizeof *order + size + 1);
+    size_t size = sizeof *order + (base ? worker_base_bytes(base) : 0);
+    char *bytes = malloc(size);
     bool sent = false;
     if (bytes) {
         memcpy(bytes, order, sizeof *order);
-        if (size > 0)
-            memcpy(bytes + sizeof *order, text, size);
-        bytes[sizeof *order + size] = '\0';
-        sent = child_send(worker, bytes, sizeof *order + size + 1, SEND_MS);
+        if (base)
+            worker_base_put(base, bytes + sizeof *order);
+        sent = child_send(worker, bytes, size, SEND_MS);
     }
     free(bytes);
-    free(text);
     return sent;
 }

@@ -54,7 +54,7 @@ struct work_order {
     uint64_t asks, ns; /* bounds of shrinking, as in struct shrink_options */
     uint32_t ms;       /* of a candidate that may hang or crash: struct shrink_apart */
     uint64_t memory;
-    /* A finding file's text may follow: the base of stream or the finding to shrink. */
+    /* A finding file may follow (fuzz/worker_base.h): the base of stream or what is to shrink. */
 };
 
 struct work_trial {

@@ -1,6 +1,7 @@
 /* Trials and signatures: copies, hashes, what no reader may let through, names of folders. */
 #include "fuzz/signature.h"
 #include "fuzz/trial.h"
+#include "fuzz/worker_base.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -66,6 +67,38 @@ static void trial_copy_is_deep(void **state)
 }
 
 /* Every bit of every number and every member counts; the origin does not. */
+/* As bytes for a forked process: back to the bit; cut or longer ones are refused. */
+static void trial_travels_as_bytes(void **state)
+{
+    (void)state;
+    struct finding_file file = {.trial = make(), .has_signature = true}, again, bare = {0};
+    fuzz_signature_set_engine(&file.signature, "cpu");
+    file.signature.layout = layouts[1];
+    file.signature.kind = FUZZ_KIND_BITS;
+    strcpy(file.versions, "one\ntwo");
+    size_t size = worker_base_bytes(&file);
+    char *bytes = malloc(size + 1);
+    assert_non_null(bytes);
+    worker_base_put(&file, bytes);
+    assert_int_equal(worker_base_get(bytes, size, &again, &reason), STATUS_OK);
+    assert_int_equal(fuzz_trial_hash(&again.trial), fuzz_trial_hash(&file.trial));
+    assert_true(fuzz_signature_same(&again.signature, &file.signature));
+    assert_string_equal(again.versions, "one\ntwo");
+    assert_ptr_not_equal(again.trial.ray, file.trial.ray);
+    finding_file_free(&again);
+    const size_t sizes[] = {0, sizeof file - 1, sizeof file, size - 1, size + 1};
+    for (size_t i = 0; i < ARRAY_COUNT(sizes); i++) {
+        assert_int_equal(worker_base_get(bytes, sizes[i], &again, &reason), STATUS_INPUT);
+        assert_null(again.trial.ray);
+    }
+    worker_base_put(&bare, bytes); /* no triangle, no ray */
+    assert_int_equal(worker_base_get(bytes, worker_base_bytes(&bare), &again, &reason), STATUS_OK);
+    assert_int_equal(again.trial.ray_count, 0);
+    finding_file_free(&again);
+    finding_file_free(&file);
+    free(bytes);
+}
+
 static void trial_hash_sees_all_that_decides(void **state)
 {
     (void)state;
@@ -257,6 +290,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trial_make_gives_members_and_zeroes),
         cmocka_unit_test(trial_copy_is_deep),
+        cmocka_unit_test(trial_travels_as_bytes),
         cmocka_unit_test(trial_hash_sees_all_that_decides),
         cmocka_unit_test(trial_check_refuses_what_no_reader_may_pass),
         cmocka_unit_test(smaller_is_fewer_then_rounder),
