@@ -163,6 +163,15 @@ static bool can_ask(const struct seat *seat, struct stage *stage, struct answers
     return false;
 }
 
+/* What the rays took engine cpu on the same tree, if it was asked before; it decides the order in
+ * which they are traced, no answer. */
+static const uint32_t *expected_work(const struct stage *stage, const struct seat *seat)
+{
+    if (seat->reference >= SEATS_MOST || !stage->answers[seat->reference].has_work)
+        return NULL;
+    return stage->answers[seat->reference].work;
+}
+
 static enum status ask_together(struct fuzz_player *player, size_t seat, size_t count,
                                 struct reason *reason)
 {
@@ -179,6 +188,8 @@ static enum status ask_together(struct fuzz_player *player, size_t seat, size_t 
         task->ray_count = stage->trial->ray_count;
         task->hit = answers->hit;
         task->flag = answers->flag;
+        task->work = answers->work;
+        task->expected = expected_work(stage, who);
         task->status = STATUS_OK;
     }
     enum status status = who->engine->trace_tasks(who->self, player->task, tasks, reason);
@@ -192,6 +203,7 @@ static enum status ask_together(struct fuzz_player *player, size_t seat, size_t 
             answers->fared = FARED_PLAYED;
         else
             fared_by_status(answers, task->status);
+        answers->has_work = who->engine->tells_work && task->status == STATUS_OK;
     }
     return status;
 }

@@ -19,7 +19,7 @@ static enum status make_room(struct stage *stage, size_t seats, size_t rays)
 {
     size_t truth = padded(rays * sizeof *stage->truth);
     size_t hits = padded(rays * sizeof(struct hit)), flags = padded(rays * sizeof(uint32_t));
-    size_t need = truth + seats * (hits + flags) + ALIGNMENT;
+    size_t need = truth + seats * (hits + 2 * flags) + ALIGNMENT;
     if (need > stage->room_bytes) {
         free(stage->room);
         stage->room = malloc(need);
@@ -32,8 +32,9 @@ static enum status make_room(struct stage *stage, size_t seats, size_t rays)
     stage->truth = (void *)at;
     at += truth;
     for (size_t i = 0; i < seats; i++) {
-        stage->answers[i] = (struct answers){.hit = (void *)at, .flag = (void *)(at + hits)};
-        at += hits + flags;
+        stage->answers[i] = (struct answers){
+            .hit = (void *)at, .flag = (void *)(at + hits), .work = (void *)(at + hits + flags)};
+        at += hits + 2 * flags;
     }
     return STATUS_OK;
 }

@@ -43,6 +43,8 @@ enum fared {
 struct answers {
     struct hit *hit;
     uint32_t *flag;
+    uint32_t *work; /* struct engine_task */
+    bool has_work;
     enum fared fared;
     enum fuzz_kind kind; /* of FARED_FAULTY */
     uint32_t ray;        /* at which */
@@ -59,7 +61,7 @@ struct stage {
     struct oracle *oracle;
     struct oracle_answer *truth;
     struct answers answers[SEATS_MOST];
-    void *room; /* holds truth, hits and flags */
+    void *room; /* holds truth, hits, flags and work */
     size_t room_bytes;
 };
 

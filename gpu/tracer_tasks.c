@@ -1,5 +1,6 @@
 /* Many small jobs in one submission: what all of them need lies in seven large buffers, one after
  * the other, and each dispatch sees its own parts. */
+#include "gpu/ray_order.h"
 #include "gpu/tracer_private.h"
 
 #include "ref/mutant.h"
@@ -23,6 +24,8 @@ struct arena {
 struct entry {
     struct engine_task *task;
     struct push push;
+    size_t order; /* where in tasks.order; ray i of the dispatch is the task's order[i] */
+    bool ordered; /* else its i */
 };
 
 struct tracer_tasks {
@@ -31,6 +34,7 @@ struct tracer_tasks {
     struct arena arena[DISPATCH_BINDINGS];
     struct vk_work work[GROUP_MOST];
     struct entry entry[GROUP_MOST];
+    struct arena order; /* of all entries; not for the device */
     uint32_t count;
     uint64_t visits; /* that they can make at most */
 };
@@ -45,6 +49,7 @@ void tracer_tasks_free(struct tracer *tracer)
         vk_buffer_free(tracer->vk, tasks->buffer[i]);
         free(tasks->arena[i].byte);
     }
+    free(tasks->order.byte);
     free(tasks);
     tracer->tasks = NULL;
 }
@@ -88,6 +93,44 @@ static bool put(struct tracer *tracer, struct vk_work *work, uint32_t binding, c
     return at != NULL;
 }
 
+/* The order of the entry's rays, if it has one. */
+static const uint32_t *order_of(const struct tracer_tasks *tasks, const struct entry *entry)
+{
+    return entry->ordered ? (const uint32_t *)(const void *)(tasks->order.byte + entry->order)
+                          : NULL;
+}
+
+/* Orders the rays by what they may take. */
+static bool make_order(struct tracer_tasks *tasks, const struct engine_task *task,
+                       struct entry *entry)
+{
+    size_t bytes = task->ray_count * sizeof(uint32_t);
+    entry->ordered = task->expected && task->ray_count > 0;
+    entry->order = tasks->order.used;
+    if (!entry->ordered)
+        return true;
+    void *byte = tasks->order.byte;
+    if (array_reserve(&byte, &tasks->order.capacity, tasks->order.used + 2 * bytes, 1))
+        return false;
+    tasks->order.byte = byte;
+    uint32_t *order = (void *)(tasks->order.byte + tasks->order.used);
+    ray_order_by_work(task->expected, task->ray_count, order, order + task->ray_count);
+    tasks->order.used += bytes; /* the rest is free again */
+    return true;
+}
+
+static bool put_rays(struct tracer *tracer, struct vk_work *work, const struct entry *entry)
+{
+    const struct engine_task *task = entry->task;
+    const uint32_t *order = order_of(tracer->tasks, entry);
+    if (!order)
+        return put(tracer, work, ABI_BIND_RAYS, task->ray, task->ray_count * sizeof *task->ray);
+    struct ray *ray = take(tracer, work, ABI_BIND_RAYS, task->ray_count * sizeof *ray);
+    for (size_t i = 0; ray && i < task->ray_count; i++)
+        ray[i] = task->ray[order[i]];
+    return ray != NULL;
+}
+
 static bool put_triangles(struct tracer *tracer, struct vk_work *work, const struct scene *scene)
 {
     float(*tri)[3][3] = take(tracer, work, ABI_BIND_TRIS, sizeof *tri * (uint64_t)scene->tri_count);
@@ -118,7 +161,8 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
     if (task->status)
         return fail(reason, task->status, "%s", task->reason.text);
     const uint64_t rays = task->ray_count;
-    if (!put(tracer, work, ABI_BIND_RAYS, task->ray, rays * sizeof *task->ray) ||
+    entry->task = task;
+    if (!make_order(tasks, task, entry) || !put_rays(tracer, work, entry) ||
         !take(tracer, work, ABI_BIND_HITS, rays * sizeof *task->hit) ||
         !take(tracer, work, ABI_BIND_FLAGS, rays * sizeof *task->flag) ||
         !put(tracer, work, ABI_BIND_NODES, packed->word, packed_node_bytes(packed)) ||
@@ -128,7 +172,6 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
 #if MUTANT == MUTANT_NEIGHBOUR
     work->part[ABI_BIND_NODES] = tasks->work[0].part[ABI_BIND_NODES];
 #endif
-    entry->task = task;
     entry->push = dispatch.push;
     entry->push.ray_count = (uint32_t)rays;
     work->push = &entry->push;
@@ -176,6 +219,27 @@ static void check_flags(struct tracer *tracer, struct engine_task *task)
                      vk_limits(tracer->vk)->device, i, tracer_cause(task->flag[i]));
 }
 
+/* Hands the answers out in the task's own order. */
+static void take_answers(const struct entry *entry, const uint32_t *order, const void *hits,
+                         const void *flags)
+{
+    const struct hit *hit = hits;
+    const uint32_t *flag = flags;
+    struct engine_task *task = entry->task;
+#if MUTANT == MUTANT_ORDER_KEPT
+    order = NULL;
+#endif
+    if (!order) {
+        memcpy(task->hit, hit, task->ray_count * sizeof *hit);
+        memcpy(task->flag, flag, task->ray_count * sizeof *flag);
+        return;
+    }
+    for (size_t i = 0; i < task->ray_count; i++) {
+        task->hit[order[i]] = hit[i];
+        task->flag[order[i]] = flag[i];
+    }
+}
+
 static enum status download(struct tracer *tracer, struct reason *reason)
 {
     struct tracer_tasks *tasks = tracer->tasks;
@@ -186,12 +250,10 @@ static enum status download(struct tracer *tracer, struct reason *reason)
         status = vk_buffer_read(tracer->vk, tasks->buffer[ABI_BIND_FLAGS], 0, flags->byte,
                                 flags->used, reason);
     for (uint32_t i = 0; i < tasks->count && !status; i++) {
-        struct engine_task *task = tasks->entry[i].task;
-        memcpy(task->hit, hits->byte + tasks->work[i].part[ABI_BIND_HITS].offset,
-               task->ray_count * sizeof *task->hit);
-        memcpy(task->flag, flags->byte + tasks->work[i].part[ABI_BIND_FLAGS].offset,
-               task->ray_count * sizeof *task->flag);
-        check_flags(tracer, task);
+        take_answers(&tasks->entry[i], order_of(tasks, &tasks->entry[i]),
+                     hits->byte + tasks->work[i].part[ABI_BIND_HITS].offset,
+                     flags->byte + tasks->work[i].part[ABI_BIND_FLAGS].offset);
+        check_flags(tracer, tasks->entry[i].task);
     }
     return status;
 }
@@ -221,6 +283,7 @@ static enum status flush(struct tracer *tracer, struct reason *reason)
     }
     tasks->count = 0;
     tasks->visits = 0;
+    tasks->order.used = 0;
     for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++)
         tasks->arena[i].used = 0;
     return status;

@@ -43,10 +43,14 @@ struct engine_task {
     struct job job; /* closest or any */
     const struct ray *ray;
     size_t ray_count;
-    struct hit *hit;      /* room for ray_count; of a ray that was not finished it is undefined */
-    uint32_t *flag;       /* likewise: ABI_FLAG_DONE of a ray that was finished, else others too */
-    enum status status;   /* of this task: as prepare's and trace's */
-    struct reason reason; /* if it is not STATUS_OK */
+    struct hit *hit; /* room for ray_count; of a ray that was not finished it is undefined */
+    uint32_t *flag;  /* likewise: ABI_FLAG_DONE of a ray that was finished, else others too */
+    uint32_t *work;  /* NULL, or room for ray_count: what each ray took, as trace_rays says
+                        it, if the engine tells */
+    const uint32_t *expected; /* NULL, or what each ray may take: an engine that traces rays side by
+                                 side puts those together that will end together */
+    enum status status;       /* of this task: as prepare's and trace's */
+    struct reason reason;     /* if it is not STATUS_OK */
 };
 
 /* How an engine in a process of its own failed. */
@@ -61,10 +65,11 @@ struct engine {
     const char *name;
     const char *summary;
     bool needs_packed; /* false: sees the scene alone (brute, Embree) */
-    bool brute;    /* tests every triangle: asked for no more rays than match_options.brute_budget
-                      pays for */
-    bool own_tri;  /* has a triangle test of its own, whatever job.tri is */
-    bool recorded; /* its answers were written down before: it can be asked no other ray */
+    bool brute;      /* tests every triangle: asked for no more rays than match_options.brute_budget
+                        pays for */
+    bool own_tri;    /* has a triangle test of its own, whatever job.tri is */
+    bool tells_work; /* its trace_tasks fills in task.work */
+    bool recorded;   /* its answers were written down before: it can be asked no other ray */
     /* Errors: STATUS_UNSUPPORTED cannot run here (reason), STATUS_DEVICE, STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
     /* Uploads, builds, compiles. May be called again with another job.

@@ -53,6 +53,7 @@
 #define MUTANT_MEDIUM_SIGN     107 /* a product of middling integers is right of positive ones only */
 #define MUTANT_OTHER_TWIN      108 /* a judge of many takes the twin of another triangle */
 #define MUTANT_LANE_SLIPPED    109 /* twins by vectors are all concluded with the first ray */
+#define MUTANT_ORDER_KEPT      120 /* answers are handed out in the order of the dispatch */
 #define MUTANT_NEVER_EXPIRES   112 /* an entry of the baseline excuses for ever */
 #define MUTANT_EXPORT_NO_RAYS  115 /* export: the push constants say that there is no ray */
 #define MUTANT_EXPORT_EXACT    116 /* export: only the exact numbers are right, to the bit */

@@ -240,9 +240,15 @@ enum status trace_ray(const struct packed *packed, const struct scene *scene,
     return status;
 }
 
+static uint32_t at_most(uint64_t count)
+{
+    return count < 0xFFFF ? (uint32_t)count : 0xFFFF;
+}
+
 enum status trace_rays(const struct packed *packed, const struct scene *scene,
                        const struct box_test *box, const struct tri_test *tri, enum query query,
-                       const struct ray *ray, size_t count, struct hit *out, uint32_t *flag)
+                       const struct ray *ray, size_t count, struct hit *out, uint32_t *flag,
+                       uint32_t *work)
 {
     struct wide *decoded = NULL;
     enum status status = STATUS_OK;
@@ -257,6 +263,8 @@ enum status trace_rays(const struct packed *packed, const struct scene *scene,
         bool finished = walk_with(&w, box, tri) == STATUS_OK;
         out[i] = finished ? w.best : (struct hit){.prim = ABI_NO_PRIM};
         flag[i] = finished ? ABI_FLAG_DONE : ABI_FLAG_EXHAUSTED;
+        if (work)
+            work[i] = at_most(w.counts.boxes) << 16 | at_most(w.counts.tris);
         status = finished ? status : STATUS_LIMIT;
     }
     free(decoded);

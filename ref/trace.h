@@ -28,11 +28,13 @@ enum status trace_ray(const struct packed *packed, const struct scene *scene,
 
 /* Traces `count` rays one after the other, to the same hits as trace_ray; nodes are decoded once
  * for all. flag[i] is ABI_FLAG_DONE, or ABI_FLAG_EXHAUSTED where trace_ray would say STATUS_LIMIT.
- * Returns STATUS_OK; STATUS_LIMIT if there is such a ray. */
+ * work[i], unless `work` is NULL, is what the ray took: box tests in the upper 16 bits, triangle
+ * tests in the lower, at most 65535 each. Returns STATUS_OK; STATUS_LIMIT if there is such a ray.
+ */
 enum status trace_rays(const struct packed *packed, const struct scene *scene,
                        const struct box_test *box, const struct tri_test *tri, enum query query,
-                       const struct ray *ray, size_t count, struct hit *out,
-                       uint32_t *flag) MUST_USE;
+                       const struct ray *ray, size_t count, struct hit *out, uint32_t *flag,
+                       uint32_t *work) MUST_USE;
 
 /* Finds every triangle that the ray hits, in the order of work of trace_ray with two differences:
  * no hit shortens the ray, and none ends it. A triangle in several slots is found several times.

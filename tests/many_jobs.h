@@ -13,7 +13,7 @@ struct one_job {
     struct bvh bvh;
     struct packed packed;
     struct hit hit[RAYS];
-    uint32_t flag[RAYS];
+    uint32_t flag[RAYS], work[RAYS], expected[RAYS];
 };
 
 static struct one_job jobs[JOBS];
@@ -60,11 +60,15 @@ static inline void make_tasks(void)
     for (size_t i = 0; i < JOBS; i++) {
         memset(jobs[i].hit, 0xAB, sizeof jobs[i].hit);
         memset(jobs[i].flag, 0xAB, sizeof jobs[i].flag);
+        for (uint32_t r = 0; r < RAYS; r++) /* nothing that is true: it must not matter */
+            jobs[i].expected[r] = (r * 7919u) % 131u << (i % 3) * 8;
         tasks[i] = (struct engine_task){.job = job_of(&jobs[i]),
                                         .ray = jobs[i].trial.ray,
                                         .ray_count = jobs[i].trial.ray_count,
                                         .hit = jobs[i].hit,
                                         .flag = jobs[i].flag,
+                                        .work = i % 4 == 0 ? NULL : jobs[i].work,
+                                        .expected = i % 5 == 0 ? NULL : jobs[i].expected,
                                         .status = STATUS_INTERNAL};
     }
 }

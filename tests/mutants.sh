@@ -183,6 +183,7 @@ in_test ENDS_SWAPPED ref/oracle/nearest.c test_oracle_rules
 in_test CULLED_ALL ref/trace.c test_all
 in_test LOST_SLOT ref/layouts/layout_rf16.c test_all
 in_test NEIGHBOUR gpu/tracer_tasks.c test_fuzz_tasks
+in_test ORDER_KEPT gpu/tracer_tasks.c test_fuzz_tasks
 in_test FLAGS_UNREAD gpu/tracer_tasks.c test_fuzz_tasks
 in_test SIGN_OF_ZERO ref/float_word.c test_fuzz_numbers
 in_test COUNTED_TWICE fuzz/findings.c test_fuzz_merge

@@ -87,11 +87,40 @@ static void a_broken_job_keeps_to_itself(void **state)
     free_jobs();
 }
 
+/* What engine cpu says that a ray took is what trace_ray counts. */
+static void work_is_what_was_counted(void **state)
+{
+    (void)state;
+    const struct engine *engine = engine_find("cpu");
+    struct reason reason = {""};
+    size_t most = 0;
+    void *self = open_engine(engine);
+    assert_true(engine->tells_work);
+    make_jobs();
+    make_tasks();
+    assert_int_equal(engine->trace_tasks(self, tasks, JOBS, &reason), STATUS_OK);
+    for (size_t i = 0; i < JOBS; i++)
+        for (uint32_t r = 0; r < jobs[i].trial.ray_count && tasks[i].work; r++) {
+            const struct job job = job_of(&jobs[i]);
+            struct trace_counts counts = {0};
+            struct hit hit;
+            assert_int_equal(trace_ray(job.packed, job.scene, job.box, job.tri, job.query,
+                                       &tasks[i].ray[r], &hit, &counts),
+                             STATUS_OK);
+            assert_int_equal(tasks[i].work[r], counts.boxes << 16 | counts.tris);
+            most = counts.boxes > most ? counts.boxes : most;
+        }
+    assert_true(most > 10);
+    engine->close(self);
+    free_jobs();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(many_jobs_have_the_bits_of_each_alone),
         cmocka_unit_test(a_broken_job_keeps_to_itself),
+        cmocka_unit_test(work_is_what_was_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

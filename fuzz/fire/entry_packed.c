@@ -25,7 +25,7 @@ static void must_trace(const struct packed *packed, const struct scene *scene,
 {
     struct hit one, all[RAYS], listed[8];
     uint32_t flag[RAYS], count;
-    FIRE_MUST(trace_rays(packed, scene, box, tri, query, rays, RAYS, all, flag) == STATUS_OK);
+    FIRE_MUST(trace_rays(packed, scene, box, tri, query, rays, RAYS, all, flag, NULL) == STATUS_OK);
     for (size_t i = 0; i < RAYS; i++) {
         FIRE_MUST(trace_ray(packed, scene, box, tri, query, &rays[i], &one, NULL) == STATUS_OK);
         FIRE_MUST(memcmp(&one, &all[i], sizeof one) == 0);

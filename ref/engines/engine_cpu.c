@@ -15,7 +15,7 @@ static void cpu_task(struct engine_task *task)
     const struct job *job = &task->job;
     task->status = STATUS_OK;
     if (trace_rays(job->packed, job->scene, job->box, job->tri, job->query, task->ray,
-                   task->ray_count, task->hit, task->flag))
+                   task->ray_count, task->hit, task->flag, task->work))
         task->status = fail(&task->reason, STATUS_DEVICE,
                             "rays not finished: stack of %u or %u nodes exhausted",
                             job->packed->stack_need, job->packed->node_count);
@@ -59,6 +59,7 @@ const struct engine engine_cpu = {
     .name = "cpu",
     .summary = "C, the reference traversal over any layout",
     .needs_packed = true,
+    .tells_work = true,
     .open = cpu_open,
     .prepare = cpu_rays_prepare,
     .trace = cpu_rays_trace,
