@@ -31,8 +31,10 @@ void packed_file_write(const struct packed *packed, FILE *stream)
     size_t length = strlen(packed->layout->name);
     memcpy(head.layout, packed->layout->name, length < NAME_BYTES ? length : NAME_BYTES);
     fwrite(&head, sizeof head, 1, stream);
-    fwrite(packed->word, 4, packed->word_count, stream);
-    fwrite(packed->item, 4, packed->item_count, stream);
+    if (packed->word_count)
+        fwrite(packed->word, 4, packed->word_count, stream);
+    if (packed->item_count)
+        fwrite(packed->item, 4, packed->item_count, stream);
 }
 
 bool packed_file_is(const char *bytes, size_t size)

@@ -23,7 +23,7 @@
 
 /* Of the thread that plays: other threads' memory is not the reader's. */
 static _Thread_local struct {
-    bool on;
+    bool on, unlimited;
     ptrdiff_t held; /* below 0: what was there before is freed */
     size_t peak, most;
 } count;
@@ -33,7 +33,13 @@ void fire_count_begin(size_t most)
     count.held = 0;
     count.peak = 0;
     count.most = most;
+    count.unlimited = false;
     count.on = true;
+}
+
+void fire_count_limit(bool on)
+{
+    count.unlimited = !on;
 }
 
 void fire_count_end(size_t *most_held, ptrdiff_t *left)
@@ -69,6 +75,8 @@ static void took(size_t size)
     if (!count.on)
         return;
     count.held += (ptrdiff_t)size;
+    if (count.unlimited)
+        return;
     if (size > count.most || (count.held > 0 && (size_t)count.held > count.most))
         too_much(size);
     if (count.held > 0 && (size_t)count.held > count.peak)

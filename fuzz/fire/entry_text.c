@@ -16,6 +16,7 @@ static void must_be_request(const struct pipe_text *text)
     size_t size = 0;
     struct reason reason = {""};
     struct pipe_text again;
+    fire_count_limit(false);
     for (int decimal = 0; decimal < 2; decimal++) {
         FILE *stream = open_memstream(&bytes, &size);
         FIRE_MUST(stream);
@@ -34,6 +35,7 @@ static void must_be_request(const struct pipe_text *text)
         free(bytes);
         bytes = NULL;
     }
+    fire_count_limit(true);
 }
 
 static bool play(const char *bytes, size_t size)

@@ -33,6 +33,7 @@ static void must_be_tree(const struct bvh *bvh, const struct scene *scene)
     size_t size = 0;
     struct bvh again;
     struct reason reason = {""};
+    fire_count_limit(false);
     FILE *stream = open_memstream(&bytes, &size);
     FIRE_MUST(stream);
     bvh_json_write(bvh, stream);
@@ -42,6 +43,7 @@ static void must_be_tree(const struct bvh *bvh, const struct scene *scene)
               !memcmp(again.node, bvh->node, bvh->node_count * sizeof *bvh->node));
     bvh_free(&again);
     free(bytes);
+    fire_count_limit(true);
     for (size_t i = 0; layouts[i]; i++) {
         struct packed packed;
         enum status status = packed_make(layouts[i], bvh, scene, &packed, &reason);

@@ -18,11 +18,13 @@ static bool play(const char *bytes, size_t size)
         return false;
     }
     FIRE_MUST(fuzz_trial_check(&file.trial, NULL) == STATUS_OK);
+    fire_count_limit(false);
     FIRE_MUST(finding_file_print(&file, &text, &length, &reason) == STATUS_OK);
     FIRE_MUST(finding_file_parse("again", text, length, &again, &reason) == STATUS_OK);
     FIRE_MUST(fuzz_trial_hash(&file.trial) == fuzz_trial_hash(&again.trial));
     FIRE_MUST(file.has_signature == again.has_signature &&
               (!file.has_signature || fuzz_signature_same(&file.signature, &again.signature)));
+    fire_count_limit(true);
     finding_file_free(&again);
     finding_file_free(&file);
     free(text);

@@ -68,6 +68,8 @@ int fire_file(const char *bytes, size_t size, char path[FIRE_PATH_MOST]);
  * more than that held at a time, aborts. */
 void fire_count_begin(size_t most);
 void fire_count_end(size_t *most_held, ptrdiff_t *left);
+/* What an entry itself holds to check a reader is not the reader's: false, and true again. */
+void fire_count_limit(bool on);
 /* True if this build can count at all. */
 bool fire_counts(void);
 

@@ -45,6 +45,7 @@ void fire_must_be_scene(const struct scene *scene)
     struct reason reason = {""};
     struct scene again;
     FIRE_MUST(scene_check(scene, NULL) == STATUS_OK && scene->tri_count > 0);
+    fire_count_limit(false);
     FILE *stream = open_memstream(&bytes, &size);
     FIRE_MUST(stream && write_ply(scene, stream, &reason) == STATUS_OK && fclose(stream) == 0);
     FIRE_MUST(read_ply("again", bytes, size, &again, &reason) == STATUS_OK);
@@ -53,6 +54,7 @@ void fire_must_be_scene(const struct scene *scene)
     FIRE_MUST(!memcmp(again.index, scene->index, 12 * (size_t)scene->tri_count));
     scene_free(&again);
     free(bytes);
+    fire_count_limit(true);
 }
 
 int fire_file(const char *bytes, size_t size, char path[FIRE_PATH_MOST])

@@ -26,7 +26,6 @@ for scene in soup:n=4 sphere:n=3 grid:n=3 platonic needles:n=3; do
     quiet "$raydiff" scene convert $scene obj/$name.obj
     quiet "$raydiff" scene convert $scene ply/$name.ply
     quiet "$raydiff" scene convert $scene rtrs/$name.json
-    rm -f obj/*.tmp
 done
 cat >obj/forms.obj <<'EOF'
 # every form of a corner, a joined line, a colour, a weight
@@ -127,7 +126,7 @@ for builder in rtrs median; do
     quiet "$raydiff" precompute --scene soup:n=4,seed=1 --out tree/$builder.json --builder $builder --item-count 1
     for layout in f32 rf16 rtrs_rf rtrs_direct rtrs_rf_paper; do
         quiet "$raydiff" precompute --scene soup:n=4,seed=1 --out packed/$builder-$layout.rdpk \
-            --builder $builder --item-count 1 --layout $layout || true
+            --builder $builder --item-count 1 --layout $layout
     done
 done
 printf '{"uniforms":[%s],"indices":[]}' "$(many '{}' 4000)" >tree/braces.json
