@@ -10,8 +10,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/root.h"
+
 static struct reason reason;
-static char root[] = "/tmp/raydiff-test-findings-XXXXXX";
 
 static inline const char *in_root(const char *name)
 {
@@ -149,34 +150,6 @@ static inline void assert_merge(const char *const *folder, size_t count, const c
 {
     if (findings_merge(folder, count, to, &reason))
         fail_msg("%s", reason.text);
-}
-
-static inline int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(root) ? 0 : 1;
-}
-
-static inline void remove_folder_of(const char *path)
-{
-    DIR *listing = opendir(path);
-    struct dirent *one;
-    while (listing && (one = readdir(listing)) != NULL) {
-        char *inner = join_path(path, one->d_name);
-        if (strcmp(one->d_name, ".") != 0 && strcmp(one->d_name, "..") != 0 && unlink(inner) != 0)
-            remove_folder_of(inner);
-        free(inner);
-    }
-    if (listing)
-        closedir(listing);
-    rmdir(path);
-}
-
-static inline int remove_folder(void **state)
-{
-    (void)state;
-    remove_folder_of(root);
-    return access(root, F_OK) == 0;
 }
 
 #endif

@@ -3,14 +3,7 @@
 #   sh tests/ci_outputs.sh RAYDIFF
 set -u
 raydiff=$1
-dir=$(mktemp -d) || exit 4
-trap 'rm -rf "$dir"' EXIT
-failed=0
-bad() {
-    echo "FAILED  $1"
-    sed 's/^/        /' "$dir/out" "$dir/err" | tail -n 8
-    failed=$((failed + 1))
-}
+. tests/expect.sh
 number=0
 # Expected code, options: a new campaign.
 fuzz() {

@@ -4,32 +4,7 @@
 set -u
 raydiff=$1
 [ -x "$raydiff" ] || { echo "$raydiff: not built"; exit 4; }
-dir=$(mktemp -d) || exit 4
-trap 'rm -rf "$dir"' EXIT
-failed=0
-
-bad() {
-    echo "FAILED  $1"
-    sed 's/^/        /' "$dir/err" | head -n 5
-    failed=$((failed + 1))
-}
-
-# Expected code, a pattern that standard error must match (. for none), arguments.
-expect() {
-    code=$1 pattern=$2
-    shift 2
-    "$raydiff" "$@" >"$dir/out" 2>"$dir/err"
-    got=$?
-    if [ "$got" -ne "$code" ]; then
-        bad "raydiff $*: exit $got, not $code"
-    elif [ "$code" -ne 0 ] && [ "$pattern" != . ] && ! grep -qE -- "$pattern" "$dir/err"; then
-        bad "raydiff $*: no line like /$pattern/"
-    elif [ "$code" -eq 2 ] && [ "$(wc -l <"$dir/err")" -ne 1 ] && [ "$pattern" != . ]; then
-        bad "raydiff $*: an error is one line"
-    else
-        echo "passed  raydiff $*"
-    fi
-}
+. tests/expect.sh
 
 cat >"$dir/one.obj" <<'OBJ'
 v 0 0 0

@@ -4,28 +4,7 @@
 set -u
 build=$1
 raydiff=$build/raydiff
-dir=$(mktemp -d) || exit 4
-trap 'rm -rf "$dir"' EXIT
-failed=0
-bad() {
-    echo "FAILED  $1"
-    sed 's/^/        /' "$dir/out" "$dir/err" | tail -n 8
-    failed=$((failed + 1))
-}
-# Expected code, a line of stderr (. for none), arguments.
-expect() {
-    code=$1 line=$2
-    shift 2
-    "$raydiff" "$@" >"$dir/out" 2>"$dir/err"
-    got=$?
-    if [ "$got" -ne "$code" ]; then
-        bad "raydiff $*: exit $got, not $code"
-    elif [ "$line" != . ] && ! grep -qE -- "$line" "$dir/err"; then
-        bad "raydiff $*: no line like /$line/"
-    else
-        echo "passed  raydiff $*"
-    fi
-}
+. tests/expect.sh
 has() { grep -qE -- "$2" "$dir/$1" || bad "$1 has no line like /$2/"; }
 
 # What is wrong with the options.

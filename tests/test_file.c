@@ -11,13 +11,14 @@
 #include <zlib.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
-static char folder[] = "/tmp/raydiff-test-file-XXXXXX";
+#include "tests/root.h"
+
 static struct reason reason;
 
 static const char *in_folder(const char *name)
 {
     static char path[300];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
+    snprintf(path, sizeof path, "%s/%s", root, name);
     return path;
 }
 
@@ -197,7 +198,7 @@ static void file_label_keeps_the_end_of_a_long_path(void **state)
 
 static size_t count_entries(void)
 {
-    DIR *listing = opendir(folder);
+    DIR *listing = opendir(root);
     assert_non_null(listing);
     size_t count = 0;
     while (readdir(listing))
@@ -255,7 +256,7 @@ static void file_out_failure_leaves_nothing(void **state)
     assert_int_equal(file_out_open(in_folder("no/such/goal"), &out, &reason), STATUS_INPUT);
     assert_non_null(strstr(reason.text, "cannot write"));
     assert_null(out.stream);
-    assert_int_equal(file_out_open(folder, &out, &reason), STATUS_INPUT);
+    assert_int_equal(file_out_open(root, &out, &reason), STATUS_INPUT);
     assert_non_null(strstr(reason.text, "is a directory"));
     /* The goal becomes a folder before the rename. */
     assert_int_equal(file_out_open(in_folder("late"), &out, &reason), STATUS_OK);
@@ -283,26 +284,6 @@ static void file_out_reports_a_full_device(void **state)
     assert_int_equal(access("/dev/full", W_OK), 0);
 }
 
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : 1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    DIR *listing = opendir(folder);
-    if (!listing)
-        return 1;
-    struct dirent *entry;
-    while ((entry = readdir(listing)))
-        if (remove(in_folder(entry->d_name)) != 0 && entry->d_name[0] != '.')
-            print_error("cannot remove %s\n", entry->d_name);
-    closedir(listing);
-    return rmdir(folder);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -318,5 +299,5 @@ int main(void)
         cmocka_unit_test(file_out_failure_leaves_nothing),
         cmocka_unit_test(file_out_reports_a_full_device),
     };
-    return cmocka_run_group_tests_name("file", tests, make_folder, remove_folder);
+    return cmocka_run_group_tests_name("file", tests, make_root, remove_root);
 }

@@ -245,5 +245,5 @@ int main(void)
         cmocka_unit_test(states_are_reached_by_mutants_and_kept),
         cmocka_unit_test(options_are_kept_in_the_state),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_root, remove_root);
 }

@@ -106,11 +106,11 @@ static void check_deaths(enum plan what, uint64_t trials, const char *name, cons
     assert_run(&options);
     assert_int_equal(last.restarts, 0);
     assert_same_of_cpu(in_root("healthy"), folder[0]);
-    remove_folder_of(folder[0]);
-    remove_folder_of(folder[1]);
-    remove_folder_of(one);
-    remove_folder_of(three);
-    remove_folder_of(in_root("healthy"));
+    assert_int_equal(remove_tree(folder[0]), 0);
+    assert_int_equal(remove_tree(folder[1]), 0);
+    assert_int_equal(remove_tree(one), 0);
+    assert_int_equal(remove_tree(three), 0);
+    assert_int_equal(remove_tree(in_root("healthy")), 0);
 }
 
 static void a_crash_is_a_finding_and_the_campaign_goes_on(void **state)
@@ -189,7 +189,7 @@ int main(void)
         cmocka_unit_test(an_engine_that_does_not_open_is_an_error),
     };
     deaths = child_share(sizeof *deaths);
-    int failed = cmocka_run_group_tests(tests, make_folder, remove_folder);
+    int failed = cmocka_run_group_tests(tests, make_root, remove_root);
     child_unshare(deaths, sizeof *deaths);
     return failed;
 }

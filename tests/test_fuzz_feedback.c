@@ -5,6 +5,7 @@
 #include "scenes/file.h"
 
 #include "tests/fuzz_trials.h" /* includes cmocka.h */
+#include "tests/root.h"
 
 #include <stdio.h>
 #include <sys/stat.h>
@@ -168,8 +169,6 @@ static void the_rare_are_chosen(void **state)
 
 /* --- files ------------------------------------------------------------------------------------ */
 
-static char root[] = "/tmp/raydiff-test-feedback-XXXXXX";
-
 static void write_text(const char *path, const char *text)
 {
     FILE *to = fopen(path, "w");
@@ -273,20 +272,6 @@ static void torn_and_foreign_files_are_said(void **state)
     assert_int_equal(feedback_save(other, path, &reason), STATUS_INPUT);
     feedback_close(other);
     feedback_close(feedback);
-}
-
-static int make_root(void **state)
-{
-    (void)state;
-    return mkdtemp(root) ? 0 : 1;
-}
-
-static int remove_root(void **state)
-{
-    char command[100];
-    (void)state;
-    snprintf(command, sizeof command, "rm -rf '%s'", root);
-    return system(command);
 }
 
 int main(void)

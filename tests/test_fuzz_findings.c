@@ -301,5 +301,5 @@ int main(void)
         cmocka_unit_test(only_one_writes_at_a_time),
         cmocka_unit_test(a_line_that_does_not_fit_is_taken_back),
     };
-    return cmocka_run_group_tests_name("fuzz_findings", tests, make_folder, remove_folder);
+    return cmocka_run_group_tests_name("fuzz_findings", tests, make_root, remove_root);
 }

@@ -120,5 +120,5 @@ int main(void)
         cmocka_unit_test(merged_shards_are_one_run),
         cmocka_unit_test(merge_refuses_and_leaves_nothing),
     };
-    return cmocka_run_group_tests_name("fuzz_merge", tests, make_folder, remove_folder);
+    return cmocka_run_group_tests_name("fuzz_merge", tests, make_root, remove_root);
 }

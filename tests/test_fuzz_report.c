@@ -16,8 +16,9 @@
 #include <unistd.h>
 #include <cmocka.h>
 
+#include "tests/root.h"
+
 static struct reason reason;
-static char root[] = "/tmp/raydiff-test-report-XXXXXX";
 static char path[100];
 
 #define NASTY "a<b> & \"c\" 'd' # e \\ f ]]> {\xC3\xA9} \xE2\x82\xAC"
@@ -346,20 +347,6 @@ static void files_that_cannot_be_written_are_told(void **state)
     ci_junit_discard(&junit);
     ci_junit_discard(&junit);
     assert_int_not_equal(access(path, F_OK), 0);
-}
-
-static int make_root(void **state)
-{
-    (void)state;
-    return mkdtemp(root) ? 0 : 1;
-}
-
-static int remove_root(void **state)
-{
-    char command[100];
-    (void)state;
-    snprintf(command, sizeof command, "rm -rf '%s'", root);
-    return system(command);
 }
 
 int main(void)

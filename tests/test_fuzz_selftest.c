@@ -245,5 +245,5 @@ int main(void)
         cmocka_unit_test(who_cannot_show_a_finding_has_none),
         cmocka_unit_test(the_check_of_shaders_is_asked_and_heard),
     };
-    return cmocka_run_group_tests_name("fuzz_selftest", tests, make_folder, remove_folder);
+    return cmocka_run_group_tests_name("fuzz_selftest", tests, make_root, remove_root);
 }

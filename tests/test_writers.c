@@ -15,13 +15,14 @@
 #include <unistd.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
-static char folder[] = "/tmp/raydiff-test-writers-XXXXXX";
+#include "tests/root.h"
+
 static struct reason reason;
 
 static const char *in_folder(const char *name)
 {
     static char path[300];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
+    snprintf(path, sizeof path, "%s/%s", root, name);
     return path;
 }
 
@@ -246,7 +247,7 @@ static void normals_are_never_nan(void **state)
 
 static size_t count_entries(void)
 {
-    DIR *listing = opendir(folder);
+    DIR *listing = opendir(root);
     assert_non_null(listing);
     size_t count = 0;
     while (readdir(listing))
@@ -288,26 +289,6 @@ static void a_failed_write_leaves_nothing(void **state)
     scene_free(&scene);
 }
 
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : 1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    DIR *listing = opendir(folder);
-    if (!listing)
-        return 1;
-    struct dirent *entry;
-    while ((entry = readdir(listing)))
-        if (entry->d_name[0] != '.' && remove(in_folder(entry->d_name)) != 0)
-            print_error("cannot remove %s\n", entry->d_name);
-    closedir(listing);
-    return rmdir(folder);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -320,5 +301,5 @@ int main(void)
         cmocka_unit_test(normals_are_never_nan),
         cmocka_unit_test(a_failed_write_leaves_nothing),
     };
-    return cmocka_run_group_tests_name("writers", tests, make_folder, remove_folder);
+    return cmocka_run_group_tests_name("writers", tests, make_root, remove_root);
 }

@@ -4,16 +4,7 @@
 
 static bool play(const char *bytes, size_t size)
 {
-    struct scene scene;
-    struct reason reason = {""};
-    enum status status = read_obj("fuzz", bytes, size, &scene, &reason);
-    FIRE_MUST(status == STATUS_OK || status == STATUS_INPUT);
-    if (status)
-        fire_must_be_reason(&reason);
-    else
-        fire_must_be_scene(&scene);
-    scene_free(&scene);
-    return status == STATUS_OK;
+    return fire_play_mesh(read_obj, bytes, size);
 }
 
 const struct fire_entry fire_entry = {"obj", 1 << 18, play};

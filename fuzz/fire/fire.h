@@ -59,6 +59,12 @@ void fire_must_be_reason(const struct reason *reason);
  * reading back to the bit. */
 void fire_must_be_scene(const struct scene *scene);
 
+/* The whole of an entry for a reader of meshes: what it takes is a scene, what it refuses has a
+ * reason. Returns whether it took it. */
+bool fire_play_mesh(enum status (*read)(const char *name, const char *bytes, size_t size,
+                                        struct scene *out, struct reason *reason),
+                    const char *bytes, size_t size);
+
 /* An anonymous file that holds the bytes; its path is written to `path`. The caller closes the
  * descriptor. */
 #define FIRE_PATH_MOST 40

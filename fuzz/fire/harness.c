@@ -57,6 +57,22 @@ void fire_must_be_scene(const struct scene *scene)
     fire_count_limit(true);
 }
 
+bool fire_play_mesh(enum status (*read)(const char *name, const char *bytes, size_t size,
+                                        struct scene *out, struct reason *reason),
+                    const char *bytes, size_t size)
+{
+    struct scene scene;
+    struct reason reason = {""};
+    enum status status = read("fuzz", bytes, size, &scene, &reason);
+    FIRE_MUST(status == STATUS_OK || status == STATUS_INPUT);
+    if (status)
+        fire_must_be_reason(&reason);
+    else
+        fire_must_be_scene(&scene);
+    scene_free(&scene);
+    return status == STATUS_OK;
+}
+
 int fire_file(const char *bytes, size_t size, char path[FIRE_PATH_MOST])
 {
     int file = memfd_create("fire", MFD_CLOEXEC);
