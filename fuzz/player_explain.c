@@ -130,9 +130,18 @@ static enum status ray_cause(struct judged *judged, const struct ray *ray,
     return STATUS_OK;
 }
 
+/* A hit that was missed must be found: that a miss became excusable is no cure. */
+static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray *answer)
+{
+    bool missed = finding->signature.kind == FUZZ_KIND_WRONG + WRONG_MISSED;
+    return answer->answer.finished && answer->why.opinion.allowed &&
+           !(missed && answer->answer.hit.prim == ABI_NO_PRIM);
+}
+
 /* Asks an engine from outside at another scale. */
-static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_trial *trial,
-                                struct fuzz_finding *finding, struct reason *reason)
+static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_trial *trial,
+                              enum fuzz_scaling scaling, struct fuzz_finding *finding,
+                              struct reason *reason)
 {
     const struct seat *seat = &player->seat[finding->contestant];
     struct stage *stage = &player->stage[0];
@@ -140,7 +149,8 @@ static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_tr
     struct judged_ray answer;
     struct asked asked = {.possible = false};
     bool possible;
-    enum status status = fuzz_trial_scaled(trial, finding->ray, &scaled, &possible, reason);
+    enum status status =
+        fuzz_trial_scaled(trial, finding->ray, scaling, &scaled, &possible, reason);
     if (status || !possible)
         return status;
     status = stage_set(stage, player, &scaled, NULL, reason);
@@ -148,13 +158,23 @@ static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_tr
         status = ask_anew(seat, stage, &asked, reason);
     if (asked.possible && !status &&
         (status = judged_explain(&asked.judged, scaled.ray, &answer, reason)) == STATUS_OK) {
-        if (answer.answer.finished && answer.why.opinion.allowed)
+        if (is_cured(finding, &answer))
             finding->signature.cause = CAUSE_SCALE;
         explain_free(&answer.why);
     }
     judged_free(&asked.judged);
     stage_clear(stage);
     fuzz_trial_free(&scaled);
+    return status;
+}
+
+static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_trial *trial,
+                                struct fuzz_finding *finding, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (enum fuzz_scaling how = 0; how < FUZZ_SCALINGS && !status; how++)
+        if (finding->signature.cause != CAUSE_SCALE)
+            status = ask_scaled(player, trial, how, finding, reason);
     return status;
 }
 

@@ -1,5 +1,6 @@
 #include "fuzz/scaled.h"
 
+#include <limits.h>
 #include <math.h>
 
 /* Numbers are made no larger than 2^39: contracts end at 2^40. */
@@ -18,20 +19,10 @@ static int room_above(float largest)
     return largest > 0.0f && exponent < MOST_EXPONENT ? MOST_EXPONENT - exponent : 0;
 }
 
-static int room_of_positions(const struct scene *scene, const struct ray *ray)
-{
-    float largest = 0.0f;
-    for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
-        largest = larger(largest, scene->vertex[i]);
-    for (int k = 0; k < 3; k++)
-        largest = larger(largest, ray->org[k]);
-    return room_above(largest);
-}
-
-static int room_of_direction(const struct ray *ray)
-{
-    return room_above(larger(larger(larger(0.0f, ray->dir[0]), ray->dir[1]), ray->dir[2]));
-}
+/* Powers of two: positions by one per axis, t by its own, directions by what follows. */
+struct powers {
+    int positions[3], t;
+};
 
 /* t times 2^by loses no bit. An end that becomes infinite is one. */
 static bool is_exact(float t, int by)
@@ -40,21 +31,68 @@ static bool is_exact(float t, int by)
     return isinf(scaled) || ldexpf(scaled, -by) == t;
 }
 
-static void scale(struct fuzz_trial *trial, int positions, int direction)
+static bool keeps_range(const struct ray *ray, int t)
+{
+    return is_exact(ray->tmin, t) && is_exact(ray->tmax, t);
+}
+
+static float largest_position(const struct scene *scene, const struct ray *ray, int axis)
+{
+    float largest = larger(0.0f, ray->org[axis]);
+    for (size_t i = 0; i < scene->vertex_count; i++)
+        largest = larger(largest, scene->vertex[3 * i + (size_t)axis]);
+    return largest;
+}
+
+/* Positions and direction have a power each, unless the range then loses bits. */
+static struct powers alike(const float largest[3], const struct ray *ray)
+{
+    int positions = room_above(larger(larger(largest[0], largest[1]), largest[2]));
+    int direction = room_above(larger(larger(larger(0.0f, ray->dir[0]), ray->dir[1]), ray->dir[2]));
+    if (!keeps_range(ray, positions - direction))
+        positions = direction = positions < direction ? positions : direction;
+    return (struct powers){{positions, positions, positions}, positions - direction};
+}
+
+/* The direction is as large as it may be on the axis that has least room. */
+static struct powers by_axis(const float largest[3], const struct ray *ray)
+{
+    struct powers powers = {.t = INT_MIN};
+    for (int k = 0; k < 3; k++) {
+        powers.positions[k] = room_above(largest[k]);
+        int t = powers.positions[k] - room_above(fabsf(ray->dir[k]));
+        if (ray->dir[k] != 0.0f && t > powers.t)
+            powers.t = t;
+    }
+    return powers;
+}
+
+static bool keeps_direction(const struct ray *ray, const struct powers *powers)
+{
+    for (int k = 0; k < 3; k++) {
+        float scaled = ldexpf(ray->dir[k], powers->positions[k] - powers->t);
+        if (!isfinite(scaled) || ldexpf(scaled, powers->t - powers->positions[k]) != ray->dir[k])
+            return false;
+    }
+    return true;
+}
+
+static void scale(struct fuzz_trial *trial, const struct powers *powers)
 {
     struct ray *ray = &trial->ray[0];
     for (size_t i = 0; i < 3 * (size_t)trial->scene.vertex_count; i++)
-        trial->scene.vertex[i] = ldexpf(trial->scene.vertex[i], positions);
+        trial->scene.vertex[i] = ldexpf(trial->scene.vertex[i], powers->positions[i % 3]);
     for (int k = 0; k < 3; k++) {
-        ray->org[k] = ldexpf(ray->org[k], positions);
-        ray->dir[k] = ldexpf(ray->dir[k], direction);
+        ray->org[k] = ldexpf(ray->org[k], powers->positions[k]);
+        ray->dir[k] = ldexpf(ray->dir[k], powers->positions[k] - powers->t);
     }
-    ray->tmin = ldexpf(ray->tmin, positions - direction);
-    ray->tmax = ldexpf(ray->tmax, positions - direction);
+    ray->tmin = ldexpf(ray->tmin, powers->t);
+    ray->tmax = ldexpf(ray->tmax, powers->t);
 }
 
-enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray, struct fuzz_trial *out,
-                              bool *possible, struct reason *reason)
+enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray,
+                              enum fuzz_scaling scaling, struct fuzz_trial *out, bool *possible,
+                              struct reason *reason)
 {
     struct fuzz_trial alone = *trial;
     alone.ray = trial->ray + ray;
@@ -63,17 +101,20 @@ enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray, stru
     *possible = false;
     if (!ray_in_contract(alone.ray))
         return STATUS_OK;
-    int positions = room_of_positions(&trial->scene, alone.ray);
-    int direction = room_of_direction(alone.ray);
-    if (!is_exact(alone.ray->tmin, positions - direction) ||
-        !is_exact(alone.ray->tmax, positions - direction))
-        positions = direction = positions < direction ? positions : direction;
-    if (positions == 0 && direction == 0)
+    float largest[3];
+    for (int k = 0; k < 3; k++)
+        largest[k] = largest_position(&trial->scene, alone.ray, k);
+    struct powers powers =
+        scaling == FUZZ_SCALE_ALL ? alike(largest, alone.ray) : by_axis(largest, alone.ray);
+    bool same = powers.t == 0;
+    for (int k = 0; k < 3; k++)
+        same = same && powers.positions[k] == 0;
+    if (same || !keeps_range(alone.ray, powers.t) || !keeps_direction(alone.ray, &powers))
         return STATUS_OK;
     enum status status = fuzz_trial_copy(&alone, out, reason);
     if (status)
         return status;
-    scale(out, positions, direction);
+    scale(out, &powers);
     *possible = true;
     return STATUS_OK;
 }

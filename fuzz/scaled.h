@@ -1,17 +1,26 @@
 /* The same question at another scale. Scaling scene and origin by a power of two, and the direction
- * by another, changes no bit of a mantissa, every t by a power of two, and no truth: an engine that
- * is wrong at one scale alone has a constant that does not scale, or underflows. That can be asked
- * of any engine, also of one whose inside cannot be seen. */
+ * by another, changes no bit of a mantissa, every t by a power of two, and no truth; nor does it if
+ * each axis has a power of its own. An engine that is wrong at one scale alone has a constant that
+ * does not scale, or underflows. That can be asked of any engine, also of one whose inside cannot
+ * be seen. */
 #ifndef FUZZ_SCALED_H
 #define FUZZ_SCALED_H
 
 #include "fuzz/trial.h"
 
+enum fuzz_scaling {
+    FUZZ_SCALE_ALL,  /* the axes alike */
+    FUZZ_SCALE_AXES, /* each by itself: what is flat near a coordinate of 2^-100, say, is not then
+                      */
+    FUZZ_SCALINGS
+};
+
 /* The trial with ray `ray` alone, scaled up as far as rays and scenes are answered for (2^40), its
  * range likewise; a tmax beyond the largest float becomes infinite.
  * *possible: whether that is another trial, of a ray in contract. Else *out is zero.
  * Errors: STATUS_MEMORY. */
-enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray, struct fuzz_trial *out,
-                              bool *possible, struct reason *reason) MUST_USE;
+enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray,
+                              enum fuzz_scaling scaling, struct fuzz_trial *out, bool *possible,
+                              struct reason *reason) MUST_USE;
 
 #endif

@@ -173,7 +173,8 @@ static void a_scaled_trial_is_the_same_question(void **state)
         bool possible;
         *ray = (struct ray){
             {cases[i].size, 0, 0}, cases[i].tmin, {0, 0, cases[i].direction}, cases[i].tmax};
-        assert_int_equal(fuzz_trial_scaled(&trial, 0, &scaled, &possible, &reason), STATUS_OK);
+        assert_int_equal(fuzz_trial_scaled(&trial, 0, FUZZ_SCALE_ALL, &scaled, &possible, &reason),
+                         STATUS_OK);
         assert_int_equal(possible, cases[i].possible);
         if (possible) {
             int positions = cases[i].positions, directions = cases[i].directions;
@@ -193,11 +194,59 @@ static void a_scaled_trial_is_the_same_question(void **state)
     }
 }
 
+/* An axis of tiny numbers grows to the size of the others; t, and which corner is where, stay. */
+static void axes_scale_each_by_itself(void **state)
+{
+    (void)state;
+    static const struct {
+        float dir[3], tmin, tmax;
+        int positions[3], t;
+        bool possible;
+    } cases[] = {
+        {{0, -1, 0}, 0, INFINITY, {155, 38, 38}, 0, true},
+        {{0, -1, 0}, 0x1p-149f, 1, {155, 38, 38}, 0, true},
+        {{0x1p-38f, -1, 0x1p-3f}, 0, 8, {155, 38, 38}, 79, true},
+        {{1, 0, 0}, 0, 8, {155, 38, 38}, 117, true},
+        {{1, 0, 0}, 0, 0x1.000002p20f, {155, 38, 38}, 117, true}, /* tmax becomes infinite */
+        {{1, 0x1.8p-30f, 0}, 0, 8, {155, 38, 38}, 117, true},
+        {{1, 0x1p-60f, 0}, 0, 8, {155, 38, 38}, 117, true}, /* 2^-139 */
+        {{0, NAN, 0}, 0, 8, {0}, 0, false},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
+        struct fuzz_trial trial = one_triangle(1), scaled;
+        struct ray *ray = &trial.ray[0];
+        struct reason reason;
+        bool possible;
+        for (int k = 0; k < 3; k++)
+            trial.scene.vertex[3 * k] = (float)(k + 1) * 0x1p-118f; /* at most 2^-116 */
+        trial.scene.vertex[8] = 1;
+        *ray = (struct ray){{0x1p-119f, 1, 0}, cases[i].tmin, {0}, cases[i].tmax};
+        memcpy(ray->dir, cases[i].dir, sizeof ray->dir);
+        assert_int_equal(fuzz_trial_scaled(&trial, 0, FUZZ_SCALE_AXES, &scaled, &possible, &reason),
+                         STATUS_OK);
+        if (possible != cases[i].possible)
+            fail_msg("case %zu: %d", i, possible);
+        for (int k = 0; k < 9 && possible; k++)
+            assert_true(scaled.scene.vertex[k] ==
+                        ldexpf(trial.scene.vertex[k], cases[i].positions[k % 3]));
+        for (int k = 0; k < 3 && possible; k++) {
+            assert_true(scaled.ray[0].org[k] == ldexpf(ray->org[k], cases[i].positions[k]));
+            assert_true(scaled.ray[0].dir[k] ==
+                        ldexpf(ray->dir[k], cases[i].positions[k] - cases[i].t));
+        }
+        assert_true(!possible || scaled.ray[0].tmin == ldexpf(ray->tmin, cases[i].t));
+        assert_true(!possible || scaled.ray[0].tmax == ldexpf(ray->tmax, cases[i].t));
+        fuzz_trial_free(&scaled);
+        fuzz_trial_free(&trial);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cause_is_found_by_asking_again),
         cmocka_unit_test(a_scaled_trial_is_the_same_question),
+        cmocka_unit_test(axes_scale_each_by_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
