@@ -103,5 +103,7 @@ enum status campaign_run(const struct campaign_options *options, struct findings
 bool campaign_state_put(char *state, size_t size, const char *name, const char *value) MUST_USE;
 /* False: it has none of that name, or the value is longer. */
 bool campaign_state_get(const char *state, const char *name, char *value, size_t size);
+/* No trial of it has been played: none of its engines could be opened, say. */
+bool campaign_state_is_unplayed(const char *state);
 
 #endif

@@ -68,6 +68,14 @@ static uint64_t number(const char *state, const char *name)
     return campaign_state_get(state, name, text, sizeof text) ? strtoull(text, NULL, 10) : 0;
 }
 
+bool campaign_state_is_unplayed(const char *state)
+{
+    char text[1024];
+    (void)campaign_state_get(state, "coverage", text, sizeof text);
+    return number(state, "corpus_done") == 0 && number(state, "next") == 0 &&
+           number(state, "mut") == 0 && text[strspn(text, "0")] == '\0';
+}
+
 static bool put_number(char *state, const char *name, uint64_t value)
 {
     char text[32];

@@ -285,6 +285,24 @@ static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
     return status;
 }
 
+/* So that a file that cannot be written is told before a night's work, not after it. What is no
+ * regular file is not opened in vain: a reader would see it end. */
+static enum status try_outputs(const struct fuzz_command *c, struct reason *reason)
+{
+    const char *const path[] = {c->json, c->junit, c->tap, c->jsonl};
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < ARRAY_COUNT(path) && !status; i++) {
+        struct file_out out;
+        struct stat what;
+        if (!path[i] || strcmp(path[i], "-") == 0 ||
+            (stat(path[i], &what) == 0 && !S_ISREG(what.st_mode) && !S_ISDIR(what.st_mode)))
+            continue;
+        status = file_out_open(path[i], &out, reason);
+        file_out_discard(&out);
+    }
+    return status;
+}
+
 static enum status prepare(struct fuzz_command *c, struct reason *reason)
 {
     enum status status = STATUS_OK;
@@ -294,12 +312,21 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
     if (!status && findings_said(c->findings)[0])
         fprintf(stderr, "raydiff fuzz: %s\n", findings_said(c->findings));
     if (!status)
+        status = try_outputs(c, reason); /* some may be in the folder */
+    if (!status)
         status = fuzz_identify(c, reason);
     if (!status)
         status = read_corpus(c, reason);
     if (!status)
         status = make_campaign(c, reason);
     return status;
+}
+
+/* A screen is drawn again and again; a dumb terminal cannot. */
+static bool has_screen(void)
+{
+    const char *kind = getenv("TERM");
+    return isatty(STDERR_FILENO) == 1 && kind && strcmp(kind, "dumb") != 0;
 }
 
 static void catch_signals(void)
@@ -337,7 +364,7 @@ int cmd_fuzz(int argc, char **argv)
                               .memory_mib = 4096,
                               .folder = "findings",
                               .engines = engine_options_default(),
-                              .terminal = isatty(STDERR_FILENO) == 1};
+                              .terminal = has_screen()};
     c.jobs = cores < 1 ? 1 : cores > CAMPAIGN_JOBS_MOST ? CAMPAIGN_JOBS_MOST : (uint32_t)cores;
     baseline_today(c.today);
     if (baseline_open(&c.baseline, &reason))

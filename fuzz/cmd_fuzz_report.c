@@ -297,10 +297,10 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
     enum report_state state = fuzz_state_of(c, view, i, &answer);
     fuzz_signature_print(&entry->signature, signature);
     findings_path(view->findings, &entry->signature, "smallest.trial", path, sizeof path);
-    printf("%-7s  %s  %llu times, smallest: %u triangle%s, %u ray%s\n", report_state_name(state),
-           signature, (unsigned long long)entry->count, entry->smallest.triangles,
-           entry->smallest.triangles == 1 ? "" : "s", entry->smallest.rays,
-           entry->smallest.rays == 1 ? "" : "s");
+    printf("%-7s  %s  %llu time%s, smallest: %u triangle%s, %u ray%s\n", report_state_name(state),
+           signature, (unsigned long long)entry->count, entry->count == 1 ? "" : "s",
+           entry->smallest.triangles, entry->smallest.triangles == 1 ? "" : "s",
+           entry->smallest.rays, entry->smallest.rays == 1 ? "" : "s");
     printf("         %s\n", cause_text(entry->signature.cause));
     if (answer.text[0])
         printf("         %s\n", answer.text);
@@ -335,7 +335,7 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
            view->trials ? (double)view->triangles / (double)view->trials : 0,
            (unsigned)campaign_triangles_median(view));
     if (view->before > 0)
-        printf(", after %llu of earlier runs", (unsigned long long)view->before);
+        printf(", after %llu generated ones of earlier runs", (unsigned long long)view->before);
     printf("\njudged     %llu rays (%.0f/s); harness %.0f %% of the time\n",
            (unsigned long long)view->judged, rate(view->judged, view->play_ns),
            100 * campaign_harness_share(view, NULL));
@@ -345,8 +345,11 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
         printf("restarts   %u; the last: %s\n", (unsigned)view->restarts, view->said);
     if (flaky > 0)
         printf("flaky      %zu: never showed again in %u times alone\n", flaky, CAMPAIGN_AGAIN);
-    if (left > 0 && news > 0)
-        printf("to shrink  %zu: raydiff min %s\n", left, c->folder);
+    if (left > 0 && news > 0) {
+        char command[FUZZ_PATH_MOST] = "raydiff min";
+        command_word(command, sizeof command, c->folder);
+        printf("to shrink  %zu: %s\n", left, command);
+    }
     print_unused(c, view);
     if (view->unplayed)
         printf("unplayed   trials are left: run it again to go on\n");

@@ -7,8 +7,10 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
-/* A line and its end, on a terminal as narrow as they come. */
+/* A line and its end; longer ones are hard to read. A narrower terminal has less. */
 #define ROW_MOST 80
 
 #define SCREEN_NS 1000000000u
@@ -20,7 +22,16 @@ static double per_second(uint64_t count, uint64_t ns)
     return ns ? (double)count / ((double)ns * 1e-9) : 0;
 }
 
-/* A line of the screen, cut to what every terminal has. */
+/* Columns of a line, its end among them. */
+static size_t room_of(void)
+{
+    struct winsize size;
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_col > ROW_MOST)
+        return ROW_MOST;
+    return size.ws_col;
+}
+
+/* A line of the screen. One that the terminal wraps would be two that are to be overwritten. */
 PRINTF_LIKE(2, 3) static void row(struct fuzz_command *c, const char *format, ...)
 {
     char text[ROW_MOST];
@@ -28,6 +39,7 @@ PRINTF_LIKE(2, 3) static void row(struct fuzz_command *c, const char *format, ..
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    text[room_of() - 1] = '\0';
     fprintf(stderr, "\033[K%s\n", text);
     c->lines++;
 }
@@ -78,9 +90,9 @@ static void end_row(struct items *items)
 static void add_share(struct items *items, const char *name, double share)
 {
     char one[ROW_MOST];
-    size_t used = strlen(items->text);
+    size_t used = strlen(items->text), room = room_of();
     snprintf(one, sizeof one, "%s%.30s %.3g %%", used ? ", " : "", name, 100 * share);
-    if (used + strlen(one) > ROW_MOST - 12) {
+    if (used > 0 && used + strlen(one) + 12 > room) {
         end_row(items);
         used = 0;
         memmove(one, one + 2, strlen(one) - 1); /* without the comma */

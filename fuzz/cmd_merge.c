@@ -51,8 +51,9 @@ static enum status print_folder(const char *folder, const char *what, bool list,
         const struct findings_entry *entry = findings_entry(findings, i);
         char signature[FUZZ_SIGNATURE_MOST];
         fuzz_signature_print(&entry->signature, signature);
-        printf("%8llu  %s  smallest: %u triangles, %u rays\n", (unsigned long long)entry->count,
-               signature, entry->smallest.triangles, entry->smallest.rays);
+        printf("%8llu  %s  smallest: %u triangle%s, %u ray%s\n", (unsigned long long)entry->count,
+               signature, entry->smallest.triangles, entry->smallest.triangles == 1 ? "" : "s",
+               entry->smallest.rays, entry->smallest.rays == 1 ? "" : "s");
     }
     findings_close(findings);
     return STATUS_OK;

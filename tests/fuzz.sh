@@ -41,12 +41,51 @@ expect 2 '--seed 8: the campaign in .*/a has 9 ' fuzz --dir "$dir/a" --seed 8
 expect 2 '--layout f32: the campaign in .*/a has rtrs_rf ' fuzz --dir "$dir/a" --layout f32
 expect 2 '--shard 1/2: the campaign in .*/a has none ' fuzz --dir "$dir/a" --shard 1/2
 expect 1 . fuzz $small --dir "$dir/a" --trials 264 --seed 9
-has out '^trials     64 .*, after 200 of earlier runs$'
+has out '^trials     64 .*, after 200 generated ones of earlier runs$'
 expect 1 . fuzz $small --dir "$dir/b" --engine cpu --layout rtrs_rf --faithful --trials 9000 --until 2
 has out '^findings   [2-9] distinct'
 expect 0 . fuzz $small --dir "$dir/c" --engine cpu --builder median --layout f32 --time 1 --triangles 2-5
 has out 'triangles \(median [2-6]\)'
 expect 77 . fuzz $small --dir "$dir/d" --engine vulkan --driver no-such-driver --trials 64
+
+# Whoever mistyped a tracer's command tries again; once a trial was played it stays.
+expect 77 . fuzz $small --dir "$dir/again" --engine pipe:no-such-tracer --trials 64
+expect 0 . fuzz $small --dir "$dir/again" --engine cpu --layout f32 --trials 64
+expect 2 '--engine pipe:no-such-tracer: the campaign in .* has cpu ' fuzz --dir "$dir/again" --engine pipe:no-such-tracer
+expect 0 . fuzz $small --dir "$dir/again" --trials 64
+has out '^trials     0 .*, after 64 generated ones of earlier runs$'
+
+# A file that cannot be written is told before a trial is played.
+for option in json junit tap jsonl; do
+    expect 2 'no-such-folder/x: cannot write' fuzz $small --dir "$dir/early" --trials 64 --$option "$dir/no-such-folder/x"
+done
+[ -e "$dir/early/stats.json" ] && bad "nothing was played"
+expect 0 . fuzz $small --dir "$dir/early" --engine cpu --trials 64 --json "$dir/early/x.json"
+grep -q '"exit": 0' "$dir/early/x.json" || bad "results may be in the folder"
+
+# Commands that are printed can be typed, blanks and all.
+expect 1 . fuzz $small --engine cpu --layout rtrs_rf --faithful --trials 64 --no-shrink --dir "$dir/two words"
+printed=$(sed -n 's/^to shrink .*: raydiff //p' "$dir/out")
+eval "\"\$raydiff\" $printed" >"$dir/out" 2>"$dir/err" || bad "the command that was printed shrinks a folder"
+has out ': [0-9]+ findings, [1-9][0-9]* of them smaller now$'
+
+# A screen is as wide as the terminal, so that no line of it becomes two.
+screen() {
+    script -qec "stty cols $1; '$raydiff' fuzz $small --engine cpu --layout f32 --time 1 --dir '$dir/screen'" /dev/null \
+        >"$dir/out" 2>"$dir/err" </dev/null || bad "fuzz on a terminal"
+    tr -d '\r' <"$dir/out" | sed -n "s/.*$(printf '\033')\[K//p" >"$dir/rows"
+}
+if command -v script >/dev/null; then
+    export TERM=xterm
+    screen 30
+    grep -q '^workers' "$dir/rows" || bad "a terminal has a screen"
+    [ "$(wc -L <"$dir/rows")" -eq 29 ] || bad "a narrow one is used, and not more of it"
+    screen 200
+    [ "$(wc -L <"$dir/rows")" -le 79 ] || bad "long rows are hard to read"
+    TERM=dumb
+    screen 80
+    [ -s "$dir/rows" ] && bad "a dumb terminal has no screen"
+fi
 
 # Tracers of others: one with a bug, one that is not there any more when it is asked, one that hangs.
 tracer="pipe:$build/samples/tracer"
