@@ -183,6 +183,9 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
     status = judged_make(&from, &parts->judged, reason);
     if (!status)
         status = judged_explain(&parts->judged, &trial->ray[request->ray], &parts->ray, reason);
+    struct open_player *open = status ? NULL : get_player(troupe, &request->who);
+    if (open && open->player)
+        status = fuzz_explain_scaled(open->player, trial, request->ray, &parts->ray, reason);
     if (status)
         return status;
     char again[EXPLAIN_COMMAND_MOST];

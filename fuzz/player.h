@@ -68,6 +68,7 @@ struct fuzz_mark {
 };
 
 struct fuzz_player;
+struct judged_ray;
 
 /* Opens the engines. Errors: STATUS_UNSUPPORTED one cannot run here; STATUS_DEVICE;
  * STATUS_MEMORY. */
@@ -92,5 +93,12 @@ enum status fuzz_play(struct fuzz_player *player, const struct fuzz_trial *trial
  * again: what it then answers rightly is CAUSE_NOT_REPEATABLE. Errors: STATUS_MEMORY. */
 enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
                          struct fuzz_finding *finding, struct reason *reason) MUST_USE;
+
+/* The same for who has explained an answer of the only contestant himself: a CAUSE_OUTSIDE in
+ * answer->why becomes CAUSE_SCALE if the engine is right at another scale (fuzz/scaled.h).
+ * Errors: STATUS_MEMORY. */
+enum status fuzz_explain_scaled(struct fuzz_player *player, const struct fuzz_trial *trial,
+                                uint32_t ray, struct judged_ray *answer,
+                                struct reason *reason) MUST_USE;
 
 #endif

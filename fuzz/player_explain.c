@@ -235,3 +235,18 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
         status = scaled_cause(player, trial, finding, reason);
     return status;
 }
+
+enum status fuzz_explain_scaled(struct fuzz_player *player, const struct fuzz_trial *trial,
+                                uint32_t ray, struct judged_ray *answer, struct reason *reason)
+{
+    if (answer->why.cause != CAUSE_OUTSIDE)
+        return STATUS_OK;
+    struct fuzz_finding finding = {
+        .signature = {.kind = answer->answer.finished ? FUZZ_KIND_WRONG + answer->judgement.wrong
+                                                      : FUZZ_KIND_UNFINISHED,
+                      .cause = CAUSE_OUTSIDE},
+        .ray = ray};
+    enum status status = scaled_cause(player, trial, &finding, reason);
+    answer->why.cause = finding.signature.cause;
+    return status;
+}

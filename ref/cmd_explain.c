@@ -1,6 +1,7 @@
 /* raydiff explain: one ray, one engine; what is right, what was answered, and why it is wrong. */
 #include "ref/cmd_explain_inner.h"
 
+#include "fuzz/player.h"
 #include "ref/cmd_options.h"
 #include "ref/cmd_tables.h"
 #include "ref/command.h"
@@ -194,6 +195,7 @@ struct explaining {
     struct bvh bvh;
     struct packed packed;
     struct pool pool;
+    struct fuzz_player *player; /* of the file's trial, once it is asked at another scale */
     struct ray *ray;
     size_t ray_count; /* 1 with --ray */
 };
@@ -230,6 +232,25 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
     return status;
 }
 
+/* Explains a ray; that of a file as the campaign did that wrote it. */
+static enum status explain_ray(struct explaining *e, struct judged *judged, size_t index,
+                               struct judged_ray *out, struct reason *reason)
+{
+    const struct explain_of *of = &e->options->of;
+    enum status status = judged_explain(judged, &e->ray[index], out, reason);
+    if (status || out->why.cause != CAUSE_OUTSIDE || !e->options->has_file)
+        return status;
+    const struct fuzz_field field = {
+        .who = {{of->engine, of->layout}}, .count = 1, .options = e->options->engines};
+    if (!e->player)
+        status = fuzz_player_open(&field, &e->player, reason);
+    if (!status)
+        status = fuzz_explain_scaled(e->player, &e->file.trial, (uint32_t)index, out, reason);
+    if (status)
+        explain_free(&out->why);
+    return status;
+}
+
 /* Explains the ray asked for, or the first wrong one (with the cause looked for). *index is the
  * number of rays if there is none. */
 static enum status choose(struct explaining *e, struct judged *judged, struct judged_ray *out,
@@ -238,12 +259,12 @@ static enum status choose(struct explaining *e, struct judged *judged, struct ju
     const struct explain_options *o = e->options;
     *index = o->ray_text ? 0 : (size_t)o->index;
     if (o->ray_text || o->has_index)
-        return judged_explain(judged, &e->ray[*index], out, reason);
+        return explain_ray(e, judged, *index, out, reason);
     for (size_t first = 0;; first = *index + 1) {
         enum status status = judged_find(judged, e->ray, first, e->ray_count, index, reason);
         if (status || *index == e->ray_count)
             return status;
-        status = judged_explain(judged, &e->ray[*index], out, reason);
+        status = explain_ray(e, judged, *index, out, reason);
         if (status || !o->has_cause || out->why.cause == o->cause)
             return status;
         explain_free(&out->why);
@@ -265,9 +286,9 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
         if (!o->has_file)
             snprintf(from, sizeof from, " of set %s, seed %llu", o->rays->name,
                      (unsigned long long)o->of.seed);
-        printf("%s: %zu rays%s: no answer of %s is wrong%s%s\n", o->of.spec, e->ray_count, from,
-               o->of.engine->name, o->has_cause ? " with cause " : "",
-               o->has_cause ? cause_name(o->cause) : "");
+        printf("%s: %zu ray%s%s: no answer of %s is wrong%s%s\n", o->of.spec, e->ray_count,
+               e->ray_count == 1 ? "" : "s", from, o->of.engine->name,
+               o->has_cause ? " with cause " : "", o->has_cause ? cause_name(o->cause) : "");
         return STATUS_OK;
     }
     char again[EXPLAIN_COMMAND_MOST];
@@ -348,6 +369,7 @@ int cmd_explain(int argc, char **argv)
         fprintf(stderr, "raydiff explain: %s\n", reason.text);
         code = exit_worse(code, exit_of_status(status));
     }
+    fuzz_player_close(e.player);
     pool_free(&e.pool);
     oracle_free(e.oracle);
     packed_free(&e.packed);

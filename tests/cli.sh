@@ -188,7 +188,7 @@ cp "$dir/out" "$dir/page"
 expect 1 . $again
 cmp -s "$dir/page" "$dir/out" || bad "explain's own command shows the same page again"
 expect 0 . explain $inward --layout rf16
-grep -q '1 rays: no answer of cpu is wrong' "$dir/out" || bad "explain says of a file that nothing is wrong"
+grep -q '1 ray: no answer of cpu is wrong' "$dir/out" || bad "explain says of a file that nothing is wrong"
 expect 0 . explain $inward --engine embree --index 0
 expect 2 "^raydiff explain: --leaf: $inward brings its own" explain $inward --leaf 2
 expect 2 "^raydiff explain: --rays: $inward brings its own" explain $inward --rays mixed

@@ -111,6 +111,37 @@ expect 1 . fuzz $small --engine "cpu,pipe:dd bs=1 count=90000 status=none | $bui
 has out '^new      pipe:dd\.-\.hang'
 has out '^trials     64 '
 
+# A tracer with a constant that does not scale: the page says the cause that the finding has.
+sed 's/size > 0\.0f/size > 1e-3f/' fuzz/samples/tracer.c >"$dir/flat.c"
+cc -O2 -o "$dir/flat" "$dir/flat.c" || bad "the tracer is compiled"
+cat >"$dir/flat.trial" <<'END'
+raydiff trial 1
+expect pipe:flat.-.missed.scale
+builder median leaf 4 eps 0.02
+box robust
+tri mt
+query closest
+vertices 3
+0 0 0
+0.015625 0 0
+0 0.015625 0
+triangles 1
+0 1 2
+rays 2
+1 1 1 0 0 -1 0 9
+0.00390625 0.00390625 1 0 0 -1 0 9
+end
+END
+expect 1 . replay "$dir/flat.trial" --engine "pipe:$dir/flat"
+has out 'STILL FAILS'
+has out '^cause     scale: '
+expect 1 . explain "$dir/flat.trial" --engine "pipe:$dir/flat"
+has out '^cause     scale: '
+has out '^again     raydiff explain .*flat\.trial --index 1 '
+expect 1 . explain "$dir/flat.trial" --engine "pipe:$dir/flat" --cause scale --json "$dir/flat.json"
+grep -q '"cause": "scale"' "$dir/flat.json" || bad "explain --json says the cause"
+expect 0 . explain "$dir/flat.trial" --engine "pipe:$dir/flat" --cause outside
+
 # Merging.
 expect 2 'no folder given' merge --to "$dir/m"
 expect 2 'says where to' merge "$dir/a"
