@@ -334,6 +334,10 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
            (unsigned long long)view->trials, rate(view->trials, view->play_ns),
            view->trials ? (double)view->triangles / (double)view->trials : 0,
            (unsigned)campaign_triangles_median(view));
+    if (view->corpus > 0)
+        printf(", %llu of the corpus", (unsigned long long)view->corpus);
+    if (view->mutants > 0)
+        printf(", %llu mutants", (unsigned long long)view->mutants);
     if (view->before > 0)
         printf(", after %llu generated ones of earlier runs", (unsigned long long)view->before);
     printf("\njudged     %llu rays (%.0f/s); harness %.0f %% of the time\n",

@@ -70,7 +70,7 @@ static void left_text(const struct campaign_view *view, char text[40])
         snprintf(text, 40, "%llu s left",
                  (unsigned long long)(s < o->seconds ? o->seconds - s : 0));
     else if (o->trials > 0)
-        snprintf(text, 40, "of %llu", (unsigned long long)(o->trials / o->shards));
+        snprintf(text, 40, "of %llu generated ones", (unsigned long long)(o->trials / o->shards));
 }
 
 /* Items of a list, as many rows as they need. */

@@ -48,6 +48,14 @@ expect 0 . fuzz $small --dir "$dir/c" --engine cpu --builder median --layout f32
 has out 'triangles \(median [2-6]\)'
 expect 77 . fuzz $small --dir "$dir/d" --engine vulkan --driver no-such-driver --trials 64
 
+# --trials counts what is generated; the rest is told beside it.
+expect 0 . fuzz --rays 40 --engine cpu --trials 64 --corpus fuzz/corpus --dir "$dir/more"
+count=$(sed -n 's/^trials .*, \([0-9]*\) of the corpus$/\1/p' "$dir/out")
+has out "^trials     $((64 + ${count:-0})) "
+[ "${count:-0}" -gt 0 ] || bad "the trials of the corpus are told"
+expect 0 . fuzz --rays 40 --engine cpu --trials 192 --feedback --corpus none --dir "$dir/mutants"
+has out '^trials     [0-9]+ .*, [1-9][0-9]* mutants$'
+
 # Whoever mistyped a tracer's command tries again; once a trial was played it stays.
 expect 77 . fuzz $small --dir "$dir/again" --engine pipe:no-such-tracer --trials 64
 expect 0 . fuzz $small --dir "$dir/again" --engine cpu --layout f32 --trials 64
