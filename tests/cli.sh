@@ -194,6 +194,11 @@ expect 2 "^raydiff explain: --leaf: $inward brings its own" explain $inward --le
 expect 2 "^raydiff explain: --rays: $inward brings its own" explain $inward --rays mixed
 expect 2 "--index: 1 of 1 rays" explain $inward --index 1
 expect 2 "none.trial" explain "$dir/none.trial"
+# A cause that says that it did not show again is not looked for.
+sed 's/^expect .*/expect cpu.rtrs_rf_paper.missed.not_repeatable/' fuzz/corpus/sentinel.trial >"$dir/once.trial"
+expect 1 . explain "$dir/once.trial"
+grep -q '^cause     sentinel' "$dir/out" || bad "explain names the cause of what was not repeatable"
+grep -q '^engine  *cpu, layout rtrs_rf_paper, .*, query any$' "$dir/out" || bad "explain asks what the file asks"
 expect 1 . explain closest.cpu.rtrs_rf_paper.median.robust.mt.soup.vertices.1 --count 5000
 expect 2 'no-such-folder' explain "$dir/one.obj" --ray '0,0,-1 0,0,1' --json "$dir/no-such-folder/x"
 
@@ -490,6 +495,16 @@ chmod +x "$dir/planted/LOST_SLOT.trace/raydiff"
 expect 1 . fuzz --self-test --programs "$dir/planted" --json "$dir/self.json"
 [ "$(tail -n 1 "$dir/out")" = "found 0 of 1" ] || bad "fuzz --self-test: the last line is not its sum"
 grep -q '"passed": false' "$dir/self.json" || bad "fuzz --self-test --json: passed"
+# One without a bug that finds something fails it, even where every bug is found.
+mkdir -p "$dir/unclean/LOST_SLOT.trace"
+echo 'LOST_SLOT ref/trace.c cpu rtrs_rf slots' >"$dir/unclean/selftest.txt"
+case $raydiff in /*) ;; *) raydiff=$PWD/$raydiff ;; esac
+printf '#!/bin/sh\nexec "%s" "$@"\n' "$raydiff" >"$dir/unclean/LOST_SLOT.trace/raydiff"
+chmod +x "$dir/unclean/LOST_SLOT.trace/raydiff"
+expect 1 . fuzz --self-test --programs "$dir/unclean" --json "$dir/self.json"
+grep -q '^without a bug 0 of 1 clean$' "$dir/out" || bad "fuzz --self-test: a control that finds something is clean"
+[ "$(tail -n 1 "$dir/out")" = "found 1 of 1" ] || bad "fuzz --self-test: a bug that is found is not"
+grep -q '"passed": false' "$dir/self.json" || bad "fuzz --self-test --json: passed, and the control is not clean"
 expect 0 . fuzz --self-test --shaders
 
 # '-' is the standard output of every --json, and no other file.

@@ -95,6 +95,28 @@ if command -v script >/dev/null; then
     [ -s "$dir/rows" ] && bad "a dumb terminal has no screen"
 fi
 
+# Every option of it is kept, compared if it is given again, and taken from the folder if not.
+every="seed=9 shard=1/2 engine=cpu layout=f32 builder=median rays=40 triangles=4-9 driver=one device=0 workgroup=32"
+expect 1 . fuzz $(for one in $every; do echo "--${one%=*} ${one#*=}"; done) --faithful --jobs 1 --corpus none --trials 64 \
+    --dir "$dir/every"
+for one in seed=8:9 shard=2/2:1/2 engine=brute:cpu layout=rf16:f32 builder=rtrs:median rays=41:40 triangles=4-10:4-9 \
+    driver=two:one device=1:0 workgroup=64:32; do
+    key=${one%%=*} value=${one#*=}
+    expect 2 "--$key ${value%:*}: the campaign in .*/every has ${value#*:} " fuzz --dir "$dir/every" "--$key" "${value%:*}"
+done
+expect 2 '--faithful yes: the campaign in .*/c has none ' fuzz --dir "$dir/c" --faithful
+expect 1 . fuzz --jobs 1 --corpus none --trials 192 --dir "$dir/every"
+[ "$(grep -o '"gen=.*|corpus_done=' "$dir/every/findings.jsonl" | sort -u | wc -l)" -eq 1 ] ||
+    bad "an option that is not given again is another one"
+grep -q "|faithful=yes|rays=40|" "$dir/every/findings.jsonl" || bad "the options are in the folder"
+has out '^trials     64 .*, after 64 generated ones of earlier runs$'
+for version in 0 4000000000; do
+    rm -rf "$dir/old"
+    cp -r "$dir/every" "$dir/old"
+    sed "s/gen=[0-9]*|/gen=$version|/" "$dir/every/findings.jsonl" >"$dir/old/findings.jsonl"
+    expect 2 "made by version $version of the generators" fuzz --trials 200 --dir "$dir/old"
+done
+
 # Tracers of others: one with a bug, one that is not there any more when it is asked, one that hangs.
 tracer="pipe:$build/samples/tracer"
 expect 0 . fuzz $small --engine "$tracer" --trials 128 --dir "$dir/sound"

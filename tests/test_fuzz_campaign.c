@@ -16,6 +16,7 @@
 #include "tests/played_campaigns.h"
 
 static const char *whole; /* one worker, in one go */
+static uint64_t whole_coverage[COVERAGE_WORDS];
 
 static const char *get_whole(void) /* made once */
 {
@@ -26,6 +27,7 @@ static const char *get_whole(void) /* made once */
     assert_run(&options);
     assert_int_equal(last.trials, TRIALS);
     assert_int_equal(last.restarts, 0);
+    memcpy(whole_coverage, last.coverage, sizeof whole_coverage);
     snprintf(path, sizeof path, "%s", normal(options.folder));
     return whole = path;
 }
@@ -83,8 +85,10 @@ static void more_trials_go_on_where_it_was(void **state)
     assert_int_equal(last.before, 3 * FUZZ_BATCH + 7);
     assert_int_equal(last.trials, TRIALS - 3 * FUZZ_BATCH - 7);
     assert_as_whole(options.folder);
+    assert_memory_equal(last.coverage, whole_coverage, sizeof whole_coverage);
     assert_run(&options); /* all was played */
     assert_int_equal(last.trials, 0);
+    assert_memory_equal(last.coverage, whole_coverage, sizeof whole_coverage);
     assert_as_whole(in_root("parts"));
 }
 
@@ -100,14 +104,14 @@ static void run_in_child(struct child *parent, void *user)
         _exit(9);
 }
 
-/* Trials that are done for good. */
-static uint64_t trials_in(const char *folder)
+/* A number of its state. */
+static uint64_t number_in(const char *folder, const char *name)
 {
     char text[32] = "";
     struct findings *findings;
     if (findings_look(folder, &findings, &reason)) /* killed before it made the folder */
         return 0;
-    (void)campaign_state_get(findings_state(findings), "trials", text, sizeof text);
+    (void)campaign_state_get(findings_state(findings), name, text, sizeof text);
     findings_close(findings);
     return strtoull(text, NULL, 10);
 }
@@ -128,7 +132,7 @@ static void kills_lose_nothing(void **state)
         struct child_fate fate;
         child_end(&child, 0, &fate);
         killed += fate.forced;
-        uint64_t now = trials_in(options.folder);
+        uint64_t now = number_in(options.folder, "trials"); /* done for good */
         if (now == before) /* a slow machine or build needs longer to come anywhere */
             longest += longest / 2;
         before = now;
@@ -146,6 +150,52 @@ static bool knows_boxes(void *user, const struct findings_entry *entry)
 {
     (void)user;
     return entry->signature.cause == CAUSE_CUT_BOX;
+}
+
+static bool knows_all(void *user, const struct findings_entry *entry)
+{
+    (void)user;
+    (void)entry;
+    return true;
+}
+
+static void known_findings_do_not_end_it(void **state)
+{
+    (void)state;
+    struct campaign_options options = options_of(in_root("known"), false);
+    options.trials = 200;
+    options.until = 1;
+    options.is_known = knows_all;
+    assert_run(&options);
+    assert_int_equal(last.trials, 200);
+    assert_true(distinct(options.folder) > 3);
+    assert_int_equal(last_news, 0);
+}
+
+static void one_shard_plays_the_corpus_once(void **state)
+{
+    (void)state;
+    struct fuzz_trial corpus[3];
+    const struct work_rules other = {
+        .seed = 77, .gen = {.triangles_least = 16, .triangles_most = 20, .rays = 5}};
+    for (uint64_t i = 0; i < 3; i++)
+        assert_int_equal(work_trial_make(&other, WORK_GEN, i, NULL, &corpus[i], &reason),
+                         STATUS_OK);
+    for (uint32_t shard = 1; shard <= 2; shard++)
+        for (uint32_t turn = 0; turn < 2; turn++) {
+            struct campaign_options options =
+                options_of(in_root(shard == 1 ? "corpus1" : "corpus2"), false);
+            options.shard = shard;
+            options.shards = 2;
+            options.trials = (2 + 2 * turn) * FUZZ_BATCH;
+            options.rules.corpus = corpus;
+            options.rules.corpus_count = 3;
+            assert_run(&options);
+            assert_int_equal(last.corpus, shard == 1 && turn == 0 ? 3 : 0);
+            assert_int_equal(last.trials - last.corpus, FUZZ_BATCH);
+        }
+    for (uint64_t i = 0; i < 3; i++)
+        fuzz_trial_free(&corpus[i]);
 }
 
 static void enough_findings_end_it(void **state)
@@ -177,6 +227,14 @@ static void enough_findings_end_it(void **state)
     findings_close(findings);
 }
 
+static size_t most_to_shrink;
+
+static void note_to_shrink(void *user, const struct campaign_view *view)
+{
+    (void)user;
+    most_to_shrink = view->to_shrink > most_to_shrink ? view->to_shrink : most_to_shrink;
+}
+
 static void shrunk_at_the_end_they_are_the_same_again(void **state)
 {
     (void)state;
@@ -185,7 +243,14 @@ static void shrunk_at_the_end_they_are_the_same_again(void **state)
         options.trials = 100;
         options.jobs = turn ? 3 : 1;
         options.shrink = CAMPAIGN_SHRINK_AT_END;
+        options.tick = note_to_shrink;
+        most_to_shrink = 0;
         assert_run(&options);
+        assert_true(most_to_shrink > 0);
+        assert_int_equal(last.to_shrink, 0);
+        most_to_shrink = 0;
+        assert_run(&options); /* nothing is shrunk twice */
+        assert_int_equal(most_to_shrink, 0);
     }
     const char *one = normal(in_root("small1"));
     struct findings *findings = look(one);
@@ -207,9 +272,13 @@ static void states_are_reached_by_mutants_and_kept(void **state)
     assert_run(&options);
     assert_true(last.mutants > 0 && last.mutants <= last.trials / 2 + FUZZ_BATCH);
     assert_true(last.kept > 0);
+    /* A finding counts once per trial, so no mutant may have the number of an earlier one. */
+    uint64_t mutants = number_in(options.folder, "mut");
+    assert_true(mutants > 1);
     options.trials = 500; /* the kept ones are played again, for their coverage alone */
     assert_run(&options);
-    assert_true(last.kept > 0);
+    assert_true(last.kept > 0 && last.mutants > 0);
+    assert_true(number_in(options.folder, "mut") > mutants);
     struct findings *findings = look(options.folder);
     for (size_t i = 0; i < findings_count(findings); i++)
         assert_true(findings_entry(findings, i)->has_first);
@@ -241,6 +310,8 @@ int main(void)
         cmocka_unit_test(more_trials_go_on_where_it_was),
         cmocka_unit_test(kills_lose_nothing),
         cmocka_unit_test(enough_findings_end_it),
+        cmocka_unit_test(known_findings_do_not_end_it),
+        cmocka_unit_test(one_shard_plays_the_corpus_once),
         cmocka_unit_test(shrunk_at_the_end_they_are_the_same_again),
         cmocka_unit_test(states_are_reached_by_mutants_and_kept),
         cmocka_unit_test(options_are_kept_in_the_state),

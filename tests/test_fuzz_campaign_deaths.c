@@ -142,17 +142,15 @@ static void too_much_memory_is_one(void **state)
                  "held more than 300 MiB");
 }
 
-static void what_does_not_die_again_is_flaky(void **state)
+static void check_flaky(enum plan what, const char *folder, const char *name)
 {
-    (void)state;
-    const char *name = "fragile.f32.crash.not_repeatable";
-    struct campaign_options options = options_of_deaths(in_root("once"), 200);
+    struct campaign_options options = options_of_deaths(folder, 200);
     atomic_store(deaths, 0);
-    plan = PLAN_ONCE;
+    plan = what;
     assert_run(&options);
     plan = PLAN_LIVE;
     assert_int_equal(atomic_load(deaths), 1);
-    assert_int_equal(last.restarts, 1);
+    assert_int_equal(last.restarts, what == PLAN_ONCE);
     struct findings *findings = look(options.folder);
     const struct findings_entry *entry = find(findings, name);
     assert_non_null(entry);
@@ -163,7 +161,22 @@ static void what_does_not_die_again_is_flaky(void **state)
     assert_int_equal(marks[at].played_again, CAMPAIGN_AGAIN);
     assert_int_equal(marks[at].shown, 0);
     assert_true(campaign_is_flaky(&marks[at]));
+    assert_int_equal(last_flaky, 1);
+    assert_int_equal(last_news, findings_count(findings) - 1);
     findings_close(findings);
+}
+
+static void what_does_not_die_again_is_flaky(void **state)
+{
+    (void)state;
+    check_flaky(PLAN_ONCE, in_root("once"), "fragile.f32.crash.not_repeatable");
+}
+
+/* Also where another layout of the same engine is wrong every time. */
+static void what_is_not_wrong_again_is_flaky(void **state)
+{
+    (void)state;
+    check_flaky(PLAN_MISS_ONCE, in_root("wrong_once"), "fragile.f32.missed.not_repeatable");
 }
 
 static void an_engine_that_does_not_open_is_an_error(void **state)
@@ -186,6 +199,7 @@ int main(void)
         cmocka_unit_test(a_hang_is_one),
         cmocka_unit_test(too_much_memory_is_one),
         cmocka_unit_test(what_does_not_die_again_is_flaky),
+        cmocka_unit_test(what_is_not_wrong_again_is_flaky),
         cmocka_unit_test(an_engine_that_does_not_open_is_an_error),
     };
     deaths = child_share(sizeof *deaths);

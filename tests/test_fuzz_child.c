@@ -80,6 +80,21 @@ static void messages_arrive_whole_whatever_their_size(void **state)
     assert_int_equal(fate.code, 0);
 }
 
+static void a_message_of_another_size_is_not_the_one_wanted(void **state)
+{
+    (void)state;
+    char text[] = "abcdefgh", got[8] = "-------";
+    struct child child = start(echo, NULL);
+    for (size_t size = 0; size <= 9; size++) {
+        assert_true(child_send(&child, text, size, 10000));
+        assert_int_equal(child_receive_into(&child, got, 8, 10000), size == 8);
+        if (size < 8)
+            assert_string_equal(got, "-------");
+    }
+    assert_memory_equal(got, "bcdefghi", 8);
+    assert_int_equal(end(&child, 10000).code, 0);
+}
+
 static void crash(struct child *parent, void *user)
 {
     char byte;
@@ -306,6 +321,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(messages_arrive_whole_whatever_their_size),
+        cmocka_unit_test(a_message_of_another_size_is_not_the_one_wanted),
         cmocka_unit_test(a_death_is_told),
         cmocka_unit_test(half_a_message_is_none),
         cmocka_unit_test(who_does_not_listen_is_not_waited_for),

@@ -22,11 +22,16 @@ static struct reason reason;
 static char path[100];
 
 #define NASTY "a<b> & \"c\" 'd' # e \\ f ]]> {\xC3\xA9} \xE2\x82\xAC"
-#define BYTES "\x01\x7F\x80\xC0\xAF\xED\xA0\x80\xF5\xFF-\xE2\x82"
+/* No characters, too long ones, surrogates, and what is past the last of them. */
+#define BYTES                                                                                      \
+    "\x01\x7F\x80\xC0\xAF\xED\xA0\x80\xF5\xFF-\xE0\x80\xAF\xF0\x8F\xBF\xBF-"                       \
+    "\xF4\x90\x80\x80\xE2\x82"
 #define MENDED                                                                                     \
     "??????????"                                                                                   \
     "-"                                                                                            \
-    "??"
+    "???????"                                                                                      \
+    "-"                                                                                            \
+    "??????"
 
 static const struct report_contestant who[] = {
     {.name = "cpu.rf16", .played = 90, .refused = 10, .seconds = 1.25},
