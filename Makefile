@@ -52,7 +52,8 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
-        lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check
+        lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check \
+        selftest selftest-quick
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -122,7 +123,7 @@ truth:
 	$(B)/truth --out $(B)/truth-found $(ARGS)
 
 include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
-include mutants.mk # planted, selftest
+include mutants.mk # planted, planted-quick
 include fuzz/fire/fire.mk # files under fire
 
 # Parts of the C programs that `raydiff export` writes, as text. They are read as they are, never
@@ -178,10 +179,20 @@ leaks: all
 	sh tests/leaks.sh $(B) $(RESULTS)/leaks
 
 # The recipes for many machines, with what they need from Debian; exit code 77: not to be had.
-parallel-check slurm-check: %-check:
-	@sh .ci/deps.sh $* || { echo "SKIPPED $@: its packages cannot be had"; exit 77; }
-	@$(MAKE) --no-print-directory -s -j$(JOBS) all
-	@sh tests/$*.sh $(B)
+recipe_check = sh .ci/deps.sh $(1) || { echo "SKIPPED $@: its packages cannot be had"; exit 77; }; \
+    $(MAKE) --no-print-directory -s -j$(JOBS) all && sh tests/$(1).sh $(B)
+parallel-check:
+	@$(call recipe_check,parallel)
+slurm-check:
+	@$(call recipe_check,slurm)
+
+# Is every planted bug found by the fuzzer? All, and some of every kind.
+selftest:
+	@$(MAKE) --no-print-directory -s -j$(JOBS) planted
+	$(B)/raydiff fuzz --self-test $(ARGS)
+selftest-quick:
+	@$(MAKE) --no-print-directory -s -j$(JOBS) planted-quick
+	$(B)/raydiff fuzz --self-test --only $(QUICK_NAMES) $(ARGS)
 
 mutants: all tests
 	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS)' MAKE_CMD='$(MAKE)' sh tests/mutants.sh $(B)

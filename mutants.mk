@@ -41,17 +41,14 @@ $(SELFTEST)/selftest.txt: fuzz/selftest.txt
 	cp $< $@
 
 # All of them; and some, of which every kind of program is one, for `make check`.
-.PHONY: planted selftest selftest-quick
 planted: $(B)/raydiff $(SELFTEST)/selftest.txt $(addsuffix /raydiff,$(PLANTED_DIRS))
-selftest:
-	@$(MAKE) --no-print-directory -s -j$(JOBS) planted
-	$(B)/raydiff fuzz --self-test $(ARGS)
+.PHONY: planted planted-quick
 
 comma := ,
 empty :=
 QUICK := HALF_NEAREST.half BOUNDS_BY_EXTENT.top_down CONTRACTED_EDGE.trace TMAX_UNREAD.trace \
          LOST_SLOT.trace_rf16 NO_PRECISE.trace_f32
-selftest-quick: $(B)/raydiff $(SELFTEST)/selftest.txt $(QUICK:%=$(SELFTEST)/%/raydiff)
-	$(B)/raydiff fuzz --self-test --only $(subst $(empty) $(empty),$(comma),$(strip $(QUICK))) $(ARGS)
+planted-quick: $(B)/raydiff $(SELFTEST)/selftest.txt $(QUICK:%=$(SELFTEST)/%/raydiff)
+QUICK_NAMES := $(subst $(empty) $(empty),$(comma),$(strip $(QUICK)))
 
 -include $(wildcard $(addsuffix /unit.d,$(PLANTED_DIRS)) $(addsuffix /raw/*.d,$(PLANTED_DIRS)))
