@@ -24,9 +24,11 @@ ifeq ($(OPT_$(config)),)
 endif
 
 HAVE_EMBREE := $(if $(wildcard /usr/include/embree4/rtcore.h),4,$(if $(wildcard /usr/include/embree3/rtcore.h),3))
-CPPFLAGS += -I. -I$(B)/gen -DRAYDIFF_VERSION='"$(VERSION)"' -DHAVE_EMBREE=$(or $(HAVE_EMBREE),0)
+# Only its headers: the library is opened when a window is asked for.
+HAVE_SDL2 := $(if $(wildcard /usr/include/SDL2/SDL.h),1,0)
+CPPFLAGS += -I. -I$(B)/gen -DRAYDIFF_VERSION='"$(VERSION)"' -DHAVE_EMBREE=$(or $(HAVE_EMBREE),0) -DHAVE_SDL2=$(HAVE_SDL2)
 CFLAGS   := -std=c17 $(OPT_$(config)) $(WARN) $(FP) -fopenmp $(CFLAGS_EXTRA)
-LDLIBS   := $(if $(HAVE_EMBREE),-lembree$(HAVE_EMBREE)) -ljansson -lz -ldl -lm -lpthread
+LDLIBS   := $(if $(HAVE_EMBREE),-lembree$(HAVE_EMBREE)) -ljansson -lpng -lz -ldl -lm -lpthread
 
 # Files named cmd_* are the program's, fuzz/fuzz_* have entry points of their own, all others of these
 # folders are the library's.

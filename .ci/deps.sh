@@ -1,27 +1,31 @@
 #!/bin/sh
 # Installs the Debian packages that a purpose needs and that are missing, saying what and why.
-#   .ci/deps.sh run|check|deep|parallel|slurm
+#   .ci/deps.sh run|check|deep|report|parallel|slurm
 # Does nothing, without network, once they are there. Uses sudo when not root.
 set -u
 
 purpose=${1:-run}
 run='gcc:compiler libc6-dev:C_library libembree-dev:Embree,_the_third_opinion
 libvulkan-dev:Vulkan_headers_and_loader mesa-vulkan-drivers:lavapipe,_Vulkan_without_a_GPU
-glslang-tools:compiles_the_shaders libjansson-dev:JSON zlib1g-dev:gz_files'
+glslang-tools:compiles_the_shaders libjansson-dev:JSON zlib1g-dev:gz_files
+libpng-dev:pictures libsdl2-dev:the_window'
 check="$run libcmocka-dev:unit_tests pkg-config:test_of_make_install spirv-tools:validates_SPIR-V
-vulkan-validationlayers:Vulkan_validation libgmp-dev:rationals_that_check_the_oracle"
+vulkan-validationlayers:Vulkan_validation libgmp-dev:rationals_that_check_the_oracle
+xvfb:a_screen_for_the_window xdotool:presses_its_keys"
 deep="$check clang:second_compiler,_TSan libomp-dev:OpenMP_that_TSan_understands
 clang-format:make_format"
 parallel="$run parallel:shards_on_many_machines"
+report="$check chromium:opens_the_report"
 slurm="$run slurm-wlm:shards_as_a_job_array munge:which_Slurm_needs"
 case $purpose in
 run) wanted=$run ;;
 check) wanted=$check ;;
 deep) wanted=$deep ;;
+report) wanted=$report ;;
 parallel) wanted=$parallel ;;
 slurm) wanted=$slurm ;;
 *)
-    echo "usage: .ci/deps.sh run|check|deep|parallel|slurm" >&2
+    echo "usage: .ci/deps.sh run|check|deep|report|parallel|slurm" >&2
     exit 2
     ;;
 esac
