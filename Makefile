@@ -24,9 +24,7 @@ ifeq ($(OPT_$(config)),)
 endif
 
 HAVE_EMBREE := $(if $(wildcard /usr/include/embree4/rtcore.h),4,$(if $(wildcard /usr/include/embree3/rtcore.h),3))
-# Only its headers: the library is opened when a window is asked for.
-HAVE_SDL2 := $(if $(wildcard /usr/include/SDL2/SDL.h),1,0)
-CPPFLAGS += -I. -I$(B)/gen -DRAYDIFF_VERSION='"$(VERSION)"' -DHAVE_EMBREE=$(or $(HAVE_EMBREE),0) -DHAVE_SDL2=$(HAVE_SDL2)
+CPPFLAGS += -I. -I$(B)/gen -DRAYDIFF_VERSION='"$(VERSION)"' -DHAVE_EMBREE=$(or $(HAVE_EMBREE),0)
 CFLAGS   := -std=c17 $(OPT_$(config)) $(WARN) $(FP) -fopenmp $(CFLAGS_EXTRA)
 LDLIBS   := $(if $(HAVE_EMBREE),-lembree$(HAVE_EMBREE)) -ljansson -lpng -lz -ldl -lm -lpthread
 
@@ -71,7 +69,7 @@ $(B)/libraydiff.a: $(LIB_OBJ)
 	$(AR) rcs $@ $^
 
 # Everything is compiled anew when the command changes, the tables when a member comes or goes.
-$(B)/obj/%.o: %.c $(B)/gen/flags | $(B)/gen/counts.h
+$(B)/obj/%.o: %.c $(B)/gen/flags | $(B)/gen/counts.h $(B)/gen/have_sdl2.h
 	@mkdir -p $(@D)
 	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
@@ -85,6 +83,10 @@ $(B)/gen/flags: FORCE
 	$(call written,'$(subst ','\'',$(CC) $(CPPFLAGS) $(CFLAGS))')
 $(B)/gen/counts.h: FORCE
 	$(call written,$(foreach count,$(COUNTS),'#define $(subst =, ,$(count))'))
+# Only SDL2's headers: the library is opened when a window is asked for. Not one of the flags, so that
+# installing them compiles nothing else anew.
+$(B)/gen/have_sdl2.h: FORCE
+	$(call written,'#define HAVE_SDL2 $(if $(wildcard /usr/include/SDL2/SDL.h),1,0)')
 .PHONY: FORCE
 
 # The baseline is part of the program, so that an installed one has it.

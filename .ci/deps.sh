@@ -8,10 +8,10 @@ purpose=${1:-run}
 run='gcc:compiler libc6-dev:C_library libembree-dev:Embree,_the_third_opinion
 libvulkan-dev:Vulkan_headers_and_loader mesa-vulkan-drivers:lavapipe,_Vulkan_without_a_GPU
 glslang-tools:compiles_the_shaders libjansson-dev:JSON zlib1g-dev:gz_files
-libpng-dev:pictures libsdl2-dev:the_window'
+libpng-dev:pictures'
 check="$run libcmocka-dev:unit_tests pkg-config:test_of_make_install spirv-tools:validates_SPIR-V
 vulkan-validationlayers:Vulkan_validation libgmp-dev:rationals_that_check_the_oracle
-xvfb:a_screen_for_the_window xdotool:presses_its_keys"
+libsdl2-dev:the_window xvfb:a_screen_for_it xdotool:presses_its_keys"
 deep="$check clang:second_compiler,_TSan libomp-dev:OpenMP_that_TSan_understands
 clang-format:make_format"
 parallel="$run parallel:shards_on_many_machines"
