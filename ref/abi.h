@@ -81,6 +81,49 @@ struct push {
 };
 ABI_SIZE(struct push, 24)
 
+/* Frames, see ref/frame.h. */
+#define ABI_PROFILE_REPAIRED 0u
+#define ABI_PROFILE_RTRS     1u
+#define ABI_LIGHTS_MOST      32u         /* bits of segment.asked */
+#define ABI_NO_SEGMENT       0xFFFFFFFEu /* segment.prim: the path ended before */
+
+/* What shading needs of a triangle: unit normals of its vertices, the unit normal of its plane
+ * (along (b - a) x (c - a); zero if it has no area). */
+struct shade_tri {
+    float na[3];
+    U32 material;
+    float nb[3];
+    U32 pad0;
+    float nc[3];
+    U32 pad1;
+    float plane[3];
+    U32 pad2;
+};
+ABI_SIZE(struct shade_tri, 64)
+
+struct shade_material {
+    float color[3];
+    float spec; /* exponent */
+    float diffuse, specular, reflective;
+    U32 pad;
+};
+ABI_SIZE(struct shade_material, 32)
+
+struct shade_light {
+    float pos[3];
+    float strength;
+};
+ABI_SIZE(struct shade_light, 16)
+
+/* One segment of a path: what its ray hit (t 0 and ABI_NO_PRIM: nothing), and bits of lights. */
+struct segment {
+    float t;
+    U32 prim;
+    U32 asked;    /* lights that a shadow ray was sent to */
+    U32 shadowed; /* those of them that it did not reach */
+};
+ABI_SIZE(struct segment, 16)
+
 /* One node of layout f32. Inner: first is the index of the second child (the first child follows
  * its parent directly), count is 0. Leaf: items first .. first + count - 1 of the item array. */
 struct node_f32 {

@@ -61,6 +61,10 @@ enum engine_fault {
     ENGINE_NONSENSE /* what it answered is no answer */
 };
 
+struct frame_job; /* ref/frame.h */
+struct view;
+struct frame;
+
 struct engine {
     const char *name;
     const char *summary;
@@ -96,6 +100,14 @@ struct engine {
      * confirm none. */
     enum status (*trace_all)(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason);
+    /* Renders on its own; both NULL: it is driven ray by ray (scenes/render.h). frame_prepare as
+     * prepare, of which it is independent; frame draws the prepared job as seen from `view`.
+     * report->ns is the time of the drawing alone, without reading back. Errors: as prepare;
+     * STATUS_DEVICE a path was not finished (the reason names pixel and cause), lost; STATUS_LIMIT
+     * more pixels than buffers hold; STATUS_MEMORY. */
+    enum status (*frame_prepare)(void *self, const struct frame_job *job, struct reason *reason);
+    enum status (*frame)(void *self, const struct view *view, struct frame *out,
+                         struct trace_report *report, struct reason *reason);
     /* What the last prepare or trace with STATUS_DEVICE was, and how many of its rays were answered
      * before (*ray). The engine stays usable: the next call starts its process again. NULL: it has
      * none; after STATUS_DEVICE it may have to be opened again. */

@@ -1,0 +1,110 @@
+/* What a picture of a scene is: the contract between the renderer in C (scenes/render.h), which
+ * drives any engine ray by ray, and the one in shaders, which an engine may have.
+ *
+ * Both follow the same paths to the same bits wherever + - * / of floats are IEEE's: what follows
+ * is the order of operations of both, each written on its own. Products before sums as written; no
+ * contraction. pow is nobody's to the bit, so it touches colours only, never a path.
+ *
+ *   dot(a, b) = (ax bx + ay by) + az bz          unit(v) = v / sqrt(dot(v, v)), three divisions;
+ * the sqrt is rounded to nearest everywhere        zero vector if the dot is not in (0, inf)
+ *
+ * Ray of pixel (x, y), y = 0 at the top, c = view.centre:
+ *   nx = (x + c) / width - 0.5, ny = ((height - 1 - y) + c) / height - 0.5
+ *   org = view.pos, dir = unit((right nx + up ny) + forward)
+ *
+ * Segment i = 0 .. bounces - 1: the closest hit in [tmin, tmax]; a miss ends the path. a, b, c are
+ * the triangle's vertices, na, nb, nc their normals, e1 = b - a, e2 = c - a:
+ *   REPAIRED  P = a + (e1 u + e2 v), w = (1 - u) - v, N = unit((na w + nb u) + nc v)
+ *             G = the triangle's unit normal, -G if dot(G, dir) > 0; N = G if N is zero;
+ *             N = -N if dot(N, G) < 0
+ *   RTRS      P = org + dir t, q = P - a, d00 = dot(e1, e1), d01 = dot(e1, e2), d11 = dot(e2, e2),
+ *             d20 = dot(q, e1), d21 = dot(q, e2), den = d00 d11 - d01 d01,
+ *             v = (d11 d20 - d01 d21) / den, w = (d00 d21 - d01 d20) / den, u = (1 - v) - w,
+ *             N = unit((na u + nb v) + nc w)
+ *
+ * Lights in order, D = S = 0 before: V = pos - P, far2 = dot(V, V), far = sqrt(far2), L = unit(V),
+ * nl = dot(N, L), R = N (2 nl) - L, rv = -dot(R, dir)
+ *   REPAIRED  asked if L is not zero, nl > 0 and dot(G, L) > 0: any hit from P + G offset along L
+ * in [tmin, far] is a shadow; else D = D + s nl, S = S + s pow(rv, spec) if rv > 0 RTRS      asked
+ * if L is not zero: the closest hit from P + N offset (P - N offset if nl < 0) along L in [tmin,
+ * tmax] is a shadow if its t < far; else D = D + s max(nl, 0), S = S + s pow(rv, spec), with 0 for
+ * pow where rv <= 0 (1 if spec is 0 too)
+ *
+ * Colour, per channel; total = 0 and weight = 1 before segment 0:
+ *   REPAIRED  total = total + ((color (ambience + D)) diffuse + S specular) weight
+ *   RTRS      c = (color D) diffuse + S specular; total = total + c, from i = 1 on + c reflective
+ * Next segment: M = dir - N (2 dot(N, dir)), dir' = unit(M); ends if dir' is zero
+ *   REPAIRED  weight = weight reflective; ends unless weight > 0 and dot(dir', G) > 0;
+ *             org' = P + G offset
+ *   RTRS      org' = P + N offset, P - N offset if dot(dir', N) < 0
+ * Pixel: floor(255 min(max(total, 0), 1) + 0.5) per channel, where NaN is 0.
+ *
+ * RTRS is the published shader: picture plane of 1 x 1 whatever the aspect, corners of pixels, tmin
+ * 0.01, tmax 1000, offset 0.001, reflections weighted by the surface hit, ambience read by nobody
+ * (faults F17, F26, F27). Not reproduced: the naive handler's exclusion of the triangle that a
+ * shadow ray starts on. */
+#ifndef FRAME_H
+#define FRAME_H
+
+#include "ref/engine.h"
+
+#define FRAME_SIDE_MOST    16384u /* pixels */
+#define FRAME_BOUNCES_MOST 64u
+#define FRAME_TILE_MOST    16u /* the seed's limit: 256 invocations of a workgroup */
+
+enum profile {
+    PROFILE_REPAIRED = ABI_PROFILE_REPAIRED,
+    PROFILE_RTRS = ABI_PROFILE_RTRS,
+};
+
+struct look {
+    enum profile profile;
+    uint32_t bounces;   /* most segments of a path: 0 (black) to FRAME_BOUNCES_MOST */
+    float ambience;     /* light from everywhere, >= 0 */
+    float camera_light; /* strength of a light at the eye; 0: none */
+};
+
+/* How an engine with a renderer of its own divides the work. */
+enum frame_plan {
+    FRAME_AUTO,  /* steps where a whole path could meet a driver's loop cap, else whole */
+    FRAME_WHOLE, /* a path with all its rays is one invocation */
+    FRAME_STEPS, /* one ray of each path per invocation and dispatch */
+};
+
+/* Everything of a frame but the view. All borrowed, valid until the next preparation or close. */
+struct frame_job {
+    struct job job; /* job.query is not read: closest and any are both asked */
+    struct look look;
+    uint32_t width, height;        /* pixels: 1 to FRAME_SIDE_MOST */
+    const struct shade_tri *shade; /* job.scene->tri_count */
+    const struct shade_material *material;
+    uint32_t material_count;         /* >= 1; shade[i].material is below it */
+    const struct shade_light *light; /* strengths > 0; light 0 stands at the eye, its pos unread, if
+                                        look.camera_light > 0 */
+    uint32_t light_count;            /* 0 to ABI_LIGHTS_MOST */
+    float tmin, tmax, offset;
+    enum frame_plan plan;
+    uint32_t tile; /* side of a workgroup in pixels, 1 to FRAME_TILE_MOST; 0: the engine's choice */
+    bool general;  /* the pipeline for every scene: counts read at run time, constants at their most
+                    */
+};
+
+/* Where the picture is taken from: see the ray of a pixel above. */
+struct view {
+    float pos[3];
+    float right[3], up[3], forward[3];
+    float centre; /* of a pixel: 0.5, or the published 0 */
+};
+
+/* Where the answers of a frame go; the arrays are the caller's, row 0 at the top. */
+struct frame {
+    uint32_t
+        *pixel;   /* width * height, as struct image has them (scenes/image.h): red in bits 0-7 */
+    float *color; /* NULL, or `total` of each pixel, 3 floats */
+    float *bound; /* NULL, or for each pixel how far 255 total of any channel can be from that of
+                     another IEEE renderer whose pow is within Vulkan's precision; filled in by
+                     the renderer in C alone */
+    struct segment *segment; /* NULL, or bounces of each pixel */
+};
+
+#endif
