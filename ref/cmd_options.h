@@ -14,6 +14,7 @@ enum {
     OPT_WORKGROUP,
     OPT_PEER_TIME,
     OPT_PEER_MEMORY,
+    OPT_BVH, /* see ref/cmd_tree.h */
     OPT_HELP
 };
 

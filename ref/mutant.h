@@ -69,6 +69,8 @@
 #define MUTANT_SHARDS_OVERLAP  93 /* shard 2 of a campaign plays what shard 1 does */
 #define MUTANT_BLAMED_TOGETHER 94 /* of trials played together the first is blamed for a death */
 #define MUTANT_STILL_LEFT_OUT  95 /* an engine that died plays no more of its block */
+#define MUTANT_ANY_TREE_FITS   300 /* a tree of another scene is taken */
+#define MUTANT_NO_DOUBT        301 /* nothing is said of boxes that are too small */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

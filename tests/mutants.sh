@@ -198,6 +198,8 @@ in_test SHARDS_OVERLAP fuzz/campaign_blocks.c test_fuzz_campaign
 in_test BLAMED_TOGETHER fuzz/campaign_blocks.c test_fuzz_campaign_deaths
 in_test STILL_LEFT_OUT fuzz/campaign_blocks.c test_fuzz_campaign_deaths
 in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
+in_test ANY_TREE_FITS ref/tree_file.c test_tree_file
+in_test NO_DOUBT ref/tree_file.c test_tree_file
 in_test EXPORT_NO_RAYS fuzz/export_case.c test_vulkan_export
 in_test EXPORT_EXACT fuzz/export_right.c test_vulkan_export_data
 in_test EXPORT_ENDIAN fuzz/export_amber.c test_vulkan_export_amber

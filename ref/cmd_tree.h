@@ -1,0 +1,24 @@
+/* The option --bvh FILE of commands that use a tree. For commands only. */
+#ifndef CMD_TREE_H
+#define CMD_TREE_H
+
+#include "ref/cmd_options.h"
+#include "ref/tree_file.h"
+
+/* An entry of a getopt_long table, before ENGINE_OPTIONS; OPT_BVH is its value. */
+#define TREE_OPTION                                                                                \
+    {                                                                                              \
+        "bvh", 1, NULL, OPT_BVH                                                                    \
+    }
+
+/* What it means, for a help text. */
+#define TREE_OPTION_HELP                                                                           \
+    "  --bvh FILE      a tree of the scene as raydiff precompute writes it, as JSON or packed\n"   \
+    "                  (of that layout), in place of a builder's\n"
+
+/* Reads the tree of a scene and prints its doubt, if any, as a warning. `path` is borrowed by
+ * *out. Errors: STATUS_INPUT no such file; as tree_file_read. On error *out is zero. */
+enum status tree_open(const char *command, const char *path, const struct scene *scene,
+                      struct tree_file *out, struct reason *reason) MUST_USE;
+
+#endif
