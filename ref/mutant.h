@@ -71,6 +71,7 @@
 #define MUTANT_STILL_LEFT_OUT  95 /* an engine that died plays no more of its block */
 #define MUTANT_ANY_TREE_FITS   300 /* a tree of another scene is taken */
 #define MUTANT_NO_DOUBT        301 /* nothing is said of boxes that are too small */
+#define MUTANT_SIDES_BELIEVED  310 /* a PNG file's sides are allocated for, however short it is */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

@@ -6,7 +6,7 @@ set -eu
 raydiff=$1/raydiff
 out=$2
 rm -rf "$out" "$out.new"
-for entry in obj ply rtrs gz trial tree packed peer text log baseline play; do
+for entry in obj ply rtrs gz trial tree packed peer text log baseline play png; do
     mkdir -p "$out.new/$entry"
 done
 cd "$out.new"
@@ -108,6 +108,22 @@ cat gz/soupn4.obj.gz gz/soupn4.ply.gz >gz/two.gz
 head -c 100 gz/soupn4.obj.gz >gz/cut.gz
 head -c 16777216 /dev/zero | gzip -9nc >gz/bomb.gz
 cp obj/soupn4.obj gz/plain
+
+# --- pictures: every kind, one that says it has a gamma, sides that no file of its size has
+picture() { echo "$2" | base64 -d >png/$1.png; }
+picture rgb iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAFUlEQVR42mP4z8DA8J+BEUhwcnICABoxAxoZHnzfAAAAAElFTkSuQmCC
+picture gray1 iVBORw0KGgoAAAANSUhEUgAAAAkAAAADAQAAAABpcRjbAAAAEUlEQVR42mNY1cAQysDwvwEADQAC/0aFt0kAAAAASUVORK5CYII=
+picture palette iVBORw0KGgoAAAANSUhEUgAAAAMAAAACBAMAAABvWnspAAAACVBMVEUBAgMoMjxGUFooJN8LAAAAAnRSTlMAgJsrThgAAAAOSURBVHjaY2BUYFBkAAAAzQBDeljbrQAAAABJRU5ErkJggg==
+picture gray16 iVBORw0KGgoAAAANSUhEUgAAAAIAAAABEAQAAAAOu2tCAAAAEUlEQVR42mMQMvn/v4GBgREADvsCxmwaU74AAAAASUVORK5CYII=
+picture interlaced iVBORw0KGgoAAAANSUhEUgAAAAMAAAADCAAAAAEERNr1AAAAF0lEQVR42mNgYGBiEBFjYGQQZeDi5gEAAmUAZNw4nKoAAAAASUVORK5CYII=
+picture gamma iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAABGdBTUEAAYagMeiWXwAAAA10RVh0Q29tbWVudABoZWxsb+b/riQAAAAKSURBVHjaY2gAAACCAIHaRQg7AAAAAElFTkSuQmCC
+picture huge iVBORw0KGgoAAAANSUhEUgAAQAAAAEAACAYAAACpyBCEAAAAC0lEQVR42mNggAAAAAgAAST8BHIAAAAASUVORK5CYII=
+picture beyond iVBORw0KGgoAAAANSUhEUn////8AAAABCAAAAACFXWwBAAAAC0lEQVR42mNggAAAAAgAAST8BHIAAAAASUVORK5CYII=
+picture flat iVBORw0KGgoAAAANSUhEUgAAAlgAAAJYAQAAAACWHaVxAAAAQ0lEQVR42u3BAQ0AAADCoPdPbQ43oAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAvg2yIAABW5v6kQAAAABJRU5ErkJggg==
+head -c 60 png/rgb.png >png/cut.png
+{ head -c 45 png/rgb.png && printf 'x' && tail -c +47 png/rgb.png; } >png/damaged.png
+gzip -nc png/rgb.png >png/zipped.png
+printf 'P6 1 1 255 abc' >png/ppm.png
 
 # --- trials
 for file in "$repository"/fuzz/corpus/*.trial; do

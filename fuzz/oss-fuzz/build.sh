@@ -3,7 +3,7 @@
 # $OUT/NAME.dict. Given: $SRC, $OUT, $WORK, $CC, $CFLAGS, $CXX, $CXXFLAGS, $LIB_FUZZING_ENGINE. Run in
 # the repository; `make fuzz-oss` does so with what is on this machine.
 build=$WORK/raydiff
-libraries="-Wl,-Bstatic -ljansson -lz -Wl,-Bdynamic -ldl -lm -lpthread"
+libraries="-Wl,-Bstatic -ljansson -lpng -lz -Wl,-Bdynamic -ldl -lm -lpthread"
 
 # The program itself writes the seeds; it is built without the fuzzer's flags. Embree is left out.
 make -s -j"$(nproc)" OUT="$build" CC=cc HAVE_EMBREE= "$build/fire/seeds"
