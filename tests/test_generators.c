@@ -63,7 +63,7 @@ static void defaults_have_the_same_bytes_everywhere(void **state)
         {"flake", 0x8967C3551FCBB2CFu},    {"terrain", 0x0EC7878F8D7F3EF5u},
         {"grid", 0x1DE03B40F2AA5C9Cu},     {"cornell", 0x8EFBEC11978E430Du},
         {"platonic", 0x73B6ABBDC30E0B71u}, {"needles", 0x4E53206694DEA8E0u},
-        {"stack", 0xDA2B119A06D1F9CBu},
+        {"stack", 0xDA2B119A06D1F9CBu},    {"rtrs", 0xD82C950598A9348Eu},
     };
     size_t count = 0;
     bool same = true;

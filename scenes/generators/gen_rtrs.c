@@ -1,0 +1,106 @@
+#include "scenes/generators/pen.h"
+
+#include <math.h>
+#include <string.h>
+
+extern const struct generator gen_rtrs;
+
+enum { GREY, RED, MIRROR }; /* materials */
+
+/* The dodecahedron's faces from their fan's first corner on, counter-clockwise from outside. Its
+ * corners are the cube's, bit k of 0 .. 7 saying that axis k is negative, and then three golden
+ * rectangles. Which corner a fan begins at decides triangles, and by them the tree. */
+static const uint8_t face[12][5] = {
+    {16, 0, 12, 2, 18}, {16, 18, 6, 13, 4}, {17, 5, 15, 7, 19}, {17, 19, 3, 14, 1},
+    {17, 1, 8, 10, 5},  {16, 4, 10, 8, 0},  {18, 2, 9, 11, 6},  {19, 7, 11, 9, 3},
+    {13, 6, 11, 7, 15}, {10, 4, 13, 15, 5}, {8, 1, 14, 12, 0},  {9, 2, 12, 14, 3},
+};
+
+/* As a mesh file with six decimals has it: the published one was made from such a file. */
+static double six_decimals(double x)
+{
+    return round(x * 1e6) / 1e6;
+}
+
+/* Three edges of the cube from 1 to 2 that meet at its nearest corner, and what they span. */
+static void draw_tetrahedron(struct pen *pen)
+{
+    pen->material = RED;
+    for (int i = 0; i < 4; i++)
+        pen_vertex(pen, i == 1 ? 2 : 1, i == 2 ? 2 : 1, i == 3 ? 2 : 1);
+    pen_tri(pen, 0, 2, 1);
+    pen_tri(pen, 0, 3, 2);
+    pen_tri(pen, 0, 1, 3);
+    pen_tri(pen, 1, 2, 3);
+}
+
+/* Around the origin, its corners at distance 1. */
+static void draw_dodecahedron(struct pen *pen)
+{
+    double golden = (1 + sqrt(5.0)) / 2, unit = 1 / sqrt(3.0), v[20][3];
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < 3; k++)
+            v[i][k] = i >> k & 1 ? -unit : unit;
+    for (int i = 0; i < 12; i++) {
+        int k = i / 4;
+        v[8 + i][k] = 0;
+        v[8 + i][(k + 1) % 3] = (i & 1 ? -golden : golden) * unit;
+        v[8 + i][(k + 2) % 3] = (i & 2 ? -1 : 1) / golden * unit;
+    }
+    uint32_t first = pen->vertex_count;
+    for (int i = 0; i < 20; i++)
+        pen_vertex(pen, six_decimals(v[i][0]), six_decimals(v[i][1]), six_decimals(v[i][2]));
+    pen->material = GREY;
+    for (int f = 0; f < 12; f++)
+        for (int c = 4; c > 1; c--)
+            pen_tri(pen, first + face[f][c - 1], first + face[f][c], first + face[f][0]);
+}
+
+/* The published materials (nothing is made of the last), lights and camera. */
+static enum status furnish(struct scene *scene)
+{
+    static const struct material material[] = {
+        [GREY] = {{0.4f, 0.4f, 0.3f}, {0.6f, 0.3f, 0.1f}, 50},
+        [RED] = {{0.3f, 0.1f, 0.1f}, {0.9f, 0.1f, 0}, 10},
+        [MIRROR] = {{1, 1, 1}, {0, 10, 0.8f}, 1425},
+    };
+    static const struct light light[] = {
+        {{-20, 20, 20}, 1.5f}, {{30, 50, -25}, 1.8f}, {{30, 20, 30}, 1.7f}};
+    scene->material_of = alloc_zeroed(scene->tri_count, sizeof *scene->material_of);
+    scene->material = alloc_zeroed(ARRAY_COUNT(material), sizeof *scene->material);
+    scene->light = alloc_zeroed(ARRAY_COUNT(light), sizeof *scene->light);
+    if (!scene->material_of || !scene->material || !scene->light)
+        return STATUS_MEMORY;
+    memcpy(scene->material, material, sizeof material);
+    memcpy(scene->light, light, sizeof light);
+    scene->material_count = ARRAY_COUNT(material);
+    scene->light_count = ARRAY_COUNT(light);
+    scene->camera = (struct camera){.pos = {0, 0, -10}, .orbit = true};
+    scene->has_camera = true;
+    return STATUS_OK;
+}
+
+static enum status make(const double *value, uint64_t seed, struct scene *out,
+                        struct reason *reason)
+{
+    struct pen pen;
+    *out = (struct scene){0};
+    (void)value;
+    (void)seed; /* nothing here is random */
+    enum status status = pen_start(&gen_rtrs, 24, 40, out, &pen, reason);
+    if (status)
+        return status;
+    if (furnish(out)) {
+        scene_free(out);
+        return fail(reason, STATUS_MEMORY, "rtrs: no memory for the materials");
+    }
+    draw_tetrahedron(&pen);
+    draw_dodecahedron(&pen);
+    return STATUS_OK;
+}
+
+const struct generator gen_rtrs = {
+    .name = "rtrs",
+    .summary = "the seed's default scene: tetrahedron, dodecahedron; furnished; no parameter",
+    .make = make,
+};
