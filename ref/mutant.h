@@ -72,6 +72,8 @@
 #define MUTANT_ANY_TREE_FITS   300 /* a tree of another scene is taken */
 #define MUTANT_NO_DOUBT        301 /* nothing is said of boxes that are too small */
 #define MUTANT_SIDES_BELIEVED  310 /* a PNG file's sides are allocated for, however short it is */
+#define MUTANT_DEATH_SPIRAL    350 /* after a stall all the time lost is made up for */
+#define MUTANT_TWO_IN_FLIGHT   351 /* a frame is begun while one is in flight */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

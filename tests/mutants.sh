@@ -210,6 +210,8 @@ in_test NOT_ASKED fuzz/shrink.c test_fuzz_shrink
 in_test HANG_IS_CRASH fuzz/shrink_apart.c test_fuzz_shrink_apart
 in_test NEVER_EXPIRES fuzz/baseline.c test_fuzz_baseline
 in_test FOUND_ANYWAY fuzz/selftest_run.c test_fuzz_selftest
+in_test DEATH_SPIRAL bench/pacing.c test_pacing
+in_test TWO_IN_FLIGHT bench/pacing.c test_pacing
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
 in_program TRACER_HANGS ref/trace.c $replay fuzz/corpus/bad-rays.trial
