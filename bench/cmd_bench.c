@@ -25,7 +25,9 @@ static const char help[] =
     "  --rays R,..     ray sets, or 'all'                 [the benchmark's own]\n"
     "  --seed S        of rays and generators                                    [1]\n"
     "  --json FILE     all rows, for machines; '-' likewise\n"
-    "  --svg FILE      a plot of what was measured\n" ENGINE_OPTIONS_HELP
+    "  --svg FILE      a plot of what was measured\n"
+    "  --bvh FILE      a tree of the one --scene, as JSON, in place of a "
+    "builder's\n" ENGINE_OPTIONS_HELP
     "\nexit codes: 0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input,\n"
     "3 engine failed, 77 a named engine cannot run here\n"
     "example: raydiff bench layouts --scene 'sphere:n=50;scenes/fetched/bunny.obj'\n"
@@ -35,8 +37,8 @@ static const struct benchmark *const benchmarks[] = {
     &bench_layouts, &bench_error, &bench_spawn, &bench_builders, &bench_oracle, &bench_fuzz, NULL};
 
 /* Names of the bits of benchmark.takes. */
-static const char *const taken[] = {"--engine", "--layout", "--tri", "--box",
-                                    "--rays",   "--seed",   "--svg", "--json"};
+static const char *const taken[] = {"--engine", "--layout", "--tri",  "--box", "--rays",
+                                    "--seed",   "--svg",    "--json", "--bvh"};
 
 static void print_help(void)
 {
@@ -114,6 +116,10 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_JSON:
         bench->json_path = text;
         return STATUS_OK;
+    case OPT_BVH:
+        bench->bvh = text;
+        bench->given |= BENCH_TAKES_BVH;
+        return STATUS_OK;
     default:
         return engine_option_take(option, text, &bench->engines, reason);
     }
@@ -136,6 +142,8 @@ static enum status check_given(const struct bench *bench, const char *name, stru
         if (bench->given & ~takes & 1u << k)
             return fail(reason, STATUS_INPUT, "%s: benchmark %s does not take it", taken[k],
                         name ? name : "all");
+    if (bench->bvh && bench->scene_count != 1)
+        return fail(reason, STATUS_INPUT, "--bvh: a tree is of one scene: name it with --scene");
     return STATUS_OK;
 }
 
@@ -188,6 +196,7 @@ int cmd_bench(int argc, char **argv)
                                                  {"seed", 1, NULL, OPT_SEED},
                                                  {"svg", 1, NULL, OPT_SVG},
                                                  {"json", 1, NULL, OPT_JSON},
+                                                 TREE_OPTION,
                                                  ENGINE_OPTIONS};
     struct bench bench = {.rounds = 9,
                           .seed = 1,

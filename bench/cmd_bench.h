@@ -2,15 +2,15 @@
 #ifndef CMD_BENCH_H
 #define CMD_BENCH_H
 
-#include "ref/cmd_options.h"
-#include "ref/cmd_tables.h"
+#include "ref/cmd_tree.h"
 #include "ref/match.h"
 #include "scenes/file.h"
 
 #include <jansson.h>
 
-#define BENCH_SCENES 16
-#define BENCH_ROUNDS 99
+#define BENCH_SCENES    16
+#define BENCH_ROUNDS    99
+#define BENCH_TREE_NAME 120
 
 /* Options that not every benchmark takes: bits of benchmark.takes. */
 #define BENCH_TAKES_ENGINE 1u
@@ -21,6 +21,7 @@
 #define BENCH_TAKES_SEED   32u
 #define BENCH_TAKES_SVG    64u
 #define BENCH_TAKES_JSON   128u
+#define BENCH_TAKES_BVH    256u
 
 /* Settings of a run, and where its rows go. */
 struct bench {
@@ -32,6 +33,7 @@ struct bench {
     struct engine_options engines;
     struct progress progress;
     const char *csv_path, *json_path, *svg_path;
+    const char *bvh;      /* of --bvh: a tree of the one scene; NULL: built */
     struct file_out csv;  /* stream NULL: none */
     const char *csv_head; /* benchmark whose column names were written last */
     json_t *rows;         /* NULL: none */
@@ -59,6 +61,19 @@ struct spread spread_of(double *value, size_t count);
  * with a line that says so. Returns how many are in `out`. */
 size_t bench_scenes(const struct bench *bench, const char *const *own,
                     const char *out[BENCH_SCENES]);
+
+/* What trees are made by, as tables name it: "builder median, leaf 4", or "tree FILE". */
+const char *bench_tree_name(const struct bench *bench, char text[BENCH_TREE_NAME]);
+
+/* Reads the user's tree of the scene, which must be JSON, since layouts are packed from it; *out is
+ * zero where the user named none. Errors: STATUS_INPUT, STATUS_MEMORY. */
+enum status bench_tree_open(const struct bench *bench, const struct scene *scene,
+                            struct tree_file *out, struct reason *reason) MUST_USE;
+
+/* The scene's tree: a copy of the user's, or what the default builder makes. Errors: as above, and
+ * those of builders. */
+enum status bench_tree_make(const struct bench *bench, const struct scene *scene, struct bvh *out,
+                            struct reason *reason) MUST_USE;
 
 /* Rays per trace: the user's, or the benchmark's own number. */
 size_t bench_rays_count(const struct bench *bench, size_t own);

@@ -40,6 +40,45 @@ size_t bench_rays_count(const struct bench *bench, size_t own)
     return bench->ray_count ? (size_t)bench->ray_count : own;
 }
 
+const char *bench_tree_name(const struct bench *bench, char text[BENCH_TREE_NAME])
+{
+    if (bench->bvh)
+        snprintf(text, BENCH_TREE_NAME, "tree %.100s", file_label(bench->bvh));
+    else
+        snprintf(text, BENCH_TREE_NAME, "builder %s, leaf %u", builders[0]->name,
+                 BUILD_LEAF_DEFAULT);
+    return text;
+}
+
+enum status bench_tree_open(const struct bench *bench, const struct scene *scene,
+                            struct tree_file *out, struct reason *reason)
+{
+    *out = (struct tree_file){0};
+    if (!bench->bvh)
+        return STATUS_OK;
+    enum status status = tree_open("bench", bench->bvh, scene, out, reason);
+    if (status || !tree_file_is_packed(out))
+        return status;
+    tree_file_free(out);
+    return fail(reason, STATUS_INPUT, "%s: is packed; layouts are compared on a tree as JSON",
+                file_label(bench->bvh));
+}
+
+enum status bench_tree_make(const struct bench *bench, const struct scene *scene, struct bvh *out,
+                            struct reason *reason)
+{
+    const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
+    struct tree_file file;
+    *out = (struct bvh){0};
+    if (!bench->bvh)
+        return builders[0]->build(scene, &build, out, reason);
+    enum status status = bench_tree_open(bench, scene, &file, reason);
+    if (!status)
+        status = tree_file_bvh(&file, out, reason);
+    tree_file_free(&file);
+    return status;
+}
+
 json_t *bench_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();

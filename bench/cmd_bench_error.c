@@ -304,7 +304,6 @@ static enum status play_sets(struct field *field, const char *spec, struct pages
 static enum status play_scene(struct bench *bench, const char *spec, struct pages *pages, int *code,
                               struct reason *reason)
 {
-    const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
     struct scene scene;
     enum status status = scene_open(spec, bench->seed, &scene, reason);
     if (status)
@@ -323,7 +322,7 @@ static enum status play_scene(struct bench *bench, const char *spec, struct page
     if (status == STATUS_OK)
         status = oracle_make(&scene, &field->oracle, reason);
     if (status == STATUS_OK)
-        status = builders[0]->build(&scene, &build, &field->bvh, reason);
+        status = bench_tree_make(bench, &scene, &field->bvh, reason);
     if (status == STATUS_OK)
         status = play_sets(field, spec, pages, code, reason);
     race_leave(&field->race);
@@ -389,7 +388,8 @@ const struct benchmark bench_error = {
     .name = "error",
     .summary = "engines, layouts and triangle tests: speed against error, exactly measured",
     .takes = BENCH_TAKES_ENGINE | BENCH_TAKES_LAYOUT | BENCH_TAKES_TRI | BENCH_TAKES_BOX |
-             BENCH_TAKES_RAYS | BENCH_TAKES_SEED | BENCH_TAKES_SVG | BENCH_TAKES_JSON,
+             BENCH_TAKES_RAYS | BENCH_TAKES_SEED | BENCH_TAKES_SVG | BENCH_TAKES_JSON |
+             BENCH_TAKES_BVH,
     .about = about,
     .run = run,
 };

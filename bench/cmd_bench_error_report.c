@@ -175,10 +175,11 @@ static json_t *row_json(const struct bench *bench, const struct error_page *page
 
 void error_print(struct bench *bench, const struct error_page *page)
 {
-    printf("\n%s: %u triangles; %zu %s rays, seed %llu, of which exactly %zu hit; builder %s, "
-           "leaf %u; %llu rounds interleaved\n",
+    char name[BENCH_TREE_NAME];
+    printf("\n%s: %u triangles; %zu %s rays, seed %llu, of which exactly %zu hit; %s; %llu rounds "
+           "interleaved\n",
            page->scene, page->tri_count, page->ray_count, page->rays,
-           (unsigned long long)bench->seed, page->exact_hits, builders[0]->name, BUILD_LEAF_DEFAULT,
+           (unsigned long long)bench->seed, page->exact_hits, bench_tree_name(bench, name),
            (unsigned long long)bench->rounds);
     if (page->leak_rays[LEAK_VERTEX])
         printf("closed: %zu rays from inside aimed at edges, %zu at vertices\n",

@@ -32,6 +32,7 @@ struct field {
     struct bench *bench;
     const char *spec, *rays;
     const struct scene *scene;
+    const struct tree_file *tree; /* the user's, or NULL */
     const struct ray *ray;
     size_t ray_count;
     struct hit *hit;
@@ -210,7 +211,8 @@ static int bench_rays(struct field *field, const struct ray_set *set)
 {
     struct reason reason = {""};
     struct match_options options = {
-        .builder = builders[0],
+        .builder = field->tree ? &tree_file_builder : builders[0],
+        .tree = field->tree,
         .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
         .box = box_tests[0],
         .tri = tri_tests[0],
@@ -263,16 +265,21 @@ static int run(struct bench *bench)
     int code = EXIT_AGREE;
     for (size_t i = 0; i < count; i++) {
         struct scene scene;
+        struct tree_file tree = {0};
         struct reason reason;
+        char name[BENCH_TREE_NAME];
         enum status status = scene_open(spec[i], 1, &scene, &reason);
+        if (status == STATUS_OK)
+            status = bench_tree_open(bench, &scene, &tree, &reason);
         if (status) {
             fprintf(stderr, "raydiff bench: %s\n", reason.text);
             code = exit_worse(code, exit_of_status(status));
+            scene_free(&scene);
             continue;
         }
-        printf("\n%s: %u triangles; builder %s, leaf %u, box %s, triangle %s; %llu rays, %llu "
+        printf("\n%s: %u triangles; %s, box %s, triangle %s; %llu rays, %llu "
                "rounds interleaved\n",
-               spec[i], scene.tri_count, builders[0]->name, BUILD_LEAF_DEFAULT, box_tests[0]->name,
+               spec[i], scene.tri_count, bench_tree_name(bench, name), box_tests[0]->name,
                tri_tests[0]->name, (unsigned long long)bench_rays_count(bench, OWN_RAYS),
                (unsigned long long)bench->rounds);
         printf("%-8s %-13s %-5s %-21s %-27s %6s %6s %8s %7s %6s\n", "rays", "engine", "nodes",
@@ -285,9 +292,11 @@ static int run(struct bench *bench)
             field->bench = bench;
             field->spec = spec[i];
             field->scene = &scene;
+            field->tree = bench->bvh ? &tree : NULL;
             code = exit_worse(code, bench_rays(field, ray_set_find(sets[s])));
             free(field);
         }
+        tree_file_free(&tree);
         scene_free(&scene);
     }
     return code;
@@ -296,6 +305,6 @@ static int run(struct bench *bench)
 const struct benchmark bench_layouts = {
     .name = "layouts",
     .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
-    .takes = BENCH_TAKES_JSON,
+    .takes = BENCH_TAKES_JSON | BENCH_TAKES_BVH,
     .run = run,
 };

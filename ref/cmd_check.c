@@ -1,7 +1,7 @@
 /* raydiff check: the main job. Engines and layouts on one scene, compared ray by ray. */
 #include "ref/cmd_check.h"
 
-#include "ref/cmd_options.h"
+#include "ref/cmd_tree.h"
 #include "ref/command.h"
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
@@ -19,7 +19,8 @@ static const char help[] =
     "                                                        [every engine that can run here]\n"
     "  --builder B,..  builders                                                  [median]\n"
     "  --leaf N        items per leaf, 1 or more                                 [4]\n"
-    "  --eps E         builder rtrs: smallest box that is split                  [0.02]\n"
+    "  --eps E         builder rtrs: smallest box that is split                  "
+    "[0.02]\n" TREE_OPTION_HELP
     "  --box B,..      box tests                                                 [robust]\n"
     "  --tri T,..      triangle tests                                            [mt]\n"
     "  --query Q,..    closest, any, all (every triangle along the ray)          [closest]\n"
@@ -46,6 +47,8 @@ struct check_options {
     uint64_t count, seed, repeats, brute, brute_rays;
     struct engine_options engines;
     const char *json;
+    const char *bvh;        /* of --bvh, or NULL */
+    const char *build_flag; /* the last option given that says how to build, or NULL */
 };
 
 enum {
@@ -66,15 +69,23 @@ enum {
     OPT_JSON
 };
 
-static const struct option long_options[] = {
-    {"layout", 1, NULL, OPT_LAYOUT},   {"engine", 1, NULL, OPT_ENGINE},
-    {"builder", 1, NULL, OPT_BUILDER}, {"leaf", 1, NULL, OPT_LEAF},
-    {"eps", 1, NULL, OPT_EPS},         {"box", 1, NULL, OPT_BOX},
-    {"tri", 1, NULL, OPT_TRI},         {"query", 1, NULL, OPT_QUERY},
-    {"rays", 1, NULL, OPT_RAYS},       {"count", 1, NULL, OPT_COUNT},
-    {"seed", 1, NULL, OPT_SEED},       {"repeat", 1, NULL, OPT_REPEAT},
-    {"brute", 1, NULL, OPT_BRUTE},     {"brute-rays", 1, NULL, OPT_BRUTE_RAYS},
-    {"json", 1, NULL, OPT_JSON},       ENGINE_OPTIONS};
+static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
+                                             {"engine", 1, NULL, OPT_ENGINE},
+                                             {"builder", 1, NULL, OPT_BUILDER},
+                                             {"leaf", 1, NULL, OPT_LEAF},
+                                             {"eps", 1, NULL, OPT_EPS},
+                                             {"box", 1, NULL, OPT_BOX},
+                                             {"tri", 1, NULL, OPT_TRI},
+                                             {"query", 1, NULL, OPT_QUERY},
+                                             {"rays", 1, NULL, OPT_RAYS},
+                                             {"count", 1, NULL, OPT_COUNT},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             {"repeat", 1, NULL, OPT_REPEAT},
+                                             {"brute", 1, NULL, OPT_BRUTE},
+                                             {"brute-rays", 1, NULL, OPT_BRUTE_RAYS},
+                                             {"json", 1, NULL, OPT_JSON},
+                                             TREE_OPTION,
+                                             ENGINE_OPTIONS};
 
 static struct check_options default_options(void)
 {
@@ -115,6 +126,7 @@ static enum status take_number(struct check_options *o, int option, const char *
     enum status status = STATUS_OK;
     switch (option) {
     case OPT_LEAF:
+        o->build_flag = "--leaf";
         status = parse_count("--leaf", text, 1, 1u << 20, &n, reason);
         o->build.leaf = (uint32_t)n;
         break;
@@ -144,6 +156,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
         o->engine_named = strcmp(text, "all") != 0;
         return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
     case OPT_BUILDER:
+        o->build_flag = "--builder";
         return table_parse(TABLE_BUILDERS, "--builder", text, &o->builder, reason);
     case OPT_BOX:
         return table_parse(TABLE_BOX_TESTS, "--box", text, &o->box, reason);
@@ -153,7 +166,11 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return table_parse(TABLE_QUERIES, "--query", text, &o->query, reason);
     case OPT_RAYS:
         return table_parse_one(TABLE_RAY_SETS, "--rays", text, &o->rays, reason);
+    case OPT_BVH:
+        o->bvh = text;
+        return STATUS_OK;
     case OPT_EPS:
+        o->build_flag = "--eps";
         return parse_float("--eps", text, &o->build.eps, reason);
     case OPT_JSON:
         o->json = text;
@@ -168,6 +185,7 @@ struct check {
     struct check_options options;
     struct pool pool;
     struct progress progress;
+    struct tree_file tree; /* of --bvh; rows refer to it */
 };
 
 static enum status add_row(struct check_scene *result, const struct row *row)
@@ -217,9 +235,10 @@ static enum status play_layouts(struct check *check, struct match *match,
                                 struct check_scene *result, struct reason *reason)
 {
     const struct check_options *o = &check->options;
-    size_t count = o->layout_auto ? 1 : o->layout.count;
+    struct list list = o->layout_named ? o->layout : tree_layouts(&check->tree, &o->layout);
+    size_t count = o->layout_auto ? 1 : list.count;
     for (size_t l = 0; l < count; l++) {
-        const struct layout *layout = o->layout_auto ? NULL : layouts[o->layout.index[l]];
+        const struct layout *layout = o->layout_auto ? NULL : layouts[list.index[l]];
         struct reason refusal = {""};
         enum status status =
             layout ? match_pack(match, layout, &refusal)
@@ -254,8 +273,10 @@ static enum status play_scene(struct check *check, const struct scene *scene,
                               struct reason *reason)
 {
     const struct check_options *o = &check->options;
-    struct match_options options = {.builder = builders[o->builder.index[0]],
+    struct match_options options = {.builder =
+                                        o->bvh ? &tree_file_builder : builders[o->builder.index[0]],
                                     .build = o->build,
+                                    .tree = o->bvh ? &check->tree : NULL,
                                     .box = box_tests[o->box.index[0]],
                                     .tri = tri_tests[o->tri.index[0]],
                                     .query = (enum query)o->query.index[0],
@@ -272,8 +293,9 @@ static enum status play_scene(struct check *check, const struct scene *scene,
     for (size_t t = 0; t < o->tri.count && status == STATUS_OK; t++)
         for (size_t b = 0; b < o->builder.count && status == STATUS_OK; b++) {
             if (t + b > 0)
-                status = match_rebuild(&match, builders[o->builder.index[b]], &o->build,
-                                       tri_tests[o->tri.index[t]], &why);
+                status = match_rebuild(&match,
+                                       o->bvh ? &tree_file_builder : builders[o->builder.index[b]],
+                                       &o->build, tri_tests[o->tri.index[t]], &why);
             if (status)
                 fail(reason, status, "%s: %s", result->spec, why.text);
             else
@@ -299,8 +321,10 @@ static enum status check_one(struct check *check, const char *spec, struct check
         return status;
     result->tri_count = scene.tri_count;
     result->vertex_count = scene.vertex_count;
+    if (o->bvh)
+        status = tree_open("check", o->bvh, &scene, &check->tree, reason);
     struct ray *rays = alloc_zeroed(result->ray_count, sizeof *rays);
-    if (!rays)
+    if (!rays && status == STATUS_OK)
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", result->ray_count);
     if (status == STATUS_OK)
         status = ray_sets[o->rays]->make(&scene, o->seed, result->ray_count, rays, reason);
@@ -358,8 +382,13 @@ int cmd_check(int argc, char **argv)
         return code;
     if (first == argc)
         return usage_error("check", "no scene given");
+    struct reason reason;
+    if (tree_check_options(check.options.bvh, check.options.build_flag, (size_t)(argc - first),
+                           &reason))
+        return usage_error("check", "%s", reason.text);
     check.pool.options = check.options.engines;
     code = check_all(&check, argv + first, (size_t)(argc - first));
     pool_free(&check.pool);
+    tree_file_free(&check.tree);
     return code;
 }

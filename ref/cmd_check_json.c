@@ -115,6 +115,8 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
         json_pack("{s:I, s:I, s:I, s:I}", "nodes", (json_int_t)row->stats.node_count, "leaves",
                   (json_int_t)row->stats.leaf_count, "depth", (json_int_t)row->stats.depth,
                   "largest_leaf", (json_int_t)row->stats.largest_leaf));
+    if (o->tree)
+        json_object_set_new(out, "bvh", json_string(o->tree->name));
     json_object_set_new(out, "counts", counts_json(row));
     json_object_set_new(out, "wrong", wrong_json(row));
     json_object_set_new(out, "err_over_bound", json_real(finite(row->worst_over)));

@@ -188,6 +188,16 @@ static void print_reasons(const struct check_scene *scene)
     }
 }
 
+static void print_tree(const struct row *row)
+{
+    if (row->options.tree)
+        printf("tree: %s", row->options.tree->name);
+    else
+        printf("tree: %s, leaf %u", row->options.builder->name, row->options.build.leaf);
+    printf(": %u nodes, %u leaves, depth %u, largest leaf %u\n", row->stats.node_count,
+           row->stats.leaf_count, row->stats.depth, row->stats.largest_leaf);
+}
+
 void check_print(const struct check_scene *scene)
 {
     const struct row *first = scene->row_count ? &scene->row[0] : NULL;
@@ -200,9 +210,7 @@ void check_print(const struct check_scene *scene)
             break;
         }
     if (first)
-        printf("tree: %s, leaf %u: %u nodes, %u leaves, depth %u, largest leaf %u\n",
-               first->options.builder->name, first->options.build.leaf, first->stats.node_count,
-               first->stats.leaf_count, first->stats.depth, first->stats.largest_leaf);
+        print_tree(first);
     if (first && first->compared)
         printf("truth: exact, by the oracle's tree; %zu of %zu rays by brute force too\n",
                first->brute, first->compared);

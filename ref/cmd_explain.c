@@ -2,8 +2,7 @@
 #include "ref/cmd_explain_inner.h"
 
 #include "fuzz/player.h"
-#include "ref/cmd_options.h"
-#include "ref/cmd_tables.h"
+#include "ref/cmd_tree.h"
 #include "ref/command.h"
 #include "ref/explain/ray_text.h"
 #include "scenes/scenes.h"
@@ -30,6 +29,8 @@ static const char help[] =
     "  --builder B     builder                                                   [median]\n"
     "  --leaf N        items per leaf                                            [4]\n"
     "  --eps E         builder rtrs: smallest box that is split                  [0.02]\n"
+    "  --bvh FILE      a tree of the scene as raydiff precompute writes it, as JSON, in place of\n"
+    "                  a builder's\n"
     "  --box B         box test                                                  [robust]\n"
     "  --tri T         triangle test                                             [mt]\n"
     "  --query Q       closest or any                                            "
@@ -58,15 +59,23 @@ enum {
     OPT_JSON
 };
 
-static const struct option long_options[] = {
-    {"ray", 1, NULL, OPT_RAY},       {"rays", 1, NULL, OPT_RAYS},
-    {"count", 1, NULL, OPT_COUNT},   {"index", 1, NULL, OPT_INDEX},
-    {"seed", 1, NULL, OPT_SEED},     {"engine", 1, NULL, OPT_ENGINE},
-    {"layout", 1, NULL, OPT_LAYOUT}, {"builder", 1, NULL, OPT_BUILDER},
-    {"leaf", 1, NULL, OPT_LEAF},     {"eps", 1, NULL, OPT_EPS},
-    {"box", 1, NULL, OPT_BOX},       {"tri", 1, NULL, OPT_TRI},
-    {"query", 1, NULL, OPT_QUERY},   {"json", 1, NULL, OPT_JSON},
-    {"cause", 1, NULL, OPT_CAUSE},   ENGINE_OPTIONS};
+static const struct option long_options[] = {{"ray", 1, NULL, OPT_RAY},
+                                             {"rays", 1, NULL, OPT_RAYS},
+                                             {"count", 1, NULL, OPT_COUNT},
+                                             {"index", 1, NULL, OPT_INDEX},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             {"engine", 1, NULL, OPT_ENGINE},
+                                             {"layout", 1, NULL, OPT_LAYOUT},
+                                             {"builder", 1, NULL, OPT_BUILDER},
+                                             {"leaf", 1, NULL, OPT_LEAF},
+                                             {"eps", 1, NULL, OPT_EPS},
+                                             {"box", 1, NULL, OPT_BOX},
+                                             {"tri", 1, NULL, OPT_TRI},
+                                             {"query", 1, NULL, OPT_QUERY},
+                                             {"json", 1, NULL, OPT_JSON},
+                                             {"cause", 1, NULL, OPT_CAUSE},
+                                             TREE_OPTION,
+                                             ENGINE_OPTIONS};
 
 static struct explain_options default_options(void)
 {
@@ -122,6 +131,7 @@ static enum status take_name(struct explain_options *o, int option, const char *
         return STATUS_OK;
     case OPT_BUILDER:
         o->of.builder = builders[index];
+        o->build_flag = "--builder";
         break;
     case OPT_BOX:
         o->of.box = box_tests[index];
@@ -163,13 +173,17 @@ static enum status take_option(void *user, int option, char *text, struct reason
         o->test_flag = "--seed";
         return parse_count("--seed", text, 0, UINT64_MAX, &o->of.seed, reason);
     case OPT_LEAF:
-        o->test_flag = "--leaf";
+        o->test_flag = o->build_flag = "--leaf";
         status = parse_count("--leaf", text, 1, 1u << 20, &leaf, reason);
         o->of.build.leaf = (uint32_t)leaf;
         return status;
     case OPT_EPS:
-        o->test_flag = "--eps";
+        o->test_flag = o->build_flag = "--eps";
         return parse_float("--eps", text, &o->of.build.eps, reason);
+    case OPT_BVH:
+        o->test_flag = "--bvh";
+        o->of.tree = text;
+        return STATUS_OK;
     case OPT_JSON:
         o->json = text;
         return STATUS_OK;
@@ -192,6 +206,7 @@ struct explaining {
     struct finding_file file; /* if that is what is explained */
     struct scene scene;
     struct oracle *oracle;
+    struct tree_file tree; /* of --bvh */
     struct bvh bvh;
     struct packed packed;
     struct pool pool;
@@ -226,7 +241,12 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
     const struct explain_of *of = &e->options->of;
     if (!of->engine->needs_packed)
         return STATUS_OK;
-    enum status status = of->builder->build(&e->scene, &of->build, &e->bvh, reason);
+    enum status status = STATUS_OK;
+    if (of->tree)
+        status = tree_open("explain", of->tree, &e->scene, &e->tree, reason);
+    if (!status)
+        status = of->tree ? tree_file_bvh(&e->tree, &e->bvh, reason)
+                          : of->builder->build(&e->scene, &of->build, &e->bvh, reason);
     if (!status)
         status = packed_make(of->layout, &e->bvh, &e->scene, &e->packed, reason);
     return status;
@@ -359,7 +379,8 @@ int cmd_explain(int argc, char **argv)
     if (argc - first != 1)
         return usage_error("explain", argc == first ? "no scene given" : "one scene at a time");
     struct explaining e = {.options = &options};
-    if (explain_take_subject(&options, argv[first], &e.file, &reason))
+    if (tree_check_options(options.of.tree, options.build_flag, 1, &reason) ||
+        explain_take_subject(&options, argv[first], &e.file, &reason))
         return usage_error("explain", "%s", reason.text);
     /* What the file holds is the run's; freed there. */
     e.scene = e.file.trial.scene, e.ray = e.file.trial.ray, e.ray_count = e.file.trial.ray_count;
@@ -374,6 +395,7 @@ int cmd_explain(int argc, char **argv)
     oracle_free(e.oracle);
     packed_free(&e.packed);
     bvh_free(&e.bvh);
+    tree_file_free(&e.tree);
     scene_free(&e.scene);
     free(e.ray);
     return code;

@@ -12,9 +12,10 @@ struct explain_of {
     const char *spec; /* scene */
     uint64_t seed;    /* of generators and rays */
     const struct engine *engine;
-    const struct layout *layout; /* NULL: the engine has no tree, as are the next two */
-    const struct builder *builder;
+    const struct layout *layout;   /* NULL: the engine has no tree, as are the next two */
+    const struct builder *builder; /* tree_file_builder with `tree` */
     struct build_options build;
+    const char *tree; /* of --bvh; NULL: built */
     const struct box_test *box;
     const struct tri_test *tri;
     enum query query;

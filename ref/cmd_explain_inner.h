@@ -10,7 +10,8 @@ struct explain_options {
     struct explain_of of;
     const struct ray_set *rays;
     const char *ray_text, *json;
-    const char *test_flag; /* the last option given that a finding's file decides, or NULL */
+    const char *test_flag;  /* the last option given that a finding's file decides, or NULL */
+    const char *build_flag; /* of them, one that says how to build, or NULL */
     uint64_t count, index;
     bool has_count, has_index, has_rays, has_cause, has_engine, has_layout;
     bool has_file;    /* scene, rays and test come from a finding's file */

@@ -144,12 +144,13 @@ static json_t *hints_json(const struct explain_page *page)
 static json_t *subject_json(const struct explain_page *page)
 {
     const struct explain_of *of = page->of;
-    return json_pack("{s:s, s:I, s:s, s:s?, s:s?, s:i, s:s?, s:s, s:s, s:s?, s:I}", "scene",
+    return json_pack("{s:s, s:I, s:s, s:s?, s:s?, s:s?, s:i, s:s?, s:s, s:s, s:s?, s:I}", "scene",
                      of->spec, "seed", (json_int_t)of->seed, "engine", of->engine->name, "layout",
                      of->layout ? of->layout->name : NULL, "builder",
-                     of->builder ? of->builder->name : NULL, "leaf", (int)of->build.leaf, "box",
-                     of->layout ? of->box->name : NULL, "tri", of->tri->name, "query",
-                     query_name(of->query), "rays", page->rays, "index", (json_int_t)page->index);
+                     of->builder ? of->builder->name : NULL, "bvh", of->tree, "leaf",
+                     (int)of->build.leaf, "box", of->layout ? of->box->name : NULL, "tri",
+                     of->tri->name, "query", query_name(of->query), "rays", page->rays, "index",
+                     (json_int_t)page->index);
 }
 
 static json_t *judgement_json(const struct judged_ray *ray)
@@ -228,13 +229,14 @@ void explain_command(const struct explain_of *of, const struct ray *ray,
     command_word(text, EXPLAIN_COMMAND_MOST, of->engine->name);
     if (of->layout) {
         append(text, " --layout %s", of->layout->name);
-        append(text, " --builder %s", of->builder->name);
+        append(text, "%s", of->tree ? " --bvh" : " --builder");
+        command_word(text, EXPLAIN_COMMAND_MOST, of->tree ? of->tree : of->builder->name);
         append(text, " --box %s", of->box->name);
         snprintf(number, sizeof number, "%u", of->build.leaf);
-        if (of->build.leaf != BUILD_LEAF_DEFAULT)
+        if (of->build.leaf != BUILD_LEAF_DEFAULT && !of->tree)
             append(text, " --leaf %s", number);
         snprintf(number, sizeof number, "%.9g", (double)of->build.eps);
-        if (of->build.eps != BUILD_EPS_DEFAULT)
+        if (of->build.eps != BUILD_EPS_DEFAULT && !of->tree)
             append(text, " --eps %s", number);
     }
     append(text, " --tri %s", of->tri->name);
@@ -257,6 +259,7 @@ struct explain_of explain_of_row(const struct row *row, const char *spec, uint64
                                .layout = row->layout,
                                .builder = row->options.builder,
                                .build = row->options.build,
+                               .tree = row->options.tree ? row->options.tree->name : NULL,
                                .box = row->options.box,
                                .tri = row->options.tri,
                                .query = row->options.query,

@@ -47,7 +47,9 @@ static void print_subject(const struct explain_page *page)
     print_floats("direction", ray->dir, 3);
     print_floats("range", range, 2);
     printf("engine    %s", of->engine->name);
-    if (of->layout)
+    if (of->layout && of->tree)
+        printf(", layout %s, tree %s, box %s", of->layout->name, of->tree, of->box->name);
+    else if (of->layout)
         printf(", layout %s, builder %s, leaf %u, box %s", of->layout->name, of->builder->name,
                of->build.leaf, of->box->name);
     printf(", triangle %s, query %s\n", of->tri->name, query_name(of->query));

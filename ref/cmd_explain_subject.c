@@ -24,6 +24,8 @@ static enum status take_trial(struct explain_options *o, const char *text, struc
     enum status status = trial_parse(text, &trial, reason);
     if (!status && trial.query == QUERY_ALL)
         status = fail(reason, STATUS_INPUT, "trial: closest or any can be explained, not all");
+    if (!status && o->of.tree)
+        status = fail(reason, STATUS_INPUT, "--bvh: a trial's name says which tree it builds");
     if (status)
         return status;
     o->of = (struct explain_of){.spec = trial.scene,
@@ -131,6 +133,10 @@ enum status explain_take_subject(struct explain_options *o, const char *text,
     else if (is_file(text))
         status = take_file(o, text, file, reason);
     o->of.driver = o->engines.driver;
+    if (!status && o->of.tree && !o->of.engine->needs_packed)
+        status = fail(reason, STATUS_INPUT, "--bvh: engine %s takes no tree", o->of.engine->name);
+    if (o->of.tree)
+        o->of.builder = &tree_file_builder;
     if (!o->of.engine->needs_packed) {
         o->of.layout = NULL;
         o->of.builder = NULL;

@@ -1,7 +1,7 @@
 /* raydiff leaks: rays from inside closed meshes, aimed at edges and vertices. */
 #include "ref/cmd_leaks.h"
 
-#include "ref/cmd_options.h"
+#include "ref/cmd_tree.h"
 #include "ref/command.h"
 
 #include <stdlib.h>
@@ -17,7 +17,8 @@ static const char help[] =
     "  --layout L,..   layouts, or 'all'                                         [f32,rf16]\n"
     "  --engine E,..   engines, or 'all'                       [all that can run here but brute]\n"
     "  --builder B,..  builders                                                  [median]\n"
-    "  --leaf N        items per leaf, 1 or more                                 [4]\n"
+    "  --leaf N        items per leaf, 1 or more                                 "
+    "[4]\n" TREE_OPTION_HELP
     "  --box B,..      box tests                                        [robust,watertight]\n"
     "  --tri T,..      triangle tests                                            [mt,woop]\n"
     "  --count N       rays, 1 or more; fewer than 1000 say nothing              [100000]\n"
@@ -64,6 +65,7 @@ static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
                                              {"seed", 1, NULL, OPT_SEED},
                                              {"profile", 1, NULL, OPT_PROFILE},
                                              {"json", 1, NULL, OPT_JSON},
+                                             TREE_OPTION,
                                              ENGINE_OPTIONS};
 
 static struct leaks_options default_options(void)
@@ -111,11 +113,16 @@ static enum status take_option(void *user, int option, char *text, struct reason
         o->engine_named = strcmp(text, "all") != 0;
         return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
     case OPT_BUILDER:
+        o->build_flag = "--builder";
         return table_parse(TABLE_BUILDERS, "--builder", text, &o->builder, reason);
     case OPT_LEAF:
+        o->build_flag = "--leaf";
         status = parse_count("--leaf", text, 1, 1u << 20, &n, reason);
         o->build.leaf = (uint32_t)n;
         return status;
+    case OPT_BVH:
+        o->bvh = text;
+        return STATUS_OK;
     case OPT_BOX:
         return table_parse(TABLE_BOX_TESTS, "--box", text, &o->box, reason);
     case OPT_TRI:
@@ -183,5 +190,8 @@ int cmd_leaks(int argc, char **argv)
         return code;
     if (first == argc)
         return usage_error("leaks", "no scene given");
+    struct reason reason;
+    if (tree_check_options(options.bvh, options.build_flag, (size_t)(argc - first), &reason))
+        return usage_error("leaks", "%s", reason.text);
     return leaks_all(&options, argv + first, (size_t)(argc - first));
 }

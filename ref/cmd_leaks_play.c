@@ -1,5 +1,6 @@
 /* How raydiff leaks plays one scene: every engine on every tree and test that was asked for. */
 #include "ref/cmd_leaks.h"
+#include "ref/cmd_tree.h"
 #include "ref/twin.h"
 #include "scenes/scenes.h"
 
@@ -20,7 +21,8 @@ struct play {
     uint8_t *aim;
     struct leak_rays rays;
     uint64_t *digest, *cpu_digest;
-    bool cpu_known; /* cpu_digest is of the row's tree and tests */
+    bool cpu_known;        /* cpu_digest is of the row's tree and tests */
+    struct tree_file tree; /* of --bvh */
     struct packed packed;
 };
 
@@ -128,14 +130,18 @@ static enum status play_packed(struct play *play, struct leak_row row, struct re
     return status;
 }
 
+/* `bvh` NULL: the tree of the file. */
 static enum status play_layouts(struct play *play, const struct bvh *bvh, struct leak_row row,
                                 struct reason *reason)
 {
     const struct leaks_options *o = play->options;
+    struct list list = o->layout_named ? o->layout : tree_layouts(&play->tree, &o->layout);
     enum status status = STATUS_OK;
-    for (size_t l = 0; l < o->layout.count && !status; l++) {
-        row.layout = layouts[o->layout.index[l]];
-        row.status = packed_make(row.layout, bvh, &play->scene, &play->packed, &row.reason);
+    for (size_t l = 0; l < list.count && !status; l++) {
+        row.layout = layouts[list.index[l]];
+        row.status =
+            bvh ? packed_make(row.layout, bvh, &play->scene, &play->packed, &row.reason)
+                : tree_file_pack(&play->tree, row.layout, &play->scene, &play->packed, &row.reason);
         if (row.status == STATUS_LIMIT)
             status = add_row(play, &row, reason);
         else if (row.status)
@@ -147,21 +153,34 @@ static enum status play_layouts(struct play *play, const struct bvh *bvh, struct
     return status;
 }
 
-static enum status play_rows(struct play *play, struct reason *reason)
+/* All rows of one tree; those of engines without one with the first. */
+static enum status play_tree(struct play *play, const struct bvh *bvh, struct leak_row row,
+                             bool first, struct reason *reason)
 {
     const struct leaks_options *o = play->options;
     enum status status = STATUS_OK;
+    for (size_t t = 0; t < o->tri.count && !status; t++) {
+        row.tri = tri_tests[o->tri.index[t]];
+        status = play_layouts(play, bvh, row, reason);
+        if (!status && first)
+            status = play_treeless(play, row, t == 0, reason);
+    }
+    return status;
+}
+
+static enum status play_rows(struct play *play, struct reason *reason)
+{
+    const struct leaks_options *o = play->options;
+    struct leak_row row = {.builder = &tree_file_builder, .box = box_tests[o->box.index[0]]};
+    if (o->bvh)
+        return play_tree(play, NULL, row, true, reason);
+    enum status status = STATUS_OK;
     for (size_t b = 0; b < o->builder.count && !status; b++) {
-        struct leak_row row = {.builder = builders[o->builder.index[b]],
-                               .box = box_tests[o->box.index[0]]};
         struct bvh bvh = {0};
+        row.builder = builders[o->builder.index[b]];
         status = row.builder->build(&play->scene, &o->build, &bvh, reason);
-        for (size_t t = 0; t < o->tri.count && !status; t++) {
-            row.tri = tri_tests[o->tri.index[t]];
-            status = play_layouts(play, &bvh, row, reason);
-            if (!status && b == 0)
-                status = play_treeless(play, row, t == 0, reason);
-        }
+        if (!status)
+            status = play_tree(play, &bvh, row, b == 0, reason);
         bvh_free(&bvh);
     }
     return status;
@@ -174,6 +193,8 @@ static enum status prepare(struct play *play, struct reason *reason)
     struct leak_scene *result = play->result;
     size_t count = result->ray_count;
     enum status status = scene_open(result->spec, o->seed, &play->scene, reason);
+    if (!status && o->bvh)
+        status = tree_open("leaks", o->bvh, &play->scene, &play->tree, reason);
     if (!status)
         status = topology_make(&play->scene, &play->topology, reason);
     if (!status)
@@ -227,6 +248,7 @@ enum status leaks_play(const struct leaks_options *o, struct pool *pool, struct 
     free(play.cpu_digest);
     oracle_free(play.oracle);
     topology_free(&play.topology);
+    tree_file_free(&play.tree);
     scene_free(&play.scene);
     if (status)
         return fail(reason, status, "%s%s%s", strstr(why.text, spec) ? "" : spec,

@@ -116,8 +116,15 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
     match->options.builder = builder;
     match->options.build = *build;
     match->options.tri = tri;
-    enum status status = builder->build(match->scene, build, &match->bvh, reason);
-    if (status == STATUS_OK)
+    const struct tree_file *tree = match->options.tree;
+    enum status status = STATUS_OK;
+    if (tree)
+        match->stats = tree->stats;
+    if (tree && tree_file_is_packed(tree))
+        return status; /* match->bvh stays empty: nothing but match_pack asks for it */
+    status = tree ? tree_file_bvh(tree, &match->bvh, reason)
+                  : builder->build(match->scene, build, &match->bvh, reason);
+    if (status == STATUS_OK && !tree)
         match->stats = bvh_stats(&match->bvh, match->scene);
     return status;
 }
@@ -125,12 +132,17 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
 enum status match_pack(struct match *match, const struct layout *layout, struct reason *reason)
 {
     match_unpack(match);
+    if (match->options.tree)
+        return tree_file_pack(match->options.tree, layout, match->scene, &match->packed, reason);
     return packed_make(layout, &match->bvh, match->scene, &match->packed, reason);
 }
 
 enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
                             struct reason *reason)
 {
+    const struct tree_file *tree = match->options.tree;
+    if (tree && tree_file_is_packed(tree))
+        return match_pack(match, tree->packed.layout, reason);
     match_unpack(match);
     return packed_make_auto(&match->bvh, match->scene, &match->packed, refused, refused_bytes,
                             reason);

@@ -5,6 +5,7 @@
 
 #include "ref/engine.h"
 #include "ref/judge.h"
+#include "ref/tree_file.h"
 
 #define POOL_MOST    12
 #define FINDING_MOST 4
@@ -31,8 +32,10 @@ void *pool_get(struct pool *pool, const struct engine *engine, enum status *stat
 void pool_free(struct pool *pool);
 
 struct match_options {
-    const struct builder *builder;
+    const struct builder *builder; /* tree_file_builder with `tree` */
     struct build_options build;
+    const struct tree_file *tree; /* borrowed, of the match's scene: in place of what a builder
+                                     makes; NULL: built */
     const struct box_test *box;
     const struct tri_test *tri;
     enum query query;
@@ -131,16 +134,17 @@ struct match {
     struct pool *pool; /* borrowed */
 };
 
-/* Builds the tree and decides every ray exactly: by the oracle's tree, and as many as the options
- * pay for by brute force too.
- * Errors: STATUS_LIMIT the builder would never end; STATUS_UNSUPPORTED the oracle cannot run here;
- * STATUS_MEMORY; STATUS_INTERNAL the oracle's two ways contradict each other. */
+/* Builds the tree (or takes the options') and decides every ray exactly: by the oracle's tree, and
+ * as many as the options pay for by brute force too. Errors: STATUS_LIMIT the builder would never
+ * end; STATUS_UNSUPPORTED the oracle cannot run here; STATUS_MEMORY; STATUS_INTERNAL the oracle's
+ * two ways contradict each other. */
 enum status match_make(const struct scene *scene, const struct ray *ray, size_t ray_count,
                        const struct match_options *options, struct pool *pool, struct match *out,
                        struct reason *reason) MUST_USE;
 
-/* Another tree and triangle test for the same rays: the truth stays; nothing is packed. On an error
- * the match is usable for engines without a tree only. Errors: STATUS_LIMIT, STATUS_MEMORY. */
+/* Another tree and triangle test for the same rays: the truth stays; nothing is packed. The tree is
+ * the options' if they have one, and no builder builds. On an error the match is usable for engines
+ * without a tree only. Errors: STATUS_LIMIT, STATUS_MEMORY. */
 enum status match_rebuild(struct match *match, const struct builder *builder,
                           const struct build_options *build, const struct tri_test *tri,
                           struct reason *reason) MUST_USE;
@@ -148,12 +152,13 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
 /* Changes box test and query; tree, truth and packed layout stay. */
 void match_set(struct match *match, const struct box_test *box, enum query query);
 
-/* Makes `layout` the one that the next rows run on. Errors: those of packed_make; the match then
- * has no layout and stays usable. */
+/* Makes `layout` the one that the next rows run on. Errors: those of packed_make, or with a tree of
+ * the options' of tree_file_pack; the match then has no layout and stays usable. */
 enum status match_pack(struct match *match, const struct layout *layout,
                        struct reason *reason) MUST_USE;
 
-/* As match_pack with packed_make_auto; `refused` says why smaller layouts could not. */
+/* As match_pack with packed_make_auto, or a packed tree in its own layout; `refused` says why
+ * smaller layouts could not. */
 enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
                             struct reason *reason) MUST_USE;
 

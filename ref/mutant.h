@@ -74,9 +74,6 @@
 #define MUTANT_SIDES_BELIEVED  310 /* a PNG file's sides are allocated for, however short it is */
 #define MUTANT_DEATH_SPIRAL    350 /* after a stall all the time lost is made up for */
 #define MUTANT_TWO_IN_FLIGHT   351 /* a frame is begun while one is in flight */
-#define MUTANT_BOX_UNCOUNTED   340 /* numbers of a ray: the root's box is not counted */
-#define MUTANT_AROUND_OPEN     341 /* a point on a box's lower bound is not in it */
-#define MUTANT_DEPTH_LAST      342 /* the stack's depth at the last push, not the greatest */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

@@ -15,8 +15,6 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "tests/trees.h"
-
 static struct reason reason;
 
 static struct scene open_scene(const char *spec)
@@ -248,10 +246,8 @@ static void too_small_boxes_are_doubted(void **state)
 static void the_seeds_tree_is_taken(void **state)
 {
     (void)state;
-    struct scene scene;
+    struct scene scene = open_scene("rtrs");
     struct tree_file file;
-    if (scene_open(TREES_SEED_SCENE, 1, &scene, &reason))
-        skip();
     struct bvh bvh = build(&scene, "rtrs", 2);
     size_t size;
     char *bytes = file_of(&scene, &bvh, NULL, &size);
