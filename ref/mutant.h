@@ -54,6 +54,8 @@
 #define MUTANT_OTHER_TWIN      108 /* a judge of many takes the twin of another triangle */
 #define MUTANT_LANE_SLIPPED    109 /* twins by vectors are all concluded with the first ray */
 #define MUTANT_ORDER_KEPT      120 /* answers are handed out in the order of the dispatch */
+#define MUTANT_SIDES_BELIEVED  310 /* a PNG file's sides are allocated for, however short it is */
+#define MUTANT_LINE_THIN       311 /* smooth lines are a pixel thinner than asked for */
 #define MUTANT_NEVER_EXPIRES   112 /* an entry of the baseline excuses for ever */
 #define MUTANT_EXPORT_NO_RAYS  115 /* export: the push constants say that there is no ray */
 #define MUTANT_EXPORT_EXACT    116 /* export: only the exact numbers are right, to the bit */
@@ -71,7 +73,6 @@
 #define MUTANT_STILL_LEFT_OUT  95 /* an engine that died plays no more of its block */
 #define MUTANT_ANY_TREE_FITS   300 /* a tree of another scene is taken */
 #define MUTANT_NO_DOUBT        301 /* nothing is said of boxes that are too small */
-#define MUTANT_SIDES_BELIEVED  310 /* a PNG file's sides are allocated for, however short it is */
 #define MUTANT_DEATH_SPIRAL    350 /* after a stall all the time lost is made up for */
 #define MUTANT_TWO_IN_FLIGHT   351 /* a frame is begun while one is in flight */
 

@@ -219,6 +219,7 @@ in_program HALF_NEAREST ref/half.c $replay fuzz/corpus/rounded-outward.trial
 in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c $replay fuzz/corpus/triangle-zero.trial
 in_program LOST_SLOT ref/layouts/layout_rf16.c $replay fuzz/corpus/eighth-slot.trial
 in_test SIDES_BELIEVED scenes/image.c test_image
+in_test LINE_THIN scenes/draw.c test_draw
 in_fire COUNT_BELIEVED scenes/read_ply.c ply
 in_fire BLOB_BELIEVED ref/packed_file.c packed
 in_shaders NO_PRECISE test_spirv
