@@ -1,0 +1,204 @@
+/* The traversal, the same as ref/trace.c visits, of a ray at a time. The query is a parameter, a
+ * constant once the driver has inlined the calls, so that one shader can ask several. Who defines
+ * WALK_LISTS before can ask ABI_QUERY_ALL. */
+#ifndef WALK_GLSL
+#define WALK_GLSL
+
+#include "tri.glsl"
+#include "tri_load.glsl"
+
+/* The stack: nodes that wait, with their entry distances. */
+node stack_node[STACK];
+float stack_entry[STACK];
+uint stack_count = 0u;
+
+#ifdef WALK_LISTS
+/* QUERY_ALL: hits listed so far, and where the next one goes. */
+uint found = 0u;
+uint found_at = 0u;
+#endif
+
+/* Reasons why an answer must not be believed, ABI_FLAG_*. */
+uint trouble = 0u;
+
+bool node_is_leaf(node n)
+{
+    return (n.a & NODE_LEAF) != 0u;
+}
+
+/* NODE_DONE, a leaf without items, ends a walk. */
+bool node_is_done(node n)
+{
+    return n.a == NODE_LEAF;
+}
+
+void stack_push(node n, float entry)
+{
+#if MUTANT == MUTANT_SHORT_STACK
+    if (stack_count >= STACK - 1u) {
+#else
+    if (stack_count >= STACK) {
+#endif
+        trouble |= ABI_FLAG_STACK;
+    } else {
+#if MUTANT == MUTANT_STACK_WRAPPED
+        stack_node[stack_count & 3u] = n;
+#else
+        stack_node[stack_count] = n;
+#endif
+        stack_entry[stack_count] = entry;
+        stack_count++;
+    }
+}
+
+/* The next node that can still hold something nearer, or NODE_DONE. */
+node stack_pop(float tbest)
+{
+    bool found = false;
+#if MUTANT == MUTANT_BOTTOM_UNREAD
+    stack_count -= stack_count == 1u ? 1u : 0u;
+#endif
+    while (stack_count > 0u && !found) {
+        stack_count--;
+#if MUTANT == MUTANT_POP_STRICT
+        found = BOX_TEST == ABI_BOX_RTRS || stack_entry[stack_count] < tbest;
+#else
+        found = BOX_TEST == ABI_BOX_RTRS || stack_entry[stack_count] <= tbest;
+#endif
+    }
+#if MUTANT == MUTANT_STACK_WRAPPED
+    if (found)
+        return stack_node[stack_count & 3u];
+#endif
+    if (found)
+        return stack_node[stack_count];
+    if (stack_count > 0u)
+        trouble |= ABI_FLAG_LOOP;
+    return NODE_DONE;
+}
+
+/* The children of an inner node: the next node, the other one pushed. */
+node step_inner(slab_ray slab, node n, float tbest)
+{
+    uint ref0 = node_fst(n), ref1 = node_snd(n);
+    vec3 near0, far0, near1, far1;
+    float entry0, entry1;
+    node child0 = node_load(slab, ref0, near0, far0);
+    node child1 = node_load(slab, ref1, near1, far1);
+    bool hit0 = slab_test(slab, near0, far0, tbest, entry0) && ref0 < job.node_count;
+    bool hit1 = slab_test(slab, near1, far1, tbest, entry1) && ref1 < job.node_count;
+#if MUTANT == MUTANT_EQUAL_ENTRY_LOST
+    hit1 = hit1 && (!hit0 || entry0 != entry1);
+#endif
+#if MUTANT == MUTANT_FAR_FIRST
+    bool second = hit1 && (!hit0 || entry1 > entry0);
+#elif defined(ORDER_NEAR)
+    bool second = hit1 && (!hit0 || entry1 < entry0);
+#elif defined(ORDER_SND)
+    bool second = hit1;
+#else
+    bool second = !hit0;
+#endif
+    node next = child0, other = child1;
+    if (second) {
+        next = child1;
+        other = child0;
+    }
+#if MUTANT == MUTANT_SWAPPED_CHILD
+    other = next;
+#endif
+    if (hit0 && hit1)
+        stack_push(other, second ? entry0 : entry1);
+    if (!hit0 && !hit1)
+        next = stack_pop(tbest);
+    return next;
+}
+
+/* The ray keeps its length. Past the capacity hits are counted only. */
+void list(vec3 tuv, uint prim)
+{
+#ifdef WALK_LISTS
+    if (found < job.capacity)
+        hit_quad[found_at + found] = uvec4(floatBitsToUint(tuv), prim);
+    found++;
+#endif
+}
+
+/* Tests the items of a leaf in slot order. True if the query is answered. */
+bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_prim,
+               inout float tbest)
+{
+    leaf l = leaf_load(n);
+    uint slot = 0u;
+    bool answered = false;
+    while (slot < l.count && !answered) {
+        uint prim = leaf_item(l, slot);
+        slot++;
+#if MUTANT == MUTANT_LAST_IS_EMPTY
+        prim = prim + 1u == job.tri_count ? ABI_NO_PRIM : prim;
+#endif
+        if (prim < job.tri_count) {
+            vec3 v0, v1, v2, tuv;
+            tri_load(prim, v0, v1, v2);
+            bool hit = tri_test_run(TRI_TEST, r, v0, v1, v2, tuv);
+            if (query == ABI_QUERY_ALL) {
+                if (hit)
+                    list(tuv, prim);
+#if MUTANT == MUTANT_CULLED_ALL
+                if (hit && tuv.x < tbest)
+                    tbest = tuv.x;
+#endif
+#if MUTANT == MUTANT_FIRST_HIT_KEPT
+            } else if (hit && best_prim == ABI_NO_PRIM) {
+#elif MUTANT == MUTANT_LATER_WINS
+            } else if (hit && (best_prim == ABI_NO_PRIM || tuv.x <= tbest)) {
+#else
+            } else if (hit && (best_prim == ABI_NO_PRIM || tuv.x < tbest)) {
+#endif
+#if MUTANT == MUTANT_NUMBERS_KEPT
+                best = best_prim == ABI_NO_PRIM ? tuv : best;
+#else
+                best = tuv;
+#endif
+                best_prim = prim;
+                tbest = tuv.x;
+                answered = query == ABI_QUERY_ANY;
+            }
+#if MUTANT == MUTANT_ANY_TOO_EARLY
+            answered = query == ABI_QUERY_ANY;
+#endif
+        }
+    }
+    if (slot < l.count && !answered)
+        trouble |= ABI_FLAG_LOOP;
+    return answered;
+}
+
+/* A driver can end a loop before its condition does (lavapipe 22 does after 65,535 iterations), so
+ * every loop's condition is looked at again behind it. */
+void walk(slab_ray slab, tri_ray tri, uint query, node n, inout vec3 best, inout uint prim,
+          inout float tbest)
+{
+    uint visits = 0u;
+    while (!node_is_done(n) && trouble == 0u) {
+        while (!node_is_leaf(n) && visits < job.node_count) {
+            visits++;
+            n = step_inner(slab, n, tbest);
+        }
+        if (!node_is_leaf(n)) {
+            trouble |= visits < job.node_count ? ABI_FLAG_LOOP : ABI_FLAG_VISITS;
+        } else if (!node_is_done(n)) {
+            if (visits >= job.node_count)
+                trouble |= ABI_FLAG_VISITS;
+            visits++;
+            if (step_leaf(tri, query, n, best, prim, tbest))
+                n = NODE_DONE;
+            else
+                n = stack_pop(tbest);
+        }
+    }
+    if (!node_is_done(n))
+        trouble |= ABI_FLAG_LOOP;
+}
+
+#endif
