@@ -75,6 +75,10 @@
 #define MUTANT_NO_DOUBT        301 /* nothing is said of boxes that are too small */
 #define MUTANT_DEATH_SPIRAL    350 /* after a stall all the time lost is made up for */
 #define MUTANT_TWO_IN_FLIGHT   351 /* a frame is begun while one is in flight */
+#define MUTANT_T_BY_VALUE      370 /* diff: t of -0 and 0 is the same */
+#define MUTANT_SHADOWS_UNSEEN  371 /* diff: a path may differ in its shadows */
+#define MUTANT_BORDER_ANYWHERE 372 /* diff: a pixel may differ by 1, near a border or not */
+#define MUTANT_KEY_IGNORED     373 /* window: the right arrow does nothing */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */
