@@ -75,10 +75,11 @@
 #define MUTANT_NO_DOUBT        301 /* nothing is said of boxes that are too small */
 #define MUTANT_DEATH_SPIRAL    350 /* after a stall all the time lost is made up for */
 #define MUTANT_TWO_IN_FLIGHT   351 /* a frame is begun while one is in flight */
-#define MUTANT_T_BY_VALUE      370 /* diff: t of -0 and 0 is the same */
-#define MUTANT_SHADOWS_UNSEEN  371 /* diff: a path may differ in its shadows */
-#define MUTANT_BORDER_ANYWHERE 372 /* diff: a pixel may differ by 1, near a border or not */
-#define MUTANT_KEY_IGNORED     373 /* window: the right arrow does nothing */
+#define MUTANT_SHADOW_BEYOND   320 /* what lies beyond a light shadows it */
+#define MUTANT_POW_IS_EXACT    321 /* pow is taken to be the same everywhere */
+#define MUTANT_EYE_UNLIT       322 /* the light at the eye stands at the origin */
+#define MUTANT_STRIP_FORGOT    323 /* every strip of a large picture begins at the top */
+#define MUTANT_LIGHT_SLIPPED   324 /* answers of shadow rays go to the first paths, asked or not */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

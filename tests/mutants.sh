@@ -198,6 +198,9 @@ in_test SHARDS_OVERLAP fuzz/campaign_blocks.c test_fuzz_campaign
 in_test BLAMED_TOGETHER fuzz/campaign_blocks.c test_fuzz_campaign_deaths
 in_test STILL_LEFT_OUT fuzz/campaign_blocks.c test_fuzz_campaign_deaths
 in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
+in_test SHADOW_BEYOND scenes/shade.c test_shade
+in_test POW_IS_EXACT scenes/shade.c test_shade
+in_test EYE_UNLIT scenes/shade.c test_shade
 in_test ANY_TREE_FITS ref/tree_file.c test_tree_file
 in_test NO_DOUBT ref/tree_file.c test_tree_file
 in_test EXPORT_NO_RAYS fuzz/export_case.c test_vulkan_export
@@ -212,10 +215,6 @@ in_test NEVER_EXPIRES fuzz/baseline.c test_fuzz_baseline
 in_test FOUND_ANYWAY fuzz/selftest_run.c test_fuzz_selftest
 in_test DEATH_SPIRAL bench/pacing.c test_pacing
 in_test TWO_IN_FLIGHT bench/pacing.c test_pacing
-in_test T_BY_VALUE scenes/diff_frames.c test_diff_frames
-in_test SHADOWS_UNSEEN scenes/diff_frames.c test_diff_frames
-in_test BORDER_ANYWHERE scenes/diff_frames.c test_diff_frames
-in_header KEY_IGNORED test_window
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
 in_program TRACER_HANGS ref/trace.c $replay fuzz/corpus/bad-rays.trial
