@@ -80,6 +80,10 @@
 #define MUTANT_EYE_UNLIT       322 /* the light at the eye stands at the origin */
 #define MUTANT_STRIP_FORGOT    323 /* every strip of a large picture begins at the top */
 #define MUTANT_LIGHT_SLIPPED   324 /* answers of shadow rays go to the first paths, asked or not */
+#define MUTANT_T_BY_VALUE      370 /* diff: t of -0 and 0 is the same */
+#define MUTANT_SHADOWS_UNSEEN  371 /* diff: a path may differ in its shadows */
+#define MUTANT_BORDER_ANYWHERE 372 /* diff: a pixel may differ by 1, near a border or not */
+#define MUTANT_KEY_IGNORED     373 /* window: the right arrow does nothing */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

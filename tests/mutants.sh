@@ -215,6 +215,10 @@ in_test NEVER_EXPIRES fuzz/baseline.c test_fuzz_baseline
 in_test FOUND_ANYWAY fuzz/selftest_run.c test_fuzz_selftest
 in_test DEATH_SPIRAL bench/pacing.c test_pacing
 in_test TWO_IN_FLIGHT bench/pacing.c test_pacing
+in_test T_BY_VALUE scenes/diff_frames.c test_diff_frames
+in_test SHADOWS_UNSEEN scenes/diff_frames.c test_diff_frames
+in_test BORDER_ANYWHERE scenes/diff_frames.c test_diff_frames
+in_header KEY_IGNORED test_window
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
 in_program TRACER_HANGS ref/trace.c $replay fuzz/corpus/bad-rays.trial
