@@ -2,6 +2,7 @@
 #ifndef CMD_BENCH_H
 #define CMD_BENCH_H
 
+#include "bench/spread.h"
 #include "ref/cmd_tree.h"
 #include "ref/match.h"
 #include "scenes/file.h"
@@ -50,12 +51,6 @@ struct benchmark {
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
     bench_fuzz;
-
-/* Median, least and most of `count` values, which are sorted in place; count >= 1. */
-struct spread {
-    double median, least, most;
-};
-struct spread spread_of(double *value, size_t count);
 
 /* The user's scenes, or `own` (NULL-terminated), of which files that are not there are left out
  * with a line that says so. Returns how many are in `out`. */

@@ -1,24 +1,13 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/cmd_bench.h"
 
+#include "bench/csv.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-struct spread spread_of(double *value, size_t count)
-{
-    qsort(value, count, sizeof *value, by_value);
-    double middle = count % 2 ? value[count / 2] : 0.5 * (value[count / 2 - 1] + value[count / 2]);
-    return (struct spread){middle, value[0], value[count - 1]};
-}
 
 size_t bench_scenes(const struct bench *bench, const char *const *own,
                     const char *out[BENCH_SCENES])
@@ -82,22 +71,6 @@ enum status bench_tree_make(const struct bench *bench, const struct scene *scene
 json_t *bench_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
-}
-
-/* RFC 4180: quoted if need be, quotes doubled. */
-static void csv_text(FILE *stream, const char *text)
-{
-    if (!strpbrk(text, ",\"\r\n")) {
-        fputs(text, stream);
-        return;
-    }
-    fputc('"', stream);
-    for (; *text; text++) {
-        if (*text == '"')
-            fputc('"', stream);
-        fputc(*text, stream);
-    }
-    fputc('"', stream);
 }
 
 static void csv_value(FILE *stream, const json_t *value)

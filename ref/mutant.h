@@ -84,6 +84,7 @@
 #define MUTANT_SHADOWS_UNSEEN  371 /* diff: a path may differ in its shadows */
 #define MUTANT_BORDER_ANYWHERE 372 /* diff: a pixel may differ by 1, near a border or not */
 #define MUTANT_KEY_IGNORED     373 /* window: the right arrow does nothing */
+#define MUTANT_WARM_UP_KEPT    352 /* the first frame measured is the first drawn */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

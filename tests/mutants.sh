@@ -219,6 +219,7 @@ in_test T_BY_VALUE scenes/diff_frames.c test_diff_frames
 in_test SHADOWS_UNSEEN scenes/diff_frames.c test_diff_frames
 in_test BORDER_ANYWHERE scenes/diff_frames.c test_diff_frames
 in_header KEY_IGNORED test_window
+in_test WARM_UP_KEPT bench/frames.c test_frames
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
 in_program TRACER_HANGS ref/trace.c $replay fuzz/corpus/bad-rays.trial
