@@ -42,6 +42,10 @@
 #define MUTANT_LAST_IS_FIRST   82  /* the newest finding is taken for the first */
 #define MUTANT_TRACER_DIES     83  /* engine cpu does not survive a ray whose tmax is NaN */
 #define MUTANT_TRACER_HANGS    84  /* nor ends on it */
+#define MUTANT_BOX_UNCOUNTED   340 /* numbers of a ray: the root's box is not counted */
+#define MUTANT_AROUND_OPEN     341 /* a point on a box's lower bound is not in it */
+#define MUTANT_DEPTH_LAST      342 /* the stack's depth at the last push, not the greatest */
+#define MUTANT_SHOW_BACKWARDS  343 /* differences of pictures: first less second */
 #define MUTANT_ALL_AS_RARE     110 /* feedback chooses every trial as often */
 #define MUTANT_NOT_ESCAPED     113 /* text goes into JUnit and TAP as it is */
 #define MUTANT_UNPLAYED_PASS   114 /* a contestant that played nothing passes */

@@ -212,6 +212,10 @@ in_test UNPAID fuzz/shrink.c test_fuzz_shrink
 in_test NOT_ASKED fuzz/shrink.c test_fuzz_shrink
 in_test HANG_IS_CRASH fuzz/shrink_apart.c test_fuzz_shrink_apart
 in_test NEVER_EXPIRES fuzz/baseline.c test_fuzz_baseline
+in_test BOX_UNCOUNTED ref/look/numbers.c test_look
+in_test DEPTH_LAST ref/look/numbers.c test_look
+in_test AROUND_OPEN ref/look/around.c test_look
+in_test SHOW_BACKWARDS scenes/show.c test_show
 in_test FOUND_ANYWAY fuzz/selftest_run.c test_fuzz_selftest
 in_test DEATH_SPIRAL bench/pacing.c test_pacing
 in_test TWO_IN_FLIGHT bench/pacing.c test_pacing

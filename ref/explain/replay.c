@@ -80,6 +80,11 @@ static struct replay_note *note_of(const struct state *s, uint32_t node)
     return NULL;
 }
 
+static const struct replay_watch *watch_of(const struct state *s)
+{
+    return s->notes ? s->notes->watch : NULL;
+}
+
 static bool box_hit(struct state *s, uint32_t ref, const struct box *box, float *entry)
 {
     float tbest = repairs(s, REPAIR_CULLING) ? s->ray->tmax : s->tbest;
@@ -91,6 +96,8 @@ static bool box_hit(struct state *s, uint32_t ref, const struct box *box, float 
     bool hit = repairs(s, REPAIR_BOX_TEST)
                    ? slab_conservative(&s->slab, &stored, tbest, entry)
                    : slab_by_rule(&s->rule, &s->slab, &stored, tbest, entry);
+    if (watch_of(s))
+        watch_of(s)->box(watch_of(s)->user, ref);
     struct replay_note *note = note_of(s, s->replay->tree->node[ref]);
     if (note && !note->tested) {
         note->tested = true;
@@ -121,6 +128,8 @@ static bool tri_hit(const struct state *s, uint32_t prim, struct hit *out)
 static bool try_triangle(struct state *s, uint32_t prim, bool any, float limit)
 {
     struct hit hit;
+    if (watch_of(s))
+        watch_of(s)->tri(watch_of(s)->user, prim);
     bool accepted = tri_hit(s, prim, &hit);
     bool kept = accepted && (!any || hit.t < limit);
     hit.prim = prim;
@@ -171,6 +180,8 @@ static bool push(struct state *s, uint32_t ref, float entry)
         return false;
     s->ref[s->depth] = ref;
     s->entry[s->depth++] = entry;
+    if (watch_of(s))
+        watch_of(s)->push(watch_of(s)->user, s->depth);
     return true;
 }
 

@@ -40,14 +40,23 @@ struct replay_note {
     float entry, tbest;                 /* of the box test */
 };
 
+/* Told of all that one run does. */
+struct replay_watch {
+    void *user;
+    void (*box)(void *user, uint32_t ref);    /* the box of a record is tested */
+    void (*tri)(void *user, uint32_t prim);   /* a triangle is tested */
+    void (*push)(void *user, uint32_t depth); /* so many entries are on the stack now */
+};
+
 /* Notes about a path, root first, and about the triangle at its end. */
 struct replay_notes {
     struct replay_note *step;
     uint32_t count;
     uint32_t prim;
-    bool prim_tested, prim_accepted; /* the triangle test ran; it said yes */
-    struct hit prim_hit;             /* if accepted */
-    bool prim_kept;                  /* it was nearer than the best so far */
+    const struct replay_watch *watch; /* or NULL */
+    bool prim_tested, prim_accepted;  /* the triangle test ran; it said yes */
+    struct hit prim_hit;              /* if accepted */
+    bool prim_kept;                   /* it was nearer than the best so far */
 };
 
 /* Answers one ray. *out is a miss unless REPLAY_DONE. `notes` may be NULL.

@@ -235,7 +235,7 @@ struct box explain_box(const struct explain_tree *tree, uint32_t repairs, uint32
 {
     struct box box = tree->packed->layout->box(tree->packed, ref);
     uint32_t node = tree->node[ref];
-    if (node == EXPLAIN_NONE)
+    if (node == EXPLAIN_NONE || repairs == 0)
         return box;
     const struct box *canonical = &tree->bvh->node[node].bounds, *exact = &tree->exact[node];
     for (int k = 0; k < 3; k++) {
@@ -296,7 +296,7 @@ void explain_load(const struct explain_tree *tree, uint32_t repairs, uint32_t re
     tree->packed->layout->load(tree->packed, ref, wide);
     out->node = tree->node[ref];
     out->repairs = repairs;
-    if (out->node != EXPLAIN_NONE) {
+    if (out->node != EXPLAIN_NONE && repairs != 0) {
         const struct bvh_node *node = &tree->bvh->node[out->node];
         enum ref_fault fault = ref_fault(tree, out->node, wide);
         uint32_t want[2];
@@ -325,7 +325,7 @@ uint32_t explain_item(const struct explain_tree *tree, const struct explain_node
         [ITEM_OTHER] = REPAIR_ITEM_OTHER,
     };
     const struct bvh_node *node = leaf->node == EXPLAIN_NONE ? NULL : &tree->bvh->node[leaf->node];
-    if (!node || slot >= node->item_count) {
+    if (!node || slot >= node->item_count || leaf->repairs == 0) {
         if (leaf->wide.item_first == EXPLAIN_NONE)
             return ABI_NO_PRIM;
         return tree->packed->layout->item(tree->packed, leaf->wide.item_first + slot);
