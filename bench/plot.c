@@ -1,7 +1,10 @@
 #include "bench/plot.h"
 
+#include "bench/svg.h"
+#include "scenes/colour.h"
+#include "scenes/ticks.h"
+
 #include <math.h>
-#include <string.h>
 
 /* Sizes in SVG units. */
 #define PANEL_W  290.0
@@ -13,8 +16,6 @@
 #define FOOT     58.0
 #define LINE     18.0
 
-static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                      "#e69f00", "#56b4e9", "#000000"}; /* Okabe and Ito 2008 */
 enum { SHAPES = 4, FILLS = 3 };
 
 /* A logarithmic axis from lo to hi, drawn from `from` to `to`. */
@@ -30,48 +31,17 @@ static double place(const struct axis *axis, double value)
     return axis->from + part * (axis->to - axis->from);
 }
 
-/* Text content or attribute: what XML gives a meaning is escaped, what it forbids is left out. */
-static void put_text(FILE *stream, const char *text)
+static void series_colour(const struct plot_series *series, char text[8])
 {
-    for (; *text; text++) {
-        switch (*text) {
-        case '&':
-            fputs("&amp;", stream);
-            break;
-        case '<':
-            fputs("&lt;", stream);
-            break;
-        case '>':
-            fputs("&gt;", stream);
-            break;
-        case '"':
-            fputs("&quot;", stream);
-            break;
-        default:
-            if ((unsigned char)*text >= 0x20)
-                fputc(*text, stream);
-        }
-    }
-}
-
-static void put_label(FILE *stream, double x, double y, const char *attributes, const char *text)
-{
-    fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\" %s>", x, y, attributes);
-    put_text(stream, text);
-    fputs("</text>\n", stream);
-}
-
-static void put_line(FILE *stream, double x1, double y1, double x2, double y2, const char *style)
-{
-    fprintf(stream, "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" %s/>\n", x1, y1, x2, y2,
-            style);
+    colour_text(colour_of_class(series->colour), text);
 }
 
 static void put_marker(FILE *stream, const struct plot_series *series, double x, double y)
 {
     static const char *const path[SHAPES] = {NULL, "M-4.4,-4.4h8.8v8.8h-8.8z",
                                              "M0,-6.2L6.2,0L0,6.2L-6.2,0z", "M0,-6L5.6,4.6H-5.6z"};
-    const char *colour = colours[series->colour % ARRAY_COUNT(colours)];
+    char colour[8];
+    series_colour(series, colour);
     unsigned fill = series->fill % FILLS;
     char paint[96];
     snprintf(paint, sizeof paint,
@@ -128,67 +98,38 @@ static void make_axes(const struct plot_panel *panel, struct axis *x, struct axi
         y->lo /= 10.0;
 }
 
-/* Ticks at 1, 2 and 5 times the powers of ten, or at the powers alone where those are many. */
-static size_t ticks_of(const struct axis *axis, double *tick, size_t most)
-{
-    double decades = log10(axis->hi / axis->lo);
-    int first = (int)floor(log10(axis->lo)), last = (int)ceil(log10(axis->hi));
-    int step = decades > 6.0 ? 2 : 1;
-    size_t count = 0;
-    for (int e = first; e <= last; e += step)
-        for (int k = 0; k < 3; k++) {
-            static const double factor[3] = {1, 2, 5};
-            double value = factor[k] * pow(10.0, e);
-            if (k > 0 && decades > 2.2)
-                continue;
-            if (value >= axis->lo * 0.999 && value <= axis->hi * 1.001 && count < most)
-                tick[count++] = value;
-        }
-    return count;
-}
-
-/* "0.5", "2000", "1e6". */
-static void tick_text(double value, char *text, size_t text_bytes)
-{
-    int exponent = (int)floor(log10(value) + 1e-9);
-    if (exponent > 4 || exponent < -3)
-        snprintf(text, text_bytes, "%.0fe%d", value / pow(10.0, exponent), exponent);
-    else
-        snprintf(text, text_bytes, "%g", value);
-}
-
 static void put_axes(FILE *stream, const struct plot_panel *panel, const struct axis *x,
                      const struct axis *y)
 {
     static const char grid[] = "stroke=\"#dddddd\" stroke-width=\"1\"";
-    double tick[32];
+    double tick[TICKS_MOST];
     char text[32];
-    size_t count = ticks_of(x, tick, ARRAY_COUNT(tick));
+    size_t count = ticks_log(x->lo, x->hi, tick);
     for (size_t i = 0; i < count; i++) {
         double at = place(x, tick[i]);
-        put_line(stream, at, y->from, at, y->to, grid);
-        tick_text(tick[i], text, sizeof text);
-        put_label(stream, at, y->from + 15.0, "text-anchor=\"middle\"", text);
+        svg_line(stream, at, y->from, at, y->to, grid);
+        tick_text(tick[i], 0.0, text, sizeof text);
+        svg_label(stream, at, y->from + 15.0, "text-anchor=\"middle\"", text);
     }
-    count = ticks_of(y, tick, ARRAY_COUNT(tick));
+    count = ticks_log(y->lo, y->hi, tick);
     for (size_t i = 0; i < count; i++) {
         double at = place(y, tick[i]);
-        put_line(stream, x->from, at, x->to, at, grid);
-        tick_text(tick[i], text, sizeof text);
-        put_label(stream, x->from - 6.0, at + 4.0, "text-anchor=\"end\"", text);
+        svg_line(stream, x->from, at, x->to, at, grid);
+        tick_text(tick[i], 0.0, text, sizeof text);
+        svg_label(stream, x->from - 6.0, at + 4.0, "text-anchor=\"end\"", text);
     }
     fprintf(stream,
             "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"none\" "
             "stroke=\"#444444\"/>\n",
             x->from, y->to, x->to - x->from, y->from - y->to);
     double middle = 0.5 * (x->from + x->to);
-    put_label(stream, middle, y->from + 33.0, "text-anchor=\"middle\"", panel->x_label);
-    put_label(stream, middle, y->to - 7.0, "text-anchor=\"middle\" font-weight=\"bold\"",
+    svg_label(stream, middle, y->from + 33.0, "text-anchor=\"middle\"", panel->x_label);
+    svg_label(stream, middle, y->to - 7.0, "text-anchor=\"middle\" font-weight=\"bold\"",
               panel->title);
     snprintf(text, sizeof text, "%.1f", 0.5 * (y->from + y->to));
     fprintf(stream, "<text transform=\"translate(%.1f,%s) rotate(-90)\" text-anchor=\"middle\">",
             x->from - 52.0, text);
-    put_text(stream, panel->y_label);
+    svg_text(stream, panel->y_label);
     fputs("</text>\n", stream);
 }
 
@@ -196,18 +137,17 @@ static void put_point(FILE *stream, const struct plot_series *series, const stru
                       const struct axis *x, const struct axis *y)
 {
     double px = place(x, p->x), py = place(y, p->y);
-    char bar[64];
-    snprintf(bar, sizeof bar, "stroke=\"%s\" stroke-width=\"1.2\"",
-             colours[series->colour % ARRAY_COUNT(colours)]);
+    char colour[8], bar[64];
+    series_colour(series, colour);
+    snprintf(bar, sizeof bar, "stroke=\"%s\" stroke-width=\"1.2\"", colour);
     if (p->x_lo != p->x || p->x_hi != p->x)
-        put_line(stream, place(x, p->x_lo), py, place(x, p->x_hi), py, bar);
+        svg_line(stream, place(x, p->x_lo), py, place(x, p->x_hi), py, bar);
     if (p->y_lo != p->y || p->y_hi != p->y)
-        put_line(stream, px, place(y, p->y_lo), px, place(y, p->y_hi), bar);
+        svg_line(stream, px, place(y, p->y_lo), px, place(y, p->y_hi), bar);
     if (p->below) {
         double end = fmin(py + 17.0, y->from);
-        put_line(stream, px, py, px, end, bar);
-        fprintf(stream, "<path d=\"M%.1f,%.1fl-3.5,-5h7z\" fill=\"%s\"/>\n", px, end,
-                colours[series->colour % ARRAY_COUNT(colours)]);
+        svg_line(stream, px, py, px, end, bar);
+        fprintf(stream, "<path d=\"M%.1f,%.1fl-3.5,-5h7z\" fill=\"%s\"/>\n", px, end, colour);
     }
     put_marker(stream, series, px, py);
 }
@@ -237,8 +177,8 @@ static double width_of(const struct plot_figure *figure)
 
 static void put_figure(FILE *stream, const struct plot_figure *figure, double top)
 {
-    put_label(stream, 14.0, top + 20.0, "font-size=\"15\" font-weight=\"bold\"", figure->title);
-    put_label(stream, 14.0, top + 37.0, "fill=\"#444444\"", figure->subtitle);
+    svg_label(stream, 14.0, top + 20.0, "font-size=\"15\" font-weight=\"bold\"", figure->title);
+    svg_label(stream, 14.0, top + 37.0, "fill=\"#444444\"", figure->subtitle);
     for (size_t i = 0; i < figure->panel_count; i++)
         put_panel(stream, figure, &figure->panel[i], (double)i * (LEFT + PANEL_W + GAP),
                   top + HEAD);
@@ -246,7 +186,7 @@ static void put_figure(FILE *stream, const struct plot_figure *figure, double to
     for (size_t i = 0; i < figure->series_count; i++) {
         double at = top + HEAD + 6.0 + LINE * (double)i;
         put_marker(stream, &figure->series[i], left, at);
-        put_label(stream, left + 13.0, at + 4.0, "", figure->series[i].name);
+        svg_label(stream, left + 13.0, at + 4.0, "", figure->series[i].name);
     }
 }
 
@@ -257,16 +197,10 @@ void plot_write(FILE *stream, const struct plot_figure *figure, size_t count)
         width = fmax(width, width_of(&figure[i]));
         height += height_of(&figure[i]);
     }
-    fprintf(stream,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" "
-            "viewBox=\"0 0 %.0f %.0f\" font-family=\"DejaVu Sans, Verdana, sans-serif\" "
-            "font-size=\"11\">\n<title>",
-            width, height, width, height);
-    put_text(stream, figure[0].title);
-    fputs("</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n", stream);
+    svg_begin(stream, width, height, figure[0].title);
     for (size_t i = 0; i < count; i++) {
         put_figure(stream, &figure[i], top);
         top += height_of(&figure[i]);
     }
-    fputs("</svg>\n", stream);
+    svg_end(stream);
 }

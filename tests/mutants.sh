@@ -232,6 +232,8 @@ in_program ZERO_IS_EMPTY ref/layouts/layout_rf16.c $replay fuzz/corpus/triangle-
 in_program LOST_SLOT ref/layouts/layout_rf16.c $replay fuzz/corpus/eighth-slot.trial
 in_test SIDES_BELIEVED scenes/image.c test_image
 in_test LINE_THIN scenes/draw.c test_draw
+in_test ZERO_COLOURED scenes/colour.c test_colour
+in_test TICKS_EVEN scenes/colour_picture.c test_colour
 in_fire COUNT_BELIEVED scenes/read_ply.c ply
 in_fire BLOB_BELIEVED ref/packed_file.c packed
 in_shaders NO_PRECISE test_spirv
