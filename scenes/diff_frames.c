@@ -121,8 +121,11 @@ void frame_compare_pixel(const struct frame *a, const struct frame *b, size_t pi
     diff->largest = difference > diff->largest ? difference : diff->largest;
     if (difference == 0 || first != PATH_SAME)
         return;
-    bool known = a->color && a->bound;
-    bool within = known && pixel_within(a->color + 3 * pixel, a->bound[pixel], b->pixel[pixel]);
+    bool known = a->color && a->bound && !isnan(a->bound[pixel]);
+    const struct frame *bounded = known ? a : b, *other = known ? b : a;
+    known = bounded->color && bounded->bound;
+    bool within = known && pixel_within(bounded->color + 3 * pixel, bounded->bound[pixel],
+                                        other->pixel[pixel]);
 #if MUTANT == MUTANT_BORDER_ANYWHERE
     within = known && difference <= 1;
 #endif

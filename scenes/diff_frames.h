@@ -38,8 +38,9 @@ unsigned pixel_apart(uint32_t a, uint32_t b);
  * they differ. NaN as a bound allows nothing. */
 bool pixel_within(const float color[3], float bound, uint32_t pixel);
 
-/* Compares two frames with `segment`. If `a` has color and bound, the C renderer drew it, and they
- * say which values rounding allows; else no difference is allowed. */
+/* Compares two frames with `segment`. Which values rounding allows is said by color and bound of
+ * the one that the C renderer drew, `a` if both; where that is neither (bound NULL or NaN) no
+ * difference is allowed. */
 struct frame_diff frame_compare(const struct frame *a, const struct frame *b, uint32_t width,
                                 uint32_t height, uint32_t bounces);
 

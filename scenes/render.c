@@ -318,6 +318,27 @@ enum status renderer_frame(struct renderer *renderer, const struct view *view, s
     return renderer->engine->frame(renderer->closest, view, out, report, reason);
 }
 
+bool renderer_by_waves(const struct renderer *renderer)
+{
+    return renderer->waves;
+}
+
+enum status renderer_ask(struct renderer *renderer, enum query query, const struct ray *ray,
+                         size_t ray_count, struct hit *hit, struct reason *reason)
+{
+    struct trace_report report;
+    void *self = query == QUERY_ANY ? renderer->any : renderer->closest;
+    if (!renderer->ready || !renderer->waves || !self || query == QUERY_ALL)
+        return fail(reason, STATUS_INPUT, "engine %s: not prepared for rays of query %s",
+                    renderer->engine->name, query_name(query));
+    return renderer->engine->trace(self, ray, ray_count, hit, &report, reason);
+}
+
+struct model renderer_model(struct renderer *renderer, const struct tri_test *tri)
+{
+    return renderer->engine->model(renderer->closest, tri);
+}
+
 void renderer_close(struct renderer *renderer)
 {
     if (!renderer)

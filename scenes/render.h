@@ -48,6 +48,18 @@ enum status renderer_prepare(struct renderer *renderer, const struct frame_job *
 enum status renderer_frame(struct renderer *renderer, const struct view *view, struct frame *out,
                            struct trace_report *report, struct reason *reason) MUST_USE;
 
+/* Whether it draws by waves: in C, through engine.trace. */
+bool renderer_by_waves(const struct renderer *renderer);
+
+/* Asks the engine of a renderer by waves for rays of the prepared job: QUERY_CLOSEST, or QUERY_ANY
+ * where its shadow rays are asked for any hit. Errors: STATUS_INPUT it was not prepared for that
+ * query; as engine.trace. */
+enum status renderer_ask(struct renderer *renderer, enum query query, const struct ray *ray,
+                         size_t ray_count, struct hit *hit, struct reason *reason) MUST_USE;
+
+/* What the judge may assume of the engine's arithmetic, see engine.model. */
+struct model renderer_model(struct renderer *renderer, const struct tri_test *tri);
+
 void renderer_close(struct renderer *renderer); /* NULL is fine */
 
 #endif

@@ -1,0 +1,83 @@
+/* Two engines' pictures of one job, compared and explained: which pixels differ, and why. */
+#ifndef DIFF_ENGINES_H
+#define DIFF_ENGINES_H
+
+#include "scenes/diff_frames.h"
+#include "scenes/diff_why.h"
+#include "scenes/render.h"
+
+/* One engine on one tree. Owns what it opened (side_close). */
+struct side {
+    const struct engine *engine;
+    struct engine_options options;
+    struct frame_job job;
+    struct model model;
+    struct renderer *renderer;  /* draws */
+    struct renderer *by_waves;  /* answers rays: the same, or opened when first asked */
+    struct frame frame;         /* owned */
+    struct trace_report report; /* of the frame */
+};
+
+/* Opens an engine and prepares it for a job, which is borrowed with all it points at. `waves`: see
+ * renderer_open. Errors: as renderer_open and renderer_prepare. On error *out is closed. */
+enum status side_open(const struct engine *engine, const struct engine_options *options,
+                      const struct frame_job *job, bool waves, struct side *out,
+                      struct reason *reason) MUST_USE;
+
+/* Draws all pixels with their segments. Errors: STATUS_MEMORY; as renderer_frame. */
+enum status side_draw(struct side *side, const struct view *view, struct reason *reason) MUST_USE;
+
+/* Walks the paths of some pixels. Errors: as walk_make; those of opening and preparing the engine.
+ */
+enum status side_walk(struct side *side, const struct view *view, const size_t *pixel, size_t count,
+                      struct walk *out, struct reason *reason) MUST_USE;
+
+void side_close(struct side *side);
+
+/* Whether a pair must follow the same paths to the bit: both promise C's bits, and have the same
+ * tree and tests. */
+bool sides_same_bits(const struct side *a, const struct side *b);
+
+/* One pixel that differs, and why. */
+struct pixel_why {
+    size_t pixel;
+    unsigned apart;        /* of the values */
+    enum path_field field; /* that differs first, in the pictures */
+    uint32_t segment;      /* where */
+    struct path_why why;
+};
+
+#define PAIR_KEPT 16 /* of each kind: faults, and others */
+
+/* What was found about a pair. */
+struct pair {
+    bool same_bits; /* demanded */
+    struct frame_diff diff;
+    bool bounded;          /* the C renderer drew one of them; else colours are left to the walks */
+    size_t asked;          /* pixels to be explained */
+    size_t why[WHY_COUNT]; /* of them */
+    size_t verdict[VERDICT_COUNT]; /* kinds of why[WHY_ALLOWED] */
+    double over;                   /* largest err/E */
+    struct pixel_why fault[PAIR_KEPT], other[PAIR_KEPT];
+    size_t fault_count, other_count; /* kept */
+};
+
+/* Compares the drawn frames of two sides of the same size. *pixel (caller frees) are the `count`
+ * pixels to be explained: those whose value, hits or shadows differ; where the same bits are
+ * demanded those that differ in any bit, but for values that rounding allows.
+ * Errors: STATUS_MEMORY. */
+enum status pair_compare(const struct side *a, const struct side *b, struct pair *out,
+                         size_t **pixel, size_t *count, struct reason *reason) MUST_USE;
+
+/* How many pixels are best explained at once. */
+size_t pair_batch(const struct frame_job *job);
+
+/* Explains some of the pixels and adds them to *pair. Errors: as side_walk; STATUS_MEMORY. */
+enum status pair_explain(struct side *a, struct side *b, const struct view *view,
+                         const struct oracle *oracle, const size_t *pixel, size_t count,
+                         struct pair *pair, struct reason *reason) MUST_USE;
+
+/* Whether the pair is in order: nothing that the same bits forbid, and everything explained. */
+bool pair_agrees(const struct pair *pair);
+
+#endif
