@@ -107,6 +107,11 @@ static enum path_field count_segments(const struct segment *a, const struct segm
     return first;
 }
 
+static bool has_bound(const struct frame *frame, size_t pixel)
+{
+    return frame->color && frame->bound && !isnan(frame->bound[pixel]);
+}
+
 void frame_compare_pixel(const struct frame *a, const struct frame *b, size_t pixel,
                          uint32_t bounces, struct frame_diff *diff)
 {
@@ -121,11 +126,10 @@ void frame_compare_pixel(const struct frame *a, const struct frame *b, size_t pi
     diff->largest = difference > diff->largest ? difference : diff->largest;
     if (difference == 0 || first != PATH_SAME)
         return;
-    bool known = a->color && a->bound && !isnan(a->bound[pixel]);
-    const struct frame *bounded = known ? a : b, *other = known ? b : a;
-    known = bounded->color && bounded->bound;
-    bool within = known && pixel_within(bounded->color + 3 * pixel, bounded->bound[pixel],
-                                        other->pixel[pixel]);
+    const struct frame *known = has_bound(a, pixel) ? a : has_bound(b, pixel) ? b : NULL;
+    const float *color = known ? known->color + 3 * pixel : NULL;
+    bool within = known && pixel_within(color, known->bound[pixel], a->pixel[pixel]) &&
+                  pixel_within(color, known->bound[pixel], b->pixel[pixel]);
 #if MUTANT == MUTANT_BORDER_ANYWHERE
     within = known && difference <= 1;
 #endif

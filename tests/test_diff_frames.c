@@ -172,10 +172,23 @@ static void colours_near_a_border_are_allowed(void **state)
     assert_int_equal(compare().excess, 1);
     b.pixel[0] = grey(98);
     assert_int_equal(compare().excess, 1);
-    a.bound[0] = NAN;
+}
+
+static void the_bound_is_of_whoever_has_one(void **state)
+{
+    (void)state;
     b.pixel[0] = grey(99);
-    assert_int_equal(compare().excess, 1);
+    b.bound[0] = 0.375f;
+    assert_int_equal(compare().excess, 1); /* a's is asked first */
+    a.bound[0] = NAN;
+    assert_int_equal(compare().allowed, 1);
     a.frame.bound = NULL;
+    assert_int_equal(compare().allowed, 1);
+    b.bound[0] = 0.125f; /* its own value is not even its colour's */
+    assert_int_equal(compare().excess, 1);
+    b.bound[0] = NAN;
+    assert_int_equal(compare().excess, 1);
+    b.frame.color = NULL;
     assert_int_equal(compare().excess, 1);
 }
 
@@ -226,6 +239,7 @@ int main(void)
         cmocka_unit_test_setup(one_path_is_longer, both),
         cmocka_unit_test_setup(no_segment_no_difference, both),
         cmocka_unit_test_setup(colours_near_a_border_are_allowed, both),
+        cmocka_unit_test_setup(the_bound_is_of_whoever_has_one, both),
         cmocka_unit_test_setup(other_paths_have_no_bound, both),
         cmocka_unit_test(colours_at_the_ends),
         cmocka_unit_test(channels_are_apart),
