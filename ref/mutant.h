@@ -46,6 +46,7 @@
 #define MUTANT_AROUND_OPEN     341 /* a point on a box's lower bound is not in it */
 #define MUTANT_DEPTH_LAST      342 /* the stack's depth at the last push, not the greatest */
 #define MUTANT_SHOW_BACKWARDS  343 /* differences of pictures: first less second */
+#define MUTANT_WRONG_IS_BLUE   344 /* pictures of verdicts: what is wrong looks as what is right */
 #define MUTANT_ALL_AS_RARE     110 /* feedback chooses every trial as often */
 #define MUTANT_NOT_ESCAPED     113 /* text goes into JUnit and TAP as it is */
 #define MUTANT_UNPLAYED_PASS   114 /* a contestant that played nothing passes */
@@ -81,7 +82,6 @@
 #define MUTANT_NO_DOUBT        301 /* nothing is said of boxes that are too small */
 #define MUTANT_DEATH_SPIRAL    350 /* after a stall all the time lost is made up for */
 #define MUTANT_TWO_IN_FLIGHT   351 /* a frame is begun while one is in flight */
-#define MUTANT_SAME_TREE       353 /* Figure 8: both handlers by the tree of one */
 #define MUTANT_SHADOW_BEYOND   320 /* what lies beyond a light shadows it */
 #define MUTANT_POW_IS_EXACT    321 /* pow is taken to be the same everywhere */
 #define MUTANT_EYE_UNLIT       322 /* the light at the eye stands at the origin */

@@ -69,10 +69,10 @@ enum status show_values(const struct show_source *source, size_t first, size_t c
 /* A value of `show` as text: a number, or a verdict's name; "-" for NAN. */
 void show_text(const struct show *show, double value, char *text, size_t text_bytes);
 
-/* second - first, per pixel; of names 0 where both say the same and 1 where not (a hit and a miss
- * differ); of a normal the degrees between both. NAN where there is no value, or only one: then
- * *alone (may be NULL) counts it. `out` has one plane and may be one of the inputs if these have
- * one, too. */
+/* second - first, per pixel; of names 0 where both say the same and 1 where not, a hit and a miss
+ * too; of normals the degrees between both. NAN where neither has a value, and of amounts where
+ * only one has. *alone (may be NULL): pixels where only one has. `out` has one plane and may be one
+ * of the inputs if these have one, too. */
 void show_difference(const struct show *show, const double *first, const double *second,
                      size_t pixels, double *out, size_t *alone);
 

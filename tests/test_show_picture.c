@@ -1,0 +1,177 @@
+/* Pictures in false colours: each pixel has the colour of its value, and the range is what was
+ * asked for, or fits. */
+#include "scenes/show_picture.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+#define WIDTH  4u
+#define HEIGHT 2u
+
+static const struct show_range fits = {0};
+
+/* The colours of the values in the picture, row by row. */
+static void colours_of(const char *name, bool difference, const double *value,
+                       const struct show_range *range, uint32_t colour[WIDTH * HEIGHT])
+{
+    struct image image;
+    struct colour_place place;
+    struct reason reason = {""};
+    if (show_picture(show_find(name), difference, value, WIDTH, HEIGHT, range, "a title", &image,
+                     &place, &reason))
+        fail_msg("%s", reason.text);
+    assert_int_equal(place.zoom, 80);
+    assert_true(image.height > place.y + HEIGHT * place.zoom); /* something is said below */
+    for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+        uint32_t x = place.x + i % WIDTH * place.zoom, y = place.y + i / WIDTH * place.zoom;
+        colour[i] = image.pixel[(size_t)y * image.width + x];
+        uint32_t last = place.zoom - 1;
+        assert_int_equal(image.pixel[(size_t)(y + last) * image.width + x + last], colour[i]);
+    }
+    image_free(&image);
+}
+
+static void refused(const char *name, bool difference, double lo, double hi, const char *text)
+{
+    struct show_range range = {true, lo, hi};
+    struct reason reason = {""};
+    assert_int_equal(show_range_check(show_find(name), difference, &range, &reason), STATUS_INPUT);
+    if (!strstr(reason.text, text))
+        fail_msg("'%s' does not say '%s'", reason.text, text);
+    double value[WIDTH * HEIGHT] = {0};
+    struct image image;
+    struct colour_place place;
+    assert_int_equal(show_picture(show_find(name), difference, value, WIDTH, HEIGHT, &range, "",
+                                  &image, &place, &reason),
+                     STATUS_INPUT);
+    assert_null(image.pixel);
+}
+
+static void amounts_go_from_the_least_to_the_most(void **state)
+{
+    (void)state;
+    const double value[] = {10, 20, 30, NAN, 15, 30, 10, 25};
+    uint32_t colour[WIDTH * HEIGHT];
+    colours_of("boxes", false, value, &fits, colour);
+    for (size_t i = 0; i < ARRAY_COUNT(value); i++)
+        assert_int_equal(colour[i], isnan(value[i]) ? COLOUR_NO_DATA
+                                                    : colour_sequential((value[i] - 10) / 20));
+    const struct show_range range = {true, 0, 20};
+    colours_of("boxes", false, value, &range, colour);
+    assert_int_equal(colour[0], colour_sequential(0.5));
+    assert_int_equal(colour[2], colour_sequential(1.0));
+    assert_int_equal(colour[1], colour[2]);
+}
+
+static void differences_have_0_in_the_middle(void **state)
+{
+    (void)state;
+    const double value[] = {-2, 0, 4, NAN, 1, 4, 0, 0};
+    uint32_t colour[WIDTH * HEIGHT];
+    colours_of("depth", true, value, &fits, colour);
+    for (size_t i = 0; i < ARRAY_COUNT(value); i++)
+        assert_int_equal(colour[i],
+                         isnan(value[i]) ? COLOUR_NO_DATA : colour_diverging(value[i] / 4));
+    const struct show_range range = {true, -8, 8};
+    colours_of("depth", true, value, &range, colour);
+    assert_int_equal(colour[2], colour_diverging(0.5));
+}
+
+/* So that a picture without a bug does not look like one that is full of them. */
+static void errors_go_to_the_bound_at_least(void **state)
+{
+    (void)state;
+    const double small[] = {0, 0.25, 0.5, NAN, 0, 0, 0, 0};
+    const double large[] = {0, 0.25, 0.5, NAN, 0, 0, 0, 4};
+    uint32_t colour[WIDTH * HEIGHT];
+    colours_of("error", false, small, &fits, colour);
+    assert_int_equal(colour[2], colour_sequential(0.5));
+    colours_of("error", false, large, &fits, colour);
+    assert_int_equal(colour[2], colour_sequential(0.125));
+}
+
+static void names_have_colours_of_their_own(void **state)
+{
+    (void)state;
+    const double prim[] = {0, 1, 2, NAN, 3, 3, 4000000000.0, 0};
+    uint32_t colour[WIDTH * HEIGHT];
+    colours_of("prim", false, prim, &fits, colour);
+    for (size_t i = 0; i < ARRAY_COUNT(prim); i++)
+        assert_int_equal(colour[i],
+                         isnan(prim[i]) ? COLOUR_NO_DATA : colour_of_id((uint32_t)prim[i]));
+    const double same[] = {0, 1, 0, NAN, 0, 0, 0, 1};
+    colours_of("prim", true, same, &fits, colour);
+    assert_int_equal(colour[0], colour[2]);
+    assert_int_equal(colour[1], colour[7]);
+    assert_true(colour[0] != colour[1] && colour[3] == COLOUR_NO_DATA);
+}
+
+/* Every verdict has a colour, and none that excuses has the colour of right or wrong. */
+static void verdicts_are_told_apart(void **state)
+{
+    (void)state;
+    uint32_t of[VERDICT_COUNT], colour[WIDTH * HEIGHT];
+    for (int v = 0; v < VERDICT_COUNT; v++) {
+        double value[WIDTH * HEIGHT];
+        for (size_t i = 0; i < ARRAY_COUNT(value); i++)
+            value[i] = v;
+        colours_of("class", false, value, &fits, colour);
+        of[v] = colour[0];
+        assert_true(of[v] != COLOUR_NO_DATA);
+    }
+    for (int v = 0; v < VERDICT_COUNT; v++) {
+        assert_true(v == VERDICT_RIGHT || of[v] != of[VERDICT_RIGHT]);
+        assert_true(v == VERDICT_WRONG || of[v] != of[VERDICT_WRONG]);
+        assert_true(v == VERDICT_BOUNDARY || of[v] != of[VERDICT_BOUNDARY]);
+    }
+}
+
+static void normals_are_colours_and_their_difference_an_angle(void **state)
+{
+    (void)state;
+    double normal[3 * WIDTH * HEIGHT] = {0}, angle[WIDTH * HEIGHT] = {0, 90, 45};
+    uint32_t colour[WIDTH * HEIGHT];
+    normal[0] = 1;
+    normal[4] = -1;
+    normal[9] = (double)NAN;
+    colours_of("normal", false, normal, &fits, colour);
+    assert_int_equal(colour[0], image_rgb(255, 127, 127));
+    assert_int_equal(colour[1], image_rgb(127, 0, 127));
+    assert_int_equal(colour[3], COLOUR_NO_DATA);
+    const struct show_range range = {true, 0, 180};
+    colours_of("normal", true, angle, &range, colour);
+    assert_int_equal(colour[1], colour_sequential(0.5));
+}
+
+static void a_range_that_says_nothing_is_refused(void **state)
+{
+    (void)state;
+    refused("boxes", false, 5, 5, "no range");
+    refused("boxes", false, 6, 5, "no range");
+    refused("t", false, 0, INFINITY, "no range");
+    refused("t", false, NAN, 1, "no range");
+    refused("boxes", true, 0, 5, "0 in its middle: -5:5");
+    refused("prim", false, 0, 5, "prim has no range");
+    refused("class", true, 0, 5, "class has no range");
+    refused("normal", false, 0, 1, "normal has no range");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(amounts_go_from_the_least_to_the_most),
+        cmocka_unit_test(differences_have_0_in_the_middle),
+        cmocka_unit_test(errors_go_to_the_bound_at_least),
+        cmocka_unit_test(names_have_colours_of_their_own),
+        cmocka_unit_test(verdicts_are_told_apart),
+        cmocka_unit_test(normals_are_colours_and_their_difference_an_angle),
+        cmocka_unit_test(a_range_that_says_nothing_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
