@@ -1,8 +1,10 @@
 /* raydiff bench: a table of benchmarks. */
 #include "bench/cmd_bench.h"
 
+#include "bench/frames.h"
 #include "ref/command.h"
 #include "ref/cmd_json.h"
+#include "ref/frame.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +14,7 @@ static const char help[] =
     "Measures. Speeds are taken in one run with all contestants interleaved: median of the rounds\n"
     "with least and most; ratios are medians of per-round ratios. What was wrong stands beside\n"
     "each speed.\n\n"
-    "  NAME            one benchmark                                             [all]\n"
+    "  NAME            one benchmark                      [all that need not be named]\n"
     "  --scene S,..    scenes instead of the benchmark's own, separated by ';'\n"
     "  --count N       rays per trace, 1 or more                     [the benchmark's own]\n"
     "  --rounds N      1 to 99                                                   [9]\n"
@@ -26,19 +28,39 @@ static const char help[] =
     "  --seed S        of rays and generators                                    [1]\n"
     "  --json FILE     all rows, for machines; '-' likewise\n"
     "  --svg FILE      a plot of what was measured\n"
-    "  --bvh FILE      a tree of the one --scene, as JSON, in place of a "
-    "builder's\n" ENGINE_OPTIONS_HELP
+    "  --bvh FILE      a tree of the one --scene, as JSON, in place of a builder's\n"
+    "  --frames N      frames drawn and measured           [200, or the benchmark's own]\n"
+    "  --size WxH      pixels                                              [384x288]\n"
+    "  --out BASE      writes BASE.csv and BASE.json\n"
+    "  --turns N       around the camera's target in all frames                  [5]\n"
+    "  --warm-up N     frames before them, dropped                               [3]\n"
+    "  --bounces N     segments of a path, 0 to 64                               [4]\n"
+    "  --profile P     repaired, or rtrs: as the published shader         [repaired]\n"
+    "  --quick         small pictures, few frames: to see that it works\n" ENGINE_OPTIONS_HELP
     "\nexit codes: 0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input,\n"
-    "3 engine failed, 77 a named engine cannot run here\n"
+    "3 engine failed, 77 a named engine cannot run here; 128 + the signal that ended a run of "
+    "frames:\n"
+    "its files hold the frames measured until then\n"
     "example: raydiff bench layouts --scene 'sphere:n=50;scenes/fetched/bunny.obj'\n"
     "benchmarks:\n";
 
-static const struct benchmark *const benchmarks[] = {
-    &bench_layouts, &bench_error, &bench_spawn, &bench_builders, &bench_oracle, &bench_fuzz, NULL};
+static const struct benchmark *const benchmarks[] = {&bench_layouts,  &bench_error,  &bench_spawn,
+                                                     &bench_builders, &bench_oracle, &bench_fuzz,
+                                                     &bench_frames,   NULL};
 
 /* Names of the bits of benchmark.takes. */
-static const char *const taken[] = {"--engine", "--layout", "--tri",  "--box", "--rays",
-                                    "--seed",   "--svg",    "--json", "--bvh"};
+static const char *const taken[] = {"--engine",
+                                    "--layout",
+                                    "--tri",
+                                    "--box",
+                                    "--rays",
+                                    "--seed",
+                                    "--svg",
+                                    "--json",
+                                    "--bvh",
+                                    "--frames --size --out",
+                                    "--turns --warm-up --bounces --profile",
+                                    "--quick"};
 
 static void print_help(void)
 {
@@ -52,6 +74,8 @@ static void print_help(void)
                 printf(" %s", taken[k]);
         if (benchmarks[i]->takes)
             putchar('\n');
+        if (benchmarks[i]->alone)
+            printf("  %-12s runs only if it is named\n", "");
     }
     for (size_t i = 0; benchmarks[i]; i++)
         if (benchmarks[i]->about)
@@ -70,7 +94,15 @@ enum {
     OPT_RAYS,
     OPT_SEED,
     OPT_SVG,
-    OPT_JSON
+    OPT_JSON,
+    OPT_FRAMES,
+    OPT_SIZE,
+    OPT_OUT,
+    OPT_TURNS,
+    OPT_WARM_UP,
+    OPT_BOUNCES,
+    OPT_PROFILE,
+    OPT_QUICK
 };
 
 static enum status take_scenes(struct bench *bench, char *text, struct reason *reason)
@@ -83,11 +115,60 @@ static enum status take_scenes(struct bench *bench, char *text, struct reason *r
     return STATUS_OK;
 }
 
+static enum status take_size(const char *text, struct bench *bench, struct reason *reason)
+{
+    const char *by = strchr(text, 'x');
+    char width[16];
+    if (!by || (size_t)(by - text) >= sizeof width)
+        return fail(reason, STATUS_INPUT, "--size: '%.40s' is not WIDTHxHEIGHT", text);
+    snprintf(width, sizeof width, "%.*s", (int)(by - text), text);
+    enum status status =
+        parse_count("--size", width, 1, FRAME_SIDE_MOST, &bench->picture.width, reason);
+    return status
+               ? status
+               : parse_count("--size", by + 1, 1, FRAME_SIDE_MOST, &bench->picture.height, reason);
+}
+
+/* Options of measured frames. */
+static enum status take_picture(int option, char *text, struct bench *bench, struct reason *reason)
+{
+    bench->given |= option <= OPT_OUT     ? BENCH_TAKES_FRAMES
+                    : option == OPT_QUICK ? BENCH_TAKES_QUICK
+                                          : BENCH_TAKES_LOOK;
+    switch (option) {
+    case OPT_FRAMES:
+        return parse_count("--frames", text, 1, FRAMES_MOST, &bench->picture.frames, reason);
+    case OPT_SIZE:
+        return take_size(text, bench, reason);
+    case OPT_TURNS:
+        return parse_count("--turns", text, 0, FRAMES_MOST, &bench->picture.turns, reason);
+    case OPT_WARM_UP:
+        return parse_count("--warm-up", text, 0, FRAMES_MOST, &bench->picture.warm_up, reason);
+    case OPT_BOUNCES:
+        return parse_count("--bounces", text, 0, FRAME_BOUNCES_MOST, &bench->picture.bounces,
+                           reason);
+    case OPT_PROFILE:
+        bench->picture.rtrs = strcmp(text, "rtrs") == 0;
+        if (!bench->picture.rtrs && strcmp(text, "repaired") != 0)
+            return fail(reason, STATUS_INPUT, "--profile: '%.40s' is neither repaired nor rtrs",
+                        text);
+        return STATUS_OK;
+    case OPT_OUT:
+        bench->picture.out = text;
+        return STATUS_OK;
+    default:
+        bench->quick = true;
+        return STATUS_OK;
+    }
+}
+
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
     struct bench *bench = user;
     if (option >= OPT_ENGINE && option <= OPT_JSON)
         bench->given |= 1u << (option - OPT_ENGINE);
+    if (option >= OPT_FRAMES && option <= OPT_QUICK)
+        return take_picture(option, text, bench, reason);
     switch (option) {
     case OPT_SCENE:
         return take_scenes(bench, text, reason);
@@ -131,7 +212,7 @@ static enum status check_given(const struct bench *bench, const char *name, stru
     unsigned takes = 0;
     bool known = false;
     for (size_t i = 0; benchmarks[i]; i++) {
-        if (name && strcmp(name, benchmarks[i]->name) != 0)
+        if (name ? strcmp(name, benchmarks[i]->name) != 0 : benchmarks[i]->alone)
             continue;
         known = true;
         takes |= benchmarks[i]->takes;
@@ -169,7 +250,7 @@ static int run_benchmarks(struct bench *bench, const char *name)
     if (bench->json_path)
         bench->rows = json_array();
     for (size_t i = 0; benchmarks[i]; i++)
-        if (!name || strcmp(name, benchmarks[i]->name) == 0)
+        if (name ? strcmp(name, benchmarks[i]->name) == 0 : !benchmarks[i]->alone)
             code = exit_worse(code, benchmarks[i]->run(bench));
     progress_end(&bench->progress);
     enum status status = bench->csv_path ? file_out_commit(&bench->csv, &reason) : STATUS_OK;
@@ -196,12 +277,22 @@ int cmd_bench(int argc, char **argv)
                                                  {"seed", 1, NULL, OPT_SEED},
                                                  {"svg", 1, NULL, OPT_SVG},
                                                  {"json", 1, NULL, OPT_JSON},
+                                                 {"frames", 1, NULL, OPT_FRAMES},
+                                                 {"size", 1, NULL, OPT_SIZE},
+                                                 {"out", 1, NULL, OPT_OUT},
+                                                 {"turns", 1, NULL, OPT_TURNS},
+                                                 {"warm-up", 1, NULL, OPT_WARM_UP},
+                                                 {"bounces", 1, NULL, OPT_BOUNCES},
+                                                 {"profile", 1, NULL, OPT_PROFILE},
+                                                 {"quick", 0, NULL, OPT_QUICK},
                                                  TREE_OPTION,
                                                  ENGINE_OPTIONS};
-    struct bench bench = {.rounds = 9,
-                          .seed = 1,
-                          .engines = engine_options_default(),
-                          .progress = progress_make("bench")};
+    struct bench bench = {
+        .rounds = 9,
+        .seed = 1,
+        .picture = {.turns = FRAMES_TURNS, .warm_up = FRAMES_WARM_UP, .bounces = 4},
+        .engines = engine_options_default(),
+        .progress = progress_make("bench")};
     int first, code = options_take("bench", print_help, long_options, take_option, &bench, argc,
                                    argv, &first);
     if (code >= 0)

@@ -23,6 +23,9 @@
 #define BENCH_TAKES_SVG    64u
 #define BENCH_TAKES_JSON   128u
 #define BENCH_TAKES_BVH    256u
+#define BENCH_TAKES_FRAMES 512u  /* --frames --size --out */
+#define BENCH_TAKES_LOOK   1024u /* --turns --warm-up --bounces --profile */
+#define BENCH_TAKES_QUICK  2048u
 
 /* Settings of a run, and where its rows go. */
 struct bench {
@@ -34,6 +37,13 @@ struct bench {
     struct engine_options engines;
     struct progress progress;
     const char *csv_path, *json_path, *svg_path;
+    struct {
+        uint64_t frames, width, height; /* 0: the benchmark's own */
+        uint64_t turns, warm_up, bounces;
+        bool rtrs;       /* the published look */
+        const char *out; /* base path of files; NULL: the benchmark's own */
+    } picture;
+    bool quick;
     const char *bvh;      /* of --bvh: a tree of the one scene; NULL: built */
     struct file_out csv;  /* stream NULL: none */
     const char *csv_head; /* benchmark whose column names were written last */
@@ -47,10 +57,11 @@ struct benchmark {
     unsigned takes;    /* BENCH_TAKES_* */
     const char *about; /* more than a line, for --help; or NULL */
     int (*run)(struct bench *bench);
+    bool alone; /* takes minutes or writes files of its own: only if it is named */
 };
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
-    bench_fuzz;
+    bench_fuzz, bench_frames;
 
 /* The user's scenes, or `own` (NULL-terminated), of which files that are not there are left out
  * with a line that says so. Returns how many are in `out`. */

@@ -33,6 +33,7 @@ struct frames_contestant {
     char handler[48];  /* who draws, as files name it */
     uint64_t bytes;    /* of what the handler needs beside the triangles; 0: nothing */
     bool device_clock; /* of every sample */
+    bool rays_alone;   /* samples are of tracing, without shading: the caller says so */
     double *ms;        /* settings.frames; the first frames_run.done are measured */
 };
 

@@ -13,6 +13,8 @@
 
 const char *frames_clock(const struct frames_contestant *contestant)
 {
+    if (contestant->rays_alone)
+        return contestant->device_clock ? "GPU timestamps, rays alone" : "host clock, rays alone";
     return contestant->device_clock ? "GPU timestamps" : "host clock";
 }
 
@@ -24,8 +26,9 @@ static void put_csv(FILE *stream, const struct frames_run *run)
         struct frames_stats stats = frames_stats_of(run, i);
         for (uint32_t frame = 0; frame < run->done; frame++) {
             csv_text(stream, c->handler);
-            fprintf(stream, ",%llu,%s,%u,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
-                    (unsigned long long)c->bytes, frames_clock(c), frame,
+            fprintf(stream, ",%llu,", (unsigned long long)c->bytes);
+            csv_text(stream, frames_clock(c));
+            fprintf(stream, ",%u,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", frame,
                     frames_angle(&run->settings, frame) * (180.0 / 3.14159265358979323846),
                     c->ms[frame], stats.average, stats.least, stats.most, stats.median);
         }

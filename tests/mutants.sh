@@ -220,6 +220,7 @@ in_test WRONG_IS_BLUE scenes/show_picture.c test_show_picture
 in_test FOUND_ANYWAY fuzz/selftest_run.c test_fuzz_selftest
 in_test DEATH_SPIRAL bench/pacing.c test_pacing
 in_test TWO_IN_FLIGHT bench/pacing.c test_pacing
+in_test SAME_TREE bench/paper.c test_paper
 in_test T_BY_VALUE scenes/diff_frames.c test_diff_frames
 in_test SHADOWS_UNSEEN scenes/diff_frames.c test_diff_frames
 in_test BORDER_ANYWHERE scenes/diff_frames.c test_diff_frames

@@ -1,0 +1,106 @@
+#include "bench/painter.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static enum status pack(struct painter *painter, struct reason *reason)
+{
+    const struct painter_plan *plan = &painter->plan;
+    const struct scene *scene = plan->blank ? &painter->empty : painter->scene;
+    struct bvh built = {0};
+    if (!plan->layout)
+        return STATUS_OK;
+    enum status status = STATUS_OK;
+    bool given = plan->tree && !plan->blank;
+    if (!given)
+        status = plan->builder->build(scene, &plan->build, &built, reason);
+    const struct bvh *bvh = given ? plan->tree : &built;
+    if (!status)
+        status = packed_make(plan->layout, bvh, scene, &painter->packed, reason);
+    if (!status)
+        painter->tree = bvh_stats(bvh, scene);
+    bvh_free(&built);
+    return status;
+}
+
+static enum status prepare(struct painter *painter, struct reason *reason)
+{
+    const struct painter_plan *plan = &painter->plan;
+    const struct scene *scene = plan->blank ? &painter->empty : painter->scene;
+    struct frame_job job = {.job = {.scene = scene,
+                                    .packed = plan->layout ? &painter->packed : NULL,
+                                    .box = plan->box,
+                                    .tri = plan->tri},
+                            .look = plan->look,
+                            .width = plan->width,
+                            .height = plan->height,
+                            .plan = plan->plan,
+                            .tile = plan->tile,
+                            .general = plan->general};
+    enum status status = shading_make(scene, &plan->look, &painter->shading, reason);
+    if (status)
+        return status;
+    frame_job_fill(&painter->shading, &painter->camera, &job);
+    return renderer_prepare(painter->renderer, &job, reason);
+}
+
+enum status painter_open(const struct painter_plan *plan, const struct scene *scene,
+                         const struct engine_options *options, struct painter *out,
+                         struct reason *reason)
+{
+    *out = (struct painter){.plan = *plan, .scene = scene, .camera = scene_camera(scene)};
+    out->by_waves = plan->waves || !plan->engine->frame;
+    enum status status = STATUS_OK;
+    if (plan->blank)
+        status = scene_make(0, 0, &out->empty);
+    if (!status)
+        status = pack(out, reason);
+    if (!status)
+        status = renderer_open(plan->engine, options, plan->waves, &out->renderer, reason);
+    if (!status)
+        status = prepare(out, reason);
+    if (!status) {
+        out->pixel = alloc_zeroed((size_t)plan->width * plan->height, sizeof *out->pixel);
+        status = out->pixel ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for a picture");
+    }
+    if (status)
+        painter_close(out);
+    return status;
+}
+
+uint64_t painter_bytes(const struct painter *painter)
+{
+    return packed_node_bytes(&painter->packed) + packed_item_bytes(&painter->packed);
+}
+
+enum status painter_draw(struct painter *painter, double angle, struct frames_sample *out,
+                         struct reason *reason)
+{
+    const struct painter_plan *plan = &painter->plan;
+    struct camera camera = camera_orbit(&painter->camera, angle);
+    struct view view = camera_view(&camera, plan->look.profile, plan->width, plan->height);
+    struct frame frame = {.pixel = painter->pixel};
+    struct trace_report report = {0};
+    enum status status = renderer_frame(painter->renderer, &view, &frame, &report, reason);
+    *out =
+        (struct frames_sample){.ms = 1e-6 * (double)report.ns, .device_clock = report.device_clock};
+    return status;
+}
+
+size_t painter_difference(const struct painter *a, const struct painter *b)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)a->plan.width * a->plan.height; i++)
+        count += a->pixel[i] != b->pixel[i];
+    return count;
+}
+
+void painter_close(struct painter *painter)
+{
+    renderer_close(painter->renderer);
+    shading_free(&painter->shading);
+    packed_free(&painter->packed);
+    scene_free(&painter->empty);
+    free(painter->pixel);
+    memset(painter, 0, sizeof *painter);
+}
