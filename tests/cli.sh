@@ -15,7 +15,7 @@ OBJ
 small="--count 200 --repeat 1 --engine cpu"
 
 # Help is on standard output and succeeds, everywhere.
-for command in '' check conform explain leaks bench list doctor scene precompute judge gen verify replay export fuzz merge min; do
+for command in '' check conform explain leaks bench list doctor scene precompute judge gen verify replay export fuzz merge min diff; do
     expect 0 . $command --help
     grep -q 'example' "$dir/out" || bad "raydiff $command --help shows no example"
 done
@@ -506,6 +506,28 @@ grep -q '^without a bug 0 of 1 clean$' "$dir/out" || bad "fuzz --self-test: a co
 [ "$(tail -n 1 "$dir/out")" = "found 1 of 1" ] || bad "fuzz --self-test: a bug that is found is not"
 grep -q '"passed": false' "$dir/self.json" || bad "fuzz --self-test --json: passed, and the control is not clean"
 expect 0 . fuzz --self-test --shaders
+
+# Two pictures.
+picture() { echo "$2" | base64 -d >"$dir/$1.png"; }
+picture rgb iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAE0lEQVR42mP4z8DAAMIM/zk5OQEaKgMZWsSx5QAAAABJRU5ErkJggg==
+picture other iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAFUlEQVR42mP4z8DA8A+IGf5zcnMCABolAxotJONlAAAAAElFTkSuQmCC
+picture gray iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mNoAAAAggCB2kUIOwAAAABJRU5ErkJggg==
+head -c 50 "$dir/rgb.png" >"$dir/cut.png"
+expect 0 . diff "$dir/rgb.png" "$dir/rgb.png"
+grep -q 'different  *0 of 4 ' "$dir/out" || bad "diff: a picture differs from itself"
+expect 1 . diff --out "$dir/heat.png" "$dir/rgb.png" "$dir/other.png" --json "$dir/diff.json"
+grep -q 'within  *x 1 to 1, y 0 to 1' "$dir/out" || bad "diff: does not say where"
+grep -q '"different": 2' "$dir/diff.json" || bad "diff --json: does not say how many"
+expect 0 . diff "$dir/rgb.png" "$dir/other.png" --max 2
+expect 1 . diff "$dir/rgb.png" "$dir/other.png" --max 1
+expect 2 'sides must be equal' diff "$dir/rgb.png" "$dir/gray.png"
+expect 2 'cut.png: damaged PNG file: cut short' diff "$dir/rgb.png" "$dir/cut.png"
+expect 2 'none.png: No such file' diff "$dir/none.png" "$dir/rgb.png"
+expect 2 'two PNG files are compared, not 1' diff "$dir/rgb.png"
+expect 2 "'256' is not a whole number from 0" diff "$dir/rgb.png" "$dir/rgb.png" --max 256
+expect 2 'cannot write: No such file' diff "$dir/rgb.png" "$dir/other.png" --out "$dir/none/heat.png"
+expect 1 . diff "$dir/rgb.png" "$dir/other.png" --json -
+head -c 1 "$dir/out" | grep -q '^{' || bad "diff --json - prints more than JSON"
 
 # '-' is the standard output of every --json, and no other file.
 stands_alone() {
