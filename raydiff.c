@@ -19,6 +19,7 @@ static const struct command commands[] = {
     {"precompute", "writes a tree as BVH JSON, byte for byte as the seed's tool would",
      cmd_precompute},
     {"diff", "two pictures compared: counts, sizes, where, a heat map", cmd_diff},
+    {"render", "pictures of a scene by any engine, with shadows and reflections", cmd_render},
     {"scene", "what a scene is, from one format to another, and which there are", cmd_scene},
     {"leaks", "rays from inside a closed mesh: what passes, what is hit twice", cmd_leaks},
     {"list", "every builder, layout, test, engine, scene and ray set", cmd_list},

@@ -20,6 +20,8 @@ struct renderer {
     void *any; /* NULL until a job has shadow rays that ask for any hit */
     struct frame_job job;
     bool ready; /* prepared without an error */
+    void (*step)(void *user, double share);
+    void *user;
 };
 
 /* The paths of a strip, and one wave of rays: ray j belongs to path of[j]. */
@@ -221,8 +223,13 @@ static enum status frame_by_waves(struct renderer *renderer, const struct view *
     for (size_t first = 0; first < all && !status; first += strip.count) {
         strip_begin(&strip, first, out->bound != NULL);
         size_t count = strip.live_count;
-        for (uint32_t i = 0; i < job->look.bounces && strip.live_count > 0 && !status; i++)
+        for (uint32_t i = 0; i < job->look.bounces && strip.live_count > 0 && !status; i++) {
             status = strip_segment(renderer, &strip, i, out, report, reason);
+            double done = (double)(i + 1) / job->look.bounces;
+            if (renderer->step)
+                renderer->step(renderer->user,
+                               ((double)first + done * (double)count) / (double)all);
+        }
         store_pixels(&strip, count, out);
     }
     strip_free(&strip);
@@ -337,6 +344,12 @@ enum status renderer_ask(struct renderer *renderer, enum query query, const stru
 struct model renderer_model(struct renderer *renderer, const struct tri_test *tri)
 {
     return renderer->engine->model(renderer->closest, tri);
+}
+
+void renderer_watch(struct renderer *renderer, void (*step)(void *user, double share), void *user)
+{
+    renderer->step = step;
+    renderer->user = user;
 }
 
 void renderer_close(struct renderer *renderer)

@@ -1,6 +1,8 @@
 /* Pictures of a scene by any engine: the engine's own renderer if it has one, else the reference
  * renderer in C, which asks the engine for whole waves of rays: all primary rays, all shadow rays
- * of a light, all next segments. */
+ * of a light, all next segments. Beside the frame, the scene and what the engine holds a picture
+ * takes 32 MB at most (192 bytes for each of 131,072 pixels and a row, and the row), whatever its
+ * size. */
 #ifndef RENDER_H
 #define RENDER_H
 
@@ -59,6 +61,10 @@ enum status renderer_ask(struct renderer *renderer, enum query query, const stru
 
 /* What the judge may assume of the engine's arithmetic, see engine.model. */
 struct model renderer_model(struct renderer *renderer, const struct tri_test *tri);
+
+/* Calls `step` during long pictures, between waves, with the share that is done; not for engines
+ * that draw on their own. NULL: no more. */
+void renderer_watch(struct renderer *renderer, void (*step)(void *user, double share), void *user);
 
 void renderer_close(struct renderer *renderer); /* NULL is fine */
 
