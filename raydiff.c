@@ -16,6 +16,8 @@ static const struct command commands[] = {
     {"gen", "writes a scene and rays as text, for a tracer to answer", cmd_gen},
     {"verify", "judges the answers to what gen wrote: gen | TRACER | verify", cmd_verify},
     {"bench", "speed, bytes, memory and errors, engines interleaved", cmd_bench},
+    {"construct", "meshes, materials, lights and a camera to a scene, as the seed's tool",
+     cmd_construct},
     {"precompute", "writes a tree as BVH JSON, byte for byte as the seed's tool would",
      cmd_precompute},
     {"diff", "two pictures compared: counts, sizes, where, a heat map", cmd_diff},

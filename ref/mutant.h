@@ -81,6 +81,10 @@
 #define MUTANT_STILL_LEFT_OUT  95 /* an engine that died plays no more of its block */
 #define MUTANT_ANY_TREE_FITS   300 /* a tree of another scene is taken */
 #define MUTANT_NO_DOUBT        301 /* nothing is said of boxes that are too small */
+#define MUTANT_STEPS_SWAPPED   302 /* of two transforms the second is done first */
+#define MUTANT_MATERIAL_NEXT   303 /* construct: material k means k + 1, as in the seed */
+#define MUTANT_WINDING_KEPT    304 /* construct: a mirrored model is turned inside out */
+#define MUTANT_OWN_VERTICES    305 /* construct: a later model has the first one's vertices */
 #define MUTANT_DEATH_SPIRAL    350 /* after a stall all the time lost is made up for */
 #define MUTANT_TWO_IN_FLIGHT   351 /* a frame is begun while one is in flight */
 #define MUTANT_SAME_TREE       353 /* Figure 8: both handlers by the tree of one */

@@ -41,6 +41,9 @@ enum status read_ply(const char *name, const char *bytes, size_t size, struct sc
  * does (file_out_commit). The scene has passed scene_check.
  * Errors: STATUS_INPUT what the format cannot hold; STATUS_MEMORY. */
 
+/* The seed's default material, a semi-matt red. */
+extern const struct material rtrs_red;
+
 /* RTRS scene JSON, byte for byte as the seed writes it. What the scene lacks is made: normals by
  * scene_normals, the camera by scene_camera, the seed's red material. Numbers other than the
  * positions must be finite too: STATUS_INPUT. */

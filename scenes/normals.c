@@ -52,6 +52,11 @@ static void add_triangle(const struct scene *scene, uint32_t prim, double *sum)
 
 float *scene_normals(const struct scene *scene)
 {
+    return scene_normals_told(scene, NULL);
+}
+
+float *scene_normals_told(const struct scene *scene, uint8_t *none)
+{
     size_t count = scene->vertex_count;
     double *sum = alloc_zeroed(3 * count, sizeof *sum);
     float *normal = alloc_zeroed(3 * count, sizeof *normal);
@@ -63,7 +68,10 @@ float *scene_normals(const struct scene *scene)
     for (uint32_t i = 0; i < scene->tri_count; i++)
         add_triangle(scene, i, sum);
     for (size_t i = 0; i < count; i++) {
-        if (!normalize(sum + 3 * i)) {
+        bool has_none = !normalize(sum + 3 * i);
+        if (none)
+            none[i] = has_none;
+        if (has_none) {
             sum[3 * i] = sum[3 * i + 2] = 0;
             sum[3 * i + 1] = 1;
         }

@@ -11,4 +11,8 @@
  * Source: the seed's construct, which works in float and leaves NaN there. */
 float *scene_normals(const struct scene *scene) MUST_USE;
 
+/* The same; `none`, vertex_count bytes, becomes 1 for every vertex where the sum is nothing and so
+ * the seed's would be NaN, else 0. */
+float *scene_normals_told(const struct scene *scene, uint8_t *none) MUST_USE;
+
 #endif

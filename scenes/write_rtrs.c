@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const struct material red = {{0.5f, 0.1f, 0.1f}, {0.9f, 0.1f, 0.0f}, 10.0f};
+const struct material rtrs_red = {{0.5f, 0.1f, 0.1f}, {0.9f, 0.1f, 0.0f}, 10.0f};
 
 static void put_indent(FILE *stream, int depth)
 {
@@ -176,7 +176,7 @@ enum status write_rtrs(const struct scene *scene, FILE *stream, struct reason *r
     if (scene->material_count)
         put_materials(scene->material, scene->material_count, stream);
     else
-        put_materials(&red, 1, stream);
+        put_materials(&rtrs_red, 1, stream);
     fputs("}", stream);
     free(made);
     return STATUS_OK;

@@ -203,6 +203,10 @@ in_test POW_IS_EXACT scenes/shade.c test_shade
 in_test EYE_UNLIT scenes/shade.c test_shade
 in_test ANY_TREE_FITS ref/tree_file.c test_tree_file
 in_test NO_DOUBT ref/tree_file.c test_tree_file
+in_test STEPS_SWAPPED scenes/transform.c test_transform
+in_test MATERIAL_NEXT scenes/construct.c test_construct
+in_test WINDING_KEPT scenes/construct.c test_construct
+in_test OWN_VERTICES scenes/construct.c test_construct
 in_test EXPORT_NO_RAYS fuzz/export_case.c test_vulkan_export
 in_test EXPORT_EXACT fuzz/export_right.c test_vulkan_export_data
 in_test EXPORT_ENDIAN fuzz/export_amber.c test_vulkan_export_amber

@@ -1,0 +1,28 @@
+/* What raydiff construct and its report share. For commands only. */
+#ifndef CMD_CONSTRUCT_H
+#define CMD_CONSTRUCT_H
+
+#include "scenes/construct.h"
+
+#include <jansson.h>
+
+/* What was asked for. */
+struct construct_options {
+    struct construct construct;
+    size_t model_capacity, material_capacity, light_capacity;
+    struct material *material; /* construct's are const */
+    struct light *light;
+    const char *out;
+    bool json, has_position, has_kind;
+};
+
+/* Prints what was written, on the standard error output. */
+void construct_print(const struct construct_options *options, const struct scene *scene,
+                     const struct construct_notes *notes);
+
+/* The same as JSON. Errors: STATUS_INPUT a name is not UTF-8. */
+enum status construct_json(const struct construct_options *options, const struct scene *scene,
+                           const struct construct_notes *notes, json_t **out,
+                           struct reason *reason) MUST_USE;
+
+#endif
