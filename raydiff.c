@@ -18,6 +18,7 @@ static const struct command commands[] = {
     {"bench", "speed, bytes, memory and errors, engines interleaved", cmd_bench},
     {"construct", "meshes, materials, lights and a camera to a scene, as the seed's tool",
      cmd_construct},
+    {"report", "one HTML file of it all: agreement, speed, size, pictures, findings", cmd_report},
     {"precompute", "writes a tree as BVH JSON, byte for byte as the seed's tool would",
      cmd_precompute},
     {"diff", "two pictures compared: counts, sizes, where, a heat map", cmd_diff},

@@ -357,7 +357,7 @@ static int run(struct bench *bench)
         fflush(stdout);
     }
     if (bench->svg_path && pages.count > 0) {
-        status = error_plot(bench->svg_path, pages.page, pages.count, driver, &reason);
+        status = error_plot(bench->svg_path, bench, pages.page, pages.count, driver, &reason);
         if (status) {
             fprintf(stderr, "raydiff bench: %s\n", reason.text);
             code = exit_worse(code, exit_of_status(status));

@@ -1,6 +1,6 @@
 /* What raydiff bench error shows: tables, rows for machines, a plot. */
 #include "bench/cmd_bench_error.h"
-#include "bench/plot.h"
+#include "bench/row_plot.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -223,116 +223,25 @@ void error_driver(const struct engine_options *options, char *text, size_t text_
 
 /* --- the plot ----------------------------------------------------------------------------- */
 
-enum { PANEL_WRONG, PANEL_LEAKS, PANEL_FORWARD, PANELS };
-
-/* What the figure of one page points to. */
-struct drawing {
-    char title[200], subtitle[200];
-    char name[CONTESTANTS][64];
-    struct plot_series series[CONTESTANTS];
-    struct plot_point point[PANELS][CONTESTANTS];
-};
-
-/* Place of `what` in the table, for a colour or a shape. */
-static unsigned place_in(const void *const *table, const void *what)
+enum status error_plot(const char *path, const struct bench *bench, const struct error_page *page,
+                       size_t count, const char *driver, struct reason *reason)
 {
-    for (unsigned i = 0; table[i]; i++)
-        if (table[i] == what)
-            return i;
-    return 0;
-}
-
-static struct plot_series series_of(const struct error_row *row, char *name, size_t name_bytes)
-{
-    unsigned tri = 3, layout = 2;
-    snprintf(name, name_bytes, "%s%s%s%s%s%s%s", row->engine->name, row->layout ? " " : "",
-             row->layout ? row->layout->name : "", row->box && row->box != box_tests[0] ? " " : "",
-             row->box && row->box != box_tests[0] ? row->box->name : "", row->tri ? " " : "",
-             row->tri ? row->tri->name : "");
-    if (row->tri)
-        tri = place_in((const void *const *)tri_tests, row->tri);
-    if (row->layout)
-        layout = place_in((const void *const *)layouts, row->layout);
-    return (struct plot_series){name, place_in((const void *const *)engines, row->engine), tri,
-                                layout};
-}
-
-/* A rate per million; of none, its upper limit. */
-static void set_rate(struct plot_point *point, size_t events, size_t count)
-{
-    point->below = count > 0 && events == 0;
-    point->y = count ? 1e6 * (double)(events ? events : 3) / (double)count : NAN;
-    point->y_lo = point->y_hi = point->y;
-}
-
-static void draw_row(const struct error_page *page, size_t i, struct drawing *drawing)
-{
-    const struct error_row *row = &page->row[i];
-    const struct error_sum *sum = &row->sum;
-    drawing->series[i] = series_of(row, drawing->name[i], sizeof drawing->name[i]);
-    for (int panel = 0; panel < PANELS; panel++)
-        drawing->point[panel][i] = (struct plot_point){
-            .series = i, .x = row->mrays.median, .x_lo = row->mrays.least, .x_hi = row->mrays.most};
-    set_rate(&drawing->point[PANEL_WRONG][i],
-             sum->kind[ERROR_LOST] + sum->kind[ERROR_PHANTOM] + sum->kind[ERROR_WRONG], sum->rays);
-    set_rate(&drawing->point[PANEL_LEAKS][i], row->leak[LEAK_EDGE] + row->leak[LEAK_VERTEX],
-             page->leak_rays[LEAK_EDGE] + page->leak_rays[LEAK_VERTEX]);
-    struct plot_point *forward = &drawing->point[PANEL_FORWARD][i];
-    forward->y = sum->forward.p99;
-    forward->y_lo = sum->forward.p50;
-    forward->y_hi = isfinite(sum->forward.most) ? sum->forward.most : sum->forward.p99;
-}
-
-static struct plot_figure draw(const struct error_page *page, const char *driver,
-                               struct drawing *drawing)
-{
-    static const char *const title[PANELS] = {"answers that are not the exact one",
-                                              "leaks out of the closed mesh",
-                                              "error of t: 50 %, 99 % (mark), largest"};
-    static const char *const label[PANELS] = {"per million rays, <3/N: arrow",
-                                              "per million rays, <3/N: arrow",
-                                              "|t - exact t| |d| / (u M)"};
-    struct plot_figure figure = {.title = drawing->title,
-                                 .subtitle = drawing->subtitle,
-                                 .series = drawing->series,
-                                 .series_count = page->row_count};
-    snprintf(drawing->title, sizeof drawing->title, "%.90s: %u triangles, %zu %s rays", page->scene,
-             page->tri_count, page->ray_count, page->rays);
-    snprintf(drawing->subtitle, sizeof drawing->subtitle,
-             "right is faster, down is more exact; bars: least to most of the rounds%s%s",
-             driver[0] ? "; vulkan is " : "", driver);
-    for (size_t i = 0; i < page->row_count; i++)
-        draw_row(page, i, drawing);
-    for (int panel = 0; panel < PANELS; panel++) {
-        if (panel == PANEL_LEAKS && page->leak_rays[LEAK_VERTEX] == 0)
-            continue;
-        figure.panel[figure.panel_count++] = (struct plot_panel){.title = title[panel],
-                                                                 .x_label = "speed, million rays/s",
-                                                                 .y_label = label[panel],
-                                                                 .point = drawing->point[panel],
-                                                                 .count = page->row_count};
-    }
-    return figure;
-}
-
-enum status error_plot(const char *path, const struct error_page *page, size_t count,
-                       const char *driver, struct reason *reason)
-{
-    struct plot_figure *figure = alloc_zeroed(count, sizeof *figure);
-    struct drawing *drawing = alloc_zeroed(count, sizeof *drawing);
+    struct row_plots plots = {0};
     struct file_out out;
-    enum status status = STATUS_OK;
-    if (!figure || !drawing)
+    json_t *rows = json_array();
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < page[i].row_count; k++)
+            (void)json_array_append_new(rows, row_json(bench, &page[i], &page[i].row[k]));
+    enum status status = row_plots_error(rows, driver, &plots, reason);
+    if (status == STATUS_OK && plots.count == 0)
         status = fail(reason, STATUS_MEMORY, "no memory for the plot");
-    for (size_t i = 0; i < count && status == STATUS_OK; i++)
-        figure[i] = draw(&page[i], driver, &drawing[i]);
     if (status == STATUS_OK)
         status = file_out_open(path, &out, reason);
     if (status == STATUS_OK) {
-        plot_write(out.stream, figure, count);
+        plot_write(out.stream, plots.figure, plots.count);
         status = file_out_commit(&out, reason);
     }
-    free(figure);
-    free(drawing);
+    row_plots_free(&plots);
+    json_decref(rows);
     return status;
 }

@@ -149,5 +149,12 @@
 #define MUTANT_GROUPS_CUT          243 /* vulkan: the last group of rays, not full, is not traced */
 #define MUTANT_ITEMS_SHORT         244 /* vulkan: the shader is told of one item less */
 #define MUTANT_FOUND_ANYWAY        290 /* the self-test takes any finding for its bug */
+#define MUTANT_HTML_UNESCAPED      360 /* report: text stands in the page as it is */
+#define MUTANT_HTML_LEFT_OPEN      361 /* report: cells of tables are not closed */
+#define MUTANT_BASE64_TAIL         362 /* report: the last bytes of a picture are lost */
+#define MUTANT_WRONG_UNSEEN        363 /* report: a row that is wrong looks like any other */
+#define MUTANT_PART_EXCUSED        364 /* report: a part that failed is not in the exit code */
+#define MUTANT_PICTURE_BELIEVED    365 /* report: a damaged picture is taken as it is */
+#define MUTANT_REPLAY_FORGOTTEN    366 /* report: a finding has no line that plays it again */
 
 #endif

@@ -80,6 +80,7 @@ plain)
     suite tree_files sh tests/tree_files.sh "$build/raydiff"
     suite five_commands sh tests/five_commands.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
+    suite report sh tests/report.sh "$build/raydiff"
     suite fuzz sh tests/fuzz.sh "$build"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
@@ -97,6 +98,7 @@ sanitize)
     suite cli sh tests/cli.sh "$build/raydiff"
     suite five_commands sh tests/five_commands.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
+    suite report sh tests/report.sh "$build/raydiff"
     suite fuzz sh tests/fuzz.sh "$build"
     ;;
 validate)

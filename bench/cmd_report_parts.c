@@ -1,0 +1,278 @@
+/* Which commands make the parts of a report. */
+#include "bench/cmd_report_parts.h"
+
+#include "fuzz/findings.h"
+#include "ref/command.h"
+#include "scenes/file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void pass_on(struct line *line, const struct report_options *options, unsigned to)
+{
+    for (size_t i = 0; i < options->passed_count; i++)
+        if (options->passed[i].to & to) {
+            line_word(line, options->passed[i].flag);
+            line_word(line, options->passed[i].value);
+        }
+}
+
+/* True if the user set it; else the part's own value stands. */
+static bool is_passed(const struct report_options *options, const char *flag)
+{
+    for (size_t i = 0; i < options->passed_count; i++)
+        if (strcmp(options->passed[i].flag, flag) == 0)
+            return true;
+    return false;
+}
+
+static void option(struct line *line, const char *flag, const char *value)
+{
+    line_word(line, flag);
+    line_word(line, value);
+}
+
+static void number(struct line *line, const char *flag, uint64_t value)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%llu", (unsigned long long)value);
+    option(line, flag, text);
+}
+
+/* Runs the line, whose result is the folder's file `name`, and adds the part. */
+static enum status run_part(struct report *report, struct runner *runner, command_fn *command,
+                            struct line *line, const char *name, struct report_part *part,
+                            struct reason *reason)
+{
+    struct run run = {.stopped = false};
+    char path[4096];
+    runner_path(runner, name, path, sizeof path);
+    remove(path);
+    enum status status = runner_run(runner, command, line, &run, reason);
+    if (status == STATUS_OK && !run.stopped) {
+        struct reason why;
+        enum status read = report_read(path, part->kind, &part->json, &why);
+        run_judge(&run, read == STATUS_OK, part);
+        part->command = line->text;
+        status = report_add(report, part, reason);
+    }
+    line_free(line);
+    return status;
+}
+
+/* --- check, bench, doctor ------------------------------------------------------------------- */
+
+static enum status make_check(const struct report_options *options, struct runner *runner,
+                              struct report *report, struct reason *reason)
+{
+    struct report_part part = {.kind = REPORT_CHECK, .name = (char[]){"check"}};
+    struct line line;
+    line_begin(&line, "check");
+    for (size_t i = 0; i < options->scene_count; i++)
+        line_word(&line, options->scene[i]);
+    if (!is_passed(options, "--layout"))
+        option(&line, "--layout",
+               options->quick ? "f32,rf16,rtrs_rf" : "f32,rf16,rtrs_direct,rtrs_rf");
+    if (!is_passed(options, "--tri") && !options->quick)
+        option(&line, "--tri", "mt,woop");
+    if (!is_passed(options, "--box") && !options->quick)
+        option(&line, "--box", "robust,watertight");
+    number(&line, "--count", options->count ? options->count : options->quick ? 2000 : 10000);
+    number(&line, "--repeat", options->quick ? 1 : 3);
+    pass_on(&line, options, TO_CHECK | TO_OTHERS);
+    line_word(&line, "--json");
+    line_file(&line, runner, "check.json");
+    return run_part(report, runner, cmd_check, &line, "check.json", &part, reason);
+}
+
+/* Names of scenes stand in one word, with ';' between them. */
+static char *joined_scenes(const struct report_options *options)
+{
+    size_t bytes = 1;
+    for (size_t i = 0; i < options->scene_count; i++)
+        bytes += strlen(options->scene[i]) + 1;
+    char *text = alloc_zeroed(bytes, 1);
+    for (size_t i = 0; i < options->scene_count && text; i++) {
+        strcat(text, i > 0 ? ";" : "");
+        strcat(text, options->scene[i]);
+    }
+    return text;
+}
+
+static enum status make_bench(const struct report_options *options, struct runner *runner,
+                              const char *benchmark, struct report *report, struct reason *reason)
+{
+    bool error = strcmp(benchmark, "error") == 0;
+    char name[32], file[32];
+    snprintf(name, sizeof name, "bench %s", benchmark);
+    snprintf(file, sizeof file, "%s.json", benchmark);
+    struct report_part part = {.kind = REPORT_BENCH, .name = name};
+    struct line line;
+    char *scenes = joined_scenes(options);
+    if (!scenes)
+        return fail(reason, STATUS_MEMORY, "out of memory");
+    line_begin(&line, "bench");
+    line_word(&line, benchmark);
+    option(&line, "--scene", scenes);
+    free(scenes);
+    uint64_t count = options->count ? options->count : options->quick ? 2000 : 8000;
+    number(&line, "--count", count);
+    number(&line, "--rounds", options->rounds ? options->rounds : options->quick ? 3 : 5);
+    pass_on(&line, options, (error ? TO_ERROR : 0u) | TO_OTHERS);
+    line_word(&line, "--json");
+    line_file(&line, runner, file);
+    return run_part(report, runner, cmd_bench, &line, file, &part, reason);
+}
+
+static enum status make_machine(const struct report_options *options, struct runner *runner,
+                                struct report *report, struct reason *reason)
+{
+    struct report_part part = {.kind = REPORT_MACHINE, .name = (char[]){"doctor"}};
+    struct line line;
+    line_begin(&line, "doctor");
+    pass_on(&line, options, TO_OTHERS);
+    line_word(&line, "--json");
+    line_file(&line, runner, "doctor.json");
+    return run_part(report, runner, cmd_doctor, &line, "doctor.json", &part, reason);
+}
+
+/* --- findings ----------------------------------------------------------------------------- */
+
+/* What the child printed, or NULL. */
+static char *printed(const struct runner *runner)
+{
+    char path[4096], *text = NULL;
+    struct reason reason;
+    size_t size;
+    runner_path(runner, "out", path, sizeof path);
+    return file_read_most(path, 1u << 20, &text, &size, &reason) ? NULL : text;
+}
+
+static enum status make_finding(const struct report_options *options, struct runner *runner,
+                                const struct findings *findings, size_t i, struct report *report,
+                                struct reason *reason)
+{
+    const struct findings_entry *entry = findings_entry(findings, i);
+    char name[FUZZ_SIGNATURE_MOST], path[4096], result[4096];
+    struct run run = {.stopped = false};
+    struct line line;
+    fuzz_signature_print(&entry->signature, name);
+    findings_path(findings, &entry->signature,
+                  entry->has_smallest ? "smallest.trial" : "first.trial", path, sizeof path);
+    struct report_part part = {.kind = REPORT_FINDING, .name = name, .times = entry->count};
+    line_begin(&line, "replay");
+    line_word(&line, path);
+    pass_on(&line, options, TO_OTHERS);
+    char command[LINE_TEXT_BYTES];
+    snprintf(command, sizeof command, "%s", line.text); /* without what only we need */
+    line_word(&line, "--json");
+    line_file(&line, runner, "finding.json");
+    runner_path(runner, "finding.json", result, sizeof result);
+    remove(result);
+    enum status status = runner_run(runner, cmd_replay, &line, &run, reason);
+    line_free(&line);
+    if (status || run.stopped)
+        return status;
+    struct reason why;
+    enum status read = report_read(result, REPORT_FINDING, &part.json, &why);
+    run_judge(&run, read == STATUS_OK, &part);
+    part.command = command;
+    part.text = printed(runner);
+    status = report_add(report, &part, reason);
+    free(part.text);
+    return status;
+}
+
+static enum status make_findings(const struct report_options *options, struct runner *runner,
+                                 struct report *report, struct reason *reason)
+{
+    struct findings *findings;
+    report->wanted[REPORT_FINDING] = true;
+    enum status status = findings_look(options->findings, &findings, reason);
+    if (status)
+        return status;
+    size_t count = findings_count(findings);
+    size_t shown = count < FINDINGS_SHOWN ? count : FINDINGS_SHOWN;
+    report->findings_left_out = count - shown;
+    for (size_t i = 0; i < shown && status == STATUS_OK && !runner_signal(); i++)
+        status = make_finding(options, runner, findings, i, report, reason);
+    findings_close(findings);
+    return status;
+}
+
+/* --- what is given ------------------------------------------------------------------------ */
+
+static enum status take_file(struct report *report, enum report_kind kind, const char *flag,
+                             const char *path, struct reason *reason)
+{
+    char name[200], command[LINE_TEXT_BYTES];
+    struct report_part part = {
+        .kind = kind, .state = REPORT_GIVEN, .name = name, .command = command};
+    snprintf(name, sizeof name, "%s %s", flag + 2, file_label(path));
+    snprintf(command, sizeof command, "# read from");
+    command_word(command, sizeof command, path);
+    enum status status = report_read(path, kind, &part.json, reason);
+    if (status)
+        return status;
+    part.code = (int)json_integer_value(json_object_get(part.json, "exit"));
+    return report_add(report, &part, reason);
+}
+
+static enum status take_files(const struct report_options *options, struct report *report,
+                              struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < options->check_count && !status; i++)
+        status = take_file(report, REPORT_CHECK, "--check", options->check[i], reason);
+    for (size_t i = 0; i < options->bench_count && !status; i++)
+        status = take_file(report, REPORT_BENCH, "--bench", options->bench[i], reason);
+    if (options->doctor && !status)
+        status = take_file(report, REPORT_MACHINE, "--doctor", options->doctor, reason);
+    for (size_t i = 0; i < options->picture_count && !status; i++) {
+        char *equals = strchr(options->picture[i], '='); /* was looked for */
+        *equals = '\0';
+        status =
+            report_add_picture(report, "", options->picture[i], equals + 1, equals + 1, reason);
+        *equals = '=';
+    }
+    return status;
+}
+
+/* --- all ---------------------------------------------------------------------------------- */
+
+int report_try_scenes(const struct report_options *options, struct runner *runner,
+                      struct reason *reason)
+{
+    struct run run;
+    struct line line;
+    line_begin(&line, "scene");
+    line_word(&line, "info");
+    for (size_t i = 0; i < options->scene_count; i++)
+        line_word(&line, options->scene[i]);
+    enum status status = runner_run(runner, cmd_scene, &line, &run, reason);
+    line_free(&line);
+    if (status)
+        return exit_of_status(status);
+    const char *said = strncmp(run.said, "raydiff scene: ", 15) == 0 ? run.said + 15 : run.said;
+    if (run.code)
+        (void)fail(reason, STATUS_INPUT, "%.*s", (int)strcspn(said, "\n"), said);
+    return run.code;
+}
+
+enum status report_make(const struct report_options *options, struct runner *runner,
+                        struct report *report, struct reason *reason)
+{
+    bool scenes = options->scene_count > 0;
+    enum status status = take_files(options, report, reason);
+    if (!status && scenes && options->wanted[REPORT_CHECK] && !runner_signal())
+        status = make_check(options, runner, report, reason);
+    if (!status && scenes && options->wanted[REPORT_BENCH] && !runner_signal())
+        status = make_bench(options, runner, "error", report, reason);
+    if (!status && scenes && options->wanted[REPORT_BENCH] && !runner_signal())
+        status = make_bench(options, runner, "layouts", report, reason);
+    if (!status && options->findings && !runner_signal())
+        status = make_findings(options, runner, report, reason);
+    if (!status && !options->doctor && options->wanted[REPORT_MACHINE] && !runner_signal())
+        status = make_machine(options, runner, report, reason);
+    return status;
+}
