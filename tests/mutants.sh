@@ -201,6 +201,8 @@ in_test SIBLINGS_HELD fuzz/child.c test_fuzz_child
 in_test SHADOW_BEYOND scenes/shade.c test_shade
 in_test POW_IS_EXACT scenes/shade.c test_shade
 in_test EYE_UNLIT scenes/shade.c test_shade
+in_test STRIP_FORGOT scenes/render.c test_render
+in_test LIGHT_SLIPPED scenes/render.c test_render
 in_test ANY_TREE_FITS ref/tree_file.c test_tree_file
 in_test NO_DOUBT ref/tree_file.c test_tree_file
 in_test STEPS_SWAPPED scenes/transform.c test_transform

@@ -56,6 +56,16 @@ static inline struct picture picture_of(struct scene scene, struct look look, bo
     return p;
 }
 
+/* A camera of the scene's own goes to a share of its distance. */
+static inline void picture_nearer(struct scene *scene, float share)
+{
+    struct camera *camera = &scene->camera;
+    *camera = scene_camera(scene);
+    scene->has_camera = true;
+    for (int k = 0; k < 3; k++)
+        camera->pos[k] = camera->at[k] + share * (camera->pos[k] - camera->at[k]);
+}
+
 /* With the members of the look's profile. */
 static inline struct picture picture_make(const char *spec, struct look look, uint32_t width,
                                           uint32_t height)
