@@ -31,7 +31,7 @@ static const char help[] =
     "  --bvh FILE      a tree of the one --scene, as JSON, in place of a builder's\n"
     "  --frames N      frames drawn and measured           [200, or the benchmark's own]\n"
     "  --size WxH      pixels                                              [384x288]\n"
-    "  --out BASE      writes BASE.csv and BASE.json\n"
+    "  --out BASE      writes BASE.csv, BASE.json and BASE.svg\n"
     "  --turns N       around the camera's target in all frames                  [5]\n"
     "  --warm-up N     frames before them, dropped                               [3]\n"
     "  --bounces N     segments of a path, 0 to 64                               [4]\n"
@@ -46,7 +46,7 @@ static const char help[] =
 
 static const struct benchmark *const benchmarks[] = {&bench_layouts,  &bench_error,  &bench_spawn,
                                                      &bench_builders, &bench_oracle, &bench_fuzz,
-                                                     &bench_frames,   NULL};
+                                                     &bench_frames,   &bench_paper,  NULL};
 
 /* Names of the bits of benchmark.takes. */
 static const char *const taken[] = {"--engine",
@@ -241,11 +241,32 @@ static enum status write_json(struct bench *bench, int code, struct reason *reas
     return json_write(bench->json_path, root, 9, reason);
 }
 
+/* --out BASE of benchmarks that write rows: BASE.csv, .json and .svg, where no name was given. */
+static enum status name_files(struct bench *bench, const char *name, struct reason *reason)
+{
+    const char *out = bench->picture.out;
+    bool rows = false;
+    for (size_t i = 0; benchmarks[i] && name && out; i++)
+        rows = rows || (benchmarks[i]->rows_out && strcmp(name, benchmarks[i]->name) == 0);
+    if (!rows)
+        return STATUS_OK;
+    if (strlen(out) + 6 > sizeof bench->picture.csv)
+        return fail(reason, STATUS_INPUT, "--out: too long a name");
+    snprintf(bench->picture.csv, sizeof bench->picture.csv, "%s.csv", out);
+    snprintf(bench->picture.json, sizeof bench->picture.json, "%s.json", out);
+    snprintf(bench->picture.svg, sizeof bench->picture.svg, "%s.svg", out);
+    bench->csv_path = bench->csv_path ? bench->csv_path : bench->picture.csv;
+    bench->json_path = bench->json_path ? bench->json_path : bench->picture.json;
+    bench->svg_path = bench->svg_path ? bench->svg_path : bench->picture.svg;
+    return STATUS_OK;
+}
+
 static int run_benchmarks(struct bench *bench, const char *name)
 {
     struct reason reason = {""};
     int code = EXIT_AGREE;
-    if (check_given(bench, name, &reason) || open_csv(bench, &reason))
+    if (check_given(bench, name, &reason) || name_files(bench, name, &reason) ||
+        open_csv(bench, &reason))
         return usage_error("bench", "%s", reason.text);
     if (bench->json_path)
         bench->rows = json_array();

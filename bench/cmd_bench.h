@@ -40,8 +40,9 @@ struct bench {
     struct {
         uint64_t frames, width, height; /* 0: the benchmark's own */
         uint64_t turns, warm_up, bounces;
-        bool rtrs;       /* the published look */
-        const char *out; /* base path of files; NULL: the benchmark's own */
+        bool rtrs;                             /* the published look */
+        const char *out;                       /* base path of files; NULL: the benchmark's own */
+        char csv[4096], json[4096], svg[4096]; /* of `out`, where rows go there */
     } picture;
     bool quick;
     const char *bvh;      /* of --bvh: a tree of the one scene; NULL: built */
@@ -57,11 +58,12 @@ struct benchmark {
     unsigned takes;    /* BENCH_TAKES_* */
     const char *about; /* more than a line, for --help; or NULL */
     int (*run)(struct bench *bench);
-    bool alone; /* takes minutes or writes files of its own: only if it is named */
+    bool alone;    /* takes minutes or writes files of its own: only if it is named */
+    bool rows_out; /* --out BASE names its files of rows and its plot */
 };
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
-    bench_fuzz, bench_frames;
+    bench_fuzz, bench_frames, bench_paper;
 
 /* The user's scenes, or `own` (NULL-terminated), of which files that are not there are left out
  * with a line that says so. Returns how many are in `out`. */

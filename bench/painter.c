@@ -1,5 +1,8 @@
 #include "bench/painter.h"
 
+#include "scenes/diff_frames.h"
+
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,26 +76,77 @@ uint64_t painter_bytes(const struct painter *painter)
     return packed_node_bytes(&painter->packed) + packed_item_bytes(&painter->packed);
 }
 
-enum status painter_draw(struct painter *painter, double angle, struct frames_sample *out,
-                         struct reason *reason)
+static enum status draw(struct painter *painter, double angle, struct frame *frame,
+                        struct frames_sample *out, struct reason *reason)
 {
     const struct painter_plan *plan = &painter->plan;
     struct camera camera = camera_orbit(&painter->camera, angle);
     struct view view = camera_view(&camera, plan->look.profile, plan->width, plan->height);
-    struct frame frame = {.pixel = painter->pixel};
     struct trace_report report = {0};
-    enum status status = renderer_frame(painter->renderer, &view, &frame, &report, reason);
+    enum status status = renderer_frame(painter->renderer, &view, frame, &report, reason);
     *out =
         (struct frames_sample){.ms = 1e-6 * (double)report.ns, .device_clock = report.device_clock};
     return status;
 }
 
-size_t painter_difference(const struct painter *a, const struct painter *b)
+enum status painter_draw(struct painter *painter, double angle, struct frames_sample *out,
+                         struct reason *reason)
+{
+    struct frame frame = {.pixel = painter->pixel};
+    return draw(painter, angle, &frame, out, reason);
+}
+
+enum status sheet_make(const struct painter_plan *plan, struct sheet *out, struct reason *reason)
+{
+    size_t pixels = (size_t)plan->width * plan->height;
+    *out =
+        (struct sheet){.width = plan->width, .height = plan->height, .bounces = plan->look.bounces};
+    out->frame.pixel = alloc_zeroed(pixels, sizeof *out->frame.pixel);
+    out->frame.color = alloc_zeroed(3 * pixels, sizeof *out->frame.color);
+    out->frame.bound = alloc_zeroed(pixels, sizeof *out->frame.bound);
+    out->frame.segment = alloc_zeroed(pixels * out->bounces, sizeof *out->frame.segment);
+    if (out->frame.pixel && out->frame.color && out->frame.bound && out->frame.segment)
+        return STATUS_OK;
+    sheet_free(out);
+    return fail(reason, STATUS_MEMORY, "no memory for a frame of %zu pixels", pixels);
+}
+
+void sheet_free(struct sheet *sheet)
+{
+    free(sheet->frame.pixel);
+    free(sheet->frame.color);
+    free(sheet->frame.bound);
+    free(sheet->frame.segment);
+    *sheet = (struct sheet){0};
+}
+
+enum status painter_sheet(struct painter *painter, double angle, struct sheet *sheet,
+                          struct frames_sample *out, struct reason *reason)
+{
+    for (size_t i = 0; i < (size_t)sheet->width * sheet->height; i++)
+        sheet->frame.bound[i] = NAN;
+    return draw(painter, angle, &sheet->frame, out, reason);
+}
+
+size_t sheet_pixels_apart(const struct sheet *a, const struct sheet *b)
 {
     size_t count = 0;
-    for (size_t i = 0; i < (size_t)a->plan.width * a->plan.height; i++)
-        count += a->pixel[i] != b->pixel[i];
+    for (size_t i = 0; i < (size_t)a->width * a->height; i++)
+        count += a->frame.pixel[i] != b->frame.pixel[i];
     return count;
+}
+
+bool sheet_equal(const struct sheet *a, const struct sheet *b)
+{
+    size_t pixels = (size_t)a->width * a->height;
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t segment;
+        if (path_first(a->frame.segment + i * a->bounces, b->frame.segment + i * b->bounces,
+                       a->bounces, &segment) != PATH_SAME)
+            return false;
+    }
+    return memcmp(a->frame.pixel, b->frame.pixel, pixels * sizeof *a->frame.pixel) == 0 &&
+           memcmp(a->frame.color, b->frame.color, 3 * pixels * sizeof *a->frame.color) == 0;
 }
 
 void painter_close(struct painter *painter)

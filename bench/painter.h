@@ -25,7 +25,7 @@ struct painter_plan {
     bool blank;   /* no triangle: what a frame costs that hits nothing */
 };
 
-/* A painter; *scene is borrowed. */
+/* A painter; *scene is borrowed. Points into itself: it must not be moved. */
 struct painter {
     struct painter_plan plan;
     const struct scene *scene;
@@ -53,8 +53,26 @@ uint64_t painter_bytes(const struct painter *painter);
 enum status painter_draw(struct painter *painter, double angle, struct frames_sample *out,
                          struct reason *reason) MUST_USE;
 
-/* How many pixels of the frames drawn last differ; the sizes are equal. */
-size_t painter_difference(const struct painter *a, const struct painter *b);
+/* All of a frame, to be compared with another painter's; owns its arrays (see sheet_free). */
+struct sheet {
+    struct frame frame; /* pixel, color, bound and segment; bound is NaN until somebody fills it */
+    uint32_t width, height, bounces;
+};
+
+/* Errors: STATUS_MEMORY. On error *out is zero. */
+enum status sheet_make(const struct painter_plan *plan, struct sheet *out,
+                       struct reason *reason) MUST_USE;
+void sheet_free(struct sheet *sheet);
+
+/* As painter_draw, with all of the frame. */
+enum status painter_sheet(struct painter *painter, double angle, struct sheet *sheet,
+                          struct frames_sample *out, struct reason *reason) MUST_USE;
+
+/* Pixels whose values differ. */
+size_t sheet_pixels_apart(const struct sheet *a, const struct sheet *b);
+
+/* True if pixels, colours and segments are equal to the bit. */
+bool sheet_equal(const struct sheet *a, const struct sheet *b);
 
 void painter_close(struct painter *painter); /* a zero painter is fine */
 

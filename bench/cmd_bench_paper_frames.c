@@ -1,0 +1,217 @@
+/* The paper's performance table: who draws, the check of a frame of each, and the measuring. */
+#include "bench/cmd_bench_paper.h"
+
+#include "ref/command.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define SLOW_MS     100.0
+#define SLOW_FRAMES 9u
+#define BOUNCES     4u
+#define TILE        16u
+
+/* What a line is made of, by names. */
+static const struct recipe {
+    const char *name, *engine, *layout, *builder;
+    uint32_t leaf;
+    const char *box, *tri;
+    enum profile profile;
+    enum frame_plan plan;
+    bool blank;
+} recipes[LINE_COUNT] = {
+    [LINE_DIRECT] = {"direct, leaf 2", "vulkan", "rtrs_direct", "rtrs", PAPER_LEAF_DIRECT, "rtrs",
+                     "mt_rtrs", PROFILE_RTRS, FRAME_STEPS, false},
+    [LINE_RF] = {"RF, leaf 4", "vulkan", "rtrs_rf", "rtrs", PAPER_LEAF_RF, "rtrs", "mt_rtrs",
+                 PROFILE_RTRS, FRAME_STEPS, false},
+    [LINE_NAIVE] = {"naive", "vulkan_brute", NULL, NULL, 0, "rtrs", "mt_rtrs", PROFILE_RTRS,
+                    FRAME_STEPS, false},
+    [LINE_BLANK] = {"blank", "vulkan", "rtrs_rf", "rtrs", PAPER_LEAF_RF, "rtrs", "mt_rtrs",
+                    PROFILE_RTRS, FRAME_STEPS, true},
+    [LINE_EMBREE] = {"embree, published look", "embree", NULL, NULL, 0, "robust", "mt",
+                     PROFILE_RTRS, FRAME_AUTO, false},
+    [LINE_DIRECT_CULLS] = {"direct, leaf 2, culling", "vulkan", "rtrs_direct", "rtrs",
+                           PAPER_LEAF_DIRECT, "robust", "mt_rtrs", PROFILE_RTRS, FRAME_STEPS,
+                           false},
+    [LINE_RF_CULLS] = {"RF, leaf 4, culling", "vulkan", "rtrs_rf", "rtrs", PAPER_LEAF_RF, "robust",
+                       "mt_rtrs", PROFILE_RTRS, FRAME_STEPS, false},
+    [LINE_F32_2] = {"f32, leaf 2", "vulkan", "f32", "median", 2, "robust", "mt", PROFILE_REPAIRED,
+                    FRAME_STEPS, false},
+    [LINE_RF16_4] = {"rf16, leaf 4", "vulkan", "rf16", "median", 4, "robust", "mt",
+                     PROFILE_REPAIRED, FRAME_STEPS, false},
+    [LINE_F32_4] = {"f32, leaf 4", "vulkan", "f32", "median", 4, "robust", "mt", PROFILE_REPAIRED,
+                    FRAME_STEPS, false},
+    [LINE_RF16_2] = {"rf16, leaf 2", "vulkan", "rf16", "median", 2, "robust", "mt",
+                     PROFILE_REPAIRED, FRAME_STEPS, false},
+    [LINE_F32_WHOLE] = {"f32, leaf 4, whole paths", "vulkan", "f32", "median", 4, "robust", "mt",
+                        PROFILE_REPAIRED, FRAME_WHOLE, false},
+    [LINE_NAIVE_MT] = {"naive, repaired", "vulkan_brute", NULL, NULL, 0, "robust", "mt",
+                       PROFILE_REPAIRED, FRAME_STEPS, false},
+    [LINE_EMBREE_MT] = {"embree, repaired look", "embree", NULL, NULL, 0, "robust", "mt",
+                        PROFILE_REPAIRED, FRAME_AUTO, false},
+};
+
+const char *paper_line_name(enum paper_line_id id)
+{
+    return recipes[id].name;
+}
+
+bool paper_line_published(enum paper_line_id id)
+{
+    return recipes[id].profile == PROFILE_RTRS;
+}
+
+static struct painter_plan plan_of(const struct paper_table *table, enum paper_line_id id)
+{
+    const struct recipe *recipe = &recipes[id];
+    return (struct painter_plan){
+        .handler = recipe->name,
+        .engine = engine_find(recipe->engine),
+        .layout = recipe->layout ? layout_find(recipe->layout) : NULL,
+        .builder = recipe->builder ? builder_find(recipe->builder) : NULL,
+        .build = {.leaf = recipe->leaf, .eps = PAPER_EPS},
+        .box = box_test_find(recipe->box),
+        .tri = tri_test_find(recipe->tri),
+        .look = {.profile = recipe->profile, .bounces = BOUNCES, .ambience = 0.1f},
+        .width = table->width,
+        .height = table->height,
+        .plan = recipe->plan,
+        .tile = TILE,
+        .blank = recipe->blank,
+    };
+}
+
+/* Draws a frame with another painter than the measured one, which is closed again. */
+static enum status draw_once(const struct paper_table *table, const struct painter_plan *plan,
+                             struct sheet *sheet, struct reason *reason)
+{
+    struct painter painter;
+    struct frames_sample sample;
+    enum status status =
+        painter_open(plan, &table->scene->scene, &table->bench->engines, &painter, reason);
+    if (!status)
+        status = painter_sheet(&painter, 0, sheet, &sample, reason);
+    painter_close(&painter);
+    return status;
+}
+
+/* What the line's frame must be to the bit: engine cpu's, or that of brute force for an engine of
+ * that kind, with the same members. Embree's arithmetic is its own. */
+static const struct engine *peer_of(const struct painter_plan *plan)
+{
+    if (plan->engine->needs_packed)
+        return engine_find("cpu");
+    return plan->engine->own_tri ? NULL : engine_find("brute");
+}
+
+/* A frame of the line, compared; says whether it is a slow one. */
+static enum status check_line(struct paper_table *table, enum paper_line_id id,
+                              const struct sheet *truth, struct reason *reason)
+{
+    struct paper_line *line = &table->line[id];
+    struct painter *painter = &table->session.painter[line->contestant];
+    struct painter_plan plan = painter->plan;
+    struct sheet drawn, expected;
+    struct frames_sample sample;
+    enum status status = sheet_make(&plan, &drawn, reason);
+    if (status)
+        return status;
+    progress_step(&table->bench->progress, "%s: checking %s", table->scene->spec, plan.handler);
+    status = painter_sheet(painter, 0, &drawn, &sample, reason);
+    if (!status) /* the first may have compiled something */
+        status = painter_draw(painter, 0, &sample, reason);
+    table->slow = table->slow || sample.ms > SLOW_MS;
+    line->wrong = plan.blank ? 0 : sheet_pixels_apart(&drawn, truth);
+    plan.engine = peer_of(&plan);
+    plan.waves = true;
+    if (!status && plan.engine) {
+        status = sheet_make(&plan, &expected, reason);
+        if (!status)
+            status = draw_once(table, &plan, &expected, reason);
+        if (!status) {
+            line->diff =
+                frame_compare(&expected.frame, &drawn.frame, table->width, table->height, BOUNCES);
+            line->checked = true;
+        }
+        sheet_free(&expected);
+    }
+    sheet_free(&drawn);
+    return status;
+}
+
+/* The painter that was entered last leaves again. */
+static void leave_out(struct paper_table *table, struct paper_line *line, enum status status,
+                      const char *why)
+{
+    if (line->contestant < table->session.count)
+        painter_close(&table->session.painter[--table->session.count]);
+    line->contestant = SIZE_MAX;
+    snprintf(line->why, sizeof line->why, "%.150s", why);
+    if (status != STATUS_UNSUPPORTED && status != STATUS_LIMIT)
+        table->code = exit_worse(table->code, exit_of_status(status));
+}
+
+/* The picture by brute force on the CPU, of either look. */
+static enum status draw_truth(const struct paper_table *table, enum paper_line_id like,
+                              struct sheet *out, struct reason *reason)
+{
+    struct painter_plan plan = plan_of(table, like);
+    plan.engine = engine_find("brute");
+    plan.layout = NULL;
+    progress_step(&table->bench->progress, "%s: every triangle for every ray", table->scene->spec);
+    enum status status = sheet_make(&plan, out, reason);
+    return status ? status : draw_once(table, &plan, out, reason);
+}
+
+/* Enters a line and checks a frame of it; one that cannot draw it is left out with the reason. */
+static void enter_line(struct paper_table *table, enum paper_line_id id, const struct sheet *truth)
+{
+    struct paper_line *line = &table->line[id];
+    struct painter_plan plan = plan_of(table, id);
+    struct reason reason = {""};
+    line->contestant = table->session.count;
+    progress_step(&table->bench->progress, "%s: preparing %s", table->scene->spec, plan.handler);
+    enum status status = frames_session_enter(&table->session, &plan, &table->scene->scene,
+                                              &table->bench->engines, &reason);
+    if (!status) {
+        line->tree = table->session.painter[line->contestant].tree;
+        status = check_line(table, id, truth, &reason);
+    }
+    if (status)
+        leave_out(table, line, status, reason.text);
+}
+
+static enum status enter_lines(struct paper_table *table, struct reason *reason)
+{
+    struct sheet truth[2] = {{.width = 0}};
+    enum status status = draw_truth(table, LINE_NAIVE, &truth[0], reason);
+    if (!status)
+        status = draw_truth(table, LINE_NAIVE_MT, &truth[1], reason);
+    for (enum paper_line_id id = 0; id < LINE_COUNT && !status; id++)
+        if (frames_signal_code())
+            leave_out(table, &table->line[id], STATUS_UNSUPPORTED, "stopped by a signal");
+        else
+            enter_line(table, id, &truth[!paper_line_published(id)]);
+    sheet_free(&truth[0]);
+    sheet_free(&truth[1]);
+    return status;
+}
+
+enum status paper_measure(struct paper_table *table, struct reason *reason)
+{
+    const struct bench *bench = table->bench;
+    table->session.progress = &table->bench->progress;
+    table->session.label = table->scene->spec;
+    table->session.about.base = SIZE_MAX;
+    enum status status = enter_lines(table, reason);
+    if (status)
+        return status;
+    uint32_t frames = bench->picture.frames ? (uint32_t)bench->picture.frames
+                      : table->slow         ? SLOW_FRAMES
+                      : bench->quick        ? 20
+                                            : FRAMES_DEFAULT;
+    struct frames_settings settings = {.frames = frames,
+                                       .turns = frames < 40 ? 1 : FRAMES_TURNS,
+                                       .warm_up = table->slow ? 0 : FRAMES_WARM_UP};
+    return frames_session_measure(&table->session, &settings, reason);
+}
