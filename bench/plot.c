@@ -126,11 +126,7 @@ static void put_axes(FILE *stream, const struct plot_panel *panel, const struct 
     svg_label(stream, middle, y->from + 33.0, "text-anchor=\"middle\"", panel->x_label);
     svg_label(stream, middle, y->to - 7.0, "text-anchor=\"middle\" font-weight=\"bold\"",
               panel->title);
-    snprintf(text, sizeof text, "%.1f", 0.5 * (y->from + y->to));
-    fprintf(stream, "<text transform=\"translate(%.1f,%s) rotate(-90)\" text-anchor=\"middle\">",
-            x->from - 52.0, text);
-    svg_text(stream, panel->y_label);
-    fputs("</text>\n", stream);
+    svg_label_up(stream, x->from - 52.0, 0.5 * (y->from + y->to), panel->y_label);
 }
 
 static void put_point(FILE *stream, const struct plot_series *series, const struct plot_point *p,

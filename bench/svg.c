@@ -46,6 +46,14 @@ void svg_label(FILE *stream, double x, double y, const char *attributes, const c
     fputs("</text>\n", stream);
 }
 
+void svg_label_up(FILE *stream, double x, double y, const char *text)
+{
+    fprintf(stream, "<text transform=\"translate(%.1f,%.1f) rotate(-90)\" text-anchor=\"middle\">",
+            x, y);
+    svg_text(stream, text);
+    fputs("</text>\n", stream);
+}
+
 void svg_line(FILE *stream, double x1, double y1, double x2, double y2, const char *style)
 {
     fprintf(stream, "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" %s/>\n", x1, y1, x2, y2,

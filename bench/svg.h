@@ -16,6 +16,9 @@ void svg_text(FILE *stream, const char *text);
 /* A line of text at x, y, its baseline; `attributes` such as "text-anchor=\"end\"". */
 void svg_label(FILE *stream, double x, double y, const char *attributes, const char *text);
 
+/* A line of text turned to the left; x, y is the middle of its base line. */
+void svg_label_up(FILE *stream, double x, double y, const char *text);
+
 void svg_line(FILE *stream, double x1, double y1, double x2, double y2, const char *style);
 
 #endif

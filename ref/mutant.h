@@ -64,6 +64,8 @@
 #define MUTANT_ZERO_COLOURED   312 /* a difference of 0 has a colour */
 #define MUTANT_TICKS_EVEN      313 /* a scale bar's ticks are not where their numbers are */
 #define MUTANT_ALPHA_UNREAD    314 /* pictures that differ in alpha alone are said to be equal */
+#define MUTANT_FLAT_RANGE      315 /* a chart's axis may have no width */
+#define MUTANT_GAPS_CLOSED     316 /* a chart's line goes on where a value is missing */
 #define MUTANT_NEVER_EXPIRES   112 /* an entry of the baseline excuses for ever */
 #define MUTANT_EXPORT_NO_RAYS  115 /* export: the push constants say that there is no ray */
 #define MUTANT_EXPORT_EXACT    116 /* export: only the exact numbers are right, to the bit */

@@ -245,6 +245,8 @@ in_test LINE_THIN scenes/draw.c test_draw
 in_test ZERO_COLOURED scenes/colour.c test_colour
 in_test TICKS_EVEN scenes/colour_picture.c test_colour
 in_test ALPHA_UNREAD scenes/image_diff.c test_image_diff
+in_test FLAT_RANGE bench/chart.c test_chart
+in_test GAPS_CLOSED bench/chart.c test_chart
 in_fire COUNT_BELIEVED scenes/read_ply.c ply
 in_fire BLOB_BELIEVED ref/packed_file.c packed
 in_shaders NO_PRECISE test_spirv
