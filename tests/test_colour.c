@@ -196,7 +196,8 @@ static void scales_fit_their_values(void **state)
     for (size_t count = 0; count <= 2; count++)
         for (int kind = COLOUR_SEQUENTIAL; kind <= COLOUR_DIVERGING; kind++)
             for (int logarithmic = 0; logarithmic < 2 - kind; logarithmic++) {
-                scale = (struct colour_scale){.kind = kind, .logarithmic = logarithmic};
+                scale = (struct colour_scale){.kind = (enum colour_kind)kind,
+                                              .logarithmic = logarithmic};
                 colour_fit(&scale, value, count);
                 assert_true(scale.hi > scale.lo && (!logarithmic || scale.lo > 0));
             }
