@@ -12,7 +12,8 @@
 #include <string.h>
 
 /* What else can be done with the same options; NULL-terminated. */
-static const struct render_mode *const modes[] = {NULL};
+extern const struct render_mode render_mode_show;
+static const struct render_mode *const modes[] = {&render_mode_show, NULL};
 
 static const char help_head[] =
     "usage: raydiff render [SCENE] [OPTIONS]\n"
@@ -49,7 +50,7 @@ static const struct option own_options[] = {{"out", 1, NULL, OPT_OUT},
 /* The command. */
 struct render {
     struct render_settings settings;
-    const char *out, *paths, *json;
+    const char *paths;
     uint32_t frames;
     float angle; /* degrees */
     bool angle_given;
@@ -125,13 +126,13 @@ static enum status take_option(void *user, int option, char *text, struct reason
     enum status status;
     switch (option) {
     case OPT_OUT:
-        r->out = text;
+        r->settings.out = text;
         return STATUS_OK;
     case OPT_PATHS:
         r->paths = text;
         return STATUS_OK;
     case OPT_JSON:
-        r->json = text;
+        r->settings.json = text;
         return STATUS_OK;
     case OPT_FRAMES:
         status = parse_count("--frames", text, 1, FRAMES_MOST, &n, reason);
@@ -175,17 +176,6 @@ static enum status canvas_make(const struct render *r, const struct render_stage
     return STATUS_OK;
 }
 
-/* Before the long work: a file that cannot be written ends it now. */
-static enum status try_output(const char *path, struct reason *reason)
-{
-    struct file_out out = {.stream = NULL};
-    if (!path || strcmp(path, "-") == 0)
-        return STATUS_OK;
-    enum status status = file_out_open(path, &out, reason);
-    file_out_discard(&out);
-    return status;
-}
-
 static void show_progress(void *user, double share)
 {
     progress_step(user, "%.0f %% of a picture", 100 * share);
@@ -200,7 +190,7 @@ static enum status draw_one(const struct render *r, const struct render_stage *s
     record->angle = i * step * (acos(-1.0) / 180);
     record->view = render_stage_view(stage, record->angle);
     enum status status =
-        frame_path(r->out, i + 1, r->frames, record->path, sizeof record->path, reason);
+        frame_path(r->settings.out, i + 1, r->frames, record->path, sizeof record->path, reason);
     if (status)
         return status;
     uint64_t start = time_ns();
@@ -284,8 +274,8 @@ static enum status render(const struct render *r, const struct render_stage *sta
             draw_all(r, stage, renderer, &canvas, r->paths ? &paths : NULL, record, &done, reason);
     if (!status && r->paths)
         status = paths_close(&paths, reason);
-    if (!status && r->json)
-        status = render_json(r->json, &r->settings, stage, record, done, reason);
+    if (!status && r->settings.json)
+        status = render_json(r->settings.json, &r->settings, stage, record, done, reason);
     file_out_discard(&paths.file);
     canvas_free(&canvas);
     free(record);
@@ -296,13 +286,13 @@ static enum status render(const struct render *r, const struct render_stage *sta
 static enum status check_outputs(const struct render *r, struct reason *reason)
 {
     char path[512];
-    enum status status = frame_path(r->out, 1, r->frames, path, sizeof path, reason);
+    enum status status = frame_path(r->settings.out, 1, r->frames, path, sizeof path, reason);
     if (!status)
-        status = try_output(path, reason);
+        status = render_try_output(path, reason);
     if (!status)
-        status = try_output(r->paths, reason);
+        status = render_try_output(r->paths, reason);
     if (!status)
-        status = try_output(r->json, reason);
+        status = render_try_output(r->settings.json, reason);
     return status;
 }
 
@@ -346,7 +336,7 @@ static int finish_options(struct render *r, int argc, char **argv, int first, st
 
 int cmd_render(int argc, char **argv)
 {
-    struct render r = {.settings = render_settings_default(), .out = "render.png", .frames = 1};
+    struct render r = {.settings = render_settings_default(), .frames = 1};
     struct reason reason = {""};
     make_table(&r);
     int first, code = render_options_take("render", print_help, r.table, take_option, &r, argc,
@@ -355,6 +345,11 @@ int cmd_render(int argc, char **argv)
         code = finish_options(&r, argc, argv, first, &reason);
     if (code >= 0)
         return code;
+    if (r.settings.versus && (!r.mode || !r.mode->two_layouts))
+        return usage_error("render", "--layout: one; two are for the difference of --show");
+    if (r.mode && (r.frames > 1 || r.paths))
+        return usage_error("render", "--%s goes without --%s", r.mode->name,
+                           r.paths ? "paths" : "frames");
     if (r.mode)
         return r.mode->run(&r.settings, r.mode_value);
     catch_signals();

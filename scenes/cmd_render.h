@@ -50,11 +50,14 @@ struct render_settings {
     const struct layout *layout; /* NULL: the smallest that fits, if layout_auto, else the
                                     file's of --bvh or, of JSON, the handler's */
     bool layout_auto;
+    const struct layout *versus; /* the second of --layout A,B, for modes of two_layouts; or NULL */
     const struct box_test *box;
     const struct tri_test *tri;
     enum frame_plan plan;
     bool general;
     float fps;
+    const char *out;  /* where the picture goes */
+    const char *json; /* or NULL */
 };
 
 struct render_settings render_settings_default(void);
@@ -174,6 +177,7 @@ struct render_mode {
     const struct option *option; /* its own, numbered from OPT_RENDER_LAST + 1 on, up to 1023; NULL
                                     name at the end; or NULL */
     option_fn *take;             /* takes them; `user` is NULL */
+    bool two_layouts;            /* --layout may name two: settings->versus */
     /* Settings are finished. Returns the exit code. `value` is the option's, or NULL. */
     int (*run)(const struct render_settings *settings, const char *value);
 };

@@ -47,6 +47,7 @@ struct render_settings render_settings_default(void)
         .engine_options = engine_options_default(),
         .build = {.eps = BUILD_EPS_DEFAULT},
         .fps = 60,
+        .out = "render.png",
     };
 }
 
@@ -105,6 +106,26 @@ static enum status take_strength(const char *flag, const char *text, float *out,
     return status;
 }
 
+/* One, or two for a mode that compares. */
+static enum status take_layouts(const char *text, struct render_settings *out,
+                                struct reason *reason)
+{
+    struct list list = {.count = 0};
+    out->layout_auto = strcmp(text, "auto") == 0;
+    out->layout = out->versus = NULL;
+    if (out->layout_auto)
+        return STATUS_OK;
+    enum status status = table_parse(TABLE_LAYOUTS, "--layout", text, &list, reason);
+    if (status)
+        return status;
+    if (list.count > 2)
+        return fail(reason, STATUS_INPUT, "--layout: '%s' are %zu, at most two are compared", text,
+                    list.count);
+    out->layout = layouts[list.index[0]];
+    out->versus = list.count > 1 ? layouts[list.index[1]] : NULL;
+    return STATUS_OK;
+}
+
 /* Members of tables. */
 static enum status take_member(int option, const char *text, struct render_settings *out,
                                struct reason *reason)
@@ -117,11 +138,7 @@ static enum status take_member(int option, const char *text, struct render_setti
         out->engine = status ? NULL : engines[i];
         return status;
     case OPT_RENDER_LAYOUT:
-        out->layout_auto = strcmp(text, "auto") == 0;
-        if (!out->layout_auto)
-            status = table_parse_one(TABLE_LAYOUTS, "--layout", text, &i, reason);
-        out->layout = status || out->layout_auto ? NULL : layouts[i];
-        return status;
+        return take_layouts(text, out, reason);
     case OPT_RENDER_BUILDER:
         status = table_parse_one(TABLE_BUILDERS, "--builder", text, &i, reason);
         out->builder = status ? NULL : builders[i];

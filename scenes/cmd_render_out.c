@@ -177,3 +177,13 @@ enum status render_json(const char *path, const struct render_settings *settings
         "materials", (int)job->material_count, "tree", tree, "frames", frames);
     return json_write(path, root, 9, reason);
 }
+
+enum status render_try_output(const char *path, struct reason *reason)
+{
+    struct file_out out = {.stream = NULL};
+    if (!path || strcmp(path, "-") == 0)
+        return STATUS_OK;
+    enum status status = file_out_open(path, &out, reason);
+    file_out_discard(&out);
+    return status;
+}

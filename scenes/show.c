@@ -239,7 +239,10 @@ struct show_sum show_sum_of(const double *value, size_t pixels)
         if (isnan(value[i]))
             continue;
         out.least = out.pixels == 0 || value[i] < out.least ? value[i] : out.least;
-        out.most = out.pixels == 0 || value[i] > out.most ? value[i] : out.most;
+        if (out.pixels == 0 || value[i] > out.most) {
+            out.most = value[i];
+            out.most_at = i;
+        }
         out.sum += value[i];
         out.pixels++;
     }

@@ -80,6 +80,7 @@ void show_difference(const struct show *show, const double *first, const double 
 struct show_sum {
     size_t pixels;                 /* with a value */
     double sum, least, most, mean; /* 0 without a pixel */
+    size_t most_at;                /* the first pixel that has the most */
 };
 
 struct show_sum show_sum_of(const double *value, size_t pixels);

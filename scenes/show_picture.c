@@ -1,12 +1,15 @@
 #include "scenes/show_picture.h"
 
 #include "ref/mutant.h"
+#include "scenes/draw.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#define LEAST_SIDE 320u /* pixels are enlarged until a picture is so wide */
+#define ERROR_LEAST 1e-3 /* errors of a smaller share of their bound look alike */
+#define MARKS_MOST  400u /* so many odd pixels get a frame */
+#define LEAST_SIDE  320u /* pixels are enlarged until a picture is so wide */
 
 /* Which colour a verdict has: of the ten the rarest three that excuse share one. */
 enum { CLASS_OTHER = 6, CLASS_NAMES = COLOUR_CLASS_COUNT };
@@ -54,14 +57,18 @@ enum status show_range_check(const struct show *show, bool difference,
     return STATUS_OK;
 }
 
-static const char *no_data(const struct show *show, bool difference)
+/* What it means that a pixel has no value; NULL if all have one. */
+static const char *no_data(const struct show *show, bool difference, const double *value,
+                           size_t count)
 {
+    uint32_t planes = difference ? 1 : show->planes;
+    size_t with = 0;
+    while (with < count && !isnan(value[planes * with]))
+        with++;
+    if (with == count)
+        return NULL;
     if (show->id == SHOW_INFLATION)
         return "no box to compare";
-    if (show->from == SHOW_FROM_WALK && show->id != SHOW_OVERLAP && show->id != SHOW_OVERLAP_ALL)
-        return NULL;
-    if (show->id == SHOW_CLASS)
-        return NULL;
     if (show->names && difference)
         return "miss in both";
     if (show->id == SHOW_ERROR)
@@ -69,18 +76,52 @@ static const char *no_data(const struct show *show, bool difference)
     return difference ? "miss in one or both" : "miss";
 }
 
-static void set_ends(const struct show *show, const float *value, size_t count,
-                     const struct show_range *range, struct colour_scale *scale)
+static int by_value(const void *a, const void *b)
 {
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* What nine of ten differences do not exceed, those of 0 left out: a few large ones would make all
+ * others look like none. 0 without any. Errors: STATUS_MEMORY. */
+static enum status usual(const float *value, size_t count, double *out, struct reason *reason)
+{
+    size_t some = 0;
+    *out = 0.0;
+    float *size = alloc_zeroed(count, sizeof *size);
+    if (!size)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu pixels", count);
+    for (size_t i = 0; i < count; i++)
+        if (float_is_finite(value[i]) && value[i] != 0.0f)
+            size[some++] = fabsf(value[i]);
+    qsort(size, some, sizeof *size, by_value);
+    if (some > 0)
+        *out = (double)size[(some - 1) * 9 / 10];
+    free(size);
+    return STATUS_OK;
+}
+
+static enum status set_ends(const struct show *show, const float *value, size_t count,
+                            const struct show_range *range, struct colour_scale *scale,
+                            struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    double most;
     colour_fit(scale, value, count);
     if (show->id == SHOW_ERROR && scale->kind == COLOUR_SEQUENTIAL) {
-        scale->lo = 0.0;
+        scale->logarithmic = true;
+        scale->lo = ERROR_LEAST;
         scale->hi = fmax(scale->hi, 1.0);
+    } else if (scale->kind == COLOUR_DIVERGING && !range->given) {
+        status = usual(value, count, &most, reason);
+        scale->hi = most > 0.0 ? most : scale->hi;
     }
     if (range->given) {
         scale->lo = range->lo;
         scale->hi = range->hi;
+        scale->logarithmic = scale->logarithmic && scale->lo > 0.0;
     }
+    return status;
 }
 
 static void count_classes(const double *value, size_t count, struct legend *legend)
@@ -123,6 +164,28 @@ static uint32_t colour_at(const struct show *show, bool difference, const double
     return colour_of(scale, amount[i]);
 }
 
+/* A pixel in half a million is not seen: a few that are not right, or that differ, get a frame. */
+static void mark(const struct show *show, bool difference, const double *value, uint32_t width,
+                 size_t count, const uint32_t *pixel, const struct colour_place *place,
+                 struct image *image)
+{
+    size_t marks = 0;
+    const double plain = difference ? 0.0 : (double)VERDICT_RIGHT;
+    if (place->zoom > 3 || (!difference && show->id != SHOW_CLASS) || !show->names)
+        return;
+    for (size_t i = 0; i < count; i++)
+        marks += !isnan(value[i]) && value[i] != plain;
+    for (size_t i = 0; i < count && marks <= MARKS_MOST; i++) {
+        int x = (int)(place->x + (uint32_t)(i % width) * place->zoom);
+        int y = (int)(place->y + (uint32_t)(i / width) * place->zoom);
+        int side = (int)place->zoom + 8;
+        if (!isnan(value[i]) && value[i] != plain) {
+            draw_frame(image, x - 4, y - 4, side, side, pixel[i]);
+            draw_frame(image, x - 5, y - 5, side + 2, side + 2, pixel[i]);
+        }
+    }
+}
+
 static enum status draw(const struct show *show, bool difference, const double *value,
                         uint32_t width, uint32_t height, const struct colour_scale *scale,
                         const float *amount, struct image *out, struct colour_place *place,
@@ -137,6 +200,8 @@ static enum status draw(const struct show *show, bool difference, const double *
     enum status status =
         colour_picture_of(scale, pixel, width, height, width < LEAST_SIDE ? LEAST_SIDE / width : 1,
                           out, place, reason);
+    if (!status)
+        mark(show, difference, value, width, count, pixel, place, out);
     free(pixel);
     return status;
 }
@@ -152,7 +217,7 @@ enum status show_picture(const struct show *show, bool difference, const double 
     struct colour_scale scale = {.kind = COLOUR_IDS,
                                  .title = title,
                                  .unit = show->label,
-                                 .no_data = no_data(show, difference)};
+                                 .no_data = no_data(show, difference, value, count)};
     *out = (struct image){0};
     enum status status = show_range_check(show, difference, range, reason);
     if (status)
@@ -166,7 +231,7 @@ enum status show_picture(const struct show *show, bool difference, const double 
         bool both_sides = difference && show->planes == 1;
         scale.kind = both_sides ? COLOUR_DIVERGING : COLOUR_SEQUENTIAL;
         scale.unit = show->planes == 3 ? "degrees between" : show->label;
-        set_ends(show, amount, count, range, &scale);
+        status = set_ends(show, amount, count, range, &scale, reason);
     } else if (difference) {
         scale.kind = COLOUR_CLASSES;
         scale.class_name = same_or_not;
@@ -177,7 +242,8 @@ enum status show_picture(const struct show *show, bool difference, const double 
         scale.class_name = legend.name;
         scale.class_count = CLASS_NAMES;
     }
-    status = draw(show, difference, value, width, height, &scale, amount, out, place, reason);
+    if (!status)
+        status = draw(show, difference, value, width, height, &scale, amount, out, place, reason);
     free(amount);
     return status;
 }

@@ -351,6 +351,7 @@ static void sums_leave_out_what_has_no_value(void **state)
     struct show_sum sum = show_sum_of(value, 5);
     assert_int_equal(sum.pixels, 3);
     assert_true(sum.sum == 9.0 && sum.least == -2.0 && sum.most == 7.0 && sum.mean == 3.0);
+    assert_int_equal(sum.most_at, 4);
     sum = show_sum_of(none, 2);
     assert_true(sum.pixels == 0 && sum.sum == 0.0 && sum.mean == 0.0);
 }

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define WIDTH  4u
@@ -69,31 +70,73 @@ static void amounts_go_from_the_least_to_the_most(void **state)
     assert_int_equal(colour[1], colour[2]);
 }
 
+/* Nine of ten differences are within: 3, of 1, 1, 2, 3 and 40. */
 static void differences_have_0_in_the_middle(void **state)
 {
     (void)state;
-    const double value[] = {-2, 0, 4, NAN, 1, 4, 0, 0};
+    const double value[] = {-2, 0, 3, NAN, 1, 40, 0, -1};
     uint32_t colour[WIDTH * HEIGHT];
     colours_of("depth", true, value, &fits, colour);
     for (size_t i = 0; i < ARRAY_COUNT(value); i++)
         assert_int_equal(colour[i],
-                         isnan(value[i]) ? COLOUR_NO_DATA : colour_diverging(value[i] / 4));
+                         isnan(value[i]) ? COLOUR_NO_DATA : colour_diverging(value[i] / 3));
+    assert_int_equal(colour[5], colour[2]);
     const struct show_range range = {true, -8, 8};
     colours_of("depth", true, value, &range, colour);
-    assert_int_equal(colour[2], colour_diverging(0.5));
+    assert_int_equal(colour[2], colour_diverging(3.0 / 8.0));
+    const double none[] = {0, 0, 0, 0, 0, 0, 0, 0};
+    colours_of("depth", true, none, &fits, colour);
+    assert_int_equal(colour[5], colour_diverging(0));
 }
 
 /* So that a picture without a bug does not look like one that is full of them. */
 static void errors_go_to_the_bound_at_least(void **state)
 {
     (void)state;
-    const double small[] = {0, 0.25, 0.5, NAN, 0, 0, 0, 0};
-    const double large[] = {0, 0.25, 0.5, NAN, 0, 0, 0, 4};
+    const double small[] = {0, 0.1, 0.01, NAN, 0.001, 0, 0, 0};
+    const double large[] = {0, 0.1, 0.01, NAN, 0.001, 0, 0, 1000};
     uint32_t colour[WIDTH * HEIGHT];
     colours_of("error", false, small, &fits, colour);
-    assert_int_equal(colour[2], colour_sequential(0.5));
+    assert_int_equal(colour[1], colour_sequential(2.0 / 3.0));
+    assert_int_equal(colour[0], colour_sequential(0.0));
     colours_of("error", false, large, &fits, colour);
-    assert_int_equal(colour[2], colour_sequential(0.125));
+    assert_int_equal(colour[1], colour_sequential(2.0 / 6.0));
+    const struct show_range range = {true, 0, 0.2};
+    colours_of("error", false, small, &range, colour);
+    assert_int_equal(colour[1], colour_sequential(0.5));
+}
+
+/* One in 300,000 is framed, and no pixel but those around it changes. */
+static void few_odd_pixels_are_framed(void **state)
+{
+    (void)state;
+    const uint32_t width = 640, height = 480, x = 300, y = 200;
+    double *value = calloc((size_t)width * height, sizeof *value);
+    struct image image;
+    struct colour_place place;
+    assert_non_null(value);
+    value[(size_t)y * width + x] = VERDICT_BOUNDARY;
+    assert_int_equal(show_picture(show_find("class"), false, value, width, height, &fits, "title",
+                                  &image, &place, NULL),
+                     STATUS_OK);
+    assert_int_equal(place.zoom, 1);
+    const uint32_t *at = image.pixel + (size_t)(place.y + y) * image.width + place.x + x;
+    const uint32_t right = colour_of_class(0), odd = colour_of_class(4);
+    size_t framed = 0;
+    for (uint32_t j = 0; j < height; j++)
+        for (uint32_t i = 0; i < width; i++) {
+            uint32_t c = image.pixel[(size_t)(place.y + j) * image.width + place.x + i];
+            framed += c == odd;
+            assert_true(c == right || c == odd);
+        }
+    assert_int_equal(at[0], odd);
+    assert_int_equal(at[3], right);
+    assert_int_equal(at[4], odd);
+    assert_int_equal(at[5], odd);
+    assert_int_equal(at[6], right);
+    assert_int_equal(framed, 1 + 32 + 40);
+    image_free(&image);
+    free(value);
 }
 
 static void names_have_colours_of_their_own(void **state)
@@ -168,6 +211,7 @@ int main(void)
         cmocka_unit_test(amounts_go_from_the_least_to_the_most),
         cmocka_unit_test(differences_have_0_in_the_middle),
         cmocka_unit_test(errors_go_to_the_bound_at_least),
+        cmocka_unit_test(few_odd_pixels_are_framed),
         cmocka_unit_test(names_have_colours_of_their_own),
         cmocka_unit_test(verdicts_are_told_apart),
         cmocka_unit_test(normals_are_colours_and_their_difference_an_angle),
