@@ -45,13 +45,15 @@ double frames_angle(const struct frames_settings *settings, int64_t frame)
     return turn * (double)settings->turns * (double)frame / (double)settings->frames;
 }
 
-/* One frame by all. *drawn is false if the run was stopped before all had drawn it. */
+/* One frame by all, beginning with another each time, since who follows whom can matter. *drawn is
+ * false if the run was stopped before all had drawn it. */
 static enum status draw_all(struct frames_run *run, int64_t frame, frames_draw *draw, void *user,
                             bool *drawn, struct reason *reason)
 {
     double angle = frames_angle(&run->settings, frame);
     *drawn = false;
-    for (size_t i = 0; i < run->count; i++) {
+    for (size_t k = 0; k < run->count; k++) {
+        size_t i = (k + (frame < 0 ? 0 : (size_t)frame)) % run->count;
         struct frames_contestant *c = &run->contestant[i];
         struct frames_sample sample = {0};
         if (run->settings.stop && *run->settings.stop)

@@ -66,9 +66,10 @@ enum status frames_enter(struct frames_run *run, const char *handler, uint64_t b
 /* The angle of a measured frame; warm-up frames have those before it: negative numbers. */
 double frames_angle(const struct frames_settings *settings, int64_t frame);
 
-/* Draws warm-up and frames; `tell` may be NULL. A frame that not all have drawn, because the run
- * was stopped or one failed, does not count. Errors: those of draw and tell; what was measured
- * before stays in the run, and after an error of draw it has been told. */
+/* Draws warm-up and frames, each frame beginning with the next contestant; `tell` may be NULL. A
+ * frame that not all have drawn, because the run was stopped or one failed, does not count. Errors:
+ * those of draw and tell; what was measured before stays in the run, and after an error of draw it
+ * has been told. */
 enum status frames_measure(struct frames_run *run, frames_draw *draw, frames_tell *tell, void *user,
                            struct reason *reason) MUST_USE;
 

@@ -1,5 +1,6 @@
 #include "bench/spread.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static int by_value(const void *a, const void *b)
@@ -13,4 +14,11 @@ struct spread spread_of(double *value, size_t count)
     qsort(value, count, sizeof *value, by_value);
     double middle = count % 2 ? value[count / 2] : 0.5 * (value[count / 2 - 1] + value[count / 2]);
     return (struct spread){middle, value[0], value[count - 1]};
+}
+
+double spread_median_most(double *value, size_t count)
+{
+    double rank = ceil(0.5 * (double)count + 0.98 * sqrt((double)count));
+    qsort(value, count, sizeof *value, by_value);
+    return rank < (double)count ? value[(size_t)rank - 1] : value[count - 1];
 }

@@ -90,6 +90,7 @@
 #define MUTANT_DEATH_SPIRAL    350 /* after a stall all the time lost is made up for */
 #define MUTANT_TWO_IN_FLIGHT   351 /* a frame is begun while one is in flight */
 #define MUTANT_SAME_TREE       353 /* Figure 8: both handlers by the tree of one */
+#define MUTANT_PIXELS_ALONE    354 /* frames with the same 8-bit pixels are equal */
 #define MUTANT_SHADOW_BEYOND   320 /* what lies beyond a light shadows it */
 #define MUTANT_POW_IS_EXACT    321 /* pow is taken to be the same everywhere */
 #define MUTANT_EYE_UNLIT       322 /* the light at the eye stands at the origin */

@@ -100,7 +100,7 @@ static void contestants_take_turns_at_the_same_angles(void **state)
     assert_int_equal(drawer.calls, 2 * 22);
     assert_true(run.done == 20 && run.dropped == 2 && !run.stopped);
     for (unsigned i = 0; i < drawer.calls; i++) {
-        assert_int_equal(drawer.who[i], i % 2);
+        assert_int_equal(drawer.who[i], i < 4 ? i % 2 : (i + i / 2) % 2);
         assert_true(drawer.angle[i] == frames_angle(&run.settings, (int64_t)(i / 2) - 2));
     }
     frames_free(&run);
@@ -133,6 +133,21 @@ static void a_slow_frame_is_in_the_statistics(void **state)
     ratio = frames_ratio(&run, 0, 1);
     assert_true(ratio.least == 2.0 / 103 && ratio.most == 2.0 / 3);
     frames_free(&run);
+}
+
+/* Of 9 values the 8th largest, of 200 the 114th; the interval is narrower the more there are. */
+static void the_median_is_known_within_ranks(void **state)
+{
+    (void)state;
+    double value[200];
+    static const size_t counts[] = {1, 2, 9, 200};
+    static const double expected[] = {1, 2, 8, 114};
+    for (size_t i = 0; i < ARRAY_COUNT(counts); i++) {
+        for (size_t k = 0; k < counts[i]; k++)
+            value[k] = (double)(counts[i] - k);
+        assert_true(spread_median_most(value, counts[i]) == expected[i]);
+        assert_true(spread_of(value, counts[i]).median <= expected[i]);
+    }
 }
 
 static void one_sample_of_the_host_clock_names_it(void **state)
@@ -230,7 +245,8 @@ static void files_hold_the_run(void **state)
     (void)state;
     char base[256];
     snprintf(base, sizeof base, "%s/run", root);
-    struct drawer drawer = {.slow_call = 2 * 6 + 2, .stop_call = 2 * 13 + 1, .base = base};
+    /* the second contestant begins an odd frame */
+    struct drawer drawer = {.slow_call = 2 * 6 + 1, .stop_call = 2 * 13 + 1, .base = base};
     struct frames_run run = made(&drawer, 40, 5, 1);
     assert_int_equal(frames_measure(&run, draw, tell, &drawer, NULL), STATUS_OK);
     assert_int_equal(run.done, 12);
@@ -283,6 +299,7 @@ int main(void)
         cmocka_unit_test(contestants_take_turns_at_the_same_angles),
         cmocka_unit_test(warm_up_is_dropped),
         cmocka_unit_test(a_slow_frame_is_in_the_statistics),
+        cmocka_unit_test(the_median_is_known_within_ranks),
         cmocka_unit_test(one_sample_of_the_host_clock_names_it),
         cmocka_unit_test(files_are_told_of_every_ten_frames_and_at_the_end),
         cmocka_unit_test(a_stopped_run_keeps_whole_frames),
