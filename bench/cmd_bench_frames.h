@@ -25,6 +25,9 @@ struct frames_session {
  * kills. */
 void frames_catch_signals(void);
 
+/* For frames_settings.stop: set by a caught signal. */
+const volatile sig_atomic_t *frames_stop_flag(void);
+
 /* 0, or the exit code of a run that a signal ended: 128 + its number. */
 int frames_signal_code(void);
 
@@ -40,12 +43,13 @@ enum status frames_session_measure(struct frames_session *session,
                                    const struct frames_settings *settings,
                                    struct reason *reason) MUST_USE;
 
-/* One line per handler: bytes, times, ratio to about.base. */
-void frames_session_print(const struct frames_session *session);
+/* What was measured, a line per handler: bytes, times, ratio to about->base; then the files' names.
+ */
+void frames_print(const struct frames_run *run, const struct frames_about *about, const char *base);
 
 void frames_session_free(struct frames_session *session); /* what it owns, not itself */
 
-/* All of it: enters `count` plans, measures, prints, writes BASE.csv and BASE.json. Returns
+/* All of it: enters `count` plans, measures, prints, writes BASE.csv, .json, .svg and .png. Returns
  * the exit code; 128 + the signal that ended it, the files holding what was measured. */
 int frames_command(const char *command, const struct painter_plan *plan, size_t count,
                    const char *scene_name, const struct scene *scene,

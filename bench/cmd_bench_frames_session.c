@@ -22,6 +22,11 @@ void frames_catch_signals(void)
     sigaction(SIGTERM, &action, NULL);
 }
 
+const volatile sig_atomic_t *frames_stop_flag(void)
+{
+    return &signalled;
+}
+
 int frames_signal_code(void)
 {
     return signalled ? 128 + signalled : 0;
@@ -63,7 +68,7 @@ enum status frames_session_measure(struct frames_session *session,
                                    const struct frames_settings *settings, struct reason *reason)
 {
     struct frames_settings stoppable = *settings;
-    stoppable.stop = &signalled;
+    stoppable.stop = frames_stop_flag();
     enum status status = frames_make(&stoppable, &session->run, reason);
     for (size_t i = 0; i < session->count && !status; i++) {
         const struct painter *painter = &session->painter[i];
@@ -77,25 +82,31 @@ enum status frames_session_measure(struct frames_session *session,
     return status;
 }
 
-void frames_session_print(const struct frames_session *session)
+static void print_line(const struct frames_run *run, size_t i, size_t base)
 {
-    const struct frames_run *run = &session->run;
-    size_t base = session->about.base;
-    printf("%-28s %9s %10s %10s %10s %10s  %-24s %s\n", "handler", "bytes", "average ms", "least",
-           "most", "median", base < run->count ? "ratio (least-most)" : "", "clock");
-    for (size_t i = 0; i < run->count; i++) {
-        const struct frames_contestant *c = &run->contestant[i];
-        struct frames_stats stats = frames_stats_of(run, i);
-        char ratio[64] = "";
-        if (base < run->count) {
-            struct spread spread = frames_ratio(run, i, base);
-            snprintf(ratio, sizeof ratio, "%.3f (%.3f-%.3f)", spread.median, spread.least,
-                     spread.most);
-        }
-        printf("%-28s %9llu %10.3f %10.3f %10.3f %10.3f  %-24s %s\n", c->handler,
-               (unsigned long long)c->bytes, stats.average, stats.least, stats.most, stats.median,
-               ratio, frames_clock(c));
+    const struct frames_contestant *c = &run->contestant[i];
+    struct frames_stats stats = frames_stats_of(run, i);
+    char ratio[64] = "";
+    if (base < run->count) {
+        struct spread spread = frames_ratio(run, i, base);
+        snprintf(ratio, sizeof ratio, "%.3f (%.3f-%.3f)", spread.median, spread.least, spread.most);
     }
+    printf("%-28s %9llu %10.3f %10.3f %10.3f %10.3f  %-24s %s\n", c->handler,
+           (unsigned long long)c->bytes, stats.average, stats.least, stats.most, stats.median,
+           ratio, frames_clock(c));
+}
+
+void frames_print(const struct frames_run *run, const struct frames_about *about, const char *base)
+{
+    printf("%s\n%u frames over %u turn%s%s; %u frames to warm up, dropped%s\n", about->title,
+           run->done, run->settings.turns, run->settings.turns == 1 ? "" : "s",
+           run->count > 1 ? ", handlers by turns" : "", run->dropped,
+           run->stopped ? "; stopped by a signal" : "");
+    printf("%-28s %9s %10s %10s %10s %10s  %-24s %s\n", "handler", "bytes", "average ms", "least",
+           "most", "median", about->base < run->count ? "ratio (least-most)" : "", "clock");
+    for (size_t i = 0; i < run->count; i++)
+        print_line(run, i, about->base);
+    printf("written: %s.csv, %s.json, %s.svg, %s.png\n", base, base, base, base);
 }
 
 void frames_session_free(struct frames_session *session)
@@ -157,13 +168,8 @@ int frames_command(const char *command, const struct painter_plan *plan, size_t 
     session->about.base = count > 1 ? 0 : SIZE_MAX;
     enum status status =
         measure_plans(session, plan, count, scene_name, scene, options, settings, &reason);
-    if (session->run.count > 0) {
-        printf("%s\n%u frames over %u turns, handlers by turns; %u frames to warm up, dropped%s\n",
-               title, session->run.done, settings->turns, session->run.dropped,
-               session->run.stopped ? "; stopped by a signal" : "");
-        frames_session_print(session);
-        printf("written: %s.csv, %s.json\n", base, base);
-    }
+    if (session->run.count > 0)
+        frames_print(&session->run, &session->about, base);
     int code = exit_of_status(status);
     if (status)
         fprintf(stderr, "raydiff %s: %s\n", command, reason.text);

@@ -1,5 +1,6 @@
 #include "bench/frames_files.h"
 
+#include "bench/chart.h"
 #include "bench/csv.h"
 #include "scenes/file.h"
 
@@ -104,10 +105,35 @@ static enum status write_json(const struct frames_run *run, const struct frames_
     return status;
 }
 
+static enum status write_chart(const struct frames_run *run, const struct frames_about *about,
+                               const char *svg, const char *png, struct reason *reason)
+{
+    struct chart_series series[FRAMES_CONTESTANTS];
+    for (size_t i = 0; i < run->count; i++) {
+        const struct frames_contestant *c = &run->contestant[i];
+        struct frames_stats stats = frames_stats_of(run, i);
+        series[i] = (struct chart_series){.name = c->handler,
+                                          .bytes = c->bytes,
+                                          .average = stats.average,
+                                          .least = stats.least,
+                                          .most = stats.most,
+                                          .value = c->ms,
+                                          .count = run->done};
+    }
+    struct chart chart = {.title = about->title,
+                          .x_label = "Frame",
+                          .y_label = CHART_DURATION,
+                          .unit = "ms",
+                          .series = series,
+                          .series_count = run->count,
+                          .x_count = run->settings.frames};
+    return chart_write(&chart, svg, png, reason);
+}
+
 enum status frames_write(const struct frames_run *run, const struct frames_about *about,
                          const char *base, struct reason *reason)
 {
-    char path[PATH_MOST];
+    char path[PATH_MOST], png[PATH_MOST];
     if (strlen(base) + 6 > sizeof path)
         return fail(reason, STATUS_INPUT, "%s: too long a name", file_label(base));
     snprintf(path, sizeof path, "%s.csv", base);
@@ -115,5 +141,10 @@ enum status frames_write(const struct frames_run *run, const struct frames_about
     if (status)
         return status;
     snprintf(path, sizeof path, "%s.json", base);
-    return write_json(run, about, path, reason);
+    status = write_json(run, about, path, reason);
+    if (status)
+        return status;
+    snprintf(path, sizeof path, "%s.svg", base);
+    snprintf(png, sizeof png, "%s.png", base);
+    return write_chart(run, about, path, png, reason);
 }

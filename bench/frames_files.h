@@ -23,6 +23,7 @@ const char *frames_clock(const struct frames_contestant *contestant);
  *   BASE.csv   a row per handler and frame: handler, bytes, clock, frame, angle_deg, ms, and the
  *              handler's average_ms, min_ms, max_ms, median_ms
  *   BASE.json  the same, with the notes, warm-up frames dropped, and ratios to about->base
+ *   BASE.svg, BASE.png   a line per handler: ms over frame
  * Errors: STATUS_INPUT cannot write (reason); STATUS_MEMORY. */
 enum status frames_write(const struct frames_run *run, const struct frames_about *about,
                          const char *base, struct reason *reason) MUST_USE;

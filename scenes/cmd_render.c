@@ -12,8 +12,8 @@
 #include <string.h>
 
 /* What else can be done with the same options; NULL-terminated. */
-extern const struct render_mode render_mode_show;
-static const struct render_mode *const modes[] = {&render_mode_show, NULL};
+extern const struct render_mode render_mode_show, render_mode_benchmark;
+static const struct render_mode *const modes[] = {&render_mode_show, &render_mode_benchmark, NULL};
 
 static const char help_head[] =
     "usage: raydiff render [SCENE] [OPTIONS]\n"

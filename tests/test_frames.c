@@ -2,6 +2,8 @@
 #define _GNU_SOURCE
 #include "bench/frames_files.h"
 #include "scenes/file.h"
+#include "scenes/image.h"
+#include "scenes/image.h"
 #include "tests/root.h"
 
 #include <setjmp.h>
@@ -278,6 +280,20 @@ static void files_hold_the_run(void **state)
                 1.5);
     json_decref(json);
     free(text);
+
+    text = read_text("svg");
+    assert_non_null(strstr(text, "RF-BVH"));
+    assert_non_null(strstr(text, "656 bytes"));
+    assert_non_null(strstr(text, "a &lt;scene&gt;"));
+    assert_non_null(strstr(text, "11.33")); /* the average of the second */
+    free(text);
+    struct image image;
+    struct reason reason = {""};
+    snprintf(base, sizeof base, "%s/run.png", root);
+    if (image_read(base, &image, &reason))
+        fail_msg("%s", reason.text);
+    assert_true(image.width > 300 && image.height > 100);
+    image_free(&image);
 }
 
 static void files_that_cannot_be_written_are_named(void **state)
