@@ -14,44 +14,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* JSON knows no NaN and no infinity: then only the bits stand there. */
-static json_t *number(double x)
-{
-    return isfinite(x) ? json_real(x) : json_null();
-}
-
-static json_t *float_json(float x)
-{
-    char bits[16];
-    snprintf(bits, sizeof bits, "0x%08x", float_bits(x));
-    return json_pack("{s:o, s:s}", "value", number((double)x), "bits", bits);
-}
-
-static json_t *floats_json(const float *x, size_t count)
-{
-    json_t *out = json_array();
-    for (size_t i = 0; i < count; i++)
-        json_array_append_new(out, float_json(x[i]));
-    return out;
-}
-
-static json_t *prim_json(uint32_t prim)
-{
-    return prim == ABI_NO_PRIM ? json_null() : json_integer((json_int_t)prim);
-}
-
-static json_t *hit_json(const struct hit *hit)
-{
-    return json_pack("{s:o, s:o, s:o, s:o}", "prim", prim_json(hit->prim), "t", float_json(hit->t),
-                     "u", float_json(hit->u), "v", float_json(hit->v));
-}
-
 static json_t *bound_json(const struct explain_bound *bound)
 {
     static const char *const faults[] = {"ok", "overflow", "flushed", "rounded", "stored", "cut"};
-    return json_pack("{s:o, s:o, s:o, s:o, s:I, s:s}", "exact", float_json(bound->exact), "tree",
-                     float_json(bound->canonical), "decoded", float_json(bound->decoded),
-                     "float16_steps", number(bound->half_steps), "float32_steps",
+    return json_pack("{s:o, s:o, s:o, s:o, s:I, s:s}", "exact", json_float(bound->exact), "tree",
+                     json_float(bound->canonical), "decoded", json_float(bound->decoded),
+                     "float16_steps", json_number(bound->half_steps), "float32_steps",
                      (json_int_t)bound->float_steps, "fault", faults[bound->fault]);
 }
 
@@ -64,9 +32,9 @@ static json_t *step_json(const struct explain_step *step)
         json_array_append_new(lo, bound_json(&step->lo[k]));
         json_array_append_new(hi, bound_json(&step->hi[k]));
         json_array_append_new(
-            slab, json_pack("{s:o, s:o, s:o, s:o}", "enter", float_json(axis->enter), "leave",
-                            float_json(axis->leave), "exact_enter", number(axis->exact_enter),
-                            "exact_leave", number(axis->exact_leave)));
+            slab, json_pack("{s:o, s:o, s:o, s:o}", "enter", json_float(axis->enter), "leave",
+                            json_float(axis->leave), "exact_enter", json_number(axis->exact_enter),
+                            "exact_leave", json_number(axis->exact_leave)));
     }
     for (uint32_t i = 0; i < step->word_count; i++) {
         char text[16];
@@ -79,7 +47,7 @@ static json_t *step_json(const struct explain_step *step)
         step->record == EXPLAIN_NONE ? json_null() : json_integer((json_int_t)step->record), "leaf",
         step->leaf, "children", refs[step->ref], "tested", step->note.tested, "hit", step->note.hit,
         "entered", step->note.visited, "skipped", step->note.skipped, "entry",
-        float_json(step->note.entry), "best", float_json(step->note.tbest), "lo", lo, "hi", hi,
+        json_float(step->note.entry), "best", json_float(step->note.tbest), "lo", lo, "hi", hi,
         "slab", slab, "words", words);
 }
 
@@ -93,7 +61,7 @@ static json_t *tried_json(const struct explanation *why)
                            cause_name(repair_cause(attempt->repair)), "repair",
                            repair_text(attempt->repair), "finished", attempt->end == REPLAY_DONE,
                            "changed", attempt->changed, "allowed", attempt->opinion.allowed,
-                           "verdict", attempt->opinion.text, "answer", hit_json(&attempt->hit)));
+                           "verdict", attempt->opinion.text, "answer", json_hit(&attempt->hit)));
     }
     return out;
 }
@@ -156,11 +124,11 @@ static json_t *subject_json(const struct explain_page *page)
 static json_t *judgement_json(const struct judged_ray *ray)
 {
     const struct judgement *judgement = &ray->judgement;
-    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "verdict",
-                     verdict_name(judgement->verdict), "wrong", wrong_name(judgement->wrong),
-                     "expected", prim_json(judgement->expected), "t_lo", number(judgement->t_lo),
-                     "t_hi", number(judgement->t_hi), "over", number(judgement->over),
-                     "displacement", number(judgement->displacement));
+    return json_pack(
+        "{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "verdict", verdict_name(judgement->verdict), "wrong",
+        wrong_name(judgement->wrong), "expected", json_prim(judgement->expected), "t_lo",
+        json_number(judgement->t_lo), "t_hi", json_number(judgement->t_hi), "over",
+        json_number(judgement->over), "displacement", json_number(judgement->displacement));
 }
 
 static json_t *page_json(const struct explain_page *page, int exit_code)
@@ -177,23 +145,23 @@ static json_t *page_json(const struct explain_page *page, int exit_code)
     json_object_set_new(out, "exit", json_integer(exit_code));
     json_object_set_new(out, "subject", subject_json(page));
     json_object_set_new(out, "command", json_string(command));
-    json_object_set_new(out, "origin", floats_json(ray->ray.org, 3));
-    json_object_set_new(out, "direction", floats_json(ray->ray.dir, 3));
-    json_object_set_new(out, "tmin", float_json(ray->ray.tmin));
-    json_object_set_new(out, "tmax", float_json(ray->ray.tmax));
+    json_object_set_new(out, "origin", json_floats(ray->ray.org, 3));
+    json_object_set_new(out, "direction", json_floats(ray->ray.dir, 3));
+    json_object_set_new(out, "tmin", json_float(ray->ray.tmin));
+    json_object_set_new(out, "tmax", json_float(ray->ray.tmax));
     json_object_set_new(out, "truth",
-                        json_pack("{s:o, s:I, s:o, s:o, s:s}", "prim", prim_json(truth->prim),
-                                  "ties", (json_int_t)truth->tie_count, "t_lo", number(truth->t_lo),
-                                  "t_hi", number(truth->t_hi), "class",
-                                  oracle_class_name((enum oracle_class)truth->class)));
+                        json_pack("{s:o, s:I, s:o, s:o, s:s}", "prim", json_prim(truth->prim),
+                                  "ties", (json_int_t)truth->tie_count, "t_lo",
+                                  json_number(truth->t_lo), "t_hi", json_number(truth->t_hi),
+                                  "class", oracle_class_name((enum oracle_class)truth->class)));
     json_object_set_new(out, "finished", json_boolean(ray->answer.finished));
     json_object_set_new(out, "reason", json_string(ray->reason.text));
-    json_object_set_new(out, "answer", hit_json(&ray->answer.hit));
+    json_object_set_new(out, "answer", json_hit(&ray->answer.hit));
     json_object_set_new(out, "judgement", judgement_json(ray));
     json_object_set_new(out, "cause", json_string(cause_name(why->cause)));
     json_object_set_new(out, "needed", needed_json(why));
     json_object_set_new(out, "inside", json_boolean(why->inside));
-    json_object_set_new(out, "c_answers", hit_json(&why->replayed));
+    json_object_set_new(out, "c_answers", json_hit(&why->replayed));
     json_object_set_new(out, "end", json_string(explain_end_name(why->end)));
     json_object_set_new(out, "last", json_integer((json_int_t)why->last));
     json_object_set_new(out, "way", way);

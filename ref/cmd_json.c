@@ -2,7 +2,40 @@
 
 #include "ref/cmd_options.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+
+json_t *json_number(double x)
+{
+    return isfinite(x) ? json_real(x) : json_null();
+}
+
+json_t *json_float(float x)
+{
+    char bits[16];
+    snprintf(bits, sizeof bits, "0x%08x", float_bits(x));
+    return json_pack("{s:o, s:s}", "value", json_number((double)x), "bits", bits);
+}
+
+json_t *json_floats(const float *x, size_t count)
+{
+    json_t *out = json_array();
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(out, json_float(x[i]));
+    return out;
+}
+
+json_t *json_prim(uint32_t prim)
+{
+    return prim == ABI_NO_PRIM ? json_null() : json_integer((json_int_t)prim);
+}
+
+json_t *json_hit(const struct hit *hit)
+{
+    return json_pack("{s:o, s:o, s:o, s:o}", "prim", json_prim(hit->prim), "t", json_float(hit->t),
+                     "u", json_float(hit->u), "v", json_float(hit->v));
+}
 
 enum status json_write(const char *path, json_t *root, unsigned digits, struct reason *reason)
 {

@@ -2,6 +2,7 @@
 #ifndef CMD_JSON_H
 #define CMD_JSON_H
 
+#include "ref/abi.h"
 #include "ref/base.h"
 
 #include <jansson.h>
@@ -10,5 +11,16 @@
  * reals with so many digits. Errors: STATUS_MEMORY; STATUS_INPUT cannot write. */
 enum status json_write(const char *path, json_t *root, unsigned digits,
                        struct reason *reason) MUST_USE;
+
+/* JSON knows no NaN and no infinity: these become null. NULL without memory, as all of these. */
+json_t *json_number(double x);
+
+/* {"value": a number or null, "bits": "0x..."}, one and several. */
+json_t *json_float(float x);
+json_t *json_floats(const float *x, size_t count);
+
+/* A triangle, or null for ABI_NO_PRIM; and a hit with its t, u and v. */
+json_t *json_prim(uint32_t prim);
+json_t *json_hit(const struct hit *hit);
 
 #endif
