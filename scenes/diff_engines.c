@@ -1,5 +1,7 @@
 #include "scenes/diff_engines.h"
 
+#include "scenes/image_diff.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -85,22 +87,6 @@ bool sides_same_bits(const struct side *a, const struct side *b)
            of_a->box == of_b->box && of_a->tri == of_b->tri;
 }
 
-/* Whether the pixel is to be explained: see pair_compare. */
-static bool to_explain(const struct frame *a, const struct frame *b, size_t pixel, uint32_t bounces,
-                       const struct frame_diff *diff, bool same_bits)
-{
-    const struct segment *of_a = a->segment + pixel * bounces, *of_b = b->segment + pixel * bounces;
-    if (same_bits)
-        return diff->paths_apart + diff->excess > 0;
-    if (diff->colours > 0)
-        return true;
-    for (uint32_t i = 0; i < bounces && of_a[i].prim != ABI_NO_SEGMENT; i++)
-        if (of_a[i].prim != of_b[i].prim || of_a[i].asked != of_b[i].asked ||
-            of_a[i].shadowed != of_b[i].shadowed)
-            return true;
-    return diff->paths_apart > 0 && diff->field[PATH_PRIM] > 0;
-}
-
 static void add_diff(struct frame_diff *to, const struct frame_diff *one)
 {
     to->paths += one->paths;
@@ -129,7 +115,14 @@ enum status pair_compare(const struct side *a, const struct side *b, struct pair
         struct frame_diff one = {0};
         frame_compare_pixel(&a->frame, &b->frame, i, a->job.look.bounces, &one);
         add_diff(&out->diff, &one);
-        if (!to_explain(&a->frame, &b->frame, i, a->job.look.bounces, &one, out->same_bits))
+        if (one.allowed && out->border_count < PAIR_KEPT) {
+            float bound = a->frame.bound[i];
+            out->border[out->border_count++] =
+                (struct pixel_border){i,
+                                      {a->frame.pixel[i], b->frame.pixel[i]},
+                                      isnan(bound) ? b->frame.bound[i] : bound};
+        }
+        if (one.paths_apart + one.excess == 0)
             continue;
         if (array_reserve(&list, &capacity, *count + 1, sizeof **pixel)) {
             free(list);
@@ -152,14 +145,11 @@ size_t pair_batch(const struct frame_job *job)
 static void count_pixel(struct pair *pair, const struct pixel_why *found)
 {
     const struct path_why *why = &found->why;
+    if (pair->why[why->why] < PAIR_KEPT)
+        pair->example[why->why][pair->why[why->why]] = *found;
     pair->why[why->why]++;
     pair->verdict[why->verdict] += why->why == WHY_ALLOWED;
     pair->over = why->over > pair->over ? why->over : pair->over;
-    bool fault = why_is_fault(why->why);
-    struct pixel_why *kept = fault ? pair->fault : pair->other;
-    size_t *count = fault ? &pair->fault_count : &pair->other_count;
-    if (*count < PAIR_KEPT)
-        kept[(*count)++] = *found;
 }
 
 /* One pixel: are the pictures what the walks say, and if so, why do these part? */
@@ -169,7 +159,7 @@ static enum status explain_pixel(const struct side *const side[2], const struct 
 {
     uint32_t bounces = side[0]->job.look.bounces;
     const struct frame *a = &side[0]->frame, *b = &side[1]->frame;
-    out->apart = pixel_apart(a->pixel[out->pixel], b->pixel[out->pixel]);
+    out->apart = image_diff_of(a->pixel[out->pixel], b->pixel[out->pixel]);
     out->field = path_first(a->segment + out->pixel * bounces, b->segment + out->pixel * bounces,
                             bounces, &out->segment);
     enum status status = why_paths(judges, &walk[0], &walk[1], index, &out->why, reason);
@@ -216,6 +206,8 @@ enum status pair_explain(struct side *a, struct side *b, const struct view *view
     enum query query = a->job.look.profile == PROFILE_RTRS ? QUERY_CLOSEST : QUERY_ANY;
     enum status status =
         why_judges_make(oracle, a->job.job.scene, model, a->job.job.tri, query, &judges, reason);
+    judges.published[0] = a->published;
+    judges.published[1] = b->published;
     if (!status)
         status = side_walk(a, view, pixel, count, &walk[0], reason);
     if (!status)

@@ -12,6 +12,7 @@ struct side {
     struct engine_options options;
     struct frame_job job;
     struct model model;
+    bool published; /* its tree or box test is as published: wrong answers are expected */
     struct renderer *renderer;  /* draws */
     struct renderer *by_waves;  /* answers rays: the same, or opened when first asked */
     struct frame frame;         /* owned */
@@ -19,7 +20,8 @@ struct side {
 };
 
 /* Opens an engine and prepares it for a job, which is borrowed with all it points at. `waves`: see
- * renderer_open. Errors: as renderer_open and renderer_prepare. On error *out is closed. */
+ * renderer_open. `published` is for the caller to set. Errors: as renderer_open and
+ * renderer_prepare. On error *out is closed. */
 enum status side_open(const struct engine *engine, const struct engine_options *options,
                       const struct frame_job *job, bool waves, struct side *out,
                       struct reason *reason) MUST_USE;
@@ -47,7 +49,14 @@ struct pixel_why {
     struct path_why why;
 };
 
-#define PAIR_KEPT 16 /* of each kind: faults, and others */
+/* One pixel on the same path whose value differs as rounding allows. */
+struct pixel_border {
+    size_t pixel;
+    uint32_t value[2];
+    float bound; /* of struct frame */
+};
+
+#define PAIR_KEPT 16 /* of each kind */
 
 /* What was found about a pair. */
 struct pair {
@@ -56,15 +65,16 @@ struct pair {
     bool bounded;          /* the C renderer drew one of them; else colours are left to the walks */
     size_t asked;          /* pixels to be explained */
     size_t why[WHY_COUNT]; /* of them */
-    size_t verdict[VERDICT_COUNT]; /* kinds of why[WHY_ALLOWED] */
-    double over;                   /* largest err/E */
-    struct pixel_why fault[PAIR_KEPT], other[PAIR_KEPT];
-    size_t fault_count, other_count; /* kept */
+    size_t verdict[VERDICT_COUNT];                  /* kinds of why[WHY_ALLOWED] */
+    double over;                                    /* largest err/E */
+    struct pixel_why example[WHY_COUNT][PAIR_KEPT]; /* the first why[i] of them, if so many */
+    struct pixel_border border[PAIR_KEPT];
+    size_t border_count; /* kept */
 };
 
 /* Compares the drawn frames of two sides of the same size. *pixel (caller frees) are the `count`
- * pixels to be explained: those whose value, hits or shadows differ; where the same bits are
- * demanded those that differ in any bit, but for values that rounding allows.
+ * pixels to be explained: those whose path differs in any bit, or whose value differs by more than
+ * rounding allows.
  * Errors: STATUS_MEMORY. */
 enum status pair_compare(const struct side *a, const struct side *b, struct pair *out,
                          size_t **pixel, size_t *count, struct reason *reason) MUST_USE;

@@ -1,6 +1,7 @@
 #include "scenes/diff_frames.h"
 
 #include "ref/mutant.h"
+#include "scenes/image_diff.h"
 
 #include <math.h>
 
@@ -63,16 +64,6 @@ enum path_field path_first(const struct segment *a, const struct segment *b, uin
     return PATH_SAME;
 }
 
-unsigned pixel_apart(uint32_t a, uint32_t b)
-{
-    unsigned most = 0;
-    for (unsigned shift = 0; shift < 32; shift += 8) {
-        unsigned x = a >> shift & 255u, y = b >> shift & 255u, difference = x > y ? x - y : y - x;
-        most = difference > most ? difference : most;
-    }
-    return most;
-}
-
 bool pixel_within(const float color[3], float bound, uint32_t pixel)
 {
     for (unsigned channel = 0; channel < 3; channel++) {
@@ -118,7 +109,7 @@ void frame_compare_pixel(const struct frame *a, const struct frame *b, size_t pi
     const struct segment *path_a = a->segment + pixel * bounces;
     const struct segment *path_b = b->segment + pixel * bounces;
     enum path_field first = count_segments(path_a, path_b, bounces, diff);
-    unsigned difference = pixel_apart(a->pixel[pixel], b->pixel[pixel]);
+    unsigned difference = image_diff_of(a->pixel[pixel], b->pixel[pixel]);
     diff->paths++;
     diff->paths_apart += first != PATH_SAME;
     diff->first[first]++;

@@ -30,9 +30,6 @@ struct frame_diff {
 enum path_field path_first(const struct segment *a, const struct segment *b, uint32_t bounces,
                            uint32_t *segment);
 
-/* The largest difference of a channel of two pixels, 0 to 255; alpha is one, too. */
-unsigned pixel_apart(uint32_t a, uint32_t b);
-
 /* Whether `pixel` can be the value of a renderer whose colour differs from `color` by what `bound`
  * (of struct frame) says: each channel within `bound` of a rounding border between the two, where
  * they differ. NaN as a bound allows nothing. */

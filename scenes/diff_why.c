@@ -8,8 +8,8 @@
 
 const char *why_name(enum why why)
 {
-    static const char *const names[WHY_COUNT] = {"same",     "rounding", "allowed",    "drift",
-                                                 "renderer", "wrong",    "unexplained"};
+    static const char *const names[WHY_COUNT] = {"same",      "rounding", "allowed", "drift",
+                                                 "published", "renderer", "wrong",   "unexplained"};
     return why < WHY_COUNT ? names[why] : "unknown";
 }
 
@@ -93,13 +93,15 @@ static bool judge_both(struct following *f, uint32_t segment, uint32_t light,
         if (answer->judgement.over > out->over)
             out->over = answer->judgement.over;
     }
-    for (unsigned side = 0; side < 2 && !*status; side++)
-        if (out->answer[side].judgement.verdict == VERDICT_WRONG && MUTANT != MUTANT_NOBODY_WRONG) {
-            part(f, WHY_WRONG, segment, light);
-            out->side = side;
-            return true;
-        }
-    return false;
+    for (unsigned side = 0; side < 2 && !*status && MUTANT != MUTANT_NOBODY_WRONG; side++) {
+        bool published = f->judges->published[side];
+        if (out->answer[side].judgement.verdict != VERDICT_WRONG ||
+            (published && out->why == WHY_WRONG))
+            continue;
+        part(f, published ? WHY_PUBLISHED : WHY_WRONG, segment, light);
+        out->side = side;
+    }
+    return out->why == WHY_WRONG || out->why == WHY_PUBLISHED;
 }
 
 /* Both answers are allowed, and what follows from them differs. */

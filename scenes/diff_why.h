@@ -7,19 +7,21 @@
 #include "scenes/diff_walk.h"
 
 enum why {
-    WHY_SAME,     /* every ray and every hit has the same bits */
-    WHY_ROUNDING, /* the same triangles and shadows all along; t, u or v differ within their bounds
-                   */
-    WHY_ALLOWED,  /* an allowed class of the judge's: path_why.verdict */
-    WHY_DRIFT,    /* the rays differ already, by what was allowed before; both are right about
-                     their own */
-    WHY_RENDERER, /* the engine's picture is not what the answers to its own rays give */
-    WHY_WRONG,    /* the judge says so */
+    WHY_SAME,      /* every ray and every hit has the same bits */
+    WHY_ROUNDING,  /* the same triangles and shadows all along; t, u or v differ within their bounds
+                    */
+    WHY_ALLOWED,   /* an allowed class of the judge's: path_why.verdict */
+    WHY_DRIFT,     /* the rays differ already, by what was allowed before; both are right about
+                      their own */
+    WHY_PUBLISHED, /* the judge calls the answer of an engine on parts as published wrong: their
+                      faults are known */
+    WHY_RENDERER,  /* the engine's picture is not what the answers to its own rays give */
+    WHY_WRONG,     /* the judge says so */
     WHY_UNEXPLAINED,
     WHY_COUNT
 };
 
-/* "same", "rounding", "allowed", "drift", "renderer", "wrong", "unexplained". */
+/* "same", "rounding", "allowed", "drift", "published", "renderer", "wrong", "unexplained". */
 const char *why_name(enum why why);
 
 /* True if it is nobody's right: renderer, wrong, unexplained. */
@@ -53,6 +55,7 @@ struct path_why {
 struct why_judges {
     const struct oracle *oracle;
     struct judge *closest[2], *shadow[2];
+    bool published[2]; /* false unless the caller sets it: wrong answers are expected */
 };
 
 /* `model` are the two engines', `tri` what they were asked to run.

@@ -219,15 +219,6 @@ static void colours_at_the_ends(void **state)
     assert_false(pixel_within(middle, INFINITY, grey(3) & 0xFFFFFFu)); /* not opaque */
 }
 
-static void channels_are_apart(void **state)
-{
-    (void)state;
-    assert_int_equal(pixel_apart(0xFF102030u, 0xFF102030u), 0);
-    assert_int_equal(pixel_apart(0xFF102030u, 0xFF0F2230u), 2);
-    assert_int_equal(pixel_apart(0xFF000000u, 0x00000000u), 255);
-    assert_int_equal(pixel_apart(0xFFFF0000u, 0xFF000000u), 255);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -242,7 +233,6 @@ int main(void)
         cmocka_unit_test_setup(the_bound_is_of_whoever_has_one, both),
         cmocka_unit_test_setup(other_paths_have_no_bound, both),
         cmocka_unit_test(colours_at_the_ends),
-        cmocka_unit_test(channels_are_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

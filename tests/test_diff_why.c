@@ -259,6 +259,23 @@ static void lies_are_wrong(void **state)
         }
 }
 
+/* Known to be wrong; but not if the other one is wrong, too. */
+static void faults_as_published_are_known(void **state)
+{
+    (void)state;
+    size_t why[WHY_COUNT];
+    s.judges.published[1] = true;
+    count_whys(LOST_HIT, 0, why);
+    assert_true(why[WHY_PUBLISHED] > 20);
+    assert_int_equal(why[WHY_WRONG] + why[WHY_UNEXPLAINED], 0);
+    s.judges.published[0] = true;
+    s.judges.published[1] = false;
+    count_whys(LOST_HIT, 0, why);
+    assert_true(why[WHY_WRONG] > 20);
+    assert_int_equal(why[WHY_PUBLISHED], 0);
+    s.judges.published[0] = false;
+}
+
 static void shadows_are_judged(void **state)
 {
     (void)state;
@@ -348,10 +365,10 @@ static void pictures_are_held_to_their_walks(void **state)
     assert_int_equal(pair_explain(&s.cpu, &other, &s.view, s.oracle, pixel, count, &pair, &reason),
                      STATUS_OK);
     assert_int_equal(pair.why[WHY_RENDERER], 2);
-    assert_int_equal(pair.fault_count, 2);
-    assert_int_equal(pair.fault[0].pixel, at);
-    assert_int_equal(pair.fault[0].field, PATH_SHADOWED);
-    assert_int_equal(pair.fault[0].why.side, 1);
+    assert_int_equal(pair.example[WHY_RENDERER][0].pixel, at);
+    assert_int_equal(pair.example[WHY_RENDERER][0].field, PATH_SHADOWED);
+    assert_int_equal(pair.example[WHY_RENDERER][0].why.side, 1);
+    assert_int_equal(pair.example[WHY_RENDERER][1].pixel, at + 1);
     other.model.bits = false; /* explained or not, it is a fault */
     pair.same_bits = false;
     assert_false(pair_agrees(&pair));
@@ -366,6 +383,7 @@ int main(void)
         cmocka_unit_test(nothing_differs),
         cmocka_unit_test(an_ulp_is_rounding_or_drift),
         cmocka_unit_test(lies_are_wrong),
+        cmocka_unit_test(faults_as_published_are_known),
         cmocka_unit_test(shadows_are_judged),
         cmocka_unit_test(what_nobody_caused_is_unexplained),
         cmocka_unit_test(the_published_profile_asks_otherwise),
