@@ -21,7 +21,7 @@ static const struct command commands[] = {
     {"report", "one HTML file of it all: agreement, speed, size, pictures, findings", cmd_report},
     {"precompute", "writes a tree as BVH JSON, byte for byte as the seed's tool would",
      cmd_precompute},
-    {"diff", "two pictures compared: counts, sizes, where, a heat map", cmd_diff},
+    {"diff", "two pictures, or engines on a scene: which pixel differs, and why", cmd_diff},
     {"render", "pictures of a scene by any engine, with shadows and reflections", cmd_render},
     {"scene", "what a scene is, from one format to another, and which there are", cmd_scene},
     {"leaks", "rays from inside a closed mesh: what passes, what is hit twice", cmd_leaks},

@@ -2,6 +2,7 @@
 #include "scenes/cmd_diff.h"
 
 #include "ref/command.h"
+#include "scenes/cmd_render_out.h"
 #include "scenes/image_diff.h"
 
 #include <math.h>
@@ -310,7 +311,11 @@ static enum status report(const struct diff_run *run, int *code, struct reason *
 static enum status play(struct diff_run *run, int *code, struct reason *reason)
 {
     const struct diff_options *o = run->options;
-    enum status status = render_stage_open("diff", &o->settings, &run->stage, reason);
+    enum status status = render_try_output(o->out, reason);
+    if (!status)
+        status = render_try_output(o->json, reason);
+    if (!status)
+        status = render_stage_open("diff", &o->settings, &run->stage, reason);
     if (status)
         return status;
     run->view = render_stage_view(&run->stage, o->angle);

@@ -10,7 +10,7 @@
 /* The page: one path, several engines. */
 struct page {
     struct diff_run *run;
-    struct why_judges judges; /* of the member being shown, side 0 */
+    struct why_judges judges;         /* of the member being shown, side 0 */
     const struct diff_member *judged; /* that member */
     int code;
     json_t *json; /* NULL: not asked for */
@@ -125,8 +125,7 @@ static enum status print_light(struct page *page, const struct diff_member *memb
     printf("at distance ");
     print_float(light->far);
     printf(light->shadowed ? ": in the shadow\n" : ": reached\n");
-    enum status status =
-        judge_ray(page, member, true, &light->ray, &light->hit, &answer, reason);
+    enum status status = judge_ray(page, member, true, &light->ray, &light->hit, &answer, reason);
     if (status)
         return status;
     print_answer("  met", &answer);
@@ -155,7 +154,8 @@ static enum status print_step(struct page *page, const struct diff_member *membe
         if (page->run->stage.job.look.profile == PROFILE_REPAIRED)
             print_vec("plane", g);
     }
-    for (uint32_t light = 0; light < member->walk.lights && step->hit.prim != ABI_NO_PRIM; light++) {
+    for (uint32_t light = 0; light < member->walk.lights && step->hit.prim != ABI_NO_PRIM;
+         light++) {
         status = print_light(page, member, walk_light_of(&member->walk, 0, segment, light), light,
                              reason);
         if (status)
@@ -259,9 +259,8 @@ static json_t *step_json(struct page *page, const struct diff_member *member, ui
     json_t *lights = json_array();
     for (uint32_t i = 0; i < member->walk.lights && step->hit.prim != ABI_NO_PRIM; i++) {
         const struct walk_light *light = walk_light_of(&member->walk, 0, segment, i);
-        json_t *asked = light->asked
-                            ? asked_json(page, member, true, &light->ray, &light->hit)
-                            : json_null();
+        json_t *asked =
+            light->asked ? asked_json(page, member, true, &light->ray, &light->hit) : json_null();
         json_array_append_new(lights, json_pack("{s:b, s:b, s:o, s:o, s:o}", "asked", light->asked,
                                                 "shadowed", light->shadowed, "normal_light",
                                                 json_float(light->nl), "distance",
@@ -281,20 +280,18 @@ static json_t *first_json(const struct first_bit *first)
         return json_null();
     for (int i = 0; i < 2; i++)
         snprintf(bits[i], sizeof bits[i], "0x%08x", first->bits[i]);
-    return json_pack("{s:I, s:o, s:s, s:I, s:[s, s], s:I}", "segment", (json_int_t)first->segment,
-                     "light",
-                     first->light == UINT32_MAX ? json_null()
-                                                : json_integer((json_int_t)first->light),
-                     "value", first->name, "bit", (json_int_t)first->bit, "bits", bits[0], bits[1],
-                     "floats_apart", (json_int_t)first->ulps);
+    return json_pack(
+        "{s:I, s:o, s:s, s:I, s:[s, s], s:I}", "segment", (json_int_t)first->segment, "light",
+        first->light == UINT32_MAX ? json_null() : json_integer((json_int_t)first->light), "value",
+        first->name, "bit", (json_int_t)first->bit, "bits", bits[0], bits[1], "floats_apart",
+        (json_int_t)first->ulps);
 }
 
 static json_t *member_json(struct page *page, size_t i)
 {
     const struct diff_run *run = page->run;
     const struct diff_member *member = &run->member[i];
-    struct first_bit first =
-        walk_first_bit(&run->member[run->reference].walk, &member->walk, 0);
+    struct first_bit first = walk_first_bit(&run->member[run->reference].walk, &member->walk, 0);
     json_t *steps = json_array();
     for (uint32_t segment = 0; segment < member->walk.length[0]; segment++)
         json_array_append_new(steps, step_json(page, member, segment));
@@ -304,8 +301,7 @@ static json_t *member_json(struct page *page, size_t i)
 }
 
 /* Walks the member's path, and holds what its own renderer draws to it. */
-static enum status walk_member(struct page *page, struct diff_member *member,
-                               struct reason *reason)
+static enum status walk_member(struct page *page, struct diff_member *member, struct reason *reason)
 {
     struct diff_run *run = page->run;
     size_t pixel = the_pixel(run);
@@ -364,9 +360,9 @@ static enum status write_page(struct page *page, struct reason *reason)
         if (is_shown(run, i))
             json_array_append_new(members, member_json(page, i));
     json_t *out = diff_subject_json(run, page->code);
-    json_object_set_new(out, "pixel",
-                        json_pack("[I, I]", (json_int_t)run->options->x,
-                                  (json_int_t)run->options->y));
+    json_object_set_new(
+        out, "pixel",
+        json_pack("[I, I]", (json_int_t)run->options->x, (json_int_t)run->options->y));
     json_object_set_new(out, "reference", json_string(run->member[run->reference].engine->name));
     json_object_set_new(out, "paths", members);
     return json_write(run->options->json, out, 17, reason);

@@ -20,8 +20,7 @@ void diff_print_subject(const struct diff_run *run)
     printf("%striangle test %s\n", run->stage.packed.layout ? ", " : "", settings->tri->name);
     for (size_t i = 0; i < run->count; i++)
         if (run->member[i].status)
-            printf("left out: %s: %s\n", run->member[i].engine->name,
-                   run->member[i].reason.text);
+            printf("left out: %s\n", run->member[i].reason.text);
 }
 
 /* "tie 3, near_tie 0, ...", every class, also of 0. */
@@ -133,13 +132,12 @@ static json_t *answer_json(const struct diff_run *run, const struct diff_member 
     if (!answer->judged)
         return json_null();
     diff_explain(run, member, why->light != WHY_NO_LIGHT, &answer->ray, command);
-    return json_pack("{s:s, s:o, s:s, s:s, s:o, s:o, s:o, s:s}", "engine", member->engine->name,
-                     "answer", json_hit(&answer->hit), "verdict",
-                     verdict_name(answer->judgement.verdict), "wrong",
-                     wrong_name(answer->judgement.wrong), "expected",
-                     json_prim(answer->judgement.expected), "t_lo",
-                     json_number(answer->judgement.t_lo), "t_hi",
-                     json_number(answer->judgement.t_hi), "explain", command);
+    return json_pack(
+        "{s:s, s:o, s:s, s:s, s:o, s:o, s:o, s:s}", "engine", member->engine->name, "answer",
+        json_hit(&answer->hit), "verdict", verdict_name(answer->judgement.verdict), "wrong",
+        wrong_name(answer->judgement.wrong), "expected", json_prim(answer->judgement.expected),
+        "t_lo", json_number(answer->judgement.t_lo), "t_hi", json_number(answer->judgement.t_hi),
+        "explain", command);
 }
 
 static json_t *pixels_json(const struct diff_run *run, const struct diff_member *member,
@@ -150,17 +148,16 @@ static json_t *pixels_json(const struct diff_run *run, const struct diff_member 
     for (size_t i = 0; i < count && i < PAIR_KEPT; i++) {
         const struct path_why *why = &found[i].why;
         json_array_append_new(
-            out, json_pack("{s:I, s:I, s:s, s:I, s:s, s:I, s:I, s:o, s:[o, o]}", "x",
-                           (json_int_t)(found[i].pixel % width), "y",
-                           (json_int_t)(found[i].pixel / width), "class", class_of(why),
-                           "value_difference", (json_int_t)found[i].apart, "picture_field",
-                           path_field_name(found[i].field), "picture_segment",
-                           (json_int_t)found[i].segment, "segment", (json_int_t)why->segment,
-                           "light",
-                           why->light == WHY_NO_LIGHT ? json_null()
-                                                      : json_integer((json_int_t)why->light),
-                           "answers", answer_json(run, &run->member[run->reference], why, 0),
-                           answer_json(run, member, why, 1)));
+            out,
+            json_pack(
+                "{s:I, s:I, s:s, s:I, s:s, s:I, s:I, s:o, s:[o, o]}", "x",
+                (json_int_t)(found[i].pixel % width), "y", (json_int_t)(found[i].pixel / width),
+                "class", class_of(why), "value_difference", (json_int_t)found[i].apart,
+                "picture_field", path_field_name(found[i].field), "picture_segment",
+                (json_int_t)found[i].segment, "segment", (json_int_t)why->segment, "light",
+                why->light == WHY_NO_LIGHT ? json_null() : json_integer((json_int_t)why->light),
+                "answers", answer_json(run, &run->member[run->reference], why, 0),
+                answer_json(run, member, why, 1)));
     }
     return out;
 }
@@ -170,13 +167,12 @@ static json_t *borders_json(const struct diff_run *run, const struct pair *pair)
     json_t *out = json_array();
     uint32_t width = run->stage.job.width;
     for (size_t i = 0; i < pair->border_count; i++)
-        json_array_append_new(
-            out, json_pack("{s:I, s:I, s:[I, I], s:o}", "x",
-                           (json_int_t)(pair->border[i].pixel % width), "y",
-                           (json_int_t)(pair->border[i].pixel / width), "values",
-                           (json_int_t)pair->border[i].value[0],
-                           (json_int_t)pair->border[i].value[1], "bound",
-                           json_number((double)pair->border[i].bound)));
+        json_array_append_new(out, json_pack("{s:I, s:I, s:[I, I], s:o}", "x",
+                                             (json_int_t)(pair->border[i].pixel % width), "y",
+                                             (json_int_t)(pair->border[i].pixel / width), "values",
+                                             (json_int_t)pair->border[i].value[0],
+                                             (json_int_t)pair->border[i].value[1], "bound",
+                                             json_number((double)pair->border[i].bound)));
     return out;
 }
 

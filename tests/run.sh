@@ -76,6 +76,7 @@ plain)
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
     suite fire sh tests/fire.sh "$build"
     suite cli sh tests/cli.sh "$build/raydiff"
+    suite diff sh tests/diff.sh "$build"
     suite construct sh tests/construct.sh "$build/raydiff"
     suite tree_files sh tests/tree_files.sh "$build/raydiff"
     suite five_commands sh tests/five_commands.sh "$build/raydiff"
@@ -96,6 +97,7 @@ sanitize)
     suite conform "$build/raydiff" conform --count 200
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/cli.sh "$build/raydiff"
+    suite diff sh tests/diff.sh "$build"
     suite five_commands sh tests/five_commands.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
     suite report sh tests/report.sh "$build/raydiff"
