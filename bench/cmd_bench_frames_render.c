@@ -144,10 +144,12 @@ static int run(const struct render_settings *settings, const char *value)
     b->progress = progress_make("render");
     frames_catch_signals();
     enum status status = open_all(settings, b, &reason);
+    if (!status) /* a file that cannot be written ends it now */
+        status = frames_write(&b->run, &b->about, chosen.base, &reason);
     if (!status)
         status = frames_measure(&b->run, draw, tell, b, &reason);
     progress_end(&b->progress);
-    if (b->run.count > 0)
+    if (b->run.done > 0 || b->run.stopped)
         frames_print(&b->run, &b->about, chosen.base);
     int code = exit_of_status(status);
     if (status)

@@ -168,7 +168,7 @@ int frames_command(const char *command, const struct painter_plan *plan, size_t 
     session->about.base = count > 1 ? 0 : SIZE_MAX;
     enum status status =
         measure_plans(session, plan, count, scene_name, scene, options, settings, &reason);
-    if (session->run.count > 0)
+    if (session->run.done > 0 || session->run.stopped)
         frames_print(&session->run, &session->about, base);
     int code = exit_of_status(status);
     if (status)
