@@ -20,7 +20,7 @@ static const char help[] =
     "  --title TEXT      its heading                              [raydiff: SCENE, ...]\n"
     "  --parts P,...     of check, bench, pictures, machine       [all]\n"
     "  --quick           fewer members, rays and rounds\n"
-    "  --count N         rays of check and of each benchmark      [10000 and 8000; quick 2000]\n"
+    "  --count N         rays of check and of each benchmark      [10000 and 5000; quick 2000]\n"
     "  --rounds N        of the benchmarks                        [5; quick 3]\n"
     "  --time S          seconds that a part may take             [600]\n"
     "results that are there, each as often as you like:\n"
@@ -121,7 +121,7 @@ static enum status take_passed(struct report_options *o, int option, const char 
     }
     if (option == OPT_SEED) {
         status = parse_count("--seed", text, 0, UINT64_MAX, &value, reason);
-        return status ? status : pass(o, TO_CHECK | TO_ERROR, "--seed", text, reason);
+        return status ? status : pass(o, TO_CHECK | TO_ERROR | TO_PICTURES, "--seed", text, reason);
     }
     static const struct option known[] = {ENGINE_OPTIONS};
     status = engine_option_take(option, text, &tried, reason);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void pass_on(struct line *line, const struct report_options *options, unsigned to)
+void report_pass_on(struct line *line, const struct report_options *options, unsigned to)
 {
     for (size_t i = 0; i < options->passed_count; i++)
         if (options->passed[i].to & to) {
@@ -17,8 +17,7 @@ static void pass_on(struct line *line, const struct report_options *options, uns
         }
 }
 
-/* True if the user set it; else the part's own value stands. */
-static bool is_passed(const struct report_options *options, const char *flag)
+bool report_is_passed(const struct report_options *options, const char *flag)
 {
     for (size_t i = 0; i < options->passed_count; i++)
         if (strcmp(options->passed[i].flag, flag) == 0)
@@ -26,7 +25,7 @@ static bool is_passed(const struct report_options *options, const char *flag)
     return false;
 }
 
-static void option(struct line *line, const char *flag, const char *value)
+void report_option(struct line *line, const char *flag, const char *value)
 {
     line_word(line, flag);
     line_word(line, value);
@@ -36,7 +35,7 @@ static void number(struct line *line, const char *flag, uint64_t value)
 {
     char text[24];
     snprintf(text, sizeof text, "%llu", (unsigned long long)value);
-    option(line, flag, text);
+    report_option(line, flag, text);
 }
 
 /* Runs the line, whose result is the folder's file `name`, and adds the part. */
@@ -70,16 +69,17 @@ static enum status make_check(const struct report_options *options, struct runne
     line_begin(&line, "check");
     for (size_t i = 0; i < options->scene_count; i++)
         line_word(&line, options->scene[i]);
-    if (!is_passed(options, "--layout"))
-        option(&line, "--layout",
-               options->quick ? "f32,rf16,rtrs_rf" : "f32,rf16,rtrs_direct,rtrs_rf");
-    if (!is_passed(options, "--tri") && !options->quick)
-        option(&line, "--tri", "mt,woop");
-    if (!is_passed(options, "--box") && !options->quick)
-        option(&line, "--box", "robust,watertight");
+    if (!report_is_passed(options, "--layout"))
+        report_option(&line, "--layout",
+                      options->quick ? "f32,rf16,rtrs_rf" : "f32,rf16,rtrs_direct,rtrs_rf");
+    if (!report_is_passed(options, "--tri") && !options->quick)
+        report_option(&line, "--tri", "mt,woop");
+    if (!report_is_passed(options, "--box") && !options->quick)
+        report_option(&line, "--box", "robust,watertight");
     number(&line, "--count", options->count ? options->count : options->quick ? 2000 : 10000);
-    number(&line, "--repeat", options->quick ? 1 : 3);
-    pass_on(&line, options, TO_CHECK | TO_OTHERS);
+    number(&line, "--repeat", 1); /* speed is for bench to say */
+    number(&line, "--brute", options->quick ? 1000000 : 10000000);
+    report_pass_on(&line, options, TO_CHECK | TO_OTHERS);
     line_word(&line, "--json");
     line_file(&line, runner, "check.json");
     return run_part(report, runner, cmd_check, &line, "check.json", &part, reason);
@@ -113,12 +113,12 @@ static enum status make_bench(const struct report_options *options, struct runne
         return fail(reason, STATUS_MEMORY, "out of memory");
     line_begin(&line, "bench");
     line_word(&line, benchmark);
-    option(&line, "--scene", scenes);
+    report_option(&line, "--scene", scenes);
     free(scenes);
-    uint64_t count = options->count ? options->count : options->quick ? 2000 : 8000;
+    uint64_t count = options->count ? options->count : options->quick ? 2000 : 5000;
     number(&line, "--count", count);
     number(&line, "--rounds", options->rounds ? options->rounds : options->quick ? 3 : 5);
-    pass_on(&line, options, (error ? TO_ERROR : 0u) | TO_OTHERS);
+    report_pass_on(&line, options, (error ? TO_ERROR : 0u) | TO_OTHERS);
     line_word(&line, "--json");
     line_file(&line, runner, file);
     return run_part(report, runner, cmd_bench, &line, file, &part, reason);
@@ -130,7 +130,7 @@ static enum status make_machine(const struct report_options *options, struct run
     struct report_part part = {.kind = REPORT_MACHINE, .name = (char[]){"doctor"}};
     struct line line;
     line_begin(&line, "doctor");
-    pass_on(&line, options, TO_OTHERS);
+    report_pass_on(&line, options, TO_OTHERS);
     line_word(&line, "--json");
     line_file(&line, runner, "doctor.json");
     return run_part(report, runner, cmd_doctor, &line, "doctor.json", &part, reason);
@@ -162,7 +162,7 @@ static enum status make_finding(const struct report_options *options, struct run
     struct report_part part = {.kind = REPORT_FINDING, .name = name, .times = entry->count};
     line_begin(&line, "replay");
     line_word(&line, path);
-    pass_on(&line, options, TO_OTHERS);
+    report_pass_on(&line, options, TO_OTHERS);
     char command[LINE_TEXT_BYTES];
     snprintf(command, sizeof command, "%s", line.text); /* without what only we need */
     line_word(&line, "--json");
@@ -270,6 +270,8 @@ enum status report_make(const struct report_options *options, struct runner *run
         status = make_bench(options, runner, "error", report, reason);
     if (!status && scenes && options->wanted[REPORT_BENCH] && !runner_signal())
         status = make_bench(options, runner, "layouts", report, reason);
+    if (!status && scenes && options->wanted[REPORT_PICTURES] && !runner_signal())
+        status = report_make_pictures(options, runner, report, reason);
     if (!status && options->findings && !runner_signal())
         status = make_findings(options, runner, report, reason);
     if (!status && !options->doctor && options->wanted[REPORT_MACHINE] && !runner_signal())

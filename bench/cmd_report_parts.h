@@ -13,10 +13,11 @@
 #define REPORT_PASSED  32
 #define FINDINGS_SHOWN 24
 #define PICTURES_GIVEN 64
+#define PICTURE_SCENES 2
 #define FILES_GIVEN    16
 
 /* An option that is handed on as it is; `to` are the commands that take it. */
-enum { TO_CHECK = 1, TO_ERROR = 2, TO_OTHERS = 4 };
+enum { TO_CHECK = 1, TO_ERROR = 2, TO_OTHERS = 4, TO_PICTURES = 8 };
 struct passed {
     unsigned to;
     const char *flag, *value;
@@ -49,5 +50,16 @@ enum status report_make(const struct report_options *options, struct runner *run
  * exit code, with the reason if it is not EXIT_AGREE. */
 int report_try_scenes(const struct report_options *options, struct runner *runner,
                       struct reason *reason);
+
+/* Adds the pictures, a part for each scene. Errors: as report_make. */
+enum status report_make_pictures(const struct report_options *options, struct runner *runner,
+                                 struct report *report, struct reason *reason) MUST_USE;
+
+/* Adds the options that commands of `to` take; a flag with its value. */
+void report_pass_on(struct line *line, const struct report_options *options, unsigned to);
+void report_option(struct line *line, const char *flag, const char *value);
+
+/* True if the user set it; else the part's own value stands. */
+bool report_is_passed(const struct report_options *options, const char *flag);
 
 #endif

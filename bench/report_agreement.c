@@ -102,6 +102,7 @@ static void put_scene(struct html *html, const json_t *scene, const json_t *all)
         if (strcmp(value_text(json_array_get(all, i), "scene"), name) == 0)
             row[rows.count++] = json_array_get(all, i);
     rows.row = row;
+    html_begin(html, "div", "class", "scene", NULL);
     html_element(html, "h3", NULL, name);
     if (rows.count == 0) {
         html_element(html, "p", "note bad",
@@ -113,6 +114,7 @@ static void put_scene(struct html *html, const json_t *scene, const json_t *all)
         put_reasons(html, &rows);
         report_verdicts(html, &rows);
     }
+    html_end(html, "div");
     free(row);
 }
 
@@ -129,16 +131,16 @@ void report_agreement(struct html *html, const struct report *report)
                      "with it to the bit, too.");
         put_key(html);
     }
+    html_begin(html, "div", "class", "scenes", NULL);
     for (size_t p = 0; p < report->part_count; p++) {
-        const json_t *json = report->part[p].json, *scene;
-        size_t i;
-        if (report->part[p].kind != REPORT_CHECK)
-            continue;
-        json_array_foreach(json_object_get(json, "scenes"), i, scene) if (i < SCENES_MOST)
-            put_scene(html, scene, json_object_get(json, "rows"));
-        if (json_array_size(json_object_get(json, "scenes")) > SCENES_MOST)
+        const json_t *json = report->part[p].json, *scenes = json_object_get(json, "scenes");
+        size_t count = report->part[p].kind == REPORT_CHECK ? json_array_size(scenes) : 0;
+        for (size_t i = 0; i < count && i < SCENES_MOST; i++)
+            put_scene(html, json_array_get(scenes, i), json_object_get(json, "rows"));
+        if (count > SCENES_MOST)
             html_element_format(html, "p", "note", "Only the first %u scenes are shown.",
                                 SCENES_MOST);
     }
+    html_end(html, "div");
     section_end(html);
 }

@@ -117,23 +117,28 @@ static void put_mismatch(struct html *html, const json_t *row, const json_t *fin
         html_element(html, "pre", "line", value_text(finding, "explain"));
 }
 
-static size_t put_mismatches(struct html *html, const struct report *report)
+/* Those of one part of check; `count` is of those before. */
+static size_t put_mismatches_of(struct html *html, const json_t *rows, size_t count)
 {
-    size_t count = 0, r, f;
-    const json_t *row, *finding;
-    for (size_t p = 0; p < report->part_count; p++) {
-        if (report->part[p].kind != REPORT_CHECK)
-            continue;
-        json_array_foreach(json_object_get(report->part[p].json, "rows"), r, row)
-            json_array_foreach(json_object_get(row, "findings"), f, finding)
-        {
+    for (size_t r = 0; r < json_array_size(rows); r++) {
+        const json_t *row = json_array_get(rows, r), *findings = json_object_get(row, "findings");
+        for (size_t f = 0; f < json_array_size(findings); f++) {
             if (count == 0)
                 html_element(html, "h3", NULL, "Mismatches of the agreement part");
             if (count < MISMATCHES_MOST)
-                put_mismatch(html, row, finding);
+                put_mismatch(html, row, json_array_get(findings, f));
             count++;
         }
     }
+    return count;
+}
+
+static size_t put_mismatches(struct html *html, const struct report *report)
+{
+    size_t count = 0;
+    for (size_t p = 0; p < report->part_count; p++)
+        if (report->part[p].kind == REPORT_CHECK)
+            count = put_mismatches_of(html, json_object_get(report->part[p].json, "rows"), count);
     if (count > MISMATCHES_MOST)
         html_element_format(html, "p", "note", "%zu more are not shown.", count - MISMATCHES_MOST);
     return count;

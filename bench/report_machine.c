@@ -137,21 +137,21 @@ static void put_card_value(struct html *html, const json_t *value, int depth)
 
 static const json_t *find_operation(const json_t *card, const char *name)
 {
-    size_t i;
-    const json_t *op;
-    json_array_foreach(json_object_get(card, "ops"), i,
-                       op) if (i < LINES_MOST && strcmp(value_text(op, "op"), name) == 0) return op;
+    const json_t *ops = json_object_get(card, "ops");
+    for (size_t i = 0; i < json_array_size(ops) && i < LINES_MOST; i++)
+        if (strcmp(value_text(json_array_get(ops, i), "op"), name) == 0)
+            return json_array_get(ops, i);
     return NULL;
 }
 
 /* The first card: its members are the lines of the table. */
 static const json_t *first_card(const json_t *drivers)
 {
-    size_t i;
-    const json_t *driver;
-    json_array_foreach(drivers, i, driver) if (json_is_object(json_object_get(
-                                                   driver, "card"))) return json_object_get(driver,
-                                                                                            "card");
+    for (size_t i = 0; i < json_array_size(drivers); i++) {
+        const json_t *card = json_object_get(json_array_get(drivers, i), "card");
+        if (json_is_object(card))
+            return card;
+    }
     return NULL;
 }
 

@@ -13,11 +13,10 @@
 /* The rows of one benchmark; a new array that the caller owns, NULL without memory. */
 static json_t *rows_of(const json_t *json, const char *benchmark)
 {
-    json_t *out = json_array(), *row;
-    size_t i;
-    json_array_foreach(json_object_get(json, "rows"), i,
-                       row) if (strcmp(value_text(row, "benchmark"), benchmark) == 0)(void)
-        json_array_append(out, row);
+    json_t *out = json_array(), *all = json_object_get(json, "rows");
+    for (size_t i = 0; i < json_array_size(all); i++)
+        if (strcmp(value_text(json_array_get(all, i), "benchmark"), benchmark) == 0)
+            (void)json_array_append(out, json_array_get(all, i));
     return out;
 }
 
@@ -25,13 +24,10 @@ static json_t *rows_of(const json_t *json, const char *benchmark)
 static const char *driver_of(const struct report *report)
 {
     for (size_t p = 0; p < report->part_count; p++) {
-        size_t i;
-        const json_t *driver;
-        json_array_foreach(
-            json_object_get(report->part[p].json, "drivers"), i,
-            driver) if (value_bool(driver, "runs")) return value_text(json_object_get(driver,
-                                                                                      "card"),
-                                                                      "driver");
+        const json_t *drivers = json_object_get(report->part[p].json, "drivers");
+        for (size_t i = 0; i < json_array_size(drivers); i++)
+            if (value_bool(json_array_get(drivers, i), "runs"))
+                return value_text(json_object_get(json_array_get(drivers, i), "card"), "driver");
     }
     return "";
 }
@@ -60,27 +56,35 @@ static void put_value(struct html *html, const json_t *value)
         html_element(html, "td", "n z", "\xE2\x80\x93");
 }
 
-/* Members of the first row are the columns; `benchmark` is the same in all. */
-void report_rows(struct html *html, const json_t *rows)
+/* The heads (row NULL), or the values of a row. */
+static void put_line(struct html *html, const json_t *first, const json_t *row)
 {
     const char *name;
     const json_t *value;
+    html_begin(html, "tr", NULL);
+    json_object_foreach((json_t *)(uintptr_t)first, name, value)
+    {
+        if (strcmp(name, "benchmark") == 0)
+            continue; /* the same in all */
+        if (row)
+            put_value(html, json_object_get(row, name));
+        else
+            html_element(html, "th", json_is_number(value) ? "n" : NULL, name);
+    }
+    html_end(html, "tr");
+}
+
+/* Members of the first row are the columns. */
+void report_rows(struct html *html, const json_t *rows)
+{
     const json_t *first = json_array_get(rows, 0);
     html_begin(html, "table", "class", "wide", NULL);
     html_begin(html, "thead", NULL);
-    html_begin(html, "tr", NULL);
-    json_object_foreach((json_t *)(uintptr_t)first, name, value) if (strcmp(name, "benchmark") != 0)
-        html_element(html, "th", json_is_number(value) ? "n" : NULL, name);
-    html_end(html, "tr");
+    put_line(html, first, NULL);
     html_end(html, "thead");
     html_begin(html, "tbody", NULL);
-    for (size_t i = 0; i < json_array_size(rows) && i < TABLE_ROWS; i++) {
-        html_begin(html, "tr", NULL);
-        json_object_foreach((json_t *)(uintptr_t)first, name,
-                            value) if (strcmp(name, "benchmark") != 0)
-            put_value(html, json_object_get(json_array_get(rows, i), name));
-        html_end(html, "tr");
-    }
+    for (size_t i = 0; i < json_array_size(rows) && i < TABLE_ROWS; i++)
+        put_line(html, first, json_array_get(rows, i));
     html_end(html, "tbody");
     html_end(html, "table");
     if (json_array_size(rows) > TABLE_ROWS)
@@ -140,14 +144,13 @@ static bool is_drawn(const char *benchmark, int kind, bool layouts)
 
 static bool has_layouts(const struct report *report)
 {
-    bool found = false;
-    for (size_t p = 0; p < report->part_count && !found; p++) {
-        size_t i;
-        const json_t *row;
-        json_array_foreach(json_object_get(report->part[p].json, "rows"), i, row) found =
-            found || strcmp(value_text(row, "benchmark"), "layouts") == 0;
+    for (size_t p = 0; p < report->part_count; p++) {
+        const json_t *rows = json_object_get(report->part[p].json, "rows");
+        for (size_t i = 0; i < json_array_size(rows); i++)
+            if (strcmp(value_text(json_array_get(rows, i), "benchmark"), "layouts") == 0)
+                return true;
     }
-    return found;
+    return false;
 }
 
 size_t report_figures(const struct report *report)

@@ -82,7 +82,7 @@ expect 77 . report sphere:n=3 $few --engine rayquery --driver swiftshader --part
 grep -q 'something cannot run here' "$dir/s.html" || bad "a skipped part is in the page"
 expect 2 . report soup:n=100000,size=0.001 --count 100 --quick --layout rf16 --engine cpu --parts check --out "$dir/l.html"
 grep -q 'refused' "$dir/l.html" || bad "a layout that refuses is in the page"
-expect 3 . report grid:n=600 --count 1e7 --engine cpu --parts check --time 1 --out "$dir/t.html"
+expect 3 . report soup:n=2000 --count 1e7 --engine cpu --parts check --time 1 --out "$dir/t.html"
 grep -q 'it took longer than 1 s' "$dir/t.html" || bad "a part that takes too long is in the page"
 sound "$dir/t.html"
 
@@ -106,7 +106,7 @@ expect 2 "needs a file, not '-'" report soup --out -
 [ -z "$(ls "$dir" | grep 'tmp$' | grep -v '^tmp$')" ] || bad "a temporary file is left"
 
 # Ended by a signal: nothing half-written, nothing left, no child lives on.
-"$raydiff" report grid:n=600 --count 1e7 --engine cpu --parts check --out "$dir/x.html" >"$dir/out" 2>"$dir/err" &
+"$raydiff" report soup:n=2000 --count 1e7 --engine cpu --parts check --out "$dir/x.html" >"$dir/out" 2>"$dir/err" &
 pid=$!
 sleep 1
 children=$(pgrep -P $pid 2>/dev/null)

@@ -1,0 +1,241 @@
+/* The pictures of a report: a scene drawn by several engines, and how each differs from the first. */
+#define _POSIX_C_SOURCE 200809L /* strtok_r */
+#include "bench/cmd_report_parts.h"
+
+#include "bench/json_value.h"
+#include "ref/command.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define ENGINES_MOST 8
+#define TEXT_BYTES   16384
+#define NAME_BYTES   96
+
+/* The pictures of one scene, being made. */
+struct gallery {
+    const struct report_options *options;
+    struct runner *runner;
+    struct report *report;
+    size_t scene; /* index */
+    bool named;   /* the user chose the engines */
+    char group[256];
+    char commands[TEXT_BYTES], why[RUN_SAID_MOST]; /* of all, in lines */
+    int code;
+    double seconds;
+    bool drawn, stopped;
+};
+
+static const char *scene_of(const struct gallery *gallery)
+{
+    return gallery->options->scene[gallery->scene];
+}
+
+static void add_line(char *text, size_t text_bytes, const char *line)
+{
+    size_t used = strlen(text);
+    snprintf(text + used, text_bytes - used, "%s%s", used ? "\n" : "", line);
+}
+
+static void complain(struct gallery *gallery, const char *who, const char *what)
+{
+    char line[RUN_SAID_MOST + NAME_BYTES];
+    snprintf(line, sizeof line, "%s: %.*s", who, (int)strcspn(what, "\n"), what);
+    add_line(gallery->why, sizeof gallery->why, line);
+}
+
+/* Runs one command of the part. *code: the child's. */
+static enum status run(struct gallery *gallery, command_fn *command, struct line *line,
+                       struct run *run, struct reason *reason)
+{
+    enum status status = runner_run(gallery->runner, command, line, run, reason);
+    gallery->seconds += run->seconds;
+    gallery->stopped = gallery->stopped || run->stopped;
+    add_line(gallery->commands, sizeof gallery->commands, line->text);
+    line_free(line);
+    return status;
+}
+
+/* "cpu-0.png": files of one scene lie beside those of the others. */
+static void file_name(const struct gallery *gallery, const char *what, char name[NAME_BYTES])
+{
+    snprintf(name, NAME_BYTES, "%zu-%.40s.png", gallery->scene, what);
+    for (char *at = name; *at; at++)
+        if (*at == '/' || *at == ' ' || *at == ':')
+            *at = '-';
+}
+
+/* Adds the picture that a command has made. */
+static void show(struct gallery *gallery, const char *title, const char *caption, const char *name,
+                 const char *said)
+{
+    char path[4096];
+    struct reason why;
+    runner_path(gallery->runner, name, path, sizeof path);
+    enum status status =
+        report_add_picture(gallery->report, gallery->group, title, caption, path, &why);
+    if (status == STATUS_OK)
+        gallery->drawn = true;
+    else
+        complain(gallery, title, said[0] ? said : why.text);
+}
+
+/* Draws the scene. *there: there is a picture. */
+static enum status draw(struct gallery *gallery, const char *engine, bool *there,
+                        struct reason *reason)
+{
+    char name[NAME_BYTES], title[NAME_BYTES];
+    struct run how;
+    struct line line;
+    file_name(gallery, engine, name);
+    snprintf(title, sizeof title, "%.60s", engine);
+    line_begin(&line, "render");
+    line_word(&line, scene_of(gallery));
+    report_option(&line, "--engine", engine);
+    report_option(&line, "-w", "256");
+    report_option(&line, "-h", "192");
+    report_pass_on(&line, gallery->options, TO_OTHERS | TO_PICTURES);
+    line_word(&line, "--out");
+    line_file(&line, gallery->runner, name);
+    *there = false;
+    enum status status = run(gallery, cmd_render, &line, &how, reason);
+    if (status || gallery->stopped)
+        return status;
+    if (how.code == EXIT_SKIPPED && !gallery->named) {
+        complain(gallery, engine, how.said); /* as in check: who was not named may be missing */
+        return STATUS_OK;
+    }
+    gallery->code = exit_worse(gallery->code, how.code);
+    *there = how.code == EXIT_AGREE;
+    if (*there)
+        show(gallery, title, "", name, how.said);
+    else
+        complain(gallery, engine, how.said);
+    return STATUS_OK;
+}
+
+/* "126 of 49152 pixels differ, at most by 255" */
+static void caption_of(const json_t *json, char *caption, size_t caption_bytes)
+{
+    size_t most = 0;
+    const char *name;
+    const json_t *value;
+    json_object_foreach(json_object_get(json, "largest"), name, value)
+    {
+        size_t size = value_count(json_object_get(json, "largest"), name);
+        most = size > most ? size : most;
+    }
+    if (value_count(json, "different") == 0)
+        snprintf(caption, caption_bytes, "all %zu pixels are the same", value_count(json, "pixels"));
+    else
+        snprintf(caption, caption_bytes, "%zu of %zu pixels differ, at most by %zu of 255",
+                 value_count(json, "different"), value_count(json, "pixels"), most);
+}
+
+/* The heat map of two pictures that are there. Pixels that differ are shown, not judged. */
+static enum status compare(struct gallery *gallery, const char *first, const char *second,
+                           struct reason *reason)
+{
+    char name[NAME_BYTES], a[NAME_BYTES], b[NAME_BYTES], title[2 * NAME_BYTES], caption[160];
+    char path[4096];
+    struct run how;
+    struct line line;
+    snprintf(title, sizeof title, "diff-%.40s", second);
+    file_name(gallery, title, name);
+    file_name(gallery, first, a);
+    file_name(gallery, second, b);
+    line_begin(&line, "diff");
+    line.inside = true; /* the map has the names of its pictures */
+    line_file(&line, gallery->runner, a);
+    line_file(&line, gallery->runner, b);
+    line_word(&line, "--out");
+    line_file(&line, gallery->runner, name);
+    line_word(&line, "--json");
+    line_file(&line, gallery->runner, "diff.json");
+    runner_path(gallery->runner, "diff.json", path, sizeof path);
+    remove(path);
+    enum status status = run(gallery, cmd_diff, &line, &how, reason);
+    if (status || gallery->stopped)
+        return status;
+    snprintf(title, sizeof title, "%.60s against %.60s", second, first);
+    json_t *json = json_load_file(path, 0, NULL); /* of our own child */
+    if (json && (how.code == EXIT_AGREE || how.code == EXIT_MISMATCH)) {
+        caption_of(json, caption, sizeof caption);
+        show(gallery, title, caption, name, how.said);
+    } else {
+        gallery->code = exit_worse(gallery->code, how.code ? how.code : EXIT_INTERNAL);
+        complain(gallery, title, how.said);
+    }
+    json_decref(json);
+    return STATUS_OK;
+}
+
+/* The engines that draw: those of --engine, or the reference and what is independent of it. */
+static size_t choose_engines(const struct report_options *options, char *text, size_t text_bytes,
+                             const char *engine[ENGINES_MOST])
+{
+    char *rest = NULL;
+    size_t count = 0;
+    snprintf(text, text_bytes, "%s", "cpu,vulkan,embree_robust,embree");
+    for (size_t i = 0; i < options->passed_count; i++)
+        if (strcmp(options->passed[i].flag, "--engine") == 0 &&
+            strcmp(options->passed[i].value, "all") != 0)
+            snprintf(text, text_bytes, "%s", options->passed[i].value);
+    for (char *at = strtok_r(text, ",", &rest); at && count < ENGINES_MOST;
+         at = strtok_r(NULL, ",", &rest))
+        engine[count++] = at;
+    return count;
+}
+
+/* First what each engine draws, then how each differs from the first that could. */
+static enum status make_scene(struct gallery *gallery, const char *const *engine, size_t count,
+                              struct reason *reason)
+{
+    const char *there[ENGINES_MOST];
+    size_t drawn = 0;
+    enum status status = STATUS_OK;
+    snprintf(gallery->group, sizeof gallery->group, "%.150s, drawn by each engine",
+             scene_of(gallery));
+    for (size_t i = 0; i < count && !status && !gallery->stopped; i++) {
+        bool is_there;
+        status = draw(gallery, engine[i], &is_there, reason);
+        if (is_there)
+            there[drawn++] = engine[i];
+    }
+    snprintf(gallery->group, sizeof gallery->group, "%.150s, differences", scene_of(gallery));
+    for (size_t i = 1; i < drawn && !status && !gallery->stopped; i++)
+        status = compare(gallery, there[0], there[i], reason);
+    return status;
+}
+
+enum status report_make_pictures(const struct report_options *options, struct runner *runner,
+                                 struct report *report, struct reason *reason)
+{
+    char text[512], name[300];
+    const char *engine[ENGINES_MOST];
+    size_t count = choose_engines(options, text, sizeof text, engine);
+    size_t scenes = options->quick ? 1 : PICTURE_SCENES;
+    enum status status = STATUS_OK;
+    for (size_t s = 0; s < options->scene_count && s < scenes && !status; s++) {
+        struct gallery gallery = {.options = options,
+                                  .runner = runner,
+                                  .report = report,
+                                  .scene = s,
+                                  .named = report_is_passed(options, "--engine")};
+        status = make_scene(&gallery, engine, count, reason);
+        if (status || gallery.stopped)
+            break;
+        snprintf(name, sizeof name, "pictures of %.200s", options->scene[s]);
+        struct report_part part = {.kind = REPORT_PICTURES,
+                                   .state = gallery.drawn ? REPORT_RAN : REPORT_FAILED,
+                                   .name = name,
+                                   .command = gallery.commands,
+                                   .why = gallery.why,
+                                   .code = gallery.code,
+                                   .seconds = gallery.seconds};
+        if (!gallery.drawn && gallery.code == EXIT_SKIPPED)
+            part.state = REPORT_SKIPPED;
+        status = report_add(report, &part, reason);
+    }
+    return status;
+}
