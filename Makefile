@@ -52,7 +52,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 
 .PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
-        lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check \
+        lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check report-check \
         selftest selftest-quick
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -189,6 +189,12 @@ parallel-check:
 	@$(call recipe_check,parallel)
 slurm-check:
 	@$(call recipe_check,slurm)
+
+# A report in headless Chromium; build/report has it with its screenshot. Exit code 77: not to be had.
+report-check:
+	@sh .ci/deps.sh report || { echo "SKIPPED $@: its packages cannot be had"; exit 77; }
+	@$(MAKE) --no-print-directory -s -j$(JOBS) all
+	@sh tests/report_browser.sh $(B)/raydiff $(B)/report
 
 # Is every planted bug found by the fuzzer? All, and some of every kind.
 selftest:

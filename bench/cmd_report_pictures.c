@@ -1,4 +1,5 @@
-/* The pictures of a report: a scene drawn by several engines, and how each differs from the first. */
+/* The pictures of a report: a scene drawn by several engines, and how each differs from the first.
+ */
 #define _POSIX_C_SOURCE 200809L /* strtok_r */
 #include "bench/cmd_report_parts.h"
 
@@ -126,7 +127,8 @@ static void caption_of(const json_t *json, char *caption, size_t caption_bytes)
         most = size > most ? size : most;
     }
     if (value_count(json, "different") == 0)
-        snprintf(caption, caption_bytes, "all %zu pixels are the same", value_count(json, "pixels"));
+        snprintf(caption, caption_bytes, "all %zu pixels are the same",
+                 value_count(json, "pixels"));
     else
         snprintf(caption, caption_bytes, "%zu of %zu pixels differ, at most by %zu of 255",
                  value_count(json, "different"), value_count(json, "pixels"), most);
@@ -170,6 +172,116 @@ static enum status compare(struct gallery *gallery, const char *first, const cha
     return STATUS_OK;
 }
 
+/* --- false colours ------------------------------------------------------------------------ */
+
+/* What is shown, of one layout or as the second's difference to the first. */
+static const struct {
+    const char *what, *title;
+    bool both;
+} looks[] = {{"boxes", "boxes tested", false},
+             {"boxes", "boxes tested", true},
+             {"triangles", "triangles tested", false},
+             {"inflation", "inflation of boxes by their quantisation", true},
+             {"error", "error of t over its proven bound", false},
+             {"class", "verdict of the judge", false}};
+
+/* "mean 13.5, most 23", or the verdicts that there are. */
+static void show_caption(const json_t *json, char *caption, size_t caption_bytes)
+{
+    const json_t *layer = json_array_get(json_object_get(json, "layers"), 0);
+    const json_t *difference = json_object_get(json, "difference");
+    const json_t *values = json_object_get(difference ? difference : layer, "values");
+    const char *name, *comma = "";
+    json_t *value;
+    caption[0] = '\0';
+    if (json_is_object(values))
+        snprintf(caption, caption_bytes, "least %.4g, mean %.4g, 99 %% %.4g, most %.4g",
+                 value_number(values, "least"), value_number(values, "mean"),
+                 value_number(values, "p99"), value_number(values, "most"));
+    json_object_foreach(json_object_get(layer, "verdicts"), name, value)
+    {
+        size_t used = strlen(caption);
+        if (json_integer_value(value) <= 0)
+            continue;
+        snprintf(caption + used, caption_bytes - used, "%s%s %lld", comma, name,
+                 (long long)json_integer_value(value));
+        comma = ", ";
+    }
+}
+
+/* Draws look `i` of layouts "A" or "A,B". A layout that was not asked for may refuse the scene. */
+static enum status look_at(struct gallery *gallery, size_t i, const char *layouts,
+                           struct reason *reason)
+{
+    char name[NAME_BYTES], title[2 * NAME_BYTES], caption[240], path[4096];
+    struct run how;
+    struct line line;
+    const char *comma = strchr(layouts, ',');
+    snprintf(title, sizeof title, "show-%s-%.30s", looks[i].what, layouts);
+    file_name(gallery, title, name);
+    line_begin(&line, "render");
+    line_word(&line, scene_of(gallery));
+    report_option(&line, "--show", looks[i].what);
+    report_option(&line, "--layout", layouts);
+    report_option(&line, "-w", "256");
+    report_option(&line, "-h", "192");
+    report_pass_on(&line, gallery->options, TO_OTHERS | TO_PICTURES);
+    line_word(&line, "--out");
+    line_file(&line, gallery->runner, name);
+    line_word(&line, "--json");
+    line_file(&line, gallery->runner, "show.json");
+    runner_path(gallery->runner, "show.json", path, sizeof path);
+    remove(path);
+    enum status status = run(gallery, cmd_render, &line, &how, reason);
+    if (status || gallery->stopped)
+        return status;
+    if (comma)
+        snprintf(title, sizeof title, "%s, %.30s less %.*s", looks[i].title, comma + 1,
+                 (int)(comma - layouts), layouts);
+    else
+        snprintf(title, sizeof title, "%s, %.30s", looks[i].title, layouts);
+    json_t *json = json_load_file(path, 0, NULL); /* of our own child */
+    if (json) {
+        show_caption(json, caption, sizeof caption);
+        show(gallery, title, caption, name, how.said);
+    } else {
+        complain(gallery, title, how.said);
+    }
+    if (!(how.code == EXIT_USAGE && !report_is_passed(gallery->options, "--layout")))
+        gallery->code = exit_worse(gallery->code, how.code);
+    json_decref(json);
+    return STATUS_OK;
+}
+
+/* The first two layouts that the user named, or the baseline and the small one. */
+static void choose_layouts(const struct report_options *options, char first[40], char second[40])
+{
+    const char *named = "f32,rf16";
+    for (size_t i = 0; i < options->passed_count; i++)
+        if (strcmp(options->passed[i].flag, "--layout") == 0 &&
+            strcmp(options->passed[i].value, "all") != 0)
+            named = options->passed[i].value;
+    size_t length = strcspn(named, ",");
+    snprintf(first, 40, "%.*s", (int)length, named);
+    named += length + (named[length] == ',');
+    snprintf(second, 40, "%.*s", (int)strcspn(named, ","), named);
+}
+
+static enum status look_at_tree(struct gallery *gallery, struct reason *reason)
+{
+    char first[40], second[40], both[80];
+    enum status status = STATUS_OK;
+    choose_layouts(gallery->options, first, second);
+    snprintf(both, sizeof both, "%s,%s", first, second);
+    snprintf(gallery->group, sizeof gallery->group, "%.150s, in false colours", scene_of(gallery));
+    for (size_t i = 0; i < ARRAY_COUNT(looks) && !status && !gallery->stopped; i++)
+        if (!looks[i].both || second[0])
+            status = look_at(gallery, i, looks[i].both ? both : first, reason);
+    return status;
+}
+
+/* --- all ---------------------------------------------------------------------------------- */
+
 /* The engines that draw: those of --engine, or the reference and what is independent of it. */
 static size_t choose_engines(const struct report_options *options, char *text, size_t text_bytes,
                              const char *engine[ENGINES_MOST])
@@ -205,6 +317,8 @@ static enum status make_scene(struct gallery *gallery, const char *const *engine
     snprintf(gallery->group, sizeof gallery->group, "%.150s, differences", scene_of(gallery));
     for (size_t i = 1; i < drawn && !status && !gallery->stopped; i++)
         status = compare(gallery, there[0], there[i], reason);
+    if (!status && !gallery->stopped)
+        status = look_at_tree(gallery, reason);
     return status;
 }
 

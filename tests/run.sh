@@ -82,6 +82,7 @@ plain)
     suite five_commands sh tests/five_commands.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
     suite report sh tests/report.sh "$build/raydiff"
+    suite report_browser sh tests/report_browser.sh "$build/raydiff" quick
     suite fuzz sh tests/fuzz.sh "$build"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
