@@ -25,29 +25,38 @@ static enum status open_scene(const struct render_settings *settings, struct ren
     return STATUS_OK;
 }
 
+/* Whether there is any light in a picture. */
+static bool is_lit(const struct look *look, const struct scene *scene)
+{
+    bool lit = look->camera_light > 0 || (look->ambience > 0 && look->profile == PROFILE_REPAIRED);
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        lit = lit || scene->light[i].strength > 0;
+    return lit;
+}
+
 /* A scene without light is black; repaired, the eye then brings one. */
-static struct look look_with_light(const char *command, const struct render_settings *settings,
+static struct look look_with_light(const struct render_settings *settings,
                                    const struct scene *scene)
 {
     struct look look = settings->look;
-    bool lit = look.camera_light > 0;
-    for (uint32_t i = 0; i < scene->light_count; i++)
-        lit = lit || scene->light[i].strength > 0;
-    if (lit || (look.ambience > 0 && look.profile == PROFILE_REPAIRED))
-        return look;
-    if (look.profile == PROFILE_REPAIRED && !settings->eye_given) {
+    if (!is_lit(&look, scene) && look.profile == PROFILE_REPAIRED && !settings->eye_given)
         look.camera_light = 1;
-        fprintf(stderr,
-                "raydiff %s: no light in the scene: one of strength 1 stands at the eye "
-                "(--camera-light-strength)\n",
-                command);
-    } else {
+    return look;
+}
+
+static void say_light(const char *command, const struct render_settings *settings,
+                      const struct render_stage *stage)
+{
+    if (!is_lit(&stage->job.look, &stage->scene))
         fprintf(stderr,
                 "raydiff %s: warning: no light in the scene: the picture is black "
                 "(--camera-light-strength 1)\n",
                 command);
-    }
-    return look;
+    else if (stage->job.look.camera_light != settings->look.camera_light)
+        fprintf(stderr,
+                "raydiff %s: no light in the scene: one of strength 1 stands at the eye "
+                "(--camera-light-strength)\n",
+                command);
 }
 
 static enum status pack_auto(struct render_stage *stage, struct reason *reason)
@@ -113,15 +122,14 @@ static enum status pack(const struct render_settings *settings, struct render_st
     const struct layout *layout = layout_of(settings, stage);
     status = render_stage_pack(stage, layout, &why);
     if (status == STATUS_LIMIT)
-        return fail(reason, status, "layout %s: %s; --layout auto takes one that fits",
-                    layout->name, why.text);
+        return fail(reason, status, "%s; --layout auto takes one that fits", why.text);
     return status ? fail(reason, status, "%s", why.text) : STATUS_OK;
 }
 
-static enum status make_job(const char *command, const struct render_settings *settings,
-                            struct render_stage *stage, struct reason *reason)
+static enum status make_job(const struct render_settings *settings, struct render_stage *stage,
+                            struct reason *reason)
 {
-    struct look look = look_with_light(command, settings, &stage->scene);
+    struct look look = look_with_light(settings, &stage->scene);
     struct reason why;
     enum status status = shading_make(&stage->scene, &look, &stage->shading, &why);
     if (status)
@@ -149,11 +157,13 @@ enum status render_stage_open(const char *command, const struct render_settings 
     if (!status)
         status = make_tree(command, settings, out, reason);
     if (!status)
-        status = make_job(command, settings, out, reason);
+        status = make_job(settings, out, reason);
     if (!status && settings->engine->needs_packed)
         status = pack(settings, out, reason);
     if (status)
         render_stage_close(out);
+    else
+        say_light(command, settings, out);
     return status;
 }
 

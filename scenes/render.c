@@ -22,6 +22,7 @@ struct renderer {
     bool ready; /* prepared without an error */
     void (*step)(void *user, double share);
     void *user;
+    size_t watched_rays;
 };
 
 /* The paths of a strip, and one wave of rays: ray j belongs to path of[j]. */
@@ -36,6 +37,7 @@ struct strip {
     struct hit *hit;
     bool *keep; /* of the path at the same place of live */
     size_t live_count, ray_count;
+    double done;       /* share of the picture before this wave */
     uint64_t bytes[2]; /* held by the instance for closest hits, and for any */
     unsigned threads;
 };
@@ -99,28 +101,41 @@ static void drop_ended(struct strip *strip)
     strip->live_count = kept;
 }
 
+/* Rays asked for at a time while somebody watches; doubled as long as that takes no time. */
+#define WATCHED_RAYS ((size_t)1 << 12)
+#define WATCHED_NS   100000000u
+
 /* Asks an engine for the wave's rays and adds the cost up. */
-static enum status ask(const struct renderer *renderer, void *self, struct strip *strip,
+static enum status ask(struct renderer *renderer, void *self, struct strip *strip,
                        struct trace_report *total, struct reason *reason)
 {
-    struct trace_report report = {0};
-    if (strip->ray_count == 0)
-        return STATUS_OK;
-    enum status status =
-        renderer->engine->trace(self, strip->ray, strip->ray_count, strip->hit, &report, reason);
-    total->ns += report.ns;
-    total->device_clock = total->device_clock && report.device_clock;
-    total->boxes += report.boxes;
-    total->tris += report.tris;
-    total->flags |= report.flags;
-    uint64_t *bytes = &strip->bytes[self == renderer->any];
-    *bytes = *bytes > report.memory_bytes ? *bytes : report.memory_bytes;
-    total->memory_bytes = strip->bytes[0] + strip->bytes[1];
-    return status;
+    for (size_t first = 0, count; first < strip->ray_count; first += count) {
+        struct trace_report report = {0};
+        count = strip->ray_count - first;
+        if (renderer->step && count > renderer->watched_rays)
+            count = renderer->watched_rays;
+        enum status status = renderer->engine->trace(self, strip->ray + first, count,
+                                                     strip->hit + first, &report, reason);
+        total->ns += report.ns;
+        total->device_clock = total->device_clock && report.device_clock;
+        total->boxes += report.boxes;
+        total->tris += report.tris;
+        total->flags |= report.flags;
+        uint64_t *bytes = &strip->bytes[self == renderer->any];
+        *bytes = *bytes > report.memory_bytes ? *bytes : report.memory_bytes;
+        total->memory_bytes = strip->bytes[0] + strip->bytes[1];
+        if (status)
+            return status;
+        if (renderer->step)
+            renderer->step(renderer->user, strip->done);
+        if (report.ns < WATCHED_NS && renderer->watched_rays < STRIP_PIXELS)
+            renderer->watched_rays *= 2;
+    }
+    return STATUS_OK;
 }
 
 /* A ray of every live path; those that miss end. */
-static enum status wave_closest(const struct renderer *renderer, struct strip *strip,
+static enum status wave_closest(struct renderer *renderer, struct strip *strip,
                                 struct trace_report *report, struct reason *reason)
 {
     strip->ray_count = strip->live_count;
@@ -137,7 +152,7 @@ static enum status wave_closest(const struct renderer *renderer, struct strip *s
 }
 
 /* A ray to the light from every path that asks for one. */
-static enum status wave_light(const struct renderer *renderer, struct strip *strip, uint32_t light,
+static enum status wave_light(struct renderer *renderer, struct strip *strip, uint32_t light,
                               struct trace_report *report, struct reason *reason)
 {
 #pragma omp parallel for num_threads(strip->threads)
@@ -173,8 +188,8 @@ static void store_segments(const struct strip *strip, uint32_t index, struct fra
             strip->path[strip->live[j]].segment;
 }
 
-static enum status strip_segment(const struct renderer *renderer, struct strip *strip,
-                                 uint32_t index, struct frame *out, struct trace_report *report,
+static enum status strip_segment(struct renderer *renderer, struct strip *strip, uint32_t index,
+                                 struct frame *out, struct trace_report *report,
                                  struct reason *reason)
 {
     enum status status = wave_closest(renderer, strip, report, reason);
@@ -224,11 +239,9 @@ static enum status frame_by_waves(struct renderer *renderer, const struct view *
         strip_begin(&strip, first, out->bound != NULL);
         size_t count = strip.live_count;
         for (uint32_t i = 0; i < job->look.bounces && strip.live_count > 0 && !status; i++) {
+            double done = (double)i / job->look.bounces;
+            strip.done = ((double)first + done * (double)count) / (double)all;
             status = strip_segment(renderer, &strip, i, out, report, reason);
-            double done = (double)(i + 1) / job->look.bounces;
-            if (renderer->step)
-                renderer->step(renderer->user,
-                               ((double)first + done * (double)count) / (double)all);
         }
         store_pixels(&strip, count, out);
     }
@@ -251,6 +264,7 @@ enum status renderer_open(const struct engine *engine, const struct engine_optio
     made->options = *options;
     made->waves = waves || !engine->frame;
     made->threads = cpu_rays_threads(options);
+    made->watched_rays = WATCHED_RAYS;
     enum status status = engine->open(options, &made->closest, reason);
     if (status)
         free(made);

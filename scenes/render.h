@@ -62,8 +62,8 @@ enum status renderer_ask(struct renderer *renderer, enum query query, const stru
 /* What the judge may assume of the engine's arithmetic, see engine.model. */
 struct model renderer_model(struct renderer *renderer, const struct tri_test *tri);
 
-/* Calls `step` during long pictures, between waves, with the share that is done; not for engines
- * that draw on their own. NULL: no more. */
+/* Calls `step` during pictures by waves, with the share that is done; then slow engines are asked
+ * for parts of a wave. NULL: no more. */
 void renderer_watch(struct renderer *renderer, void (*step)(void *user, double share), void *user);
 
 void renderer_close(struct renderer *renderer); /* NULL is fine */

@@ -78,6 +78,7 @@ plain)
     suite cli sh tests/cli.sh "$build/raydiff"
     suite diff sh tests/diff.sh "$build"
     suite construct sh tests/construct.sh "$build/raydiff"
+    suite render sh tests/render.sh "$build/raydiff"
     suite tree_files sh tests/tree_files.sh "$build/raydiff"
     suite five_commands sh tests/five_commands.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
