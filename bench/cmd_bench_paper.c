@@ -6,6 +6,7 @@
 #include "scenes/scenes.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 static const char about[] =
@@ -18,7 +19,9 @@ static const char about[] =
     "test, one ray of each path per invocation and dispatch and its arithmetic unchanged; the\n"
     "repaired one with layouts f32 and rf16. 200 frames over 5 turns; 9 over one turn where a "
     "frame\n"
-    "of any line takes over 0.1 s. --driver hardware for a GPU.\n";
+    "of any line takes over 0.1 s. --driver hardware for a GPU. --out BASE: rows in BASE.csv and\n"
+    "BASE.json, bytes against ms in BASE.svg, direct and RF over the frames in BASE-default and\n"
+    "BASE-teapot .svg and .png.\n";
 
 /* Two lights, the default red with some reflection, and a camera that sees the whole mesh: the
  * paper's teapot scene has as many lights, but where is not in the paper. */
@@ -44,33 +47,47 @@ static enum status furnish(struct scene *scene)
     return STATUS_OK;
 }
 
+static const char *const paper_specs[PAPER_FIGURES] = {
+    [PAPER_DEFAULT] = "rtrs", [PAPER_TEAPOT] = "scenes/fetched/utah-teapot.obj"};
+
 enum status paper_scene_open(unsigned which, struct paper_scene *out, struct reason *reason)
 {
-    static const char *const spec[PAPER_FIGURES] = {
-        [PAPER_DEFAULT] = "rtrs", [PAPER_TEAPOT] = "scenes/fetched/utah-teapot.obj"};
-    *out = (struct paper_scene){
-        .spec = spec[which], .figure = &paper_figures[which], .same = which == PAPER_DEFAULT};
-    if (which == PAPER_TEAPOT && access(spec[which], R_OK) != 0)
+    *out = (struct paper_scene){.spec = paper_specs[which],
+                                .figure = &paper_figures[which],
+                                .same = which == PAPER_DEFAULT};
+    if (which == PAPER_TEAPOT && access(paper_specs[which], R_OK) != 0)
         return fail(reason, STATUS_UNSUPPORTED, "%s: left out, not fetched (make scenes)",
-                    spec[which]);
-    enum status status = scene_open(spec[which], 1, &out->scene, reason);
+                    paper_specs[which]);
+    enum status status = scene_open(paper_specs[which], 1, &out->scene, reason);
     if (!status && out->scene.light_count == 0) {
         out->furnished = true;
         status = furnish(&out->scene);
         if (status) {
             scene_free(&out->scene);
-            return fail(reason, status, "%s: no memory for lights", spec[which]);
+            return fail(reason, status, "%s: no memory for lights", paper_specs[which]);
         }
     }
     return status;
 }
 
-static int open_scenes(struct paper_scene scene[PAPER_FIGURES], size_t *count)
+/* All scenes, or those that the user named. */
+static bool is_wanted(const struct bench *bench, unsigned which)
+{
+    for (size_t i = 0; i < bench->scene_count; i++)
+        if (strcmp(bench->scene[i], paper_specs[which]) == 0)
+            return true;
+    return bench->scene_count == 0;
+}
+
+static int open_scenes(const struct bench *bench, struct paper_scene scene[PAPER_FIGURES],
+                       size_t *count)
 {
     int code = EXIT_AGREE;
     *count = 0;
     for (unsigned i = 0; i < PAPER_FIGURES; i++) {
         struct reason reason = {""};
+        if (!is_wanted(bench, i))
+            continue;
         enum status status = paper_scene_open(i, &scene[*count], &reason);
         if (status == STATUS_UNSUPPORTED)
             puts(reason.text);
@@ -111,7 +128,13 @@ static int run(struct bench *bench)
     struct paper_scene scene[PAPER_FIGURES];
     struct paper_table *table[PAPER_FIGURES] = {NULL};
     size_t count, tables = 0;
-    int code = open_scenes(scene, &count);
+    unsigned known = 0;
+    for (unsigned i = 0; i < PAPER_FIGURES; i++)
+        known += bench->scene_count > 0 && is_wanted(bench, i);
+    if (known != bench->scene_count)
+        return usage_error("bench", "--scene: the paper's are %s and %s",
+                           paper_specs[PAPER_DEFAULT], paper_specs[PAPER_TEAPOT]);
+    int code = open_scenes(bench, scene, &count);
     code = exit_worse(code, paper_print_bytes(bench, scene, count));
     frames_catch_signals();
     for (size_t i = 0; i < count && !frames_signal_code(); i++)
@@ -121,6 +144,9 @@ static int run(struct bench *bench)
     paper_print_words(table, tables);
     if (bench->svg_path)
         status = paper_write_plot(table, tables, bench->svg_path, &reason);
+    for (size_t i = 0; i < tables && bench->picture.out && !status; i++)
+        if (table[i])
+            status = paper_write_chart(table[i], bench->picture.out, &reason);
     if (status) {
         fprintf(stderr, "raydiff bench: %s\n", reason.text);
         code = exit_worse(code, exit_of_status(status));

@@ -78,6 +78,10 @@ int paper_print_table(struct paper_table *table);
 /* What became of the paper's 19 %, from what was measured. */
 void paper_print_words(struct paper_table *const *table, size_t count);
 
+/* Direct against RF over the frames: BASE-SCENE.svg and .png. Errors: as chart_write. */
+enum status paper_write_chart(const struct paper_table *table, const char *base,
+                              struct reason *reason) MUST_USE;
+
 /* Bytes against ms, as SVG. */
 enum status paper_write_plot(struct paper_table *const *table, size_t count, const char *path,
                              struct reason *reason) MUST_USE;

@@ -1,6 +1,7 @@
 /* The paper's performance table as text, rows, words and plot. */
 #include "bench/cmd_bench_paper.h"
 
+#include "bench/chart.h"
 #include "bench/plot.h"
 #include "ref/command.h"
 
@@ -281,4 +282,45 @@ enum status paper_write_plot(struct paper_table *const *table, size_t count, con
         return status;
     plot_write(out.stream, &figure, 1);
     return file_out_commit(&out, reason);
+}
+
+/* Direct and RF over the frames, as the paper's own charts have them. */
+enum status paper_write_chart(const struct paper_table *table, const char *base,
+                              struct reason *reason)
+{
+    static const enum paper_line_id shown[] = {LINE_DIRECT, LINE_RF};
+    const struct frames_run *run = &table->session.run;
+    struct chart_series series[ARRAY_COUNT(shown)];
+    char svg[4096], png[4096], title[160];
+    size_t count = 0;
+    for (size_t i = 0; i < ARRAY_COUNT(shown); i++) {
+        if (!has(table, shown[i]))
+            continue;
+        const struct frames_contestant *c = &run->contestant[table->line[shown[i]].contestant];
+        struct frames_stats stats = frames_stats_of(run, table->line[shown[i]].contestant);
+        series[count++] = (struct chart_series){.name = c->handler,
+                                                .bytes = c->bytes,
+                                                .average = stats.average,
+                                                .least = stats.least,
+                                                .most = stats.most,
+                                                .value = c->ms,
+                                                .count = run->done};
+    }
+    if (count == 0)
+        return STATUS_OK;
+    snprintf(title, sizeof title, "%.60s, published shader, %u x %u", table->scene->spec,
+             table->width, table->height);
+    if (snprintf(svg, sizeof svg, "%s-%s.svg", base, table->scene->figure->scene) >=
+            (int)sizeof svg ||
+        snprintf(png, sizeof png, "%s-%s.png", base, table->scene->figure->scene) >=
+            (int)sizeof png)
+        return fail(reason, STATUS_INPUT, "--out: too long a name");
+    struct chart chart = {.title = title,
+                          .x_label = "Frame",
+                          .y_label = CHART_DURATION,
+                          .unit = "ms",
+                          .series = series,
+                          .series_count = count,
+                          .x_count = run->settings.frames};
+    return chart_write(&chart, svg, png, reason);
 }

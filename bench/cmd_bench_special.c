@@ -219,8 +219,8 @@ static int measure(struct bench *bench, const struct special_scene *what,
 static int run(struct bench *bench)
 {
     int code = EXIT_AGREE;
-    if (bench->layout.count > 1)
-        return usage_error("bench", "special: one layout");
+    if (bench->layout.count > 1 || bench->scene_count > 0)
+        return usage_error("bench", "special: one layout, and its own scenes");
     if (!engine_find("vulkan")->frame) {
         puts("engine vulkan draws no frames of its own: there is no pipeline to compare");
         return EXIT_SKIPPED;

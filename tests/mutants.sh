@@ -227,6 +227,7 @@ in_test FOUND_ANYWAY fuzz/selftest_run.c test_fuzz_selftest
 in_test DEATH_SPIRAL bench/pacing.c test_pacing
 in_test TWO_IN_FLIGHT bench/pacing.c test_pacing
 in_test SAME_TREE bench/paper.c test_paper
+in_program SAME_TREE bench/paper.c bench paper --scene rtrs --size 16x12 --frames 1
 in_test PIXELS_ALONE bench/painter.c test_painter
 in_test T_BY_VALUE scenes/diff_frames.c test_diff_frames
 in_test SHADOWS_UNSEEN scenes/diff_frames.c test_diff_frames

@@ -80,6 +80,7 @@ plain)
     suite construct sh tests/construct.sh "$build/raydiff"
     suite render sh tests/render.sh "$build/raydiff"
     suite tree_files sh tests/tree_files.sh "$build/raydiff"
+    suite frames sh tests/frames.sh "$build"
     suite five_commands sh tests/five_commands.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
     suite report sh tests/report.sh "$build/raydiff"
@@ -100,6 +101,7 @@ sanitize)
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/cli.sh "$build/raydiff"
     suite diff sh tests/diff.sh "$build"
+    suite frames sh tests/frames.sh "$build"
     suite five_commands sh tests/five_commands.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
     suite report sh tests/report.sh "$build/raydiff"
