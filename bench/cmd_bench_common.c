@@ -63,7 +63,7 @@ enum status bench_tree_make(const struct bench *bench, const struct scene *scene
         return builders[0]->build(scene, &build, out, reason);
     enum status status = bench_tree_open(bench, scene, &file, reason);
     if (!status)
-        status = tree_file_bvh(&file, out, reason);
+        status = tree_file_bvh(&file, scene, out, reason);
     tree_file_free(&file);
     return status;
 }

@@ -28,9 +28,8 @@ static const char help[] =
     "  --layout L      layout                                                    [rf16]\n"
     "  --builder B     builder                                                   [median]\n"
     "  --leaf N        items per leaf                                            [4]\n"
-    "  --eps E         builder rtrs: smallest box that is split                  [0.02]\n"
-    "  --bvh FILE      a tree of the scene as raydiff precompute writes it, as JSON, in place of\n"
-    "                  a builder's\n"
+    "  --eps E         builder rtrs: smallest box that is split                  "
+    "[0.02]\n" TREE_OPTION_HELP
     "  --box B         box test                                                  [robust]\n"
     "  --tri T         triangle test                                             [mt]\n"
     "  --query Q       closest or any                                            "
@@ -244,9 +243,13 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
     enum status status = STATUS_OK;
     if (of->tree)
         status = tree_open("explain", of->tree, &e->scene, &e->tree, reason);
+    if (!status && tree_file_is_packed(&e->tree) && !e->options->has_layout)
+        e->options->of.layout = e->tree.packed.layout;
     if (!status)
-        status = of->tree ? tree_file_bvh(&e->tree, &e->bvh, reason)
+        status = of->tree ? tree_file_bvh(&e->tree, &e->scene, &e->bvh, reason)
                           : of->builder->build(&e->scene, &of->build, &e->bvh, reason);
+    if (!status && of->tree)
+        return tree_file_pack(&e->tree, of->layout, &e->scene, &e->packed, reason);
     if (!status)
         status = packed_make(of->layout, &e->bvh, &e->scene, &e->packed, reason);
     return status;

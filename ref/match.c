@@ -122,7 +122,7 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
         match->stats = tree->stats;
     if (tree && tree_file_is_packed(tree))
         return status; /* match->bvh stays empty: nothing but match_pack asks for it */
-    status = tree ? tree_file_bvh(tree, &match->bvh, reason)
+    status = tree ? tree_file_bvh(tree, match->scene, &match->bvh, reason)
                   : builder->build(match->scene, build, &match->bvh, reason);
     if (status == STATUS_OK && !tree)
         match->stats = bvh_stats(&match->bvh, match->scene);

@@ -87,6 +87,7 @@
 #define MUTANT_MATERIAL_NEXT   303 /* construct: material k means k + 1, as in the seed */
 #define MUTANT_WINDING_KEPT    304 /* construct: a mirrored model is turned inside out */
 #define MUTANT_OWN_VERTICES    305 /* construct: a later model has the first one's vertices */
+#define MUTANT_ORDER_UNREAD    306 /* records in any order are unpacked as if in pre-order */
 #define MUTANT_DEATH_SPIRAL    350 /* after a stall all the time lost is made up for */
 #define MUTANT_TWO_IN_FLIGHT   351 /* a frame is begun while one is in flight */
 #define MUTANT_SAME_TREE       353 /* Figure 8: both handlers by the tree of one */

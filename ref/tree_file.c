@@ -3,6 +3,7 @@
 #include "ref/bvh_json.h"
 #include "ref/mutant.h"
 #include "ref/packed_file.h"
+#include "ref/packed_unpack.h"
 #include "ref/packed_walk.h"
 
 #include <math.h>
@@ -223,12 +224,16 @@ enum status tree_file_pack(const struct tree_file *file, const struct layout *la
                 from->node_count);
 }
 
-enum status tree_file_bvh(const struct tree_file *file, struct bvh *out, struct reason *reason)
+enum status tree_file_bvh(const struct tree_file *file, const struct scene *scene, struct bvh *out,
+                          struct reason *reason)
 {
-    *out = (struct bvh){0};
-    if (tree_file_is_packed(file))
-        return fail(reason, STATUS_INPUT, "%s: is packed, and its tree is needed as JSON",
-                    file->name);
+    struct reason why = {""};
+    if (tree_file_is_packed(file)) {
+        enum status status = packed_unpack(&file->packed, scene, out, &why);
+        return status ? fail(reason, status, "%s: decodes to no tree, which JSON would have: %s",
+                             file->name, why.text)
+                      : STATUS_OK;
+    }
     *out = file->bvh;
     out->node = copy(file->bvh.node, out->node_count, sizeof *out->node);
     out->prim = copy(file->bvh.prim, out->prim_count, sizeof *out->prim);

@@ -47,8 +47,9 @@ enum status tree_file_pack(const struct tree_file *file, const struct layout *la
                            const struct scene *scene, struct packed *out,
                            struct reason *reason) MUST_USE;
 
-/* Copies a JSON tree. Errors: STATUS_INPUT the file is packed; STATUS_MEMORY. */
-enum status tree_file_bvh(const struct tree_file *file, struct bvh *out,
+/* Copies a JSON tree; of a packed one makes the tree that it decodes to (packed_unpack). Errors:
+ * STATUS_INPUT "NAME: rule" it decodes to none; STATUS_MEMORY. */
+enum status tree_file_bvh(const struct tree_file *file, const struct scene *scene, struct bvh *out,
                           struct reason *reason) MUST_USE;
 
 #endif

@@ -95,7 +95,7 @@ static enum status make_tree(const char *command, const struct render_settings *
     enum status status = tree_open(command, settings->bvh, &stage->scene, &stage->file, reason);
     if (status || tree_file_is_packed(&stage->file))
         return status;
-    return tree_file_bvh(&stage->file, &stage->bvh, reason);
+    return tree_file_bvh(&stage->file, &stage->scene, &stage->bvh, reason);
 }
 
 static const struct layout *layout_of(const struct render_settings *settings,

@@ -205,6 +205,7 @@ in_test STRIP_FORGOT scenes/render.c test_render
 in_test LIGHT_SLIPPED scenes/render.c test_render
 in_test ANY_TREE_FITS ref/tree_file.c test_tree_file
 in_test NO_DOUBT ref/tree_file.c test_tree_file
+in_test ORDER_UNREAD ref/packed_unpack.c test_tree_file
 in_test STEPS_SWAPPED scenes/transform.c test_transform
 in_test MATERIAL_NEXT scenes/construct.c test_construct
 in_test WINDING_KEPT scenes/construct.c test_construct

@@ -66,6 +66,18 @@ grep -q 'cut.json: 1 of .* boxes are too small' "$dir/err" || bad "check warns o
 command=$(sed -n 's/^  explain: raydiff //p' "$dir/out" | head -n 1)
 eval "\"\$raydiff\" $command" >"$dir/out" 2>"$dir/err"
 [ $? -eq 1 ] && grep -q '^cause     cut_box' "$dir/out" || bad "raydiff $command: no cut box"
+# The same from a packed file, in the layout that it is in.
+"$raydiff" explain $scene --bvh "$dir/tree.rdpk" --rays random --index 3 >"$dir/packed.out" 2>&1
+"$raydiff" explain $scene --builder median --layout rf16 --rays random --index 3 >"$dir/built.out" 2>&1
+for page in packed built; do
+    grep -vE '^(engine|again)' "$dir/$page.out" >"$dir/$page.page"
+done
+[ -s "$dir/packed.page" ] && grep -q 'layout rf16, tree' "$dir/packed.out" ||
+    bad "explain --bvh of a packed tree"
+cmp -s "$dir/packed.page" "$dir/built.page" || {
+    diff "$dir/packed.page" "$dir/built.page" >"$dir/out"
+    bad "explain --bvh of a packed tree says otherwise"
+}
 expect 0 . precompute --scene platonic --builder median --out "$dir/platonic.json"
 expect 0 . leaks platonic --engine cpu --tri woop --box watertight --count 1000 \
     --bvh "$dir/platonic.json"
@@ -104,7 +116,10 @@ expect 2 'nothing: No such file' check $scene $small --bvh "$dir/nothing"
 expect 2 'is a directory' check $scene $small --bvh "$dir"
 expect 2 'is packed as rf16; only JSON can be packed as f32' check $scene $small --layout f32 \
     --bvh "$dir/tree.rdpk"
-expect 2 'needed as JSON' explain $scene --bvh "$dir/tree.rdpk"
+expect 0 . precompute --scene $scene --builder median --layout rtrs_rf --out "$dir/seed.rdpk"
+expect 2 . explain $scene --bvh "$dir/seed.rdpk" # after a warning
+grep -q 'decodes to no tree, which JSON would have: ' "$dir/err" || bad "the seed's triangles decode"
+expect 2 'is packed as rf16; only JSON' explain $scene --bvh "$dir/tree.rdpk" --layout f32
 expect 2 'on a tree as JSON' bench layouts --scene $scene --bvh "$dir/tree.rdpk"
 expect 2 'goes without --builder' check $scene --bvh "$dir/median.json" --builder median
 expect 2 'goes without --leaf' leaks $scene --bvh "$dir/median.json" --leaf 2
