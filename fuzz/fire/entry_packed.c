@@ -71,6 +71,8 @@ static bool play(const char *bytes, size_t size)
     if (!status)
         must_be_packed(&packed, &scene, bytes, size);
     packed_free(&packed);
+    if (packed_file_is(bytes, size))
+        fire_must_be_tree_file(bytes, size, &scene, status == STATUS_OK);
     scene_free(&scene);
     return status == STATUS_OK;
 }

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "fuzz/fire/fire.h"
 #include "ref/bvh_json.h"
+#include "ref/packed_file.h"
 #include "ref/trace.h"
 #include "scenes/scenes.h"
 
@@ -69,6 +70,8 @@ static bool play(const char *bytes, size_t size)
     else
         must_be_tree(&bvh, &scene);
     bvh_free(&bvh);
+    if (!packed_file_is(bytes, size))
+        fire_must_be_tree_file(bytes, size, &scene, status == STATUS_OK);
     scene_free(&scene);
     return status == STATUS_OK;
 }

@@ -65,6 +65,12 @@ bool fire_play_mesh(enum status (*read)(const char *name, const char *bytes, siz
                                         struct scene *out, struct reason *reason),
                     const char *bytes, size_t size);
 
+/* What --bvh does with a tree from outside, JSON or packed: a tree that `readable` (its reader lets
+ * it through) is taken, or refused as another scene's; one that is not is refused. What is taken
+ * decodes to a tree, or says why not. */
+void fire_must_be_tree_file(const char *bytes, size_t size, const struct scene *scene,
+                            bool readable);
+
 /* An anonymous file that holds the bytes; its path is written to `path`. The caller closes the
  * descriptor. */
 #define FIRE_PATH_MOST 40

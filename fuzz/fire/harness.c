@@ -1,5 +1,6 @@
 #define _GNU_SOURCE /* memfd_create */
 #include "fuzz/fire/fire.h"
+#include "ref/tree_file.h"
 #include "scenes/formats.h"
 
 #include <inttypes.h>
@@ -134,4 +135,27 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     tally.taken += taken;
     free(bytes);
     return 0;
+}
+
+void fire_must_be_tree_file(const char *bytes, size_t size, const struct scene *scene,
+                            bool readable)
+{
+    struct tree_file file;
+    struct bvh bvh;
+    struct reason reason = {""};
+    enum status status = tree_file_read("fuzz", bytes, size, scene, &file, &reason);
+    FIRE_MUST(status == STATUS_INPUT || (readable && status == STATUS_OK));
+    FIRE_MUST(!readable || status == STATUS_OK || strstr(reason.text, "of another scene"));
+    if (status) {
+        fire_must_be_reason(&reason);
+        return;
+    }
+    if (file.doubt.text[0])
+        fire_must_be_reason(&file.doubt);
+    status = tree_file_bvh(&file, scene, &bvh, &reason);
+    FIRE_MUST(status == STATUS_INPUT || bvh_check_form(&bvh, scene, &reason) == STATUS_OK);
+    if (status)
+        fire_must_be_reason(&reason);
+    bvh_free(&bvh);
+    tree_file_free(&file);
 }
