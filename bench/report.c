@@ -71,7 +71,7 @@ bool report_is(enum report_kind kind, const json_t *json)
         return json_is_array(json_object_get(json, "scenes")) &&
                json_is_array(json_object_get(json, "rows"));
     case REPORT_BENCH:
-        return json_is_array(json_object_get(json, "rows"));
+        return json_is_array(json_object_get(json, "rows")) || report_is_frames(json);
     case REPORT_FINDING:
         return json_is_array(json_object_get(json, "files"));
     case REPORT_MACHINE:
@@ -87,8 +87,9 @@ bool report_is(enum report_kind kind, const json_t *json)
 enum status report_read(const char *path, enum report_kind kind, json_t **out,
                         struct reason *reason)
 {
-    static const char *const writer[REPORT_KINDS] = {"raydiff check", "raydiff bench", "nothing",
-                                                     "raydiff replay", "raydiff doctor"};
+    static const char *const writer[REPORT_KINDS] = {"raydiff check",
+                                                     "raydiff bench or render --benchmark",
+                                                     "nothing", "raydiff replay", "raydiff doctor"};
     char *bytes;
     size_t size;
     json_error_t why;
@@ -107,8 +108,7 @@ enum status report_read(const char *path, enum report_kind kind, json_t **out,
                     why.text);
     if (!report_is(kind, json)) {
         json_decref(json);
-        return fail(reason, STATUS_INPUT, "%s: is not what %s --json writes", file_label(path),
-                    writer[kind]);
+        return fail(reason, STATUS_INPUT, "%s: is no JSON of %s", file_label(path), writer[kind]);
     }
     *out = json;
     return STATUS_OK;

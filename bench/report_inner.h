@@ -43,6 +43,11 @@ bool section_reasons(struct html *html, const struct report *report, enum report
 /* A table of an array of flat JSON rows, whatever their members are: numbers to the right. */
 void report_rows(struct html *html, const json_t *rows);
 
+/* Runs of frames have "handlers" in place of rows. Errors: STATUS_MEMORY. */
+bool report_is_frames(const json_t *json);
+enum status report_frames(struct html *html, const json_t *json, struct reason *reason) MUST_USE;
+size_t report_charts(const json_t *json); /* figures that it has: 0 or 1 */
+
 /* How many figures the page has: plots (bench/row_plot.h) and pictures. */
 size_t report_figures(const struct report *report);
 

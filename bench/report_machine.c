@@ -221,12 +221,6 @@ static void put_drivers(struct html *html, const json_t *drivers)
     html_end(html, "tr");
     html_end(html, "thead");
     html_begin(html, "tbody", NULL);
-    html_begin(html, "tr", NULL);
-    html_element(html, "th", NULL, "runs");
-    json_array_foreach(drivers, i, driver)
-        html_element(html, "td", value_bool(driver, "runs") ? "good" : "none wrap",
-                     value_bool(driver, "runs") ? "yes" : value_text(driver, "why"));
-    html_end(html, "tr");
     put_card_lines(html, drivers);
     html_begin(html, "tr", NULL);
     html_element(html, "th", NULL, "packages");
@@ -235,6 +229,23 @@ static void put_drivers(struct html *html, const json_t *drivers)
     html_end(html, "tr");
     html_end(html, "tbody");
     html_end(html, "table");
+}
+
+/* Drivers that run are columns of a table; the others have a reason. */
+static void put_all_drivers(struct html *html, const json_t *drivers)
+{
+    json_t *running = json_array();
+    for (size_t i = 0; i < json_array_size(drivers) && i < DRIVERS_MOST; i++) {
+        json_t *driver = json_array_get(drivers, i);
+        if (json_is_object(json_object_get(driver, "card")))
+            (void)json_array_append(running, driver);
+        else
+            html_element_format(html, "p", "note", "Driver %s does not run: %s",
+                                value_text(driver, "name"), value_text(driver, "why"));
+    }
+    if (json_array_size(running) > 0)
+        put_drivers(html, running);
+    json_decref(running);
 }
 
 void report_machine(struct html *html, const struct report *report)
@@ -248,9 +259,7 @@ void report_machine(struct html *html, const struct report *report)
         if (report->part[p].kind != REPORT_MACHINE || !json)
             continue;
         put_engines(html, json_object_get(json, "engines"));
-        size_t drivers = json_array_size(json_object_get(json, "drivers"));
-        if (drivers > 0 && drivers <= DRIVERS_MOST)
-            put_drivers(html, json_object_get(json, "drivers"));
+        put_all_drivers(html, json_object_get(json, "drivers"));
     }
     section_end(html);
 }

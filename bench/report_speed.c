@@ -159,6 +159,9 @@ size_t report_figures(const struct report *report)
     bool layouts = has_layouts(report);
     size_t figures = report->picture_count;
     for (size_t p = 0; p < report->part_count; p++)
+        if (report->part[p].kind == REPORT_BENCH && report_is_frames(report->part[p].json))
+            figures += report_charts(report->part[p].json);
+    for (size_t p = 0; p < report->part_count; p++)
         for (size_t d = 0; d < ARRAY_COUNT(drawn) && report->part[p].kind == REPORT_BENCH; d++) {
             json_t *rows = rows_of(report->part[p].json, drawn[d]);
             for (int kind = 0; kind < FIGURE_KINDS; kind++) {
@@ -201,7 +204,8 @@ static enum status put_part(struct html *html, const struct report *report,
                             const struct report_part *part, struct reason *reason)
 {
     const char *done[BENCHMARKS_MOST];
-    enum status status = STATUS_OK;
+    enum status status =
+        report_is_frames(part->json) ? report_frames(html, part->json, reason) : STATUS_OK;
     size_t i, count = 0;
     const json_t *row;
     json_array_foreach(json_object_get(part->json, "rows"), i, row)

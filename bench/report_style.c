@@ -52,7 +52,7 @@ const char report_style[] =
     ".pictures figure{margin:0;max-width:100%}\n"
     ".pictures img{display:block;max-width:100%;height:auto;border:1px solid var(--line);"
     "image-rendering:pixelated}\n"
-    ".pictures figcaption{max-width:44ch}.pictures b{color:var(--fg)}\n"
+    ".pictures figcaption{width:0;min-width:100%}.pictures b{color:var(--fg)}\n"
     "details{margin:6px 0}summary{cursor:pointer;color:var(--link)}\n"
     ".wrap{white-space:pre-wrap;overflow-wrap:anywhere}\n"
     ".key{display:inline-block;width:12px;height:12px;border:1px solid var(--line);"

@@ -112,9 +112,10 @@ static void put_verdict(struct html *html, const struct report *report,
     else if (code == EXIT_SKIPPED)
         html_text(html, "What could run agrees; something could not");
     else if (sum->wrong + sum->bits > 0)
-        html_format(html, "%zu answers are WRONG, %zu have other bits", sum->wrong, sum->bits);
+        html_format(html, "WRONG answers: %zu; with other bits: %zu", sum->wrong, sum->bits);
     else if (sum->failing > 0)
-        html_format(html, "%zu findings are still there", sum->failing);
+        html_format(html, "%zu finding%s still there", sum->failing,
+                    sum->failing == 1 ? " is" : "s are");
     else
         html_text(html, "A part has no good result: see below");
     html_format(html, " (exit code %d)", code);

@@ -160,5 +160,6 @@
 #define MUTANT_PART_EXCUSED        364 /* report: a part that failed is not in the exit code */
 #define MUTANT_PICTURE_BELIEVED    365 /* report: a damaged picture is taken as it is */
 #define MUTANT_REPLAY_FORGOTTEN    366 /* report: a finding has no line that plays it again */
+#define MUTANT_ITEMS_UNCOUNTED     367 /* report: size against speed without the item array */
 
 #endif

@@ -250,6 +250,14 @@ in_test TICKS_EVEN scenes/colour_picture.c test_colour
 in_test ALPHA_UNREAD scenes/image_diff.c test_image_diff
 in_test FLAT_RANGE bench/chart.c test_chart
 in_test GAPS_CLOSED bench/chart.c test_chart
+in_test HTML_UNESCAPED bench/report_html.c test_report_html
+in_test HTML_LEFT_OPEN bench/report_html.c test_report_html
+in_test BASE64_TAIL bench/report_html.c test_report_html
+in_test WRONG_UNSEEN bench/report_agreement.c test_report
+in_test PART_EXCUSED bench/report.c test_report
+in_test PICTURE_BELIEVED bench/report_pictures.c test_report
+in_test REPLAY_FORGOTTEN bench/report_findings.c test_report
+in_test ITEMS_UNCOUNTED bench/row_plot.c test_row_plot
 in_fire COUNT_BELIEVED scenes/read_ply.c ply
 in_fire BLOB_BELIEVED ref/packed_file.c packed
 in_shaders NO_PRECISE test_spirv

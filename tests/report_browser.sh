@@ -71,9 +71,12 @@ planted() { # name, pattern
 # Findings need something wrong: a layout as published.
 "$raydiff" fuzz --trials 60 --engine cpu --layout rtrs_rf --faithful --dir "$dir/found" --jobs 1 --until 1 \
     --no-shrink --corpus none >/dev/null 2>&1
+"$raydiff" bench frames --scene sphere:n=3 --frames 4 --size 32x24 --engine cpu --out "$dir/frames" \
+    >"$dir/out" 2>&1 || { echo "FAILED  bench frames"; cat "$dir/out"; exit 1; }
 few=
 [ "$mode" = quick ] && few='--count 1000 --engine cpu,embree_robust'
-"$raydiff" report cornell sphere:n=8 --quick $few --findings "$dir/found" --out "$dir/report.html" --json "$dir/report.json" \
+"$raydiff" report cornell sphere:n=8 --quick $few --findings "$dir/found" \
+    --benchmark "$dir/frames.json" --out "$dir/report.html" --json "$dir/report.json" \
     >"$dir/out" 2>&1
 code=$?
 [ "$code" -eq 1 ] || { echo "FAILED  raydiff report: exit $code"; cat "$dir/out"; exit 1; }

@@ -1,4 +1,4 @@
-/* Is a text one XML element? What tests of SVG ask. */
+/* Is a text one XML element? What tests of SVG and HTML ask. */
 #ifndef TESTS_WELL_FORMED_H
 #define TESTS_WELL_FORMED_H
 
@@ -20,7 +20,7 @@ static inline const char *skip_name(const char *at)
 /* Skips text up to `end`: no markup inside, every & begins an entity that XML knows. */
 static inline const char *skip_text(const char *at, char end)
 {
-    static const char *const entities[] = {"&amp;", "&lt;", "&gt;", "&quot;"};
+    static const char *const entities[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#10;", "&#9;"};
     for (; *at && *at != end; at++) {
         bool known = *at != '&';
         for (size_t i = 0; i < ARRAY_COUNT(entities); i++)
