@@ -46,6 +46,7 @@
 #define MUTANT_AROUND_OPEN     341 /* a point on a box's lower bound is not in it */
 #define MUTANT_DEPTH_LAST      342 /* the stack's depth at the last push, not the greatest */
 #define MUTANT_SHOW_BACKWARDS  343 /* differences of pictures: first less second */
+#define MUTANT_PIXEL_LOST      345 /* pictures of the tree: the first pixel of a part has no value */
 #define MUTANT_WRONG_IS_BLUE   344 /* pictures of verdicts: what is wrong looks as what is right */
 #define MUTANT_ALL_AS_RARE     110 /* feedback chooses every trial as often */
 #define MUTANT_NOT_ESCAPED     113 /* text goes into JUnit and TAP as it is */

@@ -24,8 +24,12 @@ enum { OPT_SHOW_RANGE = OPT_RENDER_LAST + 64, OPT_SHOW_CSV };
 static const struct option options[] = {
     {"show-range", 1, NULL, OPT_SHOW_RANGE}, {"csv", 1, NULL, OPT_SHOW_CSV}, {NULL, 0, NULL, 0}};
 
-/* Pixels that are traced at a time. */
-#define PART ((size_t)1 << 15)
+/* Pixels that are traced at a time: so many that it takes about this long, since a published box
+ * test can take a thousand times as long as another. */
+#define PART_FIRST ((size_t)1 << 11)
+#define PART_LEAST ((size_t)1 << 6)
+#define PART_MOST  ((size_t)1 << 20)
+#define PART_NS    500000000u
 
 static struct {
     const char *csv;
@@ -135,6 +139,13 @@ static enum status check_sum(const struct showing *showing, const struct show_la
                 (unsigned long long)counted);
 }
 
+static size_t next_part(size_t part, uint64_t ns)
+{
+    if (ns < PART_NS / 2)
+        return part < PART_MOST ? 2 * part : part;
+    return ns > 2 * PART_NS && part > PART_LEAST ? part / 2 : part;
+}
+
 static enum status show_layer(const struct showing *showing, const struct render_stage *stage,
                               const struct witness *witness, struct show_layer *layer,
                               struct progress *progress, struct reason *reason)
@@ -156,12 +167,15 @@ static enum status show_layer(const struct showing *showing, const struct render
     layer->value = alloc_zeroed(showing->pixels, showing->show->planes * sizeof *layer->value);
     if (!layer->value)
         return fail(reason, STATUS_MEMORY, "no memory for %zu pixels", showing->pixels);
-    for (size_t i = 0; i < showing->pixels && !status; i += PART) {
-        size_t count = showing->pixels - i < PART ? showing->pixels - i : PART;
+    size_t part = PART_FIRST, count;
+    for (size_t i = 0; i < showing->pixels && !status; i += count) {
+        uint64_t start = time_ns();
+        count = showing->pixels - i < part ? showing->pixels - i : part;
         progress_step(progress, "%s of %s: %.0f %%", showing->show->name, layer->name,
                       100.0 * (double)i / (double)showing->pixels);
         status = show_values(&source, i, count, layer->value + showing->show->planes * i,
                              &layer->counts, reason);
+        part = next_part(part, time_ns() - start);
     }
     if (!status && showing->show->planes == 1)
         status = measure(showing, true, layer, reason);
@@ -318,7 +332,7 @@ static int run(const struct render_settings *given, const char *name)
     if (check(&showing, name, &reason))
         return usage_error("render", "%s", reason.text);
     if (showing.engine->needs_packed)
-        showing.judged = !settings.builder->faithful && !settings.box->faithful;
+        showing.judged = (settings.bvh || !settings.builder->faithful) && !settings.box->faithful;
     enum status status = try_outputs(&showing, &reason);
     /* Light changes no value: some, so that nothing is said of none. */
     if (settings.look.profile == PROFILE_REPAIRED)

@@ -171,7 +171,7 @@ enum status show_values(const struct show_source *source, size_t first, size_t c
     if (!status && source->judge)
         status = verdicts_make(source->oracle, source->judge, part.ray, part.hit, count,
                                part.judgement, reason);
-    for (size_t i = 0; i < count && !status; i++) {
+    for (size_t i = MUTANT == MUTANT_PIXEL_LOST; i < count && !status; i++) {
         if (source->show->id == SHOW_NORMAL)
             normal_of(&part, i, value + 3 * i);
         else

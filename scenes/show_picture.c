@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #define ERROR_LEAST 1e-3 /* errors of a smaller share of their bound look alike */
+#define LABEL_BYTES 80
 #define MARKS_MOST  400u /* so many odd pixels get a frame */
 #define LEAST_SIDE  320u /* pixels are enlarged until a picture is so wide */
 
@@ -103,7 +104,7 @@ static enum status usual(const float *value, size_t count, double *out, struct r
 
 static enum status set_ends(const struct show *show, const float *value, size_t count,
                             const struct show_range *range, struct colour_scale *scale,
-                            struct reason *reason)
+                            char label[LABEL_BYTES], struct reason *reason)
 {
     enum status status = STATUS_OK;
     double most;
@@ -114,7 +115,11 @@ static enum status set_ends(const struct show *show, const float *value, size_t 
         scale->hi = fmax(scale->hi, 1.0);
     } else if (scale->kind == COLOUR_DIVERGING && !range->given) {
         status = usual(value, count, &most, reason);
-        scale->hi = most > 0.0 ? most : scale->hi;
+        if (most > 0.0 && most < scale->hi) {
+            snprintf(label, LABEL_BYTES, "%s (more in a tenth of what differs)", scale->unit);
+            scale->hi = most;
+            scale->unit = label;
+        }
     }
     if (range->given) {
         scale->lo = range->lo;
@@ -214,14 +219,13 @@ enum status show_picture(const struct show *show, bool difference, const double 
     static const char *const same_or_not[] = {"the same", "different"};
     size_t count = (size_t)width * height;
     struct legend legend;
-    struct colour_scale scale = {.kind = COLOUR_IDS,
-                                 .title = title,
-                                 .unit = show->label,
-                                 .no_data = no_data(show, difference, value, count)};
+    char label[LABEL_BYTES];
+    struct colour_scale scale = {.kind = COLOUR_IDS, .title = title, .unit = show->label};
     *out = (struct image){0};
     enum status status = show_range_check(show, difference, range, reason);
     if (status)
         return status;
+    scale.no_data = no_data(show, difference, value, count);
     float *amount = alloc_zeroed(count, sizeof *amount);
     if (!amount)
         return fail(reason, STATUS_MEMORY, "no memory for a picture of %ux%u", width, height);
@@ -231,7 +235,7 @@ enum status show_picture(const struct show *show, bool difference, const double 
         bool both_sides = difference && show->planes == 1;
         scale.kind = both_sides ? COLOUR_DIVERGING : COLOUR_SEQUENTIAL;
         scale.unit = show->planes == 3 ? "degrees between" : show->label;
-        status = set_ends(show, amount, count, range, &scale, reason);
+        status = set_ends(show, amount, count, range, &scale, label, reason);
     } else if (difference) {
         scale.kind = COLOUR_CLASSES;
         scale.class_name = same_or_not;

@@ -81,6 +81,7 @@ plain)
     suite render sh tests/render.sh "$build/raydiff"
     suite tree_files sh tests/tree_files.sh "$build/raydiff"
     suite frames sh tests/frames.sh "$build"
+    suite show sh tests/show.sh "$build/raydiff"
     suite five_commands sh tests/five_commands.sh "$build/raydiff"
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
     suite report sh tests/report.sh "$build/raydiff"
