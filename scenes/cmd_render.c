@@ -12,8 +12,9 @@
 #include <string.h>
 
 /* What else can be done with the same options; NULL-terminated. */
-extern const struct render_mode render_mode_show, render_mode_benchmark;
-static const struct render_mode *const modes[] = {&render_mode_show, &render_mode_benchmark, NULL};
+extern const struct render_mode render_mode_show, render_mode_benchmark, render_mode_window;
+static const struct render_mode *const modes[] = {&render_mode_show, &render_mode_benchmark,
+                                                  &render_mode_window, NULL};
 
 static const char help_head[] =
     "usage: raydiff render [SCENE] [OPTIONS]\n"
@@ -127,6 +128,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
     switch (option) {
     case OPT_OUT:
         r->settings.out = text;
+        r->settings.out_given = true;
         return STATUS_OK;
     case OPT_PATHS:
         r->paths = text;

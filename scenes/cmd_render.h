@@ -56,7 +56,9 @@ struct render_settings {
     enum frame_plan plan;
     bool general;
     float fps;
+    bool resizable;   /* filled in: no size was named, so a picture can follow its window */
     const char *out;  /* where the picture goes */
+    bool out_given;   /* --out was */
     const char *json; /* or NULL */
 };
 

@@ -293,6 +293,7 @@ static enum status finish_size(const char *command, struct render_settings *s,
         s->tile = s->width ? common_divisor(s->width, s->height) : FRAME_TILE_MOST;
     if (s->tile > FRAME_TILE_MOST)
         s->tile = FRAME_TILE_MOST;
+    s->resizable = s->width == 0;
     if (s->width == 0) {
         s->width = RENDER_WINDOW_WIDTH;
         s->height = RENDER_WINDOW_HEIGHT;

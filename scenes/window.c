@@ -70,6 +70,22 @@ static enum status sdl_load(struct sdl *sdl, struct reason *reason)
     return STATUS_OK;
 }
 
+/* Without a display SDL would open a window that nobody sees, or take the console. */
+static enum status choose_display(const struct sdl *sdl, struct reason *reason)
+{
+    const char *x11 = getenv("DISPLAY"), *wayland = getenv("WAYLAND_DISPLAY");
+    bool has_x11 = x11 && *x11, has_wayland = wayland && *wayland;
+    if (getenv("SDL_VIDEODRIVER")) /* the user's choice, whatever it is */
+        return STATUS_OK;
+    if (!has_x11 && !has_wayland)
+        return fail(reason, STATUS_UNSUPPORTED,
+                    "no window: no display, neither DISPLAY nor WAYLAND_DISPLAY is set");
+    sdl->SetHint("SDL_VIDEODRIVER", has_x11 && has_wayland ? "x11,wayland"
+                                    : has_x11              ? "x11"
+                                                           : "wayland");
+    return STATUS_OK;
+}
+
 enum status window_open(const char *title, uint32_t width, uint32_t height, struct window **out,
                         struct reason *reason)
 {
@@ -78,6 +94,8 @@ enum status window_open(const char *title, uint32_t width, uint32_t height, stru
     if (!window)
         return fail(reason, STATUS_MEMORY, "no memory for a window");
     enum status status = sdl_load(&window->sdl, reason);
+    if (!status)
+        status = choose_display(&window->sdl, reason);
     if (status) {
         free(window);
         return status;

@@ -1,5 +1,6 @@
 /* The window without a screen: keys and time, and what is said where no window can be. */
 #define _GNU_SOURCE /* setenv */
+#include "scenes/file.h"
 #include "scenes/turning.h"
 #include "scenes/window.h"
 
@@ -84,6 +85,12 @@ static void no_display_is_said(void **state)
     assert_null(window);
     assert_non_null(strstr(reason.text, "no window: "));
     assert_null(strchr(reason.text, '\n'));
+    assert_int_equal(unsetenv("SDL_VIDEODRIVER"), 0);
+    assert_int_equal(window_open("test", 64, 48, &window, &reason), STATUS_UNSUPPORTED);
+    assert_int_equal(unsetenv("DISPLAY"), 0);
+    assert_int_equal(unsetenv("WAYLAND_DISPLAY"), 0);
+    assert_int_equal(window_open("test", 64, 48, &window, &reason), STATUS_UNSUPPORTED);
+    assert_null(window);
     window_close(window);
 }
 
@@ -118,8 +125,47 @@ static void a_window_nobody_sees(void **state)
     window_close(window);
 }
 
+static uint32_t word_at(const char *bytes, size_t i)
+{
+    const unsigned char *at = (const unsigned char *)bytes + 4 * i;
+    return (uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3];
+}
+
+/* RAYDIFF_SCREEN="FILE X Y PICTURE.png", see tests/window.sh: a screen as the X window dump that
+ * Xvfb keeps, 32 bits a pixel, and a picture that must be at X, Y on it. */
+static void the_screen_shows_the_picture(void **state)
+{
+    (void)state;
+    char file[400], picture[400], *bytes;
+    unsigned x, y;
+    size_t size;
+    struct image image;
+    struct reason reason = {""};
+    assert_int_equal(sscanf(getenv("RAYDIFF_SCREEN"), "%399s %u %u %399s", file, &x, &y, picture),
+                     4);
+    assert_int_equal(file_read(file, &bytes, &size, &reason), STATUS_OK);
+    assert_int_equal(image_read(picture, &image, &reason), STATUS_OK);
+    uint32_t header = word_at(bytes, 0), line = word_at(bytes, 12), colours = word_at(bytes, 19);
+    assert_int_equal(word_at(bytes, 11), 32); /* bits a pixel, blue lowest */
+    assert_int_equal(word_at(bytes, 16), 0xFF);
+    assert_int_equal(word_at(bytes, 7), 0); /* least significant byte first */
+    assert_true(size >= header + 12 * (size_t)colours + (size_t)line * word_at(bytes, 5));
+    const unsigned char *pixels = (const unsigned char *)bytes + header + 12 * (size_t)colours;
+    for (uint32_t row = 0; row < image.height; row++)
+        for (uint32_t column = 0; column < image.width; column++) {
+            const unsigned char *at = pixels + (y + row) * (size_t)line + 4 * (size_t)(x + column);
+            assert_int_equal(image.pixel[row * image.width + column],
+                             image_rgb(at[2], at[1], at[0]));
+        }
+    free(bytes);
+    image_free(&image);
+}
+
 int main(void)
 {
+    const struct CMUnitTest screen[] = {cmocka_unit_test(the_screen_shows_the_picture)};
+    if (getenv("RAYDIFF_SCREEN"))
+        return cmocka_run_group_tests(screen, NULL, NULL);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_held_key_turns_by_time),
         cmocka_unit_test(left_wins_over_right),
