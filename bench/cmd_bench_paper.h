@@ -23,15 +23,20 @@ enum paper_line_id {
     LINE_NAIVE,  /* published triangle test, no tree */
     LINE_BLANK,
     LINE_EMBREE,
+    LINE_DIRECT_WHOLE, /* published, whole paths per invocation, as it was: where no ray is cut */
+    LINE_RF_WHOLE,
     LINE_DIRECT_CULLS, /* published, but for a box test that culls */
     LINE_RF_CULLS,
     LINE_F32_2, /* repaired */
     LINE_RF16_4,
     LINE_F32_4,
     LINE_RF16_2,
-    LINE_F32_WHOLE, /* whole paths per invocation */
     LINE_NAIVE_MT,
     LINE_EMBREE_MT,
+    LINE_F32_2_WHOLE, /* repaired, whole paths */
+    LINE_RF16_4_WHOLE,
+    LINE_F32_4_WHOLE,
+    LINE_RF16_2_WHOLE,
     LINE_COUNT
 };
 
@@ -57,7 +62,8 @@ struct paper_table {
 };
 
 const char *paper_line_name(enum paper_line_id id);
-bool paper_line_published(enum paper_line_id id); /* drawn in the published look */
+bool paper_line_published(enum paper_line_id id);           /* drawn in the published look */
+enum paper_line_id paper_line_other(enum paper_line_id id); /* what its ratio is to */
 
 /* Opens a scene of the tables: PAPER_DEFAULT or PAPER_TEAPOT. STATUS_UNSUPPORTED: the teapot was
  * not fetched. */

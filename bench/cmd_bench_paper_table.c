@@ -10,30 +10,6 @@
 
 static const struct benchmark paper_frames = {.name = "paper_frames"};
 
-/* Which line a line's ratio is to: how many times as long the first takes as the second. */
-static enum paper_line_id other_of(enum paper_line_id id)
-{
-    switch (id) {
-    case LINE_DIRECT:
-    case LINE_NAIVE:
-    case LINE_BLANK:
-    case LINE_EMBREE:
-        return LINE_RF;
-    case LINE_DIRECT_CULLS:
-        return LINE_RF_CULLS;
-    case LINE_RF_CULLS:
-        return LINE_RF;
-    case LINE_RF:
-        return LINE_RF;
-    case LINE_RF16_2:
-        return LINE_F32_2;
-    case LINE_F32_4:
-    case LINE_F32_2:
-    default:
-        return LINE_RF16_4;
-    }
-}
-
 /* Ratios are near 1 or far below. */
 static void print_ratio(char text[40], struct spread ratio)
 {
@@ -68,8 +44,8 @@ static void add_row(struct paper_table *table, enum paper_line_id id)
     const struct frames_contestant *c = &run->contestant[line->contestant];
     struct frames_stats stats = frames_stats_of(run, line->contestant);
     struct spread ratio = {NAN, NAN, NAN};
-    if (has(table, other_of(id)))
-        ratio = ratio_of(table, id, other_of(id));
+    if (has(table, paper_line_other(id)))
+        ratio = ratio_of(table, id, paper_line_other(id));
     json_t *row = json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:s, s:I}", "scene", table->scene->spec,
         "line", c->handler, "look", paper_line_published(id) ? "published" : "repaired", "engine",
@@ -82,7 +58,7 @@ static void add_row(struct paper_table *table, enum paper_line_id id)
     json_object_set_new(row, "min_ms", bench_number(stats.least));
     json_object_set_new(row, "max_ms", bench_number(stats.most));
     json_object_set_new(row, "median_ms", bench_number(stats.median));
-    json_object_set_new(row, "ratio_to", json_string(paper_line_name(other_of(id))));
+    json_object_set_new(row, "ratio_to", json_string(paper_line_name(paper_line_other(id))));
     json_object_set_new(row, "ratio_median", bench_number(ratio.median));
     json_object_set_new(row, "ratio_min", bench_number(ratio.least));
     json_object_set_new(row, "ratio_max", bench_number(ratio.most));
@@ -109,10 +85,10 @@ static void print_line(const struct paper_table *table, enum paper_line_id id)
     const struct frames_contestant *c = &run->contestant[line->contestant];
     struct frames_stats stats = frames_stats_of(run, line->contestant);
     char ratio[80] = "", apart[40] = "-";
-    if (other_of(id) != id && has(table, other_of(id))) {
+    if (paper_line_other(id) != id && has(table, paper_line_other(id))) {
         char number[40];
-        print_ratio(number, ratio_of(table, id, other_of(id)));
-        snprintf(ratio, sizeof ratio, "%s of %s", number, paper_line_name(other_of(id)));
+        print_ratio(number, ratio_of(table, id, paper_line_other(id)));
+        snprintf(ratio, sizeof ratio, "%s of %s", number, paper_line_name(paper_line_other(id)));
     }
     if (line->checked)
         snprintf(apart, sizeof apart, "%zu/%zu%s", line->diff.paths_apart, line->diff.colours,
@@ -157,6 +133,10 @@ int paper_print_table(struct paper_table *table)
     for (enum paper_line_id id = 0; id < LINE_COUNT; id++) {
         if (id == LINE_DIRECT)
             puts(" published shader");
+        if (id == LINE_DIRECT_WHOLE)
+            puts(" published shader, whole paths in one dispatch, as it was");
+        if (id == LINE_F32_2_WHOLE)
+            puts(" repaired, whole paths in one dispatch");
         if (id == LINE_DIRECT_CULLS)
             puts(" published shader, its box test alone replaced by one that culls: the pictures "
                  "break (F2, F3)");
@@ -185,43 +165,34 @@ static void say_gain(const struct paper_table *table, enum paper_line_id a, enum
            ratio.median, ratio.least, ratio.most);
 }
 
+/* "  TEXT X % less time (...)", a line, if both were measured. */
+static void say(const struct paper_table *table, const char *text, enum paper_line_id a,
+                enum paper_line_id b)
+{
+    if (!has(table, a) || !has(table, b))
+        return;
+    printf("  %s ", text);
+    say_gain(table, a, b);
+    puts("");
+}
+
 static void say_scene(const struct paper_table *table)
 {
-    printf("%s: ", table->scene->spec);
-    if (has(table, LINE_DIRECT) && has(table, LINE_RF)) {
-        printf("with the published shader RF takes ");
-        say_gain(table, LINE_DIRECT, LINE_RF);
-        printf(" than direct");
-    }
-    if (has(table, LINE_RF) && has(table, LINE_NAIVE)) {
-        struct spread naive = ratio_of(table, LINE_RF, LINE_NAIVE);
-        printf("; it takes %.2f (%.2f-%.2f) of the time of the naive handler, which the paper does "
-               "not have",
-               naive.median, naive.least, naive.most);
-    }
-    if (has(table, LINE_F32_2) && has(table, LINE_RF16_4)) {
-        printf(". Once the box test culls, and all else is repaired, 16-byte records with leaf 4 "
-               "take ");
-        say_gain(table, LINE_F32_2, LINE_RF16_4);
-        printf(" than 32-byte nodes with leaf 2");
-    }
-    if (has(table, LINE_F32_4) && has(table, LINE_RF16_4)) {
-        printf(", of which the layout itself, on the same tree, ");
-        say_gain(table, LINE_F32_4, LINE_RF16_4);
-    }
-    if (has(table, LINE_F32_2) && has(table, LINE_RF16_2)) {
-        printf(" with leaf 4 and ");
-        say_gain(table, LINE_F32_2, LINE_RF16_2);
-        printf(" with leaf 2");
-    }
-    if (has(table, LINE_RF) && has(table, LINE_RF16_4)) {
-        struct spread both = ratio_of(table, LINE_RF, LINE_RF16_4);
-        printf(
-            ". The repaired picture takes 1/%.1f of the published one's time (%.1f-%.1f), the look "
-            "being another",
-            both.median, both.least, both.most);
-    }
-    puts(".");
+    printf("%s%s:\n", table->scene->spec, table->scene->same ? "" : " (another mesh)");
+    puts(" as published, where every ray visits every node and no box culls,");
+    say(table, "RF (leaf 4) against direct (leaf 2):        ", LINE_DIRECT, LINE_RF);
+    say(table, "the same, whole paths in one dispatch:      ", LINE_DIRECT_WHOLE, LINE_RF_WHOLE);
+    say(table, "the naive handler, never timed, against RF: ", LINE_RF, LINE_NAIVE);
+    puts(" once the box test culls, and all that it had hidden is repaired,");
+    say(table, "rf16, leaf 4, against f32, leaf 2:          ", LINE_F32_2, LINE_RF16_4);
+    say(table, "the layout alone, same tree, leaf 4:        ", LINE_F32_4, LINE_RF16_4);
+    say(table, "the layout alone, same tree, leaf 2:        ", LINE_F32_2, LINE_RF16_2);
+    say(table, "whole paths: rf16, leaf 4, to f32, leaf 2:  ", LINE_F32_2_WHOLE, LINE_RF16_4_WHOLE);
+    say(table, "whole paths: the layout alone, leaf 4:      ", LINE_F32_4_WHOLE, LINE_RF16_4_WHOLE);
+    say(table, "whole paths: the layout alone, leaf 2:      ", LINE_F32_2_WHOLE, LINE_RF16_2_WHOLE);
+    puts(" and, the look being another,");
+    say(table, "repaired rf16 against published RF:         ", LINE_RF, LINE_RF16_4);
+    say(table, "the same, whole paths against published RF: ", LINE_RF, LINE_RF16_4_WHOLE);
 }
 
 void paper_print_words(struct paper_table *const *table, size_t count)
