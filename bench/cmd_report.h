@@ -14,7 +14,6 @@ struct line {
     char *argv[LINE_WORDS]; /* owned copies */
     int argc;
     char text[LINE_TEXT_BYTES];
-    bool inside; /* run it in the runner's folder, where files have their short names */
 };
 
 /* Where children write to, and how long they may take. */

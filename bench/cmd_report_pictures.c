@@ -25,6 +25,7 @@ struct gallery {
     int code;
     double seconds;
     bool drawn, stopped;
+    json_t *pairs; /* what raydiff diff found; owned */
 };
 
 static const char *scene_of(const struct gallery *gallery)
@@ -81,6 +82,21 @@ static void show(struct gallery *gallery, const char *title, const char *caption
         complain(gallery, title, said[0] ? said : why.text);
 }
 
+/* The first of each kind of member that the user named, for commands that take one. */
+static void pass_members(struct line *line, const struct report_options *options, bool layout)
+{
+    for (size_t i = 0; i < options->passed_count; i++) {
+        const struct passed *passed = &options->passed[i];
+        char name[40];
+        bool one = strcmp(passed->flag, "--box") == 0 || strcmp(passed->flag, "--tri") == 0 ||
+                   (layout && strcmp(passed->flag, "--layout") == 0);
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(passed->value, ","), passed->value);
+        if (one && strcmp(name, "all") != 0)
+            report_option(line, passed->flag, name);
+    }
+    report_pass_on(line, options, TO_OTHERS | TO_PICTURES);
+}
+
 /* Draws the scene. *there: there is a picture. */
 static enum status draw(struct gallery *gallery, const char *engine, bool *there,
                         struct reason *reason)
@@ -95,7 +111,7 @@ static enum status draw(struct gallery *gallery, const char *engine, bool *there
     report_option(&line, "--engine", engine);
     report_option(&line, "-w", "256");
     report_option(&line, "-h", "192");
-    report_pass_on(&line, gallery->options, TO_OTHERS | TO_PICTURES);
+    pass_members(&line, gallery->options, true);
     line_word(&line, "--out");
     line_file(&line, gallery->runner, name);
     *there = false;
@@ -115,41 +131,53 @@ static enum status draw(struct gallery *gallery, const char *engine, bool *there
     return STATUS_OK;
 }
 
-/* "126 of 49152 pixels differ, at most by 255" */
-static void caption_of(const json_t *json, char *caption, size_t caption_bytes)
+/* "126 of 49152 pixels differ, at most by 255; every difference is explained" */
+static void caption_of(const json_t *pair, char *caption, size_t caption_bytes)
 {
-    size_t most = 0;
-    const char *name;
-    const json_t *value;
-    json_object_foreach(json_object_get(json, "largest"), name, value)
-    {
-        size_t size = value_count(json_object_get(json, "largest"), name);
-        most = size > most ? size : most;
-    }
-    if (value_count(json, "different") == 0)
-        snprintf(caption, caption_bytes, "all %zu pixels are the same",
-                 value_count(json, "pixels"));
+    size_t different = value_count(pair, "values_different");
+    if (value_count(pair, "paths_different") + different == 0)
+        snprintf(caption, caption_bytes, "all %zu paths and pixels are the same",
+                 value_count(pair, "paths"));
     else
-        snprintf(caption, caption_bytes, "%zu of %zu pixels differ, at most by %zu of 255",
-                 value_count(json, "different"), value_count(json, "pixels"), most);
+        snprintf(caption, caption_bytes, "%zu of %zu pixels differ, at most by %zu of 255; %s",
+                 different, value_count(pair, "paths"), value_count(pair, "largest"),
+                 value_bool(pair, "agrees") ? "every difference is explained"
+                                            : "NOT every difference is allowed");
 }
 
-/* The heat map of two pictures that are there. Pixels that differ are shown, not judged. */
-static enum status compare(struct gallery *gallery, const char *first, const char *second,
+/* Adds the heat maps of raydiff diff: one for each engine but the first. */
+static void show_maps(struct gallery *gallery, const json_t *pairs, const char *said)
+{
+    char name[NAME_BYTES], title[2 * NAME_BYTES], caption[200];
+    for (size_t i = 0; i < json_array_size(pairs); i++) {
+        const json_t *pair = json_array_get(pairs, i);
+        const char *engine = value_text(pair, "engine");
+        snprintf(name, sizeof name, "%zu-diff%s%.60s.png", gallery->scene,
+                 json_array_size(pairs) > 1 ? "-" : "", json_array_size(pairs) > 1 ? engine : "");
+        snprintf(title, sizeof title, "%.60s against %.60s", engine, value_text(pair, "reference"));
+        caption_of(pair, caption, sizeof caption);
+        show(gallery, title, caption, name, said);
+    }
+}
+
+/* Compares what the engines draw, path by path. */
+static enum status compare(struct gallery *gallery, const char *const *engine, size_t count,
                            struct reason *reason)
 {
-    char name[NAME_BYTES], a[NAME_BYTES], b[NAME_BYTES], title[2 * NAME_BYTES], caption[160];
-    char path[4096];
+    char names[ENGINES_MOST * NAME_BYTES] = "", name[NAME_BYTES], path[4096];
     struct run how;
     struct line line;
-    snprintf(title, sizeof title, "diff-%.40s", second);
-    file_name(gallery, title, name);
-    file_name(gallery, first, a);
-    file_name(gallery, second, b);
+    for (size_t i = 0; i < count; i++) {
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%s", i ? "," : "", engine[i]);
+    }
+    snprintf(name, sizeof name, "%zu-diff.png", gallery->scene);
     line_begin(&line, "diff");
-    line.inside = true; /* the map has the names of its pictures */
-    line_file(&line, gallery->runner, a);
-    line_file(&line, gallery->runner, b);
+    line_word(&line, scene_of(gallery));
+    report_option(&line, "--engine", names);
+    report_option(&line, "-w", "256");
+    report_option(&line, "-h", "192");
+    pass_members(&line, gallery->options, true);
     line_word(&line, "--out");
     line_file(&line, gallery->runner, name);
     line_word(&line, "--json");
@@ -159,16 +187,12 @@ static enum status compare(struct gallery *gallery, const char *first, const cha
     enum status status = run(gallery, cmd_diff, &line, &how, reason);
     if (status || gallery->stopped)
         return status;
-    snprintf(title, sizeof title, "%.60s against %.60s", second, first);
-    json_t *json = json_load_file(path, 0, NULL); /* of our own child */
-    if (json && (how.code == EXIT_AGREE || how.code == EXIT_MISMATCH)) {
-        caption_of(json, caption, sizeof caption);
-        show(gallery, title, caption, name, how.said);
-    } else {
-        gallery->code = exit_worse(gallery->code, how.code ? how.code : EXIT_INTERNAL);
-        complain(gallery, title, how.said);
-    }
-    json_decref(json);
+    gallery->code = exit_worse(gallery->code, how.code);
+    struct reason why;
+    if (report_read(path, REPORT_PICTURES, &gallery->pairs, &why) == STATUS_OK)
+        show_maps(gallery, json_object_get(gallery->pairs, "pairs"), how.said);
+    else
+        complain(gallery, "diff", how.said[0] ? how.said : why.text);
     return STATUS_OK;
 }
 
@@ -225,7 +249,7 @@ static enum status look_at(struct gallery *gallery, size_t i, const char *layout
     report_option(&line, "--layout", layouts);
     report_option(&line, "-w", "256");
     report_option(&line, "-h", "192");
-    report_pass_on(&line, gallery->options, TO_OTHERS | TO_PICTURES);
+    pass_members(&line, gallery->options, false);
     line_word(&line, "--out");
     line_file(&line, gallery->runner, name);
     line_word(&line, "--json");
@@ -315,8 +339,8 @@ static enum status make_scene(struct gallery *gallery, const char *const *engine
             there[drawn++] = engine[i];
     }
     snprintf(gallery->group, sizeof gallery->group, "%.150s, differences", scene_of(gallery));
-    for (size_t i = 1; i < drawn && !status && !gallery->stopped; i++)
-        status = compare(gallery, there[0], there[i], reason);
+    if (drawn > 1 && !status && !gallery->stopped)
+        status = compare(gallery, there, drawn, reason);
     if (!status && !gallery->stopped)
         status = look_at_tree(gallery, reason);
     return status;
@@ -337,14 +361,17 @@ enum status report_make_pictures(const struct report_options *options, struct ru
                                   .scene = s,
                                   .named = report_is_passed(options, "--engine")};
         status = make_scene(&gallery, engine, count, reason);
-        if (status || gallery.stopped)
+        if (status || gallery.stopped) {
+            json_decref(gallery.pairs);
             break;
+        }
         snprintf(name, sizeof name, "pictures of %.200s", options->scene[s]);
         struct report_part part = {.kind = REPORT_PICTURES,
                                    .state = gallery.drawn ? REPORT_RAN : REPORT_FAILED,
                                    .name = name,
                                    .command = gallery.commands,
                                    .why = gallery.why,
+                                   .json = gallery.pairs,
                                    .code = gallery.code,
                                    .seconds = gallery.seconds};
         if (!gallery.drawn && gallery.code == EXIT_SKIPPED)

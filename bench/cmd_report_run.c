@@ -56,7 +56,7 @@ void line_file(struct line *line, const struct runner *runner, const char *name)
 {
     char path[PATH_MOST];
     runner_path(runner, name, path, sizeof path);
-    take_word(line, line->inside ? name : path);
+    take_word(line, path);
     command_word(line->text, sizeof line->text, name);
 }
 
@@ -118,7 +118,6 @@ void runner_close(struct runner *runner)
 struct order {
     command_fn *command;
     const struct line *line;
-    const char *folder; /* to work in, or NULL */
     char out[PATH_MOST], err[PATH_MOST];
 };
 
@@ -139,8 +138,7 @@ static void obey(struct child *parent, void *user)
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
     signal(SIGHUP, SIG_DFL);
-    if ((!order->folder || chdir(order->folder) == 0) &&
-        stand_in("/dev/null", O_RDONLY, STDIN_FILENO) &&
+    if (stand_in("/dev/null", O_RDONLY, STDIN_FILENO) &&
         stand_in(order->out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO) &&
         stand_in(order->err, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO))
         code = order->command(order->line->argc, (char **)(uintptr_t)order->line->argv);
@@ -200,8 +198,7 @@ static void attend(struct runner *runner, struct child *child, const struct line
 enum status runner_run(struct runner *runner, command_fn *command, const struct line *line,
                        struct run *run, struct reason *reason)
 {
-    struct order order = {
-        .command = command, .line = line, .folder = line->inside ? runner->folder : NULL};
+    struct order order = {.command = command, .line = line};
     struct child child;
     *run = (struct run){.code = EXIT_INTERNAL};
     runner->parts++;

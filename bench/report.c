@@ -78,6 +78,7 @@ bool report_is(enum report_kind kind, const json_t *json)
         return json_is_array(json_object_get(json, "engines")) &&
                json_is_array(json_object_get(json, "drivers"));
     case REPORT_PICTURES:
+        return json_is_array(json_object_get(json, "pairs"));
     case REPORT_KINDS:
         break;
     }
@@ -87,9 +88,9 @@ bool report_is(enum report_kind kind, const json_t *json)
 enum status report_read(const char *path, enum report_kind kind, json_t **out,
                         struct reason *reason)
 {
-    static const char *const writer[REPORT_KINDS] = {"raydiff check",
-                                                     "raydiff bench or render --benchmark",
-                                                     "nothing", "raydiff replay", "raydiff doctor"};
+    static const char *const writer[REPORT_KINDS] = {
+        "raydiff check", "raydiff bench or render --benchmark", "raydiff diff", "raydiff replay",
+        "raydiff doctor"};
     char *bytes;
     size_t size;
     json_error_t why;

@@ -13,7 +13,7 @@
 enum report_kind {
     REPORT_CHECK,    /* JSON of raydiff check */
     REPORT_BENCH,    /* of raydiff bench, or render --benchmark: flat rows */
-    REPORT_PICTURES, /* a command that made pictures; has no JSON */
+    REPORT_PICTURES, /* commands that made pictures; JSON of raydiff diff SCENE, or none */
     REPORT_FINDING,  /* JSON of raydiff replay of one file, and what it printed */
     REPORT_MACHINE,  /* of raydiff doctor */
     REPORT_KINDS

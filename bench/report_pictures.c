@@ -12,6 +12,8 @@
 /* Of the file, for pictures as base64; the rest is for tables and figures. */
 #define PICTURE_BYTES_MOST (REPORT_BYTES_MOST / 5 * 4)
 
+#define PAIRS_MOST 64u /* of a part */
+
 static size_t base64_size(size_t bytes)
 {
     return (bytes + 2) / 3 * 4;
@@ -85,6 +87,69 @@ static void put_picture(struct html *html, const struct report_picture *picture)
     html_end(html, "figure");
 }
 
+/* Why pixels differ, of one engine against another. */
+static void put_pair(struct html *html, const char *scene, const json_t *pair)
+{
+    static const char *const whys[] = {"rounding", "allowed", "drift", "published"};
+    static const char *const faults[] = {"wrong", "renderer", "unexplained"};
+    const json_t *why = json_object_get(pair, "why");
+    bool agrees = value_bool(pair, "agrees");
+    size_t bad = 0;
+    html_begin(html, "tr", NULL);
+    html_element(html, "th", NULL, scene);
+    html_element_format(html, "td", NULL, "%s against %s", value_text(pair, "engine"),
+                        value_text(pair, "reference"));
+    html_element(html, "td", NULL,
+                 value_bool(pair, "same_bits_demanded") ? "the same bits" : "an explanation");
+    html_element_format(html, "td", "n", "%zu", value_count(pair, "paths_different"));
+    html_element_format(html, "td", "n", "%zu", value_count(pair, "values_different"));
+    for (size_t i = 0; i < ARRAY_COUNT(whys); i++)
+        html_element_format(html, "td", "n", "%zu", value_count(why, whys[i]));
+    for (size_t i = 0; i < ARRAY_COUNT(faults); i++)
+        bad += value_count(why, faults[i]);
+    bad += value_count(pair, "beyond_the_bound");
+    html_element_format(html, "td", bad ? "n bad" : "n z", "%zu", bad);
+    html_element(html, "td", agrees ? "good" : "bad", agrees ? "as it should be" : "NOT so");
+    html_end(html, "tr");
+}
+
+static void put_pairs_head(struct html *html)
+{
+    static const char *const head[] = {"scene",        "engines",  "demanded", "paths differ",
+                                       "pixels",       "rounding", "allowed",  "drift",
+                                       "as published", "faults",   "verdict"};
+    html_begin(html, "table", NULL);
+    html_element(html, "caption", NULL,
+                 "Each path compared, each difference explained by the exact truth; drift: both "
+                 "answers are right for their own, differing rays.");
+    html_begin(html, "thead", NULL);
+    html_begin(html, "tr", NULL);
+    for (size_t i = 0; i < ARRAY_COUNT(head); i++)
+        html_element(html, "th", i > 2 && i < 10 ? "n" : NULL, head[i]);
+    html_end(html, "tr");
+    html_end(html, "thead");
+    html_begin(html, "tbody", NULL);
+}
+
+static void put_pairs(struct html *html, const struct report *report)
+{
+    bool begun = false;
+    for (size_t p = 0; p < report->part_count; p++) {
+        const json_t *json = report->part[p].json, *pairs = json_object_get(json, "pairs");
+        size_t count = report->part[p].kind == REPORT_PICTURES ? json_array_size(pairs) : 0;
+        for (size_t i = 0; i < count && i < PAIRS_MOST; i++) {
+            if (!begun)
+                put_pairs_head(html);
+            begun = true;
+            put_pair(html, value_text(json, "scene"), json_array_get(pairs, i));
+        }
+    }
+    if (begun) {
+        html_end(html, "tbody");
+        html_end(html, "table");
+    }
+}
+
 void report_pictures(struct html *html, const struct report *report)
 {
     section_begin(html, "pictures", "4 Pictures");
@@ -93,6 +158,7 @@ void report_pictures(struct html *html, const struct report *report)
                     "takes a picture that is there.");
     if (report->wanted[REPORT_PICTURES] && report->picture_count == 0)
         html_element(html, "p", "note bad", "There is no picture.");
+    put_pairs(html, report);
     const char *group = NULL;
     for (size_t i = 0; i < report->picture_count; i++) {
         const struct report_picture *picture = &report->picture[i];

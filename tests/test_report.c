@@ -55,6 +55,12 @@ static const char doctor_text[] =
 static const char replay_text[] =
     "{'exit': 1, 'files': [{'file': 'f', 'fails': true, 'triangles': 2, 'rays': 1}]}";
 
+static const char diff_text[] =
+    "{'scene': 'S<1>', 'pairs': [{'engine': 'e<1>', 'reference': 'cpu', 'agrees': false,"
+    "'same_bits_demanded': true, 'paths': 9, 'paths_different': 4, 'values_different': 3,"
+    "'largest': 200, 'beyond_the_bound': 0, 'why': {'rounding': 1, 'allowed': 0, 'drift': 1,"
+    "'published': 0, 'wrong': 2}}]}";
+
 /* --- making ------------------------------------------------------------------------------- */
 
 /* JSON with ' for " and each word of `from` replaced by that of `to`. */
@@ -151,6 +157,7 @@ static void every_section_is_there(void **state)
     add(&report, REPORT_CHECK, check_of("0", "0", "true", "0", "ok"), 0);
     add(&report, REPORT_BENCH, json_of(error_text, NULL, 0), 0);
     add(&report, REPORT_BENCH, json_of(frames_text, NULL, 0), 0);
+    add(&report, REPORT_PICTURES, json_of(diff_text, NULL, 0), 0);
     add(&report, REPORT_MACHINE, json_of(doctor_text, NULL, 0), EXIT_SKIPPED);
     add(&report, REPORT_FINDING, json_of(replay_text, NULL, 0), 0);
     char *page = page_of(&report);
@@ -171,6 +178,9 @@ static void every_section_is_there(void **state)
                                          "Frames: S&lt;1&gt;",
                                          "cpu&lt;f32&gt;",
                                          "2 of 9 differ, by at most 1 ulp",
+                                         "e&lt;1&gt; against cpu",
+                                         "<td class=\"n bad\">2</td>",
+                                         "NOT so",
                                          "Driver hardware does not run: none &lt;here&gt;",
                                          "still fails",
                                          "why &lt;b&gt;",
@@ -298,11 +308,9 @@ static void any_json_gives_a_page(void **state)
     static const struct {
         enum report_kind kind;
         const char *text;
-    } files[] = {{REPORT_CHECK, check_text},
-                 {REPORT_BENCH, error_text},
-                 {REPORT_BENCH, frames_text},
-                 {REPORT_MACHINE, doctor_text},
-                 {REPORT_FINDING, replay_text}};
+    } files[] = {{REPORT_CHECK, check_text},    {REPORT_BENCH, error_text},
+                 {REPORT_BENCH, frames_text},   {REPORT_MACHINE, doctor_text},
+                 {REPORT_FINDING, replay_text}, {REPORT_PICTURES, diff_text}};
     for (size_t f = 0; f < ARRAY_COUNT(files); f++)
         for (size_t v = 0; v < ARRAY_COUNT(values); v++) {
             struct report report = empty();
