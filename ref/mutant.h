@@ -47,6 +47,7 @@
 #define MUTANT_DEPTH_LAST      342 /* the stack's depth at the last push, not the greatest */
 #define MUTANT_SHOW_BACKWARDS  343 /* differences of pictures: first less second */
 #define MUTANT_PIXEL_LOST      345 /* pictures of the tree: the first pixel of a part has no value */
+#define MUTANT_DECODED_TURNED  346 /* a packed tree is decoded with its children changed over */
 #define MUTANT_WRONG_IS_BLUE   344 /* pictures of verdicts: what is wrong looks as what is right */
 #define MUTANT_ALL_AS_RARE     110 /* feedback chooses every trial as often */
 #define MUTANT_NOT_ESCAPED     113 /* text goes into JUnit and TAP as it is */

@@ -2,6 +2,7 @@
 #include "scenes/cmd_render_show.h"
 
 #include "ref/command.h"
+#include "ref/look/decoded.h"
 #include "scenes/cmd_render_out.h"
 
 #include <math.h>
@@ -342,10 +343,7 @@ static int run(const struct render_settings *given, const char *name)
     if (!status)
         status = render_stage_open("render", &settings, &stage, &reason);
     if (!status && showing.show->from == SHOW_FROM_WALK && tree_file_is_packed(&stage.file))
-        status = fail(&reason, STATUS_INPUT,
-                      "--show %s: %s is packed, but what its boxes should be is wanted, too: "
-                      "give the tree as JSON",
-                      name, settings.bvh);
+        status = decoded_tree(&stage.packed, &stage.scene, &stage.bvh, &reason);
     if (!status)
         status = show(&showing, &stage, &reason);
     render_stage_close(&stage);

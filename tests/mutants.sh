@@ -224,6 +224,7 @@ in_test DEPTH_LAST ref/look/numbers.c test_look
 in_test AROUND_OPEN ref/look/around.c test_look
 in_test SHOW_BACKWARDS scenes/show.c test_show
 in_test PIXEL_LOST scenes/show.c test_show
+in_test DECODED_TURNED ref/look/decoded.c test_look_decoded
 in_test WRONG_IS_BLUE scenes/show_picture.c test_show_picture
 in_test FOUND_ANYWAY fuzz/selftest_run.c test_fuzz_selftest
 in_test DEATH_SPIRAL bench/pacing.c test_pacing

@@ -55,7 +55,7 @@ grep -q 'of the walk in C: engine cpu, not brute' "$dir/err" || bad "whose walk 
 # Hits do not depend on the tree.
 expect 0 . render $scene $size --show prim --layout f32,rf16 --out "$dir/one.png"
 grep -q 'different in 0 of 10800 pixels' "$dir/out" || bad "prim: f32 and rf16 hit otherwise"
-# A tree from a file; packed alone it lacks what its boxes should be.
+# A tree from a file, as JSON and packed.
 expect 0 . precompute --scene $scene --builder median --out "$dir/tree.json"
 expect 0 . render $scene $size --show boxes --bvh "$dir/tree.json" --layout f32 --csv "$dir/c.csv" \
     --out "$dir/one.png"
@@ -63,7 +63,13 @@ expect 0 . render $scene $size --show boxes --bvh "$dir/tree.json" --layout f32 
     >/dev/null 2>&1
 cmp -s "$dir/c.csv" "$dir/d.csv" || bad "--bvh: other numbers than the builder's own tree"
 expect 0 . precompute --scene $scene --builder median --layout rf16 --out "$dir/tree.rdpk"
-expect 0 . render $scene $size --show t --bvh "$dir/tree.rdpk" --out "$dir/one.png"
+for what in t boxes inflation; do
+    expect 0 . render $scene $size --show $what --bvh "$dir/tree.rdpk" --csv "$dir/c.csv" \
+        --out "$dir/one.png"
+    "$raydiff" render $scene $size --show $what --layout rf16 --csv "$dir/d.csv" \
+        --out "$dir/one.png" >/dev/null 2>&1
+    cmp -s "$dir/c.csv" "$dir/d.csv" || bad "--bvh, packed: $what has other numbers"
+done
 
 # Fixed ends of the colours; what is refused.
 expect 0 . render $scene $size --show boxes --show-range 0:64 --out "$dir/one.png"
