@@ -97,7 +97,9 @@ static void put_details(struct html *html, const json_t *rows, const char *bench
     html_begin(html, "details", NULL);
     html_element_format(html, "summary", NULL, "all %zu rows of %s", json_array_size(rows),
                         benchmark[0] ? benchmark : "the benchmark");
+    html_begin(html, "div", "class", "roll", NULL);
     report_rows(html, rows);
+    html_end(html, "div");
     html_end(html, "details");
 }
 

@@ -94,6 +94,7 @@ void report_verdicts(struct html *html, const struct check_rows *rows)
     html_begin(html, "details", NULL);
     html_element_format(html, "summary", NULL, "all %zu rows: rays, hits, verdicts, bits, speed",
                         rows->count);
+    html_begin(html, "div", "class", "roll", NULL);
     html_begin(html, "table", "class", "wide", NULL);
     html_element(html, "caption", NULL,
                  "Answers in each allowed class; err/E: the largest error of t over its proven "
@@ -107,5 +108,6 @@ void report_verdicts(struct html *html, const struct check_rows *rows)
     }
     html_end(html, "tbody");
     html_end(html, "table");
+    html_end(html, "div");
     html_end(html, "details");
 }

@@ -92,6 +92,11 @@ case $mode in
     ;;
 esac
 
+if [ "$mode" != quick ]; then
+    sed 's|<details>|<details open="open">|' "$dir/report.html" >"$dir/opened.html"
+    sound 'the report, all opened' "$dir/opened.html" "$figures"
+fi
+
 # Planted: without the policy, which forbids the browser what the page might ask for, and with it.
 free() { sed 's/<meta http-equiv="Content-Security-Policy"[^>]*>//' "$dir/report.html"; }
 sed 's|</main>|<figure><img alt="x" src="missing.png" width="90" height="90"/></figure></main>|' \
