@@ -268,6 +268,7 @@ slow: all tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle_scene
 	RAYDIFF_SLOW=1 $(B)/tests/test_oracle_redecide
+	RAYDIFF_SLOW=1 $(B)/tests/test_vulkan_render
 	for test in $(BOUNDS_TESTS); do RAYDIFF_SLOW=1 $$test || exit 1; done
 	$(B)/raydiff conform --hard
 

@@ -29,7 +29,8 @@ static const char help_head[] =
 static const char help_tail[] =
     "\nexit codes: 0, 2 bad input, or a layout that refuses the scene, 3 an engine did not "
     "finish,\n"
-    "4 no memory, 77 the engine cannot run here, 130 ended by Ctrl-C after a whole picture\n"
+    "4 no memory, 77 the engine cannot run here, 130 ended by Ctrl-C after a whole\n"
+    "picture (a second one ends it at once)\n"
     "example: raydiff render scenes/fetched/utah-teapot.obj -w 384 -h 288 --out teapot.png\n"
     "example: raydiff render --profile rtrs --handler-bvh-rf --engine vulkan --frames 40\n";
 

@@ -1,6 +1,7 @@
-/* The same pictures by other engines: on every Vulkan driver that needs no GPU each segment of each
- * path has the C renderer's bits, and each pixel its value, or the other one where the colour lies
- * within the bound of a rounding border. */
+/* The same pictures by other engines: on every Vulkan driver that needs no GPU (here and, with
+ * RAYDIFF_SLOW, on all scenes and drivers) each segment of each path has the C renderer's bits, and
+ * each pixel its value, or the other one where the colour lies within the bound of a rounding
+ * border. */
 #include "scenes/diff_frames.h"
 
 #include <setjmp.h>
@@ -14,6 +15,8 @@
 #define HEIGHT 42u
 #define PIXELS ((size_t)WIDTH * HEIGHT)
 
+static bool slow; /* RAYDIFF_SLOW is set */
+
 static const char *const cpu_drivers[] = {"stock", "mesa25", "swiftshader"};
 
 /* What is drawn; `rtrs`: the seed's members, too, can hold it. */
@@ -25,7 +28,9 @@ static const struct {
     {"needles:n=200", false}, {"stack:n=30", false}, {"sphere:n=6", true},
 };
 
-#define WAVES_SCENES 3 /* of them, on the first driver: rays alone are tested by others */
+/* Pipelines are made for each scene, which takes drivers long: without RAYDIFF_SLOW the first of
+ * the scenes on the first driver. */
+#define QUICK_SCENES 3
 
 static const struct look looks[] = {
     {.profile = PROFILE_REPAIRED, .bounces = 5, .ambience = 0.125f, .camera_light = 0.5f},
@@ -103,12 +108,12 @@ static void engines_agree(const char *engine, bool waves)
 {
     struct renderer *cpu = open_on("cpu", NULL, true);
     size_t ran = 0;
-    for (size_t d = 0; d < (waves ? 1 : ARRAY_COUNT(cpu_drivers)); d++) {
+    for (size_t d = 0; d < (slow ? ARRAY_COUNT(cpu_drivers) : 1); d++) {
         struct renderer *other = open_on(engine, cpu_drivers[d], waves);
         size_t borders = 0, second = 0;
         if (!other)
             continue;
-        for (size_t s = 0; s < (waves ? WAVES_SCENES : ARRAY_COUNT(scenes)); s++)
+        for (size_t s = 0; s < (slow ? ARRAY_COUNT(scenes) : QUICK_SCENES); s++)
             for (size_t l = 0; l < ARRAY_COUNT(looks); l++)
                 borders += compare(cpu, other, s, looks[l], &second);
         print_message("%s on %s, %s: %zu pixels at rounding borders, %zu paths reflected\n", engine,
@@ -166,6 +171,7 @@ static void engines_embree_shows_the_same_scene(void **state)
 
 int main(void)
 {
+    slow = getenv("RAYDIFF_SLOW") != NULL;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(engines_vulkan_by_waves),
         cmocka_unit_test(engines_vulkan_on_its_own),
