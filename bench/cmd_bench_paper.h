@@ -43,7 +43,7 @@ enum paper_line_id {
 /* What is measured of a line. */
 struct paper_line {
     size_t contestant;      /* in the session; SIZE_MAX: left out */
-    char why[160];          /* left out */
+    char why[320];          /* left out */
     bool checked;           /* against engine cpu with the same members */
     struct frame_diff diff; /* to it */
     size_t wrong;           /* pixels that differ from brute force's in the same look */
@@ -62,7 +62,8 @@ struct paper_table {
 };
 
 const char *paper_line_name(enum paper_line_id id);
-bool paper_line_published(enum paper_line_id id);           /* drawn in the published look */
+bool paper_line_published(enum paper_line_id id); /* drawn in the published look */
+struct painter_plan paper_plan(const struct paper_table *table, enum paper_line_id id);
 enum paper_line_id paper_line_other(enum paper_line_id id); /* what its ratio is to */
 
 /* Opens a scene of the tables: PAPER_DEFAULT or PAPER_TEAPOT. STATUS_UNSUPPORTED: the teapot was

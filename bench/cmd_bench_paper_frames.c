@@ -76,7 +76,7 @@ bool paper_line_published(enum paper_line_id id)
     return recipes[id].profile == PROFILE_RTRS;
 }
 
-static struct painter_plan plan_of(const struct paper_table *table, enum paper_line_id id)
+struct painter_plan paper_plan(const struct paper_table *table, enum paper_line_id id)
 {
     const struct recipe *recipe = &recipes[id];
     return (struct painter_plan){
@@ -169,7 +169,7 @@ static void leave_out(struct paper_table *table, enum paper_line_id id, enum sta
     if (line->contestant < table->session.count)
         painter_close(&table->session.painter[--table->session.count]);
     line->contestant = SIZE_MAX;
-    snprintf(line->why, sizeof line->why, "%.150s", why);
+    snprintf(line->why, sizeof line->why, "%s", why);
     if (status != STATUS_UNSUPPORTED && status != STATUS_LIMIT &&
         !(status == STATUS_DEVICE && may_be_cut(id)))
         table->code = exit_worse(table->code, exit_of_status(status));
@@ -179,7 +179,7 @@ static void leave_out(struct paper_table *table, enum paper_line_id id, enum sta
 static enum status draw_truth(const struct paper_table *table, enum paper_line_id like,
                               struct sheet *out, struct reason *reason)
 {
-    struct painter_plan plan = plan_of(table, like);
+    struct painter_plan plan = paper_plan(table, like);
     plan.engine = engine_find("brute");
     plan.layout = NULL;
     progress_step(&table->bench->progress, "%s: every triangle for every ray", table->scene->spec);
@@ -191,7 +191,7 @@ static enum status draw_truth(const struct paper_table *table, enum paper_line_i
 static void enter_line(struct paper_table *table, enum paper_line_id id, const struct sheet *truth)
 {
     struct paper_line *line = &table->line[id];
-    struct painter_plan plan = plan_of(table, id);
+    struct painter_plan plan = paper_plan(table, id);
     struct reason reason = {""};
     line->contestant = table->session.count;
     progress_step(&table->bench->progress, "%s: preparing %s", table->scene->spec, plan.handler);

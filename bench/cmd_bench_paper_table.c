@@ -36,24 +36,35 @@ static bool is_right(const struct paper_line *line)
     return !line->checked || (line->diff.paths_apart == 0 && line->diff.excess == 0);
 }
 
+static json_t *count(bool known, uint64_t value)
+{
+    return known ? json_integer((json_int_t)value) : json_null();
+}
+
+/* A row of what was measured; of a line that was left out the reason. */
 static void add_row(struct paper_table *table, enum paper_line_id id)
 {
     const struct frames_run *run = &table->session.run;
     const struct paper_line *line = &table->line[id];
-    const struct painter *painter = &table->session.painter[line->contestant];
-    const struct frames_contestant *c = &run->contestant[line->contestant];
-    struct frames_stats stats = frames_stats_of(run, line->contestant);
+    const struct painter_plan plan = paper_plan(table, id);
+    bool in = has(table, id), checked = in && line->checked;
+    const struct frames_contestant *c = in ? &run->contestant[line->contestant] : NULL;
+    struct frames_stats stats = {NAN, NAN, NAN, NAN};
     struct spread ratio = {NAN, NAN, NAN};
-    if (has(table, paper_line_other(id)))
+    if (in)
+        stats = frames_stats_of(run, line->contestant);
+    if (in && has(table, paper_line_other(id)))
         ratio = ratio_of(table, id, paper_line_other(id));
     json_t *row = json_pack(
-        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:s, s:I}", "scene", table->scene->spec,
-        "line", c->handler, "look", paper_line_published(id) ? "published" : "repaired", "engine",
-        painter->plan.engine->name, "layout",
-        painter->plan.layout ? painter->plan.layout->name : "", "box", painter->plan.box->name,
-        "tri", painter->plan.tri->name, "leaf", (json_int_t)painter->plan.build.leaf, "nodes",
-        (json_int_t)line->tree.node_count, "bytes", (json_int_t)c->bytes, "clock", frames_clock(c),
-        "frames", (json_int_t)run->done);
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:I}", "scene", table->scene->spec, "line",
+        plan.handler, "look", paper_line_published(id) ? "published" : "repaired", "engine",
+        plan.engine->name, "layout", plan.layout ? plan.layout->name : "", "box", plan.box->name,
+        "tri", plan.tri->name, "plan", plan.plan == FRAME_WHOLE ? "whole" : "steps", "leaf",
+        (json_int_t)plan.build.leaf);
+    json_object_set_new(row, "nodes", count(in, line->tree.node_count));
+    json_object_set_new(row, "bytes", count(in, in ? c->bytes : 0));
+    json_object_set_new(row, "clock", in ? json_string(frames_clock(c)) : json_null());
+    json_object_set_new(row, "frames", count(in, run->done));
     json_object_set_new(row, "average_ms", bench_number(stats.average));
     json_object_set_new(row, "min_ms", bench_number(stats.least));
     json_object_set_new(row, "max_ms", bench_number(stats.most));
@@ -62,15 +73,12 @@ static void add_row(struct paper_table *table, enum paper_line_id id)
     json_object_set_new(row, "ratio_median", bench_number(ratio.median));
     json_object_set_new(row, "ratio_min", bench_number(ratio.least));
     json_object_set_new(row, "ratio_max", bench_number(ratio.most));
-    json_object_set_new(row, "pixels", json_integer((json_int_t)table->width * table->height));
-    json_object_set_new(row, "pixels_wrong", json_integer((json_int_t)line->wrong));
-    json_object_set_new(row, "cpu_paths_apart",
-                        line->checked ? json_integer((json_int_t)line->diff.paths_apart)
-                                      : json_null());
-    json_object_set_new(row, "cpu_pixels_apart",
-                        line->checked ? json_integer((json_int_t)line->diff.colours) : json_null());
-    json_object_set_new(row, "cpu_pixels_beyond_rounding",
-                        line->checked ? json_integer((json_int_t)line->diff.excess) : json_null());
+    json_object_set_new(row, "pixels", count(true, (uint64_t)table->width * table->height));
+    json_object_set_new(row, "pixels_wrong", count(in, line->wrong));
+    json_object_set_new(row, "cpu_paths_apart", count(checked, line->diff.paths_apart));
+    json_object_set_new(row, "cpu_pixels_apart", count(checked, line->diff.colours));
+    json_object_set_new(row, "cpu_pixels_beyond_rounding", count(checked, line->diff.excess));
+    json_object_set_new(row, "left_out", in ? json_null() : json_string(line->why));
     bench_row(table->bench, &paper_frames, row);
 }
 
@@ -143,8 +151,6 @@ int paper_print_table(struct paper_table *table)
         if (id == LINE_F32_2)
             puts(" repaired: builder median, box test robust, triangle test mt");
         print_line(table, id);
-        if (table->line[id].contestant == SIZE_MAX)
-            continue;
         add_row(table, id);
         if (!is_right(&table->line[id]))
             code = exit_worse(code, EXIT_MISMATCH);
