@@ -1,4 +1,5 @@
 /* raydiff report: one HTML file of what check, bench, replay and doctor say. */
+#define _POSIX_C_SOURCE 200809L /* gmtime_r */
 #include "bench/cmd_report_parts.h"
 
 #include "ref/cmd_json.h"

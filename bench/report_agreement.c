@@ -118,6 +118,15 @@ static void put_scene(struct html *html, const json_t *scene, const json_t *all)
     free(row);
 }
 
+/* A scene that was named twice has all its rows at the first. */
+static bool is_repeated(const json_t *scenes, size_t i)
+{
+    for (size_t k = 0; k < i; k++)
+        if (value_same(json_array_get(scenes, k), json_array_get(scenes, i), "scene"))
+            return true;
+    return false;
+}
+
 void report_agreement(struct html *html, const struct report *report)
 {
     section_begin(html, "agreement", "2 Agreement");
@@ -136,7 +145,8 @@ void report_agreement(struct html *html, const struct report *report)
         const json_t *json = report->part[p].json, *scenes = json_object_get(json, "scenes");
         size_t count = report->part[p].kind == REPORT_CHECK ? json_array_size(scenes) : 0;
         for (size_t i = 0; i < count && i < SCENES_MOST; i++)
-            put_scene(html, json_array_get(scenes, i), json_object_get(json, "rows"));
+            if (!is_repeated(scenes, i))
+                put_scene(html, json_array_get(scenes, i), json_object_get(json, "rows"));
         if (count > SCENES_MOST)
             html_element_format(html, "p", "note", "Only the first %u scenes are shown.",
                                 SCENES_MOST);

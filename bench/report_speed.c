@@ -8,7 +8,8 @@
 #include <string.h>
 
 #define TABLE_ROWS      400u /* of a benchmark */
-#define BENCHMARKS_MOST 16   /* of a part */
+#define COLUMNS_MOST    64u
+#define BENCHMARKS_MOST 16 /* of a part */
 
 /* The rows of one benchmark; a new array that the caller owns, NULL without memory. */
 static json_t *rows_of(const json_t *json, const char *benchmark)
@@ -61,10 +62,11 @@ static void put_line(struct html *html, const json_t *first, const json_t *row)
 {
     const char *name;
     const json_t *value;
+    size_t columns = 0;
     html_begin(html, "tr", NULL);
     json_object_foreach((json_t *)(uintptr_t)first, name, value)
     {
-        if (strcmp(name, "benchmark") == 0)
+        if (strcmp(name, "benchmark") == 0 || ++columns > COLUMNS_MOST)
             continue; /* the same in all */
         if (row)
             put_value(html, json_object_get(row, name));

@@ -6,13 +6,14 @@ set -eu
 raydiff=$1/raydiff
 out=$2
 rm -rf "$out" "$out.new"
-for entry in obj ply rtrs gz trial tree packed peer text log baseline play png; do
+for entry in obj ply rtrs gz trial tree packed peer text log baseline play png page; do
     mkdir -p "$out.new/$entry"
 done
 cd "$out.new"
 case $raydiff in /*) ;; *) raydiff=$OLDPWD/$raydiff ;; esac
 repository=$OLDPWD
 quiet() { "$@" 2>/dev/null >/dev/null; }
+said() { quiet "$@" || true; } # its exit code is a result
 
 # "X,X,...,X" so many times.
 many() {
@@ -124,6 +125,22 @@ head -c 60 png/rgb.png >png/cut.png
 { head -c 45 png/rgb.png && printf 'x' && tail -c +47 png/rgb.png; } >png/damaged.png
 gzip -nc png/rgb.png >png/zipped.png
 printf 'P6 1 1 255 abc' >png/ppm.png
+
+# --- results that a report is put together from
+said "$raydiff" check soup:n=9 --count 40 --repeat 1 --engine cpu --layout f32,rtrs_rf --query closest,all \
+    --json page/check.json
+for benchmark in error layouts; do
+    said "$raydiff" bench $benchmark --scene sphere:n=2 --count 20 --rounds 1 --json page/$benchmark.json
+done
+said "$raydiff" doctor --json page/doctor.json
+said "$raydiff" bench frames --scene sphere:n=2 --frames 2 --size 8x8 --engine cpu --out page/frames
+said "$raydiff" diff cornell --engine cpu,embree -w 16 -h 16 --json page/diff.json
+said "$raydiff" replay "$repository/fuzz/corpus/sentinel.trial" --engine cpu --json page/replay.json
+rm -f page/frames.csv page/frames.svg page/frames.png
+sed 's/"rows"/"rowz"/' page/error.json >page/no-rows.json
+sed 's/[0-9][0-9.]*/null/g' page/layouts.json >page/nulls.json
+sed 's/"[a-z0-9]*",/"<\&\\"\\u0007",/g' page/error.json >page/hostile.json
+printf '{"scenes":[%s],"rows":[%s]}' "$(many '{"scene":""}' 60)" "$(many '{"scene":""}' 900)" >page/many.json
 
 # --- trials
 for file in "$repository"/fuzz/corpus/*.trial; do
