@@ -104,6 +104,7 @@
 #define MUTANT_BORDER_ANYWHERE 372 /* diff: a pixel may differ by 1, near a border or not */
 #define MUTANT_NOBODY_WRONG    374 /* diff: wrong answers are explained, too */
 #define MUTANT_PICTURE_TRUSTED 375 /* diff: an engine's picture is not held to its rays */
+#define MUTANT_LAST_BIT        376 /* diff: the last number that differs is said to be the first */
 #define MUTANT_KEY_IGNORED     373 /* window: the right arrow does nothing */
 #define MUTANT_WARM_UP_KEPT    352 /* the first frame measured is the first drawn */
 

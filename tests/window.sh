@@ -16,6 +16,9 @@ for tool in Xvfb xdotool; do
 done
 . tests/expect.sh
 
+# A sanitizer counts what it was told to overlook, on standard error.
+export LSAN_OPTIONS="${LSAN_OPTIONS:+$LSAN_OPTIONS:}print_suppressions=0"
+
 screen='' shown=''
 cleanup() {
     [ -z "$shown" ] || kill "$shown" 2>/dev/null
@@ -64,9 +67,9 @@ begin() {
 settle() {
     still=0
     for round in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24; do
-        sleep 0.15
+        sleep 0.2
         cmp -s "$pixels" "$dir/still" && still=$((still + 1)) || still=0
-        [ "$still" -lt 3 ] || return
+        [ "$still" -lt 4 ] || return
         cp "$pixels" "$dir/still"
     done
 }
