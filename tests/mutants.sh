@@ -237,7 +237,7 @@ in_test SHADOWS_UNSEEN scenes/diff_frames.c test_diff_frames
 in_test BORDER_ANYWHERE scenes/diff_frames.c test_diff_frames
 in_test NOBODY_WRONG scenes/diff_why.c test_diff_why
 in_test PICTURE_TRUSTED scenes/diff_why.c test_diff_why
-in_test LAST_BIT scenes/diff_values.c test_diff_why
+in_test LAST_BIT scenes/diff_values.c test_diff_values
 in_header KEY_IGNORED test_window
 in_test WARM_UP_KEPT bench/frames.c test_frames
 replay="replay --brief --as-expected --engine cpu --time 2"

@@ -2,7 +2,6 @@
  * mirrors, a floor and a lamp, so that paths have several segments and shadows. */
 #include "scenes/camera.h"
 #include "scenes/diff_engines.h"
-#include "scenes/diff_values.h"
 #include "scenes/scenes.h"
 
 #include <math.h>
@@ -377,88 +376,6 @@ static void pictures_are_held_to_their_walks(void **state)
     side_close(&other);
 }
 
-/* Every number that is turned is named, in the order in which they come to be, with its bit. */
-static void the_first_bit_is_named(void **state)
-{
-    (void)state;
-    struct walk a, b;
-    size_t path = 0;
-    walk(honest, &a);
-    walk(honest, &b);
-    while (path < a.count && (a.length[path] < 2 || !walk_light_of(&a, path, 0, 0)->asked))
-        path++;
-    assert_true(path < a.count);
-    assert_false(walk_first_bit(&a, &b, path).differs);
-    struct walk_step *step = &b.step[path * b.bounces + 1], *before = step - 1;
-    struct walk_light *light = &b.light[path * b.bounces * b.lights];
-    const struct {
-        float *number;
-        const char *name;
-        uint32_t segment, light;
-    } turned[] = {
-        {&step->total.z, "blue", 1, UINT32_MAX},
-        {&step->n.y, "normal y", 1, UINT32_MAX},
-        {&step->hit.v, "v", 1, UINT32_MAX},
-        {&step->hit.t, "t", 1, UINT32_MAX},
-        {&step->weight, "weight", 1, UINT32_MAX},
-        {&step->ray.dir[2], "direction z", 1, UINT32_MAX},
-        {&step->ray.org[0], "origin x", 1, UINT32_MAX},
-        {&before->s, "specular light", 0, UINT32_MAX},
-        {&light->ray.tmax, "tmax", 0, 0},
-        {&light->nl, "normal . light", 0, 0},
-        {&before->g.x, "plane x", 0, UINT32_MAX},
-        {&before->p.z, "point z", 0, UINT32_MAX},
-        {&before->ray.org[1], "origin y", 0, UINT32_MAX},
-    };
-    for (size_t i = 0; i < ARRAY_COUNT(turned); i++) { /* each comes before all those before */
-        uint32_t bits = float_bits(*turned[i].number);
-        *turned[i].number = float_from_bits(bits ^ 5u);
-        struct first_bit first = walk_first_bit(&a, &b, path);
-        assert_true(first.differs && first.is_float);
-        assert_string_equal(first.name, turned[i].name);
-        assert_int_equal(first.segment, turned[i].segment);
-        assert_int_equal(first.light, turned[i].light);
-        assert_int_equal(first.bit, 2);
-        assert_int_equal(first.bits[0], bits);
-        assert_int_equal(first.bits[1], bits ^ 5u);
-        assert_true(first.ulps == 5 || first.ulps == 3);
-    }
-    before->ray.org[1] = -0.0f;
-    a.step[path * a.bounces].ray.org[1] = 0.0f;
-    struct first_bit first = walk_first_bit(&a, &b, path);
-    assert_string_equal(first.name, "origin y");
-    assert_int_equal(first.bit, 31);
-    assert_int_equal(first.ulps, 0);
-    walk_free(&a);
-    walk_free(&b);
-}
-
-/* Whichever triangle blocks a light, it is blocked; but whether is compared. */
-static void any_hits_have_no_name(void **state)
-{
-    (void)state;
-    struct walk a, b;
-    size_t path = 0;
-    walk(honest, &a);
-    walk(honest, &b);
-    while (!walk_light_of(&a, path, 0, 0)->shadowed)
-        path++;
-    struct walk_light *light = &b.light[path * b.bounces * b.lights];
-    light->hit.prim++;
-    assert_false(walk_first_bit(&a, &b, path).differs);
-    light->shadowed = false;
-    struct first_bit first = walk_first_bit(&a, &b, path);
-    assert_string_equal(first.name, "shadowed");
-    assert_false(first.is_float);
-    b.length[path] = 0;
-    first = walk_first_bit(&a, &b, path);
-    assert_string_equal(first.name, "goes on");
-    assert_int_equal(first.bits[0], 1);
-    assert_int_equal(first.bits[1], 0);
-    walk_free(&a);
-    walk_free(&b);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -471,8 +388,6 @@ int main(void)
         cmocka_unit_test(what_nobody_caused_is_unexplained),
         cmocka_unit_test(the_published_profile_asks_otherwise),
         cmocka_unit_test(pictures_are_held_to_their_walks),
-        cmocka_unit_test(the_first_bit_is_named),
-        cmocka_unit_test(any_hits_have_no_name),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }
