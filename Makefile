@@ -41,7 +41,8 @@ LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 TESTS    := $(TEST_SRC:tests/%.c=$(B)/tests/%)
 SAMPLES  := $(addprefix $(B)/samples/,tracer tracer_bug1 tracer_bug2)
-SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv)
+RENDERED := $(patsubst shaders/layout_%.glsl,render_%,$(wildcard shaders/layout_*.glsl))
+SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv) $(RENDERED:%=$(B)/spv/%.spv)
 
 # A member that no table names would never be tested: the tables compare these with their length.
 COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \

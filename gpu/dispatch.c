@@ -100,3 +100,14 @@ struct vk_shader dispatch_shader(const struct dispatch *dispatch)
         .constant_count = DISPATCH_CONSTANTS,
     };
 }
+
+const char *dispatch_cause(uint32_t flag)
+{
+    if (flag & ABI_FLAG_STACK)
+        return "its traversal stack overran: the tree is deeper than its stack_need says";
+    if (flag & ABI_FLAG_VISITS)
+        return "it visited more nodes than there are: the tree has a cycle";
+    if (flag & ABI_FLAG_LOOP)
+        return "the driver ended its loop early (lavapipe 22 does after 65,535 iterations)";
+    return "its invocation did not run to the end";
+}

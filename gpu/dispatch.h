@@ -39,6 +39,9 @@ struct dispatch dispatch_query(const struct job *job, uint32_t workgroup);
 /* Workgroups for so many rays. */
 uint32_t dispatch_groups(const struct dispatch *dispatch, uint32_t ray_count);
 
+/* What kept a ray from its end, by its flags. */
+const char *dispatch_cause(uint32_t flag);
+
 /* What vk_pipeline_make needs; borrows the dispatch. */
 struct vk_shader dispatch_shader(const struct dispatch *dispatch);
 

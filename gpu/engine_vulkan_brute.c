@@ -3,6 +3,7 @@
  * arithmetic does: those two must agree in every bit where the device's operators are C's. */
 #include "gpu/batch.h"
 #include "gpu/dispatch.h"
+#include "gpu/framer.h"
 #include "gpu/gather.h"
 #include "gpu/probe.h"
 #include "gpu/vulkan_options.h"
@@ -31,6 +32,7 @@ struct brute {
     uint64_t tests;
     struct arithmetic arithmetic;
     bool measured;
+    struct framer *framer; /* NULL until a frame is prepared */
 };
 
 /* Where the answers of a call go. */
@@ -47,6 +49,7 @@ static void close(void *self)
     struct brute *b = self;
     if (!b)
         return;
+    framer_free(b->framer);
     for (uint32_t t = 0; t < TRIS && b->vk; t++)
         for (uint32_t q = 0; q < QUERIES; q++)
             vk_pipeline_free(b->vk, b->pipeline[t][q]);
@@ -189,6 +192,22 @@ static enum status trace_all(void *self, const struct ray *ray, size_t ray_count
     return trace_rays(self, ray, ray_count, &to, &unused, reason);
 }
 
+static enum status frame_prepare(void *self, const struct frame_job *job, struct reason *reason)
+{
+    struct brute *b = self;
+    if (!b->framer)
+        b->framer = framer_make(b->vk, true);
+    if (!b->framer)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    return framer_prepare(b->framer, job, reason);
+}
+
+static enum status frame(void *self, const struct view *view, struct frame *out,
+                         struct trace_report *report, struct reason *reason)
+{
+    return framer_draw(((struct brute *)self)->framer, view, out, report, reason);
+}
+
 static struct model model(void *self, const struct tri_test *tri)
 {
     struct brute *b = self;
@@ -211,6 +230,8 @@ const struct engine engine_vulkan_brute = {
     .prepare = prepare,
     .trace = trace,
     .trace_all = trace_all,
+    .frame_prepare = frame_prepare,
+    .frame = frame,
     .model = model,
     .close = close,
     .describe = vulkan_describe,

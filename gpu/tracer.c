@@ -59,9 +59,7 @@ uint32_t tracer_close(struct tracer *tracer, struct reason *reason)
         return 0;
     free_buffers(tracer);
     tracer_tasks_free(tracer);
-    for (size_t i = 0; i < tracer->cache_count; i++)
-        vk_pipeline_free(tracer->vk, tracer->cache[i].pipeline);
-    free(tracer->cache);
+    pipelines_free(&tracer->pipelines, tracer->vk);
     uint32_t messages = vk_close(tracer->vk, reason);
     free(tracer);
     return messages;
@@ -75,33 +73,21 @@ struct arithmetic tracer_arithmetic(struct tracer *tracer)
     return tracer->arithmetic;
 }
 
+struct vk *tracer_device(struct tracer *tracer)
+{
+    return tracer->vk;
+}
+
 uint32_t tracer_pipelines(const struct tracer *tracer)
 {
-    return (uint32_t)tracer->cache_count;
+    return (uint32_t)tracer->pipelines.count;
 }
 
 enum status tracer_pipeline(struct tracer *tracer, const struct dispatch *dispatch,
                             struct vk_pipeline **out, struct reason *reason)
 {
-    struct cached want = {.shader = dispatch->shader};
-    memcpy(want.constant, dispatch->constant, sizeof want.constant);
-    for (size_t i = 0; i < tracer->cache_count; i++)
-        if (tracer->cache[i].shader == want.shader &&
-            memcmp(tracer->cache[i].constant, want.constant, sizeof want.constant) == 0) {
-            *out = tracer->cache[i].pipeline;
-            return STATUS_OK;
-        }
-    void *cache = tracer->cache;
-    if (array_reserve(&cache, &tracer->cache_capacity, tracer->cache_count + 1, sizeof want))
-        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the list of pipelines");
-    tracer->cache = cache;
-    struct vk_shader shader = dispatch_shader(dispatch);
-    enum status status = vk_pipeline_make(tracer->vk, &shader, &want.pipeline, reason);
-    if (status)
-        return status;
-    tracer->cache[tracer->cache_count++] = want;
-    *out = want.pipeline;
-    return STATUS_OK;
+    const struct vk_shader shader = dispatch_shader(dispatch);
+    return pipelines_find(&tracer->pipelines, tracer->vk, &shader, out, reason);
 }
 
 static enum status upload(struct tracer *tracer, uint32_t binding, const void *data, uint64_t bytes,
@@ -203,17 +189,6 @@ static enum status reserve_rays(struct tracer *tracer, size_t count, uint32_t ca
     return status;
 }
 
-const char *tracer_cause(uint32_t flag)
-{
-    if (flag & ABI_FLAG_STACK)
-        return "its traversal stack overran: the tree is deeper than its stack_need says";
-    if (flag & ABI_FLAG_VISITS)
-        return "it visited more nodes than there are: the tree has a cycle";
-    if (flag & ABI_FLAG_LOOP)
-        return "the driver ended its loop early (lavapipe 22 does after 65,535 iterations)";
-    return "its invocation did not run to the end";
-}
-
 static enum status check_flags(struct tracer *tracer, size_t first, uint32_t count,
                                struct reason *reason)
 {
@@ -222,7 +197,7 @@ static enum status check_flags(struct tracer *tracer, size_t first, uint32_t cou
             continue;
         tracer->trouble = tracer->flag[i];
         return fail(reason, STATUS_DEVICE, "vulkan: %s: ray %zu was not finished: %s",
-                    vk_limits(tracer->vk)->device, first + i, tracer_cause(tracer->flag[i]));
+                    vk_limits(tracer->vk)->device, first + i, dispatch_cause(tracer->flag[i]));
     }
     return STATUS_OK;
 }

@@ -43,6 +43,9 @@ uint32_t tracer_close(struct tracer *tracer, struct reason *reason);
 /* The device's arithmetic, measured by the first call. */
 struct arithmetic tracer_arithmetic(struct tracer *tracer);
 
+/* Its device, for other work on it before tracer_close. */
+struct vk *tracer_device(struct tracer *tracer);
+
 /* Pipelines made since open. */
 uint32_t tracer_pipelines(const struct tracer *tracer);
 

@@ -3,24 +3,18 @@
 #define TRACER_PRIVATE_H
 
 #include "gpu/dispatch.h"
+#include "gpu/pipelines.h"
 #include "gpu/tracer.h"
 
 /* Node visits of one submission, at most: neither a wait nor a driver's watchdog ends it. */
 #define TRACER_VISITS_MOST (1u << 25)
 #define TRACER_RAYS_MOST   (1u << 20) /* of one dispatch */
 
-struct cached {
-    const struct shader *shader;
-    uint32_t constant[DISPATCH_CONSTANTS];
-    struct vk_pipeline *pipeline;
-};
-
 struct tracer {
     struct vk *vk;
     uint32_t workgroup;
-    struct cached *cache;
-    size_t cache_count, cache_capacity;
-    struct vk_pipeline *pipeline; /* of the job; borrowed from the cache */
+    struct pipelines pipelines;
+    struct vk_pipeline *pipeline; /* of the job; borrowed */
     struct vk_buffer *buffer[DISPATCH_BINDINGS];
     uint32_t *flag; /* ray_capacity read back */
     uint32_t ray_capacity, batch;
@@ -32,12 +26,9 @@ struct tracer {
     struct tracer_tasks *tasks; /* what tracer_trace_tasks keeps, or NULL */
 };
 
-/* Finds or makes the pipeline of the dispatch; kept in the cache. Errors: as vk_pipeline_make. */
+/* Finds or makes the pipeline of the dispatch. Errors: as vk_pipeline_make. */
 enum status tracer_pipeline(struct tracer *tracer, const struct dispatch *dispatch,
                             struct vk_pipeline **out, struct reason *reason) MUST_USE;
-
-/* What kept a ray from its end, by its flags. */
-const char *tracer_cause(uint32_t flag);
 
 void tracer_tasks_free(struct tracer *tracer);
 

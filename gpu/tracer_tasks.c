@@ -216,7 +216,7 @@ static void check_flags(struct tracer *tracer, struct engine_task *task)
         if (task->flag[i] != ABI_FLAG_DONE)
             task->status =
                 fail(&task->reason, STATUS_DEVICE, "vulkan: %s: ray %zu was not finished: %s",
-                     vk_limits(tracer->vk)->device, i, tracer_cause(task->flag[i]));
+                     vk_limits(tracer->vk)->device, i, dispatch_cause(task->flag[i]));
 }
 
 /* Hands the answers out in the task's own order. */

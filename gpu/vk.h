@@ -5,9 +5,11 @@
 
 #include "ref/base.h"
 
-#define VK_WAIT_NS      60000000000u /* longest wait for one dispatch unless asked otherwise */
-#define VK_BINDINGS_MAX 8u
-#define VK_NAME_BYTES   256u
+#define VK_WAIT_NS       60000000000u /* longest wait for one dispatch unless asked otherwise */
+#define VK_BINDINGS_MAX  8u
+#define VK_CONSTANTS_MAX 16u
+#define VK_SERIES_MAX    64u
+#define VK_NAME_BYTES    256u
 
 struct vk_options {
     const char *library; /* the loader to open, NULL: libvulkan.so.1 */
@@ -29,6 +31,7 @@ struct vk_limits {
     uint64_t buffer_bytes;      /* largest storage buffer: range and allocation limits */
     uint32_t groups;            /* most workgroups of a dispatch */
     uint32_t group_size;        /* most invocations of a workgroup */
+    uint32_t bindings;          /* most storage buffers of a shader */
     uint64_t alignment;         /* of where a part of a buffer may begin, see vk_work */
     uint32_t timestamp_bits;    /* 0: no timestamps */
     float timestamp_ns;         /* nanoseconds per tick */
@@ -86,11 +89,11 @@ struct vk_shader {
     uint32_t push_bytes;    /* a multiple of 4, at most 128 */
     bool accel; /* binding `binding_count` is an acceleration structure, see vk_pipeline_use */
     const uint32_t *constant; /* value of specialization constant i; borrowed for the call */
-    uint32_t constant_count;
+    uint32_t constant_count;  /* at most VK_CONSTANTS_MAX */
 };
 
-/* Errors: STATUS_UNSUPPORTED constant 0, the workgroup's size, is 0 or over the device's limit;
- * STATUS_DEVICE; STATUS_MEMORY. */
+/* Errors: STATUS_UNSUPPORTED constant 0, the workgroup's size, is 0 or over the device's limit, or
+ * more storage buffers than the device allows; STATUS_DEVICE; STATUS_MEMORY. */
 enum status vk_pipeline_make(struct vk *vk, const struct vk_shader *shader,
                              struct vk_pipeline **out, struct reason *reason) MUST_USE;
 void vk_pipeline_free(struct vk *vk, struct vk_pipeline *pipeline); /* NULL is fine */
@@ -107,6 +110,19 @@ struct vk_time {
 enum status vk_dispatch(struct vk *vk, struct vk_pipeline *pipeline,
                         struct vk_buffer *const *buffer, const void *push, uint32_t groups,
                         struct vk_time *time, struct reason *reason) MUST_USE;
+
+/* One dispatch of a series. */
+struct vk_step {
+    struct vk_pipeline *pipeline; /* all with the same bindings and push_bytes */
+    const void *push;
+    uint32_t groups;
+};
+
+/* Runs 1 to VK_SERIES_MAX dispatches in one submission, one after the other, and waits: each sees
+ * what those before it wrote. buffer[i] is bound to binding i of all. Errors: as vk_dispatch. */
+enum status vk_dispatch_series(struct vk *vk, struct vk_buffer *const *buffer,
+                               const struct vk_step *step, uint32_t count, struct vk_time *time,
+                               struct reason *reason) MUST_USE;
 
 /* Descriptor sets for many dispatches in one submission. */
 struct vk_sets;

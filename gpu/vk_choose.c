@@ -95,6 +95,7 @@ static struct vk_limits limits_of(const struct answers *answers, uint32_t timest
         .buffer_bytes = base->limits.maxStorageBufferRange,
         .groups = base->limits.maxComputeWorkGroupCount[0],
         .group_size = base->limits.maxComputeWorkGroupInvocations,
+        .bindings = base->limits.maxPerStageDescriptorStorageBuffers,
         .alignment = base->limits.minStorageBufferOffsetAlignment,
         .timestamp_bits = timestamp_bits,
         .timestamp_ns = base->limits.timestampPeriod,

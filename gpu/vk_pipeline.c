@@ -81,7 +81,7 @@ static enum status make_pipeline(struct vk *vk, const struct vk_shader *shader,
     VkResult result = vk->fn.CreateShaderModule(vk->device, &code, NULL, &module);
     if (result != VK_SUCCESS)
         return vk_fail(vk, reason, result, shader->name);
-    VkSpecializationMapEntry entry[8];
+    VkSpecializationMapEntry entry[VK_CONSTANTS_MAX];
     for (uint32_t i = 0; i < shader->constant_count; i++)
         entry[i] = (VkSpecializationMapEntry){i, 4 * i, 4};
     VkSpecializationInfo constants = {
@@ -116,6 +116,10 @@ enum status vk_pipeline_make(struct vk *vk, const struct vk_shader *shader,
         return fail(reason, STATUS_UNSUPPORTED, "vulkan: workgroups of %u: %s allows 1 to %u",
                     (unsigned)shader->constant[0], vk->limits.device,
                     (unsigned)vk->limits.group_size);
+    if (shader->binding_count > vk->limits.bindings)
+        return fail(reason, STATUS_UNSUPPORTED, "vulkan: %s needs %u storage buffers, %s allows %u",
+                    shader->name, (unsigned)shader->binding_count, vk->limits.device,
+                    (unsigned)vk->limits.bindings);
     struct vk_pipeline *pipeline = alloc_zeroed(1, sizeof *pipeline);
     if (!pipeline)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for a pipeline");
@@ -161,31 +165,42 @@ static void bind_buffers(struct vk *vk, struct vk_pipeline *pipeline,
     vk->fn.UpdateDescriptorSets(vk->device, 1, &write, 0, NULL);
 }
 
-static void record(struct vk *vk, const struct vk_pipeline *pipeline, const void *push,
-                   uint32_t groups)
+static void barrier(struct vk *vk, VkPipelineStageFlags to, VkAccessFlags access)
 {
-    VkCommandBuffer command = vk->command;
-    if (vk->query)
-        vk->fn.CmdResetQueryPool(command, vk->query, 0, 2);
-    vk->fn.CmdBindPipeline(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->pipeline);
-    vk->fn.CmdBindDescriptorSets(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1,
-                                 &pipeline->set, 0, NULL);
-    if (pipeline->push_bytes)
-        vk->fn.CmdPushConstants(command, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                pipeline->push_bytes, push);
-    if (vk->query)
-        vk->fn.CmdWriteTimestamp(command, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, vk->query, 0);
-    vk->fn.CmdDispatch(command, groups, 1, 1);
-    if (vk->query)
-        vk->fn.CmdWriteTimestamp(command, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, vk->query, 1);
     VkMemoryBarrier barrier = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
         .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT,
-        .dstAccessMask = VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT,
+        .dstAccessMask = access,
     };
-    vk->fn.CmdPipelineBarrier(command, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                              VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1,
-                              &barrier, 0, NULL, 0, NULL);
+    vk->fn.CmdPipelineBarrier(vk->command, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, to, 0, 1, &barrier,
+                              0, NULL, 0, NULL);
+}
+
+/* Descriptor sets of pipelines with the same bindings can take each other's place. */
+static void record(struct vk *vk, VkDescriptorSet set, const struct vk_step *step, uint32_t count)
+{
+    VkCommandBuffer command = vk->command;
+    if (vk->query) {
+        vk->fn.CmdResetQueryPool(command, vk->query, 0, 2);
+        vk->fn.CmdWriteTimestamp(command, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, vk->query, 0);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const struct vk_pipeline *pipeline = step[i].pipeline;
+        if (i > 0)
+            barrier(vk, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                    VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+        vk->fn.CmdBindPipeline(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->pipeline);
+        vk->fn.CmdBindDescriptorSets(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0,
+                                     1, &set, 0, NULL);
+        if (pipeline->push_bytes)
+            vk->fn.CmdPushConstants(command, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                    pipeline->push_bytes, step[i].push);
+        vk->fn.CmdDispatch(command, step[i].groups, 1, 1);
+    }
+    if (vk->query)
+        vk->fn.CmdWriteTimestamp(command, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, vk->query, 1);
+    barrier(vk, VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+            VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
 }
 
 /* Reads the timestamps over the host's measure, if they can be had. */
@@ -203,24 +218,33 @@ static void read_clock(struct vk *vk, struct vk_time *time)
     time->device_clock = true;
 }
 
-enum status vk_dispatch(struct vk *vk, struct vk_pipeline *pipeline,
-                        struct vk_buffer *const *buffer, const void *push, uint32_t groups,
-                        struct vk_time *time, struct reason *reason)
+enum status vk_dispatch_series(struct vk *vk, struct vk_buffer *const *buffer,
+                               const struct vk_step *step, uint32_t count, struct vk_time *time,
+                               struct reason *reason)
 {
     *time = (struct vk_time){0};
-    if (groups > vk->limits.groups)
-        return fail(reason, STATUS_LIMIT, "vulkan: %u workgroups, %s allows %u", (unsigned)groups,
-                    vk->limits.device, (unsigned)vk->limits.groups);
+    for (uint32_t i = 0; i < count; i++)
+        if (step[i].groups > vk->limits.groups)
+            return fail(reason, STATUS_LIMIT, "vulkan: %u workgroups, %s allows %u",
+                        (unsigned)step[i].groups, vk->limits.device, (unsigned)vk->limits.groups);
     enum status status = vk_begin(vk, reason);
     if (status)
         return status;
-    bind_buffers(vk, pipeline, buffer);
-    record(vk, pipeline, push, groups);
+    bind_buffers(vk, step->pipeline, buffer);
+    record(vk, step->pipeline->set, step, count);
     uint64_t start = time_ns();
-    status = vk_submit(vk, "a dispatch", reason);
+    status = vk_submit(vk, count == 1 ? "a dispatch" : "a series of dispatches", reason);
     if (status)
         return status;
     time->ns = time_ns() - start;
     read_clock(vk, time);
     return STATUS_OK;
+}
+
+enum status vk_dispatch(struct vk *vk, struct vk_pipeline *pipeline,
+                        struct vk_buffer *const *buffer, const void *push, uint32_t groups,
+                        struct vk_time *time, struct reason *reason)
+{
+    const struct vk_step step = {pipeline, push, groups};
+    return vk_dispatch_series(vk, buffer, &step, 1, time, reason);
 }

@@ -30,7 +30,7 @@ float half_normal(uint code)
 /* How far the half of the plane that is met first lies up in its word. */
 uvec3 half_shift(slab_ray r)
 {
-    return uvec3(r.swapped.x ? 16u : 0u, r.swapped.y ? 16u : 0u, r.swapped.z ? 16u : 0u);
+    return uvec3(r.swapped) << 4;
 }
 
 /* Each word of `bounds` holds the lower bound in its low half; the planes in the order in which the

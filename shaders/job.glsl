@@ -1,5 +1,6 @@
 /* What every tracing shader is told and where it answers; see ref/abi.h. Rays and hits are read and
- * written as whole quads: on lavapipe a load of four words costs little more than one of one. */
+ * written as whole quads: on lavapipe a load of four words costs little more than one of one. Who
+ * defines RENDERING before gets what shaders that render are told. */
 #ifndef JOB_GLSL
 #define JOB_GLSL
 
@@ -9,19 +10,62 @@
 layout(local_size_x_id = ABI_SPEC_WORKGROUP) in;
 layout(constant_id = ABI_SPEC_BOX) const uint BOX_TEST = ABI_BOX_ROBUST;
 layout(constant_id = ABI_SPEC_TRI) const uint TRI_TEST = ABI_TRI_MT;
-layout(constant_id = ABI_SPEC_QUERY) const uint QUERY = ABI_QUERY_CLOSEST;
 layout(constant_id = ABI_SPEC_STACK) const uint STACK = 16u;
+
+layout(std430, set = 0, binding = ABI_BIND_NODES) readonly buffer Nodes { uvec4 node_quad[]; };
+layout(std430, set = 0, binding = ABI_BIND_ITEMS) readonly buffer Items { uint item_word[]; };
+layout(std430, set = 0, binding = ABI_BIND_TRIS) readonly buffer Tris { vec4 tri_quad[]; };
+
+#ifdef RENDERING
+#include "render_job.glsl"
+#else
+layout(constant_id = ABI_SPEC_QUERY) const uint QUERY = ABI_QUERY_CLOSEST;
 
 layout(push_constant) uniform Push { push job; };
 
 layout(std430, set = 0, binding = ABI_BIND_RAYS) readonly buffer Rays { vec4 ray_quad[]; };
 layout(std430, set = 0, binding = ABI_BIND_HITS) writeonly buffer Hits { uvec4 hit_quad[]; };
 layout(std430, set = 0, binding = ABI_BIND_FLAGS) writeonly buffer Flags { uint flag_word[]; };
-layout(std430, set = 0, binding = ABI_BIND_NODES) readonly buffer Nodes { uvec4 node_quad[]; };
-layout(std430, set = 0, binding = ABI_BIND_ITEMS) readonly buffer Items { uint item_word[]; };
-layout(std430, set = 0, binding = ABI_BIND_TRIS) readonly buffer Tris { vec4 tri_quad[]; };
 layout(std430, set = 0, binding = ABI_BIND_FOUND) writeonly buffer Found { uint found_word[]; };
+#endif
 
 #define NODE_LEAF 0x80000000u /* in the first word that the traversal keeps of a node */
+
+/* Without branches, into which the compiler makes && and ?: unless both operands are names: one
+ * driver's time and memory grow exponentially with the branches in a loop. */
+bool both(bool a, bool b)
+{
+    return all(bvec2(a, b));
+}
+
+bool both(bool a, bool b, bool c)
+{
+    return all(bvec3(a, b, c));
+}
+
+float pick(bool c, float a, float b)
+{
+    return c ? a : b;
+}
+
+uint pick(bool c, uint a, uint b)
+{
+    return c ? a : b;
+}
+
+vec2 pick(bool c, vec2 a, vec2 b)
+{
+    return c ? a : b;
+}
+
+vec3 pick(bool c, vec3 a, vec3 b)
+{
+    return c ? a : b;
+}
+
+vec4 pick(bool c, vec4 a, vec4 b)
+{
+    return c ? a : b;
+}
 
 #endif

@@ -17,7 +17,7 @@ node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
     uvec4 low = node_quad[2u * ref];
     uvec4 high = node_quad[2u * ref + 1u];
     slab_order(r, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz), nearer, farther);
-    return node(high.w == 0u ? ref : high.w | NODE_LEAF, low.w);
+    return node(pick(high.w == 0u, ref, high.w | NODE_LEAF), low.w);
 }
 
 uint node_fst(node n)

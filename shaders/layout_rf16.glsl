@@ -18,7 +18,7 @@ node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
     uvec4 record = node_quad[ref];
     half_bounds(r, record.xyz, nearer, farther);
     uint as_leaf = NODE_LEAF | (ref + 1u) << 4 | (record.w & 15u);
-    return node((record.w & NODE_LEAF) == 0u ? record.w : as_leaf);
+    return node(pick((record.w & NODE_LEAF) == 0u, record.w, as_leaf));
 }
 
 uint node_fst(node n)
@@ -55,9 +55,9 @@ uint leaf_item(leaf l, uint slot)
     if (slot == 7u)
         return ABI_NO_PRIM;
 #endif
-    uint word = slot < 4u ? (slot < 2u ? l.items.x : l.items.y)
-                          : (slot < 6u ? l.items.z : l.items.w);
-    uint prim = (slot & 1u) == 0u ? word & 0xFFFFu : word >> 16;
+    uint word = pick(slot < 4u, pick(slot < 2u, l.items.x, l.items.y),
+                     pick(slot < 6u, l.items.z, l.items.w));
+    uint prim = pick((slot & 1u) == 0u, word & 0xFFFFu, word >> 16);
 #if MUTANT == MUTANT_ITEM_CUT
     prim &= 0x7FFFu;
 #endif

@@ -22,7 +22,7 @@ node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
     slab_order(r, uintBitsToFloat(lo.xyz), uintBitsToFloat(hi.xyz), nearer, farther);
     if (head.w > 0u)
         return node(head.w | NODE_LEAF, head.z);
-    return node(head.x < NODE_LEAF ? head.x : NODE_LEAF - 1u, head.y);
+    return node(pick(head.x < NODE_LEAF, head.x, NODE_LEAF - 1u), head.y);
 }
 
 uint node_fst(node n)

@@ -16,7 +16,7 @@ node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
 {
     uvec4 record = node_quad[ref];
     half_bounds_any(r, record.xyz, nearer, farther);
-    return node((record.w & NODE_LEAF) == 0u ? record.w : NODE_LEAF | (ref + 1u));
+    return node(pick((record.w & NODE_LEAF) == 0u, record.w, NODE_LEAF | (ref + 1u)));
 }
 
 uint node_fst(node n)
@@ -46,6 +46,6 @@ leaf leaf_load(node n)
 /* Of 0, the null triangle, the result is out of range: no triangle. */
 uint leaf_item(leaf l, uint slot)
 {
-    uint word = slot < 2u ? l.items.x : slot < 4u ? l.items.y : l.items.z;
-    return ((slot & 1u) == 0u ? word & 0xFFFFu : word >> 16) - 1u;
+    uint word = pick(slot < 2u, l.items.x, pick(slot < 4u, l.items.y, l.items.z));
+    return pick((slot & 1u) == 0u, word & 0xFFFFu, word >> 16) - 1u;
 }

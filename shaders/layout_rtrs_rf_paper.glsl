@@ -17,7 +17,7 @@ node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
 {
     uvec4 record = node_quad[ref];
     half_bounds_any(r, record.xyz, nearer, farther);
-    return node((record.w & NODE_LEAF) == 0u ? record.w : NODE_LEAF | (ref + 1u));
+    return node(pick((record.w & NODE_LEAF) == 0u, record.w, NODE_LEAF | (ref + 1u)));
 }
 
 uint node_fst(node n)
@@ -46,8 +46,8 @@ leaf leaf_load(node n)
 
 uint leaf_item(leaf l, uint slot)
 {
-    uint word = slot < 2u ? l.items.w & 0x7FFF7FFFu
-                          : (slot < 4u ? l.items.x : slot < 6u ? l.items.y : l.items.z);
-    uint stored = (slot & 1u) == 0u ? word & 0xFFFFu : word >> 16;
-    return stored == 0u ? ABI_NO_PRIM : stored;
+    uint word = pick(slot < 2u, l.items.w & 0x7FFF7FFFu,
+                     pick(slot < 4u, l.items.x, pick(slot < 6u, l.items.y, l.items.z)));
+    uint stored = pick((slot & 1u) == 0u, word & 0xFFFFu, word >> 16);
+    return pick(stored == 0u, ABI_NO_PRIM, stored);
 }

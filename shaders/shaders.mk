@@ -1,4 +1,5 @@
-# SPIR-V of every shaders/*.comp, checked and decorated by our tool, and its embedding into C.
+# SPIR-V of every shaders/*.comp, and of a renderer for each layout, checked and decorated by our
+# tool, and its embedding into C.
 GLSLANG ?= glslangValidator
 HOSTCC  ?= cc
 # Number of a planted bug (ref/mutant.h); 0 in everything that is shipped.
@@ -10,14 +11,22 @@ $(TOOL): shaders/spirv_tool.c ref/mutant.h
 	@mkdir -p $(@D)
 	$(HOSTCC) -I. -std=c17 -O1 $(WARN) -DMUTANT=$(MUTANT) -o $@ $<
 
+# A layout's renderer is made of its file alone: $(RENDERED).
+$(RENDERED:%=$(B)/gen/%.comp): $(B)/gen/render_%.comp: shaders/shaders.mk
+	@mkdir -p $(@D)
+	@printf '%s\n' '#version 450' '#extension GL_GOOGLE_include_directive : require' \
+	    '#define RENDERING' '#include "layout_$*.glsl"' '#include "render_tree.glsl"' >$@
+
 # -g0: names are no use at run time. Includes and abi.h come back through the depfile.
 # Ray queries need SPIR-V 1.4, so they are of Vulkan 1.2.
 $(B)/spv/raw/query_%.spv: TARGET := vulkan1.2
 TARGET := vulkan1.1
+compile = @mkdir -p $(@D); $(GLSLANG) --quiet -V --target-env $(TARGET) -g0 -DMUTANT=$(MUTANT) -I. \
+    -Ishaders --depfile $(@:.spv=.d) -o $@ $<
 $(B)/spv/raw/%.spv: shaders/%.comp
-	@mkdir -p $(@D)
-	$(GLSLANG) --quiet -V --target-env $(TARGET) -g0 -DMUTANT=$(MUTANT) -I. -Ishaders \
-	    --depfile $(@:.spv=.d) -o $@ $<
+	$(compile)
+$(B)/spv/raw/%.spv: $(B)/gen/%.comp
+	$(compile)
 
 $(B)/spv/%.spv: $(B)/spv/raw/%.spv $(TOOL)
 	$(TOOL) fix $< $@
@@ -31,4 +40,6 @@ $(B)/gen/shaders.c: $(SPV) $(B)/spv/list $(TOOL)
 	@mkdir -p $(@D)
 	$(TOOL) embed $@ $(SPV)
 
+# One that is gone makes what included it anew.
+shaders/%.glsl: ;
 -include $(wildcard $(B)/spv/raw/*.d)

@@ -45,7 +45,7 @@ struct slab_ray {
 /* Componentwise c ? a : b. */
 vec3 slab_select(bvec3 c, vec3 a, vec3 b)
 {
-    return vec3(c.x ? a.x : b.x, c.y ? a.y : b.y, c.z ? a.z : b.z);
+    return vec3(pick(c.x, a.x, b.x), pick(c.y, a.y, b.y), pick(c.z, a.z, b.z));
 }
 
 /* The bounds in the order in which the ray meets them. */
@@ -62,14 +62,14 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     precise vec3 minus = -d;
     vec3 a = slab_select(negative, minus, d);
     float largest = 0.0;
-    largest = a.x > largest ? a.x : largest;
+    largest = pick(a.x > largest, a.x, largest);
     r.main = a.y > largest ? 1u : 0u;
-    largest = a.y > largest ? a.y : largest;
-    r.main = a.z > largest ? 2u : r.main;
-    largest = a.z > largest ? a.z : largest;
+    largest = pick(a.y > largest, a.y, largest);
+    r.main = pick(a.z > largest, 2u, r.main);
+    largest = pick(a.z > largest, a.z, largest);
     precise float least = SLAB_PARALLEL * largest;
-    bvec3 crossing = bvec3(a.x > 0.0 && a.x >= least, a.y > 0.0 && a.y >= least,
-                           a.z > 0.0 && a.z >= least);
+    bvec3 crossing = bvec3(both(a.x > 0.0, a.x >= least), both(a.y > 0.0, a.y >= least),
+                           both(a.z > 0.0, a.z >= least));
     precise vec3 inv = 1.0 / d;
     vec3 inf = vec3(uintBitsToFloat(0x7F800000u)); /* compared only, never computed with */
     r.o = o;
@@ -84,8 +84,8 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     r.pad = slab_select(crossing, vec3(SLAB_FAR), vec3(SLAB_AWAY_PAD));
     r.at_most = slab_select(crossing, inf, o);
     r.at_least = slab_select(crossing, uintBitsToFloat(floatBitsToUint(inf) | 0x80000000u), o);
-    r.swapped = bvec3(negative.x && crossing.x, negative.y && crossing.y,
-                      negative.z && crossing.z);
+    r.swapped = bvec3(both(negative.x, crossing.x), both(negative.y, crossing.y),
+                      both(negative.z, crossing.z));
     if (BOX_TEST == ABI_BOX_RTRS) /* it orders the planes itself */
         r.swapped = bvec3(false);
     r.tmin = tmin;
@@ -97,7 +97,7 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
 void slab_ray_place(inout slab_ray r, vec3 nearer)
 {
     precise vec3 t = (nearer - r.o) * r.inv;
-    float along = r.main == 0u ? t.x : r.main == 1u ? t.y : t.z;
+    float along = pick(r.main == 0u, t.x, pick(r.main == 1u, t.y, t.z));
     precise float reach = -along * SLAB_BEHIND;
     r.behind = along < 0.0 ? reach : 0.0;
 }
@@ -112,24 +112,23 @@ bool slab_robust(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float e
 #endif
     precise vec3 bp = b * r.pad;
     float tn = r.tmin, tf = tbest;
-    tn = a.x > tn ? a.x : tn;
-    tf = bp.x < tf ? bp.x : tf;
-    tn = a.y > tn ? a.y : tn;
-    tf = bp.y < tf ? bp.y : tf;
-    tn = a.z > tn ? a.z : tn;
-    tf = bp.z < tf ? bp.z : tf;
+    tn = pick(a.x > tn, a.x, tn);
+    tf = pick(bp.x < tf, bp.x, tf);
+    tn = pick(a.y > tn, a.y, tn);
+    tf = pick(bp.y < tf, bp.y, tf);
+    tn = pick(a.z > tn, a.z, tn);
+    tf = pick(bp.z < tf, bp.z, tf);
     entry = tn;
 #if MUTANT == MUTANT_PARALLEL_STRICT
-    bool inside = all(lessThan(nearer, r.at_most)) && all(lessThan(r.at_least, farther));
+    bool inside = both(all(lessThan(nearer, r.at_most)), all(lessThan(r.at_least, farther)));
 #else
-    bool inside = nearer.x <= r.at_most.x && nearer.y <= r.at_most.y && nearer.z <= r.at_most.z &&
-                  r.at_least.x <= farther.x && r.at_least.y <= farther.y &&
-                  r.at_least.z <= farther.z;
+    bool inside = both(all(lessThanEqual(nearer, r.at_most)),
+                       all(lessThanEqual(r.at_least, farther)));
 #endif
 #if MUTANT == MUTANT_SLAB_STRICT
-    return inside && tn < tf;
+    return both(inside, tn < tf);
 #else
-    return inside && tn <= tf;
+    return both(inside, tn <= tf);
 #endif
 }
 
@@ -138,33 +137,32 @@ bool slab_watertight(slab_ray r, vec3 nearer, vec3 farther, float tbest, out flo
     precise vec3 a = (nearer - r.o_near) * r.inv;
     precise vec3 b = (farther - r.o_far) * r.inv;
     float tn = r.tmin, tf = tbest;
-    tn = a.x > tn ? a.x : tn;
-    tf = b.x < tf ? b.x : tf;
-    tn = a.y > tn ? a.y : tn;
-    tf = b.y < tf ? b.y : tf;
-    tn = a.z > tn ? a.z : tn;
-    tf = b.z < tf ? b.z : tf;
+    tn = pick(a.x > tn, a.x, tn);
+    tf = pick(b.x < tf, b.x, tf);
+    tn = pick(a.y > tn, a.y, tn);
+    tf = pick(b.y < tf, b.y, tf);
+    tn = pick(a.z > tn, a.z, tn);
+    tf = pick(b.z < tf, b.z, tf);
     precise float lowered = tn * SLAB_NEAR - r.behind;
     entry = lowered;
-    bool inside = nearer.x <= r.at_most.x && nearer.y <= r.at_most.y && nearer.z <= r.at_most.z &&
-                  r.at_least.x <= farther.x && r.at_least.y <= farther.y &&
-                  r.at_least.z <= farther.z;
-    return inside && lowered <= tf;
+    bool inside = both(all(lessThanEqual(nearer, r.at_most)),
+                       all(lessThanEqual(r.at_least, farther)));
+    return both(inside, lowered <= tf);
 }
 
 bool slab_rtrs(slab_ray r, vec3 lo, vec3 hi, out float entry)
 {
     precise vec3 t0 = (lo - SLAB_RTRS_EPS - r.o) / r.d;
     precise vec3 t1 = (hi + SLAB_RTRS_EPS - r.o) / r.d;
-    float tn = t0.x < t1.x ? t0.x : t1.x;
-    float tf = t1.x < t0.x ? t0.x : t1.x;
+    float tn = pick(t0.x < t1.x, t0.x, t1.x);
+    float tf = pick(t1.x < t0.x, t0.x, t1.x);
     for (int k = 1; k < 3; k++) {
-        float lesser = t0[k] < t1[k] ? t0[k] : t1[k];
-        float greater = t1[k] < t0[k] ? t0[k] : t1[k];
-        float low = lesser < -SLAB_RTRS_INF ? lesser : -SLAB_RTRS_INF;
-        float high = greater > SLAB_RTRS_INF ? greater : SLAB_RTRS_INF;
-        tn = low > tn ? low : tn;
-        tf = high < tf ? high : tf;
+        float lesser = pick(t0[k] < t1[k], t0[k], t1[k]);
+        float greater = pick(t1[k] < t0[k], t0[k], t1[k]);
+        float low = pick(lesser < -SLAB_RTRS_INF, lesser, -SLAB_RTRS_INF);
+        float high = pick(greater > SLAB_RTRS_INF, greater, SLAB_RTRS_INF);
+        tn = pick(low > tn, low, tn);
+        tf = pick(high < tf, high, tf);
     }
     entry = tn;
     return tn < tf;
@@ -173,11 +171,14 @@ bool slab_rtrs(slab_ray r, vec3 lo, vec3 hi, out float entry)
 /* The box test of the pipeline. */
 bool slab_test(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float entry)
 {
+    bool hit;
     if (BOX_TEST == ABI_BOX_WATERTIGHT)
-        return slab_watertight(r, nearer, farther, tbest, entry);
-    if (BOX_TEST == ABI_BOX_ROBUST)
-        return slab_robust(r, nearer, farther, tbest, entry);
-    return slab_rtrs(r, nearer, farther, entry);
+        hit = slab_watertight(r, nearer, farther, tbest, entry);
+    else if (BOX_TEST == ABI_BOX_ROBUST)
+        hit = slab_robust(r, nearer, farther, tbest, entry);
+    else
+        hit = slab_rtrs(r, nearer, farther, entry);
+    return hit;
 }
 
 #endif

@@ -4,8 +4,9 @@
  *   spirv_tool embed OUT.c A.spv ...    table of gpu/shaders.h
  * glslang loses `precise` inside helper functions and struct returns and never decorates dot or
  * cross products, so every float operation gets its NoContraction here, and what cannot be
- * decorated is refused in tracing shaders, those whose file name begins with trace_. Shaders whose
- * name begins with query_ may use ray queries, and nothing else beyond the baseline. */
+ * decorated is refused in tracing shaders, those whose file name begins with trace_, and in those
+ * that render, with render_, beside a square root (as an estimate) and a power (of colours). Shaders
+ * whose name begins with query_ may use ray queries, and nothing else beyond the baseline. */
 #include "ref/mutant.h"
 
 #include <ctype.h>
@@ -42,6 +43,7 @@ struct module {
     uint32_t *word;
     size_t count;
     bool tracing;
+    bool render;
     bool query; /* uses ray queries */
     bool free;  /* its arithmetic stays as it is: the driver's freedom is what it measures */
 };
@@ -87,6 +89,9 @@ static const struct rule exact_ext[] = {
     {75, "FindUMsb"},
 };
 
+/* What is allowed beside them where shaders render. */
+static const struct rule render_ext[] = {{26, "Pow"}, {31, "Sqrt"}};
+
 /* Names for messages only. */
 static const struct rule refused_ext[] = {
     {37, "FMin"},  {40, "FMax"},         {43, "FClamp"},  {46, "FMix"},
@@ -117,6 +122,7 @@ static bool read_module(const char *file, struct module *m)
     *m = (struct module){.file = file};
     const char *slash = strrchr(file, '/');
     m->tracing = strncmp(slash ? slash + 1 : file, "trace_", 6) == 0;
+    m->render = strncmp(slash ? slash + 1 : file, "render_", 7) == 0;
     m->query = strncmp(slash ? slash + 1 : file, "query_", 6) == 0;
     m->free = strcmp(slash ? slash + 1 : file, "probe_free.spv") == 0;
     FILE *in = fopen(file, "rb");
@@ -198,7 +204,8 @@ static bool check_tracing(const struct module *m, size_t at, const struct instru
         return true;
     if (i->count < 5)
         return complain(m, at, "OpExtInst", "it has at least five words");
-    if (find(exact_ext, COUNT(exact_ext), i->word[4]))
+    if (find(exact_ext, COUNT(exact_ext), i->word[4]) ||
+        (m->render && find(render_ext, COUNT(render_ext), i->word[4])))
         return true;
     char what[64];
     name = find(refused_ext, COUNT(refused_ext), i->word[4]);
@@ -213,7 +220,7 @@ static bool check(const struct module *m)
     uint32_t last = 0;
     bool ok = true;
     for (size_t at = HEADER_WORDS, here = at; ok && next(m, &at, &i, &ok); here = at) {
-        ok = check_baseline(m, here, &i) && (!m->tracing || check_tracing(m, here, &i));
+        ok = check_baseline(m, here, &i) && (!(m->tracing || m->render) || check_tracing(m, here, &i));
         last = i.op;
     }
     if (ok && last != OP_FUNCTION_END)

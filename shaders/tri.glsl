@@ -18,7 +18,7 @@ struct tri_ray {
 
 float tri_pick(vec3 v, uint axis)
 {
-    return axis == 0u ? v.x : axis == 1u ? v.y : v.z;
+    return pick(axis == 0u, v.x, pick(axis == 1u, v.y, v.z));
 }
 
 tri_ray tri_ray_make(vec3 o, vec3 d, float tmin, float tmax)
@@ -32,12 +32,12 @@ tri_ray tri_ray_make(vec3 o, vec3 d, float tmin, float tmax)
     vec3 a = slab_select(lessThan(d, vec3(0.0)), minus, d);
     uint kz = a.y > a.x ? 1u : 0u;
 #if MUTANT != MUTANT_THIRD_AXIS
-    kz = a.z > tri_pick(a, kz) ? 2u : kz;
+    kz = pick(a.z > tri_pick(a, kz), 2u, kz);
 #endif
-    uint kx = kz == 2u ? 0u : kz + 1u;
-    uint ky = kx == 2u ? 0u : kx + 1u;
+    uint kx = pick(kz == 2u, 0u, kz + 1u);
+    uint ky = pick(kx == 2u, 0u, kx + 1u);
     float dz = tri_pick(d, kz);
-    r.axis = dz < 0.0 ? uvec3(ky, kx, kz) : uvec3(kx, ky, kz);
+    r.axis = uvec3(pick(dz < 0.0, ky, kx), pick(dz < 0.0, kx, ky), kz);
     precise vec3 shear = vec3(tri_pick(d, r.axis.x), tri_pick(d, r.axis.y), 1.0) / dz;
     r.shear = shear;
     return r;
@@ -70,18 +70,18 @@ bool tri_moeller_trumbore(tri_ray r, vec3 v0, vec3 v1, vec3 v2, float eps, out v
 #if MUTANT == MUTANT_BACK_CULLED
     float size = det;
 #else
-    precise float size = det < 0.0 ? -det : det;
+    precise float size = pick(det < 0.0, -det, det);
 #endif
-    precise float us = det < 0.0 ? -u : u;
+    precise float us = pick(det < 0.0, -u, u);
 #if MUTANT == MUTANT_SIGN_KEPT
     float ws = w;
 #else
-    precise float ws = det < 0.0 ? -w : w;
+    precise float ws = pick(det < 0.0, -w, w);
 #endif
 #if MUTANT == MUTANT_PARALLELOGRAM
-    float both = ws;
+    float sum = ws;
 #else
-    precise float both = us + ws;
+    precise float sum = us + ws;
 #endif
 #if MUTANT == MUTANT_UV_SWAPPED
     precise vec3 quotient = vec3(t, w, u) / det;
@@ -89,7 +89,7 @@ bool tri_moeller_trumbore(tri_ray r, vec3 v0, vec3 v1, vec3 v2, float eps, out v
     precise vec3 quotient = vec3(t, u, w) / det;
 #endif
     tuv = quotient;
-    return size > eps && us >= 0.0 && us <= size && ws >= 0.0 && both <= size;
+    return both(size > eps, both(us >= 0.0, us <= size), both(ws >= 0.0, sum <= size));
 }
 
 bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
@@ -105,8 +105,8 @@ bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
     precise vec3 z = r.shear.z * along;
     /* w0 = x2 y1 - y2 x1 and so on around. */
     precise vec3 w = x.zxy * y.yzx - y.zxy * x.yzx;
-    bool negative = w.x < 0.0 || w.y < 0.0 || w.z < 0.0;
-    bool positive = w.x > 0.0 || w.y > 0.0 || w.z > 0.0;
+    bool negative = any(lessThan(w, vec3(0.0)));
+    bool positive = any(greaterThan(w, vec3(0.0)));
     precise float det = (w.x + w.y) + w.z;
     float t = tri_sum(w, z);
     precise vec3 quotient = vec3(t, w.y, w.z) / det;
@@ -114,27 +114,29 @@ bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 #if MUTANT == MUTANT_OPEN_EDGES
     negative = negative || w.x == 0.0 || w.y == 0.0 || w.z == 0.0;
 #endif
-    return !(negative && positive) && (det > 0.0 || det < 0.0);
+    return both(!both(negative, positive), any(bvec2(det > 0.0, det < 0.0)));
 }
 
 /* The test `id` (ABI_TRI_*) with its range; tuv is undefined on false. */
 bool tri_test_run(uint id, tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 {
+    bool hit;
     if (id == ABI_TRI_WOOP)
-        return tri_woop(r, v0, v1, v2, tuv) && tuv.x >= r.tmin && tuv.x <= r.tmax;
+        hit = tri_woop(r, v0, v1, v2, tuv);
+    else
+        hit = tri_moeller_trumbore(r, v0, v1, v2, id == ABI_TRI_MT_RTRS ? TRI_RTRS_EPS : 0.0, tuv);
+    float t = tuv.x;
+    bool open = both(t > r.tmin, t < r.tmax), closed = both(t >= r.tmin, t <= r.tmax);
 #if MUTANT == MUTANT_TMIN_OPEN
-    return tri_moeller_trumbore(r, v0, v1, v2, 0.0, tuv) && tuv.x > r.tmin && tuv.x <= r.tmax;
+    closed = id == ABI_TRI_WOOP ? closed : both(t > r.tmin, t <= r.tmax);
 #elif MUTANT == MUTANT_TMIN_UNREAD
-    return tri_moeller_trumbore(r, v0, v1, v2, 0.0, tuv) && tuv.x >= 0.0 && tuv.x <= r.tmax;
+    closed = id == ABI_TRI_WOOP ? closed : both(t >= 0.0, t <= r.tmax);
 #elif MUTANT == MUTANT_TMAX_OPEN
-    return tri_moeller_trumbore(r, v0, v1, v2, 0.0, tuv) && tuv.x >= r.tmin && tuv.x < r.tmax;
+    closed = id == ABI_TRI_WOOP ? closed : both(t >= r.tmin, t < r.tmax);
 #elif MUTANT == MUTANT_TMAX_UNREAD
-    return tri_moeller_trumbore(r, v0, v1, v2, 0.0, tuv) && tuv.x >= r.tmin;
+    closed = id == ABI_TRI_WOOP ? closed : t >= r.tmin;
 #endif
-    if (id == ABI_TRI_MT_RTRS)
-        return tri_moeller_trumbore(r, v0, v1, v2, TRI_RTRS_EPS, tuv) && tuv.x > r.tmin &&
-               tuv.x < r.tmax;
-    return tri_moeller_trumbore(r, v0, v1, v2, 0.0, tuv) && tuv.x >= r.tmin && tuv.x <= r.tmax;
+    return both(hit, id == ABI_TRI_MT_RTRS ? open : closed);
 }
 
 #endif

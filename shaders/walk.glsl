@@ -58,23 +58,25 @@ node stack_pop(float tbest)
 #if MUTANT == MUTANT_BOTTOM_UNREAD
     stack_count -= stack_count == 1u ? 1u : 0u;
 #endif
-    while (stack_count > 0u && !found) {
+    while (both(stack_count > 0u, !found)) {
         stack_count--;
 #if MUTANT == MUTANT_POP_STRICT
-        found = BOX_TEST == ABI_BOX_RTRS || stack_entry[stack_count] < tbest;
+        found = any(bvec2(BOX_TEST == ABI_BOX_RTRS, stack_entry[stack_count] < tbest));
 #else
-        found = BOX_TEST == ABI_BOX_RTRS || stack_entry[stack_count] <= tbest;
+        found = any(bvec2(BOX_TEST == ABI_BOX_RTRS, stack_entry[stack_count] <= tbest));
 #endif
     }
+    node next = NODE_DONE;
+    if (found) {
 #if MUTANT == MUTANT_STACK_WRAPPED
-    if (found)
-        return stack_node[stack_count & 3u];
+        next = stack_node[stack_count & 3u];
+#else
+        next = stack_node[stack_count];
 #endif
-    if (found)
-        return stack_node[stack_count];
-    if (stack_count > 0u)
+    } else if (stack_count > 0u) {
         trouble |= ABI_FLAG_LOOP;
-    return NODE_DONE;
+    }
+    return next;
 }
 
 /* The children of an inner node: the next node, the other one pushed. */
@@ -85,15 +87,15 @@ node step_inner(slab_ray slab, node n, float tbest)
     float entry0, entry1;
     node child0 = node_load(slab, ref0, near0, far0);
     node child1 = node_load(slab, ref1, near1, far1);
-    bool hit0 = slab_test(slab, near0, far0, tbest, entry0) && ref0 < job.node_count;
-    bool hit1 = slab_test(slab, near1, far1, tbest, entry1) && ref1 < job.node_count;
+    bool hit0 = both(slab_test(slab, near0, far0, tbest, entry0), ref0 < job.node_count);
+    bool hit1 = both(slab_test(slab, near1, far1, tbest, entry1), ref1 < job.node_count);
 #if MUTANT == MUTANT_EQUAL_ENTRY_LOST
     hit1 = hit1 && (!hit0 || entry0 != entry1);
 #endif
 #if MUTANT == MUTANT_FAR_FIRST
     bool second = hit1 && (!hit0 || entry1 > entry0);
 #elif defined(ORDER_NEAR)
-    bool second = hit1 && (!hit0 || entry1 < entry0);
+    bool second = both(hit1, any(bvec2(!hit0, entry1 < entry0)));
 #elif defined(ORDER_SND)
     bool second = hit1;
 #else
@@ -107,9 +109,9 @@ node step_inner(slab_ray slab, node n, float tbest)
 #if MUTANT == MUTANT_SWAPPED_CHILD
     other = next;
 #endif
-    if (hit0 && hit1)
+    if (both(hit0, hit1))
         stack_push(other, second ? entry0 : entry1);
-    if (!hit0 && !hit1)
+    if (both(!hit0, !hit1))
         next = stack_pop(tbest);
     return next;
 }
@@ -131,7 +133,7 @@ bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_p
     leaf l = leaf_load(n);
     uint slot = 0u;
     bool answered = false;
-    while (slot < l.count && !answered) {
+    while (both(slot < l.count, !answered)) {
         uint prim = leaf_item(l, slot);
         slot++;
 #if MUTANT == MUTANT_LAST_IS_EMPTY
@@ -153,7 +155,7 @@ bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_p
 #elif MUTANT == MUTANT_LATER_WINS
             } else if (hit && (best_prim == ABI_NO_PRIM || tuv.x <= tbest)) {
 #else
-            } else if (hit && (best_prim == ABI_NO_PRIM || tuv.x < tbest)) {
+            } else if (both(hit, any(bvec2(best_prim == ABI_NO_PRIM, tuv.x < tbest)))) {
 #endif
 #if MUTANT == MUTANT_NUMBERS_KEPT
                 best = best_prim == ABI_NO_PRIM ? tuv : best;
@@ -169,7 +171,7 @@ bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_p
 #endif
         }
     }
-    if (slot < l.count && !answered)
+    if (both(slot < l.count, !answered))
         trouble |= ABI_FLAG_LOOP;
     return answered;
 }
@@ -180,8 +182,8 @@ void walk(slab_ray slab, tri_ray tri, uint query, node n, inout vec3 best, inout
           inout float tbest)
 {
     uint visits = 0u;
-    while (!node_is_done(n) && trouble == 0u) {
-        while (!node_is_leaf(n) && visits < job.node_count) {
+    while (both(!node_is_done(n), trouble == 0u)) {
+        while (both(!node_is_leaf(n), visits < job.node_count)) {
             visits++;
             n = step_inner(slab, n, tbest);
         }

@@ -11,9 +11,6 @@
 
 #include <math.h>
 
-/* The drivers that need no GPU. */
-static const char *const cpu_drivers[] = {"stock", "mesa25", "swiftshader"};
-
 /* A scene, rays, and its tree in one layout. */
 struct view {
     struct scene scene;
@@ -55,21 +52,6 @@ static inline void view_free(struct view *view)
     free(view->ray);
     free(view->expected);
     free(view->got);
-}
-
-/* Opens `engine` on `driver`; NULL, with the reason printed, where it cannot run. */
-static inline void *driver_open(const char *engine, const char *driver)
-{
-    const struct engine_options options = {.driver = driver, .device = -1};
-    struct reason reason = {""};
-    void *self = NULL;
-    enum status status = engine_find(engine)->open(&options, &self, &reason);
-    if (status == STATUS_UNSUPPORTED) {
-        print_message("SKIP %s\n", reason.text);
-        return NULL;
-    }
-    gpu_must(status, &reason);
-    return self;
 }
 
 /* Answers all rays; returns the number of hits. */

@@ -5,6 +5,7 @@
 
 #include "gpu/shaders.h"
 #include "gpu/tracer.h"
+#include "ref/engine.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,6 +24,9 @@ static inline struct vk_options gpu_options(void)
                                .validate = validate && strcmp(validate, "1") == 0,
                                .watch = validate && strcmp(validate, "gpu") == 0};
 }
+
+/* The drivers that need no GPU. */
+static const char *const cpu_drivers[] = {"stock", "mesa25", "swiftshader"};
 
 /* Where no device can be opened the test is skipped with the reason. */
 static inline struct vk *gpu_open(const struct vk_options *options)
@@ -114,6 +118,21 @@ static inline void gpu_run(struct vk *vk, const char *name, const uint32_t *cons
         vk_buffer_free(vk, buffer[i]);
     }
     vk_pipeline_free(vk, pipeline);
+}
+
+/* Opens `engine` on `driver`; NULL, with the reason printed, where it cannot run. */
+static inline void *driver_open(const char *engine, const char *driver)
+{
+    const struct engine_options options = {.driver = driver, .device = -1};
+    struct reason reason = {""};
+    void *self = NULL;
+    enum status status = engine_find(engine)->open(&options, &self, &reason);
+    if (status == STATUS_UNSUPPORTED) {
+        print_message("SKIP %s\n", reason.text);
+        return NULL;
+    }
+    gpu_must(status, &reason);
+    return self;
 }
 
 #endif

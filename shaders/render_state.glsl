@@ -1,0 +1,90 @@
+/* A path on its way: what is known of it between two of its rays. Where paths go in steps it lies in
+ * state_quad[] between two dispatches, ABI_STATE_QUADS a pixel:
+ *   0 ray's org, phase   2 total, trouble   4 N, t        6 diffuse, specular, asked, shadowed
+ *   1 ray's dir, far     3 P, prim          5 G, weight   7 dir of the segment   8 t, u, v, prim
+ * of the parts of the triangles so far. */
+#ifndef RENDER_STATE_GLSL
+#define RENDER_STATE_GLSL
+
+#include "shade.glsl"
+
+#define LIT_NONE lit(0.0, 0.0, 0u, 0u)
+
+struct path {
+    bool more;     /* there is a ray to be traced */
+    bool to_light; /* it is a shadow ray */
+    uint segment;
+    uint light;
+    vec3 org; /* the ray */
+    vec3 dir;
+    float far; /* the light's distance */
+    vec3 along; /* direction of the segment */
+    vec3 total;
+    float weight;
+    surface s; /* the segment's hit */
+    float t;
+    lit l;
+};
+
+/* Bits of a phase. */
+#define PHASE_MORE     1u
+#define PHASE_TO_LIGHT 2u
+#define PHASE_LIGHT    8u  /* the light from here on */
+#define PHASE_SEGMENT  16u /* and the segment */
+
+path path_begin(vec3 org, vec3 dir)
+{
+    surface none = surface(vec3(0.0), vec3(0.0), vec3(0.0), ABI_NO_PRIM);
+    return path(bounce_count() > 0u, false, 0u, 0u, org, dir, 0.0, dir, vec3(0.0), 1.0, none, 0.0,
+                LIT_NONE);
+}
+
+vec3 state_vec(uint at)
+{
+    return uintBitsToFloat(state_quad[at].xyz);
+}
+
+void state_put(uint at, vec3 v, uint w)
+{
+    state_quad[at] = uvec4(floatBitsToUint(v), w);
+}
+
+path path_load(uint at)
+{
+    path p;
+    uint phase = state_quad[at].w;
+    p.more = (phase & PHASE_MORE) != 0u;
+    trouble = state_quad[at + 2u].w;
+    p.to_light = (phase & PHASE_TO_LIGHT) != 0u;
+    p.light = phase >> PHASE_LIGHT & 255u;
+    p.segment = phase >> PHASE_SEGMENT;
+    p.org = state_vec(at);
+    p.dir = state_vec(at + 1u);
+    p.far = uintBitsToFloat(state_quad[at + 1u].w);
+    p.total = state_vec(at + 2u);
+    p.s = surface(state_vec(at + 3u), state_vec(at + 4u), state_vec(at + 5u),
+                  state_quad[at + 3u].w);
+    p.t = uintBitsToFloat(state_quad[at + 4u].w);
+    p.weight = uintBitsToFloat(state_quad[at + 5u].w);
+    uvec4 l = state_quad[at + 6u];
+    p.l = lit(uintBitsToFloat(l.x), uintBitsToFloat(l.y), l.z, l.w);
+    p.along = state_vec(at + 7u);
+    return p;
+}
+
+void path_store(uint at, path p)
+{
+    uint phase = (p.more ? PHASE_MORE : 0u) | (p.to_light ? PHASE_TO_LIGHT : 0u) |
+                 p.light << PHASE_LIGHT | p.segment << PHASE_SEGMENT;
+    state_put(at, p.org, phase);
+    state_put(at + 1u, p.dir, floatBitsToUint(p.far));
+    state_put(at + 2u, p.total, trouble);
+    state_put(at + 3u, p.s.p, p.s.prim);
+    state_put(at + 4u, p.s.n, floatBitsToUint(p.t));
+    state_put(at + 5u, p.s.g, floatBitsToUint(p.weight));
+    state_quad[at + 6u] =
+        uvec4(floatBitsToUint(vec2(p.l.diffuse, p.l.specular)), p.l.asked, p.l.shadowed);
+    state_put(at + 7u, p.along, 0u);
+}
+
+#endif

@@ -1,0 +1,20 @@
+/* Rendering with a tree: how a ray is answered. The file of a layout comes before. */
+#include "walk.glsl"
+
+/* The closest, or any, hit in [tmin, tmax]: t, u, v and the triangle, or ABI_NO_PRIM. */
+void answer(uint query, vec3 org, vec3 dir, float tmin, float tmax, inout vec3 tuv,
+            inout uint prim)
+{
+    stack_count = 0u;
+    if (job.node_count > 0u) {
+        slab_ray slab = slab_ray_make(org, dir, tmin);
+        vec3 nearer, farther;
+        float entry, tbest = tmax;
+        node root = node_load(slab, job.root, nearer, farther);
+        slab_ray_place(slab, nearer);
+        if (slab_test(slab, nearer, farther, tbest, entry))
+            walk(slab, tri_ray_make(org, dir, tmin, tmax), query, root, tuv, prim, tbest);
+    }
+}
+
+#include "render.glsl"
