@@ -148,6 +148,8 @@ static enum status finish(struct diff_options *o, struct reason *reason)
         if (!status && engine->needs_packed)
             o->settings.engine = engine;
     }
+    if (!status && o->settings.versus)
+        status = fail(reason, STATUS_INPUT, "--layout: one, the same for all engines");
     if (!status && o->engine.count < 2 && !o->has_pixel)
         status = fail(reason, STATUS_INPUT, "--engine: two engines are compared, and more");
     if (!status && o->has_pixel && (o->x >= o->settings.width || o->y >= o->settings.height))
@@ -289,7 +291,8 @@ static int exit_of(const struct diff_run *run)
         const struct diff_member *member = &run->member[i];
         if (member->status && run->options->engines_named)
             code = exit_worse(code, EXIT_SKIPPED);
-        if (!member->status && i != run->reference && !pair_agrees(&member->pair))
+        if (!member->status && i != run->reference && !run->options->has_pixel &&
+            !pair_agrees(&member->pair))
             code = exit_worse(code, EXIT_MISMATCH);
     }
     return code;
@@ -326,6 +329,7 @@ static enum status play(struct diff_run *run, int *code, struct reason *reason)
         status = oracle_make(&run->stage.scene, &run->oracle, reason);
         if (!status)
             status = diff_pixel(run, code, reason);
+        *code = exit_worse(*code, exit_of(run));
         return status;
     }
     status = draw_and_compare(run, reason);

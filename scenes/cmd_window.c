@@ -157,6 +157,9 @@ static enum status open_all(struct showing *s, struct reason *reason)
 {
     const struct render_settings *settings = s->settings;
     enum status status = STATUS_OK;
+    if (settings->json)
+        return fail(reason, STATUS_INPUT,
+                    "--window goes without --json: --log says what was drawn");
     if (settings->out_given)
         status = render_try_output(settings->out, reason);
     if (!status && asked.log)

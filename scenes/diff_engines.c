@@ -43,6 +43,14 @@ enum status side_draw(struct side *side, const struct view *view, struct reason 
 {
     size_t count = (size_t)side->job.width * side->job.height;
     struct frame *frame = &side->frame;
+    size_t bytes = count * (sizeof *frame->pixel + 4 * sizeof(float) +
+                            side->job.look.bounces * sizeof *frame->segment);
+    if (bytes > SIDE_BYTES_MOST)
+        return fail(reason, STATUS_LIMIT,
+                    "%u x %u pixels with %u bounces: their paths take %zu MB for each engine, at "
+                    "most %zu",
+                    side->job.width, side->job.height, side->job.look.bounces, bytes >> 20,
+                    SIDE_BYTES_MOST >> 20);
     if (!frame->pixel) {
         frame->pixel = alloc_zeroed(count, sizeof *frame->pixel);
         frame->color = alloc_zeroed(count, 3 * sizeof *frame->color);

@@ -6,6 +6,8 @@
 #include "scenes/diff_why.h"
 #include "scenes/render.h"
 
+#define SIDE_BYTES_MOST ((size_t)2 << 30) /* for the frame of one engine */
+
 /* One engine on one tree. Owns what it opened (side_close). */
 struct side {
     const struct engine *engine;
@@ -26,7 +28,8 @@ enum status side_open(const struct engine *engine, const struct engine_options *
                       const struct frame_job *job, bool waves, struct side *out,
                       struct reason *reason) MUST_USE;
 
-/* Draws all pixels with their segments. Errors: STATUS_MEMORY; as renderer_frame. */
+/* Draws all pixels with their segments. Errors: STATUS_LIMIT a picture whose segments take more
+ * than SIDE_BYTES_MOST; STATUS_MEMORY; as renderer_frame. */
 enum status side_draw(struct side *side, const struct view *view, struct reason *reason) MUST_USE;
 
 /* Walks the paths of some pixels. Errors: as walk_make; those of opening and preparing the engine.

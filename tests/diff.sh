@@ -24,6 +24,8 @@ expect 2 "no-such-folder" diff rtrs --engine cpu,embree --out "$dir/no-such-fold
 expect 2 "no-such-folder" diff rtrs --engine cpu,embree --json "$dir/no-such-folder/x.json" $small
 expect 2 "--handler naive is every triangle" diff rtrs --engine cpu,embree --handler naive $small
 expect 2 "brute stands for two" diff rtrs --engine cpu,brute --handler naive $small
+expect 2 "paths take [0-9]+ MB for each engine, at most 2048" diff rtrs --engine cpu,embree -w 16384 -h 16384
+expect 2 "one, the same for all engines" diff rtrs --engine cpu,embree --layout f32,rf16 $small
 expect 2 "nothing.obj" diff "$dir/nothing.obj" $small
 [ ! -e "$dir/heat.png" ] || bad "a heat map was written in spite of an error"
 
@@ -92,6 +94,7 @@ esac
 # Mesa keeps 128 bytes of a driver that was unloaded unused, see tests/cli.sh.
 export ASAN_OPTIONS=detect_leaks=0
 expect 77 . diff rtrs --engine cpu,vulkan --driver no-such-driver $small
+expect 77 . diff rtrs --engine cpu,vulkan --driver no-such-driver $small --pixel 1,1
 expect 0 . diff rtrs --driver no-such-driver $small
 says '^left out: vulkan: '
 
