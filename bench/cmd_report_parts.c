@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define PRINTED_MOST 40000u /* bytes of an explanation */
+
 void report_pass_on(struct line *line, const struct report_options *options, unsigned to)
 {
     for (size_t i = 0; i < options->passed_count; i++)
@@ -138,14 +140,20 @@ static enum status make_machine(const struct report_options *options, struct run
 
 /* --- findings ----------------------------------------------------------------------------- */
 
-/* What the child printed, or NULL. */
+/* What the child printed, as much as a page should have; NULL without memory. The caller frees it.
+ */
 static char *printed(const struct runner *runner)
 {
-    char path[4096], *text = NULL;
-    struct reason reason;
-    size_t size;
+    char path[4096], *text = alloc_zeroed(1, PRINTED_MOST + 1);
     runner_path(runner, "out", path, sizeof path);
-    return file_read_most(path, 1u << 20, &text, &size, &reason) ? NULL : text;
+    FILE *file = text ? fopen(path, "re") : NULL;
+    if (!file)
+        return text;
+    size_t size = fread(text, 1, PRINTED_MOST, file);
+    fclose(file);
+    if (size == PRINTED_MOST)
+        memcpy(text + size - 8, "\n(cut)\n", 8);
+    return text;
 }
 
 static enum status make_finding(const struct report_options *options, struct runner *runner,
