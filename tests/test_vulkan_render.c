@@ -1,6 +1,6 @@
-/* The same pictures by other engines: on every Vulkan driver that needs no GPU (here and, with
- * RAYDIFF_SLOW, on all scenes and drivers) each segment of each path has the C renderer's bits, and
- * each pixel its value, or the other one where the colour lies within the bound of a rounding
+/* The same pictures by other engines. On Vulkan drivers that need no GPU (the first; with
+ * RAYDIFF_SLOW all of them, and more scenes) each segment of each path has the C renderer's bits,
+ * and each pixel its value, or the other one where the colour lies within the bound of a rounding
  * border. */
 #include "scenes/diff_frames.h"
 
