@@ -96,8 +96,9 @@ ABI_SIZE(struct push, 24)
 #define ABI_LOOK_REFLECT  8u  /* paths can go on after a segment */
 #define ABI_LOOK_SEGMENTS 16u /* segments are recorded */
 #define ABI_LOOK_COLORS   32u /* colours are recorded */
-#define ABI_LOOK_GENERAL  64u /* numbers of bounces and lights, and EYE, are of the push constants \
-                               */
+#define ABI_LOOK_GENERAL                                                                           \
+    64u /* numbers of bounces and lights, and EYE, are of the push constants                       \
+         */
 
 /* Their descriptor bindings; ABI_BIND_NODES, _ITEMS and _TRIS are the same. */
 #define ABI_BIND_STATE    0 /* uvec4[]: ABI_STATE_QUADS per pixel, of paths in steps */

@@ -101,9 +101,11 @@ static void print_pair(const struct diff_run *run, const struct diff_member *mem
     print_whys(pair);
     for (size_t i = 0; i < pair->border_count && i < list; i++) {
         const struct pixel_border *border = &pair->border[i];
-        printf("  pixel %zu,%zu border: %08x and %08x (abgr), bound %.3g of a step\n",
+        const uint32_t *value = border->value;
+        printf("  pixel %zu,%zu border: rgb %u %u %u and %u %u %u, bound %.3g of a step\n",
                border->pixel % run->stage.job.width, border->pixel / run->stage.job.width,
-               border->value[0], border->value[1], (double)border->bound);
+               value[0] & 255u, value[0] >> 8 & 255u, value[0] >> 16 & 255u, value[1] & 255u,
+               value[1] >> 8 & 255u, value[1] >> 16 & 255u, (double)border->bound);
     }
     const struct pixel_why *worst = NULL;
     for (enum why why = WHY_COUNT; why-- > WHY_SAME;)

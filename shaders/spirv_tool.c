@@ -5,8 +5,9 @@
  * glslang loses `precise` inside helper functions and struct returns and never decorates dot or
  * cross products, so every float operation gets its NoContraction here, and what cannot be
  * decorated is refused in tracing shaders, those whose file name begins with trace_, and in those
- * that render, with render_, beside a square root (as an estimate) and a power (of colours). Shaders
- * whose name begins with query_ may use ray queries, and nothing else beyond the baseline. */
+ * that render, with render_, beside a square root (as an estimate) and a power (of colours).
+ * Shaders whose name begins with query_ may use ray queries, and nothing else beyond the baseline.
+ */
 #include "ref/mutant.h"
 
 #include <ctype.h>
@@ -220,7 +221,8 @@ static bool check(const struct module *m)
     uint32_t last = 0;
     bool ok = true;
     for (size_t at = HEADER_WORDS, here = at; ok && next(m, &at, &i, &ok); here = at) {
-        ok = check_baseline(m, here, &i) && (!(m->tracing || m->render) || check_tracing(m, here, &i));
+        ok = check_baseline(m, here, &i) &&
+             (!(m->tracing || m->render) || check_tracing(m, here, &i));
         last = i.op;
     }
     if (ok && last != OP_FUNCTION_END)
