@@ -100,7 +100,7 @@ ended() {
 }
 
 cp "$pixels" "$dir/blank"
-begin keys rtrs $small --fps 25 # a machine under load may stall for 10 frames
+begin keys rtrs $small --fps 5 # a machine under load may stall for 10 frames
 cp "$dir/still" "$dir/first"
 cmp -s "$dir/blank" "$dir/first" && bad "keys: nothing is shown"
 hold Left
