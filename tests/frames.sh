@@ -67,5 +67,16 @@ grep -q '</svg>' "$dir/paper.svg" || bad "no plot of the tables"
 grep -q 'of time saved that is 17.8' "$dir/out" || bad "no paragraph on the 19 %"
 grep -q 'WRONG' "$dir/out" && bad "a line's frame is not engine cpu's"
 
+# The special pipeline and the general one draw the same bits; how fast is not for a busy machine to say.
+"$raydiff" bench special --size 32x24 --frames 2 --csv "$dir/special.csv" >"$dir/out" 2>"$dir/err"
+case $? in
+77) echo "SKIP no Vulkan device draws frames" ;;
+0 | 1)
+    [ "$(grep -c '^special,.*,true,' "$dir/special.csv")" -ge 3 ] || bad "three scenes and more"
+    grep -q 'BITS DIFFER' "$dir/out" && bad "the special pipeline draws other bits than the general one"
+    ;;
+*) bad "bench special" ;;
+esac
+
 echo "frames: $failed failed"
 [ "$failed" -eq 0 ]
