@@ -107,7 +107,7 @@
 #define MUTANT_LAST_BIT        376 /* diff: the last number that differs is said to be the first */
 #define MUTANT_KEY_IGNORED     373 /* window: the right arrow does nothing */
 #define MUTANT_WARM_UP_KEPT    352 /* the first frame measured is the first drawn */
-#define MUTANT_SQRT_OF_DRIVER  330 /* shader: the square root is the driver's */
+#define MUTANT_SQRT_OF_DRIVER  330 /* shader: the root is the driver's, uncorrected */
 #define MUTANT_OFFSET_SIGN     331 /* shader: rays leave a surface on its other side */
 #define MUTANT_SHADOW_BEHIND   332 /* shader: what is behind a light shades it, too */
 #define MUTANT_WEIGHT_KEPT     333 /* shader: reflections do not grow weaker along a path */

@@ -7,6 +7,8 @@
 #include "ref/abi.h"
 #include "ref/mutant.h"
 
+#include "pick.glsl"
+
 layout(local_size_x_id = ABI_SPEC_WORKGROUP) in;
 layout(constant_id = ABI_SPEC_BOX) const uint BOX_TEST = ABI_BOX_ROBUST;
 layout(constant_id = ABI_SPEC_TRI) const uint TRI_TEST = ABI_TRI_MT;
@@ -30,42 +32,5 @@ layout(std430, set = 0, binding = ABI_BIND_FOUND) writeonly buffer Found { uint 
 #endif
 
 #define NODE_LEAF 0x80000000u /* in the first word that the traversal keeps of a node */
-
-/* Without branches, into which the compiler makes && and ?: unless both operands are names: one
- * driver's time and memory grow exponentially with the branches in a loop. */
-bool both(bool a, bool b)
-{
-    return all(bvec2(a, b));
-}
-
-bool both(bool a, bool b, bool c)
-{
-    return all(bvec3(a, b, c));
-}
-
-float pick(bool c, float a, float b)
-{
-    return c ? a : b;
-}
-
-uint pick(bool c, uint a, uint b)
-{
-    return c ? a : b;
-}
-
-vec2 pick(bool c, vec2 a, vec2 b)
-{
-    return c ? a : b;
-}
-
-vec3 pick(bool c, vec3 a, vec3 b)
-{
-    return c ? a : b;
-}
-
-vec4 pick(bool c, vec4 a, vec4 b)
-{
-    return c ? a : b;
-}
 
 #endif

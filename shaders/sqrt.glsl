@@ -2,7 +2,7 @@
 #ifndef SQRT_GLSL
 #define SQRT_GLSL
 
-#include "job.glsl"
+#include "pick.glsl"
 
 /* x = n 4^k with n of 47 or 48 bits, so that the root's 24 bits are the m next to sqrt(n): the one
  * with -m < n - m^2 <= m, since (m + 1/2)^2 is no integer. The driver's root of n 2^-46 is a first
@@ -13,7 +13,8 @@ uint sqrt_step(uint n, uint m)
     return pick(rest > int(m), m + 1u, pick(rest <= -int(m), m - 1u, m));
 }
 
-float sqrt_nearest(float x)
+/* `worse` is added to the driver's estimate, which it may be wrong by: for tests. */
+float sqrt_from(float x, int worse)
 {
     uint bits = floatBitsToUint(x);
     int high = findMSB(bits & 0x7FFFFFu), exponent = int(bits >> 23 & 255u);
@@ -25,18 +26,22 @@ float sqrt_nearest(float x)
     uint n = mantissa << (24u - odd); /* its 32 low bits */
     float scaled = uintBitsToFloat((128u - odd) << 23 | (mantissa & 0x7FFFFFu));
     precise float estimate = sqrt(scaled) * 8388608.0;
-    uint m = uint(estimate);
+    uint m = uint(int(estimate) + worse);
+#if MUTANT != MUTANT_SQRT_OF_DRIVER
     precise float off = float(int(n - m * m)) / float(2u * m);
     m += uint(int(off)); /* now within one */
     m = sqrt_step(n, sqrt_step(n, m));
+#endif
     uint half_exponent = uint(exponent + 126 + int(odd)) >> 1; /* (e - 150 - 24 + odd) / 2 + 150 */
     uint root = half_exponent << 23 | (m & 0x7FFFFFu);
-#if MUTANT == MUTANT_SQRT_OF_DRIVER
-    root = floatBitsToUint(sqrt(x));
-#endif
     /* 0, infinity and NaN are their own roots, and nothing else with a sign has one. */
     root = pick(both(bits > 0u, bits < 0x7F800000u), root, bits);
     return uintBitsToFloat(pick(bits > 0x80000000u, 0x7FC00000u, root));
+}
+
+float sqrt_nearest(float x)
+{
+    return sqrt_from(x, 0);
 }
 
 #endif

@@ -274,6 +274,11 @@ in_shaders ZERO_IS_EMPTY check platonic --layout rf16 --engine vulkan --count 50
 in_program OPEN_EDGES ref/trace.c leaks sphere --layout f32 --engine cpu --box watertight --tri woop --count 4000
 in_shaders CULLED_ALL test_all_engines
 in_shaders LOST_SLOT test_all_engines
+in_shaders SQRT_OF_DRIVER test_vulkan_sqrt
+in_shaders OFFSET_SIGN diff rtrs --engine cpu,vulkan -w 40 -h 30
+in_shaders SHADOW_BEHIND diff cornell --engine cpu,vulkan -w 32 -h 24 --profile rtrs
+in_shaders WEIGHT_KEPT test_vulkan_frame_ends
+in_shaders LIGHT_LOST diff rtrs --engine cpu,vulkan -w 40 -h 30
 # Robust buffer access makes it harmless, so that only watching can see it.
 export RAYDIFF_VALIDATE=gpu
 in_shaders PAST_LAST_RAY check soup:n=50 --layout f32 --engine vulkan --count 1000 --repeat 1

@@ -98,12 +98,84 @@ static void abi_push_constants_arrive_in_order(void **state)
     free(seen);
 }
 
+/* --- frames ----------------------------------------------------------------------------------- */
+
+struct frame_seen {
+    struct shade_tri tri[2];
+    struct shade_material material[2];
+    struct shade_light light[2];
+    struct segment segment[2];
+    uint32_t word[32];
+};
+
+static struct frame_seen *frame_seen_on_device(const struct frame_push *push)
+{
+    struct vk_options options = gpu_options();
+    struct vk *vk = gpu_open(&options);
+    struct frame_seen *seen = calloc(1, sizeof *seen);
+    assert_non_null(seen);
+    gpu_run(vk, "probe_abi_frame", (const uint32_t[]){32}, 1, push, sizeof *push, 1, 5,
+            (const uint64_t[]){sizeof seen->tri, sizeof seen->material, sizeof seen->light,
+                               sizeof seen->segment, sizeof seen->word},
+            (void *const[]){seen->tri, seen->material, seen->light, seen->segment, seen->word});
+    gpu_close(vk);
+    return seen;
+}
+
+static void abi_of_frames_lies_where_c_has_it(void **state)
+{
+    (void)state;
+    const struct frame_push none = {0};
+    struct frame_seen *seen = frame_seen_on_device(&none);
+    for (uint32_t e = 0; e < 2; e++) {
+        const uint32_t name = 100 * e;
+        for (uint32_t k = 0; k < 3; k++) {
+            is(seen->tri[e].na[k], name + k);
+            is(seen->tri[e].nb[k], name + 4 + k);
+            is(seen->tri[e].nc[k], name + 8 + k);
+            is(seen->tri[e].plane[k], name + 12 + k);
+            is(seen->material[e].color[k], name + k);
+            is(seen->light[e].pos[k], name + k);
+        }
+        assert_int_equal(seen->tri[e].material, name + 3);
+        assert_int_equal(seen->tri[e].pad0, name + 7);
+        assert_int_equal(seen->tri[e].pad1, name + 11);
+        assert_int_equal(seen->tri[e].pad2, name + 15);
+        is(seen->material[e].spec, name + 3);
+        is(seen->material[e].diffuse, name + 4);
+        is(seen->material[e].specular, name + 5);
+        is(seen->material[e].reflective, name + 6);
+        assert_int_equal(seen->material[e].pad, name + 7);
+        is(seen->light[e].strength, name + 3);
+        is(seen->segment[e].t, name);
+        assert_int_equal(seen->segment[e].prim, name + 1);
+        assert_int_equal(seen->segment[e].asked, name + 2);
+        assert_int_equal(seen->segment[e].shadowed, name + 3);
+    }
+    free(seen);
+}
+
+static void abi_push_constants_of_frames_arrive_in_order(void **state)
+{
+    (void)state;
+    uint32_t word[sizeof(struct frame_push) / 4];
+    struct frame_push push;
+    for (uint32_t k = 0; k < ARRAY_COUNT(word); k++)
+        word[k] = 0x3F800000u + k; /* as a float near 1, too */
+    memcpy(&push, word, sizeof push);
+    struct frame_seen *seen = frame_seen_on_device(&push);
+    assert_memory_equal(word, seen->word, sizeof word);
+    free(seen);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(abi_ray_and_hit_lie_where_c_has_them),
         cmocka_unit_test(abi_nodes_lie_where_c_has_them),
         cmocka_unit_test(abi_push_constants_arrive_in_order),
+        cmocka_unit_test(abi_of_frames_lies_where_c_has_it),
+        cmocka_unit_test(abi_push_constants_of_frames_arrive_in_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

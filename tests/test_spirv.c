@@ -30,6 +30,9 @@ enum {
     NO_CONTRACTION = 42,
     UNPACK_HALF = 62,
     PACK_HALF = 58,
+    POW = 26,
+    SQRT = 31,
+    FIND_UMSB = 75,
     CAPABILITY_SHADER = 1,
     CAPABILITY_FLOAT16 = 9,
 };
@@ -76,6 +79,26 @@ static void spirv_of_tracing_has_nothing_inexact(void **state)
     }
 }
 
+/* Beside halves: a root that is corrected, a power of colours. */
+static void spirv_of_rendering_has_roots_and_powers_alone(void **state)
+{
+    (void)state;
+    size_t rendering = 0;
+    for (const struct shader *shader = shaders; shader->name; shader++) {
+        if (strncmp(shader->name, "render_", 7) != 0)
+            continue;
+        rendering++;
+        assert_int_equal(look(shader->word, shader->word_count).sums, 0);
+        for (uint32_t i = 5; i < shader->word_count; i += shader->word[i] >> 16) {
+            const uint32_t *word = shader->word + i;
+            if ((word[0] & 0xFFFFu) == OP_EXT_INST && word[4] != UNPACK_HALF && word[4] != SQRT &&
+                word[4] != POW && word[4] != FIND_UMSB)
+                fail_msg("%s: extended instruction %u", shader->name, word[4]);
+        }
+    }
+    assert_true(rendering > 1);
+}
+
 static void spirv_needs_no_capability_but_shader(void **state)
 {
     (void)state;
@@ -95,6 +118,9 @@ static void spirv_exists_for_every_layout(void **state)
         if (!shader)
             fail_msg("no shader %s", name);
         assert_true(shader->tracing);
+        (void)snprintf(name, sizeof name, "render_%s", layouts[i]->name);
+        if (!shader_find(name)) /* made of the layout's file */
+            fail_msg("no shader %s", name);
     }
     assert_null(shader_find("trace_nothing"));
 }
@@ -272,6 +298,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spirv_pins_every_float_operation),
         cmocka_unit_test(spirv_of_tracing_has_nothing_inexact),
+        cmocka_unit_test(spirv_of_rendering_has_roots_and_powers_alone),
         cmocka_unit_test(spirv_needs_no_capability_but_shader),
         cmocka_unit_test(spirv_exists_for_every_layout),
         cmocka_unit_test_setup_teardown(tool_refuses_dot_products, make_bench, free_bench),
