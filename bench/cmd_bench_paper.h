@@ -18,9 +18,10 @@ struct paper_scene {
 
 /* The tables' lines, in their order. */
 enum paper_line_id {
-    LINE_DIRECT, /* published: 48-byte nodes, leaf 2 */
-    LINE_RF,     /* published: 16-byte records, leaf 4 */
-    LINE_NAIVE,  /* published triangle test, no tree */
+    LINE_DIRECT,   /* published: 48-byte nodes, leaf 2 */
+    LINE_RF,       /* published: 16-byte records, leaf 4 */
+    LINE_DIRECT_4, /* the direct layout on RF's tree */
+    LINE_NAIVE,    /* published triangle test, no tree */
     LINE_BLANK,
     LINE_EMBREE,
     LINE_DIRECT_WHOLE, /* published, whole paths per invocation, as it was: where no ray is cut */

@@ -36,6 +36,8 @@ static const struct recipe {
     [LINE_DIRECT] =
         PUBLISHED("direct, leaf 2", "rtrs_direct", PAPER_LEAF_DIRECT, "rtrs", FRAME_STEPS, LINE_RF),
     [LINE_RF] = PUBLISHED("RF, leaf 4", "rtrs_rf", PAPER_LEAF_RF, "rtrs", FRAME_STEPS, LINE_RF),
+    [LINE_DIRECT_4] =
+        PUBLISHED("direct, leaf 4", "rtrs_direct", PAPER_LEAF_RF, "rtrs", FRAME_STEPS, LINE_RF),
     [LINE_NAIVE] = NO_TREE("naive", "vulkan_brute", "mt_rtrs", PROFILE_RTRS, FRAME_STEPS, LINE_RF),
     [LINE_BLANK] = PUBLISHED("blank", "rtrs_rf", PAPER_LEAF_RF, "rtrs", FRAME_STEPS, LINE_RF),
     [LINE_EMBREE] =
