@@ -102,7 +102,7 @@ enum status frame_dispatch_make(const struct frame_job *job, bool brute,
     const uint32_t tile = tile_of(job, limits);
     *out = (struct frame_dispatch){
         .constant = {[ABI_SPEC_WORKGROUP] = tile * tile,
-                     [ABI_SPEC_BOX] = job->job.box->id,
+                     [ABI_SPEC_BOX] = brute ? ABI_BOX_ROBUST : job->job.box->id,
                      [ABI_SPEC_TRI] = job->job.tri->id,
                      [ABI_SPEC_PROFILE] = job->look.profile,
                      [ABI_SPEC_BOUNCES] = job->look.bounces,
