@@ -43,8 +43,8 @@ enum status frames_session_measure(struct frames_session *session,
                                    const struct frames_settings *settings,
                                    struct reason *reason) MUST_USE;
 
-/* What was measured, a line per handler: bytes, times, ratio to about->base; then the files' names.
- */
+/* What was measured, a line per handler: bytes, times, ratio to about->base; then the files' names,
+ * if `base` is not NULL. */
 void frames_print(const struct frames_run *run, const struct frames_about *about, const char *base);
 
 void frames_session_free(struct frames_session *session); /* what it owns, not itself */

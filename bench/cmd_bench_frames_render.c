@@ -150,7 +150,7 @@ static int run(const struct render_settings *settings, const char *value)
         status = frames_measure(&b->run, draw, tell, b, &reason);
     progress_end(&b->progress);
     if (b->run.done > 0 || b->run.stopped)
-        frames_print(&b->run, &b->about, chosen.base);
+        frames_print(&b->run, &b->about, status ? NULL : chosen.base);
     int code = exit_of_status(status);
     if (status)
         fprintf(stderr, "raydiff render: %s\n", reason.text);

@@ -76,6 +76,8 @@ enum status frames_session_measure(struct frames_session *session,
         if (!status)
             session->run.contestant[i].rays_alone = painter->by_waves;
     }
+    if (!status && session->base) /* a file that cannot be written ends it now */
+        status = tell(session, &session->run, reason);
     if (!status)
         status = frames_measure(&session->run, draw, session->base ? tell : NULL, session, reason);
     progress_end(session->progress);
@@ -106,7 +108,8 @@ void frames_print(const struct frames_run *run, const struct frames_about *about
            "most", "median", about->base < run->count ? "ratio (least-most)" : "", "clock");
     for (size_t i = 0; i < run->count; i++)
         print_line(run, i, about->base);
-    printf("written: %s.csv, %s.json, %s.svg, %s.png\n", base, base, base, base);
+    if (base)
+        printf("written: %s.csv, %s.json, %s.svg, %s.png\n", base, base, base, base);
 }
 
 void frames_session_free(struct frames_session *session)
@@ -169,7 +172,7 @@ int frames_command(const char *command, const struct painter_plan *plan, size_t 
     enum status status =
         measure_plans(session, plan, count, scene_name, scene, options, settings, &reason);
     if (session->run.done > 0 || session->run.stopped)
-        frames_print(&session->run, &session->about, base);
+        frames_print(&session->run, &session->about, status ? NULL : base);
     int code = exit_of_status(status);
     if (status)
         fprintf(stderr, "raydiff %s: %s\n", command, reason.text);

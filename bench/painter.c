@@ -87,6 +87,9 @@ static enum status draw(struct painter *painter, double angle, struct frame *fra
     enum status status = renderer_frame(painter->renderer, &view, frame, &report, reason);
     *out =
         (struct frames_sample){.ms = 1e-6 * (double)report.ns, .device_clock = report.device_clock};
+#if MUTANT == MUTANT_MICROSECONDS
+    out->ms *= 1e3;
+#endif
     return status;
 }
 

@@ -12,7 +12,8 @@ struct spread {
 struct spread spread_of(double *value, size_t count);
 
 /* The upper end of the interval that has the median of what the values were drawn from with 95 %
- * confidence, whatever its shape: by ranks, n / 2 + 0.98 sqrt(n) rounded up, at most the largest.
+ * confidence, whatever its shape: by ranks, n / 2 + 0.98 sqrt(n) rounded up, at most the largest;
+ * infinite for fewer than 5, which may all lie below it.
  * Of `count` values, which are sorted in place; count >= 1. */
 double spread_median_most(double *value, size_t count);
 

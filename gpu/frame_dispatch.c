@@ -1,6 +1,7 @@
 #include "gpu/frame_dispatch.h"
 
 #include "gpu/dispatch.h"
+#include "ref/mutant.h"
 
 #include <stdio.h>
 
@@ -62,6 +63,9 @@ static enum status make_general(const struct frame_job *job, struct frame_dispat
     out->constant[ABI_SPEC_LIGHTS] = FRAME_GENERAL_LIGHTS;
     out->constant[ABI_SPEC_LOOK] =
         ABI_LOOK_EYE | ABI_LOOK_AMBIENCE | ABI_LOOK_SPECULAR | ABI_LOOK_REFLECT | ABI_LOOK_GENERAL;
+#if MUTANT == MUTANT_GENERAL_DULL
+    out->constant[ABI_SPEC_LOOK] &= ~(uint32_t)ABI_LOOK_REFLECT;
+#endif
     return STATUS_OK;
 }
 

@@ -161,6 +161,16 @@
 #define MUTANT_GROUPS_CUT          243 /* vulkan: the last group of rays, not full, is not traced */
 #define MUTANT_ITEMS_SHORT         244 /* vulkan: the shader is told of one item less */
 #define MUTANT_FOUND_ANYWAY        290 /* the self-test takes any finding for its bug */
+#define MUTANT_WEIGHT_ALONE        380 /* a reflection's weight is the last mirror's alone */
+#define MUTANT_OTHER_OFFSET        381 /* the published profile with an offset of its own */
+#define MUTANT_MICROSECONDS        382 /* frames are told in thousandths of ms */
+#define MUTANT_NAMES_SWAPPED       383 /* legend of verdicts: right is called wrong */
+#define MUTANT_LAST_CODE           384 /* report: the exit code is the last part's */
+#define MUTANT_SHADOW_FOLLOWED     385 /* why paths part: never at a shadow */
+#define MUTANT_ERROR_HALVED        386 /* pictures of errors: half of each */
+#define MUTANT_CERTAIN_OF_ONE      387 /* one ratio bounds a median with 95 % confidence */
+#define MUTANT_COUNTED_AGAIN       388 /* construct: a normal is filled in for every corner */
+#define MUTANT_GENERAL_DULL        389 /* the pipeline for every scene reflects nothing */
 #define MUTANT_HTML_UNESCAPED      360 /* report: text stands in the page as it is */
 #define MUTANT_HTML_LEFT_OPEN      361 /* report: cells of tables are not closed */
 #define MUTANT_BASE64_TAIL         362 /* report: the last bytes of a picture are lost */

@@ -198,7 +198,7 @@ static enum status add_normals(struct growing *growing, struct construct_notes *
     for (uint32_t t = 0; t < scene->tri_count && !status; t++)
         for (int c = 0; c < 3 && !status; c++) {
             uint32_t vertex = scene->index[3 * (size_t)t + (size_t)c];
-            notes->filled += none[vertex] && !used[vertex];
+            notes->filled += none[vertex] && (!used[vertex] || MUTANT == MUTANT_COUNTED_AGAIN);
             used[vertex] = 1;
             if (none[vertex] && !growing->from->fill_normals)
                 status = refuse_normal(growing, vertex, t, reason);

@@ -137,11 +137,12 @@ static bool follow_light(struct following *f, const struct walk_light *a,
         return true;
     bool rays_differ = !same_ray(&a->ray, &b->ray) || float_bits(a->far) != float_bits(b->far);
     f->apart = f->apart || rays_differ;
-    if (a->shadowed == b->shadowed)
+    if (a->shadowed == b->shadowed || MUTANT == MUTANT_SHADOW_FOLLOWED)
         return false;
     /* The published profile asks for the closest hit and compares its t with the light's distance:
      * two right answers to one ray can lie on both sides of it. */
     if (!rays_differ && a->hit.prim == b->hit.prim && a->hit.prim != ABI_NO_PRIM &&
+        f->out->answer[0].judged && f->out->answer[1].judged && /* the hits differ */
         f->out->answer[0].judgement.verdict == VERDICT_RIGHT &&
         f->out->answer[1].judgement.verdict == VERDICT_RIGHT) {
         f->out->verdict = VERDICT_BORDER;

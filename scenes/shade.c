@@ -253,6 +253,9 @@ bool shade_next(const struct frame_job *job, uint32_t index, struct shade_path *
         return false;
     if (!rtrs) {
         const struct shade_tri *tri = &job->shade[path->segment.prim];
+#if MUTANT == MUTANT_WEIGHT_ALONE
+        path->weight = 1;
+#endif
         path->weight = path->weight * job->material[tri->material].reflective;
         if (!(path->weight > 0 && vec3_dot(dir, path->g) > 0))
             return false;

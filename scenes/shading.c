@@ -1,3 +1,4 @@
+#include "ref/mutant.h"
 #include "scenes/normals.h"
 #include "scenes/rays.h"
 #include "scenes/render.h"
@@ -192,7 +193,7 @@ void frame_job_fill(const struct shading *shading, const struct camera *camera,
     if (job->look.profile == PROFILE_RTRS) {
         job->tmin = 0.01f;
         job->tmax = 1000;
-        job->offset = 0.001f;
+        job->offset = MUTANT == MUTANT_OTHER_OFFSET ? 0.0001f : 0.001f;
         return;
     }
     job->tmin = 0;

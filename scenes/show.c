@@ -139,7 +139,8 @@ static double value_of(const struct part *part, size_t i)
     case SHOW_INFLATION:
         return numbers->inflation;
     case SHOW_ERROR:
-        return verdict_error(&part->judgement[i], hit, part->source->unknown);
+        return verdict_error(&part->judgement[i], hit, part->source->unknown) *
+               (MUTANT == MUTANT_ERROR_HALVED ? 0.5 : 1.0);
     case SHOW_CLASS:
         return (double)part->judgement[i].verdict;
     case SHOW_NORMAL:

@@ -145,7 +145,8 @@ static void count_classes(const double *value, size_t count, struct legend *lege
     for (size_t i = 0; i < count; i++)
         classes[class_of[(size_t)value[i]]]++;
     for (size_t i = 0; i < CLASS_NAMES; i++) {
-        snprintf(legend->text[i], sizeof legend->text[i], "%s %zu", name[i], classes[i]);
+        const char *called = name[MUTANT == MUTANT_NAMES_SWAPPED && i < 2 ? 1 - i : i];
+        snprintf(legend->text[i], sizeof legend->text[i], "%s %zu", called, classes[i]);
         legend->name[i] = legend->text[i];
     }
 }

@@ -240,6 +240,18 @@ in_test PICTURE_TRUSTED scenes/diff_why.c test_diff_why
 in_test LAST_BIT scenes/diff_values.c test_diff_values
 in_header KEY_IGNORED test_window
 in_test WARM_UP_KEPT bench/frames.c test_frames
+in_test WEIGHT_ALONE scenes/shade.c test_shade
+in_test OTHER_OFFSET scenes/shading.c test_render
+in_test MICROSECONDS bench/painter.c test_painter
+in_test NAMES_SWAPPED scenes/show_picture.c test_show_picture
+in_test LAST_CODE bench/report.c test_report
+in_test SHADOW_FOLLOWED scenes/diff_why.c test_diff_why
+in_test ERROR_HALVED scenes/show.c test_show
+in_test CERTAIN_OF_ONE bench/spread.c test_frames
+in_test COUNTED_AGAIN scenes/construct.c test_construct
+# Without a device there is nothing to compare.
+"$build/raydiff" bench special --size 16x12 --frames 1 >/dev/null 2>&1
+[ $? -eq 77 ] || in_program GENERAL_DULL gpu/frame_dispatch.c bench special --size 16x12 --frames 1
 replay="replay --brief --as-expected --engine cpu --time 2"
 in_program TRACER_DIES ref/trace.c $replay fuzz/corpus/bad-rays.trial
 in_program TRACER_HANGS ref/trace.c $replay fuzz/corpus/bad-rays.trial

@@ -292,6 +292,12 @@ static void normals_that_are_none_are_told(void **state)
         assert_true(n[0] == 0 && n[1] == 1 && n[2] == 0);
     }
     scene_free(&scene);
+    /* A vertex of two triangles is counted once. */
+    model[1] =
+        model_of(file_of("twice.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3\nf 1 2 4\n"), 0);
+    scene = made(&from);
+    assert_int_equal(notes.filled, 4);
+    scene_free(&scene);
     /* A vertex of no triangle is no reason to refuse a mesh. */
     from.fill_normals = false;
     model[1] = model_of(file_of("spare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 7 7 7\nf 1 2 3\n"), 0);

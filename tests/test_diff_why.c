@@ -294,7 +294,7 @@ static void what_nobody_caused_is_unexplained(void **state)
     (void)state;
     struct walk a, b;
     struct path_why found;
-    size_t cut = 0;
+    size_t cut = 0, lit = 0;
     walk(honest, &a);
     walk(honest, &b);
     for (size_t i = 0; i < a.count; i++) {
@@ -311,9 +311,17 @@ static void what_nobody_caused_is_unexplained(void **state)
         assert_int_equal(found.why, WHY_UNEXPLAINED);
         assert_int_equal(found.light, 0);
         light->asked = !light->asked;
+        if (light->asked) { /* the same answer, taken for a shadow here and for none there */
+            light->shadowed = !light->shadowed;
+            assert_int_equal(why_paths(&s.judges, &a, &b, i, &found, &reason), STATUS_OK);
+            assert_int_equal(found.why, WHY_UNEXPLAINED);
+            assert_int_equal(found.light, 0);
+            light->shadowed = !light->shadowed;
+            lit++;
+        }
         cut++;
     }
-    assert_true(cut > 20);
+    assert_true(cut > 20 && lit > 20);
     walk_free(&a);
     walk_free(&b);
 }

@@ -83,6 +83,48 @@ static void bytes_are_the_handlers(void **state)
     scene_free(&scene);
 }
 
+/* A frame takes no longer than drawing it did, and is told in ms. */
+static void frames_are_told_in_milliseconds(void **state)
+{
+    (void)state;
+    struct scene scene = opened();
+    struct painter painter;
+    struct painter_plan plan = plan_of("cpu", "f32");
+    plan.width = 160;
+    plan.height = 120;
+    open_painter(&plan, &scene, &painter);
+    for (int i = 0; i < 3; i++) {
+        struct frames_sample sample;
+        const uint64_t start = time_ns();
+        assert_int_equal(painter_draw(&painter, 0.1 * i, &sample, NULL), STATUS_OK);
+        const double ms = 1e-6 * (double)(time_ns() - start);
+        print_message("%.3f of %.3f ms\n", sample.ms, ms);
+        assert_true(sample.ms <= ms);
+        assert_true(sample.ms > 2e-3 * ms);
+    }
+    painter_close(&painter);
+    scene_free(&scene);
+}
+
+/* What the pipeline for every scene has no room for is refused, so the flag has reached it. */
+static void general_is_handed_on(void **state)
+{
+    (void)state;
+    struct scene scene = opened();
+    struct painter painter;
+    struct reason reason = {""};
+    struct painter_plan plan = plan_of("vulkan", "f32");
+    plan.look.bounces = 9;
+    plan.general = true;
+    enum status status = painter_open(&plan, &scene, &options, &painter, &reason);
+    scene_free(&scene);
+    if (status == STATUS_UNSUPPORTED) {
+        print_message("SKIP %s\n", reason.text);
+        skip();
+    }
+    assert_int_equal(status, STATUS_LIMIT);
+}
+
 /* The same tree in two layouts gives the same frame; turning changes it; a turn brings it back. */
 static void frames_follow_the_angle(void **state)
 {
@@ -180,6 +222,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bytes_are_the_handlers),
+        cmocka_unit_test(frames_are_told_in_milliseconds),
+        cmocka_unit_test(general_is_handed_on),
         cmocka_unit_test(frames_follow_the_angle),
         cmocka_unit_test(a_blank_frame_hits_nothing),
         cmocka_unit_test(sheets_are_compared_to_the_bit),

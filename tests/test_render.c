@@ -1,5 +1,6 @@
 /* Whole pictures: against a renderer in double that was written from the formulas alone, and
  * against themselves path by path. */
+#include "scenes/normals.h"
 #include "scenes/shade.h"
 
 #include "ref/trace.h"
@@ -371,6 +372,42 @@ static void shading_fills_what_scenes_lack(void **state)
     picture_free(&p);
 }
 
+/* The numbers that stand in the published shader (ref/frame.h). */
+static void shading_has_the_published_thresholds(void **state)
+{
+    (void)state;
+    struct picture p = picture_make("rtrs", looks[1], 8, 8);
+    assert_int_equal(p.job.look.profile, PROFILE_RTRS);
+    assert_true(p.job.tmin == 0.01f && p.job.tmax == 1000.0f && p.job.offset == 0.001f);
+    picture_free(&p);
+    p = picture_make("rtrs", looks[0], 8, 8);
+    assert_true(p.job.tmin == 0.0f && p.job.tmax >= 1e29f);
+    picture_free(&p);
+}
+
+/* The published profile takes a corner's normal as the file has it. */
+static void shading_of_the_published_profile_keeps_normals(void **state)
+{
+    (void)state;
+    struct scene scene;
+    assert_int_equal(scene_open("rtrs", 1, &scene, NULL), STATUS_OK);
+    free(scene.normal);
+    scene.normal = scene_normals(&scene);
+    assert_non_null(scene.normal);
+    const uint32_t vertex = scene.index[0];
+    const float n[3] = {0.5f, -2, 1};
+    memcpy(scene.normal + 3 * (size_t)vertex, n, sizeof n);
+    for (size_t l = 0; l < ARRAY_COUNT(looks); l++) {
+        struct shading shading;
+        assert_int_equal(shading_make(&scene, &looks[l], &shading, NULL), STATUS_OK);
+        const double length = looks[l].profile == PROFILE_RTRS ? 1 : sqrt(5.25);
+        for (int k = 0; k < 3; k++)
+            assert_true(shading.tri[0].na[k] == (float)((double)n[k] / length));
+        shading_free(&shading);
+    }
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -382,6 +419,8 @@ int main(void)
         cmocka_unit_test(render_refuses_jobs_out_of_range),
         cmocka_unit_test(shading_refuses_what_cannot_be_shown),
         cmocka_unit_test(shading_fills_what_scenes_lack),
+        cmocka_unit_test(shading_has_the_published_thresholds),
+        cmocka_unit_test(shading_of_the_published_profile_keeps_normals),
     };
     return cmocka_run_group_tests_name("render", tests, NULL, NULL);
 }

@@ -180,7 +180,7 @@ static void every_section_is_there(void **state)
                                          "2 of 9 differ, by at most 1 ulp",
                                          "e&lt;1&gt; against cpu",
                                          "<td class=\"n bad\">2</td>",
-                                         "NOT so",
+                                         "<td class=\"bad\">NOT so",
                                          "Driver hardware does not run: none &lt;here&gt;",
                                          "still fails",
                                          "why &lt;b&gt;",
@@ -235,6 +235,20 @@ static void what_is_wrong_stands_out(void **state)
     }
 }
 
+static void what_is_wrong_is_counted(void **state)
+{
+    (void)state;
+    struct report report = empty();
+    add(&report, REPORT_CHECK, check_of("3", "2", "true", "3", "ok"), EXIT_MISMATCH);
+    add(&report, REPORT_CHECK, check_of("5", "0", "false", "0", "ok"), 0);
+    const struct report_sum sum = report_sum(&report);
+    assert_int_equal(sum.rows, 2);
+    assert_int_equal(sum.wrong, 3);
+    assert_int_equal(sum.published, 5);
+    assert_int_equal(sum.bits, 2);
+    report_free(&report);
+}
+
 static void a_finding_can_be_played_again(void **state)
 {
     (void)state;
@@ -271,6 +285,9 @@ static void the_exit_code_is_of_all_parts(void **state)
         assert_int_equal(report_add(&report, &cases[i].part, &reason), STATUS_OK);
         assert_int_equal(report_code(&report), cases[i].code);
         free(page_of(&report));
+        /* Nor does a part behind it that is well excuse anything. */
+        add(&report, REPORT_CHECK, check_of("0", "0", "true", "0", "ok"), 0);
+        assert_int_equal(report_code(&report), cases[i].code);
         report_free(&report);
     }
 }
@@ -420,6 +437,7 @@ int main(void)
         cmocka_unit_test(every_section_is_there),
         cmocka_unit_test(what_is_missing_is_said),
         cmocka_unit_test(what_is_wrong_stands_out),
+        cmocka_unit_test(what_is_wrong_is_counted),
         cmocka_unit_test(a_finding_can_be_played_again),
         cmocka_unit_test(the_exit_code_is_of_all_parts),
         cmocka_unit_test(any_json_gives_a_page),

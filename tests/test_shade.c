@@ -178,6 +178,40 @@ static void shade_mirror_shows_the_wall(void **state)
     picture_free(&p);
 }
 
+/* The mirror, the wall, which reflects, too, and a ceiling in the plane y = 12: the path meets them
+ * at (0, 0, 0), (0, 6, -8) and (0, 12, 0), and the light stands straight before the last two. */
+static struct picture mirrored_twice(struct look look)
+{
+    static const float corner[9][3] = {{-9, 0, 9},   {9, 0, 9},   {0, 0, -9},
+                                       {-90, 0, -8}, {90, 0, -8}, {0, 90, -8},
+                                       {-9, 12, 9},  {0, 12, -9}, {9, 12, 9}};
+    static const float reflective[3] = {0.5f, 0.25f, 0.125f};
+    struct material material[3] = {plain, plain, plain};
+    for (int i = 0; i < 3; i++) {
+        material[i].albedo[0] = i > 0 ? 0.5f : 0;
+        material[i].albedo[1] = 0;
+        material[i].albedo[2] = reflective[i];
+    }
+    const struct light light = {{0, 6, 0}, 1};
+    const struct camera camera = {.pos = {0, 3, 4}, .at = {0, 0, 0}};
+    return one_pixel(picture_scene(corner, 3, material, &light, 1, camera), look);
+}
+
+static void shade_weights_of_reflections_multiply(void **state)
+{
+    (void)state;
+    struct picture p = mirrored_twice(repaired);
+    assert_int_equal(p.frame.segment[2].prim, 2);
+    double share = 0.5 * (0.5 + 0.5 * 0.25);
+    assert_color(&p, share * 0.5, share * 0.25, share * 0.125);
+    picture_free(&p);
+    p = mirrored_twice(rtrs); /* each by the weight of what is seen alone */
+    assert_int_equal(p.frame.segment[2].prim, 2);
+    share = 0.5 * (0.25 + 0.125);
+    assert_color(&p, share * 0.5, share * 0.25, share * 0.125);
+    picture_free(&p);
+}
+
 static void shade_pixel_clamps_and_rounds(void **state)
 {
     (void)state;
@@ -225,6 +259,7 @@ int main(void)
         cmocka_unit_test(shade_shadow_ends_at_the_light),
         cmocka_unit_test(shade_eye_gives_light),
         cmocka_unit_test(shade_mirror_shows_the_wall),
+        cmocka_unit_test(shade_weights_of_reflections_multiply),
         cmocka_unit_test(shade_pixel_clamps_and_rounds),
         cmocka_unit_test(shade_pow_error_covers_the_worst_pow),
     };

@@ -308,6 +308,39 @@ static void what_is_right_is_within_its_bound_and_what_is_not_is_not(void **stat
     stand_free(&s);
 }
 
+/* The error of each pixel is the judge's own. */
+static void errors_are_the_judges(void **state)
+{
+    (void)state;
+    static double error[PIXELS];
+    static struct judgement judgement[PIXELS];
+    static struct ray ray[PIXELS];
+    static struct hit hit[PIXELS];
+    struct trace_report report;
+    struct reason reason;
+    struct stand s;
+    size_t some = 0;
+    stand_make(&s, "terrain:k=4", "f32");
+    struct show_source source = source_of(&s, "error");
+    values_of(&source, PIXELS, error);
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        struct shade_path path;
+        shade_begin(&s.job, &s.view, i % WIDTH, i / WIDTH, &path);
+        ray[i] = shade_ray(&s.job, &path);
+    }
+    assert_int_equal(engine_find("cpu")->trace(s.self, ray, PIXELS, hit, &report, &reason),
+                     STATUS_OK);
+    assert_int_equal(verdicts_make(s.oracle, s.judge, ray, hit, PIXELS, judgement, &reason),
+                     STATUS_OK);
+    for (size_t i = 0; i < PIXELS; i++) {
+        const double expected = verdict_error(&judgement[i], &hit[i], false);
+        assert_true(isnan(expected) ? isnan(error[i]) : error[i] == expected);
+        some += expected > 0;
+    }
+    assert_true(some > 100);
+    stand_free(&s);
+}
+
 static void an_unknown_formula_is_measured_by_its_displacement(void **state)
 {
     (void)state;
@@ -384,6 +417,7 @@ int main(void)
         cmocka_unit_test(the_numbers_of_a_sphere_are_plausible),
         cmocka_unit_test(a_walk_that_the_engine_did_not_take_is_refused),
         cmocka_unit_test(what_is_right_is_within_its_bound_and_what_is_not_is_not),
+        cmocka_unit_test(errors_are_the_judges),
         cmocka_unit_test(an_unknown_formula_is_measured_by_its_displacement),
         cmocka_unit_test(differences_are_second_less_first),
         cmocka_unit_test(sums_leave_out_what_has_no_value),

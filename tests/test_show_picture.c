@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -175,6 +176,56 @@ static void verdicts_are_told_apart(void **state)
     }
 }
 
+/* What the legend of verdicts must say, in the order of its swatches. */
+static void legends_name_the_verdicts(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"right",
+                                        "wrong",
+                                        "tie",
+                                        "near tie",
+                                        "boundary",
+                                        "border",
+                                        "slab, noise or out of contract",
+                                        "in plane"};
+    static const size_t of[VERDICT_COUNT] = {
+        [VERDICT_RIGHT] = 0,    [VERDICT_WRONG] = 1,    [VERDICT_TIE] = 2,
+        [VERDICT_NEAR_TIE] = 3, [VERDICT_BOUNDARY] = 4, [VERDICT_BORDER] = 5,
+        [VERDICT_SLAB] = 6,     [VERDICT_NOISE] = 6,    [VERDICT_OUT_OF_CONTRACT] = 6,
+        [VERDICT_IN_PLANE] = 7};
+    for (int v = 0; v < VERDICT_COUNT; v++) {
+        char text[ARRAY_COUNT(names)][48];
+        const char *name[ARRAY_COUNT(names)];
+        double value[WIDTH * HEIGHT];
+        float class[WIDTH * HEIGHT];
+        struct image got, expected;
+        struct colour_place place;
+        for (size_t i = 0; i < ARRAY_COUNT(names); i++) {
+            snprintf(text[i], sizeof text[i], "%s %u", names[i], i == of[v] ? WIDTH * HEIGHT : 0);
+            name[i] = text[i];
+        }
+        for (size_t i = 0; i < ARRAY_COUNT(value); i++) {
+            value[i] = v;
+            class[i] = (float)of[v];
+        }
+        const struct colour_scale scale = {.kind = COLOUR_CLASSES,
+                                           .title = "a title",
+                                           .unit = "verdict",
+                                           .class_name = name,
+                                           .class_count = ARRAY_COUNT(names)};
+        assert_int_equal(show_picture(show_find("class"), false, value, WIDTH, HEIGHT, &fits,
+                                      "a title", &got, &place, NULL),
+                         STATUS_OK);
+        assert_int_equal(
+            colour_picture(&scale, class, WIDTH, HEIGHT, place.zoom, &expected, &place, NULL),
+            STATUS_OK);
+        assert_true(got.width == expected.width && got.height == expected.height);
+        assert_memory_equal(got.pixel, expected.pixel, (size_t)4 * got.width * got.height);
+        image_free(&got);
+        image_free(&expected);
+    }
+}
+
 static void normals_are_colours_and_their_difference_an_angle(void **state)
 {
     (void)state;
@@ -214,6 +265,7 @@ int main(void)
         cmocka_unit_test(few_odd_pixels_are_framed),
         cmocka_unit_test(names_have_colours_of_their_own),
         cmocka_unit_test(verdicts_are_told_apart),
+        cmocka_unit_test(legends_name_the_verdicts),
         cmocka_unit_test(normals_are_colours_and_their_difference_an_angle),
         cmocka_unit_test(a_range_that_says_nothing_is_refused),
     };
