@@ -27,10 +27,10 @@ static const char help_head[] =
     "  --json FILE     what was drawn, times, rays, bytes\n";
 
 static const char help_tail[] =
-    "\nexit codes: 0, 2 bad input, or a layout that refuses the scene, 3 an engine did not "
-    "finish,\n"
-    "4 no memory, 77 the engine cannot run here, 130 ended by Ctrl-C after a whole\n"
-    "picture (a second one ends it at once)\n"
+    "\nexit codes: 0, 1 --show class has wrong answers, 2 bad input, or a layout that refuses\n"
+    "the scene, 3 an engine did not finish, 4 no memory, or counts of --show that disagree,\n"
+    "77 the engine cannot run here, 130 ended by Ctrl-C after a whole picture (a second one\n"
+    "ends it at once)\n"
     "example: raydiff render scenes/fetched/utah-teapot.obj -w 384 -h 288 --out teapot.png\n"
     "example: raydiff render --profile rtrs --handler-bvh-rf --engine vulkan --frames 40\n";
 

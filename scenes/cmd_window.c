@@ -14,7 +14,7 @@ static const char help[] =
     "                  Without -w and -h the picture has the window's size. --out FILE.png is the\n"
     "                  last picture; without a display it is the only one, else 77. With:\n"
     "  --seconds S       ends by itself after that time                        [never]\n"
-    "  --pictures N      ends by itself after that many pictures               [never]\n"
+    "  --pictures N      ends after that many; one is drawn when something changed  [never]\n"
     "  --log FILE        a line per picture: camera angle, size, ms\n";
 
 enum { OPT_SECONDS = OPT_RENDER_LAST + 140, OPT_PICTURES, OPT_LOG };
