@@ -10,6 +10,7 @@
 #define COST_FIRST (1u << 25)
 
 #define BUFFER_MOST ((uint64_t)256 << 20) /* of what grows with the picture */
+#define QUAD        ((uint64_t)16)
 
 struct framer *framer_make(struct vk *vk, bool brute)
 {
@@ -126,7 +127,7 @@ static uint64_t pixel_bytes(const struct framer *framer, uint32_t look, uint32_t
 {
     switch (binding) {
     case ABI_BIND_STATE:
-        return framer->dispatch.plan == FRAME_STEPS ? ABI_STATE_QUADS * 16ull : 0;
+        return framer->dispatch.plan == FRAME_STEPS ? ABI_STATE_QUADS * QUAD : 0;
     case ABI_BIND_PIXELS:
         return sizeof(uint32_t);
     case ABI_BIND_SEGMENTS:
@@ -136,6 +137,13 @@ static uint64_t pixel_bytes(const struct framer *framer, uint32_t look, uint32_t
     default:
         return 0;
     }
+}
+
+/* Bytes before those. */
+static uint64_t head_bytes(const struct framer *framer, uint32_t binding)
+{
+    return binding == ABI_BIND_STATE && framer->dispatch.plan == FRAME_STEPS ? ABI_STATE_HEAD * QUAD
+                                                                             : 0;
 }
 
 static const uint32_t per_pixel[] = {ABI_BIND_STATE, ABI_BIND_PIXELS, ABI_BIND_SEGMENTS,
@@ -151,7 +159,8 @@ static enum status rows_at_once(const struct framer *framer, uint32_t look, uint
     for (size_t i = 0; i < ARRAY_COUNT(per_pixel); i++) {
         const uint64_t bytes = pixel_bytes(framer, look, per_pixel[i]) * width;
         const uint64_t most =
-            BUFFER_MOST < limits->buffer_bytes ? BUFFER_MOST : limits->buffer_bytes;
+            (BUFFER_MOST < limits->buffer_bytes ? BUFFER_MOST : limits->buffer_bytes) -
+            head_bytes(framer, per_pixel[i]);
         worst = bytes > worst ? bytes : worst;
         if (bytes && most / bytes < rows)
             rows = most / bytes / tile * tile;
@@ -174,7 +183,8 @@ static enum status reserve(struct framer *framer, uint32_t look, uint32_t rows,
     enum status status = STATUS_OK;
     for (size_t i = 0; i < ARRAY_COUNT(per_pixel) && !status; i++) {
         struct vk_buffer **buffer = &framer->buffer[per_pixel[i]];
-        const uint64_t bytes = pixel_bytes(framer, look, per_pixel[i]) * framer->job.width * rows;
+        const uint64_t bytes = pixel_bytes(framer, look, per_pixel[i]) * framer->job.width * rows +
+                               head_bytes(framer, per_pixel[i]);
         if (*buffer && vk_buffer_bytes(*buffer) >= bytes)
             continue;
         vk_buffer_free(framer->vk, *buffer);

@@ -17,7 +17,11 @@ struct series {
     struct vk_time time; /* of what was submitted */
     struct vk_step step[VK_SERIES_MAX];
     struct frame_push push[VK_SERIES_MAX];
+    uint32_t head[ABI_STATE_HEAD][4]; /* of a state in which no path has a ray */
 };
+
+_Static_assert(sizeof(uint32_t[ABI_STATE_HEAD][4]) <= VK_UPDATE_MAX, "the head is written at once");
+_Static_assert(FRAME_BOUNCES_MOST *(1 + ABI_LIGHTS_MOST) == ABI_RAYS_MOST, "rays of a path");
 
 static enum status series_submit(struct series *s, struct reason *reason)
 {
@@ -33,7 +37,17 @@ static enum status series_submit(struct series *s, struct reason *reason)
 static enum status series_add(struct series *s, struct reason *reason)
 {
     s->push[s->count] = s->next;
-    s->step[s->count] = (struct vk_step){s->pipeline, &s->push[s->count], s->groups};
+    struct vk_step *step = &s->step[s->count];
+    *step =
+        (struct vk_step){.pipeline = s->pipeline, .push = &s->push[s->count], .groups = s->groups};
+    if (s->framer->dispatch.plan == FRAME_STEPS && s->next.ray > 0) {
+        step->groups_of = s->framer->buffer[ABI_BIND_STATE];
+        step->groups_at = s->next.ray * sizeof s->head[0];
+    } else if (s->framer->dispatch.plan == FRAME_STEPS && s->next.part_first == 0) {
+        step->update = s->framer->buffer[ABI_BIND_STATE];
+        step->bytes = s->head;
+        step->byte_count = (s->framer->dispatch.rays + 1) * (uint32_t)sizeof s->head[0];
+    }
     s->count++;
     return s->count == VK_SERIES_MAX ? series_submit(s, reason) : STATUS_OK;
 }
@@ -68,6 +82,8 @@ enum status framer_slab(struct framer *framer, const struct frame_dispatch *disp
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for a series of dispatches");
     const struct vk_shader shader = frame_dispatch_shader(dispatch);
     s->framer = framer;
+    for (uint32_t i = 0; i < ABI_STATE_HEAD; i++)
+        s->head[i][1] = s->head[i][2] = 1;
     enum status status =
         pipelines_find(&framer->pipelines, framer->vk, &shader, &s->pipeline, reason);
     for (uint32_t done = 0; done < tiles && !status;) {

@@ -9,6 +9,7 @@
 #define VK_BINDINGS_MAX  8u
 #define VK_CONSTANTS_MAX 16u
 #define VK_SERIES_MAX    64u
+#define VK_UPDATE_MAX    65536u
 #define VK_NAME_BYTES    256u
 
 struct vk_options {
@@ -116,6 +117,11 @@ struct vk_step {
     struct vk_pipeline *pipeline; /* all with the same bindings and push_bytes */
     const void *push;
     uint32_t groups;
+    struct vk_buffer *groups_of; /* NULL, or where three words say how many groups there are, as */
+    uint64_t groups_at;          /* those before it wrote them; then `groups` is not read */
+    struct vk_buffer *update; /* NULL, or a buffer whose first bytes become these before it, up */
+    const void *bytes;        /* to VK_UPDATE_MAX of them, a multiple of 4 */
+    uint32_t byte_count;
 };
 
 /* Runs 1 to VK_SERIES_MAX dispatches in one submission, one after the other, and waits: each sees

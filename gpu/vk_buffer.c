@@ -86,7 +86,7 @@ static enum status make_buffer(struct vk *vk, uint64_t bytes, bool host, struct 
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
         .size = (*out)->bytes,
         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                 VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT,
     };
     if (vk->options.ray_query)
         info.usage |= RAY_USAGE;

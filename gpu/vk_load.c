@@ -91,6 +91,8 @@ static const struct entry device_entry[] = {
     ENTRY(CmdBindDescriptorSets),
     ENTRY(CmdPushConstants),
     ENTRY(CmdDispatch),
+    ENTRY(CmdDispatchIndirect),
+    ENTRY(CmdUpdateBuffer),
 };
 
 static const struct entry ray_entry[] = {

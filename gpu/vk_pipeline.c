@@ -165,15 +165,41 @@ static void bind_buffers(struct vk *vk, struct vk_pipeline *pipeline,
     vk->fn.UpdateDescriptorSets(vk->device, 1, &write, 0, NULL);
 }
 
-static void barrier(struct vk *vk, VkPipelineStageFlags to, VkAccessFlags access)
+/* What was written in `from` is seen in `to`. */
+static void barrier(struct vk *vk, VkPipelineStageFlags from, VkAccessFlags written,
+                    VkPipelineStageFlags to, VkAccessFlags access)
 {
     VkMemoryBarrier barrier = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
-        .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT,
+        .srcAccessMask = written,
         .dstAccessMask = access,
     };
-    vk->fn.CmdPipelineBarrier(vk->command, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, to, 0, 1, &barrier,
-                              0, NULL, 0, NULL);
+    vk->fn.CmdPipelineBarrier(vk->command, from, to, 0, 1, &barrier, 0, NULL, 0, NULL);
+}
+
+#define TO_SHADERS (VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT)
+#define SHADERS_READ                                                                               \
+    (VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT)
+
+static void record_step(struct vk *vk, VkDescriptorSet set, const struct vk_step *step)
+{
+    VkCommandBuffer command = vk->command;
+    const struct vk_pipeline *pipeline = step->pipeline;
+    if (step->update) {
+        vk->fn.CmdUpdateBuffer(command, step->update->buffer, 0, step->byte_count, step->bytes);
+        barrier(vk, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, TO_SHADERS,
+                SHADERS_READ);
+    }
+    vk->fn.CmdBindPipeline(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->pipeline);
+    vk->fn.CmdBindDescriptorSets(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1,
+                                 &set, 0, NULL);
+    if (pipeline->push_bytes)
+        vk->fn.CmdPushConstants(command, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                pipeline->push_bytes, step->push);
+    if (step->groups_of)
+        vk->fn.CmdDispatchIndirect(command, step->groups_of->buffer, step->groups_at);
+    else
+        vk->fn.CmdDispatch(command, step->groups, 1, 1);
 }
 
 /* Descriptor sets of pipelines with the same bindings can take each other's place. */
@@ -185,21 +211,16 @@ static void record(struct vk *vk, VkDescriptorSet set, const struct vk_step *ste
         vk->fn.CmdWriteTimestamp(command, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, vk->query, 0);
     }
     for (uint32_t i = 0; i < count; i++) {
-        const struct vk_pipeline *pipeline = step[i].pipeline;
         if (i > 0)
-            barrier(vk, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                    VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
-        vk->fn.CmdBindPipeline(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->pipeline);
-        vk->fn.CmdBindDescriptorSets(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0,
-                                     1, &set, 0, NULL);
-        if (pipeline->push_bytes)
-            vk->fn.CmdPushConstants(command, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                    pipeline->push_bytes, step[i].push);
-        vk->fn.CmdDispatch(command, step[i].groups, 1, 1);
+            barrier(vk, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+                    TO_SHADERS | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                    SHADERS_READ | VK_ACCESS_TRANSFER_WRITE_BIT);
+        record_step(vk, set, &step[i]);
     }
     if (vk->query)
         vk->fn.CmdWriteTimestamp(command, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, vk->query, 1);
-    barrier(vk, VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+    barrier(vk, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+            VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
             VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
 }
 
@@ -245,6 +266,6 @@ enum status vk_dispatch(struct vk *vk, struct vk_pipeline *pipeline,
                         struct vk_buffer *const *buffer, const void *push, uint32_t groups,
                         struct vk_time *time, struct reason *reason)
 {
-    const struct vk_step step = {pipeline, push, groups};
+    const struct vk_step step = {.pipeline = pipeline, .push = push, .groups = groups};
     return vk_dispatch_series(vk, buffer, &step, 1, time, reason);
 }

@@ -75,6 +75,8 @@ struct vk_fn {
     PFN_vkCmdBindDescriptorSets CmdBindDescriptorSets;
     PFN_vkCmdPushConstants CmdPushConstants;
     PFN_vkCmdDispatch CmdDispatch;
+    PFN_vkCmdDispatchIndirect CmdDispatchIndirect;
+    PFN_vkCmdUpdateBuffer CmdUpdateBuffer;
 
     /* With ray queries: */
     PFN_vkGetBufferDeviceAddress GetBufferDeviceAddress;

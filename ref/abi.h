@@ -101,12 +101,16 @@ ABI_SIZE(struct push, 24)
          */
 
 /* Their descriptor bindings; ABI_BIND_NODES, _ITEMS and _TRIS are the same. */
-#define ABI_BIND_STATE    0 /* uvec4[]: ABI_STATE_QUADS per pixel, of paths in steps */
+#define ABI_BIND_STATE    0 /* uvec4[]: ABI_STATE_HEAD, then ABI_STATE_QUADS per pixel */
 #define ABI_BIND_PIXELS   1 /* U32[]: colours in bits 0-23, above them serial and ABI_FLAG_* */
 #define ABI_BIND_SEGMENTS 2 /* struct segment[]: bounces per pixel */
 #define ABI_BIND_COLORS   6 /* float[]: 3 per pixel */
 #define ABI_BIND_SHADE    7 /* shade_light[ABI_LIGHTS_MOST], shade_tri[], shade_material[] */
 
+/* Paths in steps. Quad i of the head is of ray i: how many workgroups there are, 1, 1, how many
+ * paths have such a ray. */
+#define ABI_RAYS_MOST   2112u /* of a path: 64 segments with 32 lights each */
+#define ABI_STATE_HEAD  2113u
 #define ABI_STATE_QUADS 9u
 #define ABI_FLAG_BITS   5u /* of a pixel's uppermost byte; the serial has the other three */
 #define ABI_SERIALS     8u

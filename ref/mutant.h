@@ -112,6 +112,7 @@
 #define MUTANT_SHADOW_BEHIND   332 /* shader: what is behind a light shades it, too */
 #define MUTANT_WEIGHT_KEPT     333 /* shader: reflections do not grow weaker along a path */
 #define MUTANT_LIGHT_LOST      334 /* shader: of several lights the first is not asked */
+#define MUTANT_GROUP_LATE      335 /* shader: a workgroup is there from its second path on */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

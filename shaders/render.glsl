@@ -96,19 +96,21 @@ bool path_ray(uint at, path p, out vec3 tuv, out uint prim)
     return !part;
 }
 
-void pixel(uint slot, uint x, uint y)
+/* The path of a pixel, from its beginning or, `later`, from where it was left. */
+void pixel(uint slot, uint x, uint y, bool later)
 {
-    uint at = ABI_STATE_QUADS * slot;
+    uint at = state_at(slot);
     path p;
-    if (both(STEPS, any(bvec2(job.ray > 0u, job.part_first > 0u))))
+    if (later)
         p = path_load(at);
     else
         p = path_begin(eye(), pixel_direction(x, y));
-    bool alive = p.more, again = alive;
+    bool alive = p.more, again = alive, taken = false;
     while (again) {
         vec3 tuv;
         uint prim;
-        if (path_ray(at, p, tuv, prim)) {
+        taken = path_ray(at, p, tuv, prim);
+        if (taken) {
             path_take(slot, p, tuv, prim);
             if (p.more)
                 path_aim(slot, p);
@@ -120,10 +122,15 @@ void pixel(uint slot, uint x, uint y)
         trouble |= ABI_FLAG_LOOP;
         p.more = false;
     }
-    if (both(STEPS, alive))
+    if (both(STEPS, p.more))
         path_store(at, p);
-    if (both(!p.more, any(bvec2(alive, bounce_count() == 0u))))
+    if (both(STEPS, p.more, taken))
+        queue_add(slot);
+    if (both(!p.more, any(bvec2(alive, bounce_count() == 0u)))) {
+        if (STEPS)
+            state_quad[at].w = 0u;
         finish(slot, p);
+    }
 }
 
 void main()
@@ -132,7 +139,13 @@ void main()
     uint tile = job.first_tile + gl_WorkGroupID.x;
     uint row = tile / per_row * TILE + gl_LocalInvocationIndex / TILE;
     uint x = tile % per_row * TILE + gl_LocalInvocationIndex % TILE;
-    uint y = job.first_row + row;
-    if (both(x < job.width, y < job.height))
-        pixel(row * job.width + x, x, y);
+    uint y = job.first_row + row, slot = row * job.width + x;
+    bool mine = both(x < job.width, y < job.height), queued = both(STEPS, job.ray > 0u);
+    if (queued) {
+        uint i = gl_GlobalInvocationID.x;
+        mine = i < state_quad[job.ray].w;
+        slot = state_quad[queue_at(job.ray, pick(mine, i, 0u))].w;
+    }
+    if (mine)
+        pixel(slot, x, y, any(bvec2(queued, both(STEPS, job.part_first > 0u))));
 }

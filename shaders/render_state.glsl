@@ -1,8 +1,10 @@
 /* A path on its way: what is known of it between two of its rays. Where paths go in steps it lies in
- * state_quad[] between two dispatches, ABI_STATE_QUADS a pixel:
- *   0 ray's org, phase   2 total, trouble   4 N, t        6 diffuse, specular, asked, shadowed
- *   1 ray's dir, far     3 P, prim          5 G, weight   7 dir of the segment   8 t, u, v, prim
- * of the parts of the triangles so far. */
+ * state_quad[] between two dispatches, ABI_STATE_QUADS a pixel behind the head:
+ *   0 ray's org, phase   2 total, queue     4 N, t        6 diffuse, specular, asked, shadowed
+ *   1 ray's dir, far     3 P, prim          5 G, weight   7 segment's dir, queue   8 t, u, v, prim
+ * of the parts of the triangles so far. The queues have nothing to do with that pixel: entry i of a
+ * queue, in pixel i's place, is the i-th pixel whose path has a ray; those of even and of odd rays
+ * take turns. A dispatch has as many workgroups as its queue needs. */
 #ifndef RENDER_STATE_GLSL
 #define RENDER_STATE_GLSL
 
@@ -49,12 +51,43 @@ void state_put(uint at, vec3 v, uint w)
     state_quad[at] = uvec4(floatBitsToUint(v), w);
 }
 
+/* Leaves the fourth word, which others may be writing. */
+void state_put3(uint at, vec3 v)
+{
+    state_quad[at].x = floatBitsToUint(v.x);
+    state_quad[at].y = floatBitsToUint(v.y);
+    state_quad[at].z = floatBitsToUint(v.z);
+}
+
+uint state_at(uint slot)
+{
+    return ABI_STATE_HEAD + ABI_STATE_QUADS * slot;
+}
+
+/* Where entry `i` of the queue of ray `ray` is the fourth word. */
+uint queue_at(uint ray, uint i)
+{
+    return state_at(i) + pick((ray & 1u) == 0u, 2u, 7u);
+}
+
+/* The path of `slot` has another ray. */
+void queue_add(uint slot)
+{
+    uint next = job.ray + 1u, i = atomicAdd(state_quad[next].w, 1u);
+#if MUTANT == MUTANT_GROUP_LATE
+    if (i % (TILE * TILE) == 1u)
+#else
+    if (i % (TILE * TILE) == 0u)
+#endif
+        atomicAdd(state_quad[next].x, 1u);
+    state_quad[queue_at(next, i)].w = slot;
+}
+
 path path_load(uint at)
 {
     path p;
     uint phase = state_quad[at].w;
     p.more = (phase & PHASE_MORE) != 0u;
-    trouble = state_quad[at + 2u].w;
     p.to_light = (phase & PHASE_TO_LIGHT) != 0u;
     p.light = phase >> PHASE_LIGHT & 255u;
     p.segment = phase >> PHASE_SEGMENT;
@@ -78,13 +111,13 @@ void path_store(uint at, path p)
                  p.light << PHASE_LIGHT | p.segment << PHASE_SEGMENT;
     state_put(at, p.org, phase);
     state_put(at + 1u, p.dir, floatBitsToUint(p.far));
-    state_put(at + 2u, p.total, trouble);
+    state_put3(at + 2u, p.total);
     state_put(at + 3u, p.s.p, p.s.prim);
     state_put(at + 4u, p.s.n, floatBitsToUint(p.t));
     state_put(at + 5u, p.s.g, floatBitsToUint(p.weight));
     state_quad[at + 6u] =
         uvec4(floatBitsToUint(vec2(p.l.diffuse, p.l.specular)), p.l.asked, p.l.shadowed);
-    state_put(at + 7u, p.along, 0u);
+    state_put3(at + 7u, p.along);
 }
 
 #endif

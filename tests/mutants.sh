@@ -290,6 +290,7 @@ in_shaders SQRT_OF_DRIVER test_vulkan_sqrt
 in_shaders OFFSET_SIGN diff rtrs --engine cpu,vulkan -w 40 -h 30
 in_shaders SHADOW_BEHIND diff cornell --engine cpu,vulkan -w 32 -h 24 --profile rtrs
 in_shaders WEIGHT_KEPT test_vulkan_frame_ends
+in_shaders GROUP_LATE diff rtrs --engine cpu,vulkan -w 7 -h 5 --plan steps
 in_shaders LIGHT_LOST diff rtrs --engine cpu,vulkan -w 40 -h 30
 # Robust buffer access makes it harmless, so that only watching can see it.
 export RAYDIFF_VALIDATE=gpu
