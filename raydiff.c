@@ -60,6 +60,8 @@ int main(int argc, char **argv)
     for (const struct command *command = commands; command->name; command++)
         if (strcmp(argv[1], command->name) == 0)
             return command->run(argc - 1, argv + 1);
-    fprintf(stderr, "raydiff: unknown command '%s' (see raydiff --help)\n", argv[1]);
+    const bool of_seed = strcmp(argv[1], "load") == 0 || strcmp(argv[1], "demo") == 0;
+    fprintf(stderr, "raydiff: unknown command '%s' (see raydiff %s--help)\n", argv[1],
+            of_seed ? "render " : "");
     return EXIT_USAGE;
 }
