@@ -24,7 +24,7 @@ expect 0 . --version
 # Usage.
 expect 2 . 
 expect 2 "unknown command 'chekc'" chekc
-expect 2 "unknown command 'load' (see raydiff render --help)" load
+expect 2 "unknown command 'load' .see raydiff render --help" load
 expect 2 'no scene given' check
 expect 2 'unknown option' check soup --frobnicate
 expect 2 'missing value' check soup --count
