@@ -64,8 +64,25 @@ struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene)
     return stats;
 }
 
-/* Checks the triangles of the leaves: consecutive ranges of prim, which is a permutation. */
-static enum status check_items(const struct bvh *bvh, uint8_t *seen, struct reason *reason)
+/* Checks the triangles of a leaf; seen[prim] is 0, or 1 plus the last leaf that had it. */
+static enum status check_leaf(const struct bvh *bvh, uint32_t leaf, uint32_t *seen,
+                              struct reason *reason)
+{
+    const struct bvh_node *node = &bvh->node[leaf];
+    for (uint32_t i = node->item_first; i < node->item_first + node->item_count; i++) {
+        uint32_t prim = bvh->prim[i];
+        if (prim >= bvh->tri_count)
+            return fail(reason, STATUS_INPUT, "tree item %u: triangle %u, but the scene has %u", i,
+                        prim, bvh->tri_count);
+        if (seen[prim] && (!bvh_is_split(bvh) || seen[prim] == leaf + 1))
+            return fail(reason, STATUS_INPUT, "tree item %u: triangle %u is there twice", i, prim);
+        seen[prim] = leaf + 1;
+    }
+    return STATUS_OK;
+}
+
+/* Checks the triangles of the leaves: consecutive ranges of prim, which has every triangle. */
+static enum status check_items(const struct bvh *bvh, uint32_t *seen, struct reason *reason)
 {
     uint32_t emitted = 0;
     for (uint32_t i = 0; i < bvh->node_count; i++) {
@@ -83,15 +100,13 @@ static enum status check_items(const struct bvh *bvh, uint8_t *seen, struct reas
     if (emitted != bvh->prim_count)
         return fail(reason, STATUS_INPUT, "the tree's leaves hold %u of its %u items", emitted,
                     bvh->prim_count);
-    for (uint32_t i = 0; i < bvh->prim_count; i++) {
-        uint32_t prim = bvh->prim[i];
-        if (prim >= bvh->prim_count)
-            return fail(reason, STATUS_INPUT, "tree item %u: triangle %u, but the scene has %u", i,
-                        prim, bvh->prim_count);
-        if (seen[prim]++)
-            return fail(reason, STATUS_INPUT, "tree item %u: triangle %u is there twice", i, prim);
-    }
-    return STATUS_OK;
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < bvh->node_count && !status; i++)
+        status = check_leaf(bvh, i, seen, reason);
+    for (uint32_t prim = 0; prim < bvh->tri_count && !status; prim++)
+        if (!seen[prim])
+            status = fail(reason, STATUS_INPUT, "triangle %u is in no leaf of the tree", prim);
+    return status;
 }
 
 /* Checks the nodes from the last to the first; end[i] becomes the index after i's subtree. */
@@ -125,16 +140,19 @@ static enum status check_nodes(const struct bvh *bvh, uint32_t *end, struct reas
 
 enum status bvh_check_form(const struct bvh *bvh, const struct scene *scene, struct reason *reason)
 {
-    if (bvh->prim_count != scene->tri_count)
+    if (bvh->tri_count != scene->tri_count)
         return fail(reason, STATUS_INPUT, "the tree holds %u triangles, the scene has %u",
-                    bvh->prim_count, scene->tri_count);
+                    bvh->tri_count, scene->tri_count);
+    if (bvh->prim_count < bvh->tri_count)
+        return fail(reason, STATUS_INPUT, "the tree holds %u items for %u triangles",
+                    bvh->prim_count, bvh->tri_count);
     if (bvh->node_count == 0)
         return bvh->prim_count == 0
                    ? STATUS_OK
                    : fail(reason, STATUS_INPUT, "the tree has no node for %u triangles",
                           bvh->prim_count);
     uint32_t *end = alloc_zeroed(bvh->node_count, sizeof *end);
-    uint8_t *seen = alloc_zeroed(bvh->prim_count, sizeof *seen);
+    uint32_t *seen = alloc_zeroed(bvh->tri_count, sizeof *seen);
     enum status status = STATUS_MEMORY;
     if (!end || !seen)
         (void)fail(reason, status, "no memory to check a tree of %u nodes", bvh->node_count);

@@ -15,13 +15,21 @@ struct bvh_node {
 };
 
 /* Owns its arrays (see bvh_free). Nodes are in pre-order: node 0 is the root, fst is the own index
- * plus 1, the whole fst subtree comes before snd. An empty scene has node_count 0. */
+ * plus 1, the whole fst subtree comes before snd. An empty scene has node_count 0.
+ * A split tree (bvh_is_split) has triangles in several leaves, each of which needs to contain only
+ * its part of the triangle; no leaf has one twice. */
 struct bvh {
     struct bvh_node *node;
-    uint32_t *prim; /* a permutation of 0 .. prim_count - 1, in leaf order */
+    uint32_t *prim; /* triangles in leaf order: each of 0 .. tri_count - 1, once or more often */
     uint32_t node_count;
-    uint32_t prim_count;
+    uint32_t prim_count; /* entries of prim */
+    uint32_t tri_count;  /* of the scene; at most prim_count */
 };
+
+static inline bool bvh_is_split(const struct bvh *bvh)
+{
+    return bvh->prim_count > bvh->tri_count;
+}
 
 struct bvh_stats {
     uint32_t node_count, leaf_count, depth /* root is 0 */, largest_leaf;
@@ -60,7 +68,8 @@ void bvh_free(struct bvh *bvh);
 struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene);
 
 /* Checks the form: pre-order, children in range and after their parent, each node reached once,
- * each triangle of the scene in exactly one leaf. Safe on hostile data.
+ * each triangle of the scene in exactly one leaf; of a split tree at least in one, and in no leaf
+ * twice. Safe on hostile data.
  * Errors: STATUS_INPUT with the node and the rule. */
 enum status bvh_check_form(const struct bvh *bvh, const struct scene *scene,
                            struct reason *reason) MUST_USE;

@@ -136,6 +136,19 @@ static enum status get_list(const struct reading *reading, const json_t *file, c
     return STATUS_OK;
 }
 
+/* How many triangles the tree is of. Of more items than the scene has triangles some are repeated,
+ * and the largest tells. */
+static uint32_t count_triangles(const struct bvh *bvh, const struct scene *scene)
+{
+    uint32_t count = 0;
+    if (bvh->prim_count <= scene->tri_count)
+        return bvh->prim_count;
+    for (uint32_t i = 0; i < bvh->prim_count; i++)
+        if (bvh->prim[i] >= count)
+            count = bvh->prim[i] < bvh->prim_count ? bvh->prim[i] + 1 : bvh->prim_count;
+    return count;
+}
+
 static enum status read_tree(struct reading *reading, const json_t *file, struct bvh *out)
 {
     const json_t *list;
@@ -188,6 +201,8 @@ enum status bvh_json_read(const char *name, const char *bytes, size_t size,
     struct reading reading = {.name = name, .reason = reason};
     enum status status = read_tree(&reading, file, out);
     json_decref(file);
+    if (!status)
+        out->tri_count = count_triangles(out, scene);
     struct reason rule;
     if (!status && (status = bvh_check_form(out, scene, &rule)) != STATUS_OK)
         (void)fail(reason, status, "%s: %s", name, rule.text);

@@ -14,7 +14,8 @@
 void bvh_json_write(const struct bvh *bvh, FILE *stream);
 
 /* Reads such a file, in any order of keys and with any white space, and checks it as
- * bvh_check_form: pre-order, acyclic, in range, and every triangle of `scene` in one leaf. Boxes
+ * bvh_check_form: pre-order, acyclic, in range, and every triangle of `scene` in one leaf, or, if
+ * there are more items than triangles, in one at least: a split tree. Boxes
  * may be too small for their triangles: the seed's are (see bvh_check).
  *   name   of the file, for reasons
  *   bytes  `size` bytes of text; borrowed

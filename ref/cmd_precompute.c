@@ -134,7 +134,7 @@ static enum status precompute(const struct precompute *p, const struct scene *sc
         fprintf(stderr,
                 "%s: %u triangles, %u nodes, %u leaves of at most %u items, depth %u, %u inner "
                 "boxes too small\n",
-                p->out, bvh.prim_count, stats.node_count, stats.leaf_count, stats.largest_leaf,
+                p->out, bvh.tri_count, stats.node_count, stats.leaf_count, stats.largest_leaf,
                 stats.depth, stats.loose_count);
     }
     bvh_free(&bvh);

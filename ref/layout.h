@@ -32,6 +32,7 @@ struct packed {
     uint32_t root;       /* reference of the root */
     uint32_t tri_count;  /* of the scene it was packed from */
     uint32_t stack_need; /* entries a traversal can need at most */
+    bool split;          /* from a split tree (ref/bvh.h) */
 };
 
 #define WIDE_MAX 8
@@ -54,7 +55,7 @@ struct layout {
     enum visit order;
     bool faithful; /* reproduces the seed or its paper, faults included */
     /* Packs the whole tree: rounds boxes outward, checks its limits. Sets every member of *out but
-     * layout, tri_count and stack_need, which packed_make fills in; `bvh` may not be empty.
+     * layout, tri_count, split and stack_need, which packed_make fills in; `bvh` may not be empty.
      * Errors: STATUS_LIMIT with the limit, the scene's number and what would fit instead (or "the
      * seed panics: F8"); STATUS_MEMORY. */
     enum status (*pack)(const struct bvh *bvh, const struct scene *scene, struct packed *out,
@@ -116,7 +117,7 @@ struct packed_faults {
     uint32_t bad_refs;     /* child references out of range */
     uint32_t cycles;       /* nodes reached more than once */
     uint32_t lost_prims;   /* triangles that no leaf names */
-    uint32_t double_prims; /* triangles named more than once */
+    uint32_t double_prims; /* times that a triangle is named again; of a split tree in one leaf */
     uint32_t bad_prims;    /* item slots beyond the scene, leaves of more slots than it needs */
     uint32_t too_deep;     /* 1 if a path needs more stack than stack_need */
 };

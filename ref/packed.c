@@ -65,9 +65,9 @@ enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out, struct reason *reason)
 {
     *out = (struct packed){0};
-    if (bvh->prim_count != scene->tri_count)
+    if (bvh->tri_count != scene->tri_count)
         return fail(reason, STATUS_INPUT, "%s: the tree holds %u triangles, the scene has %u",
-                    layout->name, bvh->prim_count, scene->tri_count);
+                    layout->name, bvh->tri_count, scene->tri_count);
     if (bvh->node_count > 0) {
         enum status status = layout->pack(bvh, scene, out, reason);
         if (!status) {
@@ -81,6 +81,7 @@ enum status packed_make(const struct layout *layout, const struct bvh *bvh,
     }
     out->layout = layout;
     out->tri_count = scene->tri_count;
+    out->split = bvh_is_split(bvh);
     return STATUS_OK;
 }
 

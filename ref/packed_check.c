@@ -9,7 +9,7 @@ struct check {
     struct packed_walk walk;
     struct packed_faults faults;
     struct box *exact;
-    uint8_t *seen; /* a byte per triangle */
+    uint32_t *seen; /* per triangle: 0, or 1 plus the last visit that names it */
     struct reason *reason;
     enum status status; /* STATUS_INPUT once a fault is reported */
 };
@@ -57,14 +57,14 @@ static void check_item(struct check *check, uint32_t i, uint32_t slot)
                        check->walk.visit[i].ref, slot, prim, check->scene->tri_count);
         return;
     }
-    if (check->seen[prim]) {
+    if (check->seen[prim] && (!packed->split || check->seen[prim] == i + 1)) {
         check->faults.double_prims++;
         if (first_fault(check))
             (void)fail(check->reason, STATUS_INPUT,
                        "%s: record %u: item slot %u names triangle %u a second time",
                        packed->layout->name, check->walk.visit[i].ref, slot, prim);
     }
-    check->seen[prim] = 1;
+    check->seen[prim] = i + 1;
     struct box one = scene_tri_bounds(check->scene, prim);
     box_add_box(&check->exact[i], &one);
 }
@@ -139,7 +139,7 @@ enum status packed_check(const struct packed *packed, const struct scene *scene,
         *faults = (struct packed_faults){0};
     enum status status = packed_walk_make(packed, &check.walk);
     check.exact = alloc_zeroed(check.walk.visit_count, sizeof *check.exact);
-    check.seen = alloc_zeroed(scene->tri_count, 1);
+    check.seen = alloc_zeroed(scene->tri_count, sizeof *check.seen);
     if (!status && check.exact && check.seen) {
         check_walk(&check);
         check_items(&check);

@@ -23,7 +23,9 @@ bool packed_file_is(const char *bytes, size_t size);
 /* Reads a tree for `scene` and checks it as packed_check before anything else looks at it. What
  * comes out is safe to trace: every reference and triangle is in range, no record is reached twice,
  * the stack is enough. It may still be wrong: *faults (may be NULL) counts boxes that are too small
- * and triangles in no leaf or in several, and `reason` has the first of them, or is empty.
+ * and triangles in no leaf or in several, and `reason` has the first of them, or is empty. Whether
+ * the tree is split is not in the file: it is if it names every triangle and some of them in
+ * several leaves (of layouts that are not faithful).
  *   name   of the file, for reasons
  *   bytes  `size` bytes; borrowed
  * Holds at most 8 times `size` and 64 bytes a triangle of the scene, beside *out.

@@ -17,7 +17,7 @@ struct unpacking {
     const struct packed *packed;
     struct bvh *tree;
     struct waiting *stack;
-    uint32_t depth;
+    uint32_t depth, prim_most;
     uint32_t next[2]; /* record that comes next, if leaves are one or two of them */
     bool fits[2];
 };
@@ -31,16 +31,15 @@ static bool in_order(struct unpacking *u, uint32_t ref, bool leaf)
     return u->fits[0] || u->fits[1] || MUTANT == MUTANT_ORDER_UNREAD;
 }
 
-/* The items of a leaf; false: more than the scene has triangles. */
-static bool take_items(struct unpacking *u, const struct wide *wide, uint32_t tri_count,
-                       struct bvh_node *node)
+/* The items of a leaf; false: more than there can be. */
+static bool take_items(struct unpacking *u, const struct wide *wide, struct bvh_node *node)
 {
     struct bvh *tree = u->tree;
     for (uint32_t s = 0; s < wide->item_count; s++) {
         uint32_t prim = u->packed->layout->item(u->packed, wide->item_first + s);
         if (prim == ABI_NO_PRIM)
             continue;
-        if (tree->prim_count == tri_count)
+        if (tree->prim_count == u->prim_most)
             return false;
         tree->prim[tree->prim_count++] = prim;
         node->item_count++;
@@ -48,7 +47,7 @@ static bool take_items(struct unpacking *u, const struct wide *wide, uint32_t tr
     return true;
 }
 
-static enum status take_record(struct unpacking *u, uint32_t tri_count, struct reason *reason)
+static enum status take_record(struct unpacking *u, struct reason *reason)
 {
     const char *name = u->packed->layout->name;
     struct waiting now = u->stack[--u->depth];
@@ -63,7 +62,7 @@ static enum status take_record(struct unpacking *u, uint32_t tri_count, struct r
         return fail(reason, STATUS_INPUT, "%s: record %u: the records are not in pre-order", name,
                     now.ref);
     if (wide.child_count == 0)
-        return take_items(u, &wide, tri_count, node)
+        return take_items(u, &wide, node)
                    ? STATUS_OK
                    : fail(reason, STATUS_INPUT, "%s: record %u: triangles are in several leaves",
                           name, now.ref);
@@ -80,11 +79,15 @@ enum status packed_unpack(const struct packed *packed, const struct scene *scene
                           struct reason *reason)
 {
     *out = (struct bvh){0};
-    struct unpacking u = {.packed = packed, .tree = out, .fits = {true, true}};
+    struct unpacking u = {.packed = packed,
+                          .tree = out,
+                          .prim_most = packed_prims_most(packed),
+                          .fits = {true, true}};
     enum status status = STATUS_OK;
     /* Each record is reached at most once, and waits at most once. */
     out->node = alloc_zeroed(packed->node_count, sizeof *out->node);
-    out->prim = alloc_zeroed(scene->tri_count, sizeof *out->prim);
+    out->prim = alloc_zeroed(u.prim_most, sizeof *out->prim);
+    out->tri_count = packed->tri_count;
     u.stack = alloc_zeroed((size_t)packed->node_count + 1, sizeof *u.stack);
     if (!out->node || !out->prim || !u.stack)
         status = fail(reason, STATUS_MEMORY, "no memory to unpack %u records", packed->node_count);
@@ -92,7 +95,7 @@ enum status packed_unpack(const struct packed *packed, const struct scene *scene
         u.stack[u.depth++] =
             (struct waiting){packed->root, NO_PARENT, packed->layout->box(packed, packed->root)};
     while (!status && u.depth > 0)
-        status = take_record(&u, scene->tri_count, reason);
+        status = take_record(&u, reason);
     free(u.stack);
     if (!status)
         status = bvh_check_form(out, scene, reason);

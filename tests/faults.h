@@ -156,7 +156,7 @@ static inline void compensate_f2(struct bvh *bvh, const struct scene *scene)
         prim[i] = bvh->prim[i] + 1;
     free(bvh->prim);
     bvh->prim = prim;
-    bvh->prim_count = scene->tri_count;
+    bvh->prim_count = bvh->tri_count = scene->tri_count;
 }
 
 /* The scene that the seed ships; skips the test where it is not at hand. */

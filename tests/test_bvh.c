@@ -35,7 +35,7 @@ static void bvh_accepts_an_empty_tree_of_an_empty_scene_only(void **state)
     assert_int_equal(bvh_stats(&bvh, &none).node_count, 0);
     assert_int_equal(bvh_check(&bvh, &one, &reason), STATUS_INPUT);
     uint32_t prim = 0;
-    bvh = (struct bvh){.prim = &prim, .prim_count = 1};
+    bvh = (struct bvh){.prim = &prim, .prim_count = 1, .tri_count = 1};
     assert_int_equal(bvh_check(&bvh, &one, &reason), STATUS_INPUT);
     assert_non_null(strstr(reason.text, "no node"));
     scene_free(&none);

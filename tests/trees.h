@@ -78,7 +78,9 @@ static inline struct bvh trees_make(const struct scene *scene, uint32_t leaf,
         uint32_t lo, hi, parent;
     };
     uint32_t leaves = (scene->tri_count + leaf - 1) / leaf;
-    struct bvh bvh = {.node_count = 2 * leaves - 1, .prim_count = scene->tri_count};
+    struct bvh bvh = {.node_count = 2 * leaves - 1,
+                      .prim_count = scene->tri_count,
+                      .tri_count = scene->tri_count};
     struct waiting *stack = calloc(leaves + 1, sizeof *stack);
     bvh.node = calloc(bvh.node_count, sizeof *bvh.node);
     bvh.prim = calloc(bvh.prim_count, sizeof *bvh.prim);

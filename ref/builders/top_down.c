@@ -162,6 +162,7 @@ enum status build_top_down(const struct build_rule *rule, const struct scene *sc
     *out = (struct bvh){.node = progress.node,
                         .prim = build.prim,
                         .node_count = (uint32_t)progress.node_count,
-                        .prim_count = scene->tri_count};
+                        .prim_count = scene->tri_count,
+                        .tri_count = scene->tri_count};
     return STATUS_OK;
 }

@@ -75,11 +75,11 @@ static enum status check_limits(const struct bvh *bvh, const struct scene *scene
         status = check_leaves(bvh, reason);
     if (!status)
         status = check_records(bvh, before, reason);
-    if (!status && bvh->prim_count - 1 > MOST_TRIANGLE)
+    if (!status && bvh->tri_count - 1 > MOST_TRIANGLE)
         status = fail(reason, STATUS_LIMIT,
                       "rf16: a triangle index is at most 65535, the scene's last is %u; use layout "
                       "f32",
-                      bvh->prim_count - 1);
+                      bvh->tri_count - 1);
     if (!status)
         status = check_bounds(bvh, reason);
     return status;

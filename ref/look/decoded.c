@@ -1,6 +1,7 @@
 #include "ref/look/decoded.h"
 
 #include "ref/mutant.h"
+#include "ref/packed_unpack.h"
 
 #include <stdlib.h>
 
@@ -15,19 +16,19 @@ struct decoding {
     struct bvh bvh;
     struct waiting stack[ABI_STACK_MAX + 2];
     uint32_t depth;
-    uint32_t node_most, prim_most;
+    uint32_t node_most, prim_most, tri_count;
 };
 
 /* False if it has more than there can be. */
 static bool add_items(struct decoding *d, const struct wide *wide, struct bvh_node *node)
 {
-    if (wide->item_count > (d->prim_most < 8 ? 8 : d->prim_most)) /* slots can be empty */
+    if (wide->item_count > (d->tri_count < 8 ? 8 : d->tri_count)) /* slots can be empty */
         return false;
     for (uint32_t i = 0; i < wide->item_count; i++) {
         uint32_t prim = d->packed->layout->item(d->packed, wide->item_first + i);
         if (prim == ABI_NO_PRIM)
             continue;
-        if (d->bvh.prim_count == d->prim_most || prim >= d->prim_most)
+        if (d->bvh.prim_count == d->prim_most || prim >= d->tri_count)
             return false;
         d->bvh.prim[d->bvh.prim_count++] = prim;
         node->item_count++;
@@ -66,8 +67,11 @@ static bool add_node(struct decoding *d)
 enum status decoded_tree(const struct packed *packed, const struct scene *scene, struct bvh *out,
                          struct reason *reason)
 {
-    struct decoding d = {
-        .packed = packed, .node_most = packed->node_count, .prim_most = scene->tri_count};
+    struct decoding d = {.packed = packed,
+                         .bvh.tri_count = scene->tri_count,
+                         .node_most = packed->node_count,
+                         .prim_most = packed_prims_most(packed),
+                         .tri_count = scene->tri_count};
     *out = (struct bvh){0};
     d.bvh.node = alloc_zeroed(d.node_most, sizeof *d.bvh.node);
     d.bvh.prim = alloc_zeroed(d.prim_most, sizeof *d.bvh.prim);
