@@ -58,7 +58,7 @@ static enum status make_plans(const struct bench *bench, const struct painter_pl
             status = add(plans, model, engine, NULL, reason);
         for (size_t l = 0; engine->needs_packed && l < layout_count && !status; l++)
             status = add(plans, model, engine,
-                         bench->layout.count ? layouts[bench->layout.index[l]]
+                         bench->layout.count ? layouts_all[bench->layout.index[l]]
                                              : layout_find(own_layouts[l]),
                          reason);
     }

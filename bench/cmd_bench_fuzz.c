@@ -129,7 +129,7 @@ static enum status make_field(const struct bench *bench, struct fuzz_field *out,
     for (size_t i = 0; i < engine_count; i++)
         engine[i] = engine_find(table_member(TABLE_ENGINES, bench->engine.index[i], NULL));
     for (size_t i = 0; i < layout_count; i++)
-        layout[i] = layouts[bench->layout.index[i]];
+        layout[i] = layouts_all[bench->layout.index[i]];
     for (size_t i = 0; i < ARRAY_COUNT(own_engine) && !bench->engine.count; i++)
         engine[engine_count++] = engine_find(own_engine[i]);
     for (size_t i = 0; i < ARRAY_COUNT(own_layout) && !bench->layout.count; i++)

@@ -86,13 +86,16 @@ static int enter_layouts(struct race *race, const struct engine *engine, const s
 {
     const struct list *boxes = &race->bench->box;
     int code = EXIT_AGREE;
-    for (size_t l = 0; layouts[l]; l++)
+    bool core = true; /* layouts_all begins with layouts */
+    for (size_t l = 0; layouts_all[l]; l++) {
+        core = core && layouts[l];
         for (size_t b = 0; b < (boxes->count ? boxes->count : 1); b++) {
             const struct box_test *box = boxes->count ? box_tests[boxes->index[b]] : box_for(tri);
-            if (wanted(&race->bench->layout, l, race->own_layouts, layouts[l]->name,
-                       layouts[l]->faithful))
-                code = exit_worse(code, enter_one(race, engine, layouts[l], box, tri));
+            if (wanted(&race->bench->layout, l, race->own_layouts, layouts_all[l]->name,
+                       !core || layouts_all[l]->faithful))
+                code = exit_worse(code, enter_one(race, engine, layouts_all[l], box, tri));
         }
+    }
     return code;
 }
 

@@ -76,7 +76,7 @@ static enum status enter(struct bench *bench, const struct scene *scene, bool du
     static const char *const names[CONTESTANTS] = {"special", "general", "special, 1 bounce"};
     struct painter_plan plan = {
         .engine = engine_find("vulkan"),
-        .layout = bench->layout.count ? layouts[bench->layout.index[0]] : layout_find("f32"),
+        .layout = bench->layout.count ? layouts_all[bench->layout.index[0]] : layout_find("f32"),
         .builder = builders[0],
         .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
         .box = box_tests[0],

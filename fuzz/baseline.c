@@ -24,8 +24,8 @@ static bool is_engine(const char *pattern)
 
 static bool is_layout(const char *pattern)
 {
-    for (size_t i = 0; layouts[i]; i++)
-        if (fnmatch(pattern, layouts[i]->name, 0) == 0)
+    for (size_t i = 0; layouts_all[i]; i++)
+        if (fnmatch(pattern, layouts_all[i]->name, 0) == 0)
             return true;
     return fnmatch(pattern, "-", 0) == 0;
 }

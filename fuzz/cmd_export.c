@@ -61,7 +61,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return status;
     case OPT_LAYOUT:
         status = table_parse_one(TABLE_LAYOUTS, "--layout", text, &index, reason);
-        o->layout = status ? NULL : layouts[index];
+        o->layout = status ? NULL : layouts_all[index];
         return status;
     case OPT_RAY:
         status = parse_count("--ray", text, 0, FUZZ_RAYS_MOST, &value, reason);

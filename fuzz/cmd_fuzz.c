@@ -208,7 +208,7 @@ static enum status make_rules(struct fuzz_command *c, struct reason *reason)
     for (size_t i = 0; i < c->engine.count; i++)
         engine[i] = engines[c->engine.index[i]];
     for (size_t i = 0; i < c->layout.count; i++)
-        layout[i] = layouts[c->layout.index[i]];
+        layout[i] = layouts_all[c->layout.index[i]];
     rules->builder_count = c->builder.count;
     for (size_t i = 0; i < c->builder.count; i++)
         rules->builder[i] = builders[c->builder.index[i]];

@@ -59,7 +59,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
         status = table_parse(TABLE_LAYOUTS, "--layout", text, &list, reason);
         o->layout_count = status ? 0 : list.count;
         for (size_t i = 0; i < o->layout_count; i++)
-            o->layout[i] = layouts[list.index[i]];
+            o->layout[i] = layouts_all[list.index[i]];
         return status;
     case OPT_TIME:
         status = parse_count("--time", text, 1, 86400, &value, reason);

@@ -223,7 +223,10 @@ static void put_constants(const struct export_case *the, FILE *to)
         [ABI_SPEC_BOX] = "box test",
         [ABI_SPEC_TRI] = "triangle test",
         [ABI_SPEC_QUERY] = "query",
-        [ABI_SPEC_STACK] = "entries of the traversal stack"};
+        [ABI_SPEC_STACK] = "entries of the traversal stack",
+        [ABI_SPEC_STORE] = "triangle storage",
+        [ABI_SPEC_LAYOUT_0] = "member of the layout's family",
+        [ABI_SPEC_LAYOUT_1] = "its second number"};
     const char *values[DISPATCH_CONSTANTS] = {
         [ABI_SPEC_BOX] = the->layout ? the->trial->box->name : "not used",
         [ABI_SPEC_TRI] = the->subject == SUBJECT_QUERY ? "not used" : the->trial->tri->name,

@@ -7,9 +7,10 @@
 /* The smallest stack class that is enough. */
 static enum status stack_class(const struct packed *packed, uint32_t *out, struct reason *reason)
 {
-    if (packed->stack_need > ABI_STACK_MAX)
-        return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u",
-                    ABI_STACK_MAX, (unsigned)packed->stack_need);
+    uint32_t most = layout_stack_most(packed->layout);
+    if (packed->stack_need > most)
+        return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u", most,
+                    (unsigned)packed->stack_need);
     *out = 16;
     while (*out < packed->stack_need)
         *out *= 2;
@@ -21,15 +22,18 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
 {
     const struct packed *packed = job->packed;
     char name[64];
-    (void)snprintf(name, sizeof name, "trace_%s", packed->layout->name);
+    const struct layout *layout = packed->layout;
+    (void)snprintf(name, sizeof name, "trace_%s", layout_shader(layout));
     *out = (struct dispatch){
         .shader = shader_find(name),
         .constant = {[ABI_SPEC_WORKGROUP] = workgroup,
                      [ABI_SPEC_BOX] = job->box->id,
                      [ABI_SPEC_TRI] = job->tri->id,
-                     [ABI_SPEC_QUERY] = job->query},
+                     [ABI_SPEC_QUERY] = job->query,
+                     [ABI_SPEC_LAYOUT_0] = layout->constant[0],
+                     [ABI_SPEC_LAYOUT_1] = layout->constant[1]},
         .push = {.root = packed->root,
-                 .node_count = packed->node_count,
+                 .node_count = packed->ref_count,
 #if MUTANT == MUTANT_ITEMS_SHORT
                  .item_count = packed->item_count - 1,
 #else

@@ -8,10 +8,10 @@
 #include "ref/engine.h"
 
 #define DISPATCH_BINDINGS  7u /* storage buffers, by ABI_BIND_* */
-#define DISPATCH_CONSTANTS 5u /* by ABI_SPEC_* */
+#define DISPATCH_CONSTANTS 8u /* by ABI_SPEC_* */
 
 _Static_assert(ABI_BIND_FOUND == DISPATCH_BINDINGS - 1, "the tracing shaders have bindings 0 to 6");
-_Static_assert(ABI_SPEC_STACK == DISPATCH_CONSTANTS - 1, "the tracing shaders have constants 0-4");
+_Static_assert(ABI_SPEC_LAYOUT_1 == DISPATCH_CONSTANTS - 1, "the tracing shaders have 0 to 7");
 
 /* Triangles of one dispatch of engine vulkan_brute: under lavapipe 22's loop cap of 65,535. */
 #define DISPATCH_PART 16384u

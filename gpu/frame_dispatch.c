@@ -17,7 +17,7 @@ static uint64_t steps_of_ray(const struct frame_job *job, bool brute)
         return job->job.scene->tri_count;
     if (job->job.box->id != ABI_BOX_RTRS)
         return 0;
-    return 4ull * job->job.packed->node_count + job->job.packed->item_count;
+    return 4ull * job->job.packed->ref_count + job->job.packed->item_count;
 }
 
 static uint64_t rays_of_path(const struct frame_job *job)
@@ -58,7 +58,8 @@ static enum status make_general(const struct frame_job *job, struct frame_dispat
                     "not for %u and %u",
                     FRAME_GENERAL_LIGHTS, FRAME_GENERAL_BOUNCES, (unsigned)job->light_count,
                     (unsigned)job->look.bounces);
-    out->constant[ABI_SPEC_STACK] = ABI_STACK_MAX;
+    out->constant[ABI_SPEC_STACK] =
+        job->job.packed ? layout_stack_most(job->job.packed->layout) : ABI_STACK_MAX;
     out->constant[ABI_SPEC_BOUNCES] = FRAME_GENERAL_BOUNCES;
     out->constant[ABI_SPEC_LIGHTS] = FRAME_GENERAL_LIGHTS;
     out->constant[ABI_SPEC_LOOK] =
@@ -85,13 +86,16 @@ static enum status find_shader(const struct frame_job *job, bool brute, struct f
     char name[64] = "render_brute";
     enum status status = STATUS_OK;
     if (!brute) {
-        (void)snprintf(name, sizeof name, "render_%s", job->job.packed->layout->name);
+        (void)snprintf(name, sizeof name, "render_%s", layout_shader(job->job.packed->layout));
         status = dispatch_tree(&job->job, 1, &trace, reason);
         out->push.root = trace.push.root;
         out->push.node_count = trace.push.node_count;
         out->push.item_count = trace.push.item_count;
     }
     out->constant[ABI_SPEC_STACK] = trace.constant[ABI_SPEC_STACK];
+    out->constant[ABI_SPEC_STORE] = trace.constant[ABI_SPEC_STORE];
+    out->constant[ABI_SPEC_LAYOUT_0] = trace.constant[ABI_SPEC_LAYOUT_0];
+    out->constant[ABI_SPEC_LAYOUT_1] = trace.constant[ABI_SPEC_LAYOUT_1];
     out->shader = shader_find(name);
     if (!status && !out->shader)
         status = fail(reason, STATUS_UNSUPPORTED, "vulkan: there is no shader %s", name);
@@ -127,7 +131,7 @@ enum status frame_dispatch_make(const struct frame_job *job, bool brute,
         .tile = tile,
         .rays = (uint32_t)rays_of_path(job),
         .part = brute ? DISPATCH_PART : UINT32_MAX,
-        .cost = rays_of_path(job) * (brute ? tri_count + 1ull : job->job.packed->node_count + 1ull),
+        .cost = rays_of_path(job) * (brute ? tri_count + 1ull : job->job.packed->ref_count + 1ull),
     };
     frame_dispatch_plan(out, plan_of(job, brute));
     if (tile * tile > limits->group_size)

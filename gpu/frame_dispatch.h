@@ -8,12 +8,12 @@
 #include "ref/frame.h"
 
 #define FRAME_BINDINGS  8u  /* storage buffers: ABI_BIND_STATE and so on */
-#define FRAME_CONSTANTS 11u /* ABI_SPEC_* */
+#define FRAME_CONSTANTS 14u /* ABI_SPEC_* */
 
 _Static_assert(ABI_BIND_SHADE == FRAME_BINDINGS - 1, "the rendering shaders have bindings 0 to 7");
-_Static_assert(ABI_SPEC_LOOK == FRAME_CONSTANTS - 1, "the rendering shaders have constants 0-10");
+_Static_assert(ABI_SPEC_LOOK == FRAME_CONSTANTS - 1, "the rendering shaders have constants 0-13");
 
-/* What job.general's pipeline has room for, beside stacks of ABI_STACK_MAX. */
+/* What job.general's pipeline has room for, beside stacks of layout_stack_most. */
 #define FRAME_GENERAL_LIGHTS  8u
 #define FRAME_GENERAL_BOUNCES 8u
 

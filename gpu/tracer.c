@@ -113,7 +113,7 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     free_buffers(tracer);
     tracer->pipeline = NULL;
     tracer->lists = job->query == QUERY_ALL;
-    tracer->batch = first_batch(tracer, packed->node_count);
+    tracer->batch = first_batch(tracer, packed->ref_count);
     struct dispatch dispatch;
     enum status status = dispatch_tree(job, tracer->workgroup, &dispatch, reason);
     tracer->push = dispatch.push;

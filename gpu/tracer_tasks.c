@@ -142,7 +142,7 @@ static bool put_triangles(struct tracer *tracer, struct vk_work *work, const str
 /* Node visits that a task can need. */
 static uint64_t visits_of(const struct engine_task *task)
 {
-    return (uint64_t)task->ray_count * (task->job.packed->node_count + 1);
+    return (uint64_t)task->ray_count * (task->job.packed->ref_count + 1);
 }
 
 /* Adds a task to the submission. */

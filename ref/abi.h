@@ -15,7 +15,8 @@
 #endif
 
 #define ABI_NO_PRIM    0xFFFFFFFFu /* hit.prim of a miss; an empty item slot */
-#define ABI_STACK_MAX  64u         /* the largest traversal stack, in entries */
+#define ABI_STACK_MAX  64u         /* the largest traversal stack of a binary layout, in entries */
+#define ABI_STACK_WIDE 256u        /* the same of a wide one, whose nodes push up to 8 */
 #define ABI_WORKGROUP  64u         /* rays per workgroup unless asked otherwise */
 #define ABI_TRI_FLOATS 9u          /* floats per gathered triangle: v0, v1, v2 */
 
@@ -24,7 +25,10 @@
 #define ABI_SPEC_BOX       1 /* enum box_test_id */
 #define ABI_SPEC_TRI       2 /* enum tri_test_id */
 #define ABI_SPEC_QUERY     3 /* enum query */
-#define ABI_SPEC_STACK     4 /* entries of the traversal stack: 16, 32 or 64 */
+#define ABI_SPEC_STACK     4 /* entries of the traversal stack: 16, 32 or 64; wide: 128, 256 */
+#define ABI_SPEC_STORE     5 /* kind of triangle storage; 0: gathered beside an index array */
+#define ABI_SPEC_LAYOUT_0  6 /* layout.constant of a layout that shares its shader with others */
+#define ABI_SPEC_LAYOUT_1  7
 
 /* Values of ABI_SPEC_BOX, ABI_SPEC_TRI and ABI_SPEC_QUERY. */
 #define ABI_BOX_RTRS       0u
@@ -74,20 +78,20 @@ ABI_SIZE(struct hit, 16)
 struct push {
     U32 ray_count;
     U32 root;       /* packed.root */
-    U32 node_count; /* records; also the most nodes a ray may visit */
+    U32 node_count; /* packed.ref_count, also the most nodes a ray may visit; binary: records */
     U32 item_count; /* words of the item array */
     U32 tri_count;
     U32 capacity; /* ABI_QUERY_ALL: hits of ray i are hit[i * capacity ..], so many at most */
 };
 ABI_SIZE(struct push, 24)
 
-/* Frames, see ref/frame.h: specialization constants of the rendering shaders beside the five. */
-#define ABI_SPEC_PROFILE 5
-#define ABI_SPEC_BOUNCES 6
-#define ABI_SPEC_LIGHTS  7
-#define ABI_SPEC_STEPS   8 /* 1: a dispatch traces one ray of each path, not all of them */
-#define ABI_SPEC_TILE    9
-#define ABI_SPEC_LOOK    10 /* ABI_LOOK_* */
+/* Frames, see ref/frame.h: specialization constants of the rendering shaders beside these. */
+#define ABI_SPEC_PROFILE 8
+#define ABI_SPEC_BOUNCES 9
+#define ABI_SPEC_LIGHTS  10
+#define ABI_SPEC_STEPS   11 /* 1: a dispatch traces one ray of each path, not all of them */
+#define ABI_SPEC_TILE    12
+#define ABI_SPEC_LOOK    13 /* ABI_LOOK_* */
 
 /* What there is to be done for a scene and a frame. */
 #define ABI_LOOK_EYE      1u  /* light 0 stands at the eye */

@@ -238,7 +238,7 @@ static enum status play_layouts(struct check *check, struct match *match,
     struct list list = o->layout_named ? o->layout : tree_layouts(&check->tree, &o->layout);
     size_t count = o->layout_auto ? 1 : list.count;
     for (size_t l = 0; l < count; l++) {
-        const struct layout *layout = o->layout_auto ? NULL : layouts[list.index[l]];
+        const struct layout *layout = o->layout_auto ? NULL : layouts_all[list.index[l]];
         struct reason refusal = {""};
         enum status status =
             layout ? match_pack(match, layout, &refusal)

@@ -125,7 +125,7 @@ static enum status take_name(struct explain_options *o, int option, const char *
         o->has_engine = true;
         return STATUS_OK;
     case OPT_LAYOUT:
-        o->of.layout = layouts[index];
+        o->of.layout = layouts_all[index];
         o->has_layout = true;
         return STATUS_OK;
     case OPT_BUILDER:

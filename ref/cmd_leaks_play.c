@@ -138,7 +138,7 @@ static enum status play_layouts(struct play *play, const struct bvh *bvh, struct
     struct list list = o->layout_named ? o->layout : tree_layouts(&play->tree, &o->layout);
     enum status status = STATUS_OK;
     for (size_t l = 0; l < list.count && !status; l++) {
-        row.layout = layouts[list.index[l]];
+        row.layout = layouts_all[list.index[l]];
         row.status =
             bvh ? packed_make(row.layout, bvh, &play->scene, &play->packed, &row.reason)
                 : tree_file_pack(&play->tree, row.layout, &play->scene, &play->packed, &row.reason);

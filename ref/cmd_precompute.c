@@ -72,7 +72,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_LAYOUT: {
         size_t which = 0;
         status = table_parse_one(TABLE_LAYOUTS, "--layout", text, &which, reason);
-        p->layout = status ? NULL : layouts[which];
+        p->layout = status ? NULL : layouts_all[which];
         break;
     }
     case OPT_BUILDER:

@@ -7,6 +7,7 @@
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
 
+#include <fnmatch.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -39,7 +40,7 @@ static const char *member(enum table table, size_t i, const char **text)
     case TABLE_BUILDERS:
         MEMBER(builders);
     case TABLE_LAYOUTS:
-        MEMBER(layouts);
+        MEMBER(layouts_all);
     case TABLE_BOX_TESTS:
         MEMBER(box_tests);
     case TABLE_TRI_TESTS:
@@ -73,8 +74,9 @@ const char *table_member(enum table table, size_t i, const char **summary)
 struct list table_all(enum table table)
 {
     struct list list = {.count = 0};
-    for (size_t i = 0; i < LIST_MOST && table_member(table, i, NULL); i++)
-        list.index[list.count++] = i;
+    for (size_t i = 0; table_member(table, i, NULL); i++)
+        if (table != TABLE_LAYOUTS || layouts[list.count])
+            list.index[list.count++] = i;
     return list;
 }
 
@@ -131,6 +133,32 @@ static enum status add_engine(enum table table, const char *flag, const char *te
     return status ? fail(reason, STATUS_INPUT, "%s: %s", flag, why.text) : STATUS_OK;
 }
 
+/* Adds the members that the name of `length` characters names or matches; their number in *added.
+ */
+static enum status add_members(enum table table, const char *flag, const char *text, size_t length,
+                               struct list *out, struct reason *reason)
+{
+    char name[PIPE_NAME_MOST + 1];
+    const char *one;
+    size_t before = out->count;
+    bool pattern = false;
+    if (length < sizeof name) {
+        memcpy(name, text, length);
+        name[length] = '\0';
+        pattern = !begins_with(text, PIPE_PREFIX) && strpbrk(name, "*?") != NULL;
+    }
+    for (size_t i = 0; (one = table_member(table, i, NULL)); i++) {
+        bool is_one = strlen(one) == length && memcmp(one, text, length) == 0;
+        if (!is_one && !(pattern && fnmatch(name, one, 0) == 0))
+            continue;
+        for (size_t k = 0; k < before; k++)
+            if (out->index[k] == i)
+                return fail(reason, STATUS_INPUT, "%s: '%s' is named twice", flag, one);
+        out->index[out->count++] = i;
+    }
+    return out->count > before ? STATUS_OK : unknown(table, flag, text, length, reason);
+}
+
 enum status table_parse(enum table table, const char *flag, const char *text, struct list *out,
                         struct reason *reason)
 {
@@ -139,22 +167,15 @@ enum status table_parse(enum table table, const char *flag, const char *text, st
         *out = table_all(table);
         return STATUS_OK;
     }
+    if (strcmp(text, "every") == 0)
+        text = "*";
     for (const char *at = text;; at++) {
         size_t length = name_length(table, at);
-        size_t i = 0;
-        const char *name;
         enum status status = add_engine(table, flag, at, length, reason);
+        if (!status)
+            status = add_members(table, flag, at, length, out, reason);
         if (status)
             return status;
-        while ((name = table_member(table, i, NULL)) &&
-               !(strlen(name) == length && memcmp(name, at, length) == 0))
-            i++;
-        if (!name)
-            return unknown(table, flag, at, length, reason);
-        for (size_t k = 0; k < out->count; k++)
-            if (out->index[k] == i)
-                return fail(reason, STATUS_INPUT, "%s: '%s' is named twice", flag, name);
-        out->index[out->count++] = i;
         at += length;
         if (*at == '\0')
             return STATUS_OK;

@@ -17,7 +17,7 @@ enum table {
     TABLE_COUNT
 };
 
-#define LIST_MOST 16
+#define LIST_MOST 256
 
 /* Some members of one table, by index. */
 struct list {
@@ -31,12 +31,14 @@ const char *table_name(enum table table);
 /* Name of member `i`, or NULL past the end; *summary (may be NULL) is what it is. */
 const char *table_member(enum table table, size_t i, const char **summary);
 
-/* All members of the table. */
+/* The members that products run over: of layouts those of layouts[], of the others all. */
 struct list table_all(enum table table);
 
-/* Parses "a,b" or "all" (of queries one member, not the whole table). Of engines, "pipe:COMMAND" is
- * one, too, and is then in the table; a command may hold commas, but not ",pipe:". Errors:
- * STATUS_INPUT with the flag, the unknown name and the known ones. */
+/* Parses "a,b" or "all", which is table_all (of queries one member, not the whole table); "every"
+ * is the whole table, and a name with * or ? all members that it matches. Of engines,
+ * "pipe:COMMAND" is one, too, and is then in the table; a command may hold commas, but not
+ * ",pipe:". Errors: STATUS_INPUT with the flag, the unknown name and the known ones; a member named
+ * twice. */
 enum status table_parse(enum table table, const char *flag, const char *text, struct list *out,
                         struct reason *reason) MUST_USE;
 

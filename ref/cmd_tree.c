@@ -37,7 +37,7 @@ struct list tree_layouts(const struct tree_file *file, const struct list *list)
     size_t i = 0;
     if (!tree_file_is_packed(file))
         return *list;
-    while (layouts[i] != file->packed.layout)
+    while (layouts_all[i] != file->packed.layout)
         i++;
     return (struct list){.index = {i}, .count = 1};
 }

@@ -29,6 +29,7 @@ struct packed {
     uint32_t word_count;
     uint32_t item_count;
     uint32_t node_count; /* records */
+    uint32_t ref_count;  /* references: records, then child slots if leaves have no records */
     uint32_t root;       /* reference of the root */
     uint32_t tri_count;  /* of the scene it was packed from */
     uint32_t stack_need; /* entries a traversal can need at most */
@@ -37,8 +38,9 @@ struct packed {
 
 #define WIDE_MAX 8
 
-/* One decoded node. Inner: child_count >= 2, boxes and references of the children; those out of
- * range are dropped (the seed wraps references), so that 1 or 0 may be left. Leaf: child_count ==
+/* One decoded node. Inner: child_count >= 2 (of a wide layout >= 1), boxes and references of the
+ * children; those out of range are dropped (the seed wraps references), so that fewer may be left.
+ * Leaf: child_count ==
  * 0, item slots item_first .. item_first + item_count - 1, to be read with layout->item. */
 struct wide {
     uint32_t child_count;
@@ -52,41 +54,65 @@ struct layout {
     const char *name;
     const char *summary;
     uint32_t node_bytes; /* bytes of one record */
+    uint32_t width;      /* children of an inner node at most: 2 (binary), 4 or 8 */
     enum visit order;
     bool faithful; /* reproduces the seed or its paper, faults included */
+    /* Layouts of a family share their functions and one shader. `shader` is the name of the file
+     * shaders/trace_SHADER.comp, NULL: the layout's own name. */
+    const char *shader;
+    const void *family;   /* what pack, load and box want to know of this member */
+    uint32_t constant[2]; /* specialization constants ABI_SPEC_LAYOUT_0 and _1 of its shader */
     /* Packs the whole tree: rounds boxes outward, checks its limits. Sets every member of *out but
      * layout, tri_count, split and stack_need, which packed_make fills in; `bvh` may not be empty.
      * Errors: STATUS_LIMIT with the limit, the scene's number and what would fit instead (or "the
      * seed panics: F8"); STATUS_MEMORY. */
-    enum status (*pack)(const struct bvh *bvh, const struct scene *scene, struct packed *out,
-                        struct reason *reason);
+    enum status (*pack)(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
+                        struct packed *out, struct reason *reason);
     /* Whether the program that is reproduced ends on this tree; then pack() says STATUS_LIMIT with
      * the same reason. `reason` may be NULL. NULL: it ends on none. */
     enum layout_end (*end)(const struct bvh *bvh, struct reason *reason);
     /* Decodes the node `ref`, which must be in range (see packed_ref_valid). Never reads outside
-     * the words: a faithful layout can hold any child reference. */
+     * the words: a faithful layout can hold any child reference. Where leaves have no records,
+     * child slot s of record r is reference node_count + width * r + s, a leaf without items if
+     * nothing is there or an inner node. */
     void (*load)(const struct packed *packed, uint32_t ref, struct wide *out);
-    /* The box of the node `ref` itself; the traversal tests the root's. */
+    /* The box of the node `ref` itself (wide: the union of its children's); the traversal tests the
+     * root's. */
     struct box (*box)(const struct packed *packed, uint32_t ref);
     /* Triangle of item slot `slot`, or ABI_NO_PRIM if the slot is empty or not a triangle. */
     uint32_t (*item)(const struct packed *packed, uint32_t slot);
 };
 
-/* NULL-terminated. */
+/* NULL-terminated: the layouts that every product runs over. */
 extern const struct layout *const layouts[];
 
-/* Returns the layout of that name, or NULL. */
+/* NULL-terminated: these, in the same order, then the other members of families. */
+extern const struct layout *const *const layouts_all;
+
+/* Returns the layout of that name, of all, or NULL. */
 const struct layout *layout_find(const char *name);
 
-/* True if the record `ref` lies in the packed words. */
+/* Name of the files of its shaders, after "trace_" and "render_". */
+static inline const char *layout_shader(const struct layout *layout)
+{
+    return layout->shader ? layout->shader : layout->name;
+}
+
+/* Entries that the traversal stack of a layout has at most. */
+static inline uint32_t layout_stack_most(const struct layout *layout)
+{
+    return layout->width > 2 ? ABI_STACK_WIDE : ABI_STACK_MAX;
+}
+
+/* True if there is a node `ref` in the packed words. */
 static inline bool packed_ref_valid(const struct packed *packed, uint32_t ref)
 {
-    return ref < packed->node_count;
+    return ref < packed->ref_count;
 }
 
 /* Packs `bvh` in `layout`. An empty tree gives node_count 0, which every engine traces as misses.
  * Errors: STATUS_INPUT another number of triangles than the scene's; STATUS_LIMIT of the layout, or
- * deeper than ABI_STACK_MAX; STATUS_MEMORY. */
+ * deeper than layout_stack_most; STATUS_MEMORY. */
 enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out,
                         struct reason *reason) MUST_USE;

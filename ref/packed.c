@@ -27,13 +27,15 @@ static enum status tree_depth(const struct bvh *bvh, uint32_t *out)
     return STATUS_OK;
 }
 
-/* A faithful layout can wrap references, so that what is decoded is deeper than the tree. If it is
- * no tree at all, no number is enough. */
+/* A faithful layout can wrap references, so that what is decoded is deeper than the tree; a wide
+ * one is less deep. If it is no tree at all, no number is enough. */
 static enum status decoded_depth(const struct packed *packed, uint32_t *out)
 {
     struct packed_walk walk;
     enum status status = packed_walk_make(packed, &walk);
-    *out = walk.repeats > 0 || walk.stack_most > ABI_STACK_MAX ? ABI_STACK_MAX : walk.stack_most;
+    *out = walk.stack_most;
+    if (packed->layout->faithful && (walk.repeats > 0 || walk.stack_most > ABI_STACK_MAX))
+        *out = ABI_STACK_MAX;
     packed_walk_free(&walk);
     return status;
 }
@@ -43,12 +45,14 @@ static enum status find_stack_need(const struct bvh *bvh, struct packed *packed,
 {
     const char *name = packed->layout->name;
     uint32_t depth = 0;
-    enum status status = tree_depth(bvh, &depth);
-    if (!status && depth > ABI_STACK_MAX)
+    uint32_t most = layout_stack_most(packed->layout);
+    bool wide = packed->layout->width > 2;
+    enum status status = wide ? decoded_depth(packed, &depth) : tree_depth(bvh, &depth);
+    if (!status && depth > most)
         return fail(reason, STATUS_LIMIT,
-                    "%s: the traversal stack holds %u entries, this tree is %u deep; use builder "
+                    "%s: the traversal stack holds %u entries, this tree %s %u%s; use builder "
                     "median or a larger --leaf",
-                    name, ABI_STACK_MAX, depth);
+                    name, most, wide ? "needs" : "is", depth, wide ? "" : " deep");
     if (!status && packed->layout->faithful)
         status = decoded_depth(packed, &depth);
     if (status)
@@ -69,7 +73,7 @@ enum status packed_make(const struct layout *layout, const struct bvh *bvh,
         return fail(reason, STATUS_INPUT, "%s: the tree holds %u triangles, the scene has %u",
                     layout->name, bvh->tri_count, scene->tri_count);
     if (bvh->node_count > 0) {
-        enum status status = layout->pack(bvh, scene, out, reason);
+        enum status status = layout->pack(layout, bvh, scene, out, reason);
         if (!status) {
             out->layout = layout;
             status = find_stack_need(bvh, out, reason);

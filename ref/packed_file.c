@@ -141,6 +141,7 @@ enum status packed_file_read(const char *name, const char *bytes, size_t size,
                            .word_count = head.records * (head.record_bytes / 4),
                            .item_count = head.items,
                            .node_count = head.records,
+                           .ref_count = head.records,
                            .root = head.root,
                            .tri_count = head.triangles,
                            .stack_need = head.stack};

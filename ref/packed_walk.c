@@ -24,11 +24,16 @@ static void expand(const struct packed *packed, struct packed_walk *walk, uint8_
     packed->layout->load(packed, walk->visit[i].ref, &node);
     if (node.item_count > 0 && node.child_count == 0)
         return;
-    if (node.child_count < 2) {
+    uint32_t least = packed->layout->width > 2 ? 1 : 2;
+    if (node.child_count < least) {
         if (walk->bad_refs == 0)
             walk->bad_ref = walk->visit[i].ref;
-        walk->bad_refs += 2 - node.child_count;
+        walk->bad_refs += least - node.child_count;
     }
+    /* A wide node pushes all its children before the nearest is taken. */
+    uint32_t pushed = walk->visit[i].stack + node.child_count;
+    if (packed->layout->width > 2 && pushed > walk->stack_most)
+        walk->stack_most = pushed;
     for (uint32_t c = 0; c < node.child_count; c++) {
         struct packed_visit child = {.ref = node.child[c],
                                      .parent = i,
@@ -48,8 +53,8 @@ enum status packed_walk_make(const struct packed *packed, struct packed_walk *ou
         out->bad_ref = packed->root;
         return STATUS_OK;
     }
-    uint8_t *seen = alloc_zeroed((size_t)packed->node_count / 8 + 1, 1);
-    out->visit = alloc_zeroed(packed->node_count, sizeof *out->visit);
+    uint8_t *seen = alloc_zeroed((size_t)packed->ref_count / 8 + 1, 1);
+    out->visit = alloc_zeroed(packed->ref_count, sizeof *out->visit);
     if (!seen || !out->visit) {
         free(seen);
         packed_walk_free(out);

@@ -24,8 +24,8 @@ struct packed_walk {
 };
 
 /* Walks from packed->root, each node once; an empty tree gives no visit. An inner node of fewer
- * than two children counts as lacking the rest, a root out of range as a bad reference.
- * Errors: STATUS_MEMORY. On error *out is zero. Free with packed_walk_free. */
+ * than two children (a wide one of none) counts as lacking the rest, a root out of range as a bad
+ * reference. Errors: STATUS_MEMORY. On error *out is zero. Free with packed_walk_free. */
 enum status packed_walk_make(const struct packed *packed, struct packed_walk *out) MUST_USE;
 
 void packed_walk_free(struct packed_walk *walk);

@@ -14,8 +14,8 @@ struct walk {
     struct hit best;
     float tbest;
     uint32_t depth; /* entries on the stack */
-    uint32_t ref[ABI_STACK_MAX];
-    float entry[ABI_STACK_MAX];
+    uint32_t ref[ABI_STACK_WIDE];
+    float entry[ABI_STACK_WIDE];
     struct trace_counts counts;
     struct hit *list; /* QUERY_ALL: the first `capacity` of the hits found */
     uint32_t capacity, found;
@@ -78,8 +78,8 @@ static inline bool walk_leaf(struct walk *w, uint32_t tri_id, const struct wide 
     return false;
 }
 
-/* Chooses the next node among the children: *next, or *any = false if none is hit. Pushes the one
- * that waits. Only binary nodes are known here. Returns false if the stack is full. */
+/* Chooses the next node among two children: *next, or *any = false if none is hit. Pushes the one
+ * that waits. Returns false if the stack is full. */
 static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide *node,
                               uint32_t *next, bool *any)
 {
@@ -113,6 +113,36 @@ static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide
 #endif
     w->entry[w->depth++] = entry[1 - first];
     *next = node->child[first];
+    return true;
+}
+
+/* Pushes the children of a wide node that are hit, the nearest last; of equal ones the first child
+ * is taken for nearer. Returns false if the stack is full. */
+static inline bool walk_wide(struct walk *w, uint32_t box_id, const struct wide *node)
+{
+    uint32_t base = w->depth;
+    for (uint32_t i = 0; i < node->child_count; i++) {
+        float entry;
+        w->counts.boxes++;
+        if (!box_test_run(box_id, &w->slab, &node->box[i], w->tbest, &entry))
+            continue;
+        if (w->depth >= w->packed->stack_need || w->depth >= ABI_STACK_WIDE)
+            return false;
+        uint32_t at = w->depth++;
+        for (; at > base && w->entry[at - 1] <= entry; at--) {
+            w->entry[at] = w->entry[at - 1];
+            w->ref[at] = w->ref[at - 1];
+        }
+#if MUTANT == MUTANT_WIDE_UNSORTED
+        at = w->depth - 1;
+#endif
+        w->entry[at] = entry;
+        w->ref[at] = node->child[i];
+    }
+#if MUTANT == MUTANT_WIDE_ONE_LOST
+    if (w->depth - base == 5)
+        w->depth--;
+#endif
     return true;
 }
 
@@ -156,7 +186,7 @@ static inline __attribute__((always_inline)) enum status walk_tree(struct walk *
         return STATUS_OK;
     uint32_t ref = packed->root;
     /* In a tree no node is visited twice: more visits than nodes is a cycle. */
-    for (uint32_t visits = 0; visits < packed->node_count; visits++) {
+    for (uint32_t visits = 0; visits < packed->ref_count; visits++) {
         struct wide loaded;
         const struct wide *node = w->decoded ? &w->decoded[ref] : &loaded;
         bool descend = false;
@@ -166,7 +196,8 @@ static inline __attribute__((always_inline)) enum status walk_tree(struct walk *
         if (node->child_count == 0) {
             if (walk_leaf(w, tri_id, node))
                 return STATUS_OK;
-        } else if (!walk_inner(w, box_id, node, &next, &descend)) {
+        } else if (packed->layout->width > 2 ? !walk_wide(w, box_id, node)
+                                             : !walk_inner(w, box_id, node, &next, &descend)) {
             return STATUS_LIMIT;
         }
         if (!descend && !walk_pop(w, box_id, &next))
@@ -253,9 +284,9 @@ enum status trace_rays(const struct packed *packed, const struct scene *scene,
     struct wide *decoded = NULL;
     enum status status = STATUS_OK;
     /* Without memory, or if it does not pay, each ray decodes what it visits. */
-    if (packed->node_count > 0 && packed->node_count <= count)
-        decoded = malloc(packed->node_count * sizeof *decoded);
-    for (uint32_t i = 0; i < packed->node_count && decoded; i++)
+    if (packed->node_count > 0 && packed->ref_count <= count)
+        decoded = malloc(packed->ref_count * sizeof *decoded);
+    for (uint32_t i = 0; i < packed->ref_count && decoded; i++)
         packed->layout->load(packed, i, &decoded[i]);
     for (size_t i = 0; i < count; i++) {
         struct walk w;

@@ -14,8 +14,10 @@ struct trace_counts {
 
 /* Traces one ray through `packed`. Order of work, the same in the shader:
  *   test the root's box; then per node: a leaf tests its items in slot order, a later item wins
- *   only with a smaller t; an inner node tests its children's boxes in order, pushes the later
- *   one and goes on with the earlier one (layout->order).
+ *   only with a smaller t; an inner node of a binary layout tests its children's boxes in order,
+ *   pushes the later one and goes on with the earlier one (layout->order); one of a wide layout
+ *   tests all, pushes those hit so that the nearest is on top (the first child of equal ones), and
+ *   pops.
  * A popped node is skipped if its entry distance is beyond the best t (not by the published box
  * test). QUERY_ANY stops at the first accepted triangle; QUERY_ALL is trace_ray_all's.
  *   scene   the packed tree's scene; borrowed

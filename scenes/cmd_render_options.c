@@ -121,8 +121,8 @@ static enum status take_layouts(const char *text, struct render_settings *out,
     if (list.count > 2)
         return fail(reason, STATUS_INPUT, "--layout: '%s' are %zu, at most two are compared", text,
                     list.count);
-    out->layout = layouts[list.index[0]];
-    out->versus = list.count > 1 ? layouts[list.index[1]] : NULL;
+    out->layout = layouts_all[list.index[0]];
+    out->versus = list.count > 1 ? layouts_all[list.index[1]] : NULL;
     return STATUS_OK;
 }
 

@@ -79,6 +79,53 @@ node stack_pop(float tbest)
     return next;
 }
 
+#ifdef WIDE
+/* Pushes a child among those of its node, which lie from `base` on, the nearest last; of equal ones
+ * the first pushed is taken for nearer. */
+void stack_insert(uint base, node n, float entry)
+{
+    if (stack_count >= STACK) {
+        trouble |= ABI_FLAG_STACK;
+    } else {
+        uint at = stack_count;
+        while (both(at > base, stack_entry[pick(at > 0u, at - 1u, 0u)] <= entry)) {
+            stack_node[at] = stack_node[at - 1u];
+            stack_entry[at] = stack_entry[at - 1u];
+            at--;
+        }
+        if (both(at > base, stack_entry[pick(at > 0u, at - 1u, 0u)] <= entry))
+            trouble |= ABI_FLAG_LOOP;
+#if MUTANT == MUTANT_WIDE_UNSORTED
+        at = stack_count;
+#endif
+        stack_node[at] = n;
+        stack_entry[at] = entry;
+        stack_count++;
+    }
+}
+
+/* The children of an inner node: pushed, and the nearest popped. */
+node step_inner(slab_ray slab, node n, float tbest)
+{
+    wide w = wide_load(n);
+    uint base = stack_count, slot = 0u;
+    while (slot < WIDE) {
+        vec3 nearer, farther;
+        float entry;
+        node child = wide_child(slab, w, slot, nearer, farther);
+        bool hit = slab_test(slab, nearer, farther, tbest, entry);
+        if (both(hit, child.a != NODE_LEAF))
+            stack_insert(base, child, entry);
+        slot++;
+    }
+    if (slot < WIDE)
+        trouble |= ABI_FLAG_LOOP;
+#if MUTANT == MUTANT_WIDE_ONE_LOST
+    stack_count -= stack_count - base == 5u ? 1u : 0u;
+#endif
+    return stack_pop(tbest);
+}
+#else
 /* The children of an inner node: the next node, the other one pushed. */
 node step_inner(slab_ray slab, node n, float tbest)
 {
@@ -115,6 +162,7 @@ node step_inner(slab_ray slab, node n, float tbest)
         next = stack_pop(tbest);
     return next;
 }
+#endif
 
 /* The ray keeps its length. Past the capacity hits are counted only. */
 void list(vec3 tuv, uint prim)

@@ -30,7 +30,8 @@ static inline struct held hold_words(const char *layout, struct scene scene, uin
                                      enum trees_shape shape)
 {
     struct held h = {.scene = scene, .bvh = trees_make(&scene, leaf, shape)};
-    h.status = layout_find(layout)->pack(&h.bvh, &h.scene, &h.packed, &h.reason);
+    h.status =
+        layout_find(layout)->pack(layout_find(layout), &h.bvh, &h.scene, &h.packed, &h.reason);
     h.packed.layout = layout_find(layout);
     h.packed.tri_count = h.scene.tri_count;
     return h;

@@ -50,7 +50,8 @@ static void rtrs_rf_leaves_an_eighth_item_from_32768_alone(void **state)
     for (uint32_t i = 0; i + 1 < h.bvh.node_count; i++)
         if (h.bvh.node[i].item_count > 0)
             h.bvh.node[i].item_count = 6;
-    h.status = layout_find("rtrs_rf")->pack(&h.bvh, &h.scene, &h.packed, &h.reason);
+    h.status = layout_find("rtrs_rf")->pack(layout_find("rtrs_rf"), &h.bvh, &h.scene, &h.packed,
+                                            &h.reason);
     assert_int_equal(h.status, STATUS_OK);
     uint32_t last = h.packed.node_count - 1;
     assert_int_equal(h.packed.word[4 * last + 3], 32774u | 32775u << 16);

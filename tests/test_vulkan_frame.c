@@ -136,7 +136,7 @@ static void empty_jobs_are_black(void **state)
         struct picture p = picture_of(mirrors("sphere", 0, 0.5f), look, false, 18, 5);
         struct frame got = frame_make(&p);
         if (i == 0)
-            p.packed.node_count = 0;
+            p.packed.node_count = p.packed.ref_count = 0;
         draw(&stand, &p, &got);
         for (size_t k = 0; k < 18 * 5; k++) {
             assert_int_equal(got.pixel[k], 0xFF000000u);

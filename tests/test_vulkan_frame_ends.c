@@ -74,7 +74,7 @@ static void make_chain(struct picture *p, uint32_t depth)
                                     .count = i < depth ? 0 : 1};
     free(p->packed.word);
     p->packed.word = (uint32_t *)node;
-    p->packed.node_count = 2 * depth + 1;
+    p->packed.node_count = p->packed.ref_count = 2 * depth + 1;
     p->packed.word_count = p->packed.node_count * (uint32_t)(sizeof *node / 4);
     p->packed.root = 0;
 }

@@ -288,7 +288,7 @@ enum replay_end replay_run(const struct replay *replay, const struct replay_chan
     if (replay->tree) {
         uint32_t need = replay->tree->packed->stack_need;
         s.stack_most = need < ABI_STACK_MAX ? need : ABI_STACK_MAX;
-        s.visits_most = replay->tree->packed->node_count;
+        s.visits_most = replay->tree->packed->ref_count;
         if (repairs(&s, REPAIR_STACK))
             s.stack_most = STACK_WITHOUT_END;
         if (repairs(&s, REPAIR_VISITS))

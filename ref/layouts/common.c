@@ -44,7 +44,8 @@ enum status layout_alloc(const char *layout, uint64_t record_count, uint32_t rec
                            .item = item,
                            .word_count = (uint32_t)words,
                            .item_count = item_count,
-                           .node_count = (uint32_t)record_count};
+                           .node_count = (uint32_t)record_count,
+                           .ref_count = (uint32_t)record_count};
     return STATUS_OK;
 }
 

@@ -14,9 +14,10 @@ static struct node_f32 node_at(const struct packed *packed, uint32_t ref)
     return node;
 }
 
-static enum status pack(const struct bvh *bvh, const struct scene *scene, struct packed *out,
-                        struct reason *reason)
+static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
+                        struct packed *out, struct reason *reason)
 {
+    (void)self;
     enum status status = layout_check_finite("f32", bvh, scene, reason);
     if (!status)
         status = layout_alloc("f32", bvh->node_count, WORDS, bvh->prim_count, out, reason);
@@ -73,6 +74,7 @@ const struct layout layout_f32 = {
     .name = "f32",
     .summary = "32-byte nodes, bounds in float32, index array; the baseline",
     .node_bytes = sizeof(struct node_f32),
+    .width = 2,
     .order = VISIT_NEAR,
     .pack = pack,
     .load = load,

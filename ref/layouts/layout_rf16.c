@@ -115,9 +115,10 @@ static void pack_node(const struct bvh *bvh, uint32_t i, const uint32_t *before,
     memcpy(word, record, sizeof record);
 }
 
-static enum status pack(const struct bvh *bvh, const struct scene *scene, struct packed *out,
-                        struct reason *reason)
+static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
+                        struct packed *out, struct reason *reason)
 {
+    (void)self;
     uint32_t *before = layout_leaves_before(bvh);
     if (!before)
         return fail(reason, STATUS_MEMORY, "rf16: no memory to number %u nodes", bvh->node_count);
@@ -177,6 +178,7 @@ const struct layout layout_rf16 = {
     .name = "rf16",
     .summary = "16-byte records, bounds in float16 rounded outward, up to 8 items in a leaf",
     .node_bytes = sizeof(struct node_rf),
+    .width = 2,
     .order = VISIT_NEAR,
     .pack = pack,
     .load = load,

@@ -15,9 +15,10 @@ static struct node_rtrs_direct node_at(const struct packed *packed, uint32_t ref
     return node;
 }
 
-static enum status pack(const struct bvh *bvh, const struct scene *scene, struct packed *out,
-                        struct reason *reason)
+static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
+                        struct packed *out, struct reason *reason)
 {
+    (void)self;
     (void)scene;
     enum status status = layout_alloc("rtrs_direct", bvh->node_count, WORDS, 0, out, reason);
     for (uint32_t i = 0; i < bvh->node_count && !status; i++) {
@@ -64,6 +65,7 @@ const struct layout layout_rtrs_direct = {
     .name = "rtrs_direct",
     .summary = "the seed's 48-byte nodes, its triangle numbering included",
     .node_bytes = sizeof(struct node_rtrs_direct),
+    .width = 2,
     .order = VISIT_SND,
     .faithful = true,
     .pack = pack,

@@ -80,9 +80,10 @@ static void fix_up(const uint32_t *before, struct packed *out)
     }
 }
 
-static enum status pack(const struct bvh *bvh, const struct scene *scene, struct packed *out,
-                        struct reason *reason)
+static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
+                        struct packed *out, struct reason *reason)
 {
+    (void)self;
     (void)scene;
     if (end(bvh, reason) != LAYOUT_GOES_ON)
         return STATUS_LIMIT;
@@ -134,6 +135,7 @@ const struct layout layout_rtrs_rf = {
     .name = "rtrs_rf",
     .summary = "the seed's 16-byte records, six slots read, its triangle numbering included",
     .node_bytes = sizeof(struct node_rf),
+    .width = 2,
     .order = VISIT_FST,
     .faithful = true,
     .pack = pack,

@@ -44,9 +44,10 @@ static void pack_node(const struct bvh *bvh, uint32_t i, const uint32_t *before,
     }
 }
 
-static enum status pack(const struct bvh *bvh, const struct scene *scene, struct packed *out,
-                        struct reason *reason)
+static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
+                        struct packed *out, struct reason *reason)
 {
+    (void)self;
     (void)scene;
     for (uint32_t i = 0; i < bvh->node_count; i++)
         if (bvh->node[i].item_count > SLOTS)
@@ -100,6 +101,7 @@ const struct layout layout_rtrs_rf_paper = {
     .name = "rtrs_rf_paper",
     .summary = "the paper's 16-byte record: 15-bit children, eight slots, 0 means empty",
     .node_bytes = sizeof(struct node_rf),
+    .width = 2,
     .order = VISIT_SND,
     .faithful = true,
     .pack = pack,

@@ -10,10 +10,11 @@
 
 /* --- layouts ---------------------------------------------------------------------------------- */
 
-static enum status pack_nearest(const struct bvh *bvh, const struct scene *scene,
-                                struct packed *out, struct reason *reason)
+static enum status pack_nearest(const struct layout *self, const struct bvh *bvh,
+                                const struct scene *scene, struct packed *out,
+                                struct reason *reason)
 {
-    enum status status = layout_find("rf16")->pack(bvh, scene, out, reason);
+    enum status status = layout_find("rf16")->pack(self, bvh, scene, out, reason);
     if (status)
         return status;
     uint32_t *before = layout_leaves_before(bvh);
@@ -53,6 +54,7 @@ const struct layout layout_rf16_nearest = {
     .name = "rf16_nearest",
     .summary = "rf16 with bounds rounded to the nearest half",
     .node_bytes = 16,
+    .width = 2,
     .order = VISIT_NEAR,
     .pack = pack_nearest,
     .load = load_rf16,
@@ -60,10 +62,10 @@ const struct layout layout_rf16_nearest = {
     .item = item_rf16,
 };
 
-static enum status pack_seed(const struct bvh *bvh, const struct scene *scene, struct packed *out,
-                             struct reason *reason)
+static enum status pack_seed(const struct layout *self, const struct bvh *bvh,
+                             const struct scene *scene, struct packed *out, struct reason *reason)
 {
-    return layout_find("rtrs_rf")->pack(bvh, scene, out, reason);
+    return layout_find("rtrs_rf")->pack(self, bvh, scene, out, reason);
 }
 
 static void load_seed(const struct packed *packed, uint32_t ref, struct wide *out)
@@ -88,6 +90,7 @@ const struct layout layout_rtrs_rf_unshifted = {
     .name = "rtrs_rf_unshifted",
     .summary = "rtrs_rf with item k naming triangle k",
     .node_bytes = 16,
+    .width = 2,
     .order = VISIT_FST,
     .faithful = true,
     .pack = pack_seed,
