@@ -100,14 +100,14 @@ static bool is_unsafe(const struct packed_faults *faults)
 /* packed_check, whose faults are errors where they make the tree unsafe. A tree that names every
  * triangle, and some in several leaves, is taken for a split one; not so the faithful layouts',
  * which name other triangles than they mean. */
-static enum status check_tree(const char *name, struct packed *packed,
-                              const struct scene *scene, struct packed_faults *faults,
-                              struct reason *reason)
+static enum status check_tree(const char *name, struct packed *packed, const struct scene *scene,
+                              struct packed_faults *faults, struct reason *reason)
 {
     struct packed_faults found;
     struct reason why = {""};
     enum status status = packed_check(packed, scene, &found, &why);
-    if (found.double_prims && !found.lost_prims && !is_unsafe(&found) && !packed->layout->faithful) {
+    if (found.double_prims && !found.lost_prims && !is_unsafe(&found) &&
+        !packed->layout->faithful) {
         packed->split = true;
         why.text[0] = '\0';
         status = packed_check(packed, scene, &found, &why);
