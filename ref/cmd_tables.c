@@ -167,7 +167,7 @@ enum status table_parse(enum table table, const char *flag, const char *text, st
         *out = table_all(table);
         return STATUS_OK;
     }
-    if (strcmp(text, "every") == 0)
+    if (table != TABLE_QUERIES && strcmp(text, "every") == 0)
         text = "*";
     for (const char *at = text;; at++) {
         size_t length = name_length(table, at);
