@@ -62,8 +62,8 @@ static int run(struct bench *bench)
             code = exit_worse(code, exit_of_status(status));
             continue;
         }
-        for (size_t b = 0; builders[b]; b++)
-            code = exit_worse(code, bench_one(bench, spec[i], &scene, builders[b]));
+        for (size_t b = 0; builders_all[b]; b++)
+            code = exit_worse(code, bench_one(bench, spec[i], &scene, builders_all[b]));
         scene_free(&scene);
     }
     return code;

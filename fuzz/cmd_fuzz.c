@@ -211,7 +211,7 @@ static enum status make_rules(struct fuzz_command *c, struct reason *reason)
         layout[i] = layouts_all[c->layout.index[i]];
     rules->builder_count = c->builder.count;
     for (size_t i = 0; i < c->builder.count; i++)
-        rules->builder[i] = builders[c->builder.index[i]];
+        rules->builder[i] = builders_all[c->builder.index[i]];
     rules->seed = c->seed;
     rules->gen = (struct gen_options){.triangles_least = c->triangles_least,
                                       .triangles_most = c->triangles_most,

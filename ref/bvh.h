@@ -36,13 +36,20 @@ struct bvh_stats {
     uint32_t loose_count; /* inner nodes whose box does not contain their triangles */
 };
 
+/* 0 in the members after eps is their default. */
 struct build_options {
-    uint32_t leaf; /* items per leaf: at most (median), aimed at (rtrs); >= 1 */
-    float eps;     /* rtrs: a node whose longest side is below eps / 2 is not split */
+    uint32_t leaf;    /* items per leaf: at most, aimed at (rtrs); >= 1 */
+    float eps;        /* rtrs: a node whose longest side is below eps / 2 is not split */
+    uint32_t bins;    /* sah_binned: bins per axis, up to 64; BUILD_BINS_DEFAULT */
+    uint32_t radius;  /* ploc: neighbours looked at on either side; BUILD_RADIUS_DEFAULT */
+    uint32_t passes;  /* of reinsertion, by build_tree; none */
+    uint32_t threads; /* the tree does not depend on it; all */
 };
 
-#define BUILD_LEAF_DEFAULT 4u
-#define BUILD_EPS_DEFAULT  0.02f
+#define BUILD_LEAF_DEFAULT   4u
+#define BUILD_EPS_DEFAULT    0.02f
+#define BUILD_BINS_DEFAULT   16u
+#define BUILD_RADIUS_DEFAULT 16u
 
 /* A builder. `build` reads a checked scene and makes *out; 0 triangles give an empty tree.
  * Errors: STATUS_INPUT leaf is 0; STATUS_LIMIT it would never end (reason); STATUS_MEMORY. */
@@ -54,10 +61,13 @@ struct builder {
                          struct bvh *out, struct reason *reason);
 };
 
-/* NULL-terminated; order is the order of listings, the first is the default. */
+/* NULL-terminated: the builders that every product of tests runs over; the first is the default. */
 extern const struct builder *const builders[];
 
-/* Returns the builder of that name, or NULL. */
+/* NULL-terminated: these, in the same order, then all others; the order of listings. */
+extern const struct builder *const builders_all[];
+
+/* Returns the builder of that name, of all, or NULL. */
 const struct builder *builder_find(const char *name);
 
 /* Frees what the tree owns and zeroes it. */

@@ -273,8 +273,8 @@ static enum status play_scene(struct check *check, const struct scene *scene,
                               struct reason *reason)
 {
     const struct check_options *o = &check->options;
-    struct match_options options = {.builder =
-                                        o->bvh ? &tree_file_builder : builders[o->builder.index[0]],
+    struct match_options options = {.builder = o->bvh ? &tree_file_builder
+                                                      : builders_all[o->builder.index[0]],
                                     .build = o->build,
                                     .tree = o->bvh ? &check->tree : NULL,
                                     .box = box_tests[o->box.index[0]],
@@ -293,9 +293,9 @@ static enum status play_scene(struct check *check, const struct scene *scene,
     for (size_t t = 0; t < o->tri.count && status == STATUS_OK; t++)
         for (size_t b = 0; b < o->builder.count && status == STATUS_OK; b++) {
             if (t + b > 0)
-                status = match_rebuild(&match,
-                                       o->bvh ? &tree_file_builder : builders[o->builder.index[b]],
-                                       &o->build, tri_tests[o->tri.index[t]], &why);
+                status = match_rebuild(
+                    &match, o->bvh ? &tree_file_builder : builders_all[o->builder.index[b]],
+                    &o->build, tri_tests[o->tri.index[t]], &why);
             if (status)
                 fail(reason, status, "%s: %s", result->spec, why.text);
             else

@@ -129,7 +129,7 @@ static enum status take_name(struct explain_options *o, int option, const char *
         o->has_layout = true;
         return STATUS_OK;
     case OPT_BUILDER:
-        o->of.builder = builders[index];
+        o->of.builder = builders_all[index];
         o->build_flag = "--builder";
         break;
     case OPT_BOX:

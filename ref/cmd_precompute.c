@@ -125,7 +125,7 @@ static enum status precompute(const struct precompute *p, const struct scene *sc
 {
     struct bvh bvh;
     struct reason why = {""};
-    enum status status = builders[p->builder]->build(scene, &p->build, &bvh, &why);
+    enum status status = builders_all[p->builder]->build(scene, &p->build, &bvh, &why);
     if (status)
         return fail(reason, status, "%s: %s", file_label(p->scene), why.text);
     status = write_out(p, scene, &bvh, reason);

@@ -38,7 +38,7 @@ static const char *member(enum table table, size_t i, const char **text)
 {
     switch (table) {
     case TABLE_BUILDERS:
-        MEMBER(builders);
+        MEMBER(builders_all);
     case TABLE_LAYOUTS:
         MEMBER(layouts_all);
     case TABLE_BOX_TESTS:

@@ -141,7 +141,7 @@ static enum status take_member(int option, const char *text, struct render_setti
         return take_layouts(text, out, reason);
     case OPT_RENDER_BUILDER:
         status = table_parse_one(TABLE_BUILDERS, "--builder", text, &i, reason);
-        out->builder = status ? NULL : builders[i];
+        out->builder = status ? NULL : builders_all[i];
         return status;
     case OPT_RENDER_BOX:
         status = table_parse_one(TABLE_BOX_TESTS, "--box", text, &i, reason);

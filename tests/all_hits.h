@@ -37,7 +37,7 @@ static inline struct stand stand_make(const char *spec, const char *rays, size_t
 {
     struct stand stand = {.ray_count = ray_count};
     struct reason reason = {""};
-    struct build_options build = {leaf, BUILD_EPS_DEFAULT};
+    struct build_options build = {.leaf = leaf, .eps = BUILD_EPS_DEFAULT};
     stand_must(scene_open(spec, 1, &stand.scene, &reason), &reason);
     stand_must(builder_find("median")->build(&stand.scene, &build, &stand.bvh, &reason), &reason);
     stand_must(packed_make(layout_find(layout), &stand.bvh, &stand.scene, &stand.packed, &reason),

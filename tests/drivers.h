@@ -25,7 +25,7 @@ static inline struct view view_make(const char *spec, const char *rays, size_t r
 {
     struct view view = {.ray_count = ray_count};
     struct reason reason = {""};
-    const struct build_options build = {4, BUILD_EPS_DEFAULT};
+    const struct build_options build = {.leaf = 4, .eps = BUILD_EPS_DEFAULT};
     gpu_must(scene_open(spec, 5, &view.scene, &reason), &reason);
     gpu_must(builder_find("median")->build(&view.scene, &build, &view.bvh, &reason), &reason);
     view.ray = calloc(ray_count, sizeof *view.ray);

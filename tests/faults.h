@@ -36,7 +36,7 @@ static inline struct subject subject_make(const struct scene *scene, const char 
                                           uint32_t leaf, float eps, const char *layout)
 {
     struct subject s = {.scene = scene};
-    struct build_options options = {leaf, eps};
+    struct build_options options = {.leaf = leaf, .eps = eps};
     if (builder_find(builder)->build(scene, &options, &s.bvh, &s.reason))
         fail_msg("%s: %s", builder, s.reason.text);
     s.stats = bvh_stats(&s.bvh, scene);

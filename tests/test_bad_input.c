@@ -83,7 +83,7 @@ static enum fate ask(const struct asked *asked, void *self, const struct bad_cla
     struct packed packed = {0};
     struct reason reason = {""};
     struct trace_report report;
-    const struct build_options build = {4, 0.02f};
+    const struct build_options build = {.leaf = 4, .eps = 0.02f};
     enum status status = STATUS_OK;
     if (asked->engine->needs_packed) {
         status = builder_find("median")->build(&scene, &build, &bvh, &reason);

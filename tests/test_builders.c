@@ -16,7 +16,7 @@ static struct bvh build(const char *builder, const struct scene *scene, uint32_t
 {
     struct bvh bvh;
     struct reason reason = {""};
-    struct build_options options = {leaf, eps};
+    struct build_options options = {.leaf = leaf, .eps = eps};
     enum status status = builder_find(builder)->build(scene, &options, &bvh, &reason);
     if (status)
         fail_msg("%s: status %d, %s", builder, status, reason.text);
@@ -81,13 +81,13 @@ static struct scene floor_of(uint32_t quads, float y)
 static void builders_keep_every_triangle_once(void **state)
 {
     (void)state;
-    for (size_t b = 0; builders[b]; b++)
+    for (size_t b = 0; builders_all[b]; b++)
         for (uint32_t n = 1; n <= 2000; n = n < 20 ? n + 1 : n * 3) {
             struct scene scene = soup(n, n);
-            struct bvh bvh = build(builders[b]->name, &scene, 4, 0.02f);
+            struct bvh bvh = build(builders_all[b]->name, &scene, 4, 0.02f);
             struct reason reason = {""};
             if (bvh_check_form(&bvh, &scene, &reason))
-                fail_msg("%s, %u triangles: %s", builders[b]->name, n, reason.text);
+                fail_msg("%s, %u triangles: %s", builders_all[b]->name, n, reason.text);
             bvh_free(&bvh);
             scene_free(&scene);
         }
@@ -98,8 +98,8 @@ static void builders_make_an_empty_tree_of_no_triangles(void **state)
     (void)state;
     struct scene scene;
     assert_int_equal(scene_make(0, 0, &scene), STATUS_OK);
-    for (size_t b = 0; builders[b]; b++) {
-        struct bvh bvh = build(builders[b]->name, &scene, 4, 0.02f);
+    for (size_t b = 0; builders_all[b]; b++) {
+        struct bvh bvh = build(builders_all[b]->name, &scene, 4, 0.02f);
         assert_int_equal(bvh.node_count, 0);
         assert_int_equal(bvh.prim_count, 0);
         bvh_free(&bvh);
@@ -111,11 +111,11 @@ static void builders_refuse_a_leaf_of_zero(void **state)
 {
     (void)state;
     struct scene scene = trees_grid(3);
-    struct build_options options = {0, 0.02f};
-    for (size_t b = 0; builders[b]; b++) {
+    struct build_options options = {.leaf = 0, .eps = 0.02f};
+    for (size_t b = 0; builders_all[b]; b++) {
         struct bvh bvh = {.node_count = 7};
         struct reason reason = {""};
-        assert_int_equal(builders[b]->build(&scene, &options, &bvh, &reason), STATUS_INPUT);
+        assert_int_equal(builders_all[b]->build(&scene, &options, &bvh, &reason), STATUS_INPUT);
         assert_int_equal(bvh.node_count, 0);
         assert_non_null(strstr(reason.text, "leaf size is 0"));
     }
@@ -125,10 +125,10 @@ static void builders_refuse_a_leaf_of_zero(void **state)
 static void builders_are_found_by_name(void **state)
 {
     (void)state;
-    for (size_t b = 0; builders[b]; b++)
-        assert_ptr_equal(builder_find(builders[b]->name), builders[b]);
+    for (size_t b = 0; builders_all[b]; b++)
+        assert_ptr_equal(builder_find(builders_all[b]->name), builders_all[b]);
     assert_null(builder_find("medial"));
-    assert_string_equal(builders[0]->name, "median");
+    assert_string_equal(builders_all[0]->name, "median");
 }
 
 static void check_median(const struct scene *scene, const char *what)
@@ -257,7 +257,7 @@ static bool rtrs_ends_on(const float v[3][3], float eps)
     struct scene scene = trees_copies(5, v);
     struct bvh bvh;
     struct reason reason = {""};
-    struct build_options options = {4, eps};
+    struct build_options options = {.leaf = 4, .eps = eps};
     enum status status = builder_find("rtrs")->build(&scene, &options, &bvh, &reason);
     if (status) {
         assert_int_equal(status, STATUS_LIMIT);

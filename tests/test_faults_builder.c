@@ -209,7 +209,7 @@ static bool rtrs_ends(float at, float size, float eps)
 {
     const float v[3][3] = {{at, at, 0}, {at + size, at, 0}, {at, at + size, 0}};
     struct scene scene = trees_copies(5, v);
-    struct build_options options = {SEED_LEAF, eps};
+    struct build_options options = {.leaf = SEED_LEAF, .eps = eps};
     struct bvh bvh;
     struct reason reason = {""};
     enum status status = builder_find("rtrs")->build(&scene, &options, &bvh, &reason);

@@ -43,7 +43,7 @@ static struct finding_file random_file(struct rng *rng, uint32_t triangles, uint
     trial->origin = (struct fuzz_origin){UINT64_MAX - rng_u32(rng), rng_u32(rng), rng_u32(rng),
                                          rng_u32(rng) % 2, "soup # of 7"};
     trial->builder = builders[rng_u32(rng) % 2];
-    trial->build = (struct build_options){1 + rng_u32(rng) % 9, 0.1f};
+    trial->build = (struct build_options){.leaf = 1 + rng_u32(rng) % 9, .eps = 0.1f};
     trial->box = box_tests[rng_u32(rng) % 2];
     trial->tri = tri_tests[rng_u32(rng) % 2];
     trial->query = rng_u32(rng) % 2 ? QUERY_ANY : QUERY_CLOSEST;

@@ -39,7 +39,7 @@ static uint64_t hash_without(const struct fuzz_trial *trial, enum edit_part part
         copy.box = box_tests[0];
         copy.tri = tri_tests[0];
         copy.query = QUERY_CLOSEST;
-        copy.build = (struct build_options){1, 0};
+        copy.build = (struct build_options){.leaf = 1, .eps = 0};
     }
     return fuzz_trial_hash(&copy);
 }

@@ -99,7 +99,7 @@ static void another_tree_keeps_the_truth(void **state)
 {
     (void)state;
     struct fixture *f = play("soup:n=500", "median", 4);
-    struct build_options build = {2, BUILD_EPS_DEFAULT};
+    struct build_options build = {.leaf = 2, .eps = BUILD_EPS_DEFAULT};
     struct oracle_answer *truth = f->match.truth;
     uint32_t nodes = f->match.stats.node_count;
     run(f, "cpu");

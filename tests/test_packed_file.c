@@ -22,7 +22,7 @@ static struct reason reason;
 /* A tree of the scene in the file's form; the caller frees it. */
 static char *file_of(const struct layout *layout, size_t *size)
 {
-    const struct build_options build = {2, 0.02f};
+    const struct build_options build = {.leaf = 2, .eps = 0.02f};
     struct bvh bvh;
     struct packed packed;
     char *bytes = NULL;

@@ -74,7 +74,7 @@ static struct bvh build_rtrs(const struct scene *scene, uint32_t leaf)
 {
     struct bvh bvh;
     struct reason reason = {""};
-    struct build_options options = {leaf, 0.02f};
+    struct build_options options = {.leaf = leaf, .eps = 0.02f};
     if (builder_find("rtrs")->build(scene, &options, &bvh, &reason))
         fail_msg("%s", reason.text);
     assert_int_equal(bvh_check_form(&bvh, scene, NULL), STATUS_OK);

@@ -27,7 +27,7 @@ static struct scene open_scene(const char *spec)
 
 static struct bvh build(const struct scene *scene, const char *builder, uint32_t leaf)
 {
-    const struct build_options options = {leaf, BUILD_EPS_DEFAULT};
+    const struct build_options options = {.leaf = leaf, .eps = BUILD_EPS_DEFAULT};
     struct bvh bvh;
     if (builder_find(builder)->build(scene, &options, &bvh, &reason))
         fail_msg("%s", reason.text);

@@ -41,7 +41,7 @@ static void long_corridors_are_closed(void **state)
     struct bvh bvh;
     struct packed packed;
     struct reason reason = {""};
-    struct build_options build = {1, BUILD_EPS_DEFAULT};
+    struct build_options build = {.leaf = 1, .eps = BUILD_EPS_DEFAULT};
     assert_true(ray && hit);
     for (size_t i = 0; i < RAYS; i++)
         ray[i] = corridor_ray(&rng, 2, 0x1p-17);

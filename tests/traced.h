@@ -32,7 +32,7 @@ static inline struct scene generated(const char *spec)
 static inline struct bvh median(const struct scene *scene, uint32_t leaf)
 {
     struct bvh bvh;
-    struct build_options options = {leaf, BUILD_EPS_DEFAULT};
+    struct build_options options = {.leaf = leaf, .eps = BUILD_EPS_DEFAULT};
     assert_int_equal(builder_find("median")->build(scene, &options, &bvh, NULL), STATUS_OK);
     return bvh;
 }

@@ -2,28 +2,16 @@
  * bounds; only that axis decides (the seed's F4), boxes are never cut (F5), and where the middle
  * separates nothing the triangles are halved instead (F19), so that no leaf exceeds the limit.
  * eps has no meaning here and is ignored. */
+#include "ref/builders/grow.h"
 #include "ref/builders/top_down.h"
 
 #include "ref/mutant.h"
-
-/* Depth is at most this, whatever the input: a node of n triangles at depth d keeps
- * d + ceil(log2(n)) <= DEPTH_MOST, at first because n <= 2^31, later because a split that would
- * break it is replaced by halving, which lowers ceil(log2(n)) by one. */
-#define DEPTH_MOST 60
 
 /* In double, where the sum of three floats cannot overflow. */
 static void centroid(float v[3][3], float out[3])
 {
     for (int k = 0; k < 3; k++)
         out[k] = (float)(((double)v[0][k] + (double)v[1][k] + (double)v[2][k]) / 3);
-}
-
-static uint32_t log2_ceil(uint32_t n)
-{
-    uint32_t bits = 0;
-    while (bits < 32 && (uint64_t)1 << bits < n)
-        bits++;
-    return bits;
 }
 
 /* The longest axis; the first of equals. */
@@ -41,11 +29,10 @@ static size_t longest_axis(const struct box *box)
     return axis;
 }
 
-/* A key that orders as the floats do; -0 and 0 are equal. */
-static uint32_t order_key(float x)
+/* -0 and 0 are equal. */
+static uint32_t key_of(float x)
 {
-    uint32_t bits = float_bits(x + 0.0f);
-    return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+    return order_key(x + 0.0f);
 }
 
 /* Returns the key of rank `rank` (0 is the smallest); reorders `key`. One pass per bit, from the
@@ -80,7 +67,7 @@ static uint32_t partition(struct build *build, const struct build_node *node, si
     uint32_t *prim = build->prim + node->first;
     uint32_t left = 0, right = 0;
     for (uint32_t i = 0; i < node->count; i++) {
-        uint32_t key = order_key(build->centroid[3 * (size_t)prim[i] + axis]);
+        uint32_t key = key_of(build->centroid[3 * (size_t)prim[i] + axis]);
         bool front = key < pivot || (key == pivot && ties > 0);
         if (key == pivot && ties > 0)
             ties--;
@@ -103,11 +90,11 @@ static uint32_t halve(struct build *build, const struct build_node *node, size_t
     const uint32_t *prim = build->prim + node->first;
     uint32_t half = node->count / 2;
     for (uint32_t i = 0; i < node->count; i++)
-        build->spare[i] = order_key(build->centroid[3 * (size_t)prim[i] + axis]);
+        build->spare[i] = key_of(build->centroid[3 * (size_t)prim[i] + axis]);
     uint32_t pivot = select_key(build->spare, node->count, half);
     uint32_t below = 0;
     for (uint32_t i = 0; i < node->count; i++)
-        below += order_key(build->centroid[3 * (size_t)prim[i] + axis]) < pivot;
+        below += key_of(build->centroid[3 * (size_t)prim[i] + axis]) < pivot;
     return partition(build, node, axis, pivot, half - below);
 }
 
@@ -120,14 +107,14 @@ static enum status split(struct build *build, struct build_node *node, uint32_t 
         return STATUS_OK;
     size_t axis = longest_axis(&node->bounds);
     /* Halves first: the sum could overflow. */
-    uint32_t middle = order_key(0.5f * node->bounds.lo[axis] + 0.5f * node->bounds.hi[axis]);
+    uint32_t middle = key_of(0.5f * node->bounds.lo[axis] + 0.5f * node->bounds.hi[axis]);
     uint32_t front = 0;
     for (uint32_t i = 0; i < node->count; i++) {
         uint32_t prim = build->prim[node->first + i];
-        front += order_key(build->centroid[3 * (size_t)prim + axis]) <= middle;
+        front += key_of(build->centroid[3 * (size_t)prim + axis]) <= middle;
     }
     uint32_t larger = front > node->count - front ? front : node->count - front;
-    if (larger == node->count || node->depth + 1 + log2_ceil(larger) > DEPTH_MOST)
+    if (larger == node->count || node->depth + 1 + log2_ceil(larger) > GROW_DEPTH_MOST)
         *left = halve(build, node, axis);
     else
         *left = partition(build, node, axis, middle, UINT32_MAX);

@@ -1,0 +1,44 @@
+/* Binning of references by their centres, and the cheapest split between bins. */
+#ifndef BINS_H
+#define BINS_H
+
+#include "ref/builders/refs.h"
+
+#define BINS_MOST 64u
+
+/* Where a centre's bin is: (centre - base) * scale, in each axis. */
+struct bin_map {
+    lanes base, scale;
+    uint32_t count;
+};
+
+/* Bounds and number of the references of each bin. */
+struct bins {
+    struct lane_box box[BINS_MOST][3];
+    uint32_t count[BINS_MOST][3];
+};
+
+/* A split: references whose bin in `axis` is below `bin` come first. bin 0: none separates. */
+struct bin_split {
+    uint32_t axis, bin;
+    float cost;  /* sum of area times items of both sides, in units of the range's area */
+    float whole; /* area of the range in the same unit */
+};
+
+struct bin_map bin_map_of(const struct lane_box *centres, uint32_t bins);
+
+static inline lanes_int bin_of(const struct bin_map *map, const struct ref *ref)
+{
+    lanes at = (ref_centre(ref) - map->base) * map->scale;
+    return lanes_to_int(lanes_min(at, lanes_all((float)map->count - 1)));
+}
+
+void bins_clear(struct bins *bins, uint32_t count);
+void bins_add(struct bins *bins, const struct bin_map *map, const struct ref *ref, uint32_t count);
+/* Adds the second's to the first. */
+void bins_merge(struct bins *bins, const struct bins *other, uint32_t count);
+
+/* The cheapest split. */
+struct bin_split bins_split(const struct bins *bins, uint32_t count);
+
+#endif

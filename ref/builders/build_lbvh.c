@@ -1,0 +1,91 @@
+/* The hierarchy of Morton codes (Karras 2012, Maximizing parallelism in the construction of BVHs,
+ * octrees, and k-d trees): a range of the sorted codes is cut where their highest differing bit
+ * changes. The same tree as Karras's, but made from the top down, in pre-order at once, each piece
+ * by one thread: then no parents, counters or second order are needed. Equal codes are told apart
+ * by the triangle's number. */
+#include "ref/builders/grow.h"
+#include "ref/builders/morton.h"
+#include "ref/builders/room.h"
+#include "ref/mutant.h"
+
+struct lbvh {
+    const struct ref *ref;
+    const uint64_t *key;
+    uint32_t index_mask;
+    uint32_t leaf;
+};
+
+static uint32_t halve(void *user, const struct grow_range *range, struct grow_range child[2])
+{
+    (void)user;
+    (void)child;
+    return range->count / 2;
+}
+
+/* The keys differ, so both sides have some: the highest differing bit is 0 in the first key, 1 in
+ * the last. */
+static uint32_t split(void *user, const struct grow_range *range, struct grow_range child[2],
+                      uint32_t threads)
+{
+    const struct lbvh *l = user;
+    const uint64_t *key = l->key + range->first;
+    (void)child;
+    (void)threads;
+    if (range->count <= l->leaf)
+        return 0;
+    uint64_t bit = (uint64_t)1 << (63 - __builtin_clzll(key[0] ^ key[range->count - 1]));
+    uint32_t lo = 0, hi = range->count - 1; /* key[lo] lacks the bit, key[hi] has it */
+    while (hi - lo > 1) {
+        uint32_t middle = lo + (hi - lo) / 2;
+        bool above = (key[middle] & bit) != 0;
+        hi = above ? middle : hi;
+        lo = above ? lo : middle;
+    }
+    return hi;
+}
+
+static struct lane_box leaf(void *user, const struct grow_range *range, uint32_t *prim)
+{
+    const struct lbvh *l = user;
+    struct lane_box box = lane_box_empty();
+    for (uint32_t i = 0; i < range->count; i++) {
+        prim[i] = (uint32_t)l->key[range->first + i] & l->index_mask;
+        lane_box_add(&box, &l->ref[prim[i]].box);
+    }
+    return box;
+}
+
+static enum status build(const struct scene *scene, const struct build_options *options,
+                         struct bvh *out, struct reason *reason)
+{
+    static const struct grow_rule rule = {split, halve, leaf};
+    *out = (struct bvh){0};
+    enum status status = build_check(scene, options, reason);
+    if (status || scene->tri_count == 0)
+        return status;
+    uint32_t threads = build_threads(options, scene->tri_count), index_bits = 0;
+    struct lbvh l = {.leaf = options->leaf};
+    struct grow_range root = {.count = scene->tri_count};
+    struct ref *ref = NULL;
+    uint64_t *key = NULL;
+    status = refs_make(scene, threads, &ref, &root.centres);
+    if (!status)
+        status = morton_order(ref, root.count, &root.centres, threads, &key, &index_bits);
+    l.ref = ref;
+    l.key = key;
+    l.index_mask = (uint32_t)(((uint64_t)1 << index_bits) - 1);
+    if (!status)
+        status = grow_tree(&rule, &l, &root, threads, out);
+    room_free(ref);
+    room_free(key);
+    if (status)
+        (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
+    return status;
+}
+
+extern const struct builder build_lbvh;
+const struct builder build_lbvh = {
+    .name = "lbvh",
+    .summary = "the order of Morton codes, cut where their highest bits change; fast to build",
+    .build = build,
+};

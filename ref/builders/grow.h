@@ -1,0 +1,46 @@
+/* The frame of the fast builders: ranges are split until they are leaves, the large ones by all
+ * threads together, the others by one thread each, and the pieces are put together in pre-order.
+ * The pieces depend on the ranges alone, so the tree does not depend on the number of threads. */
+#ifndef GROW_H
+#define GROW_H
+
+#include "ref/builders/lanes.h"
+#include "ref/builders/refs.h"
+#include "ref/bvh.h"
+
+/* No tree is deeper, whatever the input: a range of n at depth d keeps d + ceil(log2(n)) <= this,
+ * at first because n <= 2^31, later because a split that would break it is replaced by halving. */
+#define GROW_DEPTH_MOST 60u
+
+/* Items first .. first + count - 1 of the builder's order. */
+struct grow_range {
+    uint32_t first, count;
+    uint32_t depth;          /* root: 0 */
+    struct lane_box centres; /* the builder's own */
+};
+
+struct grow_rule {
+    /* Orders the items of a range so that the first child's come first; returns how many these are,
+     * at least 1 and less than all, or 0 for a leaf. Sets centres of both children. threads: more
+     * than 1 only for ranges beyond GROW_ALONE, whose result must not depend on it. */
+    uint32_t (*split)(void *user, const struct grow_range *range, struct grow_range child[2],
+                      uint32_t threads);
+    /* The same in two halves, whatever that costs. */
+    uint32_t (*halve)(void *user, const struct grow_range *range, struct grow_range child[2]);
+    /* Writes the numbers of the items to prim, and returns their bounds. */
+    struct lane_box (*leaf)(void *user, const struct grow_range *range, uint32_t *prim);
+};
+
+/* Builds the tree. Leaf sizes are the rule's affair. Errors: STATUS_MEMORY; *out is zero then. */
+enum status grow_tree(const struct grow_rule *rule, void *user, const struct grow_range *root,
+                      uint32_t threads, struct bvh *out) MUST_USE;
+
+/* The checks that all builders begin with. Errors: STATUS_INPUT leaf is 0; STATUS_LIMIT more than
+ * 2^31 triangles. */
+enum status build_check(const struct scene *scene, const struct build_options *options,
+                        struct reason *reason) MUST_USE;
+
+/* ceil(log2(n)); 0 for 0 and 1. */
+uint32_t log2_ceil(uint32_t n);
+
+#endif

@@ -1,0 +1,43 @@
+/* Triangles as builders sort them: box and number in 32 bytes. */
+#ifndef REFS_H
+#define REFS_H
+
+#include "ref/base.h"
+#include "ref/builders/lanes.h"
+#include "ref/bvh.h"
+
+/* The number stands in the fourth lanes, 16 bits in the mantissa of each, so that they are floats
+ * between 1 and 2 that no operation stumbles over. */
+struct ref {
+    struct lane_box box;
+};
+
+static inline uint32_t ref_prim(const struct ref *ref)
+{
+    lanes_int lo = (lanes_int)ref->box.lo, hi = (lanes_int)ref->box.hi;
+    return ((uint32_t)lo[3] & 0xFFFFu) | (uint32_t)hi[3] << 16;
+}
+
+/* Half of the box's centre: sums of two floats overflow, of two quarters they do not. */
+static inline lanes ref_centre(const struct ref *ref)
+{
+    lanes quarter = lanes_all(0.25f);
+    return ref->box.lo * quarter + ref->box.hi * quarter;
+}
+
+/* A key that orders as the floats do; -0 comes before 0. */
+static inline uint32_t order_key(float x)
+{
+    uint32_t bits = float_bits(x);
+    return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
+/* Threads of a build of `count` triangles: 1 if they are few, so that small builds start none. */
+uint32_t build_threads(const struct build_options *options, uint32_t count);
+
+/* The references of all triangles in order, -0 as 0 in the boxes, and the bounds of their centres.
+ * Free with room_free. Errors: STATUS_MEMORY. */
+enum status refs_make(const struct scene *scene, uint32_t threads, struct ref **out,
+                      struct lane_box *centres) MUST_USE;
+
+#endif

@@ -1,0 +1,29 @@
+#define _DEFAULT_SOURCE /* madvise */
+#include "ref/builders/room.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+
+/* From so many bytes on pages of 2 MB are asked for: with 4 KB a fast builder would spend a good
+ * part of its time on first touches. */
+#define PAGE_BYTES ((size_t)2 << 20)
+
+void *room_make(size_t count, size_t size)
+{
+    if (size && count > (SIZE_MAX - PAGE_BYTES) / size)
+        return NULL;
+    size_t align = count * size >= 2 * PAGE_BYTES ? PAGE_BYTES : 64;
+    size_t bytes = (count * size + align) / align * align;
+    void *room = aligned_alloc(align, bytes);
+#ifdef MADV_HUGEPAGE
+    if (room && align == PAGE_BYTES)
+        (void)madvise(room, bytes, MADV_HUGEPAGE); /* a wish: nothing depends on it */
+#endif
+    return room;
+}
+
+void room_free(void *room)
+{
+    free(room);
+}

@@ -1,0 +1,169 @@
+/* Laws of the builders by cost and by order: form, bounds, limits, and the same tree for any number
+ * of threads. */
+#include "ref/bvh.h"
+#include "ref/rng.h"
+#include "ref/tree_quality.h"
+#include "tests/built.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+
+/* Builders whose trees keep all laws. */
+static bool is_lawful(const struct builder *builder)
+{
+    return !builder->faithful;
+}
+
+static void check_one(const struct builder *builder, const struct scene *scene, uint32_t leaf,
+                      const char *what)
+{
+    struct build_options options = {.leaf = leaf};
+    struct reason reason = {""};
+    struct bvh bvh;
+    if (builder->build(scene, &options, &bvh, &reason) || bvh_check(&bvh, scene, &reason))
+        fail_msg("%s, %s, leaf %u: %s", builder->name, what, leaf, reason.text);
+    struct bvh_stats stats = bvh_stats(&bvh, scene);
+    if (stats.largest_leaf > leaf || stats.depth > 60)
+        fail_msg("%s, %s, leaf %u: a leaf of %u, depth %u", builder->name, what, leaf,
+                 stats.largest_leaf, stats.depth);
+    bvh_free(&bvh);
+}
+
+static void trees_are_well_formed_and_contain_their_triangles(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < BUILT_SCENES; i++) {
+        const char *what;
+        struct scene scene = built_scene(i, &what);
+        for (size_t b = 0; builders_all[b]; b++)
+            for (uint32_t leaf = 1; leaf <= 17 && is_lawful(builders_all[b]);
+                 leaf += leaf < 4 ? 1 : 13)
+                check_one(builders_all[b], &scene, leaf, what);
+        scene_free(&scene);
+    }
+}
+
+static void few_triangles_of_any_number(void **state)
+{
+    (void)state;
+    for (uint32_t n = 0; n < 40; n++) {
+        struct scene scene = built_soup(n, n);
+        for (size_t b = 0; builders_all[b]; b++)
+            for (uint32_t leaf = 1; leaf <= 9 && is_lawful(builders_all[b]); leaf += 2)
+                check_one(builders_all[b], &scene, leaf, "few");
+        scene_free(&scene);
+    }
+}
+
+/* A scene large enough that ranges are divided by all threads, with a part where all are equal. */
+static struct scene large_scene(void)
+{
+    struct scene scene = built_soup(150000, 3);
+    for (size_t i = 0; i < (size_t)9 * 20000; i++)
+        scene.vertex[i] = scene.vertex[i % 9];
+    return scene;
+}
+
+static void the_tree_does_not_depend_on_the_number_of_threads(void **state)
+{
+    (void)state;
+    static const uint32_t threads[] = {1, 2, 3, 7};
+    struct scene scene = large_scene();
+    for (size_t b = 0; builders_all[b]; b++) {
+        struct bvh first = {0};
+        for (size_t t = 0; t < ARRAY_COUNT(threads) && !builders_all[b]->faithful; t++) {
+            struct build_options options = {.leaf = 3, .threads = threads[t]};
+            struct reason reason = {""};
+            struct bvh bvh;
+            if (builders_all[b]->build(&scene, &options, &bvh, &reason))
+                fail_msg("%s: %s", builders_all[b]->name, reason.text);
+            if (t > 0 && !built_same(&first, &bvh))
+                fail_msg("%s: %u threads build another tree", builders_all[b]->name, threads[t]);
+            if (t > 0)
+                bvh_free(&bvh);
+            else
+                first = bvh;
+        }
+        bvh_free(&first);
+    }
+    scene_free(&scene);
+}
+
+static double sah_of(const char *builder, const struct scene *scene,
+                     const struct build_options *options)
+{
+    struct bvh bvh;
+    struct reason reason = {""};
+    if (builder_find(builder)->build(scene, options, &bvh, &reason))
+        fail_msg("%s: %s", builder, reason.text);
+    double sah = tree_sah(&bvh);
+    bvh_free(&bvh);
+    return sah;
+}
+
+static void costs_are_in_the_order_of_the_effort(void **state)
+{
+    (void)state;
+    struct scene scene = built_soup(5000, 8);
+    const struct build_options usual = {.leaf = 4};
+    const struct build_options few_bins = {.leaf = 4, .bins = 2};
+    double binned = sah_of("sah_binned", &scene, &usual);
+    assert_true(binned < sah_of("sah_binned", &scene, &few_bins));
+    assert_true(binned < 0.95 * sah_of("median", &scene, &usual));
+    assert_true(binned < 0.95 * sah_of("lbvh", &scene, &usual));
+    scene_free(&scene);
+}
+
+/* The middle triangle of three belongs to the nearer one; each leaf costs its area. */
+static void the_cost_of_a_tree_by_hand(void **state)
+{
+    (void)state;
+    static const float v[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    struct scene scene = trees_copies(1, v);
+    const struct build_options options = {.leaf = 1};
+    assert_true(sah_of("sah_binned", &scene, &options) == 1);
+    scene_free(&scene);
+    scene = trees_grid(3); /* [0, 1/8] x [0, 1/8], again from 1/4 and 1/2 on */
+    double one = 0.125 * 0.125, two = 0.375 * 0.125, all = 0.625 * 0.125;
+    assert_true(sah_of("sah_binned", &scene, &options) == (all + two + 3 * one) / all);
+    scene_free(&scene);
+}
+
+static void codes_cut_where_their_highest_bit_changes(void **state)
+{
+    (void)state;
+    /* Cells 0, 1, 2 and 7 of 8 along x: 0 to 2 share the first bit, 0 and 1 the second. */
+    static const float at[] = {0, 1, 2, 7};
+    struct scene scene = trees_grid(4);
+    for (uint32_t i = 0; i < 36; i++)
+        scene.vertex[i] = i % 3 ? 0 : at[i / 9];
+    const struct build_options options = {.leaf = 1};
+    struct bvh bvh;
+    assert_int_equal(builder_find("lbvh")->build(&scene, &options, &bvh, NULL), STATUS_OK);
+    static const uint32_t snd[] = {6, 5, 4, 0, 0, 0, 0};
+    assert_int_equal(bvh.node_count, 7);
+    for (uint32_t i = 0; i < 7; i++)
+        assert_int_equal(bvh.node[i].snd, snd[i]);
+    for (uint32_t i = 0; i < 4; i++)
+        assert_int_equal(bvh.prim[i], i);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(trees_are_well_formed_and_contain_their_triangles),
+        cmocka_unit_test(few_triangles_of_any_number),
+        cmocka_unit_test(the_tree_does_not_depend_on_the_number_of_threads),
+        cmocka_unit_test(costs_are_in_the_order_of_the_effort),
+        cmocka_unit_test(the_cost_of_a_tree_by_hand),
+        cmocka_unit_test(codes_cut_where_their_highest_bit_changes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
