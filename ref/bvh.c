@@ -1,5 +1,7 @@
 #include "ref/bvh.h"
 
+#include "ref/cover.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,12 +39,37 @@ static struct box *subtree_bounds(const struct bvh *bvh, const struct scene *sce
     return exact;
 }
 
+/* cover_check of a tree that is well formed. */
+static enum status check_cover(const struct bvh *bvh, const struct scene *scene,
+                               struct cover_faults *out)
+{
+    *out = (struct cover_faults){0};
+    struct cover_node *node = alloc_zeroed(bvh->node_count, sizeof *node);
+    if (!node)
+        return STATUS_MEMORY;
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        const struct bvh_node *from = &bvh->node[i];
+        node[i].box = from->bounds;
+        node[i].item_first = from->item_first;
+        node[i].item_count = from->item_count;
+        if (!is_leaf(from))
+            node[from->fst].parent = node[from->snd].parent = i;
+    }
+    const struct cover_tree tree = {node, bvh->prim, bvh->node_count};
+    enum status status = cover_check(&tree, scene, out);
+    free(node);
+    return status;
+}
+
 struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene)
 {
     struct bvh_stats stats = {0};
+    struct cover_faults cover = {0};
     struct box *exact = subtree_bounds(bvh, scene);
     uint32_t *depth = alloc_zeroed(bvh->node_count, sizeof *depth);
-    if (exact && depth) {
+    bool split = bvh_is_split(bvh);
+    if (exact && depth && (!split || check_cover(bvh, scene, &cover) == STATUS_OK)) {
+        stats.loose_count = cover.prims;
         stats.node_count = bvh->node_count;
         for (uint32_t i = 0; i < bvh->node_count; i++) {
             const struct bvh_node *node = &bvh->node[i];
@@ -55,7 +82,7 @@ struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene)
                 continue;
             }
             depth[node->fst] = depth[node->snd] = depth[i] + 1;
-            if (!box_contains_box(&node->bounds, &exact[i]))
+            if (!split && !box_contains_box(&node->bounds, &exact[i]))
                 stats.loose_count++;
         }
     }
@@ -163,11 +190,28 @@ enum status bvh_check_form(const struct bvh *bvh, const struct scene *scene, str
     return status;
 }
 
+static enum status check_split(const struct bvh *bvh, const struct scene *scene,
+                               struct reason *reason)
+{
+    struct cover_faults cover;
+    if (check_cover(bvh, scene, &cover))
+        return fail(reason, STATUS_MEMORY, "no memory to check a tree of %u nodes",
+                    bvh->node_count);
+    if (cover.prims)
+        return fail(reason, STATUS_INPUT,
+                    "tree node %u: a part of triangle %u is in no leaf's box below; %u triangles "
+                    "have such parts",
+                    cover.node, cover.prim, cover.prims);
+    return STATUS_OK;
+}
+
 enum status bvh_check(const struct bvh *bvh, const struct scene *scene, struct reason *reason)
 {
     enum status status = bvh_check_form(bvh, scene, reason);
     if (status)
         return status;
+    if (bvh_is_split(bvh))
+        return check_split(bvh, scene, reason);
     struct box *exact = subtree_bounds(bvh, scene);
     if (!exact)
         return fail(reason, STATUS_MEMORY, "no memory to check a tree of %u nodes",

@@ -33,7 +33,8 @@ static inline bool bvh_is_split(const struct bvh *bvh)
 
 struct bvh_stats {
     uint32_t node_count, leaf_count, depth /* root is 0 */, largest_leaf;
-    uint32_t loose_count; /* inner nodes whose box does not contain their triangles */
+    uint32_t loose_count; /* inner nodes whose box does not contain their triangles; of a split
+                             tree triangles of which a part is in no leaf's box */
 };
 
 /* 0 in the members after eps is their default. */
@@ -84,7 +85,8 @@ struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene);
 enum status bvh_check_form(const struct bvh *bvh, const struct scene *scene,
                            struct reason *reason) MUST_USE;
 
-/* bvh_check_form, and every node's box contains the exact bounds of its triangles. */
+/* bvh_check_form, and every node's box contains the exact bounds of its triangles; of a split tree
+ * the leaves' boxes together cover every triangle (ref/cover.h). */
 enum status bvh_check(const struct bvh *bvh, const struct scene *scene,
                       struct reason *reason) MUST_USE;
 

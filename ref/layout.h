@@ -139,7 +139,8 @@ static inline uint64_t packed_item_bytes(const struct packed *packed)
 
 /* What packed_check found. */
 struct packed_faults {
-    uint32_t loose_boxes;  /* decoded boxes that do not contain the exact bounds below them */
+    uint32_t loose_boxes;  /* decoded boxes that do not contain the exact bounds below them; of a
+                              split tree triangles of which a part is in no leaf's box */
     uint32_t bad_refs;     /* child references out of range */
     uint32_t cycles;       /* nodes reached more than once */
     uint32_t lost_prims;   /* triangles that no leaf names */

@@ -1,3 +1,5 @@
+#include "ref/cover.h"
+#include "ref/packed_unpack.h"
 #include "ref/packed_walk.h"
 
 #include <stdlib.h>
@@ -40,6 +42,48 @@ static void check_walk(struct check *check)
         (void)fail(check->reason, STATUS_INPUT,
                    "%s: a path needs %u stack entries, the packed tree says %u", name,
                    walk->stack_most, check->packed->stack_need);
+}
+
+/* Whether a split tree finds every part of every triangle. The items are copied as they decode, so
+ * that leaves which share theirs must not ask for more than the tree has bytes for. */
+static enum status check_cover(struct check *check)
+{
+    const struct packed *packed = check->packed;
+    uint32_t visits = check->walk.visit_count, most = packed_prims_most(packed), items = 0;
+    struct cover_faults faults = {0};
+    struct cover_node *node = alloc_zeroed(visits, sizeof *node);
+    uint32_t *item = alloc_zeroed(most, sizeof *item);
+    bool fits = true;
+    for (uint32_t i = 0; i < visits && node && item && fits; i++) {
+        const struct packed_visit *visit = &check->walk.visit[i];
+        struct wide wide;
+        packed->layout->load(packed, visit->ref, &wide);
+        node[i] = (struct cover_node){visit->box, visit->parent, items, 0};
+        if (wide.child_count > 0)
+            continue;
+        fits = wide.item_count <= most - items;
+        for (uint32_t s = 0; s < wide.item_count && fits; s++)
+            item[items++] = packed->layout->item(packed, wide.item_first + s);
+        node[i].item_count = items - node[i].item_first;
+    }
+    const struct cover_tree tree = {node, item, visits};
+    enum status status = node && item ? STATUS_OK : STATUS_MEMORY;
+    if (!status && fits)
+        status = cover_check(&tree, check->scene, &faults);
+    free(node);
+    free(item);
+    check->faults.bad_prims += !fits;
+    check->faults.loose_boxes = faults.prims;
+    if (!fits && first_fault(check))
+        (void)fail(check->reason, STATUS_INPUT, "%s: the leaves name more than %u triangles",
+                   packed->layout->name, most);
+    if (faults.prims && first_fault(check))
+        (void)fail(check->reason, STATUS_INPUT,
+                   "%s: record %u: a part of triangle %u is in no leaf's box below; %u triangles "
+                   "have such parts",
+                   packed->layout->name, check->walk.visit[faults.node].ref, faults.prim,
+                   faults.prims);
+    return status;
 }
 
 /* Marks the triangle of one item slot and adds it to the bounds of visit `i`. */
@@ -143,7 +187,14 @@ enum status packed_check(const struct packed *packed, const struct scene *scene,
     if (!status && check.exact && check.seen) {
         check_walk(&check);
         check_items(&check);
-        check_boxes(&check);
+        if (packed->split)
+            status = check_cover(&check);
+        else
+            check_boxes(&check);
+    } else {
+        status = STATUS_MEMORY;
+    }
+    if (!status) {
         status = check.status;
         if (faults)
             *faults = check.faults;

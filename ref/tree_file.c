@@ -32,6 +32,7 @@ const struct builder tree_file_builder = {"file", "a tree that was read from a f
 struct fit {
     const struct scene *scene;
     double slack;
+    bool split;             /* of the triangle some part must be inside, else its centre */
     const char *part;       /* whose boxes are looked at, for the reason */
     uint64_t items, astray; /* seen; of them, outside */
 };
@@ -42,10 +43,14 @@ static bool is_inside(const struct fit *fit, uint32_t prim, const struct box *bo
     scene_tri(fit->scene, prim, v);
     for (int k = 0; k < 3; k++) {
         double centre = ((double)v[0][k] + (double)v[1][k] + (double)v[2][k]) / 3;
-        double lo = (double)box->lo[k], hi = (double)box->hi[k];
+        double least = centre, most = centre, lo = (double)box->lo[k], hi = (double)box->hi[k];
+        for (int c = 0; c < 3 && fit->split; c++) {
+            least = fmin(least, (double)v[c][k]);
+            most = fmax(most, (double)v[c][k]);
+        }
         double slack = fit->slack * fmax(fabs(lo), fabs(hi)) + SLACK_LEAST;
         /* An infinite bound is a coordinate beyond the layout's range, on either side. */
-        if ((isfinite(lo) && centre < lo - slack) || (isfinite(hi) && centre > hi + slack))
+        if ((isfinite(lo) && most < lo - slack) || (isfinite(hi) && least > hi + slack))
             return false;
     }
     return true;
@@ -81,7 +86,8 @@ static enum status read_json(const char *bytes, size_t size, const struct scene 
     enum status status = bvh_json_read(file->name, bytes, size, scene, &file->bvh, reason);
     if (status)
         return status;
-    struct fit fit = {.scene = scene, .slack = SLACK_FLOAT, .part = "their leaf"};
+    bool split = bvh_is_split(&file->bvh);
+    struct fit fit = {.scene = scene, .slack = SLACK_FLOAT, .split = split, .part = "their leaf"};
     file->stats = bvh_stats(&file->bvh, scene);
     uint64_t small = file->stats.loose_count;
     for (uint32_t i = 0; i < file->bvh.node_count; i++) {
@@ -90,7 +96,7 @@ static enum status read_json(const char *bytes, size_t size, const struct scene 
         for (uint32_t k = 0; k < node->item_count; k++) {
             uint32_t prim = file->bvh.prim[node->item_first + k];
             struct box exact = scene_tri_bounds(scene, prim);
-            loose |= !contains(&node->bounds, &exact);
+            loose |= !split && !contains(&node->bounds, &exact);
             fit_item(&fit, prim, &node->bounds);
         }
         small += loose;
@@ -98,9 +104,11 @@ static enum status read_json(const char *bytes, size_t size, const struct scene 
     status = check_fit(file->name, &fit, reason);
     struct reason first;
     if (!status && MUTANT != MUTANT_NO_DOUBT && bvh_check(&file->bvh, scene, &first))
-        (void)fail(&file->doubt, STATUS_OK,
-                   "%s: %llu of %u boxes are too small for their triangles; the first: %s",
-                   file->name, (unsigned long long)small, file->bvh.node_count, first.text);
+        (void)fail(&file->doubt, STATUS_OK, "%s: %llu of %u %s; the first: %s", file->name,
+                   (unsigned long long)small, split ? scene->tri_count : file->bvh.node_count,
+                   split ? "triangles have parts in no leaf's box"
+                         : "boxes are too small for their triangles",
+                   first.text);
     return status;
 }
 
@@ -161,7 +169,8 @@ static enum status read_packed(const char *bytes, size_t size, const struct scen
         packed_file_read(file->name, bytes, size, scene, &file->packed, &faults, &first);
     if (status)
         return fail(reason, status, "%s", first.text);
-    struct fit fit = {.scene = scene, .slack = SLACK_HALF, .part = "their leaf"};
+    struct fit fit = {
+        .scene = scene, .slack = SLACK_HALF, .split = file->packed.split, .part = "their leaf"};
     status = measure_packed(file, &fit, reason);
     if (file->packed.layout->faithful && file->packed.node_count > 0)
         fit_root(&fit, &file->packed);
