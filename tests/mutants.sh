@@ -265,6 +265,7 @@ in_test TICKS_EVEN scenes/colour_picture.c test_colour
 in_test ALPHA_UNREAD scenes/image_diff.c test_image_diff
 in_test FLAT_RANGE bench/chart.c test_chart
 in_test GAPS_CLOSED bench/chart.c test_chart
+in_test COVER_FILTER ref/cover_exact.c test_cover
 in_test HTML_UNESCAPED bench/report_html.c test_report_html
 in_test HTML_LEFT_OPEN bench/report_html.c test_report_html
 in_test BASE64_TAIL bench/report_html.c test_report_html
