@@ -51,7 +51,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           GENERATOR_FILES=$(words $(wildcard scenes/generators/gen_*.c)) \
           TRACE_SHADERS=$(words $(filter-out %/trace_brute.comp,$(wildcard shaders/trace_*.comp)))
 
-.PHONY: all lib tests spv clean run check bench agree deep slow sanitize-check tsan-check \
+.PHONY: all lib tests spv clean run check bench agree conform-all deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
         lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check report-check \
         selftest selftest-quick
@@ -178,6 +178,10 @@ drivers:
 RESULTS ?= bench/results/lavapipe-22.3.6
 agree: all
 	sh tests/agree.sh $(B) full $(RESULTS)/agree
+
+# The conformance suite, every combination of members once. Slow.
+conform-all: all
+	$(B)/raydiff conform --all $(ARGS)
 
 # Rays at edges and vertices of closed meshes from inside, 10^6 a mesh, on each CPU driver.
 leaks: all

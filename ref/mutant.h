@@ -175,6 +175,7 @@
 #define MUTANT_WIDE_UNSORTED       400 /* children of a wide node wait in the order of slots */
 #define MUTANT_WIDE_ONE_LOST       401 /* where five children of a wide node are hit, one is lost */
 #define MUTANT_COVER_FILTER        420 /* exact cover check: no error is allowed for in double */
+#define MUTANT_PAIRS_UNMET         505 /* a covering array ends before all pairs met */
 #define MUTANT_HTML_UNESCAPED      360 /* report: text stands in the page as it is */
 #define MUTANT_HTML_LEFT_OPEN      361 /* report: cells of tables are not closed */
 #define MUTANT_BASE64_TAIL         362 /* report: the last bytes of a picture are lost */

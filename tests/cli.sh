@@ -40,6 +40,11 @@ expect 2 "'nan' is not a finite number" check soup --eps nan
 expect 2 "no trial matches" conform 'closest.warp.*'
 expect 2 "trial: unknown layout 'f31'" conform closest.cpu.f31.median.robust.mt.soup.random.1
 expect 2 "is not query.engine" conform closest.cpu
+expect 0 'pairs of members met, 0 of them only in trials that were refused or skipped' \
+    conform --engine cpu --layout f32 --builder median --box robust --tri mt --count 100
+expect 0 'met, [1-9][0-9]* of them only in trials that were refused or skipped: mt with rayquery' \
+    conform --engine cpu,rayquery --driver no-such-driver --layout f32 --builder median --box robust \
+    --tri mt --count 100
 expect 2 "unknown benchmark 'x'" bench x
 expect 0 . bench builders --scene sphere:n=4 --rounds 1 --csv -
 [ "$(grep -c '^builders,sphere:n=4,' "$dir/out")" -ge 2 ] || bad "bench builders --csv has a row per builder"

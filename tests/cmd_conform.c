@@ -3,27 +3,28 @@
 #include "ref/command.h"
 #include "tests/cmd_conform_hard.h"
 #include "tests/cmd_conform_report.h"
-#include "tests/cmd_trial.h"
+#include "tests/cmd_conform_suite.h"
 
-#include "scenes/scenes.h"
-
-#include <fnmatch.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char help[] =
     "usage: raydiff conform [PATTERN] [OPTIONS]\n"
-    "Runs the conformance suite. Without PATTERN a default suite that pairs every combination of\n"
-    "engine, layout, builder, box test, triangle test and query with a scene and a ray set, and\n"
-    "every scene with every ray set. With PATTERN (shell wildcards) every trial of the whole\n"
-    "product whose name matches; a complete name runs whatever it names, also a mesh file. A\n"
-    "pattern without a match fails.\n\n"
+    "Runs the conformance suite. Without PATTERN a covering array: few trials such that every two\n"
+    "members of different tables (engine, layout, builder, box test, triangle test, query, scene,\n"
+    "ray set) meet in one; pairs that met only where nothing ran are counted. With PATTERN (shell\n"
+    "wildcards) every trial of the whole product whose name matches; a complete name runs "
+    "whatever\n"
+    "it names, also a mesh file. A pattern without a match fails; one of fewer than nine fields\n"
+    "means layouts beyond the first few only if a field names them.\n\n"
     "  name            query.engine.layout.builder.box.tri.scene.rays.seed, '-' where an engine\n"
     "                  has no tree; the name is the reproduction\n"
     "  --list          print the names, run nothing\n"
     "  --count N       rays per trial                                     [1000]\n"
     "  --brute N       ray-triangle tests that brute force may spend      [1e8]\n"
     "  --engine E,..   only these engines; pipe:COMMAND is one, too       [all]\n"
+    "  --layout L,..   only these layouts; so --builder, --box and --tri  [every]\n"
+    "  --all           every combination of members once, scenes and ray sets by turns\n"
     "  --require E,..  engines whose skips are failures\n"
     "  --hard          the hard cases, on every member: names hard.NN-CASE.query.engine.layout.\n"
     "                  builder.box.tri; a PATTERN that begins with 'hard.' means them too\n"
@@ -40,14 +41,6 @@ static const char help[] =
     "            77 everything was skipped\n"
     "example: raydiff conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'\n";
 
-struct suite {
-    struct trial *trial;
-    size_t count, capacity;
-    const char *pattern; /* NULL: take all */
-    struct list engine;  /* none: take all */
-    bool failed;         /* no memory */
-};
-
 static bool named(const struct list *list, const struct engine *engine)
 {
     for (size_t i = 0; i < list->count; i++)
@@ -56,140 +49,11 @@ static bool named(const struct list *list, const struct engine *engine)
     return false;
 }
 
-static void suite_add(struct suite *suite, const struct trial *trial)
-{
-    char name[TRIAL_NAME_MOST];
-    if (suite->engine.count && !named(&suite->engine, trial->engine))
-        return;
-    trial_print(trial, name);
-    if (suite->pattern && fnmatch(suite->pattern, name, 0) != 0)
-        return;
-    void *trials = suite->trial;
-    if (array_reserve(&trials, &suite->capacity, suite->count + 1, sizeof *trial)) {
-        suite->failed = true;
-        return;
-    }
-    suite->trial = trials;
-    suite->trial[suite->count++] = *trial;
-}
-
-static size_t count_of(enum table table)
-{
-    size_t n = 0;
-    while (table_member(table, n, NULL))
-        n++;
-    return n;
-}
-
-static void place(struct trial *trial, size_t scene, size_t rays)
-{
-    strcpy(trial->scene, generators[scene % count_of(TABLE_GENERATORS)]->name);
-    trial->rays = ray_sets[rays % count_of(TABLE_RAY_SETS)];
-    trial->seed = 1;
-}
-
-/* Calls `visit` with every combination of members that are not scene or rays. */
-static void each_combination(struct suite *suite,
-                             void (*visit)(struct suite *, struct trial *, size_t serial))
-{
-    size_t serial = 0;
-    for (size_t b = 0; builders[b]; b++)
-        for (size_t t = 0; tri_tests[t]; t++)
-            for (size_t l = 0; layouts[l]; l++)
-                for (size_t x = 0; box_tests[x]; x++)
-                    for (size_t q = 0; q <= QUERY_ANY; q++)
-                        for (size_t e = 0; engines[e]; e++) {
-                            struct trial trial = {.query = (enum query)q,
-                                                  .engine = engines[e],
-                                                  .layout = layouts[l],
-                                                  .builder = builders[b],
-                                                  .box = box_tests[x],
-                                                  .tri = tri_tests[t]};
-                            if (engines[e]->needs_packed) {
-                                visit(suite, &trial, serial);
-                            } else if (l == 0 && x == 0 && b == 0) {
-                                trial.layout = NULL;
-                                trial.builder = NULL;
-                                trial.box = NULL;
-                                visit(suite, &trial, serial);
-                            }
-                            serial += e == 0; /* engines share scene and rays */
-                        }
-}
-
-static void add_everywhere(struct suite *suite, struct trial *trial, size_t serial)
-{
-    (void)serial;
-    for (size_t s = 0; generators[s]; s++)
-        for (size_t r = 0; ray_sets[r]; r++) {
-            place(trial, s, r);
-            suite_add(suite, trial);
-        }
-}
-
-/* Default suite: each combination once, scenes and rays taken in turn; the repaired parts and the
- * engines without a tree everywhere. */
-static void add_default(struct suite *suite, struct trial *trial, size_t serial)
-{
-    if (strcmp(trial->engine->name, "brute") == 0)
-        return; /* it is what the others are compared with */
-    bool plain = trial->query == QUERY_CLOSEST && !trial->tri->faithful;
-    if (trial->layout)
-        plain =
-            plain && !trial->layout->faithful && !trial->builder->faithful && !trial->box->faithful;
-    if (plain) {
-        add_everywhere(suite, trial, serial);
-    } else {
-        place(trial, serial, serial / count_of(TABLE_GENERATORS));
-        suite_add(suite, trial);
-    }
-}
-
-static int by_stage(const void *a, const void *b)
-{
-    const struct trial *x = a, *y = b;
-    int order = strcmp(x->scene, y->scene);
-    if (order == 0)
-        order = strcmp(x->rays->name, y->rays->name);
-    if (order == 0)
-        order = strcmp(x->tri->name, y->tri->name);
-    if (order == 0)
-        order = strcmp(x->builder ? x->builder->name : "", y->builder ? y->builder->name : "");
-    if (order == 0)
-        order = strcmp(x->layout ? x->layout->name : "", y->layout ? y->layout->name : "");
-    if (order == 0)
-        order = strcmp(x->box ? x->box->name : "", y->box ? y->box->name : "");
-    if (order == 0)
-        order = (x->query > y->query) - (x->query < y->query);
-    return order ? order : strcmp(x->engine->name, y->engine->name);
-}
-
-/* Neighbours share scene, rays, reference and tree, so sorting saves most of the time. */
-static enum status suite_make(struct suite *suite, struct reason *reason)
-{
-    struct trial one;
-    if (suite->pattern && strpbrk(suite->pattern, "*?[") == NULL) {
-        enum status status = trial_parse(suite->pattern, &one, reason);
-        if (status)
-            return status;
-        suite_add(suite, &one);
-    } else {
-        each_combination(suite, suite->pattern ? add_everywhere : add_default);
-    }
-    if (suite->failed)
-        return fail(reason, STATUS_MEMORY, "no memory for the list of trials");
-    if (suite->count == 0)
-        return fail(reason, STATUS_INPUT, "no trial matches '%s'%s",
-                    suite->pattern ? suite->pattern : "*",
-                    suite->engine.count ? " and --engine" : "");
-    qsort(suite->trial, suite->count, sizeof *suite->trial, by_stage);
-    return STATUS_OK;
-}
-
 struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html;
-    bool list, verbose, tap, hard, summary, quick;
-    struct list engine, require;
+    bool list_only, verbose, tap, hard, summary, quick;
+    struct list list[TABLE_COUNT], require;
+    bool all;
     uint64_t count, brute;
     struct engine_options engines;
 };
@@ -199,6 +63,11 @@ enum {
     OPT_COUNT,
     OPT_BRUTE,
     OPT_ENGINE,
+    OPT_LAYOUT,
+    OPT_BUILDER,
+    OPT_BOX,
+    OPT_TRI,
+    OPT_ALL,
     OPT_REQUIRE,
     OPT_WAIVERS,
     OPT_VERBOSE,
@@ -211,35 +80,42 @@ enum {
     OPT_HTML
 };
 
-static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
-                                             {"count", 1, NULL, OPT_COUNT},
-                                             {"brute", 1, NULL, OPT_BRUTE},
-                                             {"require", 1, NULL, OPT_REQUIRE},
-                                             {"engine", 1, NULL, OPT_ENGINE},
-                                             {"waivers", 1, NULL, OPT_WAIVERS},
-                                             {"verbose", 0, NULL, OPT_VERBOSE},
-                                             {"tap", 0, NULL, OPT_TAP},
-                                             {"junit", 1, NULL, OPT_JUNIT},
-                                             {"hard", 0, NULL, OPT_HARD},
-                                             {"summary", 0, NULL, OPT_SUMMARY},
-                                             {"quick", 0, NULL, OPT_QUICK},
-                                             {"markdown", 1, NULL, OPT_MARKDOWN},
-                                             {"html", 1, NULL, OPT_HTML},
-                                             ENGINE_OPTIONS};
+static const struct option long_options[] = {
+    {"list", 0, NULL, OPT_LIST},       {"count", 1, NULL, OPT_COUNT},
+    {"brute", 1, NULL, OPT_BRUTE},     {"require", 1, NULL, OPT_REQUIRE},
+    {"engine", 1, NULL, OPT_ENGINE},   {"layout", 1, NULL, OPT_LAYOUT},
+    {"builder", 1, NULL, OPT_BUILDER}, {"box", 1, NULL, OPT_BOX},
+    {"tri", 1, NULL, OPT_TRI},         {"all", 0, NULL, OPT_ALL},
+    {"waivers", 1, NULL, OPT_WAIVERS}, {"verbose", 0, NULL, OPT_VERBOSE},
+    {"tap", 0, NULL, OPT_TAP},         {"junit", 1, NULL, OPT_JUNIT},
+    {"hard", 0, NULL, OPT_HARD},       {"summary", 0, NULL, OPT_SUMMARY},
+    {"quick", 0, NULL, OPT_QUICK},     {"markdown", 1, NULL, OPT_MARKDOWN},
+    {"html", 1, NULL, OPT_HTML},       ENGINE_OPTIONS};
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
     struct conform_options *o = user;
     switch (option) {
     case OPT_LIST:
-        o->list = true;
+        o->list_only = true;
         break;
     case OPT_COUNT:
         return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
     case OPT_BRUTE:
         return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
     case OPT_ENGINE:
-        return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
+        return table_parse(TABLE_ENGINES, "--engine", text, &o->list[TABLE_ENGINES], reason);
+    case OPT_LAYOUT:
+        return table_parse(TABLE_LAYOUTS, "--layout", text, &o->list[TABLE_LAYOUTS], reason);
+    case OPT_BUILDER:
+        return table_parse(TABLE_BUILDERS, "--builder", text, &o->list[TABLE_BUILDERS], reason);
+    case OPT_BOX:
+        return table_parse(TABLE_BOX_TESTS, "--box", text, &o->list[TABLE_BOX_TESTS], reason);
+    case OPT_TRI:
+        return table_parse(TABLE_TRI_TESTS, "--tri", text, &o->list[TABLE_TRI_TESTS], reason);
+    case OPT_ALL:
+        o->all = true;
+        break;
     case OPT_REQUIRE:
         return table_parse(TABLE_ENGINES, "--require", text, &o->require, reason);
     case OPT_WAIVERS:
@@ -277,9 +153,9 @@ static enum status take_option(void *user, int option, char *text, struct reason
     return STATUS_OK;
 }
 
-/* Runs all trials of the suite into the report. */
+/* Runs all trials of the suite into the report; ran[i] is whether trial i came to be judged. */
 static void run_suite(const struct conform_options *o, const struct suite *suite,
-                      struct conform_report *report)
+                      struct conform_report *report, bool *ran)
 {
     struct stage stage = {
         .pool = {.options = o->engines}, .ray_count = (size_t)o->count, .brute_budget = o->brute};
@@ -294,6 +170,7 @@ static void run_suite(const struct conform_options *o, const struct suite *suite
             progress_step(&progress, "%zu of %zu: %s", i + 1, suite->count, name);
         uint64_t start = time_ns();
         enum status status = trial_stage_run(&stage, trial, &row, &reason);
+        ran[i] = !status && row.status != ROW_REFUSED && row.status != ROW_SKIPPED;
         if (!o->tap)
             progress_end(&progress);
         conform_report_add(report, name, status, &row, &reason, named(&o->require, trial->engine),
@@ -312,32 +189,60 @@ static int list_suite(const struct suite *suite)
     return EXIT_AGREE;
 }
 
-static int conform(const struct conform_options *o)
+static void print_pairs(const struct suite *suite, const bool *ran, FILE *to)
 {
-    struct suite suite = {.pattern = o->pattern, .engine = o->engine};
+    char example[160];
+    size_t pairs, unmet;
+    if (suite->kind != SUITE_COVERING ||
+        suite_pairs(suite, ran, &pairs, &unmet, example, sizeof example))
+        return;
+    fprintf(
+        to,
+        "%zu pairs of members met, %zu of them only in trials that were refused or skipped%s%s\n",
+        pairs, unmet, unmet ? ": " : "", example);
+}
+
+static int run_and_report(const struct conform_options *o, const struct suite *suite,
+                          struct reason *reason)
+{
     struct conform_report report;
-    struct reason reason = {""};
-    enum status status = suite_make(&suite, &reason);
-    int code = EXIT_AGREE;
-    if (status == STATUS_OK && !o->list) {
-        status =
-            conform_report_open(&report, suite.count, o->pattern == NULL && o->engine.count == 0,
-                                o->waivers, o->junit, &reason);
+    bool whole = suite->kind != SUITE_PATTERN && o->list[TABLE_ENGINES].count == 0;
+    bool *ran = alloc_zeroed(suite->count, sizeof *ran);
+    enum status status =
+        ran ? conform_report_open(&report, suite->count, whole, o->waivers, o->junit, reason)
+            : fail(reason, STATUS_MEMORY, "no memory for %zu trials", suite->count);
+    int code = exit_of_status(status);
+    if (!status) {
         report.verbose = o->verbose;
         report.tap = o->tap;
         report.options = o->engines;
-        if (status == STATUS_OK) {
-            run_suite(o, &suite, &report);
-            code = conform_report_close(&report);
-        }
-    } else if (status == STATUS_OK) {
-        code = list_suite(&suite);
+        run_suite(o, suite, &report, ran);
+        print_pairs(suite, ran, o->tap ? stderr : stdout);
+        code = conform_report_close(&report);
+    } else {
+        fprintf(stderr, "raydiff conform: %s\n", reason->text);
     }
-    free(suite.trial);
+    free(ran);
+    return code;
+}
+
+static int conform(const struct conform_options *o)
+{
+    struct suite suite = {.kind = o->pattern ? SUITE_PATTERN
+                                  : o->all   ? SUITE_PRODUCT
+                                             : SUITE_COVERING,
+                          .pattern = o->pattern};
+    struct reason reason = {""};
+    memcpy(suite.list, o->list, sizeof suite.list);
+    enum status status = suite_make(&suite, &reason);
+    int code;
     if (status) {
         fprintf(stderr, "raydiff conform: %s\n", reason.text);
-        return exit_of_status(status);
+        code = exit_of_status(status);
+    } else {
+        code = o->list_only ? list_suite(&suite) : run_and_report(o, &suite, &reason);
     }
+    suite_free(&suite);
     return code;
 }
 
@@ -363,12 +268,12 @@ int cmd_conform(int argc, char **argv)
                                                            .waivers = o.waivers,
                                                            .markdown = o.markdown,
                                                            .html = o.html,
-                                                           .list = o.list,
+                                                           .list = o.list_only,
                                                            .verbose = o.verbose,
                                                            .tap = o.tap,
                                                            .summary = o.summary,
                                                            .quick = o.quick,
-                                                           .engine = o.engine,
+                                                           .engine = o.list[TABLE_ENGINES],
                                                            .require = o.require,
                                                            .engines = o.engines});
     return conform(&o);

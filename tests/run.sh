@@ -111,7 +111,7 @@ sanitize)
     suite fuzz sh tests/fuzz.sh "$build"
     ;;
 validate)
-    suite conform "$build/raydiff" conform '*.vulkan.*' --count 128
+    suite conform "$build/raydiff" conform --engine vulkan,vulkan_brute --count 128
     suite conform_hard "$build/raydiff" conform 'hard.*.vulkan.*.median.watertight.*'
     ;;
 watch)
