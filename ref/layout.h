@@ -55,6 +55,8 @@ struct layout {
     const char *summary;
     uint32_t node_bytes; /* bytes of one record */
     uint32_t width;      /* children of an inner node at most: 2 (binary), 4 or 8 */
+    uint32_t refs; /* references for each record, no more than it has words; 0: 1, of a wide layout
+                      1 + width */
     enum visit order;
     bool faithful; /* reproduces the seed or its paper, faults included */
     /* Layouts of a family share their functions and one shader. `shader` is the name of the file
@@ -96,6 +98,14 @@ const struct layout *layout_find(const char *name);
 static inline const char *layout_shader(const struct layout *layout)
 {
     return layout->shader ? layout->shader : layout->name;
+}
+
+/* References for each record: packed.ref_count is that times packed.node_count. */
+static inline uint32_t layout_refs(const struct layout *layout)
+{
+    if (layout->refs)
+        return layout->refs;
+    return layout->width > 2 ? 1 + layout->width : 1;
 }
 
 /* Entries that the traversal stack of a layout has at most. */

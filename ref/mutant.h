@@ -184,6 +184,9 @@
 #define MUTANT_PICTURE_BELIEVED    365 /* report: a damaged picture is taken as it is */
 #define MUTANT_REPLAY_FORGOTTEN    366 /* report: a finding has no line that plays it again */
 #define MUTANT_ITEMS_UNCOUNTED     367 /* report: size against speed without the item array */
+#define MUTANT_EXPONENT_SHORT  460 /* cwbvh80: a node's exponents are one too small */
+#define MUTANT_PLANE_INWARD    461 /* cwbvh80: upper planes are one step too low */
+#define MUTANT_CHILD_ORDER     462 /* cwbvh80, shader: children that are nodes in reverse order */
 #define MUTANT_GROW_DEPTH          410 /* builders: the depth is not bounded */
 #define MUTANT_GROW_BOUNDS         411 /* a node's box lacks its second child's */
 

@@ -74,9 +74,9 @@ static enum status check_head(const char *name, const struct head *head, size_t 
     if (head->triangles != scene->tri_count)
         return fail(reason, STATUS_INPUT, "%s: is of %u triangles, the scene has %u", name,
                     head->triangles, scene->tri_count);
-    if (head->stack > ABI_STACK_MAX)
+    if (head->stack > layout_stack_most(*layout))
         return fail(reason, STATUS_INPUT, "%s: needs %u stack entries, at most %u are to be had",
-                    name, head->stack, ABI_STACK_MAX);
+                    name, head->stack, layout_stack_most(*layout));
     return STATUS_OK;
 }
 
@@ -141,7 +141,7 @@ enum status packed_file_read(const char *name, const char *bytes, size_t size,
                            .word_count = head.records * (head.record_bytes / 4),
                            .item_count = head.items,
                            .node_count = head.records,
-                           .ref_count = head.records,
+                           .ref_count = head.records * layout_refs(layout),
                            .root = head.root,
                            .tri_count = head.triangles,
                            .stack_need = head.stack};

@@ -182,6 +182,8 @@ in_test TREE_UNPADDED ref/oracle/closest.c test_oracle_scene
 in_test ENDS_SWAPPED ref/oracle/nearest.c test_oracle_rules
 in_test CULLED_ALL ref/trace.c test_all
 in_test LOST_SLOT ref/layouts/layout_rf16.c test_all
+in_test EXPONENT_SHORT ref/layouts/layout_cwbvh80.c test_layouts_shipped
+in_test PLANE_INWARD ref/layouts/layout_cwbvh80.c test_layouts_shipped
 in_test NEIGHBOUR gpu/tracer_tasks.c test_fuzz_tasks
 in_test ORDER_KEPT gpu/tracer_tasks.c test_fuzz_tasks
 in_test FLAGS_UNREAD gpu/tracer_tasks.c test_fuzz_tasks
@@ -288,6 +290,7 @@ in_shaders ZERO_IS_EMPTY check platonic --layout rf16 --engine vulkan --count 50
 in_program OPEN_EDGES ref/trace.c leaks sphere --layout f32 --engine cpu --box watertight --tri woop --count 4000
 in_shaders CULLED_ALL test_all_engines
 in_shaders LOST_SLOT test_all_engines
+in_shaders CHILD_ORDER check soup --layout cwbvh80 --engine vulkan --count 5000 --repeat 1
 in_shaders SQRT_OF_DRIVER test_vulkan_sqrt
 in_shaders OFFSET_SIGN diff rtrs --engine cpu,vulkan -w 40 -h 30
 in_shaders SHADOW_BEHIND diff cornell --engine cpu,vulkan -w 32 -h 24 --profile rtrs

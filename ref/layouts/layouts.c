@@ -6,12 +6,18 @@
 
 extern const struct layout layout_f32, layout_rf16;
 extern const struct layout layout_rtrs_direct, layout_rtrs_rf, layout_rtrs_rf_paper;
+extern const struct layout layout_cwbvh80;
 
-const struct layout *const layouts[] = {
-    &layout_f32, &layout_rf16, &layout_rtrs_direct, &layout_rtrs_rf, &layout_rtrs_rf_paper, NULL,
-};
-const struct layout *const *const layouts_all = layouts;
-_Static_assert(ARRAY_COUNT(layouts) - 1 == LAYOUT_FILES, "a ref/layouts/layout_*.c has no entry");
+#define CORE &layout_f32, &layout_rf16, &layout_rtrs_direct, &layout_rtrs_rf, &layout_rtrs_rf_paper
+
+/* Members of families beside the first: a family is one file. */
+#define MORE_OF_FAMILIES 0
+
+const struct layout *const layouts[] = {CORE, NULL};
+static const struct layout *const all[] = {CORE, &layout_cwbvh80, NULL};
+const struct layout *const *const layouts_all = all;
+_Static_assert(ARRAY_COUNT(all) - 1 - MORE_OF_FAMILIES == LAYOUT_FILES,
+               "a ref/layouts/layout_*.c has no entry");
 _Static_assert(TRACE_SHADERS == LAYOUT_FILES,
                "a layout has no shaders/trace_*.comp, or one too many");
 

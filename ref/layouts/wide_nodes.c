@@ -1,0 +1,147 @@
+#include "ref/layouts/wide_nodes.h"
+
+#include <math.h>
+#include <string.h>
+
+#define EXPONENT_LEAST (-100)
+#define ORIGIN_BITS    23 /* 2^23 steps: 255 more is an integer that float32 has */
+
+enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh,
+                                const struct scene *scene, uint32_t leaf_most, float node_cost,
+                                float largest, struct wide_tree *out, struct reason *reason)
+{
+    *out = (struct wide_tree){0};
+    enum status status = layout_check_finite(self->name, bvh, scene, reason);
+    for (uint32_t i = 0; i < bvh->node_count && !status; i++)
+        for (int k = 0; k < 3 && !status; k++) {
+            float lo = bvh->node[i].bounds.lo[k], hi = bvh->node[i].bounds.hi[k];
+            if (fabsf(lo) > largest || fabsf(hi) > largest)
+                status =
+                    fail(reason, STATUS_LIMIT,
+                         "%s: a bound is at most %.9g in magnitude, tree node %u has %.9g; "
+                         "scale or move the scene, or use layout f32",
+                         self->name, (double)largest, i, (double)(fabsf(lo) > largest ? lo : hi));
+        }
+    const struct wide_rule rule = {
+        .width = self->width, .leaf_most = leaf_most, .node_cost = node_cost};
+    return status ? status : wide_tree_make(bvh, scene, &rule, out, reason);
+}
+
+void wide_nodes_items(const struct bvh *bvh, struct wide_tree *tree, uint32_t *item)
+{
+    uint32_t next = 0;
+    for (uint32_t n = 0; n < tree->node_count; n++)
+        for (uint32_t c = 0; c < tree->node[n].count; c++) {
+            struct wide_child *child = &tree->child[tree->node[n].first + c];
+            if (child->count == 0)
+                continue;
+            memcpy(item + next, bvh->prim + child->first, child->count * sizeof *item);
+            child->first = next;
+            next += child->count;
+        }
+}
+
+void wide_nodes_children(const struct packed *packed, const struct wide_slot *slot,
+                         uint32_t inner_refs, uint32_t slot_ref, struct wide *out)
+{
+    out->child_count = out->item_first = out->item_count = 0;
+    for (uint32_t s = 0; s < packed->layout->width; s++) {
+        bool inner = slot[s].count == 0;
+        if (!slot[s].there || (inner && slot[s].first >= inner_refs))
+            continue;
+        out->child[out->child_count] = inner ? slot[s].first : slot_ref + s;
+        out->box[out->child_count++] = slot[s].box;
+    }
+}
+
+struct box wide_nodes_union(const struct packed *packed, const struct wide_slot *slot)
+{
+    struct box all = box_empty();
+    for (uint32_t s = 0; s < packed->layout->width; s++)
+        if (slot[s].there)
+            box_add_box(&all, &slot[s].box);
+    return all;
+}
+
+void wide_nodes_load(const struct packed *packed, uint32_t ref, wide_decode *decode,
+                     struct wide *out)
+{
+    struct wide_slot slot[WIDE_MAX];
+    uint32_t width = packed->layout->width, records = packed->node_count;
+    if (ref < records) {
+        decode(packed, ref, slot);
+        wide_nodes_children(packed, slot, records, records + width * ref, out);
+        return;
+    }
+    uint32_t at = ref - records;
+    decode(packed, at / width, slot);
+    const struct wide_slot *one = &slot[at % width];
+    out->child_count = 0;
+    out->item_first = one->there ? one->first : 0;
+    out->item_count = one->there ? one->count : 0;
+}
+
+struct box wide_nodes_box(const struct packed *packed, uint32_t ref, wide_decode *decode)
+{
+    struct wide_slot slot[WIDE_MAX];
+    uint32_t width = packed->layout->width, records = packed->node_count;
+    if (ref < records) {
+        decode(packed, ref, slot);
+        return wide_nodes_union(packed, slot);
+    }
+    decode(packed, (ref - records) / width, slot);
+    return slot[(ref - records) % width].box;
+}
+
+uint32_t wide_nodes_item(const struct packed *packed, uint32_t slot)
+{
+    return slot < packed->item_count ? packed->item[slot] : ABI_NO_PRIM;
+}
+
+/* --- frames ----------------------------------------------------------------------------------- */
+
+float node_axis_plane(const struct node_axis *axis, uint32_t q)
+{
+    return axis->origin + (float)q * ldexpf(1, axis->exponent);
+}
+
+/* In doubles a step or so is lost where x and the origin lie far apart: hence the loops. */
+uint32_t node_axis_down(const struct node_axis *axis, float x)
+{
+    double steps = floor(ldexp((double)x - (double)axis->origin, -axis->exponent));
+    uint32_t q = (uint32_t)steps;
+    while (q > 0 && node_axis_plane(axis, q) > x)
+        q--;
+    return q;
+}
+
+uint32_t node_axis_up(const struct node_axis *axis, float x)
+{
+    double steps = ceil(ldexp((double)x - (double)axis->origin, -axis->exponent));
+    uint32_t q = (uint32_t)steps;
+    while (node_axis_plane(axis, q) < x)
+        q++;
+    return q;
+}
+
+struct node_axis node_axis_make(float lo, float hi, uint32_t most)
+{
+    int extent, place, exponent = EXPONENT_LEAST;
+    float largest = fmaxf(fabsf(lo), fabsf(hi));
+    (void)frexp(((double)hi - (double)lo) / most, &extent); /* below 2^extent */
+    (void)frexpf(largest, &place);                          /* below 2^place */
+    if (hi > lo && extent - 1 > exponent)
+        exponent = extent - 1;
+    if (largest > 0 && place - ORIGIN_BITS - 1 > exponent)
+        exponent = place - ORIGIN_BITS - 1;
+    for (;; exponent++) {
+        double steps = floor(ldexp((double)lo, -exponent));
+        if (fabs(steps) > ldexp(1, ORIGIN_BITS))
+            continue;
+        /* + 0: no negative zero */
+        struct node_axis axis = {(float)ldexp(steps, exponent) + 0.0f, exponent};
+        if (ldexp((double)hi - (double)axis.origin, -exponent) <= most &&
+            node_axis_up(&axis, hi) <= most)
+            return axis;
+    }
+}

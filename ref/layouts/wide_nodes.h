@@ -1,0 +1,65 @@
+/* What the layouts of wide nodes share: the collapse of the tree, the frame of a node's quantised
+ * planes, and how references become records and child slots. */
+#ifndef WIDE_NODES_H
+#define WIDE_NODES_H
+
+#include "ref/layouts/common.h"
+#include "ref/wide_tree.h"
+
+/* A child slot of a record, decoded. */
+struct wide_slot {
+    bool there;
+    uint32_t first; /* inner: its reference; leaf: its first item slot */
+    uint32_t count; /* of items; 0: inner */
+    struct box box;
+};
+
+/* Decodes all slots of a record, which is in range. Never reads outside the words. */
+typedef void wide_decode(const struct packed *packed, uint32_t record, struct wide_slot *slot);
+
+/* Collapses `bvh` for the layout `self`: nodes of self->width children and leaves of up to
+ * `leaf_most` items. Errors: STATUS_LIMIT a vertex or bound that is not finite, or beyond
+ * `largest` in magnitude; as wide_tree_make. */
+enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh,
+                                const struct scene *scene, uint32_t leaf_most, float node_cost,
+                                float largest, struct wide_tree *out,
+                                struct reason *reason) MUST_USE;
+
+/* The items in the order in which the nodes name their leaves, so that those of one node follow
+ * each other: fills `item`, bvh->prim_count of them, and sets the `first` of every leaf to its
+ * place there. */
+void wide_nodes_items(const struct bvh *bvh, struct wide_tree *tree, uint32_t *item);
+
+/* layout->load, box and item where record r is reference r and its slot s reference node_count +
+ * width * r + s. A child whose reference is out of range is dropped. */
+void wide_nodes_load(const struct packed *packed, uint32_t ref, wide_decode *decode,
+                     struct wide *out);
+struct box wide_nodes_box(const struct packed *packed, uint32_t ref, wide_decode *decode);
+uint32_t wide_nodes_item(const struct packed *packed, uint32_t slot);
+
+/* The parts of wide_nodes_load and _box: children from the slots of a record, where references
+ * below `inner_refs` are nodes and slot s is reference slot_ref + s if it is a leaf; and the union
+ * of the boxes that are there. */
+void wide_nodes_children(const struct packed *packed, const struct wide_slot *slot,
+                         uint32_t inner_refs, uint32_t slot_ref, struct wide *out);
+struct box wide_nodes_union(const struct packed *packed, const struct wide_slot *slot);
+
+/* Planes of one axis of a node: plane q, 0 to `most`, lies at origin + q * 2^exponent. Every one is
+ * exactly a float32, zero or at least 2^-100 in magnitude, so that no decoder rounds or flushes. */
+struct node_axis {
+    float origin;
+    int exponent;
+};
+
+#define NODE_AXIS_LARGEST 0x1p100f /* of bounds, in magnitude */
+
+/* The finest such axis whose planes reach from at most lo to at least hi. lo <= hi, both at most
+ * NODE_AXIS_LARGEST in magnitude; `most` is 1 to 255. */
+struct node_axis node_axis_make(float lo, float hi, uint32_t most);
+
+/* Plane q; the last plane that is at most x, and the first that is at least x. */
+float node_axis_plane(const struct node_axis *axis, uint32_t q);
+uint32_t node_axis_down(const struct node_axis *axis, float x);
+uint32_t node_axis_up(const struct node_axis *axis, float x);
+
+#endif

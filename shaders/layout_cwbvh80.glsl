@@ -1,0 +1,56 @@
+/* Layout cwbvh80: 80-byte nodes of 8 children, after Ylitie, Karras, Laine 2017; see
+ * ref/layouts/layout_cwbvh80.c for the words. */
+#define WIDE 8u
+#include "wide_leaf.glsl"
+
+/* Inner nodes: their steps and masks, and the first two bytes a child of each quad of planes. */
+struct wide {
+    uvec4 head;
+    uvec4 base; /* first node, first item, what the children are */
+    uvec4 lo_xy, lo_z_hi_x, hi_yz;
+    vec3 step_size;
+};
+
+node node_of(uint ref)
+{
+    return node(ref, 0u);
+}
+
+wide wide_load(node n)
+{
+    wide w;
+    uint at = 5u * n.a;
+    w.head = node_quad[at];
+    w.base = node_quad[at + 1u];
+    w.lo_xy = node_quad[at + 2u];
+    w.lo_z_hi_x = node_quad[at + 3u];
+    w.hi_yz = node_quad[at + 4u];
+    w.step_size = vec3(step_of(w.head.w & 0xFFu), step_of((w.head.w >> 8) & 0xFFu),
+                       step_of((w.head.w >> 16) & 0xFFu));
+    return w;
+}
+
+node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther)
+{
+    uint shift = (slot & 3u) << 3;
+    bool low = slot < 4u;
+    uvec3 lo = uvec3(pick(low, w.lo_xy.x, w.lo_xy.y), pick(low, w.lo_xy.z, w.lo_xy.w),
+                     pick(low, w.lo_z_hi_x.x, w.lo_z_hi_x.y));
+    uvec3 hi = uvec3(pick(low, w.lo_z_hi_x.z, w.lo_z_hi_x.w), pick(low, w.hi_yz.x, w.hi_yz.y),
+                     pick(low, w.hi_yz.z, w.hi_yz.w));
+    precise vec3 lower = uintBitsToFloat(w.head.xyz) + vec3((lo >> shift) & 0xFFu) * w.step_size;
+    precise vec3 upper = uintBitsToFloat(w.head.xyz) + vec3((hi >> shift) & 0xFFu) * w.step_size;
+    slab_order(r, lower, upper, nearer, farther);
+    uint meta = (pick(low, w.base.z, w.base.w) >> shift) & 0xFFu;
+    uint inner = w.head.w >> 24;
+    uint before = uint(bitCount(inner & ((1u << slot) - 1u)));
+#if MUTANT == MUTANT_CHILD_ORDER
+    before = uint(bitCount(inner >> (slot + 1u)));
+#endif
+    bool is_inner = ((inner >> slot) & 1u) != 0u;
+    uint items = ((meta >> 5) & 1u) + ((meta >> 6) & 1u) + (meta >> 7);
+    return node(pick(is_inner, w.base.x + before, NODE_LEAF | items),
+                pick(is_inner, 0u, w.base.y + (meta & 31u)));
+}
+
+#include "wide.glsl"

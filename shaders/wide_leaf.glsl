@@ -1,0 +1,45 @@
+/* What the traversal keeps of a node of a wide layout whose leaves name ranges of the item array.
+ * Inner: a is its record, b what else its layout wants to know of it. Leaf: a is bit 31 and the
+ * number of items, b the first. */
+#ifndef WIDE_LEAF_GLSL
+#define WIDE_LEAF_GLSL
+
+#include "slab.glsl"
+
+struct node {
+    uint a;
+    uint b;
+};
+
+#define NODE_DONE node(NODE_LEAF, 0u)
+
+struct leaf {
+    uint first;
+    uint count;
+};
+
+leaf leaf_load(node n)
+{
+    return leaf(n.b, n.a & ~NODE_LEAF);
+}
+
+uint leaf_item(leaf l, uint slot)
+{
+    uint at = l.first + slot;
+    return at < job.item_count ? item_word[at] : ABI_NO_PRIM;
+}
+
+/* The word of a quad. */
+uint quad_word(uvec4 quad, uint at)
+{
+    return pick((at & 2u) == 0u, pick((at & 1u) == 0u, quad.x, quad.y),
+                pick((at & 1u) == 0u, quad.z, quad.w));
+}
+
+/* Two to the power of exponent - 127, of a byte. */
+float step_of(uint exponent)
+{
+    return uintBitsToFloat(exponent << 23);
+}
+
+#endif

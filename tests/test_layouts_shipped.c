@@ -1,0 +1,220 @@
+/* Laws of the node formats that ship elsewhere: their words, and that no box of theirs is too small
+ * whatever the scene. */
+#define _POSIX_C_SOURCE 200809L /* open_memstream */
+#include "ref/packed_file.h"
+#include "ref/rng.h"
+#include "tests/trees.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* `largest`: bounds up to it are taken, twice that is refused; 0: all that are finite. */
+static const struct shipped {
+    const char *name;
+    float largest;
+} shipped[] = {
+    {"cwbvh80", 0x1p100f},
+};
+
+static struct packed pack(const char *layout, const struct bvh *bvh, const struct scene *scene)
+{
+    struct packed packed;
+    struct reason reason = {""};
+    if (packed_make(layout_find(layout), bvh, scene, &packed, &reason))
+        fail_msg("%s", reason.text);
+    return packed;
+}
+
+static void check(const struct packed *packed, const struct scene *scene, const char *what)
+{
+    struct reason reason = {""};
+    if (packed_check(packed, scene, NULL, &reason))
+        fail_msg("%s: %s", what, reason.text);
+}
+
+/* Triangles about `centre`, up to `size` away, with `side` long sides; an axis can be flat. */
+static struct scene cloud(struct rng *rng, uint32_t count, float centre, float size, float side,
+                          int flat)
+{
+    struct scene scene = trees_grid(count);
+    for (uint32_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++) {
+            float at = centre + rng_range(rng, -size, size);
+            for (uint32_t c = 0; c < 3; c++)
+                scene.vertex[9 * (size_t)i + 3 * c + (size_t)k] =
+                    k == flat ? centre : at + rng_range(rng, -side, side);
+        }
+    return scene;
+}
+
+static void check_in_all(const struct scene *scene, uint32_t leaf, const char *what)
+{
+    struct bvh bvh = trees_make(scene, leaf, TREES_BALANCED);
+    for (size_t l = 0; l < ARRAY_COUNT(shipped); l++) {
+        struct packed packed;
+        struct reason reason = {""};
+        const struct layout *layout = layout_find(shipped[l].name);
+        enum status status = packed_make(layout, &bvh, scene, &packed, &reason);
+        if (!status)
+            check(&packed, scene, what);
+        else if (status != STATUS_LIMIT || shipped[l].largest > 1e9f)
+            fail_msg("%s: %s", what, reason.text);
+        packed_free(&packed);
+    }
+    bvh_free(&bvh);
+}
+
+static void no_box_is_too_small(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(81, 0);
+    for (int round = 0; round < 400; round++) {
+        float size = ldexpf(1, (int)rng_below(&rng, 60) - 40);
+        float centre = rng_below(&rng, 2) ? rng_range(&rng, -1e6f, 1e6f) : 0;
+        float side = size * (rng_below(&rng, 2) ? 0.1f : 1e-5f);
+        struct scene scene =
+            cloud(&rng, 1 + rng_below(&rng, 60), centre, size, side, (int)rng_below(&rng, 6));
+        char what[80];
+        snprintf(what, sizeof what, "round %d, centre %a, size %a", round, (double)centre,
+                 (double)size);
+        check_in_all(&scene, 1 + rng_below(&rng, 12), what);
+        scene_free(&scene);
+    }
+}
+
+static void the_range_of_floats_is_held_or_refused(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(82, 0);
+    for (size_t l = 0; l < ARRAY_COUNT(shipped); l++)
+        for (int bits = -150; bits < 128; bits += 1) {
+            float size = ldexpf(0.75f, bits);
+            struct scene scene = cloud(&rng, 30, 0, size / 2, size / 2, -1);
+            struct bvh bvh = trees_make(&scene, 4, TREES_BALANCED);
+            struct packed packed;
+            struct reason reason = {""};
+            enum status status =
+                packed_make(layout_find(shipped[l].name), &bvh, &scene, &packed, &reason);
+            bool fits = shipped[l].largest == 0 || size <= shipped[l].largest;
+            if (!status && size / 2 > shipped[l].largest && shipped[l].largest > 0)
+                fail_msg("%s holds bounds of %a", shipped[l].name, (double)size);
+            if (!status)
+                check(&packed, &scene, shipped[l].name);
+            else if (fits || status != STATUS_LIMIT || !strstr(reason.text, shipped[l].name))
+                fail_msg("%s, %a: %s", shipped[l].name, (double)size, reason.text);
+            packed_free(&packed);
+            bvh_free(&bvh);
+            scene_free(&scene);
+        }
+}
+
+/* Five triangles, one of them far away, collapsed to one node: the words of Ylitie et al. */
+static struct scene golden_scene(void)
+{
+    struct scene scene = trees_grid(5);
+    for (uint32_t c = 0; c < 3; c++)
+        scene.vertex[9 * 4 + 3 * c] += 126.5f; /* x 127.5 to 127.625 */
+    return scene;
+}
+
+static void expect_words(const char *layout, uint32_t leaf, const uint32_t *word, uint32_t count)
+{
+    struct scene scene = golden_scene();
+    struct bvh bvh = trees_make(&scene, leaf, TREES_BALANCED);
+    struct packed packed = pack(layout, &bvh, &scene);
+    for (uint32_t i = 0; i < packed.word_count && i < count; i++)
+        if (packed.word[i] != word[i])
+            fail_msg("%s word %u: %08X, not %08X", layout, i, packed.word[i], word[i]);
+    assert_int_equal(packed.word_count, count);
+    packed_free(&packed);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
+static void words_are_as_published(void **state)
+{
+    (void)state;
+    /* x 0 to 127.625: 255 steps of 1/2 do not reach that, so of 1; y 0 to 1/8: 128 of 2^-10; z 0:
+     * 2^-100. Five leaves of one item. */
+    static const uint32_t cwbvh80[] = {
+        0,          0,    0,          0x001B757F, /* origin, exponents */
+        0,          0,    0x23222120, 0x24,       /* no node, items from 0 on; leaves of one */
+        0,          0x7F, 0,          0,          /* lo x, lo y */
+        0,          0,    0x01010101, 0x80,       /* lo z, hi x */
+        0x80808080, 0x80, 0,          0,          /* hi y, hi z */
+    };
+    expect_words("cwbvh80", 1, cwbvh80, ARRAY_COUNT(cwbvh80));
+}
+
+/* Whatever the words hold, nothing outside is read and references stay in range. */
+static void words_from_outside_are_safe(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(64);
+    struct bvh bvh = trees_make(&scene, 4, TREES_BALANCED);
+    for (size_t l = 0; l < ARRAY_COUNT(shipped); l++)
+        for (uint32_t fill = 0; fill < 64; fill++) {
+            struct packed packed = pack(shipped[l].name, &bvh, &scene);
+            const struct layout *layout = packed.layout;
+            for (uint32_t i = 0; i < packed.word_count; i++)
+                packed.word[i] = fill < 32 ? 1u << fill : ~(1u << (fill - 32));
+            for (uint32_t ref = 0; ref < packed.ref_count; ref++) {
+                struct wide node;
+                layout->load(&packed, ref, &node);
+                assert_true(node.child_count <= layout->width);
+                for (uint32_t c = 0; c < node.child_count; c++)
+                    assert_true(packed_ref_valid(&packed, node.child[c]));
+                (void)layout->box(&packed, ref);
+            }
+            assert_int_equal(layout->item(&packed, UINT32_MAX), ABI_NO_PRIM);
+            packed_free(&packed);
+        }
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
+static void files_are_read_back(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(500);
+    struct bvh bvh = trees_make(&scene, 5, TREES_BALANCED);
+    for (size_t l = 0; l < ARRAY_COUNT(shipped); l++) {
+        struct packed packed = pack(shipped[l].name, &bvh, &scene), back;
+        char *bytes = NULL;
+        size_t size = 0;
+        FILE *stream = open_memstream(&bytes, &size);
+        assert_non_null(stream);
+        packed_file_write(&packed, stream);
+        fclose(stream);
+        struct reason reason = {""};
+        if (packed_file_read("it", bytes, size, &scene, &back, NULL, &reason))
+            fail_msg("%s", reason.text);
+        assert_string_equal(reason.text, "");
+        assert_int_equal(back.ref_count, packed.ref_count);
+        assert_memory_equal(back.word, packed.word, packed_node_bytes(&packed));
+        packed_free(&back);
+        packed_free(&packed);
+        free(bytes);
+    }
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_box_is_too_small),
+        cmocka_unit_test(the_range_of_floats_is_held_or_refused),
+        cmocka_unit_test(words_are_as_published),
+        cmocka_unit_test(words_from_outside_are_safe),
+        cmocka_unit_test(files_are_read_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
