@@ -43,14 +43,17 @@ struct build_options {
     float eps;        /* rtrs: a node whose longest side is below eps / 2 is not split */
     uint32_t bins;    /* sah_binned: bins per axis, up to 64; BUILD_BINS_DEFAULT */
     uint32_t radius;  /* ploc: neighbours looked at on either side; BUILD_RADIUS_DEFAULT */
-    uint32_t passes;  /* of reinsertion, by build_tree; none */
+    uint32_t passes;  /* of reinsertion, by bvh_build; none */
     uint32_t threads; /* the tree does not depend on it; all */
 };
 
 #define BUILD_LEAF_DEFAULT   4u
 #define BUILD_EPS_DEFAULT    0.02f
 #define BUILD_BINS_DEFAULT   16u
+#define BUILD_BINS_MOST      64u
 #define BUILD_RADIUS_DEFAULT 16u
+#define BUILD_RADIUS_MOST    256u
+#define BUILD_PASSES_DEFAULT 4u /* where passes are asked for, but not how many */
 
 /* A builder. `build` reads a checked scene and makes *out; 0 triangles give an empty tree.
  * Errors: STATUS_INPUT leaf is 0; STATUS_LIMIT it would never end (reason); STATUS_MEMORY. */
@@ -70,6 +73,14 @@ extern const struct builder *const builders_all[];
 
 /* Returns the builder of that name, of all, or NULL. */
 const struct builder *builder_find(const char *name);
+
+/* Builds, and moves subtrees to better places, options->passes times over the tree. With passes a
+ * builder that keeps to the leaf size makes leaves of one triangle first, which become leaves of up
+ * to `leaf` where that costs less. Errors: those of builders; STATUS_INPUT passes for a builder
+ * that is faithful, whose cut boxes would not stay. */
+enum status bvh_build(const struct builder *builder, const struct scene *scene,
+                      const struct build_options *options, struct bvh *out,
+                      struct reason *reason) MUST_USE;
 
 /* Frees what the tree owns and zeroes it. */
 void bvh_free(struct bvh *bvh);

@@ -20,7 +20,7 @@ static const char help[] =
     "  --builder B,..  builders                                                  [median]\n"
     "  --leaf N        items per leaf, 1 or more                                 [4]\n"
     "  --eps E         builder rtrs: smallest box that is split                  "
-    "[0.02]\n" TREE_OPTION_HELP
+    "[0.02]\n" BUILD_OPTIONS_HELP TREE_OPTION_HELP
     "  --box B,..      box tests                                                 [robust]\n"
     "  --tri T,..      triangle tests                                            [mt]\n"
     "  --query Q,..    closest, any, all (every triangle along the ray)          [closest]\n"
@@ -84,6 +84,7 @@ static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
                                              {"brute", 1, NULL, OPT_BRUTE},
                                              {"brute-rays", 1, NULL, OPT_BRUTE_RAYS},
                                              {"json", 1, NULL, OPT_JSON},
+                                             BUILD_OPTIONS,
                                              TREE_OPTION,
                                              ENGINE_OPTIONS};
 
@@ -172,6 +173,10 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_EPS:
         o->build_flag = "--eps";
         return parse_float("--eps", text, &o->build.eps, reason);
+    case OPT_BINS:
+    case OPT_RADIUS:
+    case OPT_OPTIMIZE:
+        return build_option_take(option, text, &o->build, &o->build_flag, reason);
     case OPT_JSON:
         o->json = text;
         return STATUS_OK;

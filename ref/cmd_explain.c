@@ -29,7 +29,7 @@ static const char help[] =
     "  --builder B     builder                                                   [median]\n"
     "  --leaf N        items per leaf                                            [4]\n"
     "  --eps E         builder rtrs: smallest box that is split                  "
-    "[0.02]\n" TREE_OPTION_HELP
+    "[0.02]\n" BUILD_OPTIONS_HELP TREE_OPTION_HELP
     "  --box B         box test                                                  [robust]\n"
     "  --tri T         triangle test                                             [mt]\n"
     "  --query Q       closest or any                                            "
@@ -73,6 +73,7 @@ static const struct option long_options[] = {{"ray", 1, NULL, OPT_RAY},
                                              {"query", 1, NULL, OPT_QUERY},
                                              {"json", 1, NULL, OPT_JSON},
                                              {"cause", 1, NULL, OPT_CAUSE},
+                                             BUILD_OPTIONS,
                                              TREE_OPTION,
                                              ENGINE_OPTIONS};
 
@@ -179,6 +180,12 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_EPS:
         o->test_flag = o->build_flag = "--eps";
         return parse_float("--eps", text, &o->of.build.eps, reason);
+    case OPT_BINS:
+    case OPT_RADIUS:
+    case OPT_OPTIMIZE:
+        status = build_option_take(option, text, &o->of.build, &o->build_flag, reason);
+        o->test_flag = o->build_flag;
+        return status;
     case OPT_BVH:
         o->test_flag = "--bvh";
         o->of.tree = text;
@@ -247,7 +254,7 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
         e->options->of.layout = e->tree.packed.layout;
     if (!status)
         status = of->tree ? tree_file_bvh(&e->tree, &e->scene, &e->bvh, reason)
-                          : of->builder->build(&e->scene, &of->build, &e->bvh, reason);
+                          : bvh_build(of->builder, &e->scene, &of->build, &e->bvh, reason);
     if (!status && of->tree)
         return tree_file_pack(&e->tree, of->layout, &e->scene, &e->packed, reason);
     if (!status)

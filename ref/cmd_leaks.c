@@ -18,7 +18,7 @@ static const char help[] =
     "  --engine E,..   engines, or 'all'                       [all that can run here but brute]\n"
     "  --builder B,..  builders                                                  [median]\n"
     "  --leaf N        items per leaf, 1 or more                                 "
-    "[4]\n" TREE_OPTION_HELP
+    "[4]\n" BUILD_OPTIONS_HELP TREE_OPTION_HELP
     "  --box B,..      box tests                                        [robust,watertight]\n"
     "  --tri T,..      triangle tests                                            [mt,woop]\n"
     "  --count N       rays, 1 or more; fewer than 1000 say nothing              [100000]\n"
@@ -65,6 +65,7 @@ static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
                                              {"seed", 1, NULL, OPT_SEED},
                                              {"profile", 1, NULL, OPT_PROFILE},
                                              {"json", 1, NULL, OPT_JSON},
+                                             BUILD_OPTIONS,
                                              TREE_OPTION,
                                              ENGINE_OPTIONS};
 
@@ -120,6 +121,10 @@ static enum status take_option(void *user, int option, char *text, struct reason
         status = parse_count("--leaf", text, 1, 1u << 20, &n, reason);
         o->build.leaf = (uint32_t)n;
         return status;
+    case OPT_BINS:
+    case OPT_RADIUS:
+    case OPT_OPTIMIZE:
+        return build_option_take(option, text, &o->build, &o->build_flag, reason);
     case OPT_BVH:
         o->bvh = text;
         return STATUS_OK;

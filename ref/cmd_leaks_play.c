@@ -178,7 +178,7 @@ static enum status play_rows(struct play *play, struct reason *reason)
     for (size_t b = 0; b < o->builder.count && !status; b++) {
         struct bvh bvh = {0};
         row.builder = builders_all[o->builder.index[b]];
-        status = row.builder->build(&play->scene, &o->build, &bvh, reason);
+        status = bvh_build(row.builder, &play->scene, &o->build, &bvh, reason);
         if (!status)
             status = play_tree(play, &bvh, row, b == 0, reason);
         bvh_free(&bvh);

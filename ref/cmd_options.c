@@ -47,6 +47,42 @@ enum status engine_option_take(int option, const char *text, struct engine_optio
     }
 }
 
+static enum status take_optimize(const char *text, struct build_options *out, struct reason *reason)
+{
+    static const char name[] = "reinsert";
+    uint64_t n = BUILD_PASSES_DEFAULT;
+    enum status status = STATUS_OK;
+    if (strncmp(text, name, sizeof name - 1) != 0 || !strchr("=", text[sizeof name - 1]))
+        return fail(reason, STATUS_INPUT, "--optimize: '%.60s' is not reinsert or reinsert=N",
+                    text);
+    if (text[sizeof name - 1] == '=')
+        status = parse_count("--optimize", text + sizeof name, 1, 1000, &n, reason);
+    out->passes = (uint32_t)n;
+    return status;
+}
+
+enum status build_option_take(int option, const char *text, struct build_options *out,
+                              const char **flag, struct reason *reason)
+{
+    const char *name = option == OPT_BINS     ? "--bins"
+                       : option == OPT_RADIUS ? "--radius"
+                                              : "--optimize";
+    uint64_t n = 0;
+    enum status status;
+    if (flag)
+        *flag = name;
+    if (option == OPT_OPTIMIZE)
+        return take_optimize(text, out, reason);
+    if (option == OPT_BINS) {
+        status = parse_count(name, text, 2, BUILD_BINS_MOST, &n, reason);
+        out->bins = (uint32_t)n;
+    } else {
+        status = parse_count(name, text, 1, BUILD_RADIUS_MOST, &n, reason);
+        out->radius = (uint32_t)n;
+    }
+    return status;
+}
+
 /* What was the standard output, once an option has asked for it. */
 static FILE *aside;
 

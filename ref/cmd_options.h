@@ -15,6 +15,9 @@ enum {
     OPT_PEER_TIME,
     OPT_PEER_MEMORY,
     OPT_BVH, /* see ref/cmd_tree.h */
+    OPT_BINS,
+    OPT_RADIUS,
+    OPT_OPTIMIZE,
     OPT_HELP
 };
 
@@ -37,6 +40,26 @@ enum {
     "  --workgroup N   Vulkan: rays per workgroup                                [64]\n"           \
     "  --peer-time S   pipe:COMMAND: seconds that it may take for a request      [60]\n"           \
     "  --peer-memory M pipe:COMMAND: its address space in MB, 0 is no limit      [8192]\n"
+
+/* How trees are built beyond builder, leaf size and eps: entries of a getopt_long table, before
+ * ENGINE_OPTIONS, and what they mean. */
+#define BUILD_OPTIONS                                                                              \
+    {"bins", 1, NULL, OPT_BINS}, {"radius", 1, NULL, OPT_RADIUS},                                  \
+    {                                                                                              \
+        "optimize", 1, NULL, OPT_OPTIMIZE                                                          \
+    }
+
+#define BUILD_OPTIONS_HELP                                                                         \
+    "  --bins N        builder sah_binned: bins per axis, 2 to 64                [16]\n"           \
+    "  --radius N      builder ploc: neighbours on either side, 1 to 256         [16]\n"           \
+    "  --optimize O    reinsert or reinsert=N: move subtrees of what a builder made to where "     \
+    "they\n"                                                                                       \
+    "                  cost less, N (4) times over the tree\n"
+
+/* Takes one of BUILD_OPTIONS; *flag (may be NULL) becomes its name. Errors: STATUS_INPUT with the
+ * flag, text and rule. */
+enum status build_option_take(int option, const char *text, struct build_options *out,
+                              const char **flag, struct reason *reason) MUST_USE;
 
 /* No thread limit, any Vulkan device. */
 struct engine_options engine_options_default(void);

@@ -22,7 +22,8 @@ static const char help[] =
     "enough?\n"
     "  --builder B       see raydiff list builders                                [rtrs]\n"
     "  --item-count N    items per leaf: the goal of rtrs, the limit of others    [4]\n"
-    "  --eps E           builder rtrs: a box below half of it is not split        [0.02]\n"
+    "  --eps E           builder rtrs: a box below half of it is not split        "
+    "[0.02]\n" BUILD_OPTIONS_HELP
     "  --seed S          of a generator                                           [1]\n\n"
     "exit codes: 0 written, or verified; 1 a tree, but with too small boxes, or triangles in no\n"
     "leaf or in several; 2 bad input, no tree, or the seed never ends here; 4 no memory\n"
@@ -47,12 +48,17 @@ enum {
     OPT_SEED
 };
 
-static const struct option long_options[] = {
-    {"scene", 1, NULL, OPT_SCENE},     {"out", 1, NULL, OPT_OUT},
-    {"layout", 1, NULL, OPT_LAYOUT},   {"verify", 1, NULL, OPT_VERIFY},
-    {"builder", 1, NULL, OPT_BUILDER}, {"item-count", 1, NULL, OPT_ITEM_COUNT},
-    {"eps", 1, NULL, OPT_EPS},         {"seed", 1, NULL, OPT_SEED},
-    {"help", 0, NULL, OPT_HELP},       {NULL, 0, NULL, 0}};
+static const struct option long_options[] = {{"scene", 1, NULL, OPT_SCENE},
+                                             {"out", 1, NULL, OPT_OUT},
+                                             {"layout", 1, NULL, OPT_LAYOUT},
+                                             {"verify", 1, NULL, OPT_VERIFY},
+                                             {"builder", 1, NULL, OPT_BUILDER},
+                                             {"item-count", 1, NULL, OPT_ITEM_COUNT},
+                                             {"eps", 1, NULL, OPT_EPS},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             BUILD_OPTIONS,
+                                             {"help", 0, NULL, OPT_HELP},
+                                             {NULL, 0, NULL, 0}};
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
@@ -83,6 +89,10 @@ static enum status take_option(void *user, int option, char *text, struct reason
         break;
     case OPT_EPS:
         return parse_float("--eps", text, &p->build.eps, reason);
+    case OPT_BINS:
+    case OPT_RADIUS:
+    case OPT_OPTIMIZE:
+        return build_option_take(option, text, &p->build, NULL, reason);
     default:
         return parse_count("--seed", text, 0, UINT64_MAX, &p->seed, reason);
     }
@@ -125,7 +135,7 @@ static enum status precompute(const struct precompute *p, const struct scene *sc
 {
     struct bvh bvh;
     struct reason why = {""};
-    enum status status = builders_all[p->builder]->build(scene, &p->build, &bvh, &why);
+    enum status status = bvh_build(builders_all[p->builder], scene, &p->build, &bvh, &why);
     if (status)
         return fail(reason, status, "%s: %s", file_label(p->scene), why.text);
     status = write_out(p, scene, &bvh, reason);

@@ -50,6 +50,15 @@ static inline bool box_contains_box(const struct box *outer, const struct box *i
     return true;
 }
 
+/* Half its area, in double: finite for every box of finite bounds. */
+static inline double box_half_area(const struct box *box)
+{
+    double x = (double)box->hi[0] - (double)box->lo[0];
+    double y = (double)box->hi[1] - (double)box->lo[1];
+    double z = (double)box->hi[2] - (double)box->lo[2];
+    return x * y + y * z + z * x;
+}
+
 static inline struct vec3 vec3_sub(struct vec3 a, struct vec3 b)
 {
     return (struct vec3){a.x - b.x, a.y - b.y, a.z - b.z};

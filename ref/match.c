@@ -123,7 +123,7 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
     if (tree && tree_file_is_packed(tree))
         return status; /* match->bvh stays empty: nothing but match_pack asks for it */
     status = tree ? tree_file_bvh(tree, match->scene, &match->bvh, reason)
-                  : builder->build(match->scene, build, &match->bvh, reason);
+                  : bvh_build(builder, match->scene, build, &match->bvh, reason);
     if (status == STATUS_OK && !tree)
         match->stats = bvh_stats(&match->bvh, match->scene);
     return status;

@@ -1,21 +1,12 @@
 #include "ref/tree_quality.h"
 
-/* Half the area. */
-static double half_area(const struct box *box)
-{
-    double x = (double)box->hi[0] - (double)box->lo[0];
-    double y = (double)box->hi[1] - (double)box->lo[1];
-    double z = (double)box->hi[2] - (double)box->lo[2];
-    return x * y + y * z + z * x;
-}
-
 double tree_sah(const struct bvh *bvh)
 {
-    double sum = 0, root = bvh->node_count ? half_area(&bvh->node[0].bounds) : 0;
+    double sum = 0, root = bvh->node_count ? box_half_area(&bvh->node[0].bounds) : 0;
     for (uint32_t i = 0; i < bvh->node_count; i++) {
         const struct bvh_node *node = &bvh->node[i];
         double cost = node->item_count ? QUALITY_TRIANGLE * node->item_count : QUALITY_NODE;
-        sum += cost * half_area(&node->bounds);
+        sum += cost * box_half_area(&node->bounds);
     }
     return root > 0 ? sum / root : 0;
 }

@@ -117,15 +117,6 @@ static enum status take_apart(struct collapse *c)
 
 /* --- costs ------------------------------------------------------------------------------------ */
 
-/* In double, where nothing overflows. */
-static double half_area(const struct box *box)
-{
-    double x = (double)box->hi[0] - (double)box->lo[0];
-    double y = (double)box->hi[1] - (double)box->lo[1];
-    double z = (double)box->hi[2] - (double)box->lo[2];
-    return x * y + y * z + z * x;
-}
-
 static const float *cost_of(const struct collapse *c, uint32_t part)
 {
     return c->cost + (size_t)part * c->rule->width - 1; /* counted from 1 */
@@ -160,11 +151,11 @@ static float leaf_cost(const struct collapse *c, const struct part *part)
 static void find_costs(struct collapse *c)
 {
     uint32_t width = c->rule->width, to_fst;
-    double root = half_area(&c->part[0].bounds);
+    double root = box_half_area(&c->part[0].bounds);
     for (uint32_t at = c->part_count; at-- > 0;) {
         struct part *part = &c->part[at];
         float *cost = c->cost + (size_t)at * width - 1;
-        float area = (root > 0 ? (float)(half_area(&part->bounds) / root) : 0) + LEAST_AREA;
+        float area = (root > 0 ? (float)(box_half_area(&part->bounds) / root) : 0) + LEAST_AREA;
         cost[1] = leaf_cost(c, part) * area;
         part->leaf = true;
         if (part->count > 1) {

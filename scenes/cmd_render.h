@@ -47,6 +47,7 @@ struct render_settings {
     const char *bvh;               /* a tree from a file, or NULL */
     const struct builder *builder; /* filled in, as all members below */
     struct build_options build;
+    const char *build_flag;      /* of BUILD_OPTIONS, the last one given; or NULL */
     const struct layout *layout; /* NULL: the smallest that fits, if layout_auto, else the
                                     file's of --bvh or, of JSON, the handler's */
     bool layout_auto;
@@ -82,7 +83,7 @@ struct render_settings render_settings_default(void);
         {"box", 1, NULL, OPT_RENDER_BOX}, {"tri", 1, NULL, OPT_RENDER_TRI},                        \
         {"leaf", 1, NULL, OPT_RENDER_LEAF}, {"eps", 1, NULL, OPT_RENDER_EPS},                      \
         {"waves", 0, NULL, OPT_RENDER_WAVES}, {"plan", 1, NULL, OPT_RENDER_PLAN},                  \
-        {"general", 0, NULL, OPT_RENDER_GENERAL}, TREE_OPTION
+        {"general", 0, NULL, OPT_RENDER_GENERAL}, BUILD_OPTIONS, TREE_OPTION
 
 enum {
     OPT_RENDER_PATH = OPT_RENDER_FIRST,

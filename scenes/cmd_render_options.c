@@ -27,7 +27,8 @@ const char render_options_help[] =
     "                  of the handler's. --layout auto is the smallest that fits\n"
     "  --waves         all rays of a step through the engine, even if it draws on its own\n"
     "  --plan P        an engine that draws on its own: whole paths, steps, or auto [auto]\n"
-    "  --general       with the pipeline that suits every scene\n" TREE_OPTION_HELP;
+    "  --general       with the pipeline that suits every scene\n" BUILD_OPTIONS_HELP
+        TREE_OPTION_HELP;
 
 const struct render_handler render_handlers[] = {
     {"naive",
@@ -241,6 +242,10 @@ enum status render_option_take(int option, char *text, struct render_settings *o
     case OPT_RENDER_BOX:
     case OPT_RENDER_TRI:
         return take_member(option, text, out, reason);
+    case OPT_BINS:
+    case OPT_RADIUS:
+    case OPT_OPTIMIZE:
+        return build_option_take(option, text, &out->build, &out->build_flag, reason);
     default:
         if (option >= OPT_RENDER_FIRST && option <= OPT_RENDER_LAST)
             return take_number(option, text, out, reason);
@@ -329,7 +334,7 @@ enum status render_settings_finish(const char *command, struct render_settings *
         status = take_handler("bvh", s, reason);
     if (status)
         return status;
-    const char *build_flag = s->builder ? "--builder" : s->build.leaf ? "--leaf" : NULL;
+    const char *build_flag = s->builder ? "--builder" : s->build.leaf ? "--leaf" : s->build_flag;
     status = tree_check_options(s->bvh, build_flag, 1, reason);
     if (status)
         return status;

@@ -89,9 +89,9 @@ static enum status make_tree(const char *command, const struct render_settings *
                              struct render_stage *stage, struct reason *reason)
 {
     if (!settings->bvh || stage->scene.tri_count != stage->tri_count)
-        return settings->engine->needs_packed
-                   ? settings->builder->build(&stage->scene, &settings->build, &stage->bvh, reason)
-                   : STATUS_OK;
+        return settings->engine->needs_packed ? bvh_build(settings->builder, &stage->scene,
+                                                          &settings->build, &stage->bvh, reason)
+                                              : STATUS_OK;
     enum status status = tree_open(command, settings->bvh, &stage->scene, &stage->file, reason);
     if (status || tree_file_is_packed(&stage->file))
         return status;

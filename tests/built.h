@@ -23,7 +23,7 @@ static inline struct scene built_soup(uint32_t count, uint64_t seed)
     return scene;
 }
 
-#define BUILT_SCENES 14
+#define BUILT_SCENES 14u
 
 /* Scene i of BUILT_SCENES, of about 1000 triangles each; *what is its name. */
 static inline struct scene built_scene(size_t i, const char **what)

@@ -4,7 +4,7 @@
 
 #include "ref/builders/refs.h"
 
-#define BINS_MOST 64u
+#define BINS_MOST BUILD_BINS_MOST
 
 /* Where a centre's bin is: (centre - base) * scale, in each axis. */
 struct bin_map {

@@ -1,20 +1,20 @@
+#include "ref/builders/links.h"
+#include "ref/builders/reinsert.h"
 #include "ref/bvh.h"
 
 #include "counts.h"
 
 #include <string.h>
 
-extern const struct builder build_median, build_rtrs, build_sah_binned, build_lbvh;
+extern const struct builder build_median, build_rtrs, build_sah_binned, build_sah_sweep, build_lbvh,
+    build_ploc;
 
 #define CORE &build_median, &build_rtrs
 
 const struct builder *const builders[] = {CORE, NULL};
 
 const struct builder *const builders_all[] = {
-    CORE,
-    &build_sah_binned,
-    &build_lbvh,
-    NULL,
+    CORE, &build_sah_binned, &build_sah_sweep, &build_lbvh, &build_ploc, NULL,
 };
 _Static_assert(ARRAY_COUNT(builders_all) - 1 == BUILDER_FILES,
                "a ref/builders/build_*.c has no entry");
@@ -25,4 +25,29 @@ const struct builder *builder_find(const char *name)
         if (strcmp(builders_all[i]->name, name) == 0)
             return builders_all[i];
     return NULL;
+}
+
+enum status bvh_build(const struct builder *builder, const struct scene *scene,
+                      const struct build_options *options, struct bvh *out, struct reason *reason)
+{
+    struct build_options single = *options;
+    *out = (struct bvh){0};
+    if (options->passes == 0)
+        return builder->build(scene, options, out, reason);
+    if (builder->faithful)
+        return fail(reason, STATUS_INPUT, "builder %s builds as published: it is not optimized",
+                    builder->name);
+    single.leaf = options->leaf > 0;
+    enum status status = builder->build(scene, &single, out, reason);
+    if (status || out->node_count == 0)
+        return status;
+    status = tree_reinsert(out, options->passes, options->threads);
+    if (!status)
+        status = tree_collapse(out, options->leaf);
+    if (status) {
+        bvh_free(out);
+        (void)fail(reason, status, "no memory to optimize a tree of %u triangles",
+                   scene->tri_count);
+    }
+    return status;
 }

@@ -5,6 +5,7 @@
 
 #include "ref/geom.h"
 
+#include <math.h>
 #include <stdint.h>
 
 #ifdef __SSE2__
@@ -102,6 +103,18 @@ static inline float lanes_unit(lanes reach)
     most = most > reach[2] ? most : reach[2];
     float unit = 1 / most;
     return unit < FLT_MAX ? unit : FLT_MAX;
+}
+
+/* A power of two that brings all coordinates of a box to at most 1, exactly where these are not far
+ * smaller than the largest: then areas neither overflow nor vanish. */
+static inline float lanes_scale(const struct lane_box *box)
+{
+    float most = 0;
+    int exponent;
+    for (int k = 0; k < 3; k++)
+        most = fmaxf(most, fmaxf(fabsf(box->lo[k]), fabsf(box->hi[k])));
+    (void)frexpf(most, &exponent);
+    return ldexpf(1, exponent < -126 ? 126 : -exponent);
 }
 
 #endif

@@ -1,13 +1,8 @@
 #include "ref/builders/morton.h"
 
 #include "ref/builders/grow.h"
+#include "ref/builders/keys.h"
 #include "ref/builders/room.h"
-
-#include <omp.h>
-#include <string.h>
-
-#define DIGIT_BITS 11u
-#define DIGITS     (1u << DIGIT_BITS)
 
 /* Bit i to bit 3 i, of 21. */
 static uint64_t spread(uint32_t x)
@@ -41,62 +36,19 @@ static void codes_make(const struct ref *ref, uint32_t count, const struct lane_
     }
 }
 
-/* Where each thread puts each digit: place[thread][digit], first counted, then summed. */
-static void places_sum(uint32_t *place, uint32_t threads)
-{
-    uint32_t sum = 0;
-    for (uint32_t d = 0; d < DIGITS; d++)
-        for (uint32_t t = 0; t < threads; t++) {
-            uint32_t n = place[(size_t)t * DIGITS + d];
-            place[(size_t)t * DIGITS + d] = sum;
-            sum += n;
-        }
-}
-
-/* One pass, stable, so that the result is the same however many threads share it. */
-static void sort_digit(const uint64_t *from, uint64_t *to, uint32_t count, uint32_t shift,
-                       uint32_t threads, uint32_t *place)
-{
-    memset(place, 0, (size_t)threads * DIGITS * sizeof *place);
-#pragma omp parallel for schedule(static, 1) num_threads(threads) if (threads > 1)
-    for (uint32_t t = 0; t < threads; t++) {
-        uint32_t *mine = place + (size_t)t * DIGITS;
-        uint32_t end = (uint32_t)((uint64_t)count * (t + 1) / threads);
-        for (uint32_t i = (uint32_t)((uint64_t)count * t / threads); i < end; i++)
-            mine[from[i] >> shift & (DIGITS - 1)]++;
-    }
-    places_sum(place, threads);
-#pragma omp parallel for schedule(static, 1) num_threads(threads) if (threads > 1)
-    for (uint32_t t = 0; t < threads; t++) {
-        uint32_t *mine = place + (size_t)t * DIGITS;
-        uint32_t end = (uint32_t)((uint64_t)count * (t + 1) / threads);
-        for (uint32_t i = (uint32_t)((uint64_t)count * t / threads); i < end; i++)
-            to[mine[from[i] >> shift & (DIGITS - 1)]++] = from[i];
-    }
-}
-
 enum status morton_order(const struct ref *ref, uint32_t count, const struct lane_box *centres,
                          uint32_t threads, uint64_t **out, uint32_t *index_bits)
 {
     *index_bits = log2_ceil(count);
-    uint64_t *key = room_make(count, sizeof *key), *spare = room_make(count, sizeof *spare);
-    uint32_t *place = room_make((size_t)threads * DIGITS, sizeof *place);
-    bool enough = key && spare && place;
-    *out = NULL;
-    if (enough) {
-        codes_make(ref, count, centres, threads, key, *index_bits);
-        /* The keys are in the order of their indices, which a stable sort keeps. */
-        for (uint32_t shift = *index_bits; shift < 64; shift += DIGIT_BITS) {
-            sort_digit(key, spare, count, shift, threads, place);
-            uint64_t *swap = key;
-            key = spare;
-            spare = swap;
-        }
-        *out = key;
-        key = NULL;
+    *out = room_make(count, sizeof **out);
+    if (!*out)
+        return STATUS_MEMORY;
+    codes_make(ref, count, centres, threads, *out, *index_bits);
+    /* The keys are in the order of their indices, which the sort keeps. */
+    enum status status = keys_sort(out, count, *index_bits, threads);
+    if (status) {
+        room_free(*out);
+        *out = NULL;
     }
-    room_free(key);
-    room_free(spare);
-    room_free(place);
-    return enough ? STATUS_OK : STATUS_MEMORY;
+    return status;
 }

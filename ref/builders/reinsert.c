@@ -1,0 +1,130 @@
+#include "ref/builders/reinsert.h"
+
+#include "ref/builders/grow.h"
+#include "ref/builders/keys.h"
+#include "ref/builders/links.h"
+#include "ref/builders/room.h"
+#include "ref/builders/spots.h"
+
+#include <string.h>
+
+/* Nodes of large trees that are sought a place for in one pass: one of so many, in turn, so that
+ * what has moved is seen by the next. */
+#define TURNS 4u
+
+struct reinsert {
+    struct spots spots;
+    float *gain;      /* of each node, at its better place */
+    uint32_t *target; /* that place; LINKS_NONE: there is none */
+    uint32_t threads;
+};
+
+/* Seeks places for the nodes of a turn. Sets *found, by falling gain: the nodes that have one, in
+ * the low half of each. Errors: STATUS_MEMORY. */
+static enum status seek_all(const struct reinsert *r, uint32_t turn, uint64_t **found,
+                            uint32_t *count)
+{
+    uint32_t nodes = r->spots.count, some = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(r->threads) if (r->threads > 1)
+    for (uint32_t i = turn; i < nodes; i += TURNS)
+        r->target[i] = spots_seek(&r->spots, i, &r->gain[i]);
+    for (uint32_t i = turn; i < nodes; i += TURNS)
+        some += r->target[i] != LINKS_NONE;
+    *count = some;
+    *found = room_make(some, sizeof **found);
+    if (!*found)
+        return STATUS_MEMORY;
+    some = 0;
+    for (uint32_t i = turn; i < nodes; i += TURNS)
+        if (r->target[i] != LINKS_NONE) /* gains are positive: their bits order them */
+            (*found)[some++] = (uint64_t)~float_bits(r->gain[i]) << 32 | i;
+    return keys_sort(found, some, 32, 1);
+}
+
+/* Sets by how much the cost fell. */
+static enum status pass(struct reinsert *r, double *fall)
+{
+    enum status status = STATUS_OK;
+    *fall = 0;
+    for (uint32_t turn = 0; turn < TURNS && !status; turn++) {
+        uint32_t count;
+        uint64_t *found = NULL;
+        status = seek_all(r, turn, &found, &count);
+        for (uint32_t i = 0; i < count && !status; i++) {
+            uint32_t node = (uint32_t)found[i];
+            *fall += spots_move(&r->spots, node, r->target[node]);
+        }
+        room_free(found);
+    }
+    return status;
+}
+
+static struct lane_box leaf(const void *user, uint32_t node, uint32_t *prim, uint32_t *items)
+{
+    const struct bvh *bvh = user;
+    const struct bvh_node *from = &bvh->node[node];
+    *items = from->item_count;
+    memcpy(prim, bvh->prim + from->item_first, from->item_count * sizeof *prim);
+    return lane_box_load(&from->bounds);
+}
+
+/* Puts the moved tree in the old one's place. */
+static enum status finish(const struct reinsert *r, struct bvh *bvh)
+{
+    struct links links = {.count = r->spots.count,
+                          .leaf = leaf,
+                          .user = bvh,
+                          .items = bvh->prim_count,
+                          .tris = bvh->tri_count};
+    struct bvh moved = {0};
+    links.child = room_make(links.count, sizeof *links.child);
+    links.leaves = room_make(links.count, sizeof *links.leaves);
+    uint32_t *list = room_make(links.count, sizeof *list);
+    enum status status = STATUS_MEMORY;
+    if (links.child && links.leaves && list) {
+        uint32_t count = 1;
+        list[0] = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            const struct spot *spot = &r->spots.spot[list[i]];
+            memcpy(links.child[list[i]], spot->child, sizeof spot->child);
+            for (int k = 0; k < 2 && spot->child[0] != LINKS_NONE; k++)
+                list[count++] = spot->child[k];
+        }
+        while (count-- > 0) {
+            const uint32_t *child = links.child[list[count]];
+            links.leaves[list[count]] =
+                child[0] == LINKS_NONE ? 1 : links.leaves[child[0]] + links.leaves[child[1]];
+        }
+        status = links_write(&links, &moved);
+    }
+    room_free(links.child);
+    room_free(links.leaves);
+    room_free(list);
+    if (status)
+        return status;
+    bvh_free(bvh);
+    *bvh = moved;
+    return STATUS_OK;
+}
+
+enum status tree_reinsert(struct bvh *bvh, uint32_t passes, uint32_t threads)
+{
+    if (bvh->node_count < 7)
+        return STATUS_OK; /* no node is as far as two from another that is not the root's child */
+    const struct build_options options = {.threads = threads};
+    struct reinsert r = {.threads = build_threads(&options, bvh->node_count)};
+    r.gain = room_make(bvh->node_count, sizeof *r.gain);
+    r.target = room_make(bvh->node_count, sizeof *r.target);
+    enum status status = spots_make(bvh, &r.spots);
+    if (!status && !(r.gain && r.target))
+        status = STATUS_MEMORY;
+    double fall = 1;
+    for (uint32_t i = 0; i < passes && !status && fall > 0; i++)
+        status = pass(&r, &fall);
+    if (!status)
+        status = finish(&r, bvh);
+    spots_free(&r.spots);
+    room_free(r.gain);
+    room_free(r.target);
+    return status;
+}
