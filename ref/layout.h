@@ -59,6 +59,7 @@ struct layout {
                       1 + width */
     enum visit order;
     bool faithful; /* reproduces the seed or its paper, faults included */
+    bool outside;  /* a plugin's (ref/plugin_layout.h): what it packs is as deep as it decodes */
     /* Layouts of a family share their functions and one shader. `shader` is the name of the file
      * shaders/trace_SHADER.comp, NULL: the layout's own name. */
     const char *shader;
@@ -88,8 +89,16 @@ struct layout {
 /* NULL-terminated: the layouts that every product runs over. */
 extern const struct layout *const layouts[];
 
-/* NULL-terminated: these, in the same order, then the other members of families. */
+/* NULL-terminated: these, in the same order, then the other members of families, then what
+ * layout_add added. */
 extern const struct layout *const *const layouts_all;
+
+#define LAYOUTS_ADDED_MOST 4
+
+/* Adds a layout at the end of layouts_all; borrowed until the program ends. For programs, while no
+ * other thread looks at the table. Errors: STATUS_INPUT there is one of that name; STATUS_LIMIT
+ * more than LAYOUTS_ADDED_MOST. */
+enum status layout_add(const struct layout *layout, struct reason *reason) MUST_USE;
 
 /* Returns the layout of that name, of all, or NULL. */
 const struct layout *layout_find(const char *name);

@@ -10,16 +10,34 @@ extern const struct layout layout_cwbvh80;
 
 #define CORE &layout_f32, &layout_rf16, &layout_rtrs_direct, &layout_rtrs_rf, &layout_rtrs_rf_paper
 
+/* All of the program's own. */
+#define OWN CORE, &layout_cwbvh80
+
 /* Members of families beside the first: a family is one file. */
 #define MORE_OF_FAMILIES 0
 
 const struct layout *const layouts[] = {CORE, NULL};
-static const struct layout *const all[] = {CORE, &layout_cwbvh80, NULL};
-const struct layout *const *const layouts_all = all;
-_Static_assert(ARRAY_COUNT(all) - 1 - MORE_OF_FAMILIES == LAYOUT_FILES,
+static const struct layout *const own[] = {OWN};
+_Static_assert(ARRAY_COUNT(own) - MORE_OF_FAMILIES == LAYOUT_FILES,
                "a ref/layouts/layout_*.c has no entry");
 _Static_assert(TRACE_SHADERS == LAYOUT_FILES,
                "a layout has no shaders/trace_*.comp, or one too many");
+
+static const struct layout *all[ARRAY_COUNT(own) + LAYOUTS_ADDED_MOST + 1] = {OWN};
+static size_t added;
+
+const struct layout *const *const layouts_all = all;
+
+enum status layout_add(const struct layout *layout, struct reason *reason)
+{
+    if (layout_find(layout->name))
+        return fail(reason, STATUS_INPUT, "there is a layout '%s' already", layout->name);
+    if (added == LAYOUTS_ADDED_MOST)
+        return fail(reason, STATUS_LIMIT, "%s: more than %d layouts beside the program's own",
+                    layout->name, LAYOUTS_ADDED_MOST);
+    all[ARRAY_COUNT(own) + added++] = layout;
+    return STATUS_OK;
+}
 
 const struct layout *layout_find(const char *name)
 {
