@@ -189,5 +189,15 @@
 #define MUTANT_CHILD_ORDER     462 /* cwbvh80, shader: children that are nodes in reverse order */
 #define MUTANT_GROW_DEPTH          410 /* builders: the depth is not bounded */
 #define MUTANT_GROW_BOUNDS         411 /* a node's box lacks its second child's */
+#define MUTANT_PLUGIN_SIZES        480 /* what a plugin says of its arrays' sizes is not looked at */
+#define MUTANT_PLUGIN_EMPTY_LEAF   481 /* a plugin's leaves may have no items */
+#define MUTANT_PLUGIN_BELIEVED     482 /* a plugin's nodes are not looked at one by one */
+#define MUTANT_PLUGIN_UNCHECKED    483 /* what a plugin packed is not checked against the scene */
+#define MUTANT_PLUGIN_REFS_RAW     484 /* a plugin's references are passed on as they are */
+#define MUTANT_PLUGIN_EXCUSED      485 /* a plugin's boxes may be too small */
+#define MUTANT_PLUGIN_ANY_VERSION  486 /* a plugin of another version is taken */
+#define MUTANT_PLUGIN_DEATH_UNSEEN 487 /* a plugin that crashed is said to have no memory */
+#define MUTANT_GLSL_LINES_LOST     488 /* errors in a plugin's shader at lines of the whole text */
+#define MUTANT_GLSL_NOT_PINNED     489 /* a plugin's shader is traced as it was compiled */
 
 #endif
