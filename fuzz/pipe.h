@@ -13,7 +13,8 @@
  * the triangle's second vertex, v its third. A request may have no rays, or no triangles; the first
  * has neither, and asks what the peer says of itself:
  *
- *   formula   0 unknown, 1 mt, 2 woop, 3 Embree's default, 4 Embree's robust (ref/twin.h)
+ *   formula   0 unknown, 1 mt, 2 woop, 3 Embree's default, 4 Embree's robust, 5 pluecker,
+ *             6 baldwin_webber (ref/twin.h)
  *   rounding  0 IEEE, 1 IEEE with subnormals flushed, 2 Vulkan, 3 Vulkan with RTE, 4 Embree
  *   flags     1: tmin < t < tmax; 2: watertight; 4: any-hits do not name their triangle
  *

@@ -8,7 +8,9 @@ static const struct {
                 {"mt", TWIN_MT},
                 {"woop", TWIN_WOOP},
                 {"embree", TWIN_EMBREE},
-                {"embree_robust", TWIN_EMBREE_ROBUST}};
+                {"embree_robust", TWIN_EMBREE_ROBUST},
+                {"pluecker", TWIN_PLUECKER},
+                {"baldwin_webber", TWIN_BALDWIN_WEBBER}};
 
 static const char *const roundings[] = {"ieee", "flushed", "vulkan", "vulkan_rte", "embree"};
 

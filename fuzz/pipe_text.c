@@ -161,7 +161,8 @@ static enum status read_formula(struct reading *r)
     r->out->formula = read_word(r, pipe_formula_name);
     if (!pipe_formula_name(r->out->formula))
         return scan_fail(&r->scan, r->reason,
-                         "formulas are unknown, mt, woop, embree, embree_robust");
+                         "formulas are unknown, mt, woop, embree, embree_robust, "
+                         "pluecker, baldwin_webber");
     scan_blanks(&r->scan);
     if (scan_line_done(&r->scan))
         return STATUS_OK;

@@ -43,10 +43,9 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
                  .capacity = 1},
     };
     enum status status = stack_class(packed, &out->constant[ABI_SPEC_STACK], reason);
-    if (!status && !out->shader) {
-        shader_why_not(layout->name, reason);
-        status = STATUS_UNSUPPORTED;
-    }
+    if (!status && !out->shader)
+        status = fail(reason, STATUS_UNSUPPORTED, "vulkan: there is no shader for layout %s",
+                      packed->layout->name);
     return status;
 }
 

@@ -31,27 +31,17 @@
 #define ABI_SPEC_LAYOUT_1  7
 
 /* Values of ABI_SPEC_BOX, ABI_SPEC_TRI and ABI_SPEC_QUERY. */
-#define ABI_BOX_RTRS       0u
-#define ABI_BOX_ROBUST     1u
-#define ABI_BOX_WATERTIGHT 2u
-#define ABI_TRI_MT_RTRS    0u
-#define ABI_TRI_MT         1u
-#define ABI_TRI_WOOP       2u
-#define ABI_QUERY_CLOSEST  0u
-#define ABI_QUERY_ANY      1u
-#define ABI_QUERY_ALL      2u
-
-/* ABI_SPEC_LAYOUT_0 and _1 of the layouts grid2, grid4 and grid8: number format and frame. */
-#define ABI_NUMBER_F32  0u
-#define ABI_NUMBER_F16  1u
-#define ABI_NUMBER_BF16 2u
-#define ABI_NUMBER_U8   3u
-#define ABI_NUMBER_U10  4u
-#define ABI_NUMBER_U12  5u
-#define ABI_NUMBER_U16  6u
-#define ABI_FRAME_WORLD 0u
-#define ABI_FRAME_SCENE 1u
-#define ABI_FRAME_NODE  2u
+#define ABI_BOX_RTRS           0u
+#define ABI_BOX_ROBUST         1u
+#define ABI_BOX_WATERTIGHT     2u
+#define ABI_TRI_MT_RTRS        0u
+#define ABI_TRI_MT             1u
+#define ABI_TRI_WOOP           2u
+#define ABI_TRI_PLUECKER       3u
+#define ABI_TRI_BALDWIN_WEBBER 4u
+#define ABI_QUERY_CLOSEST      0u
+#define ABI_QUERY_ANY          1u
+#define ABI_QUERY_ALL          2u
 
 /* Descriptor bindings, set 0. */
 #define ABI_BIND_RAYS  0 /* struct ray[] */

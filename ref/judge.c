@@ -38,8 +38,7 @@ enum status judge_make(const struct oracle *oracle, const struct scene *scene,
     judge->tri = tri;
     judge->model = *model;
     judge->query = query;
-    judge->own =
-        model->formula == TWIN_MT || model->formula == TWIN_MT_RTRS || model->formula == TWIN_WOOP;
+    judge->own = twin_is_own(model->formula);
     /* The proof in judge_fan.c needs the same rounding of the same product wherever it is made. */
     judge->fans =
         model->watertight && model->formula == TWIN_WOOP && rounding_is_nearest(model->rounding);

@@ -4,16 +4,36 @@
 
 #include <stdbool.h>
 
-/* Whose formula is bounded. The first three are ref/primitives/tri.h; the next two are Embree's
+/* Whose formula is bounded. The first five are ref/primitives/; the next two are Embree's
  * default and robust triangle tests, from their published descriptions. */
 enum twin_formula {
     TWIN_MT,
     TWIN_MT_RTRS,
     TWIN_WOOP,
+    TWIN_PLUECKER,
+    TWIN_BALDWIN_WEBBER,
     TWIN_EMBREE,
     TWIN_EMBREE_ROBUST,
     TWIN_UNKNOWN, /* judged geometrically: by the smallest vertex displacement that excuses it */
 };
+
+/* True if that is a test of ref/primitives/, whose operations we know one by one. */
+static inline bool twin_is_own(enum twin_formula formula)
+{
+    switch (formula) {
+    case TWIN_MT:
+    case TWIN_MT_RTRS:
+    case TWIN_WOOP:
+    case TWIN_PLUECKER:
+    case TWIN_BALDWIN_WEBBER:
+        return true;
+    case TWIN_EMBREE:
+    case TWIN_EMBREE_ROBUST:
+    case TWIN_UNKNOWN:
+        break;
+    }
+    return false;
+}
 
 /* What one float32 operation may do. add, mul and div: its error is at most so many u of the exact
  * result (u = 2^-24, at least 1 each); div is also the error of a reciprocal where a formula has

@@ -4,6 +4,7 @@
 #include "ref/mutant.h"
 #include "ref/twin_lanes.h"
 
+#include <assert.h>
 #include <math.h>
 
 /* One pair: plain numbers. */
@@ -20,6 +21,7 @@ typedef bool mask;
 #define NOT_ABOVE(a, b)      ((a) <= (b))
 #define EQUAL(a, b)          ((a) == (b))
 #define NOT(m)               (!(m))
+#define ANY(m)               (m)
 #define SELECT(m, a, b)      ((m) ? (a) : (b))
 #define SELECT_EACH(m, a, b) ((m) ? (a) : (b))
 
@@ -33,7 +35,13 @@ static int sign_of(struct bounded a)
 
 enum twin_formula twin_of_tri(uint32_t id)
 {
-    return id == ABI_TRI_WOOP ? TWIN_WOOP : id == ABI_TRI_MT_RTRS ? TWIN_MT_RTRS : TWIN_MT;
+    static const enum twin_formula formulas[] = {[ABI_TRI_MT_RTRS] = TWIN_MT_RTRS,
+                                                 [ABI_TRI_MT] = TWIN_MT,
+                                                 [ABI_TRI_WOOP] = TWIN_WOOP,
+                                                 [ABI_TRI_PLUECKER] = TWIN_PLUECKER,
+                                                 [ABI_TRI_BALDWIN_WEBBER] = TWIN_BALDWIN_WEBBER};
+    assert(id < ARRAY_COUNT(formulas));
+    return formulas[id];
 }
 
 /* Are the signs such that no evaluation accepts them? */

@@ -7,6 +7,7 @@
  *   SIZE(real)              |x|
  *   mask                    what comparisons give; & works on it
  *   LESS, NOT_ABOVE, EQUAL, NOT
+ *   ANY(mask)               whether it is true in some lane
  *   SELECT(mask, a, b), SELECT_EACH(mask, a, b)  of real, of single
  * Arithmetic takes a vector and a number, too. No operation may be fused or reordered. */
 #ifndef TWIN_STEPS_H
@@ -234,6 +235,35 @@ FORMULA struct outcome eval_woop(const struct rules *k, const struct input *in)
     return out;
 }
 
+/* The sum of the sides divides u and v, and is asked for its sign beside the determinant: where
+ * that is open nothing is certain. */
+FORMULA struct outcome eval_pluecker(const struct rules *k, const struct input *in)
+{
+    struct bounded a[3][3], e[3][3], sum[3], side[3], n[3];
+    struct outcome out = {.band = ALL(0.0)};
+    for (int c = 0; c < 3; c++)
+        subtract(k, in->v[c], in->o, a[c]);
+    for (int c = 0; c < 3; c++) {
+        int p = (c + 1) % 3, q = (c + 2) % 3;
+        subtract(k, in->v[q], in->v[p], e[c]);
+        for (int i = 0; i < 3; i++)
+            sum[i] = add(k, a[p][i], a[q][i]);
+        cross(k, sum, e[c], side);
+        out.edge[c] = dot(k, in->d, side);
+    }
+    cross(k, e[1], e[2], n);
+    struct bounded det = dot(k, in->d, n);
+    struct bounded all = add(k, add(k, out.edge[0], out.edge[1]), out.edge[2]);
+    out.t = divide(k, dot(k, a[0], n), det);
+    out.u = divide(k, out.edge[1], all);
+    out.v = divide(k, out.edge[2], all);
+    out.det = det;
+#if MUTANT != MUTANT_SUM_UNPROVEN
+    out.det.e = SELECT(LESS(all.e, SIZE(all.x)), det.e, ALL(INFINITY));
+#endif
+    return out;
+}
+
 /* Embree multiplies by an estimated reciprocal. u and v are cut off at 1, which of an accepted hit
  * takes them no farther from the exact value than the bound. The range is tested as
  * |det| tmin < |T| <= |det| tmax: the product's error, one rounding and one underflow, is among
@@ -301,6 +331,8 @@ FORMULA struct outcome eval_embree_robust(const struct rules *k, const struct in
     return out;
 }
 
+#include "ref/twin_baldwin_webber.h"
+
 FORMULA struct outcome evaluate(enum twin_formula formula, const struct rules *k,
                                 const struct input *in)
 {
@@ -311,6 +343,10 @@ FORMULA struct outcome evaluate(enum twin_formula formula, const struct rules *k
         break;
     case TWIN_WOOP:
         return eval_woop(k, in);
+    case TWIN_PLUECKER:
+        return eval_pluecker(k, in);
+    case TWIN_BALDWIN_WEBBER:
+        return eval_baldwin_webber(k, in);
     case TWIN_EMBREE:
         return eval_embree(k, in);
     case TWIN_EMBREE_ROBUST:

@@ -18,8 +18,17 @@ typedef int64_t mask __attribute__((vector_size(VECTOR_BYTES)));
 #define NOT_ABOVE(a, b)      ((mask)((a) <= (b)))
 #define EQUAL(a, b)          ((mask)((a) == (b)))
 #define NOT(m)               (~(m))
+#define ANY(m)               any_lane(m)
 #define SELECT(m, a, b)      ((real)(((mask)(a) & (m)) | ((mask)(b) & ~(m))))
 #define SELECT_EACH(m, a, b) (a) /* looked at by nobody */
+
+KERNEL_TARGET static inline bool any_lane(mask m)
+{
+    int64_t any = 0;
+    for (int i = 0; i < LANES; i++)
+        any |= m[i];
+    return any != 0;
+}
 
 #include "ref/twin_steps.h"
 

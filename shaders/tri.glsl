@@ -117,12 +117,19 @@ bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
     return both(!both(negative, positive), any(bvec2(det > 0.0, det < 0.0)));
 }
 
+#include "tri_pluecker.glsl"
+#include "tri_baldwin_webber.glsl"
+
 /* The test `id` (ABI_TRI_*) with its range; tuv is undefined on false. */
 bool tri_test_run(uint id, tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 {
     bool hit;
     if (id == ABI_TRI_WOOP)
         hit = tri_woop(r, v0, v1, v2, tuv);
+    else if (id == ABI_TRI_PLUECKER)
+        hit = tri_pluecker(r, v0, v1, v2, tuv);
+    else if (id == ABI_TRI_BALDWIN_WEBBER)
+        hit = tri_baldwin_webber(r, v0, v1, v2, tuv);
     else
         hit = tri_moeller_trumbore(r, v0, v1, v2, id == ABI_TRI_MT_RTRS ? TRI_RTRS_EPS : 0.0, tuv);
     float t = tuv.x;

@@ -35,7 +35,7 @@ code=0
 part() {
     name=$1
     shift
-    "$raydiff" check "$@" --engine $engines --tri all --repeat 1 --json "$out-$name.json" >>"$out.tmp" 2>&1
+    "$raydiff" check "$@" --engine $engines --tri mt,woop,mt_rtrs --repeat 1 --json "$out-$name.json" >>"$out.tmp" 2>&1
     result=$?
     echo "$name: exit code $result"
     [ "$result" -eq 0 ] || code=1

@@ -13,6 +13,7 @@ struct given {
     struct known t;      /* the numerator of t */
     struct known top[2]; /* those of u and v */
     struct known sum;    /* their denominator */
+    bool summed;         /* they are not of what t has */
     bool reciprocal;
 };
 
@@ -38,6 +39,48 @@ static void moeller_trumbore(const struct unit *unit, struct given *in, struct g
     triple(unit, &in->d, s, e1, &out->edge[2]);
     triple(unit, e2, s, e1, &in->t);
     third_edge(unit, out);
+}
+
+/* fl(a + b) */
+static void vec_sum(const struct unit *unit, const struct vec *a, const struct vec *b,
+                    struct vec *out)
+{
+    for (int i = 0; i < 3; i++) {
+        const struct known *x = &a->k[i], *y = &b->k[i];
+        set_zero(&out->k[i]);
+        add_product(unit, &out->k[i], 1, 1, 1, &x);
+        add_product(unit, &out->k[i], 1, 1, 1, &y);
+    }
+}
+
+/* u and v are divided by the sum of the sides, which must be known to be none of 0 as well. */
+static void pluecker(const struct unit *unit, struct given *in, struct gmp_bounds *out)
+{
+    struct vec *rel[3] = {&in->a, &in->b, &in->c}, edge[3], sum;
+    vec_init(&sum);
+    for (int c = 0; c < 3; c++)
+        vec_difference(unit, &in->v[c], &in->o, rel[c]);
+    for (int c = 0; c < 3; c++) {
+        int p = (c + 1) % 3, q = (c + 2) % 3;
+        vec_init(&edge[c]);
+        vec_difference(unit, &in->v[q], &in->v[p], &edge[c]);
+        vec_sum(unit, rel[p], rel[q], &sum);
+        triple(unit, &in->d, &sum, &edge[c], &out->edge[c]);
+    }
+    triple(unit, &in->d, &edge[1], &edge[2], &out->det);
+    triple(unit, rel[0], &edge[1], &edge[2], &in->t);
+    set_zero(&in->sum);
+    for (int c = 0; c < 3; c++) {
+        const struct known *one = &out->edge[c];
+        add_product(unit, &in->sum, 1, 2, 1, &one);
+    }
+    mpq_add(in->sum.e, in->sum.e, unit->tiny);
+    known_copy(&in->top[0], &out->edge[1]);
+    known_copy(&in->top[1], &out->edge[2]);
+    in->summed = true;
+    for (int c = 0; c < 3; c++)
+        vec_clear(&edge[c]);
+    vec_clear(&sum);
 }
 
 static void embree(const struct unit *unit, struct given *in, struct gmp_bounds *out)
@@ -67,12 +110,7 @@ static void embree_robust(const struct unit *unit, struct given *in, struct gmp_
     for (int c = 0; c < 3; c++) {
         const struct vec *from = rel[(c + 2) % 3];
         vec_difference(unit, from, rel[c], &edge[c]);
-        for (int i = 0; i < 3; i++) {
-            const struct known *x = &from->k[i], *y = &rel[c]->k[i];
-            set_zero(&sum.k[i]);
-            add_product(unit, &sum.k[i], 1, 1, 1, &x);
-            add_product(unit, &sum.k[i], 1, 1, 1, &y);
-        }
+        vec_sum(unit, from, rel[c], &sum);
         triple(unit, &in->d, &edge[c], &sum, &out->edge[(c + 1) % 3]);
     }
     set_zero(&in->sum);
@@ -100,6 +138,7 @@ static void embree_robust(const struct unit *unit, struct given *in, struct gmp_
     known_clear(&det);
     known_clear(&t);
     out->det_alone = true;
+    in->summed = true;
     in->reciprocal = true;
     known_copy(&in->top[0], &out->edge[1]); /* Embree's edge 0 */
     known_copy(&in->top[1], &out->edge[2]);
@@ -223,7 +262,7 @@ void gmp_bounds_clear(struct gmp_bounds *bounds)
 /* t, u and v, where the divisors are surely not 0 and within what a division promises. */
 static void divide_all(const struct unit *unit, struct given *in, struct gmp_bounds *out)
 {
-    if (!out->det_alone) {
+    if (!in->summed) {
         known_copy(&in->top[0], &out->edge[1]);
         known_copy(&in->top[1], &out->edge[2]);
         known_copy(&in->sum, &out->det);
@@ -255,11 +294,12 @@ void gmp_bounds_of(const struct model *model, const struct ray *ray, float v[3][
     bool divides = model->formula == TWIN_WOOP;
     double depth, largest = largest_of(ray, v, divides, &depth);
     struct unit unit;
-    struct given in = {.reciprocal = false};
+    struct given in = {.summed = false, .reciprocal = false};
     out->divided = out->det_alone = false;
     out->threshold = model->formula == TWIN_MT_RTRS ? (double)TRI_RTRS_EPS : 0.0;
     /* Products of three, six of them, and room for doubling. */
-    out->none = !(64 * depth * largest * largest * largest < 0x1p126);
+    out->none = model->formula == TWIN_BALDWIN_WEBBER ||
+                !(64 * depth * largest * largest * largest < 0x1p126);
     if (out->none)
         return;
     given_each(&in, vec_init, known_init);
@@ -278,6 +318,8 @@ void gmp_bounds_of(const struct model *model, const struct ray *ray, float v[3][
     mpq_set_si(out->band, 0, 1);
     if (model->formula == TWIN_WOOP)
         woop(&unit, ray, &in, out);
+    else if (model->formula == TWIN_PLUECKER)
+        pluecker(&unit, &in, out);
     else if (model->formula == TWIN_EMBREE)
         embree(&unit, &in, out);
     else if (model->formula == TWIN_EMBREE_ROBUST)

@@ -184,6 +184,88 @@ static void woop(struct replay *r, const struct ray *ray, float v[3][3], struct 
         divide(r, dot(r, w, z), w[1], w[2], det, out);
 }
 
+static void pluecker(struct replay *r, const struct ray *ray, float v[3][3], struct gmp_replay *out)
+{
+    double a[3][3], e[3][3], w[3], n[3], d[3];
+    for (int k = 0; k < 3; k++) {
+        d[k] = (double)ray->dir[k];
+        for (int c = 0; c < 3; c++)
+            a[c][k] = difference(r, (double)v[c][k], (double)ray->org[k]);
+    }
+    bool positive = false, negative = false;
+    for (int c = 0; c < 3; c++) {
+        int p = (c + 1) % 3, q = (c + 2) % 3;
+        double both[3], side[3];
+        for (int k = 0; k < 3; k++) {
+            both[k] = sum(r, a[p][k], a[q][k]);
+            e[c][k] = difference(r, (double)v[q][k], (double)v[p][k]);
+        }
+        cross(r, both, e[c], side);
+        w[c] = dot(r, d, side);
+        positive |= w[c] > 0;
+        negative |= w[c] < 0;
+    }
+    cross(r, e[1], e[2], n);
+    double det = dot(r, d, n), all = sum(r, sum(r, w[0], w[1]), w[2]);
+    if (!(det > 0 && positive && !negative) && !(det < 0 && negative && !positive))
+        return;
+    out->accepted = true;
+    out->t = (float)quotient(r, dot(r, a[0], n), det);
+    out->u = (float)quotient(r, w[1], all);
+    out->v = (float)quotient(r, w[2], all);
+}
+
+/* m[0] x + m[1] y, then m[2] */
+static double row_at(struct replay *r, const double m[3], double x, double y)
+{
+    double first = product(r, m[0], x);
+    return sum(r, sum(r, first, product(r, m[1], y)), m[2]);
+}
+
+/* (z + m[0] x) + m[1] y */
+static double climb_of(struct replay *r, const double m[3], double x, double y, double z)
+{
+    double first = sum(r, z, product(r, m[0], x));
+    return sum(r, first, product(r, m[1], y));
+}
+
+static void baldwin_webber(struct replay *r, const struct ray *ray, float v[3][3],
+                           struct gmp_replay *out)
+{
+    double e1[3], e2[3], n[3], v0[3], o[3], d[3], row[3][3];
+    for (int k = 0; k < 3; k++) {
+        o[k] = (double)ray->org[k];
+        d[k] = (double)ray->dir[k];
+        v0[k] = (double)v[0][k];
+        e1[k] = difference(r, (double)v[1][k], v0[k]);
+        e2[k] = difference(r, (double)v[2][k], v0[k]);
+    }
+    cross(r, e1, e2, n);
+    int c = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
+    c = fabs(n[2]) > fabs(n[c]) ? 2 : c;
+    if (n[c] == 0)
+        return; /* no area */
+    int a = (c + 1) % 3, b = (c + 2) % 3;
+    const double from[3][2] = {{e2[b], -e2[a]}, {-e1[b], e1[a]}, {n[a], n[b]}};
+    for (int i = 0; i < 3; i++) {
+        row[i][0] = quotient(r, from[i][0], n[c]);
+        row[i][1] = quotient(r, from[i][1], n[c]);
+        row[i][2] = i < 2 ? -sum(r, product(r, row[i][0], v0[a]), product(r, row[i][1], v0[b]))
+                          : -climb_of(r, row[i], v0[a], v0[b], v0[c]);
+    }
+    double height = sum(r, climb_of(r, row[2], o[a], o[b], o[c]), row[2][2]);
+    double climb = climb_of(r, row[2], d[a], d[b], d[c]);
+    if (climb == 0)
+        return;
+    double t = quotient(r, -height, climb);
+    double x = sum(r, o[a], product(r, t, d[a])), y = sum(r, o[b], product(r, t, d[b]));
+    double u = row_at(r, row[0], x, y), w = row_at(r, row[1], x, y);
+    out->accepted = u >= 0 && w >= 0 && sum(r, u, w) <= 1;
+    out->t = (float)t;
+    out->u = (float)u;
+    out->v = (float)w;
+}
+
 bool exact_gmp_replay(const struct model *model, const struct ray *ray, float v[3][3],
                       struct gmp_replay *out)
 {
@@ -191,12 +273,16 @@ bool exact_gmp_replay(const struct model *model, const struct ray *ray, float v[
     *out = (struct gmp_replay){0};
     if (!model->bits || memcmp(&model->rounding, &ieee, sizeof ieee) != 0)
         return false;
-    if (model->formula != TWIN_MT && model->formula != TWIN_MT_RTRS && model->formula != TWIN_WOOP)
+    if (!twin_is_own(model->formula))
         return false;
     struct replay r = {.lost = false};
     mpq_inits(r.x, r.y, NULL);
     if (model->formula == TWIN_WOOP)
         woop(&r, ray, v, out);
+    else if (model->formula == TWIN_PLUECKER)
+        pluecker(&r, ray, v, out);
+    else if (model->formula == TWIN_BALDWIN_WEBBER)
+        baldwin_webber(&r, ray, v, out);
     else
         moeller_trumbore(&r, ray, v, model->formula == TWIN_MT_RTRS ? (double)TRI_RTRS_EPS : 0.0,
                          out);

@@ -19,7 +19,7 @@ struct gmp_replay {
 float exact_gmp_round(const mpq_t x);
 
 /* Replays one finite ray and triangle. False if it cannot say: the formula is not one of
- * ref/primitives/tri.h, the engine does not promise C's bits, or a value overflows or is divided
+ * ref/primitives/, the engine does not promise C's bits, or a value overflows or is divided
  * by zero on the way. */
 bool exact_gmp_replay(const struct model *model, const struct ray *ray, float v[3][3],
                       struct gmp_replay *out);

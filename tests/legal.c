@@ -215,6 +215,82 @@ static struct evaluation woop(struct legal *l, const struct ray *ray, float v[3]
     return out;
 }
 
+/* Signed volumes: of the ray's direction, an edge and the sum of its ends seen from the origin. */
+static struct evaluation pluecker(struct legal *l, const struct ray *ray, float v[3][3])
+{
+    float a[3][3], e[3][3], n[3];
+    struct evaluation out;
+    for (int c = 0; c < 3; c++)
+        subtract(l, v[c], ray->org, a[c]);
+    for (int c = 0; c < 3; c++) {
+        const int from = (c + 1) % 3, to = (c + 2) % 3;
+        float sum[3], side[3];
+        for (int i = 0; i < 3; i++)
+            sum[i] = legal_add(l, a[from][i], a[to][i]);
+        subtract(l, v[to], v[from], e[c]);
+        cross(l, sum, e[c], side);
+        out.edge[c] = dot(l, ray->dir, side);
+    }
+    cross(l, e[1], e[2], n);
+    float det = dot(l, ray->dir, n);
+    float all = legal_add(l, legal_add(l, out.edge[0], out.edge[1]), out.edge[2]);
+    out.t = legal_div(l, dot(l, a[0], n), det);
+    out.u = legal_div(l, out.edge[1], all);
+    out.v = legal_div(l, out.edge[2], all);
+    float way = seen(l, det), sum = seen(l, all);
+    bool inside = (way > 0 && sum > 0) || (way < 0 && sum < 0);
+    for (int c = 0; c < 3; c++) {
+        float side = seen(l, out.edge[c]);
+        inside = inside && (way > 0 ? side >= 0 : side <= 0);
+    }
+    out.accepted = inside && out.t >= ray->tmin && out.t <= ray->tmax;
+    return out;
+}
+
+/* Its normal decides which axis to project along, so that a rounding may decide otherwise. */
+static struct evaluation baldwin_webber(struct legal *l, const struct ray *ray, float v[3][3])
+{
+    float e1[3], e2[3], n[3], row[3][3];
+    struct evaluation out = {{0, -1, -1}, 0, 0, 0, false};
+    subtract(l, v[1], v[0], e1);
+    subtract(l, v[2], v[0], e2);
+    cross(l, e1, e2, n);
+    int c = 0;
+    for (int i = 1; i < 3; i++)
+        c = fabsf(seen(l, n[i])) > fabsf(seen(l, n[c])) ? i : c;
+    const int a = (c + 1) % 3, b = (c + 2) % 3;
+    const float by_a[3] = {e2[b], -e1[b], n[a]}, by_b[3] = {-e2[a], e1[a], n[b]};
+    float area = seen(l, n[c]);
+    for (int i = 0; i < 3; i++) {
+        row[i][0] = legal_div(l, by_a[i], n[c]);
+        row[i][1] = legal_div(l, by_b[i], n[c]);
+        float first = i < 2 ? legal_mul(l, row[i][0], v[0][a])
+                            : legal_multiply_add(l, row[i][0], v[0][a], v[0][c]);
+        row[i][2] = -legal_multiply_add(l, row[i][1], v[0][b], first);
+    }
+    float height =
+        legal_add(l,
+                  legal_multiply_add(l, row[2][1], ray->org[b],
+                                     legal_multiply_add(l, row[2][0], ray->org[a], ray->org[c])),
+                  row[2][2]);
+    float climb = legal_multiply_add(l, row[2][1], ray->dir[b],
+                                     legal_multiply_add(l, row[2][0], ray->dir[a], ray->dir[c]));
+    out.t = legal_div(l, -height, climb);
+    float pa = legal_multiply_add(l, out.t, ray->dir[a], ray->org[a]);
+    float pb = legal_multiply_add(l, out.t, ray->dir[b], ray->org[b]);
+    for (int i = 0; i < 2; i++)
+        out.edge[1 + i] = legal_add(
+            l, legal_multiply_add(l, row[i][1], pb, legal_mul(l, row[i][0], pa)), row[i][2]);
+    out.edge[0] = 0; /* never computed */
+    out.u = out.edge[1];
+    out.v = out.edge[2];
+    float change = seen(l, climb);
+    out.accepted = (area < 0 || area > 0) && (change < 0 || change > 0) && seen(l, out.u) >= 0 &&
+                   seen(l, out.v) >= 0 && legal_add(l, out.u, out.v) <= 1 && out.t >= ray->tmin &&
+                   out.t <= ray->tmax;
+    return out;
+}
+
 /* Embree reports no weight above 1. */
 static struct evaluation cut_off(struct evaluation hit)
 {
@@ -302,6 +378,10 @@ struct evaluation legal_evaluate(struct legal *l, enum twin_formula formula, con
     switch (formula) {
     case TWIN_WOOP:
         return woop(l, ray, v);
+    case TWIN_PLUECKER:
+        return pluecker(l, ray, v);
+    case TWIN_BALDWIN_WEBBER:
+        return baldwin_webber(l, ray, v);
     case TWIN_EMBREE:
         return embree(l, ray, v);
     case TWIN_EMBREE_ROBUST:

@@ -20,6 +20,8 @@ static const struct {
     {"mt", TWIN_MT},
     {"mt_rtrs", TWIN_MT_RTRS},
     {"woop", TWIN_WOOP},
+    {"pluecker", TWIN_PLUECKER},
+    {"baldwin_webber", TWIN_BALDWIN_WEBBER},
     {"embree", TWIN_EMBREE},
     {"embree_robust", TWIN_EMBREE_ROBUST},
 };

@@ -72,6 +72,8 @@ static void near_values_have_this_much_slack(void **state)
         enum twin_formula formula;
     } formulas[] = {{"mt", TWIN_MT},
                     {"woop", TWIN_WOOP},
+                    {"pluecker", TWIN_PLUECKER},
+                    {"baldwin_webber", TWIN_BALDWIN_WEBBER},
                     {"embree", TWIN_EMBREE},
                     {"embree_robust", TWIN_EMBREE_ROBUST}};
     struct most most[ARRAY_COUNT(formulas)] = {{0}};
@@ -105,8 +107,9 @@ static void near_values_have_this_much_slack(void **state)
 static void honest_answers_are_not_wrong(void **state)
 {
     (void)state;
-    static const char *const tests[] = {"mt", "woop"};
-    static const enum twin_formula formulas[] = {TWIN_MT, TWIN_WOOP};
+    static const char *const tests[] = {"mt", "woop", "pluecker", "baldwin_webber"};
+    static const enum twin_formula formulas[] = {TWIN_MT, TWIN_WOOP, TWIN_PLUECKER,
+                                                 TWIN_BALDWIN_WEBBER};
     uint64_t judged = 0;
     struct gmp_pair pair;
     struct rng rng = rng_make(73, 0);

@@ -17,8 +17,10 @@ static double band = 0x1p-23;
 
 #include <cmocka.h> /* last: it defines fail() as a macro */
 
-static const enum twin_formula formulas[] = {TWIN_MT, TWIN_WOOP, TWIN_EMBREE, TWIN_EMBREE_ROBUST};
-static const char *const formula_name[] = {"mt", "woop", "embree", "embree_robust"};
+static const enum twin_formula formulas[] = {
+    TWIN_MT, TWIN_WOOP, TWIN_PLUECKER, TWIN_BALDWIN_WEBBER, TWIN_EMBREE, TWIN_EMBREE_ROBUST};
+static const char *const formula_name[] = {"mt",     "woop",         "pluecker", "baldwin_webber",
+                                           "embree", "embree_robust"};
 
 enum constant { ADD, MUL, DIV, TINY, ALL, BAND };
 static const char *const constant_name[] = {"add",  "mul",          "div",

@@ -167,7 +167,7 @@ static void any_and_closest_must_agree(void **state)
     struct hit miss = a_miss(), hit = right_answer(c, 0);
     for (size_t s = 0; s < SUBJECTS; s++) {
         struct judgement closest, any;
-        bool own = subjects[s].model.formula <= TWIN_WOOP;
+        bool own = twin_is_own(subjects[s].model.formula);
         court_seat(c, &subjects[s], QUERY_CLOSEST);
         must_be(c, hit, VERDICT_RIGHT);
         closest = c->judgement;

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdio.h>
 
-static const uint32_t tests_of[] = {ABI_TRI_MT, ABI_TRI_MT_RTRS, ABI_TRI_WOOP};
-static const enum twin_formula formula_of[] = {TWIN_MT, TWIN_MT_RTRS, TWIN_WOOP};
+static const uint32_t tests_of[] = {ABI_TRI_MT, ABI_TRI_MT_RTRS, ABI_TRI_WOOP, ABI_TRI_PLUECKER};
+static const enum twin_formula formula_of[] = {TWIN_MT, TWIN_MT_RTRS, TWIN_WOOP, TWIN_PLUECKER};
 
 /* Distance of a float to the exact value over its bound. */
 static double over(const struct known *known, float value)
@@ -33,7 +33,7 @@ static void bounds_hold_for_the_tests_of_c(void **state)
 {
     (void)state;
     size_t certain = 0, impossible = 0, accepted = 0, faults = 0;
-    double largest[3] = {0, 0, 0};
+    double largest[ARRAY_COUNT(tests_of)] = {0};
     for (int k = 0; k < ORACLE_CASES; k++)
 #pragma omp parallel for schedule(dynamic, 4) reduction(+ : certain, impossible, accepted, faults)
         for (uint64_t b = 0; b < count_per_kind(1600) / (3 * BATCH); b++) {
@@ -80,11 +80,12 @@ static void bounds_hold_for_the_tests_of_c(void **state)
             batch_free(&batch);
         }
     printf("%zu certain, %zu impossible, %zu accepted; largest error over its bound: mt %.2f, "
-           "mt_rtrs %.2f, woop %.2f\n",
-           certain, impossible, accepted, largest[0], largest[1], largest[2]);
+           "mt_rtrs %.2f, woop %.2f, pluecker %.2f\n",
+           certain, impossible, accepted, largest[0], largest[1], largest[2], largest[3]);
     assert_int_equal(faults, 0);
     assert_true(certain > 1000 && impossible > 1000 && accepted > 1000);
-    for (int f = 0; f < 3; f++) /* a bound never nearly reached would confirm nothing */
+    for (size_t f = 0; f < ARRAY_COUNT(tests_of);
+         f++) /* a bound never nearly reached would confirm nothing */
         assert_true(largest[f] > 0.05);
 }
 

@@ -13,8 +13,10 @@
 
 #include <cmocka.h>
 
-static const uint32_t tests_of[] = {ABI_TRI_MT, ABI_TRI_MT_RTRS, ABI_TRI_WOOP};
-static const enum twin_formula formula_of[] = {TWIN_MT, TWIN_MT_RTRS, TWIN_WOOP};
+static const uint32_t tests_of[] = {ABI_TRI_MT, ABI_TRI_MT_RTRS, ABI_TRI_WOOP, ABI_TRI_PLUECKER,
+                                    ABI_TRI_BALDWIN_WEBBER};
+static const enum twin_formula formula_of[] = {TWIN_MT, TWIN_MT_RTRS, TWIN_WOOP, TWIN_PLUECKER,
+                                               TWIN_BALDWIN_WEBBER};
 
 static struct model model_of(enum twin_formula formula)
 {

@@ -14,7 +14,8 @@
 
 #define PAIRS 60000
 
-static const enum twin_formula formulas[] = {TWIN_MT, TWIN_MT_RTRS, TWIN_WOOP, TWIN_EMBREE,
+static const enum twin_formula formulas[] = {TWIN_MT,           TWIN_MT_RTRS,        TWIN_WOOP,
+                                             TWIN_PLUECKER,     TWIN_BALDWIN_WEBBER, TWIN_EMBREE,
                                              TWIN_EMBREE_ROBUST};
 
 /* Exact to far below float32: edge products, determinant and t of Moeller-Trumbore in long double,
@@ -145,7 +146,7 @@ static void twin_computes_what_the_test_computes(void **state)
         float v[3][3];
         random_pair(&rng, n % 3, &ray, v);
         struct tri_ray r = tri_ray_make(&ray);
-        for (uint32_t id = ABI_TRI_MT_RTRS; id <= ABI_TRI_WOOP; id++) {
+        for (uint32_t id = ABI_TRI_MT_RTRS; id <= ABI_TRI_BALDWIN_WEBBER; id++) {
             struct hit hit;
             struct twin twin = twin_eval(twin_of_tri(id), ROUNDING_IEEE, &ray, v);
             if (!tri_test_run(id, &r, v, &hit)) {

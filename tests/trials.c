@@ -165,10 +165,12 @@ static int sign(float x)
     return (x > 0) - (x < 0);
 }
 
-/* The formulas of Moeller and Trumbore compute no third edge function. */
+/* The formulas of Moeller and Trumbore, and of Baldwin and Webber, compute no third edge function.
+ */
 static bool has_edge(enum twin_formula formula, int c)
 {
-    return c > 0 || formula == TWIN_WOOP || formula == TWIN_EMBREE_ROBUST;
+    return c > 0 || formula == TWIN_WOOP || formula == TWIN_PLUECKER ||
+           formula == TWIN_EMBREE_ROBUST;
 }
 
 static const char *signs_broken(const struct trial *trial, enum twin_formula formula,

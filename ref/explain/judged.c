@@ -9,16 +9,8 @@
 
 static bool is_known(const struct judged *judged)
 {
-    switch (judged->model.formula) {
-    case TWIN_MT:
-    case TWIN_MT_RTRS:
-    case TWIN_WOOP:
-        break;
-    case TWIN_EMBREE:
-    case TWIN_EMBREE_ROBUST:
-    case TWIN_UNKNOWN:
+    if (!twin_is_own(judged->model.formula))
         return false;
-    }
     return judged->from.job->packed != NULL || strcmp(judged->from.engine->name, "brute") == 0 ||
            strcmp(judged->from.engine->name, "vulkan_brute") == 0;
 }

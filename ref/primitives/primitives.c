@@ -20,18 +20,29 @@ static const struct box_test box_rtrs = {.name = "rtrs",
 const struct box_test *const box_tests[] = {&box_robust, &box_watertight, &box_rtrs, NULL};
 
 static const struct tri_test tri_mt = {
-    .name = "mt", .summary = "Moeller-Trumbore, determinant not 0", .id = ABI_TRI_MT};
+    .name = "mt", .summary = "Moeller-Trumbore, determinant not 0", .id = ABI_TRI_MT, .core = true};
 static const struct tri_test tri_woop_test = {.name = "woop",
                                               .summary = "Woop, Benthin, Wald: watertight",
                                               .id = ABI_TRI_WOOP,
-                                              .watertight = true};
+                                              .watertight = true,
+                                              .core = true};
 static const struct tri_test tri_mt_rtrs = {.name = "mt_rtrs",
                                             .summary = "as published: |determinant| > 1e-7, open",
                                             .id = ABI_TRI_MT_RTRS,
                                             .faithful = true,
-                                            .open = true};
+                                            .open = true,
+                                            .core = true};
+static const struct tri_test tri_pluecker_test = {
+    .name = "pluecker",
+    .summary = "sides of edges relative to the origin, closed, no band",
+    .id = ABI_TRI_PLUECKER};
+static const struct tri_test tri_baldwin_webber_test = {
+    .name = "baldwin_webber",
+    .summary = "Baldwin-Weber: in the triangle's own coordinates",
+    .id = ABI_TRI_BALDWIN_WEBBER};
 
-const struct tri_test *const tri_tests[] = {&tri_mt, &tri_woop_test, &tri_mt_rtrs, NULL};
+const struct tri_test *const tri_tests[] = {
+    &tri_mt, &tri_woop_test, &tri_mt_rtrs, &tri_pluecker_test, &tri_baldwin_webber_test, NULL};
 
 const struct box_test *box_test_find(const char *name)
 {

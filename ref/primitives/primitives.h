@@ -3,7 +3,7 @@
 #define PRIMITIVES_H
 
 #include "ref/primitives/slab.h"
-#include "ref/primitives/tri.h"
+#include "ref/primitives/tri_baldwin_webber.h"
 
 enum query {
     QUERY_CLOSEST = ABI_QUERY_CLOSEST,
@@ -27,6 +27,7 @@ struct tri_test {
     bool faithful;
     bool open;       /* accepts tmin < t < tmax instead of tmin <= t <= tmax */
     bool watertight; /* no ray passes between two triangles that share an edge */
+    bool core;       /* plays the hard cases unasked */
 };
 
 /* NULL-terminated; the first is the default. */
@@ -49,6 +50,10 @@ static inline bool tri_test_run(uint32_t id, const struct tri_ray *r, float v[3]
     bool hit;
     if (id == ABI_TRI_WOOP)
         hit = tri_woop(r, v, out);
+    else if (id == ABI_TRI_PLUECKER)
+        hit = tri_pluecker(r, v, out);
+    else if (id == ABI_TRI_BALDWIN_WEBBER)
+        hit = tri_baldwin_webber(r, v, out);
     else
         hit = tri_moeller_trumbore(r, v, id == ABI_TRI_MT_RTRS ? TRI_RTRS_EPS : 0.0f, out);
     if (!hit)

@@ -24,12 +24,6 @@ void play_broken(struct hard_play *play, enum hard_property property, size_t i)
     out->judgement = play->cache->judged[i];
 }
 
-static bool own_formula(const struct model *model)
-{
-    return model->formula == TWIN_MT || model->formula == TWIN_MT_RTRS ||
-           model->formula == TWIN_WOOP;
-}
-
 static bool is_hit(const struct hit *hit)
 {
     return hit->prim != ABI_NO_PRIM;
@@ -113,7 +107,8 @@ static enum status check_culled(struct hard_play *play)
 {
     struct hard_cache *cache = play->cache;
     const struct hard_part *part = play->part;
-    if (!play->member->engine->needs_packed || !own_formula(&play->model) || !cache->in_range)
+    if (!play->member->engine->needs_packed || !twin_is_own(play->model.formula) ||
+        !cache->in_range)
         return STATUS_OK;
     const struct hit *brute = cache_brute(cache, play->member->tri);
     if (!brute)
@@ -201,7 +196,7 @@ static enum status check_any(struct hard_play *play)
         status = play_trace(play, play->self, cache->again);
     for (size_t i = 0; i < play->part->ray_count && status == STATUS_OK; i++)
         if (is_hit(&cache->answer[i]) != is_hit(&cache->again[i]) &&
-            (own_formula(&play->model) || !cache->open[i]))
+            (twin_is_own(play->model.formula) || !cache->open[i]))
             play_broken(play, PROPERTY_ANY, i);
     return status;
 }

@@ -1,5 +1,7 @@
 #include "tests/hard/hard.h"
 
+#include "ref/model.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -49,17 +51,12 @@ const char *hard_property_name(enum hard_property property)
     return (size_t)property < PROPERTY_COUNT ? names[property] : "unknown";
 }
 
-static bool own_formula(const struct model *model)
-{
-    return model->formula == TWIN_MT || model->formula == TWIN_MT_RTRS ||
-           model->formula == TWIN_WOOP;
-}
-
 static bool in_scope(enum hard_scope scope, const struct model *model)
 {
     bool asked =
         model->watertight || model->formula == TWIN_UNKNOWN || model->formula == TWIN_EMBREE_ROBUST;
-    return scope == HARD_ALL || (scope == HARD_OWN && own_formula(model)) ||
+    return scope == HARD_ALL || (scope == HARD_OWN && twin_is_own(model->formula)) ||
+           (scope == HARD_LEAN && twin_is_own(model->formula) && model->formula != TWIN_PLUECKER) ||
            (scope == HARD_TIGHT && model->watertight) || (scope == HARD_FANS && asked);
 }
 

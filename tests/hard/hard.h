@@ -20,8 +20,10 @@ struct layout;
 
 /* Of whom something is wanted. */
 enum hard_scope {
-    HARD_ALL,   /* of everybody */
-    HARD_OWN,   /* of engines that compute one of our own triangle tests */
+    HARD_ALL,  /* of everybody */
+    HARD_OWN,  /* of engines that compute one of our own triangle tests */
+    HARD_LEAN, /* of those whose products are of differences alone, not of their sums as pluecker's,
+                  which overflow earlier */
     HARD_TIGHT, /* of engines that promise to be watertight */
     HARD_FANS,  /* of these, ray queries (Vulkan: "should") and Embree's robust mode */
 };

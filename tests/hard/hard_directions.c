@@ -154,7 +154,8 @@ static void make_scaled(struct hard_made *made)
             ray.tmax = INFINITY;
             bool promised = shift >= -36 && shift <= 36;
             struct hard_want *w = part_ray(part, ray);
-            want_id(part, w, promised ? HARD_ALL : HARD_OWN, grid_tri(N, x, y));
+            enum hard_scope own = shift > 115 ? HARD_LEAN : HARD_OWN;
+            want_id(part, w, promised ? HARD_ALL : own, grid_tri(N, x, y));
             want_like(w, w->scope, like, -shift, 0);
         }
     }

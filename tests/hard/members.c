@@ -42,7 +42,7 @@ static void visit_made(const struct hard_case *one, const struct hard_defect *de
                                  .box = box_test_find("robust")};
     for (size_t t = 0; tri_tests[t]; t++) {
         member.tri = tri_tests[t];
-        if (!tri_tests[t]->faithful)
+        if (tri_tests[t]->core && !tri_tests[t]->faithful)
             visit(user, one, &member);
     }
 }

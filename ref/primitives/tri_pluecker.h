@@ -1,0 +1,75 @@
+/* Ray against triangle by Pluecker coordinates: the side on which the ray passes each edge. */
+#ifndef TRI_PLUECKER_H
+#define TRI_PLUECKER_H
+
+#include "ref/primitives/tri.h"
+
+static inline void tri_cross(const float a[3], const float b[3], float out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static inline float tri_dot(const float a[3], const float b[3])
+{
+    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+}
+
+/* The edge from P to Q, both relative to the origin, is passed on the side that ((P + Q) x (Q - P))
+ * . d tells: twice the signed volume of P, Q and d, as in Embree's robust test (kernels/geometry/
+ * triangle_intersector_pluecker.h; the idea: Teller 1992, Amanatides and Choi 1997). We differ from
+ * Embree: Q - P is of the vertices as stored, exact for neighbours, not of what is left of them
+ * beside the origin, so that the error is of size |Q - P| |P|, not |P|^2; accepted is what has no
+ * side of the other sign, without a band; the determinant's sign must be theirs.
+ *
+ * Closed: a side of zero counts as inside. Miss: a determinant or a sum of sides that is zero (rays
+ * in the plane, triangles without area), NaN anywhere. t is not range-tested.
+ *
+ * What is promised of shared edges: seen from the triangle at its other side, Q - P is negated and
+ * P
+ * + Q the same, so the side is the same number with the other sign, whatever is rounded to nearest:
+ * never do both turn a ray away at the edge between them. But the sides of the edges around one
+ * vertex are rounded each by itself, and need not fit any place of the vertex: all triangles of a
+ * fan can turn a ray away that passes the vertex within rounding. So this test is not watertight
+ * (README, "Triangle tests", has how often it leaks). */
+static inline bool tri_pluecker(const struct tri_ray *r, float v[3][3], struct hit *out)
+{
+    float a[3][3], e[3][3], w[3], n[3];
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++)
+            a[c][k] = v[c][k] - r->o[k];
+    for (int c = 0; c < 3; c++) { /* edge c is opposite vertex c */
+        int p = c == 2 ? 0 : c + 1, q = c == 0 ? 2 : c - 1;
+        float sum[3], side[3];
+        for (int k = 0; k < 3; k++) {
+            sum[k] = a[p][k] + a[q][k];
+            e[c][k] = v[q][k] - v[p][k];
+        }
+        tri_cross(sum, e[c], side);
+        w[c] = tri_dot(r->d, side);
+    }
+#if MUTANT == MUTANT_EDGE_TURNED
+    w[2] = -w[2];
+#endif
+    tri_cross(e[1], e[2], n);
+    float det = tri_dot(r->d, n), all = (w[0] + w[1]) + w[2];
+#if MUTANT == MUTANT_BACK_LOST
+    bool back = false;
+#else
+    bool back = det < 0.0f && w[0] <= 0.0f && w[1] <= 0.0f && w[2] <= 0.0f && all < 0.0f;
+#endif
+    bool front = det > 0.0f && w[0] >= 0.0f && w[1] >= 0.0f && w[2] >= 0.0f && all > 0.0f;
+    if (!(front || back))
+        return false;
+#if MUTANT == MUTANT_T_HALVED
+    out->t = tri_dot(a[0], n) / all;
+#else
+    out->t = tri_dot(a[0], n) / det;
+#endif
+    out->u = w[1] / all;
+    out->v = w[2] / all;
+    return true;
+}
+
+#endif
