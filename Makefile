@@ -28,6 +28,11 @@ CPPFLAGS += -I. -I$(B)/gen -DRAYDIFF_VERSION='"$(VERSION)"' -DHAVE_EMBREE=$(or $
 CFLAGS   := -std=c17 $(OPT_$(config)) $(WARN) $(FP) -fopenmp $(CFLAGS_EXTRA)
 LDLIBS   := $(if $(HAVE_EMBREE),-lembree$(HAVE_EMBREE)) -ljansson -lpng -lz -ldl -lm -lpthread
 
+# Only the program is linked with these, and only it compiles anew when they come or go.
+HAVE_GLSLANG := $(if $(wildcard /usr/include/glslang/Include/glslang_c_interface.h),1,0)
+GLSLANG_LIBS := $(if $(filter 1,$(HAVE_GLSLANG)),-lglslang -lMachineIndependent -lGenericCodeGen -lOSDependent \
+                  -lOGLCompiler -lSPIRV -lglslang-default-resource-limits -lSPIRV-Tools-opt -lSPIRV-Tools -lstdc++)
+
 # Files named cmd_* are the program's, fuzz/fuzz_* have entry points of their own, all others of these
 # folders are the library's.
 LIB_SRC  := $(foreach file,$(wildcard ref/*.c ref/*/*.c gpu/*.c scenes/*.c scenes/*/*.c bench/*.c tests/hard/*.c fuzz/*.c),\
@@ -36,7 +41,7 @@ CMD_SRC  := raydiff.c $(wildcard */cmd_*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
 SHADERS  := $(wildcard shaders/*.comp)
 
-GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c templates.c) # the library's, made
+GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c templates.c glsl_sources.c) # the library's, made
 LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 TESTS    := $(TEST_SRC:tests/%.c=$(B)/tests/%)
@@ -63,14 +68,14 @@ tests: $(TESTS) $(SAMPLES)
 spv: $(SPV)
 
 $(B)/raydiff: $(CMD_OBJ) $(B)/libraydiff.a
-	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS)
+	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(GLSLANG_LIBS)
 
 $(B)/libraydiff.a: $(LIB_OBJ)
 	@rm -f $@
 	$(AR) rcs $@ $^
 
 # Everything is compiled anew when the command changes, the tables when a member comes or goes.
-$(B)/obj/%.o: %.c $(B)/gen/flags | $(B)/gen/counts.h $(B)/gen/have_sdl2.h
+$(B)/obj/%.o: %.c $(B)/gen/flags | $(B)/gen/counts.h $(B)/gen/have_sdl2.h $(B)/gen/have_glslang.h
 	@mkdir -p $(@D)
 	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
@@ -88,6 +93,8 @@ $(B)/gen/counts.h: FORCE
 # installing them compiles nothing else anew.
 $(B)/gen/have_sdl2.h: FORCE
 	$(call written,'#define HAVE_SDL2 $(if $(wildcard /usr/include/SDL2/SDL.h),1,0)')
+$(B)/gen/have_glslang.h: FORCE
+	$(call written,'#define HAVE_GLSLANG $(HAVE_GLSLANG)')
 .PHONY: FORCE
 
 # The baseline is part of the program, so that an installed one has it.
@@ -139,6 +146,15 @@ $(B)/gen/templates.c: $(TEMPLATES) Makefile
 	{ echo '#include "fuzz/export_template.h"'; \
 	  echo 'const struct export_template export_templates[] = {'; \
 	  for file in $(TEMPLATES); do printf '{"%s",\n' "$${file##*/}"; \
+	      sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $$file; echo '},'; done; \
+	  echo '{0, 0}};'; } >$@
+
+# The text of our shaders, for those that are compiled at run time.
+GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl)) ref/abi.h ref/mutant.h
+$(B)/gen/glsl_sources.c: $(GLSL_TEXTS) Makefile
+	@mkdir -p $(@D)
+	@{ echo '#include "gpu/glsl_text.h"'; echo 'const struct glsl_source glsl_sources[] = {'; \
+	  for file in $(GLSL_TEXTS); do printf '{"%s",\n' "$${file#shaders/}"; \
 	      sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $$file; echo '},'; done; \
 	  echo '{0, 0}};'; } >$@
 
@@ -210,7 +226,7 @@ selftest-quick:
 	$(B)/raydiff fuzz --self-test --only $(QUICK_NAMES) $(ARGS)
 
 mutants: all tests
-	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS)' MAKE_CMD='$(MAKE)' sh tests/mutants.sh $(B)
+	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS) $(GLSLANG_LIBS)' MAKE_CMD='$(MAKE)' sh tests/mutants.sh $(B)
 
 lint:
 	@sh tests/rules.sh

@@ -13,9 +13,9 @@ $(SELFTEST)/$(1).$(basename $(notdir $(2)))/unit.o: $(2) $(B)/gen/flags
 endef
 # Of a shader: its SPIR-V in the place of the healthy one's. The tool that decorates it can be the bug.
 define plant_shader
-$(SELFTEST)/$(1).$(2)/tool: shaders/spirv_tool.c ref/mutant.h
+$(SELFTEST)/$(1).$(2)/tool: $(TOOL_SRC) ref/mutant.h
 	@mkdir -p $$(@D)
-	$$(HOSTCC) -I. -std=c17 -O1 $$(WARN) -DMUTANT=MUTANT_$(1) -o $$@ $$<
+	$$(HOSTCC) -I. -std=c17 -O1 $$(WARN) -DMUTANT=MUTANT_$(1) -o $$@ $(TOOL_SRC)
 $(SELFTEST)/$(1).$(2)/raw/$(2).spv: shaders/$(2).comp
 	@mkdir -p $$(@D)
 	$$(GLSLANG) --quiet -V --target-env vulkan1.1 -g0 -DMUTANT=MUTANT_$(1) -I. -Ishaders \
@@ -34,7 +34,7 @@ $(foreach one,$(PLANTED),$(eval PLANTED_DIRS += \
     $(SELFTEST)/$(word 1,$(subst :, ,$(one))).$(basename $(notdir $(word 2,$(subst :, ,$(one)))))))
 
 $(SELFTEST)/%/raydiff: $(SELFTEST)/%/unit.o $(CMD_OBJ) $(B)/libraydiff.a
-	$(CC) $(CFLAGS) -s -o $@ $(CMD_OBJ) $< $(B)/libraydiff.a $(LDLIBS)
+	$(CC) $(CFLAGS) -s -o $@ $(CMD_OBJ) $< $(B)/libraydiff.a $(LDLIBS) $(GLSLANG_LIBS)
 
 $(SELFTEST)/selftest.txt: fuzz/selftest.txt
 	@mkdir -p $(@D)

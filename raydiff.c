@@ -1,4 +1,5 @@
 /* The front door: names, summaries and functions of the sub-commands, nothing else. */
+#include "fuzz/plugin_shader.h"
 #include "ref/command.h"
 
 #include <string.h>
@@ -57,6 +58,7 @@ int main(int argc, char **argv)
         print_help(stdout);
         return EXIT_AGREE;
     }
+    plugin_compile_with(cmd_glsl_compile);
     for (const struct command *command = commands; command->name; command++)
         if (strcmp(argv[1], command->name) == 0)
             return command->run(argc - 1, argv + 1);

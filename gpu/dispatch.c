@@ -43,9 +43,10 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
                  .capacity = 1},
     };
     enum status status = stack_class(packed, &out->constant[ABI_SPEC_STACK], reason);
-    if (!status && !out->shader)
-        status = fail(reason, STATUS_UNSUPPORTED, "vulkan: there is no shader for layout %s",
-                      packed->layout->name);
+    if (!status && !out->shader) {
+        shader_why_not(layout->name, reason);
+        status = STATUS_UNSUPPORTED;
+    }
     return status;
 }
 

@@ -43,6 +43,18 @@
 #define ABI_QUERY_ANY          1u
 #define ABI_QUERY_ALL          2u
 
+/* ABI_SPEC_LAYOUT_0 and _1 of the layouts grid2, grid4 and grid8: number format and frame. */
+#define ABI_NUMBER_F32  0u
+#define ABI_NUMBER_F16  1u
+#define ABI_NUMBER_BF16 2u
+#define ABI_NUMBER_U8   3u
+#define ABI_NUMBER_U10  4u
+#define ABI_NUMBER_U12  5u
+#define ABI_NUMBER_U16  6u
+#define ABI_FRAME_WORLD 0u
+#define ABI_FRAME_SCENE 1u
+#define ABI_FRAME_NODE  2u
+
 /* Descriptor bindings, set 0. */
 #define ABI_BIND_RAYS  0 /* struct ray[] */
 #define ABI_BIND_HITS  1 /* struct hit[]: one a ray, or push.capacity */

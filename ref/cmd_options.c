@@ -1,6 +1,8 @@
 #define _POSIX_C_SOURCE 200809L /* fdopen, strdup */
 #include "ref/cmd_options.h"
 
+#include "fuzz/plugin_guard.h"
+#include "fuzz/plugin_shader.h"
 #include "ref/command.h"
 
 #include <fcntl.h>
@@ -34,11 +36,15 @@ enum status engine_option_take(int option, const char *text, struct engine_optio
     case OPT_PEER_TIME:
         status = parse_count("--peer-time", text, 1, 86400, &n, reason);
         out->peer_ms = (uint32_t)(1000 * n);
+        plugin_limits(out->peer_ms, out->peer_mb);
         return status;
     case OPT_PEER_MEMORY:
         status = parse_count("--peer-memory", text, 0, 1u << 24, &n, reason);
         out->peer_mb = n ? (uint32_t)n : UINT32_MAX;
+        plugin_limits(out->peer_ms, out->peer_mb);
         return status;
+    case OPT_SHADER:
+        return plugin_shader_take(text, reason);
     case OPT_DRIVER:
         out->driver = text;
         return STATUS_OK;
@@ -125,6 +131,13 @@ enum status options_out(const char *path, struct file_out *out, struct reason *r
     return fail(reason, STATUS_INPUT, "-: cannot write to the standard output");
 }
 
+/* An option was wrong, or what it names did not survive being tried. */
+static int option_error(const char *command, enum status status, const struct reason *reason)
+{
+    int code = usage_error(command, "%s", reason->text);
+    return status == STATUS_DEVICE ? EXIT_ENGINE : code;
+}
+
 int options_take(const char *command, void (*print_help)(void), const struct option *table,
                  option_fn *take, void *user, int argc, char **argv, int *first)
 {
@@ -141,9 +154,11 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
             return usage_error(command, "unknown option or missing value: '%s'", argv[optind - 1]);
         if (optarg && strcmp(optarg, "-") == 0 && !take_dash(table[index].name, &reason))
             return usage_error(command, "%s", reason.text);
-        if (take(user, option, optarg, &reason))
-            return usage_error(command, "%s", reason.text);
+        enum status status = take(user, option, optarg, &reason);
+        if (status)
+            return option_error(command, status, &reason);
     }
     *first = optind;
-    return -1;
+    enum status status = plugin_shader_settle(&reason);
+    return status ? option_error(command, status, &reason) : -1;
 }

@@ -14,6 +14,7 @@ enum {
     OPT_WORKGROUP,
     OPT_PEER_TIME,
     OPT_PEER_MEMORY,
+    OPT_SHADER,
     OPT_BVH, /* see ref/cmd_tree.h */
     OPT_BINS,
     OPT_RADIUS,
@@ -26,7 +27,7 @@ enum {
     {"threads", 1, NULL, OPT_THREADS}, {"driver", 1, NULL, OPT_DRIVER},                            \
         {"device", 1, NULL, OPT_DEVICE}, {"workgroup", 1, NULL, OPT_WORKGROUP},                    \
         {"peer-time", 1, NULL, OPT_PEER_TIME}, {"peer-memory", 1, NULL, OPT_PEER_MEMORY},          \
-        {"help", 0, NULL, OPT_HELP},                                                               \
+        {"shader", 1, NULL, OPT_SHADER}, {"help", 0, NULL, OPT_HELP},                              \
     {                                                                                              \
         NULL, 0, NULL, 0                                                                           \
     }
@@ -38,8 +39,10 @@ enum {
     "                  JSON file, or part of a driver's or device's name\n"                        \
     "  --device N      Vulkan: device by the number that raydiff doctor gives\n"                   \
     "  --workgroup N   Vulkan: rays per workgroup                                [64]\n"           \
-    "  --peer-time S   pipe:COMMAND: seconds that it may take for a request      [60]\n"           \
-    "  --peer-memory M pipe:COMMAND: its address space in MB, 0 is no limit      [8192]\n"
+    "  --peer-time S   pipe:COMMAND: seconds that it may take for a request; --layout FILE.so:\n"  \
+    "                  for packing a tree                                        [60]\n"           \
+    "  --peer-memory M their address space in MB, 0 is no limit                  [8192]\n"         \
+    "  --shader FILE   GLSL of a layout from outside, --layout FILE.so, for engine vulkan\n"
 
 /* How trees are built beyond builder, leaf size and eps: entries of a getopt_long table, before
  * ENGINE_OPTIONS, and what they mean. */

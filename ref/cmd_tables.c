@@ -2,6 +2,8 @@
 #include "ref/cmd_tables.h"
 
 #include "fuzz/pipe.h"
+#include "fuzz/plugin_guard.h"
+#include "fuzz/plugin_shader.h"
 #include "fuzz/recorded.h"
 #include "ref/engine.h"
 #include "scenes/rays.h"
@@ -90,7 +92,9 @@ static enum status unknown(enum table table, const char *flag, const char *name,
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one);
     return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s%s", flag,
                 (int)(length > 60 ? 60 : length), name, table_name(table), known,
-                table == TABLE_ENGINES ? ", pipe:COMMAND" : "");
+                table == TABLE_ENGINES   ? ", pipe:COMMAND"
+                : table == TABLE_LAYOUTS ? ", ./FILE.so"
+                                         : "");
 }
 
 /* Of queries, "all" is one. */
@@ -133,6 +137,28 @@ static enum status add_engine(enum table table, const char *flag, const char *te
     return status ? fail(reason, STATUS_INPUT, "%s: %s", flag, why.text) : STATUS_OK;
 }
 
+/* Puts the layout of "PATH.so" into the table, if that is what is named; then that is the name. */
+static enum status add_plugin(enum table table, const char *flag, const char **text, size_t *length,
+                              struct reason *reason)
+{
+    char path[512];
+    const struct layout *layout;
+    struct reason why = {""};
+    size_t suffix = strlen(PLUGIN_SUFFIX);
+    if (table != TABLE_LAYOUTS || *length <= suffix || *length >= sizeof path ||
+        memcmp(*text + *length - suffix, PLUGIN_SUFFIX, suffix) != 0)
+        return STATUS_OK;
+    snprintf(path, sizeof path, "%.*s", (int)*length, *text);
+    enum status status = plugin_open(path, &layout, &why);
+    if (!status)
+        status = plugin_shader_layout(layout, &why);
+    if (status)
+        return fail(reason, status, "%s: %s", flag, why.text);
+    *text = layout->name;
+    *length = strlen(layout->name);
+    return STATUS_OK;
+}
+
 /* Adds the members that the name of `length` characters names or matches; their number in *added.
  */
 static enum status add_members(enum table table, const char *flag, const char *text, size_t length,
@@ -171,9 +197,13 @@ enum status table_parse(enum table table, const char *flag, const char *text, st
         text = "*";
     for (const char *at = text;; at++) {
         size_t length = name_length(table, at);
+        const char *name = at;
+        size_t name_is = length;
         enum status status = add_engine(table, flag, at, length, reason);
         if (!status)
-            status = add_members(table, flag, at, length, out, reason);
+            status = add_plugin(table, flag, &name, &name_is, reason);
+        if (!status)
+            status = add_members(table, flag, name, name_is, out, reason);
         if (status)
             return status;
         at += length;

@@ -37,8 +37,8 @@ struct list table_all(enum table table);
 /* Parses "a,b" or "all", which is table_all (of queries one member, not the whole table); "every"
  * is the whole table, and a name with * or ? all members that it matches. Of engines,
  * "pipe:COMMAND" is one, too, and is then in the table; a command may hold commas, but not
- * ",pipe:". Errors: STATUS_INPUT with the flag, the unknown name and the known ones; a member named
- * twice. */
+ * ",pipe:". Of layouts, "PATH.so" is one from outside (fuzz/plugin_guard.h). Errors: STATUS_INPUT
+ * with the flag, the unknown name and the known ones; a member named twice; as plugin_open. */
 enum status table_parse(enum table table, const char *flag, const char *text, struct list *out,
                         struct reason *reason) MUST_USE;
 

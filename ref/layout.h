@@ -55,10 +55,12 @@ struct layout {
     const char *summary;
     uint32_t node_bytes; /* bytes of one record */
     uint32_t width;      /* children of an inner node at most: 2 (binary), 4 or 8 */
+    bool slots;          /* leaves have no records, see load; always so if width > 2 */
     uint32_t refs; /* references for each record, no more than it has words; 0: 1, of a wide layout
                       1 + width */
     enum visit order;
     bool faithful; /* reproduces the seed or its paper, faults included */
+    bool outside;  /* a plugin's (ref/plugin_layout.h): what it packs is as deep as it decodes */
     /* Layouts of a family share their functions and one shader. `shader` is the name of the file
      * shaders/trace_SHADER.comp, NULL: the layout's own name. */
     const char *shader;
@@ -88,8 +90,16 @@ struct layout {
 /* NULL-terminated: the layouts that every product runs over. */
 extern const struct layout *const layouts[];
 
-/* NULL-terminated: these, in the same order, then the other members of families. */
+/* NULL-terminated: these, in the same order, then the other members of families, then what
+ * layout_add added. */
 extern const struct layout *const *const layouts_all;
+
+#define LAYOUTS_ADDED_MOST 4
+
+/* Adds a layout at the end of layouts_all; borrowed until the program ends. For programs, while no
+ * other thread looks at the table. Errors: STATUS_INPUT there is one of that name; STATUS_LIMIT
+ * more than LAYOUTS_ADDED_MOST. */
+enum status layout_add(const struct layout *layout, struct reason *reason) MUST_USE;
 
 /* Returns the layout of that name, of all, or NULL. */
 const struct layout *layout_find(const char *name);
@@ -100,18 +110,25 @@ static inline const char *layout_shader(const struct layout *layout)
     return layout->shader ? layout->shader : layout->name;
 }
 
+/* True if its nodes are traversed as wide ones: children pushed in order, leaves without records.
+ */
+static inline bool layout_is_wide(const struct layout *layout)
+{
+    return layout->width > 2 || layout->slots;
+}
+
 /* References for each record: packed.ref_count is that times packed.node_count. */
 static inline uint32_t layout_refs(const struct layout *layout)
 {
     if (layout->refs)
         return layout->refs;
-    return layout->width > 2 ? 1 + layout->width : 1;
+    return layout_is_wide(layout) ? 1 + layout->width : 1;
 }
 
 /* Entries that the traversal stack of a layout has at most. */
 static inline uint32_t layout_stack_most(const struct layout *layout)
 {
-    return layout->width > 2 ? ABI_STACK_WIDE : ABI_STACK_MAX;
+    return layout_is_wide(layout) ? ABI_STACK_WIDE : ABI_STACK_MAX;
 }
 
 /* True if there is a node `ref` in the packed words. */

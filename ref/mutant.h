@@ -184,6 +184,12 @@
 #define MUTANT_WIDE_UNSORTED       400 /* children of a wide node wait in the order of slots */
 #define MUTANT_WIDE_ONE_LOST       401 /* where five children of a wide node are hit, one is lost */
 #define MUTANT_COVER_FILTER        420 /* exact cover check: no error is allowed for in double */
+#define MUTANT_GRID_INWARD         450 /* grid: bounds are one code too far inward */
+#define MUTANT_GRID_SUM_ROUNDED    451 /* grid: a bound is chosen by its rounded sum */
+#define MUTANT_GRID_SUBNORMAL      452 /* grid: a bound may decode to a subnormal */
+#define MUTANT_GRID_STRADDLE       453 /* shader: 12-bit codes that lie in two words are cut */
+#define MUTANT_GRID_ITEM_BASE      454 /* grid: items of a node's second leaf are the first's */
+#define MUTANT_GRID_SCALE_OF_X     455 /* shader: every axis has the scale of x */
 #define MUTANT_PAIRS_UNMET         505 /* a covering array ends before all pairs met */
 #define MUTANT_HTML_UNESCAPED      360 /* report: text stands in the page as it is */
 #define MUTANT_HTML_LEFT_OPEN      361 /* report: cells of tables are not closed */
@@ -193,10 +199,20 @@
 #define MUTANT_PICTURE_BELIEVED    365 /* report: a damaged picture is taken as it is */
 #define MUTANT_REPLAY_FORGOTTEN    366 /* report: a finding has no line that plays it again */
 #define MUTANT_ITEMS_UNCOUNTED     367 /* report: size against speed without the item array */
-#define MUTANT_EXPONENT_SHORT  460 /* cwbvh80: a node's exponents are one too small */
-#define MUTANT_PLANE_INWARD    461 /* cwbvh80: upper planes are one step too low */
-#define MUTANT_CHILD_ORDER     462 /* cwbvh80, shader: children that are nodes in reverse order */
+#define MUTANT_EXPONENT_SHORT      460 /* cwbvh80: a node's exponents are one too small */
+#define MUTANT_PLANE_INWARD        461 /* cwbvh80: upper planes are one step too low */
+#define MUTANT_CHILD_ORDER         462 /* cwbvh80, shader: children that are nodes in reverse order */
 #define MUTANT_GROW_DEPTH          410 /* builders: the depth is not bounded */
 #define MUTANT_GROW_BOUNDS         411 /* a node's box lacks its second child's */
+#define MUTANT_PLUGIN_SIZES        480 /* what a plugin says of its arrays' sizes is not looked at */
+#define MUTANT_PLUGIN_EMPTY_LEAF   481 /* a plugin's leaves may have no items */
+#define MUTANT_PLUGIN_BELIEVED     482 /* a plugin's nodes are not looked at one by one */
+#define MUTANT_PLUGIN_UNCHECKED    483 /* what a plugin packed is not checked against the scene */
+#define MUTANT_PLUGIN_REFS_RAW     484 /* a plugin's references are passed on as they are */
+#define MUTANT_PLUGIN_EXCUSED      485 /* a plugin's boxes may be too small */
+#define MUTANT_PLUGIN_ANY_VERSION  486 /* a plugin of another version is taken */
+#define MUTANT_PLUGIN_DEATH_UNSEEN 487 /* a plugin that crashed is said to have no memory */
+#define MUTANT_GLSL_LINES_LOST     488 /* errors in a plugin's shader at lines of the whole text */
+#define MUTANT_GLSL_NOT_PINNED     489 /* a plugin's shader is traced as it was compiled */
 
 #endif

@@ -46,7 +46,7 @@ static enum status find_stack_need(const struct bvh *bvh, struct packed *packed,
     const char *name = packed->layout->name;
     uint32_t depth = 0;
     uint32_t most = layout_stack_most(packed->layout);
-    bool wide = packed->layout->width > 2;
+    bool wide = layout_is_wide(packed->layout) || packed->layout->outside;
     enum status status = wide ? decoded_depth(packed, &depth) : tree_depth(bvh, &depth);
     if (!status && depth > most)
         return fail(reason, STATUS_LIMIT,

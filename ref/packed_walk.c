@@ -24,7 +24,7 @@ static void expand(const struct packed *packed, struct packed_walk *walk, uint8_
     packed->layout->load(packed, walk->visit[i].ref, &node);
     if (node.item_count > 0 && node.child_count == 0)
         return;
-    uint32_t least = packed->layout->width > 2 ? 1 : 2;
+    uint32_t least = layout_is_wide(packed->layout) ? 1 : 2;
     if (node.child_count < least) {
         if (walk->bad_refs == 0)
             walk->bad_ref = walk->visit[i].ref;
@@ -32,7 +32,7 @@ static void expand(const struct packed *packed, struct packed_walk *walk, uint8_
     }
     /* A wide node pushes all its children before the nearest is taken. */
     uint32_t pushed = walk->visit[i].stack + node.child_count;
-    if (packed->layout->width > 2 && pushed > walk->stack_most)
+    if (layout_is_wide(packed->layout) && pushed > walk->stack_most)
         walk->stack_most = pushed;
     for (uint32_t c = 0; c < node.child_count; c++) {
         struct packed_visit child = {.ref = node.child[c],

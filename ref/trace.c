@@ -196,8 +196,8 @@ static inline __attribute__((always_inline)) enum status walk_tree(struct walk *
         if (node->child_count == 0) {
             if (walk_leaf(w, tri_id, node))
                 return STATUS_OK;
-        } else if (packed->layout->width > 2 ? !walk_wide(w, box_id, node)
-                                             : !walk_inner(w, box_id, node, &next, &descend)) {
+        } else if (layout_is_wide(packed->layout) ? !walk_wide(w, box_id, node)
+                                                  : !walk_inner(w, box_id, node, &next, &descend)) {
             return STATUS_LIMIT;
         }
         if (!descend && !walk_pop(w, box_id, &next))

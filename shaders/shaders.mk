@@ -7,9 +7,10 @@ MUTANT  ?= 0
 
 TOOL := $(B)/spirv_tool
 
-$(TOOL): shaders/spirv_tool.c ref/mutant.h
+TOOL_SRC := shaders/spirv_tool.c gpu/spirv_fix.c ref/base.c
+$(TOOL): $(TOOL_SRC) gpu/spirv_fix.h ref/base.h ref/mutant.h
 	@mkdir -p $(@D)
-	$(HOSTCC) -I. -std=c17 -O1 $(WARN) -DMUTANT=$(MUTANT) -o $@ $<
+	$(HOSTCC) -I. -std=c17 -O1 $(WARN) -DMUTANT=$(MUTANT) -o $@ $(TOOL_SRC)
 
 # A layout's renderer is made of its file alone: $(RENDERED).
 $(RENDERED:%=$(B)/gen/%.comp): $(B)/gen/render_%.comp: shaders/shaders.mk

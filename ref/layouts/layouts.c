@@ -1,3 +1,5 @@
+#include "ref/layouts/grid.h"
+
 #include "ref/layout.h"
 
 #include "counts.h"
@@ -7,19 +9,45 @@
 extern const struct layout layout_f32, layout_rf16;
 extern const struct layout layout_rtrs_direct, layout_rtrs_rf, layout_rtrs_rf_paper;
 extern const struct layout layout_cwbvh80;
+#define DECLARE(width, format, FORMAT, frame, FRAME)                                               \
+    extern const struct layout GRID_SYMBOL(width, format, frame);
+GRID_MEMBERS(DECLARE)
 
 #define CORE &layout_f32, &layout_rf16, &layout_rtrs_direct, &layout_rtrs_rf, &layout_rtrs_rf_paper
 
-/* Members of families beside the first: a family is one file. */
-#define MORE_OF_FAMILIES 0
+/* All of the program's own. */
+#define POINT(width, format, FORMAT, frame, FRAME) &GRID_SYMBOL(width, format, frame),
+#define OWN                                        CORE, &layout_cwbvh80, GRID_MEMBERS(POINT)
+
+/* What is not a file layout_NAME of its own: the grid family, which has a shader for each width;
+ * and members of other families beside the first. */
+#define ONE(width, format, FORMAT, frame, FRAME) +1
+#define GRID_COUNT                               (0 GRID_MEMBERS(ONE))
+#define GRID_SHADERS                             3
+#define MORE_OF_FAMILIES                         0
 
 const struct layout *const layouts[] = {CORE, NULL};
-static const struct layout *const all[] = {CORE, &layout_cwbvh80, NULL};
-const struct layout *const *const layouts_all = all;
-_Static_assert(ARRAY_COUNT(all) - 1 - MORE_OF_FAMILIES == LAYOUT_FILES,
+static const struct layout *const own[] = {OWN};
+_Static_assert(ARRAY_COUNT(own) - MORE_OF_FAMILIES - GRID_COUNT == LAYOUT_FILES,
                "a ref/layouts/layout_*.c has no entry");
-_Static_assert(TRACE_SHADERS == LAYOUT_FILES,
+_Static_assert(TRACE_SHADERS == LAYOUT_FILES + GRID_SHADERS,
                "a layout has no shaders/trace_*.comp, or one too many");
+
+static const struct layout *all[ARRAY_COUNT(own) + LAYOUTS_ADDED_MOST + 1] = {OWN};
+static size_t added;
+
+const struct layout *const *const layouts_all = all;
+
+enum status layout_add(const struct layout *layout, struct reason *reason)
+{
+    if (layout_find(layout->name))
+        return fail(reason, STATUS_INPUT, "there is a layout '%s' already", layout->name);
+    if (added == LAYOUTS_ADDED_MOST)
+        return fail(reason, STATUS_LIMIT, "%s: more than %d layouts beside the program's own",
+                    layout->name, LAYOUTS_ADDED_MOST);
+    all[ARRAY_COUNT(own) + added++] = layout;
+    return STATUS_OK;
+}
 
 const struct layout *layout_find(const char *name)
 {

@@ -1,0 +1,367 @@
+#include "ref/layouts/grid.h"
+
+#include "ref/layouts/common.h"
+#include "ref/mutant.h"
+#include "ref/wide_tree.h"
+
+#include <math.h>
+#include <string.h>
+
+#define SLOT_INNER 0x80u
+#define SLOT_EMPTY 0xFFu
+#define SLOT_ITEMS 5 /* where the bits of a leaf's number of items begin */
+
+/* What a member is. */
+struct grid {
+    const struct number_format *format;
+    uint32_t frame; /* ABI_FRAME_* */
+};
+
+/* Words of a record before its codes, and of the codes. */
+#define HEAD_WORDS(width, frame) (2 + ((width) + 3) / 4 + ((frame) == ABI_FRAME_NODE ? 4 : 0))
+#define CODE_WORDS(width, bits)  ((bits) == 10 ? 2 * (width) : (6 * (width) * (bits) + 31) / 32)
+
+static uint32_t head_words(const struct grid *grid, uint32_t width)
+{
+    return HEAD_WORDS(width, grid->frame);
+}
+
+static const struct grid *grid_of(const struct layout *layout)
+{
+    return layout->family;
+}
+
+/* --- words ------------------------------------------------------------------------------------ */
+
+/* Where code `index` of a record begins: word and bit. */
+static uint32_t code_place(const struct number_format *format, uint32_t index, uint32_t *bit)
+{
+    if (format->bits == 10) {
+        *bit = index % 3 * 10;
+        return index / 3;
+    }
+    *bit = index * format->bits % 32;
+    return index * format->bits / 32;
+}
+
+static void put_code(const struct number_format *format, uint32_t *codes, uint32_t index,
+                     uint32_t code)
+{
+    uint32_t bit, word = code_place(format, index, &bit);
+    codes[word] |= code << bit;
+    if (bit + format->bits > 32)
+        codes[word + 1] |= code >> (32 - bit);
+}
+
+static uint32_t get_code(const struct number_format *format, const uint32_t *codes, uint32_t index)
+{
+    uint32_t bit, word = code_place(format, index, &bit);
+    uint64_t both = codes[word];
+    if (bit + format->bits > 32)
+        both |= (uint64_t)codes[word + 1] << 32;
+    return (uint32_t)(both >> bit & (((uint64_t)1 << format->bits) - 1));
+}
+
+static void put_frame(const struct number_frame *frame, uint32_t word[4])
+{
+    for (int k = 0; k < 3; k++)
+        word[k] = float_bits(frame->origin[k]);
+    word[3] = frame->scale[0] | frame->scale[1] << 8 | frame->scale[2] << 16;
+}
+
+static struct number_frame get_frame(const uint32_t word[4])
+{
+    struct number_frame frame;
+    for (int k = 0; k < 3; k++) {
+        frame.origin[k] = float_from_bits(word[k]);
+        frame.scale[k] = word[3] >> 8 * k & 255;
+    }
+    return frame;
+}
+
+static uint32_t words_of(const struct layout *layout)
+{
+    return layout->node_bytes / 4;
+}
+
+static const uint32_t *record_at(const struct packed *packed, uint32_t record)
+{
+    return packed->word + (size_t)record * words_of(packed->layout);
+}
+
+/* --- packing ---------------------------------------------------------------------------------- */
+
+/* A tree being packed. */
+struct packing {
+    const struct layout *layout;
+    const struct grid *grid;
+    const struct bvh *bvh;
+    const struct wide_tree *tree;
+    const struct number_frame *scene_frame; /* NULL: none */
+    uint32_t before;                        /* records before the root's */
+    uint32_t item_count;                    /* items placed */
+    struct packed *out;
+};
+
+static enum status refuse_bounds(const struct packing *p, const struct box *box,
+                                 struct reason *reason)
+{
+    const struct number_format *format = p->grid->format;
+    float most = p->grid->frame == ABI_FRAME_WORLD ? format->number(format->last)
+                                                   : ldexpf(1, NUMBER_FRAME_MOST);
+    float worst = 0;
+    for (int k = 0; k < 3; k++) {
+        worst = box->lo[k] < -most ? box->lo[k] : worst;
+        worst = box->hi[k] > most ? box->hi[k] : worst;
+    }
+    if (worst == 0)
+        return fail(reason, STATUS_LIMIT,
+                    "%s: a box of the tree is not within the box of the node above it",
+                    p->layout->name);
+    return fail(reason, STATUS_LIMIT,
+                "%s: a bound is at most %.9g in magnitude, the tree has %.9g; scale or move the "
+                "scene, or use layout f32",
+                p->layout->name, (double)most, (double)worst);
+}
+
+static struct box bounds_of(const struct wide_tree *tree, const struct wide_node *node)
+{
+    struct box all = box_empty();
+    for (uint32_t i = 0; i < node->count; i++)
+        box_add_box(&all, &tree->child[node->first + i].bounds);
+    return all;
+}
+
+static enum status put_box(const struct packing *p, const struct number_frame *frame,
+                           const struct box *box, uint32_t slot, uint32_t *codes,
+                           struct reason *reason)
+{
+    const struct number_format *format = p->grid->format;
+    for (uint32_t k = 0; k < 3; k++) {
+        uint32_t lo, hi;
+        if (!number_encode(format, frame, (int)k, box->lo[k], false, &lo) ||
+            !number_encode(format, frame, (int)k, box->hi[k], true, &hi))
+            return refuse_bounds(p, box, reason);
+        put_code(format, codes, 6 * slot + 2 * k, lo);
+        put_code(format, codes, 6 * slot + 2 * k + 1, hi);
+    }
+    return STATUS_OK;
+}
+
+/* The byte of a slot; a leaf's items are placed. */
+static uint32_t put_child(struct packing *p, const struct wide_child *child, uint32_t item_base,
+                          uint32_t *inner)
+{
+    if (child->count == 0)
+        return SLOT_INNER + (*inner)++;
+    uint32_t first = p->item_count - item_base;
+    memcpy(p->out->item + p->item_count, p->bvh->prim + child->first,
+           child->count * sizeof *p->out->item);
+    p->item_count += child->count;
+#if MUTANT == MUTANT_GRID_ITEM_BASE
+    first = 0;
+#endif
+    return (child->count - 1) << SLOT_ITEMS | first;
+}
+
+static enum status put_node(struct packing *p, uint32_t index, struct reason *reason)
+{
+    const struct wide_node *node = &p->tree->node[index];
+    uint32_t *word = p->out->word + (size_t)(index + p->before) * words_of(p->layout);
+    uint32_t *codes = word + head_words(p->grid, p->layout->width);
+    const struct number_frame *frame = p->scene_frame;
+    struct number_frame own;
+    if (p->grid->frame == ABI_FRAME_NODE) {
+        struct box bounds = bounds_of(p->tree, node);
+        if (!number_frame_make(p->grid->format, &bounds, &own))
+            return refuse_bounds(p, &bounds, reason);
+        put_frame(&own, codes - 4);
+        frame = &own;
+    }
+    uint32_t inner = 0;
+    enum status status = STATUS_OK;
+    word[1] = p->item_count;
+    for (uint32_t slot = 0; slot < p->layout->width; slot++) {
+        uint32_t byte = SLOT_EMPTY;
+        if (slot < node->count && !status) {
+            const struct wide_child *child = &p->tree->child[node->first + slot];
+            if (child->count == 0 && inner == 0)
+                word[0] = child->first + p->before;
+            byte = put_child(p, child, word[1], &inner);
+            status = put_box(p, frame, &child->bounds, slot, codes, reason);
+        }
+        word[2 + slot / 4] |= byte << slot % 4 * 8;
+    }
+    return status;
+}
+
+static enum status put_tree(struct packing *p, struct reason *reason)
+{
+    struct number_frame frame;
+    uint64_t records = (uint64_t)p->tree->node_count + p->before;
+    uint32_t width = p->layout->width;
+    if (records * (1 + width) > UINT32_MAX)
+        return fail(reason, STATUS_LIMIT,
+                    "%s: %llu records are more than %u; use a wider layout, or layout f32",
+                    p->layout->name, (unsigned long long)records, UINT32_MAX / (1 + width));
+    enum status status = layout_alloc(p->layout->name, records, words_of(p->layout),
+                                      p->bvh->prim_count, p->out, reason);
+    if (status)
+        return status;
+    p->out->ref_count = p->out->node_count * (1 + width);
+    p->out->root = p->before;
+    if (p->grid->frame == ABI_FRAME_SCENE) {
+        struct box bounds = bounds_of(p->tree, &p->tree->node[0]);
+        if (!number_frame_make(p->grid->format, &bounds, &frame))
+            return refuse_bounds(p, &bounds, reason);
+        put_frame(&frame, p->out->word);
+        p->scene_frame = &frame;
+    }
+    for (uint32_t i = 0; i < p->tree->node_count && !status; i++)
+        status = put_node(p, i, reason);
+    return status;
+}
+
+static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
+                        struct packed *out, struct reason *reason)
+{
+    const struct wide_rule rule = {
+        .width = self->width, .leaf_most = GRID_LEAF_MOST, .node_cost = 1};
+    struct wide_tree tree = {0};
+    enum status status = layout_check_finite(self->name, bvh, scene, reason);
+    if (!status)
+        status = wide_tree_make(bvh, scene, &rule, &tree, reason);
+    if (!status) {
+        struct packing p = {.layout = self,
+                            .grid = grid_of(self),
+                            .bvh = bvh,
+                            .tree = &tree,
+                            .before = grid_of(self)->frame == ABI_FRAME_SCENE ? 1 : 0,
+                            .out = out};
+        status = put_tree(&p, reason);
+    }
+    wide_tree_free(&tree);
+    return status;
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+static uint32_t slot_byte(const uint32_t *word, uint32_t slot)
+{
+    return word[2 + slot / 4] >> slot % 4 * 8 & 255;
+}
+
+static struct box slot_box(const struct packed *packed, uint32_t record, uint32_t slot)
+{
+    const struct grid *grid = grid_of(packed->layout);
+    const uint32_t *word = record_at(packed, record);
+    const uint32_t *codes = word + head_words(grid, packed->layout->width);
+    struct number_frame frame = get_frame(grid->frame == ABI_FRAME_NODE ? codes - 4 : packed->word);
+    const struct number_frame *used = grid->frame == ABI_FRAME_WORLD ? NULL : &frame;
+    struct box box;
+    for (uint32_t k = 0; k < 3; k++) {
+        uint32_t lo = get_code(grid->format, codes, 6 * slot + 2 * k);
+        uint32_t hi = get_code(grid->format, codes, 6 * slot + 2 * k + 1);
+        box.lo[k] = number_decode(grid->format, used, (int)k, lo);
+        box.hi[k] = number_decode(grid->format, used, (int)k, hi);
+    }
+    return box;
+}
+
+/* What stands in a slot: a reference; false if nothing, or a record that there is not. */
+static bool slot_ref(const struct packed *packed, uint32_t record, uint32_t slot, uint32_t *ref)
+{
+    const uint32_t *word = record_at(packed, record);
+    uint32_t byte = slot_byte(word, slot);
+    *ref = packed->node_count + packed->layout->width * record + slot;
+    if (byte < SLOT_INNER)
+        return true;
+    *ref = word[0] + (byte - SLOT_INNER);
+    return byte < SLOT_INNER + WIDE_MAX && *ref < packed->node_count;
+}
+
+static void load(const struct packed *packed, uint32_t ref, struct wide *out)
+{
+    uint32_t width = packed->layout->width;
+    out->child_count = out->item_first = out->item_count = 0;
+    if (ref >= packed->node_count) {
+        uint32_t slot = (ref - packed->node_count) % width;
+        const uint32_t *word = record_at(packed, (ref - packed->node_count) / width);
+        uint32_t byte = slot_byte(word, slot);
+        if (byte >= SLOT_INNER)
+            return;
+        out->item_first = word[1] + (byte & 31);
+        out->item_count = (byte >> SLOT_ITEMS) + 1;
+        return;
+    }
+    for (uint32_t slot = 0; slot < width; slot++) {
+        uint32_t child;
+        if (!slot_ref(packed, ref, slot, &child))
+            continue;
+        out->child[out->child_count] = child;
+        out->box[out->child_count++] = slot_box(packed, ref, slot);
+    }
+}
+
+static struct box box(const struct packed *packed, uint32_t ref)
+{
+    uint32_t width = packed->layout->width;
+    if (ref >= packed->node_count)
+        return slot_box(packed, (ref - packed->node_count) / width,
+                        (ref - packed->node_count) % width);
+    struct wide node;
+    struct box all = box_empty();
+    load(packed, ref, &node);
+    for (uint32_t i = 0; i < node.child_count; i++)
+        box_add_box(&all, &node.box[i]);
+    return all;
+}
+
+static uint32_t item(const struct packed *packed, uint32_t slot)
+{
+    return slot < packed->item_count ? packed->item[slot] : ABI_NO_PRIM;
+}
+
+/* --- the members ------------------------------------------------------------------------------ */
+
+#define CHILDREN_2 "2 children"
+#define CHILDREN_4 "4 children"
+#define CHILDREN_8 "8 children"
+#define IN_world   ""
+#define IN_scene   " in the scene's frame"
+#define IN_node    " in each node's frame"
+#define BITS_f32   32
+#define BITS_f16   16
+#define BITS_bf16  16
+#define BITS_u8    8
+#define BITS_u10   10
+#define BITS_u12   12
+#define BITS_u16   16
+#define AS_f32     "float32"
+#define AS_f16     "float16"
+#define AS_bf16    "bfloat16"
+#define AS_u8      "8-bit integers"
+#define AS_u10     "10-bit integers"
+#define AS_u12     "12-bit integers"
+#define AS_u16     "16-bit integers"
+
+#define MEMBER(children, format_, FORMAT, frame_, FRAME)                                           \
+    extern const struct layout GRID_SYMBOL(children, format_, frame_);                             \
+    const struct layout GRID_SYMBOL(children, format_, frame_) = {                                 \
+        .name = "bvh" #children "_" #format_ "_" #frame_,                                          \
+        .summary = CHILDREN_##children ", bounds as " AS_##format_ IN_##frame_,                    \
+        .node_bytes =                                                                              \
+            4 * (HEAD_WORDS(children, ABI_FRAME_##FRAME) + CODE_WORDS(children, BITS_##format_)),  \
+        .width = children,                                                                         \
+        .slots = true,                                                                             \
+        .order = VISIT_NEAR,                                                                       \
+        .shader = "grid" #children,                                                                \
+        .family = &(const struct grid){&number_##format_, ABI_FRAME_##FRAME},                      \
+        .constant = {ABI_NUMBER_##FORMAT, ABI_FRAME_##FRAME},                                      \
+        .pack = pack,                                                                              \
+        .load = load,                                                                              \
+        .box = box,                                                                                \
+        .item = item,                                                                              \
+    };
+
+GRID_MEMBERS(MEMBER)

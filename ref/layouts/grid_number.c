@@ -1,0 +1,234 @@
+#include "ref/layouts/grid_number.h"
+
+#include "ref/abi.h"
+#include "ref/half.h"
+#include "ref/mutant.h"
+
+#include <float.h>
+#include <math.h>
+
+#define BIAS 127
+
+/* --- formats ---------------------------------------------------------------------------------- */
+
+static float float_number(uint32_t code)
+{
+    return float_from_bits(code);
+}
+
+static float half_number(uint32_t code)
+{
+    return half_to_float((struct half){(uint16_t)code});
+}
+
+/* The upper half of a float32. */
+static float bfloat_number(uint32_t code)
+{
+    return float_from_bits(code << 16);
+}
+
+static float whole_number(uint32_t code)
+{
+    return (float)code;
+}
+
+#define UNORM(n)                                                                                   \
+    {                                                                                              \
+        .name = "u" #n, .id = ABI_NUMBER_U##n, .bits = n, .first = 1, .last = (1u << n) - 1,       \
+        .top = n - 1, .scale_low = -126, .scale_high = 128 - n, .number = whole_number             \
+    }
+
+const struct number_format number_f32 = {.name = "f32",
+                                         .id = ABI_NUMBER_F32,
+                                         .bits = 32,
+                                         .sign = 0x80000000u,
+                                         .first = 0x00800000u,
+                                         .last = 0x7F7FFFFFu,
+                                         .top = 127,
+                                         .number = float_number};
+const struct number_format number_f16 = {.name = "f16",
+                                         .id = ABI_NUMBER_F16,
+                                         .bits = 16,
+                                         .sign = 0x8000u,
+                                         .first = 0x0400u,
+                                         .last = 0x7BFFu,
+                                         .top = 15,
+                                         .scale_low = -112,
+                                         .scale_high = 111,
+                                         .number = half_number};
+/* As wide a range as float32: a scale would only make things subnormal or infinite. */
+const struct number_format number_bf16 = {.name = "bf16",
+                                          .id = ABI_NUMBER_BF16,
+                                          .bits = 16,
+                                          .sign = 0x8000u,
+                                          .first = 0x0080u,
+                                          .last = 0x7F7Fu,
+                                          .top = 127,
+                                          .number = bfloat_number};
+const struct number_format number_u8 = UNORM(8), number_u10 = UNORM(10);
+const struct number_format number_u12 = UNORM(12), number_u16 = UNORM(16);
+
+const struct number_format *const number_formats[] = {
+    &number_f32, &number_f16, &number_bf16, &number_u8, &number_u10, &number_u12, &number_u16, NULL,
+};
+
+/* --- decoding --------------------------------------------------------------------------------- */
+
+static float scale_of(const struct number_frame *frame, int axis)
+{
+    return float_from_bits(frame->scale[axis] << 23);
+}
+
+float number_decode(const struct number_format *format, const struct number_frame *frame, int axis,
+                    uint32_t code)
+{
+    float number = format->number(code);
+    if (!frame)
+        return number;
+    float scaled = number * scale_of(frame, axis);
+    return frame->origin[axis] + scaled;
+}
+
+/* --- encoding --------------------------------------------------------------------------------- */
+
+/* Codes in the order of their numbers: rank 0 is zero. */
+static int64_t most_rank(const struct number_format *format)
+{
+    return (int64_t)format->last - format->first + 1;
+}
+
+static int64_t least_rank(const struct number_format *format)
+{
+    return format->sign ? -most_rank(format) : 0;
+}
+
+static uint32_t code_of(const struct number_format *format, int64_t rank)
+{
+    if (rank == 0)
+        return 0;
+    if (rank > 0)
+        return (uint32_t)(rank - 1) + format->first;
+    return format->sign | ((uint32_t)(-rank - 1) + format->first);
+}
+
+/* Exactly what stands at a rank: the sum of two doubles, of which the first is the rounded sum
+ * (Knuth 1969, two-sum; nothing overflows). */
+struct exact {
+    double sum, rest;
+};
+
+static struct exact exact_at(const struct number_format *format, const struct number_frame *frame,
+                             int axis, int64_t rank)
+{
+    double x = (double)format->number(code_of(format, rank));
+    if (!frame)
+        return (struct exact){x, 0};
+    x *= (double)scale_of(frame, axis);
+    double a = (double)frame->origin[axis], sum = a + x;
+    double b = sum - a;
+    return (struct exact){sum, (a - (sum - b)) + (x - b)};
+}
+
+static bool is_at_least(struct exact value, double bound, bool equal_too)
+{
+#if MUTANT == MUTANT_GRID_SUM_ROUNDED
+    value = (struct exact){(double)(float)value.sum, 0};
+#endif
+    if (value.sum != bound)
+        return value.sum > bound;
+    return equal_too ? value.rest >= 0 : value.rest > 0;
+}
+
+/* The first rank that stands at `bound` or, unless `equal_too`, beyond it; most_rank + 1: none. */
+static int64_t first_rank(const struct number_format *format, const struct number_frame *frame,
+                          int axis, double bound, bool equal_too)
+{
+    int64_t low = least_rank(format), high = most_rank(format) + 1;
+    while (low < high) {
+        int64_t middle = low + (high - low) / 2;
+        if (is_at_least(exact_at(format, frame, axis, middle), bound, equal_too))
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+static bool is_subnormal(double x)
+{
+    return x != 0 && fabs(x) < (double)FLT_MIN;
+}
+
+bool number_encode(const struct number_format *format, const struct number_frame *frame, int axis,
+                   float bound, bool up, uint32_t *code)
+{
+    double target = (double)bound;
+    *code = 0;
+    /* A device may take a subnormal for 0, which is inward of one of both signs: at most twice the
+     * next bound outward is none. */
+    for (;;) {
+        int64_t rank = first_rank(format, frame, axis, target, up);
+        rank -= up ? 0 : 1;
+        if (rank < least_rank(format) || rank > most_rank(format))
+            return false;
+#if MUTANT == MUTANT_GRID_INWARD
+        rank -= rank > 1 ? (up ? 1 : -1) : 0;
+#endif
+        double value = exact_at(format, frame, axis, rank).sum;
+        *code = code_of(format, rank);
+#if MUTANT == MUTANT_GRID_SUBNORMAL
+        return true;
+#endif
+        if (!is_subnormal(value))
+            return true;
+        if (up)
+            target = value < 0 ? 0 : (double)FLT_MIN;
+        else
+            target = value > 0 ? 0 : -(double)FLT_MIN;
+    }
+}
+
+/* --- frames ----------------------------------------------------------------------------------- */
+
+/* A bound that is no subnormal, outward; not -0. */
+static float normal_bound(float bound, bool up)
+{
+    if (!is_subnormal((double)bound))
+        return bound + 0.0f;
+    if (up == (bound < 0))
+        return 0;
+    return up ? FLT_MIN : -FLT_MIN;
+}
+
+static bool make_axis(const struct number_format *format, float lo, float hi, int axis,
+                      struct number_frame *out)
+{
+    uint32_t code;
+    double middle = (double)lo / 2 + (double)hi / 2;
+    float origin = format->sign ? (float)middle : lo;
+    out->origin[axis] = is_subnormal((double)origin) ? 0 : origin + 0.0f;
+    double extent = fmax((double)hi - (double)origin, (double)origin - (double)lo);
+    int scale = format->scale_low;
+    if (extent > 0 && ilogb(extent) - format->top - 1 > scale)
+        scale = ilogb(extent) - format->top - 1;
+    for (; scale <= format->scale_high; scale++) {
+        out->scale[axis] = (uint32_t)(scale + BIAS);
+        if (number_encode(format, out, axis, lo, false, &code) &&
+            number_encode(format, out, axis, hi, true, &code))
+            return true;
+    }
+    return false;
+}
+
+bool number_frame_make(const struct number_format *format, const struct box *box,
+                       struct number_frame *out)
+{
+    float most = ldexpf(1, NUMBER_FRAME_MOST);
+    *out = (struct number_frame){0};
+    for (int k = 0; k < 3; k++) {
+        float lo = normal_bound(box->lo[k], false), hi = normal_bound(box->hi[k], true);
+        if (!(lo >= -most && lo <= hi && hi <= most) || !make_axis(format, lo, hi, k, out))
+            return false;
+    }
+    return true;
+}
