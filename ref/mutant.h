@@ -214,5 +214,9 @@
 #define MUTANT_PLUGIN_DEATH_UNSEEN 487 /* a plugin that crashed is said to have no memory */
 #define MUTANT_GLSL_LINES_LOST     488 /* errors in a plugin's shader at lines of the whole text */
 #define MUTANT_GLSL_NOT_PINNED     489 /* a plugin's shader is traced as it was compiled */
+#define MUTANT_BLOCK_CORNER        440 /* fast: vertices from the ninth on are taken for others */
+#define MUTANT_CODE_NEAREST        441 /* fast: upper bounds are a step too low */
+#define MUTANT_FAST_UNPADDED       442 /* fast: boxes without their padding */
+#define MUTANT_FAST_CONTRACTED     443 /* fast: an edge function is contracted */
 
 #endif

@@ -1,0 +1,112 @@
+#include "ref/fast/block.h"
+#include "ref/fast/fast.h"
+#include "ref/primitives/primitives.h"
+
+/* One ray's way through a tree. */
+struct way {
+    const struct fast_tree *tree;
+    struct slab_ray slab;
+    struct tri_ray tri;
+    enum query query;
+    struct hit best;
+    float tbest;
+    struct hit *list; /* QUERY_ALL */
+    uint32_t capacity, found;
+};
+
+static struct box decoded(const struct fast_tree *tree, const struct fast_node *node, uint32_t i)
+{
+    struct box box;
+    for (int k = 0; k < 3; k++) {
+        double lo = (double)tree->lo[k], step = (double)tree->step[k];
+        box.lo[k] = (float)(lo + step * node->bound[0][k][i]);
+        box.hi[k] = (float)(lo + step * node->bound[1][k][i]);
+    }
+    return box;
+}
+
+/* Returns true if the query is answered. */
+static bool visit_leaf(struct way *way, uint32_t ref)
+{
+    const uint32_t *word = way->tree->block + (ref & (FAST_LEAF_WORDS - 1));
+    uint32_t vertices = (ref >> FAST_LEAF_COUNT & 15u) + 1;
+    for (uint32_t i = 0; i < BLOCK_TRIS; i++) {
+        float v[3][3];
+        struct hit hit;
+        for (int c = 0; c < 3; c++)
+            block_corner(word, vertices, i, c, v[c]);
+        if (!tri_test_run(ABI_TRI_WOOP, &way->tri, v, &hit))
+            continue;
+        hit.prim = block_prim(word, vertices, i);
+        if (way->query == QUERY_ALL) {
+            if (way->found < way->capacity)
+                way->list[way->found] = hit;
+            way->found++;
+            continue;
+        }
+        if (way->best.prim != ABI_NO_PRIM && !(hit.t < way->best.t))
+            continue;
+        way->best = hit;
+        way->tbest = hit.t;
+        if (way->query == QUERY_ANY)
+            return true;
+    }
+    return false;
+}
+
+static void walk(struct way *way)
+{
+    const struct fast_tree *tree = way->tree;
+    uint32_t ref[FAST_STACK + FAST_WIDTH];
+    float entry[FAST_STACK + FAST_WIDTH];
+    uint32_t depth = 0;
+    ref[depth] = 0;
+    entry[depth++] = way->tbest;
+    while (depth > 0) {
+        uint32_t now = ref[--depth];
+        if (entry[depth] > way->tbest)
+            continue;
+        if (now & FAST_LEAF) {
+            if (visit_leaf(way, now))
+                return;
+            continue;
+        }
+        const struct fast_node *node = &tree->node[now];
+        for (uint32_t i = 0; i < FAST_WIDTH; i++) {
+            struct box box = decoded(tree, node, i);
+            if (node->ref[i] != 0 && slab_watertight(&way->slab, &box, way->tbest, &entry[depth]))
+                ref[depth++] = node->ref[i];
+        }
+    }
+}
+
+/* Finds the way's answer; what it is to list is set already. */
+static void start(struct way *way, const struct fast_tree *tree, const struct ray *ray,
+                  enum query query)
+{
+    way->tree = tree;
+    way->slab = slab_ray_make(ray);
+    way->tri = tri_ray_make(ray);
+    way->query = query;
+    way->best = (struct hit){.prim = ABI_NO_PRIM};
+    way->tbest = ray->tmax;
+    if (tree->node_count == 0)
+        return;
+    slab_ray_place(&way->slab, &tree->bounds);
+    walk(way);
+}
+
+void fast_careful(const struct fast_tree *tree, const struct ray *ray, bool any, struct hit *hit)
+{
+    struct way way = {.list = NULL};
+    start(&way, tree, ray, any ? QUERY_ANY : QUERY_CLOSEST);
+    *hit = way.best;
+}
+
+uint32_t fast_all(const struct fast_tree *tree, const struct ray *ray, uint32_t capacity,
+                  struct hit *hit)
+{
+    struct way way = {.list = hit, .capacity = capacity};
+    start(&way, tree, ray, QUERY_ALL);
+    return way.found;
+}

@@ -1,0 +1,167 @@
+#include "ref/fast/fast.h"
+
+#include "ref/fast/block.h"
+#include "ref/mutant.h"
+#include "ref/wide_tree.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CODE_MOST 65535
+
+/* A leaf costs as much as a node: all its triangles are tested together. */
+static float leaf_cost(void *self, const uint32_t *prim, uint32_t count)
+{
+    struct block block;
+    return block_make(*(const struct scene **)self, prim, count, &block) ? 1.0f : INFINITY;
+}
+
+/* The frame: the box of the scene in CODE_MOST steps of 8 significant bits, so that a step times a
+ * code is exact in float. */
+static void find_frame(struct fast_tree *tree, const struct box *bounds)
+{
+    float most = 0;
+    tree->bounds = *bounds;
+    for (int k = 0; k < 3; k++) {
+        double extent = (double)bounds->hi[k] - (double)bounds->lo[k];
+        int exponent;
+        double part = frexp(extent / CODE_MOST, &exponent);
+        float step = (float)ldexp(floor(part * 128) + 1, exponent - 7);
+        tree->lo[k] = bounds->lo[k];
+        tree->step[k] = extent == 0 ? 0 : step < FLT_MIN ? FLT_MIN : step;
+        tree->extent[k] = tree->step[k] * (CODE_MOST + 1);
+        most = tree->extent[k] > most ? tree->extent[k] : most;
+    }
+    /* Absent children are missed by a ray that is nearer, see CONTRIBUTING. */
+    tree->reach = most > 0x1p-60f ? most * 0x1p16f : 0;
+}
+
+/* The largest code at or below b; exact in double: the sum of a float and a float of few bits. */
+static uint16_t code_down(const struct fast_tree *tree, int k, float b)
+{
+    double lo = (double)tree->lo[k], step = (double)tree->step[k];
+    if (step == 0)
+        return 0;
+    double code = floor(((double)b - lo) / step);
+    code = code < 0 ? 0 : code > CODE_MOST ? CODE_MOST : code;
+    while (code > 0 && lo + code * step > (double)b)
+        code--;
+    return (uint16_t)code;
+}
+
+/* The smallest code at or above b. */
+static uint16_t code_up(const struct fast_tree *tree, int k, float b)
+{
+    double lo = (double)tree->lo[k], step = (double)tree->step[k];
+    if (step == 0)
+        return 0;
+    double code = ceil(((double)b - lo) / step);
+    code = code < 0 ? 0 : code > CODE_MOST ? CODE_MOST : code;
+#if MUTANT != MUTANT_CODE_NEAREST
+    while (code < CODE_MOST && lo + code * step < (double)b)
+        code++;
+#else
+    code = code > 0 ? code - 1 : code;
+#endif
+    return (uint16_t)code;
+}
+
+/* --- nodes and blocks ---------------------------------------------------------------------------- */
+
+static uint64_t count_words(const struct wide_tree *wide, const struct bvh *bvh,
+                            const struct scene *scene)
+{
+    uint64_t words = 0;
+    for (uint32_t i = 0; i < wide->child_count; i++) {
+        const struct wide_child *child = &wide->child[i];
+        struct block block;
+        if (child->count && block_make(scene, bvh->prim + child->first, child->count, &block))
+            words += block_words(&block);
+    }
+    return words;
+}
+
+static uint32_t add_block(struct fast_tree *tree, const uint32_t *prim, uint32_t count,
+                          const struct scene *scene)
+{
+    struct block block;
+    uint32_t first = (uint32_t)tree->block_words;
+    (void)block_make(scene, prim, count, &block); /* fits: the collapse asked */
+    block_write(&block, tree->block + first);
+    tree->block_words += block_words(&block);
+    return FAST_LEAF | (block.vertex_count - 1) << FAST_LEAF_COUNT | first;
+}
+
+static void fill_node(struct fast_tree *tree, const struct wide_tree *wide, uint32_t index,
+                      const struct bvh *bvh, const struct scene *scene)
+{
+    struct fast_node node = {.ref = {0}};
+    for (uint32_t i = 0; i < FAST_WIDTH; i++) {
+        if (i >= wide->node[index].count) {
+            for (int k = 0; k < 3; k++)
+                node.bound[0][k][i] = CODE_MOST;
+            continue;
+        }
+        const struct wide_child *child = &wide->child[wide->node[index].first + i];
+        for (int k = 0; k < 3; k++) {
+            node.bound[0][k][i] = code_down(tree, k, child->bounds.lo[k]);
+            node.bound[1][k][i] = code_up(tree, k, child->bounds.hi[k]);
+        }
+        node.ref[i] = child->count
+                          ? add_block(tree, bvh->prim + child->first, child->count, scene)
+                          : child->first;
+    }
+    tree->node[index] = node;
+}
+
+static enum status fill(struct fast_tree *tree, const struct wide_tree *wide,
+                        const struct bvh *bvh, const struct scene *scene, struct reason *reason)
+{
+    uint64_t words = count_words(wide, bvh, scene);
+    if (wide->stack_need > FAST_STACK)
+        return fail(reason, STATUS_LIMIT,
+                    "fast: the traversal stack holds %u entries, this tree needs %u; use another "
+                    "builder",
+                    FAST_STACK, wide->stack_need);
+    if (words > FAST_LEAF_WORDS)
+        return fail(reason, STATUS_LIMIT, "fast: leaves of %llu MB, at most %u MB fit",
+                    (unsigned long long)(words >> 18), FAST_LEAF_WORDS >> 18);
+    /* A kernel reads whole vectors: rows of vertices end at most so far beyond the last block. */
+    tree->block = alloc_zeroed(words + BLOCK_VERTICES, sizeof *tree->block);
+    tree->node = aligned_alloc(sizeof *tree->node, wide->node_count * sizeof *tree->node);
+    if (!tree->block || !tree->node)
+        return fail(reason, STATUS_MEMORY, "fast: no memory for %u nodes", wide->node_count);
+    find_frame(tree, &wide->bounds);
+    tree->node_count = wide->node_count;
+    tree->stack_need = wide->stack_need;
+    for (uint32_t i = 0; i < wide->node_count; i++)
+        fill_node(tree, wide, i, bvh, scene);
+    return STATUS_OK;
+}
+
+enum status fast_make(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
+                      struct reason *reason)
+{
+    struct wide_rule rule = {.width = FAST_WIDTH,
+                             .leaf_most = BLOCK_TRIS,
+                             .node_cost = 1,
+                             .leaf_cost = leaf_cost,
+                             .self = &scene};
+    struct wide_tree wide;
+    *out = (struct fast_tree){.node = NULL};
+    enum status status = wide_tree_make(bvh, scene, &rule, &wide, reason);
+    if (!status && wide.node_count > 0)
+        status = fill(out, &wide, bvh, scene, reason);
+    wide_tree_free(&wide);
+    if (status)
+        fast_free(out);
+    return status;
+}
+
+void fast_free(struct fast_tree *tree)
+{
+    free(tree->node);
+    free(tree->block);
+    *tree = (struct fast_tree){.node = NULL};
+}

@@ -1,0 +1,114 @@
+/* The traversal by AVX-512: rows of 16 vertices in a register, children sorted in one. */
+#include "ref/fast/fast.h"
+
+#if defined(__x86_64__)
+
+#define KERNEL_TARGET                                                                              \
+    __attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi,bmi2,lzcnt,popcnt")))
+#define INLINE KERNEL_TARGET static inline __attribute__((always_inline))
+#include "ref/fast/vectors.h"
+#include "ref/fast/vectors_avx2.h"
+
+INLINE uint32_t less(float8 a, float8 b)
+{
+    return _mm256_cmp_ps_mask((__m256)a, (__m256)b, _CMP_LT_OQ);
+}
+
+INLINE uint32_t not_above(float8 a, float8 b)
+{
+    return _mm256_cmp_ps_mask((__m256)a, (__m256)b, _CMP_LE_OQ);
+}
+
+INLINE uint32_t unequal(float8 a, float8 b)
+{
+    return _mm256_cmp_ps_mask((__m256)a, (__m256)b, _CMP_NEQ_OQ);
+}
+
+INLINE float8 lane8(float4 v, int k)
+{
+    return (float8)_mm256_permutexvar_ps(_mm256_set1_epi32(k), _mm256_castps128_ps256((__m128)v));
+}
+
+INLINE float16 lane16(float4 v, int k)
+{
+    return (float16)_mm512_permutexvar_ps(_mm512_set1_epi32(k), _mm512_castps128_ps512((__m128)v));
+}
+
+INLINE float16 vertices(const uint32_t *row, uint32_t count)
+{
+    return (float16)_mm512_maskz_loadu_ps((__mmask16)_bzhi_u32(0xFFFF, count), row);
+}
+
+typedef __m256i codes8;
+
+/* The higher bits of a lane are of the next codes; a permutation of 16 lanes reads the lowest 4. */
+INLINE codes8 codes(uint32_t word)
+{
+    return _mm256_srlv_epi32(_mm256_set1_epi32((int)word),
+                             _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
+}
+
+INLINE float8 corners(float16 row, codes8 code, uint32_t count)
+{
+    (void)count;
+    __m512 all = _mm512_permutexvar_ps(_mm512_castsi256_si512(code), (__m512)row);
+    return (float8)_mm512_castps512_ps256(all);
+}
+
+#define ORDER(k, p, smaller) _mm_blend_epi32(_mm_max_epu32(k, p), _mm_min_epu32(k, p), smaller)
+#define ORDER8(k, p, smaller)                                                                      \
+    _mm256_blend_epi32(_mm256_max_epu32(k, p), _mm256_min_epu32(k, p), smaller)
+
+/* Larger first: in each step the lanes in `smaller` take the smaller of a pair. */
+INLINE __m128i sort4(__m128i k)
+{
+    k = ORDER(k, _mm_shuffle_epi32(k, 0xB1), 0xA);
+    k = ORDER(k, _mm_shuffle_epi32(k, 0x4E), 0xC);
+    return ORDER(k, _mm_shuffle_epi32(k, 0xD8), 0x4);
+}
+
+INLINE __m256i sort8(__m256i k)
+{
+    k = ORDER8(k, _mm256_shuffle_epi32(k, 0xB1), 0xAA);
+    k = ORDER8(k, _mm256_shuffle_epi32(k, 0x4E), 0xCC);
+    k = ORDER8(k, _mm256_shuffle_epi32(k, 0xD8), 0x44);
+    k = ORDER8(k, _mm256_permutexvar_epi32(_mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0), k), 0xF0);
+    k = ORDER8(k, _mm256_shuffle_epi32(k, 0x4E), 0xCC);
+    return ORDER8(k, _mm256_shuffle_epi32(k, 0xB1), 0xAA);
+}
+
+/* As push_each; absent lanes are 0 and come last. */
+INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32_t mask,
+                     float8 entry)
+{
+    uint32_t count = (uint32_t)__builtin_popcount(mask);
+    __m256i k = _mm256_andnot_si256(_mm256_set1_epi32(7), (__m256i)entry);
+    k = _mm256_or_si256(k, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    k = _mm256_maskz_compress_epi32((__mmask8)mask, k);
+    k = count <= 4 ? _mm256_zextsi128_si256(sort4(_mm256_castsi256_si128(k))) : sort8(k);
+    __m256i refs = _mm256_loadu_si256((const __m256i *)(const void *)child);
+    _mm256_storeu_si256((__m256i *)(void *)key, k);
+    _mm256_storeu_si256((__m256i *)(void *)ref, _mm256_permutexvar_epi32(k, refs));
+    return count;
+}
+
+INLINE uint32_t push_any(uint32_t *ref, const uint32_t *child, uint32_t mask)
+{
+    uint32_t rest = mask & (mask - 1);
+    __m256i refs = _mm256_loadu_si256((const __m256i *)(const void *)child);
+    _mm256_storeu_si256((__m256i *)(void *)ref, _mm256_maskz_compress_epi32((__mmask8)rest, refs));
+    return (uint32_t)__builtin_popcount(rest);
+}
+
+#include "ref/fast/walk.h"
+
+static bool runs(void)
+{
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+           __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+           __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+}
+
+const struct fast_kernel fast_avx512 = {"avx512", runs, closest, any_hit};
+
+#endif

@@ -1,0 +1,292 @@
+/* The traversal, once for every kind of processor. The file that includes it defines KERNEL_TARGET
+ * (an attribute, or nothing) and INLINE, and these on the vectors of ref/fast/vectors.h:
+ *   planes      8 codes as floats              fma8       a * b + c, rounded once or twice
+ *   max4, max8  a if a > b, else b             min8       a if a < b, else b
+ *   bits4       the lanes' sign bits           permute4   the lanes that an index vector names
+ *   lane8       one of 4 lanes in all of 8     lane16     and of 16
+ *   less, unequal, not_above                   bits of the lanes where it is true
+ *   vertices    a row of up to 16 floats       corners    8 of them, by 4-bit codes
+ *   push        the nearer children of three or more, sorted; push_any all but the first
+ * Comparisons with NaN are false, unequal's too. */
+#include "ref/fast/fast.h"
+
+#include "ref/fast/block.h"
+#include "ref/mutant.h"
+
+#include <string.h>
+
+/* Half width of the bounds' padding, of the farthest that anything is from the origin in any axis:
+ * CONTRIBUTING, "Boxes". */
+#if MUTANT == MUTANT_FAST_UNPADDED
+#define FAST_PAD 0.0f
+#else
+#define FAST_PAD 0x1p-19f
+#endif
+
+/* Axes that woop calls x, y, z, by the main axis and whether the ray goes down it. */
+static const int32_t axes_of[6][4] __attribute__((aligned(16))) = {
+    {1, 2, 0, 0}, {2, 1, 0, 0}, {2, 0, 1, 0}, {0, 2, 1, 0}, {0, 1, 2, 0}, {1, 0, 2, 0},
+};
+
+/* What a traversal needs of a ray. */
+struct walk_ray {
+    float8 scale[3], near[3], far[3]; /* t of a bound's code is code * scale + near, or + far */
+    float8 tmin, tbest;
+    size_t near_row[3], far_row[3]; /* where the nearer and the farther bounds are in a node */
+    float16 o[3], shear[3];         /* woop */
+    uint32_t axis[3];
+    float tlimit;      /* only hits with t below it are nearer */
+    uint32_t key_most; /* what waits on the stack with a larger key is farther */
+};
+
+/* The best hit; divided at the end. */
+struct walk_best {
+    float v[8], w[8], det[8];
+    float t;
+    const uint32_t *block; /* NULL: none */
+    uint32_t vertices, lane;
+};
+
+INLINE float4 all4(float x)
+{
+    return (float4){x, x, x, x};
+}
+
+INLINE float4 size4(float4 v)
+{
+    return (float4)((int4)v & 0x7FFFFFFF);
+}
+
+/* The largest of the first three lanes, in these three. */
+INLINE float4 most3(float4 v)
+{
+    return max4(permute4(v, (int4){2, 0, 1, 0}), max4(permute4(v, (int4){1, 2, 0, 0}), v));
+}
+
+INLINE void narrow(struct walk_ray *r, float t)
+{
+    r->tlimit = t;
+    r->tbest = all8(t);
+    r->key_most = float_bits(t) | 7;
+}
+
+/* The nearest float above tmax, so that a first hit at tmax itself is below it. */
+INLINE float above(float tmax)
+{
+    uint32_t bits = float_bits(tmax);
+    return float_from_bits(bits + (bits < 0x7F800000u));
+}
+
+INLINE void prepare_woop(struct walk_ray *r, float4 o, float4 d, uint32_t main, uint32_t signs)
+{
+    const int32_t *axes = axes_of[2 * main + (signs >> main & 1)];
+    int4 order;
+    memcpy(&order, axes, sizeof order);
+    float4 from = permute4(o, order), to = permute4(d, order);
+    float4 over = {to[0], to[1], 1, 1};
+    float4 shear = over / all4(to[2]);
+    for (int k = 0; k < 3; k++) {
+        r->o[k] = lane16(from, k);
+        r->shear[k] = lane16(shear, k);
+        r->axis[k] = (uint32_t)axes[k];
+    }
+}
+
+/* Returns false if the ray is not for this kernel: NaN, infinite, or numbers that could overflow or
+ * underflow below. A direction without extent in an axis gets one of 2^-60 of its largest: the
+ * padding of that axis is then beyond any hit. */
+INLINE bool prepare(struct walk_ray *r, const struct fast_tree *tree, const struct ray *ray)
+{
+    float4 o, d, lo, step, extent;
+    memcpy(&o, (const char *)ray + offsetof(struct ray, org), sizeof o); /* and tmin */
+    memcpy(&d, (const char *)ray + offsetof(struct ray, dir), sizeof d); /* and tmax */
+    memcpy(&lo, tree->lo, sizeof lo);
+    memcpy(&step, tree->step, sizeof step);
+    memcpy(&extent, tree->extent, sizeof extent);
+    float4 size = size4(d), largest = most3(size);
+    float4 safe = max4(largest * 0x1p-60f, size);
+    safe = (float4)((int4)safe | ((int4)d & INT32_MIN));
+    float4 inverse = 1.0f / safe;
+    float4 away = lo - o, off = away * inverse;
+    float4 most = most3(size4(away) + extent);
+    float4 span = most * size4(inverse);
+    float4 pad = span * FAST_PAD;
+    uint32_t fine = bits4((float4)(size4(off) + span < all4(0x1p100f))) & 7;
+    if (!(fine == 7 && most[0] < tree->reach && largest[0] >= 0x1p-40f && largest[0] <= 0x1p40f &&
+          ray->tmin >= 0.0f && ray->tmax >= ray->tmin))
+        return false;
+    uint32_t signs = bits4(d);
+    float4 scale = step * inverse, near = off - pad, far = off + pad;
+    for (int k = 0; k < 3; k++) {
+        bool down = signs >> k & 1;
+        r->scale[k] = lane8(scale, k);
+        r->near[k] = lane8(near, k);
+        r->far[k] = lane8(far, k);
+        r->near_row[k] = (size_t)((down ? 3 : 0) + k) * FAST_WIDTH;
+        r->far_row[k] = (size_t)((down ? 0 : 3) + k) * FAST_WIDTH;
+    }
+    uint32_t is_largest = bits4((float4)(size == largest)) & 7;
+    prepare_woop(r, o, d, (uint32_t)__builtin_ctz(is_largest), signs);
+    r->tmin = all8(ray->tmin + 0.0f); /* -0 becomes 0: keys are compared as integers */
+    narrow(r, above(ray->tmax));
+    return true;
+}
+
+/* Bits of the children that the ray meets in its range, and where. */
+INLINE uint32_t test_node(const struct walk_ray *r, const struct fast_node *node, float8 *entry)
+{
+    const uint16_t *row = node->bound[0][0];
+    float8 nx = fma8(planes(row + r->near_row[0]), r->scale[0], r->near[0]);
+    float8 ny = fma8(planes(row + r->near_row[1]), r->scale[1], r->near[1]);
+    float8 nz = fma8(planes(row + r->near_row[2]), r->scale[2], r->near[2]);
+    float8 fx = fma8(planes(row + r->far_row[0]), r->scale[0], r->far[0]);
+    float8 fy = fma8(planes(row + r->far_row[1]), r->scale[1], r->far[1]);
+    float8 fz = fma8(planes(row + r->far_row[2]), r->scale[2], r->far[2]);
+    *entry = max8(max8(nx, ny), max8(nz, r->tmin));
+    return not_above(*entry, min8(min8(fx, fy), min8(fz, r->tbest)));
+}
+
+/* The child to go on with; the others wait. `mask` is not 0. */
+INLINE uint32_t choose(uint32_t *key, uint32_t *ref, size_t *depth, const struct fast_node *node,
+                       uint32_t mask, float8 entry)
+{
+    uint32_t bits[FAST_WIDTH];
+    uint32_t i = (uint32_t)__builtin_ctz(mask), rest = mask & (mask - 1);
+    if (rest == 0)
+        return node->ref[i];
+    if ((rest & (rest - 1)) == 0) {
+        uint32_t j = (uint32_t)__builtin_ctz(rest);
+        memcpy(bits, &entry, sizeof bits);
+        bool second = bits[j] < bits[i];
+        ref[*depth] = node->ref[second ? i : j];
+        key[(*depth)++] = bits[second ? i : j];
+        return node->ref[second ? j : i];
+    }
+    *depth += push(key + *depth, ref + *depth, node->ref, mask, entry) - 1;
+    return ref[*depth];
+}
+
+/* Keeps the nearest of the triangles in `in`, whose t are in range. */
+INLINE void keep(struct walk_best *best, uint32_t in, float8 t)
+{
+    uint32_t lane = (uint32_t)__builtin_ctz(in);
+    float at[8];
+    memcpy(at, &t, sizeof at);
+    for (uint32_t rest = in & (in - 1); rest; rest &= rest - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(rest);
+        lane = at[i] < at[lane] ? i : lane;
+    }
+    best->lane = lane;
+    best->t = at[lane];
+}
+
+/* Woop's test of all triangles of a leaf, the operations of tri_woop; each vertex is moved and
+ * sheared once. Returns true if one is hit nearer than the best. */
+INLINE bool test_leaf(const struct walk_ray *r, const struct fast_tree *tree, uint32_t leaf,
+                      struct walk_best *best)
+{
+    const uint32_t *block = tree->block + (leaf & (FAST_LEAF_WORDS - 1));
+    uint32_t n = (leaf >> FAST_LEAF_COUNT & 15u) + 1;
+    const uint32_t *row = block + BLOCK_CORNERS;
+    float16 az = vertices(row + r->axis[2] * n, n) - r->o[2];
+    float16 x = vertices(row + r->axis[0] * n, n) - r->o[0] - r->shear[0] * az;
+    float16 y = vertices(row + r->axis[1] * n, n) - r->o[1] - r->shear[1] * az;
+    codes8 c0 = codes(block[0]), c1 = codes(block[1]), c2 = codes(block[2]);
+    float8 x0 = corners(x, c0, n), x1 = corners(x, c1, n), x2 = corners(x, c2, n);
+    float8 y0 = corners(y, c0, n), y1 = corners(y, c1, n), y2 = corners(y, c2, n);
+#if MUTANT == MUTANT_FAST_CONTRACTED
+    float8 w0 = fma8(x2, y1, -(y2 * x1));
+#else
+    float8 w0 = x2 * y1 - y2 * x1;
+#endif
+    float8 w1 = x0 * y2 - y0 * x2;
+    float8 w2 = x1 * y0 - y1 * x0;
+    float8 det = (w0 + w1) + w2, zero = all8(0);
+    uint32_t outside = less(min8(min8(w0, w1), w2), zero) & less(zero, max8(max8(w0, w1), w2));
+    uint32_t in = unequal(det, zero) & ~outside;
+    if (in == 0)
+        return false;
+    float16 z = r->shear[2] * az;
+    float8 t = (w0 * corners(z, c0, n) + w1 * corners(z, c1, n)) + w2 * corners(z, c2, n);
+    t = t / det;
+    in &= not_above(r->tmin, t) & less(t, r->tbest);
+    if (in == 0)
+        return false;
+    keep(best, in, t);
+    memcpy(best->v, &w1, sizeof best->v);
+    memcpy(best->w, &w2, sizeof best->w);
+    memcpy(best->det, &det, sizeof best->det);
+    best->block = block;
+    best->vertices = n;
+    return true;
+}
+
+INLINE void write_hit(const struct walk_best *best, struct hit *hit)
+{
+    uint32_t lane = best->lane;
+    *hit = (struct hit){.prim = ABI_NO_PRIM};
+    if (best->block)
+        *hit = (struct hit){.t = best->t,
+                            .u = best->v[lane] / best->det[lane],
+                            .v = best->w[lane] / best->det[lane],
+                            .prim = block_prim(best->block, best->vertices, lane)};
+}
+
+INLINE void walk(const struct fast_tree *tree, const struct ray *ray, bool any, struct hit *hit)
+{
+    struct walk_ray r;
+    struct walk_best best;
+    /* A vector more than there can be entries: push writes whole ones. */
+    uint32_t ref[FAST_STACK + FAST_WIDTH], key[FAST_STACK + FAST_WIDTH];
+    size_t depth = 0;
+    uint32_t now = 0;
+    if (!prepare(&r, tree, ray)) {
+        fast_careful(tree, ray, any, hit);
+        return;
+    }
+    best.block = NULL;
+    best.lane = 0;
+    for (;;) {
+        while (!(now & FAST_LEAF)) {
+            const struct fast_node *node = &tree->node[now];
+            float8 entry;
+            uint32_t mask = test_node(&r, node, &entry);
+            if (mask == 0)
+                goto pop;
+            if (any) {
+                depth += push_any(ref + depth, node->ref, mask);
+                now = node->ref[__builtin_ctz(mask)];
+            } else {
+                now = choose(key, ref, &depth, node, mask, entry);
+            }
+        }
+        if (test_leaf(&r, tree, now, &best)) {
+            if (any)
+                break;
+            narrow(&r, best.t);
+        }
+    pop:
+        do {
+            if (depth == 0)
+                goto done;
+            depth--;
+        } while (!any && key[depth] > r.key_most);
+        now = ref[depth];
+    }
+done:
+    write_hit(&best, hit);
+}
+
+KERNEL_TARGET static void closest(const struct fast_tree *tree, const struct ray *ray,
+                                  size_t count, struct hit *hit)
+{
+    for (size_t i = 0; i < count; i++)
+        walk(tree, &ray[i], false, &hit[i]);
+}
+
+KERNEL_TARGET static void any_hit(const struct fast_tree *tree, const struct ray *ray, size_t count,
+                                  struct hit *hit)
+{
+    for (size_t i = 0; i < count; i++)
+        walk(tree, &ray[i], true, &hit[i]);
+}
