@@ -11,6 +11,8 @@ OUT := build
 B   := $(if $(filter release,$(config)),$(OUT),$(OUT)/$(config))
 
 WARN := -Wall -Wextra -Wundef -Wconversion -Wvla -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Werror
+# How vectors are passed depends on the processor; functions that take them are all inlined.
+WARN += -Wno-psabi
 # No contraction anywhere: an fma would change the bits that the shaders are compared with.
 # gcc 12.2 takes (double)(float)x for x where it packs two of them in a vector: no packing.
 FP   := -ffp-contract=off -fno-fast-math -fno-tree-slp-vectorize

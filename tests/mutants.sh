@@ -288,6 +288,10 @@ in_shaders BEHIND_FORGOT test_vulkan_watertight
 in_shaders LOST_SLOT check soup --layout rf16 --engine vulkan --leaf 8 --count 5000 --repeat 1
 in_shaders ZERO_IS_EMPTY check platonic --layout rf16 --engine vulkan --count 5000 --repeat 1
 in_program OPEN_EDGES ref/trace.c leaks sphere --layout f32 --engine cpu --box watertight --tri woop --count 4000
+in_test BLOCK_CORNER ref/fast/block.c test_fast
+in_test CODE_NEAREST ref/fast/fast.c test_fast
+in_test FAST_UNPADDED ref/fast/kernel_portable.c test_fast
+in_test FAST_CONTRACTED ref/fast/kernel_avx2.c test_fast
 in_shaders CULLED_ALL test_all_engines
 in_shaders LOST_SLOT test_all_engines
 in_shaders CHILD_ORDER check soup --layout cwbvh80 --engine vulkan --count 5000 --repeat 1

@@ -5,19 +5,19 @@
 #include <string.h>
 
 extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_vulkan_brute,
-    engine_rayquery, engine_embree, engine_embree_robust;
+    engine_rayquery, engine_embree, engine_embree_robust, engine_fast;
 
 /* One file holds both Embree engines; every other file holds one. */
 #define OWN (ENGINE_FILES + 1)
 
 static const struct engine *table[OWN + ENGINES_ADDED_MOST + 1] = {
     &engine_brute,    &engine_cpu,    &engine_vulkan,        &engine_vulkan_brute,
-    &engine_rayquery, &engine_embree, &engine_embree_robust,
+    &engine_rayquery, &engine_embree, &engine_embree_robust, &engine_fast,
 };
 static size_t count = OWN;
 
 /* The last of the table above; adjust it with the list. */
-_Static_assert(OWN == 7, "an engine_*.c is in no table");
+_Static_assert(OWN == 8, "an engine_*.c is in no table");
 
 const struct engine *const *const engines = table;
 

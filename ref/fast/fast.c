@@ -67,7 +67,8 @@ static uint16_t code_up(const struct fast_tree *tree, int k, float b)
     return (uint16_t)code;
 }
 
-/* --- nodes and blocks ---------------------------------------------------------------------------- */
+/* --- nodes and blocks ----------------------------------------------------------------------------
+ */
 
 static uint64_t count_words(const struct wide_tree *wide, const struct bvh *bvh,
                             const struct scene *scene)
@@ -108,15 +109,14 @@ static void fill_node(struct fast_tree *tree, const struct wide_tree *wide, uint
             node.bound[0][k][i] = code_down(tree, k, child->bounds.lo[k]);
             node.bound[1][k][i] = code_up(tree, k, child->bounds.hi[k]);
         }
-        node.ref[i] = child->count
-                          ? add_block(tree, bvh->prim + child->first, child->count, scene)
-                          : child->first;
+        node.ref[i] = child->count ? add_block(tree, bvh->prim + child->first, child->count, scene)
+                                   : child->first;
     }
     tree->node[index] = node;
 }
 
-static enum status fill(struct fast_tree *tree, const struct wide_tree *wide,
-                        const struct bvh *bvh, const struct scene *scene, struct reason *reason)
+static enum status fill(struct fast_tree *tree, const struct wide_tree *wide, const struct bvh *bvh,
+                        const struct scene *scene, struct reason *reason)
 {
     uint64_t words = count_words(wide, bvh, scene);
     if (wide->stack_need > FAST_STACK)

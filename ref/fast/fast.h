@@ -1,7 +1,7 @@
 /* A tree made to be traced fast: 8-wide nodes of 128 bytes, bounds of 16 bits in the scene's frame,
  * leaves of up to 8 triangles that share their vertices (ref/fast/block.h). Woop's test on them has
- * the operations of tri_woop, so that a hit has its bits; boxes are tested as CONTRIBUTING, "Boxes",
- * proves it for the fast ones. Nothing but nodes and blocks is read. */
+ * the operations of tri_woop, so that a hit has its bits; boxes are tested as CONTRIBUTING,
+ * "Boxes", proves it for the fast ones. Nothing but nodes and blocks is read. */
 #ifndef FAST_H
 #define FAST_H
 
@@ -11,8 +11,8 @@
 #define FAST_WIDTH 8u
 #define FAST_STACK 256u /* entries of the traversal's stack */
 
-/* A node. Those of a tree are aligned to their size. Bound q of axis k is lo[k] + step[k] * q of the
- * tree. Absent children have reference 0, lower bounds 65535 and upper bounds 0. */
+/* A node. Those of a tree are aligned to their size. Bound q of axis k is lo[k] + step[k] * q of
+ * the tree. Absent children have reference 0, lower bounds 65535 and upper bounds 0. */
 struct fast_node {
     uint16_t bound[2][3][FAST_WIDTH]; /* lower and upper; axis; child */
     uint32_t ref[FAST_WIDTH];
@@ -60,8 +60,7 @@ struct fast_kernel {
     bool (*runs)(void); /* on this processor */
     void (*closest)(const struct fast_tree *tree, const struct ray *ray, size_t count,
                     struct hit *hit);
-    void (*any)(const struct fast_tree *tree, const struct ray *ray, size_t count,
-                struct hit *hit);
+    void (*any)(const struct fast_tree *tree, const struct ray *ray, size_t count, struct hit *hit);
 };
 
 /* NULL-terminated, the fastest first; the last runs everywhere. */

@@ -1,4 +1,5 @@
-/* The traversal on vectors of the compiler's own, whatever it makes of them: SSE2, NEON, scalars. */
+/* The traversal on vectors of the compiler's own, whatever it makes of them: SSE2, NEON, scalars.
+ */
 #define KERNEL_TARGET
 #define INLINE static inline __attribute__((always_inline))
 #include "ref/fast/vectors.h"

@@ -277,8 +277,8 @@ done:
     write_hit(&best, hit);
 }
 
-KERNEL_TARGET static void closest(const struct fast_tree *tree, const struct ray *ray,
-                                  size_t count, struct hit *hit)
+KERNEL_TARGET static void closest(const struct fast_tree *tree, const struct ray *ray, size_t count,
+                                  struct hit *hit)
 {
     for (size_t i = 0; i < count; i++)
         walk(tree, &ray[i], false, &hit[i]);

@@ -1,0 +1,135 @@
+/* The fast traversal on all cores: any tree that can be unpacked to a binary one, made anew in the
+ * form that ref/fast/fast.h describes. */
+#include "ref/engines/cpu_rays.h"
+#include "ref/fast/fast.h"
+#include "ref/packed_unpack.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define CHUNK 64 /* rays that a thread takes at a time */
+
+struct fast {
+    struct fast_tree tree;
+    const struct fast_kernel *kernel;
+    unsigned threads;
+    enum query query;
+};
+
+static enum status fast_open(const struct engine_options *options, void **self,
+                             struct reason *reason)
+{
+    /* Trees are aligned to vectors. */
+    struct fast *fast = aligned_alloc(_Alignof(struct fast), sizeof *fast);
+    *self = fast;
+    if (!fast)
+        return fail(reason, STATUS_MEMORY, "no memory for an engine");
+    *fast = (struct fast){.kernel = fast_kernel_best(), .threads = cpu_rays_threads(options)};
+    return STATUS_OK;
+}
+
+static void fast_close(void *self)
+{
+    struct fast *fast = self;
+    if (fast)
+        fast_free(&fast->tree);
+    free(fast);
+}
+
+static enum status check_job(const struct job *job, struct reason *reason)
+{
+    if (job->tri->id != ABI_TRI_WOOP)
+        return fail(reason, STATUS_UNSUPPORTED, "fast has the triangle test woop, not %s",
+                    job->tri->name);
+    if (job->box->faithful)
+        return fail(reason, STATUS_UNSUPPORTED, "fast has no box test that loses hits, as %s",
+                    job->box->name);
+    if (job->packed->layout->faithful)
+        return fail(reason, STATUS_UNSUPPORTED, "fast has no layout that loses hits, as %s",
+                    job->packed->layout->name);
+    if (job->packed->layout->width != 2)
+        return fail(reason, STATUS_UNSUPPORTED, "fast makes its tree of a binary one, not of %s",
+                    job->packed->layout->name);
+    return STATUS_OK;
+}
+
+static enum status fast_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    struct fast *fast = self;
+    struct bvh bvh = {.node = NULL};
+    fast_free(&fast->tree);
+    fast->query = job->query;
+    enum status status = check_job(job, reason);
+    if (status || job->packed->node_count == 0)
+        return status;
+    status = packed_unpack(job->packed, job->scene, &bvh, reason);
+    if (status == STATUS_INPUT)
+        return STATUS_UNSUPPORTED; /* a tree from outside that no binary tree is packed to */
+    if (!status)
+        status = fast_make(&bvh, job->scene, &fast->tree, reason);
+    bvh_free(&bvh);
+    return status;
+}
+
+static enum status fast_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                              struct trace_report *report, struct reason *reason)
+{
+    (void)reason;
+    struct fast *fast = self;
+    size_t chunks = (ray_count + CHUNK - 1) / CHUNK;
+    uint64_t start = time_ns();
+#pragma omp parallel for schedule(dynamic, 1) num_threads(fast->threads) if (chunks > 1)
+    for (size_t i = 0; i < chunks; i++) {
+        size_t first = i * CHUNK;
+        size_t count = ray_count - first < CHUNK ? ray_count - first : CHUNK;
+        if (fast->tree.node_count == 0)
+            for (size_t k = first; k < first + count; k++)
+                hit[k] = (struct hit){.prim = ABI_NO_PRIM};
+        else if (fast->query == QUERY_ANY)
+            fast->kernel->any(&fast->tree, ray + first, count, hit + first);
+        else
+            fast->kernel->closest(&fast->tree, ray + first, count, hit + first);
+    }
+    *report =
+        (struct trace_report){.ns = time_ns() - start, .memory_bytes = fast_bytes(&fast->tree)};
+    return STATUS_OK;
+}
+
+static enum status fast_trace_all(void *self, const struct ray *ray, size_t ray_count,
+                                  uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                                  struct reason *reason)
+{
+    (void)reason;
+    struct fast *fast = self;
+#pragma omp parallel for schedule(dynamic, CHUNK) num_threads(fast->threads) if (ray_count > CHUNK)
+    for (size_t i = 0; i < ray_count; i++)
+        hit_count[i] = fast_all(&fast->tree, &ray[i], capacity, hit + i * capacity);
+    return STATUS_OK;
+}
+
+static struct model fast_model(void *self, const struct tri_test *tri)
+{
+    struct model model = cpu_rays_model(self, tri);
+    model.watertight = true;
+    return model;
+}
+
+static void fast_describe(const struct engine_options *options, char *text, size_t text_bytes)
+{
+    snprintf(text, text_bytes, "%u threads, kernel %s, triangle test woop",
+             cpu_rays_threads(options), fast_kernel_best()->name);
+}
+
+extern const struct engine engine_fast;
+const struct engine engine_fast = {
+    .name = "fast",
+    .summary = "C with AVX2 and AVX-512: 8-wide nodes, leaves that share vertices; test woop",
+    .needs_packed = true,
+    .open = fast_open,
+    .prepare = fast_prepare,
+    .trace = fast_trace,
+    .trace_all = fast_trace_all,
+    .model = fast_model,
+    .close = fast_close,
+    .describe = fast_describe,
+};
