@@ -32,7 +32,7 @@ static struct trial trial_of(const struct choice *c)
     strcpy(trial.scene, generators[c->index[TABLE_GENERATORS]]->name);
     if (trial.engine->needs_packed) {
         trial.layout = layouts_all[c->index[TABLE_LAYOUTS]];
-        trial.builder = builders[c->index[TABLE_BUILDERS]];
+        trial.builder = builders_all[c->index[TABLE_BUILDERS]];
         trial.box = box_tests[c->index[TABLE_BOX_TESTS]];
     }
     return trial;
