@@ -202,6 +202,11 @@
 #define MUTANT_EXPONENT_SHORT      460 /* cwbvh80: a node's exponents are one too small */
 #define MUTANT_PLANE_INWARD        461 /* cwbvh80: upper planes are one step too low */
 #define MUTANT_CHILD_ORDER         462 /* cwbvh80, shader: children that are nodes in reverse order */
+#define MUTANT_GROWN_INWARD        463 /* amd64: growth makes boxes smaller */
+#define MUTANT_WIDTH_UNREAD        464 /* amd64, shader: float32 nodes are read as float16 ones */
+#define MUTANT_HALVES_SWAPPED      465 /* half4, shader: of two halves the other one is read */
+#define MUTANT_TOP_BITS_CUT        466 /* tiny8: an upper plane's highest bit is cut */
+#define MUTANT_ITEMS_BEFORE        467 /* tiny8, shader: nodes are counted as items before a leaf */
 #define MUTANT_GROW_DEPTH          410 /* builders: the depth is not bounded */
 #define MUTANT_GROW_BOUNDS         411 /* a node's box lacks its second child's */
 #define MUTANT_PLUGIN_SIZES        480 /* what a plugin says of its arrays' sizes is not looked at */
