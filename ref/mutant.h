@@ -155,7 +155,7 @@
 #define MUTANT_ITEM_CUT            233 /* rf16: items cut to 15 bits */
 #define MUTANT_EIGHT_IS_NONE       234 /* rf16: the number of items cut to three bits */
 #define MUTANT_HI_CUT              235 /* f32: a copy of the upper bounds is one float short */
-#define MUTANT_ITEMS_UNSORTED      236 /* f32: items in the scene's order, not the tree's */
+#define MUTANT_ITEMS_UNSORTED      236 /* indexed: items in the scene's order, not the tree's */
 #define MUTANT_SLOTS_WRAPPED       237 /* f32: only the first two items of a leaf are read */
 #define MUTANT_WORD_LATE           238 /* shader: a triangle's last vertex read one word early */
 #define MUTANT_BOUNDS_ONE_SHORT    239 /* builder: a node's last triangle is not in its box */
