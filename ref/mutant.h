@@ -223,5 +223,13 @@
 #define MUTANT_CODE_NEAREST        441 /* fast: upper bounds are a step too low */
 #define MUTANT_FAST_UNPADDED       442 /* fast: boxes without their padding */
 #define MUTANT_FAST_CONTRACTED     443 /* fast: an edge function is contracted */
+#define MUTANT_BIN_UNSHARED        412 /* of bins filled by several threads only one thread's count */
+#define MUTANT_SORT_BACKWARDS      413 /* a shared sort puts later threads' equal keys first */
+#define MUTANT_LINKS_DEEP          414 /* a tree from below is as deep as it happens to be */
+#define MUTANT_COLLAPSE_OVER       415 /* leaves of one more than allowed are made */
+#define MUTANT_MOVE_KEPT           416 /* a move that makes the tree worse is not taken back */
+#define MUTANT_ROOM_KEPT           417 /* a tree that cannot be written leaves its nodes allocated */
+#define MUTANT_COST_OF_LEAF        418 /* a leaf costs one triangle, however many it has */
+#define MUTANT_OVERLAP_OWN         419 /* overlap counts the triangles of the node itself, too */
 
 #endif

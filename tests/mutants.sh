@@ -311,6 +311,17 @@ export RAYDIFF_VALIDATE=gpu
 in_shaders PAST_LAST_RAY check soup:n=50 --layout f32 --engine vulkan --count 1000 --repeat 1
 unset RAYDIFF_VALIDATE
 
+in_test GROW_DEPTH ref/builders/grow.c test_build_fast
+in_test GROW_BOUNDS ref/builders/grow.c test_build_fast
+in_test BIN_UNSHARED ref/builders/build_sah_binned.c test_build_fast
+in_test SORT_BACKWARDS ref/builders/keys.c test_build_fast
+in_test LINKS_DEEP ref/builders/links.c test_build_fast
+in_test COLLAPSE_OVER ref/builders/links.c test_build_fast
+in_test MOVE_KEPT ref/builders/spots.c test_build_fast
+in_test ROOM_KEPT ref/builders/links.c test_build_memory
+in_test COST_OF_LEAF ref/tree_quality.c test_build_fast
+in_test OVERLAP_OWN ref/tree_overlap.c test_tree_quality
+
 
 # The same bugs, each by the hard case that is there for it.
 in_program HALF_NEAREST ref/half.c conform 'hard.36-half-middles.closest.cpu.rf16.median.robust.mt'
