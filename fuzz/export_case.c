@@ -277,7 +277,7 @@ static void adjust(struct export_case *the)
 {
     if (the->model.formula == TWIN_MT_RTRS)
         the->model.formula = TWIN_MT;
-    if (the->layout && !the->trial->box->watertight)
+    if (!job_keeps_watertight(&the->job))
         the->model.watertight = false;
 }
 

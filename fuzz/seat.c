@@ -9,12 +9,12 @@
 /* An engine that took so long to fail hung; one that failed at once crashed. */
 #define HANG_NS 5000000000u
 
-struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial)
+struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial, bool split)
 {
     struct model model = seat->engine->model(seat->self, trial->tri);
     if (model.formula == TWIN_MT_RTRS)
         model.formula = TWIN_MT; /* its threshold is one of the faults to be found */
-    if (seat->layout && !trial->box->watertight)
+    if (seat->layout && (split || !trial->box->watertight))
         model.watertight = false; /* the triangle test is, but its boxes are not */
     return model;
 }
@@ -23,7 +23,7 @@ struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial)
 static bool is_alive(const struct seat *seat)
 {
     struct scene scene = {0};
-    struct packed packed = {.layout = seat->layout, .store = tri_stores[0]};
+    struct packed packed = {.layout = seat->layout};
     struct job job = {.scene = &scene,
                       .packed = seat->layout ? &packed : NULL,
                       .box = box_tests[0],

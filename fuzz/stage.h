@@ -89,6 +89,6 @@ enum status seat_ask(struct fuzz_player *player, size_t seat, size_t count,
                      struct reason *reason) MUST_USE;
 
 /* What the judge is told of the seat's engine on a trial; see struct fuzz_result. */
-struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial);
+struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial, bool split);
 
 #endif

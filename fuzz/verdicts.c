@@ -68,7 +68,7 @@ static enum status make_judges(struct judging *j, struct reason *reason)
         j->alike[i] = i;
         if (stage->answers[i].fared != FARED_PLAYED)
             continue;
-        model[i] = seat_model(&j->player->seat[i], trial);
+        model[i] = seat_model(&j->player->seat[i], trial, bvh_is_split(&stage->bvh));
         j->bits[i] = model[i].bits;
         for (size_t k = 0; k < i && j->alike[i] == i; k++)
             if (j->judge[k] && same_model(&model[k], &model[i]))

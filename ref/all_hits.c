@@ -1,5 +1,7 @@
 #include "ref/all_hits.h"
 
+#include "ref/mutant.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -84,6 +86,29 @@ static size_t place_hits(const struct ray *ray, struct all_hits *all)
     return retries;
 }
 
+/* Leaves one of equal hits of each ray. A triangle is tested by the same operations wherever it is
+ * listed; if its hits differ in a bit nevertheless, they are left for the caller to see. */
+static void remove_repeats(struct all_hits *all)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < all->done; i++) {
+        struct hit *hit = all->hit + all->first[i];
+        size_t count = all->first[i + 1] - all->first[i];
+        all_hits_sort(hit, count);
+        all->first[i] = kept;
+        for (size_t k = 0; k < count; k++) {
+#if MUTANT == MUTANT_REPEATS_KEPT
+            bool repeat = false;
+#else
+            bool repeat = k > 0 && memcmp(&all->hit[kept - 1], &hit[k], sizeof *hit) == 0;
+#endif
+            if (!repeat)
+                all->hit[kept++] = hit[k];
+        }
+    }
+    all->first[all->done] = kept;
+}
+
 enum status all_hits_next(const struct engine *engine, void *self, const struct ray *ray,
                           size_t ray_count, struct all_hits *out, struct reason *reason)
 {
@@ -116,6 +141,8 @@ enum status all_hits_next(const struct engine *engine, void *self, const struct 
     }
     if (status)
         out->done = 0;
+    else if (out->once)
+        remove_repeats(out);
     return status;
 }
 

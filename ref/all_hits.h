@@ -10,6 +10,8 @@
 
 /* Owns its arrays; zero it before the first call, use it again for the next. */
 struct all_hits {
+    bool once;     /* set it for a split tree (packed.split): a triangle that a ray finds several
+                      times is listed once; the hits are then sorted as by all_hits_sort */
     size_t done;   /* rays of the last call */
     size_t *first; /* ray i's hits are hit[first[i] .. first[i + 1] - 1], in the engine's order */
     struct hit *hit;

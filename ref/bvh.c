@@ -12,6 +12,15 @@ void bvh_free(struct bvh *bvh)
     *bvh = (struct bvh){0};
 }
 
+bool bvh_items_differ(const struct bvh *bvh, uint32_t first, uint32_t count)
+{
+    for (uint32_t i = 1; i < count && bvh_is_split(bvh); i++)
+        for (uint32_t k = 0; k < i; k++)
+            if (bvh->prim[first + k] == bvh->prim[first + i])
+                return false;
+    return true;
+}
+
 static bool is_leaf(const struct bvh_node *node)
 {
     return node->item_count > 0;

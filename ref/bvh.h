@@ -39,21 +39,31 @@ struct bvh_stats {
 
 /* 0 in the members after eps is their default. */
 struct build_options {
-    uint32_t leaf;    /* items per leaf: at most, aimed at (rtrs); >= 1 */
-    float eps;        /* rtrs: a node whose longest side is below eps / 2 is not split */
-    uint32_t bins;    /* sah_binned: bins per axis, up to 64; BUILD_BINS_DEFAULT */
-    uint32_t radius;  /* ploc: neighbours looked at on either side; BUILD_RADIUS_DEFAULT */
-    uint32_t passes;  /* of reinsertion, by bvh_build; none */
-    uint32_t threads; /* the tree does not depend on it; all */
+    uint32_t leaf;      /* items per leaf: at most, aimed at (rtrs); >= 1 */
+    float eps;          /* rtrs: a node whose longest side is below eps / 2 is not split */
+    uint32_t bins;      /* sah_binned: bins per axis, up to 64; BUILD_BINS_DEFAULT */
+    uint32_t radius;    /* ploc: neighbours looked at on either side; BUILD_RADIUS_DEFAULT */
+    uint32_t passes;    /* of reinsertion, by bvh_build; none */
+    uint32_t threads;   /* the tree does not depend on it; all */
+    float split_budget; /* sbvh: so many items more than triangles at most, in parts of these; below
+                           0: none; BUILD_SPLIT_BUDGET_DEFAULT */
+    float split_alpha; /* sbvh: overlap of children in parts of the root's area that is worth a look
+                          for planes; below 0: any; BUILD_SPLIT_ALPHA_DEFAULT */
 };
 
-#define BUILD_LEAF_DEFAULT   4u
-#define BUILD_EPS_DEFAULT    0.02f
-#define BUILD_BINS_DEFAULT   16u
-#define BUILD_BINS_MOST      64u
-#define BUILD_RADIUS_DEFAULT 16u
-#define BUILD_RADIUS_MOST    256u
-#define BUILD_PASSES_DEFAULT 4u /* where passes are asked for, but not how many */
+#define BUILD_LEAF_DEFAULT         4u
+#define BUILD_EPS_DEFAULT          0.02f
+#define BUILD_BINS_DEFAULT         16u
+#define BUILD_BINS_MOST            64u
+#define BUILD_RADIUS_DEFAULT       16u
+#define BUILD_RADIUS_MOST          256u
+#define BUILD_SPLIT_BUDGET_DEFAULT 1.0f
+#define BUILD_SPLIT_ALPHA_DEFAULT  1e-5f
+#define BUILD_PASSES_DEFAULT       4u /* where passes are asked for, but not how many */
+
+/* Whether the items prim[first .. first + count - 1] can be one leaf: no triangle is there twice.
+ * True at once of trees that are not split. */
+bool bvh_items_differ(const struct bvh *bvh, uint32_t first, uint32_t count);
 
 /* A builder. `build` reads a checked scene and makes *out; 0 triangles give an empty tree.
  * Errors: STATUS_INPUT leaf is 0; STATUS_LIMIT it would never end (reason); STATUS_MEMORY. */

@@ -29,6 +29,17 @@ struct job {
     enum query query;
 };
 
+/* Whether a triangle test that is watertight stays so in the tree of a job. Not unless the box test
+ * lets no box go that has a part of a triangle which such a test can hit; and not in a split tree,
+ * whose boxes end at planes within triangles: a ray that meets a shared edge exactly on the side of
+ * the one triangle may be accepted by the test of the other alone, at a point beside it that no
+ * box has which lists it. How far beside grows with the ray's distance, so no padding of the boxes
+ * would do. Exact hits are found in split trees, too (ref/cover.h). */
+static inline bool job_keeps_watertight(const struct job *job)
+{
+    return !job->packed || (job->box->watertight && !job->packed->split);
+}
+
 /* What one trace call cost. */
 struct trace_report {
     uint64_t ns;           /* time of the tracing alone */

@@ -294,7 +294,7 @@ static enum status count_lists(const struct leak_rays *rays, const struct engine
                                uint64_t *digest, struct reason *reason)
 {
     struct job every = *job;
-    struct all_hits all = {0};
+    struct all_hits all = {.once = job->packed && job->packed->split};
     every.query = QUERY_ALL;
     enum status status = engine->prepare(self, &every, reason);
     struct lister lister = {rays, job->scene, {.formula = TWIN_UNKNOWN}};

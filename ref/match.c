@@ -311,7 +311,8 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
                             struct row *row)
 {
     struct model model = engine->model(self, match->options.tri);
-    if (engine->needs_packed && !match->options.box->watertight)
+    const struct job job = job_of(match, engine);
+    if (!job_keeps_watertight(&job))
         model.watertight = false; /* the triangle test is, but its boxes are not */
     row->judged = is_judged(match, engine);
     row->bits = model.bits;

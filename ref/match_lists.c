@@ -178,7 +178,15 @@ static enum status play(struct playing *p, const struct model *model)
 enum status match_lists(struct match *match, const struct engine *engine, void *self, void *cpu,
                         const struct model *model, struct row *row)
 {
-    struct playing p = {.match = match, .engine = engine, .self = self, .cpu = cpu, .row = row};
+    bool once = engine->needs_packed && match->packed.split;
+    struct playing p = {.match = match,
+                        .engine = engine,
+                        .self = self,
+                        .cpu = cpu,
+                        .row = row,
+                        .hits.once = once,
+                        .again.once = once,
+                        .theirs.once = once};
     enum status status = play(&p, model);
     double speed[2];
     for (int i = 0; i < 2; i++)

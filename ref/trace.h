@@ -39,7 +39,8 @@ enum status trace_rays(const struct packed *packed, const struct scene *scene,
                        uint32_t *work) MUST_USE;
 
 /* Finds every triangle that the ray hits, in the order of work of trace_ray with two differences:
- * no hit shortens the ray, and none ends it. A triangle in several slots is found several times.
+ * no hit shortens the ray, and none ends it. A triangle in several slots is found several times,
+ * so in a split tree (ref/all_hits.h removes repeats).
  *   out     the first `capacity` hits found; may be NULL if that is 0
  *   count   how many there are, over `capacity` too; 0 on error
  * Returns as trace_ray. */

@@ -142,7 +142,8 @@ static float divide(const struct collapse *c, uint32_t at, uint32_t budget, uint
 static float leaf_cost(const struct collapse *c, const struct part *part)
 {
     const struct wide_rule *rule = c->rule;
-    if (part->count > rule->leaf_most)
+    if (part->count > rule->leaf_most ||
+        (part->count > 1 && !bvh_items_differ(c->bvh, part->first, part->count)))
         return INFINITY;
     return rule->leaf_cost ? rule->leaf_cost(rule->self, c->bvh->prim + part->first, part->count)
                            : (float)part->count;

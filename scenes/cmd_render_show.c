@@ -99,7 +99,7 @@ static enum status witness_prepare(const struct showing *showing, const struct r
     if (status || showing->show->from != SHOW_FROM_JUDGE)
         return status;
     struct model model = showing->engine->model(witness->self, job->tri);
-    if (showing->engine->needs_packed && !job->box->watertight)
+    if (showing->engine->needs_packed && !job_keeps_watertight(job))
         model.watertight = false;
     witness->unknown = model.formula == TWIN_UNKNOWN;
     if (!witness->oracle)

@@ -19,7 +19,7 @@ enum status side_open(const struct engine *engine, const struct engine_options *
         status = renderer_prepare(out->renderer, job, reason);
     if (!status) {
         out->model = renderer_model(out->renderer, job->job.tri);
-        if (engine->needs_packed && !job->job.box->watertight)
+        if (engine->needs_packed && !job_keeps_watertight(&job->job))
             out->model.watertight = false; /* the triangle test is, but its boxes are not */
     } else {
         side_close(out);

@@ -7,14 +7,14 @@
 #include <string.h>
 
 extern const struct builder build_median, build_rtrs, build_sah_binned, build_sah_sweep, build_lbvh,
-    build_ploc;
+    build_ploc, build_sbvh;
 
 #define CORE &build_median, &build_rtrs
 
 const struct builder *const builders[] = {CORE, NULL};
 
 const struct builder *const builders_all[] = {
-    CORE, &build_sah_binned, &build_sah_sweep, &build_lbvh, &build_ploc, NULL,
+    CORE, &build_sah_binned, &build_sah_sweep, &build_lbvh, &build_ploc, &build_sbvh, NULL,
 };
 _Static_assert(ARRAY_COUNT(builders_all) - 1 == BUILDER_FILES,
                "a ref/builders/build_*.c has no entry");
@@ -45,7 +45,7 @@ enum status bvh_build(const struct builder *builder, const struct scene *scene,
     if (!status)
         status = tree_collapse(out, options->leaf);
     if (status) {
-        tree_drop(out);
+        bvh_free(out);
         (void)fail(reason, status, "no memory to optimize a tree of %u triangles",
                    scene->tri_count);
     }

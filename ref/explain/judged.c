@@ -23,7 +23,7 @@ enum status judged_make(const struct judged_job *from, struct judged *out, struc
     out->model = from->engine->model(from->self, job->tri);
     if (out->model.formula == TWIN_MT_RTRS)
         out->model.formula = TWIN_MT;
-    if (job->packed && !job->box->watertight)
+    if (!job_keeps_watertight(job))
         out->model.watertight = false; /* the triangle test is, but its boxes are not */
     out->known = is_known(out);
     out->has_tree = job->packed && job->packed->node_count > 0;

@@ -58,7 +58,7 @@ static enum status check_ray(struct hard_play *play, size_t i, struct exact *exa
 enum status play_crossings(struct hard_play *play)
 {
     const struct hard_part *part = play->part;
-    struct all_hits all = {0};
+    struct all_hits all = {.once = play->job.packed && play->job.packed->split};
     struct exact exact = {0};
     enum status status = STATUS_OK;
     for (size_t done = 0; done < part->ray_count && status == STATUS_OK; done += all.done) {

@@ -169,7 +169,7 @@ static enum status play_part(struct hard_play *play)
         return status;
     play->result->played++;
     play->model = m->engine->model(play->self, m->tri);
-    if (m->box && !m->box->watertight)
+    if (!job_keeps_watertight(&play->job))
         play->model.watertight = false; /* the triangle test is, but its boxes are not */
     if (m->query == QUERY_ALL)
         return play_crossings(play);
