@@ -55,6 +55,7 @@ SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv) $(RENDERED:%=$(B)/spv/%.spv
 COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           BUILDER_FILES=$(words $(wildcard ref/builders/build_*.c)) \
           ENGINE_FILES=$(words $(wildcard ref/engines/engine_*.c gpu/engine_*.c)) \
+          STORE_FILES=$(words $(wildcard ref/store/store_*.c)) \
           GENERATOR_FILES=$(words $(wildcard scenes/generators/gen_*.c)) \
           TRACE_SHADERS=$(words $(filter-out %/trace_brute.comp,$(wildcard shaders/trace_*.comp)))
 

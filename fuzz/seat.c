@@ -23,7 +23,7 @@ struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial,
 static bool is_alive(const struct seat *seat)
 {
     struct scene scene = {0};
-    struct packed packed = {.layout = seat->layout};
+    struct packed packed = {.layout = seat->layout, .store = tri_stores[0]};
     struct job job = {.scene = &scene,
                       .packed = seat->layout ? &packed : NULL,
                       .box = box_tests[0],

@@ -30,6 +30,7 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
                      [ABI_SPEC_BOX] = job->box->id,
                      [ABI_SPEC_TRI] = job->tri->id,
                      [ABI_SPEC_QUERY] = job->query,
+                     [ABI_SPEC_STORE] = packed->store->id,
                      [ABI_SPEC_LAYOUT_0] = layout->constant[0],
                      [ABI_SPEC_LAYOUT_1] = layout->constant[1]},
         .push = {.root = packed->root,

@@ -26,11 +26,11 @@
 #define ABI_SPEC_TRI       2 /* enum tri_test_id */
 #define ABI_SPEC_QUERY     3 /* enum query */
 #define ABI_SPEC_STACK     4 /* entries of the traversal stack: 16, 32 or 64; wide: 128, 256 */
-#define ABI_SPEC_STORE     5 /* kind of triangle storage; 0: gathered beside an index array */
+#define ABI_SPEC_STORE     5 /* ABI_STORE_* */
 #define ABI_SPEC_LAYOUT_0  6 /* layout.constant of a layout that shares its shader with others */
 #define ABI_SPEC_LAYOUT_1  7
 
-/* Values of ABI_SPEC_BOX, ABI_SPEC_TRI and ABI_SPEC_QUERY. */
+/* Values of ABI_SPEC_BOX, ABI_SPEC_TRI, ABI_SPEC_QUERY and ABI_SPEC_STORE. */
 #define ABI_BOX_RTRS           0u
 #define ABI_BOX_ROBUST         1u
 #define ABI_BOX_WATERTIGHT     2u
@@ -42,6 +42,7 @@
 #define ABI_QUERY_CLOSEST      0u
 #define ABI_QUERY_ANY          1u
 #define ABI_QUERY_ALL          2u
+#define ABI_STORE_INDEXED      0u /* of layouts whose items lie in their nodes, too */
 
 /* ABI_SPEC_LAYOUT_0 and _1 of the layouts grid2, grid4 and grid8: number format and frame. */
 #define ABI_NUMBER_F32  0u
@@ -60,8 +61,8 @@
 #define ABI_BIND_HITS  1 /* struct hit[]: one a ray, or push.capacity */
 #define ABI_BIND_FLAGS 2 /* U32[]: ABI_FLAG_* per ray */
 #define ABI_BIND_NODES 3 /* U32[]: the packed words of the layout */
-#define ABI_BIND_ITEMS 4 /* U32[]: the packed item array, if the layout has one */
-#define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order */
+#define ABI_BIND_ITEMS 4 /* U32[]: the words of the triangle storage, if the layout has one */
+#define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order; if read */
 #define ABI_BIND_FOUND 6 /* U32[]: ABI_QUERY_ALL: triangles that each ray hit; else unused */
 
 #define ABI_FLAG_DONE      1u  /* the invocation ran to its end */
@@ -93,7 +94,7 @@ struct push {
     U32 ray_count;
     U32 root;       /* packed.root */
     U32 node_count; /* packed.ref_count, also the most nodes a ray may visit; binary: records */
-    U32 item_count; /* words of the item array */
+    U32 item_count; /* words of the triangle storage */
     U32 tri_count;
     U32 capacity; /* ABI_QUERY_ALL: hits of ray i are hit[i * capacity ..], so many at most */
 };

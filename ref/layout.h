@@ -3,7 +3,7 @@
 #define LAYOUT_H
 
 #include "ref/abi.h"
-#include "ref/bvh.h"
+#include "ref/store/store.h"
 
 /* In which order a traversal visits the children it hits. */
 enum visit {
@@ -24,10 +24,12 @@ struct layout;
 /* A packed tree; owns its arrays (see packed_free). node_count == 0: empty scene. */
 struct packed {
     const struct layout *layout;
-    uint32_t *word; /* node_bytes / 4 words each */
-    uint32_t *item; /* item array, or NULL if items live in the nodes */
+    const struct tri_store *store; /* `indexed` if items live in the nodes */
+    uint32_t *word;                /* node_bytes / 4 words each */
+    uint32_t *item;                /* words of the storage, or NULL if items live in the nodes */
     uint32_t word_count;
     uint32_t item_count;
+    size_t item_room;    /* words that there is room for */
     uint32_t node_count; /* records */
     uint32_t ref_count;  /* references: records, then child slots if leaves have no records */
     uint32_t root;       /* reference of the root */
@@ -40,8 +42,7 @@ struct packed {
 
 /* One decoded node. Inner: child_count >= 2 (of a wide layout >= 1), boxes and references of the
  * children; those out of range are dropped (the seed wraps references), so that fewer may be left.
- * Leaf: child_count ==
- * 0, item slots item_first .. item_first + item_count - 1, to be read with layout->item. */
+ * Leaf: child_count == 0, item slots 0 .. item_count - 1, to be read with packed_item. */
 struct wide {
     uint32_t child_count;
     uint32_t item_first;
@@ -83,7 +84,9 @@ struct layout {
     /* The box of the node `ref` itself (wide: the union of its children's); the traversal tests the
      * root's. */
     struct box (*box)(const struct packed *packed, uint32_t ref);
-    /* Triangle of item slot `slot`, or ABI_NO_PRIM if the slot is empty or not a triangle. */
+    /* Of layouts whose items lie in the nodes; NULL: pack() has them written by the storage
+     * (store_put), which can be any. Triangle of item slot item_first + i of a leaf, or ABI_NO_PRIM
+     * if the slot is empty or not a triangle. */
     uint32_t (*item)(const struct packed *packed, uint32_t slot);
 };
 
@@ -137,9 +140,23 @@ static inline bool packed_ref_valid(const struct packed *packed, uint32_t ref)
     return ref < packed->ref_count;
 }
 
-/* Packs `bvh` in `layout`. An empty tree gives node_count 0, which every engine traces as misses.
- * Errors: STATUS_INPUT another number of triangles than the scene's; STATUS_LIMIT of the layout, or
- * deeper than layout_stack_most; STATUS_MEMORY. */
+/* Triangle of item `slot` (below item_count) of a leaf, or ABI_NO_PRIM if there is none. */
+static inline uint32_t packed_item(const struct packed *packed, const struct wide *leaf,
+                                   uint32_t slot)
+{
+    return packed->layout->item ? packed->layout->item(packed, leaf->item_first + slot)
+                                : packed->store->item(packed, leaf->item_first, slot);
+}
+
+/* Packs `bvh` in `layout`, its triangles in `store`. An empty tree gives node_count 0, which every
+ * engine traces as misses. Errors: STATUS_INPUT another number of triangles than the scene's;
+ * STATUS_LIMIT of the layout or the storage, a storage other than `indexed` for items that lie in
+ * the nodes, or deeper than layout_stack_most; STATUS_MEMORY. */
+enum status packed_make_stored(const struct layout *layout, const struct tri_store *store,
+                               const struct bvh *bvh, const struct scene *scene, struct packed *out,
+                               struct reason *reason) MUST_USE;
+
+/* The same with storage `indexed`. */
 enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out,
                         struct reason *reason) MUST_USE;
@@ -153,7 +170,7 @@ enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, s
 
 void packed_free(struct packed *packed);
 
-/* Bytes of nodes and of the item array. */
+/* Bytes of nodes and of the storage. */
 static inline uint64_t packed_node_bytes(const struct packed *packed)
 {
     return 4 * (uint64_t)packed->word_count;

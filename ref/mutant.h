@@ -155,7 +155,7 @@
 #define MUTANT_ITEM_CUT            233 /* rf16: items cut to 15 bits */
 #define MUTANT_EIGHT_IS_NONE       234 /* rf16: the number of items cut to three bits */
 #define MUTANT_HI_CUT              235 /* f32: a copy of the upper bounds is one float short */
-#define MUTANT_ITEMS_UNSORTED      236 /* f32: items in the scene's order, not the tree's */
+#define MUTANT_ITEMS_UNSORTED      236 /* indexed: items in the scene's order, not the tree's */
 #define MUTANT_SLOTS_WRAPPED       237 /* f32: only the first two items of a leaf are read */
 #define MUTANT_WORD_LATE           238 /* shader: a triangle's last vertex read one word early */
 #define MUTANT_BOUNDS_ONE_SHORT    239 /* builder: a node's last triangle is not in its box */
@@ -208,6 +208,11 @@
 #define MUTANT_EXPONENT_SHORT      460 /* cwbvh80: a node's exponents are one too small */
 #define MUTANT_PLANE_INWARD        461 /* cwbvh80: upper planes are one step too low */
 #define MUTANT_CHILD_ORDER         462 /* cwbvh80, shader: children that are nodes in reverse order */
+#define MUTANT_GROWN_INWARD        463 /* amd64: growth makes boxes smaller */
+#define MUTANT_WIDTH_UNREAD        464 /* amd64, shader: float32 nodes are read as float16 ones */
+#define MUTANT_HALVES_SWAPPED      465 /* half4, shader: of two halves the other one is read */
+#define MUTANT_TOP_BITS_CUT        466 /* tiny8: an upper plane's highest bit is cut */
+#define MUTANT_ITEMS_BEFORE        467 /* tiny8, shader: nodes are counted as items before a leaf */
 #define MUTANT_GROW_DEPTH          410 /* builders: the depth is not bounded */
 #define MUTANT_GROW_BOUNDS         411 /* a node's box lacks its second child's */
 #define MUTANT_PLUGIN_SIZES        480 /* what a plugin says of its arrays' sizes is not looked at */
@@ -224,5 +229,13 @@
 #define MUTANT_CODE_NEAREST        441 /* fast: upper bounds are a step too low */
 #define MUTANT_FAST_UNPADDED       442 /* fast: boxes without their padding */
 #define MUTANT_FAST_CONTRACTED     443 /* fast: an edge function is contracted */
+#define MUTANT_BIN_UNSHARED        412 /* of bins filled by several threads only one thread's count */
+#define MUTANT_SORT_BACKWARDS      413 /* a shared sort puts later threads' equal keys first */
+#define MUTANT_LINKS_DEEP          414 /* a tree from below is as deep as it happens to be */
+#define MUTANT_COLLAPSE_OVER       415 /* leaves of one more than allowed are made */
+#define MUTANT_MOVE_KEPT           416 /* a move that makes the tree worse is not taken back */
+#define MUTANT_ROOM_KEPT           417 /* a tree that cannot be written leaves its nodes allocated */
+#define MUTANT_COST_OF_LEAF        418 /* a leaf costs one triangle, however many it has */
+#define MUTANT_OVERLAP_OWN         419 /* overlap counts the triangles of the node itself, too */
 
 #endif

@@ -65,17 +65,41 @@ static enum status find_stack_need(const struct bvh *bvh, struct packed *packed,
     return STATUS_OK;
 }
 
+/* store_put doubles the words where they end. */
+static void give_back_room(struct packed *packed)
+{
+    uint32_t *item = packed->item_room > packed->item_count && packed->item_count
+                         ? realloc(packed->item, packed->item_count * sizeof *item)
+                         : NULL;
+    if (item)
+        packed->item = item;
+    packed->item_room = 0;
+}
+
 enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out, struct reason *reason)
 {
-    *out = (struct packed){0};
+    return packed_make_stored(layout, tri_stores[0], bvh, scene, out, reason);
+}
+
+enum status packed_make_stored(const struct layout *layout, const struct tri_store *store,
+                               const struct bvh *bvh, const struct scene *scene, struct packed *out,
+                               struct reason *reason)
+{
+    *out = (struct packed){.store = store};
     if (bvh->tri_count != scene->tri_count)
         return fail(reason, STATUS_INPUT, "%s: the tree holds %u triangles, the scene has %u",
                     layout->name, bvh->tri_count, scene->tri_count);
+    if (layout->item && store != tri_stores[0])
+        return fail(reason, STATUS_LIMIT,
+                    "%s: keeps its items its own way, storage %s is not for it", layout->name,
+                    store->name);
     if (bvh->node_count > 0) {
         enum status status = layout->pack(layout, bvh, scene, out, reason);
         if (!status) {
+            give_back_room(out);
             out->layout = layout;
+            out->store = store;
             status = find_stack_need(bvh, out, reason);
         }
         if (status) {

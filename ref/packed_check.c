@@ -63,7 +63,7 @@ static enum status check_cover(struct check *check)
             continue;
         fits = wide.item_count <= most - items;
         for (uint32_t s = 0; s < wide.item_count && fits; s++)
-            item[items++] = packed->layout->item(packed, wide.item_first + s);
+            item[items++] = packed_item(packed, &wide, s);
         node[i].item_count = items - node[i].item_first;
     }
     const struct cover_tree tree = {node, item, visits};
@@ -87,10 +87,10 @@ static enum status check_cover(struct check *check)
 }
 
 /* Marks the triangle of one item slot and adds it to the bounds of visit `i`. */
-static void check_item(struct check *check, uint32_t i, uint32_t slot)
+static void check_item(struct check *check, uint32_t i, const struct wide *leaf, uint32_t s)
 {
     const struct packed *packed = check->packed;
-    uint32_t prim = packed->layout->item(packed, slot);
+    const uint32_t slot = leaf->item_first + s, prim = packed_item(packed, leaf, s);
     if (prim == ABI_NO_PRIM)
         return;
     if (prim >= check->scene->tri_count) {
@@ -139,7 +139,7 @@ static void check_items(struct check *check)
             continue;
         uint32_t slots = leaf_slots(check, i, &node);
         for (uint32_t s = 0; s < slots; s++)
-            check_item(check, i, node.item_first + s);
+            check_item(check, i, &node, s);
     }
     for (uint32_t prim = 0; prim < check->scene->tri_count; prim++) {
         if (check->seen[prim])

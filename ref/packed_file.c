@@ -138,6 +138,7 @@ enum status packed_file_read(const char *name, const char *bytes, size_t size,
     if (status)
         return status;
     *out = (struct packed){.layout = layout,
+                           .store = tri_stores[0],
                            .word_count = head.records * (head.record_bytes / 4),
                            .item_count = head.items,
                            .node_count = head.records,

@@ -36,7 +36,7 @@ static bool take_items(struct unpacking *u, const struct wide *wide, struct bvh_
 {
     struct bvh *tree = u->tree;
     for (uint32_t s = 0; s < wide->item_count; s++) {
-        uint32_t prim = u->packed->layout->item(u->packed, wide->item_first + s);
+        uint32_t prim = packed_item(u->packed, wide, s);
         if (prim == ABI_NO_PRIM)
             continue;
         if (tree->prim_count == u->prim_most)

@@ -6,6 +6,7 @@
 /* One traversal in progress. */
 struct walk {
     const struct packed *packed;
+    const struct tri_store *store; /* the tree's */
     const struct scene *scene;
     const struct wide *decoded; /* all nodes, or NULL: each is decoded when it is visited */
     enum query query;
@@ -21,15 +22,29 @@ struct walk {
     uint32_t capacity, found;
 };
 
+/* Tests triangle `prim`, which is item `slot` of the leaf, as the storage has it. */
+static inline bool walk_test(const struct walk *w, uint32_t tri_id, const struct wide *leaf,
+                             uint32_t slot, uint32_t prim, struct hit *out)
+{
+    const struct packed *packed = w->packed;
+    float v[3][3];
+    if (w->store->test)
+        return w->store->test(packed, leaf->item_first, slot, tri_id, &w->tri, out);
+    if (!w->store->tri)
+        scene_tri(w->scene, prim, v);
+    else if (!w->store->tri(packed, leaf->item_first, slot, v))
+        return false;
+    return tri_test_run(tri_id, &w->tri, v, out);
+}
+
 /* Keeps `prim` if it is hit nearer than the best; at equal t the first found stays. QUERY_ALL lists
  * it, and the ray keeps its length. */
-static inline bool walk_triangle(struct walk *w, uint32_t tri_id, uint32_t prim)
+static inline bool walk_triangle(struct walk *w, uint32_t tri_id, const struct wide *leaf,
+                                 uint32_t slot, uint32_t prim)
 {
-    float v[3][3];
     struct hit hit;
-    scene_tri(w->scene, prim, v);
     w->counts.tris++;
-    if (!tri_test_run(tri_id, &w->tri, v, &hit))
+    if (!walk_test(w, tri_id, leaf, slot, prim, &hit))
         return false;
     hit.prim = prim;
     if (w->query == QUERY_ALL) {
@@ -60,12 +75,13 @@ static inline bool walk_triangle(struct walk *w, uint32_t tri_id, uint32_t prim)
 static inline bool walk_leaf(struct walk *w, uint32_t tri_id, const struct wide *node)
 {
     for (uint32_t i = 0; i < node->item_count; i++) {
-        uint32_t prim = w->packed->layout->item(w->packed, node->item_first + i);
+        uint32_t prim = packed_item(w->packed, node, i);
 #if MUTANT == MUTANT_LAST_IS_EMPTY
         if (prim + 1 == w->scene->tri_count)
             continue;
 #endif
-        if (prim < w->scene->tri_count && walk_triangle(w, tri_id, prim) && w->query == QUERY_ANY)
+        if (prim < w->scene->tri_count && walk_triangle(w, tri_id, node, i, prim) &&
+            w->query == QUERY_ANY)
             return true;
 #if MUTANT == MUTANT_ANY_FIRST_ITEM
         if (w->query == QUERY_ANY)
@@ -239,6 +255,7 @@ static void walk_start(struct walk *w, const struct packed *packed, const struct
             __builtin_trap();
 #endif
     w->packed = packed;
+    w->store = packed->store;
     w->decoded = decoded;
     w->scene = scene;
     w->query = query;

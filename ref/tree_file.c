@@ -135,7 +135,7 @@ static enum status measure_packed(struct tree_file *file, struct fit *fit, struc
         if (node.child_count > 0)
             continue;
         for (uint32_t s = 0; s < node.item_count; s++) {
-            uint32_t prim = packed->layout->item(packed, node.item_first + s);
+            uint32_t prim = packed_item(packed, &node, s);
             if (prim == ABI_NO_PRIM)
                 continue;
             items++;

@@ -20,6 +20,18 @@ struct tree_quality {
  * one whose root has no area. In double: areas of finite boxes do not overflow. */
 double tree_sah(const struct bvh *bvh);
 
+/* End-point overlap (Aila, Karras and Laine 2013, On quality metrics of bounding volume
+ * hierarchies, section 4): what a ray pays that ends on a surface in boxes of triangles elsewhere.
+ * The sum over nodes of the area of those triangles' parts in the closed box that are not in the
+ * node's leaves, times the cost (above), over the area of all triangles. Parts are cut in double,
+ * once for each level; a split triangle is every node's that has a reference to it. most: of scenes
+ * with more triangles than that about so many are taken, evenly by number, and the result is an
+ * estimate; 0: all are. Set to 0 for an empty tree and for triangles without area. By all threads;
+ * the result does not depend on how many; recursion is as deep as the tree. Errors: STATUS_MEMORY.
+ */
+enum status tree_overlap(const struct bvh *bvh, const struct scene *scene, uint32_t most,
+                         double *out) MUST_USE;
+
 /* The numbers of a well-formed tree of the scene. */
 struct tree_quality tree_quality(const struct bvh *bvh, const struct scene *scene);
 

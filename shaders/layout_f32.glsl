@@ -1,5 +1,6 @@
 /* Layout f32: 32-byte nodes, see struct node_f32. */
 #include "slab.glsl"
+#include "store.glsl"
 
 #define ORDER_NEAR
 
@@ -30,22 +31,7 @@ uint node_snd(node n)
     return n.b;
 }
 
-struct leaf {
-    uint first;
-    uint count;
-};
-
 leaf leaf_load(node n)
 {
     return leaf(n.b, n.a & ~NODE_LEAF);
-}
-
-uint leaf_item(leaf l, uint slot)
-{
-#if MUTANT == MUTANT_SLOTS_WRAPPED
-    uint at = l.first + (slot & 1u);
-#else
-    uint at = l.first + slot;
-#endif
-    return at < job.item_count ? item_word[at] : ABI_NO_PRIM;
 }

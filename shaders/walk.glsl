@@ -174,6 +174,16 @@ void list(vec3 tuv, uint prim)
 #endif
 }
 
+#ifndef STORE_GLSL
+/* Items that lie in the nodes name the scene's triangles. */
+bool leaf_test(leaf l, uint slot, uint prim, tri_ray r, out vec3 tuv)
+{
+    vec3 v0, v1, v2;
+    tri_load(prim, v0, v1, v2);
+    return tri_test_run(TRI_TEST, r, v0, v1, v2, tuv);
+}
+#endif
+
 /* Tests the items of a leaf in slot order. True if the query is answered. */
 bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_prim,
                inout float tbest)
@@ -183,14 +193,12 @@ bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_p
     bool answered = false;
     while (both(slot < l.count, !answered)) {
         uint prim = leaf_item(l, slot);
-        slot++;
 #if MUTANT == MUTANT_LAST_IS_EMPTY
         prim = prim + 1u == job.tri_count ? ABI_NO_PRIM : prim;
 #endif
         if (prim < job.tri_count) {
-            vec3 v0, v1, v2, tuv;
-            tri_load(prim, v0, v1, v2);
-            bool hit = tri_test_run(TRI_TEST, r, v0, v1, v2, tuv);
+            vec3 tuv;
+            bool hit = leaf_test(l, slot, prim, r, tuv);
             if (query == ABI_QUERY_ALL) {
                 if (hit)
                     list(tuv, prim);
@@ -218,6 +226,7 @@ bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_p
             answered = query == ABI_QUERY_ANY;
 #endif
         }
+        slot++;
     }
     if (both(slot < l.count, !answered))
         trouble |= ABI_FLAG_LOOP;

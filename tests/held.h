@@ -68,7 +68,7 @@ static inline uint32_t slot(const struct packed *packed, uint32_t record, uint32
     struct wide node;
     packed->layout->load(packed, record, &node);
     assert_int_equal(node.child_count, 0);
-    return s < node.item_count ? packed->layout->item(packed, node.item_first + s) : ABI_NO_PRIM;
+    return s < node.item_count ? packed_item(packed, &node, s) : ABI_NO_PRIM;
 }
 
 /* Two triangles, the second with its coordinate `k` of vertex 1 at `x`. */

@@ -184,6 +184,8 @@ in_test CULLED_ALL ref/trace.c test_all
 in_test LOST_SLOT ref/layouts/layout_rf16.c test_all
 in_test EXPONENT_SHORT ref/layouts/layout_cwbvh80.c test_layouts_shipped
 in_test PLANE_INWARD ref/layouts/layout_cwbvh80.c test_layouts_shipped
+in_test GROWN_INWARD ref/layouts/layout_amd64.c test_layouts_shipped
+in_test TOP_BITS_CUT ref/layouts/layout_tiny8.c test_layouts_shipped
 in_test NEIGHBOUR gpu/tracer_tasks.c test_fuzz_tasks
 in_test ORDER_KEPT gpu/tracer_tasks.c test_fuzz_tasks
 in_test FLAGS_UNREAD gpu/tracer_tasks.c test_fuzz_tasks
@@ -295,6 +297,9 @@ in_test FAST_CONTRACTED ref/fast/kernel_avx2.c test_fast
 in_shaders CULLED_ALL test_all_engines
 in_shaders LOST_SLOT test_all_engines
 in_shaders CHILD_ORDER check soup --layout cwbvh80 --engine vulkan --count 5000 --repeat 1
+in_shaders WIDTH_UNREAD check soup --layout amd64_f32 --engine vulkan --count 5000 --repeat 1
+in_shaders HALVES_SWAPPED check soup --layout half4 --engine vulkan --count 5000 --repeat 1
+in_shaders ITEMS_BEFORE check soup --layout tiny8 --engine vulkan --count 5000 --repeat 1
 in_shaders SQRT_OF_DRIVER test_vulkan_sqrt
 in_shaders OFFSET_SIGN diff rtrs --engine cpu,vulkan -w 40 -h 30
 in_shaders SHADOW_BEHIND diff cornell --engine cpu,vulkan -w 32 -h 24 --profile rtrs
@@ -305,6 +310,17 @@ in_shaders LIGHT_LOST diff rtrs --engine cpu,vulkan -w 40 -h 30
 export RAYDIFF_VALIDATE=gpu
 in_shaders PAST_LAST_RAY check soup:n=50 --layout f32 --engine vulkan --count 1000 --repeat 1
 unset RAYDIFF_VALIDATE
+
+in_test GROW_DEPTH ref/builders/grow.c test_build_fast
+in_test GROW_BOUNDS ref/builders/grow.c test_build_fast
+in_test BIN_UNSHARED ref/builders/build_sah_binned.c test_build_fast
+in_test SORT_BACKWARDS ref/builders/keys.c test_build_fast
+in_test LINKS_DEEP ref/builders/links.c test_build_fast
+in_test COLLAPSE_OVER ref/builders/links.c test_build_fast
+in_test MOVE_KEPT ref/builders/spots.c test_build_fast
+in_test ROOM_KEPT ref/builders/links.c test_build_memory
+in_test COST_OF_LEAF ref/tree_quality.c test_build_fast
+in_test OVERLAP_OWN ref/tree_overlap.c test_tree_quality
 
 
 # The same bugs, each by the hard case that is there for it.

@@ -68,8 +68,8 @@ static void few_triangles_of_any_number(void **state)
 /* A scene large enough that ranges are divided by all threads, with a part where all are equal. */
 static struct scene large_scene(void)
 {
-    struct scene scene = built_soup(150000, 3);
-    for (size_t i = 0; i < (size_t)9 * 20000; i++)
+    struct scene scene = built_soup(90000, 3);
+    for (size_t i = 0; i < (size_t)9 * 10000; i++)
         scene.vertex[i] = scene.vertex[i % 9];
     return scene;
 }
@@ -154,6 +154,9 @@ static void the_cost_of_a_tree_by_hand(void **state)
     scene = trees_grid(3); /* [0, 1/8] x [0, 1/8], again from 1/4 and 1/2 on */
     double one = 0.125 * 0.125, two = 0.375 * 0.125, all = 0.625 * 0.125;
     assert_true(sah_of("sah_binned", &scene, &options) == (all + two + 3 * one) / all);
+    struct bvh bvh = trees_make(&scene, 2, TREES_BALANCED); /* 2 in one leaf, 1 in another */
+    assert_true(tree_sah(&bvh) == (all + 2 * two + one) / all);
+    bvh_free(&bvh);
     scene_free(&scene);
 }
 
@@ -233,6 +236,21 @@ static void as_published_is_not_optimized(void **state)
     scene_free(&scene);
 }
 
+/* Sizes fall along the curve, so that every cluster would join the next one and only the last two
+ * choose each other. */
+static void sizes_that_fall_along_the_curve_do_not_stop_ploc(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(20000);
+    for (size_t i = 0; i < (size_t)9 * 20000; i++) {
+        float size = 1 - (float)(i / 9) / 20001;
+        scene.vertex[i] =
+            i % 3 == 0 ? (float)(i / 9) / 4096 + 100 * size * (i % 9 == 3) : size * (i % 9 == 7);
+    }
+    check_one(builder_find("ploc"), &scene, 4, "falling sizes");
+    scene_free(&scene);
+}
+
 static void codes_cut_where_their_highest_bit_changes(void **state)
 {
     (void)state;
@@ -266,6 +284,7 @@ int main(void)
         cmocka_unit_test(leaves_stay_as_they_are_when_they_move),
         cmocka_unit_test(leaves_are_made_where_they_cost_less),
         cmocka_unit_test(as_published_is_not_optimized),
+        cmocka_unit_test(sizes_that_fall_along_the_curve_do_not_stop_ploc),
         cmocka_unit_test(codes_cut_where_their_highest_bit_changes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -131,7 +131,7 @@ static void f3_a_direct_leaf_tests_other_triangles_than_its_own(void **state)
         assert_int_equal(node.child_count > 0, s.bvh.node[i].item_count == 0);
         for (uint32_t k = 0; k < s.bvh.node[i].item_count; k++) {
             uint32_t at = s.bvh.node[i].item_first + k;
-            uint32_t tested = s.packed.layout->item(&s.packed, node.item_first + k);
+            uint32_t tested = packed_item(&s.packed, &node, k);
             assert_int_equal(tested, at == 0 ? ABI_NO_PRIM : at - 1);
             others += tested != s.bvh.prim[at];
         }

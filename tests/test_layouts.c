@@ -161,7 +161,7 @@ static void read_tree(const struct packed *packed, uint32_t ref, char *text, siz
     for (uint32_t c = 0; c < node.child_count; c++)
         read_tree(packed, node.child[c], text, bytes);
     for (uint32_t s = 0; node.child_count == 0 && s < node.item_count; s++) {
-        uint32_t prim = packed->layout->item(packed, node.item_first + s);
+        uint32_t prim = packed_item(packed, &node, s);
         used = strlen(text);
         if (prim == ABI_NO_PRIM)
             snprintf(text + used, bytes - used, "-");
@@ -251,10 +251,11 @@ static void layouts_never_read_outside_their_words(void **state)
                 for (uint32_t c = 0; c < node.child_count; c++)
                     assert_true(packed_ref_valid(&packed, node.child[c]));
                 for (uint32_t s = 0; s < node.item_count && s < 20; s++)
-                    (void)layouts[l]->item(&packed, node.item_first + s);
+                    (void)packed_item(&packed, &node, s);
                 (void)layouts[l]->box(&packed, ref);
             }
-            assert_int_equal(layouts[l]->item(&packed, UINT32_MAX), ABI_NO_PRIM);
+            const struct wide none = {.item_first = UINT32_MAX};
+            assert_int_equal(packed_item(&packed, &none, 0), ABI_NO_PRIM);
             packed_free(&packed);
         }
     bvh_free(&bvh);

@@ -254,7 +254,7 @@ static void render_blank_and_no_bounces_are_black(void **state)
     (void)state;
     struct look look = looks[0];
     struct picture p = picture_make("rtrs", look, 40, 30);
-    struct packed none = {.layout = layout_find("f32")};
+    struct packed none = {.layout = layout_find("f32"), .store = tri_stores[0]};
     struct packed kept = p.packed;
     p.packed = none;
     assert_true(picture_draw(&p, "cpu", 1, true, &p.frame));

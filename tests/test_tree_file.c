@@ -314,7 +314,7 @@ static void damage_is_refused(void **state)
     }
     /* No record at all is a packed tree that misses everything. */
     for (size_t l = 0; layouts[l]; l++) {
-        const struct packed none = {.layout = layouts[l], .tri_count = 1};
+        const struct packed none = {.layout = layouts[l], .store = tri_stores[0], .tri_count = 1};
         struct tree_file file;
         size_t size;
         char *bytes = NULL;

@@ -197,7 +197,7 @@ static enum status build(const struct scene *scene, const struct build_options *
     room_free(key);
     if (!status)
         return STATUS_OK;
-    bvh_free(out);
+    tree_drop(out);
     return fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
 }
 

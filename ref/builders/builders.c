@@ -45,7 +45,7 @@ enum status bvh_build(const struct builder *builder, const struct scene *scene,
     if (!status)
         status = tree_collapse(out, options->leaf);
     if (status) {
-        bvh_free(out);
+        tree_drop(out);
         (void)fail(reason, status, "no memory to optimize a tree of %u triangles",
                    scene->tri_count);
     }

@@ -81,9 +81,8 @@ static struct lane_box piece_grow(const struct grower *g, const struct grow_rang
     struct lane_box bounds = piece_grow(g, &child[0], node, count);
     uint32_t snd = *count;
     struct lane_box other = piece_grow(g, &child[1], node, count);
-#if MUTANT != MUTANT_GROW_BOUNDS
-    lane_box_add(&bounds, &other);
-#endif
+    if (MUTANT != MUTANT_GROW_BOUNDS)
+        lane_box_add(&bounds, &other);
     *out = (struct bvh_node){lane_box_store(&bounds), mine + 1, snd, range->first, 0};
     return bounds;
 }

@@ -1,6 +1,7 @@
 #include "ref/builders/keys.h"
 
 #include "ref/builders/room.h"
+#include "ref/mutant.h"
 
 #include <string.h>
 
@@ -13,8 +14,13 @@ static void places_sum(uint32_t *place, uint32_t threads)
     uint32_t sum = 0;
     for (uint32_t d = 0; d < DIGITS; d++)
         for (uint32_t t = 0; t < threads; t++) {
-            uint32_t n = place[(size_t)t * DIGITS + d];
-            place[(size_t)t * DIGITS + d] = sum;
+#if MUTANT == MUTANT_SORT_BACKWARDS
+            size_t at = (size_t)(threads - 1 - t) * DIGITS + d;
+#else
+            size_t at = (size_t)t * DIGITS + d;
+#endif
+            uint32_t n = place[at];
+            place[at] = sum;
             sum += n;
         }
 }

@@ -27,4 +27,7 @@ enum status links_write(const struct links *links, struct bvh *out) MUST_USE;
  * stays in pre-order. Errors: STATUS_MEMORY; the tree is as it was. */
 enum status tree_collapse(struct bvh *bvh, uint32_t leaf) MUST_USE;
 
+/* bvh_free of a tree that a builder gives up: its arrays are room_make's. */
+void tree_drop(struct bvh *bvh);
+
 #endif

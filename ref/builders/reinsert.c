@@ -102,7 +102,7 @@ static enum status finish(const struct reinsert *r, struct bvh *bvh)
     room_free(list);
     if (status)
         return status;
-    bvh_free(bvh);
+    tree_drop(bvh);
     *bvh = moved;
     return STATUS_OK;
 }

@@ -2,6 +2,7 @@
 
 #include "ref/builders/links.h"
 #include "ref/builders/room.h"
+#include "ref/mutant.h"
 
 #include <string.h>
 
@@ -183,7 +184,7 @@ double spots_move(struct spots *spots, uint32_t node, uint32_t target)
         if (at == node)
             return 0;
     double rise = move(spot, node, target);
-    if (rise < 0)
+    if (rise < 0 || MUTANT == MUTANT_MOVE_KEPT)
         return -rise;
     (void)move(spot, node, other);
     return 0;

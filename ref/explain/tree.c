@@ -103,7 +103,7 @@ static bool stored_item(const struct explain_tree *tree, uint32_t leaf, uint32_t
         return false;
     *slots = wide.item_count;
     if (slot < wide.item_count)
-        *prim = tree->packed->layout->item(tree->packed, wide.item_first + slot);
+        *prim = packed_item(tree->packed, &wide, slot);
     if (*prim >= tree->scene->tri_count)
         *prim = ABI_NO_PRIM;
     return true;
@@ -328,7 +328,7 @@ uint32_t explain_item(const struct explain_tree *tree, const struct explain_node
     if (!node || slot >= node->item_count || leaf->repairs == 0) {
         if (leaf->wide.item_first == EXPLAIN_NONE)
             return ABI_NO_PRIM;
-        return tree->packed->layout->item(tree->packed, leaf->wide.item_first + slot);
+        return packed_item(tree->packed, &leaf->wide, slot);
     }
     uint32_t own = tree->bvh->prim[node->item_first + slot], stored;
     if (leaf->wide.item_first == EXPLAIN_NONE) /* the leaf itself was put right */

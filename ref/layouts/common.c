@@ -26,7 +26,7 @@ enum status layout_check_finite(const char *layout, const struct bvh *bvh,
 enum status layout_alloc(const char *layout, uint64_t record_count, uint32_t record_words,
                          uint32_t item_count, struct packed *out, struct reason *reason)
 {
-    *out = (struct packed){0};
+    *out = (struct packed){.store = out->store};
     uint64_t words = record_count * record_words;
     if (words > UINT32_MAX)
         return fail(reason, STATUS_LIMIT,
@@ -40,7 +40,8 @@ enum status layout_alloc(const char *layout, uint64_t record_count, uint32_t rec
         return fail(reason, STATUS_MEMORY, "%s: no memory for %llu bytes", layout,
                     4 * ((unsigned long long)words + item_count));
     }
-    *out = (struct packed){.word = word,
+    *out = (struct packed){.store = out->store,
+                           .word = word,
                            .item = item,
                            .word_count = (uint32_t)words,
                            .item_count = item_count,

@@ -11,9 +11,10 @@
 enum status layout_check_finite(const char *layout, const struct bvh *bvh,
                                 const struct scene *scene, struct reason *reason) MUST_USE;
 
-/* Allocates `record_count` records of `record_words` words each and `item_count` items (0: none),
- * and sets the counts in *out, each reference being a record. Errors: STATUS_LIMIT over 2^32 - 1
- * words; STATUS_MEMORY. On error *out is zero. */
+/* Allocates `record_count` records of `record_words` words each and `item_count` items (0: none, or
+ * store_put makes them), and sets the counts in *out, each reference being a record; keeps
+ * out->store. Errors: STATUS_LIMIT over 2^32 - 1 words; STATUS_MEMORY. On error *out owns nothing.
+ */
 enum status layout_alloc(const char *layout, uint64_t record_count, uint32_t record_words,
                          uint32_t item_count, struct packed *out, struct reason *reason) MUST_USE;
 

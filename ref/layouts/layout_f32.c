@@ -20,13 +20,13 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
     (void)self;
     enum status status = layout_check_finite("f32", bvh, scene, reason);
     if (!status)
-        status = layout_alloc("f32", bvh->node_count, WORDS, bvh->prim_count, out, reason);
-    if (status)
-        return status;
-    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        status = layout_alloc("f32", bvh->node_count, WORDS, 0, out, reason);
+    for (uint32_t i = 0; i < bvh->node_count && !status; i++) {
         const struct bvh_node *from = &bvh->node[i];
-        struct node_f32 node = {.first = from->item_count ? from->item_first : from->snd,
-                                .count = from->item_count};
+        struct node_f32 node = {.first = from->snd, .count = from->item_count};
+        if (from->item_count > 0)
+            status = store_put(scene, bvh->prim + from->item_first, from->item_count, out,
+                               &node.first, reason);
         memcpy(node.lo, from->bounds.lo, sizeof node.lo);
 #if MUTANT == MUTANT_HI_CUT
         memcpy(node.hi, from->bounds.hi, sizeof node.hi - sizeof node.hi[0]);
@@ -35,12 +35,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
 #endif
         memcpy(out->word + (size_t)i * WORDS, &node, sizeof node);
     }
-    memcpy(out->item, bvh->prim, bvh->prim_count * sizeof *out->item);
-#if MUTANT == MUTANT_ITEMS_UNSORTED
-    for (uint32_t i = 0; i < bvh->prim_count; i++)
-        out->item[i] = i;
-#endif
-    return STATUS_OK;
+    return status;
 }
 
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
@@ -64,11 +59,6 @@ static struct box box(const struct packed *packed, uint32_t ref)
     return box;
 }
 
-static uint32_t item(const struct packed *packed, uint32_t slot)
-{
-    return slot < packed->item_count ? packed->item[slot] : ABI_NO_PRIM;
-}
-
 extern const struct layout layout_f32;
 const struct layout layout_f32 = {
     .name = "f32",
@@ -79,5 +69,4 @@ const struct layout layout_f32 = {
     .pack = pack,
     .load = load,
     .box = box,
-    .item = item,
 };

@@ -25,7 +25,7 @@ static bool add_items(struct decoding *d, const struct wide *wide, struct bvh_no
     if (wide->item_count > (d->tri_count < 8 ? 8 : d->tri_count)) /* slots can be empty */
         return false;
     for (uint32_t i = 0; i < wide->item_count; i++) {
-        uint32_t prim = d->packed->layout->item(d->packed, wide->item_first + i);
+        uint32_t prim = packed_item(d->packed, wide, i);
         if (prim == ABI_NO_PRIM)
             continue;
         if (d->bvh.prim_count == d->prim_most || prim >= d->tri_count)

@@ -120,7 +120,7 @@ static void walk_leaf(struct walk *w, const struct wide *leaf)
     for (uint32_t s = 0; s < leaf->item_count; s++) {
         float v[3][3];
         struct hit hit;
-        uint32_t prim = packed->layout->item(packed, leaf->item_first + s);
+        uint32_t prim = packed_item(packed, leaf, s);
         if (prim == ABI_NO_PRIM)
             continue;
         scene_tri(w->job->scene, prim, v);

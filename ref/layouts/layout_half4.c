@@ -1,0 +1,105 @@
+/* Layout `half4`: the quad node with half float bounds of physics engines, after Jolt Physics
+ * (AABBTree/NodeCodec/NodeCodecQuadTreeHalfFloat.h, version 5): 64 bytes for four children.
+ *   words 0-11   min x, min y, min z, max x, max y, max z, each four halves, child 0 in the low
+ * half words 12-15  a word for each child: bits 28-31 its triangles, 0 for a node; bits 0-27 the
+ * item slot of the first, or the record; 0 (the root, which is nobody's child) for none Bounds are
+ * rounded outward, and neither subnormal nor -0; those of a missing child are empty. How we differ:
+ * the node comes before any of its children, offsets count records and item slots, not words of one
+ * stream, and the item array names triangles, where Jolt has their vertices in 21 bits. As there,
+ * coordinates end at 65504, leaves have up to 8 triangles, and children are visited by distance. */
+#include "ref/layouts/wide_nodes.h"
+#include "ref/mutant.h"
+
+#include <string.h>
+
+#define WORDS     16u
+#define WIDTH     4u
+#define LEAF_MOST 8u
+#define NODE_COST 1.0f
+#define OFFSETS   ((uint32_t)1 << 28)
+
+static struct half half_at(const uint32_t *word, uint32_t plane, uint32_t s)
+{
+    return (struct half){(uint16_t)(word[2 * plane + s / 2] >> s % 2 * 16)};
+}
+
+static void put_half(struct half h, uint32_t plane, uint32_t s, uint32_t *word)
+{
+    word[2 * plane + s / 2] |= (uint32_t)h.bits << s % 2 * 16;
+}
+
+static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+{
+    const struct wide_child *child = &tree->child[tree->node[n].first];
+    const struct box empty = {{HALF_MAX, HALF_MAX, HALF_MAX}, {-HALF_MAX, -HALF_MAX, -HALF_MAX}};
+    for (uint32_t s = 0; s < WIDTH; s++) {
+        bool there = s < tree->node[n].count;
+        const struct box *bounds = there ? &child[s].bounds : &empty;
+        for (uint32_t k = 0; k < 3; k++) {
+            put_half(half_bound_down(bounds->lo[k]), k, s, word);
+            put_half(half_bound_up(bounds->hi[k]), 3 + k, s, word);
+        }
+        if (there)
+            word[12 + s] = child[s].count << 28 | child[s].first;
+    }
+}
+
+static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
+                        struct packed *out, struct reason *reason)
+{
+    struct wide_tree tree = {0};
+    enum status status = STATUS_OK;
+    if (bvh->prim_count > OFFSETS) /* there are fewer nodes than items */
+        status = fail(reason, STATUS_LIMIT, "%s: holds at most 2^28 items, this tree has %u",
+                      self->name, bvh->prim_count);
+    if (!status)
+        status =
+            wide_nodes_collapse(self, bvh, scene, LEAF_MOST, NODE_COST, HALF_MAX, &tree, reason);
+    if (!status)
+        status = layout_alloc(self->name, tree.node_count, WORDS, bvh->prim_count, out, reason);
+    if (!status) {
+        out->ref_count = out->node_count * layout_refs(self);
+        wide_nodes_items(bvh, &tree, out->item);
+        for (uint32_t n = 0; n < tree.node_count; n++)
+            pack_node(&tree, n, out->word + (size_t)WORDS * n);
+    }
+    wide_tree_free(&tree);
+    return status;
+}
+
+static void decode(const struct packed *packed, uint32_t record, struct wide_slot *slot)
+{
+    const uint32_t *word = packed->word + (size_t)WORDS * record;
+    for (uint32_t s = 0; s < WIDTH; s++) {
+        slot[s].there = word[12 + s] != 0;
+        slot[s].first = word[12 + s] & (OFFSETS - 1);
+        slot[s].count = word[12 + s] >> 28;
+        for (uint32_t k = 0; k < 3; k++) {
+            slot[s].box.lo[k] = half_to_float(half_at(word, k, s));
+            slot[s].box.hi[k] = half_to_float(half_at(word, 3 + k, s));
+        }
+    }
+}
+
+static void load(const struct packed *packed, uint32_t ref, struct wide *out)
+{
+    wide_nodes_load(packed, ref, decode, out);
+}
+
+static struct box box(const struct packed *packed, uint32_t ref)
+{
+    return wide_nodes_box(packed, ref, decode);
+}
+
+extern const struct layout layout_half4;
+const struct layout layout_half4 = {
+    .name = "half4",
+    .summary = "64-byte nodes of 4 children, bounds in float16 rounded outward, index array",
+    .node_bytes = 4 * WORDS,
+    .width = WIDTH,
+    .order = VISIT_NEAR,
+    .pack = pack,
+    .load = load,
+    .box = box,
+    .item = wide_nodes_item,
+};

@@ -1,0 +1,132 @@
+/* Layout `tiny8` and its family: 64 bytes, one line of a cache, for eight children; bounds of 6
+ * bits in the frame of the node, as in cwbvh80 (ref/layouts/wide_nodes.h). words 0-2   the node's
+ * origin, float32 word 3      bytes ex, ey, ez: exponents of the steps of its planes, plus 127; 0
+ *   word 4      record of its first child that is a node; they follow each other
+ *   word 5      item slot of its first leaf's first item; they follow each other, leaf by leaf
+ *   word 6      four bits for each child: 0 none, 1 to 14 the items of a leaf, 15 a node
+ *   words 7-14  for each child lo x, lo y, lo z, hi x, hi y, of 6 bits, and bits 0-1 of hi z
+ *   word 15     bits 2-5 of hi z, four for each child
+ * Members differ in the leaves that they want: the cost of a node in tests of a triangle says how
+ * many nodes are worth a smaller leaf. Smaller leaves: faster, and more nodes. */
+#include "ref/layouts/wide_nodes.h"
+#include "ref/mutant.h"
+
+#include <string.h>
+
+#define WORDS  16u
+#define WIDTH  8u
+#define PLANES 63u
+#define INNER  15u
+
+/* What a member wants. */
+struct tiny {
+    uint32_t leaf_most; /* at most 14 */
+    float node_cost;
+};
+
+static void pack_child(const struct node_axis axis[3], const struct wide_child *child, uint32_t s,
+                       uint32_t *word)
+{
+    uint32_t lo[3], hi[3];
+    for (uint32_t k = 0; k < 3; k++) {
+        lo[k] = node_axis_down(&axis[k], child->bounds.lo[k]);
+        hi[k] = node_axis_up(&axis[k], child->bounds.hi[k]);
+    }
+#if MUTANT == MUTANT_TOP_BITS_CUT
+    hi[2] &= 31u;
+#endif
+    word[7 + s] = lo[0] | lo[1] << 6 | lo[2] << 12 | hi[0] << 18 | hi[1] << 24 | hi[2] << 30;
+    word[15] |= hi[2] >> 2 << 4 * s;
+    word[6] |= (child->count ? child->count : INNER) << 4 * s;
+}
+
+static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+{
+    const struct wide_child *child = &tree->child[tree->node[n].first];
+    uint32_t count = tree->node[n].count;
+    bool have_node = false, have_leaf = false;
+    struct node_axis axis[3];
+    struct box all = box_empty();
+    for (uint32_t s = 0; s < count; s++)
+        box_add_box(&all, &child[s].bounds);
+    for (uint32_t k = 0; k < 3; k++) {
+        axis[k] = node_axis_make(all.lo[k], all.hi[k], PLANES);
+        word[k] = float_bits(axis[k].origin);
+        word[3] |= (uint32_t)(axis[k].exponent + 127) << 8 * k;
+    }
+    for (uint32_t s = 0; s < count; s++) {
+        pack_child(axis, &child[s], s, word);
+        bool *have = child[s].count ? &have_leaf : &have_node;
+        if (!*have)
+            word[child[s].count ? 5 : 4] = child[s].first;
+        *have = true;
+    }
+}
+
+static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
+                        struct packed *out, struct reason *reason)
+{
+    const struct tiny *tiny = self->family;
+    struct wide_tree tree;
+    enum status status = wide_nodes_collapse(self, bvh, scene, tiny->leaf_most, tiny->node_cost,
+                                             NODE_AXIS_LARGEST, &tree, reason);
+    if (!status)
+        status = layout_alloc(self->name, tree.node_count, WORDS, bvh->prim_count, out, reason);
+    if (!status) {
+        out->ref_count = out->node_count * layout_refs(self);
+        wide_nodes_items(bvh, &tree, out->item);
+        for (uint32_t n = 0; n < tree.node_count; n++)
+            pack_node(&tree, n, out->word + (size_t)WORDS * n);
+    }
+    wide_tree_free(&tree);
+    return status;
+}
+
+static void decode(const struct packed *packed, uint32_t record, struct wide_slot *slot)
+{
+    const uint32_t *word = packed->word + (size_t)WORDS * record;
+    uint32_t next_node = word[4], next_item = word[5];
+    struct node_axis axis[3];
+    for (uint32_t k = 0; k < 3; k++)
+        axis[k] =
+            (struct node_axis){float_from_bits(word[k]), (int)(word[3] >> 8 * k & 0xFFu) - 127};
+    for (uint32_t s = 0; s < WIDTH; s++) {
+        uint32_t kind = word[6] >> 4 * s & 15u;
+        uint32_t planes = word[7 + s], top = word[15] >> 4 * s & 15u;
+        slot[s].there = kind != 0;
+        slot[s].first = kind == INNER ? next_node : next_item;
+        slot[s].count = kind == INNER ? 0 : kind;
+        next_node += kind == INNER;
+        next_item += slot[s].count;
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t hi = k < 2 ? planes >> (18 + 6 * k) & PLANES : planes >> 30 | top << 2;
+            slot[s].box.lo[k] = node_axis_plane(&axis[k], planes >> 6 * k & PLANES);
+            slot[s].box.hi[k] = node_axis_plane(&axis[k], hi);
+        }
+    }
+}
+
+static void load(const struct packed *packed, uint32_t ref, struct wide *out)
+{
+    wide_nodes_load(packed, ref, decode, out);
+}
+
+static struct box box(const struct packed *packed, uint32_t ref)
+{
+    return wide_nodes_box(packed, ref, decode);
+}
+
+extern const struct layout layouts_tiny8[3];
+const struct layout layouts_tiny8[3] = {
+#define MEMBER(member, text, most, cost)                                                           \
+    {                                                                                              \
+        .name = member,                                                                            \
+        .summary = "64-byte nodes of 8 children, bounds of 6 bits in the node's frame; " text,     \
+        .node_bytes = 4 * WORDS, .width = WIDTH, .order = VISIT_NEAR, .shader = "tiny8",           \
+        .family = &(const struct tiny){most, cost}, .pack = pack, .load = load, .box = box,        \
+        .item = wide_nodes_item,                                                                   \
+    }
+    MEMBER("tiny8", "leaves of up to 4", 4, 1.0f),
+    MEMBER("tiny8_l8", "leaves of up to 8", 8, 4.0f),
+    MEMBER("tiny8_l14", "leaves of up to 14", 14, 16.0f),
+};

@@ -1,0 +1,45 @@
+#include "ref/layout.h"
+#include "ref/mutant.h"
+
+#include "counts.h"
+
+#include <string.h>
+
+extern const struct tri_store tri_store_indexed;
+
+const struct tri_store *const tri_stores[] = {&tri_store_indexed, NULL};
+_Static_assert(ARRAY_COUNT(tri_stores) - 1 == STORE_FILES, "a ref/store/store_*.c has no entry");
+
+const struct tri_store *tri_store_find(const char *name)
+{
+    for (size_t i = 0; tri_stores[i]; i++)
+        if (strcmp(tri_stores[i]->name, name) == 0)
+            return tri_stores[i];
+    return NULL;
+}
+
+enum status store_put(const struct scene *scene, const uint32_t *prim, uint32_t count,
+                      struct packed *out, uint32_t *first, struct reason *reason)
+{
+    const struct tri_store *store = out->store;
+    uint64_t words;
+    enum status status = store->measure(store, scene, prim, count, &words, reason);
+    if (status)
+        return status;
+    if (words > UINT32_MAX - out->item_count)
+        return fail(reason, STATUS_LIMIT, "storage %s: at most %u words fit", store->name,
+                    UINT32_MAX);
+    void *item = out->item;
+    if (array_reserve(&item, &out->item_room, out->item_count + words, sizeof *out->item))
+        return fail(reason, STATUS_MEMORY, "storage %s: no memory for %llu bytes", store->name,
+                    4 * (out->item_count + (unsigned long long)words));
+    out->item = item;
+    *first = out->item_count;
+    out->item_count += (uint32_t)words;
+    store->write(scene, prim, count, out->item + *first);
+#if MUTANT == MUTANT_ITEMS_UNSORTED
+    for (uint32_t i = 0; i < count && store->id == ABI_STORE_INDEXED; i++)
+        out->item[*first + i] = *first + i;
+#endif
+    return STATUS_OK;
+}

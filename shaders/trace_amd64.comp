@@ -1,0 +1,4 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "layout_amd64.glsl"
+#include "trace.glsl"
