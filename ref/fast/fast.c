@@ -1,3 +1,4 @@
+#define _DEFAULT_SOURCE /* madvise */
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
@@ -7,8 +8,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
-#define CODE_MOST 65535
+#define CODE_MOST  65535
+#define HUGE_PAGE  ((size_t)1 << 21)
+#define HUGE_LEAST ((size_t)1 << 20) /* smaller arrays do not pay for one */
 
 /* A leaf costs as much as a node: all its triangles are tested together. */
 static float leaf_cost(void *self, const uint32_t *prim, uint32_t count)
@@ -115,6 +121,25 @@ static void fill_node(struct fast_tree *tree, const struct wide_tree *wide, uint
     tree->node[index] = node;
 }
 
+/* Zeroed, aligned to a node at least; in large pages where there are some: a ray reads a few lines
+ * of many pages. Freed by free(). */
+static void *alloc_pages(uint64_t bytes)
+{
+    size_t unit = bytes < HUGE_LEAST ? sizeof(struct fast_node) : HUGE_PAGE;
+    if (bytes > SIZE_MAX - unit)
+        return NULL;
+    size_t whole = ((size_t)bytes + unit - 1) / unit * unit;
+    void *made = aligned_alloc(unit, whole);
+    if (!made)
+        return NULL;
+#if defined(__linux__)
+    if (unit == HUGE_PAGE)
+        (void)madvise(made, whole, MADV_HUGEPAGE); /* refused: small pages do, too */
+#endif
+    memset(made, 0, whole);
+    return made;
+}
+
 static enum status fill(struct fast_tree *tree, const struct wide_tree *wide, const struct bvh *bvh,
                         const struct scene *scene, struct reason *reason)
 {
@@ -128,8 +153,8 @@ static enum status fill(struct fast_tree *tree, const struct wide_tree *wide, co
         return fail(reason, STATUS_LIMIT, "fast: leaves of %llu MB, at most %u MB fit",
                     (unsigned long long)(words >> 18), FAST_LEAF_WORDS >> 18);
     /* A kernel reads whole vectors: rows of vertices end at most so far beyond the last block. */
-    tree->block = alloc_zeroed(words + BLOCK_VERTICES, sizeof *tree->block);
-    tree->node = aligned_alloc(sizeof *tree->node, wide->node_count * sizeof *tree->node);
+    tree->block = alloc_pages((words + BLOCK_VERTICES) * sizeof *tree->block);
+    tree->node = alloc_pages(wide->node_count * sizeof *tree->node);
     if (!tree->block || !tree->node)
         return fail(reason, STATUS_MEMORY, "fast: no memory for %u nodes", wide->node_count);
     find_frame(tree, &wide->bounds);
