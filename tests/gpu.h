@@ -87,11 +87,11 @@ static inline bool gpu_is_lavapipe(const struct vk *vk)
 }
 
 /* Runs the embedded shader `name` once: `groups` workgroups of `constant[0]`, its buffers of
- * `bytes[i]` zeroed; reads all buffers back into data[i]. */
-static inline void gpu_run(struct vk *vk, const char *name, const uint32_t *constant,
-                           uint32_t constant_count, const void *push, uint32_t push_bytes,
-                           uint32_t groups, uint32_t buffer_count, const uint64_t *bytes,
-                           void *const *data)
+ * `bytes[i]` from data[i]; reads all buffers back. */
+static inline void gpu_run_on(struct vk *vk, const char *name, const uint32_t *constant,
+                              uint32_t constant_count, const void *push, uint32_t push_bytes,
+                              uint32_t groups, uint32_t buffer_count, const uint64_t *bytes,
+                              void *const *data)
 {
     struct reason reason = {""};
     const struct shader *shader = shader_find(name);
@@ -108,7 +108,6 @@ static inline void gpu_run(struct vk *vk, const char *name, const uint32_t *cons
                              .constant_count = constant_count};
     gpu_must(vk_pipeline_make(vk, &make, &pipeline, &reason), &reason);
     for (uint32_t i = 0; i < buffer_count; i++) {
-        memset(data[i], 0, bytes[i]);
         gpu_must(vk_buffer_make(vk, bytes[i], &buffer[i], &reason), &reason);
         gpu_must(vk_buffer_write(vk, buffer[i], 0, data[i], bytes[i], &reason), &reason);
     }
@@ -118,6 +117,18 @@ static inline void gpu_run(struct vk *vk, const char *name, const uint32_t *cons
         vk_buffer_free(vk, buffer[i]);
     }
     vk_pipeline_free(vk, pipeline);
+}
+
+/* The same on buffers of zeros. */
+static inline void gpu_run(struct vk *vk, const char *name, const uint32_t *constant,
+                           uint32_t constant_count, const void *push, uint32_t push_bytes,
+                           uint32_t groups, uint32_t buffer_count, const uint64_t *bytes,
+                           void *const *data)
+{
+    for (uint32_t i = 0; i < buffer_count; i++)
+        memset(data[i], 0, bytes[i]);
+    gpu_run_on(vk, name, constant, constant_count, push, push_bytes, groups, buffer_count, bytes,
+               data);
 }
 
 /* Opens `engine` on `driver`; NULL, with the reason printed, where it cannot run. */
