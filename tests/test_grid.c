@@ -339,6 +339,37 @@ static void members_find_what_brute_force_finds(void **state)
     scene_free(&scene);
 }
 
+/* Triangles one behind the other, seen from both ends: the nearest is found, after at most the
+ * leaves of two nodes. */
+static void nearest_child_is_visited_first(void **state)
+{
+    (void)state;
+    for (uint32_t count = 1; count <= 32; count++) {
+        struct scene scene = trees_grid(count);
+        for (uint32_t i = 0; i < 9 * count; i++) {
+            const float corner[3][2] = {{-1, -1}, {1, -1}, {0, 1}};
+            scene.vertex[i] = i % 3 < 2 ? corner[i / 3 % 3][i % 3] : (float)(i / 9);
+        }
+        struct bvh bvh = tree_of(&scene, 1);
+        for (int from = 0; from < 2; from++) {
+            const struct ray ray = {{0, 0, from ? 100 : -100}, 0, {0, 0, from ? -1 : 1}, 1e30f};
+            struct packed packed;
+            struct trace_counts counts = {0};
+            struct hit hit;
+            assert_int_equal(packed_make(layout_find("bvh8_u8_node"), &bvh, &scene, &packed, NULL),
+                             STATUS_OK);
+            assert_int_equal(trace_ray(&packed, &scene, box_test_find("watertight"),
+                                       tri_test_find("woop"), QUERY_CLOSEST, &ray, &hit, &counts),
+                             STATUS_OK);
+            assert_int_equal(hit.prim, from ? count - 1 : 0);
+            assert_in_range(counts.tris, 1, 2 * GRID_LEAF_MOST);
+            packed_free(&packed);
+        }
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
+}
+
 /* Ends, without reading outside anything, on any words. */
 static void members_survive_garbage(void **state)
 {
@@ -374,6 +405,7 @@ int main(void)
         cmocka_unit_test(members_hold_scenes_or_say_why_not),
         cmocka_unit_test(members_refuse_what_no_frame_holds),
         cmocka_unit_test(members_find_what_brute_force_finds),
+        cmocka_unit_test(nearest_child_is_visited_first),
         cmocka_unit_test(members_survive_garbage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,8 +1,7 @@
 #include "ref/layouts/grid.h"
 
-#include "ref/layouts/common.h"
+#include "ref/layouts/wide_nodes.h"
 #include "ref/mutant.h"
-#include "ref/wide_tree.h"
 
 #include <math.h>
 #include <string.h>
@@ -82,11 +81,6 @@ static struct number_frame get_frame(const uint32_t word[4])
 static uint32_t words_of(const struct layout *layout)
 {
     return layout->node_bytes / 4;
-}
-
-static const uint32_t *record_at(const struct packed *packed, uint32_t record)
-{
-    return packed->word + (size_t)record * words_of(packed->layout);
 }
 
 /* --- packing ---------------------------------------------------------------------------------- */
@@ -225,8 +219,9 @@ static enum status put_tree(struct packing *p, struct reason *reason)
 static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
                         struct packed *out, struct reason *reason)
 {
+    /* Testing a slot costs half of what testing a triangle does. */
     const struct wide_rule rule = {
-        .width = self->width, .leaf_most = GRID_LEAF_MOST, .node_cost = 1};
+        .width = self->width, .leaf_most = GRID_LEAF_MOST, .node_cost = (float)self->width / 2};
     struct wide_tree tree = {0};
     enum status status = layout_check_finite(self->name, bvh, scene, reason);
     if (!status)
@@ -246,80 +241,47 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-static uint32_t slot_byte(const uint32_t *word, uint32_t slot)
+static void decode_box(const struct grid *grid, const struct number_frame *frame,
+                       const uint32_t *codes, uint32_t slot, struct box *out)
 {
-    return word[2 + slot / 4] >> slot % 4 * 8 & 255;
-}
-
-static struct box slot_box(const struct packed *packed, uint32_t record, uint32_t slot)
-{
-    const struct grid *grid = grid_of(packed->layout);
-    const uint32_t *word = record_at(packed, record);
-    const uint32_t *codes = word + head_words(grid, packed->layout->width);
-    struct number_frame frame = get_frame(grid->frame == ABI_FRAME_NODE ? codes - 4 : packed->word);
-    const struct number_frame *used = grid->frame == ABI_FRAME_WORLD ? NULL : &frame;
-    struct box box;
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t lo = get_code(grid->format, codes, 6 * slot + 2 * k);
         uint32_t hi = get_code(grid->format, codes, 6 * slot + 2 * k + 1);
-        box.lo[k] = number_decode(grid->format, used, (int)k, lo);
-        box.hi[k] = number_decode(grid->format, used, (int)k, hi);
+        out->lo[k] = number_decode(grid->format, frame, (int)k, lo);
+        out->hi[k] = number_decode(grid->format, frame, (int)k, hi);
     }
-    return box;
 }
 
-/* What stands in a slot: a reference; false if nothing, or a record that there is not. */
-static bool slot_ref(const struct packed *packed, uint32_t record, uint32_t slot, uint32_t *ref)
+static void decode(const struct packed *packed, uint32_t record, struct wide_slot *out)
 {
-    const uint32_t *word = record_at(packed, record);
-    uint32_t byte = slot_byte(word, slot);
-    *ref = packed->node_count + packed->layout->width * record + slot;
-    if (byte < SLOT_INNER)
-        return true;
-    *ref = word[0] + (byte - SLOT_INNER);
-    return byte < SLOT_INNER + WIDE_MAX && *ref < packed->node_count;
+    const struct grid *grid = grid_of(packed->layout);
+    uint32_t width = packed->layout->width;
+    const uint32_t *word = packed->word + (size_t)record * words_of(packed->layout);
+    const uint32_t *codes = word + head_words(grid, width);
+    struct number_frame frame = get_frame(grid->frame == ABI_FRAME_NODE ? codes - 4 : packed->word);
+    for (uint32_t slot = 0; slot < width; slot++) {
+        uint32_t byte = word[2 + slot / 4] >> slot % 4 * 8 & 255;
+        struct wide_slot *s = &out[slot];
+        *s = (struct wide_slot){.there = true};
+        if (byte < SLOT_INNER) {
+            s->first = word[1] + (byte & 31);
+            s->count = (byte >> SLOT_ITEMS) + 1;
+        } else {
+            s->first = word[0] + (byte - SLOT_INNER);
+            s->there = byte < SLOT_INNER + WIDE_MAX && s->first < packed->node_count;
+        }
+        decode_box(grid, grid->frame == ABI_FRAME_WORLD ? NULL : &frame, codes, slot, &s->box);
+    }
 }
 
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 {
-    uint32_t width = packed->layout->width;
-    out->child_count = out->item_first = out->item_count = 0;
-    if (ref >= packed->node_count) {
-        uint32_t slot = (ref - packed->node_count) % width;
-        const uint32_t *word = record_at(packed, (ref - packed->node_count) / width);
-        uint32_t byte = slot_byte(word, slot);
-        if (byte >= SLOT_INNER)
-            return;
-        out->item_first = word[1] + (byte & 31);
-        out->item_count = (byte >> SLOT_ITEMS) + 1;
-        return;
-    }
-    for (uint32_t slot = 0; slot < width; slot++) {
-        uint32_t child;
-        if (!slot_ref(packed, ref, slot, &child))
-            continue;
-        out->child[out->child_count] = child;
-        out->box[out->child_count++] = slot_box(packed, ref, slot);
-    }
+    wide_nodes_load(packed, ref, decode, out);
 }
 
 static struct box box(const struct packed *packed, uint32_t ref)
 {
-    uint32_t width = packed->layout->width;
-    if (ref >= packed->node_count)
-        return slot_box(packed, (ref - packed->node_count) / width,
-                        (ref - packed->node_count) % width);
-    struct wide node;
-    struct box all = box_empty();
-    load(packed, ref, &node);
-    for (uint32_t i = 0; i < node.child_count; i++)
-        box_add_box(&all, &node.box[i]);
-    return all;
-}
-
-static uint32_t item(const struct packed *packed, uint32_t slot)
-{
-    return slot < packed->item_count ? packed->item[slot] : ABI_NO_PRIM;
+    return wide_nodes_box(packed, ref, decode);
 }
 
 /* --- the members ------------------------------------------------------------------------------ */
@@ -361,7 +323,7 @@ static uint32_t item(const struct packed *packed, uint32_t slot)
         .pack = pack,                                                                              \
         .load = load,                                                                              \
         .box = box,                                                                                \
-        .item = item,                                                                              \
+        .item = wide_nodes_item,                                                                   \
     };
 
 GRID_MEMBERS(MEMBER)
