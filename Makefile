@@ -49,7 +49,10 @@ CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 TESTS    := $(TEST_SRC:tests/%.c=$(B)/tests/%)
 SAMPLES  := $(addprefix $(B)/samples/,tracer tracer_bug1 tracer_bug2)
 RENDERED := $(patsubst shaders/layout_%.glsl,render_%,$(wildcard shaders/layout_*.glsl))
-SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv) $(RENDERED:%=$(B)/spv/%.spv)
+STACKLESS := $(patsubst shaders/layout_%.glsl,stackless_%,\
+               $(shell grep -L 'define WIDE' shaders/layout_*.glsl)) # of binary layouts
+SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv) $(RENDERED:%=$(B)/spv/%.spv) \
+            $(STACKLESS:%=$(B)/spv/%.spv)
 
 # A member that no table names would never be tested: the tables compare these with their length.
 COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \

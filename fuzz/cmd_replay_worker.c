@@ -172,8 +172,11 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
     if (status)
         return status;
     void *self = pool_get(&troupe->pool, request->who.engine, &status, reason);
-    const struct job job = {&trial->scene, layout ? &parts->packed : NULL, trial->box, trial->tri,
-                            trial->query};
+    const struct job job = {.scene = &trial->scene,
+                            .packed = layout ? &parts->packed : NULL,
+                            .box = trial->box,
+                            .tri = trial->tri,
+                            .query = trial->query};
     if (!status)
         status = request->who.engine->prepare(self, &job, reason);
     if (status)

@@ -202,8 +202,11 @@ static enum status pack(struct export_case *the, const struct export_options *op
         if (!status)
             status = packed_make(the->layout, &the->bvh, &trial->scene, &the->packed, reason);
     }
-    the->job = (struct job){&trial->scene, the->layout ? &the->packed : NULL, trial->box,
-                            trial->tri, trial->query};
+    the->job = (struct job){.scene = &trial->scene,
+                            .packed = the->layout ? &the->packed : NULL,
+                            .box = trial->box,
+                            .tri = trial->tri,
+                            .query = trial->query};
     if (!status && the->subject != SUBJECT_TRACER)
         status = describe(the, options, reason);
     uint64_t words = (uint64_t)the->packed.word_count + the->packed.item_count +

@@ -23,7 +23,8 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
     const struct packed *packed = job->packed;
     char name[64];
     const struct layout *layout = packed->layout;
-    (void)snprintf(name, sizeof name, "trace_%s", layout_shader(layout));
+    (void)snprintf(name, sizeof name, "%s_%s", job->parent ? "stackless" : "trace",
+                   layout_shader(layout));
     *out = (struct dispatch){
         .shader = shader_find(name),
         .constant = {[ABI_SPEC_WORKGROUP] = workgroup,

@@ -99,6 +99,22 @@ static enum status upload(struct tracer *tracer, uint32_t binding, const void *d
     return status;
 }
 
+/* Without a stack the links lie behind the items. */
+static enum status upload_items(struct tracer *tracer, const struct job *job, struct reason *reason)
+{
+    const struct packed *packed = job->packed;
+    struct vk_buffer **buffer = &tracer->buffer[ABI_BIND_ITEMS];
+    uint64_t items = packed_item_bytes(packed), links = 4 * (uint64_t)packed->ref_count;
+    if (!job->parent)
+        return upload(tracer, ABI_BIND_ITEMS, packed->item, items, reason);
+    enum status status = vk_buffer_make(tracer->vk, items + links, buffer, reason);
+    if (!status && items)
+        status = vk_buffer_write(tracer->vk, *buffer, 0, packed->item, items, reason);
+    if (!status && links)
+        status = vk_buffer_write(tracer->vk, *buffer, items, job->parent, links, reason);
+    return status;
+}
+
 static uint32_t first_batch(const struct tracer *tracer, uint32_t node_count)
 {
     uint32_t batch = TRACER_VISITS_MOST / (node_count + 1);
@@ -122,7 +138,7 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     if (!status)
         status = upload(tracer, ABI_BIND_NODES, packed->word, packed_node_bytes(packed), reason);
     if (!status)
-        status = upload(tracer, ABI_BIND_ITEMS, packed->item, packed_item_bytes(packed), reason);
+        status = upload_items(tracer, job, reason);
     if (!status)
         status = gather_triangles(tracer->vk, job->scene, &tracer->buffer[ABI_BIND_TRIS], reason);
     if (status) {

@@ -344,8 +344,11 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
 {
     const struct explain_of *of = &e->options->of;
     struct judged judged = {0};
-    struct job job = {&e->scene, of->engine->needs_packed ? &e->packed : NULL, of->box, of->tri,
-                      of->query};
+    struct job job = {.scene = &e->scene,
+                      .packed = of->engine->needs_packed ? &e->packed : NULL,
+                      .box = of->box,
+                      .tri = of->tri,
+                      .query = of->query};
     enum status status = STATUS_OK;
     if (!e->options->has_file)
         status = scene_open(of->spec, of->seed, &e->scene, reason);

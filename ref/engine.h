@@ -27,6 +27,7 @@ struct job {
     const struct box_test *box;
     const struct tri_test *tri;
     enum query query;
+    const uint32_t *parent; /* packed_links: trace without a stack; or NULL */
 };
 
 /* Whether a triangle test that is watertight stays so in the tree of a job. Not unless the box test

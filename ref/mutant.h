@@ -196,6 +196,7 @@
 #define MUTANT_GRID_STRADDLE       453 /* shader: 12-bit codes that lie in two words are cut */
 #define MUTANT_GRID_ITEM_BASE      454 /* grid: items of a node's second leaf are the first's */
 #define MUTANT_GRID_SCALE_OF_X     455 /* shader: every axis has the scale of x */
+#define MUTANT_TRAIL_LOST          490 /* without a stack: on level 2 the other child is forgotten */
 #define MUTANT_PAIRS_UNMET         505 /* a covering array ends before all pairs met */
 #define MUTANT_HTML_UNESCAPED      360 /* report: text stands in the page as it is */
 #define MUTANT_HTML_LEFT_OPEN      361 /* report: cells of tables are not closed */

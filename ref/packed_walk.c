@@ -74,3 +74,35 @@ void packed_walk_free(struct packed_walk *walk)
     free(walk->visit);
     *walk = (struct packed_walk){0};
 }
+
+enum status packed_links(const struct packed *packed, uint32_t **out, struct reason *reason)
+{
+    const char *name = packed->layout->name;
+    struct packed_walk walk;
+    *out = NULL;
+    if (packed->layout->width > 2)
+        return fail(reason, STATUS_UNSUPPORTED,
+                    "%s: a traversal without a stack needs a binary layout", name);
+    if (packed->node_count == 0)
+        return STATUS_OK;
+    enum status status = packed_walk_make(packed, &walk);
+    uint32_t *parent = alloc_zeroed(packed->ref_count, sizeof *parent);
+    if (status || !parent)
+        status = fail(reason, STATUS_MEMORY, "%s: no memory for the links of %u records", name,
+                      packed->ref_count);
+    else if (walk.repeats > 0 || walk.bad_refs > 0)
+        status = fail(reason, STATUS_LIMIT,
+                      "%s: record %u %s: without a stack only a tree can be walked", name,
+                      walk.repeats > 0 ? walk.repeat_ref : walk.bad_ref,
+                      walk.repeats > 0 ? "is reached more than once" : "lacks a child");
+    for (uint32_t r = 0; r < packed->ref_count && !status; r++)
+        parent[r] = ABI_NO_PRIM;
+    for (uint32_t i = 1; i < walk.visit_count && !status; i++)
+        parent[walk.visit[i].ref] = walk.visit[walk.visit[i].parent].ref;
+    packed_walk_free(&walk);
+    if (status)
+        free(parent);
+    else
+        *out = parent;
+    return status;
+}

@@ -30,4 +30,11 @@ enum status packed_walk_make(const struct packed *packed, struct packed_walk *ou
 
 void packed_walk_free(struct packed_walk *walk);
 
+/* The parent of every reference, ref_count of them, for traversals without a stack; ABI_NO_PRIM for
+ * the root and for what is not reached. Caller frees *out, which is NULL for an empty tree.
+ * Errors: STATUS_UNSUPPORTED a wide layout; STATUS_LIMIT what is decoded is no tree (a faithful
+ * layout can wrap references), with the record; STATUS_MEMORY. */
+enum status packed_links(const struct packed *packed, uint32_t **out,
+                         struct reason *reason) MUST_USE;
+
 #endif

@@ -49,6 +49,22 @@ enum status trace_ray_all(const struct packed *packed, const struct scene *scene
                           const struct ray *ray, uint32_t capacity, struct hit *out,
                           uint32_t *count, struct trace_counts *counts) MUST_USE;
 
+/* Both without a stack: `parent` is packed_links of a binary layout's tree (NULL: with the stack).
+ * A trail of one bit a level tells on the way back whether the other child still waits; the links
+ * lead up (Laine 2010, Restart Trail for Stackless BVH Traversal, restarts at the root instead).
+ * To the same hits as with the stack, in the same order: a box that would wait on the stack is
+ * tested again when its turn comes, so that there are more box tests. STATUS_LIMIT: the trail of
+ * ABI_STACK_MAX bits, or the node budget, is exhausted. */
+enum status trace_ray_linked(const struct packed *packed, const uint32_t *parent,
+                             const struct scene *scene, const struct box_test *box,
+                             const struct tri_test *tri, enum query query, const struct ray *ray,
+                             struct hit *out, struct trace_counts *counts) MUST_USE;
+enum status trace_ray_all_linked(const struct packed *packed, const uint32_t *parent,
+                                 const struct scene *scene, const struct box_test *box,
+                                 const struct tri_test *tri, const struct ray *ray,
+                                 uint32_t capacity, struct hit *out, uint32_t *count,
+                                 struct trace_counts *counts) MUST_USE;
+
 /* Tests every triangle in index order; a later one wins only with a smaller t. */
 void trace_brute(const struct scene *scene, const struct tri_test *tri, enum query query,
                  const struct ray *ray, struct hit *out);

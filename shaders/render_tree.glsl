@@ -5,7 +5,6 @@
 void answer(uint query, vec3 org, vec3 dir, float tmin, float tmax, inout vec3 tuv,
             inout uint prim)
 {
-    stack_count = 0u;
     if (job.node_count > 0u) {
         slab_ray slab = slab_ray_make(org, dir, tmin);
         vec3 nearer, farther;

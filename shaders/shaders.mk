@@ -18,6 +18,12 @@ $(RENDERED:%=$(B)/gen/%.comp): $(B)/gen/render_%.comp: shaders/shaders.mk
 	@printf '%s\n' '#version 450' '#extension GL_GOOGLE_include_directive : require' \
 	    '#define RENDERING' '#include "layout_$*.glsl"' '#include "render_tree.glsl"' >$@
 
+# So is its tracer without a stack, if it is binary: $(STACKLESS).
+$(STACKLESS:%=$(B)/gen/%.comp): $(B)/gen/stackless_%.comp: shaders/shaders.mk
+	@mkdir -p $(@D)
+	@printf '%s\n' '#version 450' '#extension GL_GOOGLE_include_directive : require' \
+	    '#define STACKLESS' '#include "layout_$*.glsl"' '#include "trace.glsl"' >$@
+
 # -g0: names are no use at run time. Includes and abi.h come back through the depfile.
 # Ray queries need SPIR-V 1.4, so they are of Vulkan 1.2.
 $(B)/spv/raw/query_%.spv: TARGET := vulkan1.2

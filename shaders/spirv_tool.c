@@ -2,7 +2,8 @@
  * writes modules as C.
  *   spirv_tool fix IN.spv OUT.spv       checks, decorates (gpu/spirv_fix.h)
  *   spirv_tool embed OUT.c A.spv ...    table of gpu/shaders.h
- * Tracing shaders are those whose file name begins with trace_, those that render with render_,
+ * Tracing shaders are those whose file name begins with trace_ or stackless_, those that
+ * render with render_,
  * those that may use ray queries with query_.
  */
 #include "gpu/spirv_fix.h"
@@ -69,10 +70,15 @@ static bool finish(FILE *out, const char *file)
     return !failed;
 }
 
+static bool is_tracing(const char *name)
+{
+    return strncmp(name, "trace_", 6) == 0 || strncmp(name, "stackless_", 10) == 0;
+}
+
 static struct spirv_rules rules_of(const char *file)
 {
     const char *slash = strrchr(file, '/'), *name = slash ? slash + 1 : file;
-    return (struct spirv_rules){.tracing = strncmp(name, "trace_", 6) == 0,
+    return (struct spirv_rules){.tracing = is_tracing(name),
                                 .render = strncmp(name, "render_", 7) == 0,
                                 .query = strncmp(name, "query_", 6) == 0,
                                 .free = strcmp(name, "probe_free.spv") == 0};
@@ -154,7 +160,7 @@ static bool embed(const char *to, char **file, int count)
         char name[64];
         ok = stem(file[i], name);
         fprintf(out, "    {\"%s\", %s, (uint32_t)(sizeof %s / 4), %s},\n", name, name, name,
-                strncmp(name, "trace_", 6) == 0 ? "true" : "false");
+                is_tracing(name) ? "true" : "false");
     }
     fprintf(out, "    {0},\n};\n");
     if (!ok) {

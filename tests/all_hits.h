@@ -59,8 +59,11 @@ static inline void stand_free(struct stand *stand)
 static inline struct job stand_job(const struct stand *stand, const char *box, const char *tri,
                                    enum query query)
 {
-    return (struct job){&stand->scene, &stand->packed, box_test_find(box), tri_test_find(tri),
-                        query};
+    return (struct job){.scene = &stand->scene,
+                        .packed = &stand->packed,
+                        .box = box_test_find(box),
+                        .tri = tri_test_find(tri),
+                        .query = query};
 }
 
 /* Opens an engine; the test is skipped with the reason where it cannot run. */

@@ -154,7 +154,11 @@ static void prepare(enum profile profile)
     struct look *look = &s.job.look;
     *look = (struct look){.profile = profile, .bounces = 3, .ambience = 0.1f};
     assert_int_equal(shading_make(&s.scene, look, &s.shading, &reason), STATUS_OK);
-    s.job.job = (struct job){&s.scene, &s.packed, box_tests[0], tri_tests[0], QUERY_CLOSEST};
+    s.job.job = (struct job){.scene = &s.scene,
+                             .packed = &s.packed,
+                             .box = box_tests[0],
+                             .tri = tri_tests[0],
+                             .query = QUERY_CLOSEST};
     s.job.width = WIDTH;
     s.job.height = HEIGHT;
     s.camera = scene_camera(&s.scene);

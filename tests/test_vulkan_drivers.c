@@ -148,8 +148,11 @@ static void compare_all(const char *driver, void *self, struct view *view)
 {
     for (size_t m = 0; m < ARRAY_COUNT(mixes); m++) {
         view_pack(view, mixes[m].layout);
-        const struct job job = {&view->scene, &view->packed, box_test_find(mixes[m].box),
-                                tri_test_find(mixes[m].tri), mixes[m].query};
+        const struct job job = {.scene = &view->scene,
+                                .packed = &view->packed,
+                                .box = box_test_find(mixes[m].box),
+                                .tri = tri_test_find(mixes[m].tri),
+                                .query = mixes[m].query};
         size_t hits = driver_trace("vulkan", self, view, &job, view->got);
         for (size_t i = 0; i < view->ray_count; i++)
             assert_int_equal(trace_ray(&view->packed, &view->scene, job.box, job.tri, job.query,
@@ -194,15 +197,22 @@ static void compare_brute(const char *driver, void *self, void *c, struct view *
         if (view->scene.tri_count > 1000 && tri_tests[t]->id != ABI_TRI_WOOP)
             continue; /* one test for the slow scenes */
         for (int q = 0; q < 2; q++) {
-            const struct job job = {&view->scene, NULL, box_tests[0], tri_tests[t],
-                                    q ? QUERY_ANY : QUERY_CLOSEST};
+            const struct job job = {.scene = &view->scene,
+                                    .packed = NULL,
+                                    .box = box_tests[0],
+                                    .tri = tri_tests[t],
+                                    .query = q ? QUERY_ANY : QUERY_CLOSEST};
             (void)driver_trace("brute", c, view, &job, view->expected);
             (void)driver_trace("vulkan_brute", self, view, &job, view->got);
             if (view_differs(view))
                 fail_msg("%s: %s %s: %zu of %zu answers differ", driver, job.tri->name,
                          query_name(job.query), view_differs(view), view->ray_count);
         }
-        const struct job job = {&view->scene, NULL, box_tests[0], tri_tests[t], QUERY_ALL};
+        const struct job job = {.scene = &view->scene,
+                                .packed = NULL,
+                                .box = box_tests[0],
+                                .tri = tri_tests[t],
+                                .query = QUERY_ALL};
         const size_t n = view->ray_count;
         struct hit *hit[2] = {calloc(n, CAPACITY * sizeof(struct hit)),
                               calloc(n, CAPACITY * sizeof(struct hit))};
@@ -274,7 +284,11 @@ static void brute_force_of_an_empty_scene_misses(void **state)
     if (!self)
         skip();
     assert_int_equal(scene_make(0, 0, &scene), STATUS_OK);
-    const struct job job = {&scene, NULL, box_tests[0], tri_tests[0], QUERY_CLOSEST};
+    const struct job job = {.scene = &scene,
+                            .packed = NULL,
+                            .box = box_tests[0],
+                            .tri = tri_tests[0],
+                            .query = QUERY_CLOSEST};
     assert_int_equal(engine->trace(self, &ray, 1, &hit, &report, &reason), STATUS_DEVICE);
     assert_non_null(strstr(reason.text, "prepared"));
     gpu_must(engine->prepare(self, &job, &reason), &reason);

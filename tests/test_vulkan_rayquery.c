@@ -19,7 +19,8 @@ static void *open_any(void)
 static void trace_job(void *self, const struct scene *scene, enum query query,
                       const struct ray *ray, size_t ray_count, struct hit *hit)
 {
-    const struct job job = {scene, NULL, box_tests[0], tri_tests[0], query};
+    const struct job job = {
+        .scene = scene, .packed = NULL, .box = box_tests[0], .tri = tri_tests[0], .query = query};
     struct trace_report report;
     struct reason reason = {""};
     gpu_must(rayquery()->prepare(self, &job, &reason), &reason);
@@ -127,7 +128,11 @@ static void rayquery_lists_every_triangle(void **state)
     if (!self)
         skip();
     struct scene scene = parallel(COUNT);
-    const struct job job = {&scene, NULL, box_tests[0], tri_tests[0], QUERY_ALL};
+    const struct job job = {.scene = &scene,
+                            .packed = NULL,
+                            .box = box_tests[0],
+                            .tri = tri_tests[0],
+                            .query = QUERY_ALL};
     static struct ray ray[RAYS];
     static struct hit hit[RAYS * CAPACITY];
     uint32_t found[RAYS];
@@ -210,7 +215,11 @@ static void rayquery_agrees_with_c_away_from_edges(void **state)
     if (!self)
         skip();
     struct view view = view_make("terrain:k=7", "primary", 4000);
-    const struct job job = {&view.scene, NULL, box_tests[0], tri_test_find("woop"), QUERY_CLOSEST};
+    const struct job job = {.scene = &view.scene,
+                            .packed = NULL,
+                            .box = box_tests[0],
+                            .tri = tri_test_find("woop"),
+                            .query = QUERY_CLOSEST};
     size_t hits = 0, other = 0;
     for (size_t i = 0; i < view.ray_count; i++)
         trace_brute(&view.scene, job.tri, job.query, &view.ray[i], &view.expected[i]);

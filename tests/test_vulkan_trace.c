@@ -71,7 +71,11 @@ static void release(struct fixture *f)
 static struct job job_of(const struct fixture *f, const char *box, const char *tri,
                          enum query query)
 {
-    return (struct job){&f->scene, &f->packed, box_test_find(box), tri_test_find(tri), query};
+    return (struct job){.scene = &f->scene,
+                        .packed = &f->packed,
+                        .box = box_test_find(box),
+                        .tri = tri_test_find(tri),
+                        .query = query};
 }
 
 static void expect(struct fixture *f, const struct job *job)

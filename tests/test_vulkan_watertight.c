@@ -12,7 +12,11 @@
 static size_t leaks(struct tracer *tracer, const struct scene *scene, const struct packed *packed,
                     const char *box, const struct ray *ray, struct hit *hit)
 {
-    struct job job = {scene, packed, box_test_find(box), tri_test_find("woop"), QUERY_CLOSEST};
+    struct job job = {.scene = scene,
+                      .packed = packed,
+                      .box = box_test_find(box),
+                      .tri = tri_test_find("woop"),
+                      .query = QUERY_CLOSEST};
     struct trace_report report;
     struct reason reason = {""};
     size_t count = 0;

@@ -5,7 +5,8 @@
 #include <string.h>
 
 extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_vulkan_brute,
-    engine_rayquery, engine_embree, engine_embree_robust, engine_fast;
+    engine_rayquery, engine_embree, engine_embree_robust, engine_fast, engine_cpu_stackless,
+    engine_vulkan_stackless;
 
 /* One file holds both Embree engines; every other file holds one. */
 #define OWN (ENGINE_FILES + 1)
@@ -13,11 +14,12 @@ extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_vulka
 static const struct engine *table[OWN + ENGINES_ADDED_MOST + 1] = {
     &engine_brute,    &engine_cpu,    &engine_vulkan,        &engine_vulkan_brute,
     &engine_rayquery, &engine_embree, &engine_embree_robust, &engine_fast,
+    &engine_cpu_stackless, &engine_vulkan_stackless,
 };
 static size_t count = OWN;
 
 /* The last of the table above; adjust it with the list. */
-_Static_assert(OWN == 8, "an engine_*.c is in no table");
+_Static_assert(OWN == 10, "an engine_*.c is in no table");
 
 const struct engine *const *const engines = table;
 

@@ -1,0 +1,86 @@
+/* The way through a binary tree without a stack, the same as ref/trace_walk.h's: a trail of one bit a
+ * level tells whether the other child still waits, and links to parents lead back. They lie behind
+ * the items. */
+#ifndef WALK_STACKLESS_GLSL
+#define WALK_STACKLESS_GLSL
+
+uint at = 0u;            /* reference of the node that is visited */
+uvec2 trail = uvec2(0u); /* bit i of 64: i levels up the other child waits */
+uint level = 0u;
+
+void walk_begin()
+{
+    at = job.root;
+    trail = uvec2(0u);
+    level = 0u;
+}
+
+/* The next node that can still hold something nearer, or NODE_DONE. */
+node walk_back(slab_ray slab, float tbest)
+{
+    bool found = false;
+    node next = NODE_DONE;
+    while (both(level > 0u, !found)) {
+        uint up = item_word[job.item_count + at];
+        bool waits = (trail.x & 1u) != 0u;
+        vec3 nearer, farther;
+        float entry;
+        node parent = node_load(slab, up, nearer, farther);
+        uint fst = node_fst(parent), snd = node_snd(parent);
+        uint other = pick(fst == at, snd, fst);
+        if (waits) {
+            trail.x ^= 1u;
+            node sibling = node_load(slab, other, nearer, farther);
+            if (slab_test(slab, nearer, farther, tbest, entry)) {
+                next = sibling;
+                at = other;
+                found = true;
+            }
+        } else {
+            trail = uvec2(trail.x >> 1 | trail.y << 31, trail.y >> 1);
+            level--;
+            at = up;
+        }
+    }
+    if (both(level > 0u, !found))
+        trouble |= ABI_FLAG_LOOP;
+    return next;
+}
+
+/* The children of an inner node: the next node, the other one noted in the trail. */
+node step_inner(slab_ray slab, node n, float tbest)
+{
+    uint ref0 = node_fst(n), ref1 = node_snd(n);
+    vec3 near0, far0, near1, far1;
+    float entry0, entry1;
+    node child0 = node_load(slab, ref0, near0, far0);
+    node child1 = node_load(slab, ref1, near1, far1);
+    bool hit0 = both(slab_test(slab, near0, far0, tbest, entry0), ref0 < job.node_count);
+    bool hit1 = both(slab_test(slab, near1, far1, tbest, entry1), ref1 < job.node_count);
+#if defined(ORDER_NEAR)
+    bool second = both(hit1, any(bvec2(!hit0, entry1 < entry0)));
+#elif defined(ORDER_SND)
+    bool second = hit1;
+#else
+    bool second = !hit0;
+#endif
+    node next = child0;
+    if (second)
+        next = child1;
+    if (both(!hit0, !hit1)) {
+        next = walk_back(slab, tbest);
+    } else if (level >= ABI_STACK_MAX) {
+        trouble |= ABI_FLAG_STACK;
+    } else {
+        bool waits = both(hit0, hit1);
+#if MUTANT == MUTANT_TRAIL_LOST
+        waits = both(waits, level != 2u);
+#endif
+        trail = uvec2(trail.x << 1 | pick(waits, 1u, 0u), trail.y << 1 | trail.x >> 31);
+        level++;
+        at = pick(second, ref1, ref0);
+    }
+    return next;
+}
+
+#endif
