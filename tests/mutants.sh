@@ -262,6 +262,7 @@ in_test ERROR_HALVED scenes/show.c test_show
 in_test CERTAIN_OF_ONE bench/spread.c test_frames
 in_test COUNTED_AGAIN scenes/construct.c test_construct
 in_test PAIRS_UNMET fuzz/covering.c test_covering
+in_test TRAIL_LOST ref/trace.c test_stackless
 # Without a device there is nothing to compare.
 "$build/raydiff" bench special --size 16x12 --frames 1 >/dev/null 2>&1
 [ $? -eq 77 ] || in_program GENERAL_DULL gpu/frame_dispatch.c bench special --size 16x12 --frames 1

@@ -12,8 +12,10 @@ extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_vulka
 #define OWN (ENGINE_FILES + 1)
 
 static const struct engine *table[OWN + ENGINES_ADDED_MOST + 1] = {
-    &engine_brute,    &engine_cpu,    &engine_vulkan,        &engine_vulkan_brute,
-    &engine_rayquery, &engine_embree, &engine_embree_robust, &engine_fast,
+    &engine_brute,         &engine_cpu,
+    &engine_vulkan,        &engine_vulkan_brute,
+    &engine_rayquery,      &engine_embree,
+    &engine_embree_robust, &engine_fast,
     &engine_cpu_stackless, &engine_vulkan_stackless,
 };
 static size_t count = OWN;
