@@ -116,7 +116,7 @@ int race_enter(struct race *race, const struct tri_test *tri)
         for (size_t t = 0; tri_tests[t]; t++) {
             bool take = tri ? tri_tests[t] == tri
                             : wanted(&race->bench->tri, t, NULL, tri_tests[t]->name,
-                                     tri_tests[t]->faithful);
+                                     tri_tests[t]->faithful || !tri_tests[t]->core);
             if (!take || (entered && !has_our_test(engines[e])))
                 continue;
             entered = true;

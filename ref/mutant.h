@@ -115,7 +115,6 @@
 #define MUTANT_GROUP_LATE      335 /* shader: a workgroup is there from its second path on */
 #define MUTANT_AXIS_TRUSTED    436 /* a twin of baldwin_webber with C's axis alone */
 #define MUTANT_TRANSFORM_EXACT 437 /* a twin of baldwin_webber whose transform has no error */
-#define MUTANT_SUM_UNPROVEN    438 /* a twin of pluecker that does not ask for the weights' sum */
 
 /* For raydiff fuzz --self-test: fuzz/selftest.txt says where each is planted. None is in the oracle
  * or the judge. */

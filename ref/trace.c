@@ -44,6 +44,8 @@ static enum status walk_robust(struct walk *w, uint32_t tri_id)
 {
     if (tri_id == ABI_TRI_WOOP)
         return walk_tree(w, ABI_BOX_ROBUST, ABI_TRI_WOOP);
+    if (tri_id == ABI_TRI_MT) /* the default, without a choice among all of them per triangle */
+        return walk_tree(w, ABI_BOX_ROBUST, ABI_TRI_MT);
     return walk_tree(w, ABI_BOX_ROBUST, tri_id);
 }
 

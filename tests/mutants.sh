@@ -303,6 +303,14 @@ in_test BLOCK_CORNER ref/fast/block.c test_fast
 in_test CODE_NEAREST ref/fast/fast.c test_fast
 in_test FAST_UNPADDED ref/fast/kernel_portable.c test_fast
 in_test FAST_CONTRACTED ref/fast/kernel_avx2.c test_fast
+in_program EDGE_TURNED ref/trace.c check soup --tri pluecker --layout f32 --engine cpu --count 2000 --repeat 1
+in_program BACK_LOST ref/trace.c check soup --tri pluecker --layout f32 --engine cpu --count 2000 --repeat 1
+in_program T_HALVED ref/trace.c check soup --tri pluecker --layout f32 --engine cpu --count 2000 --repeat 1
+in_program AXIS_SIGNED ref/trace.c check soup --tri baldwin_webber --layout f32 --engine cpu --count 2000 --repeat 1
+in_program SUM_UNASKED ref/trace.c check soup --tri baldwin_webber --layout f32 --engine cpu --count 2000 --repeat 1
+in_shaders WEIGHTS_SWAPPED check soup --tri baldwin_webber --layout f32 --engine vulkan --count 2000 --repeat 1
+in_test AXIS_TRUSTED ref/twin.c test_bounds
+in_test TRANSFORM_EXACT ref/twin.c test_bounds
 in_shaders CULLED_ALL test_all_engines
 in_shaders LOST_SLOT test_all_engines
 in_shaders GRID_STRADDLE test_grid_gpu

@@ -116,6 +116,8 @@ static const struct {
     {"robust", "mt", QUERY_CLOSEST},
     {"robust", "woop", QUERY_ANY},
     {"rtrs", "mt_rtrs", QUERY_CLOSEST},
+    {"watertight", "pluecker", QUERY_CLOSEST},
+    {"robust", "baldwin_webber", QUERY_CLOSEST},
 };
 
 /* Every layout with every box and triangle test; `raydiff conform` has all combinations. */
