@@ -3,6 +3,7 @@
 #include "fuzz/cmd_fuzz.h"
 #include "fuzz/cmd_selftest.h"
 
+#include "fuzz/plugin_guard.h"
 #include "fuzz/report.h"
 #include "ref/command.h"
 
@@ -39,8 +40,8 @@ static const char help[] =
     "  --baseline FILE   known findings, besides those that are part of raydiff\n"
     "  --trial-time S    seconds that an engine may take for a trial  [10]\n"
     "  --memory MIB      that a worker may hold, 0 is no limit  [4096]\n"
-    "  --driver NAME, --device N, --workgroup N, --peer-time S, --peer-memory MB\n"
-    "                    of engines, as in raydiff check\n"
+    "  --driver NAME, --device N, --workgroup N, --peer-time S, --peer-memory MB, --shader FILE\n"
+    "                    of engines and layouts from outside, as in raydiff check\n"
     "  --json FILE, --junit FILE, --tap FILE, --jsonl FILE\n"
     "                    results, for machines\n"
     "  --self-test       is every planted bug found? (raydiff fuzz --self-test --help)\n\n"
@@ -94,6 +95,7 @@ static const struct option long_options[] = {{"time", 1, NULL, OPT_TIME},
                                              {"driver", 1, NULL, OPT_KEYS + KEY_DRIVER},
                                              {"device", 1, NULL, OPT_KEYS + KEY_DEVICE},
                                              {"workgroup", 1, NULL, OPT_KEYS + KEY_WORKGROUP},
+                                             {"shader", 1, NULL, OPT_SHADER},
                                              {"peer-time", 1, NULL, OPT_PEER_TIME},
                                              {"peer-memory", 1, NULL, OPT_PEER_MEMORY},
                                              {"help", 0, NULL, OPT_HELP},
@@ -170,6 +172,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_JSONL:
         c->jsonl = text;
         return STATUS_OK;
+    case OPT_SHADER:
     case OPT_PEER_TIME:
     case OPT_PEER_MEMORY:
         return engine_option_take(option, text, &c->engines, reason);
@@ -223,6 +226,7 @@ static enum status make_rules(struct fuzz_command *c, struct reason *reason)
     c->engines.driver = c->driver[0] ? c->driver : NULL;
     if (!c->engines.peer_ms) /* a peer's time is over before its worker's is */
         c->engines.peer_ms = (uint32_t)(c->trial_s * 1e3);
+    plugin_limits(c->engines.peer_ms, c->engines.peer_mb);
     return fuzz_field_make(engine, c->engine.count, layout, c->layout.count, &c->engines,
                            &rules->field, reason);
 }

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "fuzz/cmd_fuzz.h"
 
+#include "fuzz/plugin_guard.h"
 #include "ref/command.h"
 
 #include <stdio.h>
@@ -19,13 +20,17 @@ const char *fuzz_key_name(enum fuzz_key key)
     return name[key];
 }
 
+/* Layouts from outside by their path, so that it can be read again. */
 static void print_list(enum table table, const struct list *list, char text[FUZZ_VALUE_MOST])
 {
     size_t used = 0;
     text[0] = '\0';
-    for (size_t i = 0; i < list->count && used < FUZZ_VALUE_MOST; i++)
+    for (size_t i = 0; i < list->count && used < FUZZ_VALUE_MOST; i++) {
+        size_t index = list->index[i];
+        const char *path = table == TABLE_LAYOUTS ? plugin_path(layouts_all[index]) : NULL;
         used += (size_t)snprintf(text + used, FUZZ_VALUE_MOST - used, "%s%s", i ? "," : "",
-                                 table_member(table, list->index[i], NULL));
+                                 path ? path : table_member(table, index, NULL));
+    }
 }
 
 void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[FUZZ_VALUE_MOST])

@@ -88,7 +88,8 @@ static json_t *finding_json(const struct fuzz_command *c, const struct campaign_
     char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
     findings_path(view->findings, &entry->signature, "smallest.trial", smallest, sizeof smallest);
     findings_path(view->findings, &entry->signature, "first.trial", first, sizeof first);
-    replay_command(smallest, engine_of(view, &entry->signature), command, sizeof command);
+    replay_command(smallest, engine_of(view, &entry->signature), entry->signature.layout, command,
+                   sizeof command);
     json_object_set_new(row, "state", json_string(report_state_name(state)));
     json_object_set_new(row, "known", json_boolean(state == REPORT_KNOWN));
     json_object_set_new(row, "flaky", json_boolean(state == REPORT_FLAKY));
@@ -205,7 +206,8 @@ static void fill_finding(const struct fuzz_command *c, const struct campaign_vie
     snprintf(text[1], FUZZ_PATH_MOST, "%s", answer.text);
     findings_path(view->findings, &entry->signature, "first.trial", text[2], FUZZ_PATH_MOST);
     findings_path(view->findings, &entry->signature, "smallest.trial", text[3], FUZZ_PATH_MOST);
-    replay_command(text[3], engine_of(view, &entry->signature), text[4], FUZZ_PATH_MOST);
+    replay_command(text[3], engine_of(view, &entry->signature), entry->signature.layout, text[4],
+                   FUZZ_PATH_MOST);
     room->finding[i] = (struct report_finding){.signature = text[0],
                                                .count = entry->count,
                                                .state = state,
@@ -304,7 +306,8 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
     printf("         %s\n", cause_text(entry->signature.cause));
     if (answer.text[0])
         printf("         %s\n", answer.text);
-    replay_command(path, engine_of(view, &entry->signature), command, sizeof command);
+    replay_command(path, engine_of(view, &entry->signature), entry->signature.layout, command,
+                   sizeof command);
     printf("         %s\n", command);
 }
 

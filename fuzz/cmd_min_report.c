@@ -53,7 +53,8 @@ static void finding_text(const struct min_row *row, char *text, size_t size)
 static void print_replay(const struct min_row *row)
 {
     char text[MIN_PATH_MOST + PIPE_NAME_MOST];
-    replay_command(row->written[0] ? row->written : row->path, row->engine, text, sizeof text);
+    replay_command(row->written[0] ? row->written : row->path, row->engine,
+                   row->file.signature.layout, text, sizeof text);
     printf("  replay   %s\n", text);
 }
 

@@ -58,7 +58,8 @@ bool replay_is_expected(const struct replay_options *options, const struct findi
 
 /* Writes the command that plays a file again; one that needs an engine named, as a pipe: peer, has
  * it. `engine` may be NULL. */
-void replay_command(const char *path, const struct engine *engine, char *text, size_t text_bytes);
+void replay_command(const char *path, const struct engine *engine, const struct layout *layout,
+                    char *text, size_t text_bytes);
 
 /* A child process that plays: an engine that crashes or hangs takes only it along. */
 struct replay_worker {

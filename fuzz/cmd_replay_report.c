@@ -2,6 +2,7 @@
 #include "fuzz/cmd_replay.h"
 
 #include "fuzz/pipe.h"
+#include "fuzz/plugin_shader.h"
 #include "ref/command.h"
 #include "ref/explain/ray_text.h"
 #include "scenes/file.h"
@@ -45,10 +46,13 @@ static void finding_text(const struct finding_file *file, const struct fuzz_find
     judge_line(&file->trial.ray[finding->ray], &finding->judgement, &finding->answer, text, size);
 }
 
-void replay_command(const char *path, const struct engine *engine, char *text, size_t text_bytes)
+void replay_command(const char *path, const struct engine *engine, const struct layout *layout,
+                    char *text, size_t text_bytes)
 {
     snprintf(text, text_bytes, "raydiff replay");
     command_word(text, text_bytes, path);
+    if (layout && layout->outside)
+        plugin_command(text, text_bytes, layout);
     if (!engine || strncmp(engine->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0)
         return;
     command_word(text, text_bytes, "--engine");

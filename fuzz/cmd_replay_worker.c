@@ -2,6 +2,7 @@
  * the fork, so that both sides have them, and pointers to them and to tables mean the same. */
 #include "fuzz/cmd_replay.h"
 
+#include "fuzz/plugin_shader.h"
 #include "fuzz/versions.h"
 #include "ref/cmd_explain.h"
 #include "ref/match.h"
@@ -193,8 +194,9 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
         return status;
     char again[EXPLAIN_COMMAND_MOST];
     const char *path = troupe->files[request->file].path;
-    snprintf(again, sizeof again, "raydiff replay %s --engine %s%s%s", path,
-             request->who.engine->name, layout ? " --layout " : "", layout ? layout->name : "");
+    snprintf(again, sizeof again, "raydiff replay %s --engine %s", path, request->who.engine->name);
+    if (layout)
+        plugin_command(again, sizeof again, layout);
     const struct explain_of of = {.spec = path,
                                   .engine = request->who.engine,
                                   .layout = layout,

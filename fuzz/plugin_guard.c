@@ -14,6 +14,7 @@
 #define PATH_MOST 512
 #define FATE_MS   1000u
 
+static bool hung; /* the last that was blamed */
 static uint32_t limit_ms = PLUGIN_MS, limit_mb = PLUGIN_MB;
 
 static struct {
@@ -125,14 +126,14 @@ static enum status blame(const char *name, const char *doing, struct child *chil
 {
     struct child_fate fate = {.forced = false};
     bool late = (time_ns() - start) / 1000000u >= limit_ms;
+    hung = late;
     child_end(child, late ? 0 : FATE_MS, &fate);
     if (MUTANT == MUTANT_PLUGIN_DEATH_UNSEEN)
-        return fail(reason, STATUS_MEMORY, "%.120s: no memory to %s", name, doing);
+        return fail(reason, STATUS_MEMORY, "%.120s: no memory while %s", name, doing);
     if (late)
-        return fail(reason, STATUS_DEVICE, "%.120s: to %s took more than %u ms", name, doing,
+        return fail(reason, STATUS_DEVICE, "%.120s: hung while %s: no end after %u ms", name, doing,
                     limit_ms);
-    return fail(reason, STATUS_DEVICE, "%.120s: to %s ended its process: %s", name, doing,
-                fate.text);
+    return fail(reason, STATUS_DEVICE, "%.120s: crashed while %s: %s", name, doing, fate.text);
 }
 
 static uint32_t left_ms(uint64_t start)
@@ -163,15 +164,21 @@ static enum status pack_guarded(const struct layout *layout, const struct bvh *b
     if (status)
         return status;
     if (!child_receive_into(&child, &told, sizeof told, limit_ms))
-        return blame(layout->name, "pack and check", &child, start, reason);
+        return blame(layout->name, "packing", &child, start, reason);
     if (told.status) {
         child_end(&child, 0, NULL);
         return fail(reason, told.status, "%s", told.reason.text);
     }
+    const uint64_t width = layout->width > 2 ? layout->width : 0;
+    if (told.word_count != (uint64_t)told.node_count * (layout->node_bytes / 4) ||
+        told.ref_count != told.node_count * (1 + width) || told.root >= told.node_count) {
+        child_end(&child, 0, NULL);
+        return fail(reason, STATUS_DEVICE, "%s: pack() damaged its process", layout->name);
+    }
     if (!receive_words(&child, told.word_count, start, &out->word) ||
         !receive_words(&child, told.item_count, start, &out->item)) {
         packed_free(out);
-        return blame(layout->name, "send what it packed", &child, start, reason);
+        return blame(layout->name, "sending what it packed", &child, start, reason);
     }
     child_end(&child, FATE_MS, NULL);
     out->layout = layout;
@@ -192,7 +199,7 @@ static enum status try_open(char *path, struct reason *reason)
     if (status)
         return status;
     if (!child_receive_into(&child, &told, sizeof told, limit_ms))
-        return blame(path, "open", &child, start, reason);
+        return blame(path, "being opened", &child, start, reason);
     child_end(&child, 0, NULL);
     return told.status ? fail(reason, told.status, "%s", told.reason.text) : STATUS_OK;
 }
@@ -235,6 +242,11 @@ enum status plugin_open(const char *path, const struct layout **out, struct reas
     opened[opened_count].handle = handle;
     opened[opened_count++].layout = *out;
     return STATUS_OK;
+}
+
+bool plugin_hung(void)
+{
+    return hung;
 }
 
 const char *plugin_path(const struct layout *layout)

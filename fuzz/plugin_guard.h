@@ -24,6 +24,9 @@ void plugin_limits(uint32_t ms, uint32_t megabytes);
 enum status plugin_open(const char *path, const struct layout **out,
                         struct reason *reason) MUST_USE;
 
+/* Whether the last STATUS_DEVICE of a packing was that it took too long. */
+bool plugin_hung(void);
+
 /* The path that the layout was opened from, as it was given; NULL: it is none from outside. */
 const char *plugin_path(const struct layout *layout);
 

@@ -1,5 +1,8 @@
 #include "fuzz/plugin_shader.h"
 
+#include "fuzz/plugin_guard.h"
+#include "ref/command.h"
+
 #include <string.h>
 
 static plugin_compile_fn *compile_with;
@@ -66,4 +69,15 @@ const char *plugin_shader_path(const struct layout *layout)
         if (bound[i].layout == layout)
             return bound[i].file;
     return NULL;
+}
+
+void plugin_command(char *text, size_t text_bytes, const struct layout *layout)
+{
+    const char *path = plugin_path(layout), *shader = plugin_shader_path(layout);
+    command_word(text, text_bytes, "--layout");
+    command_word(text, text_bytes, path ? path : layout->name);
+    if (shader) {
+        command_word(text, text_bytes, "--shader");
+        command_word(text, text_bytes, shader);
+    }
 }

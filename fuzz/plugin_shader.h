@@ -25,6 +25,10 @@ enum status plugin_shader_settle(struct reason *reason) MUST_USE;
 /* The file that the layout's shader is from; NULL: none. */
 const char *plugin_shader_path(const struct layout *layout);
 
+/* Appends the options that name the layout to a command line: " --layout NAME", of one from outside
+ * " --layout FILE.so --shader FILE"; as much as fits. */
+void plugin_command(char *text, size_t text_bytes, const struct layout *layout);
+
 /* Of raydiff: glslang (gpu/cmd_glsl.c). Errors: STATUS_INPUT "FILE:LINE: what"; as shader_add. Of a
  * program that was built without glslang: STATUS_OK, and engine vulkan says why it has no shader.
  */

@@ -90,7 +90,9 @@ enum status fuzz_signature_parse(const char *text, struct fuzz_signature *out,
         return fail(reason, STATUS_INPUT, "signature: unknown kind '%.40s'", kind);
     read.layout = strcmp(layout, "-") == 0 ? NULL : layout_find(layout);
     if (!read.layout && strcmp(layout, "-") != 0)
-        return fail(reason, STATUS_INPUT, "signature: unknown layout '%.40s'", layout);
+        return fail(reason, STATUS_INPUT,
+                    "signature: unknown layout '%.40s' (one from outside: --layout FILE.so first)",
+                    layout);
     *out = read;
     return STATUS_OK;
 }

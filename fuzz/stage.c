@@ -1,6 +1,8 @@
 /* A trial's tree, its packed forms and its truth. */
 #include "fuzz/stage.h"
 
+#include "fuzz/plugin_guard.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -54,21 +56,34 @@ static bool is_broken(const struct stage *stage, const struct packed *packed, en
     return sound;
 }
 
+/* What a layout from outside did in place of packing, which checks what it packs. */
+static enum fuzz_kind outside_fault(enum status status)
+{
+    if (status == STATUS_INPUT)
+        return FUZZ_KIND_TREE;
+    return plugin_hung() ? FUZZ_KIND_HANG : FUZZ_KIND_CRASH;
+}
+
 static enum status pack_all(struct stage *stage, const struct fuzz_player *player,
                             struct reason *reason)
 {
     for (size_t i = 0; i < player->layout_count; i++) {
         struct packed *packed = &stage->packed[i];
-        stage->has_packed[i] = stage->broken[i] = false;
+        stage->has_packed[i] = false;
+        stage->fault[i] = FUZZ_KIND_COUNT;
         if (!stage->has_tree)
             continue;
         enum status status =
             packed_make(player->layout[i], &stage->bvh, &stage->trial->scene, packed, reason);
         if (status == STATUS_LIMIT)
             continue;
+        if (player->layout[i]->outside && (status == STATUS_INPUT || status == STATUS_DEVICE)) {
+            stage->fault[i] = outside_fault(status);
+            continue;
+        }
         stage->has_packed[i] = status == STATUS_OK;
-        if (status == STATUS_OK)
-            stage->broken[i] = is_broken(stage, packed, &status);
+        if (status == STATUS_OK && is_broken(stage, packed, &status))
+            stage->fault[i] = FUZZ_KIND_TREE;
         if (status)
             return status == STATUS_MEMORY
                        ? fail(reason, status, "no memory to check a tree")

@@ -57,7 +57,9 @@ struct stage {
     bool has_tree;
     struct packed packed[LAYOUTS_MOST];
     bool has_packed[LAYOUTS_MOST]; /* else the layout refused */
-    bool broken[LAYOUTS_MOST];     /* packed_check found faults that the tree had not */
+    /* FUZZ_KIND_TREE: packed_check found faults that the tree had not; a layout from outside did
+     * not survive packing; FUZZ_KIND_COUNT: nothing. */
+    enum fuzz_kind fault[LAYOUTS_MOST];
     struct oracle *oracle;
     struct oracle_answer *truth;
     struct answers answers[SEATS_MOST];

@@ -199,8 +199,8 @@ static void judge_seats(struct judging *j)
         }
         if (seat->layout && !told[seat->layout_index]) {
             told[seat->layout_index] = true;
-            if (j->stage->broken[seat->layout_index])
-                keep(j, s, FUZZ_KIND_TREE, 0, NULL);
+            if (j->stage->fault[seat->layout_index] != FUZZ_KIND_COUNT)
+                keep(j, s, j->stage->fault[seat->layout_index], 0, NULL);
             else if (ends(j->stage, seat))
                 keep(j, s, FUZZ_KIND_REFUSED, 0, NULL);
         }

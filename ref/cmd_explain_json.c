@@ -2,6 +2,7 @@
  * the readable number. */
 #include "ref/cmd_explain.h"
 
+#include "fuzz/plugin_shader.h"
 #include "ref/explain/outside.h"
 #include "ref/explain/ray_text.h"
 #include "scenes/file.h"
@@ -196,7 +197,7 @@ void explain_command(const struct explain_of *of, const struct ray *ray,
     append(text, "%s", " --engine");
     command_word(text, EXPLAIN_COMMAND_MOST, of->engine->name);
     if (of->layout) {
-        append(text, " --layout %s", of->layout->name);
+        plugin_command(text, EXPLAIN_COMMAND_MOST, of->layout);
         append(text, "%s", of->tree ? " --bvh" : " --builder");
         command_word(text, EXPLAIN_COMMAND_MOST, of->tree ? of->tree : of->builder->name);
         append(text, " --box %s", of->box->name);

@@ -1,6 +1,7 @@
 /* What raydiff explain is asked about: a scene, a trial's name, a finding's file. */
 #include "ref/cmd_explain_inner.h"
 
+#include "fuzz/plugin_shader.h"
 #include "ref/command.h"
 #include "tests/cmd_trial.h"
 
@@ -116,10 +117,8 @@ const char *explain_again(const struct explain_options *o, size_t index,
     command_word(text, EXPLAIN_COMMAND_MOST, number);
     command_word(text, EXPLAIN_COMMAND_MOST, "--engine");
     command_word(text, EXPLAIN_COMMAND_MOST, o->of.engine->name);
-    if (o->of.layout) {
-        command_word(text, EXPLAIN_COMMAND_MOST, "--layout");
-        command_word(text, EXPLAIN_COMMAND_MOST, o->of.layout->name);
-    }
+    if (o->of.layout)
+        plugin_command(text, EXPLAIN_COMMAND_MOST, o->of.layout);
     return text;
 }
 
