@@ -12,7 +12,7 @@ const struct raydiff_plugin *honest_plugin(void);
 #include <stdlib.h>
 
 enum lie {
-    HONEST,
+    LIE_HONEST,
     LIE_ULP,      /* the last leaf's upper bound is one float short */
     LIE_CHILD,    /* a child is out of range */
     LIE_LOST,     /* a triangle is in no leaf */

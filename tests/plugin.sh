@@ -1,0 +1,128 @@
+#!/bin/sh
+# Layouts from outside. First README.md, "A layout from outside, in ten minutes", word for word; then
+# plugins that lie, crash and hang, which must be refused with the record or the deed named.
+#   sh tests/plugin.sh BUILD
+set -u
+build=$1
+work=$(mktemp -d) || exit 4
+trap 'rm -rf "$work"' EXIT
+bad=0
+breach() {
+    echo "plugin: $1"
+    bad=1
+}
+root=$(pwd)
+for entry in "$root"/ref "$root"/scenes; do ln -s "$entry" "$work/"; done
+mkdir "$work/build"
+ln -s "$(cd "$build" && pwd)/raydiff" "$work/build/raydiff"
+
+# Blocks follow a line "<!-- plugin: NAME -->"; NAME is a file to write, or "run".
+awk -v out="$work" '
+    /^<!-- plugin: / { name = $3; next }
+    name != "" && /^```/ && !inside { inside = 1; count++; next }
+    inside && /^```$/ { inside = 0; name = ""; next }
+    inside { print > (out "/" name) }
+    END { print count > (out "/count") }
+' README.md
+[ "$(cat "$work/count")" -eq 3 ] || breach "README.md has not 3 blocks"
+cmp "$work/mine.c" fuzz/samples/layout/mine.c || breach "README.md has another mine.c"
+cmp "$work/mine.glsl" fuzz/samples/layout/mine.glsl || breach "README.md has another mine.glsl"
+cd "$work" || exit 4
+glslang=$(build/raydiff check --help | grep -c shader)
+start=$(date +%s)
+while read -r line; do
+    echo "--- $line"
+    $line >step.log 2>&1
+    code=$?
+    case $line in
+    cc*) good='^0$' ;;
+    *" bench "*) good='^0$' ;;
+    *) good='^0$' ;;
+    esac
+    echo "$code" | grep -q "$good" || {
+        breach "exit $code"
+        tail -n 5 step.log
+    }
+    case $line in
+    *" check "*)
+        grep -q '^mine  *cpu  *robust' step.log || breach "no row of mine on cpu"
+        # Two rows that differ in the name and the speed only.
+        rows() { awk -v name="$1" '$1 == name && $2 == "vulkan" && $5 != "skipped:" {
+            for (i = 5; i <= 18; i++) printf "%s ", $i; print "" }' step.log; }
+        [ "$(rows f32)" = "$(rows mine)" ] || breach "mine on vulkan is not f32"
+        ;;
+    *" conform "*) grep -q ' 0 failed' step.log || breach "conform: $(tail -n 1 step.log)" ;;
+    *" fuzz "*) grep -q 'trials  *300 ' step.log || breach "fuzz played not 300 trials" ;;
+    *" bench "*) grep -q 'mine' step.log || breach "bench does not name it" ;;
+    esac
+done <run
+echo "tutorial: $(($(date +%s) - start)) s"
+
+# --- lies ------------------------------------------------------------------------------------------
+lie() { # name, exit code, what must be said
+    cc -std=c17 -O1 -ffp-contract=off -shared -fPIC -I"$root" -DLIE="LIE_$1" -o liar.so \
+        "$root/tests/plugin_liar.c" -lm || breach "$1 does not compile"
+    build/raydiff check sphere:n=8 --engine cpu --count 50 --repeat 1 --peer-time 1 --peer-memory 64 \
+        --layout ./liar.so >lie.log 2>&1
+    code=$?
+    [ "$code" -eq "$2" ] || breach "$1: exit $code, not $2"
+    grep -qE "$3" lie.log || breach "$1: says $(tail -n 1 lie.log)"
+}
+lie HONEST 0 '^liar  *cpu'
+lie ULP 2 'liar: record 334: x bounds .* do not contain'
+lie CHILD 2 'liar: record 0: child 1 is reference 340 of 335'
+lie LOST 2 'liar: triangle 151 is in no leaf'
+lie SIZE 2 'given 335 records and 512 items, and says 1340 and 512'
+lie CRASH 3 'liar: crashed while packing: killed by signal'
+lie START 3 'crashed while being opened: '
+lie EXIT 3 'liar: crashed while packing: ended itself with code'
+lie HANG 3 'liar: hung while packing: no end after 1000 ms'
+
+# The same in the other commands: one that dies is code 3 and one line, one that lies 2.
+other() { # code, command...
+    want=$1
+    shift
+    build/raydiff "$@" --peer-time 1 --layout ./liar.so >other.log 2>&1
+    code=$?
+    [ "$code" -eq "$want" ] || breach "$*: exit $code, not $want: $(tail -n 1 other.log)"
+    grep -q 'liar' other.log || breach "$*: does not name it"
+}
+fuzzed() { # kind
+    rm -rf findings
+    other 1 fuzz --trials 2 --jobs 1 --corpus none --engine cpu --no-shrink --dir findings
+    grep -q "cpu.liar.$1.unexplained" other.log || breach "fuzz: no finding of kind $1"
+    grep -q 'raydiff replay .* --layout ./liar.so$' other.log || breach "fuzz: no way to replay"
+    other "$2" replay findings/*/first.trial --engine cpu --brief
+}
+lie CRASH 3 crashed
+other 3 conform any.cpu.liar.median.robust.mt.sphere.mixed.1 --count 50
+other 3 leaks sphere:n=8 --engine cpu --count 50
+other 3 explain sphere:n=8 --engine cpu
+other 3 bench error --scene sphere:n=8 --engine cpu --count 50 --rounds 1
+fuzzed crash 1
+lie ULP 2 record
+other 2 conform any.cpu.liar.median.robust.mt.sphere.mixed.1 --count 50
+other 2 leaks sphere:n=8 --engine cpu --count 50
+other 2 explain sphere:n=8 --engine cpu
+other 2 bench error --scene sphere:n=8 --engine cpu --count 50 --rounds 1
+fuzzed tree 1
+
+# --- shaders ---------------------------------------------------------------------------------------
+shader() { # what must be said
+    build/raydiff check sphere:n=8 --count 50 --repeat 1 --layout ./mine.so --shader bad.glsl >lie.log 2>&1
+    code=$?
+    [ "$code" -eq 2 ] || breach "a bad shader: exit $code, not 2"
+    grep -qE "$1" lie.log || breach "a bad shader: says $(tail -n 1 lie.log)"
+}
+if grep -q 'built without glslang' step.log; then
+    echo "SKIP shaders of layouts from outside: raydiff was built without glslang"
+else
+    printf '#include "slab.glsl"\n\nfoo;\n' >bad.glsl
+    shader ' bad.glsl:3: '
+    printf '#include "nothing.glsl"\n' >bad.glsl
+    shader ' bad.glsl:1: cannot include "nothing.glsl"'
+    sed 's/vec3 lo =/float q = dot(vec3(1.0), vec3(ref)); vec3 lo = q */' mine.glsl >bad.glsl
+    shader ' bad.glsl: word [0-9]*: OpDot: refused'
+fi
+[ "$bad" -eq 0 ] && echo "plugin: followed and refused"
+exit "$bad"
