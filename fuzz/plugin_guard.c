@@ -151,7 +151,7 @@ static bool receive_words(struct child *child, uint32_t count, uint64_t start, u
     return *out && child_receive_into(child, *out, 4 * (size_t)count, left_ms(start));
 }
 
-static enum status pack_guarded(const struct layout *layout, const struct bvh *bvh,
+enum status plugin_pack_guarded(const struct layout *layout, const struct bvh *bvh,
                                 const struct scene *scene, struct packed *out,
                                 struct reason *reason)
 {
@@ -238,7 +238,7 @@ enum status plugin_open(const char *path, const struct layout **out, struct reas
     }
     if (opened_count == 0)
         atexit(close_all);
-    plugin_pack_with(pack_guarded);
+    plugin_pack_with(plugin_pack_guarded);
     opened[opened_count].handle = handle;
     opened[opened_count++].layout = *out;
     return STATUS_OK;

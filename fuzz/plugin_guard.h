@@ -24,6 +24,12 @@ void plugin_limits(uint32_t ms, uint32_t megabytes);
 enum status plugin_open(const char *path, const struct layout **out,
                         struct reason *reason) MUST_USE;
 
+/* Packs in a child: what plugin_open has layouts from outside pack with (plugin_pack_with).
+ * Errors: as plugin_pack; STATUS_DEVICE it crashed or did not end. */
+enum status plugin_pack_guarded(const struct layout *layout, const struct bvh *bvh,
+                                const struct scene *scene, struct packed *out,
+                                struct reason *reason) MUST_USE;
+
 /* Whether the last STATUS_DEVICE of a packing was that it took too long. */
 bool plugin_hung(void);
 

@@ -63,6 +63,9 @@ static enum status check_head(const char *name, const struct head *head, size_t 
                     head->version, PACKED_FILE_VERSION);
     if (!*layout)
         return fail(reason, STATUS_INPUT, "%s: names no layout (raydiff list layouts)", name);
+    if ((*layout)->outside) /* its load() has never been tried on these words */
+        return fail(reason, STATUS_INPUT, "%s: is in %s, a layout from outside: those are not read",
+                    name, (*layout)->name);
     if (head->record_bytes != (*layout)->node_bytes)
         return fail(reason, STATUS_INPUT, "%s: records of %u bytes, those of %s have %u", name,
                     head->record_bytes, (*layout)->name, (*layout)->node_bytes);

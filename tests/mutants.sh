@@ -290,6 +290,14 @@ in_test REPLAY_FORGOTTEN bench/report_findings.c test_report
 in_test ITEMS_UNCOUNTED bench/row_plot.c test_row_plot
 in_fire COUNT_BELIEVED scenes/read_ply.c ply
 in_fire BLOB_BELIEVED ref/packed_file.c packed
+for name in PLUGIN_SIZES PLUGIN_EMPTY_LEAF PLUGIN_BELIEVED PLUGIN_UNCHECKED PLUGIN_EXCUSED; do
+    in_test $name ref/plugin_pack.c test_plugin
+done
+in_test PLUGIN_REFS_RAW ref/plugin_layout.c test_plugin
+in_test PLUGIN_ANY_VERSION ref/plugin_layout.c test_plugin
+in_test PLUGIN_DEATH_UNSEEN fuzz/plugin_guard.c test_plugin
+in_test GLSL_LINES_LOST gpu/glsl_text.c test_plugin
+in_test GLSL_NOT_PINNED gpu/shaders.c test_plugin
 in_shaders NO_PRECISE test_spirv
 in_shaders SLAB_STRICT check grid:height=0 --layout f32 --engine vulkan --rays ranges --count 5000 --repeat 1
 in_shaders SWAPPED_CHILD check soup --layout f32 --engine vulkan --count 5000 --repeat 1

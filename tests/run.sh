@@ -95,6 +95,7 @@ plain)
     suite selftest make -s selftest-quick
     suite install sh tests/install.sh
     suite tutorial sh tests/tutorial.sh "$build"
+    suite plugin sh tests/plugin.sh "$build"
     ;;
 sanitize)
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
