@@ -195,8 +195,11 @@ static void every_member_has_the_bits_of_c(void **state)
         if (strncmp(layout_shader(layouts_all[l]), "grid", 4) != 0)
             continue;
         view_pack(&view, layouts_all[l]->name);
-        const struct job job = {&view.scene, &view.packed, box_test_find("watertight"),
-                                tri_test_find("woop"), QUERY_CLOSEST};
+        const struct job job = {.scene = &view.scene,
+                                .packed = &view.packed,
+                                .box = box_test_find("watertight"),
+                                .tri = tri_test_find("woop"),
+                                .query = QUERY_CLOSEST};
         size_t hits = driver_trace("vulkan", self, &view, &job, view.got);
         for (size_t i = 0; i < view.ray_count; i++)
             assert_int_equal(trace_ray(&view.packed, &view.scene, job.box, job.tri, job.query,

@@ -34,13 +34,13 @@ GRID_MEMBERS(DECLARE)
 #define MORE_OF_FAMILIES                         (9 + 2)
 
 const struct layout *const layouts[] = {CORE, NULL};
-static const struct layout *const own[] = {OWN};
-_Static_assert(ARRAY_COUNT(own) - MORE_OF_FAMILIES - GRID_COUNT == LAYOUT_FILES,
+#define OWN_COUNT ARRAY_COUNT(((const struct layout *const[]){OWN}))
+_Static_assert(OWN_COUNT - MORE_OF_FAMILIES - GRID_COUNT == LAYOUT_FILES,
                "a ref/layouts/layout_*.c has no entry");
 _Static_assert(TRACE_SHADERS == LAYOUT_FILES + GRID_SHADERS,
                "a layout has no shaders/trace_*.comp, or one too many");
 
-static const struct layout *all[ARRAY_COUNT(own) + LAYOUTS_ADDED_MOST + 1] = {OWN};
+static const struct layout *all[OWN_COUNT + LAYOUTS_ADDED_MOST + 1] = {OWN};
 static size_t added;
 
 const struct layout *const *const layouts_all = all;
@@ -52,7 +52,7 @@ enum status layout_add(const struct layout *layout, struct reason *reason)
     if (added == LAYOUTS_ADDED_MOST)
         return fail(reason, STATUS_LIMIT, "%s: more than %d layouts beside the program's own",
                     layout->name, LAYOUTS_ADDED_MOST);
-    all[ARRAY_COUNT(own) + added++] = layout;
+    all[OWN_COUNT + added++] = layout;
     return STATUS_OK;
 }
 
