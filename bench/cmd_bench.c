@@ -45,8 +45,8 @@ static const char help[] =
     "benchmarks:\n";
 
 static const struct benchmark *const benchmarks[] = {
-    &bench_layouts, &bench_error,  &bench_spawn, &bench_builders, &bench_oracle,
-    &bench_fuzz,    &bench_frames, &bench_paper, &bench_special,  NULL};
+    &bench_layouts, &bench_error, &bench_spawn,   &bench_builders, &bench_oracle, &bench_fuzz,
+    &bench_frames,  &bench_paper, &bench_special, &bench_fast,     NULL};
 
 /* Names of the bits of benchmark.takes. */
 static const char *const taken[] = {"--engine",

@@ -13,6 +13,8 @@ struct engine_options {
     uint32_t workgroup; /* Vulkan: 0 is ABI_WORKGROUP */
     bool unguarded;     /* Embree: asks it rays that it does not promise to survive, too; only in a
                            process that may die */
+    bool compact;       /* Embree: the scene's flag of that name */
+    bool avx512;        /* Embree: with AVX-512, too, where there is some; by default up to AVX2 */
     uint32_t peer_ms;   /* pipe: the longest that a peer may take for a request; 0: PEER_MS */
     uint32_t peer_mb;   /* pipe: address space of a peer in MB; 0: PEER_MB, UINT32_MAX: no limit */
 };

@@ -23,11 +23,11 @@ struct embree {
     RTCDevice device;
     RTCScene scene; /* NULL before the first prepare */
     bool robust;
+    bool compact;
     bool unguarded;
     unsigned threads;
     enum query query;
     atomic_llong bytes; /* held by Embree now */
-    atomic_llong peak;
 };
 
 /* Embree asserts on origins and directions from 1.844e18 on: such rays are out of contract. */
@@ -37,10 +37,7 @@ static bool embree_memory(void *user, ssize_t bytes, bool post)
 {
     struct embree *embree = user;
     (void)post;
-    long long now = atomic_fetch_add(&embree->bytes, (long long)bytes) + (long long)bytes;
-    long long peak = atomic_load(&embree->peak);
-    while (now > peak && !atomic_compare_exchange_weak(&embree->peak, &peak, now))
-        continue;
+    atomic_fetch_add(&embree->bytes, (long long)bytes);
     return true;
 }
 
@@ -73,10 +70,12 @@ static enum status embree_open_mode(const struct engine_options *options, bool r
     if (!embree)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
     embree->robust = robust;
+    embree->compact = options->compact;
     embree->unguarded = options->unguarded;
     embree->threads = cpu_rays_threads(options);
     char config[64];
-    snprintf(config, sizeof config, "threads=%u", embree->threads);
+    snprintf(config, sizeof config, "threads=%u%s", embree->threads,
+             options->avx512 ? ",frequency_level=simd512" : "");
     embree->device = rtcNewDevice(config);
     if (!embree->device) {
         free(embree);
@@ -154,9 +153,10 @@ static enum status embree_prepare(void *self, const struct job *job, struct reas
     if (embree->scene)
         rtcReleaseScene(embree->scene);
     embree->query = job->query;
-    atomic_store(&embree->peak, atomic_load(&embree->bytes));
     embree->scene = rtcNewScene(embree->device);
-    rtcSetSceneFlags(embree->scene, embree->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    rtcSetSceneFlags(embree->scene,
+                     (embree->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
+                         (embree->compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE));
     enum status status = STATUS_OK;
     if (job->scene->tri_count > 0)
         status = embree_add_mesh(embree, job->scene, reason);
@@ -268,7 +268,7 @@ static enum status embree_trace(void *self, const struct ray *ray, size_t ray_co
             embree_closest(embree, &ray[i], &hit[i]);
     }
     *report = (struct trace_report){.ns = time_ns() - start,
-                                    .memory_bytes = (uint64_t)atomic_load(&embree->peak)};
+                                    .memory_bytes = (uint64_t)atomic_load(&embree->bytes)};
     return embree_error(embree, "tracing", reason);
 }
 
