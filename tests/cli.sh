@@ -46,6 +46,8 @@ expect 0 'met, [1-9][0-9]* of them only in trials that were refused or skipped: 
     conform --engine cpu,rayquery --driver no-such-driver --layout f32 --builder median --box robust \
     --tri mt --count 100
 expect 2 "unknown benchmark 'x'" bench x
+expect 0 "shadow *fast" bench fast --scene sphere:n=4 --rounds 1 --count 500
+expect 2 "no triangles" bench fast --scene soup:n=0 --rounds 1 --count 500
 expect 0 . bench builders --scene sphere:n=4 --rounds 1 --csv -
 [ "$(grep -c '^builders,sphere:n=4,' "$dir/out")" -ge 2 ] || bad "bench builders --csv has a row per builder"
 expect 2 "cannot both be '-'" bench oracle --csv - --json -
