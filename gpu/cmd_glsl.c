@@ -60,7 +60,7 @@ static enum status compile(const struct glsl_text *text, const struct layout *la
     if (!glslang_shader_preprocess(shader, &input) || !glslang_shader_parse(shader, &input))
         status = glsl_text_blame(text, glslang_shader_get_info_log(shader), reason);
     else
-        status = link(text, shader, input.messages, layout, render, reason);
+        status = link(text, shader, (int)input.messages, layout, render, reason);
     glslang_shader_delete(shader);
     return status;
 }

@@ -6,7 +6,7 @@
 #include "ref/plugin_layout.h"
 #include "scenes/scenes.h"
 
-static int lie;
+static unsigned lie; /* enum lie */
 #define LIE lie
 #include "tests/plugin_liar.c"
 
