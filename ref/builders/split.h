@@ -5,7 +5,7 @@
 #include "ref/builders/clip.h"
 #include "ref/scene.h"
 
-#define SPLIT_SWEPT 512u /* up to so many parts every place is tried, beyond it bins */
+#define SPLIT_SWEPT 32u /* up to so many parts every place is tried, beyond it bins */
 
 /* What both searches look at. */
 struct split_node {
