@@ -58,6 +58,7 @@ struct build_options {
 #define BUILD_RADIUS_DEFAULT       16u
 #define BUILD_RADIUS_MOST          256u
 #define BUILD_SPLIT_BUDGET_DEFAULT 1.0f
+#define BUILD_SPLIT_BUDGET_MOST    64.0f
 #define BUILD_SPLIT_ALPHA_DEFAULT  1e-5f
 #define BUILD_PASSES_DEFAULT       4u /* where passes are asked for, but not how many */
 

@@ -182,6 +182,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return parse_float("--eps", text, &o->of.build.eps, reason);
     case OPT_BINS:
     case OPT_RADIUS:
+    case OPT_SPLIT_BUDGET:
+    case OPT_SPLIT_ALPHA:
     case OPT_OPTIMIZE:
         status = build_option_take(option, text, &o->of.build, &o->build_flag, reason);
         o->test_flag = o->build_flag;

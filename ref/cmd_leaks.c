@@ -123,6 +123,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return status;
     case OPT_BINS:
     case OPT_RADIUS:
+    case OPT_SPLIT_BUDGET:
+    case OPT_SPLIT_ALPHA:
     case OPT_OPTIMIZE:
         return build_option_take(option, text, &o->build, &o->build_flag, reason);
     case OPT_BVH:

@@ -67,18 +67,37 @@ static enum status take_optimize(const char *text, struct build_options *out, st
     return status;
 }
 
+/* 0 is none, which the options have as a number below 0, since their 0 is the default. */
+static enum status take_share(const char *name, const char *text, float most, float *out,
+                              struct reason *reason)
+{
+    float x = 0;
+    enum status status = parse_float(name, text, &x, reason);
+    if (!status && !(x >= 0 && x <= most))
+        status = fail(reason, STATUS_INPUT, "%s: '%.60s' is not a number from 0 to %g", name, text,
+                      (double)most);
+    *out = x > 0 ? x : -1;
+    return status;
+}
+
 enum status build_option_take(int option, const char *text, struct build_options *out,
                               const char **flag, struct reason *reason)
 {
-    const char *name = option == OPT_BINS     ? "--bins"
-                       : option == OPT_RADIUS ? "--radius"
-                                              : "--optimize";
+    const char *name = option == OPT_BINS           ? "--bins"
+                       : option == OPT_RADIUS       ? "--radius"
+                       : option == OPT_SPLIT_BUDGET ? "--split-budget"
+                       : option == OPT_SPLIT_ALPHA  ? "--split-alpha"
+                                                    : "--optimize";
     uint64_t n = 0;
     enum status status;
     if (flag)
         *flag = name;
     if (option == OPT_OPTIMIZE)
         return take_optimize(text, out, reason);
+    if (option == OPT_SPLIT_BUDGET)
+        return take_share(name, text, BUILD_SPLIT_BUDGET_MOST, &out->split_budget, reason);
+    if (option == OPT_SPLIT_ALPHA)
+        return take_share(name, text, 1, &out->split_alpha, reason);
     if (option == OPT_BINS) {
         status = parse_count(name, text, 2, BUILD_BINS_MOST, &n, reason);
         out->bins = (uint32_t)n;

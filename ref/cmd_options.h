@@ -18,6 +18,8 @@ enum {
     OPT_BVH, /* see ref/cmd_tree.h */
     OPT_BINS,
     OPT_RADIUS,
+    OPT_SPLIT_BUDGET,
+    OPT_SPLIT_ALPHA,
     OPT_OPTIMIZE,
     OPT_HELP
 };
@@ -48,6 +50,7 @@ enum {
  * ENGINE_OPTIONS, and what they mean. */
 #define BUILD_OPTIONS                                                                              \
     {"bins", 1, NULL, OPT_BINS}, {"radius", 1, NULL, OPT_RADIUS},                                  \
+        {"split-budget", 1, NULL, OPT_SPLIT_BUDGET}, {"split-alpha", 1, NULL, OPT_SPLIT_ALPHA},    \
     {                                                                                              \
         "optimize", 1, NULL, OPT_OPTIMIZE                                                          \
     }
@@ -55,6 +58,10 @@ enum {
 #define BUILD_OPTIONS_HELP                                                                         \
     "  --bins N        builder sah_binned: bins per axis, 2 to 64                [16]\n"           \
     "  --radius N      builder ploc: neighbours on either side, 1 to 256         [16]\n"           \
+    "  --split-budget X  builder sbvh: items beyond one a triangle, at most, in parts of these\n"  \
+    "                                                                            [1]\n"            \
+    "  --split-alpha X builder sbvh: overlap of children in parts of the root's area from which\n" \
+    "                  on planes are tried                                       [1e-5]\n"         \
     "  --optimize O    reinsert or reinsert=N: move subtrees of what a builder made to where "     \
     "they\n"                                                                                       \
     "                  cost less, N (4) times over the tree\n"

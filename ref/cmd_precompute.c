@@ -91,6 +91,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return parse_float("--eps", text, &p->build.eps, reason);
     case OPT_BINS:
     case OPT_RADIUS:
+    case OPT_SPLIT_BUDGET:
+    case OPT_SPLIT_ALPHA:
     case OPT_OPTIMIZE:
         return build_option_take(option, text, &p->build, NULL, reason);
     default:

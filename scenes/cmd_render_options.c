@@ -244,6 +244,8 @@ enum status render_option_take(int option, char *text, struct render_settings *o
         return take_member(option, text, out, reason);
     case OPT_BINS:
     case OPT_RADIUS:
+    case OPT_SPLIT_BUDGET:
+    case OPT_SPLIT_ALPHA:
     case OPT_OPTIMIZE:
         return build_option_take(option, text, &out->build, &out->build_flag, reason);
     default:

@@ -14,9 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COST_NODE   1.0
-#define TASK_LEAST  4096u /* parts of a subtree that is worth a task */
-#define BUDGET_MOST 64.0  /* additional parts a triangle: more cannot be meant */
+#define COST_NODE  1.0
+#define TASK_LEAST 4096u /* parts of a subtree that is worth a task */
 
 /* A node, whose subtree has places first .. first + count + budget - 1 in the arrays of parts, and
  * nodes from `base`, twice as many less one. */
@@ -335,7 +334,7 @@ static enum status build(const struct scene *scene, const struct build_options *
                                               : (double)options->split_budget;
     double alpha = options->split_alpha == 0 ? (double)BUILD_SPLIT_ALPHA_DEFAULT
                                              : (double)options->split_alpha;
-    share = share > 0 ? fmin(share, BUDGET_MOST) : 0;
+    share = share > 0 ? fmin(share, (double)BUILD_SPLIT_BUDGET_MOST) : 0;
     double budget = share * (double)scene->tri_count;
     if (budget + (double)scene->tri_count > (double)((uint32_t)1 << 31))
         return fail(reason, STATUS_LIMIT,
