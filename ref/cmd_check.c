@@ -14,7 +14,7 @@ static const char help[] =
     "Plays engines and node layouts against each other on every SCENE (a mesh file: .json .obj\n"
     ".ply, also .gz; or a generator such as soup:n=1000, see raydiff list scenes) and says who\n"
     "agrees, who differs, how fast each is and how many bytes each needs.\n\n"
-    "  --layout L,..   layouts, 'all', or 'auto' (the smallest that fits)     [f32,rf16]\n"
+    "  --layout L,..   layouts, 'all', or 'auto' (the first that fits)        [f32,rf16]\n"
     "  --engine E,..   engines, or 'all'; pipe:COMMAND, last, is a tracer of your own (README)\n"
     "                                                        [every engine that can run here]\n"
     "  --builder B,..  builders                                                  [median]\n"

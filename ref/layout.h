@@ -104,6 +104,10 @@ extern const struct layout *const *const layouts_all;
  * more than LAYOUTS_ADDED_MOST. */
 enum status layout_add(const struct layout *layout, struct reason *reason) MUST_USE;
 
+/* NULL-terminated: what `--layout auto` chooses from, in this order: 16-byte records as long as 15
+ * bits of index suffice, then compact nodes of 32-bit indices, then float32. */
+extern const struct layout *const layouts_auto[];
+
 /* Returns the layout of that name, of all, or NULL. */
 const struct layout *layout_find(const char *name);
 
@@ -161,9 +165,8 @@ enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out,
                         struct reason *reason) MUST_USE;
 
-/* Packs in that layout, of those that are not faithful and can hold the scene, which takes the
- * fewest bytes for this tree. `refused` receives one line per refusing layout of smaller records
- * (of all, if none can), separated by newlines, at most `refused_bytes` with the terminator.
+/* Packs in the first of layouts_auto that can hold the scene. `refused` receives one line for each
+ * that could not before it, separated by newlines, at most `refused_bytes` with the terminator.
  * Errors: STATUS_INPUT as packed_make; STATUS_MEMORY; STATUS_LIMIT if none can. */
 enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, struct packed *out,
                              char *refused, size_t refused_bytes, struct reason *reason) MUST_USE;

@@ -121,50 +121,22 @@ static void append_line(char *text, size_t text_bytes, const char *line)
         (void)snprintf(text + used, text_bytes - used, "%s%s", used > 0 ? "\n" : "", line);
 }
 
-/* Replaces *best by *candidate if that is smaller; frees the other. */
-static void keep_smaller(struct packed *best, struct packed *candidate)
-{
-    uint64_t best_bytes = packed_node_bytes(best) + packed_item_bytes(best);
-    uint64_t bytes = packed_node_bytes(candidate) + packed_item_bytes(candidate);
-    if (best->layout && best_bytes <= bytes) {
-        packed_free(candidate);
-        return;
-    }
-    packed_free(best);
-    *best = *candidate;
-}
-
 enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, struct packed *out,
                              char *refused, size_t refused_bytes, struct reason *reason)
 {
-    struct reason why[LAYOUT_FILES];
-    bool refuses[LAYOUT_FILES] = {false};
+    struct reason why = {"there is none to be chosen"};
     *out = (struct packed){0};
     if (refused_bytes > 0)
         refused[0] = 0;
-    for (size_t i = 0; layouts[i]; i++) {
-        struct packed candidate;
-        if (layouts[i]->faithful)
-            continue;
-        enum status status = packed_make(layouts[i], bvh, scene, &candidate, &why[i]);
-        if (status && status != STATUS_LIMIT) {
-            packed_free(out);
-            return fail(reason, status, "%s", why[i].text);
-        }
-        refuses[i] = status != STATUS_OK;
-        if (!refuses[i])
-            keep_smaller(out, &candidate);
+    for (size_t i = 0; layouts_auto[i]; i++) {
+        enum status status = packed_make(layouts_auto[i], bvh, scene, out, &why);
+        if (!status)
+            return STATUS_OK;
+        if (status != STATUS_LIMIT)
+            return fail(reason, status, "%s", why.text);
+        append_line(refused, refused_bytes, why.text);
     }
-    const struct reason *last = NULL;
-    for (size_t i = 0; layouts[i]; i++)
-        if (refuses[i] && (!out->layout || layouts[i]->node_bytes < out->layout->node_bytes)) {
-            append_line(refused, refused_bytes, why[i].text);
-            last = &why[i];
-        }
-    if (!out->layout)
-        return fail(reason, STATUS_LIMIT, "no layout can hold this scene: %s",
-                    last ? last->text : "all are faithful to the seed");
-    return STATUS_OK;
+    return fail(reason, STATUS_LIMIT, "no layout can hold this scene: %s", why.text);
 }
 
 void packed_free(struct packed *packed)

@@ -48,7 +48,7 @@ struct render_settings {
     const struct builder *builder; /* filled in, as all members below */
     struct build_options build;
     const char *build_flag;      /* of BUILD_OPTIONS, the last one given; or NULL */
-    const struct layout *layout; /* NULL: the smallest that fits, if layout_auto, else the
+    const struct layout *layout; /* NULL: the first that fits, if layout_auto, else the
                                     file's of --bvh or, of JSON, the handler's */
     bool layout_auto;
     const struct layout *versus; /* the second of --layout A,B, for modes of two_layouts; or NULL */

@@ -24,7 +24,7 @@ const char render_options_help[] =
     "                  the seed's spelling, FILE is --bvh\n"
     "  --engine E      see raydiff list engines                                  [cpu]\n"
     "  --layout L, --builder B, --box T, --tri T, --leaf N, --eps E   see raydiff list; in place\n"
-    "                  of the handler's. --layout auto is the smallest that fits\n"
+    "                  of the handler's. --layout auto is the first that fits\n"
     "  --waves         all rays of a step through the engine, even if it draws on its own\n"
     "  --plan P        an engine that draws on its own: whole paths, steps, or auto [auto]\n"
     "  --general       with the pipeline that suits every scene\n" BUILD_OPTIONS_HELP

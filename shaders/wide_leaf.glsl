@@ -1,10 +1,11 @@
-/* What the traversal keeps of a node of a wide layout whose leaves name ranges of the item array.
- * Inner: a is its record, b what else its layout wants to know of it. Leaf: a is bit 31 and the
- * number of items, b the first. */
+/* What the traversal keeps of a node of a wide layout whose items lie in the triangle storage. Inner:
+ * a is its record, b what else its layout wants to know of it. Leaf: a is bit 31 and the number of
+ * items, b where they are. */
 #ifndef WIDE_LEAF_GLSL
 #define WIDE_LEAF_GLSL
 
 #include "slab.glsl"
+#include "store.glsl"
 
 struct node {
     uint a;
@@ -13,20 +14,9 @@ struct node {
 
 #define NODE_DONE node(NODE_LEAF, 0u)
 
-struct leaf {
-    uint first;
-    uint count;
-};
-
 leaf leaf_load(node n)
 {
     return leaf(n.b, n.a & ~NODE_LEAF);
-}
-
-uint leaf_item(leaf l, uint slot)
-{
-    uint at = l.first + slot;
-    return at < job.item_count ? item_word[at] : ABI_NO_PRIM;
 }
 
 /* The word of a quad. */

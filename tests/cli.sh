@@ -93,10 +93,11 @@ expect 2 . check soup:n=100000,size=0.001 --layout rf16 $small
 expect 0 . check soup:n=100000,size=0.2 --brute 1e6 $small
 grep -q 'refused: rf16' "$dir/out" || bad "a refused layout is a row with its reason"
 expect 0 . check soup:n=100000,size=0.2 --layout auto --brute 1e6 $small
-grep -q '^f32 .*cpu' "$dir/out" || bad "--layout auto takes f32 where rf16 cannot"
+grep -q '^cwbvh80 .*cpu' "$dir/out" || bad "--layout auto takes cwbvh80 where rf16 cannot"
 
-# A tree deeper than the stack: no layout can hold it, and that is said, not crashed on.
-awk 'BEGIN { for (i = 0; i < 100; i++) { x = 2 ^ -i
+# A tree deeper than the stack, beyond the range of compact nodes: no layout can hold it, and that is
+# said, not crashed on.
+awk 'BEGIN { for (i = 0; i < 100; i++) { x = 2 ^ (110 - i)
     printf "v %.9g 0 0\nv %.9g %.9g 0\nv %.9g 0 %.9g\nf %d %d %d\n", x, x, x / 8, x, x / 8, 3*i+1, 3*i+2, 3*i+3 } }' >"$dir/deep.obj"
 expect 2 . check "$dir/deep.obj" --builder rtrs --eps 0 --leaf 1 --layout auto $small
 grep -q 'auto refused: .*deep' "$dir/out" || bad "--layout auto says why nothing fits"

@@ -117,19 +117,14 @@ static void the_range_of_floats_is_held_or_refused(void **state)
         }
 }
 
-/* Five triangles, one of them far away, collapsed to one node: the words of Ylitie et al. */
-static struct scene golden_scene(void)
+/* Of the first `triangles` of the grid, the last one `farther` along x; a leaf each in one node. */
+static void expect_words(const char *layout, uint32_t triangles, float farther,
+                         const uint32_t *word, uint32_t count)
 {
-    struct scene scene = trees_grid(5);
+    struct scene scene = trees_grid(triangles);
     for (uint32_t c = 0; c < 3; c++)
-        scene.vertex[9 * 4 + 3 * c] += 126.5f; /* x 127.5 to 127.625 */
-    return scene;
-}
-
-static void expect_words(const char *layout, uint32_t leaf, const uint32_t *word, uint32_t count)
-{
-    struct scene scene = golden_scene();
-    struct bvh bvh = trees_make(&scene, leaf, TREES_BALANCED);
+        scene.vertex[9 * (triangles - 1) + 3 * c] += farther;
+    struct bvh bvh = trees_make(&scene, 1, TREES_BALANCED);
     struct packed packed = pack(layout, &bvh, &scene);
     for (uint32_t i = 0; i < packed.word_count && i < count; i++)
         if (packed.word[i] != word[i])
@@ -152,7 +147,88 @@ static void words_are_as_published(void **state)
         0,          0,    0x01010101, 0x80,       /* lo z, hi x */
         0x80808080, 0x80, 0,          0,          /* hi y, hi z */
     };
-    expect_words("cwbvh80", 1, cwbvh80, ARRAY_COUNT(cwbvh80));
+    expect_words("cwbvh80", 5, 126.5f, cwbvh80, ARRAY_COUNT(cwbvh80));
+    /* Two triangles: x 0 to 1/8 and 1/4 to 3/8, y 0 to 1/8, z 0. */
+    static const uint32_t half4[] = {
+        0x34000000, 0x7BFF7BFF, 0,          0x7BFF7BFF, /* min x, min y: of no child 65504 */
+        0,          0x7BFF7BFF, 0x36003000, 0xFBFFFBFF, /* min z, max x */
+        0x30003000, 0xFBFFFBFF, 0,          0xFBFFFBFF, /* max y, max z */
+        0x10000000, 0x10000001, 0,          0,          /* one triangle each */
+    };
+    expect_words("half4", 2, 0, half4, ARRAY_COUNT(half4));
+    static const uint32_t tiny8[] = {
+        0,          0, 0,    0x001B7778, /* steps of 2^-7: 48 to 3/8, 2^-8: 32 to 1/8, 2^-100 */
+        0,          0, 0x11, 0x20400000, /* leaves of one; x 0 to 16, y 0 to 32 */
+        0x20C00020, 0, 0,    0,          0, 0, 0, 0, /* x 32 to 48 */
+    };
+    expect_words("tiny8", 2, 0, tiny8, ARRAY_COUNT(tiny8));
+    static const uint32_t amd64[32] = {
+        0x00,       0x08, 0xFFFFFFFF, 0xFFFFFFFF,                /* leaves of one: items 0 and 1 */
+        0,          0,    0,          0x3E000000, 0x3E000000, 0, /* the root is of float32 */
+        0x3E800000, 0,    0,          0x3EC00000, 0x3E000000, 0,
+    };
+    expect_words("amd64", 2, 0, amd64, ARRAY_COUNT(amd64));
+}
+
+/* The nearest half of 1/3 lies below it, so that a maximum there is lost without growth; of -1/3,
+ * above it. Growth by n moves n halves on, over the ends of a binade too. */
+static void growth_is_counted_in_halves(void **state)
+{
+    (void)state;
+    const float third = 0x1.555556p-2f, nearest = 0x1.554p-2f;
+    static const char *const member[] = {"amd64_g0", "amd64_g1", "amd64_g6"};
+    static const int step[] = {0, 1, 6};
+    for (size_t m = 0; m < ARRAY_COUNT(member); m++) {
+        /* 32 triangles: the root's children are nodes of float16. */
+        struct scene scene = trees_grid(32);
+        for (uint32_t i = 0; i < 9 * 32; i++)
+            scene.vertex[i] = i / 9 % 2 ? third : -third;
+        struct bvh bvh = trees_make(&scene, 1, TREES_BALANCED);
+        struct packed packed = pack(member[m], &bvh, &scene);
+        struct packed_faults faults;
+        enum status status = packed_check(&packed, &scene, &faults, NULL);
+        assert_int_equal(status, step[m] ? STATUS_OK : STATUS_INPUT);
+        assert_true(step[m] || faults.loose_boxes > 0);
+        struct wide root, node;
+        packed.layout->load(&packed, packed.root, &root);
+        assert_int_equal(root.box[0].hi[0] == third || root.box[0].hi[0] == -third, !step[m]);
+        uint32_t inner = 0;
+        while (root.child[inner] >= 2 * packed.node_count)
+            inner++;
+        packed.layout->load(&packed, root.child[inner], &node);
+        for (uint32_t c = 0; c < node.child_count; c++) {
+            float hi = node.box[c].hi[0];
+            float from = hi > 0 ? nearest : -nearest;
+            assert_true(hi == from + (float)step[m] * 0x1p-12f);
+        }
+        packed_free(&packed);
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
+}
+
+/* Far from the origin float16 inflates boxes: then nodes are of float32. Near it they are not. */
+static void nodes_are_mixed_by_what_they_lose(void **state)
+{
+    (void)state;
+    static const struct {
+        float centre;
+        bool f32;
+    } mixed[] = {{0, false}, {2000, true}};
+    struct rng rng = rng_make(83, 0);
+    for (size_t i = 0; i < ARRAY_COUNT(mixed); i++) {
+        struct scene scene = cloud(&rng, 64, mixed[i].centre, 1, 0.05f, -1);
+        struct bvh bvh = trees_make(&scene, 2, TREES_BALANCED);
+        struct packed f16 = pack("amd64_f16", &bvh, &scene), f32 = pack("amd64_f32", &bvh, &scene);
+        struct packed any = pack("amd64", &bvh, &scene);
+        assert_int_equal(any.node_count, mixed[i].f32 ? f32.node_count : f16.node_count);
+        assert_int_equal(f32.node_count, 2 * (f16.node_count - 1));
+        packed_free(&any);
+        packed_free(&f32);
+        packed_free(&f16);
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
 }
 
 /* Whatever the words hold, nothing outside is read and references stay in range. */
@@ -175,7 +251,8 @@ static void words_from_outside_are_safe(void **state)
                     assert_true(packed_ref_valid(&packed, node.child[c]));
                 (void)layout->box(&packed, ref);
             }
-            assert_int_equal(layout->item(&packed, UINT32_MAX), ABI_NO_PRIM);
+            const struct wide leaf = {.item_first = UINT32_MAX};
+            assert_int_equal(packed_item(&packed, &leaf, 0), ABI_NO_PRIM);
             packed_free(&packed);
         }
     bvh_free(&bvh);
@@ -215,6 +292,8 @@ int main(void)
         cmocka_unit_test(no_box_is_too_small),
         cmocka_unit_test(the_range_of_floats_is_held_or_refused),
         cmocka_unit_test(words_are_as_published),
+        cmocka_unit_test(growth_is_counted_in_halves),
+        cmocka_unit_test(nodes_are_mixed_by_what_they_lose),
         cmocka_unit_test(words_from_outside_are_safe),
         cmocka_unit_test(files_are_read_back),
     };

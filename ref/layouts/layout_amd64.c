@@ -192,12 +192,12 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
                                   self->name, tree.node_count);
     }
     if (!status)
-        status = layout_alloc(self->name, p.records, WORDS, bvh->prim_count, out, reason);
+        status = layout_alloc(self->name, p.records, WORDS, 0, out, reason);
     if (!status) {
         out->ref_count = out->node_count * layout_refs(self);
         out->root = out->node_count; /* record 0, of float32 */
-        wide_nodes_items(bvh, &tree, out->item);
-        for (uint32_t n = 0; n < tree.node_count; n++)
+        status = wide_nodes_items(self, bvh, scene, POINTERS, &tree, out, reason);
+        for (uint32_t n = 0; n < tree.node_count && !status; n++)
             pack_node(&p, n, out->word);
     }
     free(p.pointer);
@@ -276,7 +276,7 @@ static struct box box(const struct packed *packed, uint32_t ref)
         .node_bytes = 4 * WORDS, .width = WIDTH, .refs = 2 + 2 * WIDTH, .order = VISIT_NEAR,       \
         .faithful = lossy, .shader = "amd64",                                                      \
         .family = &(const struct amd){most, to_nearest, ulps}, .pack = pack, .load = load,         \
-        .box = box, .item = wide_nodes_item,                                                       \
+        .box = box,                                                                                \
     }
 #define GROWN(n, lossy)                                                                            \
     MEMBER("amd64_g" #n, "float16 to the nearest, then " #n " ulp outward", lossy, INFINITY, true, \

@@ -88,11 +88,11 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
     enum status status = wide_nodes_collapse(self, bvh, scene, LEAF_MOST, NODE_COST,
                                              NODE_AXIS_LARGEST, &tree, reason);
     if (!status)
-        status = layout_alloc(self->name, tree.node_count, WORDS, bvh->prim_count, out, reason);
+        status = layout_alloc(self->name, tree.node_count, WORDS, 0, out, reason);
     if (!status) {
         out->ref_count = out->node_count * layout_refs(self);
-        wide_nodes_items(bvh, &tree, out->item);
-        for (uint32_t n = 0; n < tree.node_count; n++)
+        status = wide_nodes_items(self, bvh, scene, UINT32_MAX, &tree, out, reason);
+        for (uint32_t n = 0; n < tree.node_count && !status; n++)
             pack_node(&tree, n, out->word + (size_t)WORDS * n);
     }
     wide_tree_free(&tree);

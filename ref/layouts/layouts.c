@@ -34,6 +34,7 @@ GRID_MEMBERS(DECLARE)
 #define MORE_OF_FAMILIES                         (9 + 2)
 
 const struct layout *const layouts[] = {CORE, NULL};
+const struct layout *const layouts_auto[] = {&layout_rf16, &layout_cwbvh80, &layout_f32, NULL};
 #define OWN_COUNT ARRAY_COUNT(((const struct layout *const[]){OWN}))
 _Static_assert(OWN_COUNT - MORE_OF_FAMILIES - GRID_COUNT == LAYOUT_FILES,
                "a ref/layouts/layout_*.c has no entry");

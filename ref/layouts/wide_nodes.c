@@ -1,7 +1,6 @@
 #include "ref/layouts/wide_nodes.h"
 
 #include <math.h>
-#include <string.h>
 
 #define EXPONENT_LEAST (-100)
 #define ORIGIN_BITS    23 /* 2^23 steps: 255 more is an integer that float32 has */
@@ -27,18 +26,23 @@ enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh
     return status ? status : wide_tree_make(bvh, scene, &rule, out, reason);
 }
 
-void wide_nodes_items(const struct bvh *bvh, struct wide_tree *tree, uint32_t *item)
+enum status wide_nodes_items(const struct layout *self, const struct bvh *bvh,
+                             const struct scene *scene, uint32_t places, struct wide_tree *tree,
+                             struct packed *out, struct reason *reason)
 {
-    uint32_t next = 0;
+    enum status status = STATUS_OK;
     for (uint32_t n = 0; n < tree->node_count; n++)
-        for (uint32_t c = 0; c < tree->node[n].count; c++) {
+        for (uint32_t c = 0; c < tree->node[n].count && !status; c++) {
             struct wide_child *child = &tree->child[tree->node[n].first + c];
             if (child->count == 0)
                 continue;
-            memcpy(item + next, bvh->prim + child->first, child->count * sizeof *item);
-            child->first = next;
-            next += child->count;
+            status = store_put(scene, bvh->prim + child->first, child->count, out, &child->first,
+                               reason);
+            if (!status && child->first >= places)
+                status = fail(reason, STATUS_LIMIT, "%s: items lie at places below %u, not %u",
+                              self->name, places, child->first);
         }
+    return status;
 }
 
 void wide_nodes_children(const struct packed *packed, const struct wide_slot *slot,

@@ -25,13 +25,17 @@ enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh
                                 float largest, struct wide_tree *out,
                                 struct reason *reason) MUST_USE;
 
-/* The items in the order in which the nodes name their leaves, so that those of one node follow
- * each other: fills `item`, bvh->prim_count of them, and sets the `first` of every leaf to its
- * place there. */
-void wide_nodes_items(const struct bvh *bvh, struct wide_tree *tree, uint32_t *item);
+/* Has the storage write the items of every leaf, in the order in which the nodes name them, so that
+ * those of one node follow each other, and sets the `first` of each leaf to where. Errors:
+ * STATUS_LIMIT a place is not below `places`; as store_put. */
+enum status wide_nodes_items(const struct layout *self, const struct bvh *bvh,
+                             const struct scene *scene, uint32_t places, struct wide_tree *tree,
+                             struct packed *out, struct reason *reason) MUST_USE;
 
-/* layout->load, box and item where record r is reference r and its slot s reference node_count +
- * width * r + s. A child whose reference is out of range is dropped. */
+/* layout->load and box where record r is reference r and its slot s reference node_count + width *
+ * r
+ * + s; a child whose reference is out of range is dropped. layout->item of those that keep
+ * distances between items. */
 void wide_nodes_load(const struct packed *packed, uint32_t ref, wide_decode *decode,
                      struct wide *out);
 struct box wide_nodes_box(const struct packed *packed, uint32_t ref, wide_decode *decode);
