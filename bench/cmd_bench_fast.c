@@ -1,4 +1,5 @@
 /* Engine fast against Embree's modes: single rays of four kinds, their speed and what they read. */
+#define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #include "bench/cmd_bench.h"
 
 #include "ref/command.h"

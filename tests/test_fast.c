@@ -1,6 +1,8 @@
 /* Laws of ref/fast/: every kernel answers as the tests on all triangles do. */
 #include "ref/fast/block.h"
+#include "ref/fast/decoded.h"
 #include "ref/fast/fast.h"
+#include "ref/layout.h"
 #include "tests/rays.h"
 #include "tests/trees.h"
 
@@ -297,6 +299,42 @@ static void bounds_are_conservative(void **state)
     scene_free(&scene);
 }
 
+/* A soup and one triangle, of every layout that loses nothing: a sound tree with each triangle
+ * once, and the hits of all triangles. */
+static void every_layout_is_decoded(void **state)
+{
+    (void)state;
+    size_t played = 0;
+    for (uint32_t n = 1; n <= 120; n += 119) {
+        struct scene scene = make_scene("soup", n);
+        struct build_options options = {.leaf = 3};
+        struct ray ray[200];
+        struct bvh bvh;
+        make_rays("mixed", &scene, 5, ARRAY_COUNT(ray), ray);
+        assert_int_equal(builders[0]->build(&scene, &options, &bvh, NULL), STATUS_OK);
+        for (size_t l = 0; layouts_all[l]; l++) {
+            struct packed packed;
+            struct fast_tree tree;
+            struct bvh decoded;
+            struct reason reason = {""};
+            if (layouts_all[l]->faithful ||
+                packed_make(layouts_all[l], &bvh, &scene, &packed, &reason))
+                continue;
+            if (fast_decode(&packed, &scene, &decoded, &reason) ||
+                bvh_check(&decoded, &scene, &reason) || fast_make(&decoded, &scene, &tree, &reason))
+                fail_msg("%s: %s", layouts_all[l]->name, reason.text);
+            check_rays(&tree, &scene, ray, ARRAY_COUNT(ray));
+            fast_free(&tree);
+            bvh_free(&decoded);
+            packed_free(&packed);
+            played++;
+        }
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
+    assert_true(played >= 4);
+}
+
 static void empty_and_too_deep_trees(void **state)
 {
     (void)state;
@@ -331,6 +369,7 @@ int main(void)
         cmocka_unit_test(all_hits_are_those_of_all_triangles),
         cmocka_unit_test(blocks_hold_their_triangles),
         cmocka_unit_test(bounds_are_conservative),
+        cmocka_unit_test(every_layout_is_decoded),
         cmocka_unit_test(empty_and_too_deep_trees),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

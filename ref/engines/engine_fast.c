@@ -1,8 +1,8 @@
-/* The fast traversal on all cores: any tree that can be unpacked to a binary one, made anew in the
- * form that ref/fast/fast.h describes. */
+/* The fast traversal on all cores: of any tree, made anew in the form that ref/fast/fast.h
+ * describes. */
 #include "ref/engines/cpu_rays.h"
+#include "ref/fast/decoded.h"
 #include "ref/fast/fast.h"
-#include "ref/packed_unpack.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,9 +47,6 @@ static enum status check_job(const struct job *job, struct reason *reason)
     if (job->packed->layout->faithful)
         return fail(reason, STATUS_UNSUPPORTED, "fast has no layout that loses hits, as %s",
                     job->packed->layout->name);
-    if (job->packed->layout->width != 2)
-        return fail(reason, STATUS_UNSUPPORTED, "fast makes its tree of a binary one, not of %s",
-                    job->packed->layout->name);
     return STATUS_OK;
 }
 
@@ -62,9 +59,7 @@ static enum status fast_prepare(void *self, const struct job *job, struct reason
     enum status status = check_job(job, reason);
     if (status || job->packed->node_count == 0)
         return status;
-    status = packed_unpack(job->packed, job->scene, &bvh, reason);
-    if (status == STATUS_INPUT)
-        return STATUS_UNSUPPORTED; /* a tree from outside that no binary tree is packed to */
+    status = fast_decode(job->packed, job->scene, &bvh, reason);
     if (!status)
         status = fast_make(&bvh, job->scene, &fast->tree, reason);
     bvh_free(&bvh);
