@@ -122,8 +122,8 @@ $(B)/samples/%: fuzz/samples/tracer.c
 # The oracle is checked by a second road, GMP rationals, which only tests have.
 ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
 $(ORACLE_TESTS): $(B)/obj/tests/exact_gmp.o $(B)/obj/tests/exact_gmp_bounds.o \
-    $(B)/obj/tests/exact_gmp_redecide.o $(B)/obj/tests/exact_gmp_replay.o \
-    $(B)/obj/tests/oracle_cases.o
+    $(B)/obj/tests/exact_gmp_bounds_baldwin.o $(B)/obj/tests/exact_gmp_redecide.o \
+    $(B)/obj/tests/exact_gmp_replay.o $(B)/obj/tests/oracle_cases.o
 $(ORACLE_TESTS): TEST_LIBS += -lgmp
 BOUNDS_TESTS := $(filter $(B)/tests/test_bounds%,$(TESTS))
 $(BOUNDS_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle_cases.o)

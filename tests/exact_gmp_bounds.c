@@ -298,8 +298,7 @@ void gmp_bounds_of(const struct model *model, const struct ray *ray, float v[3][
     out->divided = out->det_alone = false;
     out->threshold = model->formula == TWIN_MT_RTRS ? (double)TRI_RTRS_EPS : 0.0;
     /* Products of three, six of them, and room for doubling. */
-    out->none = model->formula == TWIN_BALDWIN_WEBBER ||
-                !(64 * depth * largest * largest * largest < 0x1p126);
+    out->none = !(64 * depth * largest * largest * largest < 0x1p126);
     if (out->none)
         return;
     given_each(&in, vec_init, known_init);
@@ -320,13 +319,16 @@ void gmp_bounds_of(const struct model *model, const struct ray *ray, float v[3][
         woop(&unit, ray, &in, out);
     else if (model->formula == TWIN_PLUECKER)
         pluecker(&unit, &in, out);
+    else if (model->formula == TWIN_BALDWIN_WEBBER)
+        out->none = !(out->divided = gmp_bounds_baldwin_webber(&unit, &in.o, &in.d, in.v, out));
     else if (model->formula == TWIN_EMBREE)
         embree(&unit, &in, out);
     else if (model->formula == TWIN_EMBREE_ROBUST)
         embree_robust(&unit, &in, out);
     else
         moeller_trumbore(&unit, &in, out);
-    divide_all(&unit, &in, out);
+    if (model->formula != TWIN_BALDWIN_WEBBER) /* divides first */
+        divide_all(&unit, &in, out);
     given_each(&in, vec_clear, known_clear);
     mpq_clears(unit.step, unit.quotient, unit.tiny, NULL);
 }

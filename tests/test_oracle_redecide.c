@@ -10,8 +10,10 @@
 #include <math.h>
 #include <stdio.h>
 
-static const uint32_t tests_of[] = {ABI_TRI_MT, ABI_TRI_MT_RTRS, ABI_TRI_WOOP, ABI_TRI_PLUECKER};
-static const enum twin_formula formula_of[] = {TWIN_MT, TWIN_MT_RTRS, TWIN_WOOP, TWIN_PLUECKER};
+static const uint32_t tests_of[] = {ABI_TRI_MT, ABI_TRI_MT_RTRS, ABI_TRI_WOOP, ABI_TRI_PLUECKER,
+                                    ABI_TRI_BALDWIN_WEBBER};
+static const enum twin_formula formula_of[] = {TWIN_MT, TWIN_MT_RTRS, TWIN_WOOP, TWIN_PLUECKER,
+                                               TWIN_BALDWIN_WEBBER};
 
 /* Distance of a float to the exact value over its bound. */
 static double over(const struct known *known, float value)
@@ -80,8 +82,9 @@ static void bounds_hold_for_the_tests_of_c(void **state)
             batch_free(&batch);
         }
     printf("%zu certain, %zu impossible, %zu accepted; largest error over its bound: mt %.2f, "
-           "mt_rtrs %.2f, woop %.2f, pluecker %.2f\n",
-           certain, impossible, accepted, largest[0], largest[1], largest[2], largest[3]);
+           "mt_rtrs %.2f, woop %.2f, pluecker %.2f, baldwin_webber %.2f\n",
+           certain, impossible, accepted, largest[0], largest[1], largest[2], largest[3],
+           largest[4]);
     assert_int_equal(faults, 0);
     assert_true(certain > 1000 && impossible > 1000 && accepted > 1000);
     for (size_t f = 0; f < ARRAY_COUNT(tests_of);
