@@ -80,7 +80,7 @@ enum status packed_links(const struct packed *packed, uint32_t **out, struct rea
     const char *name = packed->layout->name;
     struct packed_walk walk;
     *out = NULL;
-    if (packed->layout->width > 2)
+    if (layout_is_wide(packed->layout))
         return fail(reason, STATUS_UNSUPPORTED,
                     "%s: a traversal without a stack needs a binary layout", name);
     if (packed->node_count == 0)

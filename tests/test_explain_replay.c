@@ -75,6 +75,40 @@ static void a_plain_replay_gives_the_bits_of_the_traversal(void **state)
     }
 }
 
+/* Of wide nodes, too; and what is told of them leads from the root to the triangle's leaf, each box
+ * that of its parent's slot. */
+static void wide_nodes_are_replayed_and_known(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"bvh2_u12_scene", "bvh4_f16_world", "bvh8_u8_node",
+                                        "cwbvh80"};
+    static struct ray ray[RAYS];
+    struct scene scene = opened("soup:n=300");
+    make_rays(&scene, ray, RAYS);
+    for (size_t l = 0; l < ARRAY_COUNT(names); l++) {
+        struct subject s = subject_make(&scene, "median", 2, SEED_EPS, names[l]);
+        struct explain_tree tree;
+        assert_int_equal(s.status, STATUS_OK);
+        same_as_trace_ray(&s, ray);
+        assert_int_equal(explain_tree_make(&scene, &s.bvh, &s.packed, &tree, NULL), STATUS_OK);
+        assert_int_equal(tree.record[0], s.packed.root);
+        uint32_t known = 0;
+        for (uint32_t ref = 0; ref < s.packed.ref_count; ref++) {
+            if (tree.node[ref] == EXPLAIN_NONE)
+                continue;
+            const struct box *box = &tree.box[tree.node[ref]], *exact = &tree.exact[tree.node[ref]];
+            known++;
+            assert_int_equal(tree.record[tree.node[ref]], ref);
+            for (int k = 0; k < 3; k++)
+                assert_true(box->lo[k] <= exact->lo[k] && exact->hi[k] <= box->hi[k]);
+        }
+        assert_in_range(known, s.packed.node_count - 2, s.packed.ref_count);
+        explain_tree_free(&tree);
+        subject_free(&s);
+    }
+    scene_free(&scene);
+}
+
 /* Also where the traversal gives up: any words, any stack. */
 static void a_plain_replay_of_garbage_ends_as_the_traversal(void **state)
 {
@@ -228,6 +262,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plain_replay_gives_the_bits_of_the_traversal),
+        cmocka_unit_test(wide_nodes_are_replayed_and_known),
         cmocka_unit_test(a_plain_replay_of_garbage_ends_as_the_traversal),
         cmocka_unit_test(without_a_tree_it_is_brute_force),
         cmocka_unit_test(the_rule_of_a_box_test_is_found_by_asking_it),

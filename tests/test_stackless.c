@@ -23,7 +23,7 @@ static void finds_what_the_stack_finds(void **state)
     (void)state;
     for (size_t n = 0; n < ARRAY_COUNT(scenes); n++)
         for (size_t l = 0; layouts[l]; l++) {
-            if (layouts[l]->width > 2)
+            if (layout_is_wide(layouts[l]))
                 continue;
             struct stand s = stand_make(scenes[n], "mixed", RAYS, layouts[l]->name, 4);
             uint32_t *parent = NULL;

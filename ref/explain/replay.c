@@ -205,6 +205,29 @@ static bool inner(struct state *s, const struct wide *node, uint32_t *next, bool
     return push(s, node->child[spoilt(s, DEFECT_NEAR_AGAIN) ? first : 1 - first], entry[1 - first]);
 }
 
+/* As trace.c of a wide layout: pushes the children hit, the nearest last. */
+static bool inner_wide(struct state *s, const struct wide *node)
+{
+    uint32_t base = s->depth;
+    for (uint32_t i = 0; i < node->child_count; i++) {
+        float entry;
+        if (!box_hit(s, node->child[i], &node->box[i], &entry))
+            continue;
+        uint32_t at = s->depth;
+        if (!push(s, node->child[i], entry))
+            return false;
+        for (; at < s->depth && at > base && s->entry[at - 1] <= entry; at--) {
+            s->entry[at] = s->entry[at - 1];
+            s->ref[at] = s->ref[at - 1];
+        }
+        if (at < s->depth) { /* not dropped */
+            s->entry[at] = entry;
+            s->ref[at] = node->child[i];
+        }
+    }
+    return true;
+}
+
 static bool pop(struct state *s, uint32_t *next)
 {
     while (s->depth > 0) {
@@ -245,7 +268,8 @@ static enum replay_end walk(struct state *s)
         if (node.wide.child_count == 0) {
             if (leaf(s, &node))
                 return REPLAY_DONE;
-        } else if (!inner(s, &node.wide, &next, &descend)) {
+        } else if (layout_is_wide(packed->layout) ? !inner_wide(s, &node.wide)
+                                                  : !inner(s, &node.wide, &next, &descend)) {
             return REPLAY_STACK;
         }
         if (!descend && !pop(s, &next))
@@ -287,7 +311,8 @@ enum replay_end replay_run(const struct replay *replay, const struct replay_chan
     set_rule(&s);
     if (replay->tree) {
         uint32_t need = replay->tree->packed->stack_need;
-        s.stack_most = need < ABI_STACK_MAX ? need : ABI_STACK_MAX;
+        uint32_t most = layout_stack_most(replay->tree->packed->layout);
+        s.stack_most = need < most ? need : most;
         s.visits_most = replay->tree->packed->ref_count;
         if (repairs(&s, REPAIR_STACK))
             s.stack_most = STACK_WITHOUT_END;

@@ -78,15 +78,18 @@ static void map_by_walking(struct explain_tree *tree)
     }
 }
 
-static void map_records(struct explain_tree *tree)
+static enum status map_records(struct explain_tree *tree)
 {
+    for (uint32_t r = 0; r < tree->packed->ref_count; r++)
+        tree->node[r] = EXPLAIN_NONE;
+    if (layout_is_wide(tree->packed->layout))
+        return explain_map_wide(tree);
     if (!map_in_order(tree, 1) && !map_in_order(tree, 2))
         map_by_walking(tree);
-    for (uint32_t r = 0; r < tree->packed->node_count; r++)
-        tree->node[r] = EXPLAIN_NONE;
     for (uint32_t i = tree->bvh->node_count; i-- > 0;)
         if (tree->record[i] != EXPLAIN_NONE)
             tree->node[tree->record[i]] = i;
+    return STATUS_OK;
 }
 
 /* The triangle that slot `slot` of a tree leaf decodes to. False if its record is no leaf. */
@@ -138,15 +141,18 @@ enum status explain_tree_make(const struct scene *scene, const struct bvh *bvh,
     out->exact = alloc_zeroed(bvh->node_count, sizeof *out->exact);
     out->record = alloc_zeroed(bvh->node_count, sizeof *out->record);
     out->parent = alloc_zeroed(bvh->node_count, sizeof *out->parent);
-    out->node = alloc_zeroed(packed->node_count, sizeof *out->node);
+    out->node = alloc_zeroed(packed->ref_count, sizeof *out->node);
     out->leaf = alloc_zeroed(scene->tri_count, sizeof *out->leaf);
-    if (!out->exact || !out->record || !out->parent || !out->node || !out->leaf) {
+    enum status status = STATUS_MEMORY;
+    if (out->exact && out->record && out->parent && out->node && out->leaf) {
+        measure_tree(out);
+        status = map_records(out);
+    }
+    if (status) {
         explain_tree_free(out);
-        return fail(reason, STATUS_MEMORY, "no memory to compare %u records with their tree",
+        return fail(reason, status, "no memory to compare %u records with their tree",
                     packed->node_count);
     }
-    measure_tree(out);
-    map_records(out);
     count_items(out);
     return STATUS_OK;
 }
@@ -158,6 +164,7 @@ void explain_tree_free(struct explain_tree *tree)
     free(tree->parent);
     free(tree->node);
     free(tree->leaf);
+    free(tree->box);
     *tree = (struct explain_tree){0};
 }
 
@@ -231,9 +238,10 @@ static void repair_bound(uint32_t repairs, float *decoded, float canonical, floa
     *decoded = fault == BOUND_CUT ? exact : canonical;
 }
 
-struct box explain_box(const struct explain_tree *tree, uint32_t repairs, uint32_t ref)
+/* The box of the node `ref`, of which the bytes say `box`. */
+static struct box repaired_box(const struct explain_tree *tree, uint32_t repairs, uint32_t ref,
+                               struct box box)
 {
-    struct box box = tree->packed->layout->box(tree->packed, ref);
     uint32_t node = tree->node[ref];
     if (node == EXPLAIN_NONE || repairs == 0)
         return box;
@@ -243,6 +251,11 @@ struct box explain_box(const struct explain_tree *tree, uint32_t repairs, uint32
         repair_bound(repairs, &box.hi[k], canonical->hi[k], exact->hi[k], true);
     }
     return box;
+}
+
+struct box explain_box(const struct explain_tree *tree, uint32_t repairs, uint32_t ref)
+{
+    return repaired_box(tree, repairs, ref, tree->packed->layout->box(tree->packed, ref));
 }
 
 /* The references that the children of an inner tree node should have. */
@@ -265,6 +278,8 @@ static enum ref_fault ref_fault(const struct explain_tree *tree, uint32_t node,
 {
     bool leaf = tree->bvh->node[node].item_count > 0;
     uint32_t want[2];
+    if (layout_is_wide(tree->packed->layout))
+        return REF_OK; /* records are known by what is below them */
     if (leaf)
         return wide->child_count == 0 ? REF_OK : REF_OTHER;
     if (!true_children(tree, node, want))
@@ -306,6 +321,8 @@ void explain_load(const struct explain_tree *tree, uint32_t repairs, uint32_t re
                 *wide = (struct wide){.item_first = EXPLAIN_NONE, .item_count = node->item_count};
             } else if (true_children(tree, out->node, want)) {
                 *wide = (struct wide){.child_count = 2, .child = {want[0], want[1]}};
+                for (int c = 0; c < 2; c++)
+                    wide->box[c] = tree->packed->layout->box(tree->packed, want[c]);
             }
         } else if (node->item_count > wide->item_count && wide->child_count == 0 &&
                    repaired(repairs, REPAIR_ITEM_SLOT)) {
@@ -313,7 +330,7 @@ void explain_load(const struct explain_tree *tree, uint32_t repairs, uint32_t re
         }
     }
     for (uint32_t c = 0; c < wide->child_count; c++)
-        wide->box[c] = explain_box(tree, repairs, wide->child[c]);
+        wide->box[c] = repaired_box(tree, repairs, wide->child[c], wide->box[c]);
 }
 
 uint32_t explain_item(const struct explain_tree *tree, const struct explain_node *leaf,

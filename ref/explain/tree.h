@@ -15,8 +15,9 @@ struct explain_tree {
     const struct bvh *bvh;
     const struct packed *packed;
     struct box *exact; /* per tree node: the bounds of its triangles */
-    uint32_t *record;  /* per tree node: its record, or EXPLAIN_NONE */
-    uint32_t *node;    /* per record: its tree node, or EXPLAIN_NONE */
+    uint32_t *record;  /* per tree node: its record (a reference), or EXPLAIN_NONE */
+    uint32_t *node;    /* per reference: its tree node, or EXPLAIN_NONE */
+    struct box *box;   /* wide layouts: per tree node that has a record, the box that is tested */
     uint32_t *parent;  /* per tree node; the root's is EXPLAIN_NONE */
     uint32_t *leaf;    /* per triangle: its leaf, a tree node, or EXPLAIN_NONE */
     bool shifted;      /* most items are the tree's less one */
@@ -27,13 +28,18 @@ struct explain_tree {
 
 /* Compares `packed`, which may be broken, with the tree it was made from, which has passed
  * bvh_check_form. Records are taken to be numbered in pre-order, one a node or two a leaf, as all
- * layouts do; where neither fits most nodes, by walking both trees together. Errors: STATUS_MEMORY.
- * On error *out is zero. */
+ * binary layouts do; where neither fits most nodes, by walking both trees together. Of wide layouts
+ * a node is the tree node with the same triangles below: what the collapse left out has no record,
+ * and part of a leaf no tree node. Errors: STATUS_MEMORY. On error *out is zero. */
 enum status explain_tree_make(const struct scene *scene, const struct bvh *bvh,
                               const struct packed *packed, struct explain_tree *out,
                               struct reason *reason) MUST_USE;
 
 void explain_tree_free(struct explain_tree *tree);
+
+/* For explain_tree_make: fills record, node and box of a wide layout, where record and node have
+ * been set to EXPLAIN_NONE. Errors: STATUS_MEMORY. */
+enum status explain_map_wide(struct explain_tree *tree) MUST_USE;
 
 /* What is wrong with one item slot of a leaf. */
 enum item_fault { ITEM_OK, ITEM_NOT_READ, ITEM_SENTINEL, ITEM_TRUNCATED, ITEM_SHIFTED, ITEM_OTHER };

@@ -39,7 +39,7 @@ static void describe_step(const struct explain_case *the, struct explain_step *s
     step->ref = explain_ref_fault(tree, node);
     if (step->record == EXPLAIN_NONE)
         return;
-    struct box decoded = packed->layout->box(packed, step->record);
+    struct box decoded = tree->box ? tree->box[node] : packed->layout->box(packed, step->record);
     const struct box *canonical = &tree->bvh->node[node].bounds, *exact = &tree->exact[node];
     struct slab_rule rule = slab_rule_of(the->replay.box_id);
     struct slab_ray slab = slab_ray_make(&the->ray);
@@ -54,18 +54,25 @@ static void describe_step(const struct explain_case *the, struct explain_step *s
             step->word[step->word_count++] = packed->word[first + i];
 }
 
+/* What a collapse left out is no step. */
+static bool is_step(const struct explain_tree *tree, uint32_t node)
+{
+    return !layout_is_wide(tree->packed->layout) || tree->record[node] != EXPLAIN_NONE;
+}
+
 /* The nodes from the root to the triangle's leaf, as notes for the replay. */
 static enum status find_path(const struct explain_tree *tree, struct explanation *out)
 {
     uint32_t leaf = tree->leaf[out->prim], depth = 0;
     for (uint32_t node = leaf; node != EXPLAIN_NONE; node = tree->parent[node])
-        depth++;
+        depth += is_step(tree, node);
     out->step = alloc_zeroed(depth, sizeof *out->step);
     if (!out->step)
         return STATUS_MEMORY;
     out->step_count = depth;
     for (uint32_t node = leaf; node != EXPLAIN_NONE; node = tree->parent[node])
-        out->step[--depth].note.node = node;
+        if (is_step(tree, node))
+            out->step[--depth].note.node = node;
     return STATUS_OK;
 }
 

@@ -47,9 +47,11 @@ double box_growth(const struct box *box, const struct box *exact)
 static void measure_growth(struct numbers *numbers)
 {
     const struct packed *packed = numbers->tree.packed;
-    for (uint32_t ref = 0; ref < packed->node_count; ref++) {
+    for (uint32_t ref = 0; ref < packed->ref_count; ref++) {
         uint32_t node = numbers->tree.node[ref];
         struct box box = packed->layout->box(packed, ref);
+        if (numbers->tree.box && node != EXPLAIN_NONE)
+            box = numbers->tree.box[node];
         numbers->growth[ref] =
             node == EXPLAIN_NONE ? (double)NAN : box_growth(&box, &numbers->tree.exact[node]);
     }
@@ -66,7 +68,7 @@ enum status numbers_make(const struct scene *scene, const struct bvh *bvh,
     enum status status = explain_tree_make(scene, bvh, packed, &numbers->tree, reason);
     if (!status)
         status = around_make(packed, &numbers->around);
-    numbers->growth = alloc_zeroed(packed->node_count, sizeof *numbers->growth);
+    numbers->growth = alloc_zeroed(packed->ref_count, sizeof *numbers->growth);
     if (status || !numbers->growth) {
         numbers_free(numbers);
         return fail(reason, STATUS_MEMORY, "no memory to look at %u records", packed->node_count);

@@ -1,0 +1,108 @@
+/* Nodes of a wide packed tree beside those of the binary tree that it was collapsed from: the same
+ * triangles below. */
+#include "ref/explain/tree.h"
+
+#include "ref/packed_walk.h"
+
+#include <stdlib.h>
+
+/* Places in the binary tree's item array: those below a node of it follow each other. */
+struct range {
+    uint32_t first, last, count; /* count 0: nothing */
+};
+
+static void range_add(struct range *range, const struct range *more)
+{
+    if (more->count == 0)
+        return;
+    if (range->count == 0 || more->first < range->first)
+        range->first = more->first;
+    if (range->count == 0 || more->last > range->last)
+        range->last = more->last;
+    range->count += more->count;
+}
+
+/* Where in the tree's items each triangle is; of a split tree the last place. */
+static uint32_t *make_places(const struct explain_tree *tree)
+{
+    uint32_t *place = alloc_zeroed(tree->scene->tri_count, sizeof *place);
+    for (uint32_t i = 0; place && i < tree->bvh->prim_count; i++)
+        place[tree->bvh->prim[i]] = i;
+    return place;
+}
+
+/* What every visit of the packed tree has below it, children after their parents. */
+static void find_ranges(const struct explain_tree *tree, const struct packed_walk *walk,
+                        const uint32_t *place, struct range *range)
+{
+    const struct packed *packed = tree->packed;
+    for (uint32_t v = walk->visit_count; v-- > 0;) {
+        struct wide wide;
+        packed->layout->load(packed, walk->visit[v].ref, &wide);
+        for (uint32_t s = 0; wide.child_count == 0 && s < wide.item_count; s++) {
+            uint32_t prim = packed_item(packed, &wide, s);
+            if (prim >= tree->scene->tri_count)
+                continue;
+            const struct range one = {place[prim], place[prim], 1};
+            range_add(&range[v], &one);
+        }
+        if (v > 0)
+            range_add(&range[walk->visit[v].parent], &range[v]);
+    }
+}
+
+/* The node of the binary tree with these items, from the root down, or EXPLAIN_NONE. `end` has the
+ * place behind the last item of each node. */
+static uint32_t node_of_range(const struct bvh *bvh, const uint32_t *end, const struct range *range)
+{
+    uint32_t node = 0, first = 0;
+    if (range->count == 0 || range->last - range->first + 1 != range->count)
+        return EXPLAIN_NONE;
+    for (;;) {
+        if (first == range->first && end[node] == range->last + 1)
+            return node;
+        if (bvh->node[node].item_count > 0)
+            return EXPLAIN_NONE;
+        if (range->first >= end[bvh->node[node].fst]) {
+            first = end[bvh->node[node].fst];
+            node = bvh->node[node].snd;
+        } else {
+            node = bvh->node[node].fst;
+        }
+    }
+}
+
+enum status explain_map_wide(struct explain_tree *tree)
+{
+    const struct bvh *bvh = tree->bvh;
+    struct packed_walk walk;
+    enum status status = packed_walk_make(tree->packed, &walk);
+    uint32_t *place = make_places(tree);
+    uint32_t *end = alloc_zeroed(bvh->node_count, sizeof *end);
+    struct range *range = alloc_zeroed(walk.visit_count, sizeof *range);
+    tree->box = alloc_zeroed(bvh->node_count, sizeof *tree->box);
+    if (!status && (!place || !end || !range || !tree->box))
+        status = STATUS_MEMORY;
+    if (!status) {
+        find_ranges(tree, &walk, place, range);
+        for (uint32_t i = bvh->node_count; i-- > 0;) {
+            const struct bvh_node *node = &bvh->node[i];
+            end[i] = node->item_count ? node->item_first + node->item_count : end[node->snd];
+        }
+        for (uint32_t v = 0; v < walk.visit_count; v++) {
+            uint32_t node = node_of_range(bvh, end, &range[v]);
+            if (node == EXPLAIN_NONE)
+                continue;
+            tree->node[walk.visit[v].ref] = node;
+            if (tree->record[node] != EXPLAIN_NONE)
+                continue; /* the root's only child */
+            tree->record[node] = walk.visit[v].ref;
+            tree->box[node] = walk.visit[v].box;
+        }
+    }
+    packed_walk_free(&walk);
+    free(place);
+    free(end);
+    free(range);
+    return status;
+}
