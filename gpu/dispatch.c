@@ -45,6 +45,8 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
                  .capacity = 1},
     };
     enum status status = stack_class(packed, &out->constant[ABI_SPEC_STACK], reason);
+    if (!status)
+        status = tri_store_check(packed->store, job->tri->id, job->tri->name, reason);
     if (!status && !out->shader) {
         shader_why_not(layout->name, reason);
         status = STATUS_UNSUPPORTED;

@@ -140,7 +140,10 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     if (!status)
         status = upload_items(tracer, job, reason);
     if (!status)
-        status = gather_triangles(tracer->vk, job->scene, &tracer->buffer[ABI_BIND_TRIS], reason);
+        status =
+            tri_store_reads_scene(packed->store)
+                ? gather_triangles(tracer->vk, job->scene, &tracer->buffer[ABI_BIND_TRIS], reason)
+                : upload(tracer, ABI_BIND_TRIS, NULL, 0, reason);
     if (status) {
         free_buffers(tracer);
         tracer->pipeline = NULL;

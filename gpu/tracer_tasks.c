@@ -131,10 +131,12 @@ static bool put_rays(struct tracer *tracer, struct vk_work *work, const struct e
     return ray != NULL;
 }
 
-static bool put_triangles(struct tracer *tracer, struct vk_work *work, const struct scene *scene)
+static bool put_triangles(struct tracer *tracer, struct vk_work *work, const struct job *job)
 {
-    float(*tri)[3][3] = take(tracer, work, ABI_BIND_TRIS, sizeof *tri * (uint64_t)scene->tri_count);
-    for (uint32_t i = 0; tri && i < scene->tri_count; i++)
+    const struct scene *scene = job->scene;
+    uint32_t count = tri_store_reads_scene(job->packed->store) ? scene->tri_count : 0;
+    float(*tri)[3][3] = take(tracer, work, ABI_BIND_TRIS, sizeof *tri * (uint64_t)count);
+    for (uint32_t i = 0; tri && i < count; i++)
         scene_tri(scene, i, tri[i]);
     return tri != NULL;
 }
@@ -167,7 +169,7 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
         !take(tracer, work, ABI_BIND_FLAGS, rays * sizeof *task->flag) ||
         !put(tracer, work, ABI_BIND_NODES, packed->word, packed_node_bytes(packed)) ||
         !put(tracer, work, ABI_BIND_ITEMS, packed->item, packed_item_bytes(packed)) ||
-        !put_triangles(tracer, work, task->job.scene) || !take(tracer, work, ABI_BIND_FOUND, 0))
+        !put_triangles(tracer, work, &task->job) || !take(tracer, work, ABI_BIND_FOUND, 0))
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for many jobs");
 #if MUTANT == MUTANT_NEIGHBOUR
     work->part[ABI_BIND_NODES] = tasks->work[0].part[ABI_BIND_NODES];

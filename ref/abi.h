@@ -31,18 +31,22 @@
 #define ABI_SPEC_LAYOUT_1  7
 
 /* Values of ABI_SPEC_BOX, ABI_SPEC_TRI, ABI_SPEC_QUERY and ABI_SPEC_STORE. */
-#define ABI_BOX_RTRS           0u
-#define ABI_BOX_ROBUST         1u
-#define ABI_BOX_WATERTIGHT     2u
-#define ABI_TRI_MT_RTRS        0u
-#define ABI_TRI_MT             1u
-#define ABI_TRI_WOOP           2u
-#define ABI_TRI_PLUECKER       3u
-#define ABI_TRI_BALDWIN_WEBBER 4u
-#define ABI_QUERY_CLOSEST      0u
-#define ABI_QUERY_ANY          1u
-#define ABI_QUERY_ALL          2u
-#define ABI_STORE_INDEXED      0u /* of layouts whose items lie in their nodes, too */
+#define ABI_BOX_RTRS             0u
+#define ABI_BOX_ROBUST           1u
+#define ABI_BOX_WATERTIGHT       2u
+#define ABI_TRI_MT_RTRS          0u
+#define ABI_TRI_MT               1u
+#define ABI_TRI_WOOP             2u
+#define ABI_TRI_PLUECKER         3u
+#define ABI_TRI_BALDWIN_WEBBER   4u
+#define ABI_QUERY_CLOSEST        0u
+#define ABI_QUERY_ANY            1u
+#define ABI_QUERY_ALL            2u
+#define ABI_STORE_INDEXED        0u /* of layouts whose items lie in their nodes, too */
+#define ABI_STORE_GATHERED       1u
+#define ABI_STORE_EDGES          2u
+#define ABI_STORE_BALDWIN_WEBBER 3u
+#define ABI_STORE_COMPACT        4u
 
 /* ABI_SPEC_LAYOUT_0 and _1 of the layouts grid2, grid4 and grid8: number format and frame. */
 #define ABI_NUMBER_F32  0u

@@ -17,6 +17,7 @@ static const char help[] =
     "  --layout L,..   layouts, 'all', or 'auto' (the first that fits)        [f32,rf16]\n"
     "  --engine E,..   engines, or 'all'; pipe:COMMAND, last, is a tracer of your own (README)\n"
     "                                                        [every engine that can run here]\n"
+    "  --store S,..    triangle storages, see raydiff list storages              [indexed]\n"
     "  --builder B,..  builders                                                  [median]\n"
     "  --leaf N        items per leaf, 1 or more                                 [4]\n"
     "  --eps E         builder rtrs: smallest box that is split                  "
@@ -40,7 +41,7 @@ static const char help[] =
     "example: raydiff check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices\n";
 
 struct check_options {
-    struct list layout, engine, builder, box, tri, query;
+    struct list layout, store, engine, builder, box, tri, query;
     bool layout_auto, layout_named, engine_named;
     struct build_options build;
     size_t rays;
@@ -53,6 +54,7 @@ struct check_options {
 
 enum {
     OPT_LAYOUT = 256,
+    OPT_STORE,
     OPT_ENGINE,
     OPT_BUILDER,
     OPT_LEAF,
@@ -70,6 +72,7 @@ enum {
 };
 
 static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
+                                             {"store", 1, NULL, OPT_STORE},
                                              {"engine", 1, NULL, OPT_ENGINE},
                                              {"builder", 1, NULL, OPT_BUILDER},
                                              {"leaf", 1, NULL, OPT_LEAF},
@@ -101,6 +104,7 @@ static struct check_options default_options(void)
         .engines = engine_options_default(),
     };
     bool ok = table_parse(TABLE_LAYOUTS, "", "f32,rf16", &o.layout, &reason) == STATUS_OK &&
+              table_parse(TABLE_STORES, "", "indexed", &o.store, &reason) == STATUS_OK &&
               table_parse(TABLE_BUILDERS, "", "median", &o.builder, &reason) == STATUS_OK &&
               table_parse(TABLE_BOX_TESTS, "", "robust", &o.box, &reason) == STATUS_OK &&
               table_parse(TABLE_TRI_TESTS, "", "mt", &o.tri, &reason) == STATUS_OK &&
@@ -153,6 +157,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
     switch (option) {
     case OPT_LAYOUT:
         return take_layouts(o, text, reason);
+    case OPT_STORE:
+        return table_parse(TABLE_STORES, "--store", text, &o->store, reason);
     case OPT_ENGINE:
         o->engine_named = strcmp(text, "all") != 0;
         return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
@@ -244,9 +250,11 @@ static enum status play_layouts(struct check *check, struct match *match,
     const struct check_options *o = &check->options;
     struct list list = o->layout_named ? o->layout : tree_layouts(&check->tree, &o->layout);
     size_t count = o->layout_auto ? 1 : list.count;
-    for (size_t l = 0; l < count; l++) {
-        const struct layout *layout = o->layout_auto ? NULL : layouts_all[list.index[l]];
+    for (size_t i = 0; i < count * o->store.count; i++) {
+        const struct layout *layout =
+            o->layout_auto ? NULL : layouts_all[list.index[i / o->store.count]];
         struct reason refusal = {""};
+        match->options.store = tri_stores[o->store.index[i % o->store.count]];
         enum status status =
             layout ? match_pack(match, layout, &refusal)
                    : match_pack_auto(match, result->refused, sizeof result->refused, &refusal);

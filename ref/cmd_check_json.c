@@ -117,6 +117,9 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
                   "largest_leaf", (json_int_t)row->stats.largest_leaf));
     if (o->tree)
         json_object_set_new(out, "bvh", json_string(o->tree->name));
+    json_object_set_new(out, "store",
+                        row->layout && o->store ? json_string(o->store->name) : json_null());
+    json_object_set_new(out, "scene_bytes", json_integer((json_int_t)row->scene_bytes));
     json_object_set_new(out, "counts", counts_json(row));
     json_object_set_new(out, "wrong", wrong_json(row));
     json_object_set_new(out, "err_over_bound", json_real(finite(row->worst_over)));

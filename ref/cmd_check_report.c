@@ -37,10 +37,23 @@ static void print_lists(const struct row *row)
         printf(" no parity (the mesh is open)");
 }
 
+/* "layout", "layout:storage" or "-". */
+static const char *layout_text(const struct row *row, char *text, size_t bytes)
+{
+    const struct tri_store *store = row->options.store;
+    if (!row->layout)
+        return "-";
+    if (!store || store == tri_stores[0])
+        return row->layout->name;
+    snprintf(text, bytes, "%s:%s", row->layout->name, store->name);
+    return text;
+}
+
 static void print_row(const struct row *row)
 {
     const struct match_options *o = &row->options;
-    printf("%-13s %-13s %-7s %-7s %-7s ", row->layout ? row->layout->name : "-",
+    char text[64];
+    printf("%-13s %-13s %-7s %-7s %-7s ", layout_text(row, text, sizeof text),
            row->engine ? row->engine->name : "-", row->layout ? o->box->name : "-", o->tri->name,
            query_name(o->query));
     if (row->status == ROW_REFUSED || row->status == ROW_SKIPPED || row->status == ROW_FAILED) {
@@ -93,10 +106,35 @@ static const struct row *row_of(const struct check_scene *scene, const char *eng
     return NULL;
 }
 
+/* What engine cpu reads of each layout and storage, if there are several storages. */
+static void print_stored(const struct check_scene *scene)
+{
+    char text[64];
+    const struct row *last = NULL;
+    double tris = scene->tri_count ? scene->tri_count : 1;
+    bool several = false;
+    for (size_t i = 0; i < scene->row_count; i++)
+        several |= scene->row[i].layout && scene->row[i].options.store != tri_stores[0];
+    for (size_t i = 0; i < scene->row_count && several; i++) {
+        const struct row *row = &scene->row[i];
+        if (row->status != ROW_OK || !row->layout ||
+            (last && last->layout == row->layout && last->options.store == row->options.store &&
+             last->options.builder == row->options.builder))
+            continue;
+        last = row;
+        printf("  %s: %.2f bytes a triangle: %.2f nodes, %.2f storage, %.2f the scene's arrays\n",
+               layout_text(row, text, sizeof text),
+               (double)(row->node_bytes + row->item_bytes + row->scene_bytes) / tris,
+               (double)row->node_bytes / tris, (double)row->item_bytes / tris,
+               (double)row->scene_bytes / tris);
+    }
+}
+
 /* Smallest and, per engine, fastest layout, as ratios within this run. */
 static void print_winners(const struct check_scene *scene)
 {
     static const char *const players[] = {"vulkan", "cpu"};
+    char text[64];
     for (size_t p = 0; p < ARRAY_COUNT(players); p++) {
         const struct row *base = row_of(scene, players[p], "f32");
         if (!base)
@@ -109,7 +147,7 @@ static void print_winners(const struct check_scene *scene)
                 continue;
             printf("  %s on %s: %.2f of f32's node bytes (%.2f with f32's item array), %.2f times "
                    "its speed\n",
-                   row->layout->name, players[p],
+                   layout_text(row, text, sizeof text), players[p],
                    (double)row->node_bytes / (double)base->node_bytes,
                    (double)(row->node_bytes + row->item_bytes) /
                        (double)(base->node_bytes + base->item_bytes),
@@ -226,6 +264,7 @@ void check_print(const struct check_scene *scene)
     puts("what it means");
     print_reasons(scene);
     print_winners(scene);
+    print_stored(scene);
     print_agreement(scene);
     putchar('\n');
 }

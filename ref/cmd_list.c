@@ -7,10 +7,12 @@
 static const char help[] =
     "usage: raydiff list [KIND]\n"
     "Lists what can be named on the command line: builders, layouts, box tests, triangle tests,\n"
-    "queries, engines, scenes (generators) and ray sets, each with what it is.\n"
+    "queries, engines, scenes (generators), ray sets and storages (of triangles), each with what "
+    "it\n"
+    "is.\n"
     "  KIND   only one of them, by a word of its title: builders, layouts, box, triangle, "
     "queries,\n"
-    "         engines, scenes, ray\n"
+    "         engines, scenes, ray, storages\n"
     "example: raydiff list layouts\n"
     "exit codes: 0, 2 unknown kind\n";
 

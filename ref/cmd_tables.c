@@ -21,9 +21,9 @@
 
 const char *table_name(enum table table)
 {
-    static const char *const names[TABLE_COUNT] = {"builders",       "layouts", "box tests",
-                                                   "triangle tests", "queries", "engines",
-                                                   "scenes",         "ray sets"};
+    static const char *const names[TABLE_COUNT] = {"builders",       "layouts",  "box tests",
+                                                   "triangle tests", "queries",  "engines",
+                                                   "scenes",         "ray sets", "storages"};
     return names[table];
 }
 
@@ -53,6 +53,8 @@ static const char *member(enum table table, size_t i, const char **text)
         MEMBER(generators);
     case TABLE_RAY_SETS:
         MEMBER(ray_sets);
+    case TABLE_STORES:
+        MEMBER(tri_stores);
     case TABLE_QUERIES:
         *text = i == QUERY_ALL   ? "every triangle along the ray, sorted"
                 : i == QUERY_ANY ? "the first accepted hit ends the ray"

@@ -14,6 +14,7 @@ enum table {
     TABLE_ENGINES,
     TABLE_GENERATORS,
     TABLE_RAY_SETS,
+    TABLE_STORES,
     TABLE_COUNT
 };
 

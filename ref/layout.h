@@ -194,6 +194,7 @@ struct packed_faults {
     uint32_t double_prims; /* times that a triangle is named again; of a split tree in one leaf */
     uint32_t bad_prims;    /* item slots beyond the scene, leaves of more slots than it needs */
     uint32_t too_deep;     /* 1 if a path needs more stack than stack_need */
+    uint32_t bad_tris;     /* items whose stored vertices are not the scene's, to the bit */
 };
 
 /* Walks the decoded tree and checks it against the scene; written once for every layout.

@@ -131,16 +131,25 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
 
 enum status match_pack(struct match *match, const struct layout *layout, struct reason *reason)
 {
+    const struct tri_store *store = match->options.store ? match->options.store : tri_stores[0];
     match_unpack(match);
+    if (match->options.tree && store != tri_stores[0])
+        return fail(reason, STATUS_LIMIT,
+                    "%s: a tree from a file has its own items, not storage %s", layout->name,
+                    store->name);
     if (match->options.tree)
         return tree_file_pack(match->options.tree, layout, match->scene, &match->packed, reason);
-    return packed_make(layout, &match->bvh, match->scene, &match->packed, reason);
+    return packed_make_stored(layout, store, &match->bvh, match->scene, &match->packed, reason);
 }
 
 enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
                             struct reason *reason)
 {
     const struct tree_file *tree = match->options.tree;
+    if (match->options.store && match->options.store != tri_stores[0])
+        return fail(reason, STATUS_INPUT,
+                    "--layout auto packs storage indexed: name a layout for storage %s",
+                    match->options.store->name);
     if (tree && tree_file_is_packed(tree))
         return match_pack(match, tree->packed.layout, reason);
     match_unpack(match);
@@ -365,6 +374,9 @@ void match_run(struct match *match, const struct engine *engine, struct row *row
         row->layout = match->packed.layout;
         row->node_bytes = packed_node_bytes(&match->packed);
         row->item_bytes = packed_item_bytes(&match->packed);
+        if (tri_store_reads_scene(match->packed.store))
+            row->scene_bytes =
+                12 * ((uint64_t)match->scene->vertex_count + match->scene->tri_count);
     }
     if (is_brute(engine) && match->brute_count > 0)
         row->rays = match->brute_count;

@@ -34,8 +34,9 @@ void pool_free(struct pool *pool);
 struct match_options {
     const struct builder *builder; /* tree_file_builder with `tree` */
     struct build_options build;
-    const struct tree_file *tree; /* borrowed, of the match's scene: in place of what a builder
-                                     makes; NULL: built */
+    const struct tree_file *tree;  /* borrowed, of the match's scene: in place of what a builder
+                                      makes; NULL: built */
+    const struct tri_store *store; /* of trees that are packed here; NULL: indexed */
     const struct box_test *box;
     const struct tri_test *tri;
     enum query query;
@@ -73,6 +74,7 @@ struct row {
     enum status cause; /* of REFUSED, SKIPPED, FAILED */
     struct reason reason;
     uint64_t node_bytes, item_bytes, memory_bytes;
+    uint64_t scene_bytes; /* of the scene's vertices and indices, where the storage reads them */
     size_t rays, hits;
     size_t compared;             /* answers judged */
     size_t brute;                /* of them, those whose truth brute force decided too */

@@ -112,6 +112,10 @@
 #define MUTANT_SHADOW_BEHIND   332 /* shader: what is behind a light shades it, too */
 #define MUTANT_WEIGHT_KEPT     333 /* shader: reflections do not grow weaker along a path */
 #define MUTANT_LIGHT_LOST      334 /* shader: of several lights the first is not asked */
+#define MUTANT_CORNER_SWAPPED                                                                      \
+    470 /* compact: two corners of a leaf's first triangle change places */
+#define MUTANT_EDGE_SIGN       471 /* edges: the second edge runs the other way */
+#define MUTANT_BLOCK_PRIM_LATE 472 /* compact: the first two triangles' numbers change places */
 #define MUTANT_GROUP_LATE      335 /* shader: a workgroup is there from its second path on */
 #define MUTANT_AXIS_TRUSTED    436 /* a twin of baldwin_webber with C's axis alone */
 #define MUTANT_TRANSFORM_EXACT 437 /* a twin of baldwin_webber whose transform has no error */

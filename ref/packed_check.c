@@ -3,6 +3,7 @@
 #include "ref/packed_walk.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* A check in progress; `exact` has the bounds of the triangles below each visit. */
 struct check {
@@ -86,6 +87,25 @@ static enum status check_cover(struct check *check)
     return status;
 }
 
+/* A storage that has vertices has the scene's. */
+static void check_stored(struct check *check, uint32_t i, const struct wide *leaf, uint32_t s,
+                         uint32_t prim)
+{
+    const struct packed *packed = check->packed;
+    float stored[3][3], own[3][3];
+    if (!packed->store->tri)
+        return;
+    scene_tri(check->scene, prim, own);
+    if (packed->store->tri(packed, leaf->item_first, s, stored) &&
+        memcmp(stored, own, sizeof own) == 0)
+        return;
+    check->faults.bad_tris++;
+    if (first_fault(check))
+        (void)fail(check->reason, STATUS_INPUT,
+                   "%s: record %u: storage %s has triangle %u with other vertices",
+                   packed->layout->name, check->walk.visit[i].ref, packed->store->name, prim);
+}
+
 /* Marks the triangle of one item slot and adds it to the bounds of visit `i`. */
 static void check_item(struct check *check, uint32_t i, const struct wide *leaf, uint32_t s)
 {
@@ -109,6 +129,7 @@ static void check_item(struct check *check, uint32_t i, const struct wide *leaf,
                        packed->layout->name, check->walk.visit[i].ref, slot, prim);
     }
     check->seen[prim] = i + 1;
+    check_stored(check, i, leaf, s, prim);
     struct box one = scene_tri_bounds(check->scene, prim);
     box_add_box(&check->exact[i], &one);
 }

@@ -2,6 +2,7 @@
 
 #include "ref/mutant.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,6 +29,7 @@ void packed_file_write(const struct packed *packed, FILE *stream)
                         .root = packed->root,
                         .triangles = packed->tri_count,
                         .stack = packed->stack_need};
+    assert(packed->store == tri_stores[0]); /* the file has no word for another */
     size_t length = strlen(packed->layout->name);
     memcpy(head.layout, packed->layout->name, length < NAME_BYTES ? length : NAME_BYTES);
     fwrite(&head, sizeof head, 1, stream);

@@ -14,7 +14,8 @@
 
 #define PACKED_FILE_VERSION 1u
 
-/* Writes the tree; whether the stream took it is for the caller to ask. */
+/* Writes the tree, whose storage must be `indexed`; whether the stream took it is for the caller to
+ * ask. */
 void packed_file_write(const struct packed *packed, FILE *stream);
 
 /* True if the bytes begin as such a file does. */

@@ -56,10 +56,8 @@ vec3 tri_cross(vec3 a, vec3 b)
     return c;
 }
 
-bool tri_moeller_trumbore(tri_ray r, vec3 v0, vec3 v1, vec3 v2, float eps, out vec3 tuv)
+bool tri_moeller_trumbore_edges(tri_ray r, vec3 v0, vec3 e1, vec3 e2, float eps, out vec3 tuv)
 {
-    precise vec3 e1 = v1 - v0;
-    precise vec3 e2 = v2 - v0;
     precise vec3 s = r.o - v0;
     vec3 p = tri_cross(r.d, e2);
     vec3 q = tri_cross(s, e1);
@@ -92,6 +90,13 @@ bool tri_moeller_trumbore(tri_ray r, vec3 v0, vec3 v1, vec3 v2, float eps, out v
     return both(size > eps, both(us >= 0.0, us <= size), both(ws >= 0.0, sum <= size));
 }
 
+bool tri_moeller_trumbore(tri_ray r, vec3 v0, vec3 v1, vec3 v2, float eps, out vec3 tuv)
+{
+    precise vec3 e1 = v1 - v0;
+    precise vec3 e2 = v2 - v0;
+    return tri_moeller_trumbore_edges(r, v0, e1, e2, eps, tuv);
+}
+
 bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 {
     precise vec3 a = v0 - r.o;
@@ -120,6 +125,22 @@ bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 #include "tri_pluecker.glsl"
 #include "tri_baldwin_webber.glsl"
 
+/* Whether t is in the range of the test `id`. */
+bool tri_in_range(uint id, tri_ray r, float t)
+{
+    bool open = both(t > r.tmin, t < r.tmax), closed = both(t >= r.tmin, t <= r.tmax);
+#if MUTANT == MUTANT_TMIN_OPEN
+    closed = id == ABI_TRI_WOOP ? closed : both(t > r.tmin, t <= r.tmax);
+#elif MUTANT == MUTANT_TMIN_UNREAD
+    closed = id == ABI_TRI_WOOP ? closed : both(t >= 0.0, t <= r.tmax);
+#elif MUTANT == MUTANT_TMAX_OPEN
+    closed = id == ABI_TRI_WOOP ? closed : both(t >= r.tmin, t < r.tmax);
+#elif MUTANT == MUTANT_TMAX_UNREAD
+    closed = id == ABI_TRI_WOOP ? closed : t >= r.tmin;
+#endif
+    return id == ABI_TRI_MT_RTRS ? open : closed;
+}
+
 /* The test `id` (ABI_TRI_*) with its range; tuv is undefined on false. */
 bool tri_test_run(uint id, tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 {
@@ -132,18 +153,7 @@ bool tri_test_run(uint id, tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
         hit = tri_baldwin_webber(r, v0, v1, v2, tuv);
     else
         hit = tri_moeller_trumbore(r, v0, v1, v2, id == ABI_TRI_MT_RTRS ? TRI_RTRS_EPS : 0.0, tuv);
-    float t = tuv.x;
-    bool open = both(t > r.tmin, t < r.tmax), closed = both(t >= r.tmin, t <= r.tmax);
-#if MUTANT == MUTANT_TMIN_OPEN
-    closed = id == ABI_TRI_WOOP ? closed : both(t > r.tmin, t <= r.tmax);
-#elif MUTANT == MUTANT_TMIN_UNREAD
-    closed = id == ABI_TRI_WOOP ? closed : both(t >= 0.0, t <= r.tmax);
-#elif MUTANT == MUTANT_TMAX_OPEN
-    closed = id == ABI_TRI_WOOP ? closed : both(t >= r.tmin, t < r.tmax);
-#elif MUTANT == MUTANT_TMAX_UNREAD
-    closed = id == ABI_TRI_WOOP ? closed : t >= r.tmin;
-#endif
-    return both(hit, id == ABI_TRI_MT_RTRS ? open : closed);
+    return both(hit, tri_in_range(id, r, tuv.x));
 }
 
 #endif

@@ -1,5 +1,5 @@
-/* The bounds of baldwin_webber: its map, and what is computed by it, step by step; a step's terms are
- * sums of products as elsewhere. */
+/* The bounds of baldwin_webber: its map, and what is computed by it, step by step; a step's terms
+ * are sums of products as elsewhere. */
 #include "tests/exact_gmp_known.h"
 
 /* What is larger than 2^80 is not bounded: two such factors could overflow. */

@@ -354,6 +354,9 @@ in_test MOVE_KEPT ref/builders/spots.c test_build_fast
 in_test ROOM_KEPT ref/builders/links.c test_build_memory
 in_test COST_OF_LEAF ref/tree_quality.c test_build_fast
 in_test OVERLAP_OWN ref/tree_overlap.c test_tree_quality
+in_test CORNER_SWAPPED ref/store/store_compact.c test_stores
+in_test EDGE_SIGN ref/store/store_edges.c test_stores
+in_test BLOCK_PRIM_LATE ref/store/store_compact.c test_stores
 
 
 # The same bugs, each by the hard case that is there for it.

@@ -33,15 +33,17 @@ enum status cpu_rays_open(const struct engine_options *options, cpu_ray_fn *answ
 
 enum status cpu_rays_prepare(void *self, const struct job *job, struct reason *reason)
 {
-    (void)reason;
     ((struct cpu_rays *)self)->job = *job;
-    return STATUS_OK;
+    return job->packed ? tri_store_check(job->packed->store, job->tri->id, job->tri->name, reason)
+                       : STATUS_OK;
 }
 
 /* Bytes the traversal reads: packed tree, vertices, indices. */
 static uint64_t job_bytes(const struct job *job)
 {
-    uint64_t bytes = 12 * ((uint64_t)job->scene->vertex_count + job->scene->tri_count);
+    uint64_t bytes = 0;
+    if (!job->packed || tri_store_reads_scene(job->packed->store))
+        bytes += 12 * ((uint64_t)job->scene->vertex_count + job->scene->tri_count);
     if (job->packed)
         bytes += packed_node_bytes(job->packed) + packed_item_bytes(job->packed);
     return bytes;

@@ -13,7 +13,9 @@ static enum status cpu_ray(const struct job *job, const struct ray *ray, struct 
 static void cpu_task(struct engine_task *task)
 {
     const struct job *job = &task->job;
-    task->status = STATUS_OK;
+    task->status = tri_store_check(job->packed->store, job->tri->id, job->tri->name, &task->reason);
+    if (task->status)
+        return;
     if (trace_rays(job->packed, job->scene, job->box, job->tri, job->query, task->ray,
                    task->ray_count, task->hit, task->flag, task->work))
         task->status = fail(&task->reason, STATUS_DEVICE,

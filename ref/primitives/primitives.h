@@ -42,6 +42,24 @@ const char *query_name(enum query query);
 /* Returns false if `name` is none of them. */
 bool query_find(const char *name, enum query *out);
 
+/* True iff t lies in [tmin, tmax] of the ray, strictly inside for mt_rtrs. */
+static inline bool tri_in_range(uint32_t id, const struct tri_ray *r, float t)
+{
+    if (id == ABI_TRI_MT_RTRS)
+        return t > r->tmin && t < r->tmax;
+#if MUTANT == MUTANT_TMIN_OPEN
+    return t > r->tmin && t <= r->tmax;
+#elif MUTANT == MUTANT_TMIN_UNREAD
+    return t >= 0.0f && t <= r->tmax;
+#elif MUTANT == MUTANT_TMAX_OPEN
+    return t >= r->tmin && t < r->tmax;
+#elif MUTANT == MUTANT_TMAX_UNREAD
+    return t >= r->tmin;
+#else
+    return t >= r->tmin && t <= r->tmax;
+#endif
+}
+
 /* Runs the triangle test `id` (ABI_TRI_*) on one triangle: true iff it hits and its t lies in
  * [tmin, tmax] of the ray (strictly inside for mt_rtrs). On false *out is undefined. */
 static inline bool tri_test_run(uint32_t id, const struct tri_ray *r, float v[3][3],
@@ -56,21 +74,7 @@ static inline bool tri_test_run(uint32_t id, const struct tri_ray *r, float v[3]
         hit = tri_baldwin_webber(r, v, out);
     else
         hit = tri_moeller_trumbore(r, v, id == ABI_TRI_MT_RTRS ? TRI_RTRS_EPS : 0.0f, out);
-    if (!hit)
-        return false;
-    if (id == ABI_TRI_MT_RTRS)
-        return out->t > r->tmin && out->t < r->tmax;
-#if MUTANT == MUTANT_TMIN_OPEN
-    return out->t > r->tmin && out->t <= r->tmax;
-#elif MUTANT == MUTANT_TMIN_UNREAD
-    return out->t >= 0.0f && out->t <= r->tmax;
-#elif MUTANT == MUTANT_TMAX_OPEN
-    return out->t >= r->tmin && out->t < r->tmax;
-#elif MUTANT == MUTANT_TMAX_UNREAD
-    return out->t >= r->tmin;
-#else
-    return out->t >= r->tmin && out->t <= r->tmax;
-#endif
+    return hit && tri_in_range(id, r, out->t);
 }
 
 /* Runs the box test `id` (ABI_BOX_*); slab_ray_place has been called. */

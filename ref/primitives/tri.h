@@ -51,16 +51,14 @@ static inline struct tri_ray tri_ray_make(const struct ray *ray)
 
 /* Moeller and Trumbore 1997, undivided until the end, without culling. `eps` is the determinant's
  * threshold: 0 accepts everything but exact zero. Closed in u, v, w; t is not range-tested.
- * NaN anywhere is a miss. */
-static inline bool tri_moeller_trumbore(const struct tri_ray *r, float v[3][3], float eps,
-                                        struct hit *out)
+ * NaN anywhere is a miss. Of a vertex and the edges from it to 1 and 2. */
+static inline bool tri_moeller_trumbore_edges(const struct tri_ray *r, const float v0[3],
+                                              const float e1[3], const float e2[3], float eps,
+                                              struct hit *out)
 {
-    float e1[3], e2[3], s[3], p[3], q[3];
-    for (int k = 0; k < 3; k++) {
-        e1[k] = v[1][k] - v[0][k];
-        e2[k] = v[2][k] - v[0][k];
-        s[k] = r->o[k] - v[0][k];
-    }
+    float s[3], p[3], q[3];
+    for (int k = 0; k < 3; k++)
+        s[k] = r->o[k] - v0[k];
     p[0] = r->d[1] * e2[2] - r->d[2] * e2[1];
     p[1] = r->d[2] * e2[0] - r->d[0] * e2[2];
 #if MUTANT == MUTANT_CONTRACTED_CROSS
@@ -98,6 +96,17 @@ static inline bool tri_moeller_trumbore(const struct tri_ray *r, float v[3][3], 
     out->u = u / det;
     out->v = w / det;
     return true;
+}
+
+static inline bool tri_moeller_trumbore(const struct tri_ray *r, float v[3][3], float eps,
+                                        struct hit *out)
+{
+    float e1[3], e2[3];
+    for (int k = 0; k < 3; k++) {
+        e1[k] = v[1][k] - v[0][k];
+        e2[k] = v[2][k] - v[0][k];
+    }
+    return tri_moeller_trumbore_edges(r, v[0], e1, e2, eps, out);
 }
 
 /* Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", without the fallback to

@@ -36,6 +36,24 @@ struct tri_store {
 /* NULL-terminated; the first, `indexed`, is the default. */
 extern const struct tri_store *const tri_stores[];
 
+/* True if the scene's own vertices are read. */
+static inline bool tri_store_reads_scene(const struct tri_store *store)
+{
+    return !store->tri && !store->test;
+}
+
+/* True if what is stored can be asked with the triangle test `id` (ABI_TRI_*). Engines refuse
+ * others by tri_store_check: trace_ray may not be asked. */
+static inline bool tri_store_answers(const struct tri_store *store, uint32_t id)
+{
+    return store->tests == 0 || store->tests >> id & 1;
+}
+
+/* STATUS_UNSUPPORTED and the reason if the storage of a packed tree does not know that test; else
+ * STATUS_OK. `test` is its name, for the reason. */
+enum status tri_store_check(const struct tri_store *store, uint32_t id, const char *test,
+                            struct reason *reason) MUST_USE;
+
 /* Returns the storage of that name, or NULL. */
 const struct tri_store *tri_store_find(const char *name);
 

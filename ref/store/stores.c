@@ -5,9 +5,13 @@
 
 #include <string.h>
 
-extern const struct tri_store tri_store_indexed;
+extern const struct tri_store tri_store_indexed, tri_store_gathered, tri_store_edges,
+    tri_store_baldwin_webber, tri_store_compact;
 
-const struct tri_store *const tri_stores[] = {&tri_store_indexed, NULL};
+const struct tri_store *const tri_stores[] = {
+    &tri_store_indexed,        &tri_store_gathered, &tri_store_edges,
+    &tri_store_baldwin_webber, &tri_store_compact,  NULL,
+};
 _Static_assert(ARRAY_COUNT(tri_stores) - 1 == STORE_FILES, "a ref/store/store_*.c has no entry");
 
 const struct tri_store *tri_store_find(const char *name)
@@ -16,6 +20,15 @@ const struct tri_store *tri_store_find(const char *name)
         if (strcmp(tri_stores[i]->name, name) == 0)
             return tri_stores[i];
     return NULL;
+}
+
+enum status tri_store_check(const struct tri_store *store, uint32_t id, const char *test,
+                            struct reason *reason)
+{
+    if (tri_store_answers(store, id))
+        return STATUS_OK;
+    return fail(reason, STATUS_UNSUPPORTED, "storage %s holds no vertices: test %s needs them",
+                store->name, test);
 }
 
 enum status store_put(const struct scene *scene, const uint32_t *prim, uint32_t count,

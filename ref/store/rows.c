@@ -1,0 +1,19 @@
+#include "ref/store/rows.h"
+
+enum status store_rows_measure(const struct tri_store *self, const struct scene *scene,
+                               const uint32_t *prim, uint32_t count, uint64_t *words,
+                               struct reason *reason)
+{
+    (void)prim;
+    *words = (uint64_t)STORE_ROW * count;
+    if (scene->tri_count > STORE_ROW_PRIM)
+        return fail(reason, STATUS_LIMIT, "storage %s: at most %u triangles, the scene has %u",
+                    self->name, STORE_ROW_PRIM, scene->tri_count);
+    return STATUS_OK;
+}
+
+uint32_t store_rows_item(const struct packed *packed, uint32_t first, uint32_t slot)
+{
+    const uint32_t *row = store_row(packed, first, slot);
+    return row ? row[STORE_ROW - 1] & STORE_ROW_PRIM : ABI_NO_PRIM;
+}

@@ -1,0 +1,24 @@
+/* Storages of ten words an item: nine floats, then the triangle's number, of which a storage can
+ * keep something in the upper two bits. */
+#ifndef ROWS_H
+#define ROWS_H
+
+#include "ref/layout.h"
+
+#define STORE_ROW      10u
+#define STORE_ROW_PRIM 0x3FFFFFFFu
+
+/* The row of an item, or NULL outside the words. */
+static inline const uint32_t *store_row(const struct packed *packed, uint32_t first, uint32_t slot)
+{
+    uint64_t at = first + (uint64_t)STORE_ROW * slot;
+    return at + STORE_ROW <= packed->item_count ? packed->item + at : NULL;
+}
+
+/* tri_store.measure and .item. */
+enum status store_rows_measure(const struct tri_store *self, const struct scene *scene,
+                               const uint32_t *prim, uint32_t count, uint64_t *words,
+                               struct reason *reason);
+uint32_t store_rows_item(const struct packed *packed, uint32_t first, uint32_t slot);
+
+#endif

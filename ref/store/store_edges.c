@@ -1,0 +1,50 @@
+/* Storage `edges`: ten words an item: vertex 0, vertex 1 - vertex 0, vertex 2 - vertex 0, as the
+ * test by Moeller and Trumbore rounds them, and the triangle's number. */
+#include "ref/mutant.h"
+#include "ref/primitives/primitives.h"
+#include "ref/store/rows.h"
+
+#include <string.h>
+
+static void write(const struct scene *scene, const uint32_t *prim, uint32_t count, uint32_t *word)
+{
+    for (uint32_t i = 0; i < count; i++, word += STORE_ROW) {
+        float v[3][3];
+        scene_tri(scene, prim[i], v);
+        for (int k = 0; k < 3; k++) {
+            v[1][k] = v[1][k] - v[0][k];
+#if MUTANT == MUTANT_EDGE_SIGN
+            v[2][k] = v[0][k] - v[2][k];
+#else
+            v[2][k] = v[2][k] - v[0][k];
+#endif
+        }
+        memcpy(word, v, sizeof v);
+        word[STORE_ROW - 1] = prim[i];
+    }
+}
+
+static bool test(const struct packed *packed, uint32_t first, uint32_t slot, uint32_t tri_id,
+                 const struct tri_ray *ray, struct hit *out)
+{
+    float v[3][3];
+    const uint32_t *row = store_row(packed, first, slot);
+    if (!row)
+        return false;
+    memcpy(v, row, sizeof v);
+    return tri_moeller_trumbore_edges(ray, v[0], v[1], v[2],
+                                      tri_id == ABI_TRI_MT_RTRS ? TRI_RTRS_EPS : 0.0f, out) &&
+           tri_in_range(tri_id, ray, out->t);
+}
+
+extern const struct tri_store tri_store_edges;
+const struct tri_store tri_store_edges = {
+    .name = "edges",
+    .summary = "a vertex, two edges and the number of each triangle, for mt and mt_rtrs",
+    .id = ABI_STORE_EDGES,
+    .tests = 1u << ABI_TRI_MT | 1u << ABI_TRI_MT_RTRS,
+    .measure = store_rows_measure,
+    .write = write,
+    .item = store_rows_item,
+    .test = test,
+};

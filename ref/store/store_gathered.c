@@ -1,0 +1,35 @@
+/* Storage `gathered`: ten words an item, in leaf order: the nine coordinates, then the triangle's
+ * number. Nothing else is read, and nothing is shared. */
+#include "ref/layout.h"
+#include "ref/store/rows.h"
+
+#include <string.h>
+
+static void write(const struct scene *scene, const uint32_t *prim, uint32_t count, uint32_t *word)
+{
+    for (uint32_t i = 0; i < count; i++, word += STORE_ROW) {
+        float v[3][3];
+        scene_tri(scene, prim[i], v);
+        memcpy(word, v, sizeof v);
+        word[STORE_ROW - 1] = prim[i];
+    }
+}
+
+static bool tri(const struct packed *packed, uint32_t first, uint32_t slot, float v[3][3])
+{
+    const uint32_t *row = store_row(packed, first, slot);
+    if (row)
+        memcpy(v, row, 9 * sizeof v[0][0]);
+    return row != NULL;
+}
+
+extern const struct tri_store tri_store_gathered;
+const struct tri_store tri_store_gathered = {
+    .name = "gathered",
+    .summary = "nine floats and the number of each triangle, in leaf order",
+    .id = ABI_STORE_GATHERED,
+    .measure = store_rows_measure,
+    .write = write,
+    .item = store_rows_item,
+    .tri = tri,
+};
