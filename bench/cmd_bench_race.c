@@ -102,7 +102,7 @@ static int enter_layouts(struct race *race, const struct engine *engine, const s
 /* True if the engine computes our triangle tests, and so takes part once for each. */
 static bool has_our_test(const struct engine *engine)
 {
-    return engine->needs_packed || strstr(engine->name, "brute");
+    return !engine->own_tri;
 }
 
 int race_enter(struct race *race, const struct tri_test *tri)

@@ -38,12 +38,6 @@ static void fast_close(void *self)
 
 static enum status check_job(const struct job *job, struct reason *reason)
 {
-    if (job->tri->id != ABI_TRI_WOOP)
-        return fail(reason, STATUS_UNSUPPORTED, "fast has the triangle test woop, not %s",
-                    job->tri->name);
-    if (job->box->faithful)
-        return fail(reason, STATUS_UNSUPPORTED, "fast has no box test that loses hits, as %s",
-                    job->box->name);
     if (job->packed->layout->faithful)
         return fail(reason, STATUS_UNSUPPORTED, "fast has no layout that loses hits, as %s",
                     job->packed->layout->name);
@@ -104,9 +98,8 @@ static enum status fast_trace_all(void *self, const struct ray *ray, size_t ray_
 
 static struct model fast_model(void *self, const struct tri_test *tri)
 {
-    struct model model = cpu_rays_model(self, tri);
-    model.watertight = true;
-    return model;
+    (void)tri;
+    return cpu_rays_model(self, tri_test_find("woop"));
 }
 
 static void fast_describe(const struct engine_options *options, char *text, size_t text_bytes)
@@ -120,6 +113,7 @@ const struct engine engine_fast = {
     .name = "fast",
     .summary = "C with AVX2 and AVX-512: 8-wide nodes, leaves that share vertices; test woop",
     .needs_packed = true,
+    .own_tri = true,
     .open = fast_open,
     .prepare = fast_prepare,
     .trace = fast_trace,
