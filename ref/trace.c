@@ -75,6 +75,9 @@ static void walk_start(struct walk *w, const struct packed *packed, const struct
 #endif
     w->packed = packed;
     w->store = packed->store;
+    w->stored = packed->node_count > 0 && !tri_store_reads_scene(packed->store);
+    w->listed =
+        packed->node_count > 0 && !packed->layout->item && packed->store->id == ABI_STORE_INDEXED;
     w->parent = NULL;
     w->trail = 0;
     w->decoded = decoded;

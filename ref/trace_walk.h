@@ -9,6 +9,8 @@
 struct walk {
     const struct packed *packed;
     const struct tri_store *store; /* the tree's */
+    bool stored;                   /* it has the triangles; else they are the scene's */
+    bool listed;                   /* items are listed by their numbers, as `indexed` does */
     const struct scene *scene;
     const struct wide *decoded; /* all nodes, or NULL: each is decoded when it is visited */
     enum query query;
@@ -32,10 +34,10 @@ static inline bool walk_test(const struct walk *w, uint32_t tri_id, const struct
 {
     const struct packed *packed = w->packed;
     float v[3][3];
-    if (w->store->test)
-        return w->store->test(packed, leaf->item_first, slot, tri_id, &w->tri, out);
-    if (!w->store->tri)
+    if (!w->stored)
         scene_tri(w->scene, prim, v);
+    else if (w->store->test)
+        return w->store->test(packed, leaf->item_first, slot, tri_id, &w->tri, out);
     else if (!w->store->tri(packed, leaf->item_first, slot, v))
         return false;
     return tri_test_run(tri_id, &w->tri, v, out);
@@ -75,11 +77,21 @@ static inline bool walk_triangle(struct walk *w, uint32_t tri_id, const struct w
     return true;
 }
 
+/* As packed_item; the usual storage's without a call. */
+static inline uint32_t walk_item(const struct walk *w, const struct wide *leaf, uint32_t slot)
+{
+    const struct packed *packed = w->packed;
+    uint32_t at = leaf->item_first + slot;
+    if (!w->listed)
+        return packed_item(packed, leaf, slot);
+    return at < packed->item_count ? packed->item[at] : ABI_NO_PRIM;
+}
+
 /* Returns true if the query is answered. */
 static inline bool walk_leaf(struct walk *w, uint32_t tri_id, const struct wide *node)
 {
     for (uint32_t i = 0; i < node->item_count; i++) {
-        uint32_t prim = packed_item(w->packed, node, i);
+        uint32_t prim = walk_item(w, node, i);
 #if MUTANT == MUTANT_LAST_IS_EMPTY
         if (prim + 1 == w->scene->tri_count)
             continue;
