@@ -2,22 +2,36 @@
 
 #include "fuzz/gen_sketch.h"
 
-/* One of the members of a table that may take part, all alike. */
-#define CHOOSER(function, type, table)                                                             \
+/* One in so many members is one of those that the products of tests leave out. */
+#define OTHER_IN 4u
+
+/* One of the members of a table that may take part: those of the products, or the others, all
+ * alike. `is_core` tells them apart by the member's place. */
+#define CHOOSER(function, type, table, is_core)                                                    \
     const struct type *function(struct rng *rng, bool faithful)                                    \
     {                                                                                              \
-        uint32_t allowed = 0;                                                                      \
+        uint32_t allowed[2] = {0, 0};                                                              \
+        bool core = rng_below(rng, OTHER_IN) != 0;                                                 \
         for (size_t i = 0; (table)[i]; i++)                                                        \
-            allowed += faithful || !(table)[i]->faithful;                                          \
-        uint32_t skip = rng_below(rng, allowed);                                                   \
+            allowed[is_core] += faithful || !(table)[i]->faithful;                                 \
+        core = core || allowed[0] == 0;                                                            \
+        uint32_t skip = rng_below(rng, allowed[core]);                                             \
         for (size_t i = 0;; i++)                                                                   \
-            if ((faithful || !(table)[i]->faithful) && skip-- == 0)                                \
+            if ((faithful || !(table)[i]->faithful) && (is_core) == core && skip-- == 0)           \
                 return (table)[i];                                                                 \
     }
 
-CHOOSER(gen_builder, builder, builders)
-CHOOSER(gen_box_test, box_test, box_tests)
-CHOOSER(gen_tri_test, tri_test, tri_tests)
+static size_t core_builders(void)
+{
+    size_t count = 0;
+    while (builders[count])
+        count++;
+    return count;
+}
+
+CHOOSER(gen_builder, builder, builders_all, i < core_builders())
+CHOOSER(gen_box_test, box_test, box_tests, true)
+CHOOSER(gen_tri_test, tri_test, tri_tests, tri_tests[i]->core)
 
 uint32_t gen_leaf(struct rng *rng, bool faithful)
 {

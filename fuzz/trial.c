@@ -126,7 +126,7 @@ static uint64_t disorder(const struct scene *scene)
 static uint64_t member_weight(const struct fuzz_trial *trial)
 {
     uint64_t weight = trial->query != QUERY_CLOSEST;
-    for (size_t i = 0; builders[i] && builders[i] != trial->builder; i++)
+    for (size_t i = 0; builders_all[i] && builders_all[i] != trial->builder; i++)
         weight++;
     for (size_t i = 0; box_tests[i] && box_tests[i] != trial->box; i++)
         weight++;

@@ -48,7 +48,7 @@ static struct fuzz_trial generated(uint64_t index, uint32_t least, uint32_t rays
         .triangles_least = least, .triangles_most = least + 20, .rays = rays};
     struct fuzz_trial trial;
     struct reason reason;
-    if (gen_trial(5, index, &options, &trial, &reason))
+    if (gen_trial(8, index, &options, &trial, &reason))
         fail_msg("%s", reason.text);
     return trial;
 }
