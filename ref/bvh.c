@@ -26,9 +26,8 @@ static bool is_leaf(const struct bvh_node *node)
     return node->item_count > 0;
 }
 
-/* Exact bounds of the triangles below each node, which its stored box may lack. NULL without
- * memory. Children come after their parent, so one pass backwards is enough. */
-static struct box *subtree_bounds(const struct bvh *bvh, const struct scene *scene)
+/* Children come after their parent, so one pass backwards is enough. */
+struct box *bvh_exact_bounds(const struct bvh *bvh, const struct scene *scene)
 {
     struct box *exact = alloc_zeroed(bvh->node_count, sizeof *exact);
     if (!exact)
@@ -74,7 +73,7 @@ struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene)
 {
     struct bvh_stats stats = {0};
     struct cover_faults cover = {0};
-    struct box *exact = subtree_bounds(bvh, scene);
+    struct box *exact = bvh_exact_bounds(bvh, scene);
     uint32_t *depth = alloc_zeroed(bvh->node_count, sizeof *depth);
     bool split = bvh_is_split(bvh);
     if (exact && depth && (!split || check_cover(bvh, scene, &cover) == STATUS_OK)) {
@@ -221,7 +220,7 @@ enum status bvh_check(const struct bvh *bvh, const struct scene *scene, struct r
         return status;
     if (bvh_is_split(bvh))
         return check_split(bvh, scene, reason);
-    struct box *exact = subtree_bounds(bvh, scene);
+    struct box *exact = bvh_exact_bounds(bvh, scene);
     if (!exact)
         return fail(reason, STATUS_MEMORY, "no memory to check a tree of %u nodes",
                     bvh->node_count);

@@ -93,6 +93,10 @@ enum status bvh_build(const struct builder *builder, const struct scene *scene,
                       const struct build_options *options, struct bvh *out,
                       struct reason *reason) MUST_USE;
 
+/* Exact bounds of the triangles below each node of a well-formed tree, which its own box may lack;
+ * node_count of them. Caller frees; NULL without memory. */
+struct box *bvh_exact_bounds(const struct bvh *bvh, const struct scene *scene) MUST_USE;
+
 /* Frees what the tree owns and zeroes it. */
 void bvh_free(struct bvh *bvh);
 

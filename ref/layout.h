@@ -84,6 +84,14 @@ struct layout {
     /* The box of the node `ref` itself (wide: the union of its children's); the traversal tests the
      * root's. */
     struct box (*box)(const struct packed *packed, uint32_t ref);
+    /* Writes new bounds into the node `ref`, tightest outward: of a binary layout its own box,
+     * `own` (leaves, too); of a wide one, for inner nodes only, its children's, which `node` has in
+     * the order of load(), and with them a frame of that node, but no frame of the scene. All boxes
+     * are finite and not empty. Never writes outside the words. Errors: STATUS_LIMIT, with the
+     * layout and the limit, a bound that has no number there; the words are then anything. NULL:
+     * such trees are to be built anew (ref/refit.h). */
+    enum status (*rebound)(struct packed *packed, uint32_t ref, const struct box *own,
+                           const struct wide *node, struct reason *reason);
     /* Of layouts whose items lie in the nodes; NULL: pack() has them written by the storage
      * (store_put), which can be any. Triangle of item slot item_first + i of a leaf, or ABI_NO_PRIM
      * if the slot is empty or not a triangle. */

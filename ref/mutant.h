@@ -241,5 +241,10 @@
 #define MUTANT_ROOM_KEPT           417 /* a tree that cannot be written leaves its nodes allocated */
 #define MUTANT_COST_OF_LEAF        418 /* a leaf costs one triangle, however many it has */
 #define MUTANT_OVERLAP_OWN         419 /* overlap counts the triangles of the node itself, too */
+#define MUTANT_REFIT_LEVEL         495 /* refit: the second level keeps its boxes */
+#define MUTANT_REFIT_BEYOND        496 /* refit: what is beyond the frame of the scene is taken */
+#define MUTANT_REFIT_ULP           497 /* refit: leaves end one ulp early */
+#define MUTANT_REFIT_HALF          498 /* refit: a tree that is to be built anew is changed */
+#define MUTANT_REFIT_VERTICES_OLD  499 /* refit: vertices beside the nodes stay where they were */
 
 #endif

@@ -357,6 +357,11 @@ in_test OVERLAP_OWN ref/tree_overlap.c test_tree_quality
 in_test CORNER_SWAPPED ref/store/store_compact.c test_stores
 in_test EDGE_SIGN ref/store/store_edges.c test_stores
 in_test BLOCK_PRIM_LATE ref/store/store_compact.c test_stores
+in_test REFIT_LEVEL ref/packed_refit.c test_refit
+in_test REFIT_BEYOND ref/layouts/grid.c test_refit
+in_test REFIT_ULP ref/packed_refit.c test_refit
+in_test REFIT_HALF ref/packed_refit.c test_refit
+in_test REFIT_VERTICES_OLD ref/packed_refit.c test_refit
 
 
 # The same bugs, each by the hard case that is there for it.

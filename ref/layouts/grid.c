@@ -97,12 +97,12 @@ struct packing {
     struct packed *out;
 };
 
-static enum status refuse_bounds(const struct packing *p, const struct box *box,
+static enum status refuse_bounds(const struct layout *layout, const struct box *box,
                                  struct reason *reason)
 {
-    const struct number_format *format = p->grid->format;
-    float most = p->grid->frame == ABI_FRAME_WORLD ? format->number(format->last)
-                                                   : ldexpf(1, NUMBER_FRAME_MOST);
+    const struct number_format *format = grid_of(layout)->format;
+    float most = grid_of(layout)->frame == ABI_FRAME_WORLD ? format->number(format->last)
+                                                           : ldexpf(1, NUMBER_FRAME_MOST);
     float worst = 0;
     for (int k = 0; k < 3; k++) {
         worst = box->lo[k] < -most ? box->lo[k] : worst;
@@ -110,36 +110,60 @@ static enum status refuse_bounds(const struct packing *p, const struct box *box,
     }
     if (worst == 0)
         return fail(reason, STATUS_LIMIT,
-                    "%s: a box of the tree is not within the box of the node above it",
-                    p->layout->name);
+                    "%s: a box, x %.9g to %.9g, y %.9g to %.9g, z %.9g to %.9g, lies beyond the "
+                    "frame",
+                    layout->name, (double)box->lo[0], (double)box->hi[0], (double)box->lo[1],
+                    (double)box->hi[1], (double)box->lo[2], (double)box->hi[2]);
     return fail(reason, STATUS_LIMIT,
                 "%s: a bound is at most %.9g in magnitude, the tree has %.9g; scale or move the "
                 "scene, or use layout f32",
-                p->layout->name, (double)most, (double)worst);
+                layout->name, (double)most, (double)worst);
 }
 
-static struct box bounds_of(const struct wide_tree *tree, const struct wide_node *node)
-{
-    struct box all = box_empty();
-    for (uint32_t i = 0; i < node->count; i++)
-        box_add_box(&all, &tree->child[node->first + i].bounds);
-    return all;
-}
-
-static enum status put_box(const struct packing *p, const struct number_frame *frame,
+static enum status put_box(const struct layout *layout, const struct number_frame *frame,
                            const struct box *box, uint32_t slot, uint32_t *codes,
                            struct reason *reason)
 {
-    const struct number_format *format = p->grid->format;
+    const struct number_format *format = grid_of(layout)->format;
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t lo, hi;
         if (!number_encode(format, frame, (int)k, box->lo[k], false, &lo) ||
-            !number_encode(format, frame, (int)k, box->hi[k], true, &hi))
-            return refuse_bounds(p, box, reason);
+            !number_encode(format, frame, (int)k, box->hi[k], true, &hi)) {
+            enum status status = refuse_bounds(layout, box, reason);
+#if MUTANT == MUTANT_REFIT_BEYOND
+            status = STATUS_OK, lo = 0, hi = format->last;
+#endif
+            if (status)
+                return status;
+        }
         put_code(format, codes, 6 * slot + 2 * k, lo);
         put_code(format, codes, 6 * slot + 2 * k + 1, hi);
     }
     return STATUS_OK;
+}
+
+/* The boxes of a record's slots, and its frame. scene_frame: NULL, or that of the scene. */
+static enum status put_boxes(const struct layout *layout, const struct box *const box[WIDE_MAX],
+                             const struct number_frame *scene_frame, uint32_t *word,
+                             struct reason *reason)
+{
+    uint32_t head = head_words(grid_of(layout), layout->width);
+    uint32_t *codes = word + head;
+    const struct number_frame *frame = scene_frame;
+    struct number_frame own;
+    enum status status = STATUS_OK;
+    memset(codes, 0, (words_of(layout) - head) * sizeof *codes);
+    if (grid_of(layout)->frame == ABI_FRAME_NODE) {
+        struct box bounds = wide_nodes_frame(box);
+        if (!number_frame_make(grid_of(layout)->format, &bounds, &own))
+            return refuse_bounds(layout, &bounds, reason);
+        put_frame(&own, codes - 4);
+        frame = &own;
+    }
+    for (uint32_t slot = 0; slot < layout->width && !status; slot++)
+        if (box[slot])
+            status = put_box(layout, frame, box[slot], slot, codes, reason);
+    return status;
 }
 
 /* The byte of a slot; a leaf's items are placed. */
@@ -162,31 +186,21 @@ static enum status put_node(struct packing *p, uint32_t index, struct reason *re
 {
     const struct wide_node *node = &p->tree->node[index];
     uint32_t *word = p->out->word + (size_t)(index + p->before) * words_of(p->layout);
-    uint32_t *codes = word + head_words(p->grid, p->layout->width);
-    const struct number_frame *frame = p->scene_frame;
-    struct number_frame own;
-    if (p->grid->frame == ABI_FRAME_NODE) {
-        struct box bounds = bounds_of(p->tree, node);
-        if (!number_frame_make(p->grid->format, &bounds, &own))
-            return refuse_bounds(p, &bounds, reason);
-        put_frame(&own, codes - 4);
-        frame = &own;
-    }
+    const struct box *box[WIDE_MAX];
     uint32_t inner = 0;
-    enum status status = STATUS_OK;
+    wide_nodes_tree_boxes(p->tree, index, box);
     word[1] = p->item_count;
     for (uint32_t slot = 0; slot < p->layout->width; slot++) {
         uint32_t byte = SLOT_EMPTY;
-        if (slot < node->count && !status) {
+        if (slot < node->count) {
             const struct wide_child *child = &p->tree->child[node->first + slot];
             if (child->count == 0 && inner == 0)
                 word[0] = child->first + p->before;
             byte = put_child(p, child, word[1], &inner);
-            status = put_box(p, frame, &child->bounds, slot, codes, reason);
         }
         word[2 + slot / 4] |= byte << slot % 4 * 8;
     }
-    return status;
+    return put_boxes(p->layout, box, p->scene_frame, word, reason);
 }
 
 static enum status put_tree(struct packing *p, struct reason *reason)
@@ -205,9 +219,11 @@ static enum status put_tree(struct packing *p, struct reason *reason)
     p->out->ref_count = p->out->node_count * (1 + width);
     p->out->root = p->before;
     if (p->grid->frame == ABI_FRAME_SCENE) {
-        struct box bounds = bounds_of(p->tree, &p->tree->node[0]);
+        const struct box *box[WIDE_MAX];
+        wide_nodes_tree_boxes(p->tree, 0, box);
+        struct box bounds = wide_nodes_frame(box);
         if (!number_frame_make(p->grid->format, &bounds, &frame))
-            return refuse_bounds(p, &bounds, reason);
+            return refuse_bounds(p->layout, &bounds, reason);
         put_frame(&frame, p->out->word);
         p->scene_frame = &frame;
     }
@@ -284,6 +300,20 @@ static struct box box(const struct packed *packed, uint32_t ref)
     return wide_nodes_box(packed, ref, decode);
 }
 
+static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
+                           const struct wide *node, struct reason *reason)
+{
+    (void)own;
+    const struct number_frame scene_frame = get_frame(packed->word);
+    struct wide_slot slot[WIDE_MAX];
+    const struct box *box[WIDE_MAX];
+    decode(packed, ref, slot);
+    wide_nodes_boxes(packed, slot, packed->node_count, node, box);
+    return put_boxes(packed->layout, box,
+                     grid_of(packed->layout)->frame == ABI_FRAME_SCENE ? &scene_frame : NULL,
+                     packed->word + (size_t)ref * words_of(packed->layout), reason);
+}
+
 /* --- the members ------------------------------------------------------------------------------ */
 
 #define CHILDREN_2 "2 children"
@@ -323,6 +353,7 @@ static struct box box(const struct packed *packed, uint32_t ref)
         .pack = pack,                                                                              \
         .load = load,                                                                              \
         .box = box,                                                                                \
+        .rebound = rebound,                                                                        \
         .item = wide_nodes_item,                                                                   \
     };
 

@@ -270,13 +270,38 @@ static struct box box(const struct packed *packed, uint32_t ref)
     return place.slot == WIDTH ? wide_nodes_union(packed, slot) : slot[place.slot].box;
 }
 
+static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
+                           const struct wide *node, struct reason *reason)
+{
+    (void)own;
+    const struct amd *amd = packed->layout->family;
+    struct place place = place_of(packed, ref);
+    uint32_t *word = packed->word + (size_t)WORDS * place.record;
+    struct wide_slot slot[WIDTH];
+    const struct box *box[WIDE_MAX];
+    struct box stored;
+    decode(packed, &place, slot);
+    wide_nodes_boxes(packed, slot, 2 * packed->node_count, node, box);
+    memset(word + 4, 0, (place.f32 ? 24 : 12) * sizeof *word);
+    for (uint32_t s = 0; s < WIDTH; s++) {
+        if (!box[s])
+            continue;
+        if (!stored_box(amd, place.f32, box[s], &stored))
+            return fail(reason, STATUS_LIMIT,
+                        "%s: a bound is at most %s in magnitude, one of record %u is larger",
+                        packed->layout->name, place.f32 ? "FLT_MAX" : "65504", place.record);
+        pack_box(amd, place.f32, box[s], s, word);
+    }
+    return STATUS_OK;
+}
+
 #define MEMBER(member, text, lossy, most, to_nearest, ulps)                                        \
     {                                                                                              \
         .name = member, .summary = "64-byte nodes of 4 children as in AMD's hardware, " text,      \
         .node_bytes = 4 * WORDS, .width = WIDTH, .refs = 2 + 2 * WIDTH, .order = VISIT_NEAR,       \
         .faithful = lossy, .shader = "amd64",                                                      \
         .family = &(const struct amd){most, to_nearest, ulps}, .pack = pack, .load = load,         \
-        .box = box,                                                                                \
+        .box = box, .rebound = rebound,                                                            \
     }
 #define GROWN(n, lossy)                                                                            \
     MEMBER("amd64_g" #n, "float16 to the nearest, then " #n " ulp outward", lossy, INFINITY, true, \

@@ -33,6 +33,7 @@ static uint32_t byte_of(const uint32_t *word, uint32_t at)
 
 static void put_byte(uint32_t *word, uint32_t at, uint32_t value)
 {
+    word[at / 4] &= ~(0xFFu << at % 4 * 8);
     word[at / 4] |= value << at % 4 * 8;
 }
 
@@ -47,14 +48,11 @@ static void put_planes(const struct node_axis *axis, uint32_t k, uint32_t s,
     put_byte(word + 14, WIDTH * k + s, hi);
 }
 
-static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+/* The frame, and the planes of all children. */
+static void put_boxes(const struct box *const box[WIDTH], uint32_t *word)
 {
-    const struct wide_child *child = &tree->child[tree->node[n].first];
-    uint32_t count = tree->node[n].count, items = 0;
     struct node_axis axis[3];
-    struct box all = box_empty();
-    for (uint32_t s = 0; s < count; s++)
-        box_add_box(&all, &child[s].bounds);
+    struct box all = wide_nodes_frame(box);
     for (uint32_t k = 0; k < 3; k++) {
         axis[k] = node_axis_make(all.lo[k], all.hi[k], PLANES);
         word[k] = float_bits(axis[k].origin);
@@ -64,11 +62,21 @@ static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
         put_byte(word + 3, k, (uint32_t)(axis[k].exponent + 127));
 #endif
     }
-    for (uint32_t s = 0, nodes = 0; s < count; s++) {
-        for (uint32_t k = 0; k < 3; k++)
-            put_planes(&axis[k], k, s, &child[s].bounds, word);
+    for (uint32_t s = 0; s < WIDTH; s++)
+        for (uint32_t k = 0; k < 3 && box[s]; k++)
+            put_planes(&axis[k], k, s, box[s], word);
+}
+
+static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+{
+    const struct wide_child *child = &tree->child[tree->node[n].first];
+    const struct box *box[WIDE_MAX];
+    uint32_t items = 0;
+    wide_nodes_tree_boxes(tree, n, box);
+    put_boxes(box, word);
+    for (uint32_t s = 0, nodes = 0; s < tree->node[n].count; s++) {
         if (child[s].count == 0) {
-            put_byte(word + 3, 3, 1u << s);
+            word[3] |= 1u << (24 + s);
             put_byte(word + 6, s, 1u << 5 | (24 + s));
             if (nodes++ == 0)
                 word[4] = child[s].first;
@@ -133,6 +141,18 @@ static struct box box(const struct packed *packed, uint32_t ref)
     return wide_nodes_box(packed, ref, decode);
 }
 
+static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
+                           const struct wide *node, struct reason *reason)
+{
+    (void)own;
+    const struct box *box[WIDE_MAX];
+    enum status status =
+        wide_nodes_rebound(packed, ref, node, decode, NODE_AXIS_LARGEST, box, reason);
+    if (!status)
+        put_boxes(box, packed->word + (size_t)WORDS * ref);
+    return status;
+}
+
 extern const struct layout layout_cwbvh80;
 const struct layout layout_cwbvh80 = {
     .name = "cwbvh80",
@@ -143,5 +163,6 @@ const struct layout layout_cwbvh80 = {
     .pack = pack,
     .load = load,
     .box = box,
+    .rebound = rebound,
     .item = wide_nodes_item,
 };

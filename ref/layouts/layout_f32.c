@@ -59,6 +59,17 @@ static struct box box(const struct packed *packed, uint32_t ref)
     return box;
 }
 
+static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
+                           const struct wide *node, struct reason *reason)
+{
+    (void)node, (void)reason;
+    struct node_f32 to = node_at(packed, ref);
+    memcpy(to.lo, own->lo, sizeof to.lo);
+    memcpy(to.hi, own->hi, sizeof to.hi);
+    memcpy(packed->word + (size_t)ref * WORDS, &to, sizeof to);
+    return STATUS_OK;
+}
+
 extern const struct layout layout_f32;
 const struct layout layout_f32 = {
     .name = "f32",
@@ -69,4 +80,5 @@ const struct layout layout_f32 = {
     .pack = pack,
     .load = load,
     .box = box,
+    .rebound = rebound,
 };

@@ -28,20 +28,27 @@ static void put_half(struct half h, uint32_t plane, uint32_t s, uint32_t *word)
     word[2 * plane + s / 2] |= (uint32_t)h.bits << s % 2 * 16;
 }
 
-static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+static void put_boxes(const struct box *const box[WIDTH], uint32_t *word)
 {
-    const struct wide_child *child = &tree->child[tree->node[n].first];
     const struct box empty = {{HALF_MAX, HALF_MAX, HALF_MAX}, {-HALF_MAX, -HALF_MAX, -HALF_MAX}};
+    memset(word, 0, 12 * sizeof *word);
     for (uint32_t s = 0; s < WIDTH; s++) {
-        bool there = s < tree->node[n].count;
-        const struct box *bounds = there ? &child[s].bounds : &empty;
+        const struct box *bounds = box[s] ? box[s] : &empty;
         for (uint32_t k = 0; k < 3; k++) {
             put_half(half_bound_down(bounds->lo[k]), k, s, word);
             put_half(half_bound_up(bounds->hi[k]), 3 + k, s, word);
         }
-        if (there)
-            word[12 + s] = child[s].count << 28 | child[s].first;
     }
+}
+
+static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+{
+    const struct wide_child *child = &tree->child[tree->node[n].first];
+    const struct box *box[WIDE_MAX];
+    wide_nodes_tree_boxes(tree, n, box);
+    put_boxes(box, word);
+    for (uint32_t s = 0; s < tree->node[n].count; s++)
+        word[12 + s] = child[s].count << 28 | child[s].first;
 }
 
 static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
@@ -91,6 +98,17 @@ static struct box box(const struct packed *packed, uint32_t ref)
     return wide_nodes_box(packed, ref, decode);
 }
 
+static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
+                           const struct wide *node, struct reason *reason)
+{
+    (void)own;
+    const struct box *box[WIDE_MAX];
+    enum status status = wide_nodes_rebound(packed, ref, node, decode, HALF_MAX, box, reason);
+    if (!status)
+        put_boxes(box, packed->word + (size_t)WORDS * ref);
+    return status;
+}
+
 extern const struct layout layout_half4;
 const struct layout layout_half4 = {
     .name = "half4",
@@ -101,4 +119,5 @@ const struct layout layout_half4 = {
     .pack = pack,
     .load = load,
     .box = box,
+    .rebound = rebound,
 };

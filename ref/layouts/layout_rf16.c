@@ -52,19 +52,27 @@ static enum status check_records(const struct bvh *bvh, const uint32_t *before,
     return STATUS_OK;
 }
 
+/* Of node `i`, as the reason calls it. */
+static enum status check_box(const struct box *box, uint32_t i, struct reason *reason)
+{
+    for (int k = 0; k < 3; k++) {
+        float lo = box->lo[k], hi = box->hi[k];
+        float most = fmaxf(fabsf(lo), fabsf(hi));
+        if (most > HALF_MAX)
+            return fail(reason, STATUS_LIMIT,
+                        "rf16: a bound is at most 65504 in magnitude, tree node %u has %.9g; "
+                        "scale or move the scene, or use layout f32",
+                        i, (double)(fabsf(lo) > HALF_MAX ? lo : hi));
+    }
+    return STATUS_OK;
+}
+
 static enum status check_bounds(const struct bvh *bvh, struct reason *reason)
 {
-    for (uint32_t i = 0; i < bvh->node_count; i++)
-        for (int k = 0; k < 3; k++) {
-            float lo = bvh->node[i].bounds.lo[k], hi = bvh->node[i].bounds.hi[k];
-            float most = fmaxf(fabsf(lo), fabsf(hi));
-            if (most > HALF_MAX)
-                return fail(reason, STATUS_LIMIT,
-                            "rf16: a bound is at most 65504 in magnitude, tree node %u has %.9g; "
-                            "scale or move the scene, or use layout f32",
-                            i, (double)(fabsf(lo) > HALF_MAX ? lo : hi));
-        }
-    return STATUS_OK;
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < bvh->node_count && !status; i++)
+        status = check_box(&bvh->node[i].bounds, i, reason);
+    return status;
 }
 
 static enum status check_limits(const struct bvh *bvh, const struct scene *scene,
@@ -173,6 +181,16 @@ static uint32_t item(const struct packed *packed, uint32_t slot)
     return prim;
 }
 
+static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
+                           const struct wide *node, struct reason *reason)
+{
+    (void)node;
+    enum status status = check_box(own, ref, reason);
+    if (!status)
+        layout_pack_bounds(own, half_bound_down, half_bound_up, packed->word + WORDS * (size_t)ref);
+    return status;
+}
+
 extern const struct layout layout_rf16;
 const struct layout layout_rf16 = {
     .name = "rf16",
@@ -183,5 +201,6 @@ const struct layout layout_rf16 = {
     .pack = pack,
     .load = load,
     .box = box,
+    .rebound = rebound,
     .item = item,
 };

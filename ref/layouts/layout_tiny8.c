@@ -24,38 +24,46 @@ struct tiny {
     float node_cost;
 };
 
-static void pack_child(const struct node_axis axis[3], const struct wide_child *child, uint32_t s,
-                       uint32_t *word)
+static void put_box(const struct node_axis axis[3], const struct box *box, uint32_t s,
+                    uint32_t *word)
 {
     uint32_t lo[3], hi[3];
     for (uint32_t k = 0; k < 3; k++) {
-        lo[k] = node_axis_down(&axis[k], child->bounds.lo[k]);
-        hi[k] = node_axis_up(&axis[k], child->bounds.hi[k]);
+        lo[k] = node_axis_down(&axis[k], box->lo[k]);
+        hi[k] = node_axis_up(&axis[k], box->hi[k]);
     }
 #if MUTANT == MUTANT_TOP_BITS_CUT
     hi[2] &= 31u;
 #endif
     word[7 + s] = lo[0] | lo[1] << 6 | lo[2] << 12 | hi[0] << 18 | hi[1] << 24 | hi[2] << 30;
     word[15] |= hi[2] >> 2 << 4 * s;
-    word[6] |= (child->count ? child->count : INNER) << 4 * s;
 }
 
-static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+/* The frame, and the planes of all children. */
+static void put_boxes(const struct box *const box[WIDTH], uint32_t *word)
 {
-    const struct wide_child *child = &tree->child[tree->node[n].first];
-    uint32_t count = tree->node[n].count;
-    bool have_node = false, have_leaf = false;
     struct node_axis axis[3];
-    struct box all = box_empty();
-    for (uint32_t s = 0; s < count; s++)
-        box_add_box(&all, &child[s].bounds);
+    struct box all = wide_nodes_frame(box);
+    word[3] = word[15] = 0;
     for (uint32_t k = 0; k < 3; k++) {
         axis[k] = node_axis_make(all.lo[k], all.hi[k], PLANES);
         word[k] = float_bits(axis[k].origin);
         word[3] |= (uint32_t)(axis[k].exponent + 127) << 8 * k;
     }
-    for (uint32_t s = 0; s < count; s++) {
-        pack_child(axis, &child[s], s, word);
+    for (uint32_t s = 0; s < WIDTH; s++)
+        if (box[s])
+            put_box(axis, box[s], s, word);
+}
+
+static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+{
+    const struct wide_child *child = &tree->child[tree->node[n].first];
+    const struct box *box[WIDE_MAX];
+    bool have_node = false, have_leaf = false;
+    wide_nodes_tree_boxes(tree, n, box);
+    put_boxes(box, word);
+    for (uint32_t s = 0; s < tree->node[n].count; s++) {
+        word[6] |= (child[s].count ? child[s].count : INNER) << 4 * s;
         bool *have = child[s].count ? &have_leaf : &have_node;
         if (!*have)
             word[child[s].count ? 5 : 4] = child[s].first;
@@ -116,6 +124,18 @@ static struct box box(const struct packed *packed, uint32_t ref)
     return wide_nodes_box(packed, ref, decode);
 }
 
+static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
+                           const struct wide *node, struct reason *reason)
+{
+    (void)own;
+    const struct box *box[WIDE_MAX];
+    enum status status =
+        wide_nodes_rebound(packed, ref, node, decode, NODE_AXIS_LARGEST, box, reason);
+    if (!status)
+        put_boxes(box, packed->word + (size_t)WORDS * ref);
+    return status;
+}
+
 extern const struct layout layouts_tiny8[3];
 const struct layout layouts_tiny8[3] = {
 #define MEMBER(member, text, most, cost)                                                           \
@@ -124,7 +144,7 @@ const struct layout layouts_tiny8[3] = {
         .summary = "64-byte nodes of 8 children, bounds of 6 bits in the node's frame; " text,     \
         .node_bytes = 4 * WORDS, .width = WIDTH, .order = VISIT_NEAR, .shader = "tiny8",           \
         .family = &(const struct tiny){most, cost}, .pack = pack, .load = load, .box = box,        \
-        .item = wide_nodes_item,                                                                   \
+        .rebound = rebound, .item = wide_nodes_item,                                               \
     }
     MEMBER("tiny8", "leaves of up to 4", 4, 1.0f),
     MEMBER("tiny8_l8", "leaves of up to 8", 8, 4.0f),

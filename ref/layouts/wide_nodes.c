@@ -5,6 +5,20 @@
 #define EXPONENT_LEAST (-100)
 #define ORIGIN_BITS    23 /* 2^23 steps: 255 more is an integer that float32 has */
 
+enum status wide_nodes_within(const struct layout *self, const struct box *box, uint32_t node,
+                              float largest, struct reason *reason)
+{
+    for (int k = 0; k < 3; k++) {
+        float lo = box->lo[k], hi = box->hi[k];
+        if (fabsf(lo) > largest || fabsf(hi) > largest)
+            return fail(reason, STATUS_LIMIT,
+                        "%s: a bound is at most %.9g in magnitude, tree node %u has %.9g; "
+                        "scale or move the scene, or use layout f32",
+                        self->name, (double)largest, node, (double)(fabsf(lo) > largest ? lo : hi));
+    }
+    return STATUS_OK;
+}
+
 enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh,
                                 const struct scene *scene, uint32_t leaf_most, float node_cost,
                                 float largest, struct wide_tree *out, struct reason *reason)
@@ -12,15 +26,7 @@ enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh
     *out = (struct wide_tree){0};
     enum status status = layout_check_finite(self->name, bvh, scene, reason);
     for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        for (int k = 0; k < 3 && !status; k++) {
-            float lo = bvh->node[i].bounds.lo[k], hi = bvh->node[i].bounds.hi[k];
-            if (fabsf(lo) > largest || fabsf(hi) > largest)
-                status =
-                    fail(reason, STATUS_LIMIT,
-                         "%s: a bound is at most %.9g in magnitude, tree node %u has %.9g; "
-                         "scale or move the scene, or use layout f32",
-                         self->name, (double)largest, i, (double)(fabsf(lo) > largest ? lo : hi));
-        }
+        status = wide_nodes_within(self, &bvh->node[i].bounds, i, largest, reason);
     const struct wide_rule rule = {
         .width = self->width, .leaf_most = leaf_most, .node_cost = node_cost};
     return status ? status : wide_tree_make(bvh, scene, &rule, out, reason);
@@ -45,15 +51,61 @@ enum status wide_nodes_items(const struct layout *self, const struct bvh *bvh,
     return status;
 }
 
+/* Whether a slot is a child of its node. */
+static bool is_child(const struct wide_slot *slot, uint32_t inner_refs)
+{
+    return slot->there && (slot->count > 0 || slot->first < inner_refs);
+}
+
+void wide_nodes_boxes(const struct packed *packed, const struct wide_slot *slot,
+                      uint32_t inner_refs, const struct wide *node, const struct box *box[WIDE_MAX])
+{
+    uint32_t next = 0;
+    for (uint32_t s = 0; s < WIDE_MAX; s++) {
+        bool child =
+            s < packed->layout->width && next < node->child_count && is_child(&slot[s], inner_refs);
+        box[s] = child ? &node->box[next++] : NULL;
+    }
+}
+
+enum status wide_nodes_rebound(const struct packed *packed, uint32_t record,
+                               const struct wide *node, wide_decode *decode, float largest,
+                               const struct box *box[WIDE_MAX], struct reason *reason)
+{
+    struct wide_slot slot[WIDE_MAX];
+    enum status status = STATUS_OK;
+    decode(packed, record, slot);
+    wide_nodes_boxes(packed, slot, packed->node_count, node, box);
+    for (uint32_t c = 0; c < node->child_count && !status; c++)
+        status = wide_nodes_within(packed->layout, &node->box[c], record, largest, reason);
+    return status;
+}
+
+void wide_nodes_tree_boxes(const struct wide_tree *tree, uint32_t n,
+                           const struct box *box[WIDE_MAX])
+{
+    const struct wide_node *node = &tree->node[n];
+    for (uint32_t s = 0; s < WIDE_MAX; s++)
+        box[s] = s < node->count ? &tree->child[node->first + s].bounds : NULL;
+}
+
+struct box wide_nodes_frame(const struct box *const box[WIDE_MAX])
+{
+    struct box all = box_empty();
+    for (uint32_t s = 0; s < WIDE_MAX; s++)
+        if (box[s])
+            box_add_box(&all, box[s]);
+    return all;
+}
+
 void wide_nodes_children(const struct packed *packed, const struct wide_slot *slot,
                          uint32_t inner_refs, uint32_t slot_ref, struct wide *out)
 {
     out->child_count = out->item_first = out->item_count = 0;
     for (uint32_t s = 0; s < packed->layout->width; s++) {
-        bool inner = slot[s].count == 0;
-        if (!slot[s].there || (inner && slot[s].first >= inner_refs))
+        if (!is_child(&slot[s], inner_refs))
             continue;
-        out->child[out->child_count] = inner ? slot[s].first : slot_ref + s;
+        out->child[out->child_count] = slot[s].count == 0 ? slot[s].first : slot_ref + s;
         out->box[out->child_count++] = slot[s].box;
     }
 }

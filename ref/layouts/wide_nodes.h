@@ -17,6 +17,10 @@ struct wide_slot {
 /* Decodes all slots of a record, which is in range. Never reads outside the words. */
 typedef void wide_decode(const struct packed *packed, uint32_t record, struct wide_slot *slot);
 
+/* Errors: STATUS_LIMIT a bound of that node beyond `largest` in magnitude. */
+enum status wide_nodes_within(const struct layout *self, const struct box *box, uint32_t node,
+                              float largest, struct reason *reason) MUST_USE;
+
 /* Collapses `bvh` for the layout `self`: nodes of self->width children and leaves of up to
  * `leaf_most` items. Errors: STATUS_LIMIT a vertex or bound that is not finite, or beyond
  * `largest` in magnitude; as wide_tree_make. */
@@ -47,6 +51,22 @@ uint32_t wide_nodes_item(const struct packed *packed, uint32_t slot);
 void wide_nodes_children(const struct packed *packed, const struct wide_slot *slot,
                          uint32_t inner_refs, uint32_t slot_ref, struct wide *out);
 struct box wide_nodes_union(const struct packed *packed, const struct wide_slot *slot);
+
+/* What a record is written from, both by pack() and by rebound(): a box for each slot, NULL if it
+ * has no child. Of node `n` of a tree; of a packed node whose children's new boxes `node` has,
+ * slots as in wide_nodes_children; and their union. */
+void wide_nodes_tree_boxes(const struct wide_tree *tree, uint32_t n,
+                           const struct box *box[WIDE_MAX]);
+void wide_nodes_boxes(const struct packed *packed, const struct wide_slot *slot,
+                      uint32_t inner_refs, const struct wide *node,
+                      const struct box *box[WIDE_MAX]);
+struct box wide_nodes_frame(const struct box *const box[WIDE_MAX]);
+
+/* For layout->rebound where records are references as in wide_nodes_load: finds the boxes. Errors:
+ * as wide_nodes_within. */
+enum status wide_nodes_rebound(const struct packed *packed, uint32_t record,
+                               const struct wide *node, wide_decode *decode, float largest,
+                               const struct box *box[WIDE_MAX], struct reason *reason) MUST_USE;
 
 /* Planes of one axis of a node: plane q, 0 to `most`, lies at origin + q * 2^exponent. Every one is
  * exactly a float32, zero or at least 2^-100 in magnitude, so that no decoder rounds or flushes. */
