@@ -88,7 +88,7 @@ enum status cache_pack(struct hard_cache *cache, const struct hard_member *membe
 const struct hit *cache_brute(struct hard_cache *cache, const struct tri_test *tri)
 {
     const struct hard_part *part = cache->part;
-    struct hit **hit = &cache->brute[tri->id % CACHE_TRIS];
+    struct hit **hit = &cache->brute[tri->id];
     if (*hit)
         return *hit;
     *hit = alloc_zeroed(part->ray_count, sizeof **hit);

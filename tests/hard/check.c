@@ -100,6 +100,16 @@ static void check_wants(struct hard_play *play)
     }
 }
 
+/* The test that has the engine's formula: one with a test of its own answers by that, whatever it
+ * was asked for. */
+static const struct tri_test *test_of(const struct hard_play *play)
+{
+    for (size_t t = 0; tri_tests[t]; t++)
+        if (twin_of_tri(tri_tests[t]->id) == play->model.formula)
+            return tri_tests[t];
+    return play->member->tri;
+}
+
 /* Boxes are conservative: if every triangle was tested in turn and one that is truly hit accepted,
  * then its leaf had to be entered, and something hit. Whatever the tests' own errors, a miss can
  * only be the tree's. */
@@ -110,7 +120,7 @@ static enum status check_culled(struct hard_play *play)
     if (!play->member->engine->needs_packed || !twin_is_own(play->model.formula) ||
         !cache->in_range)
         return STATUS_OK;
-    const struct hit *brute = cache_brute(cache, play->member->tri);
+    const struct hit *brute = cache_brute(cache, test_of(play));
     if (!brute)
         return fail(play->reason, STATUS_MEMORY, "no memory for %zu rays", part->ray_count);
     for (size_t i = 0; i < part->ray_count; i++) {
