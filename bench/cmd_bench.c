@@ -46,7 +46,7 @@ static const char help[] =
 
 static const struct benchmark *const benchmarks[] = {
     &bench_layouts, &bench_error, &bench_spawn,   &bench_builders, &bench_oracle, &bench_fuzz,
-    &bench_frames,  &bench_paper, &bench_special, &bench_fast,     NULL};
+    &bench_frames,  &bench_paper, &bench_special, &bench_fast,     &bench_matrix, NULL};
 
 /* Names of the bits of benchmark.takes. */
 static const char *const taken[] = {"--engine",

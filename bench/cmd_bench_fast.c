@@ -1,6 +1,7 @@
 /* Engine fast against Embree's modes: single rays of four kinds, their speed and what they read. */
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #include "bench/cmd_bench.h"
+#include "bench/shadow_rays.h"
 
 #include "ref/command.h"
 #include "scenes/rays.h"
@@ -13,7 +14,6 @@
 
 #define RAYS_OWN 100000
 #define RIVALS   5
-#define LIFTED   1e-4 /* of the scene's size: how far above the surface shadow rays begin */
 
 static const char *const kinds[] = {"primary", "random", "bounce", "shadow"};
 #define KINDS ARRAY_COUNT(kinds)
@@ -81,45 +81,21 @@ static enum status prepare(struct contest *c, enum query query, struct reason *r
     return status;
 }
 
-/* From where primary rays hit, a little above the surface, to the first light, or to one beside and
- * above the scene. */
+/* From where primary rays hit to a light. */
 static enum status make_shadow_rays(struct contest *c, struct reason *reason)
 {
     const struct rival *fast = &c->rival[RIVALS - 1];
     struct trace_report report;
-    struct box box = scene_bounds(&c->scene);
-    double size = 0, light[3];
-    for (int k = 0; k < 3; k++) {
-        double side = (double)box.hi[k] - (double)box.lo[k];
-        size = side > size ? side : size;
-    }
-    for (int k = 0; k < 3; k++)
-        light[k] = c->scene.light_count
-                       ? (double)c->scene.light[0].pos[k]
-                       : ((double)box.lo[k] + (double)box.hi[k]) / 2 + (k == 1 ? 2 : 0.7) * size;
+    struct ray *out = alloc_zeroed(c->count, sizeof *out);
+    if (!out)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu rays", c->count);
     enum status status =
         fast->engine->trace(fast->self, c->ray, c->count, fast->hit, &report, reason);
-    size_t hits = 0;
-    for (size_t i = 0; i < c->count && !status; i++) {
-        struct ray *to = &c->ray[hits];
-        const struct ray from = c->ray[i];
-        double length = 0;
-        if (fast->hit[i].prim == ABI_NO_PRIM)
-            continue;
-        for (int k = 0; k < 3; k++)
-            length += (double)from.dir[k] * (double)from.dir[k];
-        double t = (double)fast->hit[i].t - LIFTED * size / sqrt(length);
-        *to = (struct ray){.tmax = 1};
-        for (int k = 0; k < 3; k++) {
-            to->org[k] = (float)((double)from.org[k] + t * (double)from.dir[k]);
-            to->dir[k] = (float)(light[k] - (double)to->org[k]);
-        }
-        hits++;
-    }
-    if (!status && hits == 0)
-        return fail(reason, STATUS_INPUT, "no primary ray hits the scene");
-    for (size_t i = hits; i < c->count && !status; i++)
-        c->ray[i] = c->ray[i - hits];
+    if (!status)
+        status = shadow_rays_make(&c->scene, c->ray, fast->hit, c->count, out, reason);
+    if (!status)
+        memcpy(c->ray, out, c->count * sizeof *out);
+    free(out);
     return status;
 }
 

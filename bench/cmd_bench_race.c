@@ -1,37 +1,55 @@
+#define _POSIX_C_SOURCE 200809L
 #include "bench/cmd_bench_race.h"
 
 #include "ref/command.h"
 
 #include <string.h>
+#include <time.h>
 
-/* Adds one if it can run here and the layout can hold the scene. */
-static enum status enter(struct race *race, const struct engine *engine,
-                         const struct layout *layout, const struct box_test *box,
-                         const struct tri_test *tri, struct reason *reason)
+static struct job job_of(const struct race *race, const struct contestant *c, enum query query)
+{
+    return (struct job){.scene = race->scene,
+                        .packed = c->layout ? &c->packed : NULL,
+                        .box = c->box,
+                        .tri = c->tri,
+                        .query = query};
+}
+
+enum status race_add(struct race *race, const struct contestant *who,
+                     const struct engine_options *options, struct reason *reason)
 {
     if (race->count == CONTESTANTS)
         return fail(reason, STATUS_LIMIT, "more than %d contestants", CONTESTANTS);
     struct contestant *c = &race->contestant[race->count];
-    *c = (struct contestant){.engine = engine, .layout = layout, .box = box, .tri = tri};
-    struct job job = {.scene = race->scene,
-                      .packed = layout ? &c->packed : NULL,
-                      .box = box,
-                      .tri = tri,
-                      .query = QUERY_CLOSEST};
+    *c = *who;
+    c->bvh = who->bvh ? who->bvh : race->bvh;
     enum status status = STATUS_OK;
-    if (layout)
-        status = packed_make(layout, race->bvh, race->scene, &c->packed, reason);
+    if (c->layout)
+        status = packed_make_stored(c->layout, c->store ? c->store : tri_stores[0], c->bvh,
+                                    race->scene, &c->packed, reason);
     if (status == STATUS_OK)
-        status = engine->open(&race->bench->engines, &c->self, reason);
+        status = c->engine->open(options, &c->self, reason);
     if (status == STATUS_OK) {
-        status = engine->prepare(c->self, &job, reason);
+        struct job job = job_of(race, c, QUERY_CLOSEST);
+        status = c->engine->prepare(c->self, &job, reason);
         if (status)
-            engine->close(c->self);
+            c->engine->close(c->self);
     }
     if (status)
         packed_free(&c->packed);
     else
         race->count++;
+    return status;
+}
+
+enum status race_prepare(struct race *race, enum query query, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < race->count && !status; i++) {
+        struct contestant *c = &race->contestant[i];
+        struct job job = job_of(race, c, query);
+        status = c->engine->prepare(c->self, &job, reason);
+    }
     return status;
 }
 
@@ -61,7 +79,8 @@ static int enter_one(struct race *race, const struct engine *engine, const struc
 {
     const struct bench *bench = race->bench;
     struct reason reason = {""};
-    enum status status = enter(race, engine, layout, box, tri, &reason);
+    const struct contestant who = {.engine = engine, .layout = layout, .box = box, .tri = tri};
+    enum status status = race_add(race, &who, &bench->engines, &reason);
     if (status == STATUS_OK)
         return EXIT_AGREE;
     progress_end(&race->bench->progress);
@@ -165,6 +184,14 @@ const char *race_base_name(const struct race *race, const struct contestant *con
                                                               : base->engine->name;
 }
 
+/* Of the calling thread. */
+static uint64_t core_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1000000000u * (uint64_t)now.tv_sec + (uint64_t)now.tv_nsec;
+}
+
 enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
                      struct reason *reason)
 {
@@ -176,7 +203,11 @@ enum status race_run(struct race *race, const struct ray *ray, size_t count, str
             struct trace_report report = {0};
             progress_step(&bench->progress, "%s, round %zu of %llu", race->label, round,
                           (unsigned long long)bench->rounds);
-            enum status status = c->engine->trace(c->self, ray, count, hit, &report, reason);
+            size_t rays = c->few ? race->few_count : count;
+            uint64_t start = core_ns();
+            enum status status =
+                c->engine->trace(c->self, c->few ? race->few : ray, rays, hit, &report, reason);
+            uint64_t ns = race->core_time ? core_ns() - start : report.ns;
             if (status)
                 return status;
             c->boxes = report.boxes;
@@ -184,7 +215,7 @@ enum status race_run(struct race *race, const struct ray *ray, size_t count, str
             if (report.memory_bytes > c->memory_bytes)
                 c->memory_bytes = report.memory_bytes;
             if (round > 0)
-                c->mrays[round - 1] = 1e3 * (double)count / (double)(report.ns ? report.ns : 1);
+                c->mrays[round - 1] = 1e3 * (double)rays / (double)(ns ? ns : 1);
         }
     }
     for (size_t i = 0; i < race->count; i++) {

@@ -233,6 +233,11 @@
 #define MUTANT_CODE_NEAREST        441 /* fast: upper bounds are a step too low */
 #define MUTANT_FAST_UNPADDED       442 /* fast: boxes without their padding */
 #define MUTANT_FAST_CONTRACTED     443 /* fast: an edge function is contracted */
+#define MUTANT_CACHE_FIFO          500 /* the simulated cache drops the line that came first */
+#define MUTANT_FRONT_OF_TWO        501 /* the front looks at size and speed, not at errors */
+#define MUTANT_TOUCH_ONCE          502 /* of a leaf only the first triangle's vertices are read */
+#define MUTANT_PACKET_LANE         503 /* Embree's packets: a lane that is switched off has a hit */
+#define MUTANT_SHADOW_BEHIND_HIT   504 /* shadow rays begin behind the surface */
 #define MUTANT_BIN_UNSHARED        412 /* of bins filled by several threads only one thread's count */
 #define MUTANT_SORT_BACKWARDS      413 /* a shared sort puts later threads' equal keys first */
 #define MUTANT_LINKS_DEEP          414 /* a tree from below is as deep as it happens to be */

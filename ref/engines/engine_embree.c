@@ -1,5 +1,7 @@
 /* Embree 3 or 4 as a third opinion; the only file that includes it. Without its headers at build
- * time both engines say so and are skipped. */
+ * time its engines say so and are skipped. */
+#include "ref/engines/embree_modes.h"
+
 #include "ref/engine.h"
 #include "ref/engines/cpu_rays.h"
 #include "ref/mutant.h"
@@ -19,10 +21,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A mode that is more than an option. */
+enum mode { MODE_DEFAULT, MODE_ROBUST, MODE_PACKETS, MODE_HIGH };
+
 struct embree {
     RTCDevice device;
     RTCScene scene; /* NULL before the first prepare */
-    bool robust;
+    enum mode mode;
     bool compact;
     bool unguarded;
     unsigned threads;
@@ -62,14 +67,14 @@ static void embree_close(void *self)
     free(embree);
 }
 
-static enum status embree_open_mode(const struct engine_options *options, bool robust, void **self,
-                                    struct reason *reason)
+static enum status embree_open_mode(const struct engine_options *options, enum mode mode,
+                                    void **self, struct reason *reason)
 {
     struct embree *embree = alloc_zeroed(1, sizeof *embree);
     *self = NULL;
     if (!embree)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
-    embree->robust = robust;
+    embree->mode = mode;
     embree->compact = options->compact;
     embree->unguarded = options->unguarded;
     embree->threads = cpu_rays_threads(options);
@@ -90,13 +95,25 @@ static enum status embree_open_mode(const struct engine_options *options, bool r
 static enum status embree_open(const struct engine_options *options, void **self,
                                struct reason *reason)
 {
-    return embree_open_mode(options, false, self, reason);
+    return embree_open_mode(options, MODE_DEFAULT, self, reason);
 }
 
 static enum status embree_robust_open(const struct engine_options *options, void **self,
                                       struct reason *reason)
 {
-    return embree_open_mode(options, true, self, reason);
+    return embree_open_mode(options, MODE_ROBUST, self, reason);
+}
+
+static enum status embree_packets_open(const struct engine_options *options, void **self,
+                                       struct reason *reason)
+{
+    return embree_open_mode(options, MODE_PACKETS, self, reason);
+}
+
+static enum status embree_high_open(const struct engine_options *options, void **self,
+                                    struct reason *reason)
+{
+    return embree_open_mode(options, MODE_HIGH, self, reason);
 }
 
 /* One ray of QUERY_ALL: the context that Embree hands back to the filter, and where hits go. */
@@ -155,8 +172,10 @@ static enum status embree_prepare(void *self, const struct job *job, struct reas
     embree->query = job->query;
     embree->scene = rtcNewScene(embree->device);
     rtcSetSceneFlags(embree->scene,
-                     (embree->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
+                     (embree->mode == MODE_ROBUST ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
                          (embree->compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE));
+    if (embree->mode == MODE_HIGH)
+        rtcSetSceneBuildQuality(embree->scene, RTC_BUILD_QUALITY_HIGH);
     enum status status = STATUS_OK;
     if (job->scene->tri_count > 0)
         status = embree_add_mesh(embree, job->scene, reason);
@@ -253,11 +272,11 @@ static void embree_any(struct embree *embree, const struct ray *ray, struct hit 
     *hit = (struct hit){.prim = query.tfar < 0.0f ? 0 : ABI_NO_PRIM};
 }
 
-static enum status embree_trace(void *self, const struct ray *ray, size_t ray_count,
-                                struct hit *hit, struct trace_report *report, struct reason *reason)
+#include "ref/engines/embree_packets.h"
+
+static void embree_singles(struct embree *embree, const struct ray *ray, size_t ray_count,
+                           struct hit *hit)
 {
-    struct embree *embree = self;
-    uint64_t start = time_ns();
 #pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
     for (long long i = 0; i < (long long)ray_count; i++) {
         if (!embree_takes(embree, &ray[i]))
@@ -267,6 +286,29 @@ static enum status embree_trace(void *self, const struct ray *ray, size_t ray_co
         else
             embree_closest(embree, &ray[i], &hit[i]);
     }
+}
+
+static void embree_packets(struct embree *embree, const struct ray *ray, size_t ray_count,
+                           struct hit *hit)
+{
+    long long packets = (long long)((ray_count + EMBREE_PACKET - 1) / EMBREE_PACKET);
+#pragma omp parallel for schedule(dynamic, 4) num_threads(embree->threads) if (packets > 4)
+    for (long long i = 0; i < packets; i++) {
+        size_t first = (size_t)i * EMBREE_PACKET, left = ray_count - first;
+        embree_packet(embree, ray + first, left < EMBREE_PACKET ? (uint32_t)left : EMBREE_PACKET,
+                      hit + first);
+    }
+}
+
+static enum status embree_trace(void *self, const struct ray *ray, size_t ray_count,
+                                struct hit *hit, struct trace_report *report, struct reason *reason)
+{
+    struct embree *embree = self;
+    uint64_t start = time_ns();
+    if (embree->mode == MODE_PACKETS)
+        embree_packets(embree, ray, ray_count, hit);
+    else
+        embree_singles(embree, ray, ray_count, hit);
     *report = (struct trace_report){.ns = time_ns() - start,
                                     .memory_bytes = (uint64_t)atomic_load(&embree->bytes)};
     return embree_error(embree, "tracing", reason);
@@ -311,11 +353,9 @@ static enum status embree_open(const struct engine_options *options, void **self
                 "built without Embree: install libembree-dev and build again");
 }
 
-static enum status embree_robust_open(const struct engine_options *options, void **self,
-                                      struct reason *reason)
-{
-    return embree_open(options, self, reason);
-}
+#define embree_robust_open  embree_open
+#define embree_packets_open embree_open
+#define embree_high_open    embree_open
 
 static enum status embree_prepare(void *self, const struct job *job, struct reason *reason)
 {
@@ -391,3 +431,29 @@ const struct engine engine_embree_robust = {
     .close = embree_close,
     .describe = embree_describe,
 };
+
+static const struct engine engine_embree_packets = {
+    .name = "embree_16",
+    .summary = "Embree, default mode, in packets of 16 rays",
+    .own_tri = true,
+    .open = embree_packets_open,
+    .prepare = embree_prepare,
+    .trace = embree_trace,
+    .model = embree_model,
+    .close = embree_close,
+    .describe = embree_describe,
+};
+
+static const struct engine engine_embree_high = {
+    .name = "embree_high",
+    .summary = "Embree, default mode, build quality high: spatial splits",
+    .own_tri = true,
+    .open = embree_high_open,
+    .prepare = embree_prepare,
+    .trace = embree_trace,
+    .model = embree_model,
+    .close = embree_close,
+    .describe = embree_describe,
+};
+
+const struct engine *const embree_modes[] = {&engine_embree_packets, &engine_embree_high, NULL};

@@ -12,7 +12,15 @@ struct way {
     float tbest;
     struct hit *list; /* QUERY_ALL */
     uint32_t capacity, found;
+    fast_read_fn *read; /* NULL, or told of all that is read */
+    void *reader;
 };
+
+static void tell(const struct way *way, const void *at, size_t bytes)
+{
+    if (way->read)
+        way->read(way->reader, at, bytes);
+}
 
 static struct box decoded(const struct fast_tree *tree, const struct fast_node *node, uint32_t i)
 {
@@ -30,6 +38,7 @@ static bool visit_leaf(struct way *way, uint32_t ref)
 {
     const uint32_t *word = way->tree->block + (ref & (FAST_LEAF_WORDS - 1));
     uint32_t vertices = (ref >> FAST_LEAF_COUNT & 15u) + 1;
+    tell(way, word, (BLOCK_CORNERS + 3 * vertices) * sizeof *word);
     for (uint32_t i = 0; i < BLOCK_TRIS; i++) {
         float v[3][3];
         struct hit hit;
@@ -48,6 +57,7 @@ static bool visit_leaf(struct way *way, uint32_t ref)
             continue;
         way->best = hit;
         way->tbest = hit.t;
+        tell(way, &word[BLOCK_CORNERS + 3 * vertices + i], sizeof *word);
         if (way->query == QUERY_ANY)
             return true;
     }
@@ -72,10 +82,20 @@ static void walk(struct way *way)
             continue;
         }
         const struct fast_node *node = &tree->node[now];
+        uint32_t base = depth;
+        tell(way, node, sizeof *node);
         for (uint32_t i = 0; i < FAST_WIDTH; i++) {
             struct box box = decoded(tree, node, i);
-            if (node->ref[i] != 0 && slab_watertight(&way->slab, &box, way->tbest, &entry[depth]))
-                ref[depth++] = node->ref[i];
+            float at;
+            if (node->ref[i] == 0 || !slab_watertight(&way->slab, &box, way->tbest, &at))
+                continue;
+            uint32_t place = depth++; /* the nearest on top, as the kernels have it */
+            for (; place > base && entry[place - 1] < at; place--) {
+                entry[place] = entry[place - 1];
+                ref[place] = ref[place - 1];
+            }
+            entry[place] = at;
+            ref[place] = node->ref[i];
         }
     }
 }
@@ -99,6 +119,14 @@ static void start(struct way *way, const struct fast_tree *tree, const struct ra
 void fast_careful(const struct fast_tree *tree, const struct ray *ray, bool any, struct hit *hit)
 {
     struct way way = {.list = NULL};
+    start(&way, tree, ray, any ? QUERY_ANY : QUERY_CLOSEST);
+    *hit = way.best;
+}
+
+void fast_watched(const struct fast_tree *tree, const struct ray *ray, bool any, fast_read_fn *read,
+                  void *reader, struct hit *hit)
+{
+    struct way way = {.read = read, .reader = reader};
     start(&way, tree, ray, any ? QUERY_ANY : QUERY_CLOSEST);
     *hit = way.best;
 }

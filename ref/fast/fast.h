@@ -77,4 +77,12 @@ uint32_t fast_all(const struct fast_tree *tree, const struct ray *ray, uint32_t 
  * overflow in a kernel. Plain, with slab_watertight on the decoded boxes. */
 void fast_careful(const struct fast_tree *tree, const struct ray *ray, bool any, struct hit *hit);
 
+/* The same, and tells `read` of all that a kernel would read of nodes and blocks, which it visits
+ * in the same order but for children whose entry distances differ by their rounding alone (of any
+ * hits: nearest first): whole nodes, corners and vertices of a block, and the number of a triangle
+ * that becomes the nearest. */
+typedef void fast_read_fn(void *reader, const void *at, size_t bytes);
+void fast_watched(const struct fast_tree *tree, const struct ray *ray, bool any, fast_read_fn *read,
+                  void *reader, struct hit *hit);
+
 #endif
