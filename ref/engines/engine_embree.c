@@ -288,18 +288,6 @@ static void embree_singles(struct embree *embree, const struct ray *ray, size_t 
     }
 }
 
-static void embree_packets(struct embree *embree, const struct ray *ray, size_t ray_count,
-                           struct hit *hit)
-{
-    long long packets = (long long)((ray_count + EMBREE_PACKET - 1) / EMBREE_PACKET);
-#pragma omp parallel for schedule(dynamic, 4) num_threads(embree->threads) if (packets > 4)
-    for (long long i = 0; i < packets; i++) {
-        size_t first = (size_t)i * EMBREE_PACKET, left = ray_count - first;
-        embree_packet(embree, ray + first, left < EMBREE_PACKET ? (uint32_t)left : EMBREE_PACKET,
-                      hit + first);
-    }
-}
-
 static enum status embree_trace(void *self, const struct ray *ray, size_t ray_count,
                                 struct hit *hit, struct trace_report *report, struct reason *reason)
 {
