@@ -40,6 +40,15 @@ static double merit(const struct pareto_point *p, int what)
     return what == WORTH_SMALLEST ? 1 / p->size : p->speed * p->speed / p->size;
 }
 
+/* Of no error, and none of no error beats it. */
+static bool is_worth(const struct pareto_point *point, size_t count, size_t i)
+{
+    bool on = counts(&point[i]) && point[i].error <= 0;
+    for (size_t k = 0; k < count && on; k++)
+        on = !(counts(&point[k]) && point[k].error <= 0 && beats(&point[k], &point[i]));
+    return on;
+}
+
 void pareto_worth(const struct pareto_point *point, size_t count, size_t worth[PARETO_WORTH])
 {
     for (int what = 0; what < PARETO_WORTH; what++) {
@@ -48,7 +57,7 @@ void pareto_worth(const struct pareto_point *point, size_t count, size_t worth[P
             bool taken = false;
             for (int k = 0; k < what; k++)
                 taken = taken || worth[k] == i;
-            if (taken || !counts(&point[i]) || point[i].error > 0)
+            if (taken || !is_worth(point, count, i))
                 continue;
             if (worth[what] == count || merit(&point[i], what) > merit(&point[worth[what]], what))
                 worth[what] = i;

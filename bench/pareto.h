@@ -16,8 +16,9 @@ size_t pareto_front(const struct pareto_point *point, size_t count, bool *on);
 #define PARETO_WORTH 3
 enum { WORTH_FASTEST, WORTH_SMALLEST, WORTH_BALANCED };
 
-/* Of the points of no error: the fastest; the smallest; and the one of most speed * speed / size of
- * the others, a doubling of speed being worth four times the bytes. `count` where there is none. */
+/* Of the points of no error that are on the front of those: the fastest; the smallest; and the one
+ * of most speed * speed / size of the rest, a doubling of speed being worth four times the bytes.
+ * `count` where there is none. */
 void pareto_worth(const struct pareto_point *point, size_t count, size_t worth[PARETO_WORTH]);
 
 #endif
