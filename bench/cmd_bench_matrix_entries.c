@@ -26,11 +26,11 @@ static const struct own own[] = {
     {.engine = "fast", .layout = "f32", .builder = "sbvh"},
     {.engine = "cpu", .layout = "f32", .builder = "sah_binned"},
     {.engine = "cpu", .layout = "f32", .store = "gathered", .builder = "sah_binned"},
+    {.engine = "cpu", .layout = "f32", .store = "compact", .builder = "sah_binned"},
     {.engine = "cpu", .layout = "rf16", .builder = "sah_binned"},
     {.engine = "cpu", .layout = "bvh8_u8_node", .builder = "sah_binned"},
     {.engine = "cpu", .layout = "cwbvh80", .builder = "sah_binned"},
     {.engine = "cpu", .layout = "tiny8", .builder = "sah_binned"},
-    {.engine = "cpu", .layout = "tiny8", .store = "compact", .builder = "sah_binned"},
 };
 
 bool matrix_entry_is_gpu(const struct matrix_entry *entry)

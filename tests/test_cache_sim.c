@@ -80,7 +80,7 @@ static void lines_of_other_sets_drop_nothing(void **state)
 static void the_least_recently_used_goes(void **state)
 {
     (void)state;
-    struct cache_sim cache = made(1, 2, 1, 2);
+    struct cache_sim cache = made(1, 2, 1, 1);
     const uint64_t order[] = {0, 1, 0, 2};
     for (size_t i = 0; i < ARRAY_COUNT(order); i++)
         cache_sim_read(&cache, order[i] * LINE, 1);
