@@ -31,9 +31,13 @@ static void measure_tree(struct explain_tree *tree)
             box_add_box(&tree->exact[i], &one);
             tree->leaf[prim] = i;
         }
+        if (bvh_is_split(bvh)) /* a box need not have more than it has */
+            tree->exact[i] = node->bounds;
         if (node->item_count > 0)
             continue;
         tree->parent[node->fst] = tree->parent[node->snd] = i;
+        if (bvh_is_split(bvh))
+            continue;
         box_add_box(&tree->exact[i], &tree->exact[node->fst]);
         box_add_box(&tree->exact[i], &tree->exact[node->snd]);
     }

@@ -14,12 +14,13 @@ struct explain_tree {
     const struct scene *scene;
     const struct bvh *bvh;
     const struct packed *packed;
-    struct box *exact; /* per tree node: the bounds of its triangles */
+    struct box *exact; /* per tree node: the bounds of its triangles; of a split tree its own box */
     uint32_t *record;  /* per tree node: its record (a reference), or EXPLAIN_NONE */
     uint32_t *node;    /* per reference: its tree node, or EXPLAIN_NONE */
     struct box *box;   /* wide layouts: per tree node that has a record, the box that is tested */
     uint32_t *parent;  /* per tree node; the root's is EXPLAIN_NONE */
-    uint32_t *leaf;    /* per triangle: its leaf, a tree node, or EXPLAIN_NONE */
+    uint32_t *leaf;    /* per triangle: its leaf (of a split tree one of them), a tree node, or
+                          EXPLAIN_NONE */
     bool shifted;      /* most items are the tree's less one */
     bool zero_twice;   /* several slots name triangle 0: some of them are empty */
     /* Per slot: leaves that use it for a triangle, and those of them that read nothing there. */

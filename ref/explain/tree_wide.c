@@ -22,18 +22,62 @@ static void range_add(struct range *range, const struct range *more)
     range->count += more->count;
 }
 
-/* Where in the tree's items each triangle is; of a split tree the last place. */
-static uint32_t *make_places(const struct explain_tree *tree)
+/* Where in the tree's items each triangle is: the last place, and of each place of a split tree the
+ * one before it and its leaf. */
+struct places {
+    uint32_t *last;   /* per triangle */
+    uint32_t *before; /* per place, or EXPLAIN_NONE */
+    uint32_t *leaf;   /* per place */
+};
+
+static bool make_places(const struct explain_tree *tree, struct places *out)
 {
-    uint32_t *place = alloc_zeroed(tree->scene->tri_count, sizeof *place);
-    for (uint32_t i = 0; place && i < tree->bvh->prim_count; i++)
-        place[tree->bvh->prim[i]] = i;
-    return place;
+    const struct bvh *bvh = tree->bvh;
+    out->last = alloc_zeroed(tree->scene->tri_count, sizeof *out->last);
+    out->before = alloc_zeroed(bvh->prim_count, sizeof *out->before);
+    out->leaf = alloc_zeroed(bvh->prim_count, sizeof *out->leaf);
+    if (!out->last || !out->before || !out->leaf)
+        return false;
+    for (uint32_t i = 0; i < tree->scene->tri_count; i++)
+        out->last[i] = EXPLAIN_NONE;
+    for (uint32_t i = 0; i < bvh->node_count; i++)
+        for (uint32_t k = 0; k < bvh->node[i].item_count; k++) {
+            uint32_t at = bvh->node[i].item_first + k, prim = bvh->prim[at];
+            out->before[at] = out->last[prim];
+            out->leaf[at] = i;
+            out->last[prim] = at;
+        }
+    return true;
+}
+
+static void free_places(struct places *places)
+{
+    free(places->last);
+    free(places->before);
+    free(places->leaf);
+}
+
+/* The triangle's place that is meant by a leaf of that box: the last whose own leaf has its middle
+ * in it, or the last of all. */
+static uint32_t place_of(const struct explain_tree *tree, const struct places *places,
+                         uint32_t prim, const struct box *box)
+{
+    for (uint32_t at = places->last[prim]; at != EXPLAIN_NONE; at = places->before[at]) {
+        const struct box *own = &tree->bvh->node[places->leaf[at]].bounds;
+        bool within = true;
+        for (int k = 0; k < 3; k++) {
+            float middle = 0.5f * own->lo[k] + 0.5f * own->hi[k];
+            within &= box->lo[k] <= middle && middle <= box->hi[k];
+        }
+        if (within)
+            return at;
+    }
+    return places->last[prim];
 }
 
 /* What every visit of the packed tree has below it, children after their parents. */
 static void find_ranges(const struct explain_tree *tree, const struct packed_walk *walk,
-                        const uint32_t *place, struct range *range)
+                        const struct places *places, struct range *range)
 {
     const struct packed *packed = tree->packed;
     for (uint32_t v = walk->visit_count; v-- > 0;) {
@@ -43,7 +87,8 @@ static void find_ranges(const struct explain_tree *tree, const struct packed_wal
             uint32_t prim = packed_item(packed, &wide, s);
             if (prim >= tree->scene->tri_count)
                 continue;
-            const struct range one = {place[prim], place[prim], 1};
+            uint32_t place = place_of(tree, places, prim, &walk->visit[v].box);
+            const struct range one = {place, place, 1};
             range_add(&range[v], &one);
         }
         if (v > 0)
@@ -77,14 +122,15 @@ enum status explain_map_wide(struct explain_tree *tree)
     const struct bvh *bvh = tree->bvh;
     struct packed_walk walk;
     enum status status = packed_walk_make(tree->packed, &walk);
-    uint32_t *place = make_places(tree);
+    struct places places = {0};
+    bool placed = make_places(tree, &places);
     uint32_t *end = alloc_zeroed(bvh->node_count, sizeof *end);
     struct range *range = alloc_zeroed(walk.visit_count, sizeof *range);
     tree->box = alloc_zeroed(bvh->node_count, sizeof *tree->box);
-    if (!status && (!place || !end || !range || !tree->box))
+    if (!status && (!placed || !end || !range || !tree->box))
         status = STATUS_MEMORY;
     if (!status) {
-        find_ranges(tree, &walk, place, range);
+        find_ranges(tree, &walk, &places, range);
         for (uint32_t i = bvh->node_count; i-- > 0;) {
             const struct bvh_node *node = &bvh->node[i];
             end[i] = node->item_count ? node->item_first + node->item_count : end[node->snd];
@@ -101,7 +147,7 @@ enum status explain_map_wide(struct explain_tree *tree)
         }
     }
     packed_walk_free(&walk);
-    free(place);
+    free_places(&places);
     free(end);
     free(range);
     return status;

@@ -60,10 +60,60 @@ static bool is_step(const struct explain_tree *tree, uint32_t node)
     return !layout_is_wide(tree->packed->layout) || tree->record[node] != EXPLAIN_NONE;
 }
 
-/* The nodes from the root to the triangle's leaf, as notes for the replay. */
-static enum status find_path(const struct explain_tree *tree, struct explanation *out)
+/* Where the ray meets the triangle's plane, about; false if it runs along it. */
+static bool meeting_point(const struct explain_case *the, uint32_t prim, double point[3])
 {
-    uint32_t leaf = tree->leaf[out->prim], depth = 0;
+    float v[3][3];
+    double edge[2][3], normal[3], over = 0, under = 0;
+    scene_tri(the->replay.tree->scene, prim, v);
+    for (int k = 0; k < 3; k++)
+        for (int e = 0; e < 2; e++)
+            edge[e][k] = (double)v[e + 1][k] - (double)v[0][k];
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        normal[k] = edge[0][i] * edge[1][j] - edge[0][j] * edge[1][i];
+        over += normal[k] * ((double)v[0][k] - (double)the->ray.org[k]);
+        under += normal[k] * (double)the->ray.dir[k];
+    }
+    for (int k = 0; k < 3; k++)
+        point[k] = (double)the->ray.org[k] + (double)the->ray.dir[k] * (over / under);
+    return isfinite(over / under);
+}
+
+/* How far a point is outside a box. */
+static double distance_outside(const double point[3], const struct box *box)
+{
+    double most = 0;
+    for (int k = 0; k < 3; k++)
+        most = fmax(most, fmax((double)box->lo[k] - point[k], point[k] - (double)box->hi[k]));
+    return most;
+}
+
+/* The triangle's leaf; of a split tree's the one where the ray meets it. */
+static uint32_t leaf_of(const struct explain_case *the, uint32_t prim)
+{
+    const struct explain_tree *tree = the->replay.tree;
+    const struct bvh *bvh = tree->bvh;
+    uint32_t leaf = tree->leaf[prim];
+    double point[3], least = INFINITY;
+    if (!bvh_is_split(bvh) || !meeting_point(the, prim, point))
+        return leaf;
+    for (uint32_t i = 0; i < bvh->node_count; i++)
+        for (uint32_t k = 0; k < bvh->node[i].item_count; k++) {
+            double distance = distance_outside(point, &bvh->node[i].bounds);
+            if (bvh->prim[bvh->node[i].item_first + k] != prim || !(distance < least))
+                continue;
+            least = distance;
+            leaf = i;
+        }
+    return leaf;
+}
+
+/* The nodes from the root to the triangle's leaf, as notes for the replay. */
+static enum status find_path(const struct explain_tree *tree, uint32_t leaf,
+                             struct explanation *out)
+{
+    uint32_t depth = 0;
     for (uint32_t node = leaf; node != EXPLAIN_NONE; node = tree->parent[node])
         depth += is_step(tree, node);
     out->step = alloc_zeroed(depth, sizeof *out->step);
@@ -77,12 +127,12 @@ static enum status find_path(const struct explain_tree *tree, struct explanation
 }
 
 /* Which slot of its leaf holds the triangle, and what is read there. */
-static void find_slot(const struct explain_tree *tree, struct explanation *out)
+static void find_slot(const struct explain_tree *tree, uint32_t index, struct explanation *out)
 {
-    const struct bvh_node *leaf = &tree->bvh->node[tree->leaf[out->prim]];
+    const struct bvh_node *leaf = &tree->bvh->node[index];
     while (tree->bvh->prim[leaf->item_first + out->slot] != out->prim)
         out->slot++;
-    out->slot_fault = explain_item_fault(tree, tree->leaf[out->prim], out->slot, &out->slot_stored);
+    out->slot_fault = explain_item_fault(tree, index, out->slot, &out->slot_stored);
 }
 
 static enum explain_end triangle_end(const struct explanation *out, bool entered)
@@ -120,9 +170,10 @@ enum status explain_way(const struct explain_case *the, struct explanation *out)
     if (out->prim == ABI_NO_PRIM)
         return STATUS_OK;
     if (tree && tree->leaf[out->prim] != EXPLAIN_NONE) {
-        if (find_path(tree, out))
+        uint32_t leaf = leaf_of(the, out->prim);
+        if (find_path(tree, leaf, out))
             return STATUS_MEMORY;
-        find_slot(tree, out);
+        find_slot(tree, leaf, out);
     }
     struct replay_note *note = alloc_zeroed(out->step_count, sizeof *note);
     if (!note)
