@@ -189,6 +189,12 @@ done
 again=$(sed -n 's/^again *raydiff //p' "$dir/out")
 eval "expect 1 . $again"
 grep -q '^cause     sentinel' "$dir/out" || bad "explain's own command line gives the same cause"
+expect 1 . explain needles:n=300 --builder sbvh --rays random --count 3000 --layout rtrs_rf
+grep -q '^cause     index_shifted' "$dir/out" || bad "explain names the cause in a split tree"
+expect 0 'missed 0' check needles:n=300 --builder sbvh --split-budget 2 --split-alpha 0 --query all \
+    --layout f32,rf16,bvh8_u8_node --engine cpu --count 2000 --repeat 1
+expect 2 'not a number from 0 to 64' precompute --scene needles --builder sbvh --split-budget 65 \
+    --out "$dir/x"
 inward=fuzz/corpus/rounded-inward.trial
 expect 1 . explain $inward
 grep -q '^cause     rounded_inward' "$dir/out" || bad "explain names the cause of a finding"
