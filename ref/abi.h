@@ -47,6 +47,7 @@
 #define ABI_STORE_EDGES          2u
 #define ABI_STORE_BALDWIN_WEBBER 3u
 #define ABI_STORE_COMPACT        4u
+#define ABI_STORE_QUANTISED      5u
 
 /* ABI_SPEC_LAYOUT_0 and _1 of the layouts grid2, grid4 and grid8: number format and frame. */
 #define ABI_NUMBER_F32  0u

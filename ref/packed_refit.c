@@ -151,7 +151,7 @@ static enum status write_leaf(struct refit *refit, const struct wide *leaf)
         if (prim != ABI_NO_PRIM)
             refit->prim[count++] = prim;
     }
-    enum status status = store->measure(store, refit->scene, refit->prim, count, &words, &why);
+    enum status status = store->measure(&refit->to, refit->scene, refit->prim, count, &words, &why);
     if (status)
         return fail(refit->reason, status, "rebuild: %s", why.text);
     if (words > room_at(refit, leaf->item_first))
@@ -160,7 +160,7 @@ static enum status write_leaf(struct refit *refit, const struct wide *leaf)
                     store->name, refit->prim[0], (unsigned long long)words,
                     room_at(refit, leaf->item_first));
 #if MUTANT != MUTANT_REFIT_VERTICES_OLD
-    store->write(refit->scene, refit->prim, count, refit->to.item + leaf->item_first);
+    store->write(&refit->to, refit->scene, refit->prim, count, refit->to.item + leaf->item_first);
 #endif
     return STATUS_OK;
 }
@@ -190,6 +190,9 @@ static enum status may_refit(const struct packed *packed, const struct scene *sc
                     packed->tri_count, scene->tri_count);
     if (!packed->layout->rebound)
         return fail(reason, STATUS_LIMIT, "rebuild: layout %s is not refitted", name);
+    if (packed->store->head)
+        return fail(reason, STATUS_LIMIT, "rebuild: storage %s is of one scene's grid",
+                    packed->store->name);
     if (packed->split)
         return fail(reason, STATUS_LIMIT,
                     "rebuild: the tree is split, its boxes of parts of triangles cannot be "

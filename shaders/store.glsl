@@ -27,6 +27,8 @@ vec3 store_vec(uint at, uint stride)
         uvec3(store_word(at), store_word(at + stride), store_word(at + 2u * stride)));
 }
 
+#include "store_quantised.glsl"
+
 /* Per byte the larger, of bytes up to 15. */
 uint store_larger(uint a, uint b)
 {
@@ -60,6 +62,11 @@ vec3 block_vertex(uint first, uint vertices, uint corner, uint slot)
 /* The triangle of an item, or ABI_NO_PRIM. */
 uint leaf_item(leaf l, uint slot)
 {
+    if (STORE == ABI_STORE_QUANTISED) {
+        quantised q = quantised_of(l.first, slot);
+        uint prim = quantised_bits(l.first, q.number_at + q.number * slot, q.number);
+        return pick(q.there, prim, ABI_NO_PRIM);
+    }
 #if MUTANT == MUTANT_SLOTS_WRAPPED
     uint at = l.first + (slot & 1u);
 #else
@@ -89,6 +96,10 @@ bool leaf_test(leaf l, uint slot, uint prim, tri_ray r, out vec3 tuv)
         hit = tri_test_run(TRI_TEST, r, block_vertex(l.first, vertices, 0u, slot),
                            block_vertex(l.first, vertices, 1u, slot),
                            block_vertex(l.first, vertices, 2u, slot), tuv);
+    } else if (STORE == ABI_STORE_QUANTISED) {
+        quantised q = quantised_of(l.first, slot);
+        hit = tri_test_run(TRI_TEST, r, quantised_vertex(q, 0u, slot), quantised_vertex(q, 1u, slot),
+                           quantised_vertex(q, 2u, slot), tuv);
     } else if (STORE == ABI_STORE_EDGES) {
         hit = tri_moeller_trumbore_edges(r, store_vec(row, 1u), store_vec(row + 3u, 1u),
                                          store_vec(row + 6u, 1u),

@@ -362,6 +362,10 @@ in_test REFIT_BEYOND ref/layouts/grid.c test_refit
 in_test REFIT_ULP ref/packed_refit.c test_refit
 in_test REFIT_HALF ref/packed_refit.c test_refit
 in_test REFIT_VERTICES_OLD ref/packed_refit.c test_refit
+in_test MOVED_HALVED ref/quantise.c test_quantise
+in_test GRID_BELOW ref/quantise.c test_quantise
+in_test GRID_AXIS ref/store/store_quantised.c test_quantise
+in_shaders GRID_AXIS test_vulkan_stores
 
 
 # The same bugs, each by the hard case that is there for it.

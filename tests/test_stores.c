@@ -1,5 +1,6 @@
 /* Triangle storage: what it holds is the scene's, to the bit, and every answer is `indexed`'s. */
 #include "ref/packed_walk.h"
+#include "ref/quantise.h"
 #include "ref/rng.h"
 #include "ref/trace.h"
 #include "scenes/rays.h"
@@ -18,6 +19,9 @@
 
 /* Nothing shared; closed; the same triangle many times; many without area. */
 static const char *const specs[] = {"soup:n=200", "sphere", "soup:n=60", "soup:n=61"};
+
+/* On a grid, which one storage needs. */
+#define ON_GRID 1u
 
 static struct scene scene_of(size_t which)
 {
@@ -38,6 +42,15 @@ static struct bvh tree_of(const struct scene *scene, uint32_t leaf)
     struct build_options options = {.leaf = leaf, .eps = BUILD_EPS_DEFAULT};
     assert_int_equal(builder_find("median")->build(scene, &options, &bvh, NULL), STATUS_OK);
     return bvh;
+}
+
+static struct scene on_grid(struct scene scene)
+{
+    struct scene out;
+    struct quantised moved;
+    assert_int_equal(scene_quantise(&scene, QUANTISE_BITS_DEFAULT, &out, &moved, NULL), STATUS_OK);
+    scene_free(&scene);
+    return out;
 }
 
 /* Layouts that have their items written by the storage, with boxes that hold what they must. */
@@ -104,7 +117,7 @@ static void every_storage_answers_as_indexed(void **state)
     const struct layout *layout[8];
     size_t count = stored_layouts(layout);
     for (size_t w = 0; w < sizeof specs / sizeof *specs; w++) {
-        struct scene scene = scene_of(w);
+        struct scene scene = w == ON_GRID ? on_grid(scene_of(w)) : scene_of(w);
         struct bvh bvh = tree_of(&scene, 4);
         struct ray ray[RAYS];
         assert_int_equal(ray_sets[0]->make(&scene, 3, RAYS, ray, NULL), STATUS_OK);
@@ -115,6 +128,8 @@ static void every_storage_answers_as_indexed(void **state)
                 fail_msg("%s", reason.text);
             for (size_t s = 0; tri_stores[s]; s++) {
                 struct packed packed;
+                if (tri_stores[s]->head && w != ON_GRID)
+                    continue;
                 if (packed_make_stored(layout[l], tri_stores[s], &bvh, &scene, &packed, &reason) ||
                     packed_check(&packed, &scene, NULL, &reason))
                     fail_msg("%s", reason.text);

@@ -1,6 +1,6 @@
 #include "ref/store/rows.h"
 
-enum status store_rows_measure(const struct tri_store *self, const struct scene *scene,
+enum status store_rows_measure(const struct packed *packed, const struct scene *scene,
                                const uint32_t *prim, uint32_t count, uint64_t *words,
                                struct reason *reason)
 {
@@ -8,7 +8,7 @@ enum status store_rows_measure(const struct tri_store *self, const struct scene 
     *words = (uint64_t)STORE_ROW * count;
     if (scene->tri_count > STORE_ROW_PRIM)
         return fail(reason, STATUS_LIMIT, "storage %s: at most %u triangles, the scene has %u",
-                    self->name, STORE_ROW_PRIM, scene->tri_count);
+                    packed->store->name, STORE_ROW_PRIM, scene->tri_count);
     return STATUS_OK;
 }
 

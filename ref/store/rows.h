@@ -16,7 +16,7 @@ static inline const uint32_t *store_row(const struct packed *packed, uint32_t fi
 }
 
 /* tri_store.measure and .item. */
-enum status store_rows_measure(const struct tri_store *self, const struct scene *scene,
+enum status store_rows_measure(const struct packed *packed, const struct scene *scene,
                                const uint32_t *prim, uint32_t count, uint64_t *words,
                                struct reason *reason);
 uint32_t store_rows_item(const struct packed *packed, uint32_t first, uint32_t slot);

@@ -15,13 +15,19 @@ struct tri_store {
     const char *summary;
     uint32_t id;    /* ABI_STORE_* */
     uint32_t tests; /* a bit 1 << ABI_TRI_* for each triangle test that it can answer; 0: any */
-    /* Words that `count` items of one leaf take, at least 1. Errors: STATUS_LIMIT, with the rule.
-     */
-    enum status (*measure)(const struct tri_store *self, const struct scene *scene,
+    /* What stands before the first leaf: `head_words` words, at packed->item. Errors: STATUS_LIMIT,
+     * with the rule. NULL: nothing. */
+    uint32_t head_words;
+    enum status (*head)(const struct tri_store *self, const struct scene *scene, uint32_t *word,
+                        struct reason *reason);
+    /* Words that `count` items of one leaf take, at least 1; packed->item has the head. Errors:
+     * STATUS_LIMIT, with the rule. */
+    enum status (*measure)(const struct packed *packed, const struct scene *scene,
                            const uint32_t *prim, uint32_t count, uint64_t *words,
                            struct reason *reason);
     /* Writes them to `word`. */
-    void (*write)(const struct scene *scene, const uint32_t *prim, uint32_t count, uint32_t *word);
+    void (*write)(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
+                  uint32_t count, uint32_t *word);
     /* The triangle of item `slot` of the leaf with that `first`, or ABI_NO_PRIM. Like the next two
      * never reads outside the words, whatever `first`, the leaf's first word, and `slot` are. */
     uint32_t (*item)(const struct packed *packed, uint32_t first, uint32_t slot);

@@ -6,8 +6,10 @@
 
 #include <string.h>
 
-static void write(const struct scene *scene, const uint32_t *prim, uint32_t count, uint32_t *word)
+static void write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
+                  uint32_t count, uint32_t *word)
 {
+    (void)packed;
     for (uint32_t i = 0; i < count; i++, word += STORE_ROW) {
         float v[3][3], m[9];
         scene_tri(scene, prim[i], v);

@@ -5,7 +5,7 @@
 #include "ref/layout.h"
 #include "ref/mutant.h"
 
-static enum status measure(const struct tri_store *self, const struct scene *scene,
+static enum status measure(const struct packed *packed, const struct scene *scene,
                            const uint32_t *prim, uint32_t count, uint64_t *words,
                            struct reason *reason)
 {
@@ -15,18 +15,20 @@ static enum status measure(const struct tri_store *self, const struct scene *sce
         return fail(reason, STATUS_LIMIT,
                     "storage %s: a leaf holds at most %u triangles, this tree has one of %u; use "
                     "--leaf %u or less",
-                    self->name, BLOCK_TRIS, count, BLOCK_TRIS);
+                    packed->store->name, BLOCK_TRIS, count, BLOCK_TRIS);
     if (!block_make(scene, prim, count, &block))
         return fail(reason, STATUS_LIMIT,
                     "storage %s: a leaf's triangles have at most %u vertices, those of triangle %u "
                     "and the %u beside it have more; use --leaf %u or less",
-                    self->name, BLOCK_VERTICES, prim[0], count - 1, BLOCK_VERTICES / 3);
+                    packed->store->name, BLOCK_VERTICES, prim[0], count - 1, BLOCK_VERTICES / 3);
     *words = block_words(&block);
     return STATUS_OK;
 }
 
-static void write(const struct scene *scene, const uint32_t *prim, uint32_t count, uint32_t *word)
+static void write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
+                  uint32_t count, uint32_t *word)
 {
+    (void)packed;
     struct block block;
     if (!block_make(scene, prim, count, &block))
         return; /* measure() refused it */

@@ -4,17 +4,19 @@
 
 #include <string.h>
 
-static enum status measure(const struct tri_store *self, const struct scene *scene,
+static enum status measure(const struct packed *packed, const struct scene *scene,
                            const uint32_t *prim, uint32_t count, uint64_t *words,
                            struct reason *reason)
 {
-    (void)self, (void)scene, (void)prim, (void)reason;
+    (void)packed, (void)scene, (void)prim, (void)reason;
     *words = count;
     return STATUS_OK;
 }
 
-static void write(const struct scene *scene, const uint32_t *prim, uint32_t count, uint32_t *word)
+static void write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
+                  uint32_t count, uint32_t *word)
 {
+    (void)packed;
     (void)scene;
     memcpy(word, prim, count * sizeof *prim);
 }

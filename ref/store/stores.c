@@ -6,11 +6,16 @@
 #include <string.h>
 
 extern const struct tri_store tri_store_indexed, tri_store_gathered, tri_store_edges,
-    tri_store_baldwin_webber, tri_store_compact;
+    tri_store_baldwin_webber, tri_store_compact, tri_store_quantised;
 
 const struct tri_store *const tri_stores[] = {
-    &tri_store_indexed,        &tri_store_gathered, &tri_store_edges,
-    &tri_store_baldwin_webber, &tri_store_compact,  NULL,
+    &tri_store_indexed,
+    &tri_store_gathered,
+    &tri_store_edges,
+    &tri_store_baldwin_webber,
+    &tri_store_compact,
+    &tri_store_quantised,
+    NULL,
 };
 _Static_assert(ARRAY_COUNT(tri_stores) - 1 == STORE_FILES, "a ref/store/store_*.c has no entry");
 
@@ -31,25 +36,41 @@ enum status tri_store_check(const struct tri_store *store, uint32_t id, const ch
                 store->name, test);
 }
 
+static enum status make_room(struct packed *out, uint64_t words, struct reason *reason)
+{
+    if (words > UINT32_MAX - out->item_count)
+        return fail(reason, STATUS_LIMIT, "storage %s: at most %u words fit", out->store->name,
+                    UINT32_MAX);
+    void *item = out->item;
+    if (array_reserve(&item, &out->item_room, out->item_count + words, sizeof *out->item))
+        return fail(reason, STATUS_MEMORY, "storage %s: no memory for %llu bytes", out->store->name,
+                    4 * (out->item_count + (unsigned long long)words));
+    out->item = item;
+    return STATUS_OK;
+}
+
 enum status store_put(const struct scene *scene, const uint32_t *prim, uint32_t count,
                       struct packed *out, uint32_t *first, struct reason *reason)
 {
     const struct tri_store *store = out->store;
     uint64_t words;
-    enum status status = store->measure(store, scene, prim, count, &words, reason);
+    enum status status = STATUS_OK;
+    if (out->item_count == 0 && store->head) {
+        status = make_room(out, store->head_words, reason);
+        if (!status)
+            status = store->head(store, scene, out->item, reason);
+        if (!status)
+            out->item_count = store->head_words;
+    }
+    if (!status)
+        status = store->measure(out, scene, prim, count, &words, reason);
+    if (!status)
+        status = make_room(out, words, reason);
     if (status)
         return status;
-    if (words > UINT32_MAX - out->item_count)
-        return fail(reason, STATUS_LIMIT, "storage %s: at most %u words fit", store->name,
-                    UINT32_MAX);
-    void *item = out->item;
-    if (array_reserve(&item, &out->item_room, out->item_count + words, sizeof *out->item))
-        return fail(reason, STATUS_MEMORY, "storage %s: no memory for %llu bytes", store->name,
-                    4 * (out->item_count + (unsigned long long)words));
-    out->item = item;
     *first = out->item_count;
     out->item_count += (uint32_t)words;
-    store->write(scene, prim, count, out->item + *first);
+    store->write(out, scene, prim, count, out->item + *first);
 #if MUTANT == MUTANT_ITEMS_UNSORTED
     for (uint32_t i = 0; i < count && store->id == ABI_STORE_INDEXED; i++)
         out->item[*first + i] = *first + i;

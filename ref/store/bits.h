@@ -1,0 +1,35 @@
+/* Numbers of any width below 32 in words, the lowest bit first. */
+#ifndef BITS_H
+#define BITS_H
+
+#include <stdint.h>
+
+/* `word` has the bits up to at + width. */
+static inline uint32_t bits_get(const uint32_t *word, uint32_t at, uint32_t width)
+{
+    const uint32_t *from = word + at / 32, shift = at % 32;
+    uint32_t value = from[0] >> shift;
+    if (shift + width > 32)
+        value |= from[1] << (32 - shift);
+    return value & ((1u << width) - 1);
+}
+
+/* The bits were 0. */
+static inline void bits_put(uint32_t *word, uint32_t at, uint32_t width, uint32_t value)
+{
+    uint32_t *to = word + at / 32, shift = at % 32;
+    to[0] |= value << shift;
+    if (shift + width > 32)
+        to[1] |= value >> (32 - shift);
+}
+
+/* Of the smallest number that holds it. */
+static inline uint32_t bits_of(uint32_t value)
+{
+    uint32_t width = 0;
+    while (value >> width)
+        width++;
+    return width;
+}
+
+#endif

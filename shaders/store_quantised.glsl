@@ -1,0 +1,69 @@
+/* Storage `quantised`, the same as ref/store/store_quantised.c: blocks of codes on a grid. For
+ * store.glsl, after store_word. */
+#ifndef STORE_QUANTISED_GLSL
+#define STORE_QUANTISED_GLSL
+
+struct quantised {
+    uint first;
+    uint tris, vertices;
+    uint code, number; /* widths */
+    uvec3 width;
+    uint corner_at, number_at, vertex_at;
+    bool there; /* all of it lies in the words, and the slot in it */
+};
+
+uint quantised_bits(uint first, uint at, uint width)
+{
+    uint word = first + (at >> 5), shift = at & 31u;
+    uint low = store_word(word) >> shift;
+    uint high = store_word(word + 1u) << ((32u - shift) & 31u);
+    return (low | pick(shift + width > 32u, high, 0u)) & ((1u << width) - 1u);
+}
+
+quantised quantised_of(uint first, uint slot)
+{
+    quantised q;
+    uint sizes = store_word(first), widths = store_word(4u);
+    q.first = first;
+    q.tris = (sizes & 7u) + 1u;
+    q.vertices = ((sizes >> 3) & 15u) + 1u;
+    q.width = uvec3(sizes >> 7, sizes >> 12, sizes >> 17) & 31u;
+#if MUTANT == MUTANT_GRID_AXIS
+    q.width.z = q.width.y;
+#endif
+    q.code = widths & 31u;
+    q.number = (widths >> 5) & 31u;
+    q.corner_at = 22u + 3u * q.code;
+    q.number_at = q.corner_at + 12u * q.tris;
+    q.vertex_at = q.number_at + q.number * q.tris;
+    uint end = q.vertex_at + (q.width.x + q.width.y + q.width.z) * q.vertices;
+    bool inside = both(first < job.item_count, ((end + 31u) >> 5) <= job.item_count - first);
+    q.there = both(both(job.item_count >= 5u, slot < q.tris), inside);
+    return q;
+}
+
+/* 25 bits with a sign, which floats have exactly. */
+float quantised_decode(uint n, uint exponent)
+{
+    int whole = int((n & 0x1FFFFFFu) ^ 0x1000000u) - 0x1000000;
+    precise float x = float(whole) * uintBitsToFloat(exponent << 23);
+    return x;
+}
+
+vec3 quantised_vertex(quantised q, uint corner, uint slot)
+{
+    uint vertex = quantised_bits(q.first, q.corner_at + 12u * slot + 4u * corner, 4u);
+    uint at = q.vertex_at +
+              (q.width.x + q.width.y + q.width.z) * pick(vertex < q.vertices, vertex, 0u);
+    uvec3 n = uvec3(quantised_bits(q.first, 22u, q.code) + quantised_bits(q.first, at, q.width.x),
+                    quantised_bits(q.first, 22u + q.code, q.code) +
+                        quantised_bits(q.first, at + q.width.x, q.width.y),
+                    quantised_bits(q.first, 22u + 2u * q.code, q.code) +
+                        quantised_bits(q.first, at + q.width.x + q.width.y, q.width.z));
+    uint steps = store_word(3u);
+    return vec3(quantised_decode(store_word(0u) + n.x, steps & 255u),
+                quantised_decode(store_word(1u) + n.y, (steps >> 8) & 255u),
+                quantised_decode(store_word(2u) + n.z, (steps >> 16) & 255u));
+}
+
+#endif

@@ -1,0 +1,238 @@
+/* Quantised scenes: how far vertices move is what was certified, what is stored is what was
+ * decoded, and closed meshes stay closed. */
+#include "ref/quantise.h"
+#include "ref/refit.h"
+#include "ref/trace.h"
+#include "scenes/rays.h"
+#include "scenes/scenes.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define RAYS 400u
+
+static const char *const specs[] = {"soup:n=300", "sphere", "soup:n=200,offset=10000"};
+#define SPECS (sizeof specs / sizeof *specs)
+
+static struct scene scene_of(const char *spec)
+{
+    struct scene scene;
+    struct reason reason = {""};
+    if (scene_open(spec, 3, &scene, &reason))
+        fail_msg("%s", reason.text);
+    return scene;
+}
+
+static struct scene decoded_of(const struct scene *scene, uint32_t bits, struct quantised *q)
+{
+    struct scene out;
+    struct reason reason = {""};
+    if (scene_quantise(scene, bits, &out, q, &reason))
+        fail_msg("%s", reason.text);
+    return out;
+}
+
+/* No vertex moved more than half a step or farther than said, and one did move that far. In long
+ * double: 64 bits hold the differences and their squares. */
+static void assert_moved(const struct scene *from, const struct scene *to,
+                         const struct quantised *q)
+{
+    long double moved[3] = {0}, farthest = 0;
+    for (uint32_t i = 0; i < from->vertex_count; i++) {
+        long double square = 0;
+        for (size_t k = 0; k < 3; k++) {
+            long double x = from->vertex[3 * i + k], y = to->vertex[3 * i + k];
+            long double n = y / q->grid.step[k] - q->grid.lo[k];
+            assert_true(n == floorl(n) && n >= 0 && n < (1u << q->grid.bits));
+            assert_true(fabsl(x - y) <= q->grid.step[k] / 2.0L);
+            moved[k] = fmaxl(moved[k], fabsl(x - y));
+            square += (x - y) * (x - y);
+        }
+        farthest = fmaxl(farthest, sqrtl(square));
+    }
+    for (int k = 0; k < 3; k++)
+        assert_true(moved[k] == (long double)q->moved[k]);
+    assert_true((long double)q->distance >= farthest);
+    assert_true((long double)q->distance <= farthest * (1 + 0x1p-49L));
+}
+
+static void what_moved_is_certified(void **state)
+{
+    (void)state;
+    for (size_t s = 0; s < SPECS; s++) {
+        struct scene scene = scene_of(specs[s]);
+        double before = INFINITY;
+        for (uint32_t bits = QUANTISE_BITS_LEAST; bits <= QUANTISE_BITS_MOST; bits++) {
+            struct quantised q, again;
+            struct scene decoded = decoded_of(&scene, bits, &q), twice;
+            assert_moved(&scene, &decoded, &q);
+            assert_true(q.distance <= before);
+            assert_memory_equal(decoded.index, scene.index,
+                                3 * (size_t)scene.tri_count * sizeof *scene.index);
+            before = q.distance;
+            twice = decoded_of(&decoded, bits, &again);
+            assert_memory_equal(twice.vertex, decoded.vertex,
+                                3 * (size_t)scene.vertex_count * sizeof *scene.vertex);
+            assert_true(again.distance == 0.0);
+            scene_free(&twice);
+            scene_free(&decoded);
+        }
+        scene_free(&scene);
+    }
+}
+
+/* Every item of every leaf has the decoded scene's vertices, and every answer is `indexed`'s. */
+static void what_is_stored_is_what_was_decoded(void **state)
+{
+    (void)state;
+    static const uint32_t bits[] = {8, 13, 16, 21};
+    for (size_t n = 0; n < SPECS * 4; n++) {
+        struct scene scene = scene_of(specs[n / 4]);
+        struct quantised q;
+        struct scene decoded = decoded_of(&scene, bits[n % 4], &q);
+        struct build_options options = {.leaf = 5, .eps = BUILD_EPS_DEFAULT};
+        struct bvh bvh;
+        struct packed packed, base;
+        struct packed_faults faults;
+        struct reason reason = {""};
+        struct ray ray[RAYS];
+        assert_int_equal(builder_find("median")->build(&decoded, &options, &bvh, NULL), STATUS_OK);
+        assert_int_equal(ray_sets[0]->make(&scene, 3, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(packed_make(layouts[0], &bvh, &decoded, &base, NULL), STATUS_OK);
+        if (packed_make_stored(layouts[0], tri_store_find("quantised"), &bvh, &decoded, &packed,
+                               &reason) ||
+            packed_check(&packed, &decoded, &faults, &reason))
+            fail_msg("%s, %u bits: %s", specs[n / 4], bits[n % 4], reason.text);
+        for (size_t i = 0; i < RAYS; i++) {
+            struct hit got, want;
+            const struct tri_test *test = tri_tests[i % 3];
+            assert_int_equal(
+                trace_ray(&base, &decoded, box_tests[0], test, QUERY_CLOSEST, &ray[i], &want, NULL),
+                STATUS_OK);
+            assert_int_equal(trace_ray(&packed, &decoded, box_tests[0], test, QUERY_CLOSEST,
+                                       &ray[i], &got, NULL),
+                             STATUS_OK);
+            assert_memory_equal(&got, &want, sizeof got);
+        }
+        assert_int_equal(packed_refit(&packed, &scene, &reason), STATUS_LIMIT);
+        assert_string_equal(reason.text, "rebuild: storage quantised is of one scene's grid");
+        packed_free(&packed);
+        packed_free(&base);
+        bvh_free(&bvh);
+        scene_free(&decoded);
+        scene_free(&scene);
+    }
+}
+
+/* Rays from the middle of a closed mesh: none leaves it, at any number of bits. */
+static void a_closed_mesh_stays_closed(void **state)
+{
+    (void)state;
+    struct scene scene = scene_of("sphere");
+    for (uint32_t bits = QUANTISE_BITS_LEAST; bits <= QUANTISE_BITS_MOST; bits += 4) {
+        struct quantised q;
+        struct scene decoded = decoded_of(&scene, bits, &q);
+        size_t leaks = 0;
+        const struct box middle = scene_bounds(&decoded);
+        assert_int_equal(q.flat, 0);
+        for (uint32_t i = 0; i < 3 * decoded.tri_count; i++) {
+            const float *at = decoded.vertex + 3 * (size_t)decoded.index[i],
+                        *to = decoded.vertex + 3 * (size_t)decoded.index[i - i % 3 + (i + 1) % 3];
+            struct ray ray = {.tmax = INFINITY};
+            struct hit hit;
+            for (int k = 0; k < 3; k++) {
+                ray.org[k] = 0.5f * (middle.lo[k] + middle.hi[k]);
+                ray.dir[k] = (i % 2 ? at[k] : 0.5f * (at[k] + to[k])) - ray.org[k];
+            }
+            trace_brute(&decoded, tri_test_find("woop"), QUERY_CLOSEST, &ray, &hit);
+            leaks += hit.prim == ABI_NO_PRIM;
+        }
+        assert_int_equal(leaks, 0);
+        scene_free(&decoded);
+    }
+    scene_free(&scene);
+}
+
+static void expect(enum status want, const struct scene *scene, uint32_t bits, const char *text)
+{
+    struct scene out;
+    struct quantised q;
+    struct reason reason = {""};
+    assert_int_equal(scene_quantise(scene, bits, &out, &q, &reason), want);
+    if (!strstr(reason.text, text))
+        fail_msg("'%s' has no '%s'", reason.text, text);
+    assert_null(out.vertex);
+}
+
+static void what_has_no_grid_is_refused(void **state)
+{
+    (void)state;
+    struct scene scene = scene_of("soup:n=20");
+    struct build_options options = {.leaf = 4, .eps = BUILD_EPS_DEFAULT};
+    struct bvh bvh;
+    struct packed packed;
+    struct reason reason = {""};
+    expect(STATUS_INPUT, &scene, 7, "7 bits");
+    expect(STATUS_INPUT, &scene, 22, "22 bits");
+    assert_int_equal(builder_find("median")->build(&scene, &options, &bvh, NULL), STATUS_OK);
+    assert_int_equal(
+        packed_make_stored(layouts[0], tri_store_find("quantised"), &bvh, &scene, &packed, &reason),
+        STATUS_LIMIT);
+    assert_non_null(strstr(reason.text, "storage quantised: the scene's x coordinates"));
+    assert_null(packed.item);
+    bvh_free(&bvh);
+    scene.vertex[4] = FLT_MAX;
+    expect(STATUS_LIMIT, &scene, 16, "vertex 1: 0x1.fffffep+127 is above half");
+    scene.vertex[4] = INFINITY;
+    expect(STATUS_INPUT, &scene, 16, "vertex 1 is not finite");
+    scene_free(&scene);
+}
+
+/* Subnormals and the largest numbers, all in one place, and triangles that fold to a line. */
+static void hard_scenes_are_quantised(void **state)
+{
+    (void)state;
+    static const float sets[][3] = {{0x1p-149f, 0x1.8p-130f, -0x1p-126f},
+                                    {FLT_MAX / 2, -FLT_MAX / 2, 0x1p-149f},
+                                    {0x1.000002p20f, 0x1.000004p20f, 0x1.000006p20f},
+                                    {-0.0f, -0x1p-149f, 0.0f},
+                                    {-3.0f, -3.0f, -3.0f}};
+    for (size_t s = 0; s < sizeof sets / sizeof *sets; s++)
+        for (uint32_t bits = QUANTISE_BITS_LEAST; bits <= QUANTISE_BITS_MOST; bits++) {
+            struct scene scene;
+            struct quantised q;
+            struct grid grid;
+            assert_int_equal(scene_make(3, 1, &scene), STATUS_OK);
+            for (uint32_t i = 0; i < 9; i++)
+                scene.vertex[i] = sets[s][(i + i / 3) % 3];
+            for (uint32_t i = 0; i < 3; i++)
+                scene.index[i] = i;
+            struct scene decoded = decoded_of(&scene, bits, &q);
+            assert_moved(&scene, &decoded, &q);
+            assert_int_equal(grid_of_scene(&decoded, &grid, NULL), STATUS_OK);
+            assert_true(grid.bits <= bits);
+            if (s == 4 || s == 3)
+                assert_int_equal(q.flat, 1);
+            scene_free(&decoded);
+            scene_free(&scene);
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_moved_is_certified),
+        cmocka_unit_test(what_is_stored_is_what_was_decoded),
+        cmocka_unit_test(a_closed_mesh_stays_closed),
+        cmocka_unit_test(what_has_no_grid_is_refused),
+        cmocka_unit_test(hard_scenes_are_quantised),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
