@@ -58,6 +58,9 @@ void ci_junit_discard(struct ci_junit *junit); /* a zero or closed one is fine *
 /* TAP. Version 13, which all readers of version 14 take, and prove of Perl 5.36 takes no later one;
  * '#' in a name is escaped as version 14 wants it. */
 void ci_tap_head(FILE *to, size_t cases);
+/* The head in two parts, where the number of cases is known behind the last one only. */
+void ci_tap_version(FILE *to);
+void ci_tap_plan(FILE *to, size_t cases);
 void ci_tap_case(FILE *to, size_t number, const struct ci_case *one); /* numbers begin at 1 */
 
 #endif

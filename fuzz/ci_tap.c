@@ -4,7 +4,18 @@
 
 void ci_tap_head(FILE *to, size_t cases)
 {
-    fprintf(to, "TAP version 13\n1..%zu\n", cases);
+    ci_tap_version(to);
+    ci_tap_plan(to, cases);
+}
+
+void ci_tap_version(FILE *to)
+{
+    fputs("TAP version 13\n", to);
+}
+
+void ci_tap_plan(FILE *to, size_t cases)
+{
+    fprintf(to, "1..%zu\n", cases);
 }
 
 /* A literal block, which YAML and prove read alike: its lines are not empty and begin at one

@@ -153,14 +153,15 @@ static enum status take_option(void *user, int option, char *text, struct reason
     return STATUS_OK;
 }
 
-/* Runs all trials of the suite into the report; ran[i] is whether trial i came to be judged. */
-static void run_suite(const struct conform_options *o, const struct suite *suite,
+/* Runs the trials of the suite from `first` on into the report; ran[i] is whether trial i came to
+ * be judged. */
+static void run_suite(const struct conform_options *o, const struct suite *suite, size_t first,
                       struct conform_report *report, bool *ran)
 {
     struct stage stage = {
         .pool = {.options = o->engines}, .ray_count = (size_t)o->count, .brute_budget = o->brute};
     struct progress progress = progress_make("conform");
-    for (size_t i = 0; i < suite->count; i++) {
+    for (size_t i = first; i < suite->count; i++) {
         char name[TRIAL_NAME_MOST];
         struct row row;
         struct reason reason = {""};
@@ -189,35 +190,49 @@ static int list_suite(const struct suite *suite)
     return EXIT_AGREE;
 }
 
-static void print_pairs(const struct suite *suite, const bool *ran, FILE *to)
+/* Pairs that met only where nothing ran meet once more, where the rest runs with most; what then is
+ * left cannot meet. */
+static enum status fill_and_print(const struct conform_options *o, struct suite *suite,
+                                  struct conform_report *report, bool **ran)
 {
     char example[160];
-    size_t pairs, unmet;
-    if (suite->kind != SUITE_COVERING ||
-        suite_pairs(suite, ran, &pairs, &unmet, example, sizeof example))
-        return;
-    fprintf(
-        to,
-        "%zu pairs of members met, %zu of them only in trials that were refused or skipped%s%s\n",
-        pairs, unmet, unmet ? ": " : "", example);
+    size_t pairs, unmet, first = suite->count;
+    struct suite more = {.kind = SUITE_COVERING};
+    enum status status = suite_pairs(suite, *ran, &pairs, &unmet, example, sizeof example, &more);
+    if (!status)
+        status = suite_append(suite, ran, &more);
+    suite_free(&more);
+    if (status)
+        return status;
+    run_suite(o, suite, first, report, *ran);
+    status = suite_pairs(suite, *ran, &pairs, &unmet, example, sizeof example, NULL);
+    if (!status)
+        fprintf(o->tap ? stderr : stdout,
+                "%zu pairs of members met, %zu of them only in trials that were refused or "
+                "skipped%s%s\n",
+                pairs, unmet, unmet ? ": " : "", example);
+    return status;
 }
 
-static int run_and_report(const struct conform_options *o, const struct suite *suite,
+static int run_and_report(const struct conform_options *o, struct suite *suite,
                           struct reason *reason)
 {
     struct conform_report report;
+    bool covering = suite->kind == SUITE_COVERING;
     bool whole = suite->kind != SUITE_PATTERN && o->list[TABLE_ENGINES].count == 0;
     bool *ran = alloc_zeroed(suite->count, sizeof *ran);
     enum status status =
-        ran ? conform_report_open(&report, suite->count, whole, o->waivers, o->junit, reason)
+        ran ? conform_report_open(&report, covering ? 0 : suite->count, whole, o->waivers, o->junit,
+                                  reason)
             : fail(reason, STATUS_MEMORY, "no memory for %zu trials", suite->count);
     int code = exit_of_status(status);
     if (!status) {
         report.verbose = o->verbose;
         report.tap = o->tap;
         report.options = o->engines;
-        run_suite(o, suite, &report, ran);
-        print_pairs(suite, ran, o->tap ? stderr : stdout);
+        run_suite(o, suite, 0, &report, ran);
+        if (covering && fill_and_print(o, suite, &report, &ran))
+            fprintf(stderr, "raydiff conform: no memory to count pairs\n");
         code = conform_report_close(&report);
     } else {
         fprintf(stderr, "raydiff conform: %s\n", reason->text);

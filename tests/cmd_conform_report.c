@@ -57,8 +57,10 @@ static void print_entry(const struct conform_report *report, const struct ci_cas
     static const char *const words[OUTCOME_COUNT] = {"SKIPPED", "REFUSED", "PASSED",
                                                      "KNOWN",   "WAIVED",  "FAILED"};
     if (report->tap) {
-        if (report->done == 1)
+        if (report->done == 1 && report->expected > 0)
             ci_tap_head(stdout, report->expected);
+        else if (report->done == 1)
+            ci_tap_version(stdout);
         ci_tap_case(stdout, report->done, one);
     } else if (outcome == OUTCOME_FAILED || report->verbose ||
                (outcome == OUTCOME_WAIVED && !report->quiet)) {
@@ -223,6 +225,8 @@ int conform_report_close(struct conform_report *report)
         report->code = EXIT_SKIPPED;
     if (!report->tap)
         print_sums(report);
+    else if (report->expected == 0)
+        ci_tap_plan(stdout, report->done);
     waivers_free(&report->waivers);
     return report->code;
 }

@@ -9,7 +9,7 @@
 #include "fuzz/waivers.h"
 
 struct conform_report {
-    size_t expected, done;
+    size_t expected /* 0: not known before the end */, done;
     size_t outcomes[OUTCOME_COUNT];
     size_t rays, count[VERDICT_COUNT];
     size_t excused; /* rays of hard cases whose failure is waived or known, not in `rays` */

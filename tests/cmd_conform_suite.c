@@ -286,19 +286,39 @@ static size_t put_pairs(const struct trial *trial, bool ran, struct met *met)
     return count;
 }
 
+static size_t index_of(enum table table, const char *name)
+{
+    size_t i = 0;
+    const char *one;
+    while ((one = table_member(table, i, NULL)) && strcmp(one, name) != 0)
+        i++;
+    return i;
+}
+
+/* The pair among the first members of all other tables. */
+static enum status add_pair(const struct met *met, struct suite *more)
+{
+    struct choice choice = {{0}};
+    choice.index[TABLE_ENGINES] = index_of(TABLE_ENGINES, "cpu");
+    choice.index[met->a] = index_of(met->a, met->name[0]);
+    choice.index[met->b] = index_of(met->b, met->name[1]);
+    struct trial trial = trial_of(&choice);
+    return add(more, &trial);
+}
+
 enum status suite_pairs(const struct suite *suite, const bool *ran, size_t *pairs, size_t *unmet,
-                        char *example, size_t example_bytes)
+                        char *example, size_t example_bytes, struct suite *more)
 {
     size_t each = TABLE_COUNT * (TABLE_COUNT - 1) / 2, count = 0;
     struct met *met = alloc_zeroed(suite->count * each, sizeof *met);
+    enum status status = met ? STATUS_OK : STATUS_MEMORY;
     *pairs = *unmet = 0;
     example[0] = '\0';
-    if (!met)
-        return STATUS_MEMORY;
-    for (size_t i = 0; i < suite->count; i++)
+    for (size_t i = 0; i < suite->count && met; i++)
         count += put_pairs(&suite->trial[i], ran[i], met + count);
-    qsort(met, count, sizeof *met, by_pair);
-    for (size_t i = 0; i < count; i++) {
+    if (met)
+        qsort(met, count, sizeof *met, by_pair);
+    for (size_t i = 0; i < count && !status; i++) {
         bool same = i > 0 && met[i].a == met[i - 1].a && met[i].b == met[i - 1].b &&
                     strcmp(met[i].name[0], met[i - 1].name[0]) == 0 &&
                     strcmp(met[i].name[1], met[i - 1].name[1]) == 0;
@@ -307,8 +327,32 @@ enum status suite_pairs(const struct suite *suite, const bool *ran, size_t *pair
             continue;
         if ((*unmet)++ == 0)
             snprintf(example, example_bytes, "%s with %s", met[i].name[0], met[i].name[1]);
+        if (more)
+            status = add_pair(&met[i], more);
     }
     free(met);
+    if (more && !status)
+        qsort(more->trial, more->count, sizeof *more->trial, by_stage);
+    return status;
+}
+
+enum status suite_append(struct suite *suite, bool **ran, const struct suite *more)
+{
+    bool *all = alloc_zeroed(suite->count + more->count, sizeof *all);
+    void *trials = suite->trial;
+    enum status status = all ? array_reserve(&trials, &suite->capacity, suite->count + more->count,
+                                             sizeof *suite->trial)
+                             : STATUS_MEMORY;
+    suite->trial = trials;
+    if (status) {
+        free(all);
+        return status;
+    }
+    memcpy(all, *ran, suite->count * sizeof *all);
+    memcpy(suite->trial + suite->count, more->trial, more->count * sizeof *more->trial);
+    suite->count += more->count;
+    free(*ran);
+    *ran = all;
     return STATUS_OK;
 }
 

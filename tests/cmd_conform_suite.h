@@ -26,9 +26,16 @@ struct suite {
 enum status suite_make(struct suite *suite, struct reason *reason) MUST_USE;
 
 /* Counts the pairs of members of trials, and those of them that met only in trials that did not
- * run; ran[i] is of suite->trial[i]. `example` gets two such members. Errors: STATUS_MEMORY. */
+ * run; ran[i] is of suite->trial[i]. `example` gets two such members. For each of those pairs
+ * `more`, unless it is NULL, gets a trial in which the other members are the first of their tables,
+ * that run with most; free it. Errors: STATUS_MEMORY. */
 enum status suite_pairs(const struct suite *suite, const bool *ran, size_t *pairs, size_t *unmet,
-                        char *example, size_t example_bytes) MUST_USE;
+                        char *example, size_t example_bytes, struct suite *more) MUST_USE;
+
+/* Appends the trials of `more`, and their entries to *ran, which is replaced. Errors:
+ * STATUS_MEMORY.
+ */
+enum status suite_append(struct suite *suite, bool **ran, const struct suite *more) MUST_USE;
 
 void suite_free(struct suite *suite);
 
