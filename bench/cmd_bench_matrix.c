@@ -12,7 +12,7 @@
 #include <string.h>
 
 #define OWN_RAYS     65536
-#define OWN_RAYS_GPU 16384
+#define OWN_RAYS_GPU 8192
 #define FEW          8 /* engine cpu traces every eighth ray */
 #define GROUP        8 /* GPU contestants at a time: each holds a device */
 
@@ -286,9 +286,11 @@ static int run(struct bench *bench)
     static const char *const own[] = {"scenes/fetched/dragon-11k.ply.gz",
                                       "scenes/fetched/dragon-203k.ply.gz",
                                       "scenes/fetched/dragon-871k.ply.gz", NULL};
+    static const char *const own_gpu[] = {"scenes/fetched/dragon-11k.ply.gz",
+                                          "scenes/fetched/dragon-203k.ply.gz", NULL};
     static const char *const made[] = {"terrain:k=6", "terrain:k=8", "terrain:k=9", NULL};
     const char *spec[BENCH_SCENES];
-    size_t count = bench_scenes(bench, own, spec);
+    size_t count = bench_scenes(bench, matrix_is_gpu(bench) ? own_gpu : own, spec);
     int code = EXIT_AGREE;
     if (count == 0)
         count = bench_scenes(bench, made, spec);

@@ -93,6 +93,9 @@ struct matrix {
 enum status matrix_entries_make(const struct bench *bench, struct matrix_entries *out,
                                 struct reason *reason) MUST_USE;
 
+/* True if the user named engines of the GPU alone. */
+bool matrix_is_gpu(const struct bench *bench);
+
 /* True if its speed is compared with the layout f32 of the same engine, not with Embree. */
 bool matrix_entry_is_gpu(const struct matrix_entry *entry);
 

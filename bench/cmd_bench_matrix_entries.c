@@ -115,25 +115,33 @@ static enum status add_layouts(const struct bench *bench, const struct engine *e
     return status;
 }
 
+bool matrix_is_gpu(const struct bench *bench)
+{
+    const struct list *list = &bench->engine;
+    bool gpu = list->count > 0;
+    for (size_t i = 0; i < list->count; i++)
+        gpu = gpu && strncmp(engines[list->index[i]]->name, "vulkan", 6) == 0;
+    return gpu;
+}
+
 enum status matrix_entries_make(const struct bench *bench, struct matrix_entries *out,
                                 struct reason *reason)
 {
     const struct list *list = &bench->engine;
-    bool gpu = list->count > 0; /* alone */
     enum status status = STATUS_OK;
     out->count = 0;
     if (list->count == 0 && bench->layout.count == 0)
         return add_own(out, reason);
-    for (size_t i = 0; i < list->count; i++)
-        gpu = gpu && strncmp(engines[list->index[i]]->name, "vulkan", 6) == 0;
     const struct matrix_entry embree = {.engine = engine_of("embree")};
-    if (!gpu)
+    if (!matrix_is_gpu(bench))
         status = add(out, &embree, reason);
     if (list->count == 0 && !status)
         status = add_layouts(bench, engine_find("cpu"), out, reason);
     for (size_t i = 0; i < list->count && !status; i++) {
         const struct engine *engine = engines[list->index[i]];
         const struct matrix_entry entry = {.engine = engine};
+        if (engine->brute)
+            return fail(reason, STATUS_INPUT, "--engine %s: tests every triangle", engine->name);
         if (engine->needs_packed)
             status = add_layouts(bench, engine, out, reason);
         else if (engine != embree.engine)

@@ -194,10 +194,9 @@ enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
     }
     if (strcmp(c->engine->name, "fast") == 0)
         return watch_fast(matrix, c, row, reason);
-    const struct tri_store *store = c->packed.store;
     row->node_bytes = packed_node_bytes(&c->packed);
     row->item_bytes = packed_item_bytes(&c->packed);
-    if (!store->tri && !store->test)
+    if (tri_store_reads_scene(c->packed.store))
         row->scene_bytes =
             matrix_entry_is_gpu(row->entry)
                 ? 36 * (uint64_t)matrix->scene.tri_count

@@ -167,10 +167,11 @@ enum status touch_make(const struct packed *packed, const struct scene *scene, b
         out->layout.item = layout_item;
         return STATUS_OK;
     }
+    out->store.id = UINT32_MAX; /* of `indexed` the traversal knows the items without asking */
     out->store.item = store_item;
     out->store.tri = out->store.tri ? store_tri : NULL;
     out->store.test = out->store.test ? store_test : NULL;
-    return out->store.tri || out->store.test ? find_leaves(out, reason) : STATUS_OK;
+    return tri_store_reads_scene(packed->store) ? STATUS_OK : find_leaves(out, reason);
 }
 
 enum status touch_ray(struct touch *touch, const struct job *job, const struct ray *ray,

@@ -48,6 +48,15 @@ expect 0 'met, [1-9][0-9]* of them only in trials that were refused or skipped: 
 expect 2 "unknown benchmark 'x'" bench x
 expect 0 "shadow *fast" bench fast --scene sphere:n=4 --rounds 1 --count 500
 expect 2 "no triangles" bench fast --scene soup:n=0 --rounds 1 --count 500
+expect 0 "worth using, nothing lost: fast .*(fastest)" bench matrix --scene sphere:n=4 --rounds 1 --count 500 --threads 1 \
+    --csv "$dir/m.csv" --json "$dir/m.json" --svg "$dir/m.svg"
+[ "$(grep -c '^matrix,sphere:n=4,' "$dir/m.csv")" -ge 10 ] || bad "bench matrix --csv has a row per contestant"
+[ "$(grep -c '"prim_beyond_l2"' "$dir/m.json")" -ge 10 ] || bad "bench matrix --json has a row per contestant"
+[ "$(grep -c 'bytes per triangle' "$dir/m.svg")" -eq 1 ] || bad "bench matrix --svg has no panel"
+expect 0 "^  cpu rf16  *[0-9.]* " bench matrix --scene sphere:n=4 --rounds 1 --count 64 --engine cpu --layout rf16 --threads 1
+expect 2 "tests every triangle" bench matrix --scene sphere:n=4 --engine brute
+expect 2 "no triangles" bench matrix --scene soup:n=0 --rounds 1 --count 64
+expect 2 "no-such" bench matrix --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine cpu --layout f32 --svg "$dir/no-such/x.svg"
 expect 0 . bench builders --scene sphere:n=4 --rounds 1 --csv -
 [ "$(grep -c '^builders,sphere:n=4,' "$dir/out")" -ge 2 ] || bad "bench builders --csv has a row per builder"
 expect 2 "cannot both be '-'" bench oracle --csv - --json -

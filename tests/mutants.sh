@@ -315,6 +315,11 @@ in_test BLOCK_CORNER ref/fast/block.c test_fast
 in_test CODE_NEAREST ref/fast/fast.c test_fast
 in_test FAST_UNPADDED ref/fast/kernel_portable.c test_fast
 in_test FAST_CONTRACTED ref/fast/kernel_avx2.c test_fast
+in_test CACHE_FIFO bench/cache_sim.c test_cache_sim
+in_test FRONT_OF_TWO bench/pareto.c test_pareto
+in_test TOUCH_ONCE bench/touch.c test_touch
+in_test PACKET_LANE ref/engines/engine_embree.c test_embree
+in_test SHADOW_BEHIND_HIT bench/shadow_rays.c test_touch
 in_program EDGE_TURNED ref/trace.c check soup --tri pluecker --layout f32 --engine cpu --count 2000 --repeat 1
 in_program BACK_LOST ref/trace.c check soup --tri pluecker --layout f32 --engine cpu --count 2000 --repeat 1
 in_program T_HALVED ref/trace.c check soup --tri pluecker --layout f32 --engine cpu --count 2000 --repeat 1
