@@ -3,6 +3,7 @@
 
 #include "ref/cmd_tree.h"
 #include "ref/command.h"
+#include "scenes/move.h"
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
 
@@ -22,6 +23,9 @@ static const char help[] =
     "  --leaf N        items per leaf, 1 or more                                 [4]\n"
     "  --eps E         builder rtrs: smallest box that is split                  "
     "[0.02]\n" BUILD_OPTIONS_HELP TREE_OPTION_HELP
+    "  --move AMOUNT   moves vertices after packing by up to so many extents of the scene, from "
+    "the\n"
+    "                  seed, and refits the packed trees to where they are       [0]\n"
     "  --box B,..      box tests                                                 [robust]\n"
     "  --tri T,..      triangle tests                                            [mt]\n"
     "  --query Q,..    closest, any, all (every triangle along the ray)          [closest]\n"
@@ -36,7 +40,8 @@ static const char help[] =
     "plane,\n"
     "slab, noise, out of contract: README, \"Allowed differences\"), the largest error over its\n"
     "proven bound, what is WRONG, and bits that differ from engine cpu.\n"
-    "A named layout that refuses the scene exits with 2, a named engine that cannot run with 77.\n"
+    "A named layout that refuses the scene, or is to be built anew after a motion, exits with 2, a "
+    "named engine that cannot run with 77.\n"
     "exit codes: 0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped\n"
     "example: raydiff check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices\n";
 
@@ -47,6 +52,7 @@ struct check_options {
     size_t rays;
     uint64_t count, seed, repeats, brute, brute_rays;
     struct engine_options engines;
+    float move;
     const char *json;
     const char *bvh;        /* of --bvh, or NULL */
     const char *build_flag; /* the last option given that says how to build, or NULL */
@@ -59,6 +65,7 @@ enum {
     OPT_BUILDER,
     OPT_LEAF,
     OPT_EPS,
+    OPT_MOVE,
     OPT_BOX,
     OPT_TRI,
     OPT_QUERY,
@@ -77,6 +84,7 @@ static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
                                              {"builder", 1, NULL, OPT_BUILDER},
                                              {"leaf", 1, NULL, OPT_LEAF},
                                              {"eps", 1, NULL, OPT_EPS},
+                                             {"move", 1, NULL, OPT_MOVE},
                                              {"box", 1, NULL, OPT_BOX},
                                              {"tri", 1, NULL, OPT_TRI},
                                              {"query", 1, NULL, OPT_QUERY},
@@ -151,6 +159,14 @@ static enum status take_number(struct check_options *o, int option, const char *
     return status;
 }
 
+static enum status take_move(struct check_options *o, const char *text, struct reason *reason)
+{
+    enum status status = parse_float("--move", text, &o->move, reason);
+    if (!status && !(o->move >= 0))
+        status = fail(reason, STATUS_INPUT, "--move %s: how far is at least 0", text);
+    return status;
+}
+
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
     struct check_options *o = user;
@@ -179,6 +195,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_EPS:
         o->build_flag = "--eps";
         return parse_float("--eps", text, &o->build.eps, reason);
+    case OPT_MOVE:
+        return take_move(o, text, reason);
     case OPT_BINS:
     case OPT_RADIUS:
     case OPT_SPLIT_BUDGET:
@@ -284,14 +302,15 @@ static enum status play_match(struct check *check, struct match *match, bool fir
 }
 
 static enum status play_scene(struct check *check, const struct scene *scene,
-                              const struct ray *rays, struct check_scene *result,
-                              struct reason *reason)
+                              const struct scene *rest, const struct ray *rays,
+                              struct check_scene *result, struct reason *reason)
 {
     const struct check_options *o = &check->options;
     struct match_options options = {.builder = o->bvh ? &tree_file_builder
                                                       : builders_all[o->builder.index[0]],
                                     .build = o->build,
                                     .tree = o->bvh ? &check->tree : NULL,
+                                    .rest = o->move > 0 ? rest : NULL,
                                     .box = box_tests[o->box.index[0]],
                                     .tri = tri_tests[o->tri.index[0]],
                                     .query = (enum query)o->query.index[0],
@@ -324,8 +343,9 @@ static enum status check_one(struct check *check, const char *spec, struct check
                              struct reason *reason)
 {
     const struct check_options *o = &check->options;
-    struct scene scene;
+    struct scene scene, rest = {0};
     *result = (struct check_scene){.spec = spec,
+                                   .move = (double)o->move,
                                    .rays = ray_sets[o->rays]->name,
                                    .ray_count = (size_t)o->count,
                                    .seed = o->seed,
@@ -336,17 +356,22 @@ static enum status check_one(struct check *check, const char *spec, struct check
         return status;
     result->tri_count = scene.tri_count;
     result->vertex_count = scene.vertex_count;
-    if (o->bvh)
-        status = tree_open("check", o->bvh, &scene, &check->tree, reason);
+    if (o->move > 0) {
+        status = scene_open(spec, o->seed, &rest, reason);
+        scene_move(&scene, o->move, o->seed);
+    }
+    if (status == STATUS_OK && o->bvh)
+        status = tree_open("check", o->bvh, o->move > 0 ? &rest : &scene, &check->tree, reason);
     struct ray *rays = alloc_zeroed(result->ray_count, sizeof *rays);
     if (!rays && status == STATUS_OK)
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", result->ray_count);
     if (status == STATUS_OK)
         status = ray_sets[o->rays]->make(&scene, o->seed, result->ray_count, rays, reason);
     if (status == STATUS_OK)
-        status = play_scene(check, &scene, rays, result, reason);
+        status = play_scene(check, &scene, &rest, rays, result, reason);
     free(rays);
     scene_free(&scene);
+    scene_free(&rest);
     return status;
 }
 

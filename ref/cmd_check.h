@@ -9,6 +9,7 @@
 struct check_scene {
     const char *spec;
     uint32_t tri_count, vertex_count;
+    double move; /* of --move: extents; 0: nothing moved */
     const char *rays;
     size_t ray_count;
     uint64_t seed;
@@ -20,6 +21,9 @@ struct check_scene {
 
 /* Prints the table of a scene, what was refused or skipped and why, and what it means. */
 void check_print(const struct check_scene *scene);
+
+/* What the motion of --move did to trees and packed trees; nothing without one. */
+void check_print_moved(const struct check_scene *scene);
 
 /* The exit code that the rows ask for; a layout or engine counts only if it was named. */
 int check_exit(const struct check_scene *scene, bool layout_named, bool engine_named);

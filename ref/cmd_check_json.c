@@ -119,6 +119,13 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
         json_object_set_new(out, "bvh", json_string(o->tree->name));
     json_object_set_new(out, "store",
                         row->layout && o->store ? json_string(o->store->name) : json_null());
+    if (scene->move > 0)
+        json_object_set_new(
+            out, "moved",
+            json_pack("{s:f, s:f, s:f, s:I, s:I, s:I}", "extents", scene->move, "sah_before",
+                      row->refit.sah_before, "sah_after", row->refit.sah_after, "build_ns",
+                      (json_int_t)row->refit.build_ns, "pack_ns", (json_int_t)row->refit.pack_ns,
+                      "refit_ns", (json_int_t)row->refit.refit_ns));
     json_object_set_new(out, "scene_bytes", json_integer((json_int_t)row->scene_bytes));
     json_object_set_new(out, "counts", counts_json(row));
     json_object_set_new(out, "wrong", wrong_json(row));

@@ -265,6 +265,7 @@ void check_print(const struct check_scene *scene)
     print_reasons(scene);
     print_winners(scene);
     print_stored(scene);
+    check_print_moved(scene);
     print_agreement(scene);
     putchar('\n');
 }

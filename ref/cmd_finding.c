@@ -29,6 +29,8 @@ bool finding_command(const struct row *row, const struct finding *finding, const
      * anything of a list as a whole. */
     if (kind == WRONG_NOT_REPEATABLE || kind == WRONG_TWICE || kind == WRONG_ORDER)
         return false;
+    if (row->options.rest) /* explain reads the scene as it was */
+        return false;
     if (of.query == QUERY_ALL) {
         of.query = QUERY_CLOSEST;
         start_before(finding, &ray);

@@ -2,6 +2,8 @@
 
 #include "ref/match_judge.h"
 #include "ref/match_lists.h"
+#include "ref/refit.h"
+#include "ref/tree_quality.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -107,6 +109,43 @@ static void match_unpack(struct match *match)
     match->closest.count = 0;
 }
 
+/* The scene that trees are built of. */
+static const struct scene *scene_of_trees(const struct match *match)
+{
+    return match->options.rest ? match->options.rest : match->scene;
+}
+
+/* What the motion makes of the tree, which itself stays as it was built. */
+static enum status measure_motion(struct match *match)
+{
+    struct bvh moved = match->bvh;
+    match->refit.sah_before = tree_sah(&match->bvh);
+    moved.node = alloc_zeroed(moved.node_count, sizeof *moved.node);
+    if (!moved.node)
+        return STATUS_MEMORY;
+    if (moved.node_count > 0)
+        memcpy(moved.node, match->bvh.node, moved.node_count * sizeof *moved.node);
+    enum status status = bvh_refit(&moved, match->scene, NULL);
+    if (!status)
+        match->refit.sah_after = tree_sah(&moved);
+    free(moved.node);
+    return status == STATUS_LIMIT ? STATUS_OK : status;
+}
+
+/* Refits what match_pack packed of the scene at rest, since `start`. */
+static enum status refit_packed(struct match *match, uint64_t start, struct reason *reason)
+{
+    if (!match->options.rest)
+        return STATUS_OK;
+    uint64_t packed = time_ns();
+    enum status status = packed_refit(&match->packed, match->scene, reason);
+    match->refit.pack_ns = packed - start;
+    match->refit.refit_ns = time_ns() - packed;
+    if (status)
+        match_unpack(match);
+    return status;
+}
+
 enum status match_rebuild(struct match *match, const struct builder *builder,
                           const struct build_options *build, const struct tri_test *tri,
                           struct reason *reason)
@@ -122,10 +161,15 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
         match->stats = tree->stats;
     if (tree && tree_file_is_packed(tree))
         return status; /* match->bvh stays empty: nothing but match_pack asks for it */
-    status = tree ? tree_file_bvh(tree, match->scene, &match->bvh, reason)
-                  : bvh_build(builder, match->scene, build, &match->bvh, reason);
+    const struct scene *scene = scene_of_trees(match);
+    uint64_t start = time_ns();
+    status = tree ? tree_file_bvh(tree, scene, &match->bvh, reason)
+                  : bvh_build(builder, scene, build, &match->bvh, reason);
+    match->refit = (struct match_refit){.build_ns = tree ? 0 : time_ns() - start};
     if (status == STATUS_OK && !tree)
-        match->stats = bvh_stats(&match->bvh, match->scene);
+        match->stats = bvh_stats(&match->bvh, scene);
+    if (status == STATUS_OK && match->options.rest && measure_motion(match))
+        status = fail(reason, STATUS_MEMORY, "no memory to refit a tree");
     return status;
 }
 
@@ -137,9 +181,13 @@ enum status match_pack(struct match *match, const struct layout *layout, struct 
         return fail(reason, STATUS_LIMIT,
                     "%s: a tree from a file has its own items, not storage %s", layout->name,
                     store->name);
-    if (match->options.tree)
-        return tree_file_pack(match->options.tree, layout, match->scene, &match->packed, reason);
-    return packed_make_stored(layout, store, &match->bvh, match->scene, &match->packed, reason);
+    const struct scene *scene = scene_of_trees(match);
+    uint64_t start = time_ns();
+    enum status status =
+        match->options.tree
+            ? tree_file_pack(match->options.tree, layout, scene, &match->packed, reason)
+            : packed_make_stored(layout, store, &match->bvh, scene, &match->packed, reason);
+    return status ? status : refit_packed(match, start, reason);
 }
 
 enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
@@ -153,8 +201,10 @@ enum status match_pack_auto(struct match *match, char *refused, size_t refused_b
     if (tree && tree_file_is_packed(tree))
         return match_pack(match, tree->packed.layout, reason);
     match_unpack(match);
-    return packed_make_auto(&match->bvh, match->scene, &match->packed, refused, refused_bytes,
-                            reason);
+    uint64_t start = time_ns();
+    enum status status = packed_make_auto(&match->bvh, scene_of_trees(match), &match->packed,
+                                          refused, refused_bytes, reason);
+    return status ? status : refit_packed(match, start, reason);
 }
 
 void match_free(struct match *match)
@@ -368,13 +418,14 @@ void match_run(struct match *match, const struct engine *engine, struct row *row
 {
     *row = (struct row){.options = match->options,
                         .stats = match->stats,
+                        .refit = match->refit,
                         .engine = engine,
                         .rays = match->ray_count};
     if (engine->needs_packed) {
         row->layout = match->packed.layout;
         row->node_bytes = packed_node_bytes(&match->packed);
         row->item_bytes = packed_item_bytes(&match->packed);
-        if (tri_store_reads_scene(match->packed.store))
+        if (match->packed.layout && tri_store_reads_scene(match->packed.store))
             row->scene_bytes =
                 12 * ((uint64_t)match->scene->vertex_count + match->scene->tri_count);
     }

@@ -39,10 +39,19 @@ struct match_options {
     const struct tri_store *store; /* of trees that are packed here; NULL: indexed */
     const struct box_test *box;
     const struct tri_test *tri;
+    const struct scene *rest; /* borrowed: the scene before its vertices moved. Trees are built of
+                                 it and packed, then refitted to the match's; NULL: nothing moved */
     enum query query;
     unsigned repeats;      /* timed traces per engine, 1 to REPEAT_MOST */
     uint64_t brute_budget; /* ray-triangle pairs that the oracle's brute force may spend */
     uint64_t brute_rays;   /* and the most rays it decides that way; 0: all it can afford */
+};
+
+/* What a motion did to a tree: costs as tree_sah's, 0 if the tree could not be refitted; times of
+ * building the tree, of packing it and of refitting the packed one. */
+struct match_refit {
+    double sah_before, sah_after;
+    uint64_t build_ns, pack_ns, refit_ns;
 };
 
 /* Something that was not allowed. */
@@ -94,11 +103,12 @@ struct row {
                               those with a wall on an end of the range (VERDICT_BORDER) */
         size_t parity_off; /* and that are not, with each double hit counted once */
     } lists;
-    size_t bit_differences; /* against engine cpu on the same tree, if bits */
-    bool bits;              /* compared with engine cpu bit for bit */
-    bool judged;            /* false: a member as published takes part, only counted */
-    size_t differences;     /* what makes the exit code 1 */
-    double mrays[3];        /* million rays per second: median, least, most */
+    size_t bit_differences;   /* against engine cpu on the same tree, if bits */
+    bool bits;                /* compared with engine cpu bit for bit */
+    bool judged;              /* false: a member as published takes part, only counted */
+    size_t differences;       /* what makes the exit code 1 */
+    double mrays[3];          /* million rays per second: median, least, most */
+    struct match_refit refit; /* with options.rest */
     uint64_t boxes, tris;
     bool device_clock;
     struct finding finding[FINDING_MOST];
@@ -116,8 +126,9 @@ struct match {
     const struct scene *scene;
     const struct ray *ray;
     size_t ray_count;
-    struct bvh bvh;
+    struct bvh bvh; /* with options.rest the tree of that scene */
     struct bvh_stats stats;
+    struct match_refit refit; /* of the tree and the packed tree */
     struct oracle *oracle;
     struct oracle_answer *truth; /* exact nearest hits of closed ranges */
     struct oracle_stats work;    /* what they took */
@@ -154,8 +165,9 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
 /* Changes box test and query; tree, truth and packed layout stay. */
 void match_set(struct match *match, const struct box_test *box, enum query query);
 
-/* Makes `layout` the one that the next rows run on. Errors: those of packed_make, or with a tree of
- * the options' of tree_file_pack; the match then has no layout and stays usable. */
+/* Makes `layout` the one that the next rows run on. Errors: those of packed_make and, with the
+ * options' rest, of packed_refit; or with a tree of the options' of tree_file_pack; the match then
+ * has no layout and stays usable. */
 enum status match_pack(struct match *match, const struct layout *layout,
                        struct reason *reason) MUST_USE;
 

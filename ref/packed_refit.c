@@ -14,6 +14,7 @@ struct refit {
     const struct scene *scene;
     struct packed_walk walk;
     struct box *exact;   /* of each visit */
+    bool *leaf;          /* likewise */
     uint32_t *first;     /* of each leaf that the storage is to write, sorted */
     uint32_t leaf_count; /* of them */
     uint32_t *prim;      /* room for those of a leaf */
@@ -77,7 +78,8 @@ static enum status find_bounds(struct refit *refit)
     for (uint32_t i = refit->walk.visit_count; i-- > 0 && !status;) {
         struct wide node;
         refit->from->layout->load(refit->from, refit->walk.visit[i].ref, &node);
-        if (node.child_count == 0) {
+        refit->leaf[i] = node.child_count == 0;
+        if (refit->leaf[i]) {
             status = leaf_bounds(refit, i, &node);
             if (stores_vertices(refit->from))
                 refit->first[refit->leaf_count++] = node.item_first;
@@ -99,12 +101,12 @@ static enum status write_bounds(struct refit *refit)
     for (uint32_t i = refit->walk.visit_count; i-- > 0 && !status;) {
         struct wide node;
         struct reason why = {""};
+        if (refit->leaf[i] && layout_is_wide(layout))
+            continue;
         layout->load(refit->from, refit->walk.visit[i].ref, &node);
         end -= node.child_count;
         for (uint32_t c = 0; c < node.child_count; c++)
             node.box[c] = refit->exact[end + c];
-        if (node.child_count == 0 && layout_is_wide(layout))
-            continue;
 #if MUTANT == MUTANT_REFIT_LEVEL
         if (i > 0 && refit->walk.visit[i].parent == 0)
             continue;
@@ -172,9 +174,10 @@ static enum status write_leaves(struct refit *refit)
     qsort(refit->first, refit->leaf_count, sizeof *refit->first, by_number);
     for (uint32_t i = 0; i < refit->walk.visit_count && !status; i++) {
         struct wide node;
+        if (!refit->leaf[i])
+            continue;
         refit->from->layout->load(refit->from, refit->walk.visit[i].ref, &node);
-        if (node.child_count == 0)
-            status = write_leaf(refit, &node);
+        status = write_leaf(refit, &node);
     }
     return status;
 }
@@ -220,11 +223,13 @@ static enum status make(struct refit *refit)
                     from->layout->name,
                     refit->walk.repeats > 0 ? refit->walk.repeat_ref : refit->walk.bad_ref);
     refit->exact = alloc_zeroed(refit->walk.visit_count, sizeof *refit->exact);
+    refit->leaf = alloc_zeroed(refit->walk.visit_count, sizeof *refit->leaf);
     refit->first = alloc_zeroed(vertices ? refit->walk.visit_count : 0, sizeof *refit->first);
     refit->prim = alloc_zeroed(vertices ? slots_most(refit) : 0, sizeof *refit->prim);
     refit->to.word = copy_of(from->word, from->word_count);
     refit->to.item = copy_of(vertices ? from->item : NULL, vertices ? from->item_count : 0);
-    if (!refit->exact || !refit->first || !refit->prim || !refit->to.word || !refit->to.item)
+    if (!refit->exact || !refit->leaf || !refit->first || !refit->prim || !refit->to.word ||
+        !refit->to.item)
         return STATUS_MEMORY;
     enum status status = find_bounds(refit);
     if (!status)
@@ -261,6 +266,7 @@ enum status packed_refit(struct packed *packed, const struct scene *scene, struc
     }
     packed_walk_free(&refit.walk);
     free(refit.exact);
+    free(refit.leaf);
     free(refit.first);
     free(refit.prim);
     free(refit.to.word);

@@ -123,6 +123,14 @@ for key in rows layout builder leaf engine box tri query node_bytes rays hits co
     grep -q "\"$key\"" "$dir/rows.json" || bad "--json: no key $key"
 done
 expect 2 'no-such-folder' check soup $small --json "$dir/no-such-folder/rows.json"
+# Vertices that moved: refitted and judged, or to be built anew.
+expect 0 . check sphere $small --move 0.01 --json "$dir/moved.json"
+grep -q 'SAH cost of the tree of median [0-9.]* before, [0-9.]* refitted' "$dir/out" || bad "--move: cost"
+grep -q '^  rf16: refitted in ' "$dir/out" || bad "--move: time"
+grep -q sah_after "$dir/moved.json" || bad "--move: JSON"
+expect 2 . check sphere $small --move 0.5 --layout bvh2_u8_scene
+grep -q 'rebuild: bvh2_u8_scene: a box' "$dir/out" || bad "--move says what is to be built anew"
+expect 2 'how far is at least 0' check sphere $small --move -1
 # Every allowed class and every kind of WRONG has a counter, also of 0, and is told of in the README.
 expect 0 'parity off in [0-9]* of [0-9]*$' check sphere $small --query closest,any,all --json "$dir/rows.json"
 for key in right tie near_tie boundary border in_plane slab noise out_of_contract; do

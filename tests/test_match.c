@@ -211,7 +211,7 @@ static void a_layout_that_refuses_leaves_a_usable_match(void **state)
     assert_agrees(f);
     char refused[400];
     assert_int_equal(match_pack_auto(&f->match, refused, sizeof refused, &f->reason), STATUS_OK);
-    assert_string_equal(f->match.packed.layout->name, "f32");
+    assert_string_equal(f->match.packed.layout->name, "cwbvh80");
     assert_non_null(strstr(refused, "rf16: a leaf holds at most 8 items"));
     run(f, "cpu");
     assert_agrees(f);
