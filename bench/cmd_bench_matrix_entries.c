@@ -31,6 +31,7 @@ static const struct own own[] = {
     {.engine = "cpu", .layout = "bvh8_u8_node", .builder = "sah_binned"},
     {.engine = "cpu", .layout = "cwbvh80", .builder = "sah_binned"},
     {.engine = "cpu", .layout = "tiny8", .builder = "sah_binned"},
+    {.engine = "cpu", .layout = "tiny8_l14", .builder = "sah_binned"},
 };
 
 bool matrix_entry_is_gpu(const struct matrix_entry *entry)
