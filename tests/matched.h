@@ -41,7 +41,7 @@ static inline struct fixture *prepare(const char *spec, const char *builder, uin
         fail_msg("%s", f->reason.text);
     assert_int_equal(ray_sets[0]->make(&f->scene, 3, RAYS, f->ray, NULL), STATUS_OK);
     f->options = (struct match_options){.builder = builder_find(builder),
-                                        .build = {leaf, BUILD_EPS_DEFAULT},
+                                        .build = {.leaf = leaf, .eps = BUILD_EPS_DEFAULT},
                                         .box = box_tests[0],
                                         .tri = tri_tests[0],
                                         .query = QUERY_CLOSEST,
