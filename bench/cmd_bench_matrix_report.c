@@ -238,7 +238,7 @@ static bool is_first(const json_t *rows, size_t i)
     return true;
 }
 
-/* Engines by colour, what is on no front hollow, what loses hits by shape. */
+/* Engines by colour; shape and fill tell their contestants apart. */
 static size_t series_at(struct drawing *d, const json_t *row)
 {
     static const char *const engine[] = {"embree", "fast", "cpu", "vulkan"};
