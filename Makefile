@@ -305,7 +305,7 @@ format:
 format-check:
 	clang-format --dry-run -Werror $(SOURCES)
 
-HEADERS := $(wildcard ref/*.h ref/primitives/*.h scenes/*.h) ref/oracle/oracle.h
+HEADERS := $(wildcard ref/*.h ref/primitives/*.h scenes/*.h) ref/oracle/oracle.h ref/store/store.h
 install: all lib
 	install -Dm755 $(B)/raydiff $(DESTDIR)$(PREFIX)/bin/raydiff
 	install -Dm644 $(B)/libraydiff.a $(DESTDIR)$(PREFIX)/lib/libraydiff.a

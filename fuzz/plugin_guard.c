@@ -64,7 +64,7 @@ static void pack_in_child(struct child *parent, void *user)
 {
     const struct packing *what = user;
     struct told told = {.status = STATUS_OK};
-    struct packed packed;
+    struct packed packed = {.store = tri_stores[0]};
     limit_memory();
     told.status = plugin_pack(what->layout, what->bvh, what->scene, &packed, &told.reason);
     told.word_count = packed.word_count;
@@ -159,7 +159,7 @@ enum status plugin_pack_guarded(const struct layout *layout, const struct bvh *b
     struct child child;
     struct told told;
     uint64_t start = time_ns();
-    *out = (struct packed){0};
+    *out = (struct packed){.store = out->store};
     enum status status = child_start(pack_in_child, &what, &child, reason);
     if (status)
         return status;

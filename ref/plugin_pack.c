@@ -100,6 +100,7 @@ static enum status call(const struct layout *layout, const struct bvh *bvh,
         status = fail(reason, STATUS_LIMIT, "%s: %u records have over 2^32 references",
                       layout->name, p.given.records);
     *out = (struct packed){.layout = layout,
+                           .store = out->store,
                            .word = p.given.word,
                            .item = p.given.item,
                            .word_count = p.given.records * p.node_words,

@@ -45,6 +45,16 @@ static const struct subject subjects[] = {
 };
 #define SUBJECTS ARRAY_COUNT(subjects)
 
+/* The subject of that name. */
+static inline const struct subject *subject_of(const char *name)
+{
+    for (size_t s = 0; s < SUBJECTS; s++)
+        if (strcmp(subjects[s].name, name) == 0)
+            return &subjects[s];
+    fail_msg("no subject is called %s", name);
+    return NULL;
+}
+
 static inline bool is_unknown(const struct subject *subject)
 {
     return subject->model.formula == TWIN_UNKNOWN;

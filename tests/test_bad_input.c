@@ -91,7 +91,7 @@ static enum fate ask(const struct asked *asked, void *self, const struct bad_cla
             status = packed_make(layout_find("f32"), &bvh, &scene, &packed, &reason);
     }
     struct job job = {.scene = &scene,
-                      .packed = &packed,
+                      .packed = asked->engine->needs_packed ? &packed : NULL,
                       .box = box_test_find("robust"),
                       .tri = tri_test_find("mt"),
                       .query = asked->query};

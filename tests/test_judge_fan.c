@@ -21,7 +21,7 @@
 
 static const struct subject *const mt = &subjects[0];
 static const struct subject *const woop = &subjects[2];
-static const struct subject *const unknown = &subjects[7];
+static const struct subject *const unknown = &subjects[SUBJECTS - 1];
 
 /* From inside a closed mesh at its edges or vertices: how many misses are excused? */
 static size_t excused(struct court *c, const struct subject *subject, enum leak_target target)

@@ -139,7 +139,7 @@ static const struct hostile {
     {"stderr_endless", STATUS_DEVICE, "its standard error: xxxxxx"},
     {"refuses", STATUS_LIMIT, "refused: only teapots"},
     {"refuses_long", STATUS_DEVICE, "refuses in more than 256 bytes"},
-    {"formula", STATUS_DEVICE, "says of itself: formula 99 is not one of 0 to 4"},
+    {"formula", STATUS_DEVICE, "says of itself: formula 99 is not one of 0 to 6"},
     {"rounding", STATUS_DEVICE, "says of itself: rounding 5 is not one of 0 to 4"},
     {"flags", STATUS_DEVICE, "says of itself: flags 0x10 have more than"},
     {"fickle", STATUS_DEVICE, "says of itself now another formula, rounding or flags"},
