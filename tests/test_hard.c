@@ -138,6 +138,29 @@ static void members_are_all_combinations(void **state)
     }
 }
 
+/* Of a layout's defects and a builder's an engine with records of its own shows the second alone.
+ */
+static void an_engine_with_its_own_shows_no_others(void **state)
+{
+    (void)state;
+    struct hard_member m = {.layout = layout_find("rtrs_rf_paper"),
+                            .builder = builder_find("median"),
+                            .box = box_test_find("robust"),
+                            .tri = tri_test_find("mt")};
+    size_t shown[3] = {0};
+    for (size_t i = 0; hard_cases[i]; i++) {
+        m.engine = engine_find("cpu");
+        shown[0] += hard_defect_of(hard_cases[i], &m) != NULL;
+        m.engine = engine_find("fast");
+        shown[1] += hard_defect_of(hard_cases[i], &m) != NULL;
+    }
+    m.layout = layout_find("f32");
+    m.builder = builder_find("rtrs");
+    for (size_t i = 0; hard_cases[i]; i++)
+        shown[2] += hard_defect_of(hard_cases[i], &m) != NULL;
+    assert_true(shown[0] > 0 && shown[1] == 0 && shown[2] > 0);
+}
+
 /* Every known truth is an entry, each with members that are there to show it. */
 static void known_truths_are_kept(void **state)
 {
@@ -328,6 +351,7 @@ int main(void)
         cmocka_unit_test(cases_are_numbered_and_documented),
         cmocka_unit_test(cases_are_made_the_same_twice),
         cmocka_unit_test(members_are_all_combinations),
+        cmocka_unit_test(an_engine_with_its_own_shows_no_others),
         cmocka_unit_test(known_truths_are_kept),
         cmocka_unit_test(defects_name_members),
         cmocka_unit_test(relations_hold_and_find_breaches),

@@ -73,6 +73,14 @@ void hard_each_member(const struct hard_case *one, hard_visit *visit, void *user
         each_without_tree(one, visit, user);
 }
 
+/* An engine that makes its own records of a tree, with tests of its own, has no defect of a layout,
+ * a box test or a triangle test: what it can show is the builder's. */
+static bool can_show(const struct hard_defect *defect, const struct hard_member *member)
+{
+    bool own = member->engine->needs_packed && member->engine->own_tri;
+    return !own || defect->engine || (member->builder && member->builder->faithful);
+}
+
 const struct hard_defect *hard_defect_of(const struct hard_case *one,
                                          const struct hard_member *member)
 {
@@ -80,7 +88,7 @@ const struct hard_defect *hard_defect_of(const struct hard_case *one,
     hard_member_print(member, name);
     for (size_t d = 0; d < HARD_DEFECTS_MOST && one->defect[d].fault; d++) {
         const struct hard_defect *defect = &one->defect[d];
-        if ((defect->layout && defect->layout != member->layout) ||
+        if (!can_show(defect, member) || (defect->layout && defect->layout != member->layout) ||
             (defect->engine && defect->engine != member->engine))
             continue;
         if (fnmatch(defect->members, name, 0) == 0)
