@@ -3,6 +3,7 @@
 
 #include "ref/cmd_tree.h"
 #include "ref/command.h"
+#include "ref/original.h"
 #include "scenes/move.h"
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
@@ -10,47 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "usage: raydiff check SCENE... [OPTIONS]\n"
-    "Plays engines and node layouts against each other on every SCENE (a mesh file: .json .obj\n"
-    ".ply, also .gz; or a generator such as soup:n=1000, see raydiff list scenes) and says who\n"
-    "agrees, who differs, how fast each is and how many bytes each needs.\n\n"
-    "  --layout L,..   layouts, 'all', or 'auto' (the first that fits)        [f32,rf16]\n"
-    "  --engine E,..   engines, or 'all'; pipe:COMMAND, last, is a tracer of your own (README)\n"
-    "                                                        [every engine that can run here]\n"
-    "  --store S,..    triangle storages, see raydiff list storages              [indexed]\n"
-    "  --builder B,..  builders                                                  [median]\n"
-    "  --leaf N        items per leaf, 1 or more                                 [4]\n"
-    "  --eps E         builder rtrs: smallest box that is split                  "
-    "[0.02]\n" BUILD_OPTIONS_HELP TREE_OPTION_HELP
-    "  --move AMOUNT   moves vertices after packing by up to so many extents of the scene, from "
-    "the\n"
-    "                  seed, and refits the packed trees to where they are       [0]\n"
-    "  --box B,..      box tests                                                 [robust]\n"
-    "  --tri T,..      triangle tests                                            [mt]\n"
-    "  --query Q,..    closest, any, all (every triangle along the ray)          [closest]\n"
-    "  --rays SET      ray set                                                   [mixed]\n"
-    "  --count N       rays, 1 or more; 1e6 is accepted                          [100000]\n"
-    "  --seed S        of rays and generators                                    [1]\n"
-    "  --repeat N      timed runs per engine, 1 to 32: median, least, most       [3]\n"
-    "  --brute N       ray-triangle pairs that brute force may decide            [2e8]\n"
-    "  --brute-rays N  the most rays it decides, 0 is all it can afford          "
-    "[0]\n" ENGINE_OPTIONS_HELP "  --json FILE     all rows, for machines\n\n"
-    "Columns: hits, then answers in each allowed class (tie, near tie, boundary, border, in "
-    "plane,\n"
-    "slab, noise, out of contract: README, \"Allowed differences\"), the largest error over its\n"
-    "proven bound, what is WRONG, and bits that differ from engine cpu.\n"
-    "A named layout that refuses the scene, or is to be built anew after a motion, exits with 2, a "
-    "named engine that cannot run with 77.\n"
-    "exit codes: 0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped\n"
-    "example: raydiff check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices\n";
-
 struct check_options {
     struct list layout, store, engine, builder, box, tri, query;
     bool layout_auto, layout_named, engine_named;
     struct build_options build;
     size_t rays;
-    uint64_t count, seed, repeats, brute, brute_rays;
+    uint64_t count, seed, repeats, brute, brute_rays, bits;
     struct engine_options engines;
     float move;
     const char *json;
@@ -61,6 +27,7 @@ struct check_options {
 enum {
     OPT_LAYOUT = 256,
     OPT_STORE,
+    OPT_BITS,
     OPT_ENGINE,
     OPT_BUILDER,
     OPT_LEAF,
@@ -80,6 +47,7 @@ enum {
 
 static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
                                              {"store", 1, NULL, OPT_STORE},
+                                             {"bits", 1, NULL, OPT_BITS},
                                              {"engine", 1, NULL, OPT_ENGINE},
                                              {"builder", 1, NULL, OPT_BUILDER},
                                              {"leaf", 1, NULL, OPT_LEAF},
@@ -107,6 +75,7 @@ static struct check_options default_options(void)
         .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
         .count = 100000,
         .seed = 1,
+        .bits = QUANTISE_BITS_DEFAULT,
         .repeats = 3,
         .brute = 200000000,
         .engines = engine_options_default(),
@@ -145,6 +114,9 @@ static enum status take_number(struct check_options *o, int option, const char *
         break;
     case OPT_COUNT:
         return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
+    case OPT_BITS:
+        return parse_count("--bits", text, QUANTISE_BITS_LEAST, QUANTISE_BITS_MOST, &o->bits,
+                           reason);
     case OPT_SEED:
         return parse_count("--seed", text, 0, UINT64_MAX, &o->seed, reason);
     case OPT_REPEAT:
@@ -217,6 +189,8 @@ struct check {
     struct pool pool;
     struct progress progress;
     struct tree_file tree; /* of --bvh; rows refer to it */
+    const struct original
+        *original; /* of the decoded scene that is played; NULL: it is as it was */
 };
 
 static enum status add_row(struct check_scene *result, const struct row *row)
@@ -245,6 +219,8 @@ static enum status play_engine(struct check *check, struct match *match,
                           engine->needs_packed ? match->packed.layout->name : "-", engine->name,
                           query_name(match->options.query));
             match_run(match, engine, &row);
+            if (check->original && original_judge(check->original, match, &row))
+                return STATUS_MEMORY;
             if (add_row(result, &row))
                 return STATUS_MEMORY;
         }
@@ -262,6 +238,12 @@ static enum status play_engines(struct check *check, struct match *match, bool p
     return status;
 }
 
+/* Such are played on the decoded scene, the others on the scene as it is. */
+static bool store_is_of_grids(const struct check_options *o, size_t i)
+{
+    return tri_stores[o->store.index[i]]->head != NULL;
+}
+
 static enum status play_layouts(struct check *check, struct match *match,
                                 struct check_scene *result, struct reason *reason)
 {
@@ -272,6 +254,8 @@ static enum status play_layouts(struct check *check, struct match *match,
         const struct layout *layout =
             o->layout_auto ? NULL : layouts_all[list.index[i / o->store.count]];
         struct reason refusal = {""};
+        if (store_is_of_grids(o, i % o->store.count) != (check->original != NULL))
+            continue;
         match->options.store = tri_stores[o->store.index[i % o->store.count]];
         enum status status =
             layout ? match_pack(match, layout, &refusal)
@@ -296,7 +280,7 @@ static enum status play_match(struct check *check, struct match *match, bool fir
                               struct check_scene *result, struct reason *reason)
 {
     enum status status = play_layouts(check, match, result, reason);
-    if (status == STATUS_OK && first_builder)
+    if (status == STATUS_OK && first_builder && !check->original)
         status = play_engines(check, match, false, result);
     return status;
 }
@@ -339,6 +323,43 @@ static enum status play_scene(struct check *check, const struct scene *scene,
     return status;
 }
 
+/* The storages of grids, on the scene that they decode to. */
+static enum status play_decoded(struct check *check, const struct scene *scene,
+                                const struct ray *rays, struct check_scene *result,
+                                struct reason *reason)
+{
+    struct scene decoded;
+    struct original original = {0};
+    enum status status =
+        scene_quantise(scene, (uint32_t)check->options.bits, &decoded, &result->quantised, reason);
+    if (status)
+        return status;
+    status = original_make(scene, &result->quantised, rays, result->ray_count, &original, reason);
+    check->original = &original;
+    if (status == STATUS_OK)
+        status = play_scene(check, &decoded, NULL, rays, result, reason);
+    check->original = NULL;
+    original_free(&original);
+    scene_free(&decoded);
+    return status;
+}
+
+static enum status play_both(struct check *check, const struct scene *scene,
+                             const struct scene *rest, const struct ray *rays,
+                             struct check_scene *result, struct reason *reason)
+{
+    const struct check_options *o = &check->options;
+    size_t grids = 0;
+    for (size_t i = 0; i < o->store.count; i++)
+        grids += store_is_of_grids(o, i);
+    if (grids && (o->bvh || o->layout_auto || o->move > 0))
+        return fail(reason, STATUS_INPUT,
+                    "--store quantised: not with --bvh, --move, --layout auto");
+    enum status status =
+        grids < o->store.count ? play_scene(check, scene, rest, rays, result, reason) : STATUS_OK;
+    return status || !grids ? status : play_decoded(check, scene, rays, result, reason);
+}
+
 static enum status check_one(struct check *check, const char *spec, struct check_scene *result,
                              struct reason *reason)
 {
@@ -368,7 +389,7 @@ static enum status check_one(struct check *check, const char *spec, struct check
     if (status == STATUS_OK)
         status = ray_sets[o->rays]->make(&scene, o->seed, result->ray_count, rays, reason);
     if (status == STATUS_OK)
-        status = play_scene(check, &scene, &rest, rays, result, reason);
+        status = play_both(check, &scene, &rest, rays, result, reason);
     free(rays);
     scene_free(&scene);
     scene_free(&rest);
@@ -408,15 +429,10 @@ static int check_all(struct check *check, char *const *spec, size_t count)
     return code;
 }
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
 int cmd_check(int argc, char **argv)
 {
     struct check check = {.options = default_options(), .progress = progress_make("check")};
-    int first, code = options_take("check", print_help, long_options, take_option, &check.options,
+    int first, code = options_take("check", check_help, long_options, take_option, &check.options,
                                    argc, argv, &first);
     if (code >= 0)
         return code;

@@ -4,6 +4,7 @@
 
 #include "ref/cmd_tables.h"
 #include "ref/match.h"
+#include "ref/quantise.h"
 
 /* One scene and all its rows. */
 struct check_scene {
@@ -13,11 +14,15 @@ struct check_scene {
     const char *rays;
     size_t ray_count;
     uint64_t seed;
-    const char *driver; /* of --driver, or NULL */
+    const char *driver;         /* of --driver, or NULL */
+    struct quantised quantised; /* of the rows that have original.judged */
     struct row *row;
     size_t row_count;
     char refused[1024]; /* --layout auto: why smaller layouts could not, one per line */
 };
+
+/* Prints what --help says. */
+void check_help(void);
 
 /* Prints the table of a scene, what was refused or skipped and why, and what it means. */
 void check_print(const struct check_scene *scene);

@@ -97,6 +97,18 @@ static json_t *lists_json(const struct row *row)
                      (json_int_t)row->lists.parity_off);
 }
 
+static json_t *original_json(const struct row *row)
+{
+    if (row->original.judged == 0)
+        return json_null();
+    return json_pack(
+        "{s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f}", "judged", (json_int_t)row->original.judged,
+        "beyond", (json_int_t)row->original.beyond, "lost", (json_int_t)row->original.lost,
+        "phantom", (json_int_t)row->original.phantom, "other", (json_int_t)row->original.other,
+        "certified", finite(row->original.allowed), "displacement", finite(row->original.most),
+        "displacement_decoded", finite(row->original.most_decoded));
+}
+
 static json_t *row_json(const struct check_scene *scene, const struct row *row)
 {
     const struct match_options *o = &row->options;
@@ -132,6 +144,7 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
     json_object_set_new(out, "err_over_bound", json_real(finite(row->worst_over)));
     json_object_set_new(out, "displacement", displacement_json(row));
     json_object_set_new(out, "lists", lists_json(row));
+    json_object_set_new(out, "original", original_json(row));
     json_object_set_new(out, "bit_differences", json_integer((json_int_t)row->bit_differences));
     json_object_set_new(out, "judged", json_boolean(row->judged));
     json_object_set_new(out, "differences", json_integer((json_int_t)row->differences));

@@ -130,6 +130,33 @@ static void print_stored(const struct check_scene *scene)
     }
 }
 
+/* Of rows on a decoded scene: what their answers are for the original. */
+static void print_originals(const struct check_scene *scene)
+{
+    char text[64];
+    bool first = true;
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct row *row = &scene->row[i];
+        const size_t judged = row->original.judged;
+        if (row->status != ROW_OK || judged == 0)
+            continue;
+        if (first)
+            printf("  decoded from %u bits an axis: vertices moved by %.4g at most, certified; %u "
+                   "triangles without area\n",
+                   scene->quantised.grid.bits, scene->quantised.distance, scene->quantised.flat);
+        first = false;
+        printf("  %s on %s %s: WRONG decoded %zu, beyond what moved %zu; for the original, of a "
+               "million %.1f lost, %.1f phantom, %.1f other triangle; displacement needed %.4g "
+               "(decoded: %.3g)\n",
+               layout_text(row, text, sizeof text), row->engine->name,
+               query_name(row->options.query), row->count[VERDICT_WRONG], row->original.beyond,
+               1e6 * (double)row->original.lost / (double)judged,
+               1e6 * (double)row->original.phantom / (double)judged,
+               1e6 * (double)row->original.other / (double)judged, row->original.most,
+               row->original.most_decoded);
+    }
+}
+
 /* Smallest and, per engine, fastest layout, as ratios within this run. */
 static void print_winners(const struct check_scene *scene)
 {
@@ -266,6 +293,7 @@ void check_print(const struct check_scene *scene)
     print_winners(scene);
     print_stored(scene);
     check_print_moved(scene);
+    print_originals(scene);
     print_agreement(scene);
     putchar('\n');
 }

@@ -31,6 +31,8 @@ bool finding_command(const struct row *row, const struct finding *finding, const
         return false;
     if (row->options.rest) /* explain reads the scene as it was */
         return false;
+    if (row->options.store && row->options.store->head)
+        return false; /* it is of a decoded scene, which no file has */
     if (of.query == QUERY_ALL) {
         of.query = QUERY_CLOSEST;
         start_before(finding, &ray);

@@ -94,6 +94,13 @@ struct judge_question {
 enum status judge_answers(const struct judge *judge, const struct judge_question *question,
                           size_t count, struct judgement *out);
 
+/* The smallest displacement of vertices, in units of the scene, that makes an answer right,
+ * whatever the formula and however large; u and v are not looked at. Where the vertices of another
+ * scene lie no farther away than D, an answer to the same ray needs at most D more or less of them.
+ * The ray and the answer are finite, the triangle is one of the scene's. Errors: STATUS_MEMORY. */
+enum status judge_need(const struct judge *judge, const struct ray *ray,
+                       const struct oracle_answer *truth, const struct hit *answer, double *need);
+
 /* Turns a judgement into WRONG_ANY_DISAGREES if the same engine's closest-hit answer contradicts
  * its any-hit answer, one being a hit and the other a miss. An own formula gives both queries the
  * same triangle tests in the same order until the first hit, so nothing excuses it; other formulas

@@ -285,3 +285,35 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
     }
     return STATUS_OK;
 }
+
+enum status judge_need(const struct judge *judge, const struct ray *ray,
+                       const struct oracle_answer *truth, const struct hit *answer, double *need)
+{
+    bool miss = answer->prim == ABI_NO_PRIM;
+    double reach = miss ? (double)INFINITY : (double)answer->t;
+    float v[3][3];
+    *need = 0.0;
+    if (!miss) {
+        double at[3];
+        scene_tri(judge->scene, answer->prim, v);
+        struct triangle tri = triangle_of(ray, v);
+        for (int k = 0; k < 3; k++)
+            at[k] = (double)answer->t * tri.d[k];
+        *need = to_triangle(at, &tri);
+    }
+    if (truth->prim == ABI_NO_PRIM || !(reach > truth->t_hi) ||
+        (!miss && judge->query == QUERY_ANY))
+        return STATUS_OK;
+    struct oracle_crossing *list = NULL;
+    size_t capacity = 0, count = 0;
+    enum status status =
+        oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
+    for (size_t i = 0; i < count && !status; i++) {
+        if (!is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
+            continue;
+        scene_tri(judge->scene, list[i].prim, v);
+        *need = fmax(*need, loss_of(judge, ray, &list[i], reach).need * triangle_of(ray, v).unit);
+    }
+    free(list);
+    return status;
+}

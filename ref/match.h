@@ -103,6 +103,12 @@ struct row {
                               those with a wall on an end of the range (VERDICT_BORDER) */
         size_t parity_off; /* and that are not, with each double hit counted once */
     } lists;
+    struct {           /* a quantised scene's answers for the original, see ref/original.h */
+        size_t judged; /* 0: it is not one */
+        size_t beyond; /* need more than the displacement that was certified: WRONG */
+        size_t lost, phantom, other; /* a miss for a hit, a hit for a miss, not the nearest */
+        double allowed, most, most_decoded; /* certified; needed for the original, the decoded */
+    } original;
     size_t bit_differences;   /* against engine cpu on the same tree, if bits */
     bool bits;                /* compared with engine cpu bit for bit */
     bool judged;              /* false: a member as published takes part, only counted */

@@ -112,12 +112,11 @@
 #define MUTANT_SHADOW_BEHIND   332 /* shader: what is behind a light shades it, too */
 #define MUTANT_WEIGHT_KEPT     333 /* shader: reflections do not grow weaker along a path */
 #define MUTANT_LIGHT_LOST      334 /* shader: of several lights the first is not asked */
-#define MUTANT_CORNER_SWAPPED  470 /* compact: corners of a leaf's first triangle are swapped */
+#define MUTANT_CORNER_SWAPPED  470 /* compact: corners of a first triangle swapped */
 #define MUTANT_EDGE_SIGN       471 /* edges: the second edge runs the other way */
 #define MUTANT_BLOCK_PRIM_LATE 472 /* compact: the first two triangles' numbers change places */
 #define MUTANT_MOVED_HALVED    473 /* quantised: half of how far vertices moved is certified */
-#define MUTANT_GRID_BELOW                                                                          \
-    474 /* quantised: vertices go to the grid point below, not to the nearest */
+#define MUTANT_GRID_BELOW      474 /* quantised: vertices go to the grid point below */
 #define MUTANT_GRID_AXIS       475 /* quantised, C and shader: z has the width of y */
 #define MUTANT_NEED_WITHOUT    476 /* quantised: the displacement excuses every answer */
 #define MUTANT_GROUP_LATE      335 /* shader: a workgroup is there from its second path on */

@@ -369,6 +369,7 @@ in_test REFIT_HALF ref/packed_refit.c test_refit
 in_test REFIT_VERTICES_OLD ref/packed_refit.c test_refit
 in_test MOVED_HALVED ref/quantise.c test_quantise
 in_test GRID_BELOW ref/quantise.c test_quantise
+in_test NEED_WITHOUT ref/original.c test_quantise
 in_test GRID_AXIS ref/store/store_quantised.c test_quantise
 in_shaders GRID_AXIS test_vulkan_stores
 

@@ -1,6 +1,6 @@
 /* Quantised scenes: how far vertices move is what was certified, what is stored is what was
  * decoded, and closed meshes stay closed. */
-#include "ref/quantise.h"
+#include "ref/original.h"
 #include "ref/refit.h"
 #include "ref/trace.h"
 #include "scenes/rays.h"
@@ -225,6 +225,54 @@ static void hard_scenes_are_quantised(void **state)
         }
 }
 
+/* Answers for the decoded scene need what was certified to be right for the original; a twentieth
+ * of it does not excuse them. */
+static void what_moved_excuses_and_no_more(void **state)
+{
+    (void)state;
+    for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
+        struct scene scene = scene_of("sphere");
+        struct quantised q;
+        struct scene decoded = decoded_of(&scene, 10, &q);
+        static struct ray ray[RAYS];
+        struct reason reason = {""};
+        struct pool pool = {0};
+        struct match match;
+        struct original original;
+        struct row row;
+        const struct match_options options = {
+            .builder = builder_find("median"),
+            .build = {.leaf = 5, .eps = BUILD_EPS_DEFAULT},
+            .store = tri_store_find("quantised"),
+            .box = box_tests[0],
+            .tri = tri_test_find("mt"),
+            .query = query,
+            .repeats = 1,
+        };
+        assert_int_equal(ray_sets[0]->make(&scene, 3, RAYS, ray, NULL), STATUS_OK);
+        if (match_make(&decoded, ray, RAYS, &options, &pool, &match, &reason) ||
+            match_pack(&match, layouts[0], &reason) ||
+            original_make(&scene, &q, ray, RAYS, &original, &reason))
+            fail_msg("%s", reason.text);
+        match_run(&match, engine_find("cpu"), &row);
+        assert_int_equal(original_judge(&original, &match, &row), STATUS_OK);
+        assert_int_equal(row.count[VERDICT_WRONG], 0);
+        assert_int_equal(row.original.judged, RAYS);
+        assert_int_equal(row.original.beyond, 0);
+        assert_true(row.original.most > q.distance / 20 &&
+                    row.original.most <= q.distance + row.original.most_decoded);
+        original.quantised.distance = q.distance / 20;
+        memset(&row.original, 0, sizeof row.original);
+        assert_int_equal(original_judge(&original, &match, &row), STATUS_OK);
+        assert_true(row.original.beyond > 0 && row.differences == row.original.beyond);
+        original_free(&original);
+        match_free(&match);
+        pool_free(&pool);
+        scene_free(&decoded);
+        scene_free(&scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -233,6 +281,7 @@ int main(void)
         cmocka_unit_test(a_closed_mesh_stays_closed),
         cmocka_unit_test(what_has_no_grid_is_refused),
         cmocka_unit_test(hard_scenes_are_quantised),
+        cmocka_unit_test(what_moved_excuses_and_no_more),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,48 @@
+/* What raydiff check --help says. */
+#include "ref/cmd_check.h"
+
+#include "ref/cmd_options.h"
+#include "ref/cmd_tree.h"
+
+#include <stdio.h>
+
+static const char help[] =
+    "usage: raydiff check SCENE... [OPTIONS]\n"
+    "Plays engines and node layouts against each other on every SCENE (a mesh file: .json .obj\n"
+    ".ply, also .gz; or a generator such as soup:n=1000, see raydiff list scenes) and says who\n"
+    "agrees, who differs, how fast each is and how many bytes each needs.\n\n"
+    "  --layout L,..   layouts, 'all', or 'auto' (the first that fits)        [f32,rf16]\n"
+    "  --engine E,..   engines, or 'all'; pipe:COMMAND, last, is a tracer of your own (README)\n"
+    "                                                        [every engine that can run here]\n"
+    "  --store S,..    triangle storages, see raydiff list storages              [indexed]\n"
+    "  --bits N        store quantised: bits an axis of the grid, 8 to 21        [16]\n"
+    "  --builder B,..  builders                                                  [median]\n"
+    "  --leaf N        items per leaf, 1 or more                                 [4]\n"
+    "  --eps E         builder rtrs: smallest box that is split                  "
+    "[0.02]\n" BUILD_OPTIONS_HELP TREE_OPTION_HELP
+    "  --move AMOUNT   moves vertices after packing by up to so many extents of the scene, from "
+    "the\n"
+    "                  seed, and refits the packed trees to where they are       [0]\n"
+    "  --box B,..      box tests                                                 [robust]\n"
+    "  --tri T,..      triangle tests                                            [mt]\n"
+    "  --query Q,..    closest, any, all (every triangle along the ray)          [closest]\n"
+    "  --rays SET      ray set                                                   [mixed]\n"
+    "  --count N       rays, 1 or more; 1e6 is accepted                          [100000]\n"
+    "  --seed S        of rays and generators                                    [1]\n"
+    "  --repeat N      timed runs per engine, 1 to 32: median, least, most       [3]\n"
+    "  --brute N       ray-triangle pairs that brute force may decide            [2e8]\n"
+    "  --brute-rays N  the most rays it decides, 0 is all it can afford          "
+    "[0]\n" ENGINE_OPTIONS_HELP "  --json FILE     all rows, for machines\n\n"
+    "Columns: hits, then answers in each allowed class (tie, near tie, boundary, border, in "
+    "plane,\n"
+    "slab, noise, out of contract: README, \"Allowed differences\"), the largest error over its\n"
+    "proven bound, what is WRONG, and bits that differ from engine cpu.\n"
+    "A named layout that refuses the scene, or is to be built anew after a motion, exits with 2, a "
+    "named engine that cannot run with 77.\n"
+    "exit codes: 0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped\n"
+    "example: raydiff check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices\n";
+
+void check_help(void)
+{
+    fputs(help, stdout);
+}
