@@ -189,12 +189,10 @@
 #define MUTANT_GENERAL_DULL        389 /* the pipeline for every scene reflects nothing */
 #define MUTANT_WIDE_UNSORTED       400 /* children of a wide node wait in the order of slots */
 #define MUTANT_WIDE_ONE_LOST       401 /* where five children of a wide node are hit, one is lost */
-#define MUTANT_CLIP_NEAREST        421 /* sbvh: parts of triangles are rounded to nearest */
+#define MUTANT_CLIP_INWARD         421 /* sbvh: parts of triangles are rounded inward */
 #define MUTANT_PLANE_NUDGED        422 /* sbvh: the first part ends an ulp before the plane */
 #define MUTANT_PIECE_DROPPED       423 /* sbvh: a part of some triangles is in no child */
-#define MUTANT_REPEATS_KEPT                                                                        \
-    424 /* all hits: split trees list triangles as often as they are met                           \
-         */
+#define MUTANT_REPEATS_KEPT        424 /* all hits: split trees list triangles as often as they are */
 #define MUTANT_COVER_FILTER        420 /* exact cover check: no error is allowed for in double */
 #define MUTANT_GRID_INWARD         450 /* grid: bounds are one code too far inward */
 #define MUTANT_GRID_SUM_ROUNDED    451 /* grid: a bound is chosen by its rounded sum */

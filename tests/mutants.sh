@@ -279,7 +279,7 @@ in_test TICKS_EVEN scenes/colour_picture.c test_colour
 in_test ALPHA_UNREAD scenes/image_diff.c test_image_diff
 in_test FLAT_RANGE bench/chart.c test_chart
 in_test GAPS_CLOSED bench/chart.c test_chart
-in_test CLIP_NEAREST ref/builders/clip.c test_sbvh
+in_test CLIP_INWARD ref/builders/clip.c test_sbvh
 in_test PLANE_NUDGED ref/builders/build_sbvh.c test_sbvh
 in_test PIECE_DROPPED ref/builders/build_sbvh.c test_sbvh
 in_test REPEATS_KEPT ref/all_hits.c test_sbvh

@@ -25,8 +25,8 @@ static void add_crossing(const float p[3], const float q[3], int axis, float s, 
     for (int k = 0; k < 3; k++) {
         double from = (double)p[k], to = (double)q[k];
         double at = from + (to - from) * t, error = CLIP_ERROR * (fabs(from) + fabs(to));
-#if MUTANT == MUTANT_CLIP_NEAREST
-        float lo = (float)at, hi = (float)at;
+#if MUTANT == MUTANT_CLIP_INWARD
+        float lo = float_above(at - error), hi = float_below(at + error);
 #else
         float lo = float_below(at - error), hi = float_above(at + error);
 #endif
