@@ -129,6 +129,10 @@ BOUNDS_TESTS := $(filter $(B)/tests/test_bounds%,$(TESTS))
 $(BOUNDS_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle_cases.o)
 $(BOUNDS_TESTS): TEST_LIBS += -lgmp
 
+# Its allocations are told to fail.
+$(B)/tests/test_out_of_memory: TEST_LIBS += \
+    -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
+
 # The campaign of truth; needs GMP, so it is no part of the program.
 TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact_gmp*.c) \
                ref/cmd_tables.c ref/cmd_options.c)

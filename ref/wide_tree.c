@@ -1,5 +1,7 @@
 #include "ref/wide_tree.h"
 
+#include "ref/mutant.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -216,6 +218,9 @@ static enum status add_children(struct collapse *c, struct wide_tree *tree, uint
     uint32_t root[WIDE_TREE_MOST] = {at};
     uint32_t inner[WIDE_TREE_MOST], inner_count = 0;
     uint32_t count = c->part[at].leaf ? 1 : find_roots(c, at, root);
+#if MUTANT == MUTANT_ROOT_WITHOUT_LEAF
+    count -= c->part[at].leaf;
+#endif
     void *array = tree->child;
     enum status status = array_reserve(&array, &c->child_capacity,
                                        (size_t)tree->child_count + count, sizeof *tree->child);

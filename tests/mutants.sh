@@ -62,6 +62,8 @@ in_test() {
         beside="$build/obj/tests/trials.o $build/obj/tests/legal.o $beside"
         ;;
     esac
+    [ "$test" != test_out_of_memory ] ||
+        beside=-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
     mkdir -p "$dir"
     $CC_CMD "-DMUTANT=$(number "$name")" -c -o "$dir/unit.o" "$unit" &&
         $CC_CMD -o "$dir/$test" "$build/obj/tests/$test.o" "$dir/unit.o" $beside \
@@ -357,6 +359,9 @@ in_test LINKS_DEEP ref/builders/links.c test_build_fast
 in_test COLLAPSE_OVER ref/builders/links.c test_build_fast
 in_test MOVE_KEPT ref/builders/spots.c test_build_fast
 in_test ROOM_KEPT ref/builders/links.c test_build_memory
+in_test WORDS_KEPT ref/layouts/common.c test_out_of_memory
+in_test WALK_OF_NOTHING ref/packed_walk.c test_out_of_memory
+in_test ROOT_WITHOUT_LEAF ref/wide_tree.c test_degenerate
 in_test COST_OF_LEAF ref/tree_quality.c test_build_fast
 in_test OVERLAP_OWN ref/tree_overlap.c test_tree_quality
 in_test CORNER_SWAPPED ref/store/store_compact.c test_stores
