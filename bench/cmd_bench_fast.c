@@ -13,7 +13,7 @@
 #include <time.h>
 
 #define RAYS_OWN 100000
-#define RIVALS   5
+#define RIVALS   6
 
 static const char *const kinds[] = {"primary", "random", "bounce", "shadow"};
 #define KINDS ARRAY_COUNT(kinds)
@@ -41,15 +41,16 @@ struct contest {
 /* How an engine is opened. */
 struct entry {
     const char *name, *engine;
-    bool compact, avx512;
+    bool compact, avx512, alone;
 };
 
 static const struct entry entries[RIVALS] = {
-    {"embree", "embree", false, false},
-    {"embree avx512", "embree", false, true},
-    {"embree robust", "embree_robust", false, false},
-    {"embree compact", "embree", true, false},
-    {"fast", "fast", false, false},
+    {"embree", "embree", false, false, false},
+    {"embree avx512", "embree", false, true, false},
+    {"embree robust", "embree_robust", false, false, false},
+    {"embree compact", "embree", true, false, false},
+    {"fast alone", "fast", false, false, true},
+    {"fast", "fast", false, false, false},
 };
 
 /* Of one thread the core's own time: other work on the machine counts little. */
@@ -220,6 +221,7 @@ static enum status open_contest(struct contest *c, struct reason *reason)
         const struct engine *engine = engine_find(entries[i].engine);
         options.compact = entries[i].compact;
         options.avx512 = entries[i].avx512;
+        options.alone = entries[i].alone;
         r->name = entries[i].name;
         r->hit = alloc_zeroed(c->count, sizeof *r->hit);
         status = r->hit && c->ray ? engine->open(&options, &r->self, reason) : STATUS_MEMORY;
@@ -288,6 +290,7 @@ const struct benchmark bench_fast = {
     .about =
         "--threads 1 unless told otherwise: the core's own time, else time on the wall; the tree\n"
         "  is sah_sweep's. Shadow rays go from primary hits to a light and ask for any hit.\n"
+        "  fast takes two rays at once in trees over 8 MB; 'fast alone' takes one, always.\n"
         "  byte/tri: what the engine holds, of fast all that it reads; missed: rays that another\n"
         "  one hits; mean: geometric, of the ratios.\n",
     .run = run,

@@ -15,6 +15,7 @@ struct engine_options {
                            process that may die */
     bool compact;       /* Embree: the scene's flag of that name */
     bool avx512;        /* Embree: with AVX-512, too, where there is some; by default up to AVX2 */
+    bool alone;         /* fast: never two rays at once, whatever the size of the tree */
     uint32_t peer_ms;   /* pipe: the longest that a peer may take for a request; 0: PEER_MS */
     uint32_t peer_mb;   /* pipe: address space of a peer in MB; 0: PEER_MB, UINT32_MAX: no limit */
 };

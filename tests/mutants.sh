@@ -317,6 +317,7 @@ in_test BLOCK_CORNER ref/fast/block.c test_fast
 in_test CODE_NEAREST ref/fast/fast.c test_fast
 in_test FAST_UNPADDED ref/fast/kernel_portable.c test_fast
 in_test FAST_CONTRACTED ref/fast/kernel_avx2.c test_fast
+in_test FAST_LAST_LEFT ref/fast/kernel_portable.c test_fast
 in_test CACHE_FIFO bench/cache_sim.c test_cache_sim
 in_test FRONT_OF_TWO bench/pareto.c test_pareto
 in_test TOUCH_ONCE bench/touch.c test_touch

@@ -13,6 +13,7 @@ struct fast {
     struct fast_tree tree;
     const struct fast_kernel *kernel;
     unsigned threads;
+    bool alone;
     enum query query;
 };
 
@@ -24,7 +25,9 @@ static enum status fast_open(const struct engine_options *options, void **self,
     *self = fast;
     if (!fast)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
-    *fast = (struct fast){.kernel = fast_kernel_best(), .threads = cpu_rays_threads(options)};
+    *fast = (struct fast){.kernel = fast_kernel_best(),
+                          .threads = cpu_rays_threads(options),
+                          .alone = options->alone};
     return STATUS_OK;
 }
 
@@ -56,6 +59,8 @@ static enum status fast_prepare(void *self, const struct job *job, struct reason
     status = fast_decode(job->packed, job->scene, &bvh, reason);
     if (!status)
         status = fast_make(&bvh, job->scene, &fast->tree, reason);
+    if (fast->alone)
+        fast->tree.in_pairs = false;
     bvh_free(&bvh);
     return status;
 }

@@ -10,6 +10,7 @@
 
 #define FAST_WIDTH 8u
 #define FAST_STACK 256u /* entries of the traversal's stack */
+#define FAST_PAIRS 8u   /* MB; larger trees are traced in pairs of rays (ref/fast/pair.h) */
 
 /* A node. Those of a tree are aligned to their size. Bound q of axis k is lo[k] + step[k] * q of
  * the tree. Absent children have reference 0, lower bounds 65535 and upper bounds 0. */
@@ -37,6 +38,7 @@ struct fast_tree {
     uint64_t block_words;
     uint32_t node_count;
     uint32_t stack_need;
+    bool in_pairs; /* kernels take two rays at once: the tree is larger than caches */
 };
 
 /* Makes the tree from a binary one whose form was checked: the cheapest collapse (ref/wide_tree.h).

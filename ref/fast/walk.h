@@ -47,6 +47,17 @@ struct walk_best {
     uint32_t vertices, lane;
 };
 
+/* What waits. A vector more than there can be entries: push writes whole ones. */
+struct walk_stack {
+    uint32_t ref[FAST_STACK + FAST_WIDTH], key[FAST_STACK + FAST_WIDTH];
+};
+
+/* Where a traversal is; apart from the rest, so that it stays in registers. */
+struct walk_place {
+    size_t depth;
+    uint32_t now; /* the reference to go on with */
+};
+
 INLINE float4 all4(float x)
 {
     return (float4){x, x, x, x};
@@ -232,61 +243,89 @@ INLINE void write_hit(const struct walk_best *best, struct hit *hit)
                             .prim = block_prim(best->block, best->vertices, lane)};
 }
 
+/* From a node to one of its children; returns false if none is met. */
+INLINE bool descend(const struct walk_ray *r, const struct fast_tree *tree, bool any,
+                    struct walk_stack *stack, struct walk_place *at)
+{
+    const struct fast_node *node = &tree->node[at->now];
+    float8 entry;
+    uint32_t mask = test_node(r, node, &entry);
+    if (mask == 0)
+        return false;
+    if (any) {
+        at->depth += push_any(stack->ref + at->depth, node->ref, mask);
+        at->now = node->ref[__builtin_ctz(mask)];
+    } else {
+        at->now = choose(stack->key, stack->ref, &at->depth, node, mask, entry);
+    }
+    return true;
+}
+
+/* Returns true if no other hit is asked for. */
+INLINE bool visit_leaf(struct walk_ray *r, const struct fast_tree *tree, bool any,
+                       struct walk_best *best, const struct walk_place *at)
+{
+    if (!test_leaf(r, tree, at->now, best))
+        return false;
+    if (!any)
+        narrow(r, best->t);
+    return any;
+}
+
+/* To what waits; returns false if nothing does. */
+INLINE bool pop(const struct walk_ray *r, bool any, const struct walk_stack *stack,
+                struct walk_place *at)
+{
+    do {
+        if (at->depth == 0)
+            return false;
+        at->depth--;
+    } while (!any && stack->key[at->depth] > r->key_most);
+    at->now = stack->ref[at->depth];
+    return true;
+}
+
 INLINE void walk(const struct fast_tree *tree, const struct ray *ray, bool any, struct hit *hit)
 {
     struct walk_ray r;
-    struct walk_best best;
-    /* A vector more than there can be entries: push writes whole ones. */
-    uint32_t ref[FAST_STACK + FAST_WIDTH], key[FAST_STACK + FAST_WIDTH];
-    size_t depth = 0;
-    uint32_t now = 0;
+    struct walk_best best = {.block = NULL, .lane = 0};
+    struct walk_stack stack;
+    struct walk_place at = {0, 0};
     if (!prepare(&r, tree, ray)) {
         fast_careful(tree, ray, any, hit);
         return;
     }
-    best.block = NULL;
-    best.lane = 0;
-    for (;;) {
-        while (!(now & FAST_LEAF)) {
-            const struct fast_node *node = &tree->node[now];
-            float8 entry;
-            uint32_t mask = test_node(&r, node, &entry);
-            if (mask == 0)
-                goto pop;
-            if (any) {
-                depth += push_any(ref + depth, node->ref, mask);
-                now = node->ref[__builtin_ctz(mask)];
-            } else {
-                now = choose(key, ref, &depth, node, mask, entry);
-            }
-        }
-        if (test_leaf(&r, tree, now, &best)) {
-            if (any)
-                break;
-            narrow(&r, best.t);
-        }
-    pop:
-        do {
-            if (depth == 0)
-                goto done;
-            depth--;
-        } while (!any && key[depth] > r.key_most);
-        now = ref[depth];
-    }
-done:
+    do {
+        while (!(at.now & FAST_LEAF))
+            if (!descend(&r, tree, any, &stack, &at))
+                goto missed;
+        if (visit_leaf(&r, tree, any, &best, &at))
+            break;
+    missed:;
+    } while (pop(&r, any, &stack, &at));
     write_hit(&best, hit);
+}
+
+#include "ref/fast/pair.h"
+
+INLINE void walk_many(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
+                      struct hit *hit)
+{
+    if (tree->in_pairs && count > 1)
+        walk_pairs(tree, ray, count, any, hit);
+    else
+        for (size_t i = 0; i < count; i++)
+            walk(tree, &ray[i], any, &hit[i]);
 }
 
 KERNEL_TARGET static void closest(const struct fast_tree *tree, const struct ray *ray, size_t count,
                                   struct hit *hit)
 {
-    for (size_t i = 0; i < count; i++)
-        walk(tree, &ray[i], false, &hit[i]);
+    walk_many(tree, ray, count, false, hit);
 }
 
 KERNEL_TARGET static void any_hit(const struct fast_tree *tree, const struct ray *ray, size_t count,
                                   struct hit *hit)
 {
-    for (size_t i = 0; i < count; i++)
-        walk(tree, &ray[i], true, &hit[i]);
+    walk_many(tree, ray, count, true, hit);
 }

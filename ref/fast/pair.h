@@ -1,0 +1,91 @@
+/* Two rays under way at once, a node or a leaf of each by turns: while one waits for memory the
+ * other goes on. The hits are those of walk(), ray by ray. Included by ref/fast/walk.h. */
+
+/* A ray under way. */
+struct walker {
+    struct walk_ray r;
+    struct walk_best best;
+    struct walk_place at;
+    struct walk_stack stack;
+    struct hit *hit; /* NULL: no ray */
+};
+
+/* The rays of a call that no walker took yet. */
+struct walk_queue {
+    const struct fast_tree *tree;
+    const struct ray *ray;
+    struct hit *hit;
+    size_t next, count;
+    bool any;
+};
+
+/* Takes the next ray that is one for this kernel; returns false if there is none. */
+INLINE bool take(struct walker *w, struct walk_queue *queue)
+{
+    w->hit = NULL;
+    while (queue->next < queue->count) {
+        size_t i = queue->next++;
+        if (!prepare(&w->r, queue->tree, &queue->ray[i])) {
+            fast_careful(queue->tree, &queue->ray[i], queue->any, &queue->hit[i]);
+            continue;
+        }
+        w->best.block = NULL;
+        w->best.lane = 0;
+        w->at = (struct walk_place){0, 0};
+        w->hit = &queue->hit[i];
+        return true;
+    }
+    return false;
+}
+
+/* Asks for the lines that the next step reads first. */
+INLINE void ask(const struct fast_tree *tree, uint32_t ref)
+{
+    const char *leaf = (const char *)(tree->block + (ref & (FAST_LEAF_WORDS - 1)));
+    const char *node = (const char *)(tree->node + (ref & ~FAST_LEAF));
+    const char *from = ref & FAST_LEAF ? leaf : node;
+    __builtin_prefetch(from);
+    __builtin_prefetch(from + 64);
+}
+
+/* One node or one leaf; returns false when the ray is done. */
+INLINE bool step(struct walker *w, const struct fast_tree *tree, bool any)
+{
+    struct walk_place at = w->at;
+    if (!(at.now & FAST_LEAF)) {
+        if (descend(&w->r, tree, any, &w->stack, &at))
+            goto go_on;
+    } else if (visit_leaf(&w->r, tree, any, &w->best, &at)) {
+        return false;
+    }
+    if (!pop(&w->r, any, &w->stack, &at))
+        return false;
+go_on:
+    w->at = at;
+    ask(tree, at.now);
+    return true;
+}
+
+INLINE void walk_pairs(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
+                       struct hit *hit)
+{
+    struct walker pair[2];
+    struct walk_queue queue = {tree, ray, hit, 0, count, any};
+    bool both = take(&pair[0], &queue);
+    both = take(&pair[1], &queue) && both;
+    while (both)
+#pragma GCC unroll 1 /* one copy of it all: two are slower */
+        for (int i = 0; i < 2; i++)
+            if (!step(&pair[i], tree, any)) {
+                write_hit(&pair[i].best, pair[i].hit);
+                both = take(&pair[i], &queue) && both;
+            }
+    for (int i = 0; i < 2; i++)
+        if (pair[i].hit) {
+#if MUTANT != MUTANT_FAST_LAST_LEFT
+            while (step(&pair[i], tree, any)) {
+            }
+#endif
+            write_hit(&pair[i].best, pair[i].hit);
+        }
+}
