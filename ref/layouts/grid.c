@@ -12,6 +12,7 @@
 
 /* What a member is. */
 struct grid {
+    struct wide_form form; /* to read with */
     const struct number_format *format;
     uint32_t frame; /* ABI_FRAME_* */
 };
@@ -290,16 +291,6 @@ static void decode(const struct packed *packed, uint32_t record, struct wide_slo
     }
 }
 
-static void load(const struct packed *packed, uint32_t ref, struct wide *out)
-{
-    wide_nodes_load(packed, ref, decode, out);
-}
-
-static struct box box(const struct packed *packed, uint32_t ref)
-{
-    return wide_nodes_box(packed, ref, decode);
-}
-
 static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
                            const struct wide *node, struct reason *reason)
 {
@@ -348,11 +339,11 @@ static enum status rebound(struct packed *packed, uint32_t ref, const struct box
         .slots = true,                                                                             \
         .order = VISIT_NEAR,                                                                       \
         .shader = "grid" #children,                                                                \
-        .family = &(const struct grid){&number_##format_, ABI_FRAME_##FRAME},                      \
+        .family = &(const struct grid){{.decode = decode}, &number_##format_, ABI_FRAME_##FRAME},  \
         .constant = {ABI_NUMBER_##FORMAT, ABI_FRAME_##FRAME},                                      \
         .pack = pack,                                                                              \
-        .load = load,                                                                              \
-        .box = box,                                                                                \
+        .load = wide_form_load,                                                                    \
+        .box = wide_form_box,                                                                      \
         .rebound = rebound,                                                                        \
         .item = wide_nodes_item,                                                                   \
     };

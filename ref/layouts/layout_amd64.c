@@ -87,15 +87,6 @@ static bool stored_box(const struct amd *amd, bool f32, const struct box *box, s
     return finite;
 }
 
-/* In doubles, where nothing overflows. */
-static double half_area(const struct box *box)
-{
-    double x = (double)box->hi[0] - (double)box->lo[0];
-    double y = (double)box->hi[1] - (double)box->lo[1];
-    double z = (double)box->hi[2] - (double)box->lo[2];
-    return x * y + y * z + z * x;
-}
-
 /* --- nodes ------------------------------------------------------------------------------------ */
 
 struct packing {
@@ -115,9 +106,9 @@ static bool wants_f32(const struct packing *p, uint32_t n, bool *fits)
         const struct box *exact = &p->tree->child[node->first + c].bounds;
         struct box stored;
         fits16 = stored_box(p->amd, false, exact, &stored) && fits16;
-        area16 += half_area(&stored);
+        area16 += box_half_area(&stored);
         fits32 = stored_box(p->amd, true, exact, &stored) && fits32;
-        area32 += half_area(exact);
+        area32 += box_half_area(exact);
     }
     bool mixed = p->amd->inflate < INFINITY;
     bool f32 = n == 0 || (mixed && (!fits16 || area16 > (double)p->amd->inflate * area32));

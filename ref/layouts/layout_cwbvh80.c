@@ -67,14 +67,10 @@ static void put_boxes(const struct box *const box[WIDTH], uint32_t *word)
             put_planes(&axis[k], k, s, box[s], word);
 }
 
-static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+static void put_children(const struct wide_child *child, uint32_t count, uint32_t *word)
 {
-    const struct wide_child *child = &tree->child[tree->node[n].first];
-    const struct box *box[WIDE_MAX];
-    uint32_t items = 0;
-    wide_nodes_tree_boxes(tree, n, box);
-    put_boxes(box, word);
-    for (uint32_t s = 0, nodes = 0; s < tree->node[n].count; s++) {
+    uint32_t items = 0, nodes = 0;
+    for (uint32_t s = 0; s < count; s++) {
         if (child[s].count == 0) {
             word[3] |= 1u << (24 + s);
             put_byte(word + 6, s, 1u << 5 | (24 + s));
@@ -87,24 +83,6 @@ static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
         put_byte(word + 6, s, ((1u << child[s].count) - 1) << 5 | items);
         items += child[s].count;
     }
-}
-
-static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
-                        struct packed *out, struct reason *reason)
-{
-    struct wide_tree tree;
-    enum status status = wide_nodes_collapse(self, bvh, scene, LEAF_MOST, NODE_COST,
-                                             NODE_AXIS_LARGEST, &tree, reason);
-    if (!status)
-        status = layout_alloc(self->name, tree.node_count, WORDS, 0, out, reason);
-    if (!status) {
-        out->ref_count = out->node_count * layout_refs(self);
-        status = wide_nodes_items(self, bvh, scene, UINT32_MAX, &tree, out, reason);
-        for (uint32_t n = 0; n < tree.node_count && !status; n++)
-            pack_node(&tree, n, out->word + (size_t)WORDS * n);
-    }
-    wide_tree_free(&tree);
-    return status;
 }
 
 static void decode(const struct packed *packed, uint32_t record, struct wide_slot *slot)
@@ -131,27 +109,15 @@ static void decode(const struct packed *packed, uint32_t record, struct wide_slo
     }
 }
 
-static void load(const struct packed *packed, uint32_t ref, struct wide *out)
-{
-    wide_nodes_load(packed, ref, decode, out);
-}
-
-static struct box box(const struct packed *packed, uint32_t ref)
-{
-    return wide_nodes_box(packed, ref, decode);
-}
-
-static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
-                           const struct wide *node, struct reason *reason)
-{
-    (void)own;
-    const struct box *box[WIDE_MAX];
-    enum status status =
-        wide_nodes_rebound(packed, ref, node, decode, NODE_AXIS_LARGEST, box, reason);
-    if (!status)
-        put_boxes(box, packed->word + (size_t)WORDS * ref);
-    return status;
-}
+static const struct wide_form form = {
+    .decode = decode,
+    .leaf_most = LEAF_MOST,
+    .node_cost = NODE_COST,
+    .largest = NODE_AXIS_LARGEST,
+    .places = UINT32_MAX,
+    .put_boxes = put_boxes,
+    .put_children = put_children,
+};
 
 extern const struct layout layout_cwbvh80;
 const struct layout layout_cwbvh80 = {
@@ -160,9 +126,10 @@ const struct layout layout_cwbvh80 = {
     .node_bytes = 4 * WORDS,
     .width = WIDTH,
     .order = VISIT_NEAR,
-    .pack = pack,
-    .load = load,
-    .box = box,
-    .rebound = rebound,
+    .family = &form,
+    .pack = wide_form_pack,
+    .load = wide_form_load,
+    .box = wide_form_box,
+    .rebound = wide_form_rebound,
     .item = wide_nodes_item,
 };

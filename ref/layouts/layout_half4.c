@@ -41,37 +41,10 @@ static void put_boxes(const struct box *const box[WIDTH], uint32_t *word)
     }
 }
 
-static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+static void put_children(const struct wide_child *child, uint32_t count, uint32_t *word)
 {
-    const struct wide_child *child = &tree->child[tree->node[n].first];
-    const struct box *box[WIDE_MAX];
-    wide_nodes_tree_boxes(tree, n, box);
-    put_boxes(box, word);
-    for (uint32_t s = 0; s < tree->node[n].count; s++)
+    for (uint32_t s = 0; s < count; s++)
         word[12 + s] = child[s].count << 28 | child[s].first;
-}
-
-static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
-                        struct packed *out, struct reason *reason)
-{
-    struct wide_tree tree = {0};
-    enum status status = STATUS_OK;
-    if (bvh->prim_count > OFFSETS) /* there are fewer nodes than items */
-        status = fail(reason, STATUS_LIMIT, "%s: holds at most 2^28 items, this tree has %u",
-                      self->name, bvh->prim_count);
-    if (!status)
-        status =
-            wide_nodes_collapse(self, bvh, scene, LEAF_MOST, NODE_COST, HALF_MAX, &tree, reason);
-    if (!status)
-        status = layout_alloc(self->name, tree.node_count, WORDS, 0, out, reason);
-    if (!status) {
-        out->ref_count = out->node_count * layout_refs(self);
-        status = wide_nodes_items(self, bvh, scene, OFFSETS, &tree, out, reason);
-        for (uint32_t n = 0; n < tree.node_count && !status; n++)
-            pack_node(&tree, n, out->word + (size_t)WORDS * n);
-    }
-    wide_tree_free(&tree);
-    return status;
 }
 
 static void decode(const struct packed *packed, uint32_t record, struct wide_slot *slot)
@@ -88,26 +61,15 @@ static void decode(const struct packed *packed, uint32_t record, struct wide_slo
     }
 }
 
-static void load(const struct packed *packed, uint32_t ref, struct wide *out)
-{
-    wide_nodes_load(packed, ref, decode, out);
-}
-
-static struct box box(const struct packed *packed, uint32_t ref)
-{
-    return wide_nodes_box(packed, ref, decode);
-}
-
-static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
-                           const struct wide *node, struct reason *reason)
-{
-    (void)own;
-    const struct box *box[WIDE_MAX];
-    enum status status = wide_nodes_rebound(packed, ref, node, decode, HALF_MAX, box, reason);
-    if (!status)
-        put_boxes(box, packed->word + (size_t)WORDS * ref);
-    return status;
-}
+static const struct wide_form form = {
+    .decode = decode,
+    .leaf_most = LEAF_MOST,
+    .node_cost = NODE_COST,
+    .largest = HALF_MAX,
+    .places = OFFSETS,
+    .put_boxes = put_boxes,
+    .put_children = put_children,
+};
 
 extern const struct layout layout_half4;
 const struct layout layout_half4 = {
@@ -116,8 +78,9 @@ const struct layout layout_half4 = {
     .node_bytes = 4 * WORDS,
     .width = WIDTH,
     .order = VISIT_NEAR,
-    .pack = pack,
-    .load = load,
-    .box = box,
-    .rebound = rebound,
+    .family = &form,
+    .pack = wide_form_pack,
+    .load = wide_form_load,
+    .box = wide_form_box,
+    .rebound = wide_form_rebound,
 };

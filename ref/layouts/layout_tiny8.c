@@ -18,12 +18,6 @@
 #define PLANES 63u
 #define INNER  15u
 
-/* What a member wants. */
-struct tiny {
-    uint32_t leaf_most; /* at most 14 */
-    float node_cost;
-};
-
 static void put_box(const struct node_axis axis[3], const struct box *box, uint32_t s,
                     uint32_t *word)
 {
@@ -55,39 +49,16 @@ static void put_boxes(const struct box *const box[WIDTH], uint32_t *word)
             put_box(axis, box[s], s, word);
 }
 
-static void pack_node(const struct wide_tree *tree, uint32_t n, uint32_t *word)
+static void put_children(const struct wide_child *child, uint32_t count, uint32_t *word)
 {
-    const struct wide_child *child = &tree->child[tree->node[n].first];
-    const struct box *box[WIDE_MAX];
     bool have_node = false, have_leaf = false;
-    wide_nodes_tree_boxes(tree, n, box);
-    put_boxes(box, word);
-    for (uint32_t s = 0; s < tree->node[n].count; s++) {
+    for (uint32_t s = 0; s < count; s++) {
         word[6] |= (child[s].count ? child[s].count : INNER) << 4 * s;
         bool *have = child[s].count ? &have_leaf : &have_node;
         if (!*have)
             word[child[s].count ? 5 : 4] = child[s].first;
         *have = true;
     }
-}
-
-static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
-                        struct packed *out, struct reason *reason)
-{
-    const struct tiny *tiny = self->family;
-    struct wide_tree tree;
-    enum status status = wide_nodes_collapse(self, bvh, scene, tiny->leaf_most, tiny->node_cost,
-                                             NODE_AXIS_LARGEST, &tree, reason);
-    if (!status)
-        status = layout_alloc(self->name, tree.node_count, WORDS, 0, out, reason);
-    if (!status) {
-        out->ref_count = out->node_count * layout_refs(self);
-        status = wide_nodes_items(self, bvh, scene, UINT32_MAX, &tree, out, reason);
-        for (uint32_t n = 0; n < tree.node_count && !status; n++)
-            pack_node(&tree, n, out->word + (size_t)WORDS * n);
-    }
-    wide_tree_free(&tree);
-    return status;
 }
 
 static void decode(const struct packed *packed, uint32_t record, struct wide_slot *slot)
@@ -114,28 +85,6 @@ static void decode(const struct packed *packed, uint32_t record, struct wide_slo
     }
 }
 
-static void load(const struct packed *packed, uint32_t ref, struct wide *out)
-{
-    wide_nodes_load(packed, ref, decode, out);
-}
-
-static struct box box(const struct packed *packed, uint32_t ref)
-{
-    return wide_nodes_box(packed, ref, decode);
-}
-
-static enum status rebound(struct packed *packed, uint32_t ref, const struct box *own,
-                           const struct wide *node, struct reason *reason)
-{
-    (void)own;
-    const struct box *box[WIDE_MAX];
-    enum status status =
-        wide_nodes_rebound(packed, ref, node, decode, NODE_AXIS_LARGEST, box, reason);
-    if (!status)
-        put_boxes(box, packed->word + (size_t)WORDS * ref);
-    return status;
-}
-
 extern const struct layout layouts_tiny8[3];
 const struct layout layouts_tiny8[3] = {
 #define MEMBER(member, text, most, cost)                                                           \
@@ -143,8 +92,15 @@ const struct layout layouts_tiny8[3] = {
         .name = member,                                                                            \
         .summary = "64-byte nodes of 8 children, bounds of 6 bits in the node's frame; " text,     \
         .node_bytes = 4 * WORDS, .width = WIDTH, .order = VISIT_NEAR, .shader = "tiny8",           \
-        .family = &(const struct tiny){most, cost}, .pack = pack, .load = load, .box = box,        \
-        .rebound = rebound, .item = wide_nodes_item,                                               \
+        .family = &(const struct wide_form){.decode = decode,                                      \
+                                            .leaf_most = most,                                     \
+                                            .node_cost = cost,                                     \
+                                            .largest = NODE_AXIS_LARGEST,                          \
+                                            .places = UINT32_MAX,                                  \
+                                            .put_boxes = put_boxes,                                \
+                                            .put_children = put_children},                         \
+        .pack = wide_form_pack, .load = wide_form_load, .box = wide_form_box,                      \
+        .rebound = wide_form_rebound, .item = wide_nodes_item,                                     \
     }
     MEMBER("tiny8", "leaves of up to 4", 4, 1.0f),
     MEMBER("tiny8_l8", "leaves of up to 8", 8, 4.0f),

@@ -5,8 +5,8 @@
 #define EXPONENT_LEAST (-100)
 #define ORIGIN_BITS    23 /* 2^23 steps: 255 more is an integer that float32 has */
 
-enum status wide_nodes_within(const struct layout *self, const struct box *box, uint32_t node,
-                              float largest, struct reason *reason)
+static enum status check_within(const struct layout *self, const struct box *box, uint32_t node,
+                                float largest, struct reason *reason)
 {
     for (int k = 0; k < 3; k++) {
         float lo = box->lo[k], hi = box->hi[k];
@@ -26,7 +26,7 @@ enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh
     *out = (struct wide_tree){0};
     enum status status = layout_check_finite(self->name, bvh, scene, reason);
     for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        status = wide_nodes_within(self, &bvh->node[i].bounds, i, largest, reason);
+        status = check_within(self, &bvh->node[i].bounds, i, largest, reason);
     const struct wide_rule rule = {
         .width = self->width, .leaf_most = leaf_most, .node_cost = node_cost};
     return status ? status : wide_tree_make(bvh, scene, &rule, out, reason);
@@ -68,19 +68,6 @@ void wide_nodes_boxes(const struct packed *packed, const struct wide_slot *slot,
     }
 }
 
-enum status wide_nodes_rebound(const struct packed *packed, uint32_t record,
-                               const struct wide *node, wide_decode *decode, float largest,
-                               const struct box *box[WIDE_MAX], struct reason *reason)
-{
-    struct wide_slot slot[WIDE_MAX];
-    enum status status = STATUS_OK;
-    decode(packed, record, slot);
-    wide_nodes_boxes(packed, slot, packed->node_count, node, box);
-    for (uint32_t c = 0; c < node->child_count && !status; c++)
-        status = wide_nodes_within(packed->layout, &node->box[c], record, largest, reason);
-    return status;
-}
-
 void wide_nodes_tree_boxes(const struct wide_tree *tree, uint32_t n,
                            const struct box *box[WIDE_MAX])
 {
@@ -119,9 +106,63 @@ struct box wide_nodes_union(const struct packed *packed, const struct wide_slot 
     return all;
 }
 
-void wide_nodes_load(const struct packed *packed, uint32_t ref, wide_decode *decode,
-                     struct wide *out)
+uint32_t wide_nodes_item(const struct packed *packed, uint32_t slot)
 {
+    return slot < packed->item_count ? packed->item[slot] : ABI_NO_PRIM;
+}
+
+/* --- forms ------------------------------------------------------------------------------------ */
+
+static const struct wide_form *form_of(const struct layout *layout)
+{
+    return layout->family;
+}
+
+static uint32_t *record_of(const struct layout *layout, const struct packed *packed,
+                           uint32_t record)
+{
+    return packed->word + (size_t)record * (layout->node_bytes / 4);
+}
+
+static void pack_nodes(const struct layout *self, const struct wide_tree *tree, struct packed *out)
+{
+    const struct wide_form *form = form_of(self);
+    for (uint32_t n = 0; n < tree->node_count; n++) {
+        uint32_t *word = record_of(self, out, n);
+        const struct box *box[WIDE_MAX];
+        wide_nodes_tree_boxes(tree, n, box);
+        form->put_boxes(box, word);
+        form->put_children(&tree->child[tree->node[n].first], tree->node[n].count, word);
+    }
+}
+
+enum status wide_form_pack(const struct layout *self, const struct bvh *bvh,
+                           const struct scene *scene, struct packed *out, struct reason *reason)
+{
+    const struct wide_form *form = form_of(self);
+    struct wide_tree tree = {0};
+    enum status status = STATUS_OK;
+    if (bvh->prim_count > form->places) /* there are fewer nodes than items */
+        status = fail(reason, STATUS_LIMIT, "%s: holds at most %u items, this tree has %u",
+                      self->name, form->places, bvh->prim_count);
+    if (!status)
+        status = wide_nodes_collapse(self, bvh, scene, form->leaf_most, form->node_cost,
+                                     form->largest, &tree, reason);
+    if (!status)
+        status = layout_alloc(self->name, tree.node_count, self->node_bytes / 4, 0, out, reason);
+    if (!status) {
+        out->ref_count = out->node_count * layout_refs(self);
+        status = wide_nodes_items(self, bvh, scene, form->places, &tree, out, reason);
+    }
+    if (!status)
+        pack_nodes(self, &tree, out);
+    wide_tree_free(&tree);
+    return status;
+}
+
+void wide_form_load(const struct packed *packed, uint32_t ref, struct wide *out)
+{
+    wide_decode *decode = form_of(packed->layout)->decode;
     struct wide_slot slot[WIDE_MAX];
     uint32_t width = packed->layout->width, records = packed->node_count;
     if (ref < records) {
@@ -137,8 +178,9 @@ void wide_nodes_load(const struct packed *packed, uint32_t ref, wide_decode *dec
     out->item_count = one->there ? one->count : 0;
 }
 
-struct box wide_nodes_box(const struct packed *packed, uint32_t ref, wide_decode *decode)
+struct box wide_form_box(const struct packed *packed, uint32_t ref)
 {
+    wide_decode *decode = form_of(packed->layout)->decode;
     struct wide_slot slot[WIDE_MAX];
     uint32_t width = packed->layout->width, records = packed->node_count;
     if (ref < records) {
@@ -149,9 +191,21 @@ struct box wide_nodes_box(const struct packed *packed, uint32_t ref, wide_decode
     return slot[(ref - records) % width].box;
 }
 
-uint32_t wide_nodes_item(const struct packed *packed, uint32_t slot)
+enum status wide_form_rebound(struct packed *packed, uint32_t ref, const struct box *own,
+                              const struct wide *node, struct reason *reason)
 {
-    return slot < packed->item_count ? packed->item[slot] : ABI_NO_PRIM;
+    (void)own;
+    const struct wide_form *form = form_of(packed->layout);
+    const struct box *box[WIDE_MAX];
+    struct wide_slot slot[WIDE_MAX];
+    enum status status = STATUS_OK;
+    form->decode(packed, ref, slot);
+    wide_nodes_boxes(packed, slot, packed->node_count, node, box);
+    for (uint32_t c = 0; c < node->child_count && !status; c++)
+        status = check_within(packed->layout, &node->box[c], ref, form->largest, reason);
+    if (!status)
+        form->put_boxes(box, record_of(packed->layout, packed, ref));
+    return status;
 }
 
 /* --- frames ----------------------------------------------------------------------------------- */

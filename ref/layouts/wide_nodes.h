@@ -17,10 +17,6 @@ struct wide_slot {
 /* Decodes all slots of a record, which is in range. Never reads outside the words. */
 typedef void wide_decode(const struct packed *packed, uint32_t record, struct wide_slot *slot);
 
-/* Errors: STATUS_LIMIT a bound of that node beyond `largest` in magnitude. */
-enum status wide_nodes_within(const struct layout *self, const struct box *box, uint32_t node,
-                              float largest, struct reason *reason) MUST_USE;
-
 /* Collapses `bvh` for the layout `self`: nodes of self->width children and leaves of up to
  * `leaf_most` items. Errors: STATUS_LIMIT a vertex or bound that is not finite, or beyond
  * `largest` in magnitude; as wide_tree_make. */
@@ -36,16 +32,41 @@ enum status wide_nodes_items(const struct layout *self, const struct bvh *bvh,
                              const struct scene *scene, uint32_t places, struct wide_tree *tree,
                              struct packed *out, struct reason *reason) MUST_USE;
 
-/* layout->load and box where record r is reference r and its slot s reference node_count + width *
- * r
- * + s; a child whose reference is out of range is dropped. layout->item of those that keep
- * distances between items. */
-void wide_nodes_load(const struct packed *packed, uint32_t ref, wide_decode *decode,
-                     struct wide *out);
-struct box wide_nodes_box(const struct packed *packed, uint32_t ref, wide_decode *decode);
+/* A format of nodes whose record r is reference r and whose child slot s is reference node_count +
+ * width * r + s. What layout->family points to, or the first member of what it points to, where the
+ * layout has the functions wide_form_*. A layout that has only _load and _box wants `decode`. */
+struct wide_form {
+    wide_decode *decode;
+    uint32_t leaf_most; /* items of a leaf, at most */
+    float node_cost;    /* in tests of a triangle, see struct wide_rule */
+    float largest;      /* of bounds, in magnitude */
+    uint32_t places;    /* items, and so nodes, lie at places below it */
+    /* Writes the boxes of all slots, NULL: no child, and with them the node's frame, if it has one;
+     * the record's other words stay. */
+    void (*put_boxes)(const struct box *const box[WIDE_MAX], uint32_t *word);
+    /* Writes what the slots hold into a record that has its boxes and is zero otherwise. */
+    void (*put_children)(const struct wide_child *child, uint32_t count, uint32_t *word);
+};
+
+/* layout->pack: the tree collapsed to nodes of layout->width children. Errors: STATUS_LIMIT a
+ * vertex or bound that is not finite, or beyond `largest`, or an item beyond `places`; as
+ * wide_tree_make, layout_alloc and store_put. */
+enum status wide_form_pack(const struct layout *self, const struct bvh *bvh,
+                           const struct scene *scene, struct packed *out,
+                           struct reason *reason) MUST_USE;
+
+/* layout->load and box; a child whose reference is out of range is dropped. */
+void wide_form_load(const struct packed *packed, uint32_t ref, struct wide *out);
+struct box wide_form_box(const struct packed *packed, uint32_t ref);
+
+/* layout->rebound. Errors: STATUS_LIMIT a bound beyond `largest`. */
+enum status wide_form_rebound(struct packed *packed, uint32_t ref, const struct box *own,
+                              const struct wide *node, struct reason *reason) MUST_USE;
+
+/* layout->item of those that keep distances between items. */
 uint32_t wide_nodes_item(const struct packed *packed, uint32_t slot);
 
-/* The parts of wide_nodes_load and _box: children from the slots of a record, where references
+/* The parts of wide_form_load and _box: children from the slots of a record, where references
  * below `inner_refs` are nodes and slot s is reference slot_ref + s if it is a leaf; and the union
  * of the boxes that are there. */
 void wide_nodes_children(const struct packed *packed, const struct wide_slot *slot,
@@ -61,12 +82,6 @@ void wide_nodes_boxes(const struct packed *packed, const struct wide_slot *slot,
                       uint32_t inner_refs, const struct wide *node,
                       const struct box *box[WIDE_MAX]);
 struct box wide_nodes_frame(const struct box *const box[WIDE_MAX]);
-
-/* For layout->rebound where records are references as in wide_nodes_load: finds the boxes. Errors:
- * as wide_nodes_within. */
-enum status wide_nodes_rebound(const struct packed *packed, uint32_t record,
-                               const struct wide *node, wide_decode *decode, float largest,
-                               const struct box *box[WIDE_MAX], struct reason *reason) MUST_USE;
 
 /* Planes of one axis of a node: plane q, 0 to `most`, lies at origin + q * 2^exponent. Every one is
  * exactly a float32, zero or at least 2^-100 in magnitude, so that no decoder rounds or flushes. */
