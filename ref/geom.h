@@ -59,6 +59,15 @@ static inline double box_half_area(const struct box *box)
     return x * y + y * z + z * x;
 }
 
+/* The same; 0 of an empty box. */
+static inline double box_half_area_or_none(const struct box *box)
+{
+    for (int k = 0; k < 3; k++)
+        if (box->hi[k] < box->lo[k])
+            return 0;
+    return box_half_area(box);
+}
+
 static inline struct vec3 vec3_sub(struct vec3 a, struct vec3 b)
 {
     return (struct vec3){a.x - b.x, a.y - b.y, a.z - b.z};

@@ -1,7 +1,7 @@
 /* Laws of ref/builders/: what every builder keeps, what median promises, what the seed does. */
 #include "ref/bvh.h"
 #include "ref/rng.h"
-#include "tests/trees.h"
+#include "tests/built.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,21 +23,6 @@ static struct bvh build(const char *builder, const struct scene *scene, uint32_t
     return bvh;
 }
 
-/* Random triangles of random sizes. */
-static struct scene soup(uint32_t count, uint64_t seed)
-{
-    struct scene scene = trees_grid(count);
-    struct rng rng = rng_make(seed, 0);
-    for (uint32_t i = 0; i < count; i++) {
-        float centre[3], size = ldexpf(rng_range(&rng, 0.5f, 1), -(int)rng_below(&rng, 8));
-        for (int k = 0; k < 3; k++)
-            centre[k] = rng_range(&rng, -10, 10);
-        for (int c = 0; c < 9; c++)
-            scene.vertex[9 * (size_t)i + (size_t)c] = centre[c % 3] + rng_range(&rng, -size, size);
-    }
-    return scene;
-}
-
 /* Triangles whose distances from the origin halve: the middle splits off one at a time. */
 static struct scene halving(uint32_t count)
 {
@@ -51,7 +36,7 @@ static struct scene halving(uint32_t count)
 /* All finite extremes: bounds whose extent overflows a float. */
 static struct scene extremes(void)
 {
-    struct scene scene = soup(64, 5);
+    struct scene scene = built_soup(64, 5);
     for (int c = 0; c < 9 * 64; c++)
         scene.vertex[c] = scene.vertex[c] < 0 ? -3.4e38f : 3.4e38f;
     return scene;
@@ -83,7 +68,7 @@ static void builders_keep_every_triangle_once(void **state)
     (void)state;
     for (size_t b = 0; builders_all[b]; b++)
         for (uint32_t n = 1; n <= 2000; n = n < 20 ? n + 1 : n * 3) {
-            struct scene scene = soup(n, n);
+            struct scene scene = built_soup(n, n);
             struct bvh bvh = build(builders_all[b]->name, &scene, 4, 0.02f);
             struct reason reason = {""};
             if (bvh_check_form(&bvh, &scene, &reason))
@@ -149,8 +134,8 @@ static void median_has_tight_boxes_and_keeps_its_limits(void **state)
 {
     (void)state;
     static const float one[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    struct scene scene[] = {soup(1, 1),         soup(5000, 2), halving(270), trees_copies(37, one),
-                            floor_of(12, 0.1f), extremes()};
+    struct scene scene[] = {built_soup(1, 1),      built_soup(5000, 2), halving(270),
+                            trees_copies(37, one), floor_of(12, 0.1f),  extremes()};
     static const char *const what[] = {"one", "soup", "halving", "copies", "floor", "extremes"};
     for (size_t i = 0; i < ARRAY_COUNT(scene); i++) {
         check_median(&scene[i], what[i]);
@@ -186,7 +171,7 @@ static void median_splits_copies_in_index_order(void **state)
 static void median_is_the_same_every_time_and_ignores_eps(void **state)
 {
     (void)state;
-    struct scene scene = soup(3000, 9);
+    struct scene scene = built_soup(3000, 9);
     struct bvh a = build("median", &scene, 3, 0.02f), b = build("median", &scene, 3, NAN);
     assert_int_equal(a.node_count, b.node_count);
     assert_memory_equal(a.node, b.node, a.node_count * sizeof *a.node);

@@ -10,7 +10,7 @@
 
 struct lbvh {
     const struct ref *ref;
-    const uint64_t *key;
+    uint64_t *key;
     uint32_t index_mask;
     uint32_t leaf;
 };
@@ -55,32 +55,28 @@ static struct lane_box leaf(void *user, const struct grow_range *range, uint32_t
     return box;
 }
 
+static enum status start(void *user, struct ref *ref, uint32_t threads, struct grow_range *root)
+{
+    struct lbvh *l = user;
+    uint32_t index_bits = 0;
+    l->ref = ref;
+    enum status status =
+        morton_order(ref, root->count, &root->centres, threads, &l->key, &index_bits);
+    l->index_mask = (uint32_t)(((uint64_t)1 << index_bits) - 1);
+    return status;
+}
+
+static void end(void *user)
+{
+    room_free(((struct lbvh *)user)->key);
+}
+
 static enum status build(const struct scene *scene, const struct build_options *options,
                          struct bvh *out, struct reason *reason)
 {
-    static const struct grow_rule rule = {split, halve, leaf};
-    *out = (struct bvh){0};
-    enum status status = build_check(scene, options, reason);
-    if (status || scene->tri_count == 0)
-        return status;
-    uint32_t threads = build_threads(options, scene->tri_count), index_bits = 0;
+    static const struct grow_rule rule = {start, end, split, halve, leaf};
     struct lbvh l = {.leaf = options->leaf};
-    struct grow_range root = {.count = scene->tri_count};
-    struct ref *ref = NULL;
-    uint64_t *key = NULL;
-    status = refs_make(scene, threads, &ref, &root.centres);
-    if (!status)
-        status = morton_order(ref, root.count, &root.centres, threads, &key, &index_bits);
-    l.ref = ref;
-    l.key = key;
-    l.index_mask = (uint32_t)(((uint64_t)1 << index_bits) - 1);
-    if (!status)
-        status = grow_tree(&rule, &l, &root, threads, out);
-    room_free(ref);
-    room_free(key);
-    if (status)
-        (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
-    return status;
+    return grow_build(&rule, &l, scene, options, out, reason);
 }
 
 extern const struct builder build_lbvh;

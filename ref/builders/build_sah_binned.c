@@ -94,25 +94,22 @@ static struct lane_box leaf(void *user, const struct grow_range *range, uint32_t
     return box;
 }
 
+static enum status start(void *user, struct ref *ref, uint32_t threads, struct grow_range *root)
+{
+    (void)threads;
+    (void)root;
+    ((struct binned *)user)->ref = ref;
+    return STATUS_OK;
+}
+
 static enum status build(const struct scene *scene, const struct build_options *options,
                          struct bvh *out, struct reason *reason)
 {
-    static const struct grow_rule rule = {split, halve, leaf};
-    *out = (struct bvh){0};
-    enum status status = build_check(scene, options, reason);
-    if (status || scene->tri_count == 0)
-        return status;
-    uint32_t threads = build_threads(options, scene->tri_count);
+    static const struct grow_rule rule = {
+        .start = start, .split = split, .halve = halve, .leaf = leaf};
     uint32_t bins = options->bins ? options->bins : BUILD_BINS_DEFAULT;
     struct binned b = {.leaf = options->leaf, .bins = bins < BINS_MOST ? bins : BINS_MOST};
-    struct grow_range root = {.count = scene->tri_count};
-    status = refs_make(scene, threads, &b.ref, &root.centres);
-    if (!status)
-        status = grow_tree(&rule, &b, &root, threads, out);
-    room_free(b.ref);
-    if (status)
-        (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
-    return status;
+    return grow_build(&rule, &b, scene, options, out, reason);
 }
 
 extern const struct builder build_sah_binned;

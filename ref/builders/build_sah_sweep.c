@@ -159,39 +159,37 @@ static enum status order_make(struct sweep *s, uint32_t count, int axis, uint32_
     return status;
 }
 
+static enum status start(void *user, struct ref *ref, uint32_t threads, struct grow_range *root)
+{
+    struct sweep *s = user;
+    s->ref = ref;
+    s->side = room_make(root->count, sizeof *s->side);
+    enum status status = s->side ? STATUS_OK : STATUS_MEMORY;
+    for (int k = 0; k < 3 && !status; k++)
+        status = order_make(s, root->count, k, threads);
+    root->centres = lane_box_empty();
+    for (uint32_t i = 0; i < root->count; i++)
+        lane_box_add(&root->centres, &ref[i].box);
+    return status;
+}
+
+static void end(void *user)
+{
+    struct sweep *s = user;
+    room_free(s->side);
+    for (int k = 0; k < 3; k++) {
+        room_free(s->order[k]);
+        room_free(s->spare[k]);
+        room_free(s->above[k]);
+    }
+}
+
 static enum status build(const struct scene *scene, const struct build_options *options,
                          struct bvh *out, struct reason *reason)
 {
-    static const struct grow_rule rule = {split, halve, leaf};
-    *out = (struct bvh){0};
-    enum status status = build_check(scene, options, reason);
-    if (status || scene->tri_count == 0)
-        return status;
-    uint32_t threads = build_threads(options, scene->tri_count);
+    static const struct grow_rule rule = {start, end, split, halve, leaf};
     struct sweep s = {.leaf = options->leaf};
-    struct grow_range root = {.count = scene->tri_count, .centres = lane_box_empty()};
-    struct lane_box centres;
-    struct ref *ref;
-    status = refs_make(scene, threads, &ref, &centres);
-    s.ref = ref;
-    s.side = status ? NULL : room_make(root.count, sizeof *s.side);
-    status = s.side ? STATUS_OK : STATUS_MEMORY;
-    for (int k = 0; k < 3 && !status; k++)
-        status = order_make(&s, root.count, k, threads);
-    for (uint32_t i = 0; i < root.count && !status; i++)
-        lane_box_add(&root.centres, &ref[i].box);
-    if (!status)
-        status = grow_tree(&rule, &s, &root, threads, out);
-    room_free(ref);
-    room_free(s.side);
-    for (int k = 0; k < 3; k++) {
-        room_free(s.order[k]);
-        room_free(s.spare[k]);
-        room_free(s.above[k]);
-    }
-    if (status)
-        (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
-    return status;
+    return grow_build(&rule, &s, scene, options, out, reason);
 }
 
 extern const struct builder build_sah_sweep;

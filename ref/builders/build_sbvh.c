@@ -57,7 +57,7 @@ static void put(struct filling *f, int side, const struct part *part)
 {
     uint32_t at = f->count[side]++;
     f->place[side ? f->size - 1 - at : at] = *part;
-    f->weight[side] += split_area(&part->box);
+    f->weight[side] += box_half_area_or_none(&part->box);
 }
 
 /* Moves the second child's parts to their place and divides the budget that is left. */
@@ -140,7 +140,7 @@ static double cost_with(const struct filling *f, int side, const struct box *box
 {
     struct box all = f->side[side];
     box_add_box(&all, box);
-    return split_area(&all) * (double)count;
+    return box_half_area_or_none(&all) * (double)count;
 }
 
 /* Puts a part that the plane cuts on one side whole, or on both in pieces, whichever costs least
@@ -154,8 +154,8 @@ static void put_cut(const struct sbvh *s, const struct part *part, const struct 
         double both =
             cost_with(f, 0, &piece[0].box, count[0]) + cost_with(f, 1, &piece[1].box, count[1]);
         double first = cost_with(f, 0, &part->box, count[0]) +
-                       split_area(&f->side[1]) * (double)(count[1] - 1);
-        double second = split_area(&f->side[0]) * (double)(count[0] - 1) +
+                       box_half_area_or_none(&f->side[1]) * (double)(count[1] - 1);
+        double second = box_half_area_or_none(&f->side[0]) * (double)(count[0] - 1) +
                         cost_with(f, 1, &part->box, count[1]);
         if (first < both && first <= second)
             sides = 4;
@@ -224,12 +224,12 @@ static bool divide(const struct sbvh *s, const struct range *range, const struct
             overlap.lo[k] = fmaxf(centre.side[0].lo[k], centre.side[1].lo[k]);
             overlap.hi[k] = fminf(centre.side[0].hi[k], centre.side[1].hi[k]);
         }
-        if (split_area(&overlap) > s->least_overlap)
+        if (box_half_area_or_none(&overlap) > s->least_overlap)
             split_in_space(&node, range->budget, &space);
     }
     bool in_space = space.axis >= 0 && (centre.axis < 0 || space.cost < centre.cost);
     double cost = in_space ? space.cost : centre.axis >= 0 ? centre.cost : INFINITY;
-    double area = split_area(box) > 0 ? 1 : 0;
+    double area = box_half_area_or_none(box) > 0 ? 1 : 0;
     if (range->count <= s->leaf && !(cost < area * ((double)range->count - COST_NODE)))
         return false;
     if (in_space && divide_in_space(s, range, &space, child) && !too_deep(child))
@@ -316,7 +316,7 @@ static enum status make(struct sbvh *s, const struct range *root, uint32_t threa
         s->part[0][i] = (struct part){scene_tri_bounds(s->scene, i), i};
         box_add_box(&all, &s->part[0][i].box);
     }
-    s->least_overlap *= split_area(&all);
+    s->least_overlap *= box_half_area_or_none(&all);
 #pragma omp parallel num_threads(threads)
 #pragma omp single
     grow(s, root);

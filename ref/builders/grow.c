@@ -176,8 +176,8 @@ static enum status grow_all(struct grower *g, const struct grow_range *root, str
     return STATUS_OK;
 }
 
-enum status grow_tree(const struct grow_rule *rule, void *user, const struct grow_range *root,
-                      uint32_t threads, struct bvh *out)
+static enum status grow_tree(const struct grow_rule *rule, void *user,
+                             const struct grow_range *root, uint32_t threads, struct bvh *out)
 {
     *out = (struct bvh){0};
     struct grower g = {.rule = rule, .user = user, .threads = threads};
@@ -188,5 +188,29 @@ enum status grow_tree(const struct grow_rule *rule, void *user, const struct gro
         room_free(g.prim);
     room_free(g.node);
     free(g.part);
+    return status;
+}
+
+enum status grow_build(const struct grow_rule *rule, void *user, const struct scene *scene,
+                       const struct build_options *options, struct bvh *out, struct reason *reason)
+{
+    *out = (struct bvh){0};
+    enum status status = build_check(scene, options, reason);
+    if (status || scene->tri_count == 0)
+        return status;
+    uint32_t threads = build_threads(options, scene->tri_count);
+    struct grow_range root = {.count = scene->tri_count};
+    struct ref *ref;
+    status = refs_make(scene, threads, &ref, &root.centres);
+    if (!status) {
+        status = rule->start(user, ref, threads, &root);
+        if (!status)
+            status = grow_tree(rule, user, &root, threads, out);
+        if (rule->end)
+            rule->end(user);
+        room_free(ref);
+    }
+    if (status)
+        (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
     return status;
 }

@@ -20,6 +20,11 @@ struct grow_range {
 };
 
 struct grow_rule {
+    /* Takes the references of all triangles (see refs_make), which stay to the end, makes what else
+     * it wants, and sets root->centres if the bounds of the centres, which are there, are not what
+     * it has there. Errors: STATUS_MEMORY; end() is called all the same. */
+    enum status (*start)(void *user, struct ref *ref, uint32_t threads, struct grow_range *root);
+    void (*end)(void *user); /* frees that; may be NULL */
     /* Orders the items of a range so that the first child's come first; returns how many these are,
      * at least 1 and less than all, or 0 for a leaf. Sets centres of both children. threads: more
      * than 1 only for ranges beyond GROW_ALONE, whose result must not depend on it. */
@@ -31,9 +36,11 @@ struct grow_rule {
     struct lane_box (*leaf)(void *user, const struct grow_range *range, uint32_t *prim);
 };
 
-/* Builds the tree. Leaf sizes are the rule's affair. Errors: STATUS_MEMORY; *out is zero then. */
-enum status grow_tree(const struct grow_rule *rule, void *user, const struct grow_range *root,
-                      uint32_t threads, struct bvh *out) MUST_USE;
+/* Builds the tree of a scene, the whole of builder->build. Leaf sizes are the rule's affair.
+ * Errors: as build_check; STATUS_MEMORY. *out is zero then. */
+enum status grow_build(const struct grow_rule *rule, void *user, const struct scene *scene,
+                       const struct build_options *options, struct bvh *out,
+                       struct reason *reason) MUST_USE;
 
 /* The checks that all builders begin with. Errors: STATUS_INPUT leaf is 0; STATUS_LIMIT more than
  * 2^31 triangles. */

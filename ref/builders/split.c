@@ -9,17 +9,6 @@
 #define SPACE_BINS  16u /* in space, at most; of few parts so many and one for each */
 #define SPACE_LEAST 2u
 
-double split_area(const struct box *box)
-{
-    double side[3];
-    for (int k = 0; k < 3; k++) {
-        side[k] = (double)box->hi[k] - (double)box->lo[k];
-        if (side[k] < 0)
-            return 0;
-    }
-    return side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
-}
-
 /* box_add_box without branches, which are hard to predict here. */
 static inline void widen(struct box *box, const struct box *other)
 {
@@ -54,7 +43,7 @@ static void sweep_axis(const struct split_node *node, int axis, double unit, str
     for (uint32_t i = node->count; i-- > 1;) {
         widen(&box, &node->part[(uint32_t)key[i]].box);
         other[i] = box;
-        right[i] = split_area(&box) * (double)(node->count - i);
+        right[i] = box_half_area_or_none(&box) * (double)(node->count - i);
     }
     box = box_empty();
     uint32_t ties = 0;
@@ -62,7 +51,7 @@ static void sweep_axis(const struct split_node *node, int axis, double unit, str
         const struct part *last = &node->part[(uint32_t)key[i - 1]];
         widen(&box, &last->box);
         ties = i > 1 && key[i - 1] >> 32 == key[i - 2] >> 32 ? ties + 1 : 1;
-        double cost = (split_area(&box) * (double)i + right[i]) * unit;
+        double cost = (box_half_area_or_none(&box) * (double)i + right[i]) * unit;
         if (best->axis < 0 || cost < best->cost)
             *best = (struct split){.axis = axis,
                                    .at = split_centre(last, axis),
@@ -95,8 +84,9 @@ static uint32_t sweep_bins(const struct bin *bin, uint32_t bins, uint32_t most, 
         before += bin[i - 1].in;
         if (before == 0 || after[i] == 0 || before + after[i] > most)
             continue;
-        double cost =
-            (split_area(&box) * (double)before + split_area(&right[i]) * (double)after[i]) * unit;
+        double cost = (box_half_area_or_none(&box) * (double)before +
+                       box_half_area_or_none(&right[i]) * (double)after[i]) *
+                      unit;
         if (best == 0 || cost < out->cost) {
             best = i;
             out->cost = cost;
@@ -147,7 +137,7 @@ static void bin_axis(const struct split_node *node, int axis, double unit, struc
 
 void split_by_centre(const struct split_node *node, struct split *out)
 {
-    double area = split_area(&node->box), unit = area > 0 ? 1 / area : 0;
+    double area = box_half_area_or_none(&node->box), unit = area > 0 ? 1 / area : 0;
     *out = (struct split){.axis = -1};
     for (int k = 0; k < 3; k++)
         if (node->count <= SPLIT_SWEPT)
@@ -260,7 +250,7 @@ static void chop(const struct split_node *node, const struct part *part, int axi
 
 void split_in_space(const struct split_node *node, uint32_t most, struct split *out)
 {
-    double area = split_area(&node->box), unit = area > 0 ? 1 / area : 0;
+    double area = box_half_area_or_none(&node->box), unit = area > 0 ? 1 / area : 0;
     uint32_t asked =
         SPACE_LEAST + node->count < SPACE_BINS ? SPACE_LEAST + node->count : SPACE_BINS;
     *out = (struct split){.axis = -1};

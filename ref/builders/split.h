@@ -27,9 +27,6 @@ struct split {
     uint32_t count[2];
 };
 
-/* Half of the area; 0 of an empty box. In double, where no float's square overflows. */
-double split_area(const struct box *box);
-
 /* Twice the centre of a part's box, rounded; what splits by centre go by. Halves of floats, so that
  * no sum overflows. */
 static inline float split_centre(const struct part *part, int axis)

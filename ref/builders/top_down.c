@@ -1,5 +1,6 @@
 #include "ref/builders/top_down.h"
 
+#include "ref/builders/grow.h"
 #include "ref/mutant.h"
 
 #include <stdlib.h>
@@ -138,16 +139,12 @@ enum status build_top_down(const struct build_rule *rule, const struct scene *sc
                            struct reason *reason)
 {
     *out = (struct bvh){0};
-    if (options->leaf == 0)
-        return fail(reason, STATUS_INPUT, "the leaf size is 0, must be at least 1");
-    if (scene->tri_count > (uint32_t)1 << 31)
-        return fail(reason, STATUS_LIMIT, "a tree holds at most 2^31 triangles, the scene has %u",
-                    scene->tri_count);
-    if (scene->tri_count == 0)
-        return STATUS_OK;
+    enum status status = build_check(scene, options, reason);
+    if (status || scene->tri_count == 0)
+        return status;
     struct build build = {.scene = scene, .options = options};
     struct progress progress = {0};
-    enum status status = build_all(rule, &build, &progress, reason);
+    status = build_all(rule, &build, &progress, reason);
     if (status == STATUS_MEMORY)
         (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
     free(build.tri_box);

@@ -22,18 +22,6 @@ struct build {
     uint32_t leaf; /* triangles of one, at most */
 };
 
-/* In double, since the sides may be as long as 2^129. */
-static double half_area(const struct box *box)
-{
-    double side[3];
-    for (int k = 0; k < 3; k++) {
-        side[k] = (double)box->hi[k] - (double)box->lo[k];
-        if (side[k] < 0)
-            return 0;
-    }
-    return side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
-}
-
 struct split {
     int axis; /* -1: none */
     double origin, scale;
@@ -63,12 +51,12 @@ static void try_axis(const struct part *part, uint32_t count, struct split split
     for (int b = 0; b < BINS - 1; b++) {
         box_add_box(&below, &box[b]);
         left += size[b];
-        below_cost[b] = left * half_area(&below);
+        below_cost[b] = left * box_half_area_or_none(&below);
     }
     for (int b = BINS - 2; b >= 0; b--) {
         box_add_box(&above, &box[b + 1]);
         right += size[b + 1];
-        double both = below_cost[b] + right * half_area(&above);
+        double both = below_cost[b] + right * box_half_area_or_none(&above);
         if (right > 0 && right < count && both < *cost) {
             *cost = both;
             *best = split;
