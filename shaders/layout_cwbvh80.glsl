@@ -1,7 +1,7 @@
 /* Layout cwbvh80: 80-byte nodes of 8 children, after Ylitie, Karras, Laine 2017; see
  * ref/layouts/layout_cwbvh80.c for the words. */
 #define WIDE 8u
-#include "wide_leaf.glsl"
+#include "frame_node.glsl"
 
 /* Inner nodes: their steps and masks, and the first two bytes a child of each quad of planes. */
 struct wide {
@@ -10,11 +10,6 @@ struct wide {
     uvec4 lo_xy, lo_z_hi_x, hi_yz;
     vec3 step_size;
 };
-
-node node_of(uint ref)
-{
-    return node(ref, 0u);
-}
 
 wide wide_load(node n)
 {
@@ -25,8 +20,7 @@ wide wide_load(node n)
     w.lo_xy = node_quad[at + 2u];
     w.lo_z_hi_x = node_quad[at + 3u];
     w.hi_yz = node_quad[at + 4u];
-    w.step_size = vec3(step_of(w.head.w & 0xFFu), step_of((w.head.w >> 8) & 0xFFu),
-                       step_of((w.head.w >> 16) & 0xFFu));
+    w.step_size = frame_steps(w.head);
     return w;
 }
 
@@ -38,9 +32,7 @@ node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther
                      pick(low, w.lo_z_hi_x.x, w.lo_z_hi_x.y));
     uvec3 hi = uvec3(pick(low, w.lo_z_hi_x.z, w.lo_z_hi_x.w), pick(low, w.hi_yz.x, w.hi_yz.y),
                      pick(low, w.hi_yz.z, w.hi_yz.w));
-    precise vec3 lower = uintBitsToFloat(w.head.xyz) + vec3((lo >> shift) & 0xFFu) * w.step_size;
-    precise vec3 upper = uintBitsToFloat(w.head.xyz) + vec3((hi >> shift) & 0xFFu) * w.step_size;
-    slab_order(r, lower, upper, nearer, farther);
+    frame_order(r, w.head, w.step_size, (lo >> shift) & 0xFFu, (hi >> shift) & 0xFFu, nearer, farther);
     uint meta = (pick(low, w.base.z, w.base.w) >> shift) & 0xFFu;
     uint inner = w.head.w >> 24;
     uint before = uint(bitCount(inner & ((1u << slot) - 1u)));

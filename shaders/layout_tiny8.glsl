@@ -1,7 +1,7 @@
 /* Layout tiny8: 64-byte nodes of 8 children, bounds of 6 bits in the node's frame; see
  * ref/layouts/layout_tiny8.c for the words. */
 #define WIDE 8u
-#include "wide_leaf.glsl"
+#include "frame_node.glsl"
 
 struct wide {
     uvec4 head; /* origin, exponents */
@@ -9,11 +9,6 @@ struct wide {
     uvec4 planes1_4, planes5_8;
     vec3 step_size;
 };
-
-node node_of(uint ref)
-{
-    return node(ref, 0u);
-}
 
 wide wide_load(node n)
 {
@@ -23,8 +18,7 @@ wide wide_load(node n)
     w.base = node_quad[at + 1u];
     w.planes1_4 = node_quad[at + 2u];
     w.planes5_8 = node_quad[at + 3u];
-    w.step_size = vec3(step_of(w.head.w & 0xFFu), step_of((w.head.w >> 8) & 0xFFu),
-                       step_of((w.head.w >> 16) & 0xFFu));
+    w.step_size = frame_steps(w.head);
     return w;
 }
 
@@ -49,9 +43,7 @@ node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther
     uint top = (w.planes5_8.w >> (slot << 2)) & 15u;
     uvec3 lo = uvec3(planes, planes >> 6, planes >> 12) & 63u;
     uvec3 hi = uvec3((planes >> 18) & 63u, (planes >> 24) & 63u, (planes >> 30) | top << 2);
-    precise vec3 lower = uintBitsToFloat(w.head.xyz) + vec3(lo) * w.step_size;
-    precise vec3 upper = uintBitsToFloat(w.head.xyz) + vec3(hi) * w.step_size;
-    slab_order(r, lower, upper, nearer, farther);
+    frame_order(r, w.head, w.step_size, lo, hi, nearer, farther);
     uint kind = (w.base.z >> (slot << 2)) & 15u;
     uint before = w.base.z & ((1u << (slot << 2)) - 1u);
     uint nodes = full_nibbles(before);

@@ -101,39 +101,23 @@ node step_inner(slab_ray slab, node n, float tbest)
     return stack_pop(tbest);
 }
 #else
+#include "walk_two.glsl"
+
 /* The children of an inner node: the next node, the other one pushed. */
 node step_inner(slab_ray slab, node n, float tbest)
 {
-    uint ref0 = node_fst(n), ref1 = node_snd(n);
-    vec3 near0, far0, near1, far1;
-    float entry0, entry1;
-    node child0 = node_load(slab, ref0, near0, far0);
-    node child1 = node_load(slab, ref1, near1, far1);
-    bool hit0 = both(slab_test(slab, near0, far0, tbest, entry0), ref0 < job.node_count);
-    bool hit1 = both(slab_test(slab, near1, far1, tbest, entry1), ref1 < job.node_count);
-#if MUTANT == MUTANT_EQUAL_ENTRY_LOST
-    hit1 = hit1 && (!hit0 || entry0 != entry1);
-#endif
-#if MUTANT == MUTANT_FAR_FIRST
-    bool second = hit1 && (!hit0 || entry1 > entry0);
-#elif defined(ORDER_NEAR)
-    bool second = both(hit1, any(bvec2(!hit0, entry1 < entry0)));
-#elif defined(ORDER_SND)
-    bool second = hit1;
-#else
-    bool second = !hit0;
-#endif
-    node next = child0, other = child1;
-    if (second) {
-        next = child1;
-        other = child0;
+    two t = two_test(slab, n, tbest);
+    node next = t.child0, other = t.child1;
+    if (t.second) {
+        next = t.child1;
+        other = t.child0;
     }
 #if MUTANT == MUTANT_SWAPPED_CHILD
     other = next;
 #endif
-    if (both(hit0, hit1))
-        stack_push(other, second ? entry0 : entry1);
-    if (both(!hit0, !hit1))
+    if (both(t.hit0, t.hit1))
+        stack_push(other, t.second ? t.entry0 : t.entry1);
+    if (both(!t.hit0, !t.hit1))
         next = stack_pop(tbest);
     return next;
 }

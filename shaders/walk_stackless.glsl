@@ -4,6 +4,8 @@
 #ifndef WALK_STACKLESS_GLSL
 #define WALK_STACKLESS_GLSL
 
+#include "walk_two.glsl"
+
 uint at = 0u;            /* reference of the node that is visited */
 uvec2 trail = uvec2(0u); /* bit i of 64: i levels up the other child waits */
 uint level = 0u;
@@ -50,35 +52,22 @@ node walk_back(slab_ray slab, float tbest)
 /* The children of an inner node: the next node, the other one noted in the trail. */
 node step_inner(slab_ray slab, node n, float tbest)
 {
-    uint ref0 = node_fst(n), ref1 = node_snd(n);
-    vec3 near0, far0, near1, far1;
-    float entry0, entry1;
-    node child0 = node_load(slab, ref0, near0, far0);
-    node child1 = node_load(slab, ref1, near1, far1);
-    bool hit0 = both(slab_test(slab, near0, far0, tbest, entry0), ref0 < job.node_count);
-    bool hit1 = both(slab_test(slab, near1, far1, tbest, entry1), ref1 < job.node_count);
-#if defined(ORDER_NEAR)
-    bool second = both(hit1, any(bvec2(!hit0, entry1 < entry0)));
-#elif defined(ORDER_SND)
-    bool second = hit1;
-#else
-    bool second = !hit0;
-#endif
-    node next = child0;
-    if (second)
-        next = child1;
-    if (both(!hit0, !hit1)) {
+    two t = two_test(slab, n, tbest);
+    node next = t.child0;
+    if (t.second)
+        next = t.child1;
+    if (both(!t.hit0, !t.hit1)) {
         next = walk_back(slab, tbest);
     } else if (level >= ABI_STACK_MAX) {
         trouble |= ABI_FLAG_STACK;
     } else {
-        bool waits = both(hit0, hit1);
+        bool waits = both(t.hit0, t.hit1);
 #if MUTANT == MUTANT_TRAIL_LOST
         waits = both(waits, level != 2u);
 #endif
         trail = uvec2(trail.x << 1 | pick(waits, 1u, 0u), trail.y << 1 | trail.x >> 31);
         level++;
-        at = pick(second, ref1, ref0);
+        at = pick(t.second, t.ref1, t.ref0);
     }
     return next;
 }

@@ -26,10 +26,4 @@ uint quad_word(uvec4 quad, uint at)
                 pick((at & 1u) == 0u, quad.z, quad.w));
 }
 
-/* Two to the power of exponent - 127, of a byte. */
-float step_of(uint exponent)
-{
-    return uintBitsToFloat(exponent << 23);
-}
-
 #endif
