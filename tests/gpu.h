@@ -28,8 +28,8 @@ static inline struct vk_options gpu_options(void)
 /* The drivers that need no GPU. */
 static const char *const cpu_drivers[] = {"stock", "mesa25", "swiftshader"};
 
-/* Where no device can be opened the test is skipped with the reason. */
-static inline struct vk *gpu_open(const struct vk_options *options)
+/* NULL where no device can be opened; the reason has been printed. */
+static inline struct vk *gpu_open_or_null(const struct vk_options *options)
 {
     struct vk *vk;
     struct reason reason = {""};
@@ -37,10 +37,27 @@ static inline struct vk *gpu_open(const struct vk_options *options)
     if (status == STATUS_UNSUPPORTED) {
         assert_null(vk);
         print_message("SKIP %s\n", reason.text);
-        skip();
+        return NULL;
     }
     if (status)
         fail_msg("%s", reason.text);
+    return vk;
+}
+
+/* The same on one of cpu_drivers. */
+static inline struct vk *gpu_open_driver(const char *driver)
+{
+    struct vk_options options = gpu_options();
+    options.driver = driver;
+    return gpu_open_or_null(&options);
+}
+
+/* Where no device can be opened the test is skipped with the reason. */
+static inline struct vk *gpu_open(const struct vk_options *options)
+{
+    struct vk *vk = gpu_open_or_null(options);
+    if (!vk)
+        skip();
     return vk;
 }
 

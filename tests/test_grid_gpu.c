@@ -152,16 +152,9 @@ static void every_code_decodes_to_the_bits_of_c(void **state)
     (void)state;
     size_t opened = 0;
     for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
-        struct vk_options options = gpu_options();
-        struct reason reason = {""};
-        struct vk *vk;
-        options.driver = cpu_drivers[d];
-        enum status status = vk_open(&options, &vk, &reason);
-        if (status == STATUS_UNSUPPORTED) {
-            print_message("SKIP %s\n", reason.text);
+        struct vk *vk = gpu_open_driver(cpu_drivers[d]);
+        if (!vk)
             continue;
-        }
-        gpu_must(status, &reason);
         for (size_t f = 1; number_formats[f]; f++) {
             const char *format = number_formats[f]->name;
             decode_all(vk, cpu_drivers[d], format, "world", NULL);

@@ -56,16 +56,9 @@ static void roots_are_rounded_to_nearest(void **state)
     size_t drivers = 0;
     assert_non_null(root);
     for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
-        struct vk_options options = gpu_options();
-        struct reason reason = {""};
-        struct vk *vk;
-        options.driver = cpu_drivers[d];
-        enum status status = vk_open(&options, &vk, &reason);
-        if (status == STATUS_UNSUPPORTED) {
-            print_message("SKIP %s\n", reason.text);
+        struct vk *vk = gpu_open_driver(cpu_drivers[d]);
+        if (!vk)
             continue;
-        }
-        gpu_must(status, &reason);
         /* Subnormals and the least normals; the greatest, infinities and NaN; -0; all sorts. */
         compare(vk, cpu_drivers[d], root, 0, 1, 0);
         compare(vk, cpu_drivers[d], root, 0x00800000u - COUNT / 2, 1, 0);

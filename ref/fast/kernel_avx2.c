@@ -67,20 +67,7 @@ INLINE float8 corners(float16 row, codes8 code, uint32_t count)
     return (float8)_mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32(code, 28)));
 }
 
-INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32_t mask,
-                     float8 entry)
-{
-    return push_each(key, ref, child, mask, entry);
-}
-
-INLINE uint32_t push_any(uint32_t *ref, const uint32_t *child, uint32_t mask)
-{
-    uint32_t count = 0;
-    for (mask &= mask - 1; mask; mask &= mask - 1)
-        ref[count++] = child[__builtin_ctz(mask)];
-    return count;
-}
-
+#include "ref/fast/push.h"
 #include "ref/fast/walk.h"
 
 static bool runs(void)

@@ -77,7 +77,7 @@ INLINE __m256i sort8(__m256i k)
     return ORDER8(k, _mm256_shuffle_epi32(k, 0xB1), 0xAA);
 }
 
-/* As push_each; absent lanes are 0 and come last. */
+/* As in ref/fast/push.h; absent lanes are 0 and come last. */
 INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32_t mask,
                      float8 entry)
 {

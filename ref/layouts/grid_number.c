@@ -11,18 +11,18 @@
 
 /* --- formats ---------------------------------------------------------------------------------- */
 
-static float float_number(uint32_t code)
+static float f32_number(uint32_t code)
 {
     return float_from_bits(code);
 }
 
-static float half_number(uint32_t code)
+static float f16_number(uint32_t code)
 {
     return half_to_float((struct half){(uint16_t)code});
 }
 
 /* The upper half of a float32. */
-static float bfloat_number(uint32_t code)
+static float bf16_number(uint32_t code)
 {
     return float_from_bits(code << 16);
 }
@@ -38,33 +38,19 @@ static float whole_number(uint32_t code)
         .top = n - 1, .scale_low = -126, .scale_high = 128 - n, .number = whole_number             \
     }
 
-const struct number_format number_f32 = {.name = "f32",
-                                         .id = ABI_NUMBER_F32,
-                                         .bits = 32,
-                                         .sign = 0x80000000u,
-                                         .first = 0x00800000u,
-                                         .last = 0x7F7FFFFFu,
-                                         .top = 127,
-                                         .number = float_number};
-const struct number_format number_f16 = {.name = "f16",
-                                         .id = ABI_NUMBER_F16,
-                                         .bits = 16,
-                                         .sign = 0x8000u,
-                                         .first = 0x0400u,
-                                         .last = 0x7BFFu,
-                                         .top = 15,
-                                         .scale_low = -112,
-                                         .scale_high = 111,
-                                         .number = half_number};
+#define FLOATS(n, N, width, sign_bit, least, most, exponent, low, high)                            \
+    {                                                                                              \
+        .name = #n, .id = ABI_NUMBER_##N, .bits = width, .sign = sign_bit, .first = least,         \
+        .last = most, .top = exponent, .scale_low = low, .scale_high = high, .number = n##_number  \
+    }
+
+const struct number_format number_f32 =
+    FLOATS(f32, F32, 32, 0x80000000u, 0x00800000u, 0x7F7FFFFFu, 127, 0, 0);
+const struct number_format number_f16 =
+    FLOATS(f16, F16, 16, 0x8000u, 0x0400u, 0x7BFFu, 15, -112, 111);
 /* As wide a range as float32: a scale would only make things subnormal or infinite. */
-const struct number_format number_bf16 = {.name = "bf16",
-                                          .id = ABI_NUMBER_BF16,
-                                          .bits = 16,
-                                          .sign = 0x8000u,
-                                          .first = 0x0080u,
-                                          .last = 0x7F7Fu,
-                                          .top = 127,
-                                          .number = bfloat_number};
+const struct number_format number_bf16 =
+    FLOATS(bf16, BF16, 16, 0x8000u, 0x0080u, 0x7F7Fu, 127, 0, 0);
 const struct number_format number_u8 = UNORM(8), number_u10 = UNORM(10);
 const struct number_format number_u12 = UNORM(12), number_u16 = UNORM(16);
 

@@ -6,17 +6,19 @@
 
 #include <string.h>
 
+static uint32_t row_of(float v[3][3])
+{
+    float m[9];
+    uint32_t axis = (uint32_t)baldwin_webber_transform(v, m);
+    memcpy(v, m, sizeof m);
+    return axis;
+}
+
 static void write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
                   uint32_t count, uint32_t *word)
 {
     (void)packed;
-    for (uint32_t i = 0; i < count; i++, word += STORE_ROW) {
-        float v[3][3], m[9];
-        scene_tri(scene, prim[i], v);
-        uint32_t axis = (uint32_t)baldwin_webber_transform(v, m);
-        memcpy(word, m, sizeof m);
-        word[STORE_ROW - 1] = prim[i] | axis << 30;
-    }
+    store_rows_write(scene, prim, count, word, row_of);
 }
 
 static bool test(const struct packed *packed, uint32_t first, uint32_t slot, uint32_t tri_id,

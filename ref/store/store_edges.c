@@ -6,24 +6,24 @@
 
 #include <string.h>
 
+static uint32_t row_of(float v[3][3])
+{
+    for (int k = 0; k < 3; k++) {
+        v[1][k] = v[1][k] - v[0][k];
+#if MUTANT == MUTANT_EDGE_SIGN
+        v[2][k] = v[0][k] - v[2][k];
+#else
+        v[2][k] = v[2][k] - v[0][k];
+#endif
+    }
+    return 0;
+}
+
 static void write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
                   uint32_t count, uint32_t *word)
 {
     (void)packed;
-    for (uint32_t i = 0; i < count; i++, word += STORE_ROW) {
-        float v[3][3];
-        scene_tri(scene, prim[i], v);
-        for (int k = 0; k < 3; k++) {
-            v[1][k] = v[1][k] - v[0][k];
-#if MUTANT == MUTANT_EDGE_SIGN
-            v[2][k] = v[0][k] - v[2][k];
-#else
-            v[2][k] = v[2][k] - v[0][k];
-#endif
-        }
-        memcpy(word, v, sizeof v);
-        word[STORE_ROW - 1] = prim[i];
-    }
+    store_rows_write(scene, prim, count, word, row_of);
 }
 
 static bool test(const struct packed *packed, uint32_t first, uint32_t slot, uint32_t tri_id,

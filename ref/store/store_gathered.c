@@ -5,16 +5,17 @@
 
 #include <string.h>
 
+static uint32_t row_of(float v[3][3])
+{
+    (void)v;
+    return 0;
+}
+
 static void write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
                   uint32_t count, uint32_t *word)
 {
     (void)packed;
-    for (uint32_t i = 0; i < count; i++, word += STORE_ROW) {
-        float v[3][3];
-        scene_tri(scene, prim[i], v);
-        memcpy(word, v, sizeof v);
-        word[STORE_ROW - 1] = prim[i];
-    }
+    store_rows_write(scene, prim, count, word, row_of);
 }
 
 static bool tri(const struct packed *packed, uint32_t first, uint32_t slot, float v[3][3])

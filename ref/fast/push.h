@@ -1,0 +1,34 @@
+/* How the kernels of processors that cannot sort lanes find the order of children. Expects INLINE
+ * and ref/fast/vectors.h. */
+#ifndef FAST_PUSH_H
+#define FAST_PUSH_H
+
+/* Sorts the children in `mask`, farthest first, by the bits of their entries, which are at least 0;
+ * the lowest three bits of a key are the child's number. Returns how many there are. */
+INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32_t mask,
+                     float8 entry)
+{
+    uint32_t bits[8], count = 0;
+    memcpy(bits, &entry, sizeof bits);
+    for (; mask; mask &= mask - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(mask), at = count++;
+        uint32_t k = (bits[i] & ~7u) | i;
+        for (; at > 0 && key[at - 1] < k; at--)
+            key[at] = key[at - 1];
+        key[at] = k;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        ref[i] = child[key[i] & 7];
+    return count;
+}
+
+/* All but the first of the children in `mask`, in their order. */
+INLINE uint32_t push_any(uint32_t *ref, const uint32_t *child, uint32_t mask)
+{
+    uint32_t count = 0;
+    for (mask &= mask - 1; mask; mask &= mask - 1)
+        ref[count++] = child[__builtin_ctz(mask)];
+    return count;
+}
+
+#endif
