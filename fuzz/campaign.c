@@ -200,6 +200,8 @@ static enum status open_all(struct campaign *c, struct reason *reason)
         status = campaign_marks_update(c, reason);
     if (!status)
         campaign_state_read(c);
+    if (!status && !campaign_state_is_unplayed(findings_state(c->findings)))
+        status = campaign_pairs_read(c, reason);
     /* Before anything else is in the folder, so that it is never one of no campaign, or of what
      * an unplayed one was to be. */
     if (!status && campaign_state_is_unplayed(findings_state(c->findings)))

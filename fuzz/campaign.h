@@ -7,6 +7,7 @@
 
 #include "fuzz/feedback.h"
 #include "fuzz/findings.h"
+#include "fuzz/meetings.h"
 #include "fuzz/worker.h"
 
 #include <signal.h>
@@ -34,6 +35,9 @@ struct campaign_options {
     uint32_t shard, shards; /* 1 of 1: all */
     uint32_t jobs;          /* workers */
     bool mutate;            /* stream mut, too: half of the blocks */
+    /* Which pairs of members met, counted here, or NULL. Members of a drawn field are drawn from
+     * it, a block's at a time; there is then stream gen alone, and one shard. */
+    struct meetings *meetings;
     enum campaign_shrinking shrink;
     uint32_t until;        /* end after so many findings that are not known; 0: no end */
     uint32_t trial_ms;     /* the longest that an engine may take for a trial */
@@ -65,6 +69,8 @@ struct campaign_view {
     uint64_t before;                  /* trials of stream gen of earlier runs */
     uint64_t rays, judged, wrong, count[VERDICT_COUNT];
     uint64_t refused[FUZZ_CONTESTANTS_MOST];           /* trials by who cannot hold them */
+    uint64_t unasked[FUZZ_CONTESTANTS_MOST];           /* likewise by who was not drawn */
+    uint64_t refitted, rebuilt;                        /* answers from trees that moved */
     uint64_t triangles, histogram[CAMPAIGN_TRIANGLES]; /* trials by triangles, the last: and more */
     struct fuzz_time time;
     uint64_t explain_ns;

@@ -7,9 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Blocks that wait for an earlier one to be applied, beyond those that workers have. */
-#define WAITING_MOST 64u
-
 /* --- which comes next ------------------------------------------------------------------------ */
 
 static struct block *make(struct campaign *c, enum work_stream stream, uint64_t first,
@@ -86,6 +83,8 @@ static struct block *make_next(struct campaign *c)
     if (o->trials > 0 && o->trials - c->next < count)
         count = o->trials - c->next;
     struct block *block = make(c, WORK_GEN, c->next, count);
+    if (block && o->rules.field.drawn)
+        campaign_pairs_draw(c, block);
     c->next += block ? count : 0;
     c->gen_triangles += count * (o->rules.gen.triangles_least + o->rules.gen.triangles_most) / 2;
     return block;
@@ -102,7 +101,7 @@ struct block *campaign_block_next(struct campaign *c, enum status *status)
     struct block *block = NULL;
     bool wanted = true;
     *status = STATUS_OK;
-    if (c->ending || c->waiting >= WAITING_MOST + o->jobs)
+    if (c->ending || c->waiting >= CAMPAIGN_WAITING + o->jobs)
         return NULL;
     if (!c->corpus_done && o->shard == 1 && c->corpus_next < o->rules.corpus_count) {
         block = make(c, WORK_CORPUS, c->corpus_next, o->rules.corpus_count - c->corpus_next);
@@ -132,7 +131,7 @@ void campaign_block_free(struct block *block)
 struct work_order campaign_block_order(const struct block *block)
 {
     struct work_order order = {
-        .stream = block->stream, .first = block->first, .count = block->count};
+        .stream = block->stream, .first = block->first, .count = block->count, .draw = block->draw};
     if (block->alone) {
         order.first += block->at;
         order.count = 1;
@@ -186,7 +185,9 @@ static enum status keep_death(struct campaign *c, struct block *block, uint32_t 
     bool is_ours = death->contestant >= field->count;
     fuzz_signature_set_engine(signature,
                               is_ours ? "raydiff" : field->who[death->contestant].engine->name);
-    signature->layout = is_ours ? NULL : field->who[death->contestant].layout;
+    signature->layout = is_ours          ? NULL
+                        : block->draw.on ? block->draw.layout
+                                         : field->who[death->contestant].layout;
     signature->kind = death->hung ? FUZZ_KIND_HANG : FUZZ_KIND_CRASH;
     signature->cause = cause;
     finding.finding.contestant = death->contestant;
@@ -273,8 +274,12 @@ static void count_trial(struct campaign *c, const struct block *block, const str
     view->histogram[one->triangles < most ? one->triangles : most]++;
     for (size_t v = 0; v < VERDICT_COUNT; v++)
         view->count[v] += one->count[v];
-    for (size_t i = 0; i < c->rules.field.count; i++)
+    for (size_t i = 0; i < c->rules.field.count; i++) {
         view->refused[i] += one->refusers >> i & 1u;
+        view->unasked[i] += block->draw.on && i != block->draw.contestant;
+        view->refitted += one->refitted >> i & 1u;
+        view->rebuilt += one->rebuilt >> i & 1u;
+    }
 }
 
 static enum status add_finding(struct campaign *c, const struct work_finding *one,
@@ -308,9 +313,10 @@ static enum status apply_trial(struct campaign *c, const struct block *block, ui
     enum status status = STATUS_OK;
     for (size_t k = 0; k < block->findings; k++)
         found = found || (block->finding[k].trial == i && block->stream != WORK_KEPT);
+    const struct work_order order = {
+        .stream = block->stream, .first = block->first, .draw = block->draw};
     if (wanted || found)
-        status = work_trial_make(&c->rules, block->stream, block->first + i, block->base,
-                                 &file.trial, reason);
+        status = work_trial_ordered(&c->rules, &order, i, block->base, &file.trial, reason);
     if (!status)
         status = feedback_add(c->feedback, wanted ? &file.trial : NULL, coverage, &reached, reason);
     snprintf(file.versions, sizeof file.versions, "%s", c->versions);
@@ -329,6 +335,7 @@ enum status campaign_block_apply(struct campaign *c, struct block *block, struct
         count_trial(c, block, &block->trial[i]);
         status = apply_trial(c, block, i, reason);
     }
+    campaign_pairs_count(c, block);
     c->view.kept = feedback_count(c->feedback);
     if (block->stream == WORK_GEN) {
         c->applied = block->first + block->count;

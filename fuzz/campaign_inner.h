@@ -18,6 +18,8 @@ struct block {
     uint64_t first;
     uint32_t count;
     const struct fuzz_trial *base; /* of stream mut; the feedback's */
+    struct work_draw draw;
+    struct meeting meeting; /* what was drawn */
     bool done;
     struct work_trial trial[FUZZ_BATCH];
     struct work_finding *finding;
@@ -30,6 +32,18 @@ struct block {
     bool died_alone;   /* one of them did */
     struct death death;
     struct block *next; /* in the order of applying */
+};
+
+/* Blocks that wait for an earlier one to be applied, beyond those that workers have. */
+#define CAMPAIGN_WAITING 64u
+/* No block waits for one so far before it: what that one missed is known when it is drawn. */
+#define CAMPAIGN_BEHIND (CAMPAIGN_WAITING + CAMPAIGN_JOBS_MOST)
+
+/* What was drawn for a block and did not meet. */
+struct missed {
+    uint64_t block; /* its number and 1; 0: none */
+    struct meeting meeting;
+    uint32_t refused, rebuilt;
 };
 
 enum slot_task { SLOT_STARTING, SLOT_IDLE, SLOT_BLOCK, SLOT_SHRINK, SLOT_AGAIN };
@@ -69,6 +83,7 @@ struct campaign {
     size_t waiting;                        /* blocks in that list */
     struct feedback *feedback;
     struct rng rng; /* of choosing whom to mutate */
+    struct missed missed[CAMPAIGN_BEHIND];
     /* Findings. */
     struct campaign_mark *mark;
     size_t marks, mark_capacity;
@@ -107,6 +122,16 @@ enum status campaign_block_apply(struct campaign *c, struct block *block,
                                  struct reason *reason) MUST_USE;
 /* Applies and frees all blocks whose turn it is. */
 enum status campaign_blocks_apply(struct campaign *c, struct reason *reason) MUST_USE;
+
+/* --- campaign_pairs.c --- */
+
+/* Draws the members of a block of a drawn field. */
+void campaign_pairs_draw(struct campaign *c, struct block *block);
+/* Counts who met in its trials. */
+void campaign_pairs_count(struct campaign *c, const struct block *block);
+/* The tally of a drawn field is in the folder: pairs.txt. */
+enum status campaign_pairs_read(struct campaign *c, struct reason *reason) MUST_USE;
+enum status campaign_pairs_write(const struct campaign *c, struct reason *reason) MUST_USE;
 
 /* --- campaign_crew.c --- */
 

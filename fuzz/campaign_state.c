@@ -128,6 +128,8 @@ enum status campaign_state_write(struct campaign *c, struct reason *reason)
         !campaign_state_put(state, sizeof state, "coverage", coverage) || !put_shrunk(c, state))
         return fail(reason, STATUS_INPUT, "the options of a campaign are too long to be kept");
     enum status status = findings_checkpoint(c->findings, state, reason);
+    if (!status)
+        status = campaign_pairs_write(c, reason);
     c->dirty = c->found = false;
     c->saved_ns = time_ns();
     return status;

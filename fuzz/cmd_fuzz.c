@@ -36,6 +36,9 @@ static const char help[] =
     "  --triangles A-B   triangles of an ordinary trial         [16-64]\n"
     "  --corpus DIR      trials that are played first; none     [fuzz/corpus]\n"
     "  --feedback        mutate what reached rare states also with --trials or --shard\n"
+    "  --pairs N         draws members anew for each block: those of the pair (of engine, layout,\n"
+    "                    builder, storage, triangle test, box test, reinsertion, motion) that met\n"
+    "                    in the fewest trials; every pair is to meet in N\n"
     "  --no-shrink       leave findings as they are (raydiff min shrinks them later)\n"
     "  --baseline FILE   known findings, besides those that are part of raydiff\n"
     "  --trial-time S    seconds that an engine may take for a trial  [10]\n"
@@ -45,10 +48,12 @@ static const char help[] =
     "  --json FILE, --junit FILE, --tap FILE, --jsonl FILE\n"
     "                    results, for machines\n"
     "  --self-test       is every planted bug found? (raydiff fuzz --self-test --help)\n\n"
-    "exit codes: 0 nothing that the baseline does not know, 1 a finding outside it, 2 bad input,\n"
+    "exit codes: 0 nothing that the baseline does not know, 1 a finding outside it or a pair that\n"
+    "            met in fewer than --pairs, 2 bad input,\n"
     "            3 an engine cannot be opened, 4 internal error, 77 an engine cannot run here,\n"
     "            128 + the signal that ended it before all of --trials were played\n"
-    "example: raydiff fuzz --time 60\n";
+    "example: raydiff fuzz --time 60\n"
+    "         raydiff fuzz --time 3600 --pairs 1000\n";
 
 enum {
     OPT_TIME = 256,
@@ -95,6 +100,7 @@ static const struct option long_options[] = {{"time", 1, NULL, OPT_TIME},
                                              {"driver", 1, NULL, OPT_KEYS + KEY_DRIVER},
                                              {"device", 1, NULL, OPT_KEYS + KEY_DEVICE},
                                              {"workgroup", 1, NULL, OPT_KEYS + KEY_WORKGROUP},
+                                             {"pairs", 1, NULL, OPT_KEYS + KEY_PAIRS},
                                              {"shader", 1, NULL, OPT_SHADER},
                                              {"peer-time", 1, NULL, OPT_PEER_TIME},
                                              {"peer-memory", 1, NULL, OPT_PEER_MEMORY},
@@ -227,8 +233,11 @@ static enum status make_rules(struct fuzz_command *c, struct reason *reason)
     if (!c->engines.peer_ms) /* a peer's time is over before its worker's is */
         c->engines.peer_ms = (uint32_t)(c->trial_s * 1e3);
     plugin_limits(c->engines.peer_ms, c->engines.peer_mb);
-    return fuzz_field_make(engine, c->engine.count, layout, c->layout.count, &c->engines,
-                           &rules->field, reason);
+    enum status status =
+        c->pairs > 0 ? fuzz_field_draw(engine, c->engine.count, &c->engines, &rules->field, reason)
+                     : fuzz_field_make(engine, c->engine.count, layout, c->layout.count,
+                                       &c->engines, &rules->field, reason);
+    return status ? status : fuzz_pairs_make(c, reason);
 }
 
 static enum status make_campaign(struct fuzz_command *c, struct reason *reason)
@@ -242,7 +251,7 @@ static enum status make_campaign(struct fuzz_command *c, struct reason *reason)
     o->shard = sharded ? c->shard : 1;
     o->shards = sharded ? c->shards : 1;
     o->jobs = c->jobs;
-    o->mutate = c->feedback || (c->trials == 0 && !sharded);
+    o->mutate = c->feedback || (c->trials == 0 && !sharded && c->pairs == 0);
     o->shrink = c->no_shrink || sharded ? CAMPAIGN_SHRINK_NEVER
                 : c->trials > 0         ? CAMPAIGN_SHRINK_AT_END
                                         : CAMPAIGN_SHRINK_SOON;
@@ -254,7 +263,9 @@ static enum status make_campaign(struct fuzz_command *c, struct reason *reason)
     o->user = c;
     o->stop = &stop;
     c->signalled = &signalled;
-    return make_rules(c, reason);
+    enum status status = make_rules(c, reason);
+    o->meetings = c->meetings;
+    return status;
 }
 
 /* Leaves out trials of members as published, whose faults are known. */
@@ -276,7 +287,7 @@ static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
 {
     const char *folder = c->corpus ? c->corpus : "fuzz/corpus";
     struct stat what;
-    if (c->corpus && strcmp(c->corpus, "none") == 0)
+    if (c->pairs > 0 || (c->corpus && strcmp(c->corpus, "none") == 0))
         return STATUS_OK;
     if (c->corpus && (stat(folder, &what) != 0 || !S_ISDIR(what.st_mode)))
         return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", folder);
@@ -319,6 +330,9 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
         status = try_outputs(c, reason); /* some may be in the folder */
     if (!status)
         status = fuzz_identify(c, reason);
+    if (!status && c->pairs > 0 && (c->shards > 0 || c->feedback || c->corpus))
+        status = fail(reason, STATUS_INPUT,
+                      "--pairs: members are drawn, not with --shard, --feedback or --corpus");
     if (!status)
         status = read_corpus(c, reason);
     if (!status)
@@ -347,6 +361,7 @@ static int finish(struct fuzz_command *c, enum status status, const struct reaso
         fprintf(stderr, "raydiff fuzz: %s\n", reason->text);
     findings_close(c->findings);
     feedback_list_free(&c->corpus_trials);
+    meetings_close(c->meetings);
     baseline_close(&c->baseline);
     return status ? exit_of_status(status) : c->code;
 }

@@ -21,6 +21,7 @@ enum fuzz_key {
     KEY_DRIVER,
     KEY_DEVICE,
     KEY_WORKGROUP,
+    KEY_PAIRS,
     KEY_COUNT
 };
 
@@ -37,6 +38,7 @@ struct fuzz_command {
     char driver[FUZZ_VALUE_MOST]; /* "": any */
     struct engine_options engines;
     uint64_t trials, seconds;
+    uint64_t pairs; /* members are drawn until every pair met in so many; 0: they are not drawn */
     uint32_t jobs, until;
     double trial_s;
     uint64_t memory_mib;
@@ -45,6 +47,7 @@ struct fuzz_command {
     /* Made of these. */
     char identity[FINDINGS_STATE_MOST];
     struct feedback_list corpus_trials;
+    struct meetings *meetings;
     struct baseline baseline;
     char today[BASELINE_DAY];
     struct findings *findings;
@@ -75,6 +78,15 @@ enum status fuzz_identify(struct fuzz_command *command, struct reason *reason) M
 /* Leaves out what cannot run here of the engines that nobody named; asked in a child. Errors:
  * STATUS_UNSUPPORTED none can; as child_start. */
 enum status fuzz_default_engines(struct fuzz_command *command, struct reason *reason) MUST_USE;
+
+/* Rules and tally of the pairs that meet. Errors: STATUS_INPUT nobody takes part; STATUS_LIMIT;
+ * STATUS_MEMORY. */
+enum status fuzz_pairs_make(struct fuzz_command *command, struct reason *reason) MUST_USE;
+/* Pairs that the time did not suffice for; 0 where no number was asked for. */
+uint32_t fuzz_pairs_short(const struct fuzz_command *command);
+void fuzz_pairs_print(const struct fuzz_command *command, const struct campaign_view *view);
+struct json_t *fuzz_pairs_json(const struct fuzz_command *command,
+                               const struct campaign_view *view);
 
 /* The status, as often as it is to be shown; campaign_options.tick, of a struct fuzz_command. */
 void fuzz_show(void *user, const struct campaign_view *view);

@@ -11,20 +11,29 @@
 
 static const char *const own_engines = "cpu,vulkan,embree_robust";
 static const char *const own_layouts = "f32,rf16";
+/* Of --pairs. */
+static const char *const pair_engines =
+    "cpu,vulkan,fast,cpu_stackless,vulkan_stackless,brute,vulkan_brute,embree_robust";
+static const char *const pair_layouts = "every";
 
 const char *fuzz_key_name(enum fuzz_key key)
 {
-    static const char *const name[KEY_COUNT] = {"seed",    "shard",    "engine",   "layout",
-                                                "builder", "faithful", "rays",     "triangles",
-                                                "driver",  "device",   "workgroup"};
+    static const char *const name[KEY_COUNT] = {"seed",    "shard",    "engine",    "layout",
+                                                "builder", "faithful", "rays",      "triangles",
+                                                "driver",  "device",   "workgroup", "pairs"};
     return name[key];
 }
 
-/* Layouts from outside by their path, so that it can be read again. */
+/* Layouts from outside by their path, so that it can be read again; a whole table is "every". */
 static void print_list(enum table table, const struct list *list, char text[FUZZ_VALUE_MOST])
 {
     size_t used = 0;
     text[0] = '\0';
+    if (table == TABLE_LAYOUTS && list->count > table_all(table).count &&
+        !table_member(table, list->count, NULL)) {
+        snprintf(text, FUZZ_VALUE_MOST, "every");
+        return;
+    }
     for (size_t i = 0; i < list->count && used < FUZZ_VALUE_MOST; i++) {
         size_t index = list->index[i];
         const char *path = table == TABLE_LAYOUTS ? plugin_path(layouts_all[index]) : NULL;
@@ -73,6 +82,10 @@ void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[F
     case KEY_WORKGROUP:
         if (c->engines.workgroup > 0)
             snprintf(text, FUZZ_VALUE_MOST, "%u", (unsigned)c->engines.workgroup);
+        break;
+    case KEY_PAIRS:
+        if (c->pairs > 0)
+            snprintf(text, FUZZ_VALUE_MOST, "%llu", (unsigned long long)c->pairs);
         break;
     case KEY_COUNT:
         break;
@@ -136,6 +149,8 @@ enum status fuzz_key_set(struct fuzz_command *c, enum fuzz_key key, const char *
         status = parse_count("--rays", text, 1, FUZZ_RAYS_MOST, &value, reason);
         c->rays = (uint32_t)value;
         return status;
+    case KEY_PAIRS:
+        return parse_count("--pairs", text, 1, (uint64_t)1 << 40, &c->pairs, reason);
     case KEY_DRIVER:
         if (strlen(text) >= sizeof c->driver)
             return fail(reason, STATUS_INPUT, "--driver: too long a name");
@@ -184,7 +199,8 @@ enum status fuzz_default_engines(struct fuzz_command *c, struct reason *reason)
     struct probe what = {.options = c->engines};
     struct probed out;
     struct child child;
-    enum status status = table_parse(TABLE_ENGINES, "--engine", own_engines, &what.list, reason);
+    enum status status = table_parse(TABLE_ENGINES, "--engine",
+                                     c->pairs > 0 ? pair_engines : own_engines, &what.list, reason);
     what.options.threads = 1;
     what.options.driver = c->driver[0] ? c->driver : NULL;
     if (!status)
@@ -254,7 +270,8 @@ enum status fuzz_identify(struct fuzz_command *c, struct reason *reason)
         status = fail(reason, STATUS_INPUT,
                       "%.100s: its findings are of no campaign, but of raydiff merge", c->folder);
     if (!status && c->layout.count == 0)
-        status = table_parse(TABLE_LAYOUTS, "--layout", own_layouts, &c->layout, reason);
+        status = table_parse(TABLE_LAYOUTS, "--layout", c->pairs > 0 ? pair_layouts : own_layouts,
+                             &c->layout, reason);
     if (!status && c->engine.count == 0)
         status = fuzz_default_engines(c, reason);
     if (status)

@@ -165,6 +165,7 @@ static json_t *make_json(const struct fuzz_command *c, const struct campaign_vie
     add_times(root, view);
     json_object_set_new(root, "verdicts", verdicts);
     add_coverage(root, view);
+    json_object_set_new(root, "pairs", fuzz_pairs_json(c, view));
     json_object_set_new(root, "workers", json_integer((json_int_t)view->options->jobs));
     json_object_set_new(root, "restarts", json_integer((json_int_t)view->restarts));
     json_object_set_new(root, "findings", findings);
@@ -228,10 +229,11 @@ static void fill_contestants(const struct campaign_view *view, struct report_roo
         const struct layout *layout = field->who[i].layout;
         snprintf(room->name[i], NAME_MOST, "%.40s%s%s", field->who[i].engine->name,
                  layout ? "." : "", layout ? layout->name : "");
-        room->contestant[i] = (struct report_contestant){.name = room->name[i],
-                                                         .played = view->trials - view->refused[i],
-                                                         .refused = view->refused[i],
-                                                         .seconds = seconds(view->time.engine[i])};
+        room->contestant[i] =
+            (struct report_contestant){.name = room->name[i],
+                                       .played = view->trials - view->refused[i] - view->unasked[i],
+                                       .refused = view->refused[i],
+                                       .seconds = seconds(view->time.engine[i])};
     }
 }
 
@@ -348,6 +350,7 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
            100 * campaign_harness_share(view, NULL));
     printf("coverage   %u of %u states\n", (unsigned)coverage_count(view->coverage),
            (unsigned)coverage_known());
+    fuzz_pairs_print(c, view);
     if (view->restarts > 0)
         printf("restarts   %u; the last: %s\n", (unsigned)view->restarts, view->said);
     if (flaky > 0)
@@ -369,7 +372,9 @@ void fuzz_report(void *user, const struct campaign_view *view)
 {
     struct fuzz_command *c = user;
     fuzz_show_end(c);
-    c->code = campaign_news(view, NULL) > 0 || is_vacuous(view) ? EXIT_MISMATCH : EXIT_AGREE;
+    c->code = campaign_news(view, NULL) > 0 || is_vacuous(view) || fuzz_pairs_short(c) > 0
+                  ? EXIT_MISMATCH
+                  : EXIT_AGREE;
     if (view->unplayed && *c->signalled) /* so that who waits for a shard knows */
         c->code = 128 + *c->signalled;
     for (size_t i = 0; i < findings_count(view->findings); i++)

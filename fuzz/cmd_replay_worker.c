@@ -3,6 +3,7 @@
 #include "fuzz/cmd_replay.h"
 
 #include "fuzz/plugin_shader.h"
+#include "fuzz/trial_tree.h"
 #include "fuzz/versions.h"
 #include "ref/cmd_explain.h"
 #include "ref/match.h"
@@ -165,9 +166,7 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
     const struct layout *layout = request->who.layout;
     enum status status = STATUS_OK;
     if (layout)
-        status = trial->builder->build(&trial->scene, &trial->build, &parts->bvh, reason);
-    if (!status && layout)
-        status = packed_make(layout, &parts->bvh, &trial->scene, &parts->packed, reason);
+        status = fuzz_trial_tree(trial, layout, &parts->bvh, &parts->packed, NULL, reason);
     if (!status)
         status = oracle_make(&trial->scene, &parts->oracle, reason);
     if (status)

@@ -2,6 +2,7 @@
 #include "fuzz/export_inner.h"
 
 #include "fuzz/pipe.h"
+#include "fuzz/trial_tree.h"
 #include "fuzz/versions.h"
 #include "gpu/gather.h"
 #include "ref/mutant.h"
@@ -197,11 +198,8 @@ static enum status pack(struct export_case *the, const struct export_options *op
 {
     const struct fuzz_trial *trial = the->trial;
     enum status status = STATUS_OK;
-    if (the->layout) {
-        status = trial->builder->build(&trial->scene, &trial->build, &the->bvh, reason);
-        if (!status)
-            status = packed_make(the->layout, &the->bvh, &trial->scene, &the->packed, reason);
-    }
+    if (the->layout)
+        status = fuzz_trial_tree(trial, the->layout, &the->bvh, &the->packed, NULL, reason);
     the->job = (struct job){.scene = &trial->scene,
                             .packed = the->layout ? &the->packed : NULL,
                             .box = trial->box,

@@ -141,6 +141,36 @@ static enum status read_query(struct reader *reader)
     return STATUS_OK;
 }
 
+static enum status read_store(struct reader *reader)
+{
+    char word[FINDING_WORD_MOST];
+    enum status status = finding_word(&reader->scan, "a storage", word, reader->reason);
+    if (status)
+        return status;
+    reader->file->trial.store = tri_store_find(word);
+    return reader->file->trial.store ? STATUS_OK : unknown(reader, "storage", word);
+}
+
+static enum status read_optimize(struct reader *reader)
+{
+    uint64_t passes = 0;
+    enum status status =
+        finding_whole(&reader->scan, "passes", FUZZ_PASSES_MOST, &passes, reader->reason);
+    reader->file->trial.build.passes = (uint32_t)passes;
+    return status;
+}
+
+static enum status read_move(struct reader *reader)
+{
+    struct fuzz_trial *trial = &reader->file->trial;
+    enum status status =
+        finding_float(&reader->scan, "how far", false, &trial->move, reader->reason);
+    if (!status && !(trial->move >= 0 && trial->move <= FUZZ_MOVE_MOST))
+        status = scan_fail(&reader->scan, reader->reason, "how far is 0 to %g extents",
+                           (double)FUZZ_MOVE_MOST);
+    return status ? status : read_named_whole(reader, "seed", UINT64_MAX, &trial->move_seed);
+}
+
 static const struct {
     const char *name;
     line_fn *read;
@@ -150,6 +180,8 @@ static const struct {
     {"box", read_box, true, false},        {"tri", read_tri, true, false},
     {"query", read_query, true, false},    {"origin", read_origin, false, false},
     {"recipe", read_recipe, false, false}, {"with", read_with, false, true},
+    {"store", read_store, false, false},   {"optimize", read_optimize, false, false},
+    {"move", read_move, false, false},
 };
 
 /* All lines up to "vertices", of which the cursor is left in front. */
@@ -322,6 +354,7 @@ enum status finding_file_parse(const char *name, const char *bytes, size_t size,
     enum status status = STATUS_OK;
     *out = (struct finding_file){0};
     reader.scan.comment = '#';
+    out->trial.store = tri_stores[0];
     for (size_t i = 0; i < ARRAY_COUNT(parts) && !status; i++)
         status = parts[i](&reader);
     if (!status) {

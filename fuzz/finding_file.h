@@ -10,8 +10,10 @@
  *   box robust
  *   tri mt
  *   query closest
- *   vertices 3
- *   0x0p+0 0x0p+0 0x0p+0                              # 0.0 0.0 0.0
+ *   store compact                                     optional; indexed
+ *   optimize 4                                        optional; passes of reinsertion
+ *   move 0x1p-3 seed 7                                optional; how far the vertices moved since
+ * the tree was built (struct fuzz_trial) vertices 3 0x0p+0 0x0p+0 0x0p+0 # 0.0 0.0 0.0
  *   ...
  *   triangles 1
  *   0 1 2

@@ -74,6 +74,17 @@ static void put_head(const struct finding_file *file, FILE *to)
     put_decimal(trial->build.eps, to);
     fprintf(to, "\nbox %s\ntri %s\nquery %s\n", trial->box->name, trial->tri->name,
             query_name(trial->query));
+    if (trial->store != tri_stores[0])
+        fprintf(to, "store %s\n", trial->store->name);
+    if (trial->build.passes > 0)
+        fprintf(to, "optimize %u\n", trial->build.passes);
+    if (trial->move > 0) {
+        char move[FLOAT_WORD_MOST];
+        float_word_write(trial->move, move);
+        fprintf(to, "move %s seed %llu # ", move, (unsigned long long)trial->move_seed);
+        put_decimal(trial->move, to);
+        fputc('\n', to);
+    }
 }
 
 static void put_body(const struct fuzz_trial *trial, FILE *to)

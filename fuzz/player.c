@@ -40,6 +40,16 @@ enum status fuzz_field_make(const struct engine *const *engine, size_t engine_co
     return STATUS_OK;
 }
 
+enum status fuzz_field_draw(const struct engine *const *engine, size_t engine_count,
+                            const struct engine_options *options, struct fuzz_field *out,
+                            struct reason *reason)
+{
+    const struct layout *none = NULL;
+    enum status status = fuzz_field_make(engine, engine_count, &none, 1, options, out, reason);
+    out->drawn = status == STATUS_OK;
+    return status;
+}
+
 static size_t layout_index(struct fuzz_player *player, const struct layout *layout)
 {
     size_t i = 0;
@@ -107,7 +117,9 @@ enum status fuzz_player_open(const struct fuzz_field *field, struct fuzz_player 
     for (size_t i = 0; i < field->count && !status; i++)
         status = add_seat(player, field->who[i].engine, field->who[i].layout, reason);
     player->contestants = player->seat_count;
-    if (!status)
+    if (!status && field->drawn) /* cast when somebody promises its bits */
+        status = add_seat(player, engine_find("cpu"), NULL, reason);
+    else if (!status)
         status = add_references(player, reason);
     if (status)
         fuzz_player_close(player);
@@ -144,6 +156,24 @@ void fuzz_player_leave_out(struct fuzz_player *player, uint32_t contestants)
     player->left_out = contestants;
 }
 
+void fuzz_player_cast(struct fuzz_player *player, size_t contestant, const struct layout *layout)
+{
+    struct seat *seat = &player->seat[contestant], *cpu = &player->seat[player->contestants];
+    for (size_t i = 0; i < player->seat_count; i++) {
+        player->seat[i].layout = NULL;
+        player->seat[i].reference = SEATS_MOST;
+    }
+    player->left_out = ~(1u << contestant);
+    player->layout[0] = layout;
+    player->layout_count = seat->engine->needs_packed;
+    if (!seat->engine->needs_packed)
+        return;
+    seat->layout = cpu->layout = layout;
+    seat->layout_index = cpu->layout_index = 0;
+    if (seat->engine != cpu->engine && seat->engine->model(seat->self, tri_tests[0]).bits)
+        seat->reference = player->contestants;
+}
+
 static void mark_set(struct fuzz_mark *mark, size_t first, size_t count, size_t contestant)
 {
     if (!mark)
@@ -163,9 +193,15 @@ static size_t batch_size(const struct fuzz_trial *trial, size_t count)
     return size;
 }
 
+/* A reference plays for those that are compared with it. */
 static bool is_left_out(const struct fuzz_player *player, size_t seat)
 {
-    return seat < player->contestants && (player->left_out >> seat & 1u);
+    if (seat < player->contestants)
+        return player->left_out >> seat & 1u;
+    for (size_t i = 0; i < player->contestants; i++)
+        if (player->seat[i].reference == seat && !is_left_out(player, i))
+            return false;
+    return true;
 }
 
 /* Asks all seats about the stages of a batch, which begins with trial `first` of the call. */

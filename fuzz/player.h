@@ -14,18 +14,24 @@
 /* Engines that need a packed tree once per layout, the others once. */
 struct fuzz_contestant {
     const struct engine *engine;
-    const struct layout *layout; /* NULL: the engine needs none */
+    const struct layout *layout; /* NULL: the engine needs none, or the field is drawn */
 };
 
 struct fuzz_field {
     struct fuzz_contestant who[FUZZ_CONTESTANTS_MOST];
     size_t count;
+    bool drawn; /* each engine once, without a layout: fuzz_player_cast says who plays on which */
     struct engine_options options;
 };
 
 /* Makes the field of all pairs. Errors: STATUS_LIMIT too many. */
 enum status fuzz_field_make(const struct engine *const *engine, size_t engine_count,
                             const struct layout *const *layout, size_t layout_count,
+                            const struct engine_options *options, struct fuzz_field *out,
+                            struct reason *reason) MUST_USE;
+
+/* Makes the drawn field of these engines. Errors: STATUS_LIMIT too many. */
+enum status fuzz_field_draw(const struct engine *const *engine, size_t engine_count,
                             const struct engine_options *options, struct fuzz_field *out,
                             struct reason *reason) MUST_USE;
 
@@ -46,6 +52,8 @@ struct fuzz_result {
     size_t judged;               /* rays with a verdict for every contestant that played */
     size_t refused;              /* contestants whose layout cannot hold the trial */
     uint32_t refusers;           /* the same as a mask of 1u << contestant */
+    uint32_t players;            /* contestants that answered, likewise */
+    uint32_t refitted, rebuilt;  /* contestants on a tree that was, since it moved, likewise */
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
     size_t finding_count;
     uint64_t coverage[4]; /* bits of states reached, fuzz/coverage.h */
@@ -79,6 +87,9 @@ void fuzz_player_close(struct fuzz_player *player); /* NULL is fine */
 /* From now on the contestants of the mask (1u << contestant) are not asked: as if the field had not
  * got them, but that the others keep their numbers. */
 void fuzz_player_leave_out(struct fuzz_player *player, uint32_t contestants);
+
+/* Of a drawn field only this contestant plays from now on, on this layout if it needs one. */
+void fuzz_player_cast(struct fuzz_player *player, size_t contestant, const struct layout *layout);
 
 /* Plays `count` trials, which must have passed fuzz_trial_check. Everything an engine does wrong is
  * in the results; what it costs is added to *time (may be NULL); `mark` may be NULL. An engine that

@@ -103,7 +103,8 @@ static enum status ask_anew(const struct seat *seat, const struct stage *stage, 
     const struct judged_job from = {.engine = seat->engine,
                                     .self = seat->self,
                                     .job = &out->job,
-                                    .bvh = seat->layout ? &stage->bvh : NULL,
+                                    .bvh =
+                                        seat->layout ? stage_tree(stage, seat->layout_index) : NULL,
                                     .oracle = stage->oracle};
     status = judged_make(&from, &out->judged, reason);
     out->possible = status == STATUS_OK;

@@ -23,6 +23,13 @@ enum {
     LEAF_HALF,
     LEAF_LESS,
     LEAF_ONE,
+    STORE,
+    PASSES,
+    PASSES_ONE,
+    STILL,
+    MOVE_LESS,
+    MOVE_ROUND,
+    MOVE_SEED,
     MEMBER_CHANGES
 };
 
@@ -56,6 +63,35 @@ static bool change_tri(struct fuzz_trial *trial, uint32_t at)
     CHANGE_MEMBER(tri_tests, at, &trial->tri);
 }
 
+/* What the tree went through, and how its triangles lie. */
+static bool change_past(struct fuzz_trial *trial, uint32_t variant)
+{
+    switch (variant) {
+    case STORE:
+        trial->store = tri_stores[0];
+        return true;
+    case PASSES:
+        trial->build.passes = 0;
+        return true;
+    case PASSES_ONE:
+        trial->build.passes = trial->build.passes > 0;
+        return true;
+    case STILL:
+        trial->move = 0;
+        trial->move_seed = 0;
+        return true;
+    case MOVE_LESS:
+        trial->move /= 2;
+        return trial->move > 0;
+    case MOVE_ROUND:
+        trial->move = trial->move > 0;
+        return true;
+    default: /* MOVE_SEED */
+        trial->move_seed = 0;
+        return true;
+    }
+}
+
 static bool change_member(struct fuzz_trial *trial, uint32_t first, uint32_t count,
                           uint32_t variant)
 {
@@ -80,8 +116,10 @@ static bool change_member(struct fuzz_trial *trial, uint32_t first, uint32_t cou
         return change_leaf(trial, trial->build.leaf / 2);
     case LEAF_LESS:
         return change_leaf(trial, trial->build.leaf - 1);
-    default:
+    case LEAF_ONE:
         return change_leaf(trial, 1);
+    default:
+        return change_past(trial, variant);
     }
 }
 

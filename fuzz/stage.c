@@ -42,14 +42,14 @@ static enum status make_room(struct stage *stage, size_t seats, size_t rays)
 }
 
 /* A layout's bytes are at fault only if the tree that they were made from was none. */
-static bool is_broken(const struct stage *stage, const struct packed *packed, enum status *status)
+static bool is_broken(const struct stage *stage, size_t i, enum status *status)
 {
     const struct scene *scene = &stage->trial->scene;
     struct reason reason;
-    *status = packed_check(packed, scene, NULL, &reason);
+    *status = packed_check(&stage->packed[i], scene, NULL, &reason);
     if (*status != STATUS_INPUT)
         return false;
-    *status = bvh_check(&stage->bvh, scene, &reason);
+    *status = bvh_check(stage_tree(stage, i), scene, &reason);
     bool sound = *status == STATUS_OK;
     if (*status == STATUS_INPUT)
         *status = STATUS_OK;
@@ -64,25 +64,37 @@ static enum fuzz_kind outside_fault(enum status status)
     return plugin_hung() ? FUZZ_KIND_HANG : FUZZ_KIND_CRASH;
 }
 
+/* A tree that moves is made anew for each layout: one is refitted, the next may be rebuilt. */
+static enum status pack(struct stage *stage, const struct layout *layout, size_t i,
+                        struct reason *reason)
+{
+    const struct fuzz_trial *trial = stage->trial;
+    stage->motion[i] = TRIAL_STILL;
+    if (trial->move > 0)
+        return fuzz_trial_tree(trial, layout, &stage->moved[i], &stage->packed[i],
+                               &stage->motion[i], reason);
+    return fuzz_trial_pack(trial, layout, &stage->bvh, &stage->packed[i], reason);
+}
+
 static enum status pack_all(struct stage *stage, const struct fuzz_player *player,
                             struct reason *reason)
 {
     for (size_t i = 0; i < player->layout_count; i++) {
-        struct packed *packed = &stage->packed[i];
+        const struct layout *layout = player->layout[i];
         stage->has_packed[i] = false;
         stage->fault[i] = FUZZ_KIND_COUNT;
         if (!stage->has_tree)
             continue;
-        enum status status =
-            packed_make(player->layout[i], &stage->bvh, &stage->trial->scene, packed, reason);
+        enum status status = pack(stage, layout, i, reason);
         if (status == STATUS_LIMIT)
             continue;
-        if (player->layout[i]->outside && (status == STATUS_INPUT || status == STATUS_DEVICE)) {
+        if ((layout->outside && (status == STATUS_INPUT || status == STATUS_DEVICE)) ||
+            (status == STATUS_INPUT && stage->trial->move > 0)) {
             stage->fault[i] = outside_fault(status);
             continue;
         }
         stage->has_packed[i] = status == STATUS_OK;
-        if (status == STATUS_OK && is_broken(stage, packed, &status))
+        if (status == STATUS_OK && is_broken(stage, i, &status))
             stage->fault[i] = FUZZ_KIND_TREE;
         if (status)
             return status == STATUS_MEMORY
@@ -113,7 +125,7 @@ enum status stage_set(struct stage *stage, const struct fuzz_player *player,
     enum status status = make_room(stage, player->seat_count, trial->ray_count);
     if (status)
         return fail(reason, status, "no memory to play %u rays", (unsigned)trial->ray_count);
-    status = trial->builder->build(&trial->scene, &trial->build, &stage->bvh, reason);
+    status = fuzz_trial_build(trial, &stage->bvh, reason);
     stage->has_tree = status == STATUS_OK;
     if (status && status != STATUS_LIMIT)
         return status == STATUS_MEMORY ? status : fail(reason, STATUS_INTERNAL, "%s", reason->text);
@@ -130,8 +142,10 @@ enum status stage_set(struct stage *stage, const struct fuzz_player *player,
 
 void stage_clear(struct stage *stage)
 {
-    for (size_t i = 0; i < LAYOUTS_MOST; i++)
+    for (size_t i = 0; i < LAYOUTS_MOST; i++) {
         packed_free(&stage->packed[i]);
+        bvh_free(&stage->moved[i]);
+    }
     bvh_free(&stage->bvh);
     oracle_free(stage->oracle);
     stage->oracle = NULL;

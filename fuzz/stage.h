@@ -4,6 +4,7 @@
 #define FUZZ_STAGE_H
 
 #include "fuzz/player.h"
+#include "fuzz/trial_tree.h"
 #include "ref/oracle/oracle.h"
 
 /* Contestants, and engine cpu on each layout, which bits are compared with. */
@@ -53,8 +54,10 @@ struct answers {
 /* Arrays are kept from trial to trial. */
 struct stage {
     const struct fuzz_trial *trial;
-    struct bvh bvh;
+    struct bvh bvh; /* of a trial that moves: of its scene at rest */
     bool has_tree;
+    struct bvh moved[LAYOUTS_MOST]; /* of a trial that moves: what is packed */
+    enum trial_motion motion[LAYOUTS_MOST];
     struct packed packed[LAYOUTS_MOST];
     bool has_packed[LAYOUTS_MOST]; /* else the layout refused */
     /* FUZZ_KIND_TREE: packed_check found faults that the tree had not; a layout from outside did
@@ -77,6 +80,12 @@ void stage_clear(struct stage *stage);
 
 /* Frees everything. */
 void stage_close(struct stage *stage);
+
+/* The tree that packed[layout] was made of. */
+static inline const struct bvh *stage_tree(const struct stage *stage, size_t layout)
+{
+    return stage->trial->move > 0 ? &stage->moved[layout] : &stage->bvh;
+}
 
 /* The job of a seat on a stage. */
 struct job stage_job(const struct stage *stage, const struct seat *seat);

@@ -12,7 +12,8 @@ enum status fuzz_trial_make(uint32_t vertices, uint32_t triangles, uint32_t rays
                                .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
                                .box = box_tests[0],
                                .tri = tri_tests[0],
-                               .query = QUERY_CLOSEST};
+                               .query = QUERY_CLOSEST,
+                               .store = tri_stores[0]};
     if (triangles > FUZZ_TRIANGLES_MOST || vertices > 3 * FUZZ_TRIANGLES_MOST ||
         rays > FUZZ_RAYS_MOST) {
         *out = (struct fuzz_trial){0};
@@ -89,7 +90,18 @@ uint64_t fuzz_trial_hash(const struct fuzz_trial *trial)
     hash = mix_text(mix_text(mix_text(hash, trial->builder->name), trial->box->name),
                     trial->tri->name);
     hash = mix_u32(hash, (uint32_t)trial->query);
-    return mix_float(mix_u32(hash, trial->build.leaf), trial->build.eps);
+    hash = mix_float(mix_u32(hash, trial->build.leaf), trial->build.eps);
+    /* What older trials had not; its default keeps their hashes. */
+    if (trial->build.passes > 0)
+        hash = mix_u32(mix_text(hash, "passes"), trial->build.passes);
+    if (trial->store != tri_stores[0])
+        hash = mix_text(mix_text(hash, "store"), trial->store->name);
+    if (trial->move > 0) {
+        hash = mix_float(mix_text(hash, "move"), trial->move);
+        hash =
+            mix_u32(mix_u32(hash, (uint32_t)trial->move_seed), (uint32_t)(trial->move_seed >> 32));
+    }
+    return hash;
 }
 
 /* 0 for 0, 1 for 1 and -0, 2 for 2, 1.5 and -1: how long its text is. */
@@ -136,6 +148,11 @@ static uint64_t member_weight(const struct fuzz_trial *trial)
         weight += 1 + (uint64_t)trial->build.leaf;
     if (trial->build.eps != BUILD_EPS_DEFAULT)
         weight += 1 + float_weight(trial->build.eps);
+    for (size_t i = 0; tri_stores[i] && tri_stores[i] != trial->store; i++)
+        weight++;
+    weight += trial->build.passes;
+    if (trial->move > 0)
+        weight += 1 + float_weight(trial->move) + (trial->move_seed > 0);
     return weight;
 }
 
@@ -177,12 +194,22 @@ int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_t
 enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason)
 {
     const struct scene *scene = &trial->scene;
-    if (!trial->builder || !trial->box || !trial->tri)
-        return fail(reason, STATUS_INPUT, "a trial names a builder, a box and a triangle test");
+    if (!trial->builder || !trial->box || !trial->tri || !trial->store)
+        return fail(reason, STATUS_INPUT,
+                    "a trial names a builder, a box and a triangle test, and a storage");
     if (trial->query != QUERY_CLOSEST && trial->query != QUERY_ANY)
         return fail(reason, STATUS_INPUT, "a trial's query is closest or any");
     if (trial->build.leaf == 0 || !(trial->build.eps >= 0) || !float_is_finite(trial->build.eps))
         return fail(reason, STATUS_INPUT, "a trial's leaf is 1 or more, its eps 0 or more");
+    if (trial->build.passes > FUZZ_PASSES_MOST ||
+        !(trial->move >= 0 && trial->move <= FUZZ_MOVE_MOST))
+        return fail(reason, STATUS_INPUT,
+                    "a trial has at most %u passes of reinsertion, and moves by "
+                    "0 to %g extents",
+                    FUZZ_PASSES_MOST, (double)FUZZ_MOVE_MOST);
+    if (trial->build.passes > 0 && trial->builder->faithful)
+        return fail(reason, STATUS_INPUT, "builder %s builds as published: it is not optimized",
+                    trial->builder->name);
     if (scene->tri_count > FUZZ_TRIANGLES_MOST || trial->ray_count > FUZZ_RAYS_MOST)
         return fail(reason, STATUS_LIMIT, "a trial has at most %u triangles and %u rays",
                     FUZZ_TRIANGLES_MOST, FUZZ_RAYS_MOST);

@@ -1,13 +1,17 @@
-/* A fuzz trial: everything that decides a test, by value: a scene, how its tree is built, the
- * tests, the query, the rays. Which layouts and engines play it is the campaign's choice. */
+/* A fuzz trial: everything that decides a test, by value: a scene, how its tree is built, stored
+ * and moved, the tests, the query, the rays. Which layouts and engines play it is the campaign's
+ * choice. */
 #ifndef FUZZ_TRIAL_H
 #define FUZZ_TRIAL_H
 
 #include "ref/bvh.h"
 #include "ref/primitives/primitives.h"
+#include "ref/store/store.h"
 
 #define FUZZ_TRIANGLES_MOST 131072u /* of a trial; generated ones are far smaller */
 #define FUZZ_RAYS_MOST      65536u
+#define FUZZ_PASSES_MOST    16u   /* of reinsertion */
+#define FUZZ_MOVE_MOST      64.0f /* extents of the scene */
 
 /* Where a trial comes from. */
 struct fuzz_origin {
@@ -28,6 +32,11 @@ struct fuzz_trial {
     const struct box_test *box;
     const struct tri_test *tri;
     enum query query; /* closest or any */
+    const struct tri_store *store;
+    /* The scene is what is traced; the tree is built of it at rest, that is scene_move of it with
+     * these, and then refitted (fuzz/trial_tree.h). 0: it never moved. */
+    float move;
+    uint64_t move_seed;
 };
 
 /* A trial of default members with room for that many vertices, triangles and rays, all zero.
@@ -58,7 +67,7 @@ struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial);
 int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_trial_size *b);
 
 /* Rejects what no reader may let through: indices out of range, vertices that are not finite, no
- * builder or test, limits. Rays may hold anything. Errors: STATUS_INPUT, STATUS_LIMIT. */
+ * builder, test or storage, limits. Rays may hold anything. Errors: STATUS_INPUT, STATUS_LIMIT. */
 enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 
 #endif

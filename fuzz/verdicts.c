@@ -68,7 +68,8 @@ static enum status make_judges(struct judging *j, struct reason *reason)
         j->alike[i] = i;
         if (stage->answers[i].fared != FARED_PLAYED)
             continue;
-        model[i] = seat_model(&j->player->seat[i], trial, bvh_is_split(&stage->bvh));
+        const struct seat *seat = &j->player->seat[i];
+        model[i] = seat_model(seat, trial, seat->layout && stage->packed[seat->layout_index].split);
         j->bits[i] = model[i].bits;
         for (size_t k = 0; k < i && j->alike[i] == i; k++)
             if (j->judge[k] && same_model(&model[k], &model[i]))
@@ -193,9 +194,15 @@ static void judge_seats(struct judging *j)
     for (size_t s = 0; s < j->player->contestants; s++) {
         const struct seat *seat = &j->player->seat[s];
         const struct answers *answers = &j->stage->answers[s];
+        enum trial_motion motion =
+            seat->layout ? j->stage->motion[seat->layout_index] : TRIAL_STILL;
         if (answers->fared == FARED_REFUSED) {
             j->out->refused++;
             j->out->refusers |= 1u << s;
+        } else if (answers->fared != FARED_NOT) {
+            j->out->players |= 1u << s;
+            j->out->refitted |= (uint32_t)(motion == TRIAL_REFITTED) << s;
+            j->out->rebuilt |= (uint32_t)(motion == TRIAL_REBUILT) << s;
         }
         if (seat->layout && !told[seat->layout_index]) {
             told[seat->layout_index] = true;

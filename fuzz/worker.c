@@ -3,7 +3,6 @@
 
 #include "fuzz/versions.h"
 #include "fuzz/worker_base.h"
-#include "ref/rng.h"
 
 #include <signal.h>
 #include <stdatomic.h>
@@ -11,72 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Mutants have one to so many edits. */
-#define EDITS_MOST 4u
-
 /* For messages to a worker: it only fails to take them if it is dead. */
 #define SEND_MS 60000u
-
-/* --- trials ---------------------------------------------------------------------------------- */
-
-static enum status mutate(const struct work_rules *rules, uint64_t index,
-                          const struct fuzz_trial *base, struct fuzz_trial *out,
-                          struct reason *reason)
-{
-    struct rng of_seed = rng_make(rules->seed, 0x6D757400u + GEN_VERSION);
-    struct rng rng = rng_make(rng_u64(&of_seed), index);
-    uint32_t edits = 1 + rng_below(&rng, EDITS_MOST);
-    enum status status = fuzz_trial_copy(base, out, reason);
-    for (uint32_t i = 0; i < edits && !status; i++)
-        status = gen_mutate(&rng, out, reason);
-    if (status) {
-        fuzz_trial_free(out);
-        return status;
-    }
-    out->origin.seed = rules->seed;
-    out->origin.index = index;
-    out->origin.version = GEN_VERSION;
-    out->origin.mutated = true;
-    return STATUS_OK;
-}
-
-enum status work_trial_make(const struct work_rules *rules, enum work_stream stream, uint64_t index,
-                            const struct fuzz_trial *base, struct fuzz_trial *out,
-                            struct reason *reason)
-{
-    enum status status = STATUS_INTERNAL;
-    *out = (struct fuzz_trial){0};
-    switch (stream) {
-    case WORK_CORPUS:
-        return fuzz_trial_copy(&rules->corpus[index], out, reason);
-    case WORK_KEPT:
-        return fuzz_trial_copy(&rules->kept[index], out, reason);
-    case WORK_GIVEN:
-        return fuzz_trial_copy(base, out, reason);
-    case WORK_GEN:
-        status = gen_trial(rules->seed, index, &rules->gen, out, reason);
-        break;
-    case WORK_MUT:
-        status = mutate(rules, index, base, out, reason);
-        break;
-    }
-    if (!status && rules->builder_count > 0)
-        out->builder = rules->builder[index % rules->builder_count];
-    return status;
-}
-
-size_t work_contestant(const struct fuzz_field *field, const struct fuzz_signature *signature)
-{
-    size_t i = 0;
-    for (; i < field->count; i++) {
-        struct fuzz_signature mine = *signature;
-        fuzz_signature_set_engine(&mine, field->who[i].engine->name);
-        mine.layout = field->who[i].layout;
-        if (fuzz_signature_same(&mine, signature))
-            break;
-    }
-    return i;
-}
 
 /* --- the worker ------------------------------------------------------------------------------ */
 
@@ -159,6 +94,14 @@ static void tell(struct worker *w, uint32_t count)
         *to = (struct work_trial){.wrong = (uint32_t)from->wrong,
                                   .judged = (uint32_t)from->judged,
                                   .refusers = from->refusers,
+                                  .players = from->players,
+                                  .refitted = from->refitted,
+                                  .rebuilt = from->rebuilt,
+                                  .builder = w->trial[i].builder,
+                                  .store = w->trial[i].store,
+                                  .tri = w->trial[i].tri,
+                                  .box = w->trial[i].box,
+                                  .optimized = w->trial[i].build.passes > 0,
                                   .rays = w->trial[i].ray_count,
                                   .triangles = w->trial[i].scene.tri_count};
         memcpy(to->coverage, from->coverage, sizeof to->coverage);
@@ -168,8 +111,27 @@ static void tell(struct worker *w, uint32_t count)
     w->report.trials = count;
 }
 
+/* Casts a drawn field: by what was drawn, or by the finding that is to be played again. */
+static void cast(struct worker *w, const struct work_order *order, const struct finding_file *base)
+{
+    const struct fuzz_field *field = &w->rules->field;
+    size_t i = order->draw.contestant;
+    const struct layout *layout = order->draw.layout;
+    fuzz_player_leave_out(w->player, order->left_out);
+    if (!field->drawn)
+        return;
+    if (!order->draw.on) {
+        i = work_contestant(field, &base->signature);
+        layout = base->signature.layout;
+    }
+    if (i < field->count && !(order->left_out >> i & 1u))
+        fuzz_player_cast(w->player, i, layout);
+    else
+        fuzz_player_leave_out(w->player, UINT32_MAX);
+}
+
 static enum status play(struct worker *w, const struct work_order *order,
-                        const struct fuzz_trial *base)
+                        const struct finding_file *base)
 {
     struct work_report *report = &w->report;
     enum status status = STATUS_OK;
@@ -177,11 +139,11 @@ static enum status play(struct worker *w, const struct work_order *order,
     uint64_t begun = time_ns();
     enter(w, WORK_MAKING);
     for (; made < order->count && !status; made += status == STATUS_OK)
-        status = work_trial_make(w->rules, order->stream, order->first + made, base,
-                                 &w->trial[made], &report->reason);
+        status = work_trial_ordered(w->rules, order, made, &base->trial, &w->trial[made],
+                                    &report->reason);
     report->time.generate += time_ns() - begun;
     enter(w, WORK_PLAYING);
-    fuzz_player_leave_out(w->player, order->left_out);
+    cast(w, order, base);
     if (!status)
         status = fuzz_play(w->player, w->trial, made, w->result, &report->time,
                            &w->start->watch->mark, &report->reason);
@@ -220,11 +182,14 @@ static enum status shrink(struct worker *w, const struct work_order *order,
     uint64_t begun = time_ns();
     enum fuzz_kind kind = file->signature.kind;
     if (kind == FUZZ_KIND_CRASH || kind == FUZZ_KIND_HANG) {
-        const struct shrink_apart apart = {field->who[i], field->options, order->ms, order->memory};
+        const struct shrink_apart apart = {{field->who[i].engine, file->signature.layout},
+                                           field->options,
+                                           order->ms,
+                                           order->memory};
         status =
             fuzz_shrink_apart(&apart, file, &options, &small, &report->shrunk, &report->reason);
     } else {
-        alone.who[0] = field->who[i];
+        alone.who[0] = (struct fuzz_contestant){field->who[i].engine, file->signature.layout};
         status = fuzz_player_open(&alone, &player, &report->reason);
         if (!status)
             status = fuzz_shrink_finding(player, file, &options, &small, &report->shrunk,
@@ -303,8 +268,8 @@ static bool obey(struct worker *w, const char *bytes, size_t size)
     w->report = (struct work_report){.status = STATUS_OK};
     w->report.status = read_order(bytes, size, &order, &base, &w->report.reason);
     if (!w->report.status)
-        w->report.status = order.shrink ? shrink(w, &order, &base, &text, &text_size)
-                                        : play(w, &order, &base.trial);
+        w->report.status =
+            order.shrink ? shrink(w, &order, &base, &text, &text_size) : play(w, &order, &base);
     finding_file_free(&base);
     w->report.ns = time_ns() - begun;
     bool sent = send_report(w, text, text_size);

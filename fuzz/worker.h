@@ -21,6 +21,19 @@ enum work_stream {
     WORK_GIVEN   /* the order's base itself */
 };
 
+/* Members that were drawn for the trials of an order (fuzz/meetings.h); `on` if there are any. */
+struct work_draw {
+    bool on;
+    uint32_t contestant;
+    const struct layout *layout; /* NULL: the contestant needs none */
+    const struct builder *builder;
+    const struct tri_store *store;
+    const struct tri_test *tri;
+    const struct box_test *box;
+    bool optimized, moved;
+    enum query query;
+};
+
 /* What is the same for all orders. Borrowed; a worker has its copy of it from the start. */
 struct work_rules {
     struct fuzz_field field;
@@ -40,7 +53,15 @@ enum status work_trial_make(const struct work_rules *rules, enum work_stream str
                             const struct fuzz_trial *base, struct fuzz_trial *out,
                             struct reason *reason) MUST_USE;
 
-/* The contestant that a signature names; field->count if none is. */
+/* Gives a trial of stream gen the members drawn, and what they ask for: how often it is optimized,
+ * how far it moves, a grid for storage `quantised`. A pure function of rules, index and draw.
+ * Errors: STATUS_MEMORY. */
+enum status work_trial_draw(const struct work_rules *rules, uint64_t index,
+                            const struct work_draw *draw, struct fuzz_trial *trial,
+                            struct reason *reason) MUST_USE;
+
+/* The contestant that a signature names, of a drawn field whatever the layout; field->count if none
+ * is. */
 size_t work_contestant(const struct fuzz_field *field, const struct fuzz_signature *signature);
 
 /* One piece of work: trials first to first + count - 1 of a stream; or a finding to shrink. */
@@ -48,20 +69,33 @@ struct work_order {
     bool shrink;
     enum work_stream stream;
     uint64_t first;
-    uint32_t count;    /* at most FUZZ_BATCH */
-    uint32_t left_out; /* contestants that do not play, 1u << contestant */
-    bool unexplained;  /* findings are not explained */
-    uint64_t asks, ns; /* bounds of shrinking, as in struct shrink_options */
-    uint32_t ms;       /* of a candidate that may hang or crash: struct shrink_apart */
+    uint32_t count;        /* at most FUZZ_BATCH */
+    uint32_t left_out;     /* contestants that do not play, 1u << contestant */
+    struct work_draw draw; /* of a drawn field */
+    bool unexplained;      /* findings are not explained */
+    uint64_t asks, ns;     /* bounds of shrinking, as in struct shrink_options */
+    uint32_t ms;           /* of a candidate that may hang or crash: struct shrink_apart */
     uint64_t memory;
     /* A finding file may follow (fuzz/worker_base.h): the base of stream or what is to shrink. */
 };
+
+/* Makes trial i of an order, drawn members included. Errors: as work_trial_make. */
+enum status work_trial_ordered(const struct work_rules *rules, const struct work_order *order,
+                               uint32_t i, const struct fuzz_trial *base, struct fuzz_trial *out,
+                               struct reason *reason) MUST_USE;
 
 struct work_trial {
     uint64_t coverage[4];
     uint32_t count[VERDICT_COUNT];
     uint32_t wrong, judged, rays, triangles;
     uint32_t refusers; /* contestants, 1u << contestant */
+    uint32_t players, refitted, rebuilt;
+    /* Members, to be counted. */
+    const struct builder *builder;
+    const struct tri_store *store;
+    const struct tri_test *tri;
+    const struct box_test *box;
+    bool optimized;
 };
 
 struct work_finding {

@@ -2,6 +2,7 @@
 #include "ref/cmd_explain_inner.h"
 
 #include "fuzz/player.h"
+#include "fuzz/trial_tree.h"
 #include "ref/cmd_tree.h"
 #include "ref/command.h"
 #include "ref/explain/ray_text.h"
@@ -250,6 +251,12 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
     if (!of->engine->needs_packed)
         return STATUS_OK;
     enum status status = STATUS_OK;
+    if (e->options->has_file && !of->tree) {
+        struct fuzz_trial trial = e->file.trial;
+        trial.builder = of->builder;
+        trial.build = of->build;
+        return fuzz_trial_tree(&trial, of->layout, &e->bvh, &e->packed, NULL, reason);
+    }
     if (of->tree)
         status = tree_open("explain", of->tree, &e->scene, &e->tree, reason);
     if (!status && tree_file_is_packed(&e->tree) && !e->options->has_layout)

@@ -248,6 +248,9 @@
 #define MUTANT_ROOM_KEPT           417 /* a tree that cannot be written leaves its nodes allocated */
 #define MUTANT_COST_OF_LEAF        418 /* a leaf costs one triangle, however many it has */
 #define MUTANT_OVERLAP_OWN         419 /* overlap counts the triangles of the node itself, too */
+#define MUTANT_TRIAL_NOT_REFITTED  515 /* fuzz: a trial's tree stays as it was before the motion */
+#define MUTANT_PAIRS_BY_CHANCE     516 /* fuzz: the rarest pair is not preferred */
+#define MUTANT_INFINITE_LEAF       517 /* wide trees: what no leaf can hold is one if all is dear */
 #define MUTANT_REFIT_LEVEL         495 /* refit: the second level keeps its boxes */
 #define MUTANT_REFIT_BEYOND        496 /* refit: what is beyond the frame of the scene is taken */
 #define MUTANT_REFIT_ULP           497 /* refit: leaves end one ulp early */

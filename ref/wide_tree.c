@@ -159,11 +159,13 @@ static void find_costs(struct collapse *c)
         struct part *part = &c->part[at];
         float *cost = c->cost + (size_t)at * width - 1;
         float area = (root > 0 ? (float)(box_half_area(&part->bounds) / root) : 0) + LEAST_AREA;
-        cost[1] = leaf_cost(c, part) * area;
+        float own = leaf_cost(c, part);
+        cost[1] = own * area;
         part->leaf = true;
         if (part->count > 1) {
             float inner = divide(c, at, width, &to_fst) + c->rule->node_cost * area;
-            part->leaf = cost[1] <= inner;
+            /* Decoded boxes may be so much larger than the root's that both are infinite. */
+            part->leaf = (own < INFINITY || MUTANT == MUTANT_INFINITE_LEAF) && cost[1] <= inner;
             cost[1] = part->leaf ? cost[1] : inner;
         }
         for (uint32_t roots = 2; roots <= width; roots++) {

@@ -202,6 +202,9 @@ in_test FLAGS_UNREAD gpu/tracer_tasks.c test_fuzz_tasks
 in_test SIGN_OF_ZERO ref/float_word.c test_fuzz_numbers
 in_test COUNTED_TWICE fuzz/findings.c test_fuzz_merge
 in_test LAST_IS_FIRST fuzz/findings.c test_fuzz_merge
+in_test PAIRS_BY_CHANCE fuzz/meetings_draw.c test_fuzz_meetings
+in_test TRIAL_NOT_REFITTED fuzz/trial_tree.c test_fuzz_meetings
+in_test INFINITE_LEAF ref/wide_tree.c test_wide_tree
 in_test ALL_AS_RARE fuzz/feedback.c test_fuzz_feedback
 in_test HELD_FORGOTTEN fuzz/feedback.c test_fuzz_feedback
 in_test NOT_ESCAPED fuzz/ci_text.c test_fuzz_report

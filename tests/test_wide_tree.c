@@ -127,6 +127,26 @@ static void trees_without_area_are_shallow(void **state)
     scene_free(&scene);
 }
 
+/* As layouts decode them that round outward: costs overflow, leaves stay leaves of the rule. */
+static void boxes_far_larger_than_the_root_make_no_large_leaves(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(20);
+    struct build_options options = {.leaf = 10};
+    struct wide_rule rule = {
+        .width = 8, .leaf_most = 8, .node_cost = 1, .leaf_cost = five_for_at_most_three};
+    struct bvh bvh;
+    struct wide_tree tree;
+    assert_int_equal(builders[0]->build(&scene, &options, &bvh, NULL), STATUS_OK);
+    bvh.node[0].bounds = (struct box){{0, 0, 0}, {0x1p-126f, 0x1p-126f, 0x1p-126f}};
+    assert_int_equal(wide_tree_make(&bvh, &scene, &rule, &tree, NULL), STATUS_OK);
+    for (uint32_t i = 0; i < tree.child_count; i++)
+        assert_true(tree.child[i].count <= 3);
+    wide_tree_free(&tree);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
 /* --- none is cheaper: every choice of nodes is tried
  * ---------------------------------------------- */
 
@@ -233,6 +253,7 @@ int main(void)
         cmocka_unit_test(wide_trees_hold_every_item_once),
         cmocka_unit_test(small_trees_are_small),
         cmocka_unit_test(trees_without_area_are_shallow),
+        cmocka_unit_test(boxes_far_larger_than_the_root_make_no_large_leaves),
         cmocka_unit_test(no_collapse_is_cheaper),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -98,6 +98,7 @@ const struct engine engine_cpu_stackless = {
     .name = "cpu_stackless",
     .summary = "C, the reference traversal with parent links and a bit trail",
     .needs_packed = true,
+    .binary = true,
     .open = stackless_open,
     .prepare = stackless_prepare,
     .trace = stackless_trace,

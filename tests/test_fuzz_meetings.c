@@ -1,0 +1,312 @@
+/* Who meets whom: which pairs can, that the rarest are drawn, and that what is drawn is counted. */
+#define _GNU_SOURCE /* mkdtemp */
+#include "fuzz/meetings.h"
+
+#include "fuzz/trial_tree.h"
+#include "fuzz/worker.h"
+#include "ref/rng.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h> /* last: it has a macro `fail` */
+
+static struct reason reason;
+
+static void add(struct meeting_tables *t, enum meeting_factor factor, const void *member)
+{
+    t->member[factor][t->count[factor]++] = member;
+}
+
+/* Every member that is not as published. */
+static struct meeting_tables all_tables(void)
+{
+    static const char *const engine[] = {"cpu", "fast", "cpu_stackless", "brute", "embree_robust"};
+    struct meeting_tables t = {.count = {[MEET_OPTIMIZE] = 2, [MEET_MOTION] = 2}};
+    for (size_t i = 0; i < ARRAY_COUNT(engine); i++)
+        add(&t, MEET_ENGINE, engine_find(engine[i]));
+    for (size_t i = 0; layouts_all[i]; i++)
+        if (!layouts_all[i]->faithful)
+            add(&t, MEET_LAYOUT, layouts_all[i]);
+    for (size_t i = 0; builders_all[i]; i++)
+        if (!builders_all[i]->faithful)
+            add(&t, MEET_BUILDER, builders_all[i]);
+    for (size_t i = 0; tri_stores[i]; i++)
+        add(&t, MEET_STORE, tri_stores[i]);
+    for (size_t i = 0; tri_tests[i]; i++)
+        if (!tri_tests[i]->faithful)
+            add(&t, MEET_TRI, tri_tests[i]);
+    for (size_t i = 0; box_tests[i]; i++)
+        if (!box_tests[i]->faithful)
+            add(&t, MEET_BOX, box_tests[i]);
+    return t;
+}
+
+static struct meetings *open_all(void)
+{
+    static struct meeting_tables tables;
+    struct meetings *m;
+    tables = all_tables();
+    if (meetings_open(&tables, &m, &reason))
+        fail_msg("%s", reason.text);
+    return m;
+}
+
+/* The member of that name. */
+static uint32_t named(const struct meetings *m, enum meeting_factor factor, const char *name)
+{
+    const struct meeting_tables *t = meetings_tables(m);
+    for (uint32_t i = 0; i < t->count[factor]; i++)
+        if (strcmp(meetings_name(m, factor, i), name) == 0)
+            return i;
+    fail_msg("no %s %s", meeting_factor_name(factor), name);
+    return 0;
+}
+
+static bool can(const struct meetings *m, enum meeting_factor a, const char *x,
+                enum meeting_factor b, const char *y)
+{
+    bool possible = meetings_possible(m, a, named(m, a, x), b, named(m, b, y));
+    assert_int_equal(possible, meetings_possible(m, b, named(m, b, y), a, named(m, a, x)));
+    return possible;
+}
+
+static void what_rules_refuse_cannot_meet(void **state)
+{
+    (void)state;
+    struct meetings *m = open_all();
+    assert_true(can(m, MEET_ENGINE, "cpu", MEET_LAYOUT, "bvh8_u8_node"));
+    assert_true(can(m, MEET_ENGINE, "cpu_stackless", MEET_LAYOUT, "f32"));
+    assert_false(can(m, MEET_ENGINE, "cpu_stackless", MEET_LAYOUT, "bvh8_u8_node"));
+    assert_false(can(m, MEET_ENGINE, "brute", MEET_LAYOUT, "f32"));
+    assert_false(can(m, MEET_ENGINE, "brute", MEET_BUILDER, "median"));
+    assert_true(can(m, MEET_ENGINE, "brute", MEET_TRI, "pluecker"));
+    assert_false(can(m, MEET_ENGINE, "embree_robust", MEET_TRI, "mt"));
+    assert_false(can(m, MEET_ENGINE, "fast", MEET_TRI, "mt"));
+    assert_true(can(m, MEET_ENGINE, "fast", MEET_STORE, "compact"));
+    assert_false(can(m, MEET_LAYOUT, "rf16", MEET_STORE, "gathered"));
+    assert_true(can(m, MEET_LAYOUT, "f32", MEET_STORE, "gathered"));
+    assert_false(can(m, MEET_STORE, "edges", MEET_TRI, "woop"));
+    assert_true(can(m, MEET_STORE, "edges", MEET_TRI, "mt"));
+    assert_false(can(m, MEET_STORE, "quantised", MEET_MOTION, "moved"));
+    assert_true(can(m, MEET_STORE, "compact", MEET_MOTION, "moved"));
+    meetings_close(m);
+}
+
+/* What is drawn can be traced, and every pair that is possible comes up equally often. */
+static void rarest_pairs_are_drawn(void **state)
+{
+    (void)state;
+    struct meetings *m = open_all();
+    const struct meeting_tables *t = meetings_tables(m);
+    const uint32_t trials = 64, wanted = 4 * trials;
+    uint32_t turns = 0;
+    for (; turns < 4000 && meetings_summarize(m, wanted).below > 0; turns++) {
+        struct meeting drawn;
+        meetings_draw(m, 7, turns, trials, &drawn);
+        const struct engine *engine = t->member[MEET_ENGINE][drawn.member[MEET_ENGINE]];
+        struct meeting met =
+            meetings_of(m, engine, t->member[MEET_LAYOUT][drawn.member[MEET_LAYOUT]],
+                        t->member[MEET_BUILDER][drawn.member[MEET_BUILDER]],
+                        t->member[MEET_STORE][drawn.member[MEET_STORE]],
+                        t->member[MEET_TRI][drawn.member[MEET_TRI]],
+                        t->member[MEET_BOX][drawn.member[MEET_BOX]],
+                        drawn.member[MEET_OPTIMIZE] > 0, drawn.member[MEET_MOTION] > 0);
+        for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
+            for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
+                if (met.member[a] != MEET_NONE && met.member[b] != MEET_NONE)
+                    assert_true(meetings_possible(m, a, met.member[a], b, met.member[b]));
+        for (uint32_t i = 0; i < trials; i++)
+            meetings_add(m, &met);
+    }
+    struct meetings_summary sum = meetings_summarize(m, wanted);
+    assert_true(sum.possible > 1000 && sum.met == sum.possible && sum.below == 0);
+    /* 330 pairs of layout and builder are the most of two factors; chance takes four times that. */
+    assert_true(turns <= 4 * 330 * 5 / 4);
+    meetings_close(m);
+}
+
+static void draws_are_of_seed_turn_and_tally(void **state)
+{
+    (void)state;
+    struct meetings *a = open_all(), *b = open_all(), *c = open_all();
+    uint32_t unlike = 0;
+    for (uint32_t turn = 0; turn < 50; turn++) {
+        struct meeting x, y, z;
+        meetings_draw(a, 1, turn, 64, &x);
+        meetings_draw(b, 1, turn, 64, &y);
+        meetings_draw(c, 2, turn, 64, &z);
+        assert_memory_equal(&x, &y, sizeof x);
+        unlike += memcmp(&x, &z, sizeof x) != 0;
+    }
+    assert_true(unlike > 40);
+    meetings_close(a);
+    meetings_close(b);
+    meetings_close(c);
+}
+
+/* A pair that is always refused comes up again, but does not starve the others. */
+static void refused_pairs_do_not_starve_others(void **state)
+{
+    (void)state;
+    struct meetings *m = open_all();
+    const uint32_t refused = named(m, MEET_LAYOUT, "tiny8");
+    uint32_t again = 0;
+    for (uint32_t turn = 0; turn < 3000; turn++) {
+        struct meeting drawn;
+        meetings_draw(m, 3, turn, 64, &drawn);
+        bool bad = drawn.member[MEET_LAYOUT] == refused;
+        again += bad;
+        if (bad)
+            meetings_missed(m, &drawn, 64, 0);
+        else
+            meetings_add(m, &drawn);
+    }
+    /* One of 56 layouts would have come up 54 times. */
+    assert_true(again > 100 && again < 1200);
+    meetings_close(m);
+}
+
+static void tallies_come_back_from_their_file(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/meetings.XXXXXX", path[64], name[MEETING_NAME_MOST];
+    struct meetings *m = open_all(), *again = open_all();
+    uint64_t count;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/pairs.txt", folder);
+    assert_int_equal(meetings_read(again, path, &reason), STATUS_OK); /* there is none */
+    for (uint32_t turn = 0; turn < 700; turn++) {
+        struct meeting drawn;
+        meetings_draw(m, 5, turn, 64, &drawn);
+        meetings_add(m, &drawn);
+    }
+    assert_int_equal(meetings_write(m, path, &reason), STATUS_OK);
+    assert_int_equal(meetings_read(again, path, &reason), STATUS_OK);
+    struct meetings_summary x = meetings_summarize(m, 2), y = meetings_summarize(again, 2);
+    assert_memory_equal(&x, &y, sizeof x);
+    for (uint32_t i = 0; i < 20; i++) {
+        char other[MEETING_NAME_MOST];
+        uint64_t other_count;
+        assert_true(meetings_rarest(m, i, name, &count));
+        assert_true(meetings_rarest(again, i, other, &other_count));
+        assert_string_equal(name, other);
+        assert_int_equal(count, other_count);
+    }
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs("engine.cpu layout.f32 3\nengine.cpu layout.f32\n", file);
+    fclose(file);
+    assert_int_equal(meetings_read(again, path, &reason), STATUS_INPUT);
+    assert_non_null(strstr(reason.text, ":2:"));
+    unlink(path);
+    rmdir(folder);
+    meetings_close(m);
+    meetings_close(again);
+}
+
+/* --- what is drawn, as trials ------------------------------------------------------------------
+ */
+
+#define TRIALS 24u
+
+static const struct work_rules rules = {
+    .seed = 11, .gen = {.triangles_least = 8, .triangles_most = 30, .rays = 40}};
+
+static struct work_draw draw_of(const char *layout, const char *builder, const char *store,
+                                bool optimized, bool moved)
+{
+    return (struct work_draw){.on = true,
+                              .layout = layout_find(layout),
+                              .builder = builder_find(builder),
+                              .store = tri_store_find(store),
+                              .tri = tri_tests[0],
+                              .box = box_tests[0],
+                              .optimized = optimized,
+                              .moved = moved};
+}
+
+static void make_drawn(const struct work_draw *draw, uint32_t i, struct fuzz_trial *out)
+{
+    const struct work_order order = {.stream = WORK_GEN, .first = 100, .draw = *draw};
+    if (work_trial_ordered(&rules, &order, i, NULL, out, &reason))
+        fail_msg("%s", reason.text);
+}
+
+/* The packed tree is one of the scene that is traced, whatever it has gone through. */
+static void moved_trees_are_trees_of_the_scene(void **state)
+{
+    (void)state;
+    static const char *const layout[] = {"f32", "bvh8_u8_node", "bvh4_f16_scene", "half4"};
+    static const char *const store[] = {"indexed", "gathered", "compact", "edges"};
+    uint32_t refitted = 0, rebuilt = 0;
+    for (uint32_t i = 0; i < TRIALS; i++)
+        for (size_t l = 0; l < ARRAY_COUNT(layout); l++) {
+            const struct work_draw draw = draw_of(layout[l], i % 4 == 3 ? "sbvh" : "sah_binned",
+                                                  store[(i + l) % 4], i % 2, true);
+            struct fuzz_trial trial, again;
+            struct bvh bvh;
+            struct packed packed;
+            enum trial_motion motion;
+            make_drawn(&draw, i, &trial);
+            make_drawn(&draw, i, &again);
+            assert_int_equal(fuzz_trial_hash(&trial), fuzz_trial_hash(&again));
+            fuzz_trial_free(&again);
+            assert_true(trial.move > 0);
+            enum status status =
+                fuzz_trial_tree(&trial, draw.layout, &bvh, &packed, &motion, &reason);
+            if (status != STATUS_LIMIT) {
+                assert_int_equal(status, STATUS_OK);
+                if (packed_check(&packed, &trial.scene, NULL, &reason) ||
+                    bvh_check(&bvh, &trial.scene, &reason))
+                    fail_msg("%s, trial %u: %s", layout[l], i, reason.text);
+                refitted += motion == TRIAL_REFITTED;
+                rebuilt += motion == TRIAL_REBUILT;
+                packed_free(&packed);
+                bvh_free(&bvh);
+            }
+            fuzz_trial_free(&trial);
+        }
+    assert_true(refitted > 40 && rebuilt > 5);
+}
+
+/* What is on a grid, the storage can hold. */
+static void quantised_trials_are_on_a_grid(void **state)
+{
+    (void)state;
+    const struct work_draw draw = draw_of("f32", "ploc", "quantised", false, false);
+    uint32_t held = 0;
+    for (uint32_t i = 0; i < TRIALS; i++) {
+        struct fuzz_trial trial;
+        struct bvh bvh;
+        struct packed packed;
+        make_drawn(&draw, i, &trial);
+        trial.build.leaf = 4;
+        if (!fuzz_trial_tree(&trial, draw.layout, &bvh, &packed, NULL, &reason)) {
+            held++;
+            packed_free(&packed);
+            bvh_free(&bvh);
+        }
+        fuzz_trial_free(&trial);
+    }
+    assert_true(held > TRIALS * 3 / 4);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_rules_refuse_cannot_meet),
+        cmocka_unit_test(rarest_pairs_are_drawn),
+        cmocka_unit_test(draws_are_of_seed_turn_and_tally),
+        cmocka_unit_test(refused_pairs_do_not_starve_others),
+        cmocka_unit_test(tallies_come_back_from_their_file),
+        cmocka_unit_test(moved_trees_are_trees_of_the_scene),
+        cmocka_unit_test(quantised_trials_are_on_a_grid),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
