@@ -20,7 +20,7 @@ static const char help[] =
     "  name            query.engine.layout.builder.box.tri.scene.rays.seed, '-' where an engine\n"
     "                  has no tree; the name is the reproduction\n"
     "  --list          print the names, run nothing\n"
-    "  --count N       rays per trial                                     [1000]\n"
+    "  --count N       rays per trial                        [1000; with --all 200]\n"
     "  --brute N       ray-triangle tests that brute force may spend      [1e8]\n"
     "  --engine E,..   only these engines; pipe:COMMAND is one, too       [all]\n"
     "  --layout L,..   only these layouts; so --builder, --box and --tri  [every]\n"
@@ -269,7 +269,7 @@ static void print_help(void)
 int cmd_conform(int argc, char **argv)
 {
     struct conform_options o = {
-        .count = 1000, .brute = 100000000, .engines = engine_options_default()};
+        .brute = 100000000, .engines = engine_options_default()};
     int first, code = options_take("conform", print_help, long_options, take_option, &o, argc, argv,
                                    &first);
     if (code >= 0)
@@ -277,6 +277,8 @@ int cmd_conform(int argc, char **argv)
     if (argc - first > 1)
         return usage_error("conform", "one pattern at a time; '%s' is a second", argv[first + 1]);
     o.pattern = first < argc ? argv[first] : NULL;
+    if (o.count == 0)
+        o.count = o.all && !o.pattern ? 200 : 1000;
     if (o.hard || (o.pattern && strncmp(o.pattern, "hard.", 5) == 0))
         return conform_hard(&(struct conform_hard_options){.pattern = o.pattern,
                                                            .junit = o.junit,
