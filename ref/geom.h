@@ -21,24 +21,21 @@ static inline struct box box_empty(void)
     return (struct box){{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
 }
 
-/* Grows `box` by a point; a NaN coordinate changes nothing. */
+/* Grows `box` by a point; a NaN coordinate changes nothing. Selects, not branches, which are hard
+ * to predict here. */
 static inline void box_add_point(struct box *box, const float p[3])
 {
     for (int k = 0; k < 3; k++) {
-        if (p[k] < box->lo[k])
-            box->lo[k] = p[k];
-        if (p[k] > box->hi[k])
-            box->hi[k] = p[k];
+        box->lo[k] = p[k] < box->lo[k] ? p[k] : box->lo[k];
+        box->hi[k] = p[k] > box->hi[k] ? p[k] : box->hi[k];
     }
 }
 
 static inline void box_add_box(struct box *box, const struct box *other)
 {
     for (int k = 0; k < 3; k++) {
-        if (other->lo[k] < box->lo[k])
-            box->lo[k] = other->lo[k];
-        if (other->hi[k] > box->hi[k])
-            box->hi[k] = other->hi[k];
+        box->lo[k] = other->lo[k] < box->lo[k] ? other->lo[k] : box->lo[k];
+        box->hi[k] = other->hi[k] > box->hi[k] ? other->hi[k] : box->hi[k];
     }
 }
 

@@ -49,6 +49,11 @@ struct wide {
     uint32_t item_count;
     struct box box[WIDE_MAX];
     uint32_t child[WIDE_MAX];
+    /* Inner nodes of wide layouts that can be refitted: item_first and item_count of those children
+     * that are leaves, as load() of them has it, so that it need not decode the record again;
+     * leaf_count 0: an inner one. */
+    uint32_t leaf_first[WIDE_MAX];
+    uint32_t leaf_count[WIDE_MAX];
 };
 
 struct layout {

@@ -1,23 +1,38 @@
 #include "ref/mutant.h"
-#include "ref/packed_walk.h"
 #include "ref/refit.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A refit at work: everything is read from `from` and written to `to`, which has words of its own.
- */
+/* An inner node whose children are being visited; those before `next` have their new boxes. */
+struct open {
+    struct wide node;
+    struct box own; /* of these children */
+    uint32_t ref, next;
+};
+
+/* A leaf's items. */
+struct items {
+    uint32_t first, count;
+};
+
+/* A refit at work: one walk in depth, which reads every record once and writes it when all that is
+ * below it is known. Everything is read from `from` and written to `to`, which has words of its
+ * own. */
 struct refit {
     const struct packed *from;
     struct packed to;
     const struct scene *scene;
-    struct packed_walk walk;
-    struct box *exact;   /* of each visit */
-    bool *leaf;          /* likewise */
-    uint32_t *first;     /* of each leaf that the storage is to write, sorted */
-    uint32_t leaf_count; /* of them */
-    uint32_t *prim;      /* room for those of a leaf */
+    uint8_t *seen;     /* a bit for each reference that was entered */
+    struct open *open; /* from the root down */
+    size_t open_count, open_room;
+    struct items *leaf; /* that the storage is to write */
+    size_t leaf_count, leaf_room;
+    uint32_t *prim;    /* room for those of a leaf */
+    enum status limit; /* STATUS_LIMIT: to be built anew, unless worse is found */
+    struct wide named; /* a leaf of these items: what packed_item wants */
+    struct reason why;
     struct reason *reason;
 };
 
@@ -32,152 +47,200 @@ static bool stores_vertices(const struct packed *packed)
     return !packed->layout->item && !tri_store_reads_scene(packed->store);
 }
 
-/* --- what is there ---------------------------------------------------------------------------- */
+/* --- leaves ----------------------------------------------------------------------------------- */
 
-static enum status leaf_bounds(struct refit *refit, uint32_t i, const struct wide *leaf)
+static enum status add_triangle(struct refit *refit, uint32_t ref, uint32_t prim, struct box *box)
 {
     const char *name = refit->from->layout->name;
-    uint32_t ref = refit->walk.visit[i].ref, found = 0;
-    if (leaf->item_count > slots_most(refit))
+    float v[3][3];
+    bool finite = true;
+    if (prim >= refit->scene->tri_count)
+        return fail(refit->reason, STATUS_INPUT, "%s: record %u names triangle %u of %u", name, ref,
+                    prim, refit->scene->tri_count);
+    scene_tri(refit->scene, prim, v);
+    for (int c = 0; c < 3; c++) {
+        for (int k = 0; k < 3; k++)
+            finite = finite & float_is_finite(v[c][k]);
+        box_add_point(box, v[c]);
+    }
+    if (!finite)
+        return fail(refit->reason, STATUS_INPUT, "%s: triangle %u has a vertex that is not finite",
+                    name, prim);
+    return STATUS_OK;
+}
+
+static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items leaf,
+                               struct box *box)
+{
+    const char *name = refit->from->layout->name;
+    uint32_t found = 0;
+    if (leaf.count > slots_most(refit))
         return fail(refit->reason, STATUS_INPUT,
-                    "%s: record %u: a leaf of %u items for %u triangles", name, ref,
-                    leaf->item_count, refit->scene->tri_count);
-    for (uint32_t s = 0; s < leaf->item_count; s++) {
-        uint32_t prim = packed_item(refit->from, leaf, s);
-        float v[3][3];
-        if (prim == ABI_NO_PRIM)
-            continue;
-        if (prim >= refit->scene->tri_count)
-            return fail(refit->reason, STATUS_INPUT, "%s: record %u names triangle %u of %u", name,
-                        ref, prim, refit->scene->tri_count);
-        scene_tri(refit->scene, prim, v);
-        for (int c = 0; c < 3; c++) {
-            for (int k = 0; k < 3; k++)
-                if (!float_is_finite(v[c][k]))
-                    return fail(refit->reason, STATUS_INPUT,
-                                "%s: triangle %u has a vertex that is not finite", name, prim);
-            box_add_point(&refit->exact[i], v[c]);
-        }
-        found++;
+                    "%s: record %u: a leaf of %u items for %u triangles", name, ref, leaf.count,
+                    refit->scene->tri_count);
+    *box = box_empty();
+    refit->named.item_first = leaf.first;
+    for (uint32_t s = 0; s < leaf.count; s++) {
+        uint32_t prim = packed_item(refit->from, &refit->named, s);
+        enum status status = prim == ABI_NO_PRIM ? STATUS_OK : add_triangle(refit, ref, prim, box);
+        if (status)
+            return status;
+        found += prim != ABI_NO_PRIM;
     }
 #if MUTANT == MUTANT_REFIT_ULP
-    refit->exact[i].hi[0] = nextafterf(refit->exact[i].hi[0], refit->exact[i].lo[0]);
+    box->hi[0] = nextafterf(box->hi[0], box->lo[0]);
 #endif
     if (found == 0)
         return fail(refit->reason, STATUS_INPUT, "%s: record %u is a leaf without triangles", name,
                     ref);
+    if (!stores_vertices(refit->from))
+        return STATUS_OK;
+    void *array = refit->leaf;
+    enum status status =
+        array_reserve(&array, &refit->leaf_room, refit->leaf_count + 1, sizeof *refit->leaf);
+    refit->leaf = array;
+    if (!status)
+        refit->leaf[refit->leaf_count++] = leaf;
+    return status;
+}
+
+/* --- nodes ------------------------------------------------------------------------------------ */
+
+static enum status no_tree(const struct refit *refit, uint32_t ref)
+{
+    return fail(refit->reason, STATUS_INPUT, "%s: record %u: the words are no tree",
+                refit->from->layout->name, ref);
+}
+
+/* What cannot be written makes the tree one to be built anew, unless the walk finds it is none. */
+static void write_node(struct refit *refit, uint32_t ref, const struct box *own,
+                       const struct wide *node)
+{
+    if (refit->limit)
+        return;
+    refit->limit = refit->from->layout->rebound(&refit->to, ref, own, node, &refit->why);
+    if (refit->limit)
+        (void)fail(refit->reason, refit->limit, "rebuild: %s", refit->why.text);
+}
+
+/* Enters a node. A leaf with a record is done at once, and *box its box; others are opened. */
+static enum status enter(struct refit *refit, uint32_t ref, struct box *box, bool *opened)
+{
+    const struct layout *layout = refit->from->layout;
+    struct wide node;
+    *opened = false;
+    if (!packed_ref_valid(refit->from, ref) || refit->seen[ref / 8] >> ref % 8 & 1)
+        return no_tree(refit, ref);
+    refit->seen[ref / 8] |= (uint8_t)(1u << ref % 8);
+    layout->load(refit->from, ref, &node);
+    if (node.child_count == 0 && node.item_count > 0 && !layout_is_wide(layout)) {
+        enum status status =
+            leaf_bounds(refit, ref, (struct items){node.item_first, node.item_count}, box);
+        if (!status)
+            write_node(refit, ref, box, &node);
+        return status;
+    }
+    if (node.child_count < (layout_is_wide(layout) ? 1 : 2))
+        return no_tree(refit, ref);
+    void *array = refit->open;
+    enum status status =
+        array_reserve(&array, &refit->open_room, refit->open_count + 1, sizeof *refit->open);
+    refit->open = array;
+    if (status)
+        return status;
+    refit->open[refit->open_count++] = (struct open){node, box_empty(), ref, 0};
+    *opened = true;
     return STATUS_OK;
 }
 
-/* From the last visit to the first, so that children are before their parent. */
-static enum status find_bounds(struct refit *refit)
+static void give_box(struct open *open, const struct box *box)
 {
-    enum status status = STATUS_OK;
-    for (uint32_t i = 0; i < refit->walk.visit_count; i++)
-        refit->exact[i] = box_empty();
-    for (uint32_t i = refit->walk.visit_count; i-- > 0 && !status;) {
-        struct wide node;
-        refit->from->layout->load(refit->from, refit->walk.visit[i].ref, &node);
-        refit->leaf[i] = node.child_count == 0;
-        if (refit->leaf[i]) {
-            status = leaf_bounds(refit, i, &node);
-            if (stores_vertices(refit->from))
-                refit->first[refit->leaf_count++] = node.item_first;
-        }
-        if (i > 0)
-            box_add_box(&refit->exact[refit->walk.visit[i].parent], &refit->exact[i]);
-    }
-    return status;
+    box_add_box(&open->own, box);
+    open->node.box[open->next++] = *box;
 }
 
-/* --- what is written -------------------------------------------------------------------------- */
+/* All children of the innermost node are known. */
+static void leave(struct refit *refit)
+{
+    const struct open *open = &refit->open[--refit->open_count];
+#if MUTANT == MUTANT_REFIT_LEVEL
+    if (refit->open_count != 1)
+#endif
+        write_node(refit, open->ref, &open->own, &open->node);
+    if (refit->open_count > 0)
+        give_box(&refit->open[refit->open_count - 1], &open->own);
+}
 
-/* A walk has the children of a node one after the other, those of the last node last. */
 static enum status write_bounds(struct refit *refit)
 {
-    const struct layout *layout = refit->from->layout;
-    uint32_t end = refit->walk.visit_count;
-    enum status status = STATUS_OK;
-    for (uint32_t i = refit->walk.visit_count; i-- > 0 && !status;) {
-        struct wide node;
-        struct reason why = {""};
-        if (refit->leaf[i] && layout_is_wide(layout))
+    bool wide = layout_is_wide(refit->from->layout), opened;
+    struct box box;
+    enum status status = enter(refit, refit->from->root, &box, &opened);
+    while (refit->open_count > 0 && !status) {
+        struct open *open = &refit->open[refit->open_count - 1];
+        uint32_t c = open->next;
+        if (c == open->node.child_count) {
+            leave(refit);
             continue;
-        layout->load(refit->from, refit->walk.visit[i].ref, &node);
-        end -= node.child_count;
-        for (uint32_t c = 0; c < node.child_count; c++)
-            node.box[c] = refit->exact[end + c];
-#if MUTANT == MUTANT_REFIT_LEVEL
-        if (i > 0 && refit->walk.visit[i].parent == 0)
-            continue;
-#endif
-        status =
-            layout->rebound(&refit->to, refit->walk.visit[i].ref, &refit->exact[i], &node, &why);
-        if (status)
-            (void)fail(refit->reason, status, "rebuild: %s", why.text);
-    }
-    return status;
-}
-
-static int by_number(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
-/* Words up to where the next leaf begins. */
-static uint32_t room_at(const struct refit *refit, uint32_t first)
-{
-    uint32_t low = 0, high = refit->leaf_count;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (refit->first[middle] <= first)
-            low = middle + 1;
+        }
+        opened = false;
+        if (wide && open->node.leaf_count[c] > 0)
+            status = leaf_bounds(refit, open->node.child[c],
+                                 (struct items){open->node.leaf_first[c], open->node.leaf_count[c]},
+                                 &box);
         else
-            high = middle;
+            status = enter(refit, open->node.child[c], &box, &opened);
+        if (!status && !opened)
+            give_box(&refit->open[refit->open_count - 1], &box);
     }
-    uint32_t end = refit->to.item_count;
-    if (low < refit->leaf_count && refit->first[low] < end)
-        end = refit->first[low];
-    return end > first ? end - first : 0;
+    return status ? status : refit->limit;
 }
 
-static enum status write_leaf(struct refit *refit, const struct wide *leaf)
+/* --- what storages have of vertices ----------------------------------------------------------- */
+
+static int by_place(const void *a, const void *b)
+{
+    const struct items *x = a, *y = b;
+    return (x->first > y->first) - (x->first < y->first);
+}
+
+/* A leaf that has words up to `end`. */
+static enum status write_leaf(struct refit *refit, struct items leaf, uint32_t end)
 {
     const struct tri_store *store = refit->to.store;
-    uint32_t count = 0;
+    uint32_t count = 0, room = end > leaf.first ? end - leaf.first : 0;
     uint64_t words;
-    struct reason why = {""};
-    for (uint32_t s = 0; s < leaf->item_count; s++) {
-        uint32_t prim = packed_item(refit->from, leaf, s);
+    refit->named.item_first = leaf.first;
+    for (uint32_t s = 0; s < leaf.count; s++) {
+        uint32_t prim = packed_item(refit->from, &refit->named, s);
         if (prim != ABI_NO_PRIM)
             refit->prim[count++] = prim;
     }
-    enum status status = store->measure(&refit->to, refit->scene, refit->prim, count, &words, &why);
+    enum status status =
+        store->measure(&refit->to, refit->scene, refit->prim, count, &words, &refit->why);
     if (status)
-        return fail(refit->reason, status, "rebuild: %s", why.text);
-    if (words > room_at(refit, leaf->item_first))
+        return fail(refit->reason, status, "rebuild: %s", refit->why.text);
+    if (words > room)
         return fail(refit->reason, STATUS_LIMIT,
                     "rebuild: storage %s: the leaf of triangle %u needs %llu words, it has %u",
-                    store->name, refit->prim[0], (unsigned long long)words,
-                    room_at(refit, leaf->item_first));
+                    store->name, refit->prim[0], (unsigned long long)words, room);
 #if MUTANT != MUTANT_REFIT_VERTICES_OLD
-    store->write(&refit->to, refit->scene, refit->prim, count, refit->to.item + leaf->item_first);
+    store->write(&refit->to, refit->scene, refit->prim, count, refit->to.item + leaf.first);
 #endif
     return STATUS_OK;
 }
 
-/* Of a storage that has vertices. */
+/* From the last to the first, so that it is known where the next begins. */
 static enum status write_leaves(struct refit *refit)
 {
     enum status status = STATUS_OK;
-    qsort(refit->first, refit->leaf_count, sizeof *refit->first, by_number);
-    for (uint32_t i = 0; i < refit->walk.visit_count && !status; i++) {
-        struct wide node;
-        if (!refit->leaf[i])
-            continue;
-        refit->from->layout->load(refit->from, refit->walk.visit[i].ref, &node);
-        status = write_leaf(refit, &node);
+    uint32_t end = refit->to.item_count;
+    if (refit->leaf_count > 0)
+        qsort(refit->leaf, refit->leaf_count, sizeof *refit->leaf, by_place);
+    for (size_t i = refit->leaf_count; i-- > 0 && !status;) {
+        status = write_leaf(refit, refit->leaf[i], end);
+        if (i > 0 && refit->leaf[i - 1].first < refit->leaf[i].first && refit->leaf[i].first < end)
+            end = refit->leaf[i].first;
     }
     return status;
 }
@@ -216,27 +279,14 @@ static enum status make(struct refit *refit)
 {
     const struct packed *from = refit->from;
     bool vertices = stores_vertices(from);
-    if (packed_walk_make(from, &refit->walk))
-        return STATUS_MEMORY;
-    if (refit->walk.repeats > 0 || refit->walk.bad_refs > 0)
-        return fail(refit->reason, STATUS_INPUT, "%s: record %u: the words are no tree",
-                    from->layout->name,
-                    refit->walk.repeats > 0 ? refit->walk.repeat_ref : refit->walk.bad_ref);
-    refit->exact = alloc_zeroed(refit->walk.visit_count, sizeof *refit->exact);
-    refit->leaf = alloc_zeroed(refit->walk.visit_count, sizeof *refit->leaf);
-    refit->first = alloc_zeroed(vertices ? refit->walk.visit_count : 0, sizeof *refit->first);
+    refit->seen = alloc_zeroed((size_t)from->ref_count / 8 + 1, 1);
     refit->prim = alloc_zeroed(vertices ? slots_most(refit) : 0, sizeof *refit->prim);
     refit->to.word = copy_of(from->word, from->word_count);
     refit->to.item = copy_of(vertices ? from->item : NULL, vertices ? from->item_count : 0);
-    if (!refit->exact || !refit->leaf || !refit->first || !refit->prim || !refit->to.word ||
-        !refit->to.item)
+    if (!refit->seen || !refit->prim || !refit->to.word || !refit->to.item)
         return STATUS_MEMORY;
-    enum status status = find_bounds(refit);
-    if (!status)
-        status = write_bounds(refit);
-    if (!status && vertices)
-        status = write_leaves(refit);
-    return status;
+    enum status status = write_bounds(refit);
+    return status || !vertices ? status : write_leaves(refit);
 }
 
 enum status packed_refit(struct packed *packed, const struct scene *scene, struct reason *reason)
@@ -264,10 +314,9 @@ enum status packed_refit(struct packed *packed, const struct scene *scene, struc
             refit.to.item = NULL;
         }
     }
-    packed_walk_free(&refit.walk);
-    free(refit.exact);
+    free(refit.seen);
+    free(refit.open);
     free(refit.leaf);
-    free(refit.first);
     free(refit.prim);
     free(refit.to.word);
     free(refit.to.item);

@@ -9,15 +9,6 @@
 #define SPACE_BINS  16u /* in space, at most; of few parts so many and one for each */
 #define SPACE_LEAST 2u
 
-/* box_add_box without branches, which are hard to predict here. */
-static inline void widen(struct box *box, const struct box *other)
-{
-    for (int k = 0; k < 3; k++) {
-        box->lo[k] = other->lo[k] < box->lo[k] ? other->lo[k] : box->lo[k];
-        box->hi[k] = other->hi[k] > box->hi[k] ? other->hi[k] : box->hi[k];
-    }
-}
-
 /* --- by centre -------------------------------------------------------------------------------- */
 
 /* A part's centre and its place, in one number that sorts. */
@@ -41,7 +32,7 @@ static void sweep_axis(const struct split_node *node, int axis, double unit, str
         key[i] = sort_key(&node->part[i], axis, i);
     qsort(key, node->count, sizeof *key, by_key);
     for (uint32_t i = node->count; i-- > 1;) {
-        widen(&box, &node->part[(uint32_t)key[i]].box);
+        box_add_box(&box, &node->part[(uint32_t)key[i]].box);
         other[i] = box;
         right[i] = box_half_area_or_none(&box) * (double)(node->count - i);
     }
@@ -49,7 +40,7 @@ static void sweep_axis(const struct split_node *node, int axis, double unit, str
     uint32_t ties = 0;
     for (uint32_t i = 1; i < node->count; i++) {
         const struct part *last = &node->part[(uint32_t)key[i - 1]];
-        widen(&box, &last->box);
+        box_add_box(&box, &last->box);
         ties = i > 1 && key[i - 1] >> 32 == key[i - 2] >> 32 ? ties + 1 : 1;
         double cost = (box_half_area_or_none(&box) * (double)i + right[i]) * unit;
         if (best->axis < 0 || cost < best->cost)
@@ -74,13 +65,13 @@ static uint32_t sweep_bins(const struct bin *bin, uint32_t bins, uint32_t most, 
     struct box right[SPACE_BINS > BINS ? SPACE_BINS : BINS], box = box_empty();
     uint32_t after[ARRAY_COUNT(right)], before = 0, best = 0;
     for (uint32_t i = bins, n = 0; i-- > 1;) {
-        widen(&box, &bin[i].box);
+        box_add_box(&box, &bin[i].box);
         right[i] = box;
         after[i] = n += bin[i].out;
     }
     box = box_empty();
     for (uint32_t i = 1; i < bins; i++) {
-        widen(&box, &bin[i - 1].box);
+        box_add_box(&box, &bin[i - 1].box);
         before += bin[i - 1].in;
         if (before == 0 || after[i] == 0 || before + after[i] > most)
             continue;
@@ -123,7 +114,7 @@ static void bin_axis(const struct split_node *node, int axis, double unit, struc
         bin[b].in++;
         bin[b].out++;
         first[b] = centre < first[b] ? centre : first[b];
-        widen(&bin[b].box, &node->part[i].box);
+        box_add_box(&bin[b].box, &node->part[i].box);
     }
     struct split split = {.axis = axis};
     uint32_t b = sweep_bins(bin, BINS, node->count, unit, &split);
@@ -228,7 +219,7 @@ static void chop(const struct split_node *node, const struct part *part, int axi
     bin[from].in++;
     bin[to].out++;
     if (from == to) {
-        widen(&bin[from].box, &part->box);
+        box_add_box(&bin[from].box, &part->box);
         return;
     }
     struct edge edge[3];
@@ -237,13 +228,13 @@ static void chop(const struct split_node *node, const struct part *part, int axi
     struct box below = cross_section(edge, axis, plane[from]);
     for (uint32_t b = from; b <= to; b++) {
         struct box above = cross_section(edge, axis, plane[b + 1]), piece = below;
-        widen(&piece, &above);
+        box_add_box(&piece, &above);
         for (int c = 0; c < 3; c++)
             if (plane[b] <= v[c][axis] && v[c][axis] <= plane[b + 1])
                 box_add_point(&piece, v[c]);
         cut_down(&piece, &part->box);
         if (!clip_is_empty(&piece))
-            widen(&bin[b].box, &piece);
+            box_add_box(&bin[b].box, &piece);
         below = above;
     }
 }

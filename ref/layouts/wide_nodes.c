@@ -1,5 +1,6 @@
 #include "ref/layouts/wide_nodes.h"
 
+#include <float.h>
 #include <math.h>
 
 #define EXPONENT_LEAST (-100)
@@ -93,6 +94,8 @@ void wide_nodes_children(const struct packed *packed, const struct wide_slot *sl
         if (!is_child(&slot[s], inner_refs))
             continue;
         out->child[out->child_count] = slot[s].count == 0 ? slot[s].first : slot_ref + s;
+        out->leaf_first[out->child_count] = slot[s].first;
+        out->leaf_count[out->child_count] = slot[s].count;
         out->box[out->child_count++] = slot[s].box;
     }
 }
@@ -210,15 +213,29 @@ enum status wide_form_rebound(struct packed *packed, uint32_t ref, const struct 
 
 /* --- frames ----------------------------------------------------------------------------------- */
 
+/* 2^exponent. ldexp, which takes any exponent, is most of the time of a decoded node. */
+static float step_of(int exponent)
+{
+    return exponent < FLT_MIN_EXP - 1 || exponent >= FLT_MAX_EXP
+               ? ldexpf(1, exponent)
+               : float_from_bits((uint32_t)(exponent + FLT_MAX_EXP - 1) << (FLT_MANT_DIG - 1));
+}
+
+/* As far as x is from the origin, in steps; of an axis made here, so that nothing overflows. */
+static double steps_to(const struct node_axis *axis, float x)
+{
+    return ((double)x - (double)axis->origin) * (double)step_of(-axis->exponent);
+}
+
 float node_axis_plane(const struct node_axis *axis, uint32_t q)
 {
-    return axis->origin + (float)q * ldexpf(1, axis->exponent);
+    return axis->origin + (float)q * step_of(axis->exponent);
 }
 
 /* In doubles a step or so is lost where x and the origin lie far apart: hence the loops. */
 uint32_t node_axis_down(const struct node_axis *axis, float x)
 {
-    double steps = floor(ldexp((double)x - (double)axis->origin, -axis->exponent));
+    double steps = floor(steps_to(axis, x));
     uint32_t q = (uint32_t)steps;
     while (q > 0 && node_axis_plane(axis, q) > x)
         q--;
@@ -227,7 +244,7 @@ uint32_t node_axis_down(const struct node_axis *axis, float x)
 
 uint32_t node_axis_up(const struct node_axis *axis, float x)
 {
-    double steps = ceil(ldexp((double)x - (double)axis->origin, -axis->exponent));
+    double steps = ceil(steps_to(axis, x));
     uint32_t q = (uint32_t)steps;
     while (node_axis_plane(axis, q) < x)
         q++;
