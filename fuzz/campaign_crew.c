@@ -214,7 +214,10 @@ static enum status take_message(struct campaign *c, struct slot *slot, const voi
 static uint64_t limit_ms(const struct campaign *c, const struct slot *slot)
 {
     const struct fuzz_field *field = &c->rules.field;
-    uint64_t trial = c->options->trial_ms * (uint64_t)(slot->warm ? 1 : FIRST_FACTOR);
+    /* Drivers compile before they trace, and with members drawn every block may have a new shader.
+     */
+    bool compiled = slot->warm && !field->drawn;
+    uint64_t trial = c->options->trial_ms * (uint64_t)(compiled ? 1 : FIRST_FACTOR);
     uint64_t ours = trial > OURS_MS ? trial : OURS_MS;
     if (slot->task == SLOT_STARTING)
         return START_MS;

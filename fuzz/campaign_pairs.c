@@ -9,11 +9,18 @@
 #define PAIRS_FILE "pairs.txt"
 #define PATH_MOST  4096
 
-/* One query for a block: a driver compiles a shader for each. */
-static enum query choose_query(const struct campaign *c, uint64_t number)
+/* One query for a block, and the same whenever a driver has what was compiled for these members. */
+static enum query choose_query(const struct campaign *c, const struct block *block)
 {
-    struct rng of_seed = rng_make(c->rules.seed, 0x71756572u);
-    struct rng rng = rng_make(rng_u64(&of_seed), number);
+    static const enum meeting_factor of[] = {MEET_ENGINE, MEET_LAYOUT, MEET_STORE, MEET_TRI,
+                                             MEET_BOX};
+    const struct engine *engine = c->rules.field.who[block->draw.contestant].engine;
+    struct rng rng = rng_make(c->rules.seed, 0x71756572u);
+    if (engine->compiles)
+        for (size_t i = 0; i < ARRAY_COUNT(of); i++)
+            rng = rng_make(rng_u64(&rng), block->meeting.member[of[i]]);
+    else
+        rng = rng_make(rng_u64(&rng), block->first / FUZZ_BATCH);
     return rng_below(&rng, 4) == 0 ? QUERY_ANY : QUERY_CLOSEST;
 }
 
@@ -48,7 +55,7 @@ void campaign_pairs_draw(struct campaign *c, struct block *block)
     *missed = (struct missed){0};
     meetings_draw(meetings, c->rules.seed, number, block->count, &block->meeting);
     block->draw = draw_of(c, &block->meeting);
-    block->draw.query = choose_query(c, number);
+    block->draw.query = choose_query(c, block);
 }
 
 static void count_trial(struct campaign *c, const struct work_trial *one)

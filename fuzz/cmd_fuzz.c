@@ -282,12 +282,17 @@ static void keep_repaired(struct feedback_list *list)
     list->count = kept;
 }
 
+static bool names_corpus(const struct fuzz_command *c)
+{
+    return c->corpus && strcmp(c->corpus, "none") != 0;
+}
+
 /* Where nobody names a folder there may be none: an installed program has no corpus. */
 static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
 {
     const char *folder = c->corpus ? c->corpus : "fuzz/corpus";
     struct stat what;
-    if (c->pairs > 0 || (c->corpus && strcmp(c->corpus, "none") == 0))
+    if (c->pairs > 0 || (c->corpus && !names_corpus(c)))
         return STATUS_OK;
     if (c->corpus && (stat(folder, &what) != 0 || !S_ISDIR(what.st_mode)))
         return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", folder);
@@ -330,7 +335,7 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
         status = try_outputs(c, reason); /* some may be in the folder */
     if (!status)
         status = fuzz_identify(c, reason);
-    if (!status && c->pairs > 0 && (c->shards > 0 || c->feedback || c->corpus))
+    if (!status && c->pairs > 0 && (c->shards > 0 || c->feedback || names_corpus(c)))
         status = fail(reason, STATUS_INPUT,
                       "--pairs: members are drawn, not with --shard, --feedback or --corpus");
     if (!status)

@@ -13,7 +13,7 @@ static const char *const own_engines = "cpu,vulkan,embree_robust";
 static const char *const own_layouts = "f32,rf16";
 /* Of --pairs. */
 static const char *const pair_engines =
-    "cpu,vulkan,fast,cpu_stackless,vulkan_stackless,brute,vulkan_brute,embree_robust";
+    "cpu,vulkan,fast,cpu_stackless,vulkan_stackless,brute,vulkan_brute";
 static const char *const pair_layouts = "every";
 
 const char *fuzz_key_name(enum fuzz_key key)

@@ -8,20 +8,24 @@
 #include "ref/judge.h"
 #include "ref/layout.h"
 
-#define COVERAGE_BITS  256u
+#define COVERAGE_BITS  512u
 #define COVERAGE_WORDS (COVERAGE_BITS / 64)
 
 /* fuzz_result.coverage is one. Zero-initialize. */
 
-/* The tree: depth, size of leaves, which members, how large the scene is, boxes without thickness,
- * how near the numbers of items, records and indices are to the 16-byte layouts' limits. */
+/* The tree: depth, size of leaves, which members and storage, whether optimized, how large the
+ * scene is, boxes without thickness, how near the numbers of items, records and indices are to the
+ * 16-byte layouts' limits. */
 void coverage_add_tree(uint64_t map[COVERAGE_WORDS], const struct fuzz_trial *trial,
                        const struct bvh *bvh);
 
-/* The packed bytes: how much stack they need, and, in layouts of 16-byte records, what the stored
- * halves are: infinite, the largest, 2^-14, subnormal, zero, negative zero, exact, rounded. Looks
- * at no more than 4096 nodes. */
+/* The packed bytes: which layout, whether of a split tree, how much stack they need, and, in
+ * layouts of 16-byte records, what the stored halves are: infinite, the largest, 2^-14, subnormal,
+ * zero, negative zero, exact, rounded. Looks at no more than 4096 nodes. */
 void coverage_add_packed(uint64_t map[COVERAGE_WORDS], const struct packed *packed);
+
+/* A packed tree was refitted to vertices that moved, or built anew. */
+void coverage_add_motion(uint64_t map[COVERAGE_WORDS], bool rebuilt);
 
 /* A layout refused the tree: which layout, and by which of its limits. */
 void coverage_add_refusal(uint64_t map[COVERAGE_WORDS], const struct layout *layout,

@@ -5,10 +5,12 @@
 #include "fuzz/coverage.h"
 
 /* Members beyond these share the last place. */
-#define COVERAGE_BUILDERS  3u
+#define COVERAGE_BUILDERS  8u
 #define COVERAGE_BOX_TESTS 3u
-#define COVERAGE_TRI_TESTS 3u
-#define COVERAGE_LAYOUTS   6u
+#define COVERAGE_TRI_TESTS 5u
+#define COVERAGE_STORES    6u
+#define COVERAGE_LAYOUTS   6u  /* that refused; those of products */
+#define COVERAGE_FORMS     72u /* layouts, of all */
 
 enum coverage_limit {
     COVERAGE_LIMIT_LEAF,    /* a leaf of more than 8 items */
@@ -42,6 +44,14 @@ enum coverage_half {
     COVERAGE_HALF_STEP,  /* one step apart */
     COVERAGE_HALF_POWER, /* a power of two, where steps change */
     COVERAGE_HALVES
+};
+
+enum coverage_past {
+    COVERAGE_PAST_OPTIMIZED, /* subtrees were moved to better places */
+    COVERAGE_PAST_SPLIT,     /* triangles are in several leaves */
+    COVERAGE_PAST_REFITTED,
+    COVERAGE_PAST_REBUILT,
+    COVERAGE_PASTS
 };
 
 enum coverage_ray {
@@ -92,7 +102,10 @@ enum coverage_truth {
     X(TIES, 5)                                                                                     \
     X(RAY, COVERAGE_RAYS)                                                                          \
     X(ERROR, 8) /* err/E */                                                                        \
-    X(DISPLACE, 7)
+    X(DISPLACE, 7)                                                                                 \
+    X(STORE, COVERAGE_STORES)                                                                      \
+    X(PAST, COVERAGE_PASTS) /* what the tree went through */                                       \
+    X(PACKED, COVERAGE_FORMS)
 
 /* COVERAGE_VERDICT is the first bit of its group, and so on. */
 #define COVERAGE_PLACE(name, bits)                                                                 \

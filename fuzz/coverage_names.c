@@ -32,6 +32,8 @@ static const char *const error_names[] = {"0",    "-2^-8", "-2^-4", "-2^-2",
                                           "-0.5", "-0.75", "-1",    "1-"};
 static const char *const displace_names[] = {"-1", "-4", "-16", "-64", "-256", "-1024", "1024-"};
 
+static const char *const past_names[] = {"optimized", "split", "refitted", "rebuilt"};
+
 /* As many names as bits. */
 #define NAMED(GROUP, list)                                                                         \
     _Static_assert(ARRAY_COUNT(list) == COVERAGE_##GROUP##_LAST - COVERAGE_##GROUP + 1, #list)
@@ -47,6 +49,7 @@ NAMED(TIES, tie_names);
 NAMED(RAY, ray_names);
 NAMED(ERROR, error_names);
 NAMED(DISPLACE, displace_names);
+NAMED(PAST, past_names);
 
 /* A group's bits are named by `list`; NULL: by tables of the library. */
 static const struct {
@@ -71,6 +74,9 @@ static const struct {
     {"ray", ray_names, COVERAGE_RAY},
     {"error", error_names, COVERAGE_ERROR},
     {"displacement", displace_names, COVERAGE_DISPLACE},
+    {"store", NULL, COVERAGE_STORE},
+    {"tree", past_names, COVERAGE_PAST},
+    {"layout", NULL, COVERAGE_PACKED},
 };
 
 uint32_t coverage_known(void)
@@ -105,9 +111,9 @@ static void name_members(uint32_t n, char name[COVERAGE_NAME_MOST])
     int tri = MEMBER(tri_tests, n % COVERAGE_TRI_TESTS, COVERAGE_TRI_TESTS);
     n /= COVERAGE_TRI_TESTS;
     int box = MEMBER(box_tests, n % COVERAGE_BOX_TESTS, COVERAGE_BOX_TESTS);
-    int builder = MEMBER(builders, n / COVERAGE_BOX_TESTS, COVERAGE_BUILDERS);
+    int builder = MEMBER(builders_all, n / COVERAGE_BOX_TESTS, COVERAGE_BUILDERS);
     snprintf(name, COVERAGE_NAME_MOST, "members.%s.%s.%s",
-             builder < 0 ? "more" : builders[builder]->name,
+             builder < 0 ? "more" : builders_all[builder]->name,
              box < 0 ? "more" : box_tests[box]->name, tri < 0 ? "more" : tri_tests[tri]->name);
 }
 
@@ -116,6 +122,19 @@ static void name_refused(uint32_t n, char name[COVERAGE_NAME_MOST])
     int layout = MEMBER(layouts, n / COVERAGE_LIMITS, COVERAGE_LAYOUTS);
     snprintf(name, COVERAGE_NAME_MOST, "refused.%s.%s", layout < 0 ? "more" : layouts[layout]->name,
              limit_names[n % COVERAGE_LIMITS]);
+}
+
+static void name_store(uint32_t n, char name[COVERAGE_NAME_MOST])
+{
+    int store = MEMBER(tri_stores, n, COVERAGE_STORES);
+    snprintf(name, COVERAGE_NAME_MOST, "store.%s", store < 0 ? "more" : tri_stores[store]->name);
+}
+
+static void name_packed(uint32_t n, char name[COVERAGE_NAME_MOST])
+{
+    int layout = MEMBER(layouts_all, n, COVERAGE_FORMS);
+    snprintf(name, COVERAGE_NAME_MOST, "layout.%s",
+             layout < 0 ? "more" : layouts_all[layout]->name);
 }
 
 bool coverage_name(uint32_t bit, char name[COVERAGE_NAME_MOST])
@@ -138,6 +157,10 @@ bool coverage_name(uint32_t bit, char name[COVERAGE_NAME_MOST])
         name_both(n, name);
     else if (groups[group].first == COVERAGE_MEMBERS)
         name_members(n, name);
+    else if (groups[group].first == COVERAGE_STORE)
+        name_store(n, name);
+    else if (groups[group].first == COVERAGE_PACKED)
+        name_packed(n, name);
     else
         name_refused(n, name);
     return true;

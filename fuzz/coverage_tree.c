@@ -27,11 +27,21 @@ static uint32_t place_of(const void *const *table, const void *which, uint32_t p
 
 static void add_members(uint64_t map[COVERAGE_WORDS], const struct fuzz_trial *trial)
 {
-    uint32_t builder = place_of((const void *const *)builders, trial->builder, COVERAGE_BUILDERS);
+    uint32_t builder =
+        place_of((const void *const *)builders_all, trial->builder, COVERAGE_BUILDERS);
     uint32_t box = place_of((const void *const *)box_tests, trial->box, COVERAGE_BOX_TESTS);
     uint32_t tri = place_of((const void *const *)tri_tests, trial->tri, COVERAGE_TRI_TESTS);
     coverage_set(map, COVERAGE_MEMBERS + (builder * COVERAGE_BOX_TESTS + box) * COVERAGE_TRI_TESTS +
                           tri);
+    coverage_set(map, COVERAGE_STORE +
+                          place_of((const void *const *)tri_stores, trial->store, COVERAGE_STORES));
+    if (trial->build.passes > 0)
+        coverage_set(map, COVERAGE_PAST + COVERAGE_PAST_OPTIMIZED);
+}
+
+void coverage_add_motion(uint64_t map[COVERAGE_WORDS], bool rebuilt)
+{
+    coverage_set(map, COVERAGE_PAST + (rebuilt ? COVERAGE_PAST_REBUILT : COVERAGE_PAST_REFITTED));
 }
 
 /* A box without thickness in one, two or three axes. */
@@ -191,6 +201,10 @@ void coverage_add_packed(uint64_t map[COVERAGE_WORDS], const struct packed *pack
 {
     static const uint32_t stacks[] = {0, 1, 2, 4, 8, 15, 23, 31, 47};
     coverage_set(map, COVERAGE_STACK + step_of(packed->stack_need, stacks, ARRAY_COUNT(stacks)));
+    coverage_set(map, COVERAGE_PACKED + place_of((const void *const *)layouts_all, packed->layout,
+                                                 COVERAGE_FORMS));
+    if (packed->split)
+        coverage_set(map, COVERAGE_PAST + COVERAGE_PAST_SPLIT);
     if (packed->layout->node_bytes == sizeof(struct node_rf))
         add_halves(map, packed);
 }

@@ -166,8 +166,11 @@ enum status meetings_open(const struct meeting_tables *tables, struct meetings *
         }
     }
     m->pair = alloc_zeroed(m->pairs, sizeof *m->pair);
-    enum status status = m->pair ? find_possible(m, reason)
-                                 : fail(reason, STATUS_MEMORY, "no memory to count pairs");
+    m->program = alloc_zeroed((size_t)tables->count[MEET_ENGINE] * tables->count[MEET_LAYOUT],
+                              sizeof *m->program);
+    enum status status = m->pair && m->program
+                             ? find_possible(m, reason)
+                             : fail(reason, STATUS_MEMORY, "no memory to count pairs");
     if (status)
         meetings_close(m);
     else
@@ -177,8 +180,10 @@ enum status meetings_open(const struct meeting_tables *tables, struct meetings *
 
 void meetings_close(struct meetings *m)
 {
-    if (m)
+    if (m) {
         free(m->pair);
+        free(m->program);
+    }
     free(m);
 }
 

@@ -4,8 +4,12 @@
 #include "ref/mutant.h"
 #include "ref/rng.h"
 
+#include <string.h>
+
 /* A pair that is always refused comes up once for so many times that others do. */
 #define PATIENCE 8u
+/* What an engine has compiled is asked so many times, now and then, before it compiles again. */
+#define PROGRAM_BLOCKS 4u
 
 /* Trials in which the pair has met, or is being played. */
 static uint64_t had(const struct pair *pair)
@@ -43,7 +47,13 @@ static bool choose_pair(struct meetings *m, struct rng *rng, enum meeting_factor
 struct row {
     struct meeting meeting;
     const struct engine *engine; /* NULL: not chosen yet */
+    bool free;                   /* storage and tests are not those that the row began with */
 };
+
+static bool is_of_program(enum meeting_factor factor)
+{
+    return factor == MEET_STORE || factor == MEET_TRI || factor == MEET_BOX;
+}
 
 static bool is_met(const struct row *row, enum meeting_factor factor)
 {
@@ -74,14 +84,21 @@ static double worth(const struct meetings *m, const struct row *row, enum meetin
     return sum;
 }
 
+/* An engine that compiles plays where it must. */
+static bool is_dear(const struct meetings *m, enum meeting_factor factor, uint32_t i)
+{
+    return factor == MEET_ENGINE &&
+           ((const struct engine *)m->tables.member[MEET_ENGINE][i])->compiles;
+}
+
 /* The member that brings most, one of those alike; false: none can meet the row. */
 static bool choose_member(const struct meetings *m, struct row *row, enum meeting_factor factor,
-                          double unit, struct rng *rng)
+                          double unit, struct rng *rng, bool dear)
 {
     double most = -1;
     uint32_t best = 0, alike = 0;
     for (uint32_t i = 0; i < m->tables.count[factor]; i++) {
-        double worthy = worth(m, row, factor, i, unit);
+        double worthy = is_dear(m, factor, i) && !dear ? -1 : worth(m, row, factor, i, unit);
         if (worthy < 0 || worthy < most)
             continue;
         alike = worthy > most ? 1 : alike + 1;
@@ -91,7 +108,47 @@ static bool choose_member(const struct meetings *m, struct row *row, enum meetin
     }
     if (alike > 0)
         set(m, row, factor, best);
+    else if (!dear)
+        return choose_member(m, row, factor, unit, rng, true);
     return alike > 0;
+}
+
+static struct program *program_of(const struct meetings *m, const struct row *row)
+{
+    uint16_t engine = row->meeting.member[MEET_ENGINE], layout = row->meeting.member[MEET_LAYOUT];
+    bool known = engine != MEET_NONE && layout != MEET_NONE;
+    return known && row->engine->compiles
+               ? &m->program[(size_t)engine * m->tables.count[MEET_LAYOUT] + layout]
+               : NULL;
+}
+
+/* Storage and tests that the engine has compiled for this layout, if the row is free to have them.
+ */
+static void take_program(const struct meetings *m, struct row *row)
+{
+    struct program *program = program_of(m, row);
+    if (!program || !row->free || program->left == 0)
+        return;
+    row->free = false;
+    struct row taken = *row;
+    for (enum meeting_factor f = 0; f < MEET_FACTORS; f++) {
+        if (!is_of_program(f))
+            continue;
+        if (worth(m, &taken, f, program->member[f], 1) < 0)
+            return;
+        set(m, &taken, f, program->member[f]);
+    }
+    program->left--;
+    *row = taken;
+}
+
+static void keep_program(const struct meetings *m, const struct row *row)
+{
+    struct program *program = program_of(m, row);
+    if (!program || !row->free) /* not what was just taken */
+        return;
+    memcpy(program->member, row->meeting.member, sizeof program->member);
+    program->left = PROGRAM_BLOCKS - 1;
 }
 
 /* The largest factor that has no member yet and that the engine meets; MEET_FACTORS: none. */
@@ -141,20 +198,24 @@ void meetings_draw(struct meetings *m, uint64_t seed, uint64_t turn, uint32_t tr
     for (;;) {
         enum meeting_factor a = 0, b = 1, f;
         uint32_t i = 0, j = 0;
-        struct row row = {.engine = NULL};
+        struct row row = {.free = true};
         for (enum meeting_factor k = 0; k < MEET_FACTORS; k++)
             row.meeting.member[k] = MEET_NONE;
         bool any = choose_pair(m, &rng, &a, &i, &b, &j), full = true;
         if (any && MUTANT != MUTANT_PAIRS_BY_CHANCE) {
             set(m, &row, a, i);
             set(m, &row, b, j);
+            row.free = !is_of_program(a) && !is_of_program(b);
         }
-        while (full && (f = next_factor(m, &row)) < MEET_FACTORS)
-            full = choose_member(m, &row, f, (double)trials, &rng);
+        while (full && (f = next_factor(m, &row)) < MEET_FACTORS) {
+            full = choose_member(m, &row, f, (double)trials, &rng, false);
+            take_program(m, &row);
+        }
         if (any && !full) { /* nobody who takes part can trace these two */
             meetings_pair(m, a, i, b, j)->possible = false;
             continue;
         }
+        keep_program(m, &row);
         fill(m, &row);
         *out = row.meeting;
         count_drawn(m, out, trials, 0, 0);

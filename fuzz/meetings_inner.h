@@ -10,9 +10,16 @@ struct pair {
     bool possible;
 };
 
+/* What an engine that compiles is asked next on a layout, so many times. */
+struct program {
+    uint16_t member[MEET_FACTORS]; /* of storage and tests */
+    uint32_t left;
+};
+
 struct meetings {
     struct meeting_tables tables;
     struct pair *pair; /* of factors a < b: members i and j at place[a][b] + i * count[b] + j */
+    struct program *program; /* of engine i and layout j: i * layouts + j */
     size_t pairs, place[MEET_FACTORS][MEET_FACTORS];
 };
 

@@ -2,6 +2,7 @@
 #ifndef FUZZ_PLAYER_H
 #define FUZZ_PLAYER_H
 
+#include "fuzz/coverage.h"
 #include "fuzz/signature.h"
 #include "fuzz/trial.h"
 #include "ref/engine.h"
@@ -56,7 +57,7 @@ struct fuzz_result {
     uint32_t refitted, rebuilt;  /* contestants on a tree that was, since it moved, likewise */
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
     size_t finding_count;
-    uint64_t coverage[4]; /* bits of states reached, fuzz/coverage.h */
+    uint64_t coverage[COVERAGE_WORDS]; /* bits of states reached */
 };
 
 /* Where the time went, ns on the clock; added to. `generate` is the caller's. */

@@ -13,7 +13,8 @@
 struct selftest_bug {
     char bug[32];     /* MUTANT_bug of ref/mutant.h */
     char unit[48];    /* the C unit or the shader that is compiled with it */
-    char engines[48]; /* who plays, as raydiff fuzz has it; "spirv": shaders are only checked */
+    char engines[48]; /* who plays, as raydiff fuzz has it; "spirv": shaders are only checked;
+                         "pairs:ENGINE,...": members are drawn, with --pairs */
     char layouts[48];
     char kind[24]; /* of bug */
 };

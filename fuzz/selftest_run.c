@@ -22,7 +22,8 @@
 #define GRACE_MS 60000u
 #define STOP_NS  2000000000u  /* for a campaign to end by itself after its first finding */
 #define MANY     "1000000000" /* trials: named, so that they are the stream `gen` alone */
-#define TRIAL_S  "2"          /* an engine's time: a bug that hangs costs it several times over */
+static const char drawn_prefix[] = "pairs:"; /* of engines whose other members are drawn */
+#define TRIAL_S "2" /* an engine's time: a bug that hangs costs it several times over */
 
 static bool is_check(const struct selftest_job *job)
 {
@@ -70,21 +71,28 @@ static void become(struct child *parent, void *user)
         argv[count++] = "--self-test";
         argv[count++] = "--shaders";
     } else {
-        const char *const always[][2] = {{"--seed", seed},
-                                         {"--engine", job->engines},
-                                         {"--layout", job->layouts},
-                                         {"--dir", job->found},
-                                         {"--json", job->report},
-                                         {"--jobs", "1"},
-                                         {"--corpus", "none"},
-                                         {"--trial-time", TRIAL_S},
-                                         {"--trials", job->trials ? trials : MANY}};
+        bool drawn = strncmp(job->engines, drawn_prefix, strlen(drawn_prefix)) == 0;
+        const char *const always[][2] = {
+            {"--seed", seed},
+            {"--engine", job->engines + (drawn ? strlen(drawn_prefix) : 0)},
+            {"--layout", job->layouts},
+            {"--dir", job->found},
+            {"--json", job->report},
+            {"--jobs", "1"},
+            {"--corpus", "none"},
+            {"--trial-time", TRIAL_S},
+            {"--trials", job->trials ? trials : MANY}};
         const char *const hunt[][2] = {{"--time", seconds}, {"--until", "1"}};
         argv[count++] = "--no-shrink";
         memcpy(argv + count, always, sizeof always);
         count += sizeof always / sizeof argv[0];
         if (!job->trials)
             memcpy(argv + count, hunt, sizeof hunt);
+        count += job->trials ? 0 : sizeof hunt / sizeof argv[0];
+        if (drawn) {
+            argv[count++] = "--pairs";
+            argv[count++] = "1";
+        }
     }
     setenv("LP_NUM_THREADS", "0", 0);
     if (log >= 0 && dup2(log, 1) == 1 && dup2(log, 2) == 2 && fcntl(parent->file, F_SETFD, 0) == 0)

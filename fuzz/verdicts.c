@@ -232,6 +232,9 @@ static void cover(const struct judging *j)
         return;
     coverage_add_tree(map, trial, &stage->bvh);
     for (size_t i = 0; i < j->player->layout_count; i++)
+        if (stage->has_packed[i] && stage->motion[i] != TRIAL_STILL)
+            coverage_add_motion(map, stage->motion[i] == TRIAL_REBUILT);
+    for (size_t i = 0; i < j->player->layout_count; i++)
         if (stage->has_packed[i])
             coverage_add_packed(map, &stage->packed[i]);
         else

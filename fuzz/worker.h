@@ -85,7 +85,7 @@ enum status work_trial_ordered(const struct work_rules *rules, const struct work
                                struct reason *reason) MUST_USE;
 
 struct work_trial {
-    uint64_t coverage[4];
+    uint64_t coverage[COVERAGE_WORDS];
     uint32_t count[VERDICT_COUNT];
     uint32_t wrong, judged, rays, triangles;
     uint32_t refusers; /* contestants, 1u << contestant */

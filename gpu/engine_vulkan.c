@@ -92,6 +92,7 @@ const struct engine engine_vulkan = {
     .name = "vulkan",
     .summary = "compute shaders on a Vulkan device, one per layout",
     .needs_packed = true,
+    .compiles = true,
     .open = open,
     .prepare = prepare,
     .trace = trace,

@@ -62,6 +62,7 @@ const struct engine engine_vulkan_stackless = {
     .name = "vulkan_stackless",
     .summary = "the shaders of binary layouts with parent links and a bit trail",
     .needs_packed = true,
+    .compiles = true,
     .binary = true,
     .open = open,
     .prepare = prepare,

@@ -89,6 +89,7 @@ struct engine {
     bool own_tri;    /* has a triangle test of its own, whatever job.tri is */
     bool tells_work; /* its trace_tasks fills in task.work */
     bool binary;     /* traces trees of binary layouts only: STATUS_LIMIT else */
+    bool compiles;   /* a program for each layout, storage and tests: the first trial is dear */
     bool recorded;   /* its answers were written down before: it can be asked no other ray */
     /* Errors: STATUS_UNSUPPORTED cannot run here (reason), STATUS_DEVICE, STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);

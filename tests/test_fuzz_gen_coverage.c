@@ -39,6 +39,14 @@ static void print_map(const uint64_t map[COVERAGE_WORDS], char *text, size_t byt
     }
 }
 
+static bool is_named(char (*name)[COVERAGE_NAME_MOST], const char *group, const char *member)
+{
+    for (uint32_t bit = 0; bit < coverage_known(); bit++)
+        if (strncmp(name[bit], group, strlen(group)) == 0 && strstr(name[bit], member))
+            return true;
+    return false;
+}
+
 static void every_bit_has_a_name_of_its_own(void **state)
 {
     (void)state;
@@ -50,6 +58,15 @@ static void every_bit_has_a_name_of_its_own(void **state)
         if (bit < coverage_known())
             assert_non_null(strchr(name[bit], '.'));
     }
+    /* Each of these members has a place of its own. */
+    for (size_t i = 0; builders_all[i]; i++)
+        assert_true(is_named(name, "members.", builders_all[i]->name));
+    for (size_t i = 0; tri_tests[i]; i++)
+        assert_true(is_named(name, "members.", tri_tests[i]->name));
+    for (size_t i = 0; tri_stores[i]; i++)
+        assert_true(is_named(name, "store.", tri_stores[i]->name));
+    for (size_t i = 0; layouts_all[i]; i++)
+        assert_true(is_named(name, "layout.", layouts_all[i]->name));
     /* Places of members that no table has yet share the name "more". */
     for (uint32_t a = 0; a < coverage_known(); a++)
         for (uint32_t b = 0; b < a; b++)
@@ -211,22 +228,23 @@ static void trees_and_bytes(void **state)
         const char *layout, *expected;
     } row[] = {
         {1, 4, 1, 0.3f, "f32",
-         "depth.0 leaf.1 members.median.robust.mt scale.-2^0 shape.single shape.flat stack.0"},
+         "depth.0 leaf.1 members.median.robust.mt scale.-2^0 shape.single shape.flat stack.0 "
+         "store.indexed layout.f32"},
         {4, 1, 3, 2, "rf16",
          "depth.2 leaf.1 members.median.robust.mt scale.-2^10 shape.flat shape.same_boxes stack.2 "
-         "half.zero half.no_width half.power_of_two"},
+         "half.zero half.no_width half.power_of_two store.indexed layout.rf16"},
         {9, 9, 3, 3, "rf16",
          "depth.0 leaf.9-15 members.median.robust.mt scale.-2^10 shape.single shape.flat "
-         "refused.rf16.leaf"},
+         "refused.rf16.leaf store.indexed"},
         {2, 2, 1e5f, 3, "rf16",
          "depth.0 leaf.2 members.median.robust.mt scale.-2^24 shape.single shape.flat "
-         "refused.rf16.bounds"},
+         "refused.rf16.bounds store.indexed"},
         {2, 2, 1e5f, 0x1p-20f, "rtrs_rf",
          "depth.0 leaf.2 members.median.robust.mt scale.-2^24 shape.single shape.flat stack.0 "
-         "half.infinite half.subnormal half.zero half.no_width"},
+         "half.infinite half.subnormal half.zero half.no_width store.indexed layout.rtrs_rf"},
         {2, 2, 65504, 0x1.004p-14f, "rf16",
          "depth.0 leaf.2 members.median.robust.mt scale.-2^16 shape.single shape.flat stack.0 "
-         "half.65504 half.zero half.no_width"},
+         "half.65504 half.zero half.no_width store.indexed layout.rf16"},
     };
     for (size_t i = 0; i < ARRAY_COUNT(row); i++) {
         struct fuzz_trial trial = copies(row[i].n, row[i].x, row[i].z, row[i].leaf);
@@ -237,6 +255,12 @@ static void trees_and_bytes(void **state)
         assert_string_equal(text, row[i].expected);
         fuzz_trial_free(&trial);
     }
+    uint64_t map[COVERAGE_WORDS] = {0};
+    char text[256];
+    coverage_add_motion(map, false);
+    coverage_add_motion(map, true);
+    print_map(map, text, sizeof text);
+    assert_string_equal(text, "tree.refitted tree.rebuilt");
 }
 
 static void numbers_beside_limits(void **state)
