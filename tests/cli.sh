@@ -517,6 +517,10 @@ if [ -x "$bug" ]; then
 fi
 
 # The self-test of the fuzzer, where nothing is built, and with a program that finds nothing.
+expect 2 "--pairs: members are drawn, not with" fuzz --pairs 3 --shard 1/2 --dir "$dir/pairs"
+expect 1 . fuzz --pairs 1000 --trials 64 --engine cpu,fast --layout f32,bvh8_u8_node --dir "$dir/pairs"
+grep -q '^short  *[0-9]* pairs met in fewer than 1000 trials' "$dir/out" ||
+    bad "raydiff fuzz --pairs: it does not say that the time was short"
 expect 2 "no planted bugs in .*/none: type .make selftest" fuzz --self-test --programs "$dir/none"
 mkdir -p "$dir/planted/LOST_SLOT.trace"
 echo 'LOST_SLOT ref/trace.c cpu f32 slots' >"$dir/planted/selftest.txt"

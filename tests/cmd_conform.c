@@ -268,8 +268,7 @@ static void print_help(void)
 
 int cmd_conform(int argc, char **argv)
 {
-    struct conform_options o = {
-        .brute = 100000000, .engines = engine_options_default()};
+    struct conform_options o = {.brute = 100000000, .engines = engine_options_default()};
     int first, code = options_take("conform", print_help, long_options, take_option, &o, argc, argv,
                                    &first);
     if (code >= 0)

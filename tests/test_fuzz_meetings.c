@@ -2,6 +2,7 @@
 #define _GNU_SOURCE /* mkdtemp */
 #include "fuzz/meetings.h"
 
+#include "fuzz/campaign.h"
 #include "fuzz/trial_tree.h"
 #include "fuzz/worker.h"
 #include "ref/rng.h"
@@ -23,13 +24,15 @@ static void add(struct meeting_tables *t, enum meeting_factor factor, const void
     t->member[factor][t->count[factor]++] = member;
 }
 
+static const char *const engine_names[] = {"cpu", "fast", "cpu_stackless", "brute",
+                                           "embree_robust"};
+
 /* Every member that is not as published. */
 static struct meeting_tables all_tables(void)
 {
-    static const char *const engine[] = {"cpu", "fast", "cpu_stackless", "brute", "embree_robust"};
     struct meeting_tables t = {.count = {[MEET_OPTIMIZE] = 2, [MEET_MOTION] = 2}};
-    for (size_t i = 0; i < ARRAY_COUNT(engine); i++)
-        add(&t, MEET_ENGINE, engine_find(engine[i]));
+    for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
+        add(&t, MEET_ENGINE, engine_find(engine_names[i]));
     for (size_t i = 0; layouts_all[i]; i++)
         if (!layouts_all[i]->faithful)
             add(&t, MEET_LAYOUT, layouts_all[i]);
@@ -297,6 +300,74 @@ static void quantised_trials_are_on_a_grid(void **state)
     assert_true(held > TRIALS * 3 / 4);
 }
 
+/* A finding's file plays alone: all that was drawn stands in it. */
+static void drawn_trials_come_back_from_their_file(void **state)
+{
+    (void)state;
+    static const char *const store[] = {"compact", "quantised", "edges", "indexed"};
+    for (uint32_t i = 0; i < TRIALS; i++) {
+        const struct work_draw draw = draw_of("f32", "ploc", store[i % 4], i % 3, i % 2);
+        struct finding_file file = {.has_signature = false}, again;
+        char *bytes;
+        size_t size;
+        make_drawn(&draw, i, &file.trial);
+        assert_int_equal(finding_file_print(&file, &bytes, &size, &reason), STATUS_OK);
+        if (finding_file_parse("a trial", bytes, size, &again, &reason))
+            fail_msg("%s", reason.text);
+        assert_int_equal(fuzz_trial_hash(&file.trial), fuzz_trial_hash(&again.trial));
+        assert_ptr_equal(again.trial.store, draw.store);
+        assert_int_equal(again.trial.build.passes > 0, draw.optimized);
+        assert_int_equal(again.trial.move > 0, draw.moved);
+        free(bytes);
+        finding_file_free(&file);
+        finding_file_free(&again);
+    }
+}
+
+/* Who meets does not depend on who plays: a block's members are drawn from what blocks long before
+ * it have missed. */
+static void tallies_are_those_of_any_number_of_workers(void **state)
+{
+    (void)state;
+    static char text[2][200000];
+    for (uint32_t jobs = 1; jobs <= 2; jobs++) {
+        char folder[] = "/tmp/meetings.XXXXXX", path[64], command[100];
+        const struct engine *engine[ARRAY_COUNT(engine_names)];
+        struct campaign_options options = {.trials = 8 * FUZZ_BATCH,
+                                           .shard = 1,
+                                           .shards = 1,
+                                           .jobs = jobs,
+                                           .trial_ms = 10000,
+                                           .identity = "gen=0",
+                                           .rules = rules};
+        const struct engine_options engines_of = {.threads = 1, .device = -1};
+        struct findings *findings;
+        for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
+            engine[i] = engine_find(engine_names[i]);
+        assert_non_null(mkdtemp(folder));
+        options.folder = folder;
+        options.meetings = open_all();
+        assert_int_equal(fuzz_field_draw(engine, ARRAY_COUNT(engine), &engines_of,
+                                         &options.rules.field, &reason),
+                         0);
+        assert_int_equal(findings_open(folder, &findings, &reason), STATUS_OK);
+        if (campaign_run(&options, findings, NULL, &reason))
+            fail_msg("%s", reason.text);
+        assert_int_equal(findings_count(findings), 0);
+        findings_close(findings);
+        assert_true(meetings_summarize(options.meetings, 1).met > 100);
+        meetings_close(options.meetings);
+        snprintf(path, sizeof path, "%s/pairs.txt", folder);
+        FILE *file = fopen(path, "r");
+        assert_non_null(file);
+        assert_true(fread(text[jobs - 1], 1, sizeof text[0] - 1, file) > 1000);
+        fclose(file);
+        snprintf(command, sizeof command, "rm -rf %s", folder);
+        assert_int_equal(system(command), 0);
+    }
+    assert_string_equal(text[0], text[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -307,6 +378,8 @@ int main(void)
         cmocka_unit_test(tallies_come_back_from_their_file),
         cmocka_unit_test(moved_trees_are_trees_of_the_scene),
         cmocka_unit_test(quantised_trials_are_on_a_grid),
+        cmocka_unit_test(drawn_trials_come_back_from_their_file),
+        cmocka_unit_test(tallies_are_those_of_any_number_of_workers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
