@@ -125,11 +125,41 @@ static bool is_at_least(struct exact value, double bound, bool equal_too)
     return equal_too ? value.rest >= 0 : value.rest > 0;
 }
 
-/* The first rank that stands at `bound` or, unless `equal_too`, beyond it; most_rank + 1: none. */
+/* A rank near the bound, or any: only the time of the search depends on it. */
+static int64_t near_rank(const struct number_format *format, const struct number_frame *frame,
+                         int axis, double bound)
+{
+    double x =
+        frame ? (bound - (double)frame->origin[axis]) / (double)scale_of(frame, axis) : bound;
+    double most = (double)format->number(format->last);
+    double size = fabs(x) < most ? fabs(x) : most;
+    int64_t rank = (int64_t)size;
+    if (format->sign) { /* its numbers are evenly spaced in the bits of float32 */
+        uint32_t first = float_bits(format->number(format->first));
+        uint32_t step = float_bits(format->number(format->first + 1)) - first;
+        uint32_t bits = float_bits((float)size);
+        rank = bits < first ? 0 : 1 + (bits - first) / step;
+    }
+    return x < 0 ? -rank : rank;
+}
+
+/* The first rank that stands at `bound` or, unless `equal_too`, beyond it; most_rank + 1: none.
+ * From a rank that is near, in steps that double, then by halves. */
 static int64_t first_rank(const struct number_format *format, const struct number_frame *frame,
                           int axis, double bound, bool equal_too)
 {
-    int64_t low = least_rank(format), high = most_rank(format) + 1;
+    int64_t least = least_rank(format), none = most_rank(format) + 1, low = least, high = none;
+    int64_t at = near_rank(format, frame, axis, bound);
+    at = at < least ? least : at > none - 1 ? none - 1 : at;
+    for (int64_t step = 1; low < high && at >= low && at < high; step *= 2) {
+        if (is_at_least(exact_at(format, frame, axis, at), bound, equal_too)) {
+            high = at;
+            at -= low < at ? step : 0;
+        } else {
+            low = at + 1;
+            at += step;
+        }
+    }
     while (low < high) {
         int64_t middle = low + (high - low) / 2;
         if (is_at_least(exact_at(format, frame, axis, middle), bound, equal_too))
