@@ -236,7 +236,7 @@ selftest-quick:
 	$(B)/raydiff fuzz --self-test --only $(QUICK_NAMES) $(ARGS)
 
 mutants: all tests
-	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS) $(GLSLANG_LIBS)' MAKE_CMD='$(MAKE)' sh tests/mutants.sh $(B)
+	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS) $(GLSLANG_LIBS)' sh tests/mutants.sh $(B) $(ONLY)
 
 lint:
 	@sh tests/rules.sh

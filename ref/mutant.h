@@ -1,6 +1,7 @@
 /* Numbers of the planted bugs. The shipped program is compiled with MUTANT 0 and holds none;
  * tests/mutants.sh and mutants.mk compile one C unit or shader with -DMUTANT=n into build/mutants/,
- * and the suite, or the fuzzer, must find it. Plain #define, so that GLSL can include it. */
+ * and the suite (tests/mutants_list.txt) or the fuzzer (fuzz/selftest.txt) must find it. Plain
+ * #define, so that GLSL can include it. */
 #ifndef MUTANT_H
 #define MUTANT_H
 
@@ -32,7 +33,7 @@
 #define MUTANT_FAN_OFF         40  /* watertight tests get a boundary band on closed fans */
 #define MUTANT_NOT_CERTAIN     41  /* no exact hit is certain: losing it is always excused */
 #define MUTANT_HUGE_BOUND      42  /* the bound of t times a million */
-#define MUTANT_DEFECT_CURED    60  /* a member made to be wrong is right */
+#define MUTANT_DEFECT_CURED    63  /* a member made to be wrong is right */
 #define MUTANT_OTHER_DEFECT    61  /* it is wrong for another cause */
 #define MUTANT_UNGUARDED       62  /* Embree is asked rays that it does not survive */
 #define MUTANT_NEIGHBOUR       70  /* of many jobs each reads the first one's nodes */

@@ -6,6 +6,7 @@ breach() {
     echo "$1"
     bad=1
 }
+scratch=${TMPDIR:-/tmp}/rules.$$
 list() { ls $* 2>/dev/null; }
 
 # Who may include whom: down only.
@@ -47,13 +48,11 @@ for file in $(list shaders/*.comp shaders/*.glsl); do # comments may name what t
         }
         print FILENAME ":" FNR ": " kept
     }' "$file"
-done >"${TMPDIR:-/tmp}/rules.$$"
-grep -E '\bpackHalf2x16|\bfma *\(' "${TMPDIR:-/tmp}/rules.$$" &&
+done >"$scratch"
+grep -E '\bpackHalf2x16|\bfma *\(' "$scratch" &&
     breach "packHalf2x16 and fma differ between drivers"
-grep -E '\b(cross|dot|normalize|length|distance|mix|min|max) *\(' "${TMPDIR:-/tmp}/rules.$$" &&
+grep -E '\b(cross|dot|normalize|length|distance|mix|min|max) *\(' "$scratch" &&
     breach "write the operations out: these are never decorated NoContraction"
-
-rm -f "${TMPDIR:-/tmp}/rules.$$"
 
 # The library prints nothing and does not exit.
 for file in $(git ls-files 'ref/*.c' 'gpu/*.c' 'scenes/*.c'); do
@@ -67,6 +66,16 @@ for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
     lines=$(wc -l <"$file")
     [ "$lines" -le 450 ] || breach "$file: $lines lines; one concept a file, at most 450"
 done
+
+# A planted bug has a number of its own, beside its name, and something must find it.
+defines() { awk '$1 == "#define" && $2 ~ /^MUTANT_/ && $2 != "MUTANT_H" {print $2, $3}' ref/mutant.h; }
+defines | awk '{sub("MUTANT_", "", $1); print $1}' | while read -r name; do
+    grep -qE "^[a-z ]+ $name " tests/mutants_list.txt || grep -q "^$name " fuzz/selftest.txt || echo "$name"
+done >"$scratch"
+[ -s "$scratch" ] && breach "ref/mutant.h: neither tests/mutants_list.txt nor fuzz/selftest.txt plays $(tr '\n' ' ' <"$scratch")"
+defines | awk '$2 !~ /^[0-9]+$/ {print $1; bad = 1} END {exit !bad}' && breach "ref/mutant.h: a bug without a number"
+defines | awk '{print $2}' | sort | uniq -d | grep . && breach "ref/mutant.h: a number that two bugs have"
+rm -f "$scratch"
 
 [ "$bad" -eq 0 ] && echo "rules: kept"
 exit "$bad"

@@ -3,7 +3,7 @@
 set -u
 copy=$(mktemp -d) || exit 4
 trap 'rm -rf "$copy"' EXIT
-git ls-files -z -- ref gpu scenes tests bench shaders raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
+git ls-files -z -- ref gpu scenes tests bench shaders raydiff.c fuzz/selftest.txt | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
 cd "$copy" && git init -q . && git add -A || exit 4
 sh tests/rules.sh >log 2>&1 || { cat log; echo "the copy breaks a rule before anything is planted"; exit 1; }
 failed=0
@@ -32,6 +32,9 @@ plant shaders/half.glsl 'uint f(vec2 a) { return packHalf2x16(a); }'
 plant shaders/slab.glsl 'float f(vec3 a) { return dot(a, a); }'
 plant ref/bvh.c 'void f(void) { printf("x"); }'
 plant gpu/vk.c 'void f(void) { exit (1); }'
+plant ref/mutant.h '#define MUTANT_NOBODY 999'
+plant ref/mutant.h '#define MUTANT_LOST_SLOT 1'
+plant ref/mutant.h '#define MUTANT_LOST_SLOT /* 2 */'
 plant ref/half.c "$(awk 'BEGIN { for (i = 0; i < 460; i++) print "/* */" }')"
 [ "$failed" -eq 0 ] && echo "rules: every planted breach caught"
 exit "$failed"
