@@ -129,8 +129,8 @@ BOUNDS_TESTS := $(filter $(B)/tests/test_bounds%,$(TESTS))
 $(BOUNDS_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle_cases.o)
 $(BOUNDS_TESTS): TEST_LIBS += -lgmp
 
-# Its allocations are told to fail.
-$(B)/tests/test_out_of_memory: TEST_LIBS += \
+# Their allocations are told to fail, or weighed.
+$(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
 # The campaign of truth; needs GMP, so it is no part of the program.

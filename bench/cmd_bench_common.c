@@ -60,7 +60,7 @@ enum status bench_tree_make(const struct bench *bench, const struct scene *scene
     struct tree_file file;
     *out = (struct bvh){0};
     if (!bench->bvh)
-        return builders[0]->build(scene, &build, out, reason);
+        return bvh_build(builders[0], scene, &build, out, reason);
     enum status status = bench_tree_open(bench, scene, &file, reason);
     if (!status)
         status = tree_file_bvh(&file, scene, out, reason);

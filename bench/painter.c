@@ -17,7 +17,7 @@ static enum status pack(struct painter *painter, struct reason *reason)
     enum status status = STATUS_OK;
     bool given = plan->tree && !plan->blank;
     if (!given)
-        status = plan->builder->build(scene, &plan->build, &built, reason);
+        status = bvh_build(plan->builder, scene, &plan->build, &built, reason);
     const struct bvh *bvh = given ? plan->tree : &built;
     if (!status)
         status = packed_make(plan->layout, bvh, scene, &painter->packed, reason);

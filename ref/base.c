@@ -1,6 +1,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "ref/base.h"
 
+#include "ref/memory.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,7 +48,9 @@ enum status fail(struct reason *reason, enum status status, const char *format, 
 
 void *alloc_zeroed(size_t count, size_t size)
 {
-    return calloc(count ? count : 1, size ? size : 1); /* calloc checks the product */
+    if (size && count > SIZE_MAX / size)
+        return NULL;
+    return memory_fits(count * size) ? calloc(count ? count : 1, size ? size : 1) : NULL;
 }
 
 enum status array_reserve(void **array, size_t *capacity, size_t need, size_t size)
@@ -59,7 +63,7 @@ enum status array_reserve(void **array, size_t *capacity, size_t need, size_t si
             return STATUS_MEMORY;
         grown *= 2;
     }
-    if (grown > SIZE_MAX / size)
+    if (grown > SIZE_MAX / size || !memory_fits((grown - *capacity) * size))
         return STATUS_MEMORY;
     void *moved = realloc(*array, grown * size);
     if (!moved)

@@ -36,8 +36,8 @@ const char *status_text(enum status status);
 enum status fail(struct reason *reason, enum status status, const char *format, ...)
     PRINTF_LIKE(3, 4);
 
-/* Returns `count` zeroed elements of `size` bytes, or NULL without memory or if the product
- * overflows. A count of 0 returns a valid pointer to free(). */
+/* Returns `count` zeroed elements of `size` bytes, or NULL without memory (ref/memory.h) or if the
+ * product overflows. A count of 0 returns a valid pointer to free(). */
 void *alloc_zeroed(size_t count, size_t size) MUST_USE;
 
 /* Grows `*array` of `size`-byte elements so that it can hold at least `need`; doubles `*capacity`.

@@ -74,6 +74,8 @@ struct builder {
     bool faithful; /* reproduces the seed, faults included: its trees may fail bvh_check */
     enum status (*build)(const struct scene *scene, const struct build_options *options,
                          struct bvh *out, struct reason *reason);
+    uint32_t tri_bytes; /* that building takes at least for each triangle, the tree included; of
+                           sbvh for each item */
 };
 
 /* NULL-terminated: the builders that every product of tests runs over; the first is the default. */
@@ -85,10 +87,16 @@ extern const struct builder *const builders_all[];
 /* Returns the builder of that name, of all, or NULL. */
 const struct builder *builder_find(const char *name);
 
+/* Bytes that building takes at least, by bvh_build, the tree included, the scene not: with leaves
+ * of few triangles it can be several times as many. */
+uint64_t bvh_build_bytes(const struct builder *builder, uint32_t tri_count,
+                         const struct build_options *options);
+
 /* Builds, and moves subtrees to better places, options->passes times over the tree. With passes a
  * builder that keeps to the leaf size makes leaves of one triangle first, which become leaves of up
  * to `leaf` where that costs less. Errors: those of builders; STATUS_INPUT passes for a builder
- * that is faithful, whose cut boxes would not stay. */
+ * that is faithful, whose cut boxes would not stay; STATUS_MEMORY, before anything is done, more
+ * bvh_build_bytes than ref/memory.h has left. */
 enum status bvh_build(const struct builder *builder, const struct scene *scene,
                       const struct build_options *options, struct bvh *out,
                       struct reason *reason) MUST_USE;

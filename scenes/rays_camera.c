@@ -162,7 +162,7 @@ static enum status make_tree(const struct scene *scene, struct packed *out, stru
     const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
     struct bvh bvh = {0};
     *out = (struct packed){0};
-    enum status status = builder_find("median")->build(scene, &options, &bvh, reason);
+    enum status status = bvh_build(builder_find("median"), scene, &options, &bvh, reason);
     if (status)
         return status;
     status = packed_make(layout_find("f32"), &bvh, scene, out, reason);

@@ -7,7 +7,7 @@ MUTANT  ?= 0
 
 TOOL := $(B)/spirv_tool
 
-TOOL_SRC := shaders/spirv_tool.c gpu/spirv_fix.c ref/base.c
+TOOL_SRC := shaders/spirv_tool.c gpu/spirv_fix.c ref/base.c ref/memory.c
 $(TOOL): $(TOOL_SRC) gpu/spirv_fix.h ref/base.h ref/mutant.h
 	@mkdir -p $(@D)
 	$(HOSTCC) -I. -std=c17 -O1 $(WARN) -DMUTANT=$(MUTANT) -o $@ $(TOOL_SRC)

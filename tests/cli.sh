@@ -103,6 +103,18 @@ expect 0 . check soup:n=100000,size=0.2 --brute 1e6 $small
 grep -q 'refused: rf16' "$dir/out" || bad "a refused layout is a row with its reason"
 expect 0 . check soup:n=100000,size=0.2 --layout auto --brute 1e6 $small
 grep -q '^cwbvh80 .*cpu' "$dir/out" || bad "--layout auto takes cwbvh80 where rf16 cannot"
+expect 2 . check soup:n=70000,size=0.001 --layout rf16 --leaf 8 $small
+grep -q 'at most 32767, .*or --layout auto' "$dir/out" || bad "rf16 names --layout auto where it refuses"
+
+# Ten million triangles and too little memory: refused before the build, with the memory it takes. (A
+# sanitized program cannot run in so little.)
+if (ulimit -v 1500000 && "$raydiff" --version) >/dev/null 2>&1; then
+    (ulimit -v 1500000 && "$raydiff" check sphere:n=1118 --builder sbvh --rays random --engine cpu --count 9) \
+        >"$dir/out" 2>"$dir/err"
+    [ $? -eq 4 ] || bad "too little memory is exit code 4"
+    grep -q 'sbvh: no memory: a tree of 9999392 triangles takes at least 5.2 GB, [01].[0-9] GB are free$' "$dir/err" ||
+        bad "too little memory: says $(cat "$dir/err")"
+fi
 
 # A tree deeper than the stack, beyond the range of compact nodes: no layout can hold it, and that is
 # said, not crashed on.

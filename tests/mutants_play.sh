@@ -134,7 +134,7 @@ judge_test() { # where
 
 beside() { # objects, libraries and options of a test
     case $1 in
-    test_out_of_memory) echo -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free ;;
+    test_out_of_memory | test_memory) echo -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free ;;
     test_oracle*) echo "$build/obj/tests/exact_gmp.o $build/obj/tests/oracle_cases.o -lgmp" ;;
     test_bounds*)
         for object in trials legal exact_gmp oracle_cases; do echo "$build/obj/tests/$object.o"; done

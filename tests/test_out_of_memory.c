@@ -1,8 +1,8 @@
 /* Memory that runs out anywhere between a scene and its hits: each allocation in turn fails, of
  * every builder, layout, storage and engine on the processor. It must be said in one line, with
- * nothing made and nothing kept. The program is linked so that its own allocations come here first.
- */
-#define _DEFAULT_SOURCE /* malloc_usable_size */
+ * nothing made and nothing kept. */
+#include "tests/allocations.h"
+
 #include "ref/builders/links.h"
 #include "ref/builders/reinsert.h"
 #include "ref/cover.h"
@@ -15,81 +15,16 @@
 #include "ref/tree_quality.h"
 #include "tests/built.h"
 
-#include <malloc.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
-#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <cmocka.h>
 
 #define TIMES_MOST 4000
 
-/* --- allocations that fail -------------------------------------------------------------------- */
-
-static atomic_long until_failure; /* negative: none fails */
-static atomic_long held;
-static atomic_bool has_failed;
-
-void *__real_malloc(size_t bytes);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *old, size_t bytes);
-void *__real_aligned_alloc(size_t align, size_t bytes);
-void __real_free(void *old);
-void *__wrap_malloc(size_t bytes);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *old, size_t bytes);
-void *__wrap_aligned_alloc(size_t align, size_t bytes);
-void __wrap_free(void *old);
-
-static bool fails_now(void)
-{
-    if (atomic_load(&until_failure) < 0 || atomic_fetch_sub(&until_failure, 1) != 0)
-        return false;
-    atomic_store(&has_failed, true);
-    return true;
-}
-
-static void *counted(void *made)
-{
-    if (made)
-        atomic_fetch_add(&held, 1);
-    return made;
-}
-
-void *__wrap_malloc(size_t bytes)
-{
-    return fails_now() ? NULL : counted(__real_malloc(bytes));
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return fails_now() ? NULL : counted(__real_calloc(count, size));
-}
-
-/* One that makes an array smaller is a wish: nothing is said if it fails. */
-void *__wrap_realloc(void *old, size_t bytes)
-{
-    if (!old)
-        return __wrap_malloc(bytes);
-    return bytes > malloc_usable_size(old) && fails_now() ? NULL : __real_realloc(old, bytes);
-}
-
-void *__wrap_aligned_alloc(size_t align, size_t bytes)
-{
-    return fails_now() ? NULL : counted(__real_aligned_alloc(align, bytes));
-}
-
-void __wrap_free(void *old)
-{
-    if (old)
-        atomic_fetch_sub(&held, 1);
-    __real_free(old);
-}
-
-/* --- work that is done without one of its allocations ------------------------------------------
- */
+/* --- work that is done without one of its allocations ----------------------------------------- */
 
 /* What is to be done; it frees what it makes. */
 struct work {
@@ -108,7 +43,7 @@ struct work {
 
 typedef enum status work_fn(const struct work *work, struct reason *reason);
 
-/* Fails allocation 0, step, 2 step .. until there is none to fail; returns how many there are. */
+/* Fails allocations 0, step, 2 step ... until there is none to fail; returns how many there are. */
 static long fail_each(work_fn *fn, const struct work *work, long step)
 {
     for (long n = 0; n < TIMES_MOST; n += step) {
@@ -311,7 +246,7 @@ static void every_builder_of_many_triangles(void **state)
                             .scene = &scene,
                             .builder = builders_all[b],
                             .threads = 2};
-        fail_each(do_build, &work, 3);
+        fail_each(do_build, &work, 5);
     }
     scene_free(&scene);
 }
@@ -425,7 +360,6 @@ static void engines_on_the_processor(void **state)
 
 int main(void)
 {
-    atomic_store(&until_failure, -1);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_builder),
         cmocka_unit_test(every_builder_of_many_triangles),

@@ -294,7 +294,7 @@ static void auto_takes_the_smallest_layout_that_holds_the_scene(void **state)
                      STATUS_OK);
     assert_string_equal(packed.layout->name, "cwbvh80");
     assert_string_equal(refused, "rf16: a leaf holds at most 8 items, this tree has one of 9; use "
-                                 "--leaf 8 or less, or layout f32");
+                                 "--leaf 8 or less, or --layout auto");
     packed_free(&packed);
     char small[10], none[1] = "x";
     assert_int_equal(packed_make_auto(&bvh, &scene, &packed, small, sizeof small, &reason),

@@ -84,4 +84,5 @@ const struct builder build_lbvh = {
     .name = "lbvh",
     .summary = "the order of Morton codes, cut where their highest bits change; fast to build",
     .build = build,
+    .tri_bytes = 120,
 };

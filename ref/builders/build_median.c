@@ -134,4 +134,5 @@ const struct builder build_median = {
     .summary = "middle of the longest axis of exact bounds, halves if that separates nothing; "
                "depth at most 60; ignores eps",
     .build = build_median_tree,
+    .tri_bytes = 44,
 };

@@ -206,4 +206,5 @@ const struct builder build_ploc = {
     .name = "ploc",
     .summary = "clusters from below that join their best neighbour within --radius places",
     .build = build,
+    .tri_bytes = 190,
 };

@@ -93,4 +93,5 @@ const struct builder build_rtrs = {
     .summary = "as the seed builds, cut boxes included; leaves can exceed the limit below eps / 2",
     .faithful = true,
     .build = build_rtrs_tree,
+    .tri_bytes = 44,
 };

@@ -197,4 +197,5 @@ const struct builder build_sah_sweep = {
     .name = "sah_sweep",
     .summary = "surface area heuristic at every place; the best of the top-down trees",
     .build = build,
+    .tri_bytes = 225,
 };

@@ -1,6 +1,7 @@
 #include "ref/builders/links.h"
 #include "ref/builders/reinsert.h"
 #include "ref/bvh.h"
+#include "ref/memory.h"
 
 #include "counts.h"
 
@@ -27,18 +28,49 @@ const struct builder *builder_find(const char *name)
     return NULL;
 }
 
+#define GIGA           1000000000.0
+#define REINSERT_BYTES 310u /* of tree_reinsert, at least, as tri_bytes */
+
+uint64_t bvh_build_bytes(const struct builder *builder, uint32_t tri_count,
+                         const struct build_options *options)
+{
+    double items = tri_count;
+    float budget = options->split_budget == 0 ? BUILD_SPLIT_BUDGET_DEFAULT : options->split_budget;
+    if (builder == &build_sbvh && budget > 0)
+        items += items * (double)budget;
+    uint64_t build = (uint64_t)(items * builder->tri_bytes);
+    uint64_t reinsert = options->passes > 0 ? (uint64_t)REINSERT_BYTES * tri_count : 0;
+    return build > reinsert ? build : reinsert;
+}
+
+static enum status may_build(const struct builder *builder, const struct scene *scene,
+                             const struct build_options *options, struct reason *reason)
+{
+    uint64_t bytes = bvh_build_bytes(builder, scene->tri_count, options);
+    if (memory_fits(bytes))
+        return STATUS_OK;
+    return fail(reason, STATUS_MEMORY,
+                "builder %s: no memory: a tree of %u triangles takes at least %.1f GB, %.1f GB are "
+                "free",
+                builder->name, scene->tri_count, (double)bytes / GIGA,
+                (double)memory_left() / GIGA);
+}
+
 enum status bvh_build(const struct builder *builder, const struct scene *scene,
                       const struct build_options *options, struct bvh *out, struct reason *reason)
 {
     struct build_options single = *options;
     *out = (struct bvh){0};
+    enum status status = may_build(builder, scene, options, reason);
+    if (status)
+        return status;
     if (options->passes == 0)
         return builder->build(scene, options, out, reason);
     if (builder->faithful)
         return fail(reason, STATUS_INPUT, "builder %s builds as published: it is not optimized",
                     builder->name);
     single.leaf = options->leaf > 0;
-    enum status status = builder->build(scene, &single, out, reason);
+    status = builder->build(scene, &single, out, reason);
     if (status || out->node_count == 0)
         return status;
     status = tree_reinsert(out, options->passes, options->threads);

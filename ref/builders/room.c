@@ -1,6 +1,8 @@
 #define _DEFAULT_SOURCE /* madvise */
 #include "ref/builders/room.h"
 
+#include "ref/memory.h"
+
 #include <stdint.h>
 #include <stdlib.h>
 #include <sys/mman.h>
@@ -15,7 +17,7 @@ void *room_make(size_t count, size_t size)
         return NULL;
     size_t align = count * size >= 2 * PAGE_BYTES ? PAGE_BYTES : 64;
     size_t bytes = (count * size + align) / align * align;
-    void *room = aligned_alloc(align, bytes);
+    void *room = memory_fits(bytes) ? aligned_alloc(align, bytes) : NULL;
 #ifdef MADV_HUGEPAGE
     if (room && align == PAGE_BYTES)
         (void)madvise(room, bytes, MADV_HUGEPAGE); /* a wish: nothing depends on it */

@@ -2,6 +2,7 @@
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
+#include "ref/memory.h"
 #include "ref/mutant.h"
 #include "ref/wide_tree.h"
 
@@ -129,7 +130,7 @@ static void *alloc_pages(uint64_t bytes)
     if (bytes > SIZE_MAX - unit)
         return NULL;
     size_t whole = ((size_t)bytes + unit - 1) / unit * unit;
-    void *made = aligned_alloc(unit, whole);
+    void *made = memory_fits(whole) ? aligned_alloc(unit, whole) : NULL;
     if (!made)
         return NULL;
 #if defined(__linux__)

@@ -33,7 +33,7 @@ static enum status check_leaves(const struct bvh *bvh, struct reason *reason)
     if (largest > SLOTS)
         return fail(reason, STATUS_LIMIT,
                     "rf16: a leaf holds at most 8 items, this tree has one of %u; use --leaf 8 or "
-                    "less, or layout f32",
+                    "less, or --layout auto",
                     largest);
     return STATUS_OK;
 }
@@ -47,7 +47,7 @@ static enum status check_records(const struct bvh *bvh, const uint32_t *before,
     if (largest > MOST_RECORD)
         return fail(reason, STATUS_LIMIT,
                     "rf16: a child record index is at most 32767, this tree needs %u (%u leaves, "
-                    "%u records); use a larger --leaf, or layout f32",
+                    "%u records); use a larger --leaf, or --layout auto",
                     largest, before[bvh->node_count], bvh->node_count + before[bvh->node_count]);
     return STATUS_OK;
 }
@@ -85,8 +85,8 @@ static enum status check_limits(const struct bvh *bvh, const struct scene *scene
         status = check_records(bvh, before, reason);
     if (!status && bvh->tri_count - 1 > MOST_TRIANGLE)
         status = fail(reason, STATUS_LIMIT,
-                      "rf16: a triangle index is at most 65535, the scene's last is %u; use layout "
-                      "f32",
+                      "rf16: a triangle index is at most 65535, the scene's last is %u; use "
+                      "--layout auto",
                       bvh->tri_count - 1);
     if (!status)
         status = check_bounds(bvh, reason);

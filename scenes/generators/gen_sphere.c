@@ -24,7 +24,7 @@ static enum status make(const double *value, uint64_t seed, struct scene *out,
 const struct generator gen_sphere = {
     .name = "sphere",
     .summary = "closed sphere around the origin, 8 n^2 triangles, vertices shared; no seed",
-    .param = {[N] = {"n", "parts of each octahedron edge", 16, 1, 512},
+    .param = {[N] = {"n", "parts of each octahedron edge", 16, 1, 1448},
               [RADIUS] = {"radius", "radius", 1, 1e-9, 1e9}},
     .make = make,
 };

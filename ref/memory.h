@@ -1,0 +1,23 @@
+/* How much memory there is: what is larger is refused before it is begun, with the numbers, where
+ * the system would give it and end the process when it is used. */
+#ifndef MEMORY_H
+#define MEMORY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Below it nobody asks. */
+#define MEMORY_LARGE ((uint64_t)256 << 20)
+
+/* Bytes that this process can still take: the least of what the system says is available, what its
+ * control group (version 2) leaves, and its limit of address space. UINT64_MAX where none is known.
+ */
+uint64_t memory_left(void);
+
+/* True unless `bytes` are MEMORY_LARGE or more, and more than there are left. */
+static inline bool memory_fits(uint64_t bytes)
+{
+    return bytes < MEMORY_LARGE || bytes <= memory_left();
+}
+
+#endif
