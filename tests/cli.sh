@@ -112,7 +112,7 @@ if (ulimit -v 1500000 && "$raydiff" --version) >/dev/null 2>&1; then
     (ulimit -v 1500000 && "$raydiff" check sphere:n=1118 --builder sbvh --rays random --engine cpu --count 9) \
         >"$dir/out" 2>"$dir/err"
     [ $? -eq 4 ] || bad "too little memory is exit code 4"
-    grep -q 'sbvh: no memory: a tree of 9999392 triangles takes at least 5.2 GB, [01].[0-9] GB are free$' "$dir/err" ||
+    grep -q 'sbvh: no memory: a tree of 9999392 triangles takes at least 4.6 GB, [01].[0-9] GB are free$' "$dir/err" ||
         bad "too little memory: says $(cat "$dir/err")"
 fi
 

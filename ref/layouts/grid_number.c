@@ -133,7 +133,7 @@ static int64_t near_rank(const struct number_format *format, const struct number
         frame ? (bound - (double)frame->origin[axis]) / (double)scale_of(frame, axis) : bound;
     double most = (double)format->number(format->last);
     double size = fabs(x) < most ? fabs(x) : most;
-    int64_t rank = (int64_t)size;
+    int64_t rank = format->sign ? 0 : (int64_t)size;
     if (format->sign) { /* its numbers are evenly spaced in the bits of float32 */
         uint32_t first = float_bits(format->number(format->first));
         uint32_t step = float_bits(format->number(format->first + 1)) - first;
