@@ -27,11 +27,13 @@ static void a_folder_keeps_first_smallest_and_count(void **state)
     assert_int_equal(findings_count(findings), 0);
     uint64_t count[5] = {0};
     size_t signatures = 0;
-    for (uint64_t i = 200; i-- > 0;) { /* the lowest last */
+    for (uint64_t step = 0; step <= 200;
+         step++) { /* the lowest last, but for one that is behind all */
+        uint64_t i = step < 200 ? 199 - step : step;
         struct finding_file file = made(i);
         assert_int_equal(add(findings, i, &news), STATUS_OK);
         assert_false(news.repeated);
-        assert_true(news.first);
+        assert_true(news.first == (step < 200));
         signatures += news.signature;
         for (size_t k = 0; k < 5; k++) {
             assert_int_equal(fuzz_signature_parse(names[k], &signature, &reason), STATUS_OK);
