@@ -236,7 +236,8 @@ selftest-quick:
 	$(B)/raydiff fuzz --self-test --only $(QUICK_NAMES) $(ARGS)
 
 mutants: all tests
-	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS) $(GLSLANG_LIBS)' sh tests/mutants.sh $(B) $(ONLY)
+	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS) $(GLSLANG_LIBS)' TOOL_SRC='$(TOOL_SRC)' \
+	    sh tests/mutants.sh $(B) $(ONLY)
 
 lint:
 	@sh tests/rules.sh

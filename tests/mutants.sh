@@ -3,13 +3,13 @@
 # shader, under BUILD/mutants/suite, and something of the suite must turn red. The same command is run
 # without the bug, too, and must be green, so that a broken catcher cannot pass for a catch.
 #   make mutants [ONLY='PATTERN...']
-#   CC_CMD=... LIBS=... sh tests/mutants.sh BUILD [PATTERN...]
+#   CC_CMD=... LIBS=... TOOL_SRC=... sh tests/mutants.sh BUILD [PATTERN...]
 # PATTERN: an extended regular expression; lines that match one are played. Exit 2: one matches none.
 set -u
 build=$1
 shift
 list=tests/mutants_list.txt
-export CC_CMD LIBS
+export CC_CMD LIBS TOOL_SRC
 out=$build/mutants/suite
 rm -rf "$out"
 mkdir -p "$out/healthy"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Plays one line of tests/mutants_list.txt, for tests/mutants.sh; a line says how it went:
 #   caught | MISSED | BROKEN (does not build, or its catcher fails without the bug) | SKIP
-#   CC_CMD=... LIBS=... sh tests/mutants_play.sh BUILD LIST LINE
+#   CC_CMD=... LIBS=... TOOL_SRC=... sh tests/mutants_play.sh BUILD LIST LINE
 set -u
 build=$1 list=$2 line=$3
 out=$build/mutants/suite
@@ -56,7 +56,7 @@ compile_shaders() {
     modules=" $(cat "$build/spv/list") "
     if [ "$name" = NO_PRECISE ]; then # is in the tool
         tool=$dir/tool
-        ${HOSTCC:-cc} -I. -std=c17 -O1 "-DMUTANT=$number" -o "$tool" shaders/spirv_tool.c gpu/spirv_fix.c ref/base.c || return
+        ${HOSTCC:-cc} -I. -std=c17 -O1 "-DMUTANT=$number" -o "$tool" $TOOL_SRC || return
     fi
     for shader in $(echo "$unit" | tr , ' '); do
         source=shaders/$shader.comp

@@ -88,6 +88,10 @@ three=$three'\000\000\000\000\077\200\000\000\000\000\000\000'
     head_ply binary_little_endian 4294967295 4294967295
     head -c 400 /dev/zero
 } >ply/promises.ply
+{ # so little that there is memory for it
+    head_ply binary_little_endian 4000000 4000000
+    head -c 400 /dev/zero
+} >ply/promises_less.ply
 {
     printf '{"prims":[{"indices":[0,1,2],"material":0}],"vertices":['
     printf '{"pos":[0,0,0],"normal":[0,0,1]},{"pos":[1,0,0],"normal":[0,0,1]},'
