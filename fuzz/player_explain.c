@@ -3,6 +3,7 @@
 #include "fuzz/stage.h"
 #include "ref/explain/judged.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static enum cause item_cause(enum item_fault fault)
@@ -131,6 +132,24 @@ static enum status ray_cause(struct judged *judged, const struct ray *ray,
     return STATUS_OK;
 }
 
+/* Rays that finish one by one were not finished together: a driver that counts the rounds of all
+ * lanes of a vector as one loop's is said by the flags, if it does so again. */
+static enum status together_cause(const struct seat *seat, const struct fuzz_trial *trial,
+                                  struct fuzz_finding *finding, struct reason *reason)
+{
+    struct trace_report report = {0};
+    struct hit *hit = alloc_zeroed(trial->ray_count, sizeof *hit);
+    if (!hit)
+        return fail(reason, STATUS_MEMORY, "no memory for %u rays", trial->ray_count);
+    enum status status =
+        seat->engine->trace(seat->self, trial->ray, trial->ray_count, hit, &report, reason);
+    uint32_t ends = report.flags & (ABI_FLAG_STACK | ABI_FLAG_VISITS | ABI_FLAG_LOOP);
+    if (status && ends == ABI_FLAG_LOOP)
+        finding->signature.cause = CAUSE_LOOP_CAP;
+    free(hit);
+    return status == STATUS_MEMORY ? status : STATUS_OK;
+}
+
 /* A hit that was missed must be found: that a miss became excusable is no cure. */
 static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray *answer)
 {
@@ -190,6 +209,10 @@ static enum status find_cause(struct fuzz_player *player, struct stage *stage,
         status = ray_cause(&asked.judged, &stage->trial->ray[finding->ray], finding, reason);
     else if (asked.judged.has_tree)
         finding->signature.cause = tree_cause(&asked.judged.tree);
+    if (!status && finding->signature.kind == FUZZ_KIND_UNFINISHED &&
+        finding->signature.cause == CAUSE_NOT_REPEATABLE)
+        status =
+            together_cause(&player->seat[finding->contestant], stage->trial, finding, reason);
     if (finding->signature.kind == FUZZ_KIND_TREE && asked.judged.has_tree &&
         finding->signature.cause == CAUSE_UNEXPLAINED)
         finding->signature.cause = box_cause(&asked.judged.tree);
