@@ -77,6 +77,7 @@ struct campaign_view {
     uint64_t coverage[COVERAGE_WORDS]; /* of the campaign */
     size_t kept;                       /* trials to mutate */
     uint32_t workers, restarts;
+    uint32_t renewed;         /* workers that had grown to half of the memory that one may hold */
     bool unplayed;            /* trials of options.trials are left for another run */
     size_t to_shrink, shrunk; /* signatures */
     const char *versions;

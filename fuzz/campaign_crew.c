@@ -82,6 +82,21 @@ static void send_block(struct slot *slot)
     (void)worker_order(&slot->child, &order, slot->block->base ? &base : NULL);
 }
 
+/* Drivers keep what they compiled for as long as their process lives: before that takes all it may
+ * hold, which would be told as a crash, an idle worker makes room for a new one. */
+static bool is_grown(const struct campaign *c, const struct slot *slot)
+{
+    uint64_t most = c->options->memory_bytes;
+    return most > 0 && slot->warm && child_memory(&slot->child) > most / 2;
+}
+
+static enum status renew(struct campaign *c, struct slot *slot, struct reason *reason)
+{
+    child_end(&slot->child, 1000, NULL);
+    c->view.renewed++;
+    return start(c, slot, reason);
+}
+
 enum status campaign_crew_order(struct campaign *c, struct reason *reason)
 {
     enum status status = STATUS_OK;
@@ -90,6 +105,10 @@ enum status campaign_crew_order(struct campaign *c, struct reason *reason)
         bool given = false;
         if (slot->task != SLOT_IDLE)
             continue;
+        if (is_grown(c, slot)) {
+            status = renew(c, slot, reason);
+            continue;
+        }
         status = campaign_job_order(c, slot, &given, reason);
         if (status || given)
             continue;

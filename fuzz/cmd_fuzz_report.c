@@ -168,6 +168,7 @@ static json_t *make_json(const struct fuzz_command *c, const struct campaign_vie
     json_object_set_new(root, "pairs", fuzz_pairs_json(c, view));
     json_object_set_new(root, "workers", json_integer((json_int_t)view->options->jobs));
     json_object_set_new(root, "restarts", json_integer((json_int_t)view->restarts));
+    json_object_set_new(root, "renewed", json_integer((json_int_t)view->renewed));
     json_object_set_new(root, "findings", findings);
     if (whole)
         json_object_set_new(root, "exit", json_integer(c->code));
@@ -353,6 +354,8 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     fuzz_pairs_print(c, view);
     if (view->restarts > 0)
         printf("restarts   %u; the last: %s\n", (unsigned)view->restarts, view->said);
+    if (view->renewed > 0)
+        printf("renewed    %u workers that held half of --memory\n", (unsigned)view->renewed);
     if (flaky > 0)
         printf("flaky      %zu: never showed again in %u times alone\n", flaky, CAMPAIGN_AGAIN);
     if (left > 0 && news > 0) {

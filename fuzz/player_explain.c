@@ -211,8 +211,7 @@ static enum status find_cause(struct fuzz_player *player, struct stage *stage,
         finding->signature.cause = tree_cause(&asked.judged.tree);
     if (!status && finding->signature.kind == FUZZ_KIND_UNFINISHED &&
         finding->signature.cause == CAUSE_NOT_REPEATABLE)
-        status =
-            together_cause(&player->seat[finding->contestant], stage->trial, finding, reason);
+        status = together_cause(&player->seat[finding->contestant], stage->trial, finding, reason);
     if (finding->signature.kind == FUZZ_KIND_TREE && asked.judged.has_tree &&
         finding->signature.cause == CAUSE_UNEXPLAINED)
         finding->signature.cause = box_cause(&asked.judged.tree);
