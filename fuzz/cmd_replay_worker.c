@@ -199,6 +199,7 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
     const struct explain_of of = {.spec = path,
                                   .engine = request->who.engine,
                                   .layout = layout,
+                                  .store = trial->store,
                                   .builder = trial->builder,
                                   .build = trial->build,
                                   .box = trial->box,

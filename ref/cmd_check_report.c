@@ -37,23 +37,11 @@ static void print_lists(const struct row *row)
         printf(" no parity (the mesh is open)");
 }
 
-/* "layout", "layout:storage" or "-". */
-static const char *layout_text(const struct row *row, char *text, size_t bytes)
-{
-    const struct tri_store *store = row->options.store;
-    if (!row->layout)
-        return "-";
-    if (!store || store == tri_stores[0])
-        return row->layout->name;
-    snprintf(text, bytes, "%s:%s", row->layout->name, store->name);
-    return text;
-}
-
 static void print_row(const struct row *row)
 {
     const struct match_options *o = &row->options;
-    char text[64];
-    printf("%-13s %-13s %-7s %-7s %-7s ", layout_text(row, text, sizeof text),
+    char text[STORED_NAME_MOST];
+    printf("%-13s %-13s %-7s %-7s %-7s ", stored_name(row->layout, row->options.store, text),
            row->engine ? row->engine->name : "-", row->layout ? o->box->name : "-", o->tri->name,
            query_name(o->query));
     if (row->status == ROW_REFUSED || row->status == ROW_SKIPPED || row->status == ROW_FAILED) {
@@ -109,7 +97,7 @@ static const struct row *row_of(const struct check_scene *scene, const char *eng
 /* What engine cpu reads of each layout and storage, if there are several storages. */
 static void print_stored(const struct check_scene *scene)
 {
-    char text[64];
+    char text[STORED_NAME_MOST];
     const struct row *last = NULL;
     double tris = scene->tri_count ? scene->tri_count : 1;
     bool several = false;
@@ -123,7 +111,7 @@ static void print_stored(const struct check_scene *scene)
             continue;
         last = row;
         printf("  %s: %.2f bytes a triangle: %.2f nodes, %.2f storage, %.2f the scene's arrays\n",
-               layout_text(row, text, sizeof text),
+               stored_name(row->layout, row->options.store, text),
                (double)(row->node_bytes + row->item_bytes + row->scene_bytes) / tris,
                (double)row->node_bytes / tris, (double)row->item_bytes / tris,
                (double)row->scene_bytes / tris);
@@ -133,7 +121,7 @@ static void print_stored(const struct check_scene *scene)
 /* Of rows on a decoded scene: what their answers are for the original. */
 static void print_originals(const struct check_scene *scene)
 {
-    char text[64];
+    char text[STORED_NAME_MOST];
     bool first = true;
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
@@ -148,7 +136,7 @@ static void print_originals(const struct check_scene *scene)
         printf("  %s on %s %s: WRONG decoded %zu, beyond what moved %zu; for the original, of a "
                "million %.1f lost, %.1f phantom, %.1f other triangle; displacement needed %.4g "
                "(decoded: %.3g)\n",
-               layout_text(row, text, sizeof text), row->engine->name,
+               stored_name(row->layout, row->options.store, text), row->engine->name,
                query_name(row->options.query), row->count[VERDICT_WRONG], row->original.beyond,
                1e6 * (double)row->original.lost / (double)judged,
                1e6 * (double)row->original.phantom / (double)judged,
@@ -161,7 +149,7 @@ static void print_originals(const struct check_scene *scene)
 static void print_winners(const struct check_scene *scene)
 {
     static const char *const players[] = {"vulkan", "cpu"};
-    char text[64];
+    char text[STORED_NAME_MOST];
     for (size_t p = 0; p < ARRAY_COUNT(players); p++) {
         const struct row *base = row_of(scene, players[p], "f32");
         if (!base)
@@ -174,7 +162,7 @@ static void print_winners(const struct check_scene *scene)
                 continue;
             printf("  %s on %s: %.2f of f32's node bytes (%.2f with f32's item array), %.2f times "
                    "its speed\n",
-                   layout_text(row, text, sizeof text), players[p],
+                   stored_name(row->layout, row->options.store, text), players[p],
                    (double)row->node_bytes / (double)base->node_bytes,
                    (double)(row->node_bytes + row->item_bytes) /
                        (double)(base->node_bytes + base->item_bytes),

@@ -27,6 +27,7 @@ static const char help[] =
     "  --seed S        of rays and generators                                    [1]\n"
     "  --engine E      engine; pipe:COMMAND is a tracer of your own              [cpu]\n"
     "  --layout L      layout                                                    [rf16]\n"
+    "  --store S       triangle storage, see raydiff list storages               [indexed]\n"
     "  --builder B     builder                                                   [median]\n"
     "  --leaf N        items per leaf                                            [4]\n"
     "  --eps E         builder rtrs: smallest box that is split                  "
@@ -50,6 +51,7 @@ enum {
     OPT_SEED,
     OPT_ENGINE,
     OPT_LAYOUT,
+    OPT_STORE,
     OPT_BUILDER,
     OPT_LEAF,
     OPT_EPS,
@@ -66,6 +68,7 @@ static const struct option long_options[] = {{"ray", 1, NULL, OPT_RAY},
                                              {"seed", 1, NULL, OPT_SEED},
                                              {"engine", 1, NULL, OPT_ENGINE},
                                              {"layout", 1, NULL, OPT_LAYOUT},
+                                             {"store", 1, NULL, OPT_STORE},
                                              {"builder", 1, NULL, OPT_BUILDER},
                                              {"leaf", 1, NULL, OPT_LEAF},
                                              {"eps", 1, NULL, OPT_EPS},
@@ -84,6 +87,7 @@ static struct explain_options default_options(void)
         .of = {.seed = 1,
                .engine = engine_find("cpu"),
                .layout = layout_find("rf16"),
+               .store = tri_stores[0],
                .builder = builders[0],
                .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
                .box = box_tests[0],
@@ -107,7 +111,7 @@ static enum status take_name(struct explain_options *o, int option, const char *
         {OPT_RAYS, TABLE_RAY_SETS, "--rays"},    {OPT_ENGINE, TABLE_ENGINES, "--engine"},
         {OPT_LAYOUT, TABLE_LAYOUTS, "--layout"}, {OPT_BUILDER, TABLE_BUILDERS, "--builder"},
         {OPT_BOX, TABLE_BOX_TESTS, "--box"},     {OPT_TRI, TABLE_TRI_TESTS, "--tri"},
-        {OPT_QUERY, TABLE_QUERIES, "--query"}};
+        {OPT_QUERY, TABLE_QUERIES, "--query"},   {OPT_STORE, TABLE_STORES, "--store"}};
     size_t which = 0, index;
     while (names[which].option != option)
         which++;
@@ -133,6 +137,10 @@ static enum status take_name(struct explain_options *o, int option, const char *
     case OPT_BUILDER:
         o->of.builder = builders_all[index];
         o->build_flag = "--builder";
+        break;
+    case OPT_STORE:
+        o->of.store = tri_stores[index];
+        o->build_flag = "--store";
         break;
     case OPT_BOX:
         o->of.box = box_tests[index];
@@ -199,6 +207,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_RAYS:
     case OPT_ENGINE:
     case OPT_LAYOUT:
+    case OPT_STORE:
     case OPT_BUILDER:
     case OPT_BOX:
     case OPT_TRI:
@@ -267,7 +276,7 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
     if (!status && of->tree)
         return tree_file_pack(&e->tree, of->layout, &e->scene, &e->packed, reason);
     if (!status)
-        status = packed_make(of->layout, &e->bvh, &e->scene, &e->packed, reason);
+        status = packed_make_stored(of->layout, of->store, &e->bvh, &e->scene, &e->packed, reason);
     return status;
 }
 

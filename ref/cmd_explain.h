@@ -15,7 +15,8 @@ struct explain_of {
     const struct layout *layout;   /* NULL: the engine has no tree, as are the next two */
     const struct builder *builder; /* tree_file_builder with `tree` */
     struct build_options build;
-    const char *tree; /* of --bvh; NULL: built */
+    const struct tri_store *store; /* NULL: indexed */
+    const char *tree;              /* of --bvh; NULL: built */
     const struct box_test *box;
     const struct tri_test *tri;
     enum query query;

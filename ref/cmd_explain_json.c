@@ -113,9 +113,10 @@ static json_t *hints_json(const struct explain_page *page)
 static json_t *subject_json(const struct explain_page *page)
 {
     const struct explain_of *of = page->of;
-    return json_pack("{s:s, s:I, s:s, s:s?, s:s?, s:s?, s:i, s:s?, s:s, s:s, s:s?, s:I}", "scene",
-                     of->spec, "seed", (json_int_t)of->seed, "engine", of->engine->name, "layout",
-                     of->layout ? of->layout->name : NULL, "builder",
+    return json_pack("{s:s, s:I, s:s, s:s?, s:s?, s:s?, s:s?, s:i, s:s?, s:s, s:s, s:s?, s:I}",
+                     "scene", of->spec, "seed", (json_int_t)of->seed, "engine", of->engine->name,
+                     "layout", of->layout ? of->layout->name : NULL, "store",
+                     of->layout && of->store ? of->store->name : NULL, "builder",
                      of->builder ? of->builder->name : NULL, "bvh", of->tree, "leaf",
                      (int)of->build.leaf, "box", of->layout ? of->box->name : NULL, "tri",
                      of->tri->name, "query", query_name(of->query), "rays", page->rays, "index",
@@ -200,6 +201,8 @@ void explain_command(const struct explain_of *of, const struct ray *ray,
         plugin_command(text, EXPLAIN_COMMAND_MOST, of->layout);
         append(text, "%s", of->tree ? " --bvh" : " --builder");
         command_word(text, EXPLAIN_COMMAND_MOST, of->tree ? of->tree : of->builder->name);
+        if (of->store && of->store != tri_stores[0])
+            append(text, " --store %s", of->store->name);
         append(text, " --box %s", of->box->name);
         snprintf(number, sizeof number, "%u", of->build.leaf);
         if (of->build.leaf != BUILD_LEAF_DEFAULT && !of->tree)
@@ -226,6 +229,7 @@ struct explain_of explain_of_row(const struct row *row, const char *spec, uint64
                                .seed = seed,
                                .engine = row->engine,
                                .layout = row->layout,
+                               .store = row->options.store,
                                .builder = row->options.builder,
                                .build = row->options.build,
                                .tree = row->options.tree ? row->options.tree->name : NULL,

@@ -1,6 +1,7 @@
 /* The page of raydiff explain, for a person. */
 #include "ref/cmd_explain.h"
 
+#include "ref/cmd_tables.h"
 #include "ref/explain/outside.h"
 #include "ref/explain/ray_text.h"
 
@@ -46,11 +47,13 @@ static void print_subject(const struct explain_page *page)
     print_floats("origin", ray->org, 3);
     print_floats("direction", ray->dir, 3);
     print_floats("range", range, 2);
+    char text[STORED_NAME_MOST];
+    const char *layout = stored_name(of->layout, of->store, text);
     printf("engine    %s", of->engine->name);
     if (of->layout && of->tree)
-        printf(", layout %s, tree %s, box %s", of->layout->name, of->tree, of->box->name);
+        printf(", layout %s, tree %s, box %s", layout, of->tree, of->box->name);
     else if (of->layout)
-        printf(", layout %s, builder %s, leaf %u, box %s", of->layout->name, of->builder->name,
+        printf(", layout %s, builder %s, leaf %u, box %s", layout, of->builder->name,
                of->build.leaf, of->box->name);
     printf(", triangle %s, query %s\n", of->tri->name, query_name(of->query));
 }

@@ -33,6 +33,7 @@ static enum status take_trial(struct explain_options *o, const char *text, struc
                                 .seed = trial.seed,
                                 .engine = trial.engine,
                                 .layout = trial.layout,
+                                .store = tri_stores[0],
                                 .builder = trial.builder,
                                 .build = o->of.build,
                                 .box = trial.box,
@@ -81,6 +82,7 @@ static enum status take_file(struct explain_options *o, const char *path, struct
     o->has_file = true;
     o->of.builder = trial->builder;
     o->of.build = trial->build;
+    o->of.store = trial->store;
     o->of.box = trial->box;
     o->of.tri = trial->tri;
     o->of.query = trial->query;

@@ -15,6 +15,7 @@ static const char help[] =
     "those that hit two triangles where the edge or vertex they share has room for one (double),\n"
     "and those that cross the mesh an even number of times.\n\n"
     "  --layout L,..   layouts, or 'all'                                         [f32,rf16]\n"
+    "  --store S,..    triangle storages, see raydiff list storages              [indexed]\n"
     "  --engine E,..   engines, or 'all'                       [all that can run here but brute]\n"
     "  --builder B,..  builders                                                  [median]\n"
     "  --leaf N        items per leaf, 1 or more                                 "
@@ -44,6 +45,7 @@ static const char help[] =
 
 enum {
     OPT_LAYOUT = 256,
+    OPT_STORE,
     OPT_ENGINE,
     OPT_BUILDER,
     OPT_LEAF,
@@ -56,6 +58,7 @@ enum {
 };
 
 static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
+                                             {"store", 1, NULL, OPT_STORE},
                                              {"engine", 1, NULL, OPT_ENGINE},
                                              {"builder", 1, NULL, OPT_BUILDER},
                                              {"leaf", 1, NULL, OPT_LEAF},
@@ -84,6 +87,7 @@ static struct leaks_options default_options(void)
         if (!strstr(engines[i]->name, "brute"))
             o.engine.index[o.engine.count++] = i;
     bool ok = table_parse(TABLE_LAYOUTS, "", "f32,rf16", &o.layout, &reason) == STATUS_OK &&
+              table_parse(TABLE_STORES, "", "indexed", &o.store, &reason) == STATUS_OK &&
               table_parse(TABLE_BUILDERS, "", "median", &o.builder, &reason) == STATUS_OK &&
               table_parse(TABLE_BOX_TESTS, "", "robust,watertight", &o.box, &reason) == STATUS_OK &&
               table_parse(TABLE_TRI_TESTS, "", "mt,woop", &o.tri, &reason) == STATUS_OK;
@@ -110,6 +114,9 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_LAYOUT:
         o->layout_named = strcmp(text, "all") != 0;
         return table_parse(TABLE_LAYOUTS, "--layout", text, &o->layout, reason);
+    case OPT_STORE:
+        o->build_flag = "--store";
+        return table_parse(TABLE_STORES, "--store", text, &o->store, reason);
     case OPT_ENGINE:
         o->engine_named = strcmp(text, "all") != 0;
         return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);

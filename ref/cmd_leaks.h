@@ -11,7 +11,7 @@
 
 /* What was asked for. */
 struct leaks_options {
-    struct list layout, engine, builder, box, tri;
+    struct list layout, store, engine, builder, box, tri;
     bool layout_named, engine_named;
     struct build_options build;
     uint64_t count, seed;
@@ -26,6 +26,7 @@ struct leaks_options {
 struct leak_row {
     const struct engine *engine; /* NULL: no engine could play, the layout refused */
     const struct layout *layout; /* NULL: the engine needs none */
+    const struct tri_store *store;
     const struct builder *builder;
     const struct box_test *box;
     const struct tri_test *tri;

@@ -79,8 +79,9 @@ static void count_row(struct play *play, struct leak_row *row)
 
 static enum status play_row(struct play *play, struct leak_row row, struct reason *reason)
 {
+    char text[STORED_NAME_MOST];
     progress_step(play->progress, "%s: %s %s %s", play->result->spec,
-                  row.layout ? row.layout->name : "-", row.engine->name, row.tri->name);
+                  stored_name(row.layout, row.store, text), row.engine->name, row.tri->name);
     count_row(play, &row);
     if (row.status == STATUS_OK)
         leak_row_judge(&row, play->result->profile);
@@ -137,10 +138,12 @@ static enum status play_layouts(struct play *play, const struct bvh *bvh, struct
     const struct leaks_options *o = play->options;
     struct list list = o->layout_named ? o->layout : tree_layouts(&play->tree, &o->layout);
     enum status status = STATUS_OK;
-    for (size_t l = 0; l < list.count && !status; l++) {
-        row.layout = layouts_all[list.index[l]];
+    for (size_t i = 0; i < list.count * o->store.count && !status; i++) {
+        row.layout = layouts_all[list.index[i / o->store.count]];
+        row.store = tri_stores[o->store.index[i % o->store.count]];
         row.status =
-            bvh ? packed_make(row.layout, bvh, &play->scene, &play->packed, &row.reason)
+            bvh ? packed_make_stored(row.layout, row.store, bvh, &play->scene, &play->packed,
+                                     &row.reason)
                 : tree_file_pack(&play->tree, row.layout, &play->scene, &play->packed, &row.reason);
         if (row.status == STATUS_LIMIT)
             status = add_row(play, &row, reason);

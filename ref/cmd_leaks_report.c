@@ -52,7 +52,8 @@ static void print_aims(const struct leaks *leaks, size_t offset)
 
 static void print_row(const struct leak_row *row)
 {
-    printf("%-13s %-13s %-10s %-7s", row->layout ? row->layout->name : "-",
+    char text[STORED_NAME_MOST];
+    printf("%-13s %-13s %-10s %-7s", stored_name(row->layout, row->store, text),
            row->engine ? row->engine->name : "-",
            row->engine && !row->engine->needs_packed ? "-" : row->box->name,
            row->own_test ? "own" : row->tri->name);
@@ -89,10 +90,11 @@ static void print_row(const struct leak_row *row)
 static void print_finding(const struct leak_row *row, const struct leak_finding *f)
 {
     const struct ray *ray = &f->ray;
+    char text[STORED_NAME_MOST];
     printf("%s %s.%s.%s ray %zu at %s: org %a %a %a dir %a %a %a", f->is_double ? "DOUBLE" : "MISS",
-           row->engine->name, row->layout ? row->layout->name : "-", row->tri->name, f->ray_index,
-           leak_aim_name(f->aim), (double)ray->org[0], (double)ray->org[1], (double)ray->org[2],
-           (double)ray->dir[0], (double)ray->dir[1], (double)ray->dir[2]);
+           row->engine->name, stored_name(row->layout, row->store, text), row->tri->name,
+           f->ray_index, leak_aim_name(f->aim), (double)ray->org[0], (double)ray->org[1],
+           (double)ray->org[2], (double)ray->dir[0], (double)ray->dir[1], (double)ray->dir[2]);
     if (f->is_double)
         printf(", triangles %u and %u", (unsigned)f->prim[0], (unsigned)f->prim[1]);
     putchar('\n');
@@ -134,14 +136,19 @@ void leaks_print(const struct leak_scene *scene)
 int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_named)
 {
     int code = scene->vacuous[0] ? EXIT_MISMATCH : EXIT_AGREE;
+    size_t refused = 0, on_layouts = 0;
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct leak_row *row = &scene->row[i];
         bool is_layouts = row->status == STATUS_LIMIT && !row->engine;
+        on_layouts += row->layout != NULL;
+        refused += is_layouts;
         if (row->status == STATUS_OK)
             code = exit_worse(code, row->broken[0] ? EXIT_MISMATCH : EXIT_AGREE);
         else if (is_layouts ? layout_named : engine_named || row->status != STATUS_UNSUPPORTED)
             code = exit_worse(code, exit_of_status(row->status));
     }
+    if (refused > 0 && refused == on_layouts) /* nothing was played of what was asked for */
+        code = exit_worse(code, exit_of_status(STATUS_LIMIT));
     return code;
 }
 
@@ -180,8 +187,9 @@ static json_t *finding_json(const struct leak_finding *f)
 static json_t *row_json(const struct leak_scene *scene, const struct leak_row *row)
 {
     json_t *out =
-        json_pack("{s:s, s:s?, s:s?, s:s, s:s?, s:s, s:b, s:s, s:s, s:s}", "scene", scene->spec,
-                  "layout", row->layout ? row->layout->name : NULL, "engine",
+        json_pack("{s:s, s:s?, s:s?, s:s?, s:s, s:s?, s:s, s:b, s:s, s:s, s:s}", "scene",
+                  scene->spec, "layout", row->layout ? row->layout->name : NULL, "store",
+                  row->layout ? row->store->name : NULL, "engine",
                   row->engine ? row->engine->name : NULL, "builder", row->builder->name, "box",
                   row->engine && !row->engine->needs_packed ? NULL : row->box->name, "tri",
                   row->own_test ? "own" : row->tri->name, "promises", (int)row->promises, "broken",

@@ -225,6 +225,17 @@ enum status table_parse_one(enum table table, const char *flag, const char *text
     return status;
 }
 
+const char *stored_name(const struct layout *layout, const struct tri_store *store,
+                        char text[STORED_NAME_MOST])
+{
+    if (!layout)
+        return "-";
+    if (!store || store == tri_stores[0])
+        return layout->name;
+    snprintf(text, STORED_NAME_MOST, "%s:%s", layout->name, store->name);
+    return text;
+}
+
 struct progress progress_make(const char *command)
 {
     uint64_t now = time_ns();

@@ -5,6 +5,9 @@
 
 #include "ref/base.h"
 
+struct layout;
+struct tri_store;
+
 enum table {
     TABLE_BUILDERS,
     TABLE_LAYOUTS,
@@ -46,6 +49,12 @@ enum status table_parse(enum table table, const char *flag, const char *text, st
 /* As table_parse, for exactly one name. */
 enum status table_parse_one(enum table table, const char *flag, const char *text, size_t *index,
                             struct reason *reason) MUST_USE;
+
+/* "LAYOUT", or "LAYOUT:STORAGE" where that is not `indexed` (nor NULL); "-" for no layout. `text`
+ * is room for it; what is returned may be another. */
+#define STORED_NAME_MOST 160
+const char *stored_name(const struct layout *layout, const struct tri_store *store,
+                        char text[STORED_NAME_MOST]);
 
 /* Says on stderr what is being done, once something has taken 2 seconds: on a terminal one line
  * that is overwritten, else a line every 10 seconds. */

@@ -218,6 +218,13 @@ done
 again=$(sed -n 's/^again *raydiff //p' "$dir/out")
 eval "expect 1 . $again"
 grep -q '^cause     sentinel' "$dir/out" || bad "explain's own command line gives the same cause"
+expect 0 . explain soup --store compact --layout f32 --ray '0,0,-1 0,0,1' --json "$dir/page.json"
+grep -q 'layout f32:compact, .*' "$dir/out" || bad "explain says which storage"
+grep -q '"store": "compact"' "$dir/page.json" || bad "explain --json says which storage"
+grep -q '^again .* --store compact ' "$dir/out" || bad "explain's own command line names the storage"
+expect 77 'edges holds no vertices: test woop' explain soup --store edges --layout f32 --tri woop --ray '0,0,-1 0,0,1'
+expect 2 'storage quantised: .* lie on no grid' explain soup --store quantised --layout f32 --ray '0,0,-1 0,0,1'
+expect 2 'goes without --store' explain soup --store compact --bvh none --ray '0,0,-1 0,0,1'
 expect 1 . explain needles:n=300 --builder sbvh --rays random --count 3000 --layout rtrs_rf
 grep -q '^cause     index_shifted' "$dir/out" || bad "explain names the cause in a split tree"
 expect 0 'missed 0' check needles:n=300 --builder sbvh --split-budget 2 --split-alpha 0 --query all \
@@ -387,6 +394,12 @@ grep -q 'BROKEN: .* hit twice' "$dir/out" || bad "leaks: woop breaks the DXR rul
 expect 1 . leaks sphere:n=4 --count 999 --layout f32 --engine cpu
 grep -q 'vacuous: 999 rays' "$dir/out" || bad "leaks: too few rays are vacuous"
 expect 2 . leaks sphere:n=4 $few --layout rf16 --leaf 9
+expect 0 . leaks sphere:n=4 $few --tri woop --box watertight --store indexed,compact --json "$dir/leaks.json"
+grep -q '^f32:compact .* kept$' "$dir/out" || bad "leaks: a storage keeps its word"
+grep -q '"store": "compact"' "$dir/leaks.json" || bad "leaks --json says which storage"
+expect 2 'goes without --store' leaks sphere:n=4 --store compact --bvh none
+expect 2 . leaks sphere:n=4 $few --store quantised
+grep -q 'refused: storage quantised: ' "$dir/out" || bad "leaks: a storage that holds nothing of the scene is not a pass"
 expect 2 'no-such-folder' leaks sphere:n=4 $few --json "$dir/no-such-folder/x"
 
 [ -z "$(ls "$dir" | grep -i tmp)" ] || bad "a temporary file was left behind"
