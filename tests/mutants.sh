@@ -2,7 +2,7 @@
 # Planted bugs (ref/mutant.h): each line of tests/mutants_list.txt compiles one into a C unit or a
 # shader, under BUILD/mutants/suite, and something of the suite must turn red. The same command is run
 # without the bug, too, and must be green, so that a broken catcher cannot pass for a catch.
-#   make mutants [ONLY='PATTERN...']
+#   make mutants [ONLY='PATTERN...']    the patterns as words of the shell
 #   CC_CMD=... LIBS=... TOOL_SRC=... sh tests/mutants.sh BUILD [PATTERN...]
 # PATTERN: an extended regular expression; lines that match one are played. Exit 2: one matches none.
 set -u
