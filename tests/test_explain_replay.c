@@ -258,6 +258,59 @@ static void notes_follow_the_path(void **state)
     scene_free(&scene);
 }
 
+/* How many of the rays are answered otherwise than by the traversal of `packed`. */
+static size_t count_differences(const struct explain_tree *tree, const struct packed *packed,
+                                const struct tri_test *tri, uint32_t repairs, const struct ray *ray)
+{
+    const struct replay replay = {
+        .scene = tree->scene, .tree = tree, .box_id = box_tests[0]->id, .tri_id = tri->id};
+    const struct replay_change change = {.repairs = repairs};
+    size_t differences = 0;
+    for (size_t i = 0; i < RAYS; i++) {
+        struct hit hit, expected;
+        assert_int_equal(trace_ray(packed, tree->scene, box_tests[0], tri, QUERY_CLOSEST, &ray[i],
+                                   &expected, NULL),
+                         STATUS_OK);
+        assert_int_equal(replay_run(&replay, &change, &ray[i], &hit, NULL), REPLAY_DONE);
+        differences += memcmp(&hit, &expected, sizeof hit) != 0;
+    }
+    return differences;
+}
+
+/* With the words of a storage turned over the replay is still the traversal, and with the scene's
+ * triangles in their place that of a storage in order. */
+static void what_a_storage_holds_is_replayed(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *store, *tri;
+    } pairs[] = {{"gathered", "mt"}, {"edges", "mt"}, {"baldwin_webber", "baldwin_webber"}};
+    static struct ray ray[RAYS];
+    struct scene scene = opened("soup:n=300");
+    make_rays(&scene, ray, RAYS);
+    struct subject s = subject_make(&scene, "median", 4, SEED_EPS, "f32");
+    for (size_t i = 0; i < ARRAY_COUNT(pairs); i++) {
+        const struct tri_test *tri = tri_test_find(pairs[i].tri);
+        struct packed packed;
+        struct explain_tree tree;
+        assert_int_equal(packed_make_stored(layout_find("f32"), tri_store_find(pairs[i].store),
+                                            &s.bvh, &scene, &packed, NULL),
+                         STATUS_OK);
+        assert_int_equal(explain_tree_make(&scene, &s.bvh, &packed, &tree, NULL), STATUS_OK);
+        assert_int_equal(count_differences(&tree, &packed, tri, 0, ray), 0);
+        for (uint32_t w = 0; w < packed.item_count; w += 10) /* one number of each triangle */
+            packed.item[w] ^= 0x80000000u;
+        assert_int_equal(count_differences(&tree, &packed, tri, 0, ray), 0);
+        assert_true(count_differences(&tree, &s.packed, tri, 0, ray) > RAYS / 8);
+        assert_int_equal(count_differences(&tree, &s.packed, tri, 1u << REPAIR_ITEM_STORED, ray),
+                         0);
+        explain_tree_free(&tree);
+        packed_free(&packed);
+    }
+    subject_free(&s);
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -269,6 +322,7 @@ int main(void)
         cmocka_unit_test(the_rules_give_the_bits_of_the_box_tests),
         cmocka_unit_test(the_conservative_box_test_turns_away_nothing_that_is_met),
         cmocka_unit_test(notes_follow_the_path),
+        cmocka_unit_test(what_a_storage_holds_is_replayed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

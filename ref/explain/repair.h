@@ -15,6 +15,7 @@ enum cause {
     CAUSE_SENTINEL,        /* triangle 0 or a stored 0 taken for an empty slot */
     CAUSE_INDEX_SHIFTED,   /* the leaf tests the triangle before its own (F2) */
     CAUSE_WRONG_ITEM,      /* the leaf tests triangles that have nothing to do with its own */
+    CAUSE_STORED_TRIANGLE, /* what is stored in place of vertices is not the scene's triangle */
     /* Boxes: what the bytes say against what the tree says. */
     CAUSE_HALF_OVERFLOW,          /* a stored bound is infinite or NaN */
     CAUSE_HALF_SUBNORMAL_FLUSHED, /* a bound below 2^-14 in magnitude reads as 0 */
@@ -64,6 +65,7 @@ enum repair {
     REPAIR_ITEM_SENTINEL,
     REPAIR_ITEM_SHIFTED,
     REPAIR_ITEM_OTHER,
+    REPAIR_ITEM_STORED,   /* triangles are the scene's, whatever the storage holds of them */
     REPAIR_REF_TRUNCATED, /* nodes whose children need more bits: the tree's children */
     REPAIR_BOX_OVERFLOW,  /* bounds of that fault are the tree's; so the next three */
     REPAIR_BOX_FLUSHED,

@@ -108,14 +108,41 @@ static bool box_hit(struct state *s, uint32_t ref, const struct box *box, float 
     return hit;
 }
 
+/* An item of a leaf. */
+struct item {
+    const struct wide *leaf; /* NULL: every triangle is tested, none is an item */
+    uint32_t slot, prim;
+};
+
+/* The storage that has the triangle, or NULL: it is the scene's. What was put right or planted,
+ * and is not the triangle that the slot names, is the scene's, too. */
+static const struct tri_store *store_of(const struct state *s, const struct item *item)
+{
+    if (!item->leaf || item->leaf->item_first == EXPLAIN_NONE || repairs(s, REPAIR_ITEM_STORED))
+        return NULL;
+    const struct packed *packed = s->replay->tree->packed;
+    bool stored = !tri_store_reads_scene(packed->store) &&
+                  packed_item(packed, item->leaf, item->slot) == item->prim;
+    return stored ? packed->store : NULL;
+}
+
 /* The triangle test of this run, range included. */
-static bool tri_hit(const struct state *s, uint32_t prim, struct hit *out)
+static bool tri_hit(const struct state *s, const struct item *item, struct hit *out)
 {
     if (repairs(s, REPAIR_TRIANGLE) && s->replay->exact)
-        return s->replay->exact(s->replay->exact_user, s->ray, prim, out);
+        return s->replay->exact(s->replay->exact_user, s->ray, item->prim, out);
     float v[3][3];
     uint32_t id = s->replay->tri_id;
-    scene_tri(s->replay->scene, prim, v);
+    const struct tri_store *store = store_of(s, item);
+    bool plain =
+        !spoilt(s, DEFECT_EDGE_FUSED) && !(id == ABI_TRI_MT_RTRS && repairs(s, REPAIR_THRESHOLD));
+    if (store && store->test && plain)
+        return store->test(s->replay->tree->packed, item->leaf->item_first, item->slot, id, &s->tri,
+                           out);
+    if (!store || !store->tri)
+        scene_tri(s->replay->scene, item->prim, v);
+    else if (!store->tri(s->replay->tree->packed, item->leaf->item_first, item->slot, v))
+        return false;
     if (spoilt(s, DEFECT_EDGE_FUSED))
         return fused_tri_run(id, &s->tri, v, out);
     if (id != ABI_TRI_MT_RTRS || !repairs(s, REPAIR_THRESHOLD))
@@ -125,12 +152,13 @@ static bool tri_hit(const struct state *s, uint32_t prim, struct hit *out)
 }
 
 /* `limit`: what an accepted triangle must be nearer than, unless nothing was hit. */
-static bool try_triangle(struct state *s, uint32_t prim, bool any, float limit)
+static bool try_triangle(struct state *s, const struct item *item, bool any, float limit)
 {
     struct hit hit;
+    uint32_t prim = item->prim;
     if (watch_of(s))
         watch_of(s)->tri(watch_of(s)->user, prim);
-    bool accepted = tri_hit(s, prim, &hit);
+    bool accepted = tri_hit(s, item, &hit);
     bool kept = accepted && (!any || hit.t < limit);
     hit.prim = prim;
     if (s->notes && prim == s->notes->prim && !s->notes->prim_accepted) {
@@ -164,7 +192,8 @@ static bool leaf(struct state *s, const struct explain_node *node)
             any = s->best.prim != ABI_NO_PRIM;
             limit = s->best.t;
         }
-        if (prim < s->replay->scene->tri_count && try_triangle(s, prim, any, limit) &&
+        const struct item item = {&node->wide, slot, prim};
+        if (prim < s->replay->scene->tri_count && try_triangle(s, &item, any, limit) &&
             s->replay->query == QUERY_ANY)
             return true;
     }
@@ -287,7 +316,8 @@ static void all(struct state *s)
             return;
         if (spoilt(s, DEFECT_ZERO) && prim == 0)
             continue;
-        if (try_triangle(s, prim, s->best.prim != ABI_NO_PRIM && !spoilt(s, DEFECT_LAST_WINS),
+        const struct item item = {.prim = prim};
+        if (try_triangle(s, &item, s->best.prim != ABI_NO_PRIM && !spoilt(s, DEFECT_LAST_WINS),
                          s->best.t) &&
             s->replay->query == QUERY_ANY)
             return;
