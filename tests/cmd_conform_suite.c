@@ -331,13 +331,15 @@ enum status suite_pairs(const struct suite *suite, const bool *ran, size_t *pair
             status = add_pair(&met[i], more);
     }
     free(met);
-    if (more && !status)
+    if (more && more->count > 0 && !status)
         qsort(more->trial, more->count, sizeof *more->trial, by_stage);
     return status;
 }
 
 enum status suite_append(struct suite *suite, bool **ran, const struct suite *more)
 {
+    if (more->count == 0)
+        return STATUS_OK;
     bool *all = alloc_zeroed(suite->count + more->count, sizeof *all);
     void *trials = suite->trial;
     enum status status = all ? array_reserve(&trials, &suite->capacity, suite->count + more->count,
