@@ -33,7 +33,7 @@ static enum status take_trial(struct explain_options *o, const char *text, struc
                                 .seed = trial.seed,
                                 .engine = trial.engine,
                                 .layout = trial.layout,
-                                .store = tri_stores[0],
+                                .store = trial.store,
                                 .builder = trial.builder,
                                 .build = o->of.build,
                                 .box = trial.box,

@@ -171,6 +171,13 @@ expect 2 'waivers:2: a waiver ends in a link' conform closest.cpu.f32.median.rob
 
 # Hard cases.
 hard=hard.03-border.closest.cpu.f32.median.robust.mt
+expect 0 . conform closest.cpu.f32:compact.median.robust.woop.sphere.edges.7 --verbose
+grep -q '^PASSED  closest.cpu.f32:compact.median.robust.woop.sphere.edges.7:' "$dir/out" || bad "conform: a name with a storage names itself"
+expect 0 . conform 'closest.cpu.f32:*.median.robust.mt.soup.mixed.1' --list
+grep -q '^closest.cpu.f32:edges\.' "$dir/out" || bad "conform: a pattern that names storages has them"
+expect 0 . conform 'closest.cpu.f32*.median.robust.mt.soup.mixed.1' --list
+grep -q : "$dir/out" && bad "conform: storages are played only where they are named"
+expect 2 'hard cases are of storage indexed' conform --hard --store compact
 expect 2 "no hard case matches 'hard.99-\*'" conform 'hard.99-*'
 expect 0 . conform --hard --list
 grep -q "^$hard\$" "$dir/out" || bad "conform --hard --list names every trial"
@@ -201,6 +208,7 @@ expect 2 "20 of 20 rays" explain soup --rays random --count 20 --index 20
 expect 2 "unknown cause 'bad luck'" explain soup --cause 'bad luck'
 expect 2 "closest or any can be explained, not all" explain soup --query all
 expect 2 "'closest,any' is not one name" explain soup --query closest,any
+expect 2 "trial: unknown storage 'tape'" explain closest.cpu.f32:tape.median.robust.mt.soup.random.1
 expect 2 "trial: unknown layout 'f31'" explain closest.cpu.f31.median.robust.mt.soup.random.1
 expect 2 "trial: " explain all.cpu.f32.median.robust.mt.soup.vertices.1
 expect 2 "a leaf holds at most 8 items" explain soup --layout rf16 --leaf 9

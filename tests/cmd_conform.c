@@ -24,6 +24,8 @@ static const char help[] =
     "  --brute N       ray-triangle tests that brute force may spend      [1e8]\n"
     "  --engine E,..   only these engines; pipe:COMMAND is one, too       [all]\n"
     "  --layout L,..   only these layouts; so --builder, --box and --tri  [every]\n"
+    "  --store S,..    triangle storages; others than indexed are named as in f32:compact\n"
+    "                                                                     [indexed]\n"
     "  --all           every combination of members once, scenes and ray sets by turns\n"
     "  --require E,..  engines whose skips are failures\n"
     "  --hard          the hard cases, on every member: names hard.NN-CASE.query.engine.layout.\n"
@@ -64,6 +66,7 @@ enum {
     OPT_BRUTE,
     OPT_ENGINE,
     OPT_LAYOUT,
+    OPT_STORE,
     OPT_BUILDER,
     OPT_BOX,
     OPT_TRI,
@@ -80,17 +83,27 @@ enum {
     OPT_HTML
 };
 
-static const struct option long_options[] = {
-    {"list", 0, NULL, OPT_LIST},       {"count", 1, NULL, OPT_COUNT},
-    {"brute", 1, NULL, OPT_BRUTE},     {"require", 1, NULL, OPT_REQUIRE},
-    {"engine", 1, NULL, OPT_ENGINE},   {"layout", 1, NULL, OPT_LAYOUT},
-    {"builder", 1, NULL, OPT_BUILDER}, {"box", 1, NULL, OPT_BOX},
-    {"tri", 1, NULL, OPT_TRI},         {"all", 0, NULL, OPT_ALL},
-    {"waivers", 1, NULL, OPT_WAIVERS}, {"verbose", 0, NULL, OPT_VERBOSE},
-    {"tap", 0, NULL, OPT_TAP},         {"junit", 1, NULL, OPT_JUNIT},
-    {"hard", 0, NULL, OPT_HARD},       {"summary", 0, NULL, OPT_SUMMARY},
-    {"quick", 0, NULL, OPT_QUICK},     {"markdown", 1, NULL, OPT_MARKDOWN},
-    {"html", 1, NULL, OPT_HTML},       ENGINE_OPTIONS};
+static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
+                                             {"count", 1, NULL, OPT_COUNT},
+                                             {"brute", 1, NULL, OPT_BRUTE},
+                                             {"require", 1, NULL, OPT_REQUIRE},
+                                             {"engine", 1, NULL, OPT_ENGINE},
+                                             {"layout", 1, NULL, OPT_LAYOUT},
+                                             {"builder", 1, NULL, OPT_BUILDER},
+                                             {"box", 1, NULL, OPT_BOX},
+                                             {"tri", 1, NULL, OPT_TRI},
+                                             {"all", 0, NULL, OPT_ALL},
+                                             {"waivers", 1, NULL, OPT_WAIVERS},
+                                             {"verbose", 0, NULL, OPT_VERBOSE},
+                                             {"tap", 0, NULL, OPT_TAP},
+                                             {"junit", 1, NULL, OPT_JUNIT},
+                                             {"hard", 0, NULL, OPT_HARD},
+                                             {"summary", 0, NULL, OPT_SUMMARY},
+                                             {"quick", 0, NULL, OPT_QUICK},
+                                             {"markdown", 1, NULL, OPT_MARKDOWN},
+                                             {"html", 1, NULL, OPT_HTML},
+                                             {"store", 1, NULL, OPT_STORE},
+                                             ENGINE_OPTIONS};
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
@@ -107,6 +120,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return table_parse(TABLE_ENGINES, "--engine", text, &o->list[TABLE_ENGINES], reason);
     case OPT_LAYOUT:
         return table_parse(TABLE_LAYOUTS, "--layout", text, &o->list[TABLE_LAYOUTS], reason);
+    case OPT_STORE:
+        return table_parse(TABLE_STORES, "--store", text, &o->list[TABLE_STORES], reason);
     case OPT_BUILDER:
         return table_parse(TABLE_BUILDERS, "--builder", text, &o->list[TABLE_BUILDERS], reason);
     case OPT_BOX:
@@ -278,7 +293,10 @@ int cmd_conform(int argc, char **argv)
     o.pattern = first < argc ? argv[first] : NULL;
     if (o.count == 0)
         o.count = o.all && !o.pattern ? 200 : 1000;
-    if (o.hard || (o.pattern && strncmp(o.pattern, "hard.", 5) == 0))
+    bool hard = o.hard || (o.pattern && strncmp(o.pattern, "hard.", 5) == 0);
+    if (hard && o.list[TABLE_STORES].count > 0)
+        return usage_error("conform", "--store: the hard cases are of storage indexed");
+    if (hard)
         return conform_hard(&(struct conform_hard_options){.pattern = o.pattern,
                                                            .junit = o.junit,
                                                            .waivers = o.waivers,

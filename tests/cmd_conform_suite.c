@@ -8,12 +8,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NAME_DOTS 8 /* of a trial whose scene has none */
+#define NAME_DOTS    8 /* of a trial whose scene has none */
+#define LAYOUT_FIELD 2
 
 /* The tables whose members pair, in the order of a row. */
 static const enum table with_tree[] = {TABLE_ENGINES,    TABLE_LAYOUTS,   TABLE_BUILDERS,
                                        TABLE_BOX_TESTS,  TABLE_TRI_TESTS, TABLE_QUERIES,
                                        TABLE_GENERATORS, TABLE_RAY_SETS};
+static const enum table with_stores[] = {TABLE_ENGINES,  TABLE_LAYOUTS,    TABLE_STORES,
+                                         TABLE_BUILDERS, TABLE_BOX_TESTS,  TABLE_TRI_TESTS,
+                                         TABLE_QUERIES,  TABLE_GENERATORS, TABLE_RAY_SETS};
 static const enum table without_tree[] = {TABLE_ENGINES, TABLE_TRI_TESTS, TABLE_QUERIES,
                                           TABLE_GENERATORS, TABLE_RAY_SETS};
 
@@ -32,6 +36,7 @@ static struct trial trial_of(const struct choice *c)
     strcpy(trial.scene, generators[c->index[TABLE_GENERATORS]]->name);
     if (trial.engine->needs_packed) {
         trial.layout = layouts_all[c->index[TABLE_LAYOUTS]];
+        trial.store = tri_stores[c->index[TABLE_STORES]];
         trial.builder = builders_all[c->index[TABLE_BUILDERS]];
         trial.box = box_tests[c->index[TABLE_BOX_TESTS]];
     }
@@ -55,6 +60,14 @@ static enum status add(struct suite *suite, const struct trial *trial)
 /* --- who takes part -----------------------------------------------------------------------------
  */
 
+/* A layout's field is its name, and perhaps that of a storage. */
+static bool layout_matches(const char *field, const char *name)
+{
+    char layout[TRIAL_NAME_MOST];
+    snprintf(layout, sizeof layout, "%.*s", (int)strcspn(field, ":"), field);
+    return fnmatch(layout, name, 0) == 0;
+}
+
 /* True if the pattern's field `at`, or (at < 0) any of them but "*", matches the name. */
 static bool field_matches(const char *pattern, int at, const char *name)
 {
@@ -65,24 +78,58 @@ static bool field_matches(const char *pattern, int at, const char *name)
             return true;
         memcpy(field, pattern, length);
         field[length] = '\0';
-        if ((at < 0 ? strcmp(field, "*") != 0 : i == at) && fnmatch(field, name, 0) == 0)
+        if ((at < 0 ? strcmp(field, "*") != 0 : i == at) &&
+            (at < 0 || at == LAYOUT_FIELD ? layout_matches(field, name)
+                                          : fnmatch(field, name, 0) == 0))
             return true;
         pattern += length + (pattern[length] == '.');
     }
     return false;
 }
 
+static bool has_all_fields(const char *pattern)
+{
+    int dots = 0;
+    for (const char *c = pattern; *c; c++)
+        dots += *c == '.';
+    return dots == NAME_DOTS;
+}
+
+/* True if storages are a table like others: some are named, by the option or in the field of the
+ * layout; else all trials are of `indexed`. */
+static bool takes_stores(const struct suite *suite)
+{
+    if (suite->list[TABLE_STORES].count > 0)
+        return true;
+    if (suite->kind != SUITE_PATTERN || !has_all_fields(suite->pattern))
+        return false;
+    const char *field = suite->pattern;
+    for (int i = 0; i < LAYOUT_FIELD; i++)
+        field += strcspn(field, ".") + 1;
+    return strcspn(field, ":") < strcspn(field, ".");
+}
+
+/* The tables of trials with or without a tree; their number in *count. */
+static const enum table *tables_of(const struct suite *suite, bool tree, uint32_t *count)
+{
+    bool stores = tree && takes_stores(suite);
+    *count = stores ? ARRAY_COUNT(with_stores)
+             : tree ? ARRAY_COUNT(with_tree)
+                    : ARRAY_COUNT(without_tree);
+    return stores ? with_stores : tree ? with_tree : without_tree;
+}
+
 /* With all the dots of a name no wildcard can stand for one, so that each field has a table. */
 static bool pattern_takes(const struct suite *suite, enum table table, size_t i)
 {
     static const int field_of[TABLE_COUNT] = {
-        [TABLE_QUERIES] = 0,   [TABLE_ENGINES] = 1,   [TABLE_LAYOUTS] = 2,    [TABLE_BUILDERS] = 3,
-        [TABLE_BOX_TESTS] = 4, [TABLE_TRI_TESTS] = 5, [TABLE_GENERATORS] = 6, [TABLE_RAY_SETS] = 7};
+        [TABLE_QUERIES] = 0,    [TABLE_ENGINES] = 1,   [TABLE_LAYOUTS] = LAYOUT_FIELD,
+        [TABLE_BUILDERS] = 3,   [TABLE_BOX_TESTS] = 4, [TABLE_TRI_TESTS] = 5,
+        [TABLE_GENERATORS] = 6, [TABLE_RAY_SETS] = 7};
     const char *name = table_member(table, i, NULL);
-    int dots = 0;
-    for (const char *c = suite->pattern; *c; c++)
-        dots += *c == '.';
-    if (dots == NAME_DOTS)
+    if (table == TABLE_STORES)
+        return true;
+    if (has_all_fields(suite->pattern))
         return field_matches(suite->pattern, field_of[table], name);
     if (table != TABLE_LAYOUTS)
         return true;
@@ -120,14 +167,15 @@ static struct list members_of(const struct suite *suite, enum table table, bool 
 /* --- the three kinds ----------------------------------------------------------------------------
  */
 
-static enum status add_covering(struct suite *suite, const enum table *table, uint32_t tables,
-                                struct reason *reason)
+static enum status add_covering(struct suite *suite, bool tree, struct reason *reason)
 {
+    uint32_t tables;
+    const enum table *table = tables_of(suite, tree, &tables);
     struct list list[TABLE_COUNT];
     uint32_t members[TABLE_COUNT];
     struct covering covering;
     for (uint32_t t = 0; t < tables; t++) {
-        list[t] = members_of(suite, table[t], table == with_tree);
+        list[t] = members_of(suite, table[t], tree);
         members[t] = (uint32_t)list[t].count;
         if (members[t] == 0)
             return STATUS_OK;
@@ -147,8 +195,8 @@ static enum status add_covering(struct suite *suite, const enum table *table, ui
 /* Every combination of members of `table`; scenes and rays too, or by turns. */
 static enum status add_product(struct suite *suite, bool tree, bool everywhere)
 {
-    const enum table *table = tree ? with_tree : without_tree;
-    uint32_t tables = tree ? ARRAY_COUNT(with_tree) : ARRAY_COUNT(without_tree);
+    uint32_t tables;
+    const enum table *table = tables_of(suite, tree, &tables);
     uint32_t combined = everywhere ? tables : tables - 2; /* those before scene and rays */
     struct list list[TABLE_COUNT];
     size_t at[TABLE_COUNT] = {0}, serial = 0;
@@ -181,9 +229,9 @@ static enum status add_all(struct suite *suite, struct reason *reason)
 {
     enum status status;
     if (suite->kind == SUITE_COVERING) {
-        status = add_covering(suite, with_tree, ARRAY_COUNT(with_tree), reason);
+        status = add_covering(suite, true, reason);
         if (!status)
-            status = add_covering(suite, without_tree, ARRAY_COUNT(without_tree), reason);
+            status = add_covering(suite, false, reason);
         return status;
     }
     status = add_product(suite, true, suite->kind == SUITE_PATTERN);
@@ -204,6 +252,8 @@ static int by_stage(const void *a, const void *b)
         order = strcmp(x->builder ? x->builder->name : "", y->builder ? y->builder->name : "");
     if (order == 0)
         order = strcmp(x->layout ? x->layout->name : "", y->layout ? y->layout->name : "");
+    if (order == 0)
+        order = strcmp(x->store ? x->store->name : "", y->store ? y->store->name : "");
     if (order == 0)
         order = strcmp(x->box ? x->box->name : "", y->box ? y->box->name : "");
     if (order == 0)
@@ -237,11 +287,13 @@ enum status suite_make(struct suite *suite, struct reason *reason)
 /* --- what met -----------------------------------------------------------------------------------
  */
 
-/* Names of the trial's members, by table; NULL where it has none. */
-static void names_of(const struct trial *trial, const char *name[TABLE_COUNT])
+/* Names of the trial's members, by table; NULL where it has none, and storages only with `stores`.
+ */
+static void names_of(const struct trial *trial, bool stores, const char *name[TABLE_COUNT])
 {
     name[TABLE_BUILDERS] = trial->builder ? trial->builder->name : NULL;
     name[TABLE_LAYOUTS] = trial->layout ? trial->layout->name : NULL;
+    name[TABLE_STORES] = stores && trial->store ? trial->store->name : NULL;
     name[TABLE_BOX_TESTS] = trial->box ? trial->box->name : NULL;
     name[TABLE_TRI_TESTS] = trial->tri->name;
     name[TABLE_QUERIES] = query_name(trial->query);
@@ -269,11 +321,11 @@ static int by_pair(const void *a, const void *b)
     return order ? order : (int)y->ran - (int)x->ran; /* the first of equal ones ran, if any */
 }
 
-static size_t put_pairs(const struct trial *trial, bool ran, struct met *met)
+static size_t put_pairs(const struct trial *trial, bool stores, bool ran, struct met *met)
 {
     const char *name[TABLE_COUNT] = {NULL};
     size_t count = 0;
-    names_of(trial, name);
+    names_of(trial, stores, name);
     for (enum table a = 0; a < TABLE_COUNT; a++)
         for (enum table b = a + 1; b < TABLE_COUNT; b++) {
             if (!name[a] || !name[b])
@@ -315,7 +367,7 @@ enum status suite_pairs(const struct suite *suite, const bool *ran, size_t *pair
     *pairs = *unmet = 0;
     example[0] = '\0';
     for (size_t i = 0; i < suite->count && met; i++)
-        count += put_pairs(&suite->trial[i], ran[i], met + count);
+        count += put_pairs(&suite->trial[i], takes_stores(suite), ran[i], met + count);
     if (met)
         qsort(met, count, sizeof *met, by_pair);
     for (size_t i = 0; i < count && !status; i++) {

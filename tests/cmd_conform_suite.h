@@ -20,9 +20,9 @@ struct suite {
 };
 
 /* Makes the trials, sorted so that neighbours share scene, rays and tree. Where no member of a
- * table is named all take part (engine brute is left to compare others with); with a pattern of
- * fewer than nine fields only those layouts beyond layouts[] that one of its fields names. Errors:
- * STATUS_INPUT a name that is none, nothing matches; STATUS_MEMORY. */
+ * table is named all take part (engine brute is left to compare others with; of storages
+ * `indexed`); with a pattern of fewer than nine fields only those layouts beyond layouts[] that one
+ * of its fields names. Errors: STATUS_INPUT a name that is none, nothing matches; STATUS_MEMORY. */
 enum status suite_make(struct suite *suite, struct reason *reason) MUST_USE;
 
 /* Counts the pairs of members of trials, and those of them that met only in trials that did not

@@ -9,8 +9,9 @@
 
 void trial_print(const struct trial *trial, char name[TRIAL_NAME_MOST])
 {
+    char stored[STORED_NAME_MOST];
     snprintf(name, TRIAL_NAME_MOST, "%s.%s.%s.%s.%s.%s.%s.%s.%llu", query_name(trial->query),
-             trial->engine->name, trial->layout ? trial->layout->name : "-",
+             trial->engine->name, stored_name(trial->layout, trial->store, stored),
              trial->builder ? trial->builder->name : "-", trial->box ? trial->box->name : "-",
              trial->tri->name, trial->scene, trial->rays->name, (unsigned long long)trial->seed);
 }
@@ -71,6 +72,12 @@ static enum status parse_fields(char *const field[6], struct trial *out, struct 
                             field[i]);
         return STATUS_OK;
     }
+    char *colon = strrchr(field[2], ':');
+    out->store = colon ? tri_store_find(colon + 1) : tri_stores[0];
+    if (!out->store)
+        return fail(reason, STATUS_INPUT, "trial: unknown storage '%s'", colon + 1);
+    if (colon)
+        *colon = '\0';
     out->layout = layout_find(field[2]);
     out->builder = builder_find(field[3]);
     out->box = box_test_find(field[4]);
@@ -196,8 +203,12 @@ enum status trial_stage_run(struct stage *stage, const struct trial *trial, stru
     if (status)
         return status;
     status = set_match(stage, trial, reason);
-    if (status == STATUS_OK && trial->layout && stage->match.packed.layout != trial->layout)
+    bool packed = status == STATUS_OK && stage->match.packed.layout == trial->layout &&
+                  stage->match.packed.store == trial->store;
+    if (status == STATUS_OK && trial->layout && !packed) {
+        stage->match.options.store = trial->store;
         status = match_pack(&stage->match, trial->layout, reason);
+    }
     if (status == STATUS_LIMIT) {
         row->status = ROW_REFUSED;
         row->cause = status;

@@ -1,8 +1,9 @@
 /* A trial: one reproducible comparison, and its name. For commands only.
  *   query.engine.layout.builder.box.tri.scene.rays.seed
  *   closest.vulkan.rf16.median.robust.woop.sphere.edges.7
- * Engines without a tree have "-" for layout, builder and box. The scene may be any spec that
- * scene_open takes, dots included. */
+ * Engines without a tree have "-" for layout, builder and box; a triangle storage other than
+ * `indexed` follows its layout, as in f32:compact. The scene may be any spec that scene_open takes,
+ * dots included. */
 #ifndef CMD_TRIAL_H
 #define CMD_TRIAL_H
 
@@ -15,7 +16,8 @@
 struct trial {
     enum query query;
     const struct engine *engine;
-    const struct layout *layout; /* NULL for engines without a tree, as are the next two */
+    const struct layout *layout; /* NULL for engines without a tree, as are the next three */
+    const struct tri_store *store;
     const struct builder *builder;
     const struct box_test *box;
     const struct tri_test *tri;
