@@ -229,6 +229,8 @@
 #define MUTANT_PLUGIN_EXCUSED      485 /* a plugin's boxes may be too small */
 #define MUTANT_PLUGIN_ANY_VERSION  486 /* a plugin of another version is taken */
 #define MUTANT_PLUGIN_DEATH_UNSEEN 487 /* a plugin that crashed is said to have no memory */
+#define MUTANT_PLUGIN_ANY_SLOT     540 /* a plugin's leaf may be a child slot of another record */
+#define MUTANT_PLUGIN_LEAF_RECORD  541 /* a plugin's records of a wide tree may be leaves */
 #define MUTANT_GLSL_LINES_LOST     488 /* errors in a plugin's shader at lines of the whole text */
 #define MUTANT_GLSL_NOT_PINNED     489 /* a plugin's shader is traced as it was compiled */
 #define MUTANT_BLOCK_CORNER        440 /* fast: vertices from the ninth on are taken for others */

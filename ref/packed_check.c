@@ -25,6 +25,11 @@ static bool first_fault(struct check *check)
     return first;
 }
 
+static struct packed_name visit_name(const struct check *check, uint32_t i)
+{
+    return packed_name(check->packed, check->walk.visit[i].ref);
+}
+
 static void check_walk(struct check *check)
 {
     const struct packed_walk *walk = &check->walk;
@@ -34,11 +39,11 @@ static void check_walk(struct check *check)
     check->faults.too_deep = walk->stack_most > check->packed->stack_need;
     if (walk->bad_refs > 0 && first_fault(check))
         (void)fail(check->reason, STATUS_INPUT,
-                   "%s: record %u: a child reference lies outside the %u records", name,
-                   walk->bad_ref, check->packed->node_count);
+                   "%s: %s: a child reference lies outside the %u records", name,
+                   packed_name(check->packed, walk->bad_ref).text, check->packed->node_count);
     if (walk->repeats > 0 && first_fault(check))
-        (void)fail(check->reason, STATUS_INPUT, "%s: record %u is reached more than once", name,
-                   walk->repeat_ref);
+        (void)fail(check->reason, STATUS_INPUT, "%s: %s is reached more than once", name,
+                   packed_name(check->packed, walk->repeat_ref).text);
     if (check->faults.too_deep && first_fault(check))
         (void)fail(check->reason, STATUS_INPUT,
                    "%s: a path needs %u stack entries, the packed tree says %u", name,
@@ -80,9 +85,9 @@ static enum status check_cover(struct check *check)
                    packed->layout->name, most);
     if (faults.prims && first_fault(check))
         (void)fail(check->reason, STATUS_INPUT,
-                   "%s: record %u: a part of triangle %u is in no leaf's box below; %u triangles "
+                   "%s: %s: a part of triangle %u is in no leaf's box below; %u triangles "
                    "have such parts",
-                   packed->layout->name, check->walk.visit[faults.node].ref, faults.prim,
+                   packed->layout->name, visit_name(check, faults.node).text, faults.prim,
                    faults.prims);
     return status;
 }
@@ -102,8 +107,8 @@ static void check_stored(struct check *check, uint32_t i, const struct wide *lea
     check->faults.bad_tris++;
     if (first_fault(check))
         (void)fail(check->reason, STATUS_INPUT,
-                   "%s: record %u: storage %s has triangle %u with other vertices",
-                   packed->layout->name, check->walk.visit[i].ref, packed->store->name, prim);
+                   "%s: %s: storage %s has triangle %u with other vertices", packed->layout->name,
+                   visit_name(check, i).text, packed->store->name, prim);
 }
 
 /* Marks the triangle of one item slot and adds it to the bounds of visit `i`. */
@@ -116,17 +121,17 @@ static void check_item(struct check *check, uint32_t i, const struct wide *leaf,
     if (prim >= check->scene->tri_count) {
         check->faults.bad_prims++;
         if (first_fault(check))
-            (void)fail(check->reason, STATUS_INPUT,
-                       "%s: record %u: item slot %u names triangle %u of %u", packed->layout->name,
-                       check->walk.visit[i].ref, slot, prim, check->scene->tri_count);
+            (void)fail(check->reason, STATUS_INPUT, "%s: %s: item slot %u names triangle %u of %u",
+                       packed->layout->name, visit_name(check, i).text, slot, prim,
+                       check->scene->tri_count);
         return;
     }
     if (check->seen[prim] && (!packed->split || check->seen[prim] == i + 1)) {
         check->faults.double_prims++;
         if (first_fault(check))
             (void)fail(check->reason, STATUS_INPUT,
-                       "%s: record %u: item slot %u names triangle %u a second time",
-                       packed->layout->name, check->walk.visit[i].ref, slot, prim);
+                       "%s: %s: item slot %u names triangle %u a second time", packed->layout->name,
+                       visit_name(check, i).text, slot, prim);
     }
     check->seen[prim] = i + 1;
     check_stored(check, i, leaf, s, prim);
@@ -143,9 +148,8 @@ static uint32_t leaf_slots(struct check *check, uint32_t i, const struct wide *n
         return node->item_count;
     check->faults.bad_prims++;
     if (first_fault(check))
-        (void)fail(check->reason, STATUS_INPUT,
-                   "%s: record %u: a leaf of %u items for %u triangles",
-                   check->packed->layout->name, check->walk.visit[i].ref, node->item_count,
+        (void)fail(check->reason, STATUS_INPUT, "%s: %s: a leaf of %u items for %u triangles",
+                   check->packed->layout->name, visit_name(check, i).text, node->item_count,
                    check->scene->tri_count);
     return 0;
 }
@@ -185,8 +189,8 @@ static void check_boxes(struct check *check)
             check->faults.loose_boxes++;
             if (first_fault(check))
                 (void)fail(check->reason, STATUS_INPUT,
-                           "%s: record %u: %c bounds [%a, %a] do not contain [%a, %a] below",
-                           check->packed->layout->name, visit->ref, "xyz"[k],
+                           "%s: %s: %c bounds [%a, %a] do not contain [%a, %a] below",
+                           check->packed->layout->name, visit_name(check, i).text, "xyz"[k],
                            (double)visit -> box.lo[k], (double)visit->box.hi[k],
                            (double)exact->lo[k], (double)exact->hi[k]);
             break;

@@ -2,7 +2,23 @@
 
 #include "ref/mutant.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+
+struct packed_name packed_name(const struct packed *packed, uint32_t ref)
+{
+    struct packed_name name;
+    const struct layout *layout = packed->layout;
+    uint32_t slot = ref - packed->node_count;
+    if (ref < packed->node_count)
+        (void)snprintf(name.text, sizeof name.text, "record %u", ref);
+    else if (layout_is_wide(layout) && layout_refs(layout) == 1 + layout->width)
+        (void)snprintf(name.text, sizeof name.text, "record %u, slot %u", slot / layout->width,
+                       slot % layout->width);
+    else
+        (void)snprintf(name.text, sizeof name.text, "reference %u", ref);
+    return name;
+}
 
 /* Appends a visit unless the node was reached before. `seen` has a bit per record. */
 static void reach(struct packed_walk *walk, uint8_t *seen, const struct packed_visit *visit)

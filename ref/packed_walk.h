@@ -23,6 +23,14 @@ struct packed_walk {
     uint32_t bad_ref;    /* the first inner node that lacks a child, if bad_refs > 0 */
 };
 
+/* What a reference is called: "record 3"; of a leaf without a record "record 3, slot 1", or its
+ * number if the layout has references of its own kind. */
+struct packed_name {
+    char text[40];
+};
+
+struct packed_name packed_name(const struct packed *packed, uint32_t ref);
+
 /* Walks from packed->root, each node once; an empty tree gives no visit. An inner node of fewer
  * than two children (a wide one of none) counts as lacking the rest, a root out of range as a bad
  * reference. Errors: STATUS_MEMORY. On error *out is zero. Free with packed_walk_free. */

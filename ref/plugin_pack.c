@@ -130,24 +130,27 @@ static enum status check_node(const struct packed *packed, uint32_t ref, struct 
     node.child_count = node.item_first = node.item_count = 0;
     plugin->load(&view, ref, &node);
     if (node.child_count > plugin->width)
-        return fail(reason, STATUS_INPUT, "%s: record %u: %u children, %u at most", layout->name,
-                    ref, node.child_count, plugin->width);
+        return fail(reason, STATUS_INPUT, "%s: %s: %u children, %u at most", layout->name,
+                    packed_name(packed, ref).text, node.child_count, plugin->width);
     if (node.child_count == 1 && !wide)
-        return fail(reason, STATUS_INPUT, "%s: record %u: one child, not two", layout->name, ref);
+        return fail(reason, STATUS_INPUT, "%s: %s: one child, not two", layout->name,
+                    packed_name(packed, ref).text);
     if (node.child_count == 0 && node.item_count == 0 && MUTANT != MUTANT_PLUGIN_EMPTY_LEAF)
-        return fail(reason, STATUS_INPUT, "%s: record %u: a leaf without items", layout->name, ref);
-    if (wide && (node.child_count == 0) != (ref >= packed->node_count))
-        return fail(reason, STATUS_INPUT, "%s: record %u: %s", layout->name, ref,
+        return fail(reason, STATUS_INPUT, "%s: %s: a leaf without items", layout->name,
+                    packed_name(packed, ref).text);
+    if (wide && (node.child_count == 0) != (ref >= packed->node_count) &&
+        MUTANT != MUTANT_PLUGIN_LEAF_RECORD)
+        return fail(reason, STATUS_INPUT, "%s: %s: %s", layout->name, packed_name(packed, ref).text,
                     node.child_count ? "a child slot has children" : "a leaf, not a child slot");
     for (uint32_t i = 0; i < node.child_count; i++) {
         uint32_t child = node.child[i];
         if (child >= packed->ref_count)
-            return fail(reason, STATUS_INPUT, "%s: record %u: child %u is reference %u of %u",
-                        layout->name, ref, i, child, packed->ref_count);
+            return fail(reason, STATUS_INPUT, "%s: %s: child %u is reference %u of %u",
+                        layout->name, packed_name(packed, ref).text, i, child, packed->ref_count);
         if (wide && child >= packed->node_count &&
-            (child - packed->node_count) / plugin->width != ref)
-            return fail(reason, STATUS_INPUT, "%s: record %u: child %u is a slot of record %u",
-                        layout->name, ref, i, (child - packed->node_count) / plugin->width);
+            (child - packed->node_count) / plugin->width != ref && MUTANT != MUTANT_PLUGIN_ANY_SLOT)
+            return fail(reason, STATUS_INPUT, "%s: %s: child %u is %s", layout->name,
+                        packed_name(packed, ref).text, i, packed_name(packed, child).text);
     }
     (void)layout->box(packed, ref); /* asked once here, so that it cannot surprise later */
     return STATUS_OK;

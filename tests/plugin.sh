@@ -52,10 +52,40 @@ while read -r line; do
 done <run
 echo "tutorial: $(($(date +%s) - start)) s"
 
+# --- four children ---------------------------------------------------------------------------------
+start=$(date +%s)
+cc -std=c17 -O2 -Wall -Wextra -Werror -ffp-contract=off -shared -fPIC -I"$root" -o mine4.so \
+    "$root/fuzz/samples/layout/mine4.c" || breach "mine4.c does not compile"
+mine4="--layout ./mine4.so --shader $root/fuzz/samples/layout/mine4.glsl"
+wide() { # what the log must say, command...
+    want=$1
+    shift
+    # shellcheck disable=SC2086
+    build/raydiff "$@" $mine4 --driver stock >step.log 2>&1
+    code=$?
+    [ "$code" -eq 0 ] && grep -qE "$want" step.log || {
+        breach "mine4: $1: exit $code, or not '$want'"
+        tail -n 5 step.log
+    }
+}
+wide ' 0 of [24]000 answers WRONG' check sphere:n=8 --engine cpu,vulkan --count 2000 --repeat 1
+passes=4
+if grep -q '^mine4  *vulkan .* skipped:' step.log; then
+    echo "SKIP mine4 on vulkan: $(grep -m 1 'skipped:' step.log)"
+    passes=2
+else
+    grep -q ' 0 of 2000 answers differ' step.log || breach "mine4 on vulkan is not mine4 on cpu"
+fi
+wide "^$passes passed, 0 failed" conform '*.mine4.median.robust.mt.sphere.mixed.1' \
+    --engine cpu,vulkan --count 100
+wide '^ .* leaf  *entered' explain sphere:n=8 --rays mixed --count 200 --index 5
+echo "four children: $(($(date +%s) - start)) s"
+
 # --- lies ------------------------------------------------------------------------------------------
+source=plugin_liar.c
 lie() { # name, exit code, what must be said
     cc -std=c17 -O1 -ffp-contract=off -shared -fPIC -I"$root" -DLIE="LIE_$1" -o liar.so \
-        "$root/tests/plugin_liar.c" -lm || breach "$1 does not compile"
+        "$root/tests/$source" -lm || breach "$1 does not compile"
     build/raydiff check sphere:n=8 --engine cpu --count 50 --repeat 1 --peer-time 1 --peer-memory 64 \
         --layout ./liar.so >lie.log 2>&1
     code=$?
@@ -71,6 +101,14 @@ lie CRASH 3 'liar: crashed while packing: killed by signal'
 lie START 3 'crashed while being opened: '
 lie EXIT 3 'liar: crashed while packing: ended itself with code'
 lie HANG 3 'liar: hung while packing: no end after 1000 ms'
+
+source=plugin_liar_wide.c
+lie HOLE 0 '^liar4  *cpu'
+lie ULP 2 'liar4: record 4: x bounds .* do not contain'
+lie LEAF_ULP 2 'liar4: record 84, slot 1: x bounds .* do not contain'
+lie CHILD 2 'liar4: record 0: child 0 is reference 425 of 425'
+lie SLOT 2 'liar4: record 0: child 0 is record 1, slot 1'
+source=plugin_liar.c
 
 # The same in the other commands: one that dies is code 3 and one line, one that lies 2.
 other() { # code, command...
