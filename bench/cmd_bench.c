@@ -22,6 +22,7 @@ static const char help[] =
     "and where the benchmark says so:\n"
     "  --engine E,..   engines, or 'all'                  [every engine that can run here]\n"
     "  --layout L,..   node layouts, or 'all'             [all but the seed's]\n"
+    "  --store S,..    triangle storages                                     [indexed]\n"
     "  --tri T,..      triangle tests, or 'all'           [all but the seed's]\n"
     "  --box B,..      box tests, or 'all'       [robust; watertight for watertight tests]\n"
     "  --rays R,..     ray sets, or 'all'                 [the benchmark's own]\n"
@@ -60,7 +61,8 @@ static const char *const taken[] = {"--engine",
                                     "--bvh",
                                     "--frames --size --out",
                                     "--turns --warm-up --bounces --profile",
-                                    "--quick"};
+                                    "--quick",
+                                    "--store"};
 
 static void print_help(void)
 {
@@ -102,7 +104,8 @@ enum {
     OPT_WARM_UP,
     OPT_BOUNCES,
     OPT_PROFILE,
-    OPT_QUICK
+    OPT_QUICK,
+    OPT_STORE
 };
 
 static enum status take_scenes(struct bench *bench, char *text, struct reason *reason)
@@ -183,6 +186,9 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return table_parse(TABLE_ENGINES, "--engine", text, &bench->engine, reason);
     case OPT_LAYOUT:
         return table_parse(TABLE_LAYOUTS, "--layout", text, &bench->layout, reason);
+    case OPT_STORE:
+        bench->given |= BENCH_TAKES_STORE;
+        return table_parse(TABLE_STORES, "--store", text, &bench->store, reason);
     case OPT_TRI:
         return table_parse(TABLE_TRI_TESTS, "--tri", text, &bench->tri, reason);
     case OPT_BOX:
@@ -300,6 +306,7 @@ int cmd_bench(int argc, char **argv)
                                                  {"csv", 1, NULL, OPT_CSV},
                                                  {"engine", 1, NULL, OPT_ENGINE},
                                                  {"layout", 1, NULL, OPT_LAYOUT},
+                                                 {"store", 1, NULL, OPT_STORE},
                                                  {"tri", 1, NULL, OPT_TRI},
                                                  {"box", 1, NULL, OPT_BOX},
                                                  {"rays", 1, NULL, OPT_RAYS},

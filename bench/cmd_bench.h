@@ -26,14 +26,15 @@
 #define BENCH_TAKES_FRAMES 512u  /* --frames --size --out */
 #define BENCH_TAKES_LOOK   1024u /* --turns --warm-up --bounces --profile */
 #define BENCH_TAKES_QUICK  2048u
+#define BENCH_TAKES_STORE  4096u
 
 /* Settings of a run, and where its rows go. */
 struct bench {
     const char *scene[BENCH_SCENES]; /* the user's, if any */
     size_t scene_count;
-    uint64_t ray_count, rounds, seed;           /* ray_count 0: the benchmark's own */
-    struct list engine, layout, tri, box, rays; /* count 0: the benchmark's own */
-    unsigned given;                             /* BENCH_TAKES_*: options on the command line */
+    uint64_t ray_count, rounds, seed;                  /* ray_count 0: the benchmark's own */
+    struct list engine, layout, store, tri, box, rays; /* count 0: the benchmark's own */
+    unsigned given; /* BENCH_TAKES_*: options on the command line */
     struct engine_options engines;
     struct progress progress;
     const char *csv_path, *json_path, *svg_path;

@@ -329,8 +329,8 @@ static int run(struct bench *bench)
 const struct benchmark bench_matrix = {
     .name = "matrix",
     .summary = "builders, layouts, storages, engines: speed, size, lines read, errors",
-    .takes = BENCH_TAKES_ENGINE | BENCH_TAKES_LAYOUT | BENCH_TAKES_SEED | BENCH_TAKES_SVG |
-             BENCH_TAKES_JSON,
+    .takes = BENCH_TAKES_ENGINE | BENCH_TAKES_LAYOUT | BENCH_TAKES_STORE | BENCH_TAKES_SEED |
+             BENCH_TAKES_SVG | BENCH_TAKES_JSON,
     .about =
         "rays: prim from a pinhole, rand random, diff bounced off what prim rays hit; o-shad from\n"
         "  what they hit to a light and o-rand ask for any hit. Speeds are multiples of Embree's "
@@ -343,7 +343,8 @@ const struct benchmark bench_matrix = {
         "  it holds without its buffers of vertices and indices, which only compact reads.\n"
         "  Lines: bytes per ray in lines of 64, looked for and from beyond 48 KiB (12 ways) and\n"
         "  1 MiB (16 ways), by simulation. lost, wrong: against the exact truth.\n"
-        "  --engine vulkan: every layout that loses nothing, or --layout.\n",
+        "  --engine vulkan: every layout that loses nothing, or --layout. With --store and\n"
+        "  without --layout: on f32.\n",
     .run = run,
     .alone = true,
 };

@@ -93,6 +93,21 @@ static enum status add_own(struct matrix_entries *out, struct reason *reason)
     return status;
 }
 
+/* The entry's layout on each storage that was named; `once` is there already, on `indexed`. */
+static enum status add_stores(const struct bench *bench, const struct matrix_entry *entry,
+                              bool once, struct matrix_entries *out, struct reason *reason)
+{
+    const struct list *list = &bench->store;
+    struct matrix_entry stored = *entry;
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < (list->count ? list->count : 1) && !status; i++) {
+        stored.store = tri_stores[list->count ? list->index[i] : 0];
+        if (!once || stored.store != tri_stores[0])
+            status = add(out, &stored, reason);
+    }
+    return status;
+}
+
 static enum status add_layouts(const struct bench *bench, const struct engine *engine,
                                struct matrix_entries *out, struct reason *reason)
 {
@@ -105,13 +120,15 @@ static enum status add_layouts(const struct bench *bench, const struct engine *e
     if (fast || matrix_entry_is_gpu(&entry))
         status = add(out, &entry, reason);
     for (size_t l = 0; layouts_all[l] && !fast && !status; l++) {
-        bool named = list->count == 0 && !layouts_all[l]->faithful;
+        bool f32 = layouts_all[l] == layout_find("f32");
+        bool named =
+            list->count == 0 && !layouts_all[l]->faithful && (bench->store.count == 0 || f32);
         for (size_t i = 0; i < list->count; i++)
             named = named || list->index[i] == l;
-        if (!named || (layouts_all[l] == layout_find("f32") && matrix_entry_is_gpu(&entry)))
+        if (!named)
             continue;
         entry.layout = layouts_all[l];
-        status = add(out, &entry, reason);
+        status = add_stores(bench, &entry, f32 && matrix_entry_is_gpu(&entry), out, reason);
     }
     return status;
 }
@@ -131,7 +148,7 @@ enum status matrix_entries_make(const struct bench *bench, struct matrix_entries
     const struct list *list = &bench->engine;
     enum status status = STATUS_OK;
     out->count = 0;
-    if (list->count == 0 && bench->layout.count == 0)
+    if (list->count == 0 && bench->layout.count == 0 && bench->store.count == 0)
         return add_own(out, reason);
     const struct matrix_entry embree = {.engine = engine_of("embree")};
     if (!matrix_is_gpu(bench))

@@ -54,6 +54,8 @@ expect 0 "worth using, nothing lost: fast .*(fastest)" bench matrix --scene sphe
 [ "$(grep -c '"prim_beyond_l2"' "$dir/m.json")" -ge 10 ] || bad "bench matrix --json has a row per contestant"
 [ "$(grep -c 'bytes per triangle' "$dir/m.svg")" -eq 1 ] || bad "bench matrix --svg has no panel"
 expect 0 "^  cpu rf16  *[0-9.]* " bench matrix --scene sphere:n=4 --rounds 1 --count 64 --engine cpu --layout rf16 --threads 1
+expect 0 "^  cpu f32 compact  *[0-9.]* " bench matrix --scene sphere:n=4 --rounds 1 --count 64 --store indexed,compact --threads 1
+expect 2 '--store: benchmark oracle does not take it' bench oracle --store compact
 expect 2 "tests every triangle" bench matrix --scene sphere:n=4 --engine brute
 expect 2 "no triangles" bench matrix --scene soup:n=0 --rounds 1 --count 64
 expect 2 "no-such" bench matrix --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine cpu --layout f32 --svg "$dir/no-such/x.svg"
@@ -169,14 +171,16 @@ expect 1 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$di
 printf '# list\nclosest.cpu.* no link\n' >"$dir/waivers"
 expect 2 'waivers:2: a waiver ends in a link' conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$dir/waivers"
 
-# Hard cases.
-hard=hard.03-border.closest.cpu.f32.median.robust.mt
+# Storages.
 expect 0 . conform closest.cpu.f32:compact.median.robust.woop.sphere.edges.7 --verbose
 grep -q '^PASSED  closest.cpu.f32:compact.median.robust.woop.sphere.edges.7:' "$dir/out" || bad "conform: a name with a storage names itself"
 expect 0 . conform 'closest.cpu.f32:*.median.robust.mt.soup.mixed.1' --list
 grep -q '^closest.cpu.f32:edges\.' "$dir/out" || bad "conform: a pattern that names storages has them"
 expect 0 . conform 'closest.cpu.f32*.median.robust.mt.soup.mixed.1' --list
 grep -q : "$dir/out" && bad "conform: storages are played only where they are named"
+
+# Hard cases.
+hard=hard.03-border.closest.cpu.f32.median.robust.mt
 expect 2 'hard cases are of storage indexed' conform --hard --store compact
 expect 2 "no hard case matches 'hard.99-\*'" conform 'hard.99-*'
 expect 0 . conform --hard --list
