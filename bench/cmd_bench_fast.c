@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #include "bench/cmd_bench.h"
 #include "bench/shadow_rays.h"
+#include "bench/turns.h"
 
 #include "ref/command.h"
 #include "scenes/rays.h"
@@ -120,9 +121,13 @@ static enum status make_rays(struct contest *c, size_t kind, struct reason *reas
 
 static enum status play(struct contest *c, size_t kind, struct reason *reason)
 {
-    for (size_t round = 0; round <= c->bench->rounds; round++) /* the first warms up */
-        for (size_t i = 0; i < RIVALS; i++) {
-            struct rival *r = &c->rival[i];
+    struct rng rng = rng_make(c->bench->seed, kind);
+    size_t order[RIVALS];
+    turns_start(order, RIVALS);
+    for (size_t round = 0; round <= c->bench->rounds; round++) { /* the first warms up */
+        turns_next(&rng, order, RIVALS);
+        for (size_t turn = 0; turn < RIVALS; turn++) {
+            struct rival *r = &c->rival[order[turn]];
             struct trace_report report = {.ns = 0};
             if (!r->engine)
                 continue;
@@ -138,6 +143,7 @@ static enum status play(struct contest *c, size_t kind, struct reason *reason)
             if (round > 0)
                 r->mrays[round - 1] = 1e3 * (double)c->count / ns;
         }
+    }
     return STATUS_OK;
 }
 

@@ -1,5 +1,6 @@
 /* Layouts and engines against each other: speed, bytes, work and errors on the same tree. */
 #include "bench/cmd_bench.h"
+#include "bench/turns.h"
 
 #include "ref/command.h"
 #include "ref/trace.h"
@@ -128,11 +129,14 @@ static size_t base_of(const struct field *field, size_t i)
 
 static enum status race(struct field *field, struct reason *reason)
 {
-    size_t rays = field->ray_count;
+    size_t rays = field->ray_count, order[ARRAY_COUNT(field->contestant)];
+    struct rng rng = rng_make(field->bench->seed, rays);
+    turns_start(order, field->count);
     /* Round 0 warms up: pipelines, caches, page faults. */
     for (size_t round = 0; round <= field->bench->rounds; round++) {
+        turns_next(&rng, order, field->count);
         for (size_t i = 0; i < field->count; i++) {
-            struct contestant *c = &field->contestant[i];
+            struct contestant *c = &field->contestant[order[i]];
             struct trace_report report = {0};
             progress_step(&field->bench->progress, "%s, %s rays, round %zu of %llu", field->spec,
                           field->rays, round, (unsigned long long)field->bench->rounds);

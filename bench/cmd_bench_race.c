@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/cmd_bench_race.h"
 
+#include "bench/turns.h"
 #include "ref/command.h"
 
 #include <string.h>
@@ -196,10 +197,14 @@ enum status race_run(struct race *race, const struct ray *ray, size_t count, str
                      struct reason *reason)
 {
     struct bench *bench = race->bench;
+    struct rng rng = rng_make(bench->seed, count);
+    size_t order[CONTESTANTS];
+    turns_start(order, race->count);
     /* Round 0 warms up: pipelines, caches, page faults. */
     for (size_t round = 0; round <= bench->rounds; round++) {
+        turns_next(&rng, order, race->count);
         for (size_t i = 0; i < race->count; i++) {
-            struct contestant *c = &race->contestant[i];
+            struct contestant *c = &race->contestant[order[i]];
             struct trace_report report = {0};
             progress_step(&bench->progress, "%s, round %zu of %llu", race->label, round,
                           (unsigned long long)bench->rounds);

@@ -238,6 +238,7 @@
 #define MUTANT_FAST_UNPADDED       442 /* fast: boxes without their padding */
 #define MUTANT_FAST_CONTRACTED     443 /* fast: an edge function is contracted */
 #define MUTANT_FAST_LAST_LEFT      535 /* fast, in pairs: the last ray is left where it was */
+#define MUTANT_TURN_TWICE          536 /* a race: a round may begin with who ended the last */
 #define MUTANT_CACHE_FIFO          500 /* the simulated cache drops the line that came first */
 #define MUTANT_FRONT_OF_TWO        501 /* the front looks at size and speed, not at errors */
 #define MUTANT_TOUCH_ONCE          502 /* of a leaf only the first triangle's vertices are read */
