@@ -211,7 +211,8 @@ static void print_help(void)
 
 int cmd_precompute(int argc, char **argv)
 {
-    struct precompute p = {.build = {BUILD_LEAF_DEFAULT, BUILD_EPS_DEFAULT}, .seed = 1};
+    struct precompute p = {.build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+                           .seed = 1};
     struct reason reason = {""};
     if (table_parse_one(TABLE_BUILDERS, "--builder", "rtrs", &p.builder, &reason))
         return EXIT_INTERNAL;

@@ -82,12 +82,13 @@ static void known_engines_are_never_wrong(void **state)
         struct match match;
         struct reason reason = {""};
         size_t answers = 0;
-        struct match_options options = {.builder = builders[0],
-                                        .build = {BUILD_LEAF_DEFAULT, BUILD_EPS_DEFAULT},
-                                        .box = box_test_find("watertight"),
-                                        .tri = tri_tests[0],
-                                        .repeats = 1,
-                                        .brute_budget = UINT64_MAX};
+        struct match_options options = {
+            .builder = builders[0],
+            .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+            .box = box_test_find("watertight"),
+            .tri = tri_tests[0],
+            .repeats = 1,
+            .brute_budget = UINT64_MAX};
         assert_int_equal(ray_sets[0]->make(&scene, kind, RAYS, ray, &reason), STATUS_OK);
         if (match_make(&scene, ray, RAYS, &options, &pool, &match, &reason))
             fail_msg("%s", reason.text);
