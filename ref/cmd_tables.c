@@ -88,10 +88,12 @@ static enum status unknown(enum table table, const char *flag, const char *name,
                            struct reason *reason)
 {
     char known[200] = "";
-    size_t used = 0;
+    size_t used = 0, i = 0;
     const char *one;
-    for (size_t i = 0; (one = table_member(table, i, NULL)) && used < sizeof known; i++)
+    for (; (one = table_member(table, i, NULL)) && used + strlen(one) + 2 < sizeof known - 40; i++)
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one);
+    if (one)
+        snprintf(known + used, sizeof known - used, ", ... (raydiff list %s)", table_name(table));
     return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s%s", flag,
                 (int)(length > 60 ? 60 : length), name, table_name(table), known,
                 table == TABLE_ENGINES   ? ", pipe:COMMAND"
