@@ -3,8 +3,6 @@
 #include "fuzz/plugin_guard.h"
 #include "gpu/glsl_text.h"
 #include "gpu/shaders.h"
-#include "ref/plugin_layout.h"
-#include "scenes/scenes.h"
 
 static unsigned lie; /* enum lie */
 #define LIE lie
@@ -16,39 +14,18 @@ static unsigned lie; /* enum lie */
 #include <stdint.h>
 #include <cmocka.h>
 
-#include <string.h>
+#include "tests/plugin_stand.h"
 
-struct stand {
-    struct scene scene;
-    struct bvh bvh;
-    const struct layout *layout;
-};
+#include <string.h>
 
 static int stand_make(void **state)
 {
-    static struct stand stand;
-    struct reason reason;
-    const struct build_options options = {.leaf = 4, .eps = BUILD_EPS_DEFAULT};
-    *state = &stand;
-    return scene_open("sphere:n=8", 1, &stand.scene, &reason) ||
-           bvh_build(builder_find("median"), &stand.scene, &options, &stand.bvh, &reason) ||
-           plugin_layout_add("liar", raydiff_plugin(), &stand.layout, &reason);
-}
-
-static int stand_free(void **state)
-{
-    struct stand *stand = *state;
-    bvh_free(&stand->bvh);
-    scene_free(&stand->scene);
-    return 0;
+    return stand_open(state, "liar");
 }
 
 static void plugin_that_lies_is_refused_by_the_record(void **state)
 {
-    static const struct {
-        enum lie lie;
-        const char *says; /* NULL: packed */
-    } cases[] = {
+    static const struct lie_case cases[] = {
         {LIE_HONEST, NULL},
         {LIE_ULP, "liar: record 334: x bounds"},
         {LIE_CHILD, "liar: record 0: child 1 is reference 340 of 335"},
@@ -65,18 +42,7 @@ static void plugin_that_lies_is_refused_by_the_record(void **state)
         {LIE_NOTHING, "liar: pack() asked for no records"},
         {LIE_CODE, "liar: pack() returned 99"},
     };
-    struct stand *s = *state;
-    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
-        struct packed packed;
-        struct reason reason = {""};
-        lie = cases[i].lie;
-        enum status status = packed_make(s->layout, &s->bvh, &s->scene, &packed, &reason);
-        packed_free(&packed);
-        lie = LIE_HONEST;
-        if (status != (cases[i].says ? STATUS_INPUT : STATUS_OK) ||
-            (cases[i].says && !strstr(reason.text, cases[i].says)))
-            fail_msg("lie %d: %s: %s", (int)cases[i].lie, status_text(status), reason.text);
-    }
+    stand_hears(*state, &lie, LIE_HONEST, cases, ARRAY_COUNT(cases));
 }
 
 static void plugin_limit_is_a_limit(void **state)

@@ -1,8 +1,6 @@
 /* Layouts from outside of four children: what an honest one packs is the tree, wherever the
  * children stand in a record; every lie is told by the record, a leaf's by the slot. */
 #include "ref/packed_walk.h"
-#include "ref/plugin_layout.h"
-#include "scenes/scenes.h"
 
 static unsigned lie; /* enum lie */
 #define LIE lie
@@ -14,39 +12,16 @@ static unsigned lie; /* enum lie */
 #include <stdint.h>
 #include <cmocka.h>
 
-#include <string.h>
-
-struct stand {
-    struct scene scene;
-    struct bvh bvh;
-    const struct layout *layout;
-};
+#include "tests/plugin_stand.h"
 
 static int stand_make(void **state)
 {
-    static struct stand stand;
-    struct reason reason;
-    const struct build_options options = {.leaf = 4, .eps = BUILD_EPS_DEFAULT};
-    *state = &stand;
-    return scene_open("sphere:n=8", 1, &stand.scene, &reason) ||
-           bvh_build(builder_find("median"), &stand.scene, &options, &stand.bvh, &reason) ||
-           plugin_layout_add("liar4", raydiff_plugin(), &stand.layout, &reason);
-}
-
-static int stand_free(void **state)
-{
-    struct stand *stand = *state;
-    bvh_free(&stand->bvh);
-    scene_free(&stand->scene);
-    return 0;
+    return stand_open(state, "liar4");
 }
 
 static void wide_plugin_that_lies_is_refused_by_the_record(void **state)
 {
-    static const struct {
-        enum lie lie;
-        const char *says; /* NULL: packed */
-    } cases[] = {
+    static const struct lie_case cases[] = {
         {LIE_HONEST, NULL},
         {LIE_HOLE, NULL},
         {LIE_ULP, "liar4: record 4: x bounds"},
@@ -58,18 +33,7 @@ static void wide_plugin_that_lies_is_refused_by_the_record(void **state)
         {LIE_EMPTY, "liar4: record 84: a leaf without items"},
         {LIE_CHILDREN, "liar4: record 0: 5 children, 4 at most"},
     };
-    struct stand *s = *state;
-    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
-        struct packed packed;
-        struct reason reason = {""};
-        lie = cases[i].lie;
-        enum status status = packed_make(s->layout, &s->bvh, &s->scene, &packed, &reason);
-        packed_free(&packed);
-        lie = LIE_HONEST;
-        if (status != (cases[i].says ? STATUS_INPUT : STATUS_OK) ||
-            (cases[i].says && !strstr(reason.text, cases[i].says)))
-            fail_msg("lie %d: %s: %s", (int)cases[i].lie, status_text(status), reason.text);
-    }
+    stand_hears(*state, &lie, LIE_HONEST, cases, ARRAY_COUNT(cases));
 }
 
 /* A tree of one leaf has a root all the same. */
