@@ -157,6 +157,7 @@ void aim_degenerate(const struct aim *aim, struct rng *rng, struct ray *out)
     } else { /* no numbers: one ray in some thousand */
         static const uint32_t none[] = {0x7FC00000u, 0x7F800000u, 0xFF800000u};
         float *place[] = {&out->org[k], &out->dir[k], &out->tmin, &out->tmax};
-        *place[rng_below(rng, 4)] = float_from_bits(none[rng_below(rng, 3)]);
+        uint32_t bits = none[rng_below(rng, 3)];
+        *place[rng_below(rng, 4)] = float_from_bits(bits);
     }
 }

@@ -40,7 +40,7 @@ struct triple {
 /* Magnitudes near each other, so that sums cancel and roundings show. */
 static float ordinary(struct rng *rng)
 {
-    float x = ldexpf(1.0f + rng_float(rng), (int)rng_below(rng, 6) - 3);
+    float x = rng_scaled(rng, 1, 2, -3, 6);
     return rng_below(rng, 2) ? -x : x;
 }
 
@@ -181,7 +181,7 @@ static void make_words(uint32_t *word)
     struct rng rng = rng_make(3, 0);
     for (uint32_t i = 0; i < CODES; i++) {
         word[i] = i << 16;
-        float x = ldexpf(1.0f + rng_float(&rng), (int)rng_below(&rng, 42) - 26);
+        float x = rng_scaled(&rng, 1, 2, -26, 42);
         word[CODES + i] = float_bits(rng_below(&rng, 2) ? -x : x);
         uint16_t code = (uint16_t)(i / 2 < 0x7C00u ? i / 2 : i / 2 - 0x7C00u);
         float below = half_to_float((struct half){code});

@@ -23,7 +23,7 @@ struct triple {
 
 static float ordinary(struct rng *rng)
 {
-    float x = ldexpf(1.0f + rng_float(rng), (int)rng_below(rng, 80) - 40);
+    float x = rng_scaled(rng, 1, 2, -40, 80);
     return rng_below(rng, 2) ? -x : x;
 }
 

@@ -2,6 +2,7 @@
 #ifndef RNG_H
 #define RNG_H
 
+#include <math.h>
 #include <stdint.h>
 
 struct rng {
@@ -39,6 +40,15 @@ static inline float rng_float(struct rng *rng)
 static inline float rng_range(struct rng *rng, float lo, float hi)
 {
     return lo + (hi - lo) * rng_float(rng);
+}
+
+/* Uniform in [lo, hi) times 2^e, e uniform among `count` whole numbers from `least`. The two are
+ * drawn one after the other, as every two draws of a sequence must be: a compiler may evaluate the
+ * arguments of a call in any order. */
+static inline float rng_scaled(struct rng *rng, float lo, float hi, int least, uint32_t count)
+{
+    int exponent = least + (int)rng_below(rng, count);
+    return ldexpf(rng_range(rng, lo, hi), exponent);
 }
 
 #endif

@@ -14,7 +14,7 @@ static inline struct scene built_soup(uint32_t count, uint64_t seed)
     struct scene scene = trees_grid(count);
     struct rng rng = rng_make(seed, 0);
     for (uint32_t i = 0; i < count; i++) {
-        float centre[3], size = ldexpf(rng_range(&rng, 0.5f, 1), -(int)rng_below(&rng, 8));
+        float centre[3], size = rng_scaled(&rng, 0.5f, 1, -7, 8);
         for (int k = 0; k < 3; k++)
             centre[k] = rng_range(&rng, -10, 10);
         for (int c = 0; c < 9; c++)

@@ -222,8 +222,8 @@ static void make_ties(struct rng *rng, uint64_t seed, struct ray *ray, float v[3
 
 static float random_exponent(struct rng *rng, int most)
 {
-    float m = rng_range(rng, 1, 2);
-    return ldexpf(rng_below(rng, 2) ? m : -m, (int)rng_below(rng, (uint32_t)(2 * most + 1)) - most);
+    float m = rng_scaled(rng, 1, 2, -most, (uint32_t)(2 * most + 1));
+    return rng_below(rng, 2) ? m : -m;
 }
 
 static void make_exponents(struct rng *rng, uint64_t seed, struct ray *ray, float v[3][3])

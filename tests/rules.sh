@@ -61,6 +61,18 @@ for file in $(git ls-files 'ref/*.c' 'gpu/*.c' 'scenes/*.c'); do
         breach "$file: the library neither prints nor exits"
 done
 
+# Two draws of a sequence among the arguments of one call come in the order that a compiler likes.
+perl -0777 -ne '
+    s{/\*.*?\*/}{$& =~ tr/\n//cdr}gse;
+    while (/\b(?!(?:if|for|while|switch|return|rng_make)\b)\w+(\((?:[^()]++|(?1))*\))/g) {
+        my ($call, $line) = ($1, 1 + (substr($_, 0, $-[0]) =~ tr/\n//));
+        pos() = $+[0] - length($call) + 1; # what is inside is looked at as well
+        my @inner = substr($call, 1, -1) =~ /((?:[^(),{}\[\]]++|(\((?:[^()]++|(?2))*\))|[\[\]{}])+)/g;
+        my $draws = grep { defined && /\w\([^()]*\brng\b/ } @inner[grep { $_ % 2 == 0 } 0 .. $#inner];
+        print "$ARGV:$line\n" if $draws > 1;
+    }' $(git ls-files '*.c' '*.h') >"$scratch"
+[ -s "$scratch" ] && cat "$scratch" && breach "one draw after the other: arguments are evaluated in any order"
+
 # Small rooms.
 for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
     lines=$(wc -l <"$file")

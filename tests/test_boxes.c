@@ -129,7 +129,7 @@ static float zero(struct rng *rng)
 /* A float of random sign and exponent within 2^-12 .. 2^3, so that fixed() holds it. */
 static float spread(struct rng *rng)
 {
-    float x = ldexpf(1 + rng_float(rng), -(int)rng_below(rng, 15) + 2);
+    float x = rng_scaled(rng, 1, 2, -12, 15);
     return rng_below(rng, 2) ? x : -x;
 }
 
@@ -161,10 +161,10 @@ static void lattice_sample(struct rng *rng, struct ray *ray, struct box *box)
 /* A corner, edge or face of the box lies at about the same t on every axis. */
 static void corner_sample(struct rng *rng, struct ray *ray, struct box *box)
 {
-    float t = ldexpf(1 + rng_float(rng), (int)rng_below(rng, 4) - 2);
+    float t = rng_scaled(rng, 1, 2, -2, 4);
     for (int k = 0; k < 3; k++) {
-        ray->dir[k] = ldexpf(1 + rng_float(rng), -(int)rng_below(rng, 2));
-        ray->org[k] = ldexpf(rng_float(rng) - 0.5f, -(int)rng_below(rng, 20));
+        ray->dir[k] = rng_scaled(rng, 1, 2, -1, 2);
+        ray->org[k] = rng_scaled(rng, -0.5f, 0.5f, -19, 20);
         ray->org[k] = rintf(ray->org[k] * 0x1p40f) * 0x1p-40f;
         bool enters = rng_below(rng, 2);
         float at = (float)((double)ray->org[k] + (double)t * (double)ray->dir[k]);

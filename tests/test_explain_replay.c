@@ -211,7 +211,8 @@ static void the_conservative_box_test_turns_away_nothing_that_is_met(void **stat
             box.lo[k] = fminf(a, b);
             box.hi[k] = fmaxf(a, b);
             at[k] = rng_below(&rng, 2) ? box.lo[k] : box.hi[k];
-            ray.dir[k] = ldexpf((float)rng_below(&rng, 9) - 4, (int)rng_below(&rng, 8) - 4);
+            float scale = ldexpf(1, (int)rng_below(&rng, 8) - 4);
+            ray.dir[k] = ((float)rng_below(&rng, 9) - 4) * scale;
             ray.org[k] = at[k] - ray.dir[k]; /* exact often enough */
         }
         bool exact = true;

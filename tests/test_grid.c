@@ -116,8 +116,8 @@ static void decoding_is_outward_in_every_rounding(void **state)
         for (int round = 0; round < 4000; round++) {
             const struct number_format *format = number_formats[f];
             struct box box;
-            float around = ldexpf(rng_range(&rng, -1, 1), (int)rng_below(&rng, 250) - 126);
-            float size = ldexpf(rng_float(&rng), (int)rng_below(&rng, 250) - 126);
+            float around = rng_scaled(&rng, -1, 1, -126, 250);
+            float size = rng_scaled(&rng, 0, 1, -126, 250);
             for (int k = 0; k < 3; k++) {
                 box.lo[k] = around - (k == 1 ? 0 : size);
                 box.hi[k] = around + (k == 2 ? 0 : size);
@@ -151,8 +151,8 @@ static void frames_are_as_small_as_they_can_be(void **state)
     for (size_t f = 0; number_formats[f]; f++) {
         const struct number_format *format = number_formats[f];
         for (int round = 0; round < 1000; round++) {
-            float lo = ldexpf(rng_range(&rng, -1, 1), (int)rng_below(&rng, 60) - 30);
-            float size = ldexpf(1 + rng_float(&rng), (int)rng_below(&rng, 60) - 30);
+            float lo = rng_scaled(&rng, -1, 1, -30, 60);
+            float size = rng_scaled(&rng, 1, 2, -30, 60);
             struct box box = {{lo, lo, lo}, {lo + size, lo + size, lo + size}};
             struct number_frame frame;
             uint32_t code;

@@ -83,8 +83,9 @@ static void no_box_is_too_small(void **state)
         float size = ldexpf(1, (int)rng_below(&rng, 60) - 40);
         float centre = rng_below(&rng, 2) ? rng_range(&rng, -1e6f, 1e6f) : 0;
         float side = size * (rng_below(&rng, 2) ? 0.1f : 1e-5f);
-        struct scene scene =
-            cloud(&rng, 1 + rng_below(&rng, 60), centre, size, side, (int)rng_below(&rng, 6));
+        int kind = (int)rng_below(&rng, 6);
+        uint32_t count = 1 + rng_below(&rng, 60);
+        struct scene scene = cloud(&rng, count, centre, size, side, kind);
         char what[80];
         snprintf(what, sizeof what, "round %d, centre %a, size %a", round, (double)centre,
                  (double)size);

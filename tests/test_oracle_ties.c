@@ -24,7 +24,7 @@ static void put_vertex(struct rng *rng, float *v)
     v[1] = (float)rng_below(rng, 9);
     v[2] = 0;
     if (rng_below(rng, 4) == 0)
-        v[2] = ldexpf(rng_below(rng, 2) ? 1.0f : -1.0f, -30 - (int)rng_below(rng, 60));
+        v[2] = ldexpf(1, -30 - (int)rng_below(rng, 60)) * (rng_below(rng, 2) ? 1.0f : -1.0f);
 }
 
 /* Triangles over few vertices, each with copies, so that faces are shared by index and by place. */

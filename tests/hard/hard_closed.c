@@ -157,7 +157,8 @@ static void make_seam(struct hard_made *made)
     for (uint32_t i = 0; i < 400 && !part->failed; i++) {
         float a[3], to[3];
         origin_inside(&rng, 1, a);
-        part_edge(part, rng_below(&rng, part->scene.tri_count), (int)rng_below(&rng, 3), to);
+        int corner = (int)rng_below(&rng, 3);
+        part_edge(part, rng_below(&rng, part->scene.tri_count), corner, to);
         if (i % 2)
             for (int k = 0; k < 3; k++)
                 to[k] = part->scene.vertex[9 * (i % part->scene.tri_count) + (uint32_t)k];

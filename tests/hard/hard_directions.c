@@ -9,8 +9,10 @@
 static void inside(struct rng *rng, float *x, float *y)
 {
     do {
-        *x = (float)rng_below(rng, N) + 0.125f * (float)(1 + rng_below(rng, 7));
-        *y = (float)rng_below(rng, N) + 0.125f * (float)(1 + rng_below(rng, 7));
+        *x = (float)rng_below(rng, N);
+        *x += 0.125f * (float)(1 + rng_below(rng, 7));
+        *y = (float)rng_below(rng, N);
+        *y += 0.125f * (float)(1 + rng_below(rng, 7));
     } while (*x - floorf(*x) == *y - floorf(*y));
 }
 

@@ -26,8 +26,10 @@ static void make_middles(struct hard_made *made)
         for (int k = 0; k < 3; k++)
             at[k] = rng_range(&rng, -8, 8);
         for (int c = 0; c < 3; c++)
-            for (int k = 0; k < 3; k++)
-                v[c][k] = half_middle(at[k] + rng_range(&rng, -1, 1), (int)rng_below(&rng, 3) - 1);
+            for (int k = 0; k < 3; k++) {
+                int off = (int)rng_below(&rng, 3) - 1;
+                v[c][k] = half_middle(at[k] + rng_range(&rng, -1, 1), off);
+            }
         part_tri_of(part, (const float(*)[3])v);
     }
     for (uint32_t i = 0; i < 450 && !part->failed; i++) {

@@ -15,7 +15,8 @@ static float eighth(struct rng *rng, uint32_t below)
 /* An eighth that is no whole number. */
 static float off_lines(struct rng *rng)
 {
-    return (float)rng_below(rng, N) + 0.125f * (float)(1 + rng_below(rng, 7));
+    float line = (float)rng_below(rng, N);
+    return line + 0.125f * (float)(1 + rng_below(rng, 7));
 }
 
 static uint32_t cell(uint32_t i, uint32_t j)
@@ -266,7 +267,8 @@ static void make_on_surface(struct hard_made *made)
     for (int i = 0; i < 48; i++)
         for (size_t s = 0; s < ARRAY_COUNT(first); s++) {
             float dx = i % 3 ? 0.5f : 0, dz = i % 2 ? 1.0f : -1.0f;
-            struct ray ray = ray_of(off_lines(&rng), off_lines(&rng), 1, dx, 0, dz);
+            float y = off_lines(&rng), x = off_lines(&rng);
+            struct ray ray = ray_of(x, y, 1, dx, 0, dz);
             ray.tmin = first[s];
             struct hard_want *w = part_ray(part, ray);
             if (s == 0)
@@ -291,9 +293,9 @@ static void make_on_vertex(struct hard_made *made)
     struct rng rng = rng_make(18, 0);
     part_grid(part, N, 2, 1, 1, 0);
     for (int i = 0; i < 96; i++) {
-        struct ray ray = ray_of((float)rng_below(&rng, N + 1), (float)rng_below(&rng, N + 1), 1,
-                                (float)rng_below(&rng, 3) - 1, (float)rng_below(&rng, 3) - 1,
-                                (float)(i % 3) - 1);
+        float dy = (float)rng_below(&rng, 3) - 1, dx = (float)rng_below(&rng, 3) - 1;
+        float y = (float)rng_below(&rng, N + 1), x = (float)rng_below(&rng, N + 1);
+        struct ray ray = ray_of(x, y, 1, dx, dy, (float)(i % 3) - 1);
         struct hard_want *w = part_ray(part, ray);
         if (ray.dir[2] != 0)
             want(w, HARD_OWN, WANT_ENDS);
