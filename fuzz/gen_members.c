@@ -47,3 +47,8 @@ float gen_eps(struct rng *rng)
     int exponent = (int)rng_below(rng, 31);
     return how < 2 ? BUILD_EPS_DEFAULT : how == 2 ? 0.0f : power_of_two(-exponent);
 }
+
+float gen_move(struct rng *rng)
+{
+    return power_of_two((int)rng_below(rng, 12) - 10);
+}

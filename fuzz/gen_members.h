@@ -16,4 +16,8 @@ uint32_t gen_leaf(struct rng *rng, bool faithful);
 /* The published builder's threshold: its default, 0, or a power of two down to 2^-30. */
 float gen_eps(struct rng *rng);
 
+/* Extents of the scene that vertices move by after the tree was built: 2^-10, as from one picture
+ * of an animation to the next, to 2. */
+float gen_move(struct rng *rng);
+
 #endif

@@ -34,12 +34,13 @@ EDIT(builder, EDIT_TESTS);
 EDIT(box, EDIT_TESTS);
 EDIT(tri, EDIT_TESTS);
 EDIT(query, EDIT_TESTS);
+EDIT(refit, EDIT_TESTS);
 
 const struct edit *const edits[] = {
     &snap,        &scale,     &move, &negate,     &swap_axes, &flatten,   &halves,   &next_float,
     &onto_vertex, &onto_edge, &zero, &far_vertex, &duplicate, &permute,   &turn,     &weld,
     &unweld,      &drop,      &aim,  &ray_step,   &ray_axis,  &ray_range, &ray_back, &ray_scale,
-    &leaf,        &builder,   &box,  &tri,        &query,     NULL,
+    &leaf,        &builder,   &box,  &tri,        &query,     &refit,     NULL,
 };
 
 static const struct edit *choose_edit(struct rng *rng, enum edit_part part)

@@ -16,7 +16,7 @@ edit_fn edit_duplicate, edit_permute, edit_turn, edit_weld, edit_unweld, edit_dr
 /* mutate_rays.c */
 edit_fn edit_aim, edit_ray_step, edit_ray_axis, edit_ray_range, edit_ray_back, edit_ray_scale;
 /* mutate_tests.c */
-edit_fn edit_leaf, edit_builder, edit_box, edit_tri, edit_query;
+edit_fn edit_leaf, edit_builder, edit_box, edit_tri, edit_query, edit_refit;
 
 /* Sets a coordinate or a ray's number. */
 static inline void put(float *place, float x, bool *changed)

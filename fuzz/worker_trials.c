@@ -1,7 +1,7 @@
 /* The trials of an order, and the members that are drawn for them. */
 #include "fuzz/worker.h"
 
-#include "fuzz/gen_sketch.h"
+#include "fuzz/gen_members.h"
 #include "ref/quantise.h"
 #include "ref/rng.h"
 
@@ -54,13 +54,6 @@ enum status work_trial_make(const struct work_rules *rules, enum work_stream str
     return status;
 }
 
-/* Extents of the scene that vertices move by: all but nothing, as in an animation, and as far as it
- * goes. */
-static float choose_move(struct rng *rng)
-{
-    return power_of_two((int)rng_below(rng, 12) - 10);
-}
-
 /* So that the storage, which loses nothing, can hold it. What is too large for any grid stays. */
 static enum status put_on_grid(struct rng *rng, struct fuzz_trial *trial, struct reason *reason)
 {
@@ -92,7 +85,7 @@ enum status work_trial_draw(const struct work_rules *rules, uint64_t index,
     if (draw->optimized)
         trial->build.passes = 1 + rng_below(&rng, BUILD_PASSES_DEFAULT);
     if (draw->moved) {
-        trial->move = choose_move(&rng);
+        trial->move = gen_move(&rng);
         trial->move_seed = rng_below(&rng, 1000);
     }
     return draw->store->id == ABI_STORE_QUANTISED ? put_on_grid(&rng, trial, reason) : STATUS_OK;

@@ -39,6 +39,8 @@ static uint64_t hash_without(const struct fuzz_trial *trial, enum edit_part part
         copy.box = box_tests[0];
         copy.tri = tri_tests[0];
         copy.query = QUERY_CLOSEST;
+        copy.move = 0;
+        copy.move_seed = 0;
         copy.build = (struct build_options){.leaf = 1, .eps = 0};
     }
     return fuzz_trial_hash(&copy);
