@@ -210,6 +210,8 @@ enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reas
     if (trial->build.passes > 0 && trial->builder->faithful)
         return fail(reason, STATUS_INPUT, "builder %s builds as published: it is not optimized",
                     trial->builder->name);
+    if (tri_store_check(trial->store, trial->tri->id, trial->tri->name, reason))
+        return STATUS_INPUT;
     if (scene->tri_count > FUZZ_TRIANGLES_MOST || trial->ray_count > FUZZ_RAYS_MOST)
         return fail(reason, STATUS_LIMIT, "a trial has at most %u triangles and %u rays",
                     FUZZ_TRIANGLES_MOST, FUZZ_RAYS_MOST);

@@ -67,7 +67,8 @@ struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial);
 int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_trial_size *b);
 
 /* Rejects what no reader may let through: indices out of range, vertices that are not finite, no
- * builder, test or storage, limits. Rays may hold anything. Errors: STATUS_INPUT, STATUS_LIMIT. */
+ * builder, test or storage, a storage that the triangle test cannot ask, limits. Rays may hold
+ * anything. Errors: STATUS_INPUT, STATUS_LIMIT. */
 enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 
 #endif

@@ -29,6 +29,15 @@ static enum status mutate(const struct work_rules *rules, uint64_t index,
     return STATUS_OK;
 }
 
+/* An edit, or the rules' builder, may not go with what the base of a mutant has. */
+static void settle(struct fuzz_trial *trial)
+{
+    if (trial->builder->faithful)
+        trial->build.passes = 0;
+    if (!tri_store_answers(trial->store, trial->tri->id))
+        trial->store = tri_stores[0];
+}
+
 enum status work_trial_make(const struct work_rules *rules, enum work_stream stream, uint64_t index,
                             const struct fuzz_trial *base, struct fuzz_trial *out,
                             struct reason *reason)
@@ -51,6 +60,8 @@ enum status work_trial_make(const struct work_rules *rules, enum work_stream str
     }
     if (!status && rules->builder_count > 0)
         out->builder = rules->builder[index % rules->builder_count];
+    if (!status)
+        settle(out);
     return status;
 }
 

@@ -158,6 +158,11 @@ static void trial_check_refuses_what_no_reader_may_pass(void **state)
     bad = trial;
     bad.build.leaf = 0;
     assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    bad = trial;
+    bad.store = tri_store_find("edges");
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_OK);
+    bad.tri = tri_test_find("woop");
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
     static const float eps[] = {-1, NAN, INFINITY};
     for (size_t i = 0; i < ARRAY_COUNT(eps); i++) {
         bad = trial;

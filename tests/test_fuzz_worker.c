@@ -90,11 +90,44 @@ static void builders_named_are_those_of_what_is_made(void **state)
     fuzz_trial_free(&base);
 }
 
+/* Whatever an edit or a named builder puts in place of the base's: no engine may have to refuse
+ * the mutant. */
+static void mutants_of_stored_and_optimized_trials_can_be_traced(void **state)
+{
+    (void)state;
+    static const char *const store[] = {"edges", "baldwin_webber"};
+    static const char *const tri[] = {"mt", "baldwin_webber"};
+    struct work_rules rules = rules_of(5);
+    uint32_t other = 0;
+    rules.builder_count = 2;
+    rules.builder[0] = builder_find("rtrs");
+    rules.builder[1] = builder_find("lbvh");
+    for (int b = 0; b < 2; b++) {
+        struct fuzz_trial base = make(&rules, WORK_GEN, 3, NULL);
+        base.store = tri_store_find(store[b]);
+        base.tri = tri_test_find(tri[b]);
+        base.builder = builder_find("ploc");
+        base.build.passes = 4;
+        for (uint64_t i = 0; i < 10 * MUTANTS; i++) {
+            struct fuzz_trial trial = make(&rules, WORK_MUT, i, &base);
+            assert_int_equal(fuzz_trial_check(&trial, &reason), STATUS_OK);
+            assert_int_equal(trial.build.passes, trial.builder->faithful ? 0 : 4);
+            assert_int_equal(trial.store == base.store,
+                             tri_store_answers(base.store, trial.tri->id));
+            other += trial.store != base.store;
+            fuzz_trial_free(&trial);
+        }
+        fuzz_trial_free(&base);
+    }
+    assert_true(other > 10);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mutants_are_of_base_seed_and_number),
         cmocka_unit_test(builders_named_are_those_of_what_is_made),
+        cmocka_unit_test(mutants_of_stored_and_optimized_trials_can_be_traced),
     };
     return cmocka_run_group_tests_name("fuzz_worker", tests, NULL, NULL) ? 1 : 0;
 }
