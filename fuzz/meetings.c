@@ -1,8 +1,7 @@
 /* Which pairs can meet, and how often they did. */
 #include "fuzz/meetings_inner.h"
 
-#include "ref/quantise.h"
-
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,6 +45,7 @@ const char *meetings_name(const struct meetings *m, enum meeting_factor factor, 
 struct pair *meetings_pair(const struct meetings *m, enum meeting_factor a, uint32_t i,
                            enum meeting_factor b, uint32_t j)
 {
+    assert(a != b); /* a factor is in no pair with itself */
     if (a > b)
         return meetings_pair(m, b, j, a, i);
     return &m->pair[m->place[a][b] + (size_t)i * m->tables.count[b] + j];

@@ -131,6 +131,9 @@ static void take_program(const struct meetings *m, struct row *row)
         return;
     row->free = false;
     struct row taken = *row;
+    for (enum meeting_factor f = 0; f < MEET_FACTORS; f++) /* those that the row has go */
+        if (is_of_program(f))
+            taken.meeting.member[f] = MEET_NONE;
     for (enum meeting_factor f = 0; f < MEET_FACTORS; f++) {
         if (!is_of_program(f))
             continue;
