@@ -67,6 +67,8 @@ struct fuzz_command {
 const char *fuzz_key_name(enum fuzz_key key);
 void fuzz_key_print(const struct fuzz_command *command, enum fuzz_key key,
                     char text[FUZZ_VALUE_MOST]);
+/* True if the layouts are all that there are, which is kept as "every". */
+bool fuzz_has_every_layout(const struct fuzz_command *command);
 /* Sets the option. Errors: STATUS_INPUT with the flag, text and rule. */
 enum status fuzz_key_set(struct fuzz_command *command, enum fuzz_key key, const char *text,
                          struct reason *reason) MUST_USE;

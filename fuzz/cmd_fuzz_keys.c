@@ -24,16 +24,25 @@ const char *fuzz_key_name(enum fuzz_key key)
     return name[key];
 }
 
-/* Layouts from outside by their path, so that it can be read again; a whole table is "every". */
+bool fuzz_has_every_layout(const struct fuzz_command *c)
+{
+    return c->layout.count > table_all(TABLE_LAYOUTS).count &&
+           !table_member(TABLE_LAYOUTS, c->layout.count, NULL);
+}
+
+static bool has_plugin(const struct list *list)
+{
+    bool has = false;
+    for (size_t i = 0; i < list->count; i++)
+        has = has || plugin_path(layouts_all[list->index[i]]);
+    return has;
+}
+
+/* Layouts from outside by their path, so that it can be read again. */
 static void print_list(enum table table, const struct list *list, char text[FUZZ_VALUE_MOST])
 {
     size_t used = 0;
     text[0] = '\0';
-    if (table == TABLE_LAYOUTS && list->count > table_all(table).count &&
-        !table_member(table, list->count, NULL)) {
-        snprintf(text, FUZZ_VALUE_MOST, "every");
-        return;
-    }
     for (size_t i = 0; i < list->count && used < FUZZ_VALUE_MOST; i++) {
         size_t index = list->index[i];
         const char *path = table == TABLE_LAYOUTS ? plugin_path(layouts_all[index]) : NULL;
@@ -57,7 +66,10 @@ void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[F
         print_list(TABLE_ENGINES, &c->engine, text);
         break;
     case KEY_LAYOUT:
-        print_list(TABLE_LAYOUTS, &c->layout, text);
+        if (fuzz_has_every_layout(c) && !has_plugin(&c->layout))
+            snprintf(text, FUZZ_VALUE_MOST, "every");
+        else
+            print_list(TABLE_LAYOUTS, &c->layout, text);
         break;
     case KEY_BUILDER:
         print_list(TABLE_BUILDERS, &c->builder, text);

@@ -14,7 +14,9 @@ static void add(struct meeting_tables *tables, enum meeting_factor factor, const
         tables->member[factor][tables->count[factor]++] = member;
 }
 
-/* Members of tables that can be drawn or generated: as published with --faithful. */
+/* Members of tables that can be drawn or generated: as published with --faithful, and layouts that
+ * are named; the same for a folder that is gone on with, which has the names and not who gave
+ * them. */
 static void fill(const struct fuzz_command *c, struct meeting_tables *t)
 {
     const struct fuzz_field *field = &c->campaign.rules.field;
@@ -24,7 +26,7 @@ static void fill(const struct fuzz_command *c, struct meeting_tables *t)
             add(t, MEET_ENGINE, field->who[i].engine);
     for (size_t i = 0; i < c->layout.count; i++) {
         const struct layout *layout = layouts_all[c->layout.index[i]];
-        if (!drawn || all || !layout->faithful || c->given[KEY_LAYOUT])
+        if (!drawn || all || !layout->faithful || !fuzz_has_every_layout(c))
             add(t, MEET_LAYOUT, layout);
     }
     for (size_t i = 0; i < c->builder.count; i++)
