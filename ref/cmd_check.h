@@ -30,7 +30,8 @@ void check_print(const struct check_scene *scene);
 /* What the motion of --move did to trees and packed trees; nothing without one. */
 void check_print_moved(const struct check_scene *scene);
 
-/* The exit code that the rows ask for; a layout or engine counts only if it was named. */
+/* The exit code that the rows ask for; a layout or engine counts only if it was named, or if
+ * nothing else was played. */
 int check_exit(const struct check_scene *scene, bool layout_named, bool engine_named);
 
 /* Writes all rows as JSON, see README "JSON". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */

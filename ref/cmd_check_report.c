@@ -180,6 +180,15 @@ static void print_winners(const struct check_scene *scene)
     }
 }
 
+/* Everything that was asked for is refused, or has nobody to play on it. */
+static bool is_idle(const struct check_scene *scene)
+{
+    bool idle = true;
+    for (size_t i = 0; i < scene->row_count; i++)
+        idle = idle && scene->row[i].status == ROW_REFUSED;
+    return idle;
+}
+
 static void print_agreement(const struct check_scene *scene)
 {
     size_t exact_rows = 0, exact_rays = 0, exact_bad = 0, judged = 0, counted = 0;
@@ -203,6 +212,8 @@ static void print_agreement(const struct check_scene *scene)
         for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
             wrong[w] += row->wrong[w];
     }
+    if (is_idle(scene))
+        puts("  nothing was played: no engine has anything to play on");
     if (exact_rows)
         printf("  bit for bit against cpu: %zu of %zu answers differ\n", exact_bad, exact_rays);
     printf("  against the exact truth: %zu of %zu answers WRONG", count[VERDICT_WRONG], judged);
@@ -288,7 +299,7 @@ void check_print(const struct check_scene *scene)
 
 int check_exit(const struct check_scene *scene, bool layout_named, bool engine_named)
 {
-    int code = EXIT_AGREE;
+    int code = is_idle(scene) ? EXIT_USAGE : EXIT_AGREE;
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
         if (row->status == ROW_REFUSED && layout_named)
