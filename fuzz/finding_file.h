@@ -12,8 +12,9 @@
  *   query closest
  *   store compact                                     optional; indexed
  *   optimize 4                                        optional; passes of reinsertion
- *   move 0x1p-3 seed 7                                optional; how far the vertices moved since
- * the tree was built (struct fuzz_trial) vertices 3 0x0p+0 0x0p+0 0x0p+0 # 0.0 0.0 0.0
+ *   move 0x1p-3 seed 7                                optional; since the tree was built
+ *   vertices 3
+ *   0x0p+0 0x0p+0 0x0p+0                              # 0.0 0.0 0.0
  *   ...
  *   triangles 1
  *   0 1 2

@@ -1,4 +1,5 @@
 #include "ref/mutant.h"
+#include "ref/packed_walk.h"
 #include "ref/refit.h"
 
 #include <math.h>
@@ -55,8 +56,8 @@ static enum status add_triangle(struct refit *refit, uint32_t ref, uint32_t prim
     float v[3][3];
     bool finite = true;
     if (prim >= refit->scene->tri_count)
-        return fail(refit->reason, STATUS_INPUT, "%s: record %u names triangle %u of %u", name, ref,
-                    prim, refit->scene->tri_count);
+        return fail(refit->reason, STATUS_INPUT, "%s: %s names triangle %u of %u", name,
+                    packed_name(refit->from, ref).text, prim, refit->scene->tri_count);
     scene_tri(refit->scene, prim, v);
     for (int c = 0; c < 3; c++) {
         for (int k = 0; k < 3; k++)
@@ -75,9 +76,8 @@ static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items l
     const char *name = refit->from->layout->name;
     uint32_t found = 0;
     if (leaf.count > slots_most(refit))
-        return fail(refit->reason, STATUS_INPUT,
-                    "%s: record %u: a leaf of %u items for %u triangles", name, ref, leaf.count,
-                    refit->scene->tri_count);
+        return fail(refit->reason, STATUS_INPUT, "%s: %s: a leaf of %u items for %u triangles",
+                    name, packed_name(refit->from, ref).text, leaf.count, refit->scene->tri_count);
     *box = box_empty();
     refit->named.item_first = leaf.first;
     for (uint32_t s = 0; s < leaf.count; s++) {
@@ -91,8 +91,8 @@ static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items l
     box->hi[0] = nextafterf(box->hi[0], box->lo[0]);
 #endif
     if (found == 0)
-        return fail(refit->reason, STATUS_INPUT, "%s: record %u is a leaf without triangles", name,
-                    ref);
+        return fail(refit->reason, STATUS_INPUT, "%s: %s is a leaf without triangles", name,
+                    packed_name(refit->from, ref).text);
     if (!stores_vertices(refit->from))
         return STATUS_OK;
     void *array = refit->leaf;
@@ -108,8 +108,8 @@ static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items l
 
 static enum status no_tree(const struct refit *refit, uint32_t ref)
 {
-    return fail(refit->reason, STATUS_INPUT, "%s: record %u: the words are no tree",
-                refit->from->layout->name, ref);
+    return fail(refit->reason, STATUS_INPUT, "%s: %s: the words are no tree",
+                refit->from->layout->name, packed_name(refit->from, ref).text);
 }
 
 /* What cannot be written makes the tree one to be built anew, unless the walk finds it is none. */
