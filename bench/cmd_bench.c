@@ -212,6 +212,16 @@ static enum status take_option(void *user, int option, char *text, struct reason
     }
 }
 
+static enum status unknown(const char *name, struct reason *reason)
+{
+    char known[120] = "";
+    size_t used = 0;
+    for (size_t i = 0; benchmarks[i] && used < sizeof known; i++)
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",
+                                 benchmarks[i]->name);
+    return fail(reason, STATUS_INPUT, "unknown benchmark '%.60s'; benchmarks are: %s", name, known);
+}
+
 /* An option that the named benchmark (or none of all) takes would be ignored: refused instead. */
 static enum status check_given(const struct bench *bench, const char *name, struct reason *reason)
 {
@@ -224,11 +234,14 @@ static enum status check_given(const struct bench *bench, const char *name, stru
         takes |= benchmarks[i]->takes;
     }
     if (!known)
-        return fail(reason, STATUS_INPUT, "unknown benchmark '%s'", name);
+        return unknown(name, reason);
     for (size_t k = 0; k < ARRAY_COUNT(taken); k++)
         if (bench->given & ~takes & 1u << k)
             return fail(reason, STATUS_INPUT, "%s: benchmark %s does not take it", taken[k],
                         name ? name : "all");
+    for (size_t i = 0; benchmarks[i] && name && bench->scene_count > 0; i++)
+        if (benchmarks[i]->sceneless && strcmp(name, benchmarks[i]->name) == 0)
+            return fail(reason, STATUS_INPUT, "--scene: benchmark %s does not take it", name);
     if (bench->bvh && bench->scene_count != 1)
         return fail(reason, STATUS_INPUT, "--bvh: a tree is of one scene: name it with --scene");
     return STATUS_OK;
@@ -334,6 +347,8 @@ int cmd_bench(int argc, char **argv)
     if (code >= 0)
         return code;
     if (argc - first > 1)
-        return usage_error("bench", "one benchmark at a time");
+        return usage_error("bench",
+                           "one benchmark at a time, and '%.60s' is a second (a scene: --scene)",
+                           argv[first + 1]);
     return run_benchmarks(&bench, first < argc ? argv[first] : NULL);
 }

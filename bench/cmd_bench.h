@@ -59,8 +59,9 @@ struct benchmark {
     unsigned takes;    /* BENCH_TAKES_* */
     const char *about; /* more than a line, for --help; or NULL */
     int (*run)(struct bench *bench);
-    bool alone;    /* takes minutes or writes files of its own: only if it is named */
-    bool rows_out; /* --out BASE names its files of rows and its plot */
+    bool alone;     /* takes minutes or writes files of its own: only if it is named */
+    bool rows_out;  /* --out BASE names its files of rows and its plot */
+    bool sceneless; /* makes its scenes: no --scene */
 };
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
@@ -83,6 +84,10 @@ enum status bench_tree_open(const struct bench *bench, const struct scene *scene
  * those of builders. */
 enum status bench_tree_make(const struct bench *bench, const struct scene *scene, struct bvh *out,
                             struct reason *reason) MUST_USE;
+
+/* Says on the standard error what went wrong with a scene: "raydiff bench: SCENE: why". Readers and
+ * generators name theirs themselves, then it is not said twice. */
+void bench_complain(const char *spec, const struct reason *reason);
 
 /* Rays per trace: the user's, or the benchmark's own number. */
 size_t bench_rays_count(const struct bench *bench, size_t own);

@@ -146,12 +146,12 @@ static int run(struct bench *bench)
         struct scene scene;
         struct reason reason;
         enum status status = scene_open(spec[i], 1, &scene, &reason);
-        if (status) {
-            fprintf(stderr, "raydiff bench: %s\n", reason.text);
-            code = exit_worse(code, exit_of_status(status));
-            continue;
-        }
-        code = exit_worse(code, bench_scene(bench, spec[i], &scene));
+        if (!status && scene.tri_count == 0)
+            status = fail(&reason, STATUS_INPUT, "no triangles");
+        if (status)
+            bench_complain(spec[i], &reason);
+        code =
+            exit_worse(code, status ? exit_of_status(status) : bench_scene(bench, spec[i], &scene));
         scene_free(&scene);
     }
     return code;

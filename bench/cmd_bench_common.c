@@ -24,6 +24,13 @@ size_t bench_scenes(const struct bench *bench, const char *const *own,
     return count;
 }
 
+void bench_complain(const char *spec, const struct reason *reason)
+{
+    size_t name = strcspn(spec, ":"); /* of a generator: without its parameters */
+    bool named = strncmp(reason->text, spec, name) == 0 && reason->text[name] == ':';
+    fprintf(stderr, "raydiff bench: %s%s%s\n", named ? "" : spec, named ? "" : ": ", reason->text);
+}
+
 size_t bench_rays_count(const struct bench *bench, size_t own)
 {
     return bench->ray_count ? (size_t)bench->ray_count : own;

@@ -350,8 +350,9 @@ static int run(struct bench *bench)
         status = play_scene(bench, spec[i], &pages, &code, &reason);
         progress_end(&bench->progress);
         if (status) {
-            fprintf(stderr, "raydiff bench: %s: %s\n", spec[i],
-                    reason.text[0] ? reason.text : status_text(status));
+            if (!reason.text[0])
+                fail(&reason, status, "%s", status_text(status));
+            bench_complain(spec[i], &reason);
             code = exit_worse(code, exit_of_status(status));
         }
         fflush(stdout);

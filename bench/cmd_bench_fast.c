@@ -259,9 +259,12 @@ static int run(struct bench *bench)
     static const char *const own[] = {"scenes/fetched/dragon-11k.ply.gz",
                                       "scenes/fetched/dragon-203k.ply.gz",
                                       "scenes/fetched/dragon-871k.ply.gz", NULL};
+    static const char *const made[] = {"terrain:k=6", "terrain:k=8", "terrain:k=9", NULL};
     const char *spec[BENCH_SCENES];
     size_t count = bench_scenes(bench, own, spec);
     int code = EXIT_AGREE;
+    if (count == 0)
+        count = bench_scenes(bench, made, spec);
     if (bench->engines.threads == 0)
         bench->engines.threads = 1;
     printf("\nfast: %u thread%s, %s\n", bench->engines.threads,
@@ -281,7 +284,7 @@ static int run(struct bench *bench)
             status = play_kinds(&c, &reason);
         }
         if (status) {
-            fprintf(stderr, "raydiff bench: %s: %s\n", spec[i], reason.text);
+            bench_complain(spec[i], &reason);
             code = exit_worse(code, exit_of_status(status));
         }
         close_contest(&c);

@@ -194,4 +194,5 @@ const struct benchmark bench_fuzz = {
     .takes = BENCH_TAKES_ENGINE | BENCH_TAKES_LAYOUT | BENCH_TAKES_SEED | BENCH_TAKES_JSON,
     .about = about,
     .run = run,
+    .sceneless = true,
 };

@@ -309,7 +309,7 @@ static int run(struct bench *bench)
             status = play(m, &reason);
         progress_end(&bench->progress);
         if (status) {
-            fprintf(stderr, "raydiff bench: %s: %s\n", spec[i], reason.text);
+            bench_complain(spec[i], &reason);
             code = exit_worse(code, exit_of_status(status));
         }
         close_matrix(m);

@@ -233,6 +233,8 @@ static int bench_scene(struct bench *bench, const char *spec, struct reason *rea
     struct scene scene;
     struct measured it = {.spec = spec, .count = bench_rays_count(bench, RAYS)};
     enum status status = scene_open(spec, bench->seed, &scene, reason);
+    if (!status && scene.tri_count == 0)
+        status = fail(reason, STATUS_INPUT, "no triangles");
     if (status)
         return exit_of_status(status);
     it.filtered = it.count < FILTER ? it.count : FILTER;
@@ -267,7 +269,7 @@ static int run(struct bench *bench)
         struct reason reason = {""};
         int one = bench_scene(bench, spec[i], &reason);
         if (reason.text[0])
-            fprintf(stderr, "raydiff bench: %s\n", reason.text);
+            bench_complain(spec[i], &reason);
         code = exit_worse(code, one);
     }
     return code;

@@ -346,7 +346,7 @@ static int run(struct bench *bench)
         code = exit_worse(code, play_scene(bench, spec[i], &reason));
         progress_end(&bench->progress);
         if (reason.text[0])
-            fprintf(stderr, "raydiff bench: %s: %s\n", spec[i], reason.text);
+            bench_complain(spec[i], &reason);
     }
     return code;
 }

@@ -45,7 +45,15 @@ expect 0 'pairs of members met, 0 of them only in trials that were refused or sk
 expect 0 'met, [1-9][0-9]* of them only in trials that were refused or skipped: mt with rayquery' \
     conform --engine cpu,rayquery --driver no-such-driver --layout f32 --builder median --box robust \
     --tri mt --count 100
-expect 2 "unknown benchmark 'x'" bench x
+expect 2 "unknown benchmark 'x'; benchmarks are: layouts, .*, fast, matrix" bench x
+expect 2 "'x.obj' is a second .a scene: --scene" bench fast x.obj
+for one in fast matrix error spawn builders oracle layouts; do
+    expect 2 "^raydiff bench: nothing.obj: No such file" bench $one --scene nothing.obj
+done
+expect 2 "^raydiff bench: soup: n=-1 must be" bench fast --scene soup:n=-1
+expect 2 "--scene: benchmark fuzz does not take it" bench fuzz --scene sphere:n=4
+expect 2 "soup:n=0: no triangles" bench builders --scene soup:n=0 --rounds 1
+expect 2 "soup:n=0: no triangles" bench oracle --scene soup:n=0 --rounds 1 --count 64
 expect 0 "shadow *fast" bench fast --scene sphere:n=4 --rounds 1 --count 500
 expect 2 "no triangles" bench fast --scene soup:n=0 --rounds 1 --count 500
 expect 0 "worth using, nothing lost: fast .*(fastest)" bench matrix --scene sphere:n=4 --rounds 1 --count 500 --threads 1 \
