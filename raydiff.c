@@ -44,6 +44,18 @@ static void print_help(FILE *to)
           to);
 }
 
+/* What a command printed has arrived: a full disk is an output that cannot be written, as any. A
+ * signal's code stays. */
+static int printed(const char *name, int code)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return code;
+    if (code == EXIT_USAGE || code > 128) /* said already, or ended */
+        return code;
+    fprintf(stderr, "raydiff %s: cannot write to the standard output\n", name);
+    return exit_worse(code, EXIT_USAGE);
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 2) {
@@ -56,12 +68,12 @@ int main(int argc, char **argv)
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
         print_help(stdout);
-        return EXIT_AGREE;
+        return printed(argv[1], EXIT_AGREE);
     }
     plugin_compile_with(cmd_glsl_compile);
     for (const struct command *command = commands; command->name; command++)
         if (strcmp(argv[1], command->name) == 0)
-            return command->run(argc - 1, argv + 1);
+            return printed(argv[1], command->run(argc - 1, argv + 1));
     const bool of_seed = strcmp(argv[1], "load") == 0 || strcmp(argv[1], "demo") == 0;
     fprintf(stderr, "raydiff: unknown command '%s' (see raydiff %s--help)\n", argv[1],
             of_seed ? "render " : "");

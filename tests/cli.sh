@@ -395,6 +395,16 @@ grep -q 'vacuous' "$dir/out" || bad "bench spawn says that a scene without hits 
 expect 2 'no-such-folder' bench error --scene sphere:n=3 --count 10 --rounds 1 --engine cpu --svg "$dir/no-such-folder/x.svg"
 expect 2 . bench error --scene soup:n=100000,size=0.001 --layout rf16 --engine cpu --count 10 --rounds 1
 
+# A full disk behind the standard output is said, whatever the verdict.
+if [ -w /dev/full ]; then
+    for command in list 'check soup '"$small" 'check --help' --help 'scene list'; do
+        # shellcheck disable=SC2086 # words of a command
+        "$raydiff" $command >/dev/full 2>"$dir/err"
+        [ $? -eq 2 ] || bad "raydiff $command >/dev/full is exit code 2"
+        grep -q 'cannot write to .*standard output' "$dir/err" || bad "raydiff $command >/dev/full says nothing"
+    done
+fi
+
 # Leaks: closed meshes only, rows that promise fail, others are counted.
 few="--count 1000 --layout f32 --engine cpu"
 expect 2 'no scene given' leaks
