@@ -34,7 +34,7 @@ struct leak_row {
     struct reason reason;
     struct leaks leaks;
     bool own_test; /* the engine has one triangle test, whatever `tri` says */
-    bool promises; /* a watertight triangle test, and a box test that keeps it so */
+    bool promises; /* a watertight triangle test, a box test that keeps it so, none as published */
     bool compared; /* with engine cpu on the same tree, bit for bit */
     size_t bit_differences;
     char broken[160]; /* what breaks the profile or the engine's promise; empty: nothing */

@@ -65,7 +65,9 @@ static void count_row(struct play *play, struct leak_row *row)
         return;
     bool is_cpu = strcmp(engine->name, "cpu") == 0;
     struct model model = engine->model(self, row->tri);
-    row->promises = model.watertight && job_keeps_watertight(&job);
+    row->promises = model.watertight && job_keeps_watertight(&job) &&
+                    !(engine->needs_packed &&
+                      (row->layout->faithful || row->builder->faithful || row->box->faithful));
     row->status = leaks_count(&play->rays, engine, self, &job, &row->leaks,
                               is_cpu ? play->cpu_digest : play->digest, &row->reason);
     if (is_cpu)

@@ -126,7 +126,7 @@ void leaks_print(const struct leak_scene *scene)
             print_finding(&scene->row[i], &scene->row[i].leaks.finding[k]);
     printf(
         "what it means\n  %zu of %zu rows promise a closed mesh to be closed (tri woop; on a tree "
-        "also box watertight), the others are counted\n",
+        "also box watertight; none as published), the others are counted\n",
         promising, scene->row_count);
     if (scene->vacuous[0])
         printf("  vacuous: %s\n", scene->vacuous);

@@ -423,6 +423,9 @@ for key in profile scenes aimed_exactly promises broken total aims vertex beside
 done
 expect 1 . leaks sphere:n=4 $few --tri woop --box watertight --profile dxr
 grep -q 'BROKEN: .* hit twice' "$dir/out" || bad "leaks: woop breaks the DXR rule, and it is said"
+expect 0 . leaks sphere --count 1000 --engine cpu --layout rtrs_rf,f32 --tri woop --box watertight
+grep -q '^rtrs_rf .* counted$' "$dir/out" || bad "leaks: a member as published promises nothing"
+grep -q '^f32 .* kept$' "$dir/out" || bad "leaks: what stands beside it does"
 expect 1 . leaks sphere:n=4 --count 999 --layout f32 --engine cpu
 grep -q 'vacuous: 999 rays' "$dir/out" || bad "leaks: too few rays are vacuous"
 expect 2 . leaks sphere:n=4 $few --layout rf16 --leaf 9
