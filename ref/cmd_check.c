@@ -16,7 +16,7 @@ struct check_options {
     bool layout_auto, layout_named, engine_named;
     struct build_options build;
     size_t rays;
-    uint64_t count, seed, repeats, brute, brute_rays, bits;
+    uint64_t count, seed, repeats, brute, brute_rays, bits; /* bits 0: not named */
     struct engine_options engines;
     float move;
     const char *json;
@@ -75,7 +75,6 @@ static struct check_options default_options(void)
         .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
         .count = 100000,
         .seed = 1,
-        .bits = QUANTISE_BITS_DEFAULT,
         .repeats = 3,
         .brute = 200000000,
         .engines = engine_options_default(),
@@ -105,13 +104,13 @@ static enum status take_number(struct check_options *o, int option, const char *
                                struct reason *reason)
 {
     uint64_t n = 0;
-    enum status status = STATUS_OK;
+    enum status status;
     switch (option) {
     case OPT_LEAF:
         o->build_flag = "--leaf";
         status = parse_count("--leaf", text, 1, 1u << 20, &n, reason);
         o->build.leaf = (uint32_t)n;
-        break;
+        return status;
     case OPT_COUNT:
         return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
     case OPT_BITS:
@@ -128,15 +127,14 @@ static enum status take_number(struct check_options *o, int option, const char *
     default:
         return engine_option_take(option, text, &o->engines, reason);
     }
-    return status;
 }
 
 static enum status take_move(struct check_options *o, const char *text, struct reason *reason)
 {
-    enum status status = parse_float("--move", text, &o->move, reason);
-    if (!status && !(o->move >= 0))
-        status = fail(reason, STATUS_INPUT, "--move %s: how far is at least 0", text);
-    return status;
+    if (parse_float("--move", text, &o->move, reason))
+        return STATUS_INPUT;
+    return o->move >= 0 ? STATUS_OK
+                        : fail(reason, STATUS_INPUT, "--move %s: how far is at least 0", text);
 }
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
@@ -146,6 +144,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_LAYOUT:
         return take_layouts(o, text, reason);
     case OPT_STORE:
+        o->build_flag = "--store";
         return table_parse(TABLE_STORES, "--store", text, &o->store, reason);
     case OPT_ENGINE:
         o->engine_named = strcmp(text, "all") != 0;
@@ -181,6 +180,12 @@ static enum status take_option(void *user, int option, char *text, struct reason
     default:
         return take_number(o, option, text, reason);
     }
+}
+
+/* Such are played on the decoded scene, the others on the scene as it is. */
+static bool store_is_of_grids(const struct check_options *o, size_t i)
+{
+    return tri_stores[o->store.index[i]]->head != NULL;
 }
 
 /* What one run of the command holds. */
@@ -236,12 +241,6 @@ static enum status play_engines(struct check *check, struct match *match, bool p
         if (engines[o->engine.index[e]]->needs_packed == packed)
             status = play_engine(check, match, engines[o->engine.index[e]], result);
     return status;
-}
-
-/* Such are played on the decoded scene, the others on the scene as it is. */
-static bool store_is_of_grids(const struct check_options *o, size_t i)
-{
-    return tri_stores[o->store.index[i]]->head != NULL;
 }
 
 static enum status play_layouts(struct check *check, struct match *match,
@@ -330,8 +329,8 @@ static enum status play_decoded(struct check *check, const struct scene *scene,
 {
     struct scene decoded;
     struct original original = {0};
-    enum status status =
-        scene_quantise(scene, (uint32_t)check->options.bits, &decoded, &result->quantised, reason);
+    uint32_t bits = check->options.bits ? (uint32_t)check->options.bits : QUANTISE_BITS_DEFAULT;
+    enum status status = scene_quantise(scene, bits, &decoded, &result->quantised, reason);
     if (status)
         return status;
     status = original_make(scene, &result->quantised, rays, result->ray_count, &original, reason);
@@ -352,6 +351,8 @@ static enum status play_both(struct check *check, const struct scene *scene,
     size_t grids = 0;
     for (size_t i = 0; i < o->store.count; i++)
         grids += store_is_of_grids(o, i);
+    if (o->bits > 0 && grids == 0)
+        return fail(reason, STATUS_INPUT, "--bits: is of --store quantised, which is not named");
     if (grids && (o->bvh || o->layout_auto || o->move > 0))
         return fail(reason, STATUS_INPUT,
                     "--store quantised: not with --bvh, --move, --layout auto");

@@ -84,12 +84,26 @@ struct list table_all(enum table table)
     return list;
 }
 
+/* Why a word for many members, or for one that is looked for, names none here; NULL: it is none. */
+static const char *stands_alone(enum table table, const char *name, size_t length)
+{
+    if (length == 4 && memcmp(name, "auto", 4) == 0 && table == TABLE_LAYOUTS)
+        return "is for check and render, and stands alone";
+    if (table == TABLE_QUERIES || !((length == 3 && memcmp(name, "all", 3) == 0) ||
+                                    (length == 5 && memcmp(name, "every", 5) == 0)))
+        return NULL;
+    return "stands alone, not in a list";
+}
+
 static enum status unknown(enum table table, const char *flag, const char *name, size_t length,
                            struct reason *reason)
 {
     char known[200] = "";
     size_t used = 0, i = 0;
     const char *one;
+    const char *alone = stands_alone(table, name, length);
+    if (alone)
+        return fail(reason, STATUS_INPUT, "%s: '%.*s' %s", flag, (int)length, name, alone);
     for (; (one = table_member(table, i, NULL)) && used + strlen(one) + 2 < sizeof known - 40; i++)
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one);
     if (one)

@@ -31,6 +31,11 @@ expect 2 'missing value' check soup --count
 expect 2 "unknown name 'f33'; layouts are: f32, rf16" check soup --layout f33
 expect 2 "unknown name 'gpu'; engines are" check soup --engine gpu
 expect 2 "unknown name 'sah'; builders are" check soup --builder sah
+expect 2 "'all' stands alone, not in a list" check soup --layout f32,all
+expect 2 "'auto' is for check and render, and stands alone" check soup --layout auto,f32
+expect 2 "'auto' is for check and render, and stands alone" leaks soup --layout auto
+expect 2 "bits: is of --store quantised" check soup --bits 12 $small
+expect 2 'goes without --store' check soup --store compact --bvh none
 expect 2 "is named twice" check soup --layout f32,f32
 expect 2 "'0' is not a whole number from 1" check soup --count 0
 expect 2 "'0' is not a whole number from 1" check soup --leaf 0
