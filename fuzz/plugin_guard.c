@@ -101,10 +101,14 @@ static void *open_object(const char *path, struct reason *reason)
     char here[PATH_MOST + 2];
     snprintf(here, sizeof here, "%s%s", strchr(path, '/') ? "" : "./", path);
     void *handle = dlopen(here, RTLD_NOW | RTLD_LOCAL);
-    if (!handle)
-        (void)fail(reason, STATUS_INPUT, "%.120s: not a shared object to be had: %.150s", path,
-                   dlerror());
-    return handle;
+    if (handle)
+        return handle;
+    const char *why = dlerror();
+    size_t named = strlen(here); /* the loader begins with the path, too */
+    if (strncmp(why, here, named) == 0 && strncmp(why + named, ": ", 2) == 0)
+        why += named + 2;
+    (void)fail(reason, STATUS_INPUT, "%.120s: not a shared object to be had: %.150s", path, why);
+    return NULL;
 }
 
 static void open_in_child(struct child *parent, void *user)

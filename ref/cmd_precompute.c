@@ -79,6 +79,10 @@ static enum status take_option(void *user, int option, char *text, struct reason
         size_t which = 0;
         status = table_parse_one(TABLE_LAYOUTS, "--layout", text, &which, reason);
         p->layout = status ? NULL : layouts_all[which];
+        if (p->layout && p->layout->outside)
+            return fail(reason, STATUS_INPUT,
+                        "--layout: %s is from outside, and files of packed trees hold none such",
+                        p->layout->name);
         break;
     }
     case OPT_BUILDER:

@@ -139,6 +139,11 @@ other 2 explain sphere:n=8 --engine cpu
 other 2 bench error --scene sphere:n=8 --engine cpu --count 50 --rounds 1
 fuzzed tree 1
 
+build/raydiff precompute --scene sphere --layout ./mine.so --out mine.tree >lie.log 2>&1
+[ $? -eq 2 ] || breach "precompute --layout ./mine.so: not exit code 2"
+grep -q 'mine is from outside, and files of packed trees hold none such' lie.log || breach "precompute: $(cat lie.log)"
+[ ! -e mine.tree ] || breach "precompute writes what nothing reads"
+
 # --- shaders ---------------------------------------------------------------------------------------
 shader() { # what must be said
     build/raydiff check sphere:n=8 --count 50 --repeat 1 --layout ./mine.so --shader bad.glsl >lie.log 2>&1
