@@ -95,9 +95,8 @@ static enum status take_layouts(struct check_options *o, const char *text, struc
 {
     o->layout_named = true;
     o->layout_auto = strcmp(text, "auto") == 0;
-    if (o->layout_auto)
-        return STATUS_OK;
-    return table_parse(TABLE_LAYOUTS, "--layout", text, &o->layout, reason);
+    return o->layout_auto ? STATUS_OK
+                          : table_parse(TABLE_LAYOUTS, "--layout", text, &o->layout, reason);
 }
 
 static enum status take_number(struct check_options *o, int option, const char *text,

@@ -116,8 +116,10 @@ expect 0 . check "$dir/one.obj" --rays primary $small
 expect 2 . check soup:n=100000,size=0.001 --layout rf16 $small
 expect 0 . check soup:n=100000,size=0.2 --brute 1e6 $small
 grep -q 'refused: rf16' "$dir/out" || bad "a refused layout is a row with its reason"
-expect 2 'nothing was played' check soup:n=100 --store compact --leaf 100 --engine cpu --count 100 --repeat 1
-expect 2 'nothing was played' check soup:n=100 --store quantised --engine brute --count 100 --repeat 1
+for none in '--store compact --leaf 100 --engine cpu' '--store quantised --engine brute'; do
+    expect 2 . check soup:n=100 $none --count 100 --repeat 1
+    grep -q 'nothing was played' "$dir/out" || bad "check $none: nothing was played, and it is not said"
+done
 expect 0 . check soup:n=100000,size=0.2 --layout auto --brute 1e6 $small
 grep -q '^cwbvh80 .*cpu' "$dir/out" || bad "--layout auto takes cwbvh80 where rf16 cannot"
 expect 2 . check soup:n=70000,size=0.001 --layout rf16 --leaf 8 $small
