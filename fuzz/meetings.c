@@ -115,11 +115,8 @@ static enum status can_meet(const struct meeting_tables *t, enum meeting_factor 
     if (a == MEET_ENGINE) {
         const struct engine *engine = x;
         *can = meetings_meets(engine, b);
-        if (b == MEET_LAYOUT && engine->needs_packed) {
-            const struct layout *layout = y;
-            *can = !(engine->binary && layout_is_wide(layout)) &&
-                   !(engine->own_tri && layout->faithful);
-        }
+        if (b == MEET_LAYOUT && engine->needs_packed)
+            *can = engine_takes(engine, y);
     } else if (a == MEET_LAYOUT && b == MEET_STORE) {
         return layout_takes(x, y, can, reason);
     } else if (a == MEET_LAYOUT && b == MEET_MOTION) {

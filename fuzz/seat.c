@@ -57,10 +57,12 @@ static void fared_badly(struct answers *answers, enum fuzz_kind kind, size_t ray
     answers->ray = (uint32_t)ray;
 }
 
-/* What a status other than OK says of a job that ought to be possible. */
-static void fared_by_status(struct answers *answers, enum status status)
+/* What a status other than OK says of a job that ought to be possible. That an engine takes no tree
+ * of the layout is documented. */
+static void fared_by_status(const struct seat *who, struct answers *answers, enum status status)
 {
-    if (status == STATUS_LIMIT)
+    bool other = who->layout && !engine_takes(who->engine, who->layout);
+    if (status == STATUS_LIMIT || (status == STATUS_UNSUPPORTED && other))
         answers->fared = FARED_REFUSED;
     else
         fared_badly(answers, status == STATUS_INPUT ? FUZZ_KIND_PROTOCOL : FUZZ_KIND_REFUSED, 0);
@@ -125,7 +127,7 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct sta
     uint64_t start = time_ns();
     enum status status = who->engine->prepare(who->self, &job, reason);
     if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED || status == STATUS_INPUT) {
-        fared_by_status(answers, status);
+        fared_by_status(who, answers, status);
         return STATUS_OK;
     }
     if (!status)
@@ -140,7 +142,7 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct sta
     if (status == STATUS_MEMORY)
         return status;
     if (status != STATUS_DEVICE) {
-        fared_by_status(answers, status);
+        fared_by_status(who, answers, status);
         return STATUS_OK;
     }
     if (peer_failed(who, stage, answers))
@@ -202,7 +204,7 @@ static enum status ask_together(struct fuzz_player *player, size_t seat, size_t 
         if (task->status == STATUS_OK || task->status == STATUS_DEVICE)
             answers->fared = FARED_PLAYED;
         else
-            fared_by_status(answers, task->status);
+            fared_by_status(who, answers, task->status);
         answers->has_work = who->engine->tells_work && task->status == STATUS_OK;
     }
     return status;

@@ -86,9 +86,10 @@ struct engine {
     bool needs_packed; /* false: sees the scene alone (brute, Embree) */
     bool brute;      /* tests every triangle: asked for no more rays than match_options.brute_budget
                         pays for */
-    bool own_tri;    /* has a triangle test of its own, whatever job.tri is */
+    bool own_tri;    /* has a triangle test of its own, whatever job.tri is; traces no trees as
+                        published */
     bool tells_work; /* its trace_tasks fills in task.work */
-    bool binary;     /* traces trees of binary layouts only: STATUS_LIMIT else */
+    bool binary;     /* traces trees of binary layouts only: STATUS_UNSUPPORTED else */
     bool compiles;   /* a program for each layout, storage and tests: the first trial is dear */
     bool recorded;   /* its answers were written down before: it can be asked no other ray */
     /* Errors: STATUS_UNSUPPORTED cannot run here (reason), STATUS_DEVICE, STATUS_MEMORY. */
@@ -135,6 +136,12 @@ struct engine {
     /* Prints what `raydiff doctor` says: versions, limits, or why it cannot run. */
     void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
 };
+
+/* False if the engine, which needs trees, traces none of that layout: STATUS_UNSUPPORTED. */
+static inline bool engine_takes(const struct engine *engine, const struct layout *layout)
+{
+    return !(engine->binary && layout_is_wide(layout)) && !(engine->own_tri && layout->faithful);
+}
 
 /* NULL-terminated: the program's own, then what engine_add added. */
 extern const struct engine *const *const engines;

@@ -259,11 +259,38 @@ static void every_kind_of_fault_is_found(void **state)
     }
 }
 
+/* Layouts that an engine does not take are a limit of it, as ones that cannot hold the trial. */
+static void layouts_that_an_engine_does_not_take_are_refused(void **state)
+{
+    (void)state;
+    const struct engine *engine[] = {engine_find("cpu_stackless"), engine_find("fast")};
+    const struct layout *layout[] = {layout_find("f32"), layout_find("half4"),
+                                     layout_find("amd64_g0")};
+    const struct engine_options options = {.device = -1, .threads = 1};
+    struct fuzz_field field;
+    struct fuzz_player *player;
+    struct fuzz_trial trial;
+    struct fuzz_result result;
+    struct reason reason;
+    trial_make(1, 0, 8, 8, RAYS, &trial);
+    if (fuzz_field_make(engine, 2, layout, 3, &options, &field, &reason) ||
+        fuzz_player_open(&field, &player, &reason) ||
+        fuzz_play(player, &trial, 1, &result, NULL, NULL, &reason))
+        fail_msg("%s", reason.text);
+    assert_int_equal(result.refusers, 2 | 4 | 32);
+    assert_int_equal(result.players, 1 | 8 | 16);
+    for (size_t i = 0; i < result.finding_count; i++) /* of amd64_g0, which is no tree */
+        assert_int_equal(result.finding[i].signature.kind, FUZZ_KIND_TREE);
+    fuzz_player_close(player);
+    fuzz_trial_free(&trial);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(many_at_once_have_the_verdicts_of_matches),
         cmocka_unit_test(every_kind_of_fault_is_found),
+        cmocka_unit_test(layouts_that_an_engine_does_not_take_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
