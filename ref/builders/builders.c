@@ -5,6 +5,7 @@
 
 #include "counts.h"
 
+#include <math.h>
 #include <string.h>
 
 extern const struct builder build_median, build_rtrs, build_sah_binned, build_sah_sweep, build_lbvh,
@@ -37,7 +38,7 @@ uint64_t bvh_build_bytes(const struct builder *builder, uint32_t tri_count,
     double items = tri_count;
     float budget = options->split_budget == 0 ? BUILD_SPLIT_BUDGET_DEFAULT : options->split_budget;
     if (builder == &build_sbvh && budget > 0)
-        items += items * (double)budget;
+        items += items * fmin((double)budget, (double)BUILD_SPLIT_BUDGET_MOST);
     uint64_t build = (uint64_t)(items * builder->tri_bytes);
     uint64_t reinsert = options->passes > 0 ? (uint64_t)REINSERT_BYTES * tri_count : 0;
     return build > reinsert ? build : reinsert;
