@@ -39,7 +39,8 @@ static const char help[] =
     "slab, noise, out of contract: README, \"Allowed differences\"), the largest error over its\n"
     "proven bound, what is WRONG, and bits that differ from engine cpu.\n"
     "A named layout that refuses the scene, or is to be built anew after a motion, exits with 2, a "
-    "named engine that cannot run with 77; so does a run in which nothing could be played with 2.\n"
+    "named engine that cannot run with 77. A run in which nothing, or nothing of a named storage,\n"
+    "could be played exits with 2.\n"
     "exit codes: 0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped\n"
     "example: raydiff check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices\n";
 

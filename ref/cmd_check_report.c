@@ -189,6 +189,24 @@ static bool is_idle(const struct check_scene *scene)
     return idle;
 }
 
+/* A storage other than the default, so one that was named, that no layout was played with; or NULL.
+ */
+static const struct tri_store *idle_store(const struct check_scene *scene)
+{
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct row *row = &scene->row[i];
+        const struct tri_store *store = row->options.store;
+        bool idle = row->layout && store && store != tri_stores[0];
+        for (size_t k = 0; k < scene->row_count && idle; k++) {
+            const struct row *other = &scene->row[k];
+            idle = !other->layout || other->options.store != store || other->status == ROW_REFUSED;
+        }
+        if (idle)
+            return store;
+    }
+    return NULL;
+}
+
 static void print_agreement(const struct check_scene *scene)
 {
     size_t exact_rows = 0, exact_rays = 0, exact_bad = 0, judged = 0, counted = 0;
@@ -214,6 +232,8 @@ static void print_agreement(const struct check_scene *scene)
     }
     if (is_idle(scene))
         puts("  nothing was played: no engine has anything to play on");
+    else if (idle_store(scene))
+        printf("  storage %s was played on no layout\n", idle_store(scene)->name);
     if (exact_rows)
         printf("  bit for bit against cpu: %zu of %zu answers differ\n", exact_bad, exact_rays);
     printf("  against the exact truth: %zu of %zu answers WRONG", count[VERDICT_WRONG], judged);
@@ -299,7 +319,7 @@ void check_print(const struct check_scene *scene)
 
 int check_exit(const struct check_scene *scene, bool layout_named, bool engine_named)
 {
-    int code = is_idle(scene) ? EXIT_USAGE : EXIT_AGREE;
+    int code = is_idle(scene) || idle_store(scene) ? EXIT_USAGE : EXIT_AGREE;
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
         if (row->status == ROW_REFUSED && layout_named)

@@ -120,6 +120,8 @@ for none in '--store compact --leaf 100 --engine cpu' '--store quantised --engin
     expect 2 . check soup:n=100 $none --count 100 --repeat 1
     grep -q 'nothing was played' "$dir/out" || bad "check $none: nothing was played, and it is not said"
 done
+expect 2 . check soup:n=100 --store indexed,compact --leaf 100 --count 100 --repeat 1 --engine cpu,brute
+grep -q 'storage compact was played on no layout' "$dir/out" || bad "check: a named storage that holds nothing is no pass"
 expect 0 . check soup:n=100000,size=0.2 --layout auto --brute 1e6 $small
 grep -q '^cwbvh80 .*cpu' "$dir/out" || bad "--layout auto takes cwbvh80 where rf16 cannot"
 expect 2 . check soup:n=70000,size=0.001 --layout rf16 --leaf 8 $small
