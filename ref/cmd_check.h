@@ -31,7 +31,7 @@ void check_print(const struct check_scene *scene);
 void check_print_moved(const struct check_scene *scene);
 
 /* The exit code that the rows ask for; a layout or engine counts only if it was named, or if
- * nothing else was played. */
+ * nothing else was played, or nothing else of a storage that is not the default. */
 int check_exit(const struct check_scene *scene, bool layout_named, bool engine_named);
 
 /* Writes all rows as JSON, see README "JSON". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
