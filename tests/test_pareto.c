@@ -42,6 +42,7 @@ static void worth_are_three_of_no_error(void **state)
         {2, 0.1, 0},     /* smallest */
         {8, 0.6, 0},     /* 0.045 */
         {10, 1.0, 0},    /* 0.1: balanced */
+        {4, 0.5, 0},     /* 0.0625, though most speed for its size */
         {11, 0.99, 0},   /* beaten by the one before */
     };
     size_t worth[PARETO_WORTH];

@@ -1,4 +1,5 @@
-/* Orders of play: everybody once a round, nobody twice in a row, everybody after everybody. */
+/* Orders of play: everybody once a round, nobody twice in a row, everybody after everybody, and
+ * from every place to every other as often as chance has it. */
 #include "bench/turns.h"
 
 #include <setjmp.h>
@@ -38,10 +39,38 @@ static void rounds_are_fair(void **state)
     }
 }
 
+/* Who was last begins no round and has every other place alike; the others share what is left. */
+static void places_change_as_chance_has_it(void **state)
+{
+    (void)state;
+    for (size_t count = 2; count <= MOST; count++) {
+        struct rng rng = rng_make(2, count);
+        size_t order[MOST], place[MOST], moves[MOST][MOST] = {{0}};
+        double others = (double)count - 1;
+        turns_start(order, count);
+        for (size_t round = 0; round < ROUNDS; round++) {
+            for (size_t i = 0; i < count; i++)
+                place[order[i]] = i;
+            turns_next(&rng, order, count);
+            for (size_t i = 0; i < count; i++)
+                moves[place[order[i]]][i]++;
+        }
+        for (size_t from = 0; from < count; from++)
+            for (size_t to = 0; to < count; to++) {
+                double share = from == count - 1 ? (to > 0 ? 1 / others : 0)
+                               : to == 0         ? 1 / others
+                                                 : (others - 1) / (others * others);
+                double off = (double)moves[from][to] - share * ROUNDS;
+                assert_true(off * off <= 25 * share * ROUNDS); /* 5 deviations */
+            }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rounds_are_fair),
+        cmocka_unit_test(places_change_as_chance_has_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
