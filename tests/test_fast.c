@@ -3,6 +3,7 @@
 #include "ref/fast/decoded.h"
 #include "ref/fast/fast.h"
 #include "ref/layout.h"
+#include "ref/rng.h"
 #include "tests/rays.h"
 #include "tests/trees.h"
 
@@ -10,6 +11,7 @@
 #include <string.h>
 
 #define RAYS 1600
+#define TIED 40u /* rounds, and triangles less 6 */
 
 static const struct tri_test *woop(void)
 {
@@ -251,6 +253,46 @@ static void all_hits_are_those_of_all_triangles(void **state)
     scene_free(&scene);
 }
 
+/* Triangles that all meet a ray in one point, in boxes that begin one after the other: the answer
+ * is that of the first which was visited, so it tells the order of visits. */
+static void the_nearest_child_is_visited_first(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(1, 1);
+    const struct ray ray[2] = {{.org = {0, 0, -64}, .dir = {0, 0, 1}, .tmax = RAY_TMAX},
+                               {.org = {0, 0, -64}, .dir = {0, 0, 1}, .tmax = RAY_TMAX}};
+    for (int round = 0; round < (int)TIED; round++) {
+        struct scene scene;
+        float ahead[6 + TIED];
+        const uint32_t count = 6 + (uint32_t)round; /* two children, three, and more */
+        assert_int_equal(scene_make(3 * count, count, &scene), STATUS_OK);
+        for (uint32_t i = 0; i < count; i++) {
+            uint32_t k = rng_below(&rng, i + 1);
+            ahead[i] = ahead[k];
+            ahead[k] = (float)(i + 1);
+        }
+        for (uint32_t i = 0; i < count; i++) {
+            const float corner[9] = {-1, -1, -ahead[i], 1, -1, -ahead[i], 0, 1, ahead[i]};
+            memcpy(scene.vertex + 9 * i, corner, sizeof corner);
+            for (uint32_t c = 0; c < 3; c++)
+                scene.index[3 * i + c] = 3 * i + c;
+        }
+        struct fast_tree tree = make_tree(&scene, 1);
+        for (size_t k = 0; fast_kernels[k]; k++)
+            for (int pairs = 0; pairs < 2 && fast_kernels[k]->runs(); pairs++) {
+                struct hit hit[2], watched;
+                tree.in_pairs = pairs;
+                fast_careful(&tree, ray, false, &watched);
+                fast_kernels[k]->closest(&tree, ray, 2, hit);
+                assert_true(watched.t == 64);
+                assert_memory_equal(&hit[0], &watched, sizeof watched);
+                assert_memory_equal(&hit[1], &watched, sizeof watched);
+            }
+        fast_free(&tree);
+        scene_free(&scene);
+    }
+}
+
 /* --- blocks and trees
  * ----------------------------------------------------------------------------- */
 
@@ -381,6 +423,7 @@ int main(void)
         cmocka_unit_test(rays_out_of_contract_end),
         cmocka_unit_test(closed_meshes_stay_closed),
         cmocka_unit_test(all_hits_are_those_of_all_triangles),
+        cmocka_unit_test(the_nearest_child_is_visited_first),
         cmocka_unit_test(blocks_hold_their_triangles),
         cmocka_unit_test(bounds_are_conservative),
         cmocka_unit_test(every_layout_is_decoded),
