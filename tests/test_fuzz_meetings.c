@@ -1,11 +1,8 @@
-/* Who meets whom: which pairs can, that the rarest are drawn, and that what is drawn is counted. */
-#define _GNU_SOURCE /* mkdtemp */
+/* Who meets whom: which pairs can, that the rarest are drawn, and what the drawn trials are. */
 #include "fuzz/meetings.h"
 
-#include "fuzz/campaign.h"
 #include "fuzz/trial_tree.h"
 #include "fuzz/worker.h"
-#include "ref/rng.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,62 +11,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
-static struct reason reason;
-
-static void add(struct meeting_tables *t, enum meeting_factor factor, const void *member)
-{
-    t->member[factor][t->count[factor]++] = member;
-}
-
-static const char *const engine_names[] = {"cpu", "fast", "cpu_stackless", "brute",
-                                           "embree_robust"};
-
-/* Every member that is not as published. */
-static struct meeting_tables all_tables(void)
-{
-    struct meeting_tables t = {.count = {[MEET_OPTIMIZE] = 2, [MEET_MOTION] = 2}};
-    for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
-        add(&t, MEET_ENGINE, engine_find(engine_names[i]));
-    for (size_t i = 0; layouts_all[i]; i++)
-        if (!layouts_all[i]->faithful)
-            add(&t, MEET_LAYOUT, layouts_all[i]);
-    for (size_t i = 0; builders_all[i]; i++)
-        if (!builders_all[i]->faithful)
-            add(&t, MEET_BUILDER, builders_all[i]);
-    for (size_t i = 0; tri_stores[i]; i++)
-        add(&t, MEET_STORE, tri_stores[i]);
-    for (size_t i = 0; tri_tests[i]; i++)
-        if (!tri_tests[i]->faithful)
-            add(&t, MEET_TRI, tri_tests[i]);
-    for (size_t i = 0; box_tests[i]; i++)
-        if (!box_tests[i]->faithful)
-            add(&t, MEET_BOX, box_tests[i]);
-    return t;
-}
-
-static struct meetings *open_all(void)
-{
-    static struct meeting_tables tables;
-    struct meetings *m;
-    tables = all_tables();
-    if (meetings_open(&tables, &m, &reason))
-        fail_msg("%s", reason.text);
-    return m;
-}
-
-/* The member of that name. */
-static uint32_t named(const struct meetings *m, enum meeting_factor factor, const char *name)
-{
-    const struct meeting_tables *t = meetings_tables(m);
-    for (uint32_t i = 0; i < t->count[factor]; i++)
-        if (strcmp(meetings_name(m, factor, i), name) == 0)
-            return i;
-    fail_msg("no %s %s", meeting_factor_name(factor), name);
-    return 0;
-}
+#include "tests/meetings.h"
 
 static bool can(const struct meetings *m, enum meeting_factor a, const char *x,
                 enum meeting_factor b, const char *y)
@@ -196,44 +140,6 @@ static void refused_pairs_do_not_starve_others(void **state)
     meetings_close(m);
 }
 
-static void tallies_come_back_from_their_file(void **state)
-{
-    (void)state;
-    char folder[] = "/tmp/meetings.XXXXXX", path[64], name[MEETING_NAME_MOST];
-    struct meetings *m = open_all(), *again = open_all();
-    uint64_t count;
-    assert_non_null(mkdtemp(folder));
-    snprintf(path, sizeof path, "%s/pairs.txt", folder);
-    assert_int_equal(meetings_read(again, path, &reason), STATUS_OK); /* there is none */
-    for (uint32_t turn = 0; turn < 700; turn++) {
-        struct meeting drawn;
-        meetings_draw(m, 5, turn, 64, &drawn);
-        meetings_add(m, &drawn);
-    }
-    assert_int_equal(meetings_write(m, path, &reason), STATUS_OK);
-    assert_int_equal(meetings_read(again, path, &reason), STATUS_OK);
-    struct meetings_summary x = meetings_summarize(m, 2), y = meetings_summarize(again, 2);
-    assert_memory_equal(&x, &y, sizeof x);
-    for (uint32_t i = 0; i < 20; i++) {
-        char other[MEETING_NAME_MOST];
-        uint64_t other_count;
-        assert_true(meetings_rarest(m, i, name, &count));
-        assert_true(meetings_rarest(again, i, other, &other_count));
-        assert_string_equal(name, other);
-        assert_int_equal(count, other_count);
-    }
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fputs("engine.cpu layout.f32 3\nengine.cpu layout.f32\n", file);
-    fclose(file);
-    assert_int_equal(meetings_read(again, path, &reason), STATUS_INPUT);
-    assert_non_null(strstr(reason.text, ":2:"));
-    unlink(path);
-    rmdir(folder);
-    meetings_close(m);
-    meetings_close(again);
-}
-
 /* --- what is drawn, as trials ------------------------------------------------------------------
  */
 
@@ -345,50 +251,6 @@ static void drawn_trials_come_back_from_their_file(void **state)
     }
 }
 
-/* Who meets does not depend on who plays: a block's members are drawn from what blocks long before
- * it have missed. */
-static void tallies_are_those_of_any_number_of_workers(void **state)
-{
-    (void)state;
-    static char text[2][200000];
-    for (uint32_t jobs = 1; jobs <= 2; jobs++) {
-        char folder[] = "/tmp/meetings.XXXXXX", path[64], command[100];
-        const struct engine *engine[ARRAY_COUNT(engine_names)];
-        struct campaign_options options = {.trials = 8 * FUZZ_BATCH,
-                                           .shard = 1,
-                                           .shards = 1,
-                                           .jobs = jobs,
-                                           .trial_ms = 10000,
-                                           .identity = "gen=0",
-                                           .rules = rules};
-        const struct engine_options engines_of = {.threads = 1, .device = -1};
-        struct findings *findings;
-        for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
-            engine[i] = engine_find(engine_names[i]);
-        assert_non_null(mkdtemp(folder));
-        options.folder = folder;
-        options.meetings = open_all();
-        assert_int_equal(fuzz_field_draw(engine, ARRAY_COUNT(engine), &engines_of,
-                                         &options.rules.field, &reason),
-                         0);
-        assert_int_equal(findings_open(folder, &findings, &reason), STATUS_OK);
-        if (campaign_run(&options, findings, NULL, &reason))
-            fail_msg("%s", reason.text);
-        assert_int_equal(findings_count(findings), 0);
-        findings_close(findings);
-        assert_true(meetings_summarize(options.meetings, 1).met > 100);
-        meetings_close(options.meetings);
-        snprintf(path, sizeof path, "%s/pairs.txt", folder);
-        FILE *file = fopen(path, "r");
-        assert_non_null(file);
-        assert_true(fread(text[jobs - 1], 1, sizeof text[0] - 1, file) > 1000);
-        fclose(file);
-        snprintf(command, sizeof command, "rm -rf %s", folder);
-        assert_int_equal(system(command), 0);
-    }
-    assert_string_equal(text[0], text[1]);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -397,11 +259,9 @@ int main(void)
         cmocka_unit_test(draws_are_of_seed_turn_and_tally),
         cmocka_unit_test(what_was_compiled_can_be_traced),
         cmocka_unit_test(refused_pairs_do_not_starve_others),
-        cmocka_unit_test(tallies_come_back_from_their_file),
         cmocka_unit_test(moved_trees_are_trees_of_the_scene),
         cmocka_unit_test(quantised_trials_are_on_a_grid),
         cmocka_unit_test(drawn_trials_come_back_from_their_file),
-        cmocka_unit_test(tallies_are_those_of_any_number_of_workers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
