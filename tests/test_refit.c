@@ -297,57 +297,6 @@ static void a_block_that_grows_is_to_be_built_anew(void **state)
     scene_free(&scene);
 }
 
-static void other_scenes_are_refused(void **state)
-{
-    (void)state;
-    struct scene scene = built_soup(20, 2), fewer = built_soup(19, 2);
-    struct bvh bvh = build("median", &scene, 2);
-    struct packed packed, empty = {0};
-    struct reason reason = {""};
-    assert_int_equal(packed_make(layout_find("cwbvh80"), &bvh, &scene, &packed, NULL), STATUS_OK);
-    struct snapshot before = snapshot(&packed);
-    assert_int_equal(packed_refit(&packed, &fewer, &reason), STATUS_INPUT);
-    assert_int_equal(bvh_refit(&bvh, &fewer, &reason), STATUS_INPUT);
-    scene.vertex[3 * 17 + 1] = NAN;
-    assert_int_equal(packed_refit(&packed, &scene, &reason), STATUS_INPUT);
-    assert_true(same_as(&packed, &before));
-    struct scene none = {0};
-    struct bvh nothing = {0};
-    assert_int_equal(packed_make(layout_find("f32"), &nothing, &none, &empty, NULL), STATUS_OK);
-    assert_int_equal(packed_refit(&empty, &none, &reason), STATUS_OK);
-    drop(&before);
-    packed_free(&packed);
-    bvh_free(&bvh);
-    scene_free(&scene);
-    scene_free(&fewer);
-}
-
-/* Words that are no tree: said, or refitted to something; nothing outside is touched (sanitize). */
-static void hostile_words_are_safe(void **state)
-{
-    (void)state;
-    struct scene scene = built_soup(40, 4);
-    struct bvh bvh = build("median", &scene, 3);
-    struct rng rng = rng_make(3, 3);
-    for (size_t l = 0; layouts_all[l]; l++)
-        for (int round = 0; round < 60; round++) {
-            const struct tri_store *store = tri_stores[round % 5];
-            struct packed packed;
-            if (packed_make_stored(layouts_all[l], store, &bvh, &scene, &packed, NULL))
-                continue;
-            for (uint32_t flips = 1 + rng_below(&rng, 3); flips > 0; flips--) {
-                bool item = packed.item && rng_below(&rng, 2);
-                uint32_t *word = item ? packed.item : packed.word;
-                word[rng_below(&rng, item ? packed.item_count : packed.word_count)] ^=
-                    1u << rng_below(&rng, 32);
-            }
-            (void)!packed_refit(&packed, &scene, NULL);
-            packed_free(&packed);
-        }
-    bvh_free(&bvh);
-    scene_free(&scene);
-}
-
 static void what_is_joined_moves_together(void **state)
 {
     (void)state;
@@ -388,8 +337,6 @@ int main(void)
         cmocka_unit_test(both_refits_are_the_same),
         cmocka_unit_test(storages_have_the_moved_vertices),
         cmocka_unit_test(a_block_that_grows_is_to_be_built_anew),
-        cmocka_unit_test(other_scenes_are_refused),
-        cmocka_unit_test(hostile_words_are_safe),
         cmocka_unit_test(what_is_joined_moves_together),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
