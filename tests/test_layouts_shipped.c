@@ -94,6 +94,43 @@ static void no_box_is_too_small(void **state)
     }
 }
 
+/* Bounds a hair beside a plane of the node's frame, whose distance from the origin of the frame a
+ * double rounds to that of the plane. */
+static void no_hair_is_lost_beside_a_plane(void **state)
+{
+    (void)state;
+    for (int hair = -100; hair <= -20; hair++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            struct scene scene = trees_grid(40);
+            float beside = (float)sign * ldexpf(1, hair);
+            for (uint32_t i = 0; i < 9 * 40; i++) /* the origin at -1, a child on each side of 0 */
+                scene.vertex[i] = i < 9 * 20 ? (i % 2 ? -1.0f : beside) : (i % 2 ? 0.75f : -beside);
+            check_in_all(&scene, 20, "a hair beside a plane");
+            scene_free(&scene);
+        }
+}
+
+/* Said before anything is looked at: there is no tree. */
+static void too_many_items_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *layout;
+        uint32_t most;
+    } full[] = {{"half4", 1u << 28}, {"amd64", 1u << 29}};
+    for (size_t i = 0; i < ARRAY_COUNT(full); i++) {
+        const struct layout *layout = layout_find(full[i].layout);
+        const struct bvh bvh = {.prim_count = full[i].most + 1};
+        const struct scene scene = {.tri_count = full[i].most + 1};
+        struct packed packed = {.layout = layout};
+        struct reason reason = {""};
+        char said[40];
+        snprintf(said, sizeof said, "items, this tree has %u", full[i].most + 1);
+        assert_int_equal(layout->pack(layout, &bvh, &scene, &packed, &reason), STATUS_LIMIT);
+        assert_non_null(strstr(reason.text, said));
+    }
+}
+
 static void the_range_of_floats_is_held_or_refused(void **state)
 {
     (void)state;
@@ -277,6 +314,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_box_is_too_small),
+        cmocka_unit_test(no_hair_is_lost_beside_a_plane),
+        cmocka_unit_test(too_many_items_are_refused),
         cmocka_unit_test(the_range_of_floats_is_held_or_refused),
         cmocka_unit_test(words_are_as_published),
         cmocka_unit_test(growth_is_counted_in_halves),

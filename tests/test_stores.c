@@ -145,6 +145,30 @@ static void every_storage_answers_as_indexed(void **state)
     }
 }
 
+/* A bit of a coordinate that is not the scene's is found, whichever coordinate it is. */
+static void stored_vertices_are_checked_to_the_bit(void **state)
+{
+    (void)state;
+    struct scene scene = scene_of(0);
+    struct bvh bvh = tree_of(&scene, 4);
+    for (uint32_t i = 0; i < 9; i++) {
+        struct packed packed;
+        struct packed_faults faults;
+        struct reason reason = {""};
+        assert_int_equal(
+            packed_make_stored(layouts[0], tri_store_find("gathered"), &bvh, &scene, &packed, NULL),
+            STATUS_OK);
+        assert_int_equal(packed_check(&packed, &scene, &faults, &reason), STATUS_OK);
+        packed.item[10 * (scene.tri_count - 1) + i] ^= 1;
+        assert_int_equal(packed_check(&packed, &scene, &faults, &reason), STATUS_INPUT);
+        assert_int_equal(faults.bad_tris, 1);
+        assert_non_null(strstr(reason.text, "with other vertices"));
+        packed_free(&packed);
+    }
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
 /* Shared vertices are stored once. */
 static void a_closed_mesh_is_smaller_compact(void **state)
 {
@@ -263,6 +287,7 @@ static void hostile_words_are_not_left(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stored_vertices_are_checked_to_the_bit),
         cmocka_unit_test(every_storage_answers_as_indexed),
         cmocka_unit_test(a_closed_mesh_is_smaller_compact),
         cmocka_unit_test(damaged_vertices_are_found),
