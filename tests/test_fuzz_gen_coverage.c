@@ -258,6 +258,8 @@ static void trees_and_bytes(void **state)
     uint64_t map[COVERAGE_WORDS] = {0};
     char text[256];
     coverage_add_motion(map, false);
+    print_map(map, text, sizeof text);
+    assert_string_equal(text, "tree.refitted");
     coverage_add_motion(map, true);
     print_map(map, text, sizeof text);
     assert_string_equal(text, "tree.refitted tree.rebuilt");

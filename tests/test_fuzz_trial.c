@@ -133,6 +133,23 @@ static void trial_hash_sees_all_that_decides(void **state)
     other.build.eps = -other.build.eps;
     assert_int_not_equal(fuzz_trial_hash(&other), plain);
     other = trial;
+    other.build.passes = 1;
+    assert_int_not_equal(fuzz_trial_hash(&other), plain);
+    other = trial;
+    other.store = tri_stores[1];
+    assert_int_not_equal(fuzz_trial_hash(&other), plain);
+    other = trial;
+    other.move = 0.5f;
+    uint64_t moved = fuzz_trial_hash(&other);
+    assert_int_not_equal(moved, plain);
+    for (int bit = 0; bit < 64; bit++) {
+        other.move_seed = (uint64_t)1 << bit;
+        assert_int_not_equal(fuzz_trial_hash(&other), moved);
+    }
+    other.move_seed = 0;
+    other.move = 0.25f;
+    assert_int_not_equal(fuzz_trial_hash(&other), moved);
+    other = trial;
     other.ray_count--;
     assert_int_not_equal(fuzz_trial_hash(&other), plain);
     other = trial;
@@ -169,6 +186,24 @@ static void trial_check_refuses_what_no_reader_may_pass(void **state)
         bad.build.eps = eps[i];
         assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
     }
+    static const float move[] = {-1, NAN, INFINITY, 2 * FUZZ_MOVE_MOST};
+    for (size_t i = 0; i < ARRAY_COUNT(move); i++) {
+        bad = trial;
+        bad.move = move[i];
+        assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    }
+    bad = trial;
+    bad.store = NULL;
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    bad = trial;
+    bad.build.passes = FUZZ_PASSES_MOST;
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_OK);
+    bad.build.passes++;
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    bad.build.passes = 1;
+    bad.builder = builder_find("rtrs");
+    assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_INPUT);
+    assert_non_null(strstr(reason.text, "as published"));
     bad = trial;
     bad.scene.tri_count = FUZZ_TRIANGLES_MOST + 1;
     assert_int_equal(fuzz_trial_check(&bad, &reason), STATUS_LIMIT);
@@ -204,6 +239,18 @@ static void smaller_is_fewer_then_rounder(void **state)
         if (i > 0)
             assert_true(before.bits < other.bits);
     }
+    const struct fuzz_trial still = trial;
+    struct fuzz_trial_size before = fuzz_trial_size(&still);
+    for (int longer = 0; longer < 5; longer++) { /* than still; rest, seed, reinsertion, storage */
+        trial.move = longer == 0 ? 1 : 0.1f;
+        trial.move_seed = longer > 1;
+        trial.build.passes = longer > 2;
+        trial.store = tri_stores[longer > 3];
+        other = fuzz_trial_size(&trial);
+        assert_true(fuzz_trial_size_compare(&before, &other) < 0);
+        before = other;
+    }
+    trial = still;
     fuzz_trial_free(&trial);
 }
 
