@@ -60,6 +60,8 @@ static void what_is_too_large_is_refused_before(void **state)
     (void)state;
     struct scene scene;
     assert_int_equal(scene_make(3, 10000000, &scene), STATUS_OK);
+    assert_true(memory_left() <=
+                (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE));
     struct rlimit before = space_end((size_t)400 << 20);
     assert_in_range(memory_left(), (uint64_t)200 << 20, (uint64_t)400 << 20);
     for (size_t b = 0; builders_all[b]; b++) {

@@ -82,6 +82,50 @@ static void one_leaf_is_a_line_of_each_array(void **state)
     scene_free(&scene);
 }
 
+/* Two triangles over four vertices in a block of 3 + 12 + 2 words: the last begins a line. */
+static void all_words_of_a_block_are_read(void **state)
+{
+    (void)state;
+    static const float corner[4][3] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    static const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
+    const struct ray ray = {.org = {0.5f, 0.25f, -2}, .dir = {0, 0, 1}, .tmax = TMAX};
+    struct scene scene;
+    assert_int_equal(scene_make(4, 2, &scene), STATUS_OK);
+    memcpy(scene.vertex, corner, sizeof corner);
+    memcpy(scene.index, index, sizeof index);
+    struct bvh bvh = median(&scene, 4);
+    struct watching w;
+    struct hit hit;
+    watch(&w, "f32", "compact", false, &bvh, &scene);
+    assert_int_equal(touch_ray(&w.touch, &w.job, &ray, &hit), STATUS_OK);
+    assert_true(hit.t == 2);
+    assert_int_equal(w.packed.item_count, 17);
+    assert_int_equal(w.cache.counts.lines, 1 + 2);
+    unwatch(&w);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
+/* The root of amd64 is of float32, two records; its leaf is decoded from there once more. */
+static void records_that_are_two_are_read_as_two(void **state)
+{
+    (void)state;
+    const float v[3][3] = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+    const struct ray ray = {.org = {0, 0, -2}, .dir = {0, 0, 1}, .tmax = TMAX};
+    struct scene scene = trees_copies(4, v);
+    struct bvh bvh = median(&scene, 4);
+    struct watching w;
+    struct hit hit;
+    watch(&w, "amd64", "indexed", false, &bvh, &scene);
+    assert_int_equal(touch_ray(&w.touch, &w.job, &ray, &hit), STATUS_OK);
+    assert_int_equal(hit.prim, 0);
+    assert_int_equal(w.cache.counts.lines, 2 + 2 + 4 * 5);
+    assert_int_equal(w.cache.counts.beyond[0], 2 + 3);
+    unwatch(&w);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
 static void a_ray_that_misses_the_root_reads_nothing_more(void **state)
 {
     (void)state;
@@ -203,6 +247,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_leaf_is_a_line_of_each_array),
+        cmocka_unit_test(all_words_of_a_block_are_read),
+        cmocka_unit_test(records_that_are_two_are_read_as_two),
         cmocka_unit_test(a_ray_that_misses_the_root_reads_nothing_more),
         cmocka_unit_test(watching_changes_no_answer),
         cmocka_unit_test(watching_fast_changes_no_answer),
