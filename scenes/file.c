@@ -4,6 +4,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -204,6 +205,42 @@ enum status file_read(const char *path, char **bytes, size_t *size, struct reaso
     return file_read_most(path, FILE_LARGEST, bytes, size, reason);
 }
 
+/* Names of the temporary files that process `owner` has open, for file_out_abandon. More than there
+ * are slots for are not known to it. */
+static _Atomic(const char *) open_name[16];
+static atomic_long owner;
+
+static void name_know(const char *name)
+{
+    bool mine = atomic_exchange(&owner, (long)getpid()) == (long)getpid();
+    for (size_t i = 0; i < ARRAY_COUNT(open_name) && !mine; i++)
+        atomic_store(&open_name[i], NULL); /* of the process that this one was forked from */
+    for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
+        const char *none = NULL;
+        if (atomic_compare_exchange_strong(&open_name[i], &none, name))
+            return;
+    }
+}
+
+static void name_forget(const char *name)
+{
+    for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
+        const char *one = name;
+        atomic_compare_exchange_strong(&open_name[i], &one, NULL);
+    }
+}
+
+void file_out_abandon(void)
+{
+    if (atomic_load(&owner) != (long)getpid())
+        return;
+    for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
+        const char *name = atomic_load(&open_name[i]);
+        if (name)
+            unlink(name);
+    }
+}
+
 /* Opens PATH.PID.N.tmp for the first N that is free. */
 static FILE *open_temporary(const char *path, char **name)
 {
@@ -219,7 +256,9 @@ static FILE *open_temporary(const char *path, char **name)
             break;
     }
     FILE *stream = file < 0 ? NULL : fdopen(file, "wb");
-    if (!stream) {
+    if (stream) {
+        name_know(*name);
+    } else {
         if (file >= 0) {
             close(file);
             unlink(*name);
@@ -271,6 +310,8 @@ enum status file_out_commit(struct file_out *out, struct reason *reason)
         status = fail(reason, STATUS_INPUT, "%s: cannot write: %s", file_label(out->path),
                       why ? strerror(why) : "an earlier write failed");
     if (good) {
+        if (out->temporary)
+            name_forget(out->temporary);
         free(out->temporary);
         out->temporary = NULL;
     }
@@ -282,8 +323,10 @@ void file_out_discard(struct file_out *out)
 {
     if (out->stream)
         fclose(out->stream);
-    if (out->temporary)
+    if (out->temporary) {
         unlink(out->temporary);
+        name_forget(out->temporary);
+    }
     free(out->temporary);
     free(out->path);
     *out = (struct file_out){0};

@@ -44,6 +44,10 @@ enum status file_out_commit(struct file_out *out, struct reason *reason) MUST_US
 /* Drops the temporary file, if it was not committed. Safe on a zero struct. */
 void file_out_discard(struct file_out *out);
 
+/* Drops the temporary files that this process has open, for a handler of signals that ends it: it
+ * calls nothing that a handler may not. What the process was forked from keeps its own. */
+void file_out_abandon(void);
+
 /* Removes the temporary files that killed writers left in a folder. For who alone writes there. */
 void file_out_clean(const char *folder);
 

@@ -404,6 +404,12 @@ grep -q 'vacuous' "$dir/out" || bad "bench spawn says that a scene without hits 
 expect 2 'no-such-folder' bench error --scene sphere:n=3 --count 10 --rounds 1 --engine cpu --svg "$dir/no-such-folder/x.svg"
 expect 2 . bench error --scene soup:n=100000,size=0.001 --layout rf16 --engine cpu --count 10 --rounds 1
 
+# Who is interrupted leaves nothing half-written.
+timeout -s INT 2 "$raydiff" conform --junit "$dir/ended.xml" >"$dir/out" 2>"$dir/err"
+[ $? -ne 0 ] || bad "conform was not interrupted"
+timeout -s TERM 2 "$raydiff" bench builders --scene sphere:n=100 --rounds 99 --csv "$dir/ended.csv" >"$dir/out" 2>"$dir/err"
+[ -z "$(find "$dir" -name 'ended*')" ] || bad "a command that is interrupted leaves files"
+
 # A full disk behind the standard output is said, whatever the verdict.
 if [ -w /dev/full ]; then
     for command in list 'check soup '"$small" 'check --help' --help 'scene list'; do
