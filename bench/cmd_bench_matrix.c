@@ -281,6 +281,30 @@ static enum status play(struct matrix *m, struct reason *reason)
     return status;
 }
 
+/* Drops engines that were named and cannot run here, each with a line; returns what that is as an
+ * exit code. */
+static int drop_absent(struct bench *bench)
+{
+    size_t kept = 0;
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < bench->engine.count; i++) {
+        const struct engine *engine = engines[bench->engine.index[i]];
+        struct reason reason = {"no memory"};
+        void *self = NULL;
+        enum status status =
+            engine->brute ? STATUS_OK : engine->open(&bench->engines, &self, &reason);
+        if (self)
+            engine->close(self);
+        if (status)
+            fprintf(stderr, "raydiff bench: %s\n", reason.text);
+        else
+            bench->engine.index[kept++] = bench->engine.index[i];
+        code = exit_worse(code, exit_of_status(status));
+    }
+    bench->engine.count = kept;
+    return code;
+}
+
 static int run(struct bench *bench)
 {
     static const char *const own[] = {"scenes/fetched/dragon-11k.ply.gz",
@@ -290,8 +314,10 @@ static int run(struct bench *bench)
                                           "scenes/fetched/dragon-203k.ply.gz", NULL};
     static const char *const made[] = {"terrain:k=6", "terrain:k=8", "terrain:k=9", NULL};
     const char *spec[BENCH_SCENES];
+    int code = drop_absent(bench);
+    if (code != EXIT_AGREE && bench->engine.count == 0)
+        return code;
     size_t count = bench_scenes(bench, matrix_is_gpu(bench) ? own_gpu : own, spec);
-    int code = EXIT_AGREE;
     if (count == 0)
         count = bench_scenes(bench, made, spec);
     json_t *rows = bench->rows ? json_incref(bench->rows) : json_array();

@@ -67,7 +67,9 @@ static enum status add(struct matrix_entries *out, const struct matrix_entry *en
                        struct reason *reason)
 {
     if (out->count == CONTESTANTS)
-        return fail(reason, STATUS_LIMIT, "more than %d contestants", CONTESTANTS);
+        return fail(reason, STATUS_LIMIT,
+                    "more than %d contestants: --engine, --layout and --store name fewer",
+                    CONTESTANTS);
     out->entry[out->count] = *entry;
     name_entry(&out->entry[out->count++]);
     return STATUS_OK;

@@ -70,6 +70,11 @@ expect 0 "^  cpu rf16  *[0-9.]* " bench matrix --scene sphere:n=4 --rounds 1 --c
 expect 0 "^  cpu f32 compact  *[0-9.]* " bench matrix --scene sphere:n=4 --rounds 1 --count 64 --store indexed,compact --threads 1
 expect 2 '--store: benchmark oracle does not take it' bench oracle --store compact
 expect 2 "tests every triangle" bench matrix --scene sphere:n=4 --engine brute
+expect 77 "no device .*'no-such-driver'" bench matrix --scene sphere:n=4 --engine vulkan --driver no-such-driver
+expect 77 "no device .*'no-such-driver'" bench matrix --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine rayquery,cpu \
+    --layout f32 --driver no-such-driver
+grep -q '^  cpu f32 ' "$dir/out" || bad "bench matrix measures the engines that can run"
+expect 2 "more than 96 contestants: --engine, --layout and --store name fewer" bench matrix --scene sphere:n=4 --engine cpu,vulkan
 expect 2 "no triangles" bench matrix --scene soup:n=0 --rounds 1 --count 64
 expect 2 "no-such" bench matrix --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine cpu --layout f32 --svg "$dir/no-such/x.svg"
 expect 0 . bench builders --scene sphere:n=4 --rounds 1 --csv -
