@@ -19,7 +19,7 @@ static const char help[] =
     "means layouts beyond the first few only if a field names them.\n\n"
     "  name            query.engine.layout.builder.box.tri.scene.rays.seed, '-' where an engine\n"
     "                  has no tree; the name is the reproduction\n"
-    "  --list          print the names, run nothing\n"
+    "  --list          print the names, run nothing (not those that stand in for trials refused)\n"
     "  --count N       rays per trial                        [1000; with --all 200]\n"
     "  --brute N       ray-triangle tests that brute force may spend      [1e8]\n"
     "  --engine E,..   only these engines; pipe:COMMAND is one, too       [all]\n"
