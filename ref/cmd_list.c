@@ -24,6 +24,16 @@ static void print_table(enum table table)
         printf("  %-14s %s\n", name, summary);
 }
 
+static int unknown(const char *kind)
+{
+    char known[200] = "";
+    size_t used = 0;
+    for (enum table table = 0; table < TABLE_COUNT && used < sizeof known; table++)
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", table ? ", " : "",
+                                 table_name(table));
+    return usage_error("list", "unknown kind '%.60s'; kinds are: %s", kind, known);
+}
+
 int cmd_list(int argc, char **argv)
 {
     if (argc > 1 && strcmp(argv[1], "--help") == 0) {
@@ -41,6 +51,6 @@ int cmd_list(int argc, char **argv)
         shown++;
     }
     if (shown == 0)
-        return usage_error("list", "unknown kind '%s'", argv[1]);
+        return unknown(argv[1]);
     return EXIT_AGREE;
 }

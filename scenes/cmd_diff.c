@@ -195,8 +195,11 @@ static enum status open_members(struct diff_run *run, struct reason *reason)
         if (member->status == STATUS_OK && running++ == 0)
             run->reference = i;
     }
-    if (running < 2 && !run->options->has_pixel)
-        return fail(reason, STATUS_UNSUPPORTED, "fewer than two of the engines can run here");
+    for (size_t i = 0; i < run->count && running < 2 && !run->options->has_pixel; i++)
+        if (run->member[i].status)
+            return fail(reason, STATUS_UNSUPPORTED,
+                        "fewer than two of the engines can run here: %s",
+                        run->member[i].reason.text);
     return running ? STATUS_OK
                    : fail(reason, STATUS_UNSUPPORTED, "none of the engines can run here: %s",
                           run->member[0].reason.text);

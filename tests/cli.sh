@@ -93,7 +93,7 @@ done
 expect 2 "unknown .*'x'" bench fuzz --engine x
 expect 2 "--tri: benchmark fuzz does not take it" bench fuzz --tri mt
 expect 2 "--svg: benchmark builders does not take it" bench builders --svg "$dir/x.svg"
-expect 2 "unknown kind" list x
+expect 2 "unknown kind 'x'; kinds are: builders, layouts, .*, storages" list x
 
 # Scenes.
 expect 2 "nothing.obj" check "$dir/nothing.obj" $small
@@ -685,6 +685,7 @@ export ASAN_OPTIONS=detect_leaks=0
 expect 77 . check soup --count 200 --repeat 1 --engine vulkan --driver no-such-driver
 expect 77 . leaks sphere:n=4 --count 1000 --engine vulkan --driver no-such-driver
 expect 77 . explain soup --engine vulkan --driver no-such-driver
+expect 77 "fewer than two .* can run here: .*no-such-driver" diff sphere:n=2 -w 16 -h 16 --engine cpu,vulkan --driver no-such-driver
 expect 77 . replay fuzz/corpus/sentinel.trial --engine vulkan --driver no-such-driver
 expect 0 . check soup --count 200 --repeat 1 --driver no-such-driver
 
