@@ -166,6 +166,13 @@ expect 0 . check sphere $small --move 0.01 --json "$dir/moved.json"
 grep -q 'SAH cost of the tree of median [0-9.]* before, [0-9.]* refitted' "$dir/out" || bad "--move: cost"
 grep -q '^  rf16: refitted in ' "$dir/out" || bad "--move: time"
 grep -q sah_after "$dir/moved.json" || bad "--move: JSON"
+# As random motion is, the tree is worse than before; the ratio is of what was built and packed.
+awk '/"sah_before"/ { before = $2 + 0 } /"sah_after"/ { after = $2 + 0 }
+    / before, .* refitted$/ { told = $(NF - 3) + 0; anew = $(NF - 1) + 0 }
+    /refitted in .* built in/ { ratio = $(NF - 3) * $4; time = $10 + $14; off = 0.06 * $4 + 1
+        ok += ratio - time < off && time - ratio < off; n++ }
+    END { exit !(before < after && told - before < 0.06 && before - told < 0.06 && anew - after < 0.06 && after - anew < 0.06 && n > 1 && ok == n) }' \
+    "$dir/moved.json" "$dir/out" || bad "--move: costs and times do not belong together"
 expect 2 . check sphere $small --move 0.5 --layout bvh2_u8_scene
 grep -q 'rebuild: bvh2_u8_scene: a box' "$dir/out" || bad "--move says what is to be built anew"
 expect 2 'how far is at least 0' check sphere $small --move -1
@@ -598,7 +605,14 @@ fi
 
 # The self-test of the fuzzer, where nothing is built, and with a program that finds nothing.
 expect 2 "--pairs: members are drawn, not with" fuzz --pairs 3 --shard 1/2 --dir "$dir/pairs"
-expect 1 . fuzz --pairs 1000 --trials 64 --engine cpu,fast --layout f32,bvh8_u8_node --dir "$dir/pairs"
+expect 1 . fuzz --pairs 1000 --trials 64 --engine cpu,fast --layout f32,bvh8_u8_node --dir "$dir/pairs" --json "$dir/pairs.json"
+awk 'FILENAME ~ /txt$/ { met++; if (least == "" || $3 < least) least = $3; next }
+    /^ *"(possible|impossible|met|least|median|below)": / { gsub(/[":,]/, ""); json[$1] = $2 }
+    /^pairs / { can = $2; told = $7 }
+    /^short / { short = $2 }
+    END { exit !(met > 9 && json["met"] == met && told == met && can == json["possible"] && can >= met &&
+        (can > met ? json["least"] == 0 : json["least"] == least) && short == can && json["below"] == can) }' \
+    "$dir/pairs/pairs.txt" "$dir/pairs.json" "$dir/out" || bad "fuzz --pairs: file, JSON and text tell of other pairs"
 grep -q '^short  *[0-9]* pairs met in fewer than 1000 trials' "$dir/out" ||
     bad "raydiff fuzz --pairs: it does not say that the time was short"
 expect 2 "no planted bugs in .*/none: type .make selftest" fuzz --self-test --programs "$dir/none"
