@@ -4,6 +4,7 @@
 
 #include "bench/shadow_rays.h"
 #include "ref/command.h"
+#include "ref/mutant.h"
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
 
@@ -146,7 +147,7 @@ static void take_speeds(struct matrix *m, int kind, struct matrix_row **row)
         row[i]->mrays[kind] = spread_of(c->mrays, rounds);
         row[i]->ratio[kind] = spread_of(c->ratio, rounds);
         row[i]->rays = c->few ? m->race.few_count : m->count;
-        if (kind < MATRIX_MEAN)
+        if (kind < MATRIX_MEAN + (MUTANT == MUTANT_MEAN_OF_FIVE))
             row[i]->mean *= pow(row[i]->ratio[kind].median, 1.0 / MATRIX_MEAN);
     }
 }

@@ -24,7 +24,8 @@ void turns_next(struct rng *rng, size_t *order, size_t count)
         swap(&order[i], &order[rng_below(rng, (uint32_t)i + 1)]);
 #if MUTANT != MUTANT_TURN_TWICE
     if (order[0] == last)
-        swap(&order[0], &order[1 + rng_below(rng, (uint32_t)count - 1)]);
+        swap(&order[0],
+             &order[1 + (MUTANT == MUTANT_TURN_SECOND ? 0 : rng_below(rng, (uint32_t)count - 1))]);
 #else
     (void)last;
 #endif

@@ -1,6 +1,7 @@
 /* Which members play together, and who met. */
 #include "fuzz/campaign_inner.h"
 
+#include "ref/mutant.h"
 #include "ref/rng.h"
 
 #include <stdio.h>
@@ -90,7 +91,7 @@ static void count_drawn(struct campaign *c, const struct block *block)
         struct meeting met =
             meetings_of(c->options->meetings, engine, block->draw.layout, one->builder, one->store,
                         one->tri, one->box, one->optimized, one->refitted & bit);
-        if (rebuilt)
+        if (rebuilt && MUTANT != MUTANT_PAIR_OF_REBUILT)
             met.member[MEET_MOTION] = MEET_NONE;
         meetings_add(c->options->meetings, &met);
     }

@@ -253,6 +253,13 @@
 #define MUTANT_COST_OF_LEAF        418 /* a leaf costs one triangle, however many it has */
 #define MUTANT_OVERLAP_OWN         419 /* overlap counts the triangles of the node itself, too */
 #define MUTANT_TRIAL_NOT_REFITTED  515 /* fuzz: a trial's tree stays as it was before the motion */
+#define MUTANT_TURN_SECOND         542 /* a race: who ended a round is the next one's second */
+#define MUTANT_FAST_FAR_FIRST      543 /* fast: of three children and more the farthest is first */
+#define MUTANT_PAIR_OF_REBUILT     544 /* fuzz: what was rebuilt counts as what stood still */
+#define MUTANT_PLANE_BY_DOUBLE     545 /* planes in a node's frame are what doubles say */
+#define MUTANT_NAN_IN_Z            546 /* refit: z may be anything */
+#define MUTANT_MEAN_OF_FIVE        547 /* bench matrix: a mean of one kind of rays too many */
+#define MUTANT_LOST_NOT_COUNTED    548 /* quantised: hits lost of the original are not counted */
 #define MUTANT_PAIRS_BY_CHANCE     516 /* fuzz: the rarest pair is not preferred */
 #define MUTANT_INFINITE_LEAF       517 /* wide trees: what no leaf can hold is one if all is dear */
 #define MUTANT_REFIT_LEVEL         495 /* refit: the second level keeps its boxes */

@@ -48,7 +48,7 @@ static void count_kind(const struct original *original, const struct ray *ray,
                        const struct oracle_answer *truth, const struct hit *hit, struct row *row)
 {
     bool hits = truth->prim != ABI_NO_PRIM, answers = hit->prim != ABI_NO_PRIM;
-    row->original.lost += hits && !answers;
+    row->original.lost += hits && !answers && MUTANT != MUTANT_LOST_NOT_COUNTED;
     row->original.phantom += !hits && answers;
     if (!hits || !answers || hit->prim == truth->prim || row->options.query != QUERY_CLOSEST)
         return;

@@ -60,7 +60,7 @@ static enum status add_triangle(struct refit *refit, uint32_t ref, uint32_t prim
                     packed_name(refit->from, ref).text, prim, refit->scene->tri_count);
     scene_tri(refit->scene, prim, v);
     for (int c = 0; c < 3; c++) {
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < (MUTANT == MUTANT_NAN_IN_Z ? 2 : 3); k++)
             finite = finite & float_is_finite(v[c][k]);
         box_add_point(box, v[c]);
     }

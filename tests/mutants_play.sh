@@ -78,7 +78,10 @@ make_unit() {
 }
 # ld.gold links the program in half the time.
 gold=$(command -v ld.gold >/dev/null && echo -fuse-ld=gold)
-link_program() { link "$dir/raydiff" $gold "$build"/obj/raydiff.o "$build"/obj/*/cmd_*.o "$dir/unit.o"; }
+link_program() { # the commands are no part of the library; the unit may be one of them
+    own=$(basename "$unit" .c).o
+    link "$dir/raydiff" $gold "$build"/obj/raydiff.o $(ls "$build"/obj/*/cmd_*.o | grep -v "/$own\$") "$dir/unit.o"
+}
 make_program() {
     bug "$1" "$2"
     make_unit
@@ -108,6 +111,14 @@ program() {
     code=$(healthy "$build/raydiff" "$@")
     timeout "$limit" "$dir/raydiff" "$@" >"$dir/$line.log" 2>&1
     judge "$unit" "$code" $? "$(healthy_log "$build/raydiff" "$@").log"
+}
+
+# Bug, unit, script of tests/ that must turn red when it is given the program.
+script() {
+    make_program "$1" "$2"
+    code=$(healthy sh "tests/$3" "$build/raydiff")
+    timeout "$limit" sh "tests/$3" "$dir/raydiff" >"$dir/$line.log" 2>&1
+    judge "$unit, by $3" "$code" $? "$(healthy_log sh "tests/$3" "$build/raydiff").log"
 }
 
 # Sets test and only: of TEST:NAME only the unit tests whose names match NAME are run.
@@ -225,7 +236,7 @@ play() {
     shift
     case $kind in
     test) test_ "$@" ;;
-    program | header | fire | explain | told | watched) "$kind" "$@" ;;
+    program | script | header | fire | explain | told | watched) "$kind" "$@" ;;
     *) broken "$list:$line: what is '$kind'?" ;;
     esac
 }
