@@ -162,6 +162,8 @@ enum status matrix_entries_make(const struct bench *bench, struct matrix_entries
         const struct matrix_entry entry = {.engine = engine};
         if (engine->brute)
             return fail(reason, STATUS_INPUT, "--engine %s: tests every triangle", engine->name);
+        if (list->count == 1 && strcmp(engine->name, "fast") == 0 && bench->store.count > 0)
+            return fail(reason, STATUS_INPUT, "--store: engine fast stores triangles its own way");
         if (engine->needs_packed)
             status = add_layouts(bench, engine, out, reason);
         else if (engine != embree.engine)

@@ -292,7 +292,8 @@ enum status fuzz_identify(struct fuzz_command *c, struct reason *reason)
     bool fits = campaign_state_put(c->identity, sizeof c->identity, "gen", value);
     for (enum fuzz_key key = 0; key < KEY_COUNT && fits; key++) {
         fuzz_key_print(c, key, value);
-        if (value[0])
+        fits = strlen(value) < sizeof value - 1; /* or it may be cut */
+        if (fits && value[0])
             fits = campaign_state_put(c->identity, sizeof c->identity, fuzz_key_name(key), value);
     }
     return fits ? STATUS_OK : fail(reason, STATUS_INPUT, "the options are too long to be kept");

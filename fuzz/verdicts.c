@@ -199,7 +199,7 @@ static void judge_seats(struct judging *j)
         if (answers->fared == FARED_REFUSED) {
             j->out->refused++;
             j->out->refusers |= 1u << s;
-        } else if (answers->fared != FARED_NOT) {
+        } else if (answers->fared != FARED_NOT && answers->fared != FARED_FAULTY) {
             j->out->players |= 1u << s;
             j->out->refitted |= (uint32_t)(motion == TRIAL_REFITTED) << s;
             j->out->rebuilt |= (uint32_t)(motion == TRIAL_REBUILT) << s;

@@ -37,10 +37,26 @@ static uint64_t system_left(void)
 }
 
 /* What the group has of files that nobody uses is given back when it is needed. */
+static uint64_t one_group_left(const char *group)
+{
+    char path[LINE];
+    uint64_t most, used, unused = 0;
+    (void)snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.max", group);
+    if (!find_number(path, "", &most)) /* or "max" */
+        return UINT64_MAX;
+    (void)snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.current", group);
+    if (!find_number(path, "", &used))
+        return UINT64_MAX;
+    (void)snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.stat", group);
+    (void)find_number(path, "inactive_file ", &unused);
+    return left_of(most, left_of(used, unused));
+}
+
+/* The least of the group's and of all that it is in. */
 static uint64_t group_left(void)
 {
-    char line[LINE / 2], path[LINE];
-    uint64_t most, used, unused = 0;
+    char line[LINE / 2];
+    uint64_t least = UINT64_MAX;
     bool found = false;
     FILE *file = fopen("/proc/self/cgroup", "r");
     while (file && !found && fgets(line, sizeof line, file))
@@ -50,15 +66,13 @@ static uint64_t group_left(void)
     if (!found)
         return UINT64_MAX;
     line[strcspn(line, "\n")] = 0;
-    (void)snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.max", line + 3);
-    if (!find_number(path, "", &most)) /* or "max" */
-        return UINT64_MAX;
-    (void)snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.current", line + 3);
-    if (!find_number(path, "", &used))
-        return UINT64_MAX;
-    (void)snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.stat", line + 3);
-    (void)find_number(path, "inactive_file ", &unused);
-    return left_of(most, left_of(used, unused));
+    for (char *end = line; end; end = strrchr(line + 3, '/')) {
+        if (end > line)
+            *end = 0; /* the group that this one is in; the last has no name */
+        uint64_t left = one_group_left(line + 3);
+        least = left < least ? left : least;
+    }
+    return least;
 }
 
 static uint64_t space_left(void)

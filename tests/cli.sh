@@ -75,6 +75,7 @@ expect 77 "no device .*'no-such-driver'" bench matrix --scene sphere:n=4 --round
     --layout f32 --driver no-such-driver
 grep -q '^  cpu f32 ' "$dir/out" || bad "bench matrix measures the engines that can run"
 expect 2 "more than 96 contestants: --engine, --layout and --store name fewer" bench matrix --scene sphere:n=4 --engine cpu,vulkan
+expect 2 "stores triangles its own way" bench matrix --scene sphere:n=4 --engine fast --store edges
 expect 2 "no triangles" bench matrix --scene soup:n=0 --rounds 1 --count 64
 expect 2 "no-such" bench matrix --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine cpu --layout f32 --svg "$dir/no-such/x.svg"
 expect 0 . bench builders --scene sphere:n=4 --rounds 1 --csv -

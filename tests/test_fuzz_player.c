@@ -256,6 +256,7 @@ static void every_kind_of_fault_is_found(void **state)
                      result.finding_count, result.judged, opened);
         assert_string_equal(finding.signature.engine, "planned");
         assert_true(result.wrong >= 2);
+        assert_int_equal(result.players, result.judged ? 3 : 0); /* a fault is no answer */
     }
 }
 
