@@ -54,7 +54,10 @@ enum status fuzz_pairs_make(struct fuzz_command *c, struct reason *reason)
 
 uint32_t fuzz_pairs_short(const struct fuzz_command *c)
 {
-    return c->pairs > 0 ? meetings_summarize(c->meetings, c->pairs).below : 0;
+    if (c->pairs == 0)
+        return 0;
+    struct meetings_summary sum = meetings_summarize(c->meetings, c->pairs);
+    return sum.possible > 0 ? sum.below : 1;
 }
 
 void fuzz_pairs_print(const struct fuzz_command *c, const struct campaign_view *view)
@@ -69,6 +72,8 @@ void fuzz_pairs_print(const struct fuzz_command *c, const struct campaign_view *
     if (view->refitted + view->rebuilt > 0)
         printf("moved      %llu trees refitted, %llu rebuilt\n", (unsigned long long)view->refitted,
                (unsigned long long)view->rebuilt);
+    if (c->pairs > 0 && sum.possible == 0)
+        printf("short      --pairs: the engines share no member of whom pairs could meet\n");
     if (c->pairs > 0 && sum.below > 0)
         printf("short      %u pairs met in fewer than %llu trials: run it again to go on\n",
                sum.below, (unsigned long long)c->pairs);
