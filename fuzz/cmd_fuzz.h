@@ -84,7 +84,7 @@ enum status fuzz_default_engines(struct fuzz_command *command, struct reason *re
 /* Rules and tally of the pairs that meet. Errors: STATUS_INPUT nobody takes part; STATUS_LIMIT;
  * STATUS_MEMORY. */
 enum status fuzz_pairs_make(struct fuzz_command *command, struct reason *reason) MUST_USE;
-/* Pairs that the time did not suffice for, 1 where none can meet; 0 where no number was asked for. */
+/* Pairs that the time did not suffice for, 1 where none can meet; 0 without a number asked for. */
 uint32_t fuzz_pairs_short(const struct fuzz_command *command);
 void fuzz_pairs_print(const struct fuzz_command *command, const struct campaign_view *view);
 struct json_t *fuzz_pairs_json(const struct fuzz_command *command,
