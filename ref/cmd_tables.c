@@ -19,6 +19,14 @@
 #define PROGRESS_TTY_NS   200000000u
 #define PROGRESS_LOG_NS   10000000000u
 
+bool list_names(const struct list *list, const struct engine *engine)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (engines[list->index[i]] == engine)
+            return true;
+    return false;
+}
+
 const char *table_name(enum table table)
 {
     static const char *const names[TABLE_COUNT] = {"builders",       "layouts",  "box tests",

@@ -5,6 +5,7 @@
 
 #include "ref/base.h"
 
+struct engine;
 struct layout;
 struct tri_store;
 
@@ -28,6 +29,9 @@ struct list {
     size_t index[LIST_MOST];
     size_t count;
 };
+
+/* Whether an engine is in a list of TABLE_ENGINES. */
+bool list_names(const struct list *list, const struct engine *engine);
 
 /* "layouts", "engines", ... */
 const char *table_name(enum table table);

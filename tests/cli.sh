@@ -45,6 +45,7 @@ expect 2 "'nan' is not a finite number" check soup --eps nan
 expect 2 "no trial matches" conform 'closest.warp.*'
 expect 2 "trial: unknown layout 'f31'" conform closest.cpu.f31.median.robust.mt.soup.random.1
 expect 2 "is not query.engine" conform closest.cpu
+expect 2 "require vulkan: --engine leaves it out" conform --engine cpu --require vulkan
 expect 0 'pairs of members met, 0 of them only in trials that were refused or skipped' \
     conform --engine cpu --layout f32 --builder median --box robust --tri mt --count 100
 expect 0 'met, [1-9][0-9]* of them only in trials that were refused or skipped: mt with rayquery' \

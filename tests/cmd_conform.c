@@ -43,14 +43,6 @@ static const char help[] =
     "            77 everything was skipped\n"
     "example: raydiff conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'\n";
 
-static bool named(const struct list *list, const struct engine *engine)
-{
-    for (size_t i = 0; i < list->count; i++)
-        if (engines[list->index[i]] == engine)
-            return true;
-    return false;
-}
-
 struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html;
     bool list_only, verbose, tap, hard, summary, quick;
@@ -189,7 +181,8 @@ static void run_suite(const struct conform_options *o, const struct suite *suite
         ran[i] = !status && row.status != ROW_REFUSED && row.status != ROW_SKIPPED;
         if (!o->tap)
             progress_end(&progress);
-        conform_report_add(report, name, status, &row, &reason, named(&o->require, trial->engine),
+        conform_report_add(report, name, status, &row, &reason,
+                           list_names(&o->require, trial->engine),
                            (double)(time_ns() - start) * 1e-9);
     }
     trial_stage_free(&stage);
@@ -293,6 +286,11 @@ int cmd_conform(int argc, char **argv)
     o.pattern = first < argc ? argv[first] : NULL;
     if (o.count == 0)
         o.count = o.all && !o.pattern ? 200 : 1000;
+    for (size_t i = 0; i < o.require.count; i++) {
+        const struct engine *engine = engines[o.require.index[i]];
+        if (o.list[TABLE_ENGINES].count > 0 && !list_names(&o.list[TABLE_ENGINES], engine))
+            return usage_error("conform", "--require %s: --engine leaves it out", engine->name);
+    }
     bool hard = o.hard || (o.pattern && strncmp(o.pattern, "hard.", 5) == 0);
     if (hard && o.list[TABLE_STORES].count > 0)
         return usage_error("conform", "--store: the hard cases are of storage indexed");

@@ -26,19 +26,11 @@ struct suite {
     bool failed;         /* no memory */
 };
 
-static bool named(const struct list *list, const struct engine *engine)
-{
-    for (size_t i = 0; i < list->count; i++)
-        if (engines[list->index[i]] == engine)
-            return true;
-    return false;
-}
-
 static void suite_add(void *user, const struct hard_case *hard, const struct hard_member *member)
 {
     struct suite *suite = user;
     char name[HARD_NAME_MOST];
-    if (suite->engine.count && !named(&suite->engine, member->engine))
+    if (suite->engine.count && !list_names(&suite->engine, member->engine))
         return;
     if (!suite->pattern && !member->tri->core)
         return;
@@ -162,7 +154,7 @@ static enum status outcome_of(struct run *run, const struct one *one,
     const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
     hard_result_print(result, why, why_bytes);
     *outcome = plain[result->outcome];
-    if (result->outcome == HARD_SKIPPED && named(&run->options->require, one->member.engine))
+    if (result->outcome == HARD_SKIPPED && list_names(&run->options->require, one->member.engine))
         *outcome = OUTCOME_FAILED;
     if (!defect || result->outcome == HARD_SKIPPED || !is_expected(run, defect))
         return STATUS_OK;
