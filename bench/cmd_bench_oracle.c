@@ -233,10 +233,12 @@ static int bench_scene(struct bench *bench, const char *spec, struct reason *rea
     struct scene scene;
     struct measured it = {.spec = spec, .count = bench_rays_count(bench, RAYS)};
     enum status status = scene_open(spec, bench->seed, &scene, reason);
-    if (!status && scene.tri_count == 0)
-        status = fail(reason, STATUS_INPUT, "no triangles");
     if (status)
         return exit_of_status(status);
+    if (scene.tri_count == 0) {
+        scene_free(&scene);
+        return exit_of_status(fail(reason, STATUS_INPUT, "no triangles"));
+    }
     it.filtered = it.count < FILTER ? it.count : FILTER;
     it.ray = alloc_zeroed(it.count, sizeof *it.ray);
     it.brute = alloc_zeroed(it.count, sizeof *it.brute);

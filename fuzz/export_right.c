@@ -207,7 +207,8 @@ static float in_range(const struct export_case *the, const struct ray *ray, floa
 
 /* A triangle is looked at with the exact numbers and with those that C computes; and, as neither
  * need be near where the ray is in its plane or passes beside it, where the ray is nearest to its
- * edges, and where it begins. The judge says which of them counts. */
+ * edges, and where it begins; and as early as its formula may find it, as only that may be near
+ * enough to another that it hides. The judge says which of them counts. */
 static enum status ask_triangle(struct export_case *the, struct asking *asking, uint32_t i,
                                 uint32_t prim, struct reason *reason)
 {
@@ -225,7 +226,8 @@ static enum status ask_triangle(struct export_case *the, struct asking *asking, 
                           {(float)nearest_t(ray, v[0], v[1]), u_near, v_near, prim},
                           {(float)nearest_t(ray, v[1], v[2]), u_near, v_near, prim},
                           {(float)nearest_t(ray, v[2], v[0]), u_near, v_near, prim},
-                          {ray->tmin, 0, 0, prim}};
+                          {ray->tmin, 0, 0, prim},
+                          {(float)(twin.t_near - 0.9999 * twin.t_err), u_near, v_near, prim}};
     for (size_t k = 0; k < ARRAY_COUNT(tried); k++) {
         tried[k].t = in_range(the, ray, tried[k].t);
         if (!float_is_finite(tried[k].u) || !float_is_finite(tried[k].v))
