@@ -7,6 +7,7 @@
 #include "scenes/window.h"
 
 #include <math.h>
+#include <signal.h>
 #include <string.h>
 
 static const char help[] =
@@ -176,10 +177,20 @@ static enum status open_all(struct showing *s, struct reason *reason)
     return status;
 }
 
+/* SDL makes these signals the closing of the window, but only where nobody else has a handler. */
+static void leave_signals_to_the_window(void)
+{
+    static const int ends[] = {SIGINT, SIGTERM};
+    for (size_t i = 0; i < ARRAY_COUNT(ends); i++)
+        if (signal(ends[i], SIG_DFL) == SIG_IGN)
+            signal(ends[i], SIG_IGN);
+}
+
 /* Without a display a picture can still be drawn where one was asked for. */
 static enum status open_window(struct showing *s, struct reason *reason)
 {
     struct reason why;
+    leave_signals_to_the_window();
     enum status status = window_open("raydiff", s->image.width, s->image.height, &s->window, &why);
     if (status == STATUS_UNSUPPORTED && s->settings->out_given) {
         fprintf(stderr, "raydiff render: %s: %s is drawn without one\n", why.text,
