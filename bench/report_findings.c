@@ -99,6 +99,8 @@ static void put_right(struct html *html, const json_t *finding)
                     value_number(judgement, "t_lo"), value_number(judgement, "t_hi"));
     else
         html_format(html, "; %s, right is a miss", value_text(judgement, "wrong"));
+    if (json_is_integer(json_object_get(judgement, "lost")))
+        html_format(html, ", and triangle %zu behind it was lost", value_count(judgement, "lost"));
 }
 
 static void put_mismatch(struct html *html, const json_t *row, const json_t *finding)

@@ -135,15 +135,18 @@ static uint32_t telling_ray(const struct export_case *the)
 static void say_truth(struct comment *c, const struct export_case *the, uint32_t i)
 {
     const struct oracle_answer *truth = &the->truth[i];
+    char t[ORACLE_T_TEXT] = "";
+    if (truth->prim != ABI_NO_PRIM)
+        oracle_t_text(the->oracle, &the->ray[i], truth->prim, t);
     if (truth->flags & ORACLE_REFUSED)
         say(c, "Exactly", 12, "ray %u is not finite, or its range is empty: any answer is right",
             (unsigned)i);
     else if (truth->prim == ABI_NO_PRIM)
         say(c, "Exactly", 12, "ray %u hits nothing.", (unsigned)i);
     else
-        say(c, "Exactly", 12, "ray %u hits triangle %u%s first, at t = %.17g (%s).", (unsigned)i,
-            (unsigned)truth->prim, truth->tie_count > 1 ? " and others at the same t" : "",
-            0.5 * (truth->t_lo + truth->t_hi), oracle_class_name((enum oracle_class)truth->class));
+        say(c, "Exactly", 12, "ray %u hits triangle %u%s first, at t %s (%s).", (unsigned)i,
+            (unsigned)truth->prim, truth->tie_count > 1 ? " and others at the same t" : "", t,
+            oracle_class_name((enum oracle_class)truth->class));
 }
 
 static void say_answers(struct comment *c, const struct export_case *the, uint32_t i)

@@ -33,9 +33,12 @@ static json_t *judgement_json(const struct judgement *j)
     if (j->expected == ABI_NO_PRIM)
         return json_pack("{s:s, s:n, s:f, s:f}", "wrong", wrong_name(j->wrong), "expected", "over",
                          finite(j->over), "displacement", finite(j->displacement));
-    return json_pack("{s:s, s:I, s:f, s:f, s:f, s:f}", "wrong", wrong_name(j->wrong), "expected",
-                     (json_int_t)j->expected, "t_lo", j->t_lo, "t_hi", j->t_hi, "over",
-                     finite(j->over), "displacement", finite(j->displacement));
+    json_t *out = json_pack("{s:s, s:I, s:f, s:f, s:f, s:f}", "wrong", wrong_name(j->wrong),
+                            "expected", (json_int_t)j->expected, "t_lo", j->t_lo, "t_hi", j->t_hi,
+                            "over", finite(j->over), "displacement", finite(j->displacement));
+    if (j->behind)
+        json_object_set_new(out, "lost", json_integer((json_int_t)j->lost));
+    return out;
 }
 
 static json_t *finding_json(const struct check_scene *scene, const struct row *row,

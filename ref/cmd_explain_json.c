@@ -127,10 +127,11 @@ static json_t *judgement_json(const struct judged_ray *ray)
 {
     const struct judgement *judgement = &ray->judgement;
     return json_pack(
-        "{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "verdict", verdict_name(judgement->verdict), "wrong",
-        wrong_name(judgement->wrong), "expected", json_prim(judgement->expected), "t_lo",
+        "{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "verdict", verdict_name(judgement->verdict),
+        "wrong", wrong_name(judgement->wrong), "expected", json_prim(judgement->expected), "t_lo",
         json_number(judgement->t_lo), "t_hi", json_number(judgement->t_hi), "over",
-        json_number(judgement->over), "displacement", json_number(judgement->displacement));
+        json_number(judgement->over), "displacement", json_number(judgement->displacement), "lost",
+        json_prim(judgement->behind ? judgement->lost : ABI_NO_PRIM));
 }
 
 static json_t *page_json(const struct explain_page *page, int exit_code)

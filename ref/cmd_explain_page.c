@@ -86,6 +86,8 @@ static void print_verdict(const struct judged_ray *ray)
     else
         printf("WRONG: %s, triangle %u was to be found", wrong_name(judgement->wrong),
                judgement->expected);
+    if (judgement->behind)
+        printf(", or at the least triangle %u behind it", judgement->lost);
     if (judgement->over > 0)
         printf(", error of t %.3g of its bound", judgement->over);
     if (judgement->displacement > 0)
@@ -337,6 +339,8 @@ void explain_print(const struct explain_page *page)
     print_way(&ray->why);
     print_end(page);
     print_triangle(page, ray->why.prim);
+    if (ray->judgement.behind && ray->judgement.expected != ray->why.prim)
+        print_triangle(page, ray->judgement.expected);
     if (ray->answer.finished && ray->answer.hit.prim != ray->why.prim)
         print_triangle(page, ray->answer.hit.prim);
     print_cause(page);

@@ -200,3 +200,14 @@ size_t decimal_write_float(float x, char text[DECIMAL_TEXT])
     return sign +
            (size_t)place_point(plain, count, count + exponent, text + sign, DECIMAL_TEXT - sign);
 }
+
+void decimal_within(double lo, double hi, char text[DECIMAL_WITHIN_MOST])
+{
+    bool interval = isfinite(lo) && isfinite(hi) && lo <= hi;
+    for (int digits = interval ? 1 : 17; digits <= 17; digits++) {
+        double x;
+        snprintf(text, DECIMAL_WITHIN_MOST, "%.*g", digits, interval ? lo + 0.5 * (hi - lo) : lo);
+        if (digits < 17 && decimal_read_double(text, &x) && x >= lo && x <= hi)
+            return;
+    }
+}

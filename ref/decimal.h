@@ -23,4 +23,10 @@ const char *decimal_read_double(const char *text, double *out);
  * Source: the form that Rust's JSON writer gives an f32, so that files compare byte for byte. */
 size_t decimal_write_float(float x, char text[DECIMAL_TEXT]);
 
+#define DECIMAL_WITHIN_MOST 32
+
+/* Writes the shortest decimal that lies in [lo, hi] near its middle; of no interval (hi < lo, or an
+ * end that is not finite) `lo` in full. So an enclosure of 1/4 is "0.25", whatever its width. */
+void decimal_within(double lo, double hi, char text[DECIMAL_WITHIN_MOST]);
+
 #endif

@@ -41,11 +41,14 @@ enum wrong {
 
 struct judgement {
     enum verdict verdict;
-    enum wrong wrong;    /* WRONG_NOT unless verdict is VERDICT_WRONG */
-    uint32_t expected;   /* the triangle that should have been answered, or ABI_NO_PRIM; of a lost
-                            hit the one that was lost */
-    double t_lo, t_hi;   /* enclose the exact t of `expected` */
-    double over;         /* err/E: error of t over its bound; 0 where t is not bounded */
+    enum wrong wrong;  /* WRONG_NOT unless verdict is VERDICT_WRONG */
+    uint32_t expected; /* the exactly nearest triangle, or ABI_NO_PRIM */
+    double t_lo, t_hi; /* enclose the exact t of `expected` */
+    bool behind;   /* WRONG_MISSED, and what proves it is not `expected` but `lost`, behind it */
+    uint32_t lost; /* then: a hit that cannot have been missed, where the loss of `expected`
+                      may be excused; unknown formula: the one that needs the displacement */
+    double lost_lo, lost_hi; /* enclose its exact t */
+    double over;             /* err/E: error of t over its bound; 0 where t is not bounded */
     double displacement; /* unknown formula: smallest displacement of vertices that makes the answer
                             right, in units of u * max |vertex - origin|, u = 2^-24; else 0 */
     bool fan;            /* unknown formula: a hit inside a closed fan was lost, see judge_answer */
@@ -115,8 +118,11 @@ void judge_free(struct judge *judge); /* NULL is fine */
  * of a ray out of contract) or VERDICT_WRONG. Any-hit too: both visit in the same order. */
 enum verdict judge_bits(const struct ray *ray, const struct hit *a, const struct hit *b);
 
-/* Writes one line: the ray and the answer in hexadecimal floats, what was expected, and err/E or
- * the displacement where there is one. */
+/* Names the hit whose loss is WRONG_MISSED, found by the oracle. */
+void judge_set_lost(struct judgement *out, uint32_t prim, double t_lo, double t_hi);
+
+/* Writes one line: the ray and the answer in hexadecimal floats, what was expected (and what was
+ * lost, if that is another one), and err/E or the displacement where there is one. */
 void judge_line(const struct ray *ray, const struct judgement *judgement, const struct hit *answer,
                 char *text, size_t text_bytes);
 

@@ -279,9 +279,7 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
     if (worst.need > JUDGE_DISPLACEMENT_MOST || (judge->model.watertight && out->fan)) {
         out->verdict = VERDICT_WRONG;
         out->wrong = WRONG_MISSED;
-        out->expected = worst.prim;
-        out->t_lo = worst.t_lo;
-        out->t_hi = worst.t_hi;
+        judge_set_lost(out, worst.prim, worst.t_lo, worst.t_hi);
     }
     return STATUS_OK;
 }

@@ -1,7 +1,23 @@
 /* Judgements as text. */
+#include "ref/decimal.h"
 #include "ref/judge.h"
+#include "ref/mutant.h"
 
 #include <stdio.h>
+
+void judge_set_lost(struct judgement *out, uint32_t prim, double t_lo, double t_hi)
+{
+    out->behind = prim != out->expected;
+#if MUTANT == MUTANT_LOST_IS_NEAREST
+    out->expected = prim;
+    out->t_lo = t_lo;
+    out->t_hi = t_hi;
+    out->behind = false;
+#endif
+    out->lost = prim;
+    out->lost_lo = t_lo;
+    out->lost_hi = t_hi;
+}
 
 static void print_hit(const struct hit *hit, char *text, size_t text_bytes)
 {
@@ -26,11 +42,16 @@ static void print_line(const struct ray *ray, const struct hit *answer, const ch
 void judge_line(const struct ray *ray, const struct judgement *judgement, const struct hit *answer,
                 char *text, size_t text_bytes)
 {
-    char expected[160];
-    int length = judgement->expected == ABI_NO_PRIM
-                     ? snprintf(expected, sizeof expected, "miss")
-                     : snprintf(expected, sizeof expected, "prim=%u t=%.17g",
-                                (unsigned)judgement->expected, judgement->t_lo);
+    char expected[160], t[DECIMAL_WITHIN_MOST];
+    decimal_within(judgement->t_lo, judgement->t_hi, t);
+    int length =
+        judgement->expected == ABI_NO_PRIM
+            ? snprintf(expected, sizeof expected, "miss")
+            : snprintf(expected, sizeof expected, "prim=%u t=%s", (unsigned)judgement->expected, t);
+    decimal_within(judgement->lost_lo, judgement->lost_hi, t);
+    if (judgement->behind)
+        length += snprintf(expected + length, sizeof expected - (size_t)length,
+                           ", lost: prim=%u t=%s", (unsigned)judgement->lost, t);
     if (judgement->over > 0.0)
         snprintf(expected + length, sizeof expected - (size_t)length, " err/E=%.3g",
                  judgement->over);

@@ -117,11 +117,8 @@ static enum status ask_all(const struct judge *judge, const struct ray *ray, dou
         const struct judge_known known = {{list[i].prim}, {twin[i % TOGETHER]}, 1};
         status = judge_cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, NULL,
                                    &known, lost);
-        if (*lost) {
-            out->expected = list[i].prim;
-            out->t_lo = pair->t_lo;
-            out->t_hi = pair->t_hi;
-        }
+        if (*lost)
+            judge_set_lost(out, list[i].prim, pair->t_lo, pair->t_hi);
     }
     free(list);
     return status;

@@ -30,6 +30,8 @@
 #define MUTANT_CULLED_ALL      50  /* all hits: the nearest hit shortens the ray */
 #define MUTANT_OPEN_EDGES      51  /* woop takes an edge function of zero for outside */
 #define MUTANT_PAST_LAST_RAY   60  /* shaders: invocations past the last ray work, too */
+#define MUTANT_LOST_IS_NEAREST 660 /* the judge names a lost hit as the nearest one */
+#define MUTANT_T_OF_A_DOUBLE   661 /* an exact t is told as the middle of its enclosure */
 #define MUTANT_FAN_OFF         40  /* watertight tests get a boundary band on closed fans */
 #define MUTANT_NOT_CERTAIN     41  /* no exact hit is certain: losing it is always excused */
 #define MUTANT_HUGE_BOUND      42  /* the bound of t times a million */

@@ -168,9 +168,34 @@ static void decimal_is_the_same_in_every_locale(void **state)
     setlocale(LC_NUMERIC, "C");
 }
 
+static void a_decimal_lies_within(void **state)
+{
+    (void)state;
+    static const struct {
+        double lo, hi;
+        const char *text;
+    } rows[] = {
+        {0.24999999999999994, 0.25000000000000006, "0.25"},
+        {2047.9999999999943, 2048.0000000000057, "2048"},
+        {0.999999999999997, 1.000000000000003, "1"},
+        {-0.25, -0.25, "-0.25"},
+        {0x1.999999999999ap-4, 0x1.999999999999ap-4, "0.1"},
+        {1e-300, 2e-300, "2e-300"},
+        {0, 0, "0"},
+        {1.5, 0, "1.5"},
+        {INFINITY, INFINITY, "inf"},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(rows); i++) {
+        char text[DECIMAL_WITHIN_MOST];
+        decimal_within(rows[i].lo, rows[i].hi, text);
+        assert_string_equal(text, rows[i].text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_decimal_lies_within),
         cmocka_unit_test(decimal_reads_the_nearest_float),
         cmocka_unit_test(decimal_rounds_once_and_not_by_way_of_a_double),
         cmocka_unit_test(decimal_beyond_the_range_is_infinite),

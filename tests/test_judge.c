@@ -225,6 +225,14 @@ static void names_and_lines(void **state)
     char line[300];
     judge_line(&ray, &judgement, &hit, line, sizeof line);
     assert_non_null(strstr(line, "expected: prim=7 t=1.5 err/E=2.5"));
+    judgement = (struct judgement){
+        .expected = 7, .t_lo = 0x1.fffffffffp-3, .t_hi = 0x1.0000000004p-2, .displacement = 3};
+    judge_set_lost(&judgement, 7, judgement.t_lo, judgement.t_hi);
+    judge_line(&ray, &judgement, &hit, line, sizeof line);
+    assert_non_null(strstr(line, "expected: prim=7 t=0.25 displacement=3 uM"));
+    judge_set_lost(&judgement, 8, 3, 3);
+    judge_line(&ray, &judgement, &hit, line, sizeof line);
+    assert_non_null(strstr(line, "expected: prim=7 t=0.25, lost: prim=8 t=3 displacement=3 uM"));
     judgement = (struct judgement){.expected = ABI_NO_PRIM, .displacement = 3};
     judge_line(&ray, &judgement, &hit, line, sizeof line);
     assert_non_null(strstr(line, "expected: miss displacement=3 uM"));

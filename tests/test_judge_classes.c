@@ -80,7 +80,9 @@ static void the_boundary_may_be_missed_but_not_what_lies_behind(void **state)
         assert_int_equal(c->truth.class, ORACLE_EDGE);
         must_be(c, right_answer(c, 2), VERDICT_BOUNDARY);
         must_be_wrong(c, a_miss(), WRONG_MISSED);
-        assert_int_equal(c->judgement.expected, 2);
+        assert_int_equal(c->judgement.expected, c->truth.prim);
+        assert_int_not_equal(c->truth.prim, 2);
+        assert_true(c->judgement.behind && c->judgement.lost == 2);
     }
     court_close(c);
 }

@@ -60,7 +60,7 @@ static void opinion(const void *user, const struct ray *ray, const struct hit *a
     (void)judge_answer(question->judged->judge, ray, question->truth, answer, &judgement);
     out->allowed = judgement.verdict != VERDICT_WRONG;
     out->text = out->allowed ? verdict_name(judgement.verdict) : wrong_name(judgement.wrong);
-    out->expected = judgement.expected;
+    out->expected = judgement.behind ? judgement.lost : judgement.expected;
 }
 
 /* Barycentric coordinates to more than float precision: w_i / D of ref/oracle/oracle.h. */

@@ -135,6 +135,14 @@ enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray,
 bool oracle_rational(const struct oracle *oracle, const struct ray *ray, uint32_t prim, char *text,
                      size_t text_bytes);
 
+#define ORACLE_T_TEXT 96
+
+/* Writes the exact t of a hit for a person: "= 0.25" where a decimal of at most 17 digits says it,
+ * "= 1/3, about 0.3333333333333" where a short fraction does, else "about 0.7071067811865". Of no
+ * hit "is none". */
+void oracle_t_text(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
+                   char text[ORACLE_T_TEXT]);
+
 /* "miss", "inside", "edge", "vertex", "in_plane", "zero_area". */
 const char *oracle_class_name(enum oracle_class class);
 
