@@ -46,8 +46,9 @@ static const char help[] =
     "benchmarks:\n";
 
 static const struct benchmark *const benchmarks[] = {
-    &bench_layouts, &bench_error, &bench_spawn,   &bench_builders, &bench_oracle, &bench_fuzz,
-    &bench_frames,  &bench_paper, &bench_special, &bench_fast,     &bench_matrix, NULL};
+    &bench_layouts, &bench_error,     &bench_spawn, &bench_builders, &bench_oracle,
+    &bench_fuzz,    &bench_frames,    &bench_paper, &bench_special,  &bench_fast,
+    &bench_matrix,  &bench_tightness, NULL};
 
 /* Names of the bits of benchmark.takes. */
 static const char *const taken[] = {"--engine",
@@ -214,7 +215,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
 
 static enum status unknown(const char *name, struct reason *reason)
 {
-    char known[120] = "";
+    char known[160] = "";
     size_t used = 0;
     for (size_t i = 0; benchmarks[i] && used < sizeof known; i++)
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",

@@ -65,7 +65,7 @@ struct benchmark {
 };
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
-    bench_fuzz, bench_frames, bench_paper, bench_special, bench_fast, bench_matrix;
+    bench_fuzz, bench_frames, bench_paper, bench_special, bench_fast, bench_matrix, bench_tightness;
 
 /* The user's scenes, or `own` (NULL-terminated), of which files that are not there are left out
  * with a line that says so. Returns how many are in `out`. */

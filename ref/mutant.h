@@ -261,6 +261,7 @@
 #define MUTANT_PLANE_BY_DOUBLE     545 /* planes in a node's frame are what doubles say */
 #define MUTANT_NAN_IN_Z            546 /* refit: z may be anything */
 #define MUTANT_MEAN_OF_FIVE        547 /* bench matrix: a mean of one kind of rays too many */
+#define MUTANT_REAL_MEDIAN         620 /* bench tightness: real errors are told by their median */
 #define MUTANT_LOST_NOT_COUNTED    548 /* quantised: hits lost of the original are not counted */
 #define MUTANT_PAIRS_BY_CHANCE     516 /* fuzz: the rarest pair is not preferred */
 #define MUTANT_INFINITE_LEAF       517 /* wide trees: what no leaf can hold is one if all is dear */
