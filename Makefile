@@ -10,7 +10,7 @@ endif
 OUT := build
 B   := $(if $(filter release,$(config)),$(OUT),$(OUT)/$(config))
 
-WARN := -Wall -Wextra -Wundef -Wconversion -Wvla -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Werror
+WARN := -Wall -Wextra -Wundef -Wconversion -Wvla -Wshadow -Wstrict-prototypes -Wmissing-prototypes
 # How vectors are passed depends on the processor; functions that take them are all inlined.
 WARN += -Wno-psabi
 # No contraction anywhere: an fma would change the bits that the shaders are compared with.
@@ -25,15 +25,27 @@ ifeq ($(OPT_$(config)),)
   $(error unknown config '$(config)': debug, release, sanitize, tsan or coverage)
 endif
 
-HAVE_EMBREE := $(if $(wildcard /usr/include/embree4/rtcore.h),4,$(if $(wildcard /usr/include/embree3/rtcore.h),3))
-CPPFLAGS += -I. -I$(B)/gen -DRAYDIFF_VERSION='"$(VERSION)"' -DHAVE_EMBREE=$(or $(HAVE_EMBREE),0)
-CFLAGS   := -std=c17 $(OPT_$(config)) $(WARN) $(FP) -fopenmp $(CFLAGS_EXTRA)
-LDLIBS   := $(if $(HAVE_EMBREE),-lembree$(HAVE_EMBREE)) -ljansson -lpng -lz -ldl -lm -lpthread
+# Warnings are errors in checks alone: `make check` and its sisters say WERROR=1, and WERROR=0 stops
+# them. That is none of the flags, so that a check compiles nothing anew but what was warned about.
+WERROR ?=
+CHECKED := WERROR=$(or $(WERROR),1)
+WARNED  := $(if $(filter 1,$(WERROR)),$(shell find $(B) -name '*.warned' 2>/dev/null))
+# $(call warned,COMMAND) makes $@; what it warns of is shown, and kept in $@.warned.
+warned = $(1) $(if $(filter 1,$(WERROR)),-Werror) 2>$@.warned; code=$$?; cat $@.warned >&2; \
+         [ -s $@.warned ] || rm -f $@.warned; exit $$code
 
-# Only the program is linked with these, and only it compiles anew when they come or go.
-HAVE_GLSLANG := $(if $(wildcard /usr/include/glslang/Include/glslang_c_interface.h),1,0)
-GLSLANG_LIBS := $(if $(filter 1,$(HAVE_GLSLANG)),-lglslang -lMachineIndependent -lGenericCodeGen -lOSDependent \
-                  -lOGLCompiler -lSPIRV -lglslang-default-resource-limits -lSPIRV-Tools-opt -lSPIRV-Tools -lstdc++)
+# Libraries, as this machine tells of them. HAVE_EMBREE=0 leaves Embree out, HAVE_GLSLANG=0 glslang.
+PKG_CONFIG ?= pkg-config
+$(shell mkdir -p $(B)/gen && CC='$(CC)' PKG_CONFIG='$(PKG_CONFIG)' sh .ci/libs.sh >$(B)/gen/libs.$$$$ && \
+    mv $(B)/gen/libs.$$$$ $(B)/gen/libs.mk)
+include $(B)/gen/libs.mk
+EMBREE := $(filter 3 4,$(HAVE_EMBREE))
+CPPFLAGS += -I. -I$(B)/gen $(LIBS_CFLAGS) $(if $(EMBREE),$(EMBREE_CFLAGS)) -DRAYDIFF_VERSION='"$(VERSION)"' \
+            -DHAVE_EMBREE=$(or $(EMBREE),0)
+CFLAGS   := -std=c17 $(OPT_$(config)) $(WARN) $(FP) -fopenmp $(CFLAGS_EXTRA)
+LDLIBS   := $(if $(EMBREE),$(EMBREE_LIBS)) $(LIBS) -ldl -lm -lpthread
+# Only the program is linked with glslang, and only it compiles anew when that comes or goes.
+PROGRAM_LIBS := $(if $(filter 1,$(HAVE_GLSLANG)),$(GLSLANG_LIBS))
 
 # Files named cmd_* are the program's, fuzz/fuzz_* have entry points of their own, all others of these
 # folders are the library's.
@@ -74,7 +86,7 @@ tests: $(TESTS) $(SAMPLES)
 spv: $(SPV)
 
 $(B)/raydiff: $(CMD_OBJ) $(B)/libraydiff.a
-	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(GLSLANG_LIBS)
+	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)
 
 $(B)/libraydiff.a: $(LIB_OBJ)
 	@rm -f $@
@@ -83,24 +95,28 @@ $(B)/libraydiff.a: $(LIB_OBJ)
 # Everything is compiled anew when the command changes, the tables when a member comes or goes.
 $(B)/obj/%.o: %.c $(B)/gen/flags | $(B)/gen/counts.h $(B)/gen/have_sdl2.h $(B)/gen/have_glslang.h
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call warned,$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<)
 
 $(B)/obj/gen/%.o: $(B)/gen/%.c $(B)/gen/flags
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call warned,$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<)
 
 # $(call written,TEXT): the file is touched only if its text changes.
 written = @mkdir -p $(@D); printf '%s\n' $(1) | cmp -s - $@ || printf '%s\n' $(1) >$@
+$(WARNED:.warned=): FORCE
 $(B)/gen/flags: FORCE
+	@$(if $(LIBS_MISSING),echo "make: missing to build raydiff: $(LIBS_MISSING)" >&2; exit 2)
 	$(call written,'$(subst ','\'',$(CC) $(CPPFLAGS) $(CFLAGS))')
 $(B)/gen/counts.h: FORCE
 	$(call written,$(foreach count,$(COUNTS),'#define $(subst =, ,$(count))'))
 # Only SDL2's headers: the library is opened when a window is asked for. Not one of the flags, so that
 # installing them compiles nothing else anew.
 $(B)/gen/have_sdl2.h: FORCE
-	$(call written,'#define HAVE_SDL2 $(if $(wildcard /usr/include/SDL2/SDL.h),1,0)')
+	$(call written,'#define HAVE_SDL2 $(or $(HAVE_SDL2),0)')
 $(B)/gen/have_glslang.h: FORCE
-	$(call written,'#define HAVE_GLSLANG $(HAVE_GLSLANG)')
+	$(call written,'#define HAVE_GLSLANG $(or $(HAVE_GLSLANG),0)')
+$(B)/obj/scenes/window.o: CPPFLAGS += $(SDL2_CFLAGS)
+$(B)/obj/gpu/cmd_glsl.o: CPPFLAGS += $(GLSLANG_CFLAGS)
 .PHONY: FORCE
 
 # The baseline is part of the program, so that an installed one has it.
@@ -111,23 +127,28 @@ $(B)/gen/baseline.c: fuzz/baseline.txt
 
 $(B)/tests/%: $(B)/obj/tests/%.o $(B)/libraydiff.a
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) -lcmocka $(TEST_LIBS)
+	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)
+
+$(TESTS:$(B)/%=$(B)/obj/%.o): | test_libs
+.PHONY: test_libs
+test_libs:
+	@$(if $(TEST_LIBS_MISSING),echo "make: missing to build the tests: $(TEST_LIBS_MISSING)" >&2; exit 2,:)
 
 # Sample tracers for `--engine pipe:`, compiled as a stranger would: with nothing of raydiff. The
 # planted bugs must be found.
 $(B)/samples/%: fuzz/samples/tracer.c
 	@mkdir -p $(@D)
-	$(CC) -std=c17 -O2 $(WARN) $(if $(findstring _bug,$*),-DBUG=$(lastword $(subst _bug, ,$*))) -o $@ $<
+	$(call warned,$(CC) -std=c17 -O2 $(WARN) $(if $(findstring _bug,$*),-DBUG=$(lastword $(subst _bug, ,$*))) -o $@ $<)
 
 # The oracle is checked by a second road, GMP rationals, which only tests have.
 ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
 $(ORACLE_TESTS): $(B)/obj/tests/exact_gmp.o $(B)/obj/tests/exact_gmp_bounds.o \
     $(B)/obj/tests/exact_gmp_bounds_baldwin.o $(B)/obj/tests/exact_gmp_redecide.o \
     $(B)/obj/tests/exact_gmp_replay.o $(B)/obj/tests/oracle_cases.o
-$(ORACLE_TESTS): TEST_LIBS += -lgmp
+$(ORACLE_TESTS): TEST_LIBS += $(GMP_LIBS)
 BOUNDS_TESTS := $(filter $(B)/tests/test_bounds%,$(TESTS))
 $(BOUNDS_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle_cases.o)
-$(BOUNDS_TESTS): TEST_LIBS += -lgmp
+$(BOUNDS_TESTS): TEST_LIBS += $(GMP_LIBS)
 
 # Their allocations are told to fail, or weighed.
 $(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
@@ -137,7 +158,7 @@ $(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
 TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact_gmp*.c) \
                ref/cmd_tables.c ref/cmd_options.c)
 $(B)/truth: $(TRUTH_OBJ) $(B)/libraydiff.a
-	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) -lgmp
+	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(GMP_LIBS)
 truth:
 	@sh .ci/deps.sh check
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/truth
@@ -187,7 +208,7 @@ JOBS := $(shell nproc 2>/dev/null || echo 2)
 
 check:
 	@sh .ci/deps.sh check
-	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) all tests
 	@sh tests/run.sh $(B)
 
 bench: all
@@ -236,7 +257,7 @@ selftest-quick:
 	$(B)/raydiff fuzz --self-test --only $(QUICK_NAMES) $(ARGS)
 
 mutants: all tests
-	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS) $(GLSLANG_LIBS)' TOOL_SRC='$(TOOL_SRC)' \
+	@CC_CMD='$(CC) $(CPPFLAGS) $(CFLAGS)' LIBS='$(LDLIBS) $(PROGRAM_LIBS)' TOOL_SRC='$(TOOL_SRC)' \
 	    sh tests/mutants.sh $(B) $(ONLY)
 
 lint:
@@ -248,23 +269,23 @@ deep: sanitize-check tsan-check validate-check validate-gpu-check slow
 
 sanitize-check:
 	@sh .ci/deps.sh check
-	@$(MAKE) --no-print-directory -s -j$(JOBS) config=sanitize all tests
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) config=sanitize all tests
 	@sh tests/run.sh build/sanitize sanitize
 
 tsan-check:
 	@sh .ci/deps.sh deep
-	@$(MAKE) --no-print-directory -s -j$(JOBS) config=tsan all tests
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) config=tsan all tests
 	@sh tests/run.sh build/tsan tsan
 
 validate-check:
 	@sh .ci/deps.sh check
-	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) all tests
 	@RAYDIFF_VALIDATE=1 sh tests/run.sh $(B) validate
 
 # The same, every access of a shader to memory watched (GPU-assisted validation).
 validate-gpu-check:
 	@sh .ci/deps.sh check
-	@$(MAKE) --no-print-directory -s -j$(JOBS) all tests
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) all tests
 	@RAYDIFF_VALIDATE=gpu sh tests/run.sh $(B) watch
 
 # Every reader under libFuzzer, one after the other, TIME seconds each: a crash, a leak, a hang, or an

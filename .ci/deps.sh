@@ -5,12 +5,12 @@
 set -u
 
 purpose=${1:-run}
-run='gcc:compiler libc6-dev:C_library libembree-dev:Embree,_the_third_opinion
+run='gcc:compiler libc6-dev:C_library pkg-config:finds_the_libraries libembree-dev:Embree,_the_third_opinion
 libvulkan-dev:Vulkan_headers_and_loader mesa-vulkan-drivers:lavapipe,_Vulkan_without_a_GPU
 glslang-tools:compiles_the_shaders libjansson-dev:JSON zlib1g-dev:gz_files
 libpng-dev:pictures'
-check="$run glslang-dev:shaders_of_layouts_from_outside libcmocka-dev:unit_tests
-pkg-config:test_of_make_install spirv-tools:validates_SPIR-V
+check="$run glslang-dev:shaders_of_layouts_from_outside g++:the_C++_library_that_glslang_wants
+libcmocka-dev:unit_tests spirv-tools:validates_SPIR-V
 vulkan-validationlayers:Vulkan_validation libgmp-dev:rationals_that_check_the_oracle
 libsdl2-dev:the_window xvfb:a_screen_for_it xdotool:presses_its_keys"
 deep="$check clang:second_compiler,_TSan libomp-dev:OpenMP_that_TSan_understands

@@ -1,7 +1,7 @@
 /* The baseline: findings that are known and not ours to repair, each with a reason, a link and a
  * day on which somebody must look again. Lines "PATTERN [@VERSION] until YYYY-MM-DD REASON...
  * LINK", "until -" for ever; see fuzz/waivers.h. PATTERN is four fields, shell wildcards each, of a
- * signature: engine.layout.kind.cause; VERSION is a part of the finding's versions.
+ * signature: engine.layout.kind.cause; VERSION is of the finding's versions.
  * fuzz/baseline.txt is part of the program. */
 #ifndef FUZZ_BASELINE_H
 #define FUZZ_BASELINE_H

@@ -1,5 +1,6 @@
 #include "fuzz/waivers.h"
 
+#include "ref/mutant.h"
 #include "scenes/file.h"
 
 #include <fnmatch.h>
@@ -58,6 +59,78 @@ static bool take_date(char **line, char **until)
     return true;
 }
 
+/* --- versions --------------------------------------------------------------------------------- */
+
+#define NUMBERS 4 /* of a version; 4.3.3 has three */
+
+struct number_list {
+    unsigned long number[NUMBERS];
+    size_t count;
+};
+
+/* Reads "4.3.3"; returns what follows it. No number: count is 0. */
+static const char *read_numbers(const char *text, struct number_list *out)
+{
+    *out = (struct number_list){.count = 0};
+    while (out->count < NUMBERS && *text >= '0' && *text <= '9') {
+        char *end;
+        out->number[out->count++] = strtoul(text, &end, 10);
+        text = end;
+        if (*text != '.' || text[1] < '0' || text[1] > '9')
+            break;
+        text++;
+    }
+    return text;
+}
+
+/* Compares the first `count` numbers; absent ones are 0. */
+static int compare(const struct number_list *a, const struct number_list *b, size_t count)
+{
+    if (MUTANT == MUTANT_RANGE_UNREAD)
+        count = 0;
+    for (size_t i = 0; i < count; i++)
+        if (a->number[i] != b->number[i])
+            return a->number[i] < b->number[i] ? -1 : 1;
+    return 0;
+}
+
+enum range_kind { RANGE_NONE, RANGE_BAD, RANGE_GOOD };
+
+/* Takes "NAME FIRST..LAST" apart; *name_length counts the blank. */
+static enum range_kind range_of(const char *version, size_t *name_length,
+                                struct number_list *first, struct number_list *last)
+{
+    const char *dots = strstr(version, "..");
+    if (!dots)
+        return RANGE_NONE;
+    const char *start = dots;
+    while (start > version && start[-1] != ' ')
+        start--;
+    *name_length = (size_t)(start - version);
+    if (*name_length < 2 || read_numbers(start, first) != dots ||
+        *read_numbers(dots + 2, last) != '\0')
+        return RANGE_BAD;
+    if (first->count == 0 || last->count == 0 || compare(first, last, last->count) > 0)
+        return RANGE_BAD;
+    return RANGE_GOOD;
+}
+
+bool version_told(const char *versions, const char *version)
+{
+    struct number_list first, last, told;
+    size_t length;
+    if (range_of(version, &length, &first, &last) != RANGE_GOOD)
+        return strstr(versions, version) != NULL;
+    for (const char *at = versions; *at; at++)
+        if ((at == versions || at[-1] == ' ' || at[-1] == '\n') &&
+            strncmp(at, version, length) == 0 && read_numbers(at + length, &told) != at + length &&
+            compare(&first, &told, NUMBERS) <= 0 && compare(&told, &last, last.count) <= 0)
+            return true;
+    return false;
+}
+
+/* --- lines ------------------------------------------------------------------------------------ */
+
 static bool same(const char *a, const char *b)
 {
     return a && b ? strcmp(a, b) == 0 : a == b;
@@ -94,6 +167,13 @@ static enum status add_line(struct waivers *out, char *line, size_t number, bool
         waiver.version = word(&line) + 1;
         for (char *c = waiver.version; *c; c++)
             *c = *c == '_' ? ' ' : *c;
+        struct number_list first, last;
+        size_t length;
+        if (range_of(waiver.version, &length, &first, &last) == RANGE_BAD)
+            return fail(reason, STATUS_INPUT,
+                        "%s:%zu: '@%.60s' is no range of versions: NAME_FIRST..LAST, such as "
+                        "@Embree_3..4.3.3, where FIRST is not after LAST",
+                        out->path, number, waiver.version);
     }
     if (dated && !take_date(&line, &waiver.until))
         return fail(reason, STATUS_INPUT,
@@ -175,7 +255,7 @@ bool waivers_name_version(const struct waivers *waivers, const char *name)
 bool waiver_is_about(const struct waiver *waiver, const char *name, const char *versions)
 {
     return fnmatch(waiver->pattern, name, 0) == 0 &&
-           (!waiver->version || strstr(versions, waiver->version));
+           (!waiver->version || version_told(versions, waiver->version));
 }
 
 const struct waiver *waivers_note(struct waivers *waivers, const char *name,
@@ -205,7 +285,7 @@ enum waiver_fault waiver_judge(const struct waiver *waiver, bool complete, const
         return complete ? WAIVER_NOTHING : WAIVER_FINE;
     if (waiver->ran == 0 || (!complete && waiver->named < waiver->exist))
         return WAIVER_FINE;
-    if (waiver->version && !strstr(versions, waiver->version))
+    if (waiver->version && !version_told(versions, waiver->version))
         return WAIVER_GONE;
     return WAIVER_UNUSED;
 }

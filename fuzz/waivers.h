@@ -8,7 +8,7 @@
 
 struct waiver {
     char *pattern; /* shell wildcards, of the name of a trial or hard case */
-    char *version; /* part of an engine's version: elsewhere it excuses nothing; or NULL */
+    char *version; /* of an engine, as version_told() takes it: elsewhere it excuses nothing; or NULL */
     char *until;   /* YYYY-MM-DD, the last day on which it excuses; NULL: it has none */
     char *reason;
     char *link;
@@ -28,9 +28,9 @@ struct waivers {
 };
 
 /* Reads lines "PATTERN [@VERSION] REASON... LINK"; blank lines and lines that start with '#' are
- * comments. VERSION is a part of what `raydiff doctor` says of an engine, '_' for a blank; LINK is
- * the last word and has "://" or ".md" in it. Control characters and a second line of the same
- * pattern, version and date are refused.
+ * comments. VERSION is what version_told() takes, '_' for a blank; LINK is the last word and has "://"
+ * or ".md" in it. Control characters, a range that is none, and a second line of the same pattern,
+ * version and date are refused.
  * Errors: STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY. */
 enum status waivers_read(const char *path, struct waivers *out, struct reason *reason) MUST_USE;
 
@@ -39,6 +39,12 @@ enum status waivers_read(const char *path, struct waivers *out, struct reason *r
 enum status waivers_parse(const char *name, char *text, size_t size, bool dated,
                           struct waivers *out, struct reason *reason) MUST_USE;
 void waivers_free(struct waivers *waivers);
+
+/* True if `versions`, what engines say of themselves (as `raydiff doctor` does), tells of `version`:
+ * that is a part of it, such as "Mesa 22.3.6", or a range "NAME FIRST..LAST", such as
+ * "Embree 3..4.3.3", in which a version of NAME lies. Both ends belong to it; of LAST only as many
+ * numbers count as it has, so that 4.3.3 is within "..4.3". */
+bool version_told(const char *versions, const char *version);
 
 /* True if it is about `name` (shell wildcards) and about one of these versions, or about none. */
 bool waiver_is_about(const struct waiver *waiver, const char *name, const char *versions);

@@ -271,6 +271,7 @@
 #define MUTANT_REFIT_HALF          498 /* refit: a tree that is to be built anew is changed */
 #define MUTANT_REFIT_VERTICES_OLD  499 /* refit: vertices beside the nodes stay where they were */
 #define MUTANT_WORDS_KEPT          520 /* layouts: words are kept where there is no memory for items */
+#define MUTANT_RANGE_UNREAD        740 /* every version lies in a range of versions */
 #define MUTANT_WALK_OF_NOTHING     521 /* a walk without memory is one of an empty tree */
 #define MUTANT_MEMORY_BELIEVED     523 /* there is always memory enough */
 #define MUTANT_ROOT_WITHOUT_LEAF   522 /* a wide tree of one leaf has none */

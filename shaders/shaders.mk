@@ -10,7 +10,7 @@ TOOL := $(B)/spirv_tool
 TOOL_SRC := shaders/spirv_tool.c gpu/spirv_fix.c ref/base.c ref/memory.c
 $(TOOL): $(TOOL_SRC) gpu/spirv_fix.h ref/base.h ref/mutant.h
 	@mkdir -p $(@D)
-	$(HOSTCC) -I. -std=c17 -O1 $(WARN) -DMUTANT=$(MUTANT) -o $@ $(TOOL_SRC)
+	$(call warned,$(HOSTCC) -I. -std=c17 -O1 $(WARN) -DMUTANT=$(MUTANT) -o $@ $(TOOL_SRC))
 
 # A layout's renderer is made of its file alone: $(RENDERED).
 $(RENDERED:%=$(B)/gen/%.comp): $(B)/gen/render_%.comp: shaders/shaders.mk

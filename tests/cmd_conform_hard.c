@@ -95,7 +95,7 @@ static bool is_expected(struct run *run, const struct hard_defect *defect)
     if (run->versions[0] == '\0' || run->driver != options->driver)
         conform_versions(options, run->versions, sizeof run->versions);
     run->driver = options->driver;
-    return strstr(run->versions, defect->version) != NULL;
+    return version_told(run->versions, defect->version);
 }
 
 /* True if the member is there to show a defect: that it does so otherwise is not excused. */

@@ -91,6 +91,8 @@ plain)
     suite fuzz sh tests/fuzz.sh "$build"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
+    suite warnings sh tests/warnings.sh
+    suite libs sh tests/libs.sh
     suite mutants make -s mutants
     suite mutants_none sh tests/mutants_none.sh "$build"
     suite selftest make -s selftest-quick

@@ -53,6 +53,10 @@ static void bad_lines_are_refused(void **state)
                                       "*.rf16.* because\n",
                                       "*.rf16.* https://a.b/c\n",
                                       "\n*.x.* @V https://a.b/c\n",
+                                      "*.a.* @E_4..3 why https://a.b/c\n",
+                                      "*.a.* @E_3..x why https://a.b/c\n",
+                                      "*.a.* @E_..3 why https://a.b/c\n",
+                                      "*.a.* @3..4 why https://a.b/c\n",
                                       "*.a.* why\x01 https://a.b/c\n",
                                       "*.a.* why https://a.b/c\n*.a.* how https://a.b/d\n"};
     (void)state;
@@ -60,9 +64,47 @@ static void bad_lines_are_refused(void **state)
         struct waivers w;
         struct reason reason = {""};
         assert_int_equal(read_text(bad[i], &w, &reason), STATUS_INPUT);
-        assert_non_null(strstr(reason.text, i == 3 || i == 5 ? ":2: " : ":1: "));
+        assert_non_null(strstr(reason.text, i == 3 || i == ARRAY_COUNT(bad) - 1 ? ":2: " : ":1: "));
         assert_int_equal(w.count, 0);
     }
+}
+
+/* Numbers are compared as numbers, each of the ends belongs to the range, and the name counts. */
+static void versions_are_parts_or_ranges(void **state)
+{
+    static const struct {
+        const char *said, *version;
+        bool told;
+    } cases[] = {
+        {"Embree 3.13.5, 2 threads", "Embree 3.13", true},
+        {"Embree 3.13.5, 2 threads", "Embree 4.", false},
+        {"Embree 3.13.5, 2 threads", "Embree 3..4.3.3", true},
+        {"Embree 3.0.0", "Embree 3..4.3.3", true},
+        {"Embree 2.17.7", "Embree 3..4.3.3", false},
+        {"Embree 4.3.3, 16 threads", "Embree 3..4.3.3", true},
+        {"Embree 4.3.4, 2 threads", "Embree 3..4.3.3", false},
+        {"Embree 4.4.0, 2 threads", "Embree 3..4.3.3", false},
+        {"Embree 40.0.0, 2 threads", "Embree 3..4.3.3", false},
+        {"Embree 4.3.3", "Embree 3..4.3", true},
+        {"Embree 4.10.0", "Embree 3..4.3", false},
+        {"Embree 4.10.0", "Embree 4.9..5", true},
+        {"Embree 4.3", "Embree 4.3.0..4.3.3", true},
+        {"Mesa 3.5", "Embree 3..4.3.3", false},
+        {"OtherEmbree 3.5", "Embree 3..4.3.3", false},
+        {"embree: 2 threads\nembree: Embree 4.3.3, 2 threads", "Embree 4..5", true},
+        {"Embree is not here", "Embree 0..9", false},
+        {"", "Embree 0..9", false},
+    };
+    (void)state;
+    for (size_t i = 0; i < ARRAY_COUNT(cases); i++)
+        if (version_told(cases[i].said, cases[i].version) != cases[i].told)
+            fail_msg("'%s' of '%s'", cases[i].version, cases[i].said);
+    struct waivers w;
+    struct reason reason = {""};
+    assert_int_equal(read_text("*.a.* @Embree_3..4.3.3 why https://a.b/c\n", &w, &reason), STATUS_OK);
+    assert_non_null(waivers_note(&w, "x.a.y", WAIVER_FAILED, "Embree 4.3.3, 2 threads"));
+    assert_null(waivers_note(&w, "x.a.y", WAIVER_FAILED, "Embree 4.4.0, 2 threads"));
+    waivers_free(&w);
 }
 
 /* Plays names against three waivers and judges these at the end. */
@@ -212,6 +254,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lines_are_read),
         cmocka_unit_test(bad_lines_are_refused),
+        cmocka_unit_test(versions_are_parts_or_ranges),
         cmocka_unit_test(waivers_excuse_and_grow_old),
         cmocka_unit_test(matrix_counts),
         cmocka_unit_test(matrix_is_shown),

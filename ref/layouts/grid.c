@@ -92,7 +92,8 @@ struct packing {
     const struct grid *grid;
     const struct bvh *bvh;
     const struct wide_tree *tree;
-    const struct number_frame *scene_frame; /* NULL: none */
+    struct number_frame frame;              /* of the scene, if there is one */
+    const struct number_frame *scene_frame; /* that one; NULL: none */
     uint32_t before;                        /* records before the root's */
     uint32_t item_count;                    /* items placed */
     struct packed *out;
@@ -206,7 +207,6 @@ static enum status put_node(struct packing *p, uint32_t index, struct reason *re
 
 static enum status put_tree(struct packing *p, struct reason *reason)
 {
-    struct number_frame frame;
     uint64_t records = (uint64_t)p->tree->node_count + p->before;
     uint32_t width = p->layout->width;
     if (records * (1 + width) > UINT32_MAX)
@@ -223,10 +223,10 @@ static enum status put_tree(struct packing *p, struct reason *reason)
         const struct box *box[WIDE_MAX];
         wide_nodes_tree_boxes(p->tree, 0, box);
         struct box bounds = wide_nodes_frame(box);
-        if (!number_frame_make(p->grid->format, &bounds, &frame))
+        if (!number_frame_make(p->grid->format, &bounds, &p->frame))
             return refuse_bounds(p->layout, &bounds, reason);
-        put_frame(&frame, p->out->word);
-        p->scene_frame = &frame;
+        put_frame(&p->frame, p->out->word);
+        p->scene_frame = &p->frame;
     }
     for (uint32_t i = 0; i < p->tree->node_count && !status; i++)
         status = put_node(p, i, reason);

@@ -163,7 +163,8 @@ bool small_in_plane(const struct small *s, bool *any, struct fraction *in, struc
     if (2 * s->place_bits + s->way_bits > 122 || s->place_bits + 2 * s->way_bits > 122)
         return false;
     int measure = s->d[i] ? i : j;
-    struct ratio least, most;
+    struct ratio end[3];
+    int ends = 0;
     for (int c = 0; c < 3; c++) {
         int e = (c + 1) % 3;
         bool on = side[c] == 0,
@@ -176,15 +177,19 @@ bool small_in_plane(const struct small *s, bool *any, struct fraction *in, struc
             t.den = (side[c] - side[e]) * s->d[measure];
         }
         t.value = (double)t.num / (double)t.den;
-        if (!*any || less(&t, &least))
-            least = t;
-        if (!*any || less(&most, &t))
-            most = t;
-        *any = true;
+        end[ends++] = t;
     }
-    if (*any) {
-        to_fraction(&least, s->scale, in);
-        to_fraction(&most, s->scale, out);
+    if (ends == 0)
+        return true;
+    int least = 0, most = 0;
+    for (int c = 1; c < ends; c++) {
+        if (less(&end[c], &end[least]))
+            least = c;
+        if (less(&end[most], &end[c]))
+            most = c;
     }
+    *any = true;
+    to_fraction(&end[least], s->scale, in);
+    to_fraction(&end[most], s->scale, out);
     return true;
 }

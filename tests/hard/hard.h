@@ -86,7 +86,7 @@ struct hard_defect {
                             since no answer is wrong alone */
     const char *members; /* pattern of query.engine.layout.builder.box.tri */
     const char *refuses; /* they must refuse, and the reason has this in it; or NULL */
-    const char *version; /* part of what the engines say of themselves: others may be without it;
+    const char *version; /* of an engine, as version_told() takes it: others may be without it;
                             or NULL */
     bool rare; /* its rays depend on the processor: where none shows it, nothing is wrong */
     const struct layout *layout; /* a member of no table, made to be wrong; or NULL */

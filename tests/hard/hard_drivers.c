@@ -37,7 +37,7 @@ const struct hard_case hard_borders_mesa25 = {
                {.fault = "Embree loses rays on the maximum border of a flat grid",
                 .cause = CAUSE_PARALLEL_AXIS,
                 .members = "*.embree*",
-                .version = "Embree 3."}},
+                .version = "Embree 3..4.3.3"}},
 };
 
 /* Of 200,000 rays as below Embree's robust mode loses 62; the first of them. */
@@ -98,7 +98,7 @@ const struct hard_case hard_vertices_mesa25 = {
                {.fault = "Embree's robust mode shoots through vertices",
                 .cause = CAUSE_OUTSIDE,
                 .members = "*.embree_robust.*",
-                .version = "Embree 3.",
+                .version = "Embree 3..4.3.3",
                 .rare = true}},
 };
 

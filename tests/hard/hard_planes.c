@@ -76,7 +76,7 @@ const struct hard_case hard_border = {
     .defect = {{.fault = "Embree loses rays on the maximum border of a flat grid",
                 .cause = CAUSE_PARALLEL_AXIS,
                 .members = "*.embree*.-.-.-.*",
-                .version = "Embree 3."},
+                .version = "Embree 3..4.3.3"},
                {.fault = "lavapipe's ray query loses rays on the maximum border of a flat grid",
                 .cause = CAUSE_PARALLEL_AXIS,
                 .members = "*.rayquery.-.-.-.*",
