@@ -11,7 +11,6 @@
 #define GRACE_NS 30000000000u
 
 #define KEPT_FOLDER "corpus"
-#define PATH_MOST   4096
 
 uint32_t campaign_triangles_median(const struct campaign_view *view)
 {
@@ -119,9 +118,11 @@ static bool is_done(struct campaign *c)
 /* What was kept to be mutated; so a kill loses no more of it than of the rest. */
 static enum status save_kept(struct campaign *c, struct reason *reason)
 {
-    char path[PATH_MOST];
-    snprintf(path, sizeof path, "%s/" KEPT_FOLDER, c->options->folder);
-    return feedback_save(c->feedback, path, reason);
+    enum status status = STATUS_OK;
+    if (!c->kept_folder.path)
+        status = folder_open_in(findings_folder(c->findings), KEPT_FOLDER, true, &c->kept_folder,
+                                reason);
+    return status ? status : feedback_save(c->feedback, &c->kept_folder, reason);
 }
 
 static enum status save(struct campaign *c, bool now, struct reason *reason)
@@ -174,18 +175,31 @@ static void close_all(struct campaign *c)
     }
     feedback_close(c->feedback);
     feedback_list_free(&c->kept);
+    folder_close(&c->kept_folder);
     free(c->mark);
     free(c);
+}
+
+/* What earlier runs kept. */
+static enum status load_kept(struct campaign *c, struct reason *reason)
+{
+    const struct folder *parent = findings_folder(c->findings);
+    bool there;
+    enum status status = folder_has_folder(parent, KEPT_FOLDER, &there, reason);
+    if (status || !there)
+        return status;
+    status = folder_open_in(parent, KEPT_FOLDER, false, &c->kept_folder, reason);
+    if (!status)
+        status = folder_clean(&c->kept_folder, reason);
+    return status ? status : feedback_load(&c->kept_folder, FEEDBACK_BYTES, &c->kept, reason);
 }
 
 /* Opens what a run needs before it makes processes. */
 static enum status open_all(struct campaign *c, struct reason *reason)
 {
-    char path[PATH_MOST];
     enum status status = feedback_open(FEEDBACK_BYTES, &c->feedback, reason);
-    snprintf(path, sizeof path, "%s/" KEPT_FOLDER, c->options->folder);
     if (!status && c->options->mutate)
-        status = feedback_load(path, FEEDBACK_BYTES, &c->kept, reason);
+        status = load_kept(c, reason);
     c->rules = c->options->rules;
     c->rules.kept = c->kept.trial;
     c->rules.kept_count = c->kept.count;

@@ -63,6 +63,7 @@ struct campaign {
     const struct campaign_options *options;
     struct work_rules rules; /* the options', with what earlier runs kept */
     struct feedback_list kept;
+    struct folder kept_folder; /* where they are, once there are some; of stream mut */
     struct findings *findings;
     struct campaign_view view;
     struct work_watch *watch; /* shared, one for each slot */

@@ -9,8 +9,6 @@
 #define SOON_ASKS 8000u
 #define SOON_NS   10000000000u
 
-#define PATH_MOST 4096
-
 static const struct findings_entry *entry_of(const struct campaign *c, size_t i)
 {
     return findings_entry(c->findings, i);
@@ -84,11 +82,9 @@ bool campaign_jobs_left(const struct campaign *c)
 /* Sends the smallest trial of a finding; false if there is none that can be read. */
 static bool send_job(struct campaign *c, struct slot *slot, size_t i, enum slot_task task)
 {
-    char path[PATH_MOST];
     struct finding_file file;
     struct work_order order = {.stream = WORK_GIVEN, .count = 1, .unexplained = true};
-    findings_path(c->findings, &entry_of(c, i)->signature, "smallest.trial", path, sizeof path);
-    if (finding_file_read(path, &file, NULL))
+    if (findings_get(c->findings, &entry_of(c, i)->signature, "smallest.trial", &file, NULL))
         return false;
     if (task == SLOT_SHRINK) {
         bool soon = c->options->shrink == CAMPAIGN_SHRINK_SOON;

@@ -4,11 +4,9 @@
 #include "ref/mutant.h"
 #include "ref/rng.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #define PAIRS_FILE "pairs.txt"
-#define PATH_MOST  4096
 
 /* One query for a block, and the same whenever a driver has what was compiled for these members. */
 static enum query choose_query(const struct campaign *c, const struct block *block)
@@ -107,24 +105,16 @@ void campaign_pairs_count(struct campaign *c, const struct block *block)
             count_trial(c, &block->trial[i]);
 }
 
-static const char *path_of(const struct campaign *c, char path[PATH_MOST])
-{
-    snprintf(path, PATH_MOST, "%s/" PAIRS_FILE, c->options->folder);
-    return path;
-}
-
 enum status campaign_pairs_read(struct campaign *c, struct reason *reason)
 {
-    char path[PATH_MOST];
     if (!c->options->rules.field.drawn)
         return STATUS_OK;
-    return meetings_read(c->options->meetings, path_of(c, path), reason);
+    return meetings_read(c->options->meetings, findings_folder(c->findings), PAIRS_FILE, reason);
 }
 
 enum status campaign_pairs_write(const struct campaign *c, struct reason *reason)
 {
-    char path[PATH_MOST];
     if (!c->options->rules.field.drawn)
         return STATUS_OK;
-    return meetings_write(c->options->meetings, path_of(c, path), reason);
+    return meetings_write(c->options->meetings, findings_folder(c->findings), PAIRS_FILE, reason);
 }

@@ -200,9 +200,7 @@ static bool is_known(void *user, const struct findings_entry *entry)
     struct fuzz_command *c = user;
     struct baseline_answer answer;
     struct finding_file file;
-    char path[FUZZ_PATH_MOST];
-    findings_path(c->findings, &entry->signature, "first.trial", path, sizeof path);
-    bool there = finding_file_read(path, &file, NULL) == STATUS_OK;
+    bool there = findings_get(c->findings, &entry->signature, "first.trial", &file, NULL) == 0;
     baseline_ask(&c->baseline, &entry->signature, there ? file.versions : "", c->today, &answer);
     finding_file_free(&file);
     return answer.state == BASELINE_KNOWN;
@@ -291,12 +289,17 @@ static bool names_corpus(const struct fuzz_command *c)
 static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
 {
     const char *folder = c->corpus ? c->corpus : "fuzz/corpus";
+    struct folder open;
     struct stat what;
     if (c->pairs > 0 || (c->corpus && !names_corpus(c)))
         return STATUS_OK;
-    if (c->corpus && (stat(folder, &what) != 0 || !S_ISDIR(what.st_mode)))
-        return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", folder);
-    enum status status = feedback_load(folder, FEEDBACK_BYTES, &c->corpus_trials, reason);
+    if (stat(folder, &what) != 0 || !S_ISDIR(what.st_mode))
+        return c->corpus ? fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", folder)
+                         : STATUS_OK;
+    enum status status = folder_open(folder, false, &open, reason);
+    if (!status)
+        status = feedback_load(&open, FEEDBACK_BYTES, &c->corpus_trials, reason);
+    folder_close(&open);
     if (!status && c->corpus_trials.left_out > 0)
         fprintf(stderr, "raydiff fuzz: corpus: %zu files left out: %s\n", c->corpus_trials.left_out,
                 c->corpus_trials.said.text);
@@ -310,7 +313,8 @@ static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
 static enum status try_outputs(const struct fuzz_command *c, struct reason *reason)
 {
     const char *const path[] = {c->json, c->junit, c->tap, c->jsonl};
-    enum status status = STATUS_OK;
+    bool there;
+    enum status status = folder_has(findings_folder(c->findings), "stats.json", &there, reason);
     for (size_t i = 0; i < ARRAY_COUNT(path) && !status; i++) {
         struct file_out out;
         struct stat what;
@@ -325,10 +329,7 @@ static enum status try_outputs(const struct fuzz_command *c, struct reason *reas
 
 static enum status prepare(struct fuzz_command *c, struct reason *reason)
 {
-    enum status status = STATUS_OK;
-    if (mkdir(c->folder, 0777) != 0 && errno != EEXIST)
-        return fail(reason, STATUS_INPUT, "%.200s: %s", c->folder, strerror(errno));
-    status = findings_open(c->folder, &c->findings, reason);
+    enum status status = findings_open(c->folder, &c->findings, reason);
     if (!status && findings_said(c->findings)[0])
         fprintf(stderr, "raydiff fuzz: %s\n", findings_said(c->findings));
     if (!status)

@@ -21,9 +21,7 @@ enum report_state fuzz_state_of(const struct fuzz_command *c, const struct campa
     const struct findings_entry *entry = findings_entry(view->findings, i);
     struct baseline baseline = c->baseline; /* asking notes what was used; the list is shared */
     struct finding_file file;
-    char path[FUZZ_PATH_MOST];
-    findings_path(view->findings, &entry->signature, "first.trial", path, sizeof path);
-    bool there = finding_file_read(path, &file, NULL) == STATUS_OK;
+    bool there = findings_get(view->findings, &entry->signature, "first.trial", &file, NULL) == 0;
     baseline_ask(&baseline, &entry->signature, there ? file.versions : "", c->today, answer);
     finding_file_free(&file);
     if (answer->state == BASELINE_KNOWN)
@@ -178,9 +176,9 @@ static json_t *make_json(const struct fuzz_command *c, const struct campaign_vie
 enum status fuzz_stats(const struct fuzz_command *c, const struct campaign_view *view,
                        struct reason *reason)
 {
-    char path[FUZZ_PATH_MOST];
-    snprintf(path, sizeof path, "%s/stats.json", c->folder);
-    return json_write(path, make_json(c, view, false), 6, reason);
+    struct file_out out;
+    enum status status = folder_put(findings_folder(view->findings), "stats.json", &out, reason);
+    return status ? status : json_write_out(&out, make_json(c, view, false), 6, reason);
 }
 
 /* --- CI -------------------------------------------------------------------------------------- */

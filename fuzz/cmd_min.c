@@ -142,11 +142,10 @@ static enum min_fate fate_of(const struct min_row *row, enum status status)
     return row->stats.accepted ? MIN_SMALLER : MIN_SMALLEST;
 }
 
-void min_shrink(const struct min_options *options, struct min_row *row)
+void min_shrink(const struct min_options *options, struct min_row *row, enum status status)
 {
     struct progress progress = progress_make("min");
     struct reason why;
-    enum status status = finding_file_read(row->path, &row->file, &row->reason);
     if (!status && (status = check_row(row, &why)))
         fail(&row->reason, status, "%.150s: %.160s", row->path, why.text);
     if (!status) {
@@ -195,7 +194,10 @@ static enum status choose_out(const struct min_options *options, const char *pat
                               : snprintf(out, MIN_PATH_MOST, "%.*s.min.trial", (int)stem, path);
     if (length >= MIN_PATH_MOST)
         return fail(reason, STATUS_INPUT, "%.100s...: too long a name", path);
-    if (!options->out && !again && !options->force && stat(out, &there) == 0)
+    bool here = !options->out && lstat(out, &there) == 0;
+    if (here && S_ISLNK(there.st_mode))
+        return fail(reason, STATUS_INPUT, "%.200s is a symbolic link: name a file with --out", out);
+    if (here && !again && !options->force)
         return fail(reason, STATUS_INPUT, "%.200s is there already: --force or --out", out);
     return STATUS_OK;
 }
@@ -209,7 +211,7 @@ static int min_file(const struct min_options *options, const char *path)
         return usage_error("min", "%s",
                            strlen(path) >= sizeof row.path ? "too long a name" : reason.text);
     strcpy(row.path, path);
-    min_shrink(options, &row);
+    min_shrink(options, &row, finding_file_read(row.path, &row.file, &row.reason));
     bool write = row.fate == MIN_SMALLER || (row.fate == MIN_SMALLEST && options->out);
     if (write) {
         enum status status = finding_file_write(&row.smaller, out, &row.reason);

@@ -35,8 +35,9 @@ struct min_row {
     int code; /* enum exit_code */
 };
 
-/* Reads and shrinks row->path; sets everything else but `written`. */
-void min_shrink(const struct min_options *options, struct min_row *row);
+/* Shrinks row->file, which was read from row->path with this status and row->reason; sets everything
+ * else but `written`. */
+void min_shrink(const struct min_options *options, struct min_row *row, enum status status);
 
 void min_row_free(struct min_row *row);
 

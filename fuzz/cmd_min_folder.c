@@ -6,15 +6,17 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
-/* A folder is made where there is none: this must be one already. */
-static bool is_findings(const char *folder)
+/* A folder is made where there is none: this must be one already, good or bad. */
+static bool is_findings(const char *path)
 {
-    char path[MIN_PATH_MOST];
-    struct stat there;
-    return snprintf(path, sizeof path, "%s/findings.jsonl", folder) < MIN_PATH_MOST &&
-           stat(path, &there) == 0;
+    struct folder folder;
+    bool there = false;
+    enum status status = folder_open(path, false, &folder, NULL);
+    if (!status)
+        status = folder_has(&folder, "findings.jsonl", &there, NULL);
+    folder_close(&folder);
+    return there;
 }
 
 static void shrink_entry(const struct min_options *options, struct findings *findings, size_t i,
@@ -23,19 +25,22 @@ static void shrink_entry(const struct min_options *options, struct findings *fin
     const struct findings_entry *entry = findings_entry(findings, i);
     struct findings_news news;
     row->file.signature = entry->signature; /* the table names it also if it cannot be read */
-    findings_path(findings, &entry->signature, "smallest.trial", row->path, sizeof row->path);
+    /* A writer that was killed has written the first, but perhaps not the smallest. */
+    const char *name = entry->has_smallest ? "smallest.trial" : "first.trial";
+    findings_path(findings, &entry->signature, name, row->path, sizeof row->path);
     if (entry->signature.cause == CAUSE_NOT_REPEATABLE) {
         row->fate = MIN_SKIPPED; /* what does not show twice cannot be asked for */
         fail(&row->reason, STATUS_UNSUPPORTED, "not repeatable");
         return;
     }
     const struct fuzz_signature signature = entry->signature;
-    min_shrink(options, row);
+    enum status status = findings_get(findings, &signature, name, &row->file, &row->reason);
+    min_shrink(options, row, status);
     if (row->fate == MIN_FAILED)
         row->file.signature = signature;
     if (row->fate != MIN_SMALLER)
         return;
-    enum status status = findings_offer(findings, &row->smaller, &news, &row->reason);
+    status = findings_offer(findings, &row->smaller, &news, &row->reason);
     if (status) {
         row->fate = MIN_FAILED;
         row->code = exit_of_status(status);

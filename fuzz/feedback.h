@@ -6,6 +6,7 @@
 
 #include "fuzz/coverage.h"
 #include "ref/rng.h"
+#include "scenes/folder.h"
 
 /* Bytes of the trials that are kept, vertices, triangles and rays; one trial may take an eighth. */
 #define FEEDBACK_BYTES ((size_t)64 << 20)
@@ -46,11 +47,10 @@ uint64_t feedback_reached(const struct feedback *feedback, uint32_t bit);
 size_t feedback_count(const struct feedback *feedback); /* of kept trials */
 const struct fuzz_trial *feedback_trial(const struct feedback *feedback, size_t i);
 
-/* Writes every kept trial that this feedback has not written yet to FOLDER/HASH.trial (16 digits of
- * fuzz_trial_hash): a finding file that expects nothing. Each appears whole or not at all; a file
- * that is there already stays. Makes the folder (its parent must be).
- * Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
-enum status feedback_save(struct feedback *feedback, const char *folder,
+/* Writes every kept trial that this feedback has not written yet to HASH.trial of the folder (16
+ * digits of fuzz_trial_hash): a finding file that expects nothing. Each appears whole or not at
+ * all; a file that is there already stays. Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+enum status feedback_save(struct feedback *feedback, const struct folder *folder,
                           struct reason *reason) MUST_USE;
 
 /* Trials of a folder. Zero is none. */
@@ -61,11 +61,11 @@ struct feedback_list {
     struct reason said; /* on the first of them, "PATH:LINE: rule" */
 };
 
-/* Reads all FOLDER/?*.trial in the order of their names, as many as fit into `bytes_most`; other
- * files are nobody's business. A file that is no trial is left out and said. A folder that is not
- * there is an empty one. What they reached is not in the files: they are to be played again and
- * added. Errors: STATUS_INPUT the folder cannot be read; STATUS_MEMORY. */
-enum status feedback_load(const char *folder, size_t bytes_most, struct feedback_list *out,
+/* Reads all ?*.trial of the folder in the order of their names, as many as fit into `bytes_most`;
+ * other files are left alone. A file that is no trial is left out and said. What they reached is
+ * not in the files: they are to be played again and added. Errors: STATUS_INPUT the folder cannot
+ * be read; STATUS_MEMORY. */
+enum status feedback_load(const struct folder *folder, size_t bytes_most, struct feedback_list *out,
                           struct reason *reason) MUST_USE;
 void feedback_list_free(struct feedback_list *list);
 

@@ -1,49 +1,29 @@
 /* The corpus of a campaign as files. */
-#define _GNU_SOURCE /* scandir */
+#define _POSIX_C_SOURCE 200809L /* strdup */
 #include "fuzz/feedback_inner.h"
 
 #include "fuzz/finding_file.h"
-#include "scenes/file.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#define PATH_BYTES 4096
-
-static enum status system_fail(const char *path, struct reason *reason)
-{
-    return fail(reason, STATUS_INPUT, "%s: %s", file_label(path), strerror(errno));
-}
-
-static enum status join(char path[PATH_BYTES], const char *folder, const char *name,
-                        struct reason *reason)
-{
-    if (snprintf(path, PATH_BYTES, "%s/%s", folder, name) >= PATH_BYTES)
-        return fail(reason, STATUS_INPUT, "%s: the name is too long", file_label(folder));
-    return STATUS_OK;
-}
-
-static enum status save_one(const char *folder, const struct fuzz_trial *trial,
+static enum status save_one(const struct folder *folder, const struct fuzz_trial *trial,
                             struct reason *reason)
 {
-    char path[PATH_BYTES], name[32];
+    char name[32];
+    bool there;
     snprintf(name, sizeof name, "%016llx.trial", (unsigned long long)fuzz_trial_hash(trial));
-    enum status status = join(path, folder, name, reason);
-    if (status || access(path, F_OK) == 0)
+    enum status status = folder_has(folder, name, &there, reason);
+    if (status || there)
         return status;
     const struct finding_file file = {.trial = *trial}; /* borrowed */
-    return finding_file_write(&file, path, reason);
+    return finding_file_put(&file, folder, name, reason);
 }
 
-enum status feedback_save(struct feedback *feedback, const char *folder, struct reason *reason)
+enum status feedback_save(struct feedback *feedback, const struct folder *folder,
+                          struct reason *reason)
 {
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return system_fail(folder, reason);
     for (size_t i = 0; i < feedback->count; i++) {
         struct feedback_entry *entry = &feedback->entry[i];
         if (entry->saved)
@@ -56,16 +36,33 @@ enum status feedback_save(struct feedback *feedback, const char *folder, struct 
     return STATUS_OK;
 }
 
-static int is_trial(const struct dirent *one)
+/* Names of a folder's trials. */
+struct names {
+    char **name;
+    size_t count, capacity;
+};
+
+static enum status take_name(void *user, const char *name, struct reason *reason)
 {
-    const char *end = strrchr(one->d_name, '.');
-    return one->d_name[0] != '.' && end && strcmp(end, ".trial") == 0;
+    struct names *names = user;
+    void *array = names->name;
+    const char *end = strrchr(name, '.');
+    if (name[0] == '.' || !end || strcmp(end, ".trial") != 0)
+        return STATUS_OK;
+    enum status status =
+        array_reserve(&array, &names->capacity, names->count + 1, sizeof *names->name);
+    names->name = array;
+    char *copy = status ? NULL : strdup(name);
+    if (!copy)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu names", names->count + 1);
+    names->name[names->count++] = copy;
+    return STATUS_OK;
 }
 
 /* In any locale. */
-static int compare_names(const struct dirent **a, const struct dirent **b)
+static int compare_names(const void *a, const void *b)
 {
-    return strcmp((*a)->d_name, (*b)->d_name);
+    return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
 static void leave_out(struct feedback_list *list, const struct reason *why)
@@ -75,15 +72,14 @@ static void leave_out(struct feedback_list *list, const struct reason *why)
 }
 
 /* Adds what one file holds, or says why it does not. *bytes: of all that was added. */
-static enum status load_one(const char *folder, const char *name, size_t bytes_most, size_t *bytes,
-                            struct feedback_list *list, struct reason *reason)
+static enum status load_one(const struct folder *folder, const char *name, size_t bytes_most,
+                            size_t *bytes, struct feedback_list *list, struct reason *reason)
 {
-    char path[PATH_BYTES];
+    char path[FOLDER_PATH_MOST];
     struct finding_file file;
     struct reason why;
-    enum status status = join(path, folder, name, reason);
-    if (!status)
-        status = finding_file_read(path, &file, &why);
+    enum status status = finding_file_get(folder, name, &file, &why);
+    folder_path(folder, name, path, sizeof path);
     if (status == STATUS_MEMORY)
         return fail(reason, status, "%s", why.text);
     size_t more = status ? 0 : feedback_bytes(&file.trial);
@@ -108,22 +104,21 @@ static enum status load_one(const char *folder, const char *name, size_t bytes_m
     return STATUS_OK;
 }
 
-enum status feedback_load(const char *folder, size_t bytes_most, struct feedback_list *out,
+enum status feedback_load(const struct folder *folder, size_t bytes_most, struct feedback_list *out,
                           struct reason *reason)
 {
-    struct dirent **name = NULL;
+    struct names names = {NULL, 0, 0};
     size_t bytes = 0;
     *out = (struct feedback_list){0};
-    int count = scandir(folder, &name, is_trial, compare_names);
-    if (count < 0)
-        return errno == ENOENT ? STATUS_OK : system_fail(folder, reason);
-    enum status status = STATUS_OK;
-    for (int i = 0; i < count; i++) {
+    enum status status = folder_list(folder, take_name, &names, reason);
+    if (names.count > 0)
+        qsort(names.name, names.count, sizeof *names.name, compare_names);
+    for (size_t i = 0; i < names.count; i++) {
         if (!status)
-            status = load_one(folder, name[i]->d_name, bytes_most, &bytes, out, reason);
-        free(name[i]);
+            status = load_one(folder, names.name[i], bytes_most, &bytes, out, reason);
+        free(names.name[i]);
     }
-    free(name);
+    free(names.name);
     if (status)
         feedback_list_free(out);
     return status;

@@ -379,6 +379,20 @@ enum status finding_file_read(const char *path, struct finding_file *out, struct
     return status;
 }
 
+enum status finding_file_get(const struct folder *folder, const char *name,
+                             struct finding_file *out, struct reason *reason)
+{
+    char *bytes, path[FOLDER_PATH_MOST];
+    size_t size;
+    *out = (struct finding_file){0};
+    enum status status = folder_read(folder, name, FINDING_FILE_MOST, &bytes, &size, reason);
+    folder_path(folder, name, path, sizeof path);
+    if (!status)
+        status = finding_file_parse(file_label(path), bytes, size, out, reason);
+    free(bytes);
+    return status;
+}
+
 void finding_file_free(struct finding_file *file)
 {
     fuzz_trial_free(&file->trial);

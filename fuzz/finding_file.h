@@ -30,6 +30,7 @@
 
 #include "fuzz/signature.h"
 #include "fuzz/trial.h"
+#include "scenes/folder.h"
 
 #define FINDING_FILE_VERSION 1
 /* Bytes of the largest file: more than any trial needs. */
@@ -48,6 +49,10 @@ struct finding_file {
 enum status finding_file_write(const struct finding_file *file, const char *path,
                                struct reason *reason) MUST_USE;
 
+/* The same of the file `name` of a folder. */
+enum status finding_file_put(const struct finding_file *file, const struct folder *folder,
+                             const char *name, struct reason *reason) MUST_USE;
+
 /* The same into memory: *bytes has a 0 after the last byte; the caller frees it. Errors:
  * STATUS_INPUT the signature is none; STATUS_MEMORY. */
 enum status finding_file_print(const struct finding_file *file, char **bytes, size_t *size,
@@ -57,6 +62,10 @@ enum status finding_file_print(const struct finding_file *file, char **bytes, si
  * STATUS_MEMORY. *out is zero on error. */
 enum status finding_file_read(const char *path, struct finding_file *out,
                               struct reason *reason) MUST_USE;
+
+/* The same of the file `name` of a folder. */
+enum status finding_file_get(const struct folder *folder, const char *name,
+                             struct finding_file *out, struct reason *reason) MUST_USE;
 
 /* The same of bytes in memory, for fuzzing the reader and for pipes; `name` stands in messages, and
  * bytes[size] is 0. Allocates at most 4 times `size` and a constant. */

@@ -119,6 +119,14 @@ static enum status check(const struct finding_file *file, struct reason *reason)
     return fuzz_signature_parse(text, &again, reason);
 }
 
+static enum status put_all(const struct finding_file *file, struct file_out *out,
+                           struct reason *reason)
+{
+    put_head(file, out->stream);
+    put_body(&file->trial, out->stream);
+    return file_out_commit(out, reason);
+}
+
 enum status finding_file_write(const struct finding_file *file, const char *path,
                                struct reason *reason)
 {
@@ -126,11 +134,17 @@ enum status finding_file_write(const struct finding_file *file, const char *path
     enum status status = check(file, reason);
     if (!status)
         status = file_out_open(path, &out, reason);
-    if (status)
-        return status;
-    put_head(file, out.stream);
-    put_body(&file->trial, out.stream);
-    return file_out_commit(&out, reason);
+    return status ? status : put_all(file, &out, reason);
+}
+
+enum status finding_file_put(const struct finding_file *file, const struct folder *folder,
+                             const char *name, struct reason *reason)
+{
+    struct file_out out;
+    enum status status = check(file, reason);
+    if (!status)
+        status = folder_put(folder, name, &out, reason);
+    return status ? status : put_all(file, &out, reason);
 }
 
 enum status finding_file_print(const struct finding_file *file, char **bytes, size_t *size,

@@ -2,6 +2,7 @@
 
 #include "ref/mutant.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -112,10 +113,10 @@ static enum status open_folder(const char *folder, bool writable, struct finding
 {
     enum status status = findings_folder_open(folder, writable, out, reason);
     if (!status)
-        status = findings_log_read(*out, NULL, NULL, reason);
-    if (!status)
-        status = findings_folder_read(*out, reason);
+        status = findings_read(*out, NULL, NULL, reason);
     if (status) {
+        if (*out && (*out)->made) /* the lock is still ours */
+            folder_remove(&(*out)->folder, "findings.jsonl", NULL);
         findings_close(*out);
         *out = NULL;
     }
@@ -138,10 +139,15 @@ void findings_close(struct findings *findings)
         return;
     if (findings->log >= 0)
         close(findings->log);
-    free(findings->folder);
+    folder_close(&findings->folder);
     free(findings->member);
     free(findings->keys.slot);
     free(findings);
+}
+
+const struct folder *findings_folder(const struct findings *findings)
+{
+    return &findings->folder;
 }
 
 const char *findings_said(const struct findings *findings)
@@ -173,12 +179,24 @@ const struct findings_entry *findings_find(const struct findings *findings,
     return NULL;
 }
 
+enum status findings_get(const struct findings *findings, const struct fuzz_signature *signature,
+                         const char *name, struct finding_file *out, struct reason *reason)
+{
+    char path[FINDINGS_PATH_MOST];
+    bool there;
+    enum status status = findings_folder_get(findings, signature, name, out, &there, reason);
+    if (status || there)
+        return status;
+    findings_path(findings, signature, name, path, sizeof path);
+    return fail(reason, STATUS_INPUT, "%s: %s", file_label(path), strerror(ENOENT));
+}
+
 void findings_path(const struct findings *findings, const struct fuzz_signature *signature,
                    const char *name, char *path, size_t path_bytes)
 {
     char text[FUZZ_SIGNATURE_MOST];
     fuzz_signature_print(signature, text);
-    snprintf(path, path_bytes, "%s/%s/%s", findings->folder, text, name);
+    snprintf(path, path_bytes, "%s/%s/%s", findings->folder.path, text, name);
 }
 
 /* Writes smallest.trial if this is it. */
@@ -220,9 +238,9 @@ enum status findings_add(struct findings *findings, const struct finding_file *f
 {
     *news = (struct findings_news){0};
     if (!file->has_signature)
-        return fail(reason, STATUS_INPUT, "%s: a finding has a signature", findings->folder);
+        return fail(reason, STATUS_INPUT, "%s: a finding has a signature", findings->folder.path);
     if (ray != FINDINGS_NO_RAY && ray >= file->trial.ray_count)
-        return fail(reason, STATUS_INPUT, "%s: ray %u of %u", findings->folder, ray,
+        return fail(reason, STATUS_INPUT, "%s: ray %u of %u", findings->folder.path, ray,
                     file->trial.ray_count);
     size_t before = findings->count;
     struct findings_member *member = findings_member_of(findings, &file->signature);
@@ -257,7 +275,8 @@ enum status findings_offer(struct findings *findings, const struct finding_file 
 {
     *news = (struct findings_news){0};
     if (!file->has_signature || !findings_find(findings, &file->signature))
-        return fail(reason, STATUS_INPUT, "%s: no finding has this signature", findings->folder);
+        return fail(reason, STATUS_INPUT, "%s: no finding has this signature",
+                    findings->folder.path);
     return put_smallest(findings, findings_member_of(findings, &file->signature), file, news,
                         reason);
 }
@@ -265,8 +284,8 @@ enum status findings_offer(struct findings *findings, const struct finding_file 
 enum status findings_checkpoint(struct findings *findings, const char *state, struct reason *reason)
 {
     if (strlen(state) >= sizeof findings->state)
-        return fail(reason, STATUS_INPUT, "%s: a state has at most %d characters", findings->folder,
-                    FINDINGS_STATE_MOST - 1);
+        return fail(reason, STATUS_INPUT, "%s: a state has at most %d characters",
+                    findings->folder.path, FINDINGS_STATE_MOST - 1);
     enum status status = findings_log_checkpoint(findings, state, reason);
     if (status)
         return status;

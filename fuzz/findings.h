@@ -7,11 +7,13 @@
  *
  * Files appear by renames, whole or not at all; a line is one write. So a process that is killed at
  * any moment leaves a folder that can be opened again: at worst the last line is torn, and is cut
- * off. Only one process at a time writes to a folder (a lock on the log, which ends with it). */
+ * off. What no kill can leave, such as a finding of the log without its files, is refused. Only one
+ * process at a time writes to a folder (a lock on the log, which ends with it). */
 #ifndef FUZZ_FINDINGS_H
 #define FUZZ_FINDINGS_H
 
 #include "fuzz/finding_file.h"
+#include "scenes/folder.h"
 
 /* Lines of one signature; of further findings only the number is kept, in checkpoints. */
 #define FINDINGS_LINES_MOST 1000u
@@ -91,18 +93,26 @@ const struct findings_entry *findings_entry(const struct findings *findings, siz
 /* NULL: there is none. */
 const struct findings_entry *findings_find(const struct findings *findings,
                                            const struct fuzz_signature *signature);
-/* Path of "first.trial", "smallest.trial" or "count" of a signature. */
+/* Reads "first.trial" or "smallest.trial" of a signature. Errors: as finding_file_read. */
+enum status findings_get(const struct findings *findings, const struct fuzz_signature *signature,
+                         const char *name, struct finding_file *out,
+                         struct reason *reason) MUST_USE;
+/* The folder itself, for what else a campaign keeps in it. */
+const struct folder *findings_folder(const struct findings *findings);
+/* Path of "first.trial", "smallest.trial" or "count" of a signature, for people: what lies there is
+ * read by findings_get. */
 void findings_path(const struct findings *findings, const struct fuzz_signature *signature,
                    const char *name, char *path, size_t path_bytes);
 
 /* Closes; what findings_checkpoint was not called for is not counted. NULL is fine. */
 void findings_close(struct findings *findings);
 
-/* Joins folders into a new one: counts are added, the lowest origin is the first, the smallest the
- * smallest, of each signature the FINDINGS_LINES_MOST lowest lines are kept, in order. The result
- * is the same in whatever order the folders are named, and of shards the same as of one run whose
- * folder was merged alone. `to` must not exist or be empty; it appears whole or not at all.
- * Errors: as findings_look; STATUS_INPUT one folder named twice, `to` holds something. */
+/* Joins folders into a new one: counts are added, but a finding whose line is in several is one,
+ * the lowest origin is the first, the smallest the smallest, of each signature the
+ * FINDINGS_LINES_MOST lowest lines are kept, in order. The result is the same in whatever order the
+ * folders are named, and of shards the same as of one run whose folder was merged alone. `to` must
+ * not exist or be empty; it appears whole or not at all. Errors: as findings_look; STATUS_INPUT one
+ * folder named twice, `to` holds something. */
 enum status findings_merge(const char *const *folder, size_t count, const char *to,
                            struct reason *reason) MUST_USE;
 

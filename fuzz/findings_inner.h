@@ -25,13 +25,16 @@ struct findings_member {
     struct findings_entry entry;
     uint64_t pending; /* counted, and in no line or checkpoint yet */
     bool stale;       /* its file `count` is to be written */
+    uint64_t line;    /* of the log, where it is first named; 0: none */
+    uint64_t counted; /* what its file `count` says; 0: there is none, or it says nothing */
 };
 
 struct findings {
-    char *folder;
+    struct folder folder;
     int log; /* descriptor of findings.jsonl, locked */
     bool writable;
-    uint64_t log_size;
+    bool made; /* the log was not there before */
+    uint64_t log_size, checkpoints;
     struct findings_member *member;
     size_t count, capacity;
     struct findings_keys keys;
@@ -74,17 +77,31 @@ enum status findings_log_put(struct findings *findings, const char *text, size_t
 enum status findings_log_checkpoint(struct findings *findings, const char *state,
                                     struct reason *reason) MUST_USE;
 
-/* Opens the log and reads nothing. */
+/* Opens the folder and its log, and reads nothing. */
 enum status findings_folder_open(const char *folder, bool writable, struct findings **out,
                                  struct reason *reason) MUST_USE;
 
-/* Reads first and smallest of every signature's folder into the entries; where writable, removes
- * temporary files. */
+/* Reads first, smallest and count of every signature's folder into the members; where writable,
+ * removes temporary files. */
 enum status findings_folder_read(struct findings *findings, struct reason *reason) MUST_USE;
+
+/* Reads first.trial or smallest.trial; *there: it is there. */
+enum status findings_folder_get(const struct findings *findings,
+                                const struct fuzz_signature *signature, const char *name,
+                                struct finding_file *file, bool *there,
+                                struct reason *reason) MUST_USE;
 
 /* Writes first.trial or smallest.trial, and the signature's folder if need be. */
 enum status findings_folder_put(struct findings *findings, const struct finding_file *file,
                                 const char *name, struct reason *reason) MUST_USE;
+
+/* Reads log and folders, in that order, `each` as in findings_log_read, and checks that they fit
+ * together. A killed writer, or a full disk, can leave more files than the log has findings, and
+ * lower counts, never less: a finding of the log whose files are gone, a count above the log's, a
+ * campaign's statistics beside a log without a checkpoint are the work of others. Errors: as those
+ * two; STATUS_INPUT "PATH[:LINE]: rule". */
+enum status findings_read(struct findings *findings, findings_line_fn *each, void *user,
+                          struct reason *reason) MUST_USE;
 
 /* Writes the file `count` of every entry whose number changed. */
 enum status findings_folder_counts(struct findings *findings, struct reason *reason) MUST_USE;

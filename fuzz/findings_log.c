@@ -5,6 +5,7 @@
 
 #include "ref/explain/ray_text.h"
 #include "ref/json_text.h"
+#include "ref/mutant.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -16,8 +17,8 @@
 
 static enum status cannot(const struct findings *findings, struct reason *reason)
 {
-    return fail(reason, STATUS_INPUT, "%.150s/findings.jsonl: cannot write: %s", findings->folder,
-                strerror(errno));
+    return fail(reason, STATUS_INPUT, "%.150s/findings.jsonl: cannot write: %s",
+                findings->folder.path, strerror(errno));
 }
 
 /* Appends bytes, all or none. */
@@ -115,6 +116,14 @@ enum status findings_log_add(struct findings *findings, const struct finding_fil
     return put_json(findings, root, reason);
 }
 
+static uint64_t total(const struct findings *findings)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < findings->count; i++)
+        sum += findings->member[i].entry.count;
+    return sum;
+}
+
 enum status findings_log_checkpoint(struct findings *findings, const char *state,
                                     struct reason *reason)
 {
@@ -130,6 +139,7 @@ enum status findings_log_checkpoint(struct findings *findings, const char *state
     }
     json_object_set_new(root, "checkpoint", json_string(text));
     json_object_set_new(root, "more", more);
+    json_object_set_new(root, "findings", decimal(total(findings)));
     enum status status = put_json(findings, root, reason);
     if (status)
         return status;
@@ -149,7 +159,7 @@ struct log_line {
 static enum status bad(const struct log_line *line, const char *rule)
 {
     return fail(line->reason, STATUS_INPUT, "%.150s/findings.jsonl:%llu: %.100s",
-                line->findings->folder, line->number, rule);
+                line->findings->folder.path, line->number, rule);
 }
 
 static bool take_number(const json_t *root, const char *key, int base, uint64_t *out)
@@ -191,12 +201,16 @@ static enum status read_finding(const struct log_line *line, const json_t *root,
     out->ray = FINDINGS_NO_RAY;
     if (json_object_get(root, "ray") && !take_u32(root, "ray", &out->ray))
         return bad(line, "ray is no number");
+    if (MUTANT != MUTANT_LINE_TWICE &&
+        findings_is_known(line->findings, &out->signature, &out->order, out->ray))
+        return bad(line, "the finding of an earlier line once more: the log was changed");
     struct findings_member *member = findings_member_of(line->findings, &out->signature);
     if (!member || !findings_know(line->findings, &out->signature, &out->order, out->ray))
         return fail(line->reason, STATUS_MEMORY, "no memory for the log");
     member->entry.count++;
     member->entry.lines++;
     member->stale = true;
+    member->line = member->line ? member->line : line->number;
     return STATUS_OK;
 }
 
@@ -219,7 +233,16 @@ static enum status read_checkpoint(const struct log_line *line, const json_t *ro
             return fail(line->reason, STATUS_MEMORY, "no memory for the log");
         member->entry.count += (uint64_t)count;
         member->stale = true;
+        member->line = member->line ? member->line : line->number;
     }
+    uint64_t said = 0;
+    if (json_object_get(root, "findings") && !take_number(root, "findings", 10, &said))
+        return bad(line, "'findings' is no number");
+    if (json_object_get(root, "findings") && said != total(line->findings) &&
+        MUTANT != MUTANT_TOTAL_UNREAD)
+        return bad(line, "the lines before it have not as many findings as it says: "
+                         "the log was changed");
+    line->findings->checkpoints++;
     strcpy(line->findings->state, state);
     return STATUS_OK;
 }
@@ -250,7 +273,7 @@ static enum status cut_torn(struct findings *findings, unsigned long long number
                             struct reason *reason)
 {
     fail(&findings->said, STATUS_OK, "%.150s/findings.jsonl:%llu: a torn last line of %zu bytes%s",
-         findings->folder, number, torn, findings->writable ? ", cut off" : ", left out");
+         findings->folder.path, number, torn, findings->writable ? ", cut off" : ", left out");
     if (findings->writable && ftruncate(findings->log, (off_t)findings->log_size) != 0)
         return cannot(findings, reason);
     return STATUS_OK;
@@ -324,7 +347,7 @@ enum status findings_log_read(struct findings *findings, findings_line_fn *each,
         text = NULL;
     }
     if (status == STATUS_MEMORY)
-        fail(reason, status, "no memory for the log of %.200s", findings->folder);
+        fail(reason, status, "no memory for the log of %.200s", findings->folder.path);
     else if (status && !text)
         bad(&line, strerror(errno));
     free(lines.bytes);

@@ -1,7 +1,7 @@
 #define _GNU_SOURCE /* realpath */
 #include "fuzz/findings_inner.h"
 
-#include "scenes/file.h"
+#include "ref/mutant.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -83,9 +83,7 @@ static enum status open_sources(struct merging *m, struct reason *reason)
                 mine.st_ino == other.st_ino)
                 return fail(reason, STATUS_INPUT, "%s: this folder is named twice",
                             file_label(m->folder[i]));
-        status = findings_log_read(m->from[i], keep, m, reason);
-        if (!status)
-            status = findings_folder_read(m->from[i], reason);
+        status = findings_read(m->from[i], keep, m, reason);
     }
     return status;
 }
@@ -108,6 +106,13 @@ static enum status add_counts(struct merging *m, struct reason *reason)
     return STATUS_OK;
 }
 
+/* One finding, in two folders. */
+static bool is_same(const struct kept *a, const struct kept *b)
+{
+    return a->ray == b->ray && fuzz_signature_same(&a->signature, &b->signature) &&
+           findings_order_compare(&a->order, &b->order) == 0;
+}
+
 static enum status put_lines(struct merging *m, struct reason *reason)
 {
     enum status status = STATUS_OK;
@@ -115,7 +120,14 @@ static enum status put_lines(struct merging *m, struct reason *reason)
         qsort(m->kept, m->kept_count, sizeof *m->kept, compare_kept);
     for (size_t i = 0; i < m->kept_count && !status; i++) {
         struct findings_member *member = findings_member_of(m->to, &m->kept[i].signature);
-        if (!member || member->entry.lines == FINDINGS_LINES_MOST)
+        if (!member)
+            continue;
+        if (i > 0 && is_same(&m->kept[i - 1], &m->kept[i]) && MUTANT != MUTANT_MERGED_TWICE) {
+            member->entry.count--;
+            member->pending--;
+            continue;
+        }
+        if (member->entry.lines == FINDINGS_LINES_MOST)
             continue;
         member->entry.lines++;
         member->pending--;
@@ -145,12 +157,10 @@ static enum status put_best(struct merging *m, const struct fuzz_signature *sign
     bool any = false, is_first = strcmp(name, "first.trial") == 0;
     enum status status = STATUS_OK;
     for (size_t i = 0; i < m->folder_count && !status; i++) {
-        char path[FINDINGS_PATH_MOST];
         const struct findings_entry *entry = findings_find(m->from[i], signature);
         if (!entry || !(is_first ? entry->has_first : entry->has_smallest))
             continue;
-        findings_path(m->from[i], signature, name, path, sizeof path);
-        status = finding_file_read(path, &file, reason);
+        status = findings_get(m->from[i], signature, name, &file, reason);
         if (!status && (!any || compare_files(&file, &best, is_first) < 0)) {
             finding_file_free(&best);
             best = file;
@@ -180,19 +190,20 @@ static enum status put_files(struct merging *m, struct reason *reason)
 /* Removes what was put under a temporary name. */
 static void remove_all(const struct findings *to)
 {
-    static const char *const names[] = {"first.trial", "smallest.trial", "count", ""};
-    char path[FINDINGS_PATH_MOST];
-    for (size_t i = 0; i < to->count; i++)
-        for (size_t k = 0; k < ARRAY_COUNT(names); k++) {
-            findings_path(to, &to->member[i].entry.signature, names[k], path, sizeof path);
-            if (names[k][0])
-                unlink(path);
-            else
-                rmdir(path);
-        }
-    snprintf(path, sizeof path, "%s/findings.jsonl", to->folder);
-    unlink(path);
-    rmdir(to->folder);
+    static const char *const names[] = {"first.trial", "smallest.trial", "count"};
+    struct folder folder;
+    for (size_t i = 0; i < to->count; i++) {
+        char signature[FUZZ_SIGNATURE_MOST];
+        fuzz_signature_print(&to->member[i].entry.signature, signature);
+        if (folder_open_in(&to->folder, signature, false, &folder, NULL))
+            continue;
+        for (size_t k = 0; k < ARRAY_COUNT(names); k++)
+            folder_remove(&folder, names[k], NULL);
+        folder_close(&folder);
+        folder_remove(&to->folder, signature, NULL);
+    }
+    folder_remove(&to->folder, "findings.jsonl", NULL);
+    rmdir(to->folder.path);
 }
 
 static enum status merge(struct merging *m, const char *to, struct reason *reason)
@@ -200,6 +211,8 @@ static enum status merge(struct merging *m, const char *to, struct reason *reaso
     char temporary[FINDINGS_PATH_MOST];
     enum status status = open_sources(m, reason);
     snprintf(temporary, sizeof temporary, "%s.%ld.tmp", to, (long)getpid());
+    if (!status && mkdir(temporary, 0777) != 0)
+        status = fail(reason, STATUS_INPUT, "%s: %s", file_label(temporary), strerror(errno));
     if (!status)
         status = findings_folder_open(temporary, true, &m->to, reason);
     if (!status)

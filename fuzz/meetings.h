@@ -7,6 +7,7 @@
 
 #include "fuzz/trial.h"
 #include "ref/engine.h"
+#include "scenes/folder.h"
 
 enum meeting_factor {
     MEET_ENGINE,
@@ -88,13 +89,13 @@ struct meetings_summary meetings_summarize(const struct meetings *meetings, uint
 bool meetings_rarest(const struct meetings *meetings, uint32_t at, char name[MEETING_NAME_MOST],
                      uint64_t *count);
 
-/* Writes the tally as lines "FACTOR.MEMBER FACTOR.MEMBER COUNT" to `path`, whole or not at all.
+/* Writes the tally as lines "FACTOR.MEMBER FACTOR.MEMBER COUNT" to the file, whole or not at all.
  * Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
-enum status meetings_write(const struct meetings *meetings, const char *path,
-                           struct reason *reason) MUST_USE;
+enum status meetings_write(const struct meetings *meetings, const struct folder *folder,
+                           const char *name, struct reason *reason) MUST_USE;
 /* Takes over what meetings_write wrote, of pairs that are possible here; a file that is not there
  * holds nothing. Errors: STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY. */
-enum status meetings_read(struct meetings *meetings, const char *path,
+enum status meetings_read(struct meetings *meetings, const struct folder *folder, const char *name,
                           struct reason *reason) MUST_USE;
 
 #endif

@@ -1,14 +1,9 @@
 /* What the tally comes to, and its file. */
-#define _POSIX_C_SOURCE 200809L
 #include "fuzz/meetings_inner.h"
 
-#include "scenes/file.h"
-
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define FILE_MOST ((size_t)16 << 20)
 
@@ -79,18 +74,19 @@ bool meetings_rarest(const struct meetings *m, uint32_t at, char name[MEETING_NA
     return true;
 }
 
-enum status meetings_write(const struct meetings *m, const char *path, struct reason *reason)
+enum status meetings_write(const struct meetings *m, const struct folder *folder, const char *name,
+                           struct reason *reason)
 {
     struct file_out out;
-    enum status status = file_out_open(path, &out, reason);
+    enum status status = folder_put(folder, name, &out, reason);
     if (status)
         return status;
     for (size_t i = 0; i < m->pairs; i++) {
-        char name[MEETING_NAME_MOST];
+        char pair[MEETING_NAME_MOST];
         if (!m->pair[i].possible || m->pair[i].met == 0)
             continue;
-        name_pair(m, i, name);
-        fprintf(out.stream, "%s %llu\n", name, (unsigned long long)m->pair[i].met);
+        name_pair(m, i, pair);
+        fprintf(out.stream, "%s %llu\n", pair, (unsigned long long)m->pair[i].met);
     }
     return file_out_commit(&out, reason);
 }
@@ -132,13 +128,17 @@ static enum status take_line(struct meetings *m, const char *line, const char *p
     return STATUS_OK;
 }
 
-enum status meetings_read(struct meetings *m, const char *path, struct reason *reason)
+enum status meetings_read(struct meetings *m, const struct folder *folder, const char *name,
+                          struct reason *reason)
 {
-    char *bytes = NULL, *next;
+    char *bytes = NULL, *next, path[FOLDER_PATH_MOST];
     size_t size, number = 0;
-    if (access(path, F_OK) != 0 && errno == ENOENT)
-        return STATUS_OK;
-    enum status status = file_read_most(path, FILE_MOST, &bytes, &size, reason);
+    bool there;
+    enum status status = folder_has(folder, name, &there, reason);
+    if (status || !there)
+        return status;
+    status = folder_read(folder, name, FILE_MOST, &bytes, &size, reason);
+    folder_path(folder, name, path, sizeof path);
     for (char *line = bytes; !status && line && *line; line = next) {
         next = strchr(line, '\n');
         if (next)

@@ -40,16 +40,24 @@ json_t *json_hit(const struct hit *hit)
 enum status json_write(const char *path, json_t *root, unsigned digits, struct reason *reason)
 {
     struct file_out out = {.stream = NULL};
+    enum status status = options_out(path, &out, reason);
+    if (status == STATUS_OK)
+        return json_write_out(&out, root, digits, reason);
+    json_decref(root);
+    return status;
+}
+
+enum status json_write_out(struct file_out *out, json_t *root, unsigned digits,
+                           struct reason *reason)
+{
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(digits)) : NULL;
     json_decref(root);
-    if (!text)
-        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", path);
-    enum status status = options_out(path, &out, reason);
-    if (status == STATUS_OK) {
-        fputs(text, out.stream);
-        fputc('\n', out.stream);
-        status = file_out_commit(&out, reason);
+    if (!text) {
+        file_out_discard(out);
+        return fail(reason, STATUS_MEMORY, "no memory for the JSON");
     }
+    fputs(text, out->stream);
+    fputc('\n', out->stream);
     free(text);
-    return status;
+    return file_out_commit(out, reason);
 }

@@ -4,6 +4,7 @@
 
 #include "ref/abi.h"
 #include "ref/base.h"
+#include "scenes/file.h"
 
 #include <jansson.h>
 
@@ -11,6 +12,10 @@
  * reals with so many digits. Errors: STATUS_MEMORY; STATUS_INPUT cannot write. */
 enum status json_write(const char *path, json_t *root, unsigned digits,
                        struct reason *reason) MUST_USE;
+
+/* The same to an open file, which is committed or discarded. */
+enum status json_write_out(struct file_out *out, json_t *root, unsigned digits,
+                           struct reason *reason) MUST_USE;
 
 /* JSON knows no NaN and no infinity: these become null. NULL without memory, as all of these. */
 json_t *json_number(double x);

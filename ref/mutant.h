@@ -41,6 +41,14 @@
 #define MUTANT_NEIGHBOUR       70  /* of many jobs each reads the first one's nodes */
 #define MUTANT_FLAGS_UNREAD    71  /* of many jobs no ray's flags are looked at */
 #define MUTANT_SIGN_OF_ZERO    80  /* the text of -0 has no sign */
+#define MUTANT_LINK_FOLLOWED     720 /* folders of others: links are followed */
+#define MUTANT_ANY_KIND          721 /* folders of others: a pipe, a device, a folder will do as a file */
+#define MUTANT_HARD_LINK_WRITTEN 722 /* folders of others: what has a second name is appended to */
+#define MUTANT_LINE_TWICE        726 /* a line that the findings' log has twice counts twice */
+#define MUTANT_TOTAL_UNREAD      727 /* how many findings a checkpoint says is not compared */
+#define MUTANT_FILES_UNMISSED    728 /* a finding of the log needs no files */
+#define MUTANT_LOSS_UNSEEN       729 /* a log that lost lines, or is lost, is taken */
+#define MUTANT_MERGED_TWICE      730 /* a finding of two folders is two */
 #define MUTANT_COUNTED_TWICE   81  /* a finding that the log has is counted again */
 #define MUTANT_LAST_IS_FIRST   82  /* the newest finding is taken for the first */
 #define MUTANT_TRACER_DIES     83  /* engine cpu does not survive a ray whose tmax is NaN */

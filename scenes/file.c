@@ -1,10 +1,8 @@
-#define _GNU_SOURCE /* realpath, O_CLOEXEC */
+#define _GNU_SOURCE /* O_CLOEXEC */
 #include "scenes/file.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -52,46 +50,48 @@ static enum status buffer_reserve(struct buffer *buffer, size_t more, struct rea
     return STATUS_OK;
 }
 
-static enum status read_stream(const struct source *source, FILE *stream, size_t expected,
-                               struct buffer *buffer, struct reason *reason)
+/* Reads until there is no more; `expected` bytes are a guess. */
+static enum status read_all(const struct source *source, int file, size_t expected,
+                            struct buffer *buffer, struct reason *reason)
 {
-    size_t step = expected > 0 && expected <= source->most ? expected + 1 : 1 << 16;
+    size_t room = expected > 0 && expected <= source->most ? expected + 1 : 1 << 16;
     for (;;) {
-        enum status status = buffer_reserve(buffer, step, reason);
+        enum status status = buffer_reserve(buffer, room - buffer->size, reason);
         if (status != STATUS_OK)
             return status;
-        errno = 0;
-        size_t got = fread(buffer->bytes + buffer->size, 1, step, stream);
-        buffer->size += got;
-        if (ferror(stream))
+        ssize_t got = read(file, buffer->bytes + buffer->size, room - buffer->size);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
             return fail(reason, STATUS_INPUT, "%s: %s", source->label, strerror(errno));
+        if (got == 0)
+            return STATUS_OK;
+        buffer->size += (size_t)got;
         if (buffer->size > source->most)
             return too_large(source, source->most, reason);
-        if (got < step)
-            return STATUS_OK;
-        step = buffer->size < 1 << 24 ? 1 << 16 : 1 << 24;
+        if (buffer->size == room)
+            room += room < 1 << 24 ? 1 << 16 : 1 << 24;
     }
 }
 
-static enum status read_raw(const struct source *source, const char *path, struct buffer *buffer,
+static enum status read_raw(const struct source *source, int file, struct buffer *buffer,
                             struct reason *reason)
 {
-    FILE *stream = fopen(path, "rb");
     struct stat about;
-    if (!stream || fstat(fileno(stream), &about) != 0) {
-        enum status status = fail(reason, STATUS_INPUT, "%s: %s", source->label, strerror(errno));
-        if (stream)
-            fclose(stream);
-        return status;
-    }
-    enum status status;
+    if (fstat(file, &about) != 0)
+        return fail(reason, STATUS_INPUT, "%s: %s", source->label, strerror(errno));
     if (S_ISDIR(about.st_mode))
-        status = fail(reason, STATUS_INPUT, "%s: is a directory", source->label);
-    else
-        status = read_stream(source, stream, about.st_size > 0 ? (size_t)about.st_size : 0, buffer,
-                             reason);
-    fclose(stream);
-    return status;
+        return fail(reason, STATUS_INPUT, "%s: is a directory", source->label);
+    return read_all(source, file, about.st_size > 0 ? (size_t)about.st_size : 0, buffer, reason);
+}
+
+int file_open_again(int folder, const char *name, int flags)
+{
+    int file;
+    do
+        file = openat(folder, name, flags | O_CLOEXEC, 0666);
+    while (file < 0 && errno == EINTR);
+    return file;
 }
 
 static bool is_gzip(const char *bytes, size_t size)
@@ -175,14 +175,15 @@ static enum status gunzip(const struct source *source, const struct buffer *pack
     return STATUS_OK;
 }
 
-enum status file_read_most(const char *path, size_t most, char **bytes, size_t *size,
+enum status file_read_from(int file, const char *path, size_t most, char **bytes, size_t *size,
                            struct reason *reason)
 {
     const struct source source = {file_label(path), most};
     *bytes = NULL;
     *size = 0;
     struct buffer raw = {0}, text = {0};
-    enum status status = read_raw(&source, path, &raw, reason);
+    enum status status = read_raw(&source, file, &raw, reason);
+    close(file);
     if (status == STATUS_OK && is_gzip(raw.bytes, raw.size)) {
         status = gunzip(&source, &raw, &text, reason);
         free(raw.bytes);
@@ -200,149 +201,18 @@ enum status file_read_most(const char *path, size_t most, char **bytes, size_t *
     return STATUS_OK;
 }
 
+enum status file_read_most(const char *path, size_t most, char **bytes, size_t *size,
+                           struct reason *reason)
+{
+    int file = file_open_again(AT_FDCWD, path, O_RDONLY);
+    *bytes = NULL;
+    *size = 0;
+    if (file < 0)
+        return fail(reason, STATUS_INPUT, "%s: %s", file_label(path), strerror(errno));
+    return file_read_from(file, path, most, bytes, size, reason);
+}
+
 enum status file_read(const char *path, char **bytes, size_t *size, struct reason *reason)
 {
     return file_read_most(path, FILE_LARGEST, bytes, size, reason);
-}
-
-/* Names of the temporary files that process `owner` has open, for file_out_abandon. More than there
- * are slots for are not known to it. */
-static _Atomic(const char *) open_name[16];
-static atomic_long owner;
-
-static void name_know(const char *name)
-{
-    bool mine = atomic_exchange(&owner, (long)getpid()) == (long)getpid();
-    for (size_t i = 0; i < ARRAY_COUNT(open_name) && !mine; i++)
-        atomic_store(&open_name[i], NULL); /* of the process that this one was forked from */
-    for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
-        const char *none = NULL;
-        if (atomic_compare_exchange_strong(&open_name[i], &none, name))
-            return;
-    }
-}
-
-static void name_forget(const char *name)
-{
-    for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
-        const char *one = name;
-        atomic_compare_exchange_strong(&open_name[i], &one, NULL);
-    }
-}
-
-void file_out_abandon(void)
-{
-    if (atomic_load(&owner) != (long)getpid())
-        return;
-    for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
-        const char *name = atomic_load(&open_name[i]);
-        if (name)
-            unlink(name);
-    }
-}
-
-/* Opens PATH.PID.N.tmp for the first N that is free. */
-static FILE *open_temporary(const char *path, char **name)
-{
-    size_t length = strlen(path) + 48;
-    *name = malloc(length);
-    if (!*name)
-        return NULL;
-    int file = -1;
-    for (unsigned attempt = 0; file < 0 && attempt < 1000; attempt++) {
-        snprintf(*name, length, "%s.%ld.%u.tmp", path, (long)getpid(), attempt);
-        file = open(*name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file < 0 && errno != EEXIST)
-            break;
-    }
-    FILE *stream = file < 0 ? NULL : fdopen(file, "wb");
-    if (stream) {
-        name_know(*name);
-    } else {
-        if (file >= 0) {
-            close(file);
-            unlink(*name);
-        }
-        free(*name);
-        *name = NULL;
-    }
-    return stream;
-}
-
-enum status file_out_open(const char *path, struct file_out *out, struct reason *reason)
-{
-    *out = (struct file_out){0};
-    struct stat about;
-    bool exists = stat(path, &about) == 0;
-    if (exists && S_ISDIR(about.st_mode))
-        return fail(reason, STATUS_INPUT, "%s: cannot write: is a directory", file_label(path));
-    bool replace = !exists || S_ISREG(about.st_mode);
-    out->path = exists && replace ? realpath(path, NULL) : strdup(path);
-    if (out->path)
-        out->stream = replace ? open_temporary(out->path, &out->temporary) : fopen(path, "wb");
-    if (out->stream)
-        return STATUS_OK;
-    int why = errno;
-    file_out_discard(out);
-    return fail(reason, why == ENOMEM ? STATUS_MEMORY : STATUS_INPUT, "%s: cannot write: %s",
-                file_label(path), strerror(why));
-}
-
-enum status file_out_commit(struct file_out *out, struct reason *reason)
-{
-    errno = 0;
-    bool good = fflush(out->stream) == 0 && !ferror(out->stream);
-    /* So that after a crash of the machine the new name never stands for an empty file. */
-    if (good && out->temporary)
-        good = fsync(fileno(out->stream)) == 0;
-    int why = errno;
-    if (fclose(out->stream) != 0 && good) {
-        good = false;
-        why = errno;
-    }
-    out->stream = NULL;
-    if (good && out->temporary && rename(out->temporary, out->path) != 0) {
-        good = false;
-        why = errno;
-    }
-    enum status status = STATUS_OK;
-    if (!good)
-        status = fail(reason, STATUS_INPUT, "%s: cannot write: %s", file_label(out->path),
-                      why ? strerror(why) : "an earlier write failed");
-    if (good) {
-        if (out->temporary)
-            name_forget(out->temporary);
-        free(out->temporary);
-        out->temporary = NULL;
-    }
-    file_out_discard(out);
-    return status;
-}
-
-void file_out_discard(struct file_out *out)
-{
-    if (out->stream)
-        fclose(out->stream);
-    if (out->temporary) {
-        unlink(out->temporary);
-        name_forget(out->temporary);
-    }
-    free(out->temporary);
-    free(out->path);
-    *out = (struct file_out){0};
-}
-
-void file_out_clean(const char *folder)
-{
-    char path[4096];
-    DIR *listing = opendir(folder);
-    struct dirent *one;
-    while (listing && (one = readdir(listing)) != NULL) {
-        const char *end = strrchr(one->d_name, '.');
-        int length = snprintf(path, sizeof path, "%s/%s", folder, one->d_name);
-        if (end && end > one->d_name && strcmp(end, ".tmp") == 0 && length < (int)sizeof path)
-            unlink(path);
-    }
-    if (listing)
-        closedir(listing);
 }

@@ -23,6 +23,10 @@ enum status file_read(const char *path, char **bytes, size_t *size, struct reaso
 enum status file_read_most(const char *path, size_t most, char **bytes, size_t *size,
                            struct reason *reason) MUST_USE;
 
+/* The same of an open file, which it closes; `path` stands in reasons. */
+enum status file_read_from(int file, const char *path, size_t most, char **bytes, size_t *size,
+                           struct reason *reason) MUST_USE;
+
 /* The part of `path` that fits into a reason beside a rule: all of it, or its end. */
 const char *file_label(const char *path);
 
@@ -31,6 +35,10 @@ struct file_out {
     FILE *stream;
     char *path;      /* the goal; the target, if the path named is a symbolic link */
     char *temporary; /* NULL: a device or pipe, written directly */
+    int file;        /* descriptor of the stream; not to be closed */
+    bool unsynced;   /* set by its user: after a crash of the machine it may be empty */
+    bool within;     /* both names are the last of their paths, in the folder that is open here */
+    int folder;
 };
 
 /* Opens a temporary file in the folder of `path`, with the permissions of any new file. What is no
@@ -38,7 +46,13 @@ struct file_out {
  * Errors: STATUS_INPUT a directory, or cannot write there; STATUS_MEMORY. */
 enum status file_out_open(const char *path, struct file_out *out, struct reason *reason) MUST_USE;
 
-/* Flushes, checks for write errors and renames to the goal; on error nothing is left behind. */
+/* The same of the file `name` of an open folder, of which a copy is kept; `path`, the folder's,
+ * stands in reasons. Nothing is followed: a link is replaced. The commit syncs the folder, too. */
+enum status file_out_within(int folder, const char *path, const char *name, struct file_out *out,
+                            struct reason *reason) MUST_USE;
+
+/* Flushes, checks for write errors and renames to the goal; on error nothing is left behind. A call
+ * that a signal interrupts is made again. */
 enum status file_out_commit(struct file_out *out, struct reason *reason) MUST_USE;
 
 /* Drops the temporary file, if it was not committed. Safe on a zero struct. */
@@ -48,7 +62,10 @@ void file_out_discard(struct file_out *out);
  * calls nothing that a handler may not. What the process was forked from keeps its own. */
 void file_out_abandon(void);
 
-/* Removes the temporary files that killed writers left in a folder. For who alone writes there. */
-void file_out_clean(const char *folder);
+/* openat() with O_CLOEXEC; a call that a signal interrupts is made again. -1 and errno on error. */
+int file_open_again(int folder, const char *name, int flags) MUST_USE;
+
+/* fsync() with what a signal interrupts made again. */
+int file_sync(int file) MUST_USE;
 
 #endif

@@ -89,6 +89,7 @@ plain)
     suite report sh tests/report.sh "$build/raydiff"
     suite report_browser sh tests/report_browser.sh "$build/raydiff" quick
     suite fuzz sh tests/fuzz.sh "$build"
+    suite folders sh tests/folders.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
     suite warnings sh tests/warnings.sh
@@ -113,6 +114,7 @@ sanitize)
     suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
     suite report sh tests/report.sh "$build/raydiff"
     suite fuzz sh tests/fuzz.sh "$build"
+    suite folders sh tests/folders.sh "$build/raydiff"
     ;;
 validate)
     suite conform "$build/raydiff" conform --engine vulkan,vulkan_brute --count 128

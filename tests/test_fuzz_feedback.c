@@ -177,6 +177,26 @@ static void write_text(const char *path, const char *text)
     assert_int_equal(fclose(to), 0);
 }
 
+static enum status load(const char *path, size_t most, struct feedback_list *list)
+{
+    struct folder folder;
+    enum status status = folder_open(path, false, &folder, &reason);
+    if (!status)
+        status = feedback_load(&folder, most, list, &reason);
+    folder_close(&folder);
+    return status;
+}
+
+static enum status save(struct feedback *feedback, const char *path)
+{
+    struct folder folder;
+    enum status status = folder_open(path, true, &folder, &reason);
+    if (!status)
+        status = feedback_save(feedback, &folder, &reason);
+    folder_close(&folder);
+    return status;
+}
+
 static size_t find_trial(const struct feedback_list *list, uint64_t hash)
 {
     size_t found = 0;
@@ -192,13 +212,11 @@ static void a_corpus_is_saved_and_loaded(void **state)
     snprintf(folder, sizeof folder, "%s/corpus", root);
     struct feedback *feedback = opened(FEEDBACK_BYTES);
     struct feedback_list list;
-    assert_int_equal(feedback_load(folder, FEEDBACK_BYTES, &list, &reason), STATUS_OK);
-    assert_int_equal(list.count, 0); /* there is no folder yet */
     fill(feedback, 200);
     size_t count = feedback_count(feedback);
     assert_true(count > 4);
-    assert_int_equal(feedback_save(feedback, folder, &reason), STATUS_OK);
-    assert_int_equal(feedback_load(folder, FEEDBACK_BYTES, &list, &reason), STATUS_OK);
+    assert_int_equal(save(feedback, folder), STATUS_OK);
+    assert_int_equal(load(folder, FEEDBACK_BYTES, &list), STATUS_OK);
     assert_int_equal(list.count, count);
     assert_int_equal(list.left_out, 0);
     for (size_t i = 0; i < count; i++)
@@ -213,14 +231,14 @@ static void a_corpus_is_saved_and_loaded(void **state)
     assert_int_equal(unlink(path), 0);
     const uint64_t fresh[COVERAGE_WORDS] = {0, 0, 1};
     assert_true(add(feedback, 7777, 1, fresh).kept);
-    assert_int_equal(feedback_save(feedback, folder, &reason), STATUS_OK);
-    assert_int_equal(feedback_load(folder, FEEDBACK_BYTES, &list, &reason), STATUS_OK);
+    assert_int_equal(save(feedback, folder), STATUS_OK);
+    assert_int_equal(load(folder, FEEDBACK_BYTES, &list), STATUS_OK);
     assert_int_equal(list.count, count);
     feedback_list_free(&list);
     feedback_close(feedback);
 
     /* A corpus that is too large is read as far as it may be, and that is said. */
-    assert_int_equal(feedback_load(folder, 2000, &list, &reason), STATUS_OK);
+    assert_int_equal(load(folder, 2000, &list), STATUS_OK);
     assert_in_range(list.count, 1, count - 1);
     assert_int_equal(list.count + list.left_out, count);
     assert_non_null(strstr(list.said.text, "larger than 2000 bytes"));
@@ -236,7 +254,7 @@ static void torn_and_foreign_files_are_said(void **state)
     struct feedback *feedback = opened(FEEDBACK_BYTES);
     struct feedback_list list;
     fill(feedback, 50);
-    assert_int_equal(feedback_save(feedback, folder, &reason), STATUS_OK);
+    assert_int_equal(save(feedback, folder), STATUS_OK);
     snprintf(path, sizeof path, "%s/%016llx.trial", folder,
              (unsigned long long)fuzz_trial_hash(feedback_trial(feedback, 0)));
     assert_int_equal(file_read(path, &bytes, &size, &reason), STATUS_OK);
@@ -249,7 +267,7 @@ static void torn_and_foreign_files_are_said(void **state)
     write_text(path, "nor this\n");
     snprintf(path, sizeof path, "%s/zzz.trial", folder); /* the last */
     write_text(path, "what is this?\n");
-    assert_int_equal(feedback_load(folder, FEEDBACK_BYTES, &list, &reason), STATUS_OK);
+    assert_int_equal(load(folder, FEEDBACK_BYTES, &list), STATUS_OK);
     assert_int_equal(list.count, feedback_count(feedback) - 1);
     assert_int_equal(list.left_out, 2);
     assert_non_null(strstr(list.said.text, ".trial:"));
@@ -259,17 +277,19 @@ static void torn_and_foreign_files_are_said(void **state)
     /* What a killed writer left is removed, and nothing else. */
     snprintf(path, sizeof path, "%s/0123.trial.99.0.tmp", folder);
     write_text(path, "raydiff tri");
-    file_out_clean(folder);
+    struct folder open;
+    assert_int_equal(folder_open(folder, false, &open, &reason), STATUS_OK);
+    assert_int_equal(folder_clean(&open, &reason), STATUS_OK);
+    folder_close(&open);
     assert_int_not_equal(access(path, F_OK), 0);
     snprintf(path, sizeof path, "%s/notes.txt", folder);
     assert_int_equal(access(path, F_OK), 0);
 
     /* A folder that is none. */
-    assert_int_equal(feedback_load(path, FEEDBACK_BYTES, &list, &reason), STATUS_INPUT);
+    assert_int_equal(load(path, FEEDBACK_BYTES, &list), STATUS_INPUT);
     struct feedback *other = opened(FEEDBACK_BYTES);
-    assert_int_equal(feedback_save(other, path, &reason), STATUS_OK); /* nothing to write */
     fill(other, 5);
-    assert_int_equal(feedback_save(other, path, &reason), STATUS_INPUT);
+    assert_int_equal(save(other, path), STATUS_INPUT);
     feedback_close(other);
     feedback_close(feedback);
 }

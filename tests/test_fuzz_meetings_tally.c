@@ -103,22 +103,42 @@ static void summaries_by_hand(void **state)
     meetings_close(m);
 }
 
+/* Of a file in the folder of temporary files. */
+static enum status read_tally(struct meetings *m, const char *path)
+{
+    struct folder folder;
+    assert_int_equal(folder_open("/tmp", false, &folder, &reason), STATUS_OK);
+    enum status status = meetings_read(m, &folder, strrchr(path, '/') + 1, &reason);
+    folder_close(&folder);
+    return status;
+}
+
+static void write_tally(const struct meetings *m, const char *path)
+{
+    struct folder folder;
+    assert_int_equal(folder_open("/tmp", false, &folder, &reason), STATUS_OK);
+    assert_int_equal(meetings_write(m, &folder, strrchr(path, '/') + 1, &reason), STATUS_OK);
+    folder_close(&folder);
+}
+
 static void tallies_come_back_from_their_file(void **state)
 {
     (void)state;
-    char folder[] = "/tmp/meetings.XXXXXX", path[64], name[MEETING_NAME_MOST];
+    char path[] = "/tmp/meetings.XXXXXX", name[MEETING_NAME_MOST];
     struct meetings *m = open_all(), *again = open_all();
     uint64_t count;
-    assert_non_null(mkdtemp(folder));
-    snprintf(path, sizeof path, "%s/pairs.txt", folder);
-    assert_int_equal(meetings_read(again, path, &reason), STATUS_OK); /* there is none */
+    int made = mkstemp(path);
+    assert_true(made >= 0);
+    close(made);
+    unlink(path);
+    assert_int_equal(read_tally(again, path), STATUS_OK); /* there is none */
     for (uint32_t turn = 0; turn < 700; turn++) {
         struct meeting drawn;
         meetings_draw(m, 5, turn, 64, &drawn);
         meetings_add(m, &drawn);
     }
-    assert_int_equal(meetings_write(m, path, &reason), STATUS_OK);
-    assert_int_equal(meetings_read(again, path, &reason), STATUS_OK);
+    write_tally(m, path);
+    assert_int_equal(read_tally(again, path), STATUS_OK);
     struct meetings_summary x = meetings_summarize(m, 2), y = meetings_summarize(again, 2);
     assert_memory_equal(&x, &y, sizeof x);
     for (uint32_t i = 0; i < 20; i++) {
@@ -135,11 +155,10 @@ static void tallies_come_back_from_their_file(void **state)
         assert_non_null(file);
         fprintf(file, "engine.cpu layout.f32 3\nengine.cpu layout.f32%s\n", bad[i]);
         fclose(file);
-        assert_int_equal(meetings_read(again, path, &reason), STATUS_INPUT);
+        assert_int_equal(read_tally(again, path), STATUS_INPUT);
         assert_non_null(strstr(reason.text, ":2:"));
     }
     unlink(path);
-    rmdir(folder);
     meetings_close(m);
     meetings_close(again);
 }
@@ -159,7 +178,7 @@ static void draws_go_on_from_the_file(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(with); i++)
         assert_true(dprintf(file, "layout.f32 %s 1000\n", with[i]) > 0);
     close(file);
-    assert_int_equal(meetings_read(m, path, &reason), STATUS_OK);
+    assert_int_equal(read_tally(m, path), STATUS_OK);
     unlink(path);
     uint32_t other = named(m, MEET_LAYOUT, "rtrs_direct"), cpu = named(m, MEET_ENGINE, "cpu"),
              trees = 0;
@@ -191,7 +210,7 @@ static struct tally tally_of(const struct meetings *m)
     int made = mkstemp(path);
     assert_true(made >= 0);
     close(made);
-    assert_int_equal(meetings_write(m, path, &reason), STATUS_OK);
+    write_tally(m, path);
     FILE *file = fopen(path, "r");
     assert_non_null(file);
     while (fscanf(file, "%119s %119s %llu", first, second, &count) == 3) {

@@ -35,8 +35,7 @@ static struct findings *open_log(const char *bytes, size_t size)
     struct findings *findings = alloc_zeroed(1, sizeof *findings);
     FIRE_MUST(findings);
     findings->log = fire_file(bytes, size, path);
-    findings->folder = strdup("fuzz");
-    FIRE_MUST(findings->folder);
+    FIRE_MUST(folder_open(".", false, &findings->folder, NULL) == STATUS_OK);
     return findings;
 }
 

@@ -1,0 +1,221 @@
+/* Files that appear whole or not at all. */
+#define _GNU_SOURCE /* realpath, fopencookie */
+#include "scenes/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Names of the temporary files that process `owner` has open, for file_out_abandon, and the folders
+ * that they are in. More than there are slots for are not known to it. */
+static _Atomic(const char *) open_name[16];
+static atomic_int open_folder[16];
+static atomic_long owner;
+static const char taken[] = ""; /* of a slot that is being filled */
+
+static void name_know(int folder, const char *name)
+{
+    bool mine = atomic_exchange(&owner, (long)getpid()) == (long)getpid();
+    for (size_t i = 0; i < ARRAY_COUNT(open_name) && !mine; i++)
+        atomic_store(&open_name[i], NULL); /* of the process that this one was forked from */
+    for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
+        const char *none = NULL;
+        if (atomic_compare_exchange_strong(&open_name[i], &none, taken)) {
+            atomic_store(&open_folder[i], folder);
+            atomic_store(&open_name[i], name);
+            return;
+        }
+    }
+}
+
+static void name_forget(const char *name)
+{
+    for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
+        const char *one = name;
+        atomic_compare_exchange_strong(&open_name[i], &one, NULL);
+    }
+}
+
+void file_out_abandon(void)
+{
+    if (atomic_load(&owner) != (long)getpid())
+        return;
+    for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
+        const char *name = atomic_load(&open_name[i]);
+        if (name && name != taken)
+            unlinkat(atomic_load(&open_folder[i]), name, 0);
+    }
+}
+
+/* Writes of a stream: all of it, also where the system takes a part, or is interrupted. */
+static ssize_t put_all(void *cookie, const char *bytes, size_t size)
+{
+    const int file = (int)(intptr_t)cookie;
+    size_t done = 0;
+    while (done < size) {
+        ssize_t wrote = write(file, bytes + done, size - done);
+        if (wrote < 0 && errno == EINTR)
+            continue;
+        if (wrote <= 0)
+            return 0;
+        done += (size_t)wrote;
+    }
+    return (ssize_t)size;
+}
+
+/* Linux has closed it also where it says that it was interrupted. */
+static int put_close(void *cookie)
+{
+    return close((int)(intptr_t)cookie) == 0 || errno == EINTR ? 0 : -1;
+}
+
+/* The stream of a descriptor, which it then owns; closed without memory. */
+static FILE *stream_of(int file)
+{
+    const cookie_io_functions_t how = {.write = put_all, .close = put_close};
+    FILE *stream = file < 0 ? NULL : fopencookie((void *)(intptr_t)file, "wb", how);
+    if (!stream && file >= 0) {
+        close(file);
+        errno = ENOMEM;
+    }
+    return stream;
+}
+
+/* Opens NAME.PID.N.tmp for the first N that is free. */
+static void open_temporary(int folder, const char *name, struct file_out *out)
+{
+    size_t length = strlen(name) + 48;
+    char *temporary = malloc(length);
+    out->file = -1;
+    for (unsigned attempt = 0; temporary && out->file < 0 && attempt < 1000; attempt++) {
+        snprintf(temporary, length, "%s.%ld.%u.tmp", name, (long)getpid(), attempt);
+        out->file = file_open_again(folder, temporary, O_WRONLY | O_CREAT | O_EXCL);
+        if (out->file < 0 && errno != EEXIST)
+            break;
+    }
+    bool made = out->file >= 0;
+    out->stream = stream_of(out->file);
+    if (out->stream) {
+        out->temporary = temporary;
+        name_know(folder, temporary);
+        return;
+    }
+    int why = errno;
+    if (made)
+        unlinkat(folder, temporary, 0);
+    free(temporary);
+    errno = why;
+}
+
+static enum status cannot_write(const char *path, int why, struct reason *reason)
+{
+    return fail(reason, why == ENOMEM ? STATUS_MEMORY : STATUS_INPUT, "%s: cannot write: %s",
+                file_label(path), why ? strerror(why) : "an earlier write failed");
+}
+
+enum status file_out_open(const char *path, struct file_out *out, struct reason *reason)
+{
+    *out = (struct file_out){0};
+    struct stat about;
+    bool exists = stat(path, &about) == 0;
+    if (exists && S_ISDIR(about.st_mode))
+        return fail(reason, STATUS_INPUT, "%s: cannot write: is a directory", file_label(path));
+    bool replace = !exists || S_ISREG(about.st_mode);
+    out->path = exists && replace ? realpath(path, NULL) : strdup(path);
+    if (out->path && replace) {
+        open_temporary(AT_FDCWD, out->path, out);
+    } else if (out->path) {
+        out->file = file_open_again(AT_FDCWD, path, O_WRONLY | O_CREAT | O_TRUNC);
+        out->stream = stream_of(out->file);
+    }
+    if (out->stream)
+        return STATUS_OK;
+    int why = errno;
+    file_out_discard(out);
+    return cannot_write(path, why, reason);
+}
+
+enum status file_out_within(int folder, const char *path, const char *name, struct file_out *out,
+                            struct reason *reason)
+{
+    *out = (struct file_out){0};
+    if (asprintf(&out->path, "%s/%s", path, name) < 0)
+        out->path = NULL;
+    out->folder = out->path ? fcntl(folder, F_DUPFD_CLOEXEC, 3) : -1;
+    out->within = out->folder >= 0;
+    if (out->within)
+        open_temporary(out->folder, name, out);
+    if (out->stream)
+        return STATUS_OK;
+    int why = out->path ? errno : ENOMEM;
+    file_out_discard(out);
+    return cannot_write(path, why, reason);
+}
+
+int file_sync(int file)
+{
+    int code;
+    do
+        code = fsync(file);
+    while (code != 0 && errno == EINTR);
+    return code;
+}
+
+/* The name that it has under its goal's folder. */
+static const char *goal_of(const struct file_out *out)
+{
+    return out->within ? strrchr(out->path, '/') + 1 : out->path;
+}
+
+/* Gives it its goal's name; of a folder that is open the name is then on the disk, too. */
+static bool take_goal(struct file_out *out)
+{
+    int folder = out->within ? out->folder : AT_FDCWD;
+    if (renameat(folder, out->temporary, folder, goal_of(out)) != 0)
+        return false;
+    name_forget(out->temporary);
+    free(out->temporary);
+    out->temporary = NULL;
+    return !out->within || out->unsynced || file_sync(out->folder) == 0;
+}
+
+enum status file_out_commit(struct file_out *out, struct reason *reason)
+{
+    errno = 0;
+    bool good = fflush(out->stream) == 0 && !ferror(out->stream);
+    /* So that after a crash of the machine the new name never stands for an empty file. */
+    if (good && out->temporary && !out->unsynced)
+        good = file_sync(out->file) == 0;
+    int why = errno;
+    if (fclose(out->stream) != 0 && good) {
+        good = false;
+        why = errno;
+    }
+    out->stream = NULL;
+    if (good && out->temporary && !take_goal(out)) {
+        good = false;
+        why = errno;
+    }
+    enum status status = good ? STATUS_OK : cannot_write(out->path, why, reason);
+    file_out_discard(out);
+    return status;
+}
+
+void file_out_discard(struct file_out *out)
+{
+    if (out->stream)
+        fclose(out->stream);
+    if (out->temporary) {
+        unlinkat(out->within ? out->folder : AT_FDCWD, out->temporary, 0);
+        name_forget(out->temporary);
+    }
+    if (out->within)
+        close(out->folder);
+    free(out->temporary);
+    free(out->path);
+    *out = (struct file_out){0};
+}
