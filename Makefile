@@ -150,6 +150,10 @@ BOUNDS_TESTS := $(filter $(B)/tests/test_bounds%,$(TESTS))
 $(BOUNDS_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle_cases.o)
 $(BOUNDS_TESTS): TEST_LIBS += $(GMP_LIBS)
 
+# Published triangle tests, compiled as their users do.
+$(B)/tests/test_judge_blackbox: $(addprefix $(B)/obj/tests/,honest_plain.o honest_fast.o)
+$(B)/obj/tests/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(if $(filter x86_64,$(shell uname -m)),-mfma)
+
 # Their allocations are told to fail, or weighed.
 $(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free

@@ -144,7 +144,7 @@ void coverage_add_answer(uint64_t map[COVERAGE_WORDS], enum query query,
                          const struct judgement *judgement)
 {
     static const double over[] = {0, 0x1p-8, 0x1p-4, 0x1p-2, 0.5, 0.75, 1};
-    static const double displacement[] = {1, 4, 16, 64, 256, JUDGE_DISPLACEMENT_MOST};
+    static const double displacement[] = {1, 4, 16, 64, 256, 1024};
     uint32_t row = query == QUERY_ANY ? VERDICT_COUNT : 0;
     coverage_set(map, COVERAGE_VERDICT + row + (uint32_t)judgement->verdict);
     if (judgement->verdict == VERDICT_WRONG)

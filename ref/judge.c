@@ -39,6 +39,10 @@ enum status judge_make(const struct oracle *oracle, const struct scene *scene,
     judge->model = *model;
     judge->query = query;
     judge->own = twin_is_own(model->formula);
+    judge->displacement = model->displacement > 0.0 ? model->displacement : JUDGE_DISPLACEMENT_MOST;
+#if MUTANT == MUTANT_BAND_OF_BEFORE
+    judge->displacement = 1024.0;
+#endif
     /* The proof in judge_fan.c needs the same rounding of the same product wherever it is made. */
     judge->fans =
         model->watertight && model->formula == TWIN_WOOP && rounding_is_nearest(model->rounding);

@@ -82,6 +82,7 @@ static void judge_listed(struct listing *l)
                     : judge_named(l->judge, l->ray, &nothing, &l->hit[i], NULL, &one);
         sum->over = fmax(sum->over, one.over);
         sum->displacement = fmax(sum->displacement, one.displacement);
+        sum->share = fmax(sum->share, one.share);
         if (verdict == VERDICT_WRONG)
             wrong(l, one.wrong, &l->hit[i]);
         else
@@ -111,9 +112,11 @@ static enum status left_out_by_distance(struct listing *l, const struct oracle_c
 {
     enum verdict why;
     bool closed = false;
-    double limit, displacement = judge_loss(l->judge, l->ray, crossing, (double)INFINITY, &why);
+    double limit, over;
+    double displacement = judge_loss(l->judge, l->ray, crossing, (double)INFINITY, &over, &why);
     struct judgement *sum = &l->out->judgement;
     sum->displacement = fmax(sum->displacement, displacement);
+    sum->share = fmax(sum->share, over);
     if (why == VERDICT_BOUNDARY) {
         enum status status =
             judge_fan(l->judge, l->ray, crossing->prim, &l->found, &closed, &limit);
@@ -121,7 +124,7 @@ static enum status left_out_by_distance(struct listing *l, const struct oracle_c
             return status;
     }
     sum->fan = sum->fan || closed;
-    if (displacement > JUDGE_DISPLACEMENT_MOST || (l->judge->model.watertight && closed)) {
+    if (over > 1.0 || (l->judge->model.watertight && closed)) {
         wrong(l, WRONG_MISSED, &no_hit);
         expect(l, crossing->prim, crossing->pair.t_lo, crossing->pair.t_hi);
     } else {

@@ -7,8 +7,16 @@
  *   a hit of p was lost        p must leave the ray, by the distance to its nearest edge as seen
  *                              along the ray; or leave the range, or go behind what was answered,
  *                              by the distance of that point of the ray to p's plane
- * and the answer as a whole by the largest of these. */
+ * and the answer as a whole by the largest of these.
+ *
+ * u and v are measured alike: the point of the triangle that they weigh must come to lie on the
+ * line of the ray. That point need not be the one at t: where ray and plane meet at a small angle
+ * a move of vertices by little shifts both along the ray by much, and by different rounding.
+ *
+ * Published tests are not all backward stable, so that of slivers, and near the plane, more is
+ * allowed: what ref/judge_allowed.c proves of the worst of them at that triangle. */
 #include "ref/judge_inner.h"
+#include "ref/mutant.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -133,16 +141,27 @@ static bool is_hit(const struct oracle_pair *pair)
 struct loss {
     uint32_t prim;
     double need; /* displacement, in units; 0: none was lost */
+    double over; /* the same over what is allowed of it */
     double t_lo, t_hi;
     enum verdict why;
 };
 
-static void keep_least(struct loss *loss, double need, enum verdict why)
+static void keep_least(struct loss *loss, double need, double allowed, enum verdict why)
 {
-    if (need < loss->need) {
+    if (need < loss->over * allowed) {
         loss->need = need;
+        loss->over = need / allowed;
         loss->why = why;
     }
+}
+
+/* A box whose near side is rounded up may be cut off by a hit before it, so the plane is allowed
+ * twice its bound: its own error and that of the other. */
+static void keep_plane(const struct judge *judge, const struct judge_rounding *rounding,
+                       const struct triangle *tri, double t, enum verdict why, struct loss *loss)
+{
+    keep_least(loss, to_plane(t, tri) / tri->unit, 2.0 * judge_plane_allowed(judge, rounding, t),
+               why);
 }
 
 static struct loss loss_of(const struct judge *judge, const struct ray *ray,
@@ -152,22 +171,25 @@ static struct loss loss_of(const struct judge *judge, const struct ray *ray,
     double edge[3];
     scene_tri(judge->scene, lost->prim, v);
     struct triangle tri = triangle_of(ray, v);
-    struct loss loss = {lost->prim, INFINITY, lost->pair.t_lo, lost->pair.t_hi, VERDICT_BOUNDARY};
+    struct judge_rounding rounding = judge_rounding_of(ray, v);
+    struct loss loss = {lost->prim,      INFINITY,        INFINITY,
+                        lost->pair.t_lo, lost->pair.t_hi, VERDICT_BOUNDARY};
     judge_edge_distances(ray, v, edge);
     for (int c = 0; c < 3; c++)
-        keep_least(&loss, fabs(edge[c]), VERDICT_BOUNDARY);
+        keep_least(&loss, fabs(edge[c]), judge_edge_allowed(judge, &rounding, c), VERDICT_BOUNDARY);
     if (isfinite(reach))
-        keep_least(&loss, to_plane(reach, &tri) / tri.unit, VERDICT_NEAR_TIE);
-    keep_least(&loss, to_plane((double)ray->tmin, &tri) / tri.unit, VERDICT_BORDER);
+        keep_plane(judge, &rounding, &tri, reach, VERDICT_NEAR_TIE, &loss);
+    keep_plane(judge, &rounding, &tri, (double)ray->tmin, VERDICT_BORDER, &loss);
     if (isfinite(ray->tmax))
-        keep_least(&loss, to_plane((double)ray->tmax, &tri) / tri.unit, VERDICT_BORDER);
+        keep_plane(judge, &rounding, &tri, (double)ray->tmax, VERDICT_BORDER, &loss);
     return loss;
 }
 
 double judge_loss(const struct judge *judge, const struct ray *ray,
-                  const struct oracle_crossing *lost, double reach, enum verdict *why)
+                  const struct oracle_crossing *lost, double reach, double *over, enum verdict *why)
 {
     struct loss loss = loss_of(judge, ray, lost, reach);
+    *over = loss.over;
     *why = loss.why;
     return loss.need;
 }
@@ -185,7 +207,7 @@ static enum status worst_loss(const struct judge *judge, const struct ray *ray, 
         if (!is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
             continue;
         struct loss loss = loss_of(judge, ray, &list[i], reach);
-        if (worst->prim == ABI_NO_PRIM || loss.need > worst->need)
+        if (worst->prim == ABI_NO_PRIM || loss.over > worst->over)
             *worst = loss;
         bool closed = false;
         double limit = 0.0;
@@ -197,38 +219,95 @@ static enum status worst_loss(const struct judge *judge, const struct ray *ray, 
     return status;
 }
 
+/* How far the weighed point is from the line of the ray. */
+static double beside_ray(const double p[3], const struct triangle *tri)
+{
+    double across[3], length = sqrt(dot(tri->d, tri->d));
+    cross(p, tri->d, across);
+    return length > 0.0 ? sqrt(dot(across, across)) / length : 0.0;
+}
+
+/* Do u and v weigh a point of the triangle that rounding brings to the ray? */
+static bool weights_fit(const struct judge *judge, const struct hit *answer,
+                        const struct triangle *tri, const struct judge_rounding *rounding)
+{
+    double u = (double)answer->u, w = (double)answer->v, p[3];
+    for (int k = 0; k < 3; k++)
+        p[k] = (1.0 - u - w) * tri->v[0][k] + u * tri->v[1][k] + w * tri->v[2][k];
+    double most = judge->displacement * tri->unit;
+#if MUTANT == MUTANT_WEIGHTS_AT_T
+    for (int k = 0; k < 3; k++)
+        p[k] -= (double)answer->t * tri->d[k];
+    return sqrt(dot(p, p)) <= most;
+#endif
+#if MUTANT == MUTANT_WEIGHTS_ALONG
+    return beside_ray(p, tri) <= most;
+#endif
+    if (beside_ray(p, tri) <= most && to_triangle(p, tri) <= most)
+        return true;
+    /* No test accepts weights below 0; Embree's takes them for 0 from -2^-23 on. */
+    return u >= -JUDGE_SHARE && w >= -JUDGE_SHARE && u + w <= 1.0 + JUDGE_SHARE &&
+           judge_weight_allowed(rounding, 1, u) && judge_weight_allowed(rounding, 2, w);
+}
+
+/* How far the answered point is from the triangle over what is allowed; *need gets it in units. A
+ * test that is not backward stable may shift the point along the ray, out of the triangle, as long
+ * as it stays near the plane, of a triangle that it may take for hit; then only that counts. *noise:
+ * the determinant's sign is open there, so that the point may be anywhere. */
+static double hit_over(const struct judge *judge, const struct hit *answer,
+                       const struct triangle *tri, const struct judge_rounding *rounding,
+                       double *need, bool *noise)
+{
+    double at[3];
+    *noise = false;
+    for (int k = 0; k < 3; k++)
+        at[k] = (double)answer->t * tri->d[k];
+    *need = tri->unit > 0.0 ? to_triangle(at, tri) / tri->unit : 0.0;
+    double over = *need / judge->displacement;
+    if (!judge_may_accept(judge, rounding))
+        return over;
+    double plane = to_plane((double)answer->t, tri) / tri->unit;
+    double along = plane / judge_plane_allowed(judge, rounding, (double)answer->t);
+    if (over > 1.0) {
+        *need = plane;
+        *noise = judge_det_is_open(rounding);
+    }
+    return fmin(over, along);
+}
+
 enum verdict judge_named_by_distance(const struct judge *judge, const struct ray *ray,
                                      const struct oracle_answer *truth, const struct hit *answer,
                                      struct judgement *out)
 {
     float v[3][3];
-    double at[3], weighed[3];
     struct oracle_pair pair;
+    bool noise;
     scene_tri(judge->scene, answer->prim, v);
     struct triangle tri = triangle_of(ray, v);
+    struct judge_rounding rounding = judge_rounding_of(ray, v);
     oracle_pair(judge->oracle, ray, answer->prim, &pair);
-    for (int k = 0; k < 3; k++) {
-        double u = (double)answer->u, w = (double)answer->v;
-        at[k] = (double)answer->t * tri.d[k];
-        weighed[k] = (1.0 - u - w) * tri.v[0][k] + u * tri.v[1][k] + w * tri.v[2][k] - at[k];
-    }
-    out->displacement = tri.unit > 0.0 ? to_triangle(at, &tri) / tri.unit : 0.0;
+    double over = out->share = hit_over(judge, answer, &tri, &rounding, &out->displacement, &noise);
     out->wrong = truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM : WRONG_TRIANGLE;
     if (!judge_in_range(judge, ray, answer->t)) {
         out->wrong = WRONG_DISTANCE;
         return VERDICT_WRONG;
     }
-    if (out->displacement > JUDGE_DISPLACEMENT_MOST) {
-        double t = judge_plane_t(ray, v), meets[3] = {t * tri.d[0], t * tri.d[1], t * tri.d[2]};
-        if (pair.det != 0 && to_triangle(meets, &tri) <= JUDGE_DISPLACEMENT_MOST * tri.unit)
+    if (over > 1.0) {
+        struct hit exact = *answer;
+        double unused;
+        bool open;
+        exact.t = (float)judge_plane_t(ray, v);
+        if (pair.det != 0 && hit_over(judge, &exact, &tri, &rounding, &unused, &open) <= 1.0)
             out->wrong = WRONG_DISTANCE;
         return VERDICT_WRONG;
     }
-    if (sqrt(dot(weighed, weighed)) > JUDGE_DISPLACEMENT_MOST * tri.unit) {
+    if (!weights_fit(judge, answer, &tri, &rounding)) {
         out->wrong = WRONG_BARYCENTRIC;
         return VERDICT_WRONG;
     }
     out->wrong = WRONG_NOT;
+    if (noise)
+        return VERDICT_NOISE;
     if (pair.class == ORACLE_IN_PLANE || pair.class == ORACLE_ZERO_AREA)
         return VERDICT_IN_PLANE;
     if (!is_hit(&pair))
@@ -276,7 +355,8 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
     if (out->verdict == VERDICT_RIGHT)
         out->verdict = name_of(judge, ray, truth, answer->prim, worst.why);
     out->displacement = fmax(out->displacement, worst.need);
-    if (worst.need > JUDGE_DISPLACEMENT_MOST || (judge->model.watertight && out->fan)) {
+    out->share = fmax(out->share, worst.over);
+    if (worst.over > 1.0 || (judge->model.watertight && out->fan)) {
         out->verdict = VERDICT_WRONG;
         out->wrong = WRONG_MISSED;
         judge_set_lost(out, worst.prim, worst.t_lo, worst.t_hi);

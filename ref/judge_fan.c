@@ -78,7 +78,7 @@ static bool see_by_distance(const struct fan *fan, uint32_t prim, struct seen *s
     for (int c = 0; c < 3; c++)
         seen->edge[c] = fabs(distance[c]) > FAN_BAND ? pair.edge[c] : 0;
     double t = judge_plane_t(fan->ray, v), band = FAN_BAND * judge_unit_of_t(fan->ray, v);
-    seen->t_most = t + JUDGE_DISPLACEMENT_MOST / FAN_BAND * band;
+    seen->t_most = t + fmax(1.0, fan->judge->displacement / FAN_BAND) * band;
     return t - band > (double)fan->ray->tmin && t + band < (double)fan->ray->tmax;
 }
 

@@ -19,6 +19,7 @@ struct judge {
     bool own;         /* the formula is one of ref/primitives/tri.h */
     bool fans;        /* a closed fan cannot be missed: judge_fan.c */
     bool in_contract; /* the scene's coordinates are */
+    double displacement; /* unknown formula: what any triangle allows, in units */
     float largest[3]; /* |coordinate| per axis of the scene */
     /* Made when first asked for; a million triangles take a second. */
     pthread_mutex_t lock;
@@ -125,9 +126,11 @@ enum verdict judge_named_by_distance(const struct judge *judge, const struct ray
                                      const struct oracle_answer *truth, const struct hit *answer,
                                      struct judgement *out);
 
-/* The displacement that a lost hit needs, and what it would make of it. */
+/* The displacement that a lost hit needs, the same over what is allowed, and what it would make of
+ * it. */
 double judge_loss(const struct judge *judge, const struct ray *ray,
-                  const struct oracle_crossing *lost, double reach, enum verdict *why);
+                  const struct oracle_crossing *lost, double reach, double *over,
+                  enum verdict *why);
 
 /* Distance of the line of the ray to the lines of the triangle's edges, in the plane across the
  * ray, in units of u * max |vertex - origin|. */
@@ -135,5 +138,38 @@ void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3]);
 
 /* By how much t changes if the triangle moves one such unit along its normal. */
 double judge_unit_of_t(const struct ray *ray, float v[3][3]);
+
+/* --- judge_allowed.c --- */
+
+/* One ray and triangle with the error bounds of the classical test, whatever the order of its
+ * operations. w_c / D weighs vertex c and T / D is t, as in ref/oracle/oracle.h. */
+struct judge_rounding {
+    double edge[3], edge_most[3]; /* w_c, and the largest error of a computed one */
+    double det, det_most;         /* D, likewise */
+    double t, t_most;             /* T, likewise */
+    double across[3];             /* |d x edge c|: w_c over it is the distance of ray and edge */
+    double area;                  /* |N|, twice the area: D - t T over it is a distance, too */
+    double unit;                  /* u * max |vertex - origin| */
+};
+
+struct judge_rounding judge_rounding_of(const struct ray *ray, float v[3][3]);
+
+/* Displacements in units that an unknown formula is allowed: of edge c seen along the ray, and of
+ * the plane from the ray's point at t. At least the judge's own. */
+double judge_edge_allowed(const struct judge *judge, const struct judge_rounding *rounding, int c);
+double judge_plane_allowed(const struct judge *judge, const struct judge_rounding *rounding,
+                           double t);
+
+/* May the classical test answer this weight of vertex c? */
+bool judge_weight_allowed(const struct judge_rounding *rounding, int c, double weight);
+
+/* May an unknown formula take the triangle for hit, somewhere along the line of the ray? */
+bool judge_may_accept(const struct judge *judge, const struct judge_rounding *rounding);
+
+/* May the determinant have either sign? */
+bool judge_det_is_open(const struct judge_rounding *rounding);
+
+/* The least |w_c| over its bound: below 1 the classical test may lose an exact hit. */
+double judge_margin(const struct judge_rounding *rounding);
 
 #endif

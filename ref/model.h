@@ -85,6 +85,7 @@ struct model {
     bool open;        /* tmin < t < tmax; else ends are hits too */
     bool slab;        /* Embree's default box test, b/d - o/d: see VERDICT_SLAB */
     bool any_unnamed; /* any-hit answers say hit or miss, not which triangle */
+    double displacement; /* TWIN_UNKNOWN: what is allowed, in units; 0: JUDGE_DISPLACEMENT_MOST */
 };
 
 #endif

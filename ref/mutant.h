@@ -129,6 +129,10 @@
 #define MUTANT_MOVED_HALVED    473 /* quantised: half of how far vertices moved is certified */
 #define MUTANT_GRID_BELOW      474 /* quantised: vertices go to the grid point below */
 #define MUTANT_GRID_AXIS       475 /* quantised, C and shader: z has the width of y */
+#define MUTANT_WEIGHTS_ALONG   640 /* black box: u and v may weigh any point of the ray's line */
+#define MUTANT_WEIGHTS_AT_T    641 /* black box: u and v must weigh the very point at t */
+#define MUTANT_NO_SHAPE        642 /* black box: a sliver is allowed no more than any triangle */
+#define MUTANT_BAND_OF_BEFORE  643 /* black box: 2^10 units are allowed */
 #define MUTANT_NEED_WITHOUT    476 /* quantised: the displacement excuses every answer */
 #define MUTANT_GROUP_LATE      335 /* shader: a workgroup is there from its second path on */
 #define MUTANT_AXIS_TRUSTED    436 /* a twin of baldwin_webber with C's axis alone */

@@ -346,7 +346,7 @@ static void an_unknown_formula_is_measured_by_its_displacement(void **state)
     (void)state;
     const struct hit hit = {.t = 1, .prim = 3}, miss = {.prim = ABI_NO_PRIM};
     const struct judgement judgement = {
-        .verdict = VERDICT_RIGHT, .over = 0.25, .displacement = 0.5 * JUDGE_DISPLACEMENT_MOST};
+        .verdict = VERDICT_RIGHT, .over = 0.25, .displacement = 3, .share = 0.5};
     struct judgement noise = judgement, outside = judgement;
     noise.verdict = VERDICT_NOISE;
     outside.verdict = VERDICT_OUT_OF_CONTRACT;

@@ -39,5 +39,5 @@ double verdict_error(const struct judgement *judgement, const struct hit *answer
     if (answer->prim == ABI_NO_PRIM || judgement->verdict == VERDICT_OUT_OF_CONTRACT ||
         judgement->verdict == VERDICT_NOISE)
         return (double)NAN;
-    return unknown ? judgement->displacement / JUDGE_DISPLACEMENT_MOST : judgement->over;
+    return unknown ? judgement->share : judgement->over;
 }
