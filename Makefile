@@ -59,7 +59,7 @@ GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c templates.c glsl_sources.
 LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 TESTS    := $(TEST_SRC:tests/%.c=$(B)/tests/%)
-SAMPLES  := $(addprefix $(B)/samples/,tracer tracer_bug1 tracer_bug2)
+SAMPLES  := $(addprefix $(B)/samples/,tracer tracer_bug1 tracer_bug2 refuser)
 RENDERED := $(patsubst shaders/layout_%.glsl,render_%,$(wildcard shaders/layout_*.glsl))
 STACKLESS := $(patsubst shaders/layout_%.glsl,stackless_%,\
                $(shell grep -L 'define WIDE' shaders/layout_*.glsl)) # of binary layouts
@@ -139,6 +139,11 @@ test_libs:
 $(B)/samples/%: fuzz/samples/tracer.c
 	@mkdir -p $(@D)
 	$(call warned,$(CC) -std=c17 -O2 $(WARN) $(if $(findstring _bug,$*),-DBUG=$(lastword $(subst _bug, ,$*))) -o $@ $<)
+
+# A tracer that tests nothing, which must be noticed.
+$(B)/samples/refuser: tests/refuser.c
+	@mkdir -p $(@D)
+	$(CC) -std=c17 -O2 $(WARN) -o $@ $<
 
 # The oracle is checked by a second road, GMP rationals, which only tests have.
 ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))

@@ -59,13 +59,19 @@ static enum status enter(struct field *field, const struct engine *engine,
         packed_free(&c->packed);
         return status;
     }
-    field->count++;
     struct job job = {.scene = field->scene,
                       .packed = layout ? &c->packed : NULL,
                       .box = field->match.options.box,
                       .tri = field->match.options.tri,
                       .query = QUERY_CLOSEST};
-    return engine->prepare(c->self, &job, reason);
+    status = engine->prepare(c->self, &job, reason);
+    if (status) {
+        engine->close(c->self);
+        packed_free(&c->packed);
+    } else {
+        field->count++;
+    }
+    return status;
 }
 
 static void enter_all(struct field *field)

@@ -134,6 +134,11 @@ static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigne
         printf("  %s left out: %s\n", e->name, reason->text);
         return STATUS_OK;
     }
+    if (status == STATUS_REFUSED) { /* the others go on */
+        bench_complain(m->spec, reason);
+        m->refused = true;
+        return STATUS_OK;
+    }
     return status;
 }
 
@@ -339,6 +344,8 @@ static int run(struct bench *bench)
             bench_complain(spec[i], &reason);
             code = exit_worse(code, exit_of_status(status));
         }
+        if (m->refused)
+            code = exit_worse(code, EXIT_MISMATCH);
         close_matrix(m);
         free(m);
         fflush(stdout);

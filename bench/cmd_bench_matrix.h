@@ -77,6 +77,7 @@ struct matrix {
     struct matrix_entries entries;
     struct matrix_tree tree[MATRIX_TREES];
     size_t tree_count;
+    bool refused; /* an engine that was named refused the scene */
     size_t count; /* rays of each kind */
     struct ray *ray[MATRIX_KINDS];
     struct ray *few;

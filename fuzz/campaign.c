@@ -1,5 +1,8 @@
 #include "fuzz/campaign_inner.h"
 
+#include "ref/mutant.h"
+#include "ref/turnout.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,6 +53,20 @@ size_t campaign_news(const struct campaign_view *view, size_t *flaky)
     if (flaky)
         *flaky = rare;
     return news;
+}
+
+const char *campaign_vacuous(const struct campaign_view *view, size_t i)
+{
+    const struct campaign_turnout *turnout = &view->turnout[i];
+    if (MUTANT == MUTANT_FUZZ_REFUSERS || view->turnout_unknown || view->trials + view->before == 0)
+        return NULL;
+    if (turnout->played == 0)
+        return "it answered no trial";
+    if (turnout->proved == 0)
+        return "it gave no right hit in any trial";
+    if (TURNOUT_ONE_IN * turnout->played < turnout->played + turnout->declined)
+        return "it refused nearly all trials";
+    return NULL;
 }
 
 static int stop_of(const struct campaign *c)

@@ -58,6 +58,13 @@ struct campaign_mark {
 
 enum campaign_phase { CAMPAIGN_STARTING, CAMPAIGN_PLAYING, CAMPAIGN_ENDING, CAMPAIGN_SHRINKING };
 
+/* Trials of the whole campaign, all its runs, by what came of asking a contestant. */
+struct campaign_turnout {
+    uint64_t played;   /* it answered */
+    uint64_t declined; /* it refused by itself, not its layout */
+    uint64_t proved;   /* it answered with a hit that is not WRONG */
+};
+
 /* How it stands. `run` numbers are of this run. */
 struct campaign_view {
     const struct campaign_options *options;
@@ -68,8 +75,10 @@ struct campaign_view {
     uint64_t trials, corpus, mutants; /* played in this run; corpus and mutants are of them */
     uint64_t before;                  /* trials of stream gen of earlier runs */
     uint64_t rays, judged, wrong, count[VERDICT_COUNT];
-    uint64_t refused[FUZZ_CONTESTANTS_MOST];           /* trials by who cannot hold them */
-    uint64_t unasked[FUZZ_CONTESTANTS_MOST];           /* likewise by who was not drawn */
+    uint64_t refused[FUZZ_CONTESTANTS_MOST]; /* trials by who cannot hold them */
+    uint64_t unasked[FUZZ_CONTESTANTS_MOST]; /* likewise by who was not drawn */
+    struct campaign_turnout turnout[FUZZ_CONTESTANTS_MOST];
+    bool turnout_unknown;                              /* an earlier run did not count it */
     uint64_t refitted, rebuilt;                        /* answers from trees that moved */
     uint64_t triangles, histogram[CAMPAIGN_TRIANGLES]; /* trials by triangles, the last: and more */
     struct fuzz_time time;
@@ -94,6 +103,11 @@ double campaign_harness_share(const struct campaign_view *view, double *to_engin
 size_t campaign_news(const struct campaign_view *view, size_t *flaky);
 /* True if a finding was played again and never showed again. */
 bool campaign_is_flaky(const struct campaign_mark *mark);
+
+/* Why contestant i tested next to nothing in all the trials of the campaign: it never answered, or
+ * not with a single right hit, or refused nearly all. NULL: it did test something, or there was no
+ * trial yet. */
+const char *campaign_vacuous(const struct campaign_view *view, size_t i);
 
 /* Runs it, from where the folder's state says; `findings` was opened for writing. The process must
  * not have opened any engine. `end` (may be NULL) is called with the last view.

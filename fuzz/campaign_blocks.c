@@ -277,6 +277,9 @@ static void count_trial(struct campaign *c, const struct block *block, const str
     for (size_t i = 0; i < c->rules.field.count; i++) {
         view->refused[i] += one->refusers >> i & 1u;
         view->unasked[i] += block->draw.on && i != block->draw.contestant;
+        view->turnout[i].played += one->players >> i & 1u;
+        view->turnout[i].declined += one->decliners >> i & 1u;
+        view->turnout[i].proved += one->provers >> i & 1u;
         view->refitted += one->refitted >> i & 1u;
         view->rebuilt += one->rebuilt >> i & 1u;
     }

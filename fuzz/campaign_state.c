@@ -94,10 +94,44 @@ static bool put_shrunk(const struct campaign *c, char *state)
     return campaign_state_put(state, FINDINGS_STATE_MOST, "shrunk", text);
 }
 
+#define TURNOUT_TEXT (FUZZ_CONTESTANTS_MOST * 3 * 21)
+
+/* "PLAYED,DECLINED,PROVED" of each contestant, parted by ':'. */
+static bool put_turnout(const struct campaign *c, char *state)
+{
+    char text[TURNOUT_TEXT] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < c->rules.field.count && !c->view.turnout_unknown; i++) {
+        const struct campaign_turnout *t = &c->view.turnout[i];
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%llu,%llu,%llu", i ? ":" : "",
+                                 (unsigned long long)t->played, (unsigned long long)t->declined,
+                                 (unsigned long long)t->proved);
+    }
+    return campaign_state_put(state, FINDINGS_STATE_MOST, "turnout", text);
+}
+
+/* A folder of an older raydiff has none: then it stays unknown. */
+static void read_turnout(struct campaign *c, const char *state)
+{
+    char text[TURNOUT_TEXT];
+    const char *at = text;
+    (void)campaign_state_get(state, "turnout", text, sizeof text);
+    c->view.turnout_unknown = text[0] == '\0' && !campaign_state_is_unplayed(state);
+    for (size_t i = 0; i < c->rules.field.count && MUTANT != MUTANT_TURNOUT_FORGOT; i++) {
+        unsigned long long played, declined, proved;
+        if (sscanf(at, "%llu,%llu,%llu", &played, &declined, &proved) != 3)
+            break;
+        c->view.turnout[i] = (struct campaign_turnout){played, declined, proved};
+        at += strcspn(at, ":");
+        at += *at == ':';
+    }
+}
+
 void campaign_state_read(struct campaign *c)
 {
     const char *state = findings_state(c->findings);
     char text[1024];
+    read_turnout(c, state);
     c->corpus_done = number(state, "corpus_done") != 0;
     c->next = c->applied = number(state, "next");
     c->mut_next = number(state, "mut");
@@ -125,7 +159,8 @@ enum status campaign_state_write(struct campaign *c, struct reason *reason)
     if (!state[0] || !put_number(state, "corpus_done", c->corpus_done) ||
         !put_number(state, "next", MUTANT == MUTANT_STATE_AHEAD ? c->next : c->applied) ||
         !put_number(state, "mut", c->mut_next) || !put_number(state, "trials", c->trials_done) ||
-        !campaign_state_put(state, sizeof state, "coverage", coverage) || !put_shrunk(c, state))
+        !campaign_state_put(state, sizeof state, "coverage", coverage) || !put_turnout(c, state) ||
+        !put_shrunk(c, state))
         return fail(reason, STATUS_INPUT, "the options of a campaign are too long to be kept");
     enum status status = findings_checkpoint(c->findings, state, reason);
     if (!status)

@@ -69,6 +69,13 @@ static const struct engine *engine_of(const struct campaign_view *view,
     return i < field->count ? field->who[i].engine : NULL;
 }
 
+static void contestant_name(const struct campaign_view *view, size_t i, char name[NAME_MOST])
+{
+    const struct fuzz_contestant *who = &view->options->rules.field.who[i];
+    snprintf(name, NAME_MOST, "%.40s%s%s", who->engine->name, who->layout ? "." : "",
+             who->layout ? who->layout->name : "");
+}
+
 /* --- JSON ------------------------------------------------------------------------------------ */
 
 static json_t *finding_json(const struct fuzz_command *c, const struct campaign_view *view,
@@ -113,12 +120,26 @@ static void add_times(json_t *root, const struct campaign_view *view)
                               seconds(time->judge), "explain", seconds(view->explain_ns));
     for (size_t i = 0; i < field->count; i++) {
         char name[NAME_MOST];
-        const struct layout *layout = field->who[i].layout;
-        snprintf(name, sizeof name, "%.40s%s%s", field->who[i].engine->name, layout ? "." : "",
-                 layout ? layout->name : "");
+        contestant_name(view, i, name);
         json_object_set_new(parts, name, json_real(seconds(time->engine[i])));
     }
     json_object_set_new(root, "core_seconds", parts);
+}
+
+static json_t *contestants_json(const struct campaign_view *view)
+{
+    json_t *out = json_array();
+    for (size_t i = 0; i < view->options->rules.field.count; i++) {
+        const struct campaign_turnout *turnout = &view->turnout[i];
+        char name[NAME_MOST];
+        contestant_name(view, i, name);
+        json_array_append_new(
+            out, json_pack("{s:s, s:I, s:I, s:I, s:I, s:s?}", "name", name, "answered",
+                           (json_int_t)turnout->played, "refused", (json_int_t)turnout->declined,
+                           "with_a_right_hit", (json_int_t)turnout->proved, "refused_in_this_run",
+                           (json_int_t)view->refused[i], "vacuous", campaign_vacuous(view, i)));
+    }
+    return out;
 }
 
 static void add_coverage(json_t *root, const struct campaign_view *view)
@@ -167,6 +188,7 @@ static json_t *make_json(const struct fuzz_command *c, const struct campaign_vie
     json_object_set_new(root, "workers", json_integer((json_int_t)view->options->jobs));
     json_object_set_new(root, "restarts", json_integer((json_int_t)view->restarts));
     json_object_set_new(root, "renewed", json_integer((json_int_t)view->renewed));
+    json_object_set_new(root, "contestants", contestants_json(view));
     json_object_set_new(root, "findings", findings);
     if (whole)
         json_object_set_new(root, "exit", json_integer(c->code));
@@ -225,14 +247,12 @@ static void fill_contestants(const struct campaign_view *view, struct report_roo
 {
     const struct fuzz_field *field = &view->options->rules.field;
     for (size_t i = 0; i < field->count; i++) {
-        const struct layout *layout = field->who[i].layout;
-        snprintf(room->name[i], NAME_MOST, "%.40s%s%s", field->who[i].engine->name,
-                 layout ? "." : "", layout ? layout->name : "");
-        room->contestant[i] =
-            (struct report_contestant){.name = room->name[i],
-                                       .played = view->trials - view->refused[i] - view->unasked[i],
-                                       .refused = view->refused[i],
-                                       .seconds = seconds(view->time.engine[i])};
+        contestant_name(view, i, room->name[i]);
+        room->contestant[i] = (struct report_contestant){.name = room->name[i],
+                                                         .played = view->turnout[i].played,
+                                                         .refused = view->refused[i],
+                                                         .vacuous = campaign_vacuous(view, i),
+                                                         .seconds = seconds(view->time.engine[i])};
     }
 }
 
@@ -326,6 +346,30 @@ static bool is_vacuous(const struct campaign_view *view)
     return view->trials + view->before == 0;
 }
 
+static size_t vacuous_count(const struct campaign_view *view)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < view->options->rules.field.count; i++)
+        count += campaign_vacuous(view, i) != NULL;
+    return count;
+}
+
+/* What came of asking each contestant in the whole campaign. */
+static void print_turnout(const struct campaign_view *view)
+{
+    char name[NAME_MOST];
+    for (size_t i = 0; i < view->options->rules.field.count; i++) {
+        const struct campaign_turnout *turnout = &view->turnout[i];
+        const char *vacuous = campaign_vacuous(view, i);
+        contestant_name(view, i, name);
+        printf("%-10s %s answered %llu trials, refused %llu", i ? "" : "contestant", name,
+               (unsigned long long)turnout->played, (unsigned long long)turnout->declined);
+        if (view->refused[i] > 0 && view->options->rules.field.who[i].layout)
+            printf(", of this run %llu for its layout", (unsigned long long)view->refused[i]);
+        printf("%s%s\n", vacuous ? "; vacuous: " : "", vacuous ? vacuous : "");
+    }
+}
+
 static void print_summary(const struct fuzz_command *c, const struct campaign_view *view)
 {
     size_t flaky, news = campaign_news(view, &flaky), count = findings_count(view->findings);
@@ -361,6 +405,7 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
         command_word(command, sizeof command, c->folder);
         printf("to shrink  %zu: %s\n", left, command);
     }
+    print_turnout(view);
     print_unused(c, view);
     if (view->unplayed)
         printf("unplayed   trials are left: run it again to go on\n");
@@ -373,7 +418,8 @@ void fuzz_report(void *user, const struct campaign_view *view)
 {
     struct fuzz_command *c = user;
     fuzz_show_end(c);
-    c->code = campaign_news(view, NULL) > 0 || is_vacuous(view) || fuzz_pairs_short(c) > 0
+    c->code = campaign_news(view, NULL) > 0 || is_vacuous(view) || vacuous_count(view) > 0 ||
+                      fuzz_pairs_short(c) > 0
                   ? EXIT_MISMATCH
                   : EXIT_AGREE;
     if (view->unplayed && *c->signalled) /* so that who waits for a shard knows */

@@ -216,7 +216,8 @@ static int judge_all(struct judging *j)
         code = check_exit(&result, false, true);
     }
     if (!status && j->options->json)
-        status = check_write_json(j->options->json, &result, 1, code, &reason);
+        status = check_write_json(j->options->json, &result, 1, &(struct turnout){.count = 0}, code,
+                                  &reason);
     if (status) {
         fprintf(stderr, "raydiff %s: %s\n", j->command, reason.text);
         code = exit_worse(code, exit_of_status(status));

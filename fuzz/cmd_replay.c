@@ -51,6 +51,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_ENGINE:
         status = table_parse(TABLE_ENGINES, "--engine", text, &list, reason);
         o->any_engine = true;
+        o->engine_named = strcmp(text, "all") != 0 && strcmp(text, "every") != 0;
         o->engine_count = status ? 0 : list.count;
         for (size_t i = 0; i < o->engine_count; i++)
             o->engine[i] = engines[list.index[i]];
@@ -130,7 +131,7 @@ static bool died_as_expected(const struct replay_options *options, const struct 
     return file->has_signature && alike && is_wanted(options, file, &played->who);
 }
 
-static int code_of(const struct replay_options *options, const struct replay_file *file)
+static int code_of(const struct replay_options *options, struct replay_file *file)
 {
     bool wanted_played = false;
     int code = EXIT_AGREE;
@@ -141,12 +142,15 @@ static int code_of(const struct replay_options *options, const struct replay_fil
             code = exit_worse(code, EXIT_ENGINE);
         if (played->fate == REPLAY_FAILED)
             code = exit_worse(code, EXIT_INTERNAL);
-        if (played->fate != REPLAY_SKIPPED &&
+        if (played->fate == REPLAY_REFUSED && is_wanted(options, &file->file, &played->who))
+            file->refused = true;
+        if (played->fate != REPLAY_SKIPPED && played->fate != REPLAY_REFUSED &&
             (!file->file.has_signature || is_wanted(options, &file->file, &played->who)))
             wanted_played = true;
     }
+    file->refused = file->refused && !wanted_played;
     if (!wanted_played)
-        return exit_worse(code, EXIT_SKIPPED);
+        return exit_worse(code, file->refused ? EXIT_MISMATCH : EXIT_SKIPPED);
     bool bad = options->as_expected ? file->fails != file->file.has_signature : file->fails;
     return bad ? exit_worse(code, EXIT_MISMATCH) : code;
 }
@@ -237,20 +241,41 @@ static int check_engine(const struct replay_options *options, const struct repla
                        peer ? "; name its command: --engine 'pipe:COMMAND'" : "");
 }
 
-static int replay_all(const struct replay_options *options, struct replay_file *files, size_t count)
+static void count_turnout(const struct replay_file *file, struct turnout *turnout)
+{
+    for (size_t i = 0; i < file->played_count; i++) {
+        const struct replay_played *played = &file->played[i];
+        enum turnout_end end = TURNOUT_FAILED;
+        if (played->fate == REPLAYED)
+            end = TURNOUT_ANSWERED;
+        else if (played->fate == REPLAY_SKIPPED)
+            end = TURNOUT_ABSENT;
+        else if (played->fate == REPLAY_REFUSED)
+            end = played->who.layout ? TURNOUT_SKIPPED : TURNOUT_REFUSED;
+        turnout_add(turnout, "engine", played->who.engine->name, end, 1, played->reason);
+    }
+}
+
+static int replay_all(const struct replay_options *options, struct replay_file *files, size_t count,
+                      struct turnout *turnout)
 {
     struct replay_worker worker = {.options = options, .files = files};
     int code = EXIT_AGREE;
+    for (size_t i = 0; i < options->engine_count && options->engine_named; i++)
+        turnout_name(turnout, "engine", options->engine[i]->name);
     for (size_t i = 0; i < count; i++) {
         play_file(&worker, i);
         replay_print(options, &files[i]);
         fflush(stdout); /* the child prints the page */
         if (!options->brief)
             print_page(&worker, i);
+        count_turnout(&files[i], turnout);
         code = exit_worse(code, files[i].code);
     }
     replay_end(&worker);
-    return code;
+    if (!options->brief || turnout_exit(turnout))
+        turnout_print(turnout);
+    return exit_worse(code, turnout_exit(turnout));
 }
 
 int cmd_replay(int argc, char **argv)
@@ -276,8 +301,10 @@ int cmd_replay(int argc, char **argv)
     for (size_t i = 0; i < count && code == EXIT_AGREE; i++)
         code = check_engine(&options, &files[i]);
     if (code == EXIT_AGREE) {
-        code = replay_all(&options, files, count);
-        if (options.json && replay_write_json(options.json, files, count, code, &reason)) {
+        static struct turnout turnout;
+        code = replay_all(&options, files, count, &turnout);
+        if (options.json &&
+            replay_write_json(options.json, files, count, &turnout, code, &reason)) {
             fprintf(stderr, "raydiff replay: %s\n", reason.text);
             code = exit_worse(code, EXIT_USAGE);
         }

@@ -5,6 +5,7 @@
 #include "fuzz/child.h"
 #include "fuzz/finding_file.h"
 #include "fuzz/player.h"
+#include "ref/turnout.h"
 
 #define REPLAY_REASON 200
 
@@ -34,7 +35,8 @@ struct replay_file {
     struct finding_file file;
     struct replay_played played[FUZZ_CONTESTANTS_MOST];
     size_t played_count;
-    bool fails; /* its signature is still there; of a clean one: anything */
+    bool refused; /* whom it is about refused: nothing was played */
+    bool fails;   /* its signature is still there; of a clean one: anything */
     int code;
     char now[1024]; /* versions */
 };
@@ -42,7 +44,8 @@ struct replay_file {
 struct replay_options {
     const struct engine *engine[FUZZ_CONTESTANTS_MOST];
     size_t engine_count;
-    bool any_engine; /* --engine was given: the signature's engine does not matter */
+    bool any_engine;   /* --engine was given: the signature's engine does not matter */
+    bool engine_named; /* and by name: each must answer something */
     const struct layout *layout[FUZZ_CONTESTANTS_MOST];
     size_t layout_count; /* 0: the file's */
     struct engine_options engines;
@@ -86,6 +89,7 @@ void replay_print(const struct replay_options *options, const struct replay_file
 
 /* Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
 enum status replay_write_json(const char *path, const struct replay_file *file, size_t count,
-                              int code, struct reason *reason) MUST_USE;
+                              const struct turnout *turnout, int code,
+                              struct reason *reason) MUST_USE;
 
 #endif

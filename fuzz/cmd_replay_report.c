@@ -24,6 +24,8 @@ static const char *outcome(const struct replay_file *file)
 {
     if (file->code == 77)
         return "not played: its engine cannot run here";
+    if (file->refused)
+        return "not played: refused, so that nothing is tested";
     if (!file->file.has_signature)
         return file->fails ? "FAILS" : "clean";
     return file->fails ? "STILL FAILS" : "does not fail";
@@ -177,12 +179,12 @@ static json_t *file_json(const struct replay_file *file)
 }
 
 enum status replay_write_json(const char *path, const struct replay_file *file, size_t count,
-                              int code, struct reason *reason)
+                              const struct turnout *turnout, int code, struct reason *reason)
 {
     json_t *files = json_array();
     for (size_t i = 0; i < count; i++)
         json_array_append_new(files, file_json(&file[i]));
-    json_t *root =
-        json_pack("{s:s, s:i, s:o}", "raydiff", RAYDIFF_VERSION, "exit", code, "files", files);
+    json_t *root = json_pack("{s:s, s:i, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "exit", code,
+                             "named", json_turnout(turnout), "files", files);
     return json_write(path, root, 17, reason);
 }

@@ -18,7 +18,7 @@
 /* Lines of one signature; of further findings only the number is kept, in checkpoints. */
 #define FINDINGS_LINES_MOST 1000u
 #define FINDINGS_NO_RAY     UINT32_MAX
-#define FINDINGS_STATE_MOST 4096
+#define FINDINGS_STATE_MOST 8192
 
 struct findings;
 

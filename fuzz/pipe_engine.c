@@ -110,7 +110,7 @@ static enum status read_refusal(struct peer *peer, struct pipe_talk *talk, uint3
         return blame_end(peer, end, asked, 0, reason);
     make_printable(text);
     peer->has_scene = false;
-    return fail(reason, STATUS_LIMIT, "%.80s refused: %s", peer->name, text);
+    return fail(reason, STATUS_REFUSED, "%.80s refused: %s", peer->name, text);
 }
 
 /* The head of an answer, and what it says of the peer. */
@@ -228,8 +228,8 @@ static enum status need_peer(struct peer *peer, struct reason *reason)
         return fail(reason, status, "%.80s: %s", peer->name, why.text);
     peer->has_scene = false;
     status = ask(peer, &(struct asked){0, 0}, NULL, NULL, true, reason);
-    peer->has_scene = false; /* that was none */
-    return status;
+    peer->has_scene = false;                              /* that was none */
+    return status == STATUS_REFUSED ? STATUS_OK : status; /* it may take another scene */
 }
 
 static void peer_close(void *self)
@@ -253,8 +253,6 @@ static enum status peer_open(const char *name, const struct engine_options *opti
     peer->options.peer_ms = options->peer_ms ? options->peer_ms : PEER_MS;
     peer->options.peer_mb = options->peer_mb ? options->peer_mb : PEER_MB;
     enum status status = need_peer(peer, reason);
-    if (status == STATUS_LIMIT) /* who refuses nothing at all cannot run here */
-        status = STATUS_UNSUPPORTED;
     if (status)
         peer_close(peer);
     else

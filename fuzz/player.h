@@ -53,7 +53,9 @@ struct fuzz_result {
     size_t judged;               /* rays with a verdict for every contestant that played */
     size_t refused;              /* contestants whose layout cannot hold the trial */
     uint32_t refusers;           /* the same as a mask of 1u << contestant */
+    uint32_t decliners;          /* of them those that refused by themselves, not their layout */
     uint32_t players;            /* contestants that answered, likewise */
+    uint32_t provers;            /* those with a hit that is not WRONG, likewise */
     uint32_t refitted, rebuilt;  /* contestants on a tree that was, since it moved, likewise */
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
     size_t finding_count;

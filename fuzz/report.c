@@ -51,12 +51,18 @@ static void case_of_contestant(const struct report_contestant *who, struct writt
     snprintf(out->name, sizeof out->name, "%s.played", who->name);
     out->one = (struct ci_case){.group = "raydiff.fuzz",
                                 .name = out->name,
-                                .state = played ? CI_PASSED : CI_SKIPPED,
+                                .state = who->vacuous ? CI_FAILED
+                                         : played     ? CI_PASSED
+                                                      : CI_SKIPPED,
+                                .type = "vacuous",
                                 .why = out->why,
                                 .detail = out->detail,
                                 .seconds = who->seconds};
     out->why[0] = out->detail[0] = '\0';
-    if (who->played > 0)
+    if (who->vacuous)
+        snprintf(out->why, sizeof out->why, "%s: %llu played, %llu refused", who->vacuous,
+                 (unsigned long long)who->played, (unsigned long long)who->refused);
+    else if (who->played > 0)
         snprintf(out->detail, sizeof out->detail, "%llu trials played, %llu refused",
                  (unsigned long long)who->played, (unsigned long long)who->refused);
     else if (who->why && who->why[0])

@@ -34,7 +34,8 @@ struct report_contestant {
     const char *name;         /* "cpu.rf16", "embree_robust" */
     uint64_t played, refused; /* trials */
     double seconds;           /* that it worked */
-    const char *why; /* it was not played; NULL: because there was no trial, or it refused */
+    const char *why;     /* it was not played; NULL: because there was no trial, or it refused */
+    const char *vacuous; /* why it tested nothing, a failure; NULL: it did, or was not asked */
 };
 
 struct report {

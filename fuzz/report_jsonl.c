@@ -81,7 +81,7 @@ enum status report_jsonl(const struct report *report, const char *path, struct r
         put_whole(out.stream, "played", who->played);
         put_whole(out.stream, "refused", who->refused);
         put_real(out.stream, "seconds", who->seconds);
-        put_text(out.stream, "why", who->played ? "" : who->why);
+        put_text(out.stream, "why", who->vacuous ? who->vacuous : who->played ? "" : who->why);
         fputs("}\n", out.stream);
     }
     for (size_t i = 0; i < report->findings; i++)

@@ -62,10 +62,13 @@ static void fared_badly(struct answers *answers, enum fuzz_kind kind, size_t ray
 static void fared_by_status(const struct seat *who, struct answers *answers, enum status status)
 {
     bool other = who->layout && !engine_takes(who->engine, who->layout);
-    if (status == STATUS_LIMIT || (status == STATUS_UNSUPPORTED && other))
+    if (status == STATUS_REFUSED || status == STATUS_LIMIT ||
+        (status == STATUS_UNSUPPORTED && other)) {
         answers->fared = FARED_REFUSED;
-    else
+        answers->declined = status != STATUS_UNSUPPORTED;
+    } else {
         fared_badly(answers, status == STATUS_INPUT ? FUZZ_KIND_PROTOCOL : FUZZ_KIND_REFUSED, 0);
+    }
 }
 
 /* The rays one by one, after some of them were not finished. */
@@ -126,7 +129,8 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct sta
     struct trace_report report = {0};
     uint64_t start = time_ns();
     enum status status = who->engine->prepare(who->self, &job, reason);
-    if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED || status == STATUS_INPUT) {
+    if (status == STATUS_REFUSED || status == STATUS_LIMIT || status == STATUS_UNSUPPORTED ||
+        status == STATUS_INPUT) {
         fared_by_status(who, answers, status);
         return STATUS_OK;
     }
@@ -159,6 +163,7 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct sta
 static bool can_ask(const struct seat *seat, struct stage *stage, struct answers *answers)
 {
     answers->fared = FARED_NOT;
+    answers->declined = false;
     if (!seat->layout || stage->has_packed[seat->layout_index])
         return true;
     answers->fared = FARED_REFUSED;

@@ -47,6 +47,7 @@ struct answers {
     uint32_t *work; /* struct engine_task */
     bool has_work;
     enum fared fared;
+    bool declined;       /* FARED_REFUSED: by the engine itself, not by its layout or a rule */
     enum fuzz_kind kind; /* of FARED_FAULTY */
     uint32_t ray;        /* at which */
 };

@@ -158,6 +158,8 @@ static void count_ray(struct judging *j, uint32_t i, uint32_t k)
         if (judgement->verdict == VERDICT_WRONG) {
             j->out->wrong++;
             keep(j, s, FUZZ_KIND_WRONG + judgement->wrong, i, judgement);
+        } else if (answers->hit[i].prim != ABI_NO_PRIM) {
+            j->out->provers |= 1u << s;
         }
         compare_bits(j, s, i, judgement);
     }
@@ -199,6 +201,7 @@ static void judge_seats(struct judging *j)
         if (answers->fared == FARED_REFUSED) {
             j->out->refused++;
             j->out->refusers |= 1u << s;
+            j->out->decliners |= (uint32_t)answers->declined << s;
         } else if (answers->fared != FARED_NOT && answers->fared != FARED_FAULTY) {
             j->out->players |= 1u << s;
             j->out->refitted |= (uint32_t)(motion == TRIAL_REFITTED) << s;

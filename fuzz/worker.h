@@ -88,8 +88,8 @@ struct work_trial {
     uint64_t coverage[COVERAGE_WORDS];
     uint32_t count[VERDICT_COUNT];
     uint32_t wrong, judged, rays, triangles;
-    uint32_t refusers; /* contestants, 1u << contestant */
-    uint32_t players, refitted, rebuilt;
+    uint32_t refusers;                                       /* contestants, 1u << contestant */
+    uint32_t decliners, players, provers, refitted, rebuilt; /* likewise */
     /* Members, to be counted. */
     const struct builder *builder;
     const struct tri_store *store;

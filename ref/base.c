@@ -20,6 +20,8 @@ const char *status_text(enum status status)
         return "bad input";
     case STATUS_LIMIT:
         return "over a limit";
+    case STATUS_REFUSED:
+        return "refused by the engine";
     case STATUS_UNSUPPORTED:
         return "not available";
     case STATUS_DEVICE:

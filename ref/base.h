@@ -17,6 +17,7 @@ enum status {
     STATUS_MEMORY,      /* no memory */
     STATUS_INPUT,       /* a file, flag or scene is wrong */
     STATUS_LIMIT,       /* a stated limit of a layout or engine is exceeded */
+    STATUS_REFUSED,     /* an engine from outside refuses what it is asked */
     STATUS_UNSUPPORTED, /* not available here: the caller skips, with the reason */
     STATUS_DEVICE,      /* a device or driver failed, or did not finish its work */
     STATUS_INTERNAL,    /* two of our own ways to the same answer contradict each other: our bug */

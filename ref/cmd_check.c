@@ -128,14 +128,6 @@ static enum status take_number(struct check_options *o, int option, const char *
     }
 }
 
-static enum status take_move(struct check_options *o, const char *text, struct reason *reason)
-{
-    if (parse_float("--move", text, &o->move, reason))
-        return STATUS_INPUT;
-    return o->move >= 0 ? STATUS_OK
-                        : fail(reason, STATUS_INPUT, "--move %s: how far is at least 0", text);
-}
-
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
     struct check_options *o = user;
@@ -166,7 +158,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
         o->build_flag = "--eps";
         return parse_float("--eps", text, &o->build.eps, reason);
     case OPT_MOVE:
-        return take_move(o, text, reason);
+        return check_take_move(text, &o->move, reason);
     case OPT_BINS:
     case OPT_RADIUS:
     case OPT_SPLIT_BUDGET:
@@ -192,7 +184,8 @@ struct check {
     struct check_options options;
     struct pool pool;
     struct progress progress;
-    struct tree_file tree; /* of --bvh; rows refer to it */
+    struct tree_file tree;  /* of --bvh; rows refer to it */
+    struct turnout turnout; /* of what was named */
     const struct original
         *original; /* of the decoded scene that is played; NULL: it is as it was */
 };
@@ -403,6 +396,9 @@ static int check_all(struct check *check, char *const *spec, size_t count)
     struct check_scene *results = alloc_zeroed(count, sizeof *results);
     if (!results)
         return EXIT_INTERNAL;
+    const struct check_options *o = &check->options;
+    turnout_expect(&check->turnout, o->engine_named ? &o->engine : NULL, &o->engine,
+                   o->layout_named && !o->layout_auto ? &o->layout : NULL);
     for (size_t i = 0; i < count; i++) {
         enum status status = check_one(check, spec[i], &results[i], &reason);
         progress_end(&check->progress);
@@ -413,11 +409,15 @@ static int check_all(struct check *check, char *const *spec, size_t count)
         }
         check_print(&results[i]);
         fflush(stdout);
+        turnout_rows(&check->turnout, results[i].row, results[i].row_count);
         code = exit_worse(code, check_exit(&results[i], check->options.layout_named,
                                            check->options.engine_named));
     }
+    turnout_print(&check->turnout);
+    code = exit_worse(code, turnout_exit(&check->turnout));
     if (check->options.json) {
-        enum status status = check_write_json(check->options.json, results, count, code, &reason);
+        enum status status =
+            check_write_json(check->options.json, results, count, &check->turnout, code, &reason);
         if (status) {
             fprintf(stderr, "raydiff check: %s\n", reason.text);
             code = exit_worse(code, exit_of_status(status));

@@ -5,6 +5,7 @@
 #include "ref/cmd_tables.h"
 #include "ref/match.h"
 #include "ref/quantise.h"
+#include "ref/turnout.h"
 
 /* One scene and all its rows. */
 struct check_scene {
@@ -27,6 +28,9 @@ void check_help(void);
 /* Prints the table of a scene, what was refused or skipped and why, and what it means. */
 void check_print(const struct check_scene *scene);
 
+/* Takes the value of --move. Errors: STATUS_INPUT. */
+enum status check_take_move(const char *text, float *move, struct reason *reason) MUST_USE;
+
 /* What the motion of --move did to trees and packed trees; nothing without one. */
 void check_print_moved(const struct check_scene *scene);
 
@@ -36,6 +40,7 @@ int check_exit(const struct check_scene *scene, bool layout_named, bool engine_n
 
 /* Writes all rows as JSON, see README "JSON". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
 enum status check_write_json(const char *path, const struct check_scene *scene, size_t scene_count,
-                             int exit_code, struct reason *reason) MUST_USE;
+                             const struct turnout *turnout, int exit_code,
+                             struct reason *reason) MUST_USE;
 
 #endif

@@ -167,7 +167,7 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
 }
 
 enum status check_write_json(const char *path, const struct check_scene *scene, size_t scene_count,
-                             int exit_code, struct reason *reason)
+                             const struct turnout *turnout, int exit_code, struct reason *reason)
 {
     json_t *scenes = json_array(), *rows = json_array();
     for (size_t s = 0; s < scene_count; s++) {
@@ -179,7 +179,8 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
         for (size_t i = 0; i < scene[s].row_count; i++)
             json_array_append_new(rows, row_json(&scene[s], &scene[s].row[i]));
     }
-    json_t *root = json_pack("{s:s, s:i, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "exit", exit_code,
-                             "scenes", scenes, "rows", rows);
+    json_t *root =
+        json_pack("{s:s, s:i, s:o, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "exit", exit_code,
+                  "scenes", scenes, "named", json_turnout(turnout), "rows", rows);
     return json_write(path, root, 9, reason);
 }

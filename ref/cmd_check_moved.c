@@ -1,6 +1,8 @@
 /* What raydiff check --move says of trees that were refitted. */
 #include "ref/cmd_check.h"
 
+#include "ref/command.h"
+
 #include <stdio.h>
 
 static bool same_tree(const struct row *a, const struct row *b)
@@ -32,6 +34,14 @@ static void print_cost(const struct check_scene *scene, const struct row *row)
         printf("; built in %.1f and packed in %.1f: %.1f times as long\n",
                (double)r->build_ns / count, (double)r->pack_ns / count,
                (double)(r->build_ns + r->pack_ns) / (double)r->refit_ns);
+}
+
+enum status check_take_move(const char *text, float *move, struct reason *reason)
+{
+    if (parse_float("--move", text, move, reason))
+        return STATUS_INPUT;
+    return *move >= 0 ? STATUS_OK
+                      : fail(reason, STATUS_INPUT, "--move %s: how far is at least 0", text);
 }
 
 void check_print_moved(const struct check_scene *scene)

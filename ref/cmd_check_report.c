@@ -180,12 +180,12 @@ static void print_winners(const struct check_scene *scene)
     }
 }
 
-/* Everything that was asked for is refused, or has nobody to play on it. */
+/* All layouts that were asked for refuse, or there is no engine to play on them. */
 static bool is_idle(const struct check_scene *scene)
 {
     bool idle = true;
     for (size_t i = 0; i < scene->row_count; i++)
-        idle = idle && scene->row[i].status == ROW_REFUSED;
+        idle = idle && scene->row[i].status == ROW_REFUSED && !scene->row[i].declined;
     return idle;
 }
 
@@ -249,7 +249,7 @@ static void print_agreement(const struct check_scene *scene)
 /* Who refused, was skipped or failed. */
 static const char *subject_name(const struct row *row)
 {
-    if (row->status == ROW_REFUSED && row->layout)
+    if (row->status == ROW_REFUSED && row->layout && !row->declined)
         return row->layout->name;
     return row->engine ? row->engine->name : "--layout auto";
 }
@@ -322,7 +322,7 @@ int check_exit(const struct check_scene *scene, bool layout_named, bool engine_n
     int code = is_idle(scene) || idle_store(scene) ? EXIT_USAGE : EXIT_AGREE;
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
-        if (row->status == ROW_REFUSED && layout_named)
+        if (row->status == ROW_REFUSED && !row->declined && layout_named)
             code = exit_worse(code, EXIT_USAGE);
         if (row->status == ROW_SKIPPED && engine_named)
             code = exit_worse(code, EXIT_SKIPPED);

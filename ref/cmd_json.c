@@ -1,6 +1,8 @@
 #include "ref/cmd_json.h"
 
 #include "ref/cmd_options.h"
+#include "ref/command.h"
+#include "ref/turnout.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -35,6 +37,23 @@ json_t *json_hit(const struct hit *hit)
 {
     return json_pack("{s:o, s:o, s:o, s:o}", "prim", json_prim(hit->prim), "t", json_float(hit->t),
                      "u", json_float(hit->u), "v", json_float(hit->v));
+}
+
+json_t *json_turnout(const struct turnout *turnout)
+{
+    json_t *out = json_array();
+    for (size_t i = 0; i < turnout->count; i++) {
+        const struct turnout_one *one = &turnout->one[i];
+        json_array_append_new(
+            out, json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:b, s:s}", "kind", one->kind,
+                           "name", one->name, "asked", (json_int_t)turnout_asked(one), "answered",
+                           (json_int_t)one->end[TURNOUT_ANSWERED], "refused",
+                           (json_int_t)one->end[TURNOUT_REFUSED], "skipped",
+                           (json_int_t)(one->end[TURNOUT_SKIPPED] + one->end[TURNOUT_ABSENT]),
+                           "failed", (json_int_t)one->end[TURNOUT_FAILED], "vacuous",
+                           turnout_code(one) == EXIT_MISMATCH, "reason", one->reason.text));
+    }
+    return out;
 }
 
 enum status json_write(const char *path, json_t *root, unsigned digits, struct reason *reason)

@@ -28,4 +28,8 @@ json_t *json_floats(const float *x, size_t count);
 json_t *json_prim(uint32_t prim);
 json_t *json_hit(const struct hit *hit);
 
+/* Those that were named, and what came of asking them, see README "JSON". */
+struct turnout;
+json_t *json_turnout(const struct turnout *turnout);
+
 #endif

@@ -161,8 +161,11 @@ static int leaks_all(const struct leaks_options *o, char *const *spec, size_t co
     struct pool pool = {.options = o->engines};
     struct progress progress = progress_make("leaks");
     struct leak_scene *results = alloc_zeroed(count, sizeof *results);
+    static struct turnout turnout;
     if (!results)
         return EXIT_INTERNAL;
+    turnout_expect(&turnout, o->engine_named ? &o->engine : NULL, &o->engine,
+                   o->layout_named ? &o->layout : NULL);
     for (size_t i = 0; i < count; i++) {
         enum status status = leaks_play(o, &pool, &progress, spec[i], &results[i], &reason);
         progress_end(&progress);
@@ -173,10 +176,13 @@ static int leaks_all(const struct leaks_options *o, char *const *spec, size_t co
         }
         leaks_print(&results[i]);
         fflush(stdout);
+        leaks_count_turnout(&results[i], &turnout);
         code = exit_worse(code, leaks_exit(&results[i], o->layout_named, o->engine_named));
     }
+    turnout_print(&turnout);
+    code = exit_worse(code, turnout_exit(&turnout));
     if (o->json) {
-        enum status status = leaks_write_json(o->json, results, count, code, &reason);
+        enum status status = leaks_write_json(o->json, results, count, &turnout, code, &reason);
         if (status) {
             fprintf(stderr, "raydiff leaks: %s\n", reason.text);
             code = exit_worse(code, exit_of_status(status));

@@ -4,7 +4,7 @@
 
 #include "ref/cmd_tables.h"
 #include "ref/leaks.h"
-#include "ref/match.h"
+#include "ref/turnout.h"
 #include "scenes/rays_inside.h"
 
 #define LEAKS_LEAST 1000 /* fewer rays say nothing */
@@ -30,8 +30,10 @@ struct leak_row {
     const struct builder *builder;
     const struct box_test *box;
     const struct tri_test *tri;
-    enum status status; /* LIMIT: the layout refuses; UNSUPPORTED: cannot run here; else failed */
+    enum status status; /* LIMIT: the layout refuses, or the engine; REFUSED: the engine;
+                           UNSUPPORTED: cannot run here, or not this; else failed */
     struct reason reason;
+    bool absent; /* UNSUPPORTED: the engine cannot run here at all */
     struct leaks leaks;
     bool own_test; /* the engine has one triangle test, whatever `tri` says */
     bool promises; /* a watertight triangle test, a box test that keeps it so, none as published */
@@ -69,8 +71,12 @@ void leaks_print(const struct leak_scene *scene);
 /* The exit code that the rows ask for; a layout or engine counts only if it was named. */
 int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_named);
 
+/* Counts all rows for those that were named. */
+void leaks_count_turnout(const struct leak_scene *scene, struct turnout *turnout);
+
 /* Writes all rows as JSON, see README "Leaks". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
 enum status leaks_write_json(const char *path, const struct leak_scene *scene, size_t scene_count,
-                             int exit_code, struct reason *reason) MUST_USE;
+                             const struct turnout *turnout, int exit_code,
+                             struct reason *reason) MUST_USE;
 
 #endif

@@ -61,6 +61,7 @@ static void count_row(struct play *play, struct leak_row *row)
                       .box = row->box,
                       .tri = row->tri};
     void *self = pool_get(play->pool, engine, &row->status, &row->reason);
+    row->absent = row->status == STATUS_UNSUPPORTED;
     if (!self)
         return;
     bool is_cpu = strcmp(engine->name, "cpu") == 0;

@@ -59,9 +59,9 @@ static void print_row(const struct leak_row *row)
            row->own_test ? "own" : row->tri->name);
     if (row->status) {
         printf(" %s: %s\n",
-               row->status == STATUS_LIMIT         ? "refused"
-               : row->status == STATUS_UNSUPPORTED ? "skipped"
-                                                   : "failed",
+               row->status == STATUS_LIMIT || row->status == STATUS_REFUSED ? "refused"
+               : row->status == STATUS_UNSUPPORTED                          ? "skipped"
+                                                                            : "failed",
                row->reason.text);
         return;
     }
@@ -152,6 +152,35 @@ int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_na
     return code;
 }
 
+static enum turnout_end end_of(const struct leak_row *row)
+{
+    switch (row->status) {
+    case STATUS_OK:
+        return TURNOUT_ANSWERED;
+    case STATUS_LIMIT:
+    case STATUS_REFUSED:
+        return TURNOUT_REFUSED;
+    case STATUS_UNSUPPORTED:
+        return row->absent ? TURNOUT_ABSENT : TURNOUT_SKIPPED;
+    default:
+        return TURNOUT_FAILED;
+    }
+}
+
+void leaks_count_turnout(const struct leak_scene *scene, struct turnout *turnout)
+{
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct leak_row *row = &scene->row[i];
+        enum turnout_end end = end_of(row);
+        if (row->engine)
+            turnout_add(turnout, "engine", row->engine->name, end, 1, row->reason.text);
+        if (row->layout)
+            turnout_add(turnout, "layout", row->layout->name,
+                        row->engine && end == TURNOUT_REFUSED ? TURNOUT_SKIPPED : end, 1,
+                        row->reason.text);
+    }
+}
+
 static json_t *tally_json(const struct leak_tally *t, bool lists)
 {
     json_t *out =
@@ -214,7 +243,7 @@ static json_t *row_json(const struct leak_scene *scene, const struct leak_row *r
 }
 
 enum status leaks_write_json(const char *path, const struct leak_scene *scene, size_t scene_count,
-                             int exit_code, struct reason *reason)
+                             const struct turnout *turnout, int exit_code, struct reason *reason)
 {
     json_t *scenes = json_array(), *rows = json_array();
     for (size_t s = 0; s < scene_count; s++) {
@@ -230,8 +259,9 @@ enum status leaks_write_json(const char *path, const struct leak_scene *scene, s
         for (size_t i = 0; i < scene[s].row_count; i++)
             json_array_append_new(rows, row_json(&scene[s], &scene[s].row[i]));
     }
-    json_t *root = json_pack("{s:s, s:s, s:i, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "profile",
-                             scene_count ? scene[0].profile->name : "", "exit", exit_code, "scenes",
-                             scenes, "rows", rows);
+    json_t *root =
+        json_pack("{s:s, s:s, s:i, s:o, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "profile",
+                  scene_count ? scene[0].profile->name : "", "exit", exit_code, "scenes", scenes,
+                  "named", json_turnout(turnout), "rows", rows);
     return json_write(path, root, 17, reason);
 }

@@ -6,6 +6,7 @@
 #include "fuzz/plugin_shader.h"
 #include "fuzz/recorded.h"
 #include "ref/engine.h"
+#include "ref/turnout.h"
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
 
@@ -32,6 +33,14 @@ const char *table_name(enum table table)
     static const char *const names[TABLE_COUNT] = {"builders",       "layouts",  "box tests",
                                                    "triangle tests", "queries",  "engines",
                                                    "scenes",         "ray sets", "storages"};
+    return names[table];
+}
+
+/* As turnouts call a member of the table. */
+static const char *kind_of(enum table table)
+{
+    static const char *const names[TABLE_COUNT] = {"builder", "layout", "box",  "tri",  "query",
+                                                   "engine",  "scene",  "rays", "store"};
     return names[table];
 }
 
@@ -121,6 +130,41 @@ static enum status unknown(enum table table, const char *flag, const char *name,
                 table == TABLE_ENGINES   ? ", pipe:COMMAND"
                 : table == TABLE_LAYOUTS ? ", ./FILE.so"
                                          : "");
+}
+
+void list_expect(enum table table, const struct list *list, struct turnout *turnout)
+{
+    for (size_t i = 0; i < list->count; i++)
+        turnout_name(turnout, kind_of(table), table_member(table, list->index[i], NULL));
+}
+
+bool list_needs_trees(const struct list *list)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (engines[list->index[i]]->needs_packed)
+            return true;
+    return false;
+}
+
+void turnout_expect(struct turnout *turnout, const struct list *engine, const struct list *playing,
+                    const struct list *layout)
+{
+    if (engine)
+        list_expect(TABLE_ENGINES, engine, turnout);
+    if (layout && list_needs_trees(playing))
+        list_expect(TABLE_LAYOUTS, layout, turnout);
+}
+
+void turnout_print(const struct turnout *turnout)
+{
+    char line[512];
+    for (size_t i = 0; i < turnout->count; i++) {
+        const struct turnout_one *one = &turnout->one[i];
+        if (!one->declines && !turnout_tells(one)) /* engines always */
+            continue;
+        turnout_line(one, line, sizeof line);
+        printf("%s %s %s\n", one->kind, one->name, line);
+    }
 }
 
 /* Of queries, "all" is one. */

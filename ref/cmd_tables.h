@@ -42,6 +42,21 @@ const char *table_member(enum table table, size_t i, const char **summary);
 /* The members that products run over: of layouts those of layouts[], of the others all. */
 struct list table_all(enum table table);
 
+struct turnout;
+/* Enters the members of a list, each of which is to answer something. */
+void list_expect(enum table table, const struct list *list, struct turnout *turnout);
+
+/* True if an engine of the list plays on trees, so that layouts and builders can answer. */
+bool list_needs_trees(const struct list *engine);
+
+/* Enters what was named: `engine` and `layout` are NULL where nothing was; layouts can answer only
+ * where an engine that plays needs trees. */
+void turnout_expect(struct turnout *turnout, const struct list *engine, const struct list *playing,
+                    const struct list *layout);
+
+/* Prints a line for each engine and for each other member that did not answer all. */
+void turnout_print(const struct turnout *turnout);
+
 /* Parses "a,b" or "all", which is table_all (of queries one member, not the whole table); "every"
  * is the whole table, and a name with * or ? all members that it matches. Of engines,
  * "pipe:COMMAND" is one, too, and is then in the table; a command may hold commas, but not

@@ -24,6 +24,8 @@ int exit_of_status(enum status status)
     case STATUS_INPUT:
     case STATUS_LIMIT:
         return EXIT_USAGE;
+    case STATUS_REFUSED:
+        return EXIT_MISMATCH;
     case STATUS_UNSUPPORTED:
         return EXIT_SKIPPED;
     case STATUS_DEVICE:

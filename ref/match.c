@@ -391,6 +391,7 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
     void *self = pool_get(match->pool, engine, &status, &row->reason);
     if (status) {
         row->status = status == STATUS_UNSUPPORTED ? ROW_SKIPPED : ROW_FAILED;
+        row->absent = row->status == ROW_SKIPPED;
         return status;
     }
     if (engine->needs_packed && !match->packed.layout) {
@@ -404,11 +405,13 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
         status = engine->prepare(self, &job, &row->reason);
     if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
         row->status = status == STATUS_LIMIT ? ROW_REFUSED : ROW_SKIPPED;
+        row->declined = row->status == ROW_REFUSED;
         return status;
     }
     if (status == STATUS_OK)
         status = play_row(match, engine, self, row);
-    row->status = status ? ROW_FAILED : ROW_OK;
+    row->declined = status == STATUS_REFUSED;
+    row->status = row->declined ? ROW_REFUSED : status ? ROW_FAILED : ROW_OK;
     if (status == STATUS_OK)
         keep_closest(match, engine, row->rays);
     return status;

@@ -81,6 +81,8 @@ struct row {
     const struct layout *layout; /* NULL: the engine needs none */
     enum row_status status;
     enum status cause; /* of REFUSED, SKIPPED, FAILED */
+    bool declined;     /* REFUSED: by the engine itself, not by its layout */
+    bool absent;       /* SKIPPED: the engine cannot run here at all */
     struct reason reason;
     uint64_t node_bytes, item_bytes, memory_bytes;
     uint64_t scene_bytes; /* of the scene's vertices and indices, where the storage reads them */

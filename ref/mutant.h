@@ -63,6 +63,11 @@
 #define MUTANT_ALL_AS_RARE     110 /* feedback chooses every trial as often */
 #define MUTANT_NOT_ESCAPED     113 /* text goes into JUnit and TAP as it is */
 #define MUTANT_UNPLAYED_PASS   114 /* a contestant that played nothing passes */
+#define MUTANT_REFUSERS_PASS   680 /* what was named need not answer anything */
+#define MUTANT_ONE_ANSWER_DOES 681 /* an engine may refuse all but one */
+#define MUTANT_CPU_STANDS_IN   682 /* conform: engine cpu passes trials that others refused */
+#define MUTANT_FUZZ_REFUSERS   683 /* fuzz: a contestant need not answer anything */
+#define MUTANT_TURNOUT_FORGOT  684 /* fuzz: a resumed campaign forgets who answered before */
 #define MUTANT_HELD_FORGOTTEN  111 /* feedback keeps trials that reach nothing new */
 #define MUTANT_HALF_MESSAGE    90  /* what a dead child sent of a message is taken for all of it */
 #define MUTANT_SIBLINGS_HELD   91  /* a child keeps the files that its parent had open */

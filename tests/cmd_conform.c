@@ -47,6 +47,7 @@ struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html;
     bool list_only, verbose, tap, hard, summary, quick;
     struct list list[TABLE_COUNT], require;
+    bool everything[TABLE_COUNT]; /* list[] is "all", so that none of it is named */
     bool all;
     uint64_t count, brute;
     struct engine_options engines;
@@ -97,6 +98,13 @@ static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
                                              {"store", 1, NULL, OPT_STORE},
                                              ENGINE_OPTIONS};
 
+static enum status take_list(struct conform_options *o, enum table table, const char *flag,
+                             const char *text, struct reason *reason)
+{
+    o->everything[table] = strcmp(text, "all") == 0 || strcmp(text, "every") == 0;
+    return table_parse(table, flag, text, &o->list[table], reason);
+}
+
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
     struct conform_options *o = user;
@@ -109,17 +117,17 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_BRUTE:
         return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
     case OPT_ENGINE:
-        return table_parse(TABLE_ENGINES, "--engine", text, &o->list[TABLE_ENGINES], reason);
+        return take_list(o, TABLE_ENGINES, "--engine", text, reason);
     case OPT_LAYOUT:
-        return table_parse(TABLE_LAYOUTS, "--layout", text, &o->list[TABLE_LAYOUTS], reason);
+        return take_list(o, TABLE_LAYOUTS, "--layout", text, reason);
     case OPT_STORE:
-        return table_parse(TABLE_STORES, "--store", text, &o->list[TABLE_STORES], reason);
+        return take_list(o, TABLE_STORES, "--store", text, reason);
     case OPT_BUILDER:
-        return table_parse(TABLE_BUILDERS, "--builder", text, &o->list[TABLE_BUILDERS], reason);
+        return take_list(o, TABLE_BUILDERS, "--builder", text, reason);
     case OPT_BOX:
-        return table_parse(TABLE_BOX_TESTS, "--box", text, &o->list[TABLE_BOX_TESTS], reason);
+        return take_list(o, TABLE_BOX_TESTS, "--box", text, reason);
     case OPT_TRI:
-        return table_parse(TABLE_TRI_TESTS, "--tri", text, &o->list[TABLE_TRI_TESTS], reason);
+        return take_list(o, TABLE_TRI_TESTS, "--tri", text, reason);
     case OPT_ALL:
         o->all = true;
         break;
@@ -222,6 +230,14 @@ static enum status fill_and_print(const struct conform_options *o, struct suite 
     return status;
 }
 
+static void expect_named(struct conform_report *report, const struct conform_options *o)
+{
+    struct list named[TABLE_COUNT];
+    for (enum table t = 0; t < TABLE_COUNT; t++)
+        named[t] = o->everything[t] ? (struct list){.count = 0} : o->list[t];
+    conform_report_expect(report, named);
+}
+
 static int run_and_report(const struct conform_options *o, struct suite *suite,
                           struct reason *reason)
 {
@@ -235,6 +251,7 @@ static int run_and_report(const struct conform_options *o, struct suite *suite,
             : fail(reason, STATUS_MEMORY, "no memory for %zu trials", suite->count);
     int code = exit_of_status(status);
     if (!status) {
+        expect_named(&report, o);
         report.verbose = o->verbose;
         report.tap = o->tap;
         report.options = o->engines;
@@ -295,18 +312,20 @@ int cmd_conform(int argc, char **argv)
     if (hard && o.list[TABLE_STORES].count > 0)
         return usage_error("conform", "--store: the hard cases are of storage indexed");
     if (hard)
-        return conform_hard(&(struct conform_hard_options){.pattern = o.pattern,
-                                                           .junit = o.junit,
-                                                           .waivers = o.waivers,
-                                                           .markdown = o.markdown,
-                                                           .html = o.html,
-                                                           .list = o.list_only,
-                                                           .verbose = o.verbose,
-                                                           .tap = o.tap,
-                                                           .summary = o.summary,
-                                                           .quick = o.quick,
-                                                           .engine = o.list[TABLE_ENGINES],
-                                                           .require = o.require,
-                                                           .engines = o.engines});
+        return conform_hard(
+            &(struct conform_hard_options){.pattern = o.pattern,
+                                           .junit = o.junit,
+                                           .waivers = o.waivers,
+                                           .markdown = o.markdown,
+                                           .html = o.html,
+                                           .list = o.list_only,
+                                           .verbose = o.verbose,
+                                           .tap = o.tap,
+                                           .summary = o.summary,
+                                           .quick = o.quick,
+                                           .engine = o.list[TABLE_ENGINES],
+                                           .every_engine = o.everything[TABLE_ENGINES],
+                                           .require = o.require,
+                                           .engines = o.engines});
     return conform(&o);
 }

@@ -167,6 +167,36 @@ static enum status outcome_of(struct run *run, const struct one *one,
     return STATUS_OK;
 }
 
+/* Counts the parts of a case for those that were named. */
+static void count_turnout(struct turnout *turnout, const struct hard_member *member,
+                          const struct hard_result *result)
+{
+    const char *why = result->reason.text;
+    const size_t refused = result->refused - result->declined;
+    const struct {
+        const char *kind, *name;
+    } who[] = {{"engine", member->engine->name},
+               {"layout", member->layout ? member->layout->name : NULL},
+               {"builder", member->layout ? member->builder->name : NULL},
+               {"box", member->layout ? member->box->name : NULL},
+               {"tri", member->tri->name}};
+    for (size_t i = 0; i < ARRAY_COUNT(who); i++) {
+        const bool engine = i == 0;
+        if (!who[i].name)
+            continue;
+        turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_ANSWERED, result->played, why);
+        turnout_add(turnout, who[i].kind, who[i].name, engine ? TURNOUT_REFUSED : TURNOUT_SKIPPED,
+                    result->declined, why);
+        if (!engine) /* which was not asked */
+            turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_REFUSED, refused, why);
+        if (result->outcome == HARD_SKIPPED)
+            turnout_add(turnout, who[i].kind, who[i].name,
+                        result->absent ? TURNOUT_ABSENT : TURNOUT_SKIPPED, 1, why);
+        if (result->unfinished)
+            turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_FAILED, 1, why);
+    }
+}
+
 /* Adds one result to the report and the matrix. */
 static enum status add_result(struct run *run, const struct one *one,
                               const struct hard_result *result, double seconds,
@@ -184,6 +214,8 @@ static enum status add_result(struct run *run, const struct one *one,
     entry.plain =
         entry.outcome == OUTCOME_FAILED && result->outcome != HARD_SKIPPED && is_defect(run, one);
     enum outcome outcome = conform_report_put(report, &entry, &waiver);
+    report->absent += outcome == OUTCOME_SKIPPED && result->absent;
+    count_turnout(&report->turnout, &one->member, result);
     if (waiver)
         snprintf(why, sizeof why, "%s %s", waiver->reason, waiver->link);
     bool excused = outcome == OUTCOME_WAIVED || outcome == OUTCOME_KNOWN;
@@ -260,6 +292,9 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
     struct counting counting = {&report.waivers, o->pattern == NULL};
     for (size_t i = 0; !complete && hard_cases[i]; i++)
         hard_each_member(hard_cases[i], count_name, &counting);
+    struct list named[TABLE_COUNT] = {[TABLE_ENGINES] =
+                                          o->every_engine ? (struct list){.count = 0} : o->engine};
+    conform_report_expect(&report, named);
     report.verbose = o->verbose;
     report.tap = o->tap;
     report.quiet = true;

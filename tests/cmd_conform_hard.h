@@ -8,7 +8,8 @@
 struct conform_hard_options {
     const char *pattern, *junit, *waivers, *markdown, *html; /* each may be NULL */
     bool list, verbose, tap, summary, quick;
-    struct list engine, require; /* engine none: all */
+    struct list engine, require;
+    bool every_engine; /* engine is "all", so that none is named */ /* engine none: all */
     struct engine_options engines;
 };
 

@@ -1,6 +1,7 @@
 #include "tests/cmd_conform_report.h"
 
 #include "ref/command.h"
+#include "ref/mutant.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +30,18 @@ enum status conform_report_open(struct conform_report *report, size_t expected, 
     if (status)
         waivers_free(&report->waivers);
     return status;
+}
+
+void conform_report_expect(struct conform_report *report, const struct list list[TABLE_COUNT])
+{
+    static const enum table tables[] = {TABLE_ENGINES,  TABLE_LAYOUTS,   TABLE_STORES,
+                                        TABLE_BUILDERS, TABLE_BOX_TESTS, TABLE_TRI_TESTS};
+    const struct list *engine = &list[TABLE_ENGINES];
+    const bool trees = engine->count == 0 || list_needs_trees(engine);
+    for (size_t t = 0; t < ARRAY_COUNT(tables); t++)
+        if (tables[t] == TABLE_ENGINES || tables[t] == TABLE_TRI_TESTS || trees)
+            list_expect(tables[t], &list[tables[t]], &report->turnout);
+    report->expected += report->expected ? report->turnout.count : 0;
 }
 
 static bool counts_as_passed(enum outcome outcome)
@@ -152,6 +165,25 @@ static void print_findings(const struct row *row)
     }
 }
 
+static void add_member(struct turnout *turnout, const char *kind, const char *name,
+                       const struct row *row)
+{
+    if (name)
+        turnout_add(turnout, kind, name, turnout_of_member(row), 1, row->reason.text);
+}
+
+static void count_turnout(struct turnout *turnout, const struct row *row)
+{
+    const struct match_options *o = &row->options;
+    turnout_row(turnout, row);
+    add_member(turnout, "tri", o->tri ? o->tri->name : NULL, row);
+    if (!row->layout)
+        return;
+    add_member(turnout, "store", o->store ? o->store->name : tri_stores[0]->name, row);
+    add_member(turnout, "builder", o->builder ? o->builder->name : NULL, row);
+    add_member(turnout, "box", o->box ? o->box->name : NULL, row);
+}
+
 void conform_report_add(struct conform_report *report, const char *name, enum status status,
                         const struct row *row, const struct reason *reason, bool required,
                         double seconds)
@@ -162,6 +194,9 @@ void conform_report_add(struct conform_report *report, const char *name, enum st
     entry.outcome = decide(status, row, reason, required, why, sizeof why);
     entry.code = status ? exit_of_status(status) : engine_failed ? EXIT_ENGINE : EXIT_MISMATCH;
     enum outcome outcome = conform_report_put(report, &entry, NULL);
+    report->absent += outcome == OUTCOME_SKIPPED && row->absent;
+    if (status == STATUS_OK)
+        count_turnout(&report->turnout, row);
     report->rays += row->compared;
     for (int v = 0; v < VERDICT_COUNT; v++)
         report->count[v] += row->count[v];
@@ -193,6 +228,47 @@ static void judge_waivers(struct conform_report *report)
     }
 }
 
+/* A case for each of those that were named. */
+static void judge_turnout(struct conform_report *report)
+{
+    static const enum ci_state state[] = {[EXIT_AGREE] = CI_PASSED, [EXIT_MISMATCH] = CI_FAILED};
+    if (!report->tap)
+        turnout_print(&report->turnout);
+    for (size_t i = 0; i < report->turnout.count; i++) {
+        const struct turnout_one *one = &report->turnout.one[i];
+        char name[TURNOUT_NAME_MOST + 40], line[512];
+        int code = turnout_code(one);
+        snprintf(name, sizeof name, "%s.%s.answered", one->kind, one->name);
+        turnout_line(one, line, sizeof line);
+        const struct ci_case is = {.group = "conform",
+                                   .name = name,
+                                   .state = code == EXIT_SKIPPED ? CI_SKIPPED : state[code],
+                                   .type = "vacuous",
+                                   .why = code == EXIT_AGREE ? NULL : line,
+                                   .detail = code == EXIT_AGREE ? line : NULL};
+        report->done++;
+        report->outcomes[OUTCOME_FAILED] += code == EXIT_MISMATCH;
+        if (report->tap)
+            ci_tap_case(stdout, report->done, &is);
+        if (report->junit.body)
+            ci_junit_add(&report->junit, &is);
+        report->code = exit_worse(report->code, code);
+    }
+}
+
+/* Where nothing ran nothing is tested: skipped if the engines cannot run here, else vacuous. */
+static void judge_ran(struct conform_report *report)
+{
+    const size_t *n = report->outcomes;
+    if (n[OUTCOME_PASSED] + n[OUTCOME_KNOWN] + n[OUTCOME_FAILED] > 0 || report->code != EXIT_AGREE)
+        return;
+    report->code = EXIT_SKIPPED;
+    if (n[OUTCOME_SKIPPED] + n[OUTCOME_REFUSED] == report->absent || MUTANT == MUTANT_REFUSERS_PASS)
+        return;
+    report->code = EXIT_MISMATCH;
+    printf("%svacuous: nothing ran, so that nothing is tested\n", report->tap ? "# " : "");
+}
+
 static void print_sums(const struct conform_report *report)
 {
     printf("%zu rays judged:", report->rays);
@@ -200,7 +276,7 @@ static void print_sums(const struct conform_report *report)
         printf(" %s %zu", verdict_name(v), report->count[v]);
     if (report->excused)
         printf("\n%zu rays more in trials that are waived or show a known defect", report->excused);
-    printf("\n%zu trials in %.1f s, %zu waived", report->done,
+    printf("\n%zu trials in %.1f s, %zu waived", report->done - report->turnout.count,
            (double)(time_ns() - report->start_ns) * 1e-9, report->outcomes[OUTCOME_WAIVED]);
     if (report->outcomes[OUTCOME_KNOWN])
         printf(", %zu show a known defect", report->outcomes[OUTCOME_KNOWN]);
@@ -214,15 +290,13 @@ int conform_report_close(struct conform_report *report)
 {
     struct reason reason = {""};
     judge_waivers(report);
+    judge_turnout(report);
     double seconds = (double)(time_ns() - report->start_ns) * 1e-9;
     if (report->junit.body && ci_junit_close(&report->junit, "raydiff conform", seconds, &reason)) {
         fprintf(stderr, "raydiff conform: %s\n", reason.text);
         report->code = exit_worse(report->code, EXIT_USAGE);
     }
-    size_t ran = report->done - report->outcomes[OUTCOME_SKIPPED] -
-                 report->outcomes[OUTCOME_REFUSED] - report->outcomes[OUTCOME_WAIVED];
-    if (ran == 0 && report->code == EXIT_AGREE && report->outcomes[OUTCOME_FAILED] == 0)
-        report->code = EXIT_SKIPPED;
+    judge_ran(report);
     if (!report->tap)
         print_sums(report);
     else if (report->expected == 0)

@@ -2,7 +2,8 @@
 #ifndef CMD_CONFORM_REPORT_H
 #define CMD_CONFORM_REPORT_H
 
-#include "ref/match.h"
+#include "ref/cmd_tables.h"
+#include "ref/turnout.h"
 #include "scenes/file.h"
 #include "tests/hard/matrix.h"
 #include "fuzz/ci.h"
@@ -11,6 +12,7 @@
 struct conform_report {
     size_t expected /* 0: not known before the end */, done;
     size_t outcomes[OUTCOME_COUNT];
+    size_t absent; /* skipped, since the engine cannot run here at all */
     size_t rays, count[VERDICT_COUNT];
     size_t excused; /* rays of hard cases whose failure is waived or known, not in `rays` */
     bool verbose, tap, complete;
@@ -18,6 +20,7 @@ struct conform_report {
     int code;
     uint64_t start_ns;
     struct engine_options options; /* of the engines whose versions waivers name */
+    struct turnout turnout;        /* of what was named */
     struct waivers waivers;
     char versions[8192];   /* of conform_versions, if a waiver needs them */
     struct ci_junit junit; /* body NULL: none */
@@ -43,6 +46,10 @@ enum status conform_report_open(struct conform_report *report, size_t expected, 
                                 const char *waivers, const char *junit,
                                 struct reason *reason) MUST_USE;
 
+/* Enters what was named: each of these is to answer something, or the run fails. Of a report that
+ * was opened and has no entry yet. */
+void conform_report_expect(struct conform_report *report, const struct list list[TABLE_COUNT]);
+
 /* Counts and prints an entry; returns what it is under the waivers, and the waiver that excuses it
  * in *waiver (may be NULL). */
 enum outcome conform_report_put(struct conform_report *report, const struct conform_entry *entry,
@@ -53,7 +60,8 @@ void conform_report_add(struct conform_report *report, const char *name, enum st
                         const struct row *row, const struct reason *reason, bool required,
                         double seconds);
 
-/* Prints the summary, finishes files, fails waivers that matched nothing; returns the exit code. */
+/* Prints the summary, finishes files, fails waivers that matched nothing and what was named and
+ * answered nothing; returns the exit code. */
 int conform_report_close(struct conform_report *report);
 
 #endif

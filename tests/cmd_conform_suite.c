@@ -1,6 +1,7 @@
 #include "tests/cmd_conform_suite.h"
 
 #include "fuzz/covering.h"
+#include "ref/mutant.h"
 #include "scenes/scenes.h"
 
 #include <fnmatch.h>
@@ -347,11 +348,35 @@ static size_t index_of(enum table table, const char *name)
     return i;
 }
 
-/* The pair among the first members of all other tables. */
-static enum status add_pair(const struct met *met, struct suite *more)
+/* The engine that stands for the others where no pair names one: `cpu`, if it takes part, else the
+ * first that does and has, or needs no, tree. */
+static size_t stand_in(const struct suite *suite, bool tree)
+{
+    struct list list = members_of(suite, TABLE_ENGINES, tree);
+    size_t cpu = index_of(TABLE_ENGINES, "cpu");
+    for (size_t i = 0; i < list.count; i++)
+        if (list.index[i] == cpu || MUTANT == MUTANT_CPU_STANDS_IN)
+            return cpu;
+    return list.count ? list.index[0] : cpu;
+}
+
+static bool is_of_trees(enum table table)
+{
+    return table == TABLE_LAYOUTS || table == TABLE_STORES || table == TABLE_BUILDERS ||
+           table == TABLE_BOX_TESTS;
+}
+
+/* The pair among the first members that take part of all other tables. */
+static enum status add_pair(const struct suite *suite, const struct met *met, struct suite *more)
 {
     struct choice choice = {{0}};
-    choice.index[TABLE_ENGINES] = index_of(TABLE_ENGINES, "cpu");
+    bool tree = is_of_trees(met->a) || is_of_trees(met->b) ||
+                members_of(suite, TABLE_ENGINES, true).count > 0;
+    for (enum table t = 0; t < TABLE_COUNT; t++) {
+        struct list list = members_of(suite, t, tree);
+        choice.index[t] = list.count ? list.index[0] : 0;
+    }
+    choice.index[TABLE_ENGINES] = stand_in(suite, tree);
     choice.index[met->a] = index_of(met->a, met->name[0]);
     choice.index[met->b] = index_of(met->b, met->name[1]);
     struct trial trial = trial_of(&choice);
@@ -380,7 +405,7 @@ enum status suite_pairs(const struct suite *suite, const bool *ran, size_t *pair
         if ((*unmet)++ == 0)
             snprintf(example, example_bytes, "%s with %s", met[i].name[0], met[i].name[1]);
         if (more)
-            status = add_pair(&met[i], more);
+            status = add_pair(suite, &met[i], more);
     }
     free(met);
     if (more && more->count > 0 && !status)

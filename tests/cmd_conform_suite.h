@@ -27,8 +27,9 @@ enum status suite_make(struct suite *suite, struct reason *reason) MUST_USE;
 
 /* Counts the pairs of members of trials, and those of them that met only in trials that did not
  * run; ran[i] is of suite->trial[i]. `example` gets two such members. For each of those pairs
- * `more`, unless it is NULL, gets a trial in which the other members are the first of their tables,
- * that run with most; free it. Errors: STATUS_MEMORY. */
+ * `more`, unless it is NULL, gets a trial in which the other members are the first that take part
+ * of their tables, that run with most, and no engine that does not take part; free it. Errors:
+ * STATUS_MEMORY. */
 enum status suite_pairs(const struct suite *suite, const bool *ran, size_t *pairs, size_t *unmet,
                         char *example, size_t example_bytes, struct suite *more) MUST_USE;
 

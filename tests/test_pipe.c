@@ -137,7 +137,7 @@ static const struct hostile {
     {"stderr_dies", STATUS_DEVICE,
      "exit code 2 before the answer to ray 0; its standard error: no"},
     {"stderr_endless", STATUS_DEVICE, "its standard error: xxxxxx"},
-    {"refuses", STATUS_LIMIT, "refused: only teapots"},
+    {"refuses", STATUS_REFUSED, "refused: only teapots"},
     {"refuses_long", STATUS_DEVICE, "refuses in more than 256 bytes"},
     {"formula", STATUS_DEVICE, "says of itself: formula 99 is not one of 0 to 6"},
     {"rounding", STATUS_DEVICE, "says of itself: rounding 5 is not one of 0 to 4"},

@@ -82,8 +82,8 @@ static bool ask(const struct engine *engine, void *self, const struct job *job)
         status = engine->trace(self, ray, RAYS, hit, &report, &reason);
     FIRE_MUST(hit[RAYS].prim == 0xA5A5A5A5u);
     if (status) {
-        FIRE_MUST(status == STATUS_DEVICE || status == STATUS_LIMIT);
-        FIRE_MUST(status == STATUS_LIMIT || engine->fault(self, &at) != ENGINE_FINE);
+        FIRE_MUST(status == STATUS_DEVICE || status == STATUS_REFUSED);
+        FIRE_MUST(status == STATUS_REFUSED || engine->fault(self, &at) != ENGINE_FINE);
         FIRE_MUST(at <= RAYS);
         fire_must_be_reason(&reason);
         return false;

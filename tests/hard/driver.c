@@ -12,6 +12,7 @@ static bool measure(const struct engine_options *options, struct card *card,
     enum status status = vk_open(&vk_options, &vk, &out->reason);
     if (status) {
         out->outcome = status == STATUS_UNSUPPORTED ? HARD_SKIPPED : HARD_FAILED;
+        out->absent = status == STATUS_UNSUPPORTED;
         out->unfinished = out->outcome == HARD_FAILED;
         return false;
     }

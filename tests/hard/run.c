@@ -145,6 +145,12 @@ static enum status play_tree(struct hard_play *play, bool *go)
     return STATUS_OK;
 }
 
+/* The engine cannot hold the part, it says. */
+static bool is_refusal(enum status status)
+{
+    return status == STATUS_LIMIT || status == STATUS_REFUSED;
+}
+
 static enum status play_part(struct hard_play *play)
 {
     const struct hard_member *m = play->member;
@@ -160,8 +166,10 @@ static enum status play_part(struct hard_play *play)
                              .box = m->box,
                              .tri = m->tri,
                              .query = m->query};
+    play->result->asked++;
     status = m->engine->prepare(play->self, &play->job, play->reason);
-    if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
+    if (is_refusal(status) || status == STATUS_UNSUPPORTED) {
+        play->result->declined += is_refusal(status);
         refused(play, play->reason);
         return STATUS_OK;
     }
@@ -174,6 +182,12 @@ static enum status play_part(struct hard_play *play)
     if (m->query == QUERY_ALL)
         return play_crossings(play);
     status = play_trace(play, play->self, play->cache->answer);
+    if (status == STATUS_REFUSED) {
+        play->result->played--;
+        play->result->declined++;
+        refused(play, play->reason);
+        return STATUS_OK;
+    }
     return status ? status : play_check(play);
 }
 
@@ -182,7 +196,7 @@ static enum status play_part(struct hard_play *play)
 /* A status that is the engine's own confession, not ours. */
 static bool is_confession(enum status status)
 {
-    return status == STATUS_DEVICE || status == STATUS_UNSUPPORTED || status == STATUS_LIMIT;
+    return status == STATUS_DEVICE || status == STATUS_UNSUPPORTED || is_refusal(status);
 }
 
 static void sum_up(const struct hard_stage *stage, struct hard_result *out)
@@ -219,6 +233,7 @@ enum status hard_run(struct hard_stage *stage, const struct hard_case *one,
     void *self = pool_get(&stage->pool, member->engine, &status, &out->reason);
     if (status) {
         out->outcome = status == STATUS_UNSUPPORTED ? HARD_SKIPPED : HARD_FAILED;
+        out->absent = status == STATUS_UNSUPPORTED;
         out->unfinished = status != STATUS_UNSUPPORTED;
         return STATUS_OK;
     }

@@ -39,6 +39,8 @@ struct hard_result {
     bool unfinished;        /* FAILED: the engine did not finish, as it said itself */
     struct reason reason;   /* why refused or skipped, or the first thing that is broken */
     size_t played, refused; /* parts */
+    size_t asked, declined; /* parts: the engine was asked; refused by it, not by a layout */
+    bool absent;            /* SKIPPED: the engine cannot run here at all */
     size_t rays, hits;
     size_t count[VERDICT_COUNT];
     size_t wrong[WRONG_COUNT];
