@@ -246,6 +246,9 @@ enum status vk_submit(struct vk *vk, const char *what, struct reason *reason)
                     vk->limits.device, (double)wait_ns * 1e-9);
     }
     vk->pending = false;
+    /* A watching layer may tell what it saw from a thread of its own, which this waits for. */
+    if (result == VK_SUCCESS && vk->options.watch)
+        result = vk->fn.DeviceWaitIdle(vk->device);
     if (result != VK_SUCCESS)
         return vk_fail(vk, reason, result, what);
     return STATUS_OK;

@@ -5,10 +5,29 @@
 #include <string.h>
 
 #define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
-/* What watching cannot do without 64-bit integers: check buffer addresses, which no shader of ours
- * uses. The only note of the layer that is no fault. */
-#define WATCH_NOTE_NAME "UNASSIGNED-GPU-Assisted Validation Warning"
-#define WATCH_NOTE_TEXT "No buffer device address checking"
+
+/* What the layer says of its own watching, and is no fault: of the features that it asks the device
+ * for, of what it cannot watch and no shader of ours does (buffer addresses; ray queries on a device
+ * that has none), and that watching and the plain checks together, which is what we want, are slow. */
+static const struct note {
+    const char *name, *text;
+} watch_notes[] = {
+    {"UNASSIGNED-GPU-Assisted Validation Warning", "No buffer device address checking"},
+    {"VALIDATION-SETTINGS",
+     "Both GPU Assisted Validation and Normal Core Check Validation are enabled"},
+    {"WARNING-GPU-Assisted-Validation", "Internal Warning: Forcing "},
+    {"WARNING-GPU-Assisted-Validation", "Internal Warning: Adding "},
+    {"WARNING-GPU-Assisted-Validation", "[Disabling gpuav_validate_ray_query]"},
+};
+
+static bool is_watch_note(const VkDebugUtilsMessengerCallbackDataEXT *data)
+{
+    for (size_t i = 0; i < ARRAY_COUNT(watch_notes); i++)
+        if (data->pMessageIdName && strcmp(data->pMessageIdName, watch_notes[i].name) == 0 &&
+            strstr(data->pMessage, watch_notes[i].text))
+            return true;
+    return false;
+}
 
 static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                                  VkDebugUtilsMessageTypeFlagsEXT types,
@@ -16,10 +35,8 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
                                                  void *user)
 {
     struct vk_log *log = user;
-    (void)severity;
     (void)types;
-    if (data->pMessageIdName && strcmp(data->pMessageIdName, WATCH_NOTE_NAME) == 0 &&
-        strstr(data->pMessage, WATCH_NOTE_TEXT))
+    if (!(severity & VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT) && is_watch_note(data))
         return VK_FALSE;
     if (!atomic_exchange(&log->has_first, true))
         (void)fail(&log->first, STATUS_DEVICE, "vulkan validation: %s", data->pMessage);
