@@ -77,7 +77,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 .PHONY: all lib tests spv clean run check bench agree conform-all deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
         lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check report-check \
-        selftest selftest-quick
+        selftest selftest-quick fresh-check
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -229,6 +229,11 @@ scenes:
 # More Vulkan drivers that need no GPU, fetched beside the system's; exit code 77: not to be had.
 drivers:
 	@sh .ci/drivers.sh $(OUT)/drivers
+
+# The README's two commands in a minimal system of each release of Debian that is supported, or of
+# RELEASE=trixie; as root; exit code 77: it cannot be tried here. tests/fresh.txt has how it went. Slow.
+fresh-check:
+	@sh .ci/fresh.sh tests/fresh.txt $(RELEASE)
 
 # Everybody against everybody, 300,000 rays a scene; the result is committed. Slow.
 RESULTS ?= bench/results/lavapipe-22.3.6

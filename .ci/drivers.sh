@@ -47,45 +47,6 @@ trap 'rm -rf "$temp"' EXIT
 trap 'exit 130' INT TERM HUP
 mkdir -p "$dir/apt/lists/partial" "$dir/apt/cache/archives/partial" || exit 77
 
-# The machine's Debian entries as "URI SUITE KEYS", one-line and deb822; KEYS may be "-".
-entries() {
-    root=${APT_ROOT:-/etc/apt}
-    sed -n 's/^deb[ \t]*\(.*\)$/\1/p' "$root"/sources.list "$root"/sources.list.d/*.list 2>/dev/null |
-        awk '{
-            keys = "-"
-            if ($1 ~ /^\[/) {
-                options = $0
-                sub(/\].*/, "", options)
-                if (match(options, /signed-by=[^] ]*/))
-                    keys = substr(options, RSTART + 10, RLENGTH - 10)
-                sub(/^\[[^]]*\] */, "")
-            }
-            print $1, $2, keys
-        }'
-    for file in "$root"/sources.list.d/*.sources; do
-        [ -r "$file" ] || continue
-        awk 'function flush(  i, j, u, s) {
-                if (types ~ /(^| )deb( |$)/ && enabled !~ /no|false|0/)
-                    for (i = split(uris, u, " "); i > 0; i--)
-                        for (j = split(suites, s, " "); j > 0; j--)
-                            print u[i], s[j], keys
-                types = uris = suites = enabled = ""
-                keys = "-"
-            }
-            BEGIN { keys = "-" }
-            /^#/ { next }
-            /^[ \t]*$/ { flush(); next }
-            /^[^ \t]/ { at = index($0, ":"); name = tolower(substr($0, 1, at - 1)); value = substr($0, at + 1)
-                        sub(/^[ \t]*/, "", value) }
-            name == "types" { types = value }
-            name == "uris" { uris = value }
-            name == "suites" { suites = value }
-            name == "enabled" { enabled = value }
-            name == "signed-by" && value ~ /^\// { keys = value; gsub(/[ \t]+/, ",", keys) }
-            END { flush() }' "$file"
-    done
-}
-
 keyring=/usr/share/keyrings/debian-archive-keyring.gpg
 # One entry of our own: URI, suite, keys.
 source_line() {
@@ -96,7 +57,7 @@ source_line() {
     *) echo "deb [signed-by=$keys] $1 $2 main" ;;
     esac
 }
-entries >"$temp/entries"
+sh "$(dirname "$0")/apt_sources.sh" >"$temp/entries"
 main=$(awk -v suite="$codename" '$2 == suite && $1 !~ /^cdrom/ {print; exit}' "$temp/entries")
 [ -n "$main" ] || { skip all "apt has no source for Debian $codename"; exit 77; }
 # shellcheck disable=SC2086 # an entry is three words

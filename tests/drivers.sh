@@ -18,6 +18,7 @@ for tool in sh sha256sum cut mkdir mktemp rm cat tail head grep sed awk sort joi
 done
 printf 'ID=debian\nVERSION_CODENAME=bookworm\n' >"$dir/os-release"
 sed "s|/etc/os-release|$dir/os-release|" .ci/drivers.sh >"$dir/drivers.sh"
+cp .ci/apt_sources.sh "$dir"
 
 # run CODE WHAT: fetches into $dir/to with these tools and expects the exit code.
 run() {
