@@ -84,13 +84,13 @@ static json_t *imitated_json(const struct explanation *why)
     json_t *out = json_array();
     for (size_t i = 0; i < why->imitation_count; i++) {
         const struct explain_imitation *one = &why->imitation[i];
-        if (one->same)
-            json_array_append_new(out, json_pack("{s:s, s:s, s:I, s:I, s:I}", "cause",
-                                                 cause_name(defect_cause(one->defect)), "defect",
-                                                 defect_text(one->defect), "parameter",
-                                                 (json_int_t)one->parameter, "witnesses",
-                                                 (json_int_t)one->witnesses, "of",
-                                                 (json_int_t)why->witness_count));
+        json_array_append_new(
+            out, json_pack("{s:s, s:s, s:I, s:b, s:b, s:I, s:I, s:I, s:I}", "cause",
+                           cause_name(defect_cause(one->defect)), "defect",
+                           defect_text(one->defect), "parameter", (json_int_t)one->parameter,
+                           "same", one->same, "refuted", one->refuted, "witnesses",
+                           (json_int_t)one->witnesses, "of", (json_int_t)one->asked, "telling",
+                           (json_int_t)one->telling, "told", (json_int_t)one->told));
     }
     return out;
 }

@@ -2,6 +2,7 @@
 #include "ref/cmd_explain.h"
 
 #include "ref/cmd_tables.h"
+#include "ref/explain/imitate.h"
 #include "ref/explain/outside.h"
 #include "ref/explain/ray_text.h"
 
@@ -261,21 +262,57 @@ static void print_tried(const struct explanation *why)
     }
 }
 
+static void print_defect(const struct explain_imitation *one)
+{
+    fputs(defect_text(one->defect), stdout);
+    if (defect_is_numbered(one->defect))
+        printf(" (%u)", one->parameter);
+}
+
+/* How a defect failed to predict the engine; of several parameters that of the one which went the
+ * farthest. */
+static void print_failed(const struct explanation *why, enum defect defect)
+{
+    const struct explain_imitation *most = NULL;
+    for (size_t i = 0; i < why->imitation_count; i++) {
+        const struct explain_imitation *one = &why->imitation[i];
+        if (one->defect != defect)
+            continue;
+        if (!most || (one->same && (!most->same || one->witnesses > most->witnesses)))
+            most = one;
+    }
+    if (!most)
+        return;
+    printf("  %-22s ", cause_name(defect_cause(defect)));
+    print_defect(most);
+    if (!most->same)
+        puts(": gives another answer");
+    else if (most->refuted)
+        printf(": gives this answer, but not the engine's to %u of %u other rays\n",
+               most->asked - most->witnesses, most->asked);
+    else
+        printf(": gives this answer, but only %u of %u other rays could tell\n", most->telling,
+               most->asked);
+}
+
 static void print_imitated(const struct explanation *why)
 {
     fputs("  C on the same bytes answers ", stdout);
     print_hit(&why->replayed);
     printf(": %s\n", why->replayed_opinion.text);
-    if (why->imitated >= why->imitation_count)
-        return;
     const struct explain_imitation *one = &why->imitation[why->imitated];
-    bool numbered = one->defect == DEFECT_SLOT || one->defect == DEFECT_FAR_DROPPED ||
-                    one->defect == DEFECT_LOOP;
-    printf("  C with this planted: %s", defect_text(one->defect));
-    if (numbered)
-        printf(" (%u)", one->parameter);
-    printf(": the same as the engine, also for %u of %u other rays\n", one->witnesses,
-           why->witness_count);
+    if (why->imitated < why->imitation_count && explain_is_shown(one)) {
+        fputs("  C with this planted: ", stdout);
+        print_defect(one);
+        printf(": the same as the engine, also for %u of %u other rays; on %u of these C answers "
+               "otherwise, on which the engine does as planted %u times\n",
+               one->witnesses, one->asked, one->telling, one->told);
+        return;
+    }
+    puts(why->witness_count > 0 ? "  none of these planted in C predicts the engine's answers:"
+                                : "  none of these was shown, since no other ray could be asked:");
+    for (enum defect defect = DEFECT_NONE + 1; defect < DEFECT_COUNT; defect++)
+        print_failed(why, defect);
 }
 
 /* An engine whose tree is not seen lost what is exactly hit, whether that is allowed or not. */

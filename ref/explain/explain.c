@@ -86,17 +86,18 @@ static void repair_inside(const struct explain_case *the, struct explanation *ou
     out->cause = first < REPAIR_COUNT ? repair_cause(first) : CAUSE_UNEXPLAINED;
 }
 
-/* The engine did not finish. If C does not either, repairs say why; else the engine's own flags do,
- * and if they say only that it went in circles, or nothing, an imitation. */
+/* The engine did not finish. If C does not either, repairs say why; else an imitation. That its
+ * stack was full can be what came of another fault: a shorter stack has to be shown by other rays,
+ * if the engine can be asked. */
 static enum status explain_unfinished(const struct explain_case *the,
                                       const struct explain_answer *answer, struct explanation *out)
 {
     out->cause = CAUSE_STACK;
     if (out->replayed_end != REPLAY_DONE)
         repair_inside(the, out);
-    else if (answer->flags & ABI_FLAG_STACK)
-        return STATUS_OK;
-    else if (answer->flags & ABI_FLAG_VISITS || !(answer->flags & ABI_FLAG_LOOP))
+    else if ((answer->flags & ABI_FLAG_STACK) && !the->ask)
+        return STATUS_OK; /* its own word */
+    else if (answer->flags & (ABI_FLAG_STACK | ABI_FLAG_VISITS) || !(answer->flags & ABI_FLAG_LOOP))
         return explain_imitate(the, answer, out);
     else
         out->cause = CAUSE_LOOP_CAP; /* the visits alone would end the loop as well */

@@ -52,11 +52,22 @@ struct explain_imitation {
     enum defect defect;
     uint32_t parameter;
     bool same;          /* gives the engine's answer to the ray */
-    uint32_t witnesses; /* and to so many of explanation.witness_count other rays */
+    bool refuted;       /* and another one to too many of the other rays */
+    uint32_t witnesses; /* gives the engine's answer to so many of the rays that it was asked */
+    uint32_t telling;   /* of these it answers otherwise than C to so many: only they tell of it */
+    uint32_t told;      /* and to so many of those the engine answers as it does */
+    uint32_t far_telling,
+        far_told;   /* the same of rays that are not the ray itself a little moved */
+    uint32_t kept;  /* and to so many both give the same hit */
+    uint32_t asked; /* other rays until it was refuted, or at all */
 };
 
-#define EXPLAIN_IMITATIONS (DEFECT_COUNT + 8 + ABI_STACK_MAX + 8)
-#define EXPLAIN_WITNESSES  400u /* of one round */
+#define EXPLAIN_IMITATIONS (DEFECT_COUNT + 8 + 2 * ABI_STACK_MAX + 8)
+/* An imitation is a cause only if the engine does as it does on so many other rays on which C does
+ * not, and still finds something: what differs from C on the ray alone could be any miss, and so
+ * could what loses everything. */
+#define EXPLAIN_TELLING   3u
+#define EXPLAIN_WITNESSES 400u /* of one round */
 
 /* One bound of a box on the way, in all its forms. */
 struct explain_bound {
@@ -104,9 +115,9 @@ struct explanation {
     size_t attempt_count;
     struct explain_imitation imitation[EXPLAIN_IMITATIONS];
     size_t imitation_count;
-    size_t imitated; /* index of the best, whether the cause or not; or imitation_count */
-    uint32_t witness_count;
-    uint32_t prim; /* the triangle at the end of the way, or ABI_NO_PRIM */
+    size_t imitated;        /* index of the best, whether the cause or not; or imitation_count */
+    uint32_t witness_count; /* other rays that the engine was asked */
+    uint32_t prim;          /* the triangle at the end of the way, or ABI_NO_PRIM */
     struct explain_step *step;
     uint32_t step_count, last;
     enum explain_end end;

@@ -49,8 +49,8 @@ static const struct {
     [CAUSE_NOT_REPEATABLE] = {"not_repeatable", "the same ray, asked twice, got two answers"},
     [CAUSE_SCALE] = {"scale", "right at another scale: a constant that does not scale, or "
                               "underflow"},
-    [CAUSE_OUTSIDE] = {"outside", "the engine keeps its tree to itself"},
-    [CAUSE_UNEXPLAINED] = {"unexplained", "no repair made the answer allowed"},
+    [CAUSE_OUTSIDE] = {"outside", "unexplained: the engine keeps its tree to itself"},
+    [CAUSE_UNEXPLAINED] = {"unexplained", "no known cause predicts the answer"},
 };
 
 const char *cause_name(enum cause cause)
@@ -120,6 +120,8 @@ static const struct {
     [DEFECT_SHIFT] = {CAUSE_INDEX_SHIFTED, "items are numbered one off"},
     [DEFECT_NEAR_AGAIN] = {CAUSE_CHILD_REFERENCE, "the near child is pushed for the far one"},
     [DEFECT_FAR_DROPPED] = {CAUSE_STACK, "what does not fit on the stack is lost"},
+    [DEFECT_STACK_FULL] = {CAUSE_STACK,
+                           "the stack is shorter, and what does not fit ends the walk"},
     [DEFECT_FLUSHED] = {CAUSE_HALF_SUBNORMAL_FLUSHED, "small bounds read as 0"},
     [DEFECT_STRICT] = {CAUSE_STRICT_COMPARISON, "box test: < for <="},
     [DEFECT_NOT_PADDED] = {CAUSE_BOX_PADDING_TOO_SMALL, "box test: planes not padded"},
@@ -140,4 +142,10 @@ enum cause defect_cause(enum defect defect)
 const char *defect_text(enum defect defect)
 {
     return defects[defect].text;
+}
+
+bool defect_is_numbered(enum defect defect)
+{
+    return defect == DEFECT_SLOT || defect == DEFECT_FAR_DROPPED || defect == DEFECT_STACK_FULL ||
+           defect == DEFECT_LOOP;
 }

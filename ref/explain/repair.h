@@ -41,7 +41,9 @@ enum cause {
     CAUSE_LEAF_OVERFULL, /* more triangles in a leaf than its record has slots (F8) */
     CAUSE_ITEM_AS_NODE,  /* items of a leaf are taken for references to nodes (F6) */
     /* Outside the bytes. */
-    CAUSE_DRIVER_ARITHMETIC, /* an operator of the engine is not what C has */
+    CAUSE_DRIVER_ARITHMETIC, /* an operator of the engine is not what C has: shown by other rays, or
+                                by an answer that its operators' bounds allow, but C's do not give
+                              */
     CAUSE_SHADER,         /* operators exact, bytes right, C right on them: the engine's own code */
     CAUSE_NOT_REPEATABLE, /* the same ray, asked twice, got two answers */
     CAUSE_SCALE, /* right at another scale: a constant that does not scale, or underflow; of engines
@@ -100,6 +102,7 @@ enum defect {
     DEFECT_SHIFT,       /* item k tests triangle k - 1 */
     DEFECT_NEAR_AGAIN,  /* the near child's reference is pushed for the far one */
     DEFECT_FAR_DROPPED, /* the stack holds `parameter` entries; what does not fit is lost */
+    DEFECT_STACK_FULL,  /* the stack holds `parameter` entries; one more ends the walk unfinished */
     DEFECT_FLUSHED,     /* bounds below 2^-14 in magnitude read as 0 */
     DEFECT_STRICT,      /* box test: < */
     DEFECT_NOT_PADDED,  /* box test: planes not padded */
@@ -114,5 +117,7 @@ enum defect {
 
 enum cause defect_cause(enum defect defect);
 const char *defect_text(enum defect defect);
+/* Whether a parameter says more of it. */
+bool defect_is_numbered(enum defect defect);
 
 #endif

@@ -205,7 +205,8 @@ static bool push(struct state *s, uint32_t ref, float entry)
 {
     if (spoilt(s, DEFECT_FAR_DROPPED) && s->depth >= s->change->parameter)
         return true;
-    if (s->depth >= s->stack_most)
+    if (s->depth >= s->stack_most ||
+        (spoilt(s, DEFECT_STACK_FULL) && s->depth >= s->change->parameter))
         return false;
     s->ref[s->depth] = ref;
     s->entry[s->depth++] = entry;

@@ -7,11 +7,18 @@
 
 struct witnesses {
     struct ray ray[EXPLAIN_WITNESSES];
-    struct explain_answer answer[EXPLAIN_WITNESSES]; /* without flags */
-    uint32_t count; /* EXPLAIN_WITNESSES, or 0: there is nobody to ask */
+    bool is_far[EXPLAIN_WITNESSES];                   /* not the ray itself a little moved */
+    struct explain_answer healthy[EXPLAIN_WITNESSES]; /* C's; the caller's */
+    struct explain_answer answer[EXPLAIN_WITNESSES];  /* without flags */
+    uint32_t count;
 };
 
-/* Makes the rays of round `round` and asks the engine. */
-void witnesses_ask(const struct explain_case *the, uint32_t round, struct witnesses *w);
+/* Makes the EXPLAIN_WITNESSES rays of round `round`: of all kinds, or all far away and aimed at
+ * vertices, where boxes end. The scene has a triangle. */
+void witnesses_make(const struct explain_case *the, uint32_t round, bool vertices,
+                    struct witnesses *w);
+
+/* Asks the engine about the `count` rays. */
+void witnesses_ask(const struct explain_case *the, struct witnesses *w);
 
 #endif
