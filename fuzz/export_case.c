@@ -338,8 +338,11 @@ static enum status judge_all(struct export_case *the, struct reason *reason)
     if (!status)
         status = judge_make(the->oracle, &trial->scene, &the->model, trial->tri, trial->query,
                             &judge, reason);
-    if (!status)
+    if (!status) {
+        judge_by_bounds(judge, true);
         status = export_find_right(the, judge, reason);
+        judge_by_bounds(judge, false);
+    }
     for (uint32_t i = 0; i < the->ray_count && !status && the->here; i++)
         status =
             judge_answer(judge, &the->ray[i], &the->truth[i], &the->here[i], &the->judgement[i]);

@@ -60,6 +60,11 @@ enum status judge_make(const struct oracle *oracle, const struct scene *scene,
     return STATUS_OK;
 }
 
+void judge_by_bounds(struct judge *judge, bool on)
+{
+    judge->by_bounds = on;
+}
+
 void judge_free(struct judge *judge)
 {
     if (!judge)
@@ -192,6 +197,16 @@ static enum status judge_certified(const struct judge *judge, const struct ray *
 
 #define TOGETHER 8u /* twins computed together */
 
+static bool may_hit(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                    const struct twin *twin)
+{
+    float v[3][3];
+    if (!twin->possible || isfinite(twin->t_err))
+        return twin->possible;
+    scene_tri(judge->scene, prim, v);
+    return judge_can_hit(judge, ray, v);
+}
+
 /* Whether some triangle may be taken for hit. */
 static bool any_possible(const struct judge *judge, const struct ray *ray)
 {
@@ -204,8 +219,8 @@ static bool any_possible(const struct judge *judge, const struct ray *ray)
         for (uint32_t i = 0; i < part; i++)
             pair[i] = (struct twin_pair){ray, first + i};
         twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, part, twin);
-        for (uint32_t i = 0; i < part; i++)
-            possible = possible || twin[i].possible;
+        for (uint32_t i = 0; i < part && !possible; i++)
+            possible = may_hit(judge, ray, first + i, &twin[i]);
     }
     return possible;
 }

@@ -76,6 +76,11 @@ enum status judge_make(const struct oracle *oracle, const struct scene *scene,
                        const struct model *model, const struct tri_test *tri, enum query query,
                        struct judge **out, struct reason *reason) MUST_USE;
 
+/* With `on` the judge takes every answer within its bounds of a triangle that some evaluation takes
+ * for hit, also where the bounds are so wide that it would replay the formula and know better: what
+ * it takes of a triangle are then intervals of t, u and v, for whoever writes them down. */
+void judge_by_bounds(struct judge *judge, bool on);
+
 /* Judges one answer; safe from several threads at once.
  *   truth   oracle_closest of the same ray with ORACLE_CLOSED, also for QUERY_ANY and open ranges
  * A watertight model has no boundary band inside a closed fan: a hit is lost there only if all

@@ -18,6 +18,7 @@ struct judge {
     enum query query;
     bool own;         /* the formula is one of ref/primitives/tri.h */
     bool fans;        /* a closed fan cannot be missed: judge_fan.c */
+    bool by_bounds;   /* see judge_by_bounds */
     bool in_contract; /* the scene's coordinates are */
     double displacement; /* unknown formula: what any triangle allows, in units */
     float largest[3]; /* |coordinate| per axis of the scene */
@@ -71,6 +72,20 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
 
 /* u and v within the twin's bounds? */
 bool judge_barycentrics(const struct twin *twin, const struct hit *answer);
+
+/* --- judge_noise.c --- */
+
+/* Of a named formula and a triangle whose determinant's sign is open, so that no bound of t is
+ * known: can some evaluation answer this? */
+bool judge_can_answer(const struct judge *judge, const struct ray *ray, float v[3][3],
+                      const struct hit *answer);
+
+/* The same of any answer in the range of the ray. */
+bool judge_can_hit(const struct judge *judge, const struct ray *ray, float v[3][3]);
+
+/* True if the formula, which takes triangle `v` for hit, may answer t: in the ray's range, or as
+ * far outside as a comparison before the division lets it. */
+bool judge_may_keep(const struct judge *judge, const struct ray *ray, float v[3][3], float t);
 
 /* --- judge_lost.c --- */
 

@@ -6,9 +6,12 @@
 /* How far outside a triangle's box, relative to the coordinates, a hit in its plane may be. */
 #define IN_PLANE_PAD (64.0 * JUDGE_UNIT)
 
+/* Bounds of u and v, and of t in proportion, that are looked at alone; a choice of speed. */
+#define SHARP 0.25
+
 /* Where the determinant's sign is open the ray lies in the triangle's plane, as far as float32 can
- * tell: then every t is right at which the ray is inside the triangle's box, and any other is the
- * quotient of two roundings. */
+ * tell: then a t that the formula can come to is said to be on the triangle where the ray is inside
+ * its box, and any other is the quotient of two roundings. */
 static bool on_the_triangle(const struct ray *ray, float v[3][3], double t)
 {
     for (int k = 0; k < 3; k++) {
@@ -63,6 +66,13 @@ static enum verdict wrong(struct judgement *out, enum wrong kind)
     return VERDICT_WRONG;
 }
 
+/* True if the bounds leave so much open that a replay may say more. */
+static bool says_little(const struct twin *twin)
+{
+    return !(twin->t_err <= SHARP * fabs(twin->t_near)) || !(twin->u_err <= SHARP) ||
+           !(twin->v_err <= SHARP);
+}
+
 enum verdict judge_named(const struct judge *judge, const struct ray *ray,
                          const struct oracle_answer *truth, const struct hit *answer,
                          const struct judge_known *known, struct judgement *out)
@@ -74,9 +84,12 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
     scene_tri(judge->scene, answer->prim, v);
     if (!twin.possible)
         return wrong(out, truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM : WRONG_TRIANGLE);
-    /* An own formula compares the very t that it answers; Embree compares before it divides. */
-    if (judge->own && !judge_in_range(judge, ray, answer->t))
+    if (!judge_may_keep(judge, ray, v, answer->t))
         return wrong(out, WRONG_DISTANCE);
+    if (says_little(&twin) && !judge_can_answer(judge, ray, v, answer))
+        return wrong(out, judge_can_hit(judge, ray, v) ? WRONG_DISTANCE
+                          : truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM
+                                                       : WRONG_TRIANGLE);
     oracle_pair(judge->oracle, ray, answer->prim, &pair);
     if (!isfinite(twin.t_err))
         return unbounded(ray, v, &pair, t);

@@ -222,6 +222,12 @@
 #define MUTANT_GRID_STRADDLE       453 /* shader: 12-bit codes that lie in two words are cut */
 #define MUTANT_GRID_ITEM_BASE      454 /* grid: items of a node's second leaf are the first's */
 #define MUTANT_GRID_SCALE_OF_X     455 /* shader: every axis has the scale of x */
+#define MUTANT_NOISE_BELIEVED  600 /* any answer of an open determinant is taken for possible */
+#define MUTANT_RANGE_UNASKED   601 /* Embree's t may lie outside the range */
+#define MUTANT_ZERO_ROUNDED    602 /* 0 times a number may be something else */
+#define MUTANT_GRID_UNREAD     603 /* any quotient of a divisor is taken for a possible one */
+#define MUTANT_RANGE_EXACT     604 /* Embree's t may not lie outside the range at all */
+#define MUTANT_SUM_TO_NEAREST  605 /* a replay's sums are rounded to nearest whatever is allowed */
 #define MUTANT_TRAIL_LOST          490 /* without a stack: on level 2 the other child is forgotten */
 #define MUTANT_PAIRS_UNMET         505 /* a covering array ends before all pairs met */
 #define MUTANT_HTML_UNESCAPED      360 /* report: text stands in the page as it is */

@@ -4,13 +4,27 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #define UNIT 0x1p-24
 
-static uint32_t next_choice(struct legal *l)
+/* The choices of an operation of `kind` on a and b, the same each time. */
+static uint32_t choice_of(const struct legal *l, uint32_t kind, float a, float b)
+{
+    uint32_t bits[2];
+    memcpy(&bits[a > b], &a, sizeof a); /* a + b is b + a */
+    memcpy(&bits[!(a > b)], &b, sizeof b);
+    struct rng rng = rng_make(l->seed + kind, ((uint64_t)bits[0] << 32) | bits[1]);
+    return (uint32_t)rng_u64(&rng) & 63u;
+}
+
+static uint32_t next_choice(struct legal *l, uint32_t kind, float a, float b)
 {
     uint32_t choice = 0, at = l->count++ % LEGAL_MOST;
     switch (l->style) {
+    case LEGAL_ALIKE:
+        choice = choice_of(l, kind, a, b);
+        break;
     case LEGAL_ALL_NEAREST:
         break;
     case LEGAL_ALL_LOW:
@@ -64,9 +78,11 @@ static float rounded(const struct legal *l, double k, double head, double tail, 
     return flushed(l, f, (choice & LEGAL_FLUSH) != 0);
 }
 
+enum { OF_SUM, OF_PRODUCT, OF_QUOTIENT, OF_BOTH, OF_LOOK };
+
 float legal_add(struct legal *l, float a, float b)
 {
-    uint32_t choice = next_choice(l);
+    uint32_t choice = next_choice(l, OF_SUM, a, b);
     a = flushed(l, a, (choice & LEGAL_FLUSH_A) != 0);
     b = flushed(l, b, (choice & LEGAL_FLUSH_B) != 0);
     double x = (double)a, y = (double)b, sum = x + y, back = sum - x;
@@ -81,7 +97,7 @@ static float legal_sub(struct legal *l, float a, float b)
 
 float legal_mul(struct legal *l, float a, float b)
 {
-    uint32_t choice = next_choice(l);
+    uint32_t choice = next_choice(l, OF_PRODUCT, a, b);
     a = flushed(l, a, (choice & LEGAL_FLUSH_A) != 0);
     b = flushed(l, b, (choice & LEGAL_FLUSH_B) != 0);
     return rounded(l, l->rounding.mul, (double)a * (double)b, 0, a * b, choice);
@@ -90,7 +106,7 @@ float legal_mul(struct legal *l, float a, float b)
 /* Any float32 within div u of the quotient: the farthest one on the side chosen. */
 float legal_div(struct legal *l, float a, float b)
 {
-    uint32_t choice = next_choice(l);
+    uint32_t choice = next_choice(l, OF_QUOTIENT, a, b);
     a = flushed(l, a, (choice & LEGAL_FLUSH_A) != 0);
     b = flushed(l, b, (choice & LEGAL_FLUSH_B) != 0);
     double q = (double)a / (double)b, k = l->rounding.div;
@@ -109,7 +125,7 @@ float legal_div(struct legal *l, float a, float b)
 float legal_multiply_add(struct legal *l, float a, float b, float c)
 {
     uint32_t at = l->count;
-    uint32_t choice = next_choice(l);
+    uint32_t choice = next_choice(l, OF_BOTH, a, b);
     if (!l->fuses || !(choice & LEGAL_FUSE)) {
         l->count = at + 1;
         return legal_add(l, legal_mul(l, a, b), c);
@@ -121,7 +137,7 @@ float legal_multiply_add(struct legal *l, float a, float b, float c)
 
 static float seen(struct legal *l, float x)
 {
-    return flushed(l, x, (next_choice(l) & LEGAL_FLUSH_A) != 0);
+    return flushed(l, x, (next_choice(l, OF_LOOK, x, 0) & LEGAL_FLUSH_A) != 0);
 }
 
 static void subtract(struct legal *l, const float a[3], const float b[3], float out[3])

@@ -24,6 +24,7 @@ enum legal_style {
     LEGAL_ALL_LOW,
     LEGAL_ALL_HIGH,
     LEGAL_RANDOM,
+    LEGAL_ALIKE,  /* the same operation of the same numbers gives the same result, as `seed` says */
     LEGAL_CHOSEN, /* as `choice` says */
 };
 
@@ -32,6 +33,7 @@ struct legal {
     bool fuses;
     enum legal_style style;
     struct rng rng;
+    uint64_t seed;
     uint32_t count; /* operations of the last evaluation */
     uint8_t choice[LEGAL_MOST];
 };

@@ -258,9 +258,8 @@ static void a_plane_may_be_listed_or_not(void **state)
         struct list list = {.hit = {{5, 0.25f, 0.25f, 0}}, .count = 1};
         if (is_unknown(&subjects[s])) { /* at x 0, y -0.5: that is v 0.25, u 0.25 */
             must(c, list, VERDICT_IN_PLANE);
-        } else if (judge(c, &list) != VERDICT_IN_PLANE) { /* a threshold may forbid it */
+        } else { /* along an axis every determinant is exactly 0 */
             must_wrong(c, list, WRONG_PHANTOM, 0, ABI_NO_PRIM);
-            assert_int_equal(subjects[s].model.formula, TWIN_MT_RTRS);
         }
     }
     court_close(c);

@@ -55,7 +55,8 @@ static struct hit near_answer(const struct export_case *the, uint32_t i, struct 
     return (struct hit){.prim = ABI_NO_PRIM};
 }
 
-/* Every answer that is tried is right by the list if and only if the judge takes it. */
+/* Every answer that is tried is right by the list if and only if the judge takes it by its bounds.
+ */
 static size_t compare_with_the_judge(struct export_case *the, struct rng *rng, size_t taken[2])
 {
     const struct fuzz_trial *trial = the->trial;
@@ -64,6 +65,7 @@ static size_t compare_with_the_judge(struct export_case *the, struct rng *rng, s
     assert_int_equal(judge_make(the->oracle, &trial->scene, &the->model, trial->tri, trial->query,
                                 &judge, &reason),
                      STATUS_OK);
+    judge_by_bounds(judge, true);
     for (uint32_t i = 0; i < the->ray_count; i++)
         for (int n = 0; n < (the->right_count ? 400 : 1); n++) {
             struct judgement judgement;

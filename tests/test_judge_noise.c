@@ -1,0 +1,306 @@
+/* Answers of triangles whose determinant may be 0: what a formula can come to is allowed, nothing
+ * else. */
+#include "ref/replay.h"
+#include "ref/rng.h"
+#include "tests/degenerate.h"
+#include "tests/trials.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/judged.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const struct {
+    const char *name;
+    enum twin_formula formula;
+} formulas[] = {
+    {"mt", TWIN_MT},
+    {"mt_rtrs", TWIN_MT_RTRS},
+    {"woop", TWIN_WOOP},
+    {"pluecker", TWIN_PLUECKER},
+    {"baldwin_webber", TWIN_BALDWIN_WEBBER},
+    {"embree", TWIN_EMBREE},
+    {"embree_robust", TWIN_EMBREE_ROBUST},
+};
+
+static const struct {
+    const char *name;
+    struct rounding rounding;
+    bool fuses;
+} roundings[] = {
+    {"ieee", ROUNDING_IEEE, false},      {"ieee, fused", ROUNDING_IEEE, true},
+    {"flushed", ROUNDING_FLUSHED, true}, {"vulkan rte", ROUNDING_VULKAN_RTE, true},
+    {"vulkan", ROUNDING_VULKAN, true},   {"embree", ROUNDING_EMBREE, true},
+};
+
+static void print_pair(const struct ray *ray, float v[3][3])
+{
+    print_message("o %a %a %a d %a %a %a tmin %a tmax %a\n", (double)ray->org[0],
+                  (double)ray->org[1], (double)ray->org[2], (double)ray->dir[0],
+                  (double)ray->dir[1], (double)ray->dir[2], (double)ray->tmin, (double)ray->tmax);
+    for (int c = 0; c < 3; c++)
+        print_message("v%d %a %a %a\n", c, (double)v[c][0], (double)v[c][1], (double)v[c][2]);
+}
+
+static struct replay_answer answer_of(const struct evaluation *e)
+{
+    return (struct replay_answer){{(double)e->t, (double)e->u, (double)e->v},
+                                  {(double)e->t, (double)e->u, (double)e->v}};
+}
+
+static uint64_t tries(uint64_t quick)
+{
+    return getenv("RAYDIFF_SLOW") ? 20 * quick : quick;
+}
+
+struct tally {
+    uint64_t evaluations, accepted, open;
+};
+
+static void check(const struct ray *ray, float v[3][3], uint64_t index, size_t f, size_t r,
+                  const char *what, struct tally *tally)
+{
+    static const enum legal_style styles[] = {LEGAL_ALL_NEAREST, LEGAL_ALL_LOW, LEGAL_ALL_HIGH,
+                                              LEGAL_ALIKE, LEGAL_ALIKE};
+    struct liberty liberty = {roundings[r].rounding, roundings[r].fuses};
+    struct legal legal = {.rounding = liberty.rounding, .fuses = liberty.fuses};
+    struct twin twin = twin_eval(formulas[f].formula, liberty.rounding, ray, v);
+    for (size_t s = 0; s < ARRAY_COUNT(styles); s++) {
+        legal.style = styles[s];
+        legal.seed = index * 8 + s;
+        struct evaluation e = legal_evaluate(&legal, formulas[f].formula, ray, v);
+        tally->evaluations++;
+        if (!e.accepted || !isfinite(e.t) || !isfinite(e.u) || !isfinite(e.v))
+            continue;
+        tally->accepted++;
+        tally->open += isfinite(twin.t_err) ? 0 : 1;
+        struct replay_answer a = answer_of(&e);
+        if (replay_can_answer(formulas[f].formula, &liberty, ray, v, &a))
+            continue;
+        print_pair(ray, v);
+        fail_msg("%s, %s, %s: t %a u %a v %a was answered (style %zu), and is not possible",
+                 formulas[f].name, roundings[r].name, what, (double)e.t, (double)e.u, (double)e.v,
+                 s);
+    }
+}
+
+static bool in_contract(const struct ray *ray, float v[3][3])
+{
+    bool in = ray_in_contract(ray);
+    for (int i = 0; i < 9; i++)
+        in = in && fabsf(v[i / 3][i % 3]) <= 0x1p40f;
+    return in;
+}
+
+static void legal_answers_are_possible(void **state)
+{
+    (void)state;
+    struct gmp_pair pair;
+    exact_gmp_init(&pair);
+    for (size_t f = 0; f < ARRAY_COUNT(formulas); f++)
+        for (size_t r = 0; r < ARRAY_COUNT(roundings); r++) {
+            struct tally tally = {0};
+            for (int kind = 0; kind < TRIAL_KINDS; kind++)
+                for (uint64_t i = 0; i < tries(40); i++) {
+                    struct trial trial;
+                    trial_make(kind, i, &pair, &trial);
+                    if (!in_contract(&trial.ray, trial.v))
+                        continue;
+                    check(&trial.ray, trial.v, i, f, r, trial_kind(kind), &tally);
+                }
+            print_message("%-15s %-12s %8llu evaluations, accepted %8llu, open %8llu\n",
+                          formulas[f].name, roundings[r].name,
+                          (unsigned long long)tally.evaluations, (unsigned long long)tally.accepted,
+                          (unsigned long long)tally.open);
+        }
+    exact_gmp_clear(&pair);
+}
+
+static void legal_answers_of_degenerate_triangles_are_possible(void **state)
+{
+    (void)state;
+    for (size_t f = 0; f < ARRAY_COUNT(formulas); f++)
+        for (size_t r = 0; r < ARRAY_COUNT(roundings); r++) {
+            struct tally tally = {0};
+            for (int kind = 0; kind < DEGENERATE_COUNT; kind++)
+                for (uint64_t i = 0; i < tries(200); i++) {
+                    struct rng rng = rng_make(i, (uint64_t)kind);
+                    float v[3][3];
+                    degenerate_triangle((enum degenerate)kind, &rng, v);
+                    struct ray ray = degenerate_ray((enum degenerate)kind, &rng, v);
+                    if (in_contract(&ray, v))
+                        check(&ray, v, i, f, r, degenerate_names[kind], &tally);
+                }
+            print_message("%-15s %-12s %8llu evaluations, accepted %8llu, open %8llu\n",
+                          formulas[f].name, roundings[r].name,
+                          (unsigned long long)tally.evaluations, (unsigned long long)tally.accepted,
+                          (unsigned long long)tally.open);
+        }
+}
+
+/* --- the cheat: the degenerate triangle is answered, whatever the ray, so that it hides all --- */
+
+/* The wall at z = 40, and the triangle before it as number 2. */
+static struct scene wall_with(float v[3][3])
+{
+    struct scene scene;
+    static const float corner[4][3] = {
+        {-999, -999, 40}, {999, -999, 40}, {999, 999, 40}, {-999, 999, 40}};
+    static const uint32_t index[3][3] = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}};
+    assert_int_equal(scene_make(7, 3, &scene), STATUS_OK);
+    memcpy(scene.vertex, corner, sizeof corner);
+    memcpy(scene.vertex + 12, v, 9 * sizeof(float));
+    memcpy(scene.index, index, sizeof index);
+    return scene;
+}
+
+/* Does the judge take some answer of triangle 2 that hides the wall, at the triangle or elsewhere?
+ */
+static bool hides(struct court *c, bool at_triangle)
+{
+    static const double share[] = {0.5, 0.01, 0.3, 0.77, 0.999};
+    static const float weight[][2] = {{0.25f, 0.25f}, {0, 0},       {1, 0},
+                                      {0, 1},         {0.5f, 0.5f}, {0.3333333f, 0.3333333f},
+                                      {0.5f, 0},      {0.1f, 0.7f}};
+    float v[3][3];
+    double on = 0, length = 0;
+    scene_tri(&c->scene, 2, v);
+    for (int k = 0; k < 3; k++) { /* the ray's point nearest to the first vertex */
+        double d = (double)c->ray.dir[k];
+        on += d * ((double)v[0][k] - (double)c->ray.org[k]);
+        length += d * d;
+    }
+    size_t all = ARRAY_COUNT(share) + (at_triangle ? 1 : 0);
+    for (size_t s = 0; s < all; s++)
+        for (size_t w = 0; w < ARRAY_COUNT(weight); w++) {
+            double t = s < ARRAY_COUNT(share) ? share[s] * c->truth.t_lo : on / length;
+            if (!(t < c->truth.t_lo))
+                continue;
+            struct hit hit = {(float)t, weight[w][0], weight[w][1], 2};
+            if (verdict(c, hit) != VERDICT_WRONG)
+                return true;
+        }
+    return false;
+}
+
+/* Rays to the wall: of a camera, or in the triangle's plane. */
+static struct ray wall_ray(enum degenerate kind, bool aimed, struct rng *rng, float v[3][3])
+{
+    if (aimed)
+        return degenerate_ray(kind, rng, v);
+    return (struct ray){{0.5f, 0.25f, -20},
+                        0,
+                        {rng_range(rng, -0.5f, 0.5f), rng_range(rng, -0.5f, 0.5f), 1},
+                        0x1p60f};
+}
+
+static size_t hidden(const struct subject *subject, enum degenerate kind, bool aimed, size_t *rays)
+{
+    size_t count = 0;
+    *rays = 0;
+    for (uint64_t i = 0; i < tries(4); i++) {
+        struct rng rng = rng_make(i, (uint64_t)kind + 100);
+        float v[3][3];
+        degenerate_triangle(kind, &rng, v);
+        struct court *c = court_of(wall_with(v));
+        court_seat(c, subject, QUERY_CLOSEST);
+        for (int k = 0; k < 20; k++) {
+            struct ray ray = wall_ray(kind, aimed, &rng, v);
+            if (!ray_in_contract(&ray))
+                continue;
+            court_ask(c, ray);
+            if (c->truth.prim == ABI_NO_PRIM || c->truth.prim == 2)
+                continue;
+            ++*rays;
+            count += hides(c, !aimed); /* an aimed ray is at it, exactly or nearly */
+        }
+        court_close(c);
+    }
+    return count;
+}
+
+/* Exactly 0 in every evaluation, so that nothing can be hidden. */
+static bool is_nothing(enum degenerate kind)
+{
+    return kind == ALL_EQUAL || kind == ON_AXIS;
+}
+
+static void a_degenerate_triangle_hides_nothing_that_it_is_not_before(void **state)
+{
+    (void)state;
+    for (int aimed = 0; aimed < 2; aimed++)
+        for (size_t s = 0; s < SUBJECTS; s++) {
+            if (is_unknown(&subjects[s]))
+                continue;
+            char line[300] = "";
+            size_t all = 0, hid = 0;
+            for (int kind = 0; kind < DEGENERATE_COUNT; kind++) {
+                size_t rays, count = hidden(&subjects[s], (enum degenerate)kind, aimed, &rays);
+                snprintf(line + strlen(line), sizeof line - strlen(line), " %zu/%zu", count, rays);
+                all += rays;
+                hid += count;
+                assert_true(rays > 0);
+                if (is_nothing((enum degenerate)kind) && count)
+                    fail_msg("%s: %s hides %zu of %zu rays", subjects[s].name,
+                             degenerate_names[kind], count, rays);
+            }
+            print_message("%-7s %-24s%s\n", aimed ? "aimed" : "camera", subjects[s].name, line);
+            size_t limit = !aimed ? 1000 : rounding_is_nearest(subjects[s].model.rounding) ? 20 : 4;
+            if (hid * limit > all)
+                fail_msg("%s: %zu of %zu rays are hidden", subjects[s].name, hid, all);
+        }
+}
+
+/* What C itself comes to is allowed, unless a certain hit lies before it. */
+static void noise_does_not_excuse_a_certain_hit_before_it(void **state)
+{
+    (void)state;
+    size_t kept[VERDICT_COUNT] = {0}, missed = 0;
+    for (size_t s = 0; s < SUBJECTS; s++)
+        for (uint64_t i = 0; i < tries(4000); i++) {
+            struct rng rng = rng_make(i, s);
+            enum degenerate kind = (enum degenerate)(i % DEGENERATE_COUNT);
+            float v[3][3];
+            struct hit hit = {.prim = 2};
+            degenerate_triangle(kind, &rng, v);
+            struct ray ray = degenerate_ray(kind, &rng, v);
+            struct tri_ray ready = tri_ray_make(&ray);
+            if (!subjects[s].model.bits || !ray_in_contract(&ray) ||
+                !tri_test_run(tri_test_find(subjects[s].tri)->id, &ready, v, &hit))
+                continue;
+            struct court *c = court_of(wall_with(v));
+            court_seat(c, &subjects[s], QUERY_CLOSEST);
+            court_ask(c, ray);
+            bool lost = c->truth.prim < 2 && (double)hit.t > c->truth.t_hi * 1.001 &&
+                        c->truth.margin > 0.01f;
+            if (verdict(c, hit) == VERDICT_WRONG && c->judgement.wrong != WRONG_MISSED)
+                must_be(c, hit, VERDICT_NOISE);
+            if (lost)
+                must_be_wrong(c, hit, WRONG_MISSED);
+            missed += lost;
+            kept[c->judgement.verdict]++;
+            court_close(c);
+        }
+    print_message("noise %zu, in_plane %zu, boundary %zu, a wall before it %zu\n",
+                  kept[VERDICT_NOISE], kept[VERDICT_IN_PLANE], kept[VERDICT_BOUNDARY], missed);
+    assert_true(kept[VERDICT_NOISE] > 0 && kept[VERDICT_IN_PLANE] > 0);
+    assert_true(kept[VERDICT_BOUNDARY] > 0 && missed > 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(legal_answers_are_possible),
+        cmocka_unit_test(legal_answers_of_degenerate_triangles_are_possible),
+        cmocka_unit_test(noise_does_not_excuse_a_certain_hit_before_it),
+        cmocka_unit_test(a_degenerate_triangle_hides_nothing_that_it_is_not_before),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
