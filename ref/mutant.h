@@ -224,7 +224,7 @@
 #define MUTANT_GRID_SCALE_OF_X     455 /* shader: every axis has the scale of x */
 #define MUTANT_NOISE_BELIEVED  600 /* any answer of an open determinant is taken for possible */
 #define MUTANT_RANGE_UNASKED   601 /* Embree's t may lie outside the range */
-#define MUTANT_ZERO_ROUNDED    602 /* 0 times a number may be something else */
+#define MUTANT_EQUAL_APART     602 /* a replay's equal vertices may come to different numbers */
 #define MUTANT_GRID_UNREAD     603 /* any quotient of a divisor is taken for a possible one */
 #define MUTANT_RANGE_EXACT     604 /* Embree's t may not lie outside the range at all */
 #define MUTANT_SUM_TO_NEAREST  605 /* a replay's sums are rounded to nearest whatever is allowed */

@@ -287,10 +287,8 @@ static struct scatter multiply(const struct liberty *k, const struct scatter *p,
 {
     struct scatter a = seen(k, p), b = seen(k, q), out = {.count = -1};
     double relative = k->rounding.mul;
-#if MUTANT != MUTANT_ZERO_ROUNDED
     if (scatter_is_zero(&a) || scatter_is_zero(&b))
         return zero();
-#endif
     if (is_unknown(&a) || is_unknown(&b))
         return unknown();
     product_bounds(&a, &b, &out);
