@@ -177,10 +177,14 @@ static bool hides(struct court *c, bool at_triangle)
         on += d * ((double)v[0][k] - (double)c->ray.org[k]);
         length += d * d;
     }
-    size_t all = ARRAY_COUNT(share) + (at_triangle ? 1 : 0);
+    struct tri_ray ready = tri_ray_make(&c->ray);
+    double level = ((double)v[0][ready.kz] - (double)ready.o[ready.kz]) / (double)ready.d[ready.kz];
+    size_t all = ARRAY_COUNT(share) + (at_triangle ? 2 : 0);
     for (size_t s = 0; s < all; s++)
         for (size_t w = 0; w < ARRAY_COUNT(weight); w++) {
-            double t = s < ARRAY_COUNT(share) ? share[s] * c->truth.t_lo : on / length;
+            double t = s < ARRAY_COUNT(share)    ? share[s] * c->truth.t_lo
+                       : s == ARRAY_COUNT(share) ? on / length
+                                                 : level;
             if (!(t < c->truth.t_lo))
                 continue;
             struct hit hit = {(float)t, weight[w][0], weight[w][1], 2};
