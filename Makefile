@@ -151,7 +151,7 @@ $(ORACLE_TESTS): $(B)/obj/tests/exact_gmp.o $(B)/obj/tests/exact_gmp_bounds.o \
     $(B)/obj/tests/exact_gmp_bounds_baldwin.o $(B)/obj/tests/exact_gmp_redecide.o \
     $(B)/obj/tests/exact_gmp_replay.o $(B)/obj/tests/oracle_cases.o
 $(ORACLE_TESTS): TEST_LIBS += $(GMP_LIBS)
-BOUNDS_TESTS := $(filter $(B)/tests/test_bounds% $(B)/tests/test_judge_noise $(B)/tests/test_judge_range,$(TESTS))
+BOUNDS_TESTS := $(filter $(B)/tests/test_bounds% $(B)/tests/test_judge_noise $(B)/tests/test_judge_range $(B)/tests/test_judge_unnamed,$(TESTS))
 $(BOUNDS_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle_cases.o)
 $(BOUNDS_TESTS): TEST_LIBS += $(GMP_LIBS)
 

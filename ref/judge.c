@@ -195,56 +195,6 @@ static enum status judge_certified(const struct judge *judge, const struct ray *
     return STATUS_OK;
 }
 
-#define TOGETHER 8u /* twins computed together */
-
-static bool may_hit(const struct judge *judge, const struct ray *ray, uint32_t prim,
-                    const struct twin *twin)
-{
-    float v[3][3];
-    if (!twin->possible || isfinite(twin->t_err))
-        return twin->possible;
-    scene_tri(judge->scene, prim, v);
-    return judge_can_hit(judge, ray, v);
-}
-
-/* Whether some triangle may be taken for hit. */
-static bool any_possible(const struct judge *judge, const struct ray *ray)
-{
-    uint32_t count = judge->scene->tri_count;
-    bool possible = false;
-    for (uint32_t first = 0; first < count && !possible; first += TOGETHER) {
-        struct twin_pair pair[TOGETHER];
-        struct twin twin[TOGETHER];
-        uint32_t part = count - first < TOGETHER ? count - first : TOGETHER;
-        for (uint32_t i = 0; i < part; i++)
-            pair[i] = (struct twin_pair){ray, first + i};
-        twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, part, twin);
-        for (uint32_t i = 0; i < part && !possible; i++)
-            possible = may_hit(judge, ray, first + i, &twin[i]);
-    }
-    return possible;
-}
-
-/* Any-hit that names no triangle: only hit or miss can be judged. A hit where nothing is exactly
- * hit needs a triangle that this formula may take for hit; all are asked. */
-static enum status judge_unnamed(const struct judge *judge, const struct ray *ray,
-                                 const struct oracle_answer *truth, bool hit, struct judgement *out)
-{
-    if (hit == (truth->prim != ABI_NO_PRIM))
-        return STATUS_OK;
-    if (!hit)
-        return judge_certified(judge, ray, truth, &(struct hit){.prim = ABI_NO_PRIM}, NULL, out);
-    if (judge->model.formula == TWIN_UNKNOWN) {
-        out->verdict = VERDICT_BOUNDARY; /* nothing is known that could contradict it */
-        return STATUS_OK;
-    }
-    if (any_possible(judge, ray))
-        out->verdict = VERDICT_BOUNDARY;
-    else
-        set_wrong(out, WRONG_PHANTOM);
-    return STATUS_OK;
-}
-
 enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool in_contract,
                           const struct oracle_answer *truth, const struct hit *answer,
                           const struct judge_known *known, struct judgement *out)
@@ -266,8 +216,8 @@ enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool
     }
     if (!float_is_finite(answer->t) || !float_is_finite(answer->u) || !float_is_finite(answer->v))
         set_wrong(out, WRONG_NOT_FINITE);
-    else if (unnamed)
-        status = judge_unnamed(judge, ray, truth, hit, out);
+    else if (unnamed && hit)
+        judge_unnamed_hit(judge, ray, truth, out);
     else if (judge->model.formula == TWIN_UNKNOWN)
         status = judge_by_distance(judge, ray, truth, answer, out);
     else
@@ -284,15 +234,26 @@ enum status judge_answer(const struct judge *judge, const struct ray *ray,
     return judge_knowing(judge, ray, ray_in_contract(ray), truth, answer, NULL, out);
 }
 
+/* Of a class that leaves open whether something is hit. */
+static bool is_open(enum verdict verdict)
+{
+#if MUTANT == MUTANT_ANY_EXCUSED
+    return verdict != VERDICT_RIGHT;
+#endif
+    return verdict == VERDICT_BOUNDARY || verdict == VERDICT_BORDER ||
+           verdict == VERDICT_IN_PLANE || verdict == VERDICT_SLAB || verdict == VERDICT_NOISE;
+}
+
 void judge_any_against_closest(const struct judge *judge, const struct ray *ray,
                                const struct hit *closest, const struct judgement *closest_judgement,
                                const struct hit *any, struct judgement *any_judgement)
 {
-    if ((closest->prim == ABI_NO_PRIM) == (any->prim == ABI_NO_PRIM) || !judge->in_contract ||
-        !ray_in_contract(ray) || any_judgement->verdict == VERDICT_WRONG)
+    bool any_hit = any->prim != ABI_NO_PRIM, truth_hit = any_judgement->expected != ABI_NO_PRIM;
+    if ((closest->prim != ABI_NO_PRIM) == any_hit || !judge->in_contract || !ray_in_contract(ray) ||
+        any_judgement->verdict == VERDICT_WRONG)
         return;
-    if (judge->own ||
-        (closest_judgement->verdict == VERDICT_RIGHT && any_judgement->verdict == VERDICT_RIGHT))
+    const struct judgement *off = any_hit != truth_hit ? any_judgement : closest_judgement;
+    if (judge->own || !is_open(off->verdict))
         set_wrong(any_judgement, WRONG_ANY_DISAGREES);
 }
 

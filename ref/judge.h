@@ -112,8 +112,9 @@ enum status judge_need(const struct judge *judge, const struct ray *ray,
 
 /* Turns a judgement into WRONG_ANY_DISAGREES if the same engine's closest-hit answer contradicts
  * its any-hit answer, one being a hit and the other a miss. An own formula gives both queries the
- * same triangle tests in the same order until the first hit, so nothing excuses it; other formulas
- * may run another code, so there an open sign (any verdict but RIGHT on either side) does. */
+ * same triangle tests in the same order until the first hit, so nothing excuses it. Other formulas
+ * may run another code for each, whose roundings differ: then the one that contradicts the exact
+ * truth must leave open whether something is hit, as a boundary does and a tie does not. */
 void judge_any_against_closest(const struct judge *judge, const struct ray *ray,
                                const struct hit *closest, const struct judgement *closest_judgement,
                                const struct hit *any, struct judgement *any_judgement);

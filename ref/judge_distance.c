@@ -123,6 +123,13 @@ void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3])
     }
 }
 
+double judge_point_displacement(const struct ray *ray, float v[3][3], double t)
+{
+    struct triangle tri = triangle_of(ray, v);
+    double at[3] = {t * tri.d[0], t * tri.d[1], t * tri.d[2]};
+    return tri.unit > 0.0 ? to_triangle(at, &tri) / tri.unit : 0.0;
+}
+
 double judge_unit_of_t(const struct ray *ray, float v[3][3])
 {
     struct triangle t = triangle_of(ray, v);

@@ -16,12 +16,12 @@ struct judge {
     const struct tri_test *tri;
     struct model model;
     enum query query;
-    bool own;         /* the formula is one of ref/primitives/tri.h */
-    bool fans;        /* a closed fan cannot be missed: judge_fan.c */
-    bool by_bounds;   /* see judge_by_bounds */
-    bool in_contract; /* the scene's coordinates are */
+    bool own;            /* the formula is one of ref/primitives/tri.h */
+    bool fans;           /* a closed fan cannot be missed: judge_fan.c */
+    bool by_bounds;      /* see judge_by_bounds */
+    bool in_contract;    /* the scene's coordinates are */
     double displacement; /* unknown formula: what any triangle allows, in units */
-    float largest[3]; /* |coordinate| per axis of the scene */
+    float largest[3];    /* |coordinate| per axis of the scene */
     /* Made when first asked for; a million triangles take a second. */
     pthread_mutex_t lock;
     _Atomic(struct topology *) topology;
@@ -87,6 +87,12 @@ bool judge_can_hit(const struct judge *judge, const struct ray *ray, float v[3][
  * far outside as a comparison before the division lets it. */
 bool judge_may_keep(const struct judge *judge, const struct ray *ray, float v[3][3], float t);
 
+/* --- judge_unnamed.c --- */
+
+/* Judges an any-hit answer that says hit and names no triangle. */
+void judge_unnamed_hit(const struct judge *judge, const struct ray *ray,
+                       const struct oracle_answer *truth, struct judgement *out);
+
 /* --- judge_lost.c --- */
 
 /* Triangles that an engine did find, sorted by index. */
@@ -150,6 +156,9 @@ double judge_loss(const struct judge *judge, const struct ray *ray,
 /* Distance of the line of the ray to the lines of the triangle's edges, in the plane across the
  * ray, in units of u * max |vertex - origin|. */
 void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3]);
+
+/* Distance of the ray's point at t to the triangle, in such units. */
+double judge_point_displacement(const struct ray *ray, float v[3][3], double t);
 
 /* By how much t changes if the triangle moves one such unit along its normal. */
 double judge_unit_of_t(const struct ray *ray, float v[3][3]);

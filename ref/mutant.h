@@ -228,6 +228,9 @@
 #define MUTANT_GRID_UNREAD     603 /* any quotient of a divisor is taken for a possible one */
 #define MUTANT_RANGE_EXACT     604 /* Embree's t may not lie outside the range at all */
 #define MUTANT_SUM_TO_NEAREST  605 /* a replay's sums are rounded to nearest whatever is allowed */
+#define MUTANT_UNNAMED_BELIEVED 606 /* a black box's hits without a triangle are not judged */
+#define MUTANT_UNNAMED_LOOK    607 /* the first look at triangles allows for no rounding */
+#define MUTANT_ANY_EXCUSED     608 /* a tie excuses that any-hit and closest-hit disagree */
 #define MUTANT_TRAIL_LOST          490 /* without a stack: on level 2 the other child is forgotten */
 #define MUTANT_PAIRS_UNMET         505 /* a covering array ends before all pairs met */
 #define MUTANT_HTML_UNESCAPED      360 /* report: text stands in the page as it is */
