@@ -8,35 +8,11 @@
 
 #define TOGETHER 64u /* triangles looked at together */
 
-/* --- named formulas --------------------------------------------------------------------------- */
+/* --- a first look ------------------------------------------------------------------------------
+ */
 
-static bool may_hit(const struct judge *judge, const struct ray *ray, uint32_t prim,
-                    const struct twin *twin)
-{
-    float v[3][3];
-    if (!twin->possible || isfinite(twin->t_err))
-        return twin->possible;
-    scene_tri(judge->scene, prim, v);
-    return judge_can_hit(judge, ray, v);
-}
-
-static bool possible_by_twin(const struct judge *judge, const struct ray *ray, uint32_t first,
-                             uint32_t count)
-{
-    struct twin_pair pair[TOGETHER];
-    struct twin twin[TOGETHER];
-    bool possible = false;
-    for (uint32_t i = 0; i < count; i++)
-        pair[i] = (struct twin_pair){ray, first + i};
-    twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, count, twin);
-    for (uint32_t i = 0; i < count && !possible; i++)
-        possible = may_hit(judge, ray, first + i, &twin[i]);
-    return possible;
-}
-
-/* --- an unknown formula ----------------------------------------------------------------------- */
-
-/* What a first look keeps, for all that judge_may_be_hit may take. With x = |coordinate| of what is
+/* What a first look keeps, for all that judge_may_be_hit may take, and the named formulas of
+ * has_look. With x = |coordinate| of what is
  * in brackets, M = [vertex - origin], D = [d] and L = [edge] <= 2 M, an edge function may have the
  * other sign by
  *   A |d x e| u M <= 2 sqrt 3 A u M D L for A units of displacement, or, of the widest of
@@ -109,6 +85,51 @@ static uint64_t kept(const struct judge *judge, const struct ray *ray, struct lo
     }
     return out;
 }
+
+/* --- named formulas --------------------------------------------------------------------------- */
+
+static bool may_hit(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                    const struct twin *twin)
+{
+    float v[3][3];
+    if (!twin->possible || isfinite(twin->t_err))
+        return twin->possible;
+    scene_tri(judge->scene, prim, v);
+    return judge_can_hit(judge, ray, v);
+}
+
+static bool has_look(const struct judge *judge)
+{
+    enum twin_formula formula = judge->model.formula;
+    const struct rounding *k = &judge->model.rounding;
+    return k->add <= 2.0 && k->mul <= 2.0 &&
+           (formula == TWIN_MT || formula == TWIN_MT_RTRS || formula == TWIN_EMBREE ||
+            formula == TWIN_PLUECKER);
+}
+
+static bool possible_by_twin(const struct judge *judge, const struct ray *ray, uint32_t first,
+                             uint32_t count)
+{
+    struct look look;
+    struct twin_pair pair[TOGETHER];
+    struct twin twin[TOGETHER];
+    bool possible = false;
+    uint64_t left = UINT64_MAX;
+    uint32_t pairs = 0;
+    if (has_look(judge)) {
+        take(judge, ray, first, count, &look);
+        left = kept(judge, ray, &look);
+    }
+    for (uint32_t i = 0; i < count; i++)
+        if (left >> i & 1)
+            pair[pairs++] = (struct twin_pair){ray, first + i};
+    twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, pairs, twin);
+    for (uint32_t i = 0; i < pairs && !possible; i++)
+        possible = may_hit(judge, ray, pair[i].prim, &twin[i]);
+    return possible;
+}
+
+/* --- an unknown formula ----------------------------------------------------------------------- */
 
 /* How far the triangle is from the ray's range, in units: where it meets the plane, cut off. */
 static double displacement_of(const struct judge *judge, const struct ray *ray, uint32_t prim)

@@ -125,6 +125,41 @@ static void the_first_look_drops_nothing(void **state)
     assert_true(misses > 4000 && possible > 400);
 }
 
+/* Nor what the twin of a named formula takes. */
+static void nor_of_named_formulas(void **state)
+{
+    (void)state;
+    static const enum twin_formula formulas[] = {TWIN_MT, TWIN_EMBREE, TWIN_PLUECKER, TWIN_WOOP};
+    size_t possible = 0, misses = 0;
+    for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
+        struct court *c = court_open(specs[s], 6);
+        struct rng rng = rng_make(s, 7);
+        for (int i = 0; i < 2000; i++) {
+            struct subject subject = mt_unnamed;
+            subject.model.formula = formulas[i % 4];
+            subject.model.rounding = ROUNDING_VULKAN;
+            court_ask(c, some_ray(c, &rng));
+            if (!ray_in_contract(&c->ray) || c->truth.prim != ABI_NO_PRIM)
+                continue;
+            bool any = false;
+            for (uint32_t prim = 0; prim < c->scene.tri_count && !any; prim++) {
+                float v[3][3];
+                scene_tri(&c->scene, prim, v);
+                struct twin twin =
+                    twin_eval(subject.model.formula, subject.model.rounding, &c->ray, v);
+                any = twin.possible && isfinite(twin.t_err);
+            }
+            court_seat(c, &subject, QUERY_ANY);
+            if (any)
+                must_be(c, a_hit, VERDICT_BOUNDARY);
+            misses++;
+            possible += any;
+        }
+        court_close(c);
+    }
+    assert_true(misses > 2000 && possible > 100);
+}
+
 /* What published formulas come to, as badly as Vulkan lets them, is not called WRONG. */
 static void honest_hits_are_not_wrong(void **state)
 {
@@ -215,6 +250,7 @@ int main(void)
         cmocka_unit_test(a_tracer_that_always_says_hit_is_wrong),
         cmocka_unit_test(a_triangle_without_area_excuses_no_hit),
         cmocka_unit_test(the_first_look_drops_nothing),
+        cmocka_unit_test(nor_of_named_formulas),
         cmocka_unit_test(honest_hits_are_not_wrong),
         cmocka_unit_test(a_miss_of_a_black_box_is_judged_by_displacement),
         cmocka_unit_test(only_an_open_hit_excuses_any_from_closest),
