@@ -1,10 +1,8 @@
 /* The front door: names, summaries and functions of the sub-commands, and how the program ends. */
-#define _POSIX_C_SOURCE 200809L /* sigaction */
 #include "fuzz/plugin_shader.h"
 #include "ref/command.h"
-#include "scenes/file.h"
+#include "scenes/cmd_process.h"
 
-#include <signal.h>
 #include <string.h>
 
 static const struct command commands[] = {
@@ -59,26 +57,12 @@ static int printed(const char *name, int code)
     return exit_worse(code, EXIT_USAGE);
 }
 
-static void on_signal(int number)
-{
-    file_out_abandon();
-    raise(number); /* once more, and then by default */
-}
-
-/* Who is ended from outside leaves no temporary file behind. Commands with results to save have
- * handlers of their own; what is ignored (nohup) stays so. */
-static void mind_signals(void)
-{
-    static const int ends[] = {SIGINT, SIGTERM, SIGHUP};
-    for (size_t i = 0; i < ARRAY_COUNT(ends); i++) {
-        struct sigaction before, action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
-        if (sigaction(ends[i], NULL, &before) == 0 && before.sa_handler == SIG_DFL)
-            sigaction(ends[i], &action, NULL);
-    }
-}
-
 int main(int argc, char **argv)
 {
+    if (!process_standard_files()) {
+        fputs("raydiff: /dev/null: cannot be opened in place of a closed standard file\n", stderr);
+        return EXIT_USAGE;
+    }
     if (argc < 2) {
         print_help(stderr);
         return EXIT_USAGE;
@@ -92,7 +76,7 @@ int main(int argc, char **argv)
         return printed(argv[1], EXIT_AGREE);
     }
     plugin_compile_with(cmd_glsl_compile);
-    mind_signals();
+    process_signals();
     for (const struct command *command = commands; command->name; command++)
         if (strcmp(argv[1], command->name) == 0)
             return printed(argv[1], command->run(argc - 1, argv + 1));

@@ -1,8 +1,8 @@
-#define _POSIX_C_SOURCE 200809L /* sigaction */
 #include "bench/cmd_bench_frames.h"
 
 #include "fuzz/versions.h"
 #include "ref/command.h"
+#include "scenes/cmd_process.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,16 +10,9 @@
 
 static volatile sig_atomic_t signalled;
 
-static void on_signal(int number)
-{
-    signalled = number;
-}
-
 void frames_catch_signals(void)
 {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    process_signals_caught(&signalled);
 }
 
 const volatile sig_atomic_t *frames_stop_flag(void)
@@ -81,6 +74,7 @@ enum status frames_session_measure(struct frames_session *session,
     if (!status)
         status = frames_measure(&session->run, draw, session->base ? tell : NULL, session, reason);
     progress_end(session->progress);
+    process_signal_taken();
     return status;
 }
 

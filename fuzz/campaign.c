@@ -12,6 +12,9 @@
 #define SAVE_NS 1000000000u
 /* Shrinking goes on for so long after the last trial. */
 #define GRACE_NS 30000000000u
+/* After a signal workers may finish their trials for so long; what they do not is played by the
+ * next run. */
+#define STOP_NS 500000000u
 
 #define KEPT_FOLDER "corpus"
 
@@ -74,6 +77,15 @@ static int stop_of(const struct campaign *c)
     return c->options->stop ? *c->options->stop : 0;
 }
 
+bool campaign_is_played(const struct campaign *c)
+{
+    const struct campaign_options *o = c->options;
+    if (MUTANT == MUTANT_SHRUNK_EARLY)
+        return c->ending;
+    return c->ending && !stop_of(c) && !campaign_has_blocks(c) &&
+           (!campaign_blocks_left(c) || (o->until > 0 && campaign_counted(c) >= o->until));
+}
+
 static void update_view(struct campaign *c)
 {
     struct campaign_view *view = &c->view;
@@ -87,6 +99,7 @@ static void update_view(struct campaign *c)
         view->to_shrink += !c->mark[i].shrunk;
     }
     view->unplayed = campaign_blocks_left(c);
+    view->unshrunk = c->options->shrink == CAMPAIGN_SHRINK_AT_END && campaign_shrinks_left(c);
     view->phase = !c->versions[0]  ? CAMPAIGN_STARTING
                   : !c->ending     ? CAMPAIGN_PLAYING
                   : c->play_end_ns ? CAMPAIGN_SHRINKING
@@ -110,7 +123,7 @@ static bool is_over(const struct campaign *c)
            (o->seconds > 0 && time_ns() - c->start_ns >= o->seconds * 1000000000u);
 }
 
-static bool has_blocks(const struct campaign *c)
+bool campaign_has_blocks(const struct campaign *c)
 {
     for (size_t i = 0; i < c->slots; i++)
         if (c->slot[i].block)
@@ -121,7 +134,7 @@ static bool has_blocks(const struct campaign *c)
 /* True if there is nothing more to do. */
 static bool is_done(struct campaign *c)
 {
-    if (!c->ending || has_blocks(c))
+    if (!c->ending || campaign_has_blocks(c))
         return false;
     if (!c->play_end_ns)
         c->play_end_ns = time_ns();
@@ -154,13 +167,23 @@ static enum status save(struct campaign *c, bool now, struct reason *reason)
 /* All trials were ordered: nobody has one, and there is no next. */
 static bool is_empty(struct campaign *c)
 {
-    return campaign_crew_count(c, SLOT_IDLE) == c->slots && !has_blocks(c);
+    return campaign_crew_count(c, SLOT_IDLE) == c->slots && !campaign_has_blocks(c);
+}
+
+/* True if nobody waits for the workers any more. */
+static bool is_cut_short(struct campaign *c)
+{
+    if (!stop_of(c))
+        return false;
+    if (!c->stopped_ns)
+        c->stopped_ns = time_ns();
+    return stop_of(c) > 1 || time_ns() - c->stopped_ns > STOP_NS;
 }
 
 static enum status go_on(struct campaign *c, struct reason *reason)
 {
     enum status status = STATUS_OK;
-    while (!status && !is_done(c) && stop_of(c) < 2) {
+    while (!status && !is_done(c) && !is_cut_short(c)) {
         status = campaign_crew_order(c, reason);
         if (!status && is_empty(c))
             c->ending = true;
@@ -221,6 +244,7 @@ static enum status open_all(struct campaign *c, struct reason *reason)
     c->rules.kept = c->kept.trial;
     c->rules.kept_count = c->kept.count;
     c->last = &c->first;
+    c->offered = SIZE_MAX;
     c->rng = rng_make(c->options->rules.seed, 0x63686F6Fu);
     c->start_ns = time_ns();
     c->view.options = c->options;

@@ -20,7 +20,8 @@
 enum campaign_shrinking {
     CAMPAIGN_SHRINK_NEVER,
     CAMPAIGN_SHRINK_SOON,  /* a new signature while the campaign goes on, bounded in time */
-    CAMPAIGN_SHRINK_AT_END /* every signature when all was played, the same on every machine */
+    CAMPAIGN_SHRINK_AT_END /* every signature when all was played, the same on every machine and
+                              whatever interrupted it: a run that ends before shrinks nothing */
 };
 
 struct campaign_view;
@@ -46,7 +47,7 @@ struct campaign_options {
     bool (*is_known)(void *user, const struct findings_entry *entry);
     void (*tick)(void *user, const struct campaign_view *view); /* some times a second; or NULL */
     void *user;
-    volatile sig_atomic_t *stop; /* set to 1: ends soon; 2: at once. NULL: never */
+    volatile sig_atomic_t *stop; /* set to 1: ends within a second; 2: at once. NULL: never */
 };
 
 /* What is known of a finding besides its folder. */
@@ -88,6 +89,7 @@ struct campaign_view {
     uint32_t workers, restarts;
     uint32_t renewed;         /* workers that had grown to half of the memory that one may hold */
     bool unplayed;            /* trials of options.trials are left for another run */
+    bool unshrunk;            /* with CAMPAIGN_SHRINK_AT_END, findings likewise */
     size_t to_shrink, shrunk; /* signatures */
     const char *versions;
     const char *said; /* on the last death of a worker, or "" */

@@ -88,8 +88,11 @@ struct campaign {
     /* Findings. */
     struct campaign_mark *mark;
     size_t marks, mark_capacity;
-    bool dirty; /* something was applied since the last checkpoint */
-    bool found; /* lines of findings among it */
+    bool dirty;     /* something was applied since the last checkpoint */
+    bool found;     /* lines of findings among it */
+    size_t offered; /* a shrunk finding that is being written, or SIZE_MAX */
+    uint64_t offered_hash;
+    uint64_t stopped_ns; /* when a signal was seen */
     uint64_t saved_ns, memory_ns, ticked_ns, start_ns, play_end_ns, shrink_ns;
     bool ending; /* no more blocks */
     bool no_more_jobs;
@@ -102,6 +105,13 @@ struct campaign {
  * have checked. */
 void campaign_state_read(struct campaign *c);
 enum status campaign_state_write(struct campaign *c, struct reason *reason) MUST_USE;
+
+/* --- campaign.c --- */
+
+/* True if workers have blocks, or some are not applied. */
+bool campaign_has_blocks(const struct campaign *c);
+/* True if all that the campaign is to play was applied, and nothing interrupts it. */
+bool campaign_is_played(const struct campaign *c);
 
 /* --- campaign_blocks.c --- */
 
@@ -157,6 +167,8 @@ enum status campaign_job_take(struct campaign *c, struct slot *slot, const struc
                               struct reason *reason) MUST_USE;
 /* True if a job is left that is to be done before the end. */
 bool campaign_jobs_left(const struct campaign *c);
+/* True if a signature is not shrunk that is to be some day. */
+bool campaign_shrinks_left(const struct campaign *c);
 
 /* How many findings count for `until`. */
 size_t campaign_counted(const struct campaign *c);

@@ -62,7 +62,15 @@ static bool is_to_shrink(const struct campaign *c, size_t i)
 {
     if (c->options->shrink == CAMPAIGN_SHRINK_NEVER || c->mark[i].shrunk || !can_shrink(c, i))
         return false;
-    return c->options->shrink == CAMPAIGN_SHRINK_AT_END ? c->ending : !c->mark[i].known;
+    return c->options->shrink == CAMPAIGN_SHRINK_AT_END ? campaign_is_played(c) : !c->mark[i].known;
+}
+
+bool campaign_shrinks_left(const struct campaign *c)
+{
+    for (size_t i = 0; i < c->marks; i++)
+        if (!c->mark[i].shrunk && can_shrink(c, i))
+            return true;
+    return false;
 }
 
 static bool is_to_play_again(const struct campaign *c, size_t i)
@@ -144,21 +152,37 @@ static bool shows(const struct work_parts *parts, const struct fuzz_signature *s
     return false;
 }
 
+/* Offers a shrunk finding. Shrinking it once more might make it smaller still, if it ran out of
+ * asks: so the log has before what the file will be, and whoever goes on after a kill knows it by
+ * that. */
+static enum status offer(struct campaign *c, size_t i, const struct finding_file *file,
+                         struct reason *reason)
+{
+    struct findings_news news;
+    c->offered = i;
+    c->offered_hash = fuzz_trial_size(&file->trial).hash;
+    enum status status = campaign_state_write(c, reason);
+    if (!status)
+        status = findings_offer(c->findings, file, &news, reason);
+    c->offered = SIZE_MAX;
+    return status;
+}
+
 static enum status take_shrunk(struct campaign *c, size_t i, const struct work_parts *parts,
                                struct reason *reason)
 {
     struct finding_file file;
-    struct findings_news news;
-    c->mark[i].shrunk = true;
     c->shrink_ns += parts ? parts->report->ns : 0;
-    if (!parts || parts->report->status || parts->report->text_bytes == 0)
-        return STATUS_OK; /* it stays as it is */
-    enum status status = finding_file_parse("a shrunk finding", parts->text,
-                                            parts->report->text_bytes, &file, reason);
-    if (status)
-        return status;
-    status = findings_offer(c->findings, &file, &news, reason);
-    finding_file_free(&file);
+    enum status status = STATUS_OK;
+    if (parts && !parts->report->status && parts->report->text_bytes > 0) {
+        status = finding_file_parse("a shrunk finding", parts->text, parts->report->text_bytes,
+                                    &file, reason);
+        if (status)
+            return status;
+        status = offer(c, i, &file, reason);
+        finding_file_free(&file);
+    } /* else it stays as it is */
+    c->mark[i].shrunk = true;
     c->dirty = true;
     return status;
 }

@@ -127,6 +127,26 @@ static void read_turnout(struct campaign *c, const char *state)
     }
 }
 
+static bool put_offered(const struct campaign *c, char *state)
+{
+    char text[64];
+    if (c->offered == SIZE_MAX)
+        return true;
+    snprintf(text, sizeof text, "%zu:%016llx", c->offered, (unsigned long long)c->offered_hash);
+    return campaign_state_put(state, FINDINGS_STATE_MOST, "offered", text);
+}
+
+/* The one that was being written when a kill came is shrunk if its file is there. */
+static void read_offered(struct campaign *c, const char *state)
+{
+    char text[64];
+    size_t i;
+    unsigned long long hash;
+    if (campaign_state_get(state, "offered", text, sizeof text) &&
+        sscanf(text, "%zu:%16llx", &i, &hash) == 2 && i < c->marks)
+        c->mark[i].shrunk = findings_entry(c->findings, i)->smallest.hash == hash;
+}
+
 void campaign_state_read(struct campaign *c)
 {
     const char *state = findings_state(c->findings);
@@ -147,6 +167,7 @@ void campaign_state_read(struct campaign *c)
     (void)campaign_state_get(state, "shrunk", text, sizeof text);
     for (size_t i = 0; i < c->marks && text[i]; i++)
         c->mark[i].shrunk = text[i] == '1';
+    read_offered(c, state);
 }
 
 enum status campaign_state_write(struct campaign *c, struct reason *reason)
@@ -160,7 +181,7 @@ enum status campaign_state_write(struct campaign *c, struct reason *reason)
         !put_number(state, "next", MUTANT == MUTANT_STATE_AHEAD ? c->next : c->applied) ||
         !put_number(state, "mut", c->mut_next) || !put_number(state, "trials", c->trials_done) ||
         !campaign_state_put(state, sizeof state, "coverage", coverage) || !put_turnout(c, state) ||
-        !put_shrunk(c, state))
+        !put_shrunk(c, state) || !put_offered(c, state))
         return fail(reason, STATUS_INPUT, "the options of a campaign are too long to be kept");
     enum status status = findings_checkpoint(c->findings, state, reason);
     if (!status)

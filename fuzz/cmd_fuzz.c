@@ -51,7 +51,8 @@ static const char help[] =
     "exit codes: 0 nothing that the baseline does not know, 1 a finding outside it or a pair that\n"
     "            met in fewer than --pairs, 2 bad input,\n"
     "            3 an engine cannot be opened, 4 internal error, 77 an engine cannot run here,\n"
-    "            128 + the signal that ended it before all of --trials were played\n"
+    "            128 + the signal that ended it before all of --trials were played and shrunk;\n"
+    "            run again, the campaign ends as one that nothing interrupted\n"
     "example: raydiff fuzz --time 60\n"
     "         raydiff fuzz --time 3600 --pairs 1000\n";
 
@@ -355,9 +356,11 @@ static bool has_screen(void)
 
 static void catch_signals(void)
 {
-    struct sigaction action = {.sa_handler = on_signal};
+    struct sigaction before, action = {.sa_handler = on_signal};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) /* as by nohup */
+        sigaction(SIGHUP, &action, NULL);
 }
 
 static int finish(struct fuzz_command *c, enum status status, const struct reason *reason)

@@ -400,7 +400,7 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
         printf("renewed    %u workers that held half of --memory\n", (unsigned)view->renewed);
     if (flaky > 0)
         printf("flaky      %zu: never showed again in %u times alone\n", flaky, CAMPAIGN_AGAIN);
-    if (left > 0 && news > 0) {
+    if (left > 0 && news > 0 && !view->unplayed && !view->unshrunk) {
         char command[FUZZ_PATH_MOST] = "raydiff min";
         command_word(command, sizeof command, c->folder);
         printf("to shrink  %zu: %s\n", left, command);
@@ -409,6 +409,8 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     print_unused(c, view);
     if (view->unplayed)
         printf("unplayed   trials are left: run it again to go on\n");
+    else if (view->unshrunk)
+        printf("unshrunk   findings are left: run it again to shrink them\n");
     if (is_vacuous(view))
         printf("vacuous    no trial was played: nothing is tested\n");
     printf("findings   %zu distinct, %zu outside the baseline, in %s\n", count, news, c->folder);
@@ -422,7 +424,8 @@ void fuzz_report(void *user, const struct campaign_view *view)
                       fuzz_pairs_short(c) > 0
                   ? EXIT_MISMATCH
                   : EXIT_AGREE;
-    if (view->unplayed && *c->signalled) /* so that who waits for a shard knows */
+    if ((view->unplayed || view->unshrunk) &&
+        *c->signalled) /* so that who waits for a shard knows */
         c->code = 128 + *c->signalled;
     for (size_t i = 0; i < findings_count(view->findings); i++)
         print_finding(c, view, i);

@@ -17,25 +17,28 @@
 /* Standard error beyond this is no message: the pipe is left to fill. */
 #define SAID_LIMIT ((size_t)1 << 20)
 
+/* The command, and what becomes its standard files. */
+struct order {
+    const char *command;
+    int end[3];
+    uint32_t megabytes;
+};
+
 /* In the child: nothing here may take a lock, since other threads of ours may hold any. */
-static _Noreturn void become(const char *command, const int end[3], uint32_t megabytes)
+static void become(const void *user)
 {
+    const struct order *order = user;
     struct rlimit none = {0, 0};
-    sigset_t empty;
-    setpgid(0, 0);
     for (int i = 0; i < 3; i++)
-        if (dup2(end[i], i) < 0)
-            _exit(126);
-    if (megabytes != UINT32_MAX) {
-        struct rlimit memory = {(rlim_t)megabytes << 20, (rlim_t)megabytes << 20};
+        if (dup2(order->end[i], i) < 0)
+            return;
+    if (order->megabytes != UINT32_MAX) {
+        rlim_t most = (rlim_t)order->megabytes << 20;
+        struct rlimit memory = {most, most};
         setrlimit(RLIMIT_AS, &memory);
     }
     setrlimit(RLIMIT_CORE, &none);
-    signal(SIGPIPE, SIG_DFL);
-    sigemptyset(&empty);
-    sigprocmask(SIG_SETMASK, &empty, NULL);
-    execl("/bin/sh", "sh", "-c", command, (char *)NULL);
-    _exit(126);
+    execl("/bin/sh", "sh", "-c", order->command, (char *)NULL);
 }
 
 static void close_all(int end[6])
@@ -71,23 +74,22 @@ enum status pipe_child_start(const char *command, uint32_t megabytes, struct pip
     int end[6];
     *out = (struct pipe_child){0};
     if (!open_pipes(end)) {
-        enum status status = fail(reason, STATUS_DEVICE, "no pipe: %s", strerror(errno));
+        enum status no_pipe = fail(reason, STATUS_DEVICE, "no pipe: %s", strerror(errno));
+        close_all(end);
+        return no_pipe;
+    }
+    const struct order order = {command, {end[0], end[3], end[5]}, megabytes};
+    struct guardian guardian;
+    enum status status = guardian_start(become, &order, &guardian, reason);
+    if (status) {
         close_all(end);
         return status;
     }
-    pid_t pid = fork();
-    if (pid == 0)
-        become(command, (const int[3]){end[0], end[3], end[5]}, megabytes);
-    if (pid < 0) {
-        enum status status = fail(reason, STATUS_DEVICE, "no process: %s", strerror(errno));
-        close_all(end);
-        return status;
-    }
-    setpgid(pid, pid); /* whoever is first: it must be done before the group is killed */
     close(end[0]);
     close(end[3]);
     close(end[5]);
-    *out = (struct pipe_child){.pid = pid, .to = end[1], .from = end[2], .said_from = end[4]};
+    *out = (struct pipe_child){
+        .guardian = guardian, .to = end[1], .from = end[2], .said_from = end[4]};
     fcntl(out->to, F_SETFL, O_NONBLOCK);
     fcntl(out->from, F_SETFL, O_NONBLOCK);
     fcntl(out->said_from, F_SETFL, O_NONBLOCK);
@@ -103,11 +105,9 @@ static void close_ends(struct pipe_child *child)
 
 void pipe_child_stop(struct pipe_child *child)
 {
-    if (child->pid <= 0)
+    if (!pipe_child_runs(child))
         return;
-    kill(-child->pid, SIGKILL);
-    while (waitpid(child->pid, NULL, 0) < 0 && errno == EINTR)
-        continue;
+    guardian_stop(&child->guardian);
     close_ends(child);
     *child = (struct pipe_child){0};
 }
@@ -241,20 +241,16 @@ enum pipe_end pipe_talk(struct pipe_talk *talk, void *bytes, size_t size, bool l
 void pipe_child_fate(struct pipe_child *child, unsigned ms, char text[PIPE_FATE_MOST],
                      bool *missing)
 {
-    uint64_t end = time_ns() + (uint64_t)ms * 1000000u;
-    siginfo_t info = {0};
+    int status = 0;
+    bool ended = guardian_ended(&child->guardian, ms, &status);
     *missing = false;
-    /* Left to be reaped, so that its number stays its own until the group is killed. */
-    while (waitid(P_PID, (id_t)child->pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-           info.si_pid == 0 && time_ns() < end)
-        poll(NULL, 0, 1);
     pipe_child_listen(child);
-    if (info.si_pid == 0) {
+    if (!ended) {
         snprintf(text, PIPE_FATE_MOST, "it closed its output");
-    } else if (info.si_code == CLD_EXITED) {
-        snprintf(text, PIPE_FATE_MOST, "it ended with exit code %d", info.si_status);
-        *missing = info.si_status == 126 || info.si_status == 127;
+    } else if (WIFEXITED(status)) {
+        snprintf(text, PIPE_FATE_MOST, "it ended with exit code %d", WEXITSTATUS(status));
+        *missing = WEXITSTATUS(status) == 126 || WEXITSTATUS(status) == 127;
     } else {
-        snprintf(text, PIPE_FATE_MOST, "it was ended by signal %d", info.si_status);
+        snprintf(text, PIPE_FATE_MOST, "it was ended by signal %d", WTERMSIG(status));
     }
 }

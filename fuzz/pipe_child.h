@@ -1,17 +1,16 @@
 /* A child process that is spoken with over its standard input and output. Its end is always ours: a
- * time limit for each exchange, a memory limit, and its whole process group is killed. */
+ * time limit for each exchange, a memory limit, and a guardian that ends it with all its children,
+ * whatever ends us. */
 #ifndef FUZZ_PIPE_CHILD_H
 #define FUZZ_PIPE_CHILD_H
 
-#include "ref/base.h"
-
-#include <sys/types.h>
+#include "fuzz/guardian.h"
 
 #define PIPE_SAID_MOST 120 /* kept of what it writes to its standard error */
 
 /* Zero, or running. */
 struct pipe_child {
-    pid_t pid;
+    struct guardian guardian;
     int to, from, said_from;
     bool noisy; /* it wrote to its standard error */
     bool mute;  /* it closed it, or wrote too much: no longer listened to */
@@ -19,12 +18,17 @@ struct pipe_child {
     size_t said_length;
 };
 
+static inline bool pipe_child_runs(const struct pipe_child *child)
+{
+    return child->guardian.pid > 0;
+}
+
 /* Runs `sh -c command` in a process group of its own, with at most `megabytes` of address space
  * (UINT32_MAX: no limit) and no core file. Errors: STATUS_DEVICE no process or pipe to be had. */
 enum status pipe_child_start(const char *command, uint32_t megabytes, struct pipe_child *out,
                              struct reason *reason) MUST_USE;
 
-/* Kills the process group and waits for the child; zeroes it. A zero one is fine. */
+/* Ends the child and all its children (guardian_stop); zeroes it. A zero one is fine. */
 void pipe_child_stop(struct pipe_child *child);
 
 /* A piece of memory to send. */

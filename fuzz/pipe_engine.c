@@ -219,7 +219,7 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
 /* Starts the process if there is none, and asks what it is. */
 static enum status need_peer(struct peer *peer, struct reason *reason)
 {
-    if (peer->child.pid > 0)
+    if (pipe_child_runs(&peer->child))
         return STATUS_OK;
     struct reason why = {""};
     const char *command = peer->name + strlen(PIPE_PREFIX);

@@ -301,8 +301,9 @@ static void run(struct child *parent, void *user)
     const void *bytes;
     size_t size;
     /* The parent decides when to end; a key or a scheduler sends these to all of us. */
-    signal(SIGINT, SIG_IGN);
-    signal(SIGTERM, SIG_IGN);
+    static const int ends[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+    for (size_t i = 0; i < ARRAY_COUNT(ends); i++)
+        signal(ends[i], SIG_IGN);
     /* A core for each worker: the driver's own threads would only wait for each other. */
     setenv("LP_NUM_THREADS", "0", 0);
     if (!w)

@@ -303,5 +303,10 @@
 #define MUTANT_WALK_OF_NOTHING     521 /* a walk without memory is one of an empty tree */
 #define MUTANT_MEMORY_BELIEVED     523 /* there is always memory enough */
 #define MUTANT_ROOT_WITHOUT_LEAF   522 /* a wide tree of one leaf has none */
+#define MUTANT_STANDARD_CLOSED     700 /* a closed standard output is left for the next file */
+#define MUTANT_ENDS_WHEN_DONE      701 /* a signal waits until the picture is whole */
+#define MUTANT_GROUP_ONLY          702 /* of a peer's processes only its group is ended */
+#define MUTANT_LINE_HELD           703 /* a peer's guardian holds both ends of its line */
+#define MUTANT_SHRUNK_EARLY        704 /* a campaign that a signal ends shrinks what it has so far */
 
 #endif

@@ -1,13 +1,12 @@
 /* raydiff render: pictures of a scene by any engine; the seed's load. */
-#define _POSIX_C_SOURCE 200809L /* sigaction */
 #include "scenes/cmd_render.h"
 
 #include "ref/command.h"
+#include "scenes/cmd_process.h"
 #include "scenes/cmd_render_out.h"
 #include "scenes/image.h"
 
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,8 +28,9 @@ static const char help_head[] =
 static const char help_tail[] =
     "\nexit codes: 0, 1 --show class has wrong answers, 2 bad input, or a layout that refuses\n"
     "the scene, 3 an engine did not finish, 4 no memory, or counts of --show that disagree,\n"
-    "77 the engine cannot run here, 130 ended by Ctrl-C after a whole picture (a second one\n"
-    "ends it at once)\n"
+    "77 the engine cannot run here, 128 + the signal that ended it (--json and --paths are then "
+    "of\n"
+    "the whole pictures, unless the one being drawn took too long)\n"
     "example: raydiff render scenes/fetched/utah-teapot.obj -w 384 -h 288 --out teapot.png\n"
     "example: raydiff render --profile rtrs --handler-bvh-rf --engine vulkan --frames 40\n";
 
@@ -62,19 +62,6 @@ struct render {
 };
 
 static volatile sig_atomic_t caught;
-
-static void on_signal(int number)
-{
-    caught = number;
-}
-
-/* The second one ends the program at once. */
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
 
 static void print_help(void)
 {
@@ -248,6 +235,7 @@ static enum status draw_all(const struct render *r, const struct render_stage *s
         progress_step(&progress, "%u of %u pictures", *done + 1, r->frames);
     }
     progress_end(&progress);
+    process_signal_taken();
     if (!status && r->frames > 1) {
         uint64_t ns = 0;
         for (uint32_t i = 0; i < *done; i++)
@@ -355,7 +343,7 @@ int cmd_render(int argc, char **argv)
                            r.paths ? "paths" : "frames");
     if (r.mode)
         return r.mode->run(&r.settings, r.mode_value);
-    catch_signals();
+    process_signals_caught(&caught);
     enum status status = run(&r, &reason);
     if (status)
         fprintf(stderr, "raydiff render: %s\n", reason.text);

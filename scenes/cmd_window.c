@@ -1,13 +1,13 @@
 /* raydiff render --window: the picture on the screen, turned by the seed's keys. */
 #include "bench/pacing.h"
 #include "ref/command.h"
+#include "scenes/cmd_process.h"
 #include "scenes/cmd_render.h"
 #include "scenes/cmd_render_out.h"
 #include "scenes/turning.h"
 #include "scenes/window.h"
 
 #include <math.h>
-#include <signal.h>
 #include <string.h>
 
 static const char help[] =
@@ -62,6 +62,10 @@ struct showing {
     uint64_t start_ns, pictures, ns; /* ns: of all pictures */
     struct file_out log;
 };
+
+/* Signals close the window, as its button does. SDL would do that too, but only between pictures.
+ */
+static volatile sig_atomic_t caught;
 
 /* Draws the picture as seen now, at its size. */
 static enum status draw(struct showing *s, struct reason *reason)
@@ -136,7 +140,7 @@ static enum status loop(struct showing *s, struct reason *reason)
     enum status status = STATUS_OK;
     while (!status && !is_over(s)) {
         window_wait(s->window, wait_ms(s, news.turning), &news);
-        if (news.quit)
+        if (news.quit || caught)
             return STATUS_OK;
         s->turn_ms += news.turn_ms;
         turn(s, pacing_tick(&s->pacing, time_ns()));
@@ -177,20 +181,11 @@ static enum status open_all(struct showing *s, struct reason *reason)
     return status;
 }
 
-/* SDL makes these signals the closing of the window, but only where nobody else has a handler. */
-static void leave_signals_to_the_window(void)
-{
-    static const int ends[] = {SIGINT, SIGTERM};
-    for (size_t i = 0; i < ARRAY_COUNT(ends); i++)
-        if (signal(ends[i], SIG_DFL) == SIG_IGN)
-            signal(ends[i], SIG_IGN);
-}
-
 /* Without a display a picture can still be drawn where one was asked for. */
 static enum status open_window(struct showing *s, struct reason *reason)
 {
     struct reason why;
-    leave_signals_to_the_window();
+    process_signals_caught(&caught);
     enum status status = window_open("raydiff", s->image.width, s->image.height, &s->window, &why);
     if (status == STATUS_UNSUPPORTED && s->settings->out_given) {
         fprintf(stderr, "raydiff render: %s: %s is drawn without one\n", why.text,
@@ -225,6 +220,7 @@ static int run(const struct render_settings *settings, const char *value)
     s.pacing = pacing_make((double)settings->fps, s.start_ns);
     if (!status)
         status = s.window ? loop(&s, &reason) : draw(&s, &reason);
+    process_signal_taken();
     if (!status)
         status = close_files(&s, &reason);
     if (!status)

@@ -92,6 +92,10 @@ plain)
     suite report_browser sh tests/report_browser.sh "$build/raydiff" quick
     suite fuzz sh tests/fuzz.sh "$build"
     suite folders sh tests/folders.sh "$build/raydiff"
+    suite standard_files sh tests/standard_files.sh "$build/raydiff"
+    suite signals sh tests/signals.sh "$build/raydiff"
+    suite ended sh tests/ended.sh "$build/raydiff"
+    suite peers sh tests/peers.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
     suite warnings sh tests/warnings.sh

@@ -262,6 +262,57 @@ static void shrunk_at_the_end_they_are_the_same_again(void **state)
     assert_same_folders(one, normal(in_root("small3")), 1 + 3 * count);
 }
 
+#define BROKEN_TRIALS (6 * FUZZ_BATCH)
+
+static volatile sig_atomic_t stop_flag;
+static int stop_after;
+
+/* The campaign asks of each finding that it has not had before: so many more, and a signal comes.
+ */
+static bool count_down(void *user, const struct findings_entry *entry)
+{
+    (void)user, (void)entry;
+    if (--stop_after == 0)
+        stop_flag = 1;
+    return false;
+}
+
+/* Shrinking what was found so far would begin where the whole campaign does not. */
+static void an_interrupted_campaign_shrinks_to_the_same(void **state)
+{
+    (void)state;
+    struct campaign_options options = options_of(in_root("unbroken"), false);
+    options.trials = BROKEN_TRIALS;
+    options.shrink = CAMPAIGN_SHRINK_AT_END;
+    assert_run(&options);
+    const char *unbroken = normal(options.folder);
+    uint32_t cut = 0;
+    for (int after = 1; after <= 7; after += 3) {
+        char *folder;
+        assert_true(asprintf(&folder, "%s/broken%d", root, after) > 0);
+        options = options_of(folder, false);
+        options.trials = BROKEN_TRIALS;
+        options.jobs = 3;
+        options.shrink = CAMPAIGN_SHRINK_AT_END;
+        options.is_known = count_down;
+        options.stop = &stop_flag;
+        stop_after = after;
+        stop_flag = 0;
+        assert_run(&options);
+        cut += last.unplayed;
+        assert_true(!last.unplayed || last.unshrunk);
+        assert_int_equal(last.shrunk, 0);
+        stop_after = 0;
+        stop_flag = 0;
+        assert_run(&options);
+        assert_false(last.unplayed);
+        assert_false(last.unshrunk);
+        assert_same_folders(normal(folder), unbroken, 1 + 3 * distinct(unbroken));
+        free(folder);
+    }
+    assert_true(cut >= 2);
+}
+
 static void states_are_reached_by_mutants_and_kept(void **state)
 {
     (void)state;
@@ -313,6 +364,7 @@ int main(void)
         cmocka_unit_test(known_findings_do_not_end_it),
         cmocka_unit_test(one_shard_plays_the_corpus_once),
         cmocka_unit_test(shrunk_at_the_end_they_are_the_same_again),
+        cmocka_unit_test(an_interrupted_campaign_shrinks_to_the_same),
         cmocka_unit_test(states_are_reached_by_mutants_and_kept),
         cmocka_unit_test(options_are_kept_in_the_state),
     };

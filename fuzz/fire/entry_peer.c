@@ -40,7 +40,7 @@ enum status __wrap_pipe_child_start(const char *command, uint32_t megabytes, str
 {
     char path[FIRE_PATH_MOST];
     (void)command, (void)megabytes, (void)reason;
-    *out = (struct pipe_child){.pid = 0x7FFFFFFF, .mute = true};
+    *out = (struct pipe_child){.guardian = {.pid = 0x7FFFFFFF}, .mute = true};
     out->from = fire_file("", 0, path);
     out->to = open("/dev/null", O_WRONLY | O_CLOEXEC);
     out->said_from = open("/dev/null", O_RDONLY | O_CLOEXEC);
@@ -60,7 +60,7 @@ bool __wrap_pipe_child_is_early(struct pipe_child *child)
 
 void __wrap_pipe_child_stop(struct pipe_child *child)
 {
-    if (child->pid > 0) {
+    if (pipe_child_runs(child)) {
         close(child->to);
         close(child->from);
         close(child->said_from);
