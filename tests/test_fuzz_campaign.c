@@ -262,7 +262,7 @@ static void shrunk_at_the_end_they_are_the_same_again(void **state)
     assert_same_folders(one, normal(in_root("small3")), 1 + 3 * count);
 }
 
-#define BROKEN_TRIALS (6 * FUZZ_BATCH)
+#define BROKEN_TRIALS (10 * FUZZ_BATCH)
 
 static volatile sig_atomic_t stop_flag;
 static int stop_after;
@@ -287,12 +287,12 @@ static void an_interrupted_campaign_shrinks_to_the_same(void **state)
     assert_run(&options);
     const char *unbroken = normal(options.folder);
     uint32_t cut = 0;
-    for (int after = 1; after <= 7; after += 3) {
+    for (int after = 1; after <= 3; after++) {
         char *folder;
         assert_true(asprintf(&folder, "%s/broken%d", root, after) > 0);
         options = options_of(folder, false);
         options.trials = BROKEN_TRIALS;
-        options.jobs = 3;
+        options.jobs = 2;
         options.shrink = CAMPAIGN_SHRINK_AT_END;
         options.is_known = count_down;
         options.stop = &stop_flag;
@@ -310,7 +310,7 @@ static void an_interrupted_campaign_shrinks_to_the_same(void **state)
         assert_same_folders(normal(folder), unbroken, 1 + 3 * distinct(unbroken));
         free(folder);
     }
-    assert_true(cut >= 2);
+    assert_true(cut > 0);
 }
 
 static void states_are_reached_by_mutants_and_kept(void **state)
