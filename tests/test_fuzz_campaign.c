@@ -262,7 +262,7 @@ static void shrunk_at_the_end_they_are_the_same_again(void **state)
     assert_same_folders(one, normal(in_root("small3")), 1 + 3 * count);
 }
 
-#define BROKEN_TRIALS (10 * FUZZ_BATCH)
+#define BROKEN_TRIALS (4 * FUZZ_BATCH)
 
 static volatile sig_atomic_t stop_flag;
 static int stop_after;
