@@ -262,7 +262,7 @@ static void shrunk_at_the_end_they_are_the_same_again(void **state)
     assert_same_folders(one, normal(in_root("small3")), 1 + 3 * count);
 }
 
-#define BROKEN_TRIALS (4 * FUZZ_BATCH)
+#define BROKEN_TRIALS (6 * FUZZ_BATCH)
 
 static volatile sig_atomic_t stop_flag;
 static int stop_after;
@@ -287,7 +287,7 @@ static void an_interrupted_campaign_shrinks_to_the_same(void **state)
     assert_run(&options);
     const char *unbroken = normal(options.folder);
     uint32_t cut = 0;
-    for (int after = 1; after <= 3; after++) {
+    for (int after = 1; after <= 2; after++) {
         char *folder;
         assert_true(asprintf(&folder, "%s/broken%d", root, after) > 0);
         options = options_of(folder, false);
