@@ -191,7 +191,7 @@ static enum status make_origins(struct field *field, size_t *undecided, struct r
 
 static enum status play_rows(struct field *field, struct spawn_block *block, struct reason *reason)
 {
-    for (size_t i = 0; i < SPAWN_POINTS * SPAWN_RULES; i++) {
+    for (size_t i = 0; i < (size_t)SPAWN_POINTS * SPAWN_RULES; i++) {
         struct spawn_row *row = &block->row[i];
         row->point = (enum spawn_point)(i / SPAWN_RULES);
         row->rule = (enum spawn_rule)(i % SPAWN_RULES);

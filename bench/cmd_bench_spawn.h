@@ -44,7 +44,7 @@ struct spawn_block {
     uint32_t tri_count;
     size_t ray_count, hit_count;
     size_t undecided; /* hits whose first surface is not known for certain */
-    struct spawn_row row[SPAWN_POINTS * SPAWN_RULES];
+    struct spawn_row row[(size_t)SPAWN_POINTS * SPAWN_RULES];
     char judge[SPAWN_JUDGES][40]; /* engine, layout, triangle test */
     size_t judge_count;
 };

@@ -133,11 +133,11 @@ void coverage_add_truth(uint64_t map[COVERAGE_WORDS], const struct ray *ray, con
     if (truth->tie_count > 1)
         coverage_set(map, COVERAGE_TIES + step_of(truth->tie_count, ties, ARRAY_COUNT(ties)));
     if (truth->t_lo <= (double)ray->tmin)
-        coverage_set(map, COVERAGE_TRUTH + COVERAGE_TRUTH_ON_TMIN);
+        coverage_set(map, COVERAGE_TRUTH + (uint32_t)COVERAGE_TRUTH_ON_TMIN);
     if (truth->t_hi >= (double)ray->tmax)
-        coverage_set(map, COVERAGE_TRUTH + COVERAGE_TRUTH_ON_TMAX);
+        coverage_set(map, COVERAGE_TRUTH + (uint32_t)COVERAGE_TRUTH_ON_TMAX);
     if (truth->t_next <= truth->t_hi * (1 + 0x1p-20))
-        coverage_set(map, COVERAGE_TRUTH + COVERAGE_TRUTH_CLOSE_NEXT);
+        coverage_set(map, COVERAGE_TRUTH + (uint32_t)COVERAGE_TRUTH_CLOSE_NEXT);
 }
 
 void coverage_add_answer(uint64_t map[COVERAGE_WORDS], enum query query,

@@ -36,12 +36,12 @@ static void add_members(uint64_t map[COVERAGE_WORDS], const struct fuzz_trial *t
     coverage_set(map, COVERAGE_STORE +
                           place_of((const void *const *)tri_stores, trial->store, COVERAGE_STORES));
     if (trial->build.passes > 0)
-        coverage_set(map, COVERAGE_PAST + COVERAGE_PAST_OPTIMIZED);
+        coverage_set(map, COVERAGE_PAST + (uint32_t)COVERAGE_PAST_OPTIMIZED);
 }
 
 void coverage_add_motion(uint64_t map[COVERAGE_WORDS], bool rebuilt)
 {
-    coverage_set(map, COVERAGE_PAST + (rebuilt ? COVERAGE_PAST_REBUILT : COVERAGE_PAST_REFITTED));
+    coverage_set(map, COVERAGE_PAST + (uint32_t)(rebuilt ? COVERAGE_PAST_REBUILT : COVERAGE_PAST_REFITTED));
 }
 
 /* A box without thickness in one, two or three axes. */
@@ -51,7 +51,7 @@ static void add_flatness(uint64_t map[COVERAGE_WORDS], const struct box *box)
     for (int k = 0; k < 3; k++)
         flat += box->lo[k] == box->hi[k];
     if (flat > 0)
-        coverage_set(map, COVERAGE_SHAPE + COVERAGE_SHAPE_FLAT + (uint32_t)flat - 1);
+        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_FLAT + (uint32_t)flat - 1);
 }
 
 static float extent_of(const struct box *box)
@@ -63,12 +63,12 @@ static void add_family(uint64_t map[COVERAGE_WORDS], const struct box *parent,
                        const struct box *fst, const struct box *snd)
 {
     if (!box_contains_box(parent, fst) || !box_contains_box(parent, snd))
-        coverage_set(map, COVERAGE_SHAPE + COVERAGE_SHAPE_CUT);
+        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_CUT);
     if (memcmp(fst, snd, sizeof *fst) == 0)
-        coverage_set(map, COVERAGE_SHAPE + COVERAGE_SHAPE_SAME);
+        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_SAME);
     float whole = extent_of(parent);
     if (extent_of(fst) < whole * 0x1p-20f || extent_of(snd) < whole * 0x1p-20f)
-        coverage_set(map, COVERAGE_SHAPE + COVERAGE_SHAPE_MIXED);
+        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_MIXED);
 }
 
 static void add_scale(uint64_t map[COVERAGE_WORDS], const struct box *root)
@@ -137,13 +137,13 @@ void coverage_add_tree(uint64_t map[COVERAGE_WORDS], const struct fuzz_trial *tr
     struct descent descent = {.pending = 0};
     add_members(map, trial);
     if (bvh->node_count == 0) {
-        coverage_set(map, COVERAGE_SHAPE + COVERAGE_SHAPE_EMPTY);
+        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_EMPTY);
         return;
     }
     add_scale(map, &bvh->node[0].bounds);
     add_counts(map, bvh->prim_count, last_record(bvh));
     if (bvh->node_count == 1)
-        coverage_set(map, COVERAGE_SHAPE + COVERAGE_SHAPE_SINGLE);
+        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_SINGLE);
     for (uint32_t i = 0; i < bvh->node_count; i++) {
         const struct bvh_node *node = &bvh->node[i];
         uint32_t items = node->item_count;
@@ -163,19 +163,19 @@ static void add_half(uint64_t map[COVERAGE_WORDS], uint32_t code)
 {
     uint32_t size = code & 0x7FFFu;
     if (size >= 0x7C00u)
-        coverage_set(map, COVERAGE_HALF + COVERAGE_HALF_INFINITE);
+        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_INFINITE);
     else if (size == 0x7BFFu)
-        coverage_set(map, COVERAGE_HALF + COVERAGE_HALF_LARGEST);
+        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_LARGEST);
     else if (size == 0x0400u)
-        coverage_set(map, COVERAGE_HALF + COVERAGE_HALF_LEAST);
+        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_LEAST);
     else if (code == 0x8000u)
-        coverage_set(map, COVERAGE_HALF + COVERAGE_HALF_MINUS_ZERO);
+        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_MINUS_ZERO);
     else if (size == 0)
-        coverage_set(map, COVERAGE_HALF + COVERAGE_HALF_ZERO);
+        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_ZERO);
     else if (size < 0x0400u)
-        coverage_set(map, COVERAGE_HALF + COVERAGE_HALF_SUBNORMAL);
+        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_SUBNORMAL);
     else if ((size & 0x3FFu) == 0)
-        coverage_set(map, COVERAGE_HALF + COVERAGE_HALF_POWER);
+        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_POWER);
 }
 
 /* Record 0 of every node; the second records of leaves, which hold items, are passed over. */
@@ -189,9 +189,9 @@ static void add_halves(uint64_t map[COVERAGE_WORDS], const struct packed *packed
             add_half(map, lo);
             add_half(map, hi);
             if (lo == hi)
-                coverage_set(map, COVERAGE_HALF + COVERAGE_HALF_FLAT);
+                coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_FLAT);
             else if (lo + 1 == hi || hi + 1 == lo)
-                coverage_set(map, COVERAGE_HALF + COVERAGE_HALF_STEP);
+                coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_STEP);
         }
         r += (word[3] & leaf) != 0;
     }
@@ -204,7 +204,7 @@ void coverage_add_packed(uint64_t map[COVERAGE_WORDS], const struct packed *pack
     coverage_set(map, COVERAGE_PACKED + place_of((const void *const *)layouts_all, packed->layout,
                                                  COVERAGE_FORMS));
     if (packed->split)
-        coverage_set(map, COVERAGE_PAST + COVERAGE_PAST_SPLIT);
+        coverage_set(map, COVERAGE_PAST + (uint32_t)COVERAGE_PAST_SPLIT);
     if (packed->layout->node_bytes == sizeof(struct node_rf))
         add_halves(map, packed);
 }

@@ -153,7 +153,7 @@ static enum status together_cause(const struct seat *seat, const struct fuzz_tri
 /* A hit that was missed must be found: that a miss became excusable is no cure. */
 static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray *answer)
 {
-    bool missed = finding->signature.kind == FUZZ_KIND_WRONG + WRONG_MISSED;
+    bool missed = finding->signature.kind == fuzz_kind_of_wrong(WRONG_MISSED);
     return answer->answer.finished && answer->why.opinion.allowed &&
            !(missed && answer->answer.hit.prim == ABI_NO_PRIM);
 }
@@ -265,7 +265,7 @@ enum status fuzz_explain_scaled(struct fuzz_player *player, const struct fuzz_tr
     if (answer->why.cause != CAUSE_OUTSIDE)
         return STATUS_OK;
     struct fuzz_finding finding = {
-        .signature = {.kind = answer->answer.finished ? FUZZ_KIND_WRONG + answer->judgement.wrong
+        .signature = {.kind = answer->answer.finished ? fuzz_kind_of_wrong(answer->judgement.wrong)
                                                       : FUZZ_KIND_UNFINISHED,
                       .cause = CAUSE_OUTSIDE},
         .ray = ray};

@@ -20,6 +20,11 @@ enum fuzz_kind {
     FUZZ_KIND_COUNT
 };
 
+static inline enum fuzz_kind fuzz_kind_of_wrong(enum wrong wrong)
+{
+    return (enum fuzz_kind)((int)FUZZ_KIND_WRONG + (int)wrong);
+}
+
 struct fuzz_signature {
     char engine[48]; /* its name; of a pipe "pipe:" and the name of its program, without folder;
                         letters, digits and _-+:. only, no point in front: it names a folder */

@@ -157,7 +157,7 @@ static void count_ray(struct judging *j, uint32_t i, uint32_t k)
         j->out->count[judgement->verdict]++;
         if (judgement->verdict == VERDICT_WRONG) {
             j->out->wrong++;
-            keep(j, s, FUZZ_KIND_WRONG + judgement->wrong, i, judgement);
+            keep(j, s, fuzz_kind_of_wrong(judgement->wrong), i, judgement);
         } else if (answers->hit[i].prim != ABI_NO_PRIM) {
             j->out->provers |= 1u << s;
         }

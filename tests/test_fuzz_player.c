@@ -237,7 +237,7 @@ static void every_kind_of_fault_is_found(void **state)
         size_t findings, judged, opened;
         enum cause cause;
     } expected[] = {
-        {PLAN_MISS, FUZZ_KIND_WRONG + WRONG_MISSED, 4, 20, 1, CAUSE_SHADER}, /* and bits */
+        {PLAN_MISS, FUZZ_KIND_WRONG + (int)WRONG_MISSED, 4, 20, 1, CAUSE_SHADER}, /* and bits */
         {PLAN_BITS, FUZZ_KIND_BITS, 2, 20, 1, CAUSE_SHADER},
         {PLAN_UNFINISHED, FUZZ_KIND_UNFINISHED, 2, 19, 1, CAUSE_SHADER},
         {PLAN_DEAD, FUZZ_KIND_CRASH, 2, 0, 3, CAUSE_UNEXPLAINED},

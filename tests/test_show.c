@@ -291,13 +291,13 @@ static void what_is_right_is_within_its_bound_and_what_is_not_is_not(void **stat
     size_t too_far = 0, lost = 0;
     for (size_t i = 0; i < PIXELS; i++) {
         bool hit = !isnan(prim[i]);
-        assert_true(class[i] != VERDICT_WRONG);
+        assert_true(class[i] != (double)VERDICT_WRONG);
         assert_true(isnan(error[i]) ? !hit : error[i] >= 0.0 && error[i] <= 1.0);
-        if (hit && class[i] == VERDICT_RIGHT && i % 7 == 1) {
-            assert_true(isnan(off_error[i]) && off_class[i] == VERDICT_WRONG);
+        if (hit && class[i] == (double)VERDICT_RIGHT && i % 7 == 1) {
+            assert_true(isnan(off_error[i]) && off_class[i] == (double)VERDICT_WRONG);
             lost++;
-        } else if (hit && class[i] == VERDICT_RIGHT && i % 3 == 0) {
-            assert_true(off_error[i] > 1.0 && off_class[i] == VERDICT_WRONG);
+        } else if (hit && class[i] == (double)VERDICT_RIGHT && i % 3 == 0) {
+            assert_true(off_error[i] > 1.0 && off_class[i] == (double)VERDICT_WRONG);
             too_far++;
         } else if (i % 3 != 0 && i % 7 != 1) {
             assert_true(off_class[i] == class[i]);

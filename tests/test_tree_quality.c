@@ -70,7 +70,7 @@ static void overlap_is_what_points_on_the_triangles_meet(void **state)
     const struct build_options options = {.leaf = 3};
     assert_int_equal(builder_find("lbvh")->build(&scene, &options, &bvh, NULL), STATUS_OK);
     double sum = 0, area = 0;
-    enum { STEPS = 40 };
+    const int steps = 40;
     for (uint32_t i = 0; i < scene.tri_count; i++) {
         double e[2][3], n = 0, met = 0;
         const float *v = scene.vertex + 9 * (size_t)i;
@@ -81,16 +81,16 @@ static void overlap_is_what_points_on_the_triangles_meet(void **state)
                 e[0][(k + 1) % 3] * e[1][(k + 2) % 3] - e[0][(k + 2) % 3] * e[1][(k + 1) % 3];
             n += x * x;
         }
-        for (int a = 0; a < STEPS; a++)
-            for (int b = 0; b < STEPS; b++) {
-                double s = (a + 0.5) / STEPS, t = (b + 0.5) / STEPS, p[3];
+        for (int a = 0; a < steps; a++)
+            for (int b = 0; b < steps; b++) {
+                double s = (a + 0.5) / steps, t = (b + 0.5) / steps, p[3];
                 bool fold = s + t > 1;
                 for (int k = 0; k < 3; k++)
                     p[k] =
                         (double)v[k] + (fold ? 1 - s : s) * e[0][k] + (fold ? 1 - t : t) * e[1][k];
                 met += cost_at(&bvh, i, p);
             }
-        sum += met / (STEPS * STEPS) * sqrt(n) / 2;
+        sum += met / (steps * steps) * sqrt(n) / 2;
         area += sqrt(n) / 2;
     }
     double overlap = overlap_of(&bvh, &scene, 0);
