@@ -55,7 +55,7 @@ CMD_SRC  := raydiff.c $(wildcard */cmd_*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
 SHADERS  := $(wildcard shaders/*.comp)
 
-GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c templates.c glsl_sources.c) # the library's, made
+GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c waivers.c templates.c glsl_sources.c) # the library's, made
 LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 TESTS    := $(TEST_SRC:tests/%.c=$(B)/tests/%)
@@ -119,10 +119,13 @@ $(B)/obj/scenes/window.o: CPPFLAGS += $(SDL2_CFLAGS)
 $(B)/obj/gpu/cmd_glsl.o: CPPFLAGS += $(GLSLANG_CFLAGS)
 .PHONY: FORCE
 
-# The baseline is part of the program, so that an installed one has it.
+# What is known to fail is part of the program, so that an installed one has it.
 $(B)/gen/baseline.c: fuzz/baseline.txt
+$(B)/gen/waivers.c: tests/waivers.txt
+$(B)/gen/baseline.c $(B)/gen/waivers.c:
 	@mkdir -p $(@D)
-	@{ echo 'extern const char baseline_shipped[];' && echo 'const char baseline_shipped[] =' && \
+	@{ echo 'extern const char $(basename $(@F))_shipped[];' && \
+	  echo 'const char $(basename $(@F))_shipped[] =' && \
 	  sed -e 's/[\\"?]/\\&/g' -e 's/^/    "/' -e 's/$$/\\n"/' $< && echo ';'; } >$@
 
 $(B)/tests/%: $(B)/obj/tests/%.o $(B)/libraydiff.a

@@ -31,11 +31,13 @@ static const char help[] =
     "  --picture T=FILE  a PNG file with its title\n"
     "  --doctor FILE     what raydiff doctor --json wrote, once\n"
     "  --findings DIR    a folder of raydiff fuzz; each finding is played again and explained\n"
+    "  --baseline FILE   known findings, besides those that are part of raydiff\n"
     "and handed on to the commands that take it:\n"
     "  --layout L,..  --engine E,..  --tri T,..  --box B,..  --query Q,..  --rays SET  --seed "
     "S\n" ENGINE_OPTIONS_HELP "  --json FILE       its parts and sums, for machines\n\n"
     "exit codes: the worst of its parts, which stand in it with their reasons: 0 all agree, 1 a\n"
-    "mismatch, or a finding that is still there, 2 bad input, 3 an engine or a part crashed, hung\n"
+    "mismatch, or a finding that is still there and not in the baseline, 2 bad input, 3 an engine "
+    "or a part crashed, hung\n"
     "or took too long, 4 internal error, 77 a part cannot run here, 128 + the signal that ended "
     "it\n"
     "(then nothing is written)\n"
@@ -54,6 +56,7 @@ enum {
     OPT_PICTURE,
     OPT_DOCTOR,
     OPT_FINDINGS,
+    OPT_BASELINE,
     OPT_JSON,
     OPT_LAYOUT,
     OPT_ENGINE,
@@ -64,18 +67,29 @@ enum {
     OPT_SEED
 };
 
-static const struct option long_options[] = {
-    {"out", 1, NULL, OPT_OUT},           {"title", 1, NULL, OPT_TITLE},
-    {"parts", 1, NULL, OPT_PARTS},       {"quick", 0, NULL, OPT_QUICK},
-    {"count", 1, NULL, OPT_COUNT},       {"rounds", 1, NULL, OPT_ROUNDS},
-    {"time", 1, NULL, OPT_TIME},         {"check", 1, NULL, OPT_CHECK},
-    {"bench", 1, NULL, OPT_BENCH},       {"benchmark", 1, NULL, OPT_BENCH},
-    {"picture", 1, NULL, OPT_PICTURE},   {"doctor", 1, NULL, OPT_DOCTOR},
-    {"findings", 1, NULL, OPT_FINDINGS}, {"json", 1, NULL, OPT_JSON},
-    {"layout", 1, NULL, OPT_LAYOUT},     {"engine", 1, NULL, OPT_ENGINE},
-    {"tri", 1, NULL, OPT_TRI},           {"box", 1, NULL, OPT_BOX},
-    {"query", 1, NULL, OPT_QUERY},       {"rays", 1, NULL, OPT_RAYS},
-    {"seed", 1, NULL, OPT_SEED},         ENGINE_OPTIONS};
+static const struct option long_options[] = {{"out", 1, NULL, OPT_OUT},
+                                             {"title", 1, NULL, OPT_TITLE},
+                                             {"parts", 1, NULL, OPT_PARTS},
+                                             {"quick", 0, NULL, OPT_QUICK},
+                                             {"count", 1, NULL, OPT_COUNT},
+                                             {"rounds", 1, NULL, OPT_ROUNDS},
+                                             {"time", 1, NULL, OPT_TIME},
+                                             {"check", 1, NULL, OPT_CHECK},
+                                             {"bench", 1, NULL, OPT_BENCH},
+                                             {"benchmark", 1, NULL, OPT_BENCH},
+                                             {"picture", 1, NULL, OPT_PICTURE},
+                                             {"doctor", 1, NULL, OPT_DOCTOR},
+                                             {"findings", 1, NULL, OPT_FINDINGS},
+                                             {"baseline", 1, NULL, OPT_BASELINE},
+                                             {"json", 1, NULL, OPT_JSON},
+                                             {"layout", 1, NULL, OPT_LAYOUT},
+                                             {"engine", 1, NULL, OPT_ENGINE},
+                                             {"tri", 1, NULL, OPT_TRI},
+                                             {"box", 1, NULL, OPT_BOX},
+                                             {"query", 1, NULL, OPT_QUERY},
+                                             {"rays", 1, NULL, OPT_RAYS},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             ENGINE_OPTIONS};
 
 static void print_help(void)
 {
@@ -208,6 +222,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_FINDINGS:
         o->findings = text;
         return STATUS_OK;
+    case OPT_BASELINE:
+        return baseline_add_file(o->baseline, text, reason);
     case OPT_JSON:
         o->json = text;
         return STATUS_OK;
@@ -253,17 +269,19 @@ static enum status write_json(const char *path, const struct report *report, siz
     json_t *parts = json_array();
     for (size_t i = 0; i < report->part_count; i++) {
         const struct report_part *part = &report->part[i];
-        (void)json_array_append_new(parts, json_pack("{s:s, s:s, s:i, s:s, s:s, s:f}", "name",
-                                                     part->name, "state", state_name(part->state),
-                                                     "exit", part->code, "command", part->command,
-                                                     "why", part->why, "seconds", part->seconds));
+        (void)json_array_append_new(
+            parts, json_pack("{s:s, s:s, s:i, s:s, s:s, s:f, s:s}", "name", part->name, "state",
+                             state_name(part->state), "exit", part->code, "command", part->command,
+                             "why", part->why, "seconds", part->seconds, "known",
+                             report_part_known(part) ? part->known : ""));
     }
     json_t *root = json_pack(
-        "{s:s, s:i, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "raydiff", RAYDIFF_VERSION,
+        "{s:s, s:i, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "raydiff", RAYDIFF_VERSION,
         "exit", report_code(report), "bytes", (json_int_t)bytes, "figures", (json_int_t)sum.figures,
         "answers", (json_int_t)sum.answers, "wrong", (json_int_t)sum.wrong, "bit_differences",
         (json_int_t)sum.bits, "findings", (json_int_t)sum.findings, "failing",
-        (json_int_t)sum.failing, "pictures", (json_int_t)report->picture_count, "parts", parts);
+        (json_int_t)sum.failing, "known", (json_int_t)sum.known, "pictures",
+        (json_int_t)report->picture_count, "parts", parts);
     return json_write(path, root, 9, reason);
 }
 
@@ -355,9 +373,24 @@ static int check_options(struct report_options *o)
     return EXIT_AGREE;
 }
 
+static int run_report(struct report_options *o, struct runner *runner, const char *command)
+{
+    struct reason reason;
+    int code = check_options(o);
+    if (code)
+        return code;
+    runner->seconds = (unsigned)o->seconds;
+    if (runner_open(runner, &reason))
+        return usage_error("report", "%s", reason.text);
+    code = make_and_write(o, runner, command);
+    runner_close(runner);
+    return code;
+}
+
 int cmd_report(int argc, char **argv)
 {
-    struct report_options o = {.seconds = 600};
+    struct baseline baseline = {.count = 0};
+    struct report_options o = {.seconds = 600, .baseline = &baseline};
     struct runner runner = {.progress = progress_make("report")};
     struct reason reason;
     char command[LINE_TEXT_BYTES] = "raydiff report";
@@ -365,19 +398,17 @@ int cmd_report(int argc, char **argv)
         command_word(command, sizeof command, argv[i]);
     for (size_t kind = 0; kind < REPORT_KINDS; kind++)
         o.wanted[kind] = true;
+    if (baseline_open(&baseline, &reason)) {
+        fprintf(stderr, "raydiff report: %s\n", reason.text);
+        return EXIT_INTERNAL;
+    }
     int first, code = options_take("report", print_help, long_options, take_option, &o, argc, argv,
                                    &first);
-    if (code >= 0)
-        return code;
-    o.scene = argv + first;
-    o.scene_count = (size_t)(argc - first);
-    code = check_options(&o);
-    if (code)
-        return code;
-    runner.seconds = (unsigned)o.seconds;
-    if (runner_open(&runner, &reason))
-        return usage_error("report", "%s", reason.text);
-    code = make_and_write(&o, &runner, command);
-    runner_close(&runner);
+    if (code < 0) {
+        o.scene = argv + first;
+        o.scene_count = (size_t)(argc - first);
+        code = run_report(&o, &runner, command);
+    }
+    baseline_close(&baseline);
     return code;
 }

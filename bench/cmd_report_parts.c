@@ -156,6 +156,18 @@ static char *printed(const struct runner *runner)
     return text;
 }
 
+/* What the baseline says of a finding, as raydiff fuzz asks it. */
+static void ask_baseline(const struct report_options *options, const struct findings *findings,
+                         const struct findings_entry *entry, struct baseline_answer *answer)
+{
+    struct finding_file file;
+    char today[BASELINE_DAY];
+    baseline_today(today);
+    bool there = findings_get(findings, &entry->signature, "first.trial", &file, NULL) == STATUS_OK;
+    baseline_ask(options->baseline, &entry->signature, there ? file.versions : "", today, answer);
+    finding_file_free(&file);
+}
+
 static enum status make_finding(const struct report_options *options, struct runner *runner,
                                 const struct findings *findings, size_t i, struct report *report,
                                 struct reason *reason)
@@ -168,6 +180,8 @@ static enum status make_finding(const struct report_options *options, struct run
     findings_path(findings, &entry->signature,
                   entry->has_smallest ? "smallest.trial" : "first.trial", path, sizeof path);
     struct report_part part = {.kind = REPORT_FINDING, .name = name, .times = entry->count};
+    struct baseline_answer answer;
+    ask_baseline(options, findings, entry, &answer);
     line_begin(&line, "replay");
     line_word(&line, path);
     report_pass_on(&line, options, TO_OTHERS);
@@ -186,6 +200,8 @@ static enum status make_finding(const struct report_options *options, struct run
     run_judge(&run, read == STATUS_OK, &part);
     part.command = command;
     part.text = printed(runner);
+    if (answer.state == BASELINE_KNOWN)
+        part.known = answer.text;
     status = report_add(report, &part, reason);
     free(part.text);
     return status;

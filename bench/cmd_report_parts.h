@@ -4,6 +4,7 @@
 #define CMD_REPORT_PARTS_H
 
 #include "bench/cmd_report.h"
+#include "fuzz/baseline.h"
 
 /* Played if no scene is named and no result given. */
 #define REPORT_DEFAULT_SCENES      "cornell", "sphere:n=20", "soup:n=1000"
@@ -38,6 +39,7 @@ struct report_options {
     size_t check_count, bench_count;
     char *picture[PICTURES_GIVEN]; /* TITLE=FILE */
     size_t picture_count;
+    struct baseline *baseline; /* of findings */
 };
 
 /* Adds every part that was asked for. A part that fails is a part of the report; errors are only

@@ -15,6 +15,7 @@ static void free_part(struct report_part *part)
     free(part->command);
     free(part->why);
     free(part->text);
+    free(part->known);
     json_decref(part->json);
 }
 
@@ -49,8 +50,9 @@ enum status report_add(struct report *report, const struct report_part *part, st
     mine.name = copy(part->name);
     mine.command = copy(part->command);
     mine.why = copy(part->why);
+    mine.known = copy(part->known);
     mine.text = part->text ? strdup(part->text) : NULL;
-    bool all = mine.name && mine.command && mine.why && (mine.text || !part->text);
+    bool all = mine.name && mine.command && mine.why && mine.known && (mine.text || !part->text);
     if (!all ||
         array_reserve(&array, &report->part_capacity, report->part_count + 1, sizeof mine)) {
         free_part(&mine);
@@ -117,8 +119,18 @@ enum status report_read(const char *path, enum report_kind kind, json_t **out,
 
 /* --- what counts ---------------------------------------------------------------------------- */
 
+/* A finding that is still there, and known. */
+bool report_part_known(const struct report_part *part)
+{
+    return part->kind == REPORT_FINDING && part->code == EXIT_MISMATCH &&
+           part->state == REPORT_RAN && part->known && part->known[0] &&
+           MUTANT != MUTANT_KNOWN_FAILS;
+}
+
 int report_part_code(const struct report_part *part)
 {
+    if (report_part_known(part))
+        return EXIT_AGREE;
     if (part->kind == REPORT_MACHINE && part->code == EXIT_SKIPPED && part->json)
         return EXIT_AGREE;
     if (part->state == REPORT_FAILED && MUTANT == MUTANT_PART_EXCUSED)
@@ -161,14 +173,16 @@ static void add_check(const json_t *json, struct report_sum *sum)
     }
 }
 
-static void add_finding(const json_t *json, struct report_sum *sum)
+static void add_finding(const struct report_part *part, struct report_sum *sum)
 {
     size_t i;
     const json_t *file;
-    json_array_foreach(json_object_get(json, "files"), i, file)
+    json_array_foreach(json_object_get(part->json, "files"), i, file)
     {
+        bool known = report_part_known(part);
         sum->findings++;
-        sum->failing += value_bool(file, "fails");
+        sum->known += known;
+        sum->failing += value_bool(file, "fails") && !known;
     }
 }
 
@@ -182,7 +196,7 @@ struct report_sum report_sum(const struct report *report)
         if (part->kind == REPORT_CHECK)
             add_check(part->json, &sum);
         if (part->kind == REPORT_FINDING)
-            add_finding(part->json, &sum);
+            add_finding(part, &sum);
     }
     return sum;
 }

@@ -34,6 +34,7 @@ struct report_part {
     char *command;  /* the line that makes it again, or the file that it was read from */
     char *why;      /* what the command complained of, or why there is no result; "" if nothing */
     char *text;     /* of a finding: what replay printed, else NULL */
+    char *known;    /* of a finding: why the baseline excuses it; NULL or "": it does not */
     json_t *json;   /* NULL: none */
     int code;       /* exit code of the command */
     double seconds; /* that it took; 0: not known */
@@ -84,6 +85,9 @@ bool report_is(enum report_kind kind, const json_t *json);
  * run) is a result like any other. A part that failed without a code is EXIT_INTERNAL. */
 int report_part_code(const struct report_part *part);
 
+/* True of a finding that is still there as the baseline knows: it does not count. */
+bool report_part_known(const struct report_part *part);
+
 /* All parts together (exit_worse). */
 int report_code(const struct report *report);
 
@@ -92,7 +96,8 @@ struct report_sum {
     size_t rows, answers, allowed, wrong, published; /* of check: judged answers, and what members
                                                         as published got wrong, which is not */
     size_t bits;                                     /* answers with other bits than engine cpu's */
-    size_t findings, failing;                        /* played again, and still there */
+    size_t findings, failing;                        /* played again; still there, and not known */
+    size_t known;                                    /* still there, as the baseline knows */
     size_t parts, skipped, failed;
     size_t figures; /* in the page: plots and pictures */
 };

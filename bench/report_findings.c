@@ -36,6 +36,8 @@ static void put_facts(struct html *html, const struct report_part *part)
                 "smallest: %zu triangles, %zu rays; played again: ", value_count(file, "triangles"),
                 value_count(file, "rays"));
     html_element(html, "b", NULL, value_bool(file, "fails") ? "still fails" : "does not fail");
+    if (report_part_known(part))
+        html_format(html, "; known: %s", part->known);
     html_end(html, "p");
 }
 

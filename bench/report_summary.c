@@ -10,7 +10,9 @@ static const char *code_text(const struct report_part *part)
     case EXIT_AGREE:
         return part->kind == REPORT_FINDING ? "does not fail any more" : "agrees";
     case EXIT_MISMATCH:
-        return part->kind == REPORT_FINDING ? "still fails" : "mismatch, or it proves nothing";
+        return report_part_known(part)        ? "still fails, as is known"
+               : part->kind == REPORT_FINDING ? "still fails"
+                                              : "mismatch, or it proves nothing";
     case EXIT_USAGE:
         return "bad input";
     case EXIT_ENGINE:
@@ -90,8 +92,9 @@ static void put_sums(struct html *html, const struct report_sum *sum)
                             sum->published);
     if (sum->findings > 0)
         html_element_format(html, "li", NULL,
-                            "%zu of %zu findings are still there when played again", sum->failing,
-                            sum->findings);
+                            "%zu of %zu findings are still there when played again, %zu more as "
+                            "the baseline knows",
+                            sum->failing, sum->findings, sum->known);
     if (sum->skipped > 0 || sum->failed > 0)
         html_element_format(html, "li", NULL, "of %zu parts %zu failed and %zu were skipped",
                             sum->parts, sum->failed, sum->skipped);

@@ -309,22 +309,14 @@ static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
     return status;
 }
 
-/* So that a file that cannot be written is told before a night's work, not after it. What is no
- * regular file is not opened in vain: a reader would see it end. */
+/* So that a file that cannot be written is told before a night's work, not after it. */
 static enum status try_outputs(const struct fuzz_command *c, struct reason *reason)
 {
     const char *const path[] = {c->json, c->junit, c->tap, c->jsonl};
     bool there;
     enum status status = folder_has(findings_folder(c->findings), "stats.json", &there, reason);
-    for (size_t i = 0; i < ARRAY_COUNT(path) && !status; i++) {
-        struct file_out out;
-        struct stat what;
-        if (!path[i] || strcmp(path[i], "-") == 0 ||
-            (stat(path[i], &what) == 0 && !S_ISREG(what.st_mode) && !S_ISDIR(what.st_mode)))
-            continue;
-        status = file_out_open(path[i], &out, reason);
-        file_out_discard(&out);
-    }
+    for (size_t i = 0; i < ARRAY_COUNT(path) && !status; i++)
+        status = output_try(path[i], reason);
     return status;
 }
 

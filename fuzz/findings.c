@@ -195,7 +195,7 @@ void findings_path(const struct findings *findings, const struct fuzz_signature 
                    const char *name, char *path, size_t path_bytes)
 {
     char text[FUZZ_SIGNATURE_MOST];
-    fuzz_signature_print(signature, text);
+    findings_member_name(findings, signature, text);
     snprintf(path, path_bytes, "%s/%s/%s", findings->folder.path, text, name);
 }
 

@@ -52,12 +52,27 @@ enum status findings_folder_open(const char *folder, bool writable, struct findi
     return STATUS_OK;
 }
 
+void findings_member_name(const struct findings *findings, const struct fuzz_signature *signature,
+                          char name[FUZZ_SIGNATURE_MOST])
+{
+    char old[FUZZ_SIGNATURE_MOST];
+    bool there = false, old_there = false;
+    fuzz_signature_folder(signature, name);
+    fuzz_signature_print(signature, old);
+    if (strcmp(name, old) == 0)
+        return;
+    if (folder_has_folder(&findings->folder, name, &there, NULL) || there)
+        return;
+    if (folder_has_folder(&findings->folder, old, &old_there, NULL) == STATUS_OK && old_there)
+        strcpy(name, old);
+}
+
 static enum status open_member(const struct findings *findings,
                                const struct fuzz_signature *signature, bool make,
                                struct folder *out, struct reason *reason)
 {
     char name[FUZZ_SIGNATURE_MOST];
-    fuzz_signature_print(signature, name);
+    findings_member_name(findings, signature, name);
     return folder_open_in(&findings->folder, name, make, out, reason);
 }
 
@@ -140,7 +155,7 @@ static enum status read_member(void *user, const char *name, struct reason *reas
     struct findings *findings = user;
     struct fuzz_signature signature;
     struct folder folder;
-    if (fuzz_signature_parse(name, &signature, NULL))
+    if (fuzz_signature_of_folder(name, &signature, NULL))
         return STATUS_OK;
     struct findings_member *member = findings_member_of(findings, &signature);
     if (!member)

@@ -78,6 +78,10 @@ enum status findings_log_checkpoint(struct findings *findings, const char *state
                                     struct reason *reason) MUST_USE;
 
 /* Opens the folder and its log, and reads nothing. */
+/* The name of a signature's folder: as it is there, else as it is to be made. */
+void findings_member_name(const struct findings *findings, const struct fuzz_signature *signature,
+                          char name[FUZZ_SIGNATURE_MOST]);
+
 enum status findings_folder_open(const char *folder, bool writable, struct findings **out,
                                  struct reason *reason) MUST_USE;
 

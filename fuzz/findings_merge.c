@@ -194,7 +194,7 @@ static void remove_all(const struct findings *to)
     struct folder folder;
     for (size_t i = 0; i < to->count; i++) {
         char signature[FUZZ_SIGNATURE_MOST];
-        fuzz_signature_print(&to->member[i].entry.signature, signature);
+        findings_member_name(to, &to->member[i].entry.signature, signature);
         if (folder_open_in(&to->folder, signature, false, &folder, NULL))
             continue;
         for (size_t k = 0; k < ARRAY_COUNT(names); k++)

@@ -19,6 +19,26 @@ static bool in_field(const struct fuzz_field *field, const struct engine *engine
     return false;
 }
 
+/* Two engines whose findings would have one name. */
+static enum status check_names(struct fuzz_field *field, struct reason *reason)
+{
+    for (size_t i = 0; i < field->count; i++)
+        for (size_t k = 0; k < i; k++) {
+            const struct engine *one = field->who[k].engine, *other = field->who[i].engine;
+            struct fuzz_signature a, b;
+            fuzz_signature_set_engine(&a, one->name);
+            fuzz_signature_set_engine(&b, other->name);
+            if (one == other || strcmp(a.engine, b.engine) != 0)
+                continue;
+            *field = (struct fuzz_field){0};
+            return fail(reason, STATUS_INPUT,
+                        "%.80s and %.80s: both are called %s in findings; give one another name, "
+                        "as by a link",
+                        one->name, other->name, a.engine);
+        }
+    return STATUS_OK;
+}
+
 enum status fuzz_field_make(const struct engine *const *engine, size_t engine_count,
                             const struct layout *const *layout, size_t layout_count,
                             const struct engine_options *options, struct fuzz_field *out,
@@ -37,7 +57,7 @@ enum status fuzz_field_make(const struct engine *const *engine, size_t engine_co
             }
             out->who[out->count++] = (struct fuzz_contestant){engine[e], on};
         }
-    return STATUS_OK;
+    return check_names(out, reason);
 }
 
 enum status fuzz_field_draw(const struct engine *const *engine, size_t engine_count,

@@ -1,6 +1,7 @@
 #include "fuzz/signature.h"
 
 #include "fuzz/pipe.h"
+#include "ref/mutant.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -30,24 +31,73 @@ static bool engine_byte(char c)
            (c && strchr("_-+:.", c));
 }
 
+/* Appends one byte as a signature may hold it, if there is room. */
+static void put_byte(struct fuzz_signature *signature, char byte)
+{
+    size_t used = strlen(signature->engine);
+    if (used + 1 >= sizeof signature->engine)
+        return;
+    signature->engine[used] = engine_byte(byte) && (used > 0 || byte != '.') ? byte : '_';
+    signature->engine[used + 1] = '\0';
+}
+
+/* Appends a word of a command: an interpreter alone would not tell two of its programs apart. */
+static void put_word(struct fuzz_signature *signature, const char *from, const char *end)
+{
+    for (const char *at = from; at + 1 < end; at++)
+        if (*at == '/')
+            from = at + 1;
+    for (; from < end; from++)
+        put_byte(signature, *from);
+}
+
 void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *name)
 {
-    bool pipe = strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
-    size_t used = 0;
-    const char *from = name, *end = name + strlen(name);
-    if (pipe) {
-        from += strlen(PIPE_PREFIX);
-        from += strspn(from, " \t");
-        end = from + strcspn(from, " \t");
-        for (const char *at = from; at < end; at++)
-            if (*at == '/')
-                from = at + 1;
-        strcpy(signature->engine, PIPE_PREFIX);
-        used = strlen(PIPE_PREFIX);
+    static const char blanks[] = " \t\n";
+    bool pipe = strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0, first = true;
+    memset(signature->engine, 0, sizeof signature->engine);
+    if (!pipe) {
+        for (; *name; name++)
+            put_byte(signature, *name);
+        return;
     }
-    for (; from < end && used + 1 < sizeof signature->engine; from++, used++)
-        signature->engine[used] = engine_byte(*from) && (used > 0 || *from != '.') ? *from : '_';
-    signature->engine[used] = '\0';
+    strcpy(signature->engine, PIPE_PREFIX);
+    for (const char *at = name + strlen(PIPE_PREFIX); *(at += strspn(at, blanks)); first = false) {
+        const char *end = at + strcspn(at, blanks);
+        if (!first && MUTANT == MUTANT_INTERPRETER)
+            return;
+        if (!first)
+            put_byte(signature, '_');
+        put_word(signature, at, end);
+        at = end;
+    }
+}
+
+static void change_bytes(char *text, char from, char to)
+{
+    for (; *text; text++)
+        if (*text == from)
+            *text = to;
+}
+
+void fuzz_signature_folder(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST])
+{
+    fuzz_signature_print(signature, text);
+    if (MUTANT != MUTANT_NAME_WITH_COLON)
+        change_bytes(text, ':', '=');
+}
+
+enum status fuzz_signature_of_folder(const char *name, struct fuzz_signature *out,
+                                     struct reason *reason)
+{
+    char text[FUZZ_SIGNATURE_MOST];
+    *out = (struct fuzz_signature){0};
+    if (strlen(name) >= sizeof text)
+        return fail(reason, STATUS_INPUT, "a signature has at most %d characters",
+                    FUZZ_SIGNATURE_MOST - 1);
+    strcpy(text, name);
+    change_bytes(text, '=', ':');
+    return fuzz_signature_parse(text, out, reason);
 }
 
 void fuzz_signature_print(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST])

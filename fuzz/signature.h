@@ -26,7 +26,7 @@ static inline enum fuzz_kind fuzz_kind_of_wrong(enum wrong wrong)
 }
 
 struct fuzz_signature {
-    char engine[48]; /* its name; of a pipe "pipe:" and the name of its program, without folder;
+    char engine[48]; /* its name; of a pipe "pipe:" and its command, words without their folders;
                         letters, digits and _-+:. only, no point in front: it names a folder */
     const struct layout *layout; /* NULL: none */
     enum fuzz_kind kind;
@@ -39,13 +39,19 @@ const char *fuzz_kind_name(enum fuzz_kind kind);
 bool fuzz_kind_find(const char *name, enum fuzz_kind *out);
 
 /* Sets the engine from its name, what a signature cannot hold as '_', as much as fits; of
- * "pipe:COMMAND" the first word's last part of a path, "pipe:tracer". */
+ * "pipe:COMMAND" the last part of each word's path, parted by '_': "pipe:tracer",
+ * "pipe:python3_a.py". */
 void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *name);
 
 #define FUZZ_SIGNATURE_MOST 160
 
-/* "vulkan.rf16.missed.rounded_inward": a folder's name, unique. */
+/* "vulkan.rf16.missed.rounded_inward": unique. */
 void fuzz_signature_print(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST]);
+/* The name of its folder: the same with '=' for ':', which stores of files refuse. */
+void fuzz_signature_folder(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST]);
+/* The inverse; older folders, with ':', are read too. Errors: as fuzz_signature_parse. */
+enum status fuzz_signature_of_folder(const char *name, struct fuzz_signature *out,
+                                     struct reason *reason) MUST_USE;
 /* The inverse. Errors: STATUS_INPUT with the field that is wrong; *out is zero. */
 enum status fuzz_signature_parse(const char *text, struct fuzz_signature *out,
                                  struct reason *reason) MUST_USE;

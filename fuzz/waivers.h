@@ -8,7 +8,8 @@
 
 struct waiver {
     char *pattern; /* shell wildcards, of the name of a trial or hard case */
-    char *version; /* of an engine, as version_told() takes it: elsewhere it excuses nothing; or NULL */
+    char *version; /* of an engine, as version_told() takes it: elsewhere it excuses nothing; or
+                      NULL */
     char *until;   /* YYYY-MM-DD, the last day on which it excuses; NULL: it has none */
     char *reason;
     char *link;
@@ -28,20 +29,21 @@ struct waivers {
 };
 
 /* Reads lines "PATTERN [@VERSION] REASON... LINK"; blank lines and lines that start with '#' are
- * comments. VERSION is what version_told() takes, '_' for a blank; LINK is the last word and has "://"
- * or ".md" in it. Control characters, a range that is none, and a second line of the same pattern,
- * version and date are refused.
- * Errors: STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY. */
+ * comments. VERSION is what version_told() takes, '_' for a blank; LINK is the last word and has
+ * "://" or ".md" in it. Control characters, a range that is none, and a second line of the same
+ * pattern, version and date are refused. Errors: STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY. */
 enum status waivers_read(const char *path, struct waivers *out, struct reason *reason) MUST_USE;
 
 /* The same of bytes in memory, which it takes over and frees; `name` stands in messages. With
  * `dated` each line says "until YYYY-MM-DD" or "until -" before the reason. */
 enum status waivers_parse(const char *name, char *text, size_t size, bool dated,
                           struct waivers *out, struct reason *reason) MUST_USE;
+/* Those that are part of the program, tests/waivers.txt. Errors: as waivers_read. */
+enum status waivers_shipped_read(struct waivers *out, struct reason *reason) MUST_USE;
 void waivers_free(struct waivers *waivers);
 
-/* True if `versions`, what engines say of themselves (as `raydiff doctor` does), tells of `version`:
- * that is a part of it, such as "Mesa 22.3.6", or a range "NAME FIRST..LAST", such as
+/* True if `versions`, what engines say of themselves (as `raydiff doctor` does), tells of
+ * `version`: that is a part of it, such as "Mesa 22.3.6", or a range "NAME FIRST..LAST", such as
  * "Embree 3..4.3.3", in which a version of NAME lies. Both ends belong to it; of LAST only as many
  * numbers count as it has, so that 4.3.3 is within "..4.3". */
 bool version_told(const char *versions, const char *version);

@@ -20,8 +20,11 @@ static const char help[] =
     "(or the one of --driver): what its arithmetic, conversions and loops do,\n"
     "measured; and checks the float environment that the C reference relies on.\n\n"
     "  --json FILE     the same, written to a temporary name and renamed\n" ENGINE_OPTIONS_HELP
-    "\nexit codes: 0 every engine runs, 77 some do not, 4 the float\n"
-    "            environment is not IEEE\n"
+    "\nexit codes: 0 every engine of the processor runs and a Vulkan driver does (of --driver: "
+    "that\n"
+    "            one), though others may be missing; 77 an engine of the processor, or every "
+    "Vulkan\n"
+    "            driver, cannot run here; 4 the float environment is not IEEE\n"
     "example: raydiff doctor --driver mesa25\n";
 
 /* Prints each line indented. */
@@ -49,7 +52,8 @@ static void print_engine(const struct doctor_engine *e)
     printf("%-14s %s\n", e->engine->name, e->status ? "SKIPPED" : "runs");
     if (e->status)
         printf("    why: %s\n", e->reason.text);
-    print_lines(text);
+    if (!e->status || !strstr(text, e->reason.text)) /* the same is not told twice */
+        print_lines(text);
 }
 
 static void ask_driver(const char *name, const struct engine_options *options,
@@ -124,18 +128,21 @@ static enum status take_option(void *user, int option, char *text, struct reason
 static int examine(const struct arguments *arguments, struct doctor *doctor)
 {
     int code = print_float_environment();
+    size_t drivers = 0;
     for (size_t i = 0; engines[i] && i < DOCTOR_MOST; i++, doctor->engine_count++) {
         ask_engine(engines[i], &arguments->engine, &doctor->engine[i]);
         print_engine(&doctor->engine[i]);
-        code = exit_worse(code, doctor->engine[i].status ? EXIT_SKIPPED : EXIT_AGREE);
+        if (doctor->engine[i].status && !engines[i]->gpu)
+            code = exit_worse(code, EXIT_SKIPPED);
     }
     const char *const asked[] = {arguments->engine.driver, NULL};
     const char *const *names = asked[0] ? asked : driver_names;
     for (size_t i = 0; names[i] && i < DOCTOR_MOST; i++, doctor->driver_count++) {
         ask_driver(names[i], &arguments->engine, &doctor->driver[i]);
         print_driver(&doctor->driver[i]);
+        drivers += doctor->driver[i].status == STATUS_OK;
     }
-    return code;
+    return drivers > 0 ? code : exit_worse(code, EXIT_SKIPPED);
 }
 
 int cmd_doctor(int argc, char **argv)

@@ -209,6 +209,7 @@ static void describe(const struct engine_options *options, char *text, size_t te
 extern const struct engine engine_rayquery;
 const struct engine engine_rayquery = {
     .name = "rayquery",
+    .gpu = true,
     .summary = "the Vulkan driver's own ray queries, where it has them",
     .own_tri = true,
     .open = open,

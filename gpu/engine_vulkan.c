@@ -90,6 +90,7 @@ static enum status frame(void *self, const struct view *view, struct frame *out,
 extern const struct engine engine_vulkan;
 const struct engine engine_vulkan = {
     .name = "vulkan",
+    .gpu = true,
     .summary = "compute shaders on a Vulkan device, one per layout",
     .needs_packed = true,
     .compiles = true,

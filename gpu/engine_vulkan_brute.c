@@ -224,6 +224,7 @@ static struct model model(void *self, const struct tri_test *tri)
 extern const struct engine engine_vulkan_brute;
 const struct engine engine_vulkan_brute = {
     .name = "vulkan_brute",
+    .gpu = true,
     .summary = "compute shader on a Vulkan device, every triangle",
     .brute = true,
     .open = open,

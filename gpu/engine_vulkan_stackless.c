@@ -60,6 +60,7 @@ static struct model model(void *self, const struct tri_test *tri)
 extern const struct engine engine_vulkan_stackless;
 const struct engine engine_vulkan_stackless = {
     .name = "vulkan_stackless",
+    .gpu = true,
     .summary = "the shaders of binary layouts with parent links and a bit trail",
     .needs_packed = true,
     .compiles = true,

@@ -7,6 +7,7 @@
 
 #include <jansson.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Floats that matter stand as bit patterns beside the readable text. */
 static json_t *hit_json(const struct hit *hit)
@@ -119,10 +120,11 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
         "{s:s, s:s?, s:s, s:i, s:s?, s:s?, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "scene",
         scene->spec, "layout", row->layout ? row->layout->name : NULL, "builder", o->builder->name,
         "leaf", (int)o->build.leaf, "engine", row->engine ? row->engine->name : NULL, "box",
-        row->layout ? o->box->name : NULL, "tri", o->tri->name, "query", query_name(o->query),
-        "node_bytes", (json_int_t)row->node_bytes, "item_bytes", (json_int_t)row->item_bytes,
-        "memory_bytes", (json_int_t)row->memory_bytes, "rays", (json_int_t)row->rays, "hits",
-        (json_int_t)row->hits, "compared_with_brute", (json_int_t)row->brute);
+        row->layout ? row_box_name(row) : NULL, "tri", row_tri_name(row), "query",
+        query_name(o->query), "node_bytes", (json_int_t)row->node_bytes, "item_bytes",
+        (json_int_t)row->item_bytes, "memory_bytes", (json_int_t)row->memory_bytes, "rays",
+        (json_int_t)row->rays, "hits", (json_int_t)row->hits, "compared_with_brute",
+        (json_int_t)row->brute);
     if (!out)
         return NULL;
     json_object_set_new(
@@ -166,16 +168,30 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
     return out;
 }
 
+/* Why layouts refuse the scene, a line each: those that --layout auto passed over, and others. */
+static void refusals(const struct check_scene *scene, char *text, size_t text_bytes)
+{
+    size_t used = (size_t)snprintf(text, text_bytes, "%s", scene->refused);
+    for (size_t i = 0; i < scene->row_count && used < text_bytes; i++) {
+        const struct row *row = &scene->row[i];
+        if (row->status == ROW_REFUSED && !strstr(text, row->reason.text))
+            used += (size_t)snprintf(text + used, text_bytes - used, "%s%s",
+                                     used && text[used - 1] != '\n' ? "\n" : "", row->reason.text);
+    }
+}
+
 enum status check_write_json(const char *path, const struct check_scene *scene, size_t scene_count,
                              const struct turnout *turnout, int exit_code, struct reason *reason)
 {
     json_t *scenes = json_array(), *rows = json_array();
     for (size_t s = 0; s < scene_count; s++) {
+        char refused[4096];
+        refusals(&scene[s], refused, sizeof refused);
         json_array_append_new(
             scenes, json_pack("{s:s, s:I, s:I, s:s?, s:I, s:s}", "scene", scene[s].spec,
                               "triangles", (json_int_t)scene[s].tri_count, "vertices",
                               (json_int_t)scene[s].vertex_count, "rays", scene[s].rays, "count",
-                              (json_int_t)scene[s].ray_count, "refused", scene[s].refused));
+                              (json_int_t)scene[s].ray_count, "refused", refused));
         for (size_t i = 0; i < scene[s].row_count; i++)
             json_array_append_new(rows, row_json(&scene[s], &scene[s].row[i]));
     }

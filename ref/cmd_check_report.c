@@ -42,7 +42,7 @@ static void print_row(const struct row *row)
     const struct match_options *o = &row->options;
     char text[STORED_NAME_MOST];
     printf("%-13s %-13s %-7s %-7s %-7s ", stored_name(row->layout, row->options.store, text),
-           row->engine ? row->engine->name : "-", row->layout ? o->box->name : "-", o->tri->name,
+           row->engine ? row->engine->name : "-", row_box_name(row), row_tri_name(row),
            query_name(o->query));
     if (row->status == ROW_REFUSED || row->status == ROW_SKIPPED || row->status == ROW_FAILED) {
         printf("%s: %s\n", row_status_name(row->status), row->reason.text);

@@ -4,10 +4,12 @@
 #include "fuzz/plugin_guard.h"
 #include "fuzz/plugin_shader.h"
 #include "ref/command.h"
+#include "ref/mutant.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 struct engine_options engine_options_default(void)
@@ -150,6 +152,46 @@ enum status options_out(const char *path, struct file_out *out, struct reason *r
     return fail(reason, STATUS_INPUT, "-: cannot write to the standard output");
 }
 
+/* Options whose value is a file that is written at the end. Others that write are left to their
+ * commands: what they name may be a folder, or the beginning of several names. */
+static bool is_output(const char *name)
+{
+    static const char *const names[] = {"json", "csv",   "svg",      "junit",
+                                        "tap",  "jsonl", "markdown", "html"};
+    for (size_t i = 0; i < ARRAY_COUNT(names); i++)
+        if (strcmp(name, names[i]) == 0)
+            return MUTANT != MUTANT_OUTPUT_LATE;
+    return false;
+}
+
+enum status output_try(const char *path, struct reason *reason)
+{
+    struct file_out out;
+    struct stat what;
+    if (!path || strcmp(path, "-") == 0 ||
+        (stat(path, &what) == 0 && !S_ISREG(what.st_mode) && !S_ISDIR(what.st_mode)))
+        return STATUS_OK; /* a reader of a pipe would see it end */
+    enum status status = file_out_open(path, &out, reason);
+    file_out_discard(&out);
+    return status;
+}
+
+#define OUTPUTS_MOST 16
+
+/* The outputs that were named, tried when all options are known to be right. */
+struct outputs {
+    const char *path[OUTPUTS_MOST];
+    size_t count;
+};
+
+static enum status outputs_try(const struct outputs *outputs, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < outputs->count && !status; i++)
+        status = output_try(outputs->path[i], reason);
+    return status;
+}
+
 /* An option was wrong, or what it names did not survive being tried. */
 static int option_error(const char *command, enum status status, const struct reason *reason)
 {
@@ -161,6 +203,7 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
                  option_fn *take, void *user, int argc, char **argv, int *first)
 {
     struct reason reason;
+    struct outputs outputs = {.count = 0};
     int option, index = 0;
     opterr = 0; /* the message is ours */
     optind = 1;
@@ -176,8 +219,12 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
         enum status status = take(user, option, optarg, &reason);
         if (status)
             return option_error(command, status, &reason);
+        if (optarg && is_output(table[index].name) && outputs.count < OUTPUTS_MOST)
+            outputs.path[outputs.count++] = optarg;
     }
     *first = optind;
     enum status status = plugin_shader_settle(&reason);
+    if (!status && strcmp(command, "fuzz") != 0) /* which makes the folder that they may be in */
+        status = outputs_try(&outputs, &reason);
     return status ? option_error(command, status, &reason) : -1;
 }

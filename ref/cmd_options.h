@@ -84,11 +84,16 @@ typedef enum status option_fn(void *user, int option, char *text, struct reason 
 
 /* Hands every option of the command line to `take`. Returns -1 to go on, with *first the index of
  * the first argument that is no option; else the exit code: --help (OPT_HELP in the table, or -h)
- * was printed by `print_help`, or a usage error was. With `--json -` or `--csv -` what is printed
- * goes to the standard error output, so that what options_out writes stands alone; other files
- * cannot be "-". */
+ * was printed by `print_help`, or a usage error was. Files that are to be written (--json, --csv
+ * and the like) are tried (output_try). With `--json -` or `--csv -` what is printed goes to the
+ * standard error output, so that what options_out writes stands alone; other files cannot be "-".
+ */
 int options_take(const char *command, void (*print_help)(void), const struct option *table,
                  option_fn *take, void *user, int argc, char **argv, int *first);
+
+/* Proves that a file can be written, before work is done for it: what is there stays as it is, and
+ * nothing is left behind. What is no regular file is not opened. Errors: as file_out_open. */
+enum status output_try(const char *path, struct reason *reason) MUST_USE;
 
 /* Opens the file of an option: `path`, or for "-" what was the standard output, once. Errors: as
  * file_out_open. */

@@ -46,11 +46,12 @@ static inline bool job_keeps_watertight(const struct job *job)
 
 /* What one trace call cost. */
 struct trace_report {
-    uint64_t ns;           /* time of the tracing alone */
-    bool device_clock;     /* ns comes from GPU timestamps, else from the host's clock */
-    uint64_t boxes, tris;  /* tests done, 0 if not counted */
-    uint64_t memory_bytes; /* scene, tree and buffers the engine holds */
-    uint32_t flags;        /* ABI_FLAG_* of the first ray not finished, if known; else 0 */
+    uint64_t ns;                     /* time of the tracing alone */
+    bool device_clock;               /* ns comes from GPU timestamps, else from the host's clock */
+    uint64_t boxes, tris;            /* tests done, 0 if not counted */
+    uint64_t node_bytes, item_bytes; /* of an engine with own_tree: its own; else 0 */
+    uint64_t memory_bytes;           /* scene, tree and buffers the engine holds */
+    uint32_t flags; /* ABI_FLAG_* of the first ray not finished, if known; else 0 */
 };
 
 /* One of many small jobs that are traced together. The caller gives what is before `hit`. */
@@ -84,14 +85,17 @@ struct engine {
     const char *name;
     const char *summary;
     bool needs_packed; /* false: sees the scene alone (brute, Embree) */
-    bool brute;      /* tests every triangle: asked for no more rays than match_options.brute_budget
-                        pays for */
-    bool own_tri;    /* has a triangle test of its own, whatever job.tri is; traces no trees as
-                        published */
-    bool tells_work; /* its trace_tasks fills in task.work */
-    bool binary;     /* traces trees of binary layouts only: STATUS_UNSUPPORTED else */
-    bool compiles;   /* a program for each layout, storage and tests: the first trial is dear */
-    bool recorded;   /* its answers were written down before: it can be asked no other ray */
+    bool brute;   /* tests every triangle: asked for no more rays than match_options.brute_budget
+                     pays for */
+    bool own_tri; /* has a triangle test of its own, whatever job.tri is; traces no trees as
+                     published */
+    const char *tri_name; /* own_tri: the triangle test that it runs, if it is of the table */
+    bool own_tree;        /* makes a tree of its own from the packed one, and tests its boxes so */
+    bool tells_work;      /* its trace_tasks fills in task.work */
+    bool binary;          /* traces trees of binary layouts only: STATUS_UNSUPPORTED else */
+    bool gpu;             /* runs on a Vulkan driver */
+    bool compiles; /* a program for each layout, storage and tests: the first trial is dear */
+    bool recorded; /* its answers were written down before: it can be asked no other ray */
     /* Errors: STATUS_UNSUPPORTED cannot run here (reason), STATUS_DEVICE, STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
     /* Uploads, builds, compiles. May be called again with another job.

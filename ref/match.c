@@ -2,6 +2,7 @@
 
 #include "ref/match_judge.h"
 #include "ref/match_lists.h"
+#include "ref/mutant.h"
 #include "ref/refit.h"
 #include "ref/tree_quality.h"
 
@@ -17,6 +18,20 @@ const char *row_status_name(enum row_status status)
 {
     static const char *const names[] = {"ok", "refused", "skipped", "failed", "vacuous"};
     return (size_t)status < ARRAY_COUNT(names) ? names[status] : "unknown";
+}
+
+const char *row_box_name(const struct row *row)
+{
+    if (row->engine && row->engine->own_tree && MUTANT != MUTANT_FAST_IS_MT)
+        return "own";
+    return row->layout ? row->options.box->name : "-";
+}
+
+const char *row_tri_name(const struct row *row)
+{
+    if (row->engine && row->engine->tri_name && MUTANT != MUTANT_FAST_IS_MT)
+        return row->engine->tri_name;
+    return row->options.tri->name;
 }
 
 bool row_failed(const struct row *row)
@@ -375,6 +390,13 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
         model.watertight = false; /* the triangle test is, but its boxes are not */
     row->judged = is_judged(match, engine);
     row->bits = model.bits;
+    struct trace_report own = {0};
+    if (engine->own_tree &&
+        engine->trace(self, match->ray, 0, NULL, &own, &row->reason) == STATUS_OK &&
+        MUTANT != MUTANT_FAST_IS_MT) {
+        row->node_bytes = own.node_bytes;
+        row->item_bytes = own.item_bytes;
+    }
     if (match->options.query == QUERY_ALL)
         return run_lists(match, engine, self, &model, row);
     enum status status = timed_traces(match, engine, self, row);

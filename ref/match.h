@@ -125,6 +125,11 @@ struct row {
 
 const char *row_status_name(enum row_status status);
 
+/* The tests that a row's engine ran, which may be its own whatever was asked for: "own" is a box
+ * test of no table, "-" none. */
+const char *row_box_name(const struct row *row);
+const char *row_tri_name(const struct row *row);
+
 /* True if the row makes a command fail with EXIT_MISMATCH. */
 bool row_failed(const struct row *row);
 

@@ -70,6 +70,12 @@
 #define MUTANT_CPU_STANDS_IN   682 /* conform: engine cpu passes trials that others refused */
 #define MUTANT_FUZZ_REFUSERS   683 /* fuzz: a contestant need not answer anything */
 #define MUTANT_TURNOUT_FORGOT  684 /* fuzz: a resumed campaign forgets who answered before */
+#define MUTANT_WAIVERS_LEFT    685 /* conform --hard: the waivers of the program are not read */
+#define MUTANT_KNOWN_FAILS     686 /* report: a finding that the baseline knows fails it */
+#define MUTANT_OUTPUT_LATE     687 /* outputs are not tried before the work is done */
+#define MUTANT_NAME_WITH_COLON 688 /* a finding's folder is named after its engine as it is */
+#define MUTANT_INTERPRETER     689 /* a peer is called after the first word of its command */
+#define MUTANT_FAST_IS_MT      690 /* rows of engine fast say what was asked for, not what ran */
 #define MUTANT_HELD_FORGOTTEN  111 /* feedback keeps trials that reach nothing new */
 #define MUTANT_HALF_MESSAGE    90  /* what a dead child sent of a message is taken for all of it */
 #define MUTANT_SIBLINGS_HELD   91  /* a child keeps the files that its parent had open */

@@ -35,7 +35,7 @@ static const char help[] =
     "  --markdown FILE the matrix as Markdown\n"
     "  --html FILE     the matrix as a web page\n"
     "  --waivers FILE  lines 'PATTERN [@VERSION] REASON LINK': failures that are known\n"
-    "                  [none; hard cases: tests/waivers.txt, if it is here]\n"
+    "                  [none; hard cases: those that are part of raydiff]\n"
     "  --verbose       a line per trial\n"
     "  --tap           TAP 13 on standard output\n"
     "  --junit FILE    JUnit XML\n" ENGINE_OPTIONS_HELP

@@ -1,6 +1,7 @@
 #include "tests/cmd_conform_hard.h"
 
 #include "ref/command.h"
+#include "ref/mutant.h"
 #include "tests/cmd_conform_report.h"
 #include "tests/hard/causes.h"
 #include "tests/hard/members.h"
@@ -8,9 +9,6 @@
 #include <fnmatch.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-#define WAIVERS_HERE "tests/waivers.txt"
 
 struct one {
     const struct hard_case *hard;
@@ -279,12 +277,11 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
     struct conform_report report;
     struct matrix matrix = {.row_count = 0};
     struct reason reason = {""};
-    const char *waivers = o->waivers ? o->waivers : NULL;
     bool complete = o->pattern == NULL && !o->quick && o->engine.count == 0;
-    if (!waivers && access(WAIVERS_HERE, R_OK) == 0)
-        waivers = WAIVERS_HERE;
     enum status status =
-        conform_report_open(&report, suite->count, complete, waivers, o->junit, &reason);
+        conform_report_open(&report, suite->count, complete, o->waivers, o->junit, &reason);
+    if (!status && !o->waivers && MUTANT != MUTANT_WAIVERS_LEFT)
+        status = waivers_shipped_read(&report.waivers, &reason);
     if (status) {
         fprintf(stderr, "raydiff conform: %s\n", reason.text);
         return exit_of_status(status);

@@ -136,11 +136,11 @@ finding=$(ls -d "$dir"/bug/pipe:tracer_bug1.* | head -n 1)
 expect 3 . fuzz $small --engine pipe:false --trials 64 --dir "$dir/never"
 expect 1 . fuzz $small --engine "cpu,pipe:dd bs=1 count=30000 status=none | $build/samples/tracer" --layout f32 --trials 64 \
     --no-shrink --dir "$dir/dies"
-has out '^new      pipe:dd\.-\.crash'
+has out '^new      pipe:dd_.*\.-\.crash'
 has out '^trials     64 '
 expect 1 . fuzz $small --engine "cpu,pipe:dd bs=1 count=90000 status=none | $build/samples/tracer; sleep 100" --layout f32 \
     --trials 64 --trial-time 0.5 --no-shrink --dir "$dir/hangs"
-has out '^new      pipe:dd\.-\.hang'
+has out '^new      pipe:dd_.*\.-\.hang'
 has out '^trials     64 '
 
 # A tracer with a constant that does not scale: the page says the cause that the finding has.

@@ -76,6 +76,7 @@ plain)
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
     suite fire sh tests/fire.sh "$build"
     suite cli sh tests/cli.sh "$build/raydiff"
+    suite shipped sh tests/shipped.sh "$build/raydiff"
     suite named sh tests/named.sh "$build/raydiff"
     suite named_others sh tests/named_others.sh "$build/raydiff"
     suite bench sh tests/bench.sh "$build/raydiff"

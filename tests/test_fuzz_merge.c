@@ -44,7 +44,11 @@ static void a_killed_campaign_loses_and_repeats_nothing(void **state)
     assert_same_folders(in_root("killed-merged"), in_root("whole-merged"), 16);
     for (size_t k = 0; k < 5; k++) { /* nothing half-done lies around */
         char path[600];
-        snprintf(path, sizeof path, "%s/%s", killed, names[k]);
+        struct fuzz_signature signature;
+        char folder[FUZZ_SIGNATURE_MOST];
+        assert_int_equal(fuzz_signature_parse(names[k], &signature, &reason), STATUS_OK);
+        fuzz_signature_folder(&signature, folder);
+        snprintf(path, sizeof path, "%s/%s", killed, folder);
         DIR *listing = opendir(path);
         assert_non_null(listing);
         struct dirent *one;

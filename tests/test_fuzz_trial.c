@@ -292,6 +292,28 @@ static void signatures_differ_in_every_field(void **state)
         assert_false(fuzz_signature_same(&one, &other[i]) || fuzz_signature_same(&other[i], &one));
 }
 
+/* A folder's name is one on every system, and gives the signature again; so does an older one. */
+static void folders_have_names_that_every_store_takes(void **state)
+{
+    (void)state;
+    static const char *const command[] = {"pipe:python3 /a/one.py", "pipe:python3 /a/two.py",
+                                          "pipe:a:b \"c\" <d >e |f *g ?h \\i", "cpu"};
+    char folder[FUZZ_SIGNATURE_MOST], text[FUZZ_SIGNATURE_MOST], first[FUZZ_SIGNATURE_MOST] = "";
+    for (size_t i = 0; i < ARRAY_COUNT(command); i++) {
+        struct fuzz_signature made = {.kind = FUZZ_KIND_BITS, .cause = CAUSE_STACK}, again;
+        fuzz_signature_set_engine(&made, command[i]);
+        fuzz_signature_folder(&made, folder);
+        assert_null(strpbrk(folder, ":\"<>|*?\\/\r\n"));
+        assert_string_not_equal(folder, first);
+        strcpy(first, folder);
+        assert_int_equal(fuzz_signature_of_folder(folder, &again, &reason), STATUS_OK);
+        assert_true(fuzz_signature_same(&made, &again));
+        fuzz_signature_print(&made, text);
+        assert_int_equal(fuzz_signature_of_folder(text, &again, &reason), STATUS_OK);
+        assert_true(fuzz_signature_same(&made, &again));
+    }
+}
+
 /* A signature names a folder: nothing may lead out of it. */
 static void signature_refuses_what_names_no_folder(void **state)
 {
@@ -330,8 +352,10 @@ static void signature_refuses_what_names_no_folder(void **state)
     fuzz_signature_set_engine(&signature, "../a b/\x80");
     assert_string_equal(signature.engine, "_._a_b__");
     fuzz_signature_set_engine(&signature, "pipe: /opt/x y/my.tracer --fast a/b");
-    assert_string_equal(signature.engine, "pipe:x");
+    assert_string_equal(signature.engine, "pipe:x_my.tracer_--fast_b");
     fuzz_signature_set_engine(&signature, "pipe:./build/my.tracer --fast a/b");
+    assert_string_equal(signature.engine, "pipe:my.tracer_--fast_b");
+    fuzz_signature_set_engine(&signature, "pipe:./build/my.tracer");
     assert_string_equal(signature.engine, "pipe:my.tracer");
     fuzz_signature_set_engine(&signature, longest);
     assert_int_equal(strlen(signature.engine), sizeof signature.engine - 1);
@@ -348,6 +372,7 @@ int main(void)
         cmocka_unit_test(smaller_is_fewer_then_rounder),
         cmocka_unit_test(signature_prints_and_parses_every_kind_and_cause),
         cmocka_unit_test(signatures_differ_in_every_field),
+        cmocka_unit_test(folders_have_names_that_every_store_takes),
         cmocka_unit_test(signature_refuses_what_names_no_folder),
     };
     return cmocka_run_group_tests_name("fuzz_trial", tests, NULL, NULL);

@@ -84,8 +84,10 @@ static enum status fast_trace(void *self, const struct ray *ray, size_t ray_coun
         else
             fast->kernel->closest(&fast->tree, ray + first, count, hit + first);
     }
-    *report =
-        (struct trace_report){.ns = time_ns() - start, .memory_bytes = fast_bytes(&fast->tree)};
+    *report = (struct trace_report){.ns = time_ns() - start,
+                                    .node_bytes = sizeof(struct fast_node) * fast->tree.node_count,
+                                    .item_bytes = 4 * fast->tree.block_words,
+                                    .memory_bytes = fast_bytes(&fast->tree)};
     return STATUS_OK;
 }
 
@@ -119,6 +121,8 @@ const struct engine engine_fast = {
     .summary = "C with AVX2 and AVX-512: 8-wide nodes, leaves that share vertices; test woop",
     .needs_packed = true,
     .own_tri = true,
+    .tri_name = "woop",
+    .own_tree = true,
     .open = fast_open,
     .prepare = fast_prepare,
     .trace = fast_trace,
