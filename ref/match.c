@@ -14,31 +14,6 @@
 /* Ray-triangle tests that engine brute may spend on being asked again. */
 #define BRUTE_AGAIN 10000000u
 
-const char *row_status_name(enum row_status status)
-{
-    static const char *const names[] = {"ok", "refused", "skipped", "failed", "vacuous"};
-    return (size_t)status < ARRAY_COUNT(names) ? names[status] : "unknown";
-}
-
-const char *row_box_name(const struct row *row)
-{
-    if (row->engine && row->engine->own_tree && MUTANT != MUTANT_FAST_IS_MT)
-        return "own";
-    return row->layout ? row->options.box->name : "-";
-}
-
-const char *row_tri_name(const struct row *row)
-{
-    if (row->engine && row->engine->tri_name && MUTANT != MUTANT_FAST_IS_MT)
-        return row->engine->tri_name;
-    return row->options.tri->name;
-}
-
-bool row_failed(const struct row *row)
-{
-    return row->status == ROW_VACUOUS || (row->status == ROW_OK && row->differences > 0);
-}
-
 static struct job job_of(const struct match *match, const struct engine *engine)
 {
     return (struct job){.scene = match->scene,
