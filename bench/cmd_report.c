@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L /* gmtime_r */
 #include "bench/cmd_report_parts.h"
 
+#include "fuzz/baseline.h"
 #include "ref/cmd_json.h"
 #include "ref/cmd_options.h"
 #include "ref/command.h"

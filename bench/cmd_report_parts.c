@@ -1,6 +1,7 @@
 /* Which commands make the parts of a report. */
 #include "bench/cmd_report_parts.h"
 
+#include "fuzz/baseline.h"
 #include "fuzz/findings.h"
 #include "ref/command.h"
 #include "scenes/file.h"

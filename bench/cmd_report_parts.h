@@ -4,7 +4,8 @@
 #define CMD_REPORT_PARTS_H
 
 #include "bench/cmd_report.h"
-#include "fuzz/baseline.h"
+
+struct baseline; /* fuzz/baseline.h */
 
 /* Played if no scene is named and no result given. */
 #define REPORT_DEFAULT_SCENES      "cornell", "sphere:n=20", "soup:n=1000"
