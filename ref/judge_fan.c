@@ -57,7 +57,7 @@ struct seen {
 static bool see_by_twin(const struct fan *fan, uint32_t prim, struct seen *seen)
 {
     struct twin twin = judge_twin(fan->judge, fan->ray, prim, NULL);
-    double t = twin.t_near, e = twin.t_err * (1.0 + JUDGE_SHARE);
+    double t = twin.t_near, e = twin.t_err + twin.t_off;
     seen->det = twin.det;
     for (int c = 0; c < 3; c++)
         seen->edge[c] = twin.edge[c];

@@ -27,7 +27,7 @@ struct judge {
     _Atomic(struct topology *) topology;
 };
 
-/* Share of its bound by which a twin's near-exact value may be off, with room to spare. */
+/* Share of its bound by which a twin's near-exact u or v may be off, with room to spare. */
 #define JUDGE_SHARE 0x1p-20
 
 /* How far an edge must be from the ray, in u * max |vertex - origin|, for an unknown formula to be

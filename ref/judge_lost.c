@@ -53,9 +53,11 @@ const struct judge_slot *judge_find(const struct judge_found *found, uint32_t pr
                                                                           : NULL;
 }
 
-/* An engine that found it answers at most its own t of it, which is at most t + E; it may also have
- * answered an earlier find in front of whose box it need not look, and the box is entered within
- * another E (README, "Box tests"): so up to t + 2 E nothing was lost. */
+/* An engine that found it answers at most its own t of it, which is at most t + E. It may also have
+ * answered an earlier find t' and turned away the box, whose computed entry lay behind t'; that is
+ * at most t + (2 a + r) u t (CONTRIBUTING.md, "Boxes"), and E is never less than (2 a + r) u t
+ * ("The error of t again"). So up to t + 2 E nothing was lost. Embree's default box test has an
+ * error of its own: slab_may_miss. */
 enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
                               double t_lo, double t_hi, double reach,
                               const struct judge_found *found, const struct judge_known *known,

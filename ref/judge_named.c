@@ -93,8 +93,7 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
     oracle_pair(judge->oracle, ray, answer->prim, &pair);
     if (!isfinite(twin.t_err))
         return unbounded(ray, v, &pair, t);
-    double share = JUDGE_SHARE * twin.t_err;
-    out->over = judge_over(t, twin.t_near - share, twin.t_near + share, twin.t_err);
+    out->over = judge_over(t, twin.t_near - twin.t_off, twin.t_near + twin.t_off, twin.t_err);
     if (!(out->over <= 1.0))
         return wrong(out, WRONG_DISTANCE);
     if (!judge_barycentrics(&twin, answer))

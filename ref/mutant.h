@@ -296,6 +296,11 @@
 #define MUTANT_NAN_IN_Z            546 /* refit: z may be anything */
 #define MUTANT_MEAN_OF_FIVE        547 /* bench matrix: a mean of one kind of rays too many */
 #define MUTANT_REAL_MEDIAN         620 /* bench tightness: real errors are told by their median */
+#define MUTANT_NORMAL_EXACT        621 /* twins: the error of the normal is left out of t */
+#define MUTANT_OWN_FORGOTTEN       622 /* twins: roundings of mt's p and q are left out of t */
+#define MUTANT_SHEAR_EXACT         623 /* twins: woop's shear moves nothing, for t */
+#define MUTANT_NEAR_IS_EXACT       624 /* twins: t's near value is taken for exact */
+#define MUTANT_RUNNING_KEPT        625 /* twins: t has its running error alone */
 #define MUTANT_LOST_NOT_COUNTED    548 /* quantised: hits lost of the original are not counted */
 #define MUTANT_PAIRS_BY_CHANCE     516 /* fuzz: the rarest pair is not preferred */
 #define MUTANT_INFINITE_LEAF       517 /* wide trees: what no leaf can hold is one if all is dear */

@@ -27,6 +27,9 @@ typedef bool mask;
 
 #include "ref/twin_steps.h"
 
+/* Share of its running bound by which t's near value may be off, as every near value. */
+#define T_OFF 0x1p-28
+
 /* The sign that the exact value has and that no evaluation can miss, or 0. */
 static int sign_of(struct bounded a)
 {
@@ -77,9 +80,13 @@ static struct twin conclude(enum twin_formula formula, const struct ray *ray, st
         .u_err = out.u.e,
         .v_err = out.v.e,
         .t_near = out.t.x,
+        .t_off = T_OFF * out.t_running,
         .u_near = out.u.x,
         .v_near = out.v.x,
     };
+#if MUTANT == MUTANT_NEAR_IS_EXACT
+    twin.t_off = 0.0;
+#endif
 #if MUTANT == MUTANT_NEAR_ROUNDED
     twin.t_near = (double)out.t.v;
 #endif
@@ -163,6 +170,7 @@ static struct twin take_lane(enum twin_formula formula, const struct ray *ray,
                                      .t = value[TWIN_T],
                                      .u = value[TWIN_U],
                                      .v = value[TWIN_V],
+                                     .t_running = out->t_running[lane],
                                      .band = out->band[lane],
                                      .det_alone = formula == TWIN_EMBREE_ROBUST});
 }

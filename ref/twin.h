@@ -28,7 +28,9 @@ struct twin {
     double t_err;  /* |engine's t - exact t| is at most this; infinite if the determinant's sign is
                       open or a value may overflow; never NaN */
     double u_err, v_err;           /* likewise */
-    double t_near, u_near, v_near; /* the exact values, to 2^-28 of a finite bound */
+    double t_near, u_near, v_near; /* the exact values: u and v to 2^-28 of a finite bound */
+    double t_off; /* |t_near - exact t| is at most this where t_err is finite, which is at least 4
+                     times as large; the engine's t is also within t_err of t_near */
 };
 
 /* The formula that triangle test `id` (ABI_TRI_*) computes. */

@@ -33,6 +33,17 @@ STEP struct bounded weight_of(const struct rules *k, const struct bounded row[3]
     return add(k, add(k, mul(k, row[0], a), mul(k, row[1], b)), row[2]);
 }
 
+/* (p[c] + h[0] p[a]) + h[1] p[b]; *own: from the exact one of computed h. */
+STEP struct bounded along_normal(const struct rules *k, const struct bounded h[3],
+                                 const struct bounded p[3], int a, int b, int c, real *own)
+{
+    struct bounded first = mul(k, h[0], p[a]), second = mul(k, h[1], p[b]);
+    struct bounded part = add(k, p[c], first), all = add(k, part, second);
+    *own = own_of_product(k, h[0], p[a], first) + own_of_product(k, h[1], p[b], second) +
+           own_of_sum(k, part) + own_of_sum(k, all);
+    return all;
+}
+
 /* The formula if axis c is taken. det is 1 where the height changes for sure, else open: the
  * weights are positive inside, whichever way the triangle faces. */
 FORMULA struct outcome along_axis(const struct rules *k, const struct input *in,
@@ -47,16 +58,22 @@ FORMULA struct outcome along_axis(const struct rules *k, const struct input *in,
     transform_row(k, negate(e1[b]), e1[a], n[c], v0[a], v0[b], w);
     h[0] = divide(k, n[a], n[c]);
     h[1] = divide(k, n[b], n[c]);
-    h[2] = negate(add(k, add(k, v0[c], mul(k, h[0], v0[a])), mul(k, h[1], v0[b])));
-    struct bounded height =
-        add(k, add(k, add(k, o[c], mul(k, h[0], o[a])), mul(k, h[1], o[b])), h[2]);
-    struct bounded climb = add(k, add(k, d[c], mul(k, h[0], d[a])), mul(k, h[1], d[b]));
+    real own[3];
+    h[2] = negate(along_normal(k, h, v0, a, b, c, &own[0]));
+    struct bounded raised = along_normal(k, h, o, a, b, c, &own[1]), height = add(k, raised, h[2]);
+    struct bounded climb = along_normal(k, h, d, a, b, c, &own[2]);
     out.t = divide(k, negate(height), climb);
     struct bounded pa = add(k, o[a], mul(k, out.t, d[a]));
     struct bounded pb = add(k, o[b], mul(k, out.t, d[b]));
     out.u = out.edge[1] = weight_of(k, u, pa, pb);
     out.v = out.edge[2] = weight_of(k, w, pa, pb);
     out.edge[0] = compare(exact(EACH(1.0f)), add(k, out.u, out.v));
+    /* -(height' + t climb') = -(h' - h) . (o + t d - v0), h_c being 1, and own roundings. */
+    out.t_running = out.t.e;
+    out.t = t_by_quotient(k, out.t, climb,
+                          own[0] + own[1] + own_of_sum(k, height) + size_of_t(out.t) * own[2] +
+                              h[0].e * reach_of(sub(k, o[a], v0[a]), d[a], out.t) +
+                              h[1].e * reach_of(sub(k, o[b], v0[b]), d[b], out.t));
     out.det = exact(EACH(1.0f));
     out.det.e = SELECT(LESS(climb.e, SIZE(climb.x)), ALL(0.0), ALL(INFINITY));
     return out;
@@ -110,10 +127,13 @@ FORMULA struct outcome eval_baldwin_webber(const struct rules *k, const struct i
         for (int i = 0; i < 3; i++)
             out.edge[i] = wider(take, chosen, out.edge[i], one.edge[i]);
         out.det = wider(take, chosen, out.det, one.det);
+        out.t_running =
+            SELECT(take & LESS(out.t_running, one.t_running), one.t_running, out.t_running);
         out.t = wider(take, chosen, out.t, one.t);
         out.u = wider(take, chosen, out.u, one.u);
         out.v = wider(take, chosen, out.v, one.v);
     }
+    out.t.e = out.t.e + NEAR_SHARE * out.t_running; /* t.x may be of one axis and t of another */
     return out;
 }
 

@@ -17,7 +17,7 @@ struct twin_input {
 enum { TWIN_EDGE, TWIN_DET = 3, TWIN_T, TWIN_U, TWIN_V, TWIN_OUTPUTS };
 struct twin_output {
     double x[TWIN_OUTPUTS][TWIN_LANES], e[TWIN_OUTPUTS][TWIN_LANES];
-    double band[TWIN_LANES];
+    double band[TWIN_LANES], t_running[TWIN_LANES];
 };
 
 struct twin_kernel {

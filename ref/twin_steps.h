@@ -178,11 +178,14 @@ STEP struct bounded dot_embree(const struct rules *k, const struct bounded a[3],
     return add(k, mul(k, a[0], b[0]), sum);
 }
 
+#include "ref/twin_ratio.h"
+
 /* What every formula ends in. */
 struct outcome {
     struct bounded edge[3]; /* inside they have one sign */
     struct bounded det;     /* their sum, or in proportion to it */
     struct bounded t, u, v;
+    real t_running; /* t's bound by running errors, which t.x keeps to 2^-28 of itself */
     real band;      /* by how much an edge function may have the other sign and still be accepted */
     bool det_alone; /* det's sign takes no part in the decision */
 };
@@ -194,17 +197,21 @@ struct input {
 FORMULA struct outcome eval_moeller_trumbore(const struct rules *k, const struct input *in)
 {
     struct bounded e1[3], e2[3], s[3], p[3], q[3];
+    real own_p[3], own_q[3];
+    struct mt_parts mt = {e1, e2, s, in->d, own_p, own_q, ALL(0.0), ALL(0.0)};
     struct outcome out = {.band = ALL(0.0)};
     subtract(k, in->v[1], in->v[0], e1);
     subtract(k, in->v[2], in->v[0], e2);
     subtract(k, in->o, in->v[0], s);
-    cross(k, in->d, e2, p);
-    cross(k, s, e1, q);
-    out.det = dot(k, e1, p);
+    cross_from(k, in->d, e2, p, own_p);
+    cross_from(k, s, e1, q, own_q);
+    out.det = dot_from(k, e1, p, false, &mt.own_bottom);
     out.edge[1] = dot(k, s, p);
     out.edge[2] = dot(k, in->d, q);
     out.edge[0] = compare(out.det, add(k, out.edge[1], out.edge[2]));
-    out.t = divide(k, dot(k, e2, q), out.det);
+    out.t = divide(k, dot_from(k, e2, q, false, &mt.own_top), out.det);
+    out.t_running = out.t.e;
+    out.t = t_by_quotient(k, out.t, out.det, mt_residual(&mt, out.t));
     out.u = divide(k, out.edge[1], out.det);
     out.v = divide(k, out.edge[2], out.det);
     return out;
@@ -213,23 +220,31 @@ FORMULA struct outcome eval_moeller_trumbore(const struct rules *k, const struct
 /* Axes are turned so that they are kx, ky, kz (ref/primitives/tri.h). */
 FORMULA struct outcome eval_woop(const struct rules *k, const struct input *in)
 {
-    struct bounded x[3], y[3], z[3];
+    struct bounded x[3], y[3], z[3], az[3];
     struct outcome out = {.band = ALL(0.0)};
-    struct bounded sx = divide(k, in->d[0], in->d[2]);
-    struct bounded sy = divide(k, in->d[1], in->d[2]);
-    struct bounded sz = divide(k, exact(EACH(1.0f)), in->d[2]);
+    struct woop_parts w = {.x = x, .y = y, .z = z, .depth = az, .edge = out.edge};
+    w.sx = divide(k, in->d[0], in->d[2]);
+    w.sy = divide(k, in->d[1], in->d[2]);
+    w.sz = divide(k, exact(EACH(1.0f)), in->d[2]);
     for (int c = 0; c < 3; c++) {
-        struct bounded az = sub(k, in->v[c][2], in->o[2]);
-        x[c] = sub(k, sub(k, in->v[c][0], in->o[0]), mul(k, sx, az));
-        y[c] = sub(k, sub(k, in->v[c][1], in->o[1]), mul(k, sy, az));
-        z[c] = mul(k, sz, az);
+        az[c] = sub(k, in->v[c][2], in->o[2]);
+        x[c] = sub(k, sub(k, in->v[c][0], in->o[0]), mul(k, w.sx, az[c]));
+        y[c] = sub(k, sub(k, in->v[c][1], in->o[1]), mul(k, w.sy, az[c]));
+        z[c] = mul(k, w.sz, az[c]);
     }
     for (int c = 0; c < 3; c++) {
         int a = (c + 2) % 3, b = (c + 1) % 3;
-        out.edge[c] = sub(k, mul(k, x[a], y[b]), mul(k, y[a], x[b]));
+        struct bounded p = mul(k, x[a], y[b]), q = mul(k, y[a], x[b]);
+        out.edge[c] = sub(k, p, q);
+        w.own[c] = own_of_product(k, x[a], y[b], p) + own_of_product(k, y[a], x[b], q) +
+                   own_of_sum(k, out.edge[c]);
     }
-    out.det = add(k, add(k, out.edge[0], out.edge[1]), out.edge[2]);
-    out.t = divide(k, dot(k, out.edge, z), out.det);
+    struct bounded part = add(k, out.edge[0], out.edge[1]);
+    out.det = add(k, part, out.edge[2]);
+    w.own_bottom = own_of_sum(k, part) + own_of_sum(k, out.det);
+    out.t = divide(k, dot_from(k, out.edge, z, false, &w.own_top), out.det);
+    out.t_running = out.t.e;
+    out.t = t_by_quotient(k, out.t, out.det, woop_residual(&w, out.t));
     out.u = divide(k, out.edge[1], out.det);
     out.v = divide(k, out.edge[2], out.det);
     return out;
@@ -252,9 +267,13 @@ FORMULA struct outcome eval_pluecker(const struct rules *k, const struct input *
         out.edge[c] = dot(k, in->d, side);
     }
     cross(k, e[1], e[2], n);
-    struct bounded det = dot(k, in->d, n);
+    real own_top, own_bottom;
+    struct bounded det = dot_from(k, in->d, n, false, &own_bottom);
     struct bounded all = add(k, add(k, out.edge[0], out.edge[1]), out.edge[2]);
-    out.t = divide(k, dot(k, a[0], n), det);
+    out.t = divide(k, dot_from(k, a[0], n, false, &own_top), det);
+    out.t_running = out.t.e;
+    out.t =
+        t_by_quotient(k, out.t, det, plane_residual(n, a[0], in->d, out.t, own_top, own_bottom));
     out.u = divide(k, out.edge[1], all);
     out.v = divide(k, out.edge[2], all);
     out.det = det;
@@ -275,12 +294,17 @@ FORMULA struct outcome eval_embree(const struct rules *k, const struct input *in
     subtract(k, in->v[0], in->o, c);
     cross(k, e2, e1, n);
     cross(k, c, in->d, r);
-    out.det = dot_embree(k, n, in->d);
+    real own_top, own_bottom;
+    out.det = dot_from(k, n, in->d, true, &own_bottom);
     out.edge[1] = dot_embree(k, r, e2);
     out.edge[2] = dot_embree(k, r, e1);
     out.edge[0] = compare(out.det, add(k, out.edge[1], out.edge[2]));
     struct bounded inverse = divide(k, exact(EACH(1.0f)), out.det);
-    out.t = mul(k, dot_embree(k, n, c), inverse);
+    struct bounded top = dot_from(k, n, c, true, &own_top);
+    out.t = mul(k, top, inverse);
+    out.t_running = out.t.e;
+    out.t = t_by_reciprocal(k, out.t, top, out.det, inverse,
+                            plane_residual(n, c, in->d, out.t, own_top, own_bottom));
     out.u = mul(k, out.edge[1], inverse);
     out.v = mul(k, out.edge[2], inverse);
     return out;
@@ -320,9 +344,15 @@ FORMULA struct outcome eval_embree_robust(const struct rules *k, const struct in
     out.band = (SIZE(all.x) + all.e) * EMBREE_BAND * SLACK + k->tiny;
     for (int i = 0; i < 3; i++)
         n[i] = stable_component(k, e, i);
-    out.det = twice(dot_embree(k, n, in->d));
-    out.t = mul(k, divide(k, exact(EACH(1.0f)), out.det), twice(dot_embree(k, v[0], n)));
-    struct bounded inverse = divide(k, exact(EACH(1.0f)), all);
+    real own_top, own_bottom;
+    out.det = twice(dot_from(k, n, in->d, true, &own_bottom));
+    struct bounded top = twice(dot_from(k, v[0], n, true, &own_top));
+    struct bounded inverse = divide(k, exact(EACH(1.0f)), out.det);
+    out.t = mul(k, inverse, top);
+    out.t_running = out.t.e;
+    out.t = t_by_reciprocal(k, out.t, top, out.det, inverse,
+                            2.0 * plane_residual(n, v[0], in->d, out.t, own_top, own_bottom));
+    inverse = divide(k, exact(EACH(1.0f)), all);
     inverse.e = SELECT(LESS(SIZE(all.x) - all.e, ALL(EMBREE_LEAST_SUM)), ALL(INFINITY), inverse.e);
     out.u = mul(k, edge[0], inverse);
     out.v = mul(k, edge[1], inverse);

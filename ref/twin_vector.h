@@ -65,5 +65,6 @@ FORMULA void evaluate_lanes(enum twin_formula formula, const struct rounding *ro
         store(outcome.u, out, TWIN_U, at);
         store(outcome.v, out, TWIN_V, at);
         memcpy(&out->band[at], &outcome.band, sizeof outcome.band);
+        memcpy(&out->t_running[at], &outcome.t_running, sizeof outcome.t_running);
     }
 }

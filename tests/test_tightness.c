@@ -1,6 +1,7 @@
 /* Tightness: a pair that arithmetic on paper gives, the smallest rejected error against a walk over
  * all floats, and sums of few values. */
 #include "bench/tightness.h"
+#include "scenes/scenes.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -140,6 +141,48 @@ static void groups_are_of_like_bounds(void **state)
     free(one);
 }
 
+/* Of triangles of a mesh, for every formula and rounding: real errors are those of one evaluation,
+ * every operation to nearest, so that Vulkan's looser roundings leave more room. */
+static void no_bound_is_twenty_times_too_wide(void **state)
+{
+    (void)state;
+    static const enum twin_formula formulas[] = {
+        TWIN_MT,     TWIN_MT_RTRS,        TWIN_WOOP,         TWIN_PLUECKER,
+        TWIN_EMBREE, TWIN_BALDWIN_WEBBER, TWIN_EMBREE_ROBUST};
+    static const struct rounding roundings[] = {ROUNDING_IEEE, ROUNDING_FLUSHED, ROUNDING_EMBREE,
+                                                ROUNDING_VULKAN_RTE, ROUNDING_VULKAN};
+    enum { PAIRS = 2000 };
+    static struct tightness_pair pair[PAIRS];
+    static struct tightness_one one[PAIRS];
+    struct stand s = {.oracle = NULL};
+    struct reason reason = {""};
+    struct rng rng = rng_make(5, 0);
+    assert_int_equal(scene_open("sphere:n=35", 1, &s.scene, &reason), STATUS_OK);
+    assert_int_equal(oracle_make(&s.scene, &s.oracle, &reason), STATUS_OK);
+    struct box bounds = scene_bounds(&s.scene);
+    for (size_t i = 0; i < PAIRS; i++)
+        while (!tightness_draw(s.oracle, &s.scene, &bounds, &rng, &pair[i]))
+            continue;
+    for (size_t f = 0; f < ARRAY_COUNT(formulas); f++)
+        for (size_t r = 0; r < ARRAY_COUNT(roundings); r++) {
+            struct tightness sum;
+            s.model = (struct model){.formula = formulas[f], .rounding = roundings[r]};
+            assert_int_equal(
+                judge_make(s.oracle, &s.scene, &s.model, NULL, QUERY_ANY, &s.judge, &reason),
+                STATUS_OK);
+            for (size_t i = 0; i < PAIRS; i++)
+                one[i] = tightness_measure(s.judge, &s.scene, &s.model, &pair[i]);
+            judge_free(s.judge);
+            assert_int_equal(tightness_sum(one, PAIRS, &sum, &reason), STATUS_OK);
+            assert_int_equal(sum.alarms, 0);
+            assert_true(sum.unbounded <= 2);
+            assert_true(sum.times < 20 && sum.group_most < 20);
+            assert_true(r > 1 || sum.medians < 20);
+        }
+    oracle_free(s.oracle);
+    scene_free(&s.scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -147,6 +190,7 @@ int main(void)
         cmocka_unit_test(what_another_formula_computes_is_an_alarm),
         cmocka_unit_test(few_are_summed_by_hand),
         cmocka_unit_test(groups_are_of_like_bounds),
+        cmocka_unit_test(no_bound_is_twenty_times_too_wide),
     };
     return cmocka_run_group_tests_name("tightness", tests, NULL, NULL) ? 1 : 0;
 }
