@@ -15,12 +15,16 @@
  * the slabs of every box around the triangle overlap at t. Computed ones can come apart only where
  * the gap between leaving one axis and entering another is within both errors; slabs of one axis
  * are rounded alike and stay in order. A box around more triangles has wider gaps and the errors of
- * at most the largest coordinate. `reach` cuts the boxes behind it, so it has the same error. */
+ * at most the largest coordinate. `reach` and the end of the range cut the boxes behind them, so
+ * they have the same error. */
 static bool slab_may_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
                           double reach)
 {
     struct box box = scene_tri_bounds(judge->scene, prim);
     double enter[3], leave[3], error[3];
+#if MUTANT != MUTANT_SLAB_TO_REACH
+    reach = fmin(reach, (double)ray->tmax);
+#endif
     for (int k = 0; k < 3; k++) {
         double d = (double)ray->dir[k], o = (double)ray->org[k];
         if (fabs(d) < EMBREE_LEAST_DIR)
