@@ -72,7 +72,8 @@ struct tightness_one tightness_measure(const struct judge *judge, const struct s
     struct tightness_one one = {.real = fabs((double)twin.t - t) / ulp, .rejected = INFINITY};
     if (!twin.possible && model->formula == TWIN_MT_RTRS)
         return one;
-    one.alarm = rejects(judge, &pair->ray, computed) || rejects(judge, &pair->ray, exact);
+    one.alarm =
+        (twin.certain && rejects(judge, &pair->ray, computed)) || rejects(judge, &pair->ray, exact);
     if (isfinite(twin.t_err)) {
         double above = first_rejected(judge, &pair->ray, exact, t, t + twin.t_err, (float)INFINITY);
         double below =

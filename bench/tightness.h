@@ -22,8 +22,8 @@ bool tightness_draw(const struct oracle *oracle, const struct scene *scene,
 struct tightness_one {
     double real;     /* of the formula computed with every operation rounded to nearest */
     double rejected; /* the smallest that the judge rejects, before or behind; INFINITY: none is */
-    bool alarm;      /* the judge rejects what the formula computed, or exact t, u and v, each
-                        rounded to nearest */
+    bool alarm;      /* the judge rejects what the formula computed and surely accepts, or exact t,
+                        u and v, each rounded to nearest */
 };
 
 /* Measures a pair of `scene`. `judge` is one of any-hits, of the same scene and model, whose

@@ -220,6 +220,9 @@ static enum status ask_triangle(struct export_case *the, struct asking *asking, 
     if (!asking->follow && !twin.possible)
         return STATUS_OK;
     float u_near = (float)twin.u_near, v_near = (float)twin.v_near;
+    double earliest = twin.t_near - (twin.t_err - twin.t_off) * (1.0 - 0x1p-20);
+    float early = (float)earliest;
+    early = (double)early < earliest ? nextafterf(early, INFINITY) : early;
     struct hit tried[] = {{(float)twin.t_near, u_near, v_near, prim},
                           {(float)plane_t(the, asking, prim), u_near, v_near, prim},
                           {twin.t, twin.u, twin.v, prim},
@@ -227,7 +230,7 @@ static enum status ask_triangle(struct export_case *the, struct asking *asking, 
                           {(float)nearest_t(ray, v[1], v[2]), u_near, v_near, prim},
                           {(float)nearest_t(ray, v[2], v[0]), u_near, v_near, prim},
                           {ray->tmin, 0, 0, prim},
-                          {(float)(twin.t_near - 0.9999 * twin.t_err), u_near, v_near, prim}};
+                          {early, u_near, v_near, prim}};
     for (size_t k = 0; k < ARRAY_COUNT(tried); k++) {
         tried[k].t = in_range(the, ray, tried[k].t);
         if (!float_is_finite(tried[k].u) || !float_is_finite(tried[k].v))

@@ -73,6 +73,29 @@ static bool says_little(const struct twin *twin)
            !(twin->v_err <= SHARP);
 }
 
+/* To one unit of the last place, and what the near value is off. */
+static bool is_near(float value, double near, double off)
+{
+    return fabs((double)value - near) <= 2.0 * JUDGE_UNIT * fabs(near) + off;
+}
+
+/* True if the triangle is exactly hit and the answer is where, to one unit of its last place:
+ * right, even if no evaluation of the formula comes to these very numbers. */
+static bool is_exact(const struct oracle_pair *pair, const struct twin *twin,
+                     const struct hit *answer)
+{
+    bool hit =
+        pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE || pair->class == ORACLE_VERTEX;
+#if MUTANT == MUTANT_EXACT_REPLAYED
+    return false;
+#endif
+    /* Of what has no bound, as a triangle's share of its hit, the near value is good enough. */
+    return hit && pair->range == ORACLE_WITHIN && isfinite(twin->t_err) &&
+           is_near(answer->t, twin->t_near, twin->t_off) &&
+           is_near(answer->u, twin->u_near, JUDGE_SHARE * fmin(twin->u_err, 1.0)) &&
+           is_near(answer->v, twin->v_near, JUDGE_SHARE * fmin(twin->v_err, 1.0));
+}
+
 enum verdict judge_named(const struct judge *judge, const struct ray *ray,
                          const struct oracle_answer *truth, const struct hit *answer,
                          const struct judge_known *known, struct judgement *out)
@@ -86,11 +109,12 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
         return wrong(out, truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM : WRONG_TRIANGLE);
     if (!judge_may_keep(judge, ray, v, answer->t))
         return wrong(out, WRONG_DISTANCE);
-    if (says_little(&twin) && !judge_can_answer(judge, ray, v, answer))
+    oracle_pair(judge->oracle, ray, answer->prim, &pair);
+    if (says_little(&twin) && !is_exact(&pair, &twin, answer) &&
+        !judge_can_answer(judge, ray, v, answer))
         return wrong(out, judge_can_hit(judge, ray, v) ? WRONG_DISTANCE
                           : truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM
                                                        : WRONG_TRIANGLE);
-    oracle_pair(judge->oracle, ray, answer->prim, &pair);
     if (!isfinite(twin.t_err))
         return unbounded(ray, v, &pair, t);
     out->over = judge_over(t, twin.t_near - twin.t_off, twin.t_near + twin.t_off, twin.t_err);

@@ -301,6 +301,7 @@
 #define MUTANT_SHEAR_EXACT         623 /* twins: woop's shear moves nothing, for t */
 #define MUTANT_NEAR_IS_EXACT       624 /* twins: t's near value is taken for exact */
 #define MUTANT_SLAB_TO_REACH       626 /* judge: the range's end cuts no box of Embree's */
+#define MUTANT_EXACT_REPLAYED      627 /* judge: exact numbers must be those of an evaluation, too */
 #define MUTANT_RUNNING_KEPT        625 /* twins: t has its running error alone */
 #define MUTANT_LOST_NOT_COUNTED    548 /* quantised: hits lost of the original are not counted */
 #define MUTANT_PAIRS_BY_CHANCE     516 /* fuzz: the rarest pair is not preferred */
