@@ -30,7 +30,9 @@ bool judge_can_answer(const struct judge *judge, const struct ray *ray, float v[
 bool judge_can_hit(const struct judge *judge, const struct ray *ray, float v[3][3])
 {
     const struct liberty liberty = liberty_of(judge);
-    const struct replay_answer range = {{(double)ray->tmin, 0.0, 0.0},
+    /* A weight below 0 may be accepted that is flushed before it is compared. */
+    double least = judge->model.rounding.tiny > ROUNDING_IEEE.tiny ? -1.0 : 0.0;
+    const struct replay_answer range = {{(double)ray->tmin, least, least},
                                         {(double)ray->tmax, 1.0, 1.0}};
     return replay_can_answer(judge->model.formula, &liberty, ray, v, &range);
 }

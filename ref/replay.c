@@ -309,9 +309,11 @@ bool replay_can_answer(enum twin_formula formula, const struct liberty *liberty,
         return replay_baldwin_webber(&w);
     case TWIN_EMBREE:
     case TWIN_EMBREE_ROBUST:
-        for (int i = 1; i < 3; i++) /* it answers no weight above 1 */
-            if (kept.hi[i] == 1.0)
-                kept.hi[i] = 1.0 + ABOVE_ONE;
+        for (int i = 1; i < 3; i++) /* it answers no weight above 1; of any answer, its band */
+            if (kept.hi[i] == 1.0) {
+                kept.lo[i] -= kept.lo[i] == 0.0 ? ABOVE_ONE : 0.0;
+                kept.hi[i] += ABOVE_ONE;
+            }
         return formula == TWIN_EMBREE ? embree(&w) : embree_robust(&w);
     case TWIN_UNKNOWN:
         break;

@@ -82,6 +82,13 @@ static void check(const struct ray *ray, float v[3][3], uint64_t index, size_t f
         tally->accepted++;
         tally->open += isfinite(twin.t_err) ? 0 : 1;
         struct replay_answer a = answer_of(&e);
+        const struct replay_answer any = {{(double)ray->tmin, 0, 0}, {(double)ray->tmax, 1, 1}};
+        if (!replay_can_answer(formulas[f].formula, &liberty, ray, v, &any)) {
+            print_pair(ray, v);
+            fail_msg("%s, %s, %s: nothing is possible, t %a u %a v %a was answered",
+                     formulas[f].name, roundings[r].name, what, (double)e.t, (double)e.u,
+                     (double)e.v);
+        }
         if (replay_can_answer(formulas[f].formula, &liberty, ray, v, &a))
             continue;
         print_pair(ray, v);
