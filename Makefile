@@ -77,7 +77,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 .PHONY: all lib tests spv clean run check bench agree conform-all deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
         lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check report-check \
-        selftest selftest-quick fresh-check
+        selftest selftest-quick fresh-check adversaries
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -159,8 +159,10 @@ $(BOUNDS_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle
 $(BOUNDS_TESTS): TEST_LIBS += $(GMP_LIBS)
 
 # Published triangle tests, compiled as their users do.
-$(B)/tests/test_judge_blackbox: $(addprefix $(B)/obj/tests/,honest_plain.o honest_fast.o)
+$(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/,honest_plain.o honest_fast.o)
 $(B)/obj/tests/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(if $(filter x86_64,$(shell uname -m)),-mfma)
+
+$(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o table.o)
 
 # Their allocations are told to fail, or weighed.
 $(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
@@ -246,6 +248,10 @@ agree: all
 # The conformance suite, every combination of members once. Slow.
 conform-all: all
 	$(B)/raydiff conform --all $(ARGS)
+
+# Dishonest tracers on a large mesh: what each uses up, and what it gets away with.
+adversaries: tests
+	RAYDIFF_ADVERSARIES=$(or $(SCENE),scenes/fetched/dragon-203k.ply.gz) $(B)/tests/test_adversaries
 
 # Rays at edges and vertices of closed meshes from inside, 10^6 a mesh, on each CPU driver.
 leaks: all

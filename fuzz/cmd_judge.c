@@ -39,22 +39,23 @@ static const char verify_help[] =
 static const char options_help[] =
     "  --seed S        judge: of a generator whose text gives none               [1]\n"
     "  --brute N       ray-triangle pairs that brute force may decide            [2e8]\n"
+    "  --displacement U  how far, in 2^-24 of their distance                     [32]\n"
+    "  --require watertight  no hit inside a closed fan may be lost\n"
     "  --json FILE     the row, for machines, as check writes it\n\n"
     "A formula that is unknown is judged by how far vertices must move to make an answer right.\n"
     "exit codes: 0 agree, 1 mismatch or vacuous, 2 bad input, 3 the tracer refused, 4 internal\n";
 
 struct judge_options {
     uint64_t seed, brute;
+    struct match_demands demands;
     const char *json;
 };
 
 enum { OPT_SEED = 256, OPT_BRUTE, OPT_JSON };
 
-static const struct option long_options[] = {{"seed", 1, NULL, OPT_SEED},
-                                             {"brute", 1, NULL, OPT_BRUTE},
-                                             {"json", 1, NULL, OPT_JSON},
-                                             {"help", 0, NULL, OPT_HELP},
-                                             {NULL, 0, NULL, 0}};
+static const struct option long_options[] = {
+    {"seed", 1, NULL, OPT_SEED}, {"brute", 1, NULL, OPT_BRUTE}, DEMAND_OPTIONS,
+    {"json", 1, NULL, OPT_JSON}, {"help", 0, NULL, OPT_HELP},   {NULL, 0, NULL, 0}};
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
@@ -64,6 +65,9 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return parse_count("--seed", text, 0, UINT64_MAX, &o->seed, reason);
     case OPT_BRUTE:
         return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
+    case OPT_DISPLACEMENT:
+    case OPT_DEMAND:
+        return demand_take(option, text, &o->demands, reason);
     default:
         o->json = text;
         return STATUS_OK;
@@ -177,6 +181,7 @@ static enum status play(struct judging *j, struct row *row, struct reason *reaso
                                     .box = box_tests[0],
                                     .tri = tri_tests[0],
                                     .query = j->request.query,
+                                    .demands = j->options->demands,
                                     .repeats = 1,
                                     .brute_budget = j->options->brute};
     struct pool pool = {.options = engine_options_default()};
@@ -189,11 +194,13 @@ static enum status play(struct judging *j, struct row *row, struct reason *reaso
     if (status)
         return status;
     match_run(&match, engine, row);
+    if (j->options->demands.displacement > 0.0f && !row->unknown)
+        status = fail(reason, STATUS_INPUT, "--displacement: the formula is known");
     for (int i = 0; i < 3; i++)
         row->mrays[i] = 0; /* nothing was traced */
     pool_free(&pool);
     match_free(&match);
-    return STATUS_OK;
+    return status;
 }
 
 /* Judges and prints; returns the exit code. */

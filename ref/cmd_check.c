@@ -19,6 +19,7 @@ struct check_options {
     uint64_t count, seed, repeats, brute, brute_rays, bits; /* bits 0: not named */
     struct engine_options engines;
     float move;
+    struct match_demands demands;
     const char *json;
     const char *bvh;        /* of --bvh, or NULL */
     const char *build_flag; /* the last option given that says how to build, or NULL */
@@ -62,6 +63,7 @@ static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
                                              {"repeat", 1, NULL, OPT_REPEAT},
                                              {"brute", 1, NULL, OPT_BRUTE},
                                              {"brute-rays", 1, NULL, OPT_BRUTE_RAYS},
+                                             DEMAND_OPTIONS,
                                              {"json", 1, NULL, OPT_JSON},
                                              BUILD_OPTIONS,
                                              TREE_OPTION,
@@ -165,6 +167,9 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_SPLIT_ALPHA:
     case OPT_OPTIMIZE:
         return build_option_take(option, text, &o->build, &o->build_flag, reason);
+    case OPT_DISPLACEMENT:
+    case OPT_DEMAND:
+        return demand_take(option, text, &o->demands, reason);
     case OPT_JSON:
         o->json = text;
         return STATUS_OK;
@@ -184,10 +189,9 @@ struct check {
     struct check_options options;
     struct pool pool;
     struct progress progress;
-    struct tree_file tree;  /* of --bvh; rows refer to it */
-    struct turnout turnout; /* of what was named */
-    const struct original
-        *original; /* of the decoded scene that is played; NULL: it is as it was */
+    struct tree_file tree;           /* of --bvh; rows refer to it */
+    struct turnout turnout;          /* of what was named */
+    const struct original *original; /* of the decoded scene that is played; NULL: as it was */
 };
 
 static enum status add_row(struct check_scene *result, const struct row *row)
@@ -289,6 +293,7 @@ static enum status play_scene(struct check *check, const struct scene *scene,
                                     .box = box_tests[o->box.index[0]],
                                     .tri = tri_tests[o->tri.index[0]],
                                     .query = (enum query)o->query.index[0],
+                                    .demands = o->demands,
                                     .repeats = (unsigned)o->repeats,
                                     .brute_budget = o->brute,
                                     .brute_rays = o->brute_rays};
@@ -415,6 +420,7 @@ static int check_all(struct check *check, char *const *spec, size_t count)
     }
     turnout_print(&check->turnout);
     code = exit_worse(code, turnout_exit(&check->turnout));
+    code = exit_worse(code, check_unused(check->options.demands.displacement, results, count));
     if (check->options.json) {
         enum status status =
             check_write_json(check->options.json, results, count, &check->turnout, code, &reason);
@@ -442,6 +448,8 @@ int cmd_check(int argc, char **argv)
     if (tree_check_options(check.options.bvh, check.options.build_flag, (size_t)(argc - first),
                            &reason))
         return usage_error("check", "%s", reason.text);
+    if (check.options.demands.watertight && list_has(&check.options.query, QUERY_ALL))
+        return usage_error("check", "--require watertight is of closest and any hits, not all");
     check.pool.options = check.options.engines;
     code = check_all(&check, argv + first, (size_t)(argc - first));
     pool_free(&check.pool);

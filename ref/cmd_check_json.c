@@ -85,10 +85,17 @@ static json_t *displacement_json(const struct row *row)
 {
     if (row->displacement.count == 0)
         return json_null();
-    return json_pack("{s:I, s:f, s:f, s:f, s:I}", "answers", (json_int_t)row->displacement.count,
-                     "p50", row->displacement.p50, "p99", row->displacement.p99, "max",
-                     finite(row->displacement.most), "lost_in_closed_fans",
-                     (json_int_t)row->displacement.fan_lost);
+    json_t *edges = json_array();
+    for (size_t c = 0; c < MATCH_EDGES; c++)
+        json_array_append_new(edges,
+                              json_pack("{s:I, s:I, s:f}", "hits", (json_int_t)row->edges[c].hits,
+                                        "lost", (json_int_t)row->edges[c].lost, "at_most",
+                                        match_edges_limit(c, row->edges[c].hits)));
+    return json_pack("{s:I, s:f, s:f, s:f, s:I, s:o, s:I}", "answers",
+                     (json_int_t)row->displacement.count, "p50", row->displacement.p50, "p99",
+                     row->displacement.p99, "max", finite(row->displacement.most),
+                     "lost_in_closed_fans", (json_int_t)row->displacement.fan_lost,
+                     "lost_beside_edges", edges, "beyond", (json_int_t)row->edges_beyond);
 }
 
 static json_t *lists_json(const struct row *row)

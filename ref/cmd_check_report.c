@@ -37,6 +37,15 @@ static void print_lists(const struct row *row)
         printf(" no parity (the mesh is open)");
 }
 
+/* Only where more was lost than rounding explains. */
+static void print_edges(const struct row *row)
+{
+    for (size_t c = 0; c < MATCH_EDGES && row->edges_beyond; c++)
+        printf("%s %zu of %zu (at most %.0f)%s", c ? "," : " lost beside edges", row->edges[c].lost,
+               row->edges[c].hits, match_edges_limit(c, row->edges[c].hits),
+               c + 1 < MATCH_EDGES ? "" : ", the nearest first: not rounding");
+}
+
 static void print_row(const struct row *row)
 {
     const struct match_options *o = &row->options;
@@ -67,6 +76,9 @@ static void print_row(const struct row *row)
         printf(" displacement p50 %.2g p99 %.2g max %.3g uM, %zu lost in closed fans",
                row->displacement.p50, row->displacement.p99, row->displacement.most,
                row->displacement.fan_lost);
+    print_edges(row);
+    if (row->fans_lost)
+        printf(" watertight: %zu lost in closed fans", row->fans_lost);
     print_lists(row);
     if (row->status == ROW_VACUOUS)
         printf(" %s", row->reason.text);
@@ -334,4 +346,17 @@ int check_exit(const struct check_scene *scene, bool layout_named, bool engine_n
             code = exit_worse(code, EXIT_MISMATCH);
     }
     return code;
+}
+
+int check_unused(float displacement, const struct check_scene *scene, size_t count)
+{
+    bool used = displacement == 0.0f, one = false;
+    for (size_t s = 0; s < count; s++)
+        for (size_t i = 0; i < scene[s].row_count; i++) {
+            one = one || scene[s].row[i].status == ROW_OK;
+            used = used || scene[s].row[i].unknown;
+        }
+    if (used || !one)
+        return EXIT_AGREE;
+    return usage_error("check", "--displacement: no engine here has an unknown formula");
 }

@@ -35,9 +35,10 @@ static const char help[] =
     "on\n"
     "one side. No ray here ends near a triangle, so that open and closed ranges are the same.\n"
     "A row that promises (tri woop; on a tree also box watertight, and no member as published)\n"
-    "must not miss under any profile and fails if it does; all other rows are only counted. Woop\n"
-    "takes an edge function of zero for inside, so that it hits both triangles of an edge: under\n"
-    "dxr it fails.\n"
+    "must not miss under any profile and fails if it does. Of other rows what a profile says "
+    "should\n"
+    "not be is counted, and what must not be fails, whatever they promise. Woop takes an edge\n"
+    "function of zero for inside, so that it hits both triangles of an edge: under dxr it fails.\n"
     "exit codes: 0 kept, 1 broken or vacuous, 2 bad input or an open mesh, 3 engine failed,\n"
     "            77 skipped\n"
     "example: raydiff leaks sphere scenes/fetched/bunny.obj --tri woop --count 1e6\n";

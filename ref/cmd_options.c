@@ -55,6 +55,21 @@ enum status engine_option_take(int option, const char *text, struct engine_optio
     }
 }
 
+enum status demand_take(int option, const char *text, struct match_demands *out,
+                        struct reason *reason)
+{
+    if (option == OPT_DEMAND) {
+        out->watertight = true;
+        return strcmp(text, "watertight") == 0
+                   ? STATUS_OK
+                   : fail(reason, STATUS_INPUT, "--require: '%.60s' is not watertight", text);
+    }
+    enum status status = parse_float("--displacement", text, &out->displacement, reason);
+    if (!status && !(out->displacement > 0.0f && float_is_finite(out->displacement)))
+        return fail(reason, STATUS_INPUT, "--displacement %.60s: it is above 0", text);
+    return status;
+}
+
 static enum status take_optimize(const char *text, struct build_options *out, struct reason *reason)
 {
     static const char name[] = "reinsert";

@@ -2,7 +2,7 @@
 #ifndef CMD_OPTIONS_H
 #define CMD_OPTIONS_H
 
-#include "ref/engine.h"
+#include "ref/match.h"
 #include "scenes/file.h"
 
 #include <getopt.h>
@@ -21,6 +21,8 @@ enum {
     OPT_SPLIT_BUDGET,
     OPT_SPLIT_ALPHA,
     OPT_OPTIMIZE,
+    OPT_DISPLACEMENT,
+    OPT_DEMAND,
     OPT_HELP
 };
 
@@ -78,6 +80,21 @@ struct engine_options engine_options_default(void);
  * other option, which the caller must have handled. */
 enum status engine_option_take(int option, const char *text, struct engine_options *out,
                                struct reason *reason) MUST_USE;
+
+/* What --require of a row may name: "watertight", no hit lost inside a closed fan. Errors:
+ * STATUS_INPUT for anything else. */
+enum status require_watertight(const char *text, struct reason *reason) MUST_USE;
+
+/* What is demanded of answers (ref/match.h): entries of a getopt_long table. */
+#define DEMAND_OPTIONS                                                                             \
+    {"displacement", 1, NULL, OPT_DISPLACEMENT},                                                   \
+    {                                                                                              \
+        "require", 1, NULL, OPT_DEMAND                                                             \
+    }
+
+/* Takes one of DEMAND_OPTIONS. Errors: STATUS_INPUT with the flag, text and rule. */
+enum status demand_take(int option, const char *text, struct match_demands *out,
+                        struct reason *reason) MUST_USE;
 
 /* Takes one option of a command into `user`. Errors: STATUS_INPUT with the flag, text and rule. */
 typedef enum status option_fn(void *user, int option, char *text, struct reason *reason);

@@ -20,6 +20,14 @@
 #define PROGRESS_TTY_NS   200000000u
 #define PROGRESS_LOG_NS   10000000000u
 
+bool list_has(const struct list *list, size_t index)
+{
+    bool has = false;
+    for (size_t i = 0; i < list->count; i++)
+        has = has || list->index[i] == index;
+    return has;
+}
+
 bool list_names(const struct list *list, const struct engine *engine)
 {
     for (size_t i = 0; i < list->count; i++)

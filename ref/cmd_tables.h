@@ -30,6 +30,9 @@ struct list {
     size_t count;
 };
 
+/* Whether a place of a table is in a list. */
+bool list_has(const struct list *list, size_t index);
+
 /* Whether an engine is in a list of TABLE_ENGINES. */
 bool list_names(const struct list *list, const struct engine *engine);
 

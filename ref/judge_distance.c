@@ -203,9 +203,11 @@ double judge_loss(const struct judge *judge, const struct ray *ray,
 
 /* The lost hit before `reach` that needs most; *fan: one of them lies inside a closed fan all of
  * whose triangles were lost. */
-static enum status worst_loss(const struct judge *judge, const struct ray *ray, double reach,
-                              struct loss *worst, bool *fan)
+static enum status worst_loss(const struct judge *judge, const struct ray *ray,
+                              const struct oracle_answer *truth, double reach, struct loss *worst,
+                              struct judgement *out)
 {
+    bool *fan = &out->fan;
     struct oracle_crossing *list = NULL;
     size_t capacity = 0, count = 0;
     enum status status =
@@ -216,6 +218,8 @@ static enum status worst_loss(const struct judge *judge, const struct ray *ray, 
         struct loss loss = loss_of(judge, ray, &list[i], reach);
         if (worst->prim == ABI_NO_PRIM || loss.over > worst->over)
             *worst = loss;
+        if (list[i].prim == truth->prim)
+            out->edge_lost = loss.why == VERDICT_BOUNDARY;
         bool closed = false;
         double limit = 0.0;
         if (!*fan && loss.why == VERDICT_BOUNDARY)
@@ -259,8 +263,8 @@ static bool weights_fit(const struct judge *judge, const struct hit *answer,
 
 /* How far the answered point is from the triangle over what is allowed; *need gets it in units. A
  * test that is not backward stable may shift the point along the ray, out of the triangle, as long
- * as it stays near the plane, of a triangle that it may take for hit; then only that counts. *noise:
- * the determinant's sign is open there, so that the point may be anywhere. */
+ * as it stays near the plane, of a triangle that it may take for hit; then only that counts.
+ * *noise: the determinant's sign is open there, so that the point may be anywhere. */
 static double hit_over(const struct judge *judge, const struct hit *answer,
                        const struct triangle *tri, const struct judge_rounding *rounding,
                        double *need, bool *noise)
@@ -324,6 +328,21 @@ enum verdict judge_named_by_distance(const struct judge *judge, const struct ray
                                                                                 : VERDICT_RIGHT;
 }
 
+/* See struct judgement. */
+static double margin_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
+{
+    float v[3][3];
+    double edge[3];
+    bool near = false;
+    scene_tri(judge->scene, prim, v);
+    struct judge_rounding rounding = judge_rounding_of(ray, v);
+    judge_edge_distances(ray, v, edge);
+    for (int c = 0; c < 3; c++)
+        near = near || fabs(edge[c]) <= judge_edge_allowed(judge, &rounding, c);
+    double scale = fmax(1.0, judge->displacement / JUDGE_DISPLACEMENT_MOST);
+    return near ? judge_margin(&rounding) / scale : 0.0;
+}
+
 /* Names a right answer: RIGHT or TIE for one of the exact nearest set, else what kept that away. */
 static enum verdict name_of(const struct judge *judge, const struct ray *ray,
                             const struct oracle_answer *truth, uint32_t prim, enum verdict why)
@@ -349,14 +368,17 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
     enum status status = STATUS_OK;
     if (!miss) {
         out->verdict = judge_named_by_distance(judge, ray, truth, answer, out);
-        if (out->verdict == VERDICT_WRONG || judge->query == QUERY_ANY)
+        if (out->verdict == VERDICT_WRONG)
             return STATUS_OK;
     }
     if (truth->prim == ABI_NO_PRIM)
         return STATUS_OK;
+    out->margin = margin_of(judge, ray, truth->prim);
+    if (!miss && judge->query == QUERY_ANY)
+        return STATUS_OK;
     /* Between the nearest and the next hit only the nearest can have been lost. */
     if (reach > truth->t_hi && !(answer->prim == truth->prim && reach <= truth->t_next))
-        status = worst_loss(judge, ray, reach, &worst, &out->fan);
+        status = worst_loss(judge, ray, truth, reach, &worst, out);
     if (status)
         return status;
     if (out->verdict == VERDICT_RIGHT)

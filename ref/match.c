@@ -360,6 +360,9 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
                             struct row *row)
 {
     struct model model = engine->model(self, match->options.tri);
+    row->unknown = model.formula == TWIN_UNKNOWN;
+    if (match->options.demands.displacement > 0.0f)
+        model.displacement = (double)match->options.demands.displacement;
     const struct job job = job_of(match, engine);
     if (!job_keeps_watertight(&job))
         model.watertight = false; /* the triangle test is, but its boxes are not */

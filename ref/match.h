@@ -7,9 +7,11 @@
 #include "ref/judge.h"
 #include "ref/tree_file.h"
 
-#define POOL_MOST    12
-#define FINDING_MOST 4
-#define REPEAT_MOST  32
+#define POOL_MOST       12
+#define FINDING_MOST    4
+#define REPEAT_MOST     32
+#define MATCH_EDGES     4 /* classes of hits beside edges */
+#define MATCH_EDGES_FEW 4.0
 
 /* Engines opened once and kept, so that pipelines and devices are made once. */
 struct pool {
@@ -31,6 +33,13 @@ void *pool_get(struct pool *pool, const struct engine *engine, enum status *stat
 /* Closes all engines. */
 void pool_free(struct pool *pool);
 
+/* What else answers must keep. */
+struct match_demands {
+    float displacement; /* of an unknown formula: see struct model; 0: its own */
+    bool watertight;    /* no hit inside a closed fan may be lost, whatever the engine promises; not
+                           of lists */
+};
+
 struct match_options {
     const struct builder *builder; /* tree_file_builder with `tree` */
     struct build_options build;
@@ -45,6 +54,7 @@ struct match_options {
     unsigned repeats;      /* timed traces per engine, 1 to REPEAT_MOST */
     uint64_t brute_budget; /* ray-triangle pairs that the oracle's brute force may spend */
     uint64_t brute_rays;   /* and the most rays it decides that way; 0: all it can afford */
+    struct match_demands demands;
 };
 
 /* What a motion did to a tree: costs as tree_sah's, 0 if the tree could not be refitted; times of
@@ -97,7 +107,12 @@ struct row {
         double p50, p99, most; /* displacement, see struct judgement */
         size_t fan_lost;       /* hits lost inside a closed fan */
     } displacement;
-    struct {               /* QUERY_ALL: an answer is a list, a hit one that is not empty */
+    struct {               /* closest and any hits of an unknown formula, by distance from edges */
+        size_t hits, lost; /* see ref/match_edges.c */
+    } edges[MATCH_EDGES];
+    size_t edges_beyond; /* more lost than rounding explains: counted in differences */
+    size_t fans_lost; /* with options.demands.watertight: hits lost inside a closed fan; likewise */
+    struct {          /* QUERY_ALL: an answer is a list, a hit one that is not empty */
         size_t triangles;  /* listed */
         size_t doubles;    /* lists with two triangles of which exactly one should be hit */
         bool closed;       /* the mesh is: then also */
@@ -113,6 +128,7 @@ struct row {
     } original;
     size_t bit_differences;   /* against engine cpu on the same tree, if bits */
     bool bits;                /* compared with engine cpu bit for bit */
+    bool unknown;             /* its formula is not known */
     bool judged;              /* false: a member as published takes part, only counted */
     size_t differences;       /* what makes the exit code 1 */
     double mrays[3];          /* million rays per second: median, least, most */
@@ -129,6 +145,9 @@ const char *row_status_name(enum row_status status);
  * test of no table, "-" none. */
 const char *row_box_name(const struct row *row);
 const char *row_tri_name(const struct row *row);
+
+/* The most of so many hits of class `class` of row->edges that may be lost. */
+double match_edges_limit(size_t class, size_t hits);
 
 /* True if the row makes a command fail with EXIT_MISMATCH. */
 bool row_failed(const struct row *row);

@@ -1,5 +1,8 @@
 #include "ref/match_judge.h"
 
+#include "ref/match_edges.h"
+#include "ref/mutant.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +17,8 @@ struct judging {
     struct row *row;
     struct judgement *judgement; /* CHUNK of them */
     double *displacement;        /* of an unknown formula, or NULL */
+    uint8_t *note;               /* likewise: of match_edges_note, a ray each */
+    struct judge *fans; /* options.demands.watertight: says what closed fans lost, or NULL */
 };
 
 static void keep_finding(struct row *row, const struct match *match, size_t i,
@@ -46,6 +51,11 @@ static enum status judge_one(const struct judging *j, size_t i, struct judgement
         status = judge_answer(j->closest, ray, &match->truth[i], closest, &other);
         judge_any_against_closest(j->judge, ray, closest, &other, any, out);
     }
+    if (status == STATUS_OK && j->fans && out->verdict != VERDICT_OUT_OF_CONTRACT) {
+        struct judgement fan;
+        status = judge_answer(j->fans, ray, &match->truth[i], any, &fan);
+        out->fan = out->fan || fan.fan;
+    }
     if (match->moody[i]) { /* whatever the ray */
         out->verdict = VERDICT_WRONG;
         out->wrong = WRONG_NOT_REPEATABLE;
@@ -65,7 +75,11 @@ static void count_one(struct judging *j, size_t i, const struct judgement *judge
     if (j->displacement && judgement->verdict != VERDICT_OUT_OF_CONTRACT &&
         (hit || judgement->displacement > 0.0))
         j->displacement[row->displacement.count++] = judgement->displacement;
+    if (j->note)
+        j->note[i] = match_edges_note(judgement);
     row->displacement.fan_lost += judgement->fan;
+    row->fans_lost +=
+        judgement->fan && row->options.demands.watertight && MUTANT != MUTANT_FANS_FORGIVEN;
     if (judgement->verdict == VERDICT_WRONG && row->judged)
         keep_finding(row, j->match, i, judgement);
 }
@@ -102,7 +116,7 @@ static enum status judge_all(struct judging *j)
             count_one(j, first + i, &j->judgement[i]);
     }
     match_displacements(j->displacement, j->row);
-    return STATUS_OK;
+    return j->note ? match_edges_count(j->match->ray, j->note, j->row) : STATUS_OK;
 }
 
 static void compare_bits(const struct match *match, struct row *row)
@@ -128,6 +142,10 @@ static enum status judges_make(struct judging *j, const struct model *model)
     if (status == STATUS_OK && compare)
         status = judge_make(match->oracle, match->scene, model, o->tri, QUERY_CLOSEST, &j->closest,
                             &j->row->reason);
+    struct model geometry = {.formula = TWIN_UNKNOWN, .open = model->open};
+    if (status == STATUS_OK && o->demands.watertight)
+        status = judge_make(match->oracle, match->scene, &geometry, o->tri, o->query, &j->fans,
+                            &j->row->reason);
     return status;
 }
 
@@ -136,9 +154,12 @@ enum status match_judge(const struct match *match, const struct model *model, st
     struct judging j = {.match = match, .row = row};
     j.judgement = alloc_zeroed(CHUNK, sizeof *j.judgement);
     bool unknown = model->formula == TWIN_UNKNOWN;
-    if (unknown)
+    if (unknown) {
         j.displacement = alloc_zeroed(row->rays, sizeof *j.displacement);
-    enum status status = j.judgement && (j.displacement || !unknown) ? STATUS_OK : STATUS_MEMORY;
+        j.note = alloc_zeroed(row->rays, sizeof *j.note);
+    }
+    bool made = j.judgement && ((j.displacement && j.note) || !unknown);
+    enum status status = made ? STATUS_OK : STATUS_MEMORY;
     if (status)
         fail(&row->reason, status, "no memory to judge %zu rays", row->rays);
     else
@@ -150,7 +171,9 @@ enum status match_judge(const struct match *match, const struct model *model, st
     row->compared = row->rays;
     row->brute = match->brute_count < row->rays ? match->brute_count : row->rays;
     if (row->judged)
-        row->differences += row->count[VERDICT_WRONG];
+        row->differences += row->count[VERDICT_WRONG] + row->edges_beyond + row->fans_lost;
+    judge_free(j.fans);
+    free(j.note);
     judge_free(j.judge);
     judge_free(j.closest);
     free(j.judgement);

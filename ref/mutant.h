@@ -146,6 +146,10 @@
 #define MUTANT_WEIGHTS_AT_T    641 /* black box: u and v must weigh the very point at t */
 #define MUTANT_NO_SHAPE        642 /* black box: a sliver is allowed no more than any triangle */
 #define MUTANT_BAND_OF_BEFORE  643 /* black box: 2^10 units are allowed */
+#define MUTANT_EDGES_UNCOUNTED 644 /* black box: it may lose all hits that it may lose one by one */
+#define MUTANT_EDGES_REPEATED  645 /* black box: a ray given often counts as often */
+#define MUTANT_FANS_FORGIVEN   646 /* --require watertight: what closed fans lose is not counted */
+#define MUTANT_SHOULD_FOR_MUST 647 /* leaks: only rows that promise must keep a profile */
 #define MUTANT_NEED_WITHOUT    476 /* quantised: the displacement excuses every answer */
 #define MUTANT_GROUP_LATE      335 /* shader: a workgroup is there from its second path on */
 #define MUTANT_AXIS_TRUSTED    436 /* a twin of baldwin_webber with C's axis alone */

@@ -1,6 +1,6 @@
-/* Moeller and Trumbore plain, Woop 2013 in float32, and the test of three-mesh-bvh, which is that of
- * three.js (after Eberly's Geometric Tools) in doubles: the hit is reported by the point's distance,
- * u and v are made of the point. */
+/* Moeller and Trumbore plain, Woop 2013 in float32, and the test of three-mesh-bvh, which is that
+ * of three.js (after Eberly's Geometric Tools) in doubles: the hit is reported by the point's
+ * distance, u and v are made of the point. */
 #include "tests/honest_mt.h"
 
 #include <math.h>

@@ -79,6 +79,7 @@ plain)
     suite shipped sh tests/shipped.sh "$build/raydiff"
     suite named sh tests/named.sh "$build/raydiff"
     suite named_others sh tests/named_others.sh "$build/raydiff"
+    suite watertight sh tests/watertight.sh "$build/raydiff"
     suite bench sh tests/bench.sh "$build/raydiff"
     suite diff sh tests/diff.sh "$build"
     suite window sh tests/window.sh "$build"
@@ -115,6 +116,7 @@ sanitize)
     suite conform "$build/raydiff" conform --count 200
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/cli.sh "$build/raydiff"
+    suite watertight sh tests/watertight.sh "$build/raydiff"
     suite diff sh tests/diff.sh "$build"
     suite frames sh tests/frames.sh "$build"
     suite window sh tests/window.sh "$build"

@@ -32,8 +32,9 @@ static struct hit nearest(const struct honest *test, const struct scene *scene,
     return best;
 }
 
-static const char *const specs[] = {"soup:n=60",    "sphere:n=2", "grid:n=5,height=0", "cornell",
-                                    "needles:n=60", "stack:n=12", "platonic",    "terrain:k=2"};
+static const char *const specs[] = {"soup:n=60", "sphere:n=2",   "grid:n=5,height=0",
+                                    "cornell",   "needles:n=60", "stack:n=12",
+                                    "platonic",  "terrain:k=2"};
 
 static const struct honest *honest_at(size_t i)
 {
@@ -72,10 +73,10 @@ static void published_tests_are_never_wrong(void **state)
             }
             court_close(c);
         }
-        print_message("%-22s %zu answers, %zu boundary, %zu noise, largest displacement %.3g uM, of "
-                      "what is allowed there %.3f\n",
-                      test->name, answers, count[VERDICT_BOUNDARY], count[VERDICT_NOISE], most,
-                      share);
+        print_message(
+            "%-22s %zu answers, %zu boundary, %zu noise, largest displacement %.3g uM, of "
+            "what is allowed there %.3f\n",
+            test->name, answers, count[VERDICT_BOUNDARY], count[VERDICT_NOISE], most, share);
     }
     free(ray);
 }

@@ -1,0 +1,260 @@
+/* Dishonest tracers (tests/adversaries): each does no more harm than is stated, or is caught.
+ * RAYDIFF_ADVERSARIES=MESH plays them on that mesh, with many rays, and prints the table of
+ * `make adversaries`. */
+#include "ref/match.h"
+#include "ref/rng.h"
+#include "scenes/rays.h"
+#include "scenes/scenes.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/adversaries/cheats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- the engine ------------------------------------------------------------------------------ */
+
+static struct {
+    const struct cheat *cheat;
+    const struct match *match;
+    size_t calls, spoilt, hits, told; /* told: rays of the first call that were spoilt */
+} now;
+
+static enum status open_cpu(const struct engine_options *options, void **self,
+                            struct reason *reason)
+{
+    return engine_find("cpu")->open(options, self, reason);
+}
+
+static enum status prepare_cpu(void *self, const struct job *job, struct reason *reason)
+{
+    return engine_find("cpu")->prepare(self, job, reason);
+}
+
+static enum status trace_and_spoil(void *self, const struct ray *ray, size_t ray_count,
+                                   struct hit *hit, struct trace_report *report,
+                                   struct reason *reason)
+{
+    enum status status = engine_find("cpu")->trace(self, ray, ray_count, hit, report, reason);
+    struct hit *right = malloc((ray_count + 1) * sizeof *right);
+    assert_non_null(right);
+    memcpy(right, hit, ray_count * sizeof *right);
+    now.calls++;
+    struct lie lie = {now.match, now.calls, ray_count, ray, right, now.cheat->amount};
+    for (size_t i = 0; i < ray_count && !status; i++) {
+        now.cheat->spoil(&lie, i, &hit[i]);
+        if (now.calls > 1)
+            continue;
+        now.hits += right[i].prim != ABI_NO_PRIM;
+        now.spoilt += memcmp(&right[i], &hit[i], sizeof *hit) != 0;
+    }
+    free(right);
+    return status;
+}
+
+static enum status trace_all_and_spoil(void *self, const struct ray *ray, size_t ray_count,
+                                       uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                                       struct reason *reason)
+{
+    enum status status =
+        engine_find("cpu")->trace_all(self, ray, ray_count, capacity, hit, hit_count, reason);
+    struct lie lie = {now.match, ++now.calls, ray_count, ray, NULL, now.cheat->amount};
+    for (size_t i = 0; i < ray_count && !status; i++)
+        if (hit_count[i] <= capacity)
+            now.cheat->spoil_list(&lie, i, hit + i * capacity, &hit_count[i], capacity);
+    return status;
+}
+
+static struct model model_of(void *self, const struct tri_test *tri)
+{
+    (void)self, (void)tri;
+    return now.cheat->model;
+}
+
+static void close_cpu(void *self)
+{
+    engine_find("cpu")->close(self);
+}
+
+static const struct engine liar = {.name = "liar",
+                                   .summary = "spoils what cpu answers",
+                                   .needs_packed = true,
+                                   .open = open_cpu,
+                                   .prepare = prepare_cpu,
+                                   .trace = trace_and_spoil,
+                                   .trace_all = trace_all_and_spoil,
+                                   .model = model_of,
+                                   .close = close_cpu};
+
+/* --- rays ------------------------------------------------------------------------------------ */
+
+/* A square picture of the whole scene from so many sizes away. */
+static void from_afar(const struct scene *scene, double sizes, size_t count, struct ray *ray)
+{
+    struct box box = scene_bounds(scene);
+    double middle[3], size = 0, to[3] = {0.3, 0.2, 0.93}, right[3] = {0.93, 0, -0.3}, up[3];
+    size_t side = (size_t)sqrt((double)count);
+    for (int k = 0; k < 3; k++) {
+        middle[k] = 0.5 * ((double)box.lo[k] + (double)box.hi[k]);
+        size = fmax(size, (double)box.hi[k] - (double)box.lo[k]);
+    }
+    for (int k = 0; k < 3; k++)
+        up[k] = to[(k + 1) % 3] * right[(k + 2) % 3] - to[(k + 2) % 3] * right[(k + 1) % 3];
+    for (size_t i = 0; i < count; i++) {
+        double x = ((double)(i % side) + 0.5) / (double)side - 0.5;
+        double y = ((double)(i / side % side) + 0.5) / (double)side - 0.5;
+        ray[i] = (struct ray){.tmax = RAY_TMAX};
+        for (int k = 0; k < 3; k++) {
+            double from = middle[k] + sizes * size * to[k];
+            double at = middle[k] + size * (x * right[k] + y * up[k]);
+            ray[i].org[k] = (float)from;
+            ray[i].dir[k] = (float)((at - from) / (sizes * size));
+        }
+    }
+}
+
+/* In the plane of a flat scene, and through it. */
+static void in_plane(const struct scene *scene, size_t count, struct ray *ray)
+{
+    struct box box = scene_bounds(scene);
+    struct rng rng = rng_make(3, 0);
+    int flat = 0;
+    for (int k = 1; k < 3; k++)
+        if (box.hi[k] - box.lo[k] < box.hi[flat] - box.lo[flat])
+            flat = k;
+    for (size_t i = 0; i < count; i++) {
+        ray[i] = (struct ray){.tmax = RAY_TMAX};
+        for (int k = 0; k < 3; k++) {
+            ray[i].org[k] = box.lo[k] - 1.0f - rng_float(&rng);
+            ray[i].dir[k] = rng_range(&rng, box.lo[k], box.hi[k]) - ray[i].org[k];
+        }
+        if (i % 2 == 0) {
+            ray[i].org[flat] = box.lo[flat];
+            ray[i].dir[flat] = 0;
+        }
+    }
+}
+
+static void make_rays(const struct cheat *cheat, const struct scene *scene, size_t count,
+                      struct ray *ray)
+{
+    static const char *const sets[] = {"primary", "mixed", "ranges", NULL, NULL, "mixed"};
+    struct reason reason = {""};
+    if (cheat->rays == RAYS_FAR)
+        from_afar(scene, cheat->amount, count, ray);
+    else if (cheat->rays == RAYS_IN_PLANE)
+        in_plane(scene, count, ray);
+    else if (ray_set_find(sets[cheat->rays])->make(scene, 5, count, ray, &reason))
+        fail_msg("%s", reason.text);
+    for (size_t i = 0; cheat->rays == RAYS_BAD && i < count; i += 2)
+        ray[i].dir[i / 2 % 3] = i % 4 ? NAN : INFINITY;
+}
+
+/* --- play ------------------------------------------------------------------------------------ */
+
+/* The scene with one triangle more, of three equal vertices. */
+static void add_degenerate(struct scene *scene)
+{
+    struct scene more;
+    assert_int_equal(scene_make(scene->vertex_count, scene->tri_count + 1, &more), STATUS_OK);
+    memcpy(more.vertex, scene->vertex, 3 * (size_t)scene->vertex_count * sizeof *more.vertex);
+    memcpy(more.index, scene->index, 3 * (size_t)scene->tri_count * sizeof *more.index);
+    for (int c = 0; c < 3; c++)
+        more.index[3 * (size_t)scene->tri_count + (size_t)c] = 0;
+    scene_free(scene);
+    *scene = more;
+}
+
+static void play(const struct cheat *cheat, const char *spec, size_t count, struct row *row)
+{
+    struct scene scene;
+    struct match match;
+    struct pool pool = {.options = {.device = -1}};
+    struct reason reason = {""};
+    struct ray *ray = calloc(count, sizeof *ray);
+    assert_non_null(ray);
+    if (scene_open(cheat->scene ? cheat->scene : spec, 3, &scene, &reason))
+        fail_msg("%s", reason.text);
+    if (strstr(cheat->name, "without area"))
+        add_degenerate(&scene);
+    make_rays(cheat, &scene, count, ray);
+    const struct match_options options = {.builder = builder_find("median"),
+                                          .build = {.leaf = 4, .eps = BUILD_EPS_DEFAULT},
+                                          .box = box_tests[0],
+                                          .tri = tri_test_find("mt"),
+                                          .query = cheat->query,
+                                          .repeats = 1};
+    if (match_make(&scene, ray, count, &options, &pool, &match, &reason) ||
+        match_pack(&match, layout_find("f32"), &reason))
+        fail_msg("%s: %s", cheat->name, reason.text);
+    memset(&now, 0, sizeof now);
+    now.cheat = cheat;
+    now.match = &match;
+    match_run(&match, &liar, row);
+    match_free(&match);
+    pool_free(&pool);
+    scene_free(&scene);
+    free(ray);
+}
+
+static void nobody_gets_away_with_more_than_is_stated(void **state)
+{
+    (void)state;
+    const char *large = getenv("RAYDIFF_ADVERSARIES");
+    size_t bad = 0, caught = 0;
+    if (large)
+        print_message("%-48s %-18s %10s %9s %9s  %s\n", "adversary", "uses up", "of hits", "WRONG",
+                      "max uM", "");
+    for (size_t i = 0; i < cheat_count; i++) {
+        const struct cheat *cheat = &cheats[i];
+        struct row row;
+        if (cheat->large && !large)
+            continue;
+        play(cheat, large ? large : "sphere:n=24", large ? (cheat->scene ? 20000 : 300000) : 10000,
+             &row);
+        bool failed = row.status != ROW_OK || row_failed(&row);
+        double share = (double)now.spoilt / (double)(now.hits ? now.hits : 1);
+        caught += failed;
+        if (large)
+            print_message("%-48s %-18s %9.4f%% %9zu %9.3g  %s\n", cheat->name, cheat->uses,
+                          100 * share, row.count[VERDICT_WRONG], row.displacement.most,
+                          failed ? "caught" : "gets away");
+        bool ok = cheat->caught ? failed && (now.spoilt > 0 || now.calls > 1)
+                                : !failed && share <= cheat->away;
+        if (!ok)
+            print_message("%s: %s with %.4f %% of the hits (%zu of %zu), %zu WRONG\n", cheat->name,
+                          failed ? "caught" : "gets away", 100 * share, now.spoilt, now.hits,
+                          row.count[VERDICT_WRONG]);
+        bad += !ok;
+    }
+    print_message("%zu adversaries, %zu caught\n", cheat_count, caught);
+    assert_int_equal(bad, 0);
+}
+
+/* The share that the liars of drops_by_class spoil is what rows allow, and no row is vacuous. */
+static void honest_rows_lose_nothing(void **state)
+{
+    (void)state;
+    struct cheat honest = cheats[0];
+    struct row row;
+    honest.amount = -1;
+    play(&honest, "sphere:n=24", 20000, &row);
+    assert_int_equal(row.status, ROW_OK);
+    assert_int_equal(row.differences, 0);
+    assert_int_equal(now.spoilt, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(honest_rows_lose_nothing),
+        cmocka_unit_test(nobody_gets_away_with_more_than_is_stated),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
