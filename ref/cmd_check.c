@@ -194,18 +194,6 @@ struct check {
     const struct original *original; /* of the decoded scene that is played; NULL: as it was */
 };
 
-static enum status add_row(struct check_scene *result, const struct row *row)
-{
-    size_t capacity = result->row_count; /* grown one by one: rows are few */
-    void *rows = result->row;
-    enum status status = array_reserve(&rows, &capacity, result->row_count + 1, sizeof *row);
-    if (status)
-        return status;
-    result->row = rows;
-    result->row[result->row_count++] = *row;
-    return STATUS_OK;
-}
-
 /* Rows of one engine over all box tests and queries; engines without a tree have no box test. */
 static enum status play_engine(struct check *check, struct match *match,
                                const struct engine *engine, struct check_scene *result)
@@ -222,7 +210,7 @@ static enum status play_engine(struct check *check, struct match *match,
             match_run(match, engine, &row);
             if (check->original && original_judge(check->original, match, &row))
                 return STATUS_MEMORY;
-            if (add_row(result, &row))
+            if (check_add_row(result, &row))
                 return STATUS_MEMORY;
         }
     return STATUS_OK;
@@ -260,7 +248,7 @@ static enum status play_layouts(struct check *check, struct match *match,
             status = play_engines(check, match, true, result);
         } else if (status == STATUS_LIMIT) {
             match_refused(match, layout, NULL, status, &refusal, &row);
-            status = add_row(result, &row);
+            status = check_add_row(result, &row);
         }
         if (status)
             return fail(reason, status, "%s: %s", result->spec,

@@ -38,6 +38,9 @@ void check_print_moved(const struct check_scene *scene);
  * nothing else was played, or nothing else of a storage that is not the default. */
 int check_exit(const struct check_scene *scene, bool layout_named, bool engine_named);
 
+/* Adds a copy of the row to the scene. Errors: STATUS_MEMORY. */
+enum status check_add_row(struct check_scene *result, const struct row *row) MUST_USE;
+
 /* The exit code of a displacement that no row used, as no formula is unknown; 0: none was given. */
 int check_unused(float displacement, const struct check_scene *scene, size_t count);
 

@@ -360,3 +360,15 @@ int check_unused(float displacement, const struct check_scene *scene, size_t cou
         return EXIT_AGREE;
     return usage_error("check", "--displacement: no engine here has an unknown formula");
 }
+
+enum status check_add_row(struct check_scene *result, const struct row *row)
+{
+    size_t capacity = result->row_count; /* grown one by one: rows are few */
+    void *rows = result->row;
+    enum status status = array_reserve(&rows, &capacity, result->row_count + 1, sizeof *row);
+    if (status)
+        return status;
+    result->row = rows;
+    result->row[result->row_count++] = *row;
+    return STATUS_OK;
+}

@@ -103,7 +103,7 @@ void drops_the_band(const struct lie *lie, size_t i, struct hit *hit)
 void drops_by_class(const struct lie *lie, size_t i, struct hit *hit)
 {
     double margin, share;
-    if (!is_hit(hit) || edge_of(lie, i, hit->prim, &margin) > JUDGE_DISPLACEMENT_MOST)
+    if (!is_hit(hit) || edge_of(lie, i, hit->prim, &margin) > 0.75 * JUDGE_DISPLACEMENT_MOST)
         return;
     share = margin <= 1.0 / 64   ? 1.0
             : margin <= 1.0 / 32 ? 1.0 / 2
