@@ -89,6 +89,11 @@ static bool is_exact(const struct oracle_pair *pair, const struct twin *twin,
 #if MUTANT == MUTANT_EXACT_REPLAYED
     return false;
 #endif
+    double t = (double)answer->t, u = (double)answer->u, v = (double)answer->v;
+    if (hit && pair->range == ORACLE_WITHIN && !isfinite(twin->t_err)) /* of a sliver: by t alone */
+        return t >= pair->t_lo * (1.0 - 2.0 * JUDGE_UNIT) &&
+               t <= pair->t_hi * (1.0 + 2.0 * JUDGE_UNIT) && u >= 0.0 && v >= 0.0 &&
+               u + v <= 1.0 + JUDGE_SHARE;
     /* Of what has no bound, as a triangle's share of its hit, the near value is good enough. */
     return hit && pair->range == ORACLE_WITHIN && isfinite(twin->t_err) &&
            is_near(answer->t, twin->t_near, twin->t_off) &&

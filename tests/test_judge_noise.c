@@ -305,12 +305,42 @@ static void noise_does_not_excuse_a_certain_hit_before_it(void **state)
     assert_true(kept[VERDICT_BOUNDARY] > 0 && missed > 0);
 }
 
+/* Nor is the exact t of a sliver that is exactly hit, though its determinant's sign be open. */
+static void the_exact_hit_of_a_sliver_is_not_wrong(void **state)
+{
+    (void)state;
+    size_t open = 0;
+    for (size_t s = 0; s < SUBJECTS; s++)
+        for (uint64_t i = 0; i < tries(500); i++) {
+            struct rng rng = rng_make(i, s + 40);
+            enum degenerate kind = i % 2 ? SLIVER : NEAR_LINE;
+            float v[3][3];
+            degenerate_triangle(kind, &rng, v);
+            struct court *c = court_of(wall_with(v));
+            court_seat(c, &subjects[s], QUERY_CLOSEST);
+            court_ask(c, degenerate_ray(kind, &rng, v));
+            struct twin twin =
+                twin_eval(subjects[s].model.formula, subjects[s].model.rounding, &c->ray, v);
+            if (!is_unknown(&subjects[s]) && ray_in_contract(&c->ray) && c->truth.prim == 2 &&
+                twin.possible && !isfinite(twin.t_err)) {
+                struct hit hit = {(float)c->truth.t_lo, 0.25f, 0.25f, 2};
+                if (verdict(c, hit) == VERDICT_WRONG)
+                    must_be(c, hit, VERDICT_BOUNDARY);
+                open++;
+            }
+            court_close(c);
+        }
+    print_message("%zu slivers hit with an open determinant\n", open);
+    assert_true(open > 20);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(legal_answers_are_possible),
         cmocka_unit_test(legal_answers_of_degenerate_triangles_are_possible),
         cmocka_unit_test(noise_does_not_excuse_a_certain_hit_before_it),
+        cmocka_unit_test(the_exact_hit_of_a_sliver_is_not_wrong),
         cmocka_unit_test(a_degenerate_triangle_hides_nothing_that_it_is_not_before),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
