@@ -257,6 +257,12 @@ adversaries: tests
 leaks: all
 	sh tests/leaks.sh $(B) $(RESULTS)/leaks
 
+# Every system call of campaigns, merges, shrinkings and reports fails once in each of its ways. ARGS:
+# '-n merge' one command, '-o 0:openat:3:EIO' one fault. Exit code 77: processes may not be traced here.
+.PHONY: faults
+faults: all
+	@sh tests/faults.sh $(B)/raydiff $(or $(ARGS),-s 1)
+
 # The recipes for many machines, with what they need from Debian; exit code 77: not to be had.
 recipe_check = sh .ci/deps.sh $(1) || { echo "SKIPPED $@: its packages cannot be had"; exit 77; }; \
     $(MAKE) --no-print-directory -s -j$(JOBS) all && sh tests/$(1).sh $(B)

@@ -1,6 +1,8 @@
 /* Work on findings: shrinking them, and playing again what did not show twice. */
 #include "fuzz/campaign_inner.h"
 
+#include "ref/mutant.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -87,13 +89,20 @@ bool campaign_jobs_left(const struct campaign *c)
     return false;
 }
 
-/* Sends the smallest trial of a finding; false if there is none that can be read. */
-static bool send_job(struct campaign *c, struct slot *slot, size_t i, enum slot_task task)
+/* Sends the smallest trial of a finding; *sent: there is one. Errors: as findings_get. */
+static enum status send_job(struct campaign *c, struct slot *slot, size_t i, enum slot_task task,
+                            bool *sent, struct reason *reason)
 {
     struct finding_file file;
     struct work_order order = {.stream = WORK_GIVEN, .count = 1, .unexplained = true};
-    if (findings_get(c->findings, &entry_of(c, i)->signature, "smallest.trial", &file, NULL))
-        return false;
+    const struct findings_entry *entry = entry_of(c, i);
+    *sent = false;
+    if (!entry->has_smallest)
+        return STATUS_OK;
+    enum status status =
+        findings_get(c->findings, &entry->signature, "smallest.trial", &file, reason);
+    if (status)
+        return MUTANT == MUTANT_UNREAD_IS_SMALL ? STATUS_OK : status;
     if (task == SLOT_SHRINK) {
         bool soon = c->options->shrink == CAMPAIGN_SHRINK_SOON;
         order.shrink = true;
@@ -108,7 +117,8 @@ static bool send_job(struct campaign *c, struct slot *slot, size_t i, enum slot_
     slot->beat = UINT64_MAX;
     (void)worker_order(&slot->child, &order, &file); /* a dead one is seen when listened to */
     finding_file_free(&file);
-    return true;
+    *sent = true;
+    return STATUS_OK;
 }
 
 /* While the campaign goes on at most half of the workers shrink; a single one, half of its time. */
@@ -128,16 +138,16 @@ enum status campaign_job_order(struct campaign *c, struct slot *slot, bool *give
     enum status status = campaign_marks_update(c, reason);
     if (status || c->no_more_jobs)
         return status;
-    for (size_t i = 0; i < c->marks && !*given; i++) {
+    for (size_t i = 0; i < c->marks && !*given && !status; i++) {
         if (is_to_play_again(c, i) && !in_hand(c, i, SLOT_AGAIN)) {
-            *given = send_job(c, slot, i, SLOT_AGAIN);
+            status = send_job(c, slot, i, SLOT_AGAIN, given, reason);
             c->mark[i].played_again = *given ? c->mark[i].played_again : CAMPAIGN_AGAIN;
         } else if (is_to_shrink(c, i) && !in_hand(c, i, SLOT_SHRINK) && may_shrink(c)) {
-            *given = send_job(c, slot, i, SLOT_SHRINK);
+            status = send_job(c, slot, i, SLOT_SHRINK, given, reason);
             c->mark[i].shrunk = !*given;
         }
     }
-    return STATUS_OK;
+    return status;
 }
 
 /* True if the report has a finding of the same engine, layout and kind. */

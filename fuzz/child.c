@@ -87,9 +87,11 @@ static bool wait_for(int file, short what, uint32_t ms, uint64_t start)
     return true;
 }
 
+/* Also what the system lacks memory for may be had later; the other end is still there. */
 static bool would_block(void)
 {
-    return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+    return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR || errno == ENOMEM ||
+           errno == ENOBUFS;
 }
 
 /* Head and body in one go where that is possible: a small message is seen whole or not at all. */

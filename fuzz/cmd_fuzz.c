@@ -200,10 +200,7 @@ static bool is_known(void *user, const struct findings_entry *entry)
 {
     struct fuzz_command *c = user;
     struct baseline_answer answer;
-    struct finding_file file;
-    bool there = findings_get(c->findings, &entry->signature, "first.trial", &file, NULL) == 0;
-    baseline_ask(&c->baseline, &entry->signature, there ? file.versions : "", c->today, &answer);
-    finding_file_free(&file);
+    baseline_ask(&c->baseline, &entry->signature, entry->versions, c->today, &answer);
     return answer.state == BASELINE_KNOWN;
 }
 
@@ -348,7 +345,7 @@ static bool has_screen(void)
 
 static void catch_signals(void)
 {
-    struct sigaction before, action = {.sa_handler = on_signal};
+    struct sigaction before, action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) /* as by nohup */

@@ -20,10 +20,7 @@ enum report_state fuzz_state_of(const struct fuzz_command *c, const struct campa
 {
     const struct findings_entry *entry = findings_entry(view->findings, i);
     struct baseline baseline = c->baseline; /* asking notes what was used; the list is shared */
-    struct finding_file file;
-    bool there = findings_get(view->findings, &entry->signature, "first.trial", &file, NULL) == 0;
-    baseline_ask(&baseline, &entry->signature, there ? file.versions : "", c->today, answer);
-    finding_file_free(&file);
+    baseline_ask(&baseline, &entry->signature, entry->versions, c->today, answer);
     if (answer->state == BASELINE_KNOWN)
         return REPORT_KNOWN;
     if (campaign_is_flaky(&view->mark[i])) {

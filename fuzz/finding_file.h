@@ -36,12 +36,15 @@
 /* Bytes of the largest file: more than any trial needs. */
 #define FINDING_FILE_MOST ((size_t)96 << 20)
 
+#define FINDING_VERSIONS_MOST 1024
+
 struct finding_file {
     struct fuzz_trial trial;
-    bool has_signature;              /* false: a trial that must be clean */
-    struct fuzz_signature signature; /* what it shows */
-    char versions[1024];             /* engines and drivers that it was seen with, a line each, with
-                                        '\n' between them */
+    bool has_signature;                   /* false: a trial that must be clean */
+    struct fuzz_signature signature;      /* what it shows */
+    char versions[FINDING_VERSIONS_MOST]; /* engines and drivers that it was seen with, a line each,
+                            with
+                            '\n' between them */
 };
 
 /* Writes `path` whole or not at all. What is no printable ASCII in recipe and versions is written

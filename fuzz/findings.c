@@ -114,6 +114,8 @@ static enum status open_folder(const char *folder, bool writable, struct finding
     enum status status = findings_folder_open(folder, writable, out, reason);
     if (!status)
         status = findings_read(*out, NULL, NULL, reason);
+    if (!status && writable && MUTANT != MUTANT_COUNTS_LEFT) /* of a writer that was killed */
+        status = findings_folder_counts(*out, reason);
     if (status) {
         if (*out && (*out)->made) /* the lock is still ours */
             folder_remove(&(*out)->folder, "findings.jsonl", NULL);
@@ -229,6 +231,7 @@ static enum status put_first(struct findings *findings, struct findings_member *
         return status;
     member->entry.has_first = true;
     member->entry.first = order;
+    strcpy(member->entry.versions, file->versions);
     news->first = true;
     return STATUS_OK;
 }

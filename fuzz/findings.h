@@ -42,6 +42,7 @@ struct findings_entry {
     bool has_first, has_smallest; /* the files are there */
     struct findings_order first;
     struct fuzz_trial_size smallest;
+    char versions[FINDING_VERSIONS_MOST]; /* of the first */
 };
 
 /* What a finding changed. */

@@ -11,7 +11,7 @@ static enum status check_files(const struct findings *findings,
     if (entry->count == 0 || (entry->has_first && entry->has_smallest) ||
         MUTANT == MUTANT_FILES_UNMISSED)
         return STATUS_OK;
-    fuzz_signature_print(&entry->signature, signature);
+    findings_member_name(findings, &entry->signature, signature);
     return fail(reason, STATUS_INPUT, "%.120s/findings.jsonl:%llu: a finding whose %s/%s is gone",
                 file_label(findings->folder.path), (unsigned long long)member->line, signature,
                 entry->has_first ? "smallest.trial" : "first.trial");
@@ -70,6 +70,7 @@ enum status findings_read(struct findings *findings, findings_line_fn *each, voi
         status = check_files(findings, &findings->member[i], reason);
         if (!status)
             status = check_count(findings, &findings->member[i], reason);
+        findings->member[i].stale = findings->member[i].counted != findings->member[i].entry.count;
     }
     drop_empty(findings);
     return status ? status : check_log(findings, reason);

@@ -17,7 +17,11 @@ static enum status lock(const struct findings *findings, struct reason *reason)
 {
     struct flock all = {.l_type = findings->writable ? F_WRLCK : F_RDLCK, .l_whence = SEEK_SET};
     char path[FOLDER_PATH_MOST];
-    if (fcntl(findings->log, F_SETLK, &all) == 0)
+    int code;
+    do
+        code = fcntl(findings->log, F_SETLK, &all);
+    while (code != 0 && errno == EINTR);
+    if (code == 0)
         return STATUS_OK;
     bool held = errno == EACCES || errno == EAGAIN;
     const char *why = held ? "another process is writing to it" : strerror(errno);
@@ -139,6 +143,8 @@ static enum status read_files(const struct folder *folder, struct findings_membe
         get(folder, &entry->signature, "first.trial", &file, &entry->has_first, reason);
     if (!status && entry->has_first)
         entry->first = findings_order(&file.trial);
+    if (!status && entry->has_first)
+        strcpy(entry->versions, file.versions);
     finding_file_free(&file);
     if (status)
         return status;
@@ -160,7 +166,6 @@ static enum status read_member(void *user, const char *name, struct reason *reas
     struct findings_member *member = findings_member_of(findings, &signature);
     if (!member)
         return fail(reason, STATUS_MEMORY, "no memory for %zu signatures", findings->count + 1);
-    member->stale = true;
     enum status status = folder_open_in(&findings->folder, name, false, &folder, reason);
     if (!status && findings->writable) /* the lock says that there is no other writer */
         status = folder_clean(&folder, reason);

@@ -107,6 +107,11 @@ enum status findings_folder_put(struct findings *findings, const struct finding_
 enum status findings_read(struct findings *findings, findings_line_fn *each, void *user,
                           struct reason *reason) MUST_USE;
 
+/* Removes a folder that a merge made under a temporary name, as far as it can be. */
+void findings_remove(const char *path);
+/* The same of what merges to `to` left that were killed: TO.PID.tmp. */
+void findings_remove_killed(const char *to);
+
 /* Writes the file `count` of every entry whose number changed. */
 enum status findings_folder_counts(struct findings *findings, struct reason *reason) MUST_USE;
 

@@ -28,7 +28,7 @@ static enum status append(struct findings *findings, const char *bytes, size_t s
     size_t done = 0;
     while (done < size) {
         ssize_t wrote = write(findings->log, bytes + done, size - done);
-        if (wrote < 0 && errno == EINTR)
+        if (wrote < 0 && errno == EINTR && MUTANT != MUTANT_INTERRUPTED)
             continue;
         if (wrote <= 0) {
             enum status status = cannot(findings, reason);
@@ -145,7 +145,7 @@ enum status findings_log_checkpoint(struct findings *findings, const char *state
         return status;
     for (size_t i = 0; i < findings->count; i++)
         findings->member[i].pending = 0;
-    return fdatasync(findings->log) == 0 ? STATUS_OK : cannot(findings, reason);
+    return file_sync(findings->log) == 0 ? STATUS_OK : cannot(findings, reason);
 }
 
 /* --- reading --------------------------------------------------------------------------------- */
@@ -209,7 +209,6 @@ static enum status read_finding(const struct log_line *line, const json_t *root,
         return fail(line->reason, STATUS_MEMORY, "no memory for the log");
     member->entry.count++;
     member->entry.lines++;
-    member->stale = true;
     member->line = member->line ? member->line : line->number;
     return STATUS_OK;
 }
@@ -232,7 +231,6 @@ static enum status read_checkpoint(const struct log_line *line, const json_t *ro
         if (!member)
             return fail(line->reason, STATUS_MEMORY, "no memory for the log");
         member->entry.count += (uint64_t)count;
-        member->stale = true;
         member->line = member->line ? member->line : line->number;
     }
     uint64_t said = 0;

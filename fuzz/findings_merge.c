@@ -187,31 +187,15 @@ static enum status put_files(struct merging *m, struct reason *reason)
     return status;
 }
 
-/* Removes what was put under a temporary name. */
-static void remove_all(const struct findings *to)
-{
-    static const char *const names[] = {"first.trial", "smallest.trial", "count"};
-    struct folder folder;
-    for (size_t i = 0; i < to->count; i++) {
-        char signature[FUZZ_SIGNATURE_MOST];
-        findings_member_name(to, &to->member[i].entry.signature, signature);
-        if (folder_open_in(&to->folder, signature, false, &folder, NULL))
-            continue;
-        for (size_t k = 0; k < ARRAY_COUNT(names); k++)
-            folder_remove(&folder, names[k], NULL);
-        folder_close(&folder);
-        folder_remove(&to->folder, signature, NULL);
-    }
-    folder_remove(&to->folder, "findings.jsonl", NULL);
-    rmdir(to->folder.path);
-}
-
 static enum status merge(struct merging *m, const char *to, struct reason *reason)
 {
     char temporary[FINDINGS_PATH_MOST];
     enum status status = open_sources(m, reason);
     snprintf(temporary, sizeof temporary, "%s.%ld.tmp", to, (long)getpid());
-    if (!status && mkdir(temporary, 0777) != 0)
+    if (!status)
+        findings_remove_killed(to);
+    bool made = !status && mkdir(temporary, 0777) == 0;
+    if (!status && !made)
         status = fail(reason, STATUS_INPUT, "%s: %s", file_label(temporary), strerror(errno));
     if (!status)
         status = findings_folder_open(temporary, true, &m->to, reason);
@@ -225,8 +209,8 @@ static enum status merge(struct merging *m, const char *to, struct reason *reaso
         status = fail(reason, STATUS_INPUT, "%s: cannot be made: %s", file_label(to),
                       errno == ENOTEMPTY || errno == EEXIST ? "it is there and not empty"
                                                             : strerror(errno));
-    if (status && m->to)
-        remove_all(m->to);
+    if (status && made)
+        findings_remove(temporary);
     return status;
 }
 

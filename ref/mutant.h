@@ -51,6 +51,14 @@
 #define MUTANT_FILES_UNMISSED    728 /* a finding of the log needs no files */
 #define MUTANT_LOSS_UNSEEN       729 /* a log that lost lines, or is lost, is taken */
 #define MUTANT_MERGED_TWICE      730 /* a finding of two folders is two */
+#define MUTANT_COUNTS_LEFT       731 /* counts that a killed writer left behind stay so */
+#define MUTANT_LISTING_CUT       723 /* a folder that cannot be listed to its end ends there */
+#define MUTANT_SHORT_IS_WHOLE    724 /* files: what the system took a part of is taken for written */
+#define MUTANT_INTERRUPTED       725 /* files: a write that a signal interrupts has failed */
+#define MUTANT_WRITE_UNCHECKED   732 /* files: a write that failed is taken for written */
+#define MUTANT_RENAME_UNCHECKED  733 /* files: a rename that failed is taken for one */
+#define MUTANT_UNREAD_IS_SMALL   734 /* fuzz: a finding that cannot be read needs no shrinking */
+#define MUTANT_MERGE_LEFT        735 /* merge: what a killed one left stays */
 #define MUTANT_COUNTED_TWICE   81  /* a finding that the log has is counted again */
 #define MUTANT_LAST_IS_FIRST   82  /* the newest finding is taken for the first */
 #define MUTANT_TRACER_DIES     83  /* engine cpu does not survive a ray whose tmax is NaN */

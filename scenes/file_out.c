@@ -2,6 +2,8 @@
 #define _GNU_SOURCE /* realpath, fopencookie */
 #include "scenes/file.h"
 
+#include "ref/mutant.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdatomic.h>
@@ -58,11 +60,11 @@ static ssize_t put_all(void *cookie, const char *bytes, size_t size)
     size_t done = 0;
     while (done < size) {
         ssize_t wrote = write(file, bytes + done, size - done);
-        if (wrote < 0 && errno == EINTR)
+        if (wrote < 0 && errno == EINTR && MUTANT != MUTANT_INTERRUPTED)
             continue;
         if (wrote <= 0)
-            return 0;
-        done += (size_t)wrote;
+            return MUTANT == MUTANT_WRITE_UNCHECKED ? (ssize_t)size : 0;
+        done += MUTANT == MUTANT_SHORT_IS_WHOLE ? size : (size_t)wrote;
     }
     return (ssize_t)size;
 }
@@ -196,7 +198,7 @@ enum status file_out_commit(struct file_out *out, struct reason *reason)
         why = errno;
     }
     out->stream = NULL;
-    if (good && out->temporary && !take_goal(out)) {
+    if (good && out->temporary && !take_goal(out) && MUTANT != MUTANT_RENAME_UNCHECKED) {
         good = false;
         why = errno;
     }

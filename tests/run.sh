@@ -98,6 +98,7 @@ plain)
     suite signals sh tests/signals.sh "$build/raydiff"
     suite ended sh tests/ended.sh "$build/raydiff"
     suite peers sh tests/peers.sh "$build/raydiff"
+    suite faults sh tests/faults.sh "$build/raydiff"
     suite fetch sh tests/fetch.sh
     suite drivers sh tests/drivers.sh
     suite warnings sh tests/warnings.sh

@@ -1,0 +1,392 @@
+/* Every system call of a campaign, a merge, a min and a report fails once, in every way that it
+ * can: nothing that was found may be lost, and the same command, run again, must end as if nothing
+ * had been. CONTRIBUTING.md, "Faults", has what is checked. */
+#define _GNU_SOURCE
+#include "tests/faults/traced.h"
+#include "tests/faults/trees.h"
+
+#include <errno.h>
+#include <stdatomic.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define SECONDS     60u /* that a run may take: a campaign of 20 trials takes less than one */
+#define WORDS_MOST  40
+#define FAULTS_MOST 65536
+#define CODES_MOST  256
+#define SHOWN_MOST  20
+
+/* A command, in a folder of its own. */
+struct scenario {
+    const char *name;
+    const char *before[4]; /* commands that make what it starts from, with results of their own */
+    const char *command;
+    const char *goal; /* what it writes; NULL: what it starts from is changed */
+    bool page;        /* its goal is a file, which comes whole or not at all; its children, replays
+                         with drivers and all, write nothing, and are left alone */
+};
+
+#define SMALL                                                                                      \
+    " --rays 8 --triangles 1-4 --jobs 1 --corpus none --engine cpu --layout rtrs_rf --faithful"
+#define PLAYED(folder, trials)                                                                     \
+    "fuzz" SMALL " --seed 9 --no-shrink --dir " folder " --trials " trials
+
+static const struct scenario scenarios[] = {
+    {.name = "fuzz", .command = PLAYED("found", "20")},
+    {.name = "resume", .before = {PLAYED("found", "8")}, .command = PLAYED("found", "20")},
+    {.name = "shrink", .command = "fuzz" SMALL " --seed 9 --dir found --trials 3"},
+    {.name = "merge",
+     .before = {PLAYED("one", "20 --shard 1/2"),
+                "fuzz" SMALL " --seed 12 --no-shrink --dir two --trials 20"},
+     .command = "merge --to all one two",
+     .goal = "all"},
+    {.name = "min", .before = {PLAYED("found", "20")}, .command = "min found --asks 40"},
+    {.name = "report",
+     .before = {PLAYED("found", "1")},
+     .command = "report --findings found --out report.html",
+     .goal = "report.html",
+     .page = true},
+};
+#define SCENARIOS (sizeof scenarios / sizeof *scenarios)
+
+struct task {
+    struct traced_place place;
+    int kind;
+};
+
+/* What a worker found, shared. */
+struct tally {
+    atomic_uint next, played, missed, lost, code[CODES_MOST];
+};
+
+struct job {
+    const struct scenario *scenario;
+    const char *program, *root;
+    struct task *task;
+    unsigned count;
+    struct tally *tally;
+    int wanted; /* the exit code without a fault */
+};
+
+static void path_in(char *path, const char *root, const char *name)
+{
+    snprintf(path, TREES_PATH_MOST, "%s/%s", root, name);
+}
+
+/* Runs a command line in a folder. */
+static struct traced_result run(const char *program, const char *line, const char *in,
+                                const char *logs, const struct task *task, traced_fn *each,
+                                void *user)
+{
+    char words[1024], out[TREES_PATH_MOST], err[TREES_PATH_MOST], *argv[WORDS_MOST], *rest;
+    int count = 0;
+    snprintf(words, sizeof words, "%s", line);
+    argv[count++] = (char *)(uintptr_t)program;
+    for (char *word = strtok_r(words, " ", &rest); word && count < WORDS_MOST - 1;
+         word = strtok_r(NULL, " ", &rest))
+        argv[count++] = word;
+    argv[count] = NULL;
+    path_in(out, logs, "out");
+    path_in(err, logs, "err");
+    return traced_run(argv, in, out, err, task ? &task->place : NULL, task ? task->kind : 0,
+                      SECONDS, each, user);
+}
+
+/* Size of a file, -1: there is none. */
+static long size_of(const char *folder, const char *name)
+{
+    char path[TREES_PATH_MOST];
+    struct stat about;
+    path_in(path, folder, name);
+    return stat(path, &about) == 0 ? (long)about.st_size : -1;
+}
+
+static bool exists(const char *folder, const char *name)
+{
+    return size_of(folder, name) >= 0;
+}
+
+/* Codes that the commands document. */
+static bool is_documented(int code, int kind)
+{
+    return (code >= 0 && code <= 4) || code == 77 || (kind == FAULT_KILL && code == 128 + 9);
+}
+
+/* Whether a table on the standard output says of a row that it failed. */
+static bool says_failed(const char *logs)
+{
+    char path[TREES_PATH_MOST], text[8192];
+    path_in(path, logs, "out");
+    FILE *file = fopen(path, "r");
+    text[file ? fread(text, 1, sizeof text - 1, file) : 0] = '\0';
+    if (file)
+        fclose(file);
+    return strstr(text, "failed: ") != NULL;
+}
+
+/* Plays one fault in `work`, a copy of what the command starts from. NULL: nothing is wrong. */
+static const char *play(const struct job *job, const struct task *task, const char *work,
+                        const char *logs, char why[TREES_WHY_MOST])
+{
+    const struct scenario *s = job->scenario;
+    char wanted[TREES_PATH_MOST], after[TREES_PATH_MOST], found[TREES_PATH_MOST];
+    char kept[TREES_PATH_MOST];
+    path_in(wanted, job->root, "wanted");
+    path_in(after, logs, "after");
+    path_in(found, work, "found");
+    path_in(kept, after, "found");
+    struct traced_result result = run(job->program, s->command, work, logs, task, NULL, NULL);
+    why[0] = '\0';
+    if (!result.reached) {
+        atomic_fetch_add(&job->tally->missed, 1);
+        return NULL;
+    }
+    atomic_fetch_add(&job->tally->code[result.code < 0 ? 255 : result.code & 255], 1);
+    if (result.code < 0)
+        return "it took too long";
+    if (!is_documented(result.code, task->kind)) {
+        snprintf(why, TREES_WHY_MOST, "exit code %d", result.code);
+        return "no documented exit code";
+    }
+    if (result.code >= 2 && result.code < 128 && size_of(logs, "err") <= 0 && !says_failed(logs) &&
+        !(s->page && exists(work, s->goal)))
+        return "it fails and does not say why";
+    if ((task->kind == FAULT_SHORT || task->kind == EINTR) && result.code != job->wanted) {
+        snprintf(why, TREES_WHY_MOST, "exit code %d", result.code);
+        return "what was interrupted, or done in part, is not gone on with";
+    }
+    if (!tree_is_whole(work, false, why))
+        return "a file is torn";
+    if (task->kind != FAULT_KILL && !tree_is_whole(work, true, why))
+        return "a temporary file is left by who was not killed";
+    if (result.code == job->wanted && !tree_same(wanted, work, why))
+        return "it says that all went well";
+    if (!tree_remove(after) || !tree_copy(work, after))
+        return "no room to check";
+    if (!s->goal || !exists(work, s->goal) || s->page) {
+        result = run(job->program, s->command, work, logs, NULL, NULL, NULL);
+        if (result.code != job->wanted) {
+            snprintf(why, TREES_WHY_MOST, "exit code %d", result.code);
+            return "it cannot be run again";
+        }
+    }
+    if (!s->goal && !tree_keeps(kept, found, why))
+        return "lost";
+    /* A page lies among its user's files, which no later run cleans. */
+    if (!tree_is_whole(work, !(s->page && task->kind == FAULT_KILL), why))
+        return "run again, it leaves a temporary file";
+    return tree_same(wanted, work, why) ? NULL : "run again, it ends otherwise";
+}
+
+static void tell(const struct job *job, const struct task *task, const char *what, const char *why,
+                 const char *logs)
+{
+    char path[TREES_PATH_MOST], said[400] = "";
+    path_in(path, logs, "err");
+    FILE *file = fopen(path, "r");
+    if (file) {
+        said[fread(said, 1, sizeof said - 1, file)] = '\0';
+        fclose(file);
+    }
+    said[strcspn(said, "\n")] = '\0';
+    printf("LOST    %s %d:%s:%u:%s: %s%s%s%s%s\n", job->scenario->name, task->place.process,
+           traced_calls[task->place.call].name, task->place.occurrence, fault_name(task->kind),
+           what, why[0] ? ": " : "", why, said[0] ? "; it says: " : "", said);
+    fflush(stdout);
+}
+
+/* One of those who play the faults. */
+static void work(const struct job *job, unsigned number)
+{
+    char own[TREES_PATH_MOST], folder[TREES_PATH_MOST], start[TREES_PATH_MOST];
+    char temporary[TREES_PATH_MOST], name[32], why[TREES_WHY_MOST];
+    snprintf(name, sizeof name, "worker%u", number);
+    path_in(own, job->root, name);
+    path_in(folder, own, "work");
+    path_in(temporary, own, "tmp");
+    path_in(start, job->root, "start");
+    mkdir(own, 0777);
+    setenv("TMPDIR", temporary, 1);
+    for (;;) {
+        unsigned at = atomic_fetch_add(&job->tally->next, 1);
+        if (at >= job->count)
+            return;
+        const struct task *task = &job->task[at];
+        const char *what = "no room to play";
+        why[0] = '\0';
+        if (tree_remove(folder) && tree_remove(temporary) && mkdir(temporary, 0777) == 0 &&
+            tree_copy(start, folder))
+            what = play(job, task, folder, own, why);
+        if (!what && task->kind != FAULT_KILL && rmdir(temporary) != 0)
+            what = "something is left in the folder for temporary files";
+        atomic_fetch_add(&job->tally->played, 1);
+        if (what && atomic_fetch_add(&job->tally->lost, 1) < SHOWN_MOST)
+            tell(job, task, what, why, own);
+    }
+}
+
+/* --- which faults there are ------------------------------------------------------------------- */
+
+struct listing {
+    struct task *task;
+    unsigned count, calls;
+    bool alone;
+};
+
+static void list(void *user, const struct traced_place *place)
+{
+    struct listing *l = user;
+    const struct traced_call *call = &traced_calls[place->call];
+    if (l->alone && place->process > 0)
+        return;
+    l->calls++;
+    for (int i = 0; i < FAULT_KINDS_MOST && call->kinds[i]; i++)
+        if (l->count < FAULTS_MOST && (call->kinds[i] != FAULT_SHORT || place->counts) &&
+            (call->kinds[i] != EINTR || call->number != SYS_write || !place->standard))
+            l->task[l->count++] = (struct task){*place, call->kinds[i]};
+    if (place->process == 0 && l->count < FAULTS_MOST)
+        l->task[l->count++] = (struct task){*place, FAULT_KILL};
+}
+
+/* Keeps the tasks that match "PROCESS:CALL:OCCURRENCE:KIND", or of each kind of call in each
+ * process the first and every `step`-th, in each of its ways. */
+static void choose(struct listing *l, const char *only, unsigned step)
+{
+    unsigned kept = 0;
+    for (unsigned i = 0; i < l->count; i++) {
+        const struct task *task = &l->task[i];
+        char name[100];
+        snprintf(name, sizeof name, "%d:%s:%u:%s", task->place.process,
+                 traced_calls[task->place.call].name, task->place.occurrence,
+                 fault_name(task->kind));
+        if (only ? strstr(name, only) != NULL : task->place.occurrence % step == 0)
+            l->task[kept++] = *task;
+    }
+    l->count = kept;
+}
+
+static bool prepare(struct job *job, struct listing *l)
+{
+    char start[TREES_PATH_MOST], wanted[TREES_PATH_MOST], counted[TREES_PATH_MOST];
+    path_in(start, job->root, "start");
+    path_in(wanted, job->root, "wanted");
+    path_in(counted, job->root, "counted");
+    mkdir(start, 0777);
+    for (size_t i = 0; i < sizeof job->scenario->before / sizeof *job->scenario->before; i++) {
+        const char *line = job->scenario->before[i];
+        if (line && run(job->program, line, start, job->root, NULL, NULL, NULL).code > 1)
+            return false;
+    }
+    if (!tree_copy(start, wanted) || !tree_copy(start, counted))
+        return false;
+    job->wanted =
+        run(job->program, job->scenario->command, wanted, job->root, NULL, NULL, NULL).code;
+    char why[TREES_WHY_MOST] = "";
+    struct traced_result result =
+        run(job->program, job->scenario->command, counted, job->root, NULL, list, l);
+    if (result.refused) {
+        puts("SKIP faults: here no process may trace another (ptrace)");
+        exit(77);
+    }
+    if (job->wanted < 0 || job->wanted > 1 || result.code != job->wanted ||
+        !tree_same(wanted, counted, why) || !tree_is_whole(wanted, true, why)) {
+        printf("faults: %s does not do the same twice: exit codes %d and %d; %s\n",
+               job->scenario->name, job->wanted, result.code, why);
+        return false;
+    }
+    return true;
+}
+
+static void print_row(const struct job *job, const struct listing *l, unsigned *faults,
+                      unsigned *lost)
+{
+    unsigned missed = atomic_load(&job->tally->missed);
+    *faults += l->count - missed;
+    *lost += atomic_load(&job->tally->lost);
+    printf("%-8s %6u %7u %8u %5u  ", job->scenario->name, l->calls, l->count - missed, missed,
+           atomic_load(&job->tally->lost));
+    for (int code = 0; code < CODES_MOST; code++)
+        if (atomic_load(&job->tally->code[code]))
+            printf(" %d: %u", code, atomic_load(&job->tally->code[code]));
+    putchar('\n');
+    fflush(stdout);
+}
+
+int main(int argc, char **argv)
+{
+    unsigned step = 1, faults = 0, lost = 0, jobs = 8;
+    bool quick = false;
+    const char *scenario = NULL, *only = NULL,
+               *parent = access("/dev/shm", W_OK) ? "/tmp" : "/dev/shm";
+    char root[64], program[TREES_PATH_MOST];
+    for (int option; (option = getopt(argc, argv, "s:n:o:j:q")) != -1;) {
+        if (option == 's')
+            step = (unsigned)strtoul(optarg, NULL, 10);
+        else if (option == 'n')
+            scenario = optarg;
+        else if (option == 'q') /* without what takes long */
+            quick = true;
+        else if (option == 'o')
+            only = optarg;
+        else if (option == 'j')
+            jobs = (unsigned)strtoul(optarg, NULL, 10);
+        else
+            return 2;
+    }
+    if (optind + 1 != argc || step == 0 || jobs == 0 || !realpath(argv[optind], program)) {
+        fputs(
+            "usage: faults [-q] [-s STEP] [-n COMMAND] [-o PROCESS:CALL:OCCURRENCE:KIND] PROGRAM\n",
+            stderr);
+        return 2;
+    }
+    snprintf(root, sizeof root, "%s/raydiff-faults-XXXXXX", parent);
+    if (!mkdtemp(root))
+        return 4;
+    setenv("OMP_NUM_THREADS", "1", 1);
+    puts("command   calls  faults  not met  lost   exit codes: how often");
+    for (size_t i = 0; i < SCENARIOS; i++) {
+        if ((scenario && strcmp(scenario, scenarios[i].name) != 0) || (quick && scenarios[i].page))
+            continue;
+        char own[TREES_PATH_MOST];
+        struct listing l = {.task = calloc(FAULTS_MOST, sizeof *l.task),
+                            .alone = scenarios[i].page};
+        struct job job = {.scenario = &scenarios[i], .program = program, .root = own};
+        path_in(own, root, scenarios[i].name);
+        mkdir(own, 0777);
+        job.tally = mmap(NULL, sizeof *job.tally, PROT_READ | PROT_WRITE,
+                         MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        if (!l.task || job.tally == MAP_FAILED || !prepare(&job, &l)) {
+            tree_remove(root);
+            return 4;
+        }
+        choose(&l, only, step);
+        job.task = l.task;
+        job.count = l.count;
+        fflush(stdout);
+        for (unsigned k = 0; k < jobs; k++)
+            if (fork() == 0) {
+                work(&job, k);
+                _exit(0);
+            }
+        while (wait(NULL) > 0)
+            continue;
+        if (atomic_load(&job.tally->played) != l.count) {
+            printf("faults: %s: only %u of %u were played\n", scenarios[i].name,
+                   atomic_load(&job.tally->played), l.count);
+            lost++;
+        }
+        print_row(&job, &l, &faults, &lost);
+        tree_remove(own);
+        free(l.task);
+    }
+    tree_remove(root);
+    printf("faults: %u injected, %u lost\n", faults, lost);
+    return lost > 0 || faults == 0;
+}

@@ -1,0 +1,26 @@
+/* Folders: copied, removed, compared, and looked over for what may never be left in them. */
+#ifndef FAULTS_TREES_H
+#define FAULTS_TREES_H
+
+#include <stdbool.h>
+
+#define TREES_PATH_MOST 4096
+#define TREES_WHY_MOST  512
+
+/* False: it could not be done. */
+bool tree_copy(const char *from, const char *to);
+bool tree_remove(const char *path); /* it need not be there */
+
+/* Whether both hold the same, byte for byte; `why` says what differs. Of files that tell times
+ * (stats.json, *.html) only that both are whole; of findings.jsonl the lines of findings, in order,
+ * and the last checkpoint: the others are a matter of when. Temporary files are not looked at. */
+bool tree_same(const char *wanted, const char *got, char why[TREES_WHY_MOST]);
+
+/* Whether every file in it is whole, however it was left: a trial has its end, a count is a number,
+ * a page is closed. `tidy`: and none is a temporary one. */
+bool tree_is_whole(const char *path, bool tidy, char why[TREES_WHY_MOST]);
+
+/* Whether each line of a finding in the first folder's log is in the second's. */
+bool tree_keeps(const char *before, const char *after, char why[TREES_WHY_MOST]);
+
+#endif
