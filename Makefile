@@ -236,7 +236,7 @@ drivers:
 	@sh .ci/drivers.sh $(OUT)/drivers
 
 # The README's two commands in a minimal system of each release of Debian that is supported, or of
-# RELEASE=trixie; as root; exit code 77: it cannot be tried here. tests/fresh.txt has how it went. Slow.
+# RELEASE=trixie; as root; exit code 77: it cannot be tried here. A line for each that passes goes into tests/fresh.txt. Slow.
 fresh-check:
 	@sh .ci/fresh.sh tests/fresh.txt $(RELEASE)
 
