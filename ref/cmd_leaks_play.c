@@ -1,5 +1,6 @@
 /* How raydiff leaks plays one scene: every engine on every tree and test that was asked for. */
 #include "ref/cmd_leaks.h"
+#include "ref/mutant.h"
 #include "ref/cmd_tree.h"
 #include "ref/twin.h"
 #include "scenes/scenes.h"
@@ -78,6 +79,35 @@ static void count_row(struct play *play, struct leak_row *row)
         row->status = know_cpu(play, &job, &row->reason);
     for (size_t i = 0; row->compared && !row->status && i < play->rays.ray_count; i++)
         row->bit_differences += play->digest[i] != play->cpu_digest[i];
+}
+
+void leak_row_judge(struct leak_row *row, const struct leak_profile *profile)
+{
+    struct leak_tally sum = leaks_total(&row->leaks);
+    size_t used = 0, room = sizeof row->broken;
+    row->broken[0] = '\0';
+    bool misses = row->promises || profile->misses_must, doubles = profile->doubles_must;
+#if MUTANT == MUTANT_SHOULD_FOR_MUST
+    misses = row->promises;
+    doubles = row->promises && doubles;
+#endif
+    const struct {
+        bool is;
+        size_t count;
+        const char *what;
+    } breach[] = {
+        {misses, sum.misses, "missed"},
+        {misses && row->leaks.lists, sum.empty, "listed nothing"},
+        {misses, sum.lost, "lost a wall"},
+        {row->promises, sum.phantoms, "hit a wall that is not there"},
+        {doubles, sum.doubles, "hit twice"},
+        {row->promises, sum.repeated, "listed a triangle twice"},
+        {row->compared, row->bit_differences, "differ from cpu"},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(breach); i++)
+        if (breach[i].is && breach[i].count > 0 && used < room)
+            used += (size_t)snprintf(row->broken + used, room - used, "%s%zu %s", used ? ", " : "",
+                                     breach[i].count, breach[i].what);
 }
 
 static enum status play_row(struct play *play, struct leak_row row, struct reason *reason)

@@ -1,42 +1,12 @@
 /* What raydiff leaks prints and writes: the table, the findings, and which rows keep their word. */
 #include "ref/cmd_leaks.h"
 #include "ref/command.h"
-#include "ref/mutant.h"
 #include "scenes/file.h"
 #include "ref/cmd_json.h"
 
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
-
-void leak_row_judge(struct leak_row *row, const struct leak_profile *profile)
-{
-    struct leak_tally sum = leaks_total(&row->leaks);
-    size_t used = 0, room = sizeof row->broken;
-    row->broken[0] = '\0';
-    bool misses = row->promises || profile->misses_must, doubles = profile->doubles_must;
-#if MUTANT == MUTANT_SHOULD_FOR_MUST
-    misses = row->promises;
-    doubles = row->promises && doubles;
-#endif
-    const struct {
-        bool is;
-        size_t count;
-        const char *what;
-    } breach[] = {
-        {misses, sum.misses, "missed"},
-        {misses && row->leaks.lists, sum.empty, "listed nothing"},
-        {misses, sum.lost, "lost a wall"},
-        {row->promises, sum.phantoms, "hit a wall that is not there"},
-        {doubles, sum.doubles, "hit twice"},
-        {row->promises, sum.repeated, "listed a triangle twice"},
-        {row->compared, row->bit_differences, "differ from cpu"},
-    };
-    for (size_t i = 0; i < ARRAY_COUNT(breach); i++)
-        if (breach[i].is && breach[i].count > 0 && used < room)
-            used += (size_t)snprintf(row->broken + used, room - used, "%s%zu %s", used ? ", " : "",
-                                     breach[i].count, breach[i].what);
-}
 
 /* Per million of `rays`; none is "< 3 / N", which a true rate exceeds in 5 of 100 such results. */
 static void print_rate(size_t count, size_t rays)
