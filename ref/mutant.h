@@ -52,7 +52,6 @@
 #define MUTANT_LOSS_UNSEEN       729 /* a log that lost lines, or is lost, is taken */
 #define MUTANT_MERGED_TWICE      730 /* a finding of two folders is two */
 #define MUTANT_COUNTS_LEFT       731 /* counts that a killed writer left behind stay so */
-#define MUTANT_LISTING_CUT       723 /* a folder that cannot be listed to its end ends there */
 #define MUTANT_SHORT_IS_WHOLE    724 /* files: what the system took a part of is taken for written */
 #define MUTANT_INTERRUPTED       725 /* files: a write that a signal interrupts has failed */
 #define MUTANT_WRITE_UNCHECKED   732 /* files: a write that failed is taken for written */

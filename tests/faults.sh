@@ -1,6 +1,6 @@
 #!/bin/sh
 # System calls of campaigns, merges, shrinkings and reports fail, one at a time (tests/faults/main.c).
-# Without more arguments a sample: of each call in each process the first, in each of its ways, without
+# Without more arguments a sample: of each call in each process every 30th, in each of its ways, without
 # reports, which take longest.
 #   sh tests/faults.sh PROGRAM [ARGUMENTS]     -s 1: all of them
 set -u
@@ -9,5 +9,5 @@ shift
 dir=$(mktemp -d) || exit 4
 trap 'rm -rf "$dir"' EXIT
 ${CC:-cc} -std=c17 -O2 -Wall -Wextra -Wno-format-truncation -I. -o "$dir/faults" tests/faults/*.c || exit 4
-[ $# -gt 0 ] || set -- -q -s 1000
+[ $# -gt 0 ] || set -- -q -s 30
 "$dir/faults" "$@" "$program"
