@@ -11,6 +11,10 @@ small="--rays 40 --jobs 2 --corpus none --engine cpu --seed 9"
 [ $? -eq 2 ] || bad "fuzz >&-: exit $?, not 2"
 grep -q 'cannot write to the standard output' "$dir/err" || bad "fuzz >&-: does not say so"
 grep -v '^{.*}$' "$dir/closed/findings.jsonl" >"$dir/out" && bad "fuzz >&-: the log holds what was printed"
+# With the standard input closed as well, the log would be the second file opened.
+"$raydiff" fuzz $small --layout f32 --trials 64 --dir "$dir/both" <&- >&- 2>"$dir/err"
+[ $? -eq 2 ] || bad "fuzz <&- >&-: exit $?, not 2"
+grep -v '^{.*}$' "$dir/both/findings.jsonl" >"$dir/out" && bad "fuzz <&- >&-: the log holds what was printed"
 expect 0 . fuzz $small --layout f32 --trials 128 --dir "$dir/closed"
 expect 0 . merge --to "$dir/closed.merged" "$dir/closed"
 for command in "list" "--help" "check platonic --engine cpu --layout f32 --count 10 --repeat 1" \

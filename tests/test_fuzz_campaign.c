@@ -313,6 +313,20 @@ static void an_interrupted_campaign_shrinks_to_the_same(void **state)
     assert_true(cut > 0);
 }
 
+/* Time ends a run as a signal does: trials are left. */
+static void a_run_that_is_not_whole_shrinks_nothing(void **state)
+{
+    (void)state;
+    struct campaign_options options = options_of(in_root("timed"), false);
+    options.trials = (uint64_t)1 << 40;
+    options.seconds = 1;
+    options.shrink = CAMPAIGN_SHRINK_AT_END;
+    assert_run(&options);
+    assert_true(last.unplayed && last.unshrunk);
+    assert_true(last.to_shrink > 0);
+    assert_int_equal(last.shrunk, 0);
+}
+
 static void states_are_reached_by_mutants_and_kept(void **state)
 {
     (void)state;
@@ -365,6 +379,7 @@ int main(void)
         cmocka_unit_test(one_shard_plays_the_corpus_once),
         cmocka_unit_test(shrunk_at_the_end_they_are_the_same_again),
         cmocka_unit_test(an_interrupted_campaign_shrinks_to_the_same),
+        cmocka_unit_test(a_run_that_is_not_whole_shrinks_nothing),
         cmocka_unit_test(states_are_reached_by_mutants_and_kept),
         cmocka_unit_test(options_are_kept_in_the_state),
     };
