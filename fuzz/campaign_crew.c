@@ -13,6 +13,7 @@
 #define FAILURES_MOST  3u      /* starts in a row */
 #define MEMORY_NS      200000000u
 #define WAIT_MS        50u
+#define LOOK_MS        1000u /* between two looks at a worker, at most */
 
 static enum status start(struct campaign *c, struct slot *slot, struct reason *reason)
 {
@@ -252,6 +253,15 @@ static uint64_t limit_ms(const struct campaign *c, const struct slot *slot)
                                                        : ours;
 }
 
+/* Time that counts against workers. Looks are at most WAIT_MS apart and a little: if more has
+ * passed, we were stopped, or the machine slept, and they with us. */
+static uint64_t counted_since(uint64_t before, uint64_t now)
+{
+    const uint64_t most = LOOK_MS * 1000000u;
+    return now - before < most ? now - before : most;
+}
+
+/* Only the time counts in which a worker could run. */
 static bool is_stuck(const struct campaign *c, struct slot *slot)
 {
     uint64_t beat = atomic_load(&slot->watch->beat), now = time_ns();
@@ -260,9 +270,15 @@ static bool is_stuck(const struct campaign *c, struct slot *slot)
     if (beat != slot->beat || mark != slot->mark) {
         slot->beat = beat;
         slot->mark = mark;
-        slot->since_ns = now;
+        slot->busy_ns = 0;
+        slot->looked_ns = now;
     }
-    return now - slot->since_ns > limit_ms(c, slot) * 1000000u;
+    if (slot->looked_ns < slot->since_ns) /* a new order */
+        slot->looked_ns = slot->since_ns;
+    if (!child_is_stopped(&slot->child))
+        slot->busy_ns += counted_since(slot->looked_ns, now);
+    slot->looked_ns = now;
+    return slot->busy_ns > limit_ms(c, slot) * 1000000u;
 }
 
 static enum status watch(struct campaign *c, struct slot *slot, bool memory, struct reason *reason)

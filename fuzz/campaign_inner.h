@@ -53,10 +53,11 @@ struct slot {
     struct work_watch *watch; /* shared */
     enum slot_task task;
     struct block *block;
-    size_t entry;      /* of SLOT_SHRINK and SLOT_AGAIN */
-    uint32_t failures; /* starts in a row that failed */
-    bool warm;         /* it has played something */
-    uint64_t beat, mark, since_ns;
+    size_t entry;                  /* of SLOT_SHRINK and SLOT_AGAIN */
+    uint32_t failures;             /* starts in a row that failed */
+    bool warm;                     /* it has played something */
+    uint64_t beat, mark, since_ns; /* since_ns: when its order was given */
+    uint64_t busy_ns, looked_ns;   /* without progress, and when that was last looked at */
 };
 
 struct campaign {

@@ -234,6 +234,17 @@ void child_end(struct child *child, uint32_t ms, struct child_fate *fate)
         *fate = how;
 }
 
+bool child_is_stopped(const struct child *child)
+{
+    char path[48], text[512];
+    snprintf(path, sizeof path, "/proc/%ld/stat", (long)child->pid);
+    FILE *file = fopen(path, "re");
+    const char *name_end = file && fgets(text, sizeof text, file) ? strrchr(text, ')') : NULL;
+    if (file)
+        fclose(file);
+    return name_end && name_end[1] && (name_end[2] == 'T' || name_end[2] == 't');
+}
+
 uint64_t child_memory(const struct child *child)
 {
     char path[48];

@@ -66,6 +66,9 @@ struct child_fate {
  * once, unless it has ended already). Zeroes *child; `fate` may be NULL. A zero one is fine. */
 void child_end(struct child *child, uint32_t ms, struct child_fate *fate);
 
+/* True if somebody has stopped it: SIGSTOP, Ctrl-Z, a debugger. */
+bool child_is_stopped(const struct child *child);
+
 /* Bytes of memory that it has in use, 0 if that is not known. */
 uint64_t child_memory(const struct child *child);
 

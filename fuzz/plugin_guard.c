@@ -3,16 +3,22 @@
 
 #include "fuzz/child.h"
 #include "ref/mutant.h"
+#include "scenes/file.h"
 
 #include <dlfcn.h>
+#include <errno.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #define PATH_MOST 512
 #define FATE_MS   1000u
+#define EXIT_HUNG 3 /* EXIT_ENGINE */
 
 static bool hung; /* the last that was blamed */
 static uint32_t limit_ms = PLUGIN_MS, limit_mb = PLUGIN_MB;
@@ -125,19 +131,25 @@ static void open_in_child(struct child *parent, void *user)
 /* --- the parent's side ----------------------------------------------------------------------- */
 
 /* What a child that sent no answer did; it is ended. */
-static enum status blame(const char *name, const char *doing, struct child *child, uint64_t start,
-                         struct reason *reason)
+static enum status blame_after(const char *name, const char *doing, struct child *child,
+                               uint64_t start, uint32_t most, struct reason *reason)
 {
     struct child_fate fate = {.forced = false};
-    bool late = (time_ns() - start) / 1000000u >= limit_ms;
+    bool late = (time_ns() - start) / 1000000u >= most;
     hung = late;
     child_end(child, late ? 0 : FATE_MS, &fate);
     if (MUTANT == MUTANT_PLUGIN_DEATH_UNSEEN)
         return fail(reason, STATUS_MEMORY, "%.120s: no memory while %s", name, doing);
     if (late)
         return fail(reason, STATUS_DEVICE, "%.120s: hung while %s: no end after %u ms", name, doing,
-                    limit_ms);
+                    most);
     return fail(reason, STATUS_DEVICE, "%.120s: crashed while %s: %s", name, doing, fate.text);
+}
+
+static enum status blame(const char *name, const char *doing, struct child *child, uint64_t start,
+                         struct reason *reason)
+{
+    return blame_after(name, doing, child, start, limit_ms, reason);
 }
 
 static uint32_t left_ms(uint64_t start)
@@ -194,6 +206,68 @@ enum status plugin_pack_guarded(const struct layout *layout, const struct bvh *b
     return STATUS_OK;
 }
 
+static uint32_t open_ms(void)
+{
+    return limit_ms < PLUGIN_OPEN_MS ? limit_ms : PLUGIN_OPEN_MS;
+}
+
+/* The loader would wait for a writer to a FIFO, and reads a device. */
+static enum status check_file(const char *path, struct reason *reason)
+{
+    struct stat what;
+    if (MUTANT != MUTANT_PLUGIN_ANY_FILE && stat(path, &what) == 0 && !S_ISREG(what.st_mode))
+        return fail(reason, STATUS_INPUT, "%.120s: is no regular file, so no shared object", path);
+    return STATUS_OK;
+}
+
+/* A constructor runs in this process, too, and may hang in it alone: then nothing but ending the
+ * process helps. */
+struct opening {
+    const char *path;
+    pthread_mutex_t mutex;
+    pthread_cond_t done;
+    bool is_done;
+};
+
+static void *watch_opening(void *user)
+{
+    struct opening *opening = user;
+    struct timespec end;
+    clock_gettime(CLOCK_REALTIME, &end);
+    end.tv_sec += open_ms() / 1000 + 1;
+    pthread_mutex_lock(&opening->mutex);
+    int code = 0;
+    while (!opening->is_done && code != ETIMEDOUT)
+        code = pthread_cond_timedwait(&opening->done, &opening->mutex, &end);
+    bool late = !opening->is_done;
+    pthread_mutex_unlock(&opening->mutex);
+    if (late) {
+        fprintf(stderr, "raydiff: %.120s: hung while being opened again: no end after %u ms\n",
+                opening->path, open_ms());
+        file_out_abandon();
+        _exit(EXIT_HUNG);
+    }
+    return NULL;
+}
+
+static void *open_watched(const char *path, const struct raydiff_plugin **plugin,
+                          struct reason *reason)
+{
+    struct opening opening = {
+        .path = path, .mutex = PTHREAD_MUTEX_INITIALIZER, .done = PTHREAD_COND_INITIALIZER};
+    pthread_t watcher;
+    bool watched = pthread_create(&watcher, NULL, watch_opening, &opening) == 0;
+    void *handle = open_object(path, reason);
+    *plugin = handle ? ask(handle, path, reason) : NULL;
+    pthread_mutex_lock(&opening.mutex);
+    opening.is_done = true;
+    pthread_cond_signal(&opening.done);
+    pthread_mutex_unlock(&opening.mutex);
+    if (watched)
+        pthread_join(watcher, NULL);
+    return handle;
+}
+
 static enum status try_open(char *path, struct reason *reason)
 {
     struct child child;
@@ -202,8 +276,8 @@ static enum status try_open(char *path, struct reason *reason)
     enum status status = child_start(open_in_child, path, &child, reason);
     if (status)
         return status;
-    if (!child_receive_into(&child, &told, sizeof told, limit_ms))
-        return blame(path, "being opened", &child, start, reason);
+    if (!child_receive_into(&child, &told, sizeof told, open_ms()))
+        return blame_after(path, "being opened", &child, start, open_ms(), reason);
     child_end(&child, 0, NULL);
     return told.status ? fail(reason, told.status, "%s", told.reason.text) : STATUS_OK;
 }
@@ -229,11 +303,13 @@ enum status plugin_open(const char *path, const struct layout **out, struct reas
         return fail(reason, STATUS_LIMIT, "%.120s: more than %zu layouts from outside", path,
                     ARRAY_COUNT(opened));
     strcpy(opened[opened_count].path, path);
-    enum status status = try_open(opened[opened_count].path, reason);
+    enum status status = check_file(path, reason);
+    if (!status)
+        status = try_open(opened[opened_count].path, reason);
     if (status)
         return status;
-    void *handle = open_object(path, reason);
-    const struct raydiff_plugin *plugin = handle ? ask(handle, path, reason) : NULL;
+    const struct raydiff_plugin *plugin;
+    void *handle = open_watched(path, &plugin, reason);
     status = plugin ? plugin_layout_add(path, plugin, out, reason) : STATUS_INPUT;
     if (status) {
         if (handle)

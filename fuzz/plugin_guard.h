@@ -6,9 +6,10 @@
 
 #include "ref/plugin_layout.h"
 
-#define PLUGIN_SUFFIX ".so"
-#define PLUGIN_MS     60000u
-#define PLUGIN_MB     8192u
+#define PLUGIN_SUFFIX  ".so"
+#define PLUGIN_MS      60000u
+#define PLUGIN_MB      8192u
+#define PLUGIN_OPEN_MS 10000u /* the most that opening may take, whatever packing may */
 
 /* What a plugin may take from now on to pack a tree: time, and memory beside what there is. 0: as
  * above; memory of UINT32_MAX: no limit. */
@@ -19,7 +20,10 @@ void plugin_limits(uint32_t ms, uint32_t megabytes);
  * first on, layouts from outside pack in a child, which checks, too; the words that it sends are
  * what is used. In this process runs then only what was tried there on the same bytes: load, box
  * and item.
- * Errors: STATUS_INPUT cannot be opened, has no raydiff_plugin, as plugin_layout_add;
+ * Opening it here is what was tried there, but it may still hang: then the process is ended with a
+ * line and exit code 3.
+ * Errors: STATUS_INPUT no regular file, cannot be opened, has no raydiff_plugin, as
+ * plugin_layout_add;
  * STATUS_DEVICE it crashed or did not end; STATUS_MEMORY. */
 enum status plugin_open(const char *path, const struct layout **out,
                         struct reason *reason) MUST_USE;

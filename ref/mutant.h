@@ -332,5 +332,6 @@
 #define MUTANT_GROUP_ONLY          702 /* of a peer's processes only its group is ended */
 #define MUTANT_LINE_HELD           703 /* a peer's guardian holds both ends of its line */
 #define MUTANT_SHRUNK_EARLY        704 /* a campaign that a signal ends shrinks what it has so far */
+#define MUTANT_PLUGIN_ANY_FILE     705 /* a FIFO is opened as a plugin */
 
 #endif

@@ -102,6 +102,39 @@ lie START 3 'crashed while being opened: '
 lie EXIT 3 'liar: crashed while packing: ended itself with code'
 lie HANG 3 'liar: hung while packing: no end after 1000 ms'
 
+# What is no file, and what hangs before anything can be asked of it; a limit named behind it is too late.
+opens() { # code, words, path
+    timeout 30 build/raydiff check sphere:n=8 --engine cpu --layout "$3" --peer-time 1 >lie.log 2>&1
+    code=$?
+    [ "$code" -eq "$1" ] && grep -q "$2" lie.log || breach "$3: exit $code: $(tail -n 1 lie.log)"
+}
+mkfifo fifo.so
+mkdir folder.so
+ln -s /dev/zero device.so
+for file in fifo folder device; do opens 2 'is no regular file' ./$file.so; done
+printf '#include <unistd.h>\n__attribute__((constructor)) static void f(void) { for (;;) pause(); }\n' >stuck.c
+cc -shared -fPIC -o stuck.so stuck.c
+opens 3 'hung while being opened: no end after 10000 ms' ./stuck.so
+cat >second.c <<'END' # hangs when it is opened for the second time
+#include <fcntl.h>
+#include <unistd.h>
+#include "ref/plugin.h"
+const struct raydiff_plugin *raydiff_plugin(void);
+const struct raydiff_plugin *(*volatile use)(void) = raydiff_plugin;
+__attribute__((constructor)) static void f(void)
+{
+    if (open("opened", O_CREAT | O_EXCL | O_WRONLY, 0600) < 0)
+        for (;;)
+            pause();
+}
+END
+cat second.c "$root/tests/plugin_liar.c" >both.c
+cc -std=gnu17 -O1 -ffp-contract=off -shared -fPIC -I"$root" -DLIE=LIE_HONEST -o second.so both.c -lm ||
+    breach "second.c does not compile"
+timeout 30 build/raydiff check sphere:n=8 --engine cpu --peer-time 1 --layout ./second.so >lie.log 2>&1
+code=$?
+[ "$code" -eq 3 ] && grep -q 'hung while being opened again' lie.log || breach "second.so: exit $code: $(tail -n 1 lie.log)"
+
 source=plugin_liar_wide.c
 lie HOLE 0 '^liar4  *cpu'
 lie ULP 2 'liar4: record 4: x bounds .* do not contain'

@@ -317,6 +317,33 @@ static void no_child_outlives_its_parent(void **state)
     assert_true(what == 'Z' || what == 'X');
 }
 
+static void pause_for_ever(struct child *parent, void *user)
+{
+    (void)parent, (void)user;
+    for (;;)
+        pause();
+}
+
+static bool becomes(const struct child *child, bool stopped)
+{
+    for (int tries = 0; tries < 2000 && child_is_stopped(child) != stopped; tries++)
+        usleep(10000);
+    return child_is_stopped(child) == stopped;
+}
+
+static void a_stopped_child_is_seen(void **state)
+{
+    (void)state;
+    struct child child;
+    assert_int_equal(child_start(pause_for_ever, NULL, &child, &reason), STATUS_OK);
+    assert_false(child_is_stopped(&child));
+    kill(child.pid, SIGSTOP);
+    assert_true(becomes(&child, true));
+    kill(child.pid, SIGCONT);
+    assert_true(becomes(&child, false));
+    child_end(&child, 0, NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -328,6 +355,7 @@ int main(void)
         cmocka_unit_test(siblings_hold_nothing_of_each_other),
         cmocka_unit_test(the_one_that_answers_is_heard),
         cmocka_unit_test(its_memory_is_seen),
+        cmocka_unit_test(a_stopped_child_is_seen),
         cmocka_unit_test(no_child_outlives_its_parent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
