@@ -28,8 +28,12 @@ static const char help[] =
     "                                                                     [indexed]\n"
     "  --all           every combination of members once, scenes and ray sets by turns\n"
     "  --require E,..  engines whose skips are failures\n"
-    "  --hard          the hard cases, on every member: names hard.NN-CASE.query.engine.layout.\n"
-    "                  builder.box.tri; a PATTERN that begins with 'hard.' means them too\n"
+    "  --hard          the hard cases, on the layouts f32, rf16 and the seed's and the builders\n"
+    "                  median and rtrs, or on those of --layout, --builder, --box and --tri (one\n"
+    "                  from outside, too): names "
+    "hard.NN-CASE.query.engine.layout.builder.box.tri.\n"
+    "                  A PATTERN that begins with 'hard.' means them too. Not with --count,\n"
+    "                  --brute, --store, --all\n"
     "  --quick         without members of which two parts or more are as published\n"
     "  --summary       the hard cases as a matrix\n"
     "  --markdown FILE the matrix as Markdown\n"
@@ -48,7 +52,7 @@ struct conform_options {
     bool list_only, verbose, tap, hard, summary, quick;
     struct list list[TABLE_COUNT], require;
     bool everything[TABLE_COUNT]; /* list[] is "all", so that none of it is named */
-    bool all;
+    bool all, brute_given;
     uint64_t count, brute;
     struct engine_options engines;
 };
@@ -115,6 +119,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_COUNT:
         return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
     case OPT_BRUTE:
+        o->brute_given = true;
         return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
     case OPT_ENGINE:
         return take_list(o, TABLE_ENGINES, "--engine", text, reason);
@@ -230,12 +235,11 @@ static enum status fill_and_print(const struct conform_options *o, struct suite 
     return status;
 }
 
-static void expect_named(struct conform_report *report, const struct conform_options *o)
+/* What was named: "all" is not. */
+static void named_of(const struct conform_options *o, struct list named[TABLE_COUNT])
 {
-    struct list named[TABLE_COUNT];
     for (enum table t = 0; t < TABLE_COUNT; t++)
         named[t] = o->everything[t] ? (struct list){.count = 0} : o->list[t];
-    conform_report_expect(report, named);
 }
 
 static int run_and_report(const struct conform_options *o, struct suite *suite,
@@ -251,7 +255,9 @@ static int run_and_report(const struct conform_options *o, struct suite *suite,
             : fail(reason, STATUS_MEMORY, "no memory for %zu trials", suite->count);
     int code = exit_of_status(status);
     if (!status) {
-        expect_named(&report, o);
+        static struct list named[TABLE_COUNT];
+        named_of(o, named);
+        conform_report_expect(&report, named);
         report.verbose = o->verbose;
         report.tap = o->tap;
         report.options = o->engines;
@@ -301,31 +307,40 @@ int cmd_conform(int argc, char **argv)
     if (argc - first > 1)
         return usage_error("conform", "one pattern at a time; '%s' is a second", argv[first + 1]);
     o.pattern = first < argc ? argv[first] : NULL;
-    if (o.count == 0)
-        o.count = o.all && !o.pattern ? 200 : 1000;
     for (size_t i = 0; i < o.require.count; i++) {
         const struct engine *engine = engines[o.require.index[i]];
         if (o.list[TABLE_ENGINES].count > 0 && !list_names(&o.list[TABLE_ENGINES], engine))
             return usage_error("conform", "--require %s: --engine leaves it out", engine->name);
     }
     bool hard = o.hard || (o.pattern && strncmp(o.pattern, "hard.", 5) == 0);
+    static struct list named[TABLE_COUNT];
+    named_of(&o, named);
     if (hard && o.list[TABLE_STORES].count > 0)
         return usage_error("conform", "--store: the hard cases are of storage indexed");
+    if (hard && (o.count > 0 || o.brute_given || o.all))
+        return usage_error("conform", "%s: the hard cases bring their own rays and members",
+                           o.count > 0     ? "--count"
+                           : o.brute_given ? "--brute"
+                                           : "--all");
+    if (o.all && o.pattern)
+        return usage_error("conform", "--all: with a PATTERN every trial that matches is played");
     if (hard)
-        return conform_hard(
-            &(struct conform_hard_options){.pattern = o.pattern,
-                                           .junit = o.junit,
-                                           .waivers = o.waivers,
-                                           .markdown = o.markdown,
-                                           .html = o.html,
-                                           .list = o.list_only,
-                                           .verbose = o.verbose,
-                                           .tap = o.tap,
-                                           .summary = o.summary,
-                                           .quick = o.quick,
-                                           .engine = o.list[TABLE_ENGINES],
-                                           .every_engine = o.everything[TABLE_ENGINES],
-                                           .require = o.require,
-                                           .engines = o.engines});
+        return conform_hard(&(struct conform_hard_options){.pattern = o.pattern,
+                                                           .junit = o.junit,
+                                                           .waivers = o.waivers,
+                                                           .markdown = o.markdown,
+                                                           .html = o.html,
+                                                           .list = o.list_only,
+                                                           .verbose = o.verbose,
+                                                           .tap = o.tap,
+                                                           .summary = o.summary,
+                                                           .quick = o.quick,
+                                                           .engine = o.list[TABLE_ENGINES],
+                                                           .list_of = o.list,
+                                                           .named = named,
+                                                           .require = o.require,
+                                                           .engines = o.engines});
+    if (o.count == 0)
+        o.count = o.all && !o.pattern ? 200 : 1000;
     return conform(&o);
 }

@@ -20,8 +20,10 @@ struct suite {
     size_t count, capacity;
     const char *pattern; /* NULL: take all */
     struct list engine;  /* none: take all */
-    bool quick;          /* without members of which two parts or more are as published */
-    bool failed;         /* no memory */
+    struct hard_tables tables;
+    bool tri_named; /* then not the core alone */
+    bool quick;     /* without members of which two parts or more are as published */
+    bool failed;    /* no memory */
 };
 
 static void suite_add(void *user, const struct hard_case *hard, const struct hard_member *member)
@@ -30,7 +32,7 @@ static void suite_add(void *user, const struct hard_case *hard, const struct har
     char name[HARD_NAME_MOST];
     if (suite->engine.count && !list_names(&suite->engine, member->engine))
         return;
-    if (!suite->pattern && !member->tri->core)
+    if (!suite->pattern && !suite->tri_named && !member->tri->core)
         return;
     if (suite->quick && hard_member_published(member) > 1 && !hard_defect_of(hard, member))
         return;
@@ -49,7 +51,7 @@ static void suite_add(void *user, const struct hard_case *hard, const struct har
 static enum status suite_make(struct suite *suite, struct reason *reason)
 {
     for (size_t i = 0; hard_cases[i]; i++)
-        hard_each_member(hard_cases[i], suite_add, suite);
+        hard_each_member(hard_cases[i], &suite->tables, suite_add, suite);
     if (suite->failed)
         return fail(reason, STATUS_MEMORY, "no memory for the list of hard cases");
     if (suite->count == 0)
@@ -277,7 +279,8 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
     struct conform_report report;
     struct matrix matrix = {.row_count = 0};
     struct reason reason = {""};
-    bool complete = o->pattern == NULL && !o->quick && o->engine.count == 0;
+    bool complete =
+        o->pattern == NULL && !o->quick && o->engine.count == 0 && !suite->tables.chosen;
     enum status status =
         conform_report_open(&report, suite->count, complete, o->waivers, o->junit, &reason);
     if (!status && !o->waivers && MUTANT != MUTANT_WAIVERS_LEFT)
@@ -286,12 +289,11 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
         fprintf(stderr, "raydiff conform: %s\n", reason.text);
         return exit_of_status(status);
     }
+    const struct hard_tables everything = hard_tables_all();
     struct counting counting = {&report.waivers, o->pattern == NULL};
     for (size_t i = 0; !complete && hard_cases[i]; i++)
-        hard_each_member(hard_cases[i], count_name, &counting);
-    struct list named[TABLE_COUNT] = {[TABLE_ENGINES] =
-                                          o->every_engine ? (struct list){.count = 0} : o->engine};
-    conform_report_expect(&report, named);
+        hard_each_member(hard_cases[i], &everything, count_name, &counting);
+    conform_report_expect(&report, o->named);
     report.verbose = o->verbose;
     report.tap = o->tap;
     report.quiet = true;
@@ -309,9 +311,45 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
     return status ? exit_worse(code, exit_of_status(status)) : code;
 }
 
+/* What the user chose of the tables, as hard cases take them. */
+struct chosen {
+    const struct layout *layout[LIST_MOST + 1];
+    const struct builder *builder[LIST_MOST + 1];
+    const struct box_test *box[LIST_MOST + 1];
+    const struct tri_test *tri[LIST_MOST + 1];
+};
+
+static struct hard_tables choose(const struct conform_hard_options *o, struct chosen *chosen)
+{
+    const struct list *layout = &o->list_of[TABLE_LAYOUTS], *builder = &o->list_of[TABLE_BUILDERS];
+    const struct list *box = &o->list_of[TABLE_BOX_TESTS], *tri = &o->list_of[TABLE_TRI_TESTS];
+    struct hard_tables tables = hard_tables_all();
+    for (size_t i = 0; i < layout->count; i++)
+        chosen->layout[i] = layouts_all[layout->index[i]];
+    for (size_t i = 0; i < builder->count; i++)
+        chosen->builder[i] = builders_all[builder->index[i]];
+    for (size_t i = 0; i < box->count; i++)
+        chosen->box[i] = box_tests[box->index[i]];
+    for (size_t i = 0; i < tri->count; i++)
+        chosen->tri[i] = tri_tests[tri->index[i]];
+    tables.layout = layout->count ? chosen->layout : tables.layout;
+    tables.builder = builder->count ? chosen->builder : tables.builder;
+    tables.box = box->count ? chosen->box : tables.box;
+    tables.tri = tri->count ? chosen->tri : tables.tri;
+    tables.chosen = layout->count + builder->count + box->count + tri->count > 0;
+    if (MUTANT == MUTANT_HARD_LISTS)
+        tables = hard_tables_all();
+    return tables;
+}
+
 int conform_hard(const struct conform_hard_options *o)
 {
-    struct suite suite = {.pattern = o->pattern, .quick = o->quick, .engine = o->engine};
+    static struct chosen chosen;
+    struct suite suite = {.pattern = o->pattern,
+                          .quick = o->quick,
+                          .engine = o->engine,
+                          .tables = choose(o, &chosen),
+                          .tri_named = o->list_of[TABLE_TRI_TESTS].count > 0};
     struct reason reason = {""};
     enum status status = suite_make(&suite, &reason);
     int code = EXIT_AGREE;

@@ -9,7 +9,8 @@ struct conform_hard_options {
     const char *pattern, *junit, *waivers, *markdown, *html; /* each may be NULL */
     bool list, verbose, tap, summary, quick;
     struct list engine, require;
-    bool every_engine; /* engine is "all", so that none is named */ /* engine none: all */
+    const struct list *list_of; /* of each table those to be played; none: the default */
+    const struct list *named;   /* of each table those that must answer something */
     struct engine_options engines;
 };
 

@@ -77,6 +77,7 @@ plain)
     suite fire sh tests/fire.sh "$build"
     suite cli sh tests/cli.sh "$build/raydiff"
     suite shipped sh tests/shipped.sh "$build/raydiff"
+    suite hard_lists sh tests/hard_lists.sh "$build/raydiff"
     suite named sh tests/named.sh "$build/raydiff"
     suite named_others sh tests/named_others.sh "$build/raydiff"
     suite watertight sh tests/watertight.sh "$build/raydiff"

@@ -120,12 +120,13 @@ static void members_are_all_combinations(void **state)
     (void)state;
     for (size_t e = 0; engines[e]; e++)
         with_trees += engines[e]->needs_packed;
+    const struct hard_tables tables = hard_tables_all();
     for (size_t i = 0; hard_cases[i]; i++) {
         struct tally tally = {0};
         if (hard_cases[i]->probe)
             continue;
         size_t queries = hard_cases[i]->flags & HARD_PARITY ? 3 : 2, made = 0;
-        hard_each_member(hard_cases[i], count_member, &tally);
+        hard_each_member(hard_cases[i], &tables, count_member, &tally);
         for (size_t d = 0; d < HARD_DEFECTS_MOST && hard_cases[i]->defect[d].fault; d++)
             made += (hard_cases[i]->defect[d].layout || hard_cases[i]->defect[d].engine) ? 2 : 0;
         size_t of_tree = hard_cases[i]->flags & HARD_NO_TREES ? 0 : queries * trees * with_trees;
@@ -215,9 +216,10 @@ static void count_shown(void *user, const struct hard_case *one, const struct ha
 static void defects_name_members(void **state)
 {
     (void)state;
+    const struct hard_tables tables = hard_tables_all();
     for (size_t i = 0; hard_cases[i]; i++) {
         struct shown shown = {{0}};
-        hard_each_member(hard_cases[i], count_shown, &shown);
+        hard_each_member(hard_cases[i], &tables, count_shown, &shown);
         for (size_t d = 0; d < HARD_DEFECTS_MOST && hard_cases[i]->defect[d].fault; d++)
             if (shown.of[d] == 0)
                 fail_msg("case %u: '%s' names no member", hard_cases[i]->number,

@@ -20,15 +20,16 @@ static void each_engine(const struct hard_case *one, struct hard_member *member,
             }
 }
 
-static void each_without_tree(const struct hard_case *one, hard_visit *visit, void *user)
+static void each_without_tree(const struct hard_case *one, const struct hard_tables *tables,
+                              hard_visit *visit, void *user)
 {
     for (size_t e = 0; engines[e]; e++)
-        for (size_t t = 0; tri_tests[t] && (t == 0 || !engines[e]->own_tri); t++)
+        for (size_t t = 0; tables->tri[t] && (t == 0 || !engines[e]->own_tri); t++)
             for (enum query q = QUERY_CLOSEST; q < QUERY_COUNT; q++)
                 if (!engines[e]->needs_packed && asks(one, q))
                     visit(user, one,
                           &(struct hard_member){
-                              .query = q, .engine = engines[e], .tri = tri_tests[t]});
+                              .query = q, .engine = engines[e], .tri = tables->tri[t]});
 }
 
 /* A member of no table: what it does not name is repaired. */
@@ -47,7 +48,13 @@ static void visit_made(const struct hard_case *one, const struct hard_defect *de
     }
 }
 
-void hard_each_member(const struct hard_case *one, hard_visit *visit, void *user)
+struct hard_tables hard_tables_all(void)
+{
+    return (struct hard_tables){layouts, builders, box_tests, tri_tests, false};
+}
+
+void hard_each_member(const struct hard_case *one, const struct hard_tables *tables,
+                      hard_visit *visit, void *user)
 {
     struct hard_member m = {0};
     if (one->probe) {
@@ -56,21 +63,21 @@ void hard_each_member(const struct hard_case *one, hard_visit *visit, void *user
         visit(user, one, &m);
         return;
     }
-    for (size_t b = 0; builders[b] && !(one->flags & HARD_NO_TREES); b++)
-        for (size_t l = 0; layouts[l]; l++)
-            for (size_t x = 0; box_tests[x]; x++)
-                for (size_t t = 0; tri_tests[t]; t++) {
-                    m.builder = builders[b];
-                    m.layout = layouts[l];
-                    m.box = box_tests[x];
-                    m.tri = tri_tests[t];
+    for (size_t b = 0; tables->builder[b] && !(one->flags & HARD_NO_TREES); b++)
+        for (size_t l = 0; tables->layout[l]; l++)
+            for (size_t x = 0; tables->box[x]; x++)
+                for (size_t t = 0; tables->tri[t]; t++) {
+                    m.builder = tables->builder[b];
+                    m.layout = tables->layout[l];
+                    m.box = tables->box[x];
+                    m.tri = tables->tri[t];
                     each_engine(one, &m, visit, user);
                 }
-    for (size_t d = 0; d < HARD_DEFECTS_MOST && one->defect[d].fault; d++)
+    for (size_t d = 0; d < HARD_DEFECTS_MOST && one->defect[d].fault && !tables->chosen; d++)
         if (one->defect[d].layout || one->defect[d].engine)
             visit_made(one, &one->defect[d], visit, user);
     if (!(one->flags & HARD_TREES_ONLY))
-        each_without_tree(one, visit, user);
+        each_without_tree(one, tables, visit, user);
 }
 
 /* An engine that makes its own records of a tree, with tests of its own, has no defect of a layout,

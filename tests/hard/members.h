@@ -7,9 +7,22 @@
 
 typedef void hard_visit(void *user, const struct hard_case *one, const struct hard_member *member);
 
+/* The members of the tables that take part, each list NULL-terminated; borrowed. */
+struct hard_tables {
+    const struct layout *const *layout;
+    const struct builder *const *builder;
+    const struct box_test *const *box;
+    const struct tri_test *const *tri;
+    bool chosen; /* by the user: then no member that a case brings to show a defect */
+};
+
+/* Those of layouts[], builders[], box_tests[] and tri_tests[]. */
+struct hard_tables hard_tables_all(void);
+
 /* Calls `visit` for each, in an order that makes the most of a stage: neighbours share the tree,
  * then the layout, then box and triangle test. */
-void hard_each_member(const struct hard_case *one, hard_visit *visit, void *user);
+void hard_each_member(const struct hard_case *one, const struct hard_tables *tables,
+                      hard_visit *visit, void *user);
 
 /* The defect of the case that this member must show, or NULL. */
 const struct hard_defect *hard_defect_of(const struct hard_case *one,

@@ -1,0 +1,37 @@
+#!/bin/sh
+# The hard cases are played on what --layout, --builder, --box and --tri name, one from outside too, and
+# on nothing else; options that they do not use are refused.
+#   sh tests/hard_lists.sh BUILD/raydiff
+set -u
+raydiff=$1
+. tests/expect.sh
+hard='hard.0[1-9]-*'
+
+# A layout that lies about its boxes passes nothing.
+cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I. -DLIE=1 -o "$dir/liar.so" tests/plugin_liar.c || bad "the liar is compiled"
+expect 1 . conform "$hard" --engine cpu --layout "$dir/liar.so"
+grep -q '^0 passed' "$dir/out" || bad "conform: hard cases pass on a layout that lies"
+cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I. -o "$dir/mine.so" fuzz/samples/layout/mine.c || bad "mine is compiled"
+expect 0 . conform "$hard" --engine cpu --layout "$dir/mine.so"
+grep -q '^0 passed' "$dir/out" && bad "conform: no hard case is played on a layout from outside"
+
+# Each list is all that is played.
+only() { # field, value, option
+    expect 0 . conform "$hard" --list --engine cpu "$3" "$2"
+    [ -s "$dir/out" ] || bad "conform $3 $2: nothing is played"
+    sed 's/^hard\.[0-9]*-[a-z0-9-]*\.//' "$dir/out" | cut -d . -f "$1" | grep -qvxF "$2" &&
+        bad "conform $3 $2: others are played"
+}
+only 3 tiny8 --layout
+only 4 sah_binned --builder
+only 5 watertight --box
+only 6 baldwin_webber --tri
+expect 2 'no hard case matches' conform 'hard.nothing' --engine cpu --layout tiny8
+
+for option in '--count 5' '--brute 7' --all '--store compact'; do
+    expect 2 "^raydiff conform: ${option%% *}: the hard cases" conform --hard $option
+done
+expect 2 '^raydiff conform: --all: ' conform 'closest.cpu.*' --all
+
+echo "hard_lists: $failed failed"
+[ "$failed" -eq 0 ]
