@@ -2,7 +2,9 @@
 #include "fuzz/scaled.h"
 #include "fuzz/stage.h"
 #include "ref/explain/judged.h"
+#include "ref/mutant.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -150,17 +152,41 @@ static enum status together_cause(const struct seat *seat, const struct fuzz_tri
     return status == STATUS_MEMORY ? status : STATUS_OK;
 }
 
-/* A hit that was missed must be found: that a miss became excusable is no cure. */
-static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray *answer)
+/* How far an answer is from what is exactly right, in t; infinite if it is another triangle. */
+static double error_of(const struct hit *hit, uint32_t expected, double t_lo, double t_hi)
 {
-    bool missed = finding->signature.kind == fuzz_kind_of_wrong(WRONG_MISSED);
-    return answer->answer.finished && answer->why.opinion.allowed &&
-           !(missed && answer->answer.hit.prim == ABI_NO_PRIM);
+    if (hit->prim != expected)
+        return INFINITY;
+    double middle = 0.5 * (t_lo + t_hi);
+    return hit->prim == ABI_NO_PRIM ? 0 : fabs((double)hit->t - middle) / middle;
 }
 
-/* Asks an engine from outside at another scale. */
+/* A hit that was missed must be found: that a miss became excusable is no cure. Nor is it one that
+ * the verdict is another one though the answer is as far off as before: the judge of an unknown
+ * formula measures by the scene, which axes of their own change. */
+static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray *answer, int power)
+{
+    const struct oracle_answer *truth = &answer->truth;
+    const struct judgement *before = &finding->judgement;
+    enum fuzz_kind kind = finding->signature.kind;
+    if (!answer->answer.finished || !answer->why.opinion.allowed)
+        return false;
+    if (MUTANT == MUTANT_SCALE_BY_VERDICT)
+        return true;
+    if (kind == FUZZ_KIND_UNFINISHED)
+        return true;
+    if (fuzz_hit_is_scaled(&finding->answer, &answer->answer.hit, power))
+        return false;
+    double was = error_of(&finding->answer, before->expected, before->t_lo, before->t_hi);
+    double is = error_of(&answer->answer.hit, truth->prim, truth->t_lo, truth->t_hi);
+    return kind == fuzz_kind_of_wrong(WRONG_BARYCENTRIC) ? isfinite(is) : is <= 0.25 * was;
+}
+
+/* Asks an engine from outside at another scale: *asked whether it was, *cured whether it is right.
+ */
 static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_trial *trial,
-                              enum fuzz_scaling scaling, struct fuzz_finding *finding,
+                              enum fuzz_scaling scaling, uint32_t step,
+                              const struct fuzz_finding *finding, bool *was_asked, bool *cured,
                               struct reason *reason)
 {
     const struct seat *seat = &player->seat[finding->contestant];
@@ -169,8 +195,10 @@ static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_tria
     struct judged_ray answer;
     struct asked asked = {.possible = false};
     bool possible;
+    int power;
+    *was_asked = *cured = false;
     enum status status =
-        fuzz_trial_scaled(trial, finding->ray, scaling, &scaled, &possible, reason);
+        fuzz_trial_scaled(trial, finding->ray, scaling, step, &scaled, &power, &possible, reason);
     if (status || !possible)
         return status;
     status = stage_set(stage, player, &scaled, NULL, reason);
@@ -178,8 +206,8 @@ static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_tria
         status = ask_anew(seat, stage, &asked, reason);
     if (asked.possible && !status &&
         (status = judged_explain(&asked.judged, scaled.ray, &answer, reason)) == STATUS_OK) {
-        if (is_cured(finding, &answer))
-            finding->signature.cause = CAUSE_SCALE;
+        *was_asked = true;
+        *cured = is_cured(finding, &answer, power);
         explain_free(&answer.why);
     }
     judged_free(&asked.judged);
@@ -188,13 +216,27 @@ static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_tria
     return status;
 }
 
+/* A constant that does not scale, or an underflow, has one place where it begins: all steps before
+ * it are wrong, all after it are right. What is wrong now and then at any scale has no such place.
+ */
 static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_trial *trial,
                                 struct fuzz_finding *finding, struct reason *reason)
 {
     enum status status = STATUS_OK;
-    for (enum fuzz_scaling how = 0; how < FUZZ_SCALINGS && !status; how++)
-        if (finding->signature.cause != CAUSE_SCALE)
-            status = ask_scaled(player, trial, how, finding, reason);
+    for (enum fuzz_scaling how = 0; how < FUZZ_SCALINGS && !status; how++) {
+        bool asked, cured, once = false, again = false;
+        status = ask_scaled(player, trial, how, FUZZ_SCALE_STEPS, finding, &asked, &cured, reason);
+        bool last = asked && cured;
+        for (uint32_t step = 1; step < FUZZ_SCALE_STEPS && last && !status; step++) {
+            status = ask_scaled(player, trial, how, step, finding, &asked, &cured, reason);
+            again = again || (asked && !cured && once);
+            once = once || (asked && cured);
+        }
+        if (!status && last && (!again || MUTANT == MUTANT_SCALE_ONCE)) {
+            finding->signature.cause = CAUSE_SCALE;
+            return STATUS_OK;
+        }
+    }
     return status;
 }
 
@@ -268,7 +310,9 @@ enum status fuzz_explain_scaled(struct fuzz_player *player, const struct fuzz_tr
         .signature = {.kind = answer->answer.finished ? fuzz_kind_of_wrong(answer->judgement.wrong)
                                                       : FUZZ_KIND_UNFINISHED,
                       .cause = CAUSE_OUTSIDE},
-        .ray = ray};
+        .ray = ray,
+        .answer = answer->answer.hit,
+        .judgement = answer->judgement};
     enum status status = scaled_cause(player, trial, &finding, reason);
     answer->why.cause = finding.signature.cause;
     return status;

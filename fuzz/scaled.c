@@ -90,22 +90,45 @@ static void scale(struct fuzz_trial *trial, const struct powers *powers)
     ray->tmax = ldexpf(ray->tmax, powers->t);
 }
 
+/* A part of the way: positions and what makes the direction, each rounded. */
+static struct powers part_of(const struct powers *whole, enum fuzz_scaling scaling, uint32_t step)
+{
+    const int part = (int)step, all = (int)FUZZ_SCALE_STEPS;
+    struct powers out = {.t = whole->t * part / all};
+    for (int k = 0; k < 3; k++)
+        out.positions[k] = whole->positions[k] * part / all;
+    if (scaling == FUZZ_SCALE_ALL)
+        out.t = out.positions[0] - (whole->positions[0] - whole->t) * part / all;
+    return out;
+}
+
+bool fuzz_hit_is_scaled(const struct hit *hit, const struct hit *scaled, int power)
+{
+    if (hit->prim != scaled->prim)
+        return false;
+    return hit->prim == ABI_NO_PRIM ||
+           (ldexpf(hit->t, power) == scaled->t && hit->u == scaled->u && hit->v == scaled->v);
+}
+
 enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray,
-                              enum fuzz_scaling scaling, struct fuzz_trial *out, bool *possible,
-                              struct reason *reason)
+                              enum fuzz_scaling scaling, uint32_t step, struct fuzz_trial *out,
+                              int *power, bool *possible, struct reason *reason)
 {
     struct fuzz_trial alone = *trial;
     alone.ray = trial->ray + ray;
     alone.ray_count = 1;
     *out = (struct fuzz_trial){0};
     *possible = false;
+    *power = 0;
     if (!ray_in_contract(alone.ray))
         return STATUS_OK;
     float largest[3];
     for (int k = 0; k < 3; k++)
         largest[k] = largest_position(&trial->scene, alone.ray, k);
-    struct powers powers =
+    const struct powers whole =
         scaling == FUZZ_SCALE_ALL ? alike(largest, alone.ray) : by_axis(largest, alone.ray);
+    const struct powers powers = part_of(&whole, scaling, step);
+    *power = powers.t;
     bool same = powers.t == 0;
     for (int k = 0; k < 3; k++)
         same = same && powers.positions[k] == 0;

@@ -15,12 +15,19 @@ enum fuzz_scaling {
     FUZZ_SCALINGS
 };
 
-/* The trial with ray `ray` alone, scaled up as far as rays and scenes are answered for (2^40), its
- * range likewise; a tmax beyond the largest float becomes infinite.
+#define FUZZ_SCALE_STEPS 16u /* from a trial as it is to one scaled as far as can be */
+
+/* The trial with ray `ray` alone, scaled up `step` of FUZZ_SCALE_STEPS of the way to as far as rays
+ * and scenes are answered for (2^40), its range likewise; a tmax beyond the largest float becomes
+ * infinite. *power: each t is times two to that.
  * *possible: whether that is another trial, of a ray in contract. Else *out is zero.
  * Errors: STATUS_MEMORY. */
 enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray,
-                              enum fuzz_scaling scaling, struct fuzz_trial *out, bool *possible,
-                              struct reason *reason) MUST_USE;
+                              enum fuzz_scaling scaling, uint32_t step, struct fuzz_trial *out,
+                              int *power, bool *possible, struct reason *reason) MUST_USE;
+
+/* Whether an answer is the other one, scaled: the same triangle, u and v, and t times 2^power. Who
+ * answers so does not know of the scale. */
+bool fuzz_hit_is_scaled(const struct hit *hit, const struct hit *scaled, int power);
 
 #endif

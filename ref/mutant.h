@@ -34,6 +34,8 @@
 #define MUTANT_T_OF_A_DOUBLE   661 /* an exact t is told as the middle of its enclosure */
 #define MUTANT_NEAR_IS_ENOUGH  662 /* explain: far rays need not agree with an imitation */
 #define MUTANT_CAUSE_UNTOLD    663 /* explain: a cause needs no ray that tells of it */
+#define MUTANT_SCALE_BY_VERDICT 664 /* explain: an answer that is the same, scaled, is a cure */
+#define MUTANT_SCALE_ONCE      665 /* explain: right at one other scale is enough for a cause */
 #define MUTANT_FAN_OFF         40  /* watertight tests get a boundary band on closed fans */
 #define MUTANT_NOT_CERTAIN     41  /* no exact hit is certain: losing it is always excused */
 #define MUTANT_HUGE_BOUND      42  /* the bound of t times a million */

@@ -15,18 +15,32 @@
 
 enum plan {
     PLAN_RIGHT,
-    PLAN_THRESHOLD, /* an absolute threshold of the determinant */
-    PLAN_LOSES,     /* always a miss */
-    PLAN_ONCE,      /* wrong the first time, then right */
-    PLAN_TWICE,     /* wrong the first two times, then right */
-    PLAN_EACH_OTHER /* another wrong distance each time */
+    PLAN_THRESHOLD,    /* an absolute threshold of the determinant */
+    PLAN_LOSES,        /* always a miss */
+    PLAN_ONCE,         /* wrong the first time, then right */
+    PLAN_TWICE,        /* wrong the first two times, then right */
+    PLAN_FARTHER,      /* t is larger by planned.share of itself, at every scale */
+    PLAN_NOW_AND_THEN, /* a hash of the ray's bits says which rays are lost */
+    PLAN_EACH_OTHER    /* another wrong distance each time */
 };
 
 static struct {
     enum plan plan;
     struct job job;
     uint32_t asked;
+    float share;
+    bool narrow; /* a triangle that is seen from a thousand times its size away */
+    uint32_t salt;
 } planned;
+
+static uint32_t hash_of(const struct ray *ray)
+{
+    uint32_t hash = planned.salt, word[8];
+    memcpy(word, ray, sizeof word);
+    for (int i = 0; i < 8; i++)
+        hash = (hash ^ word[i]) * 0x9E3779B1u ^ hash >> 15;
+    return hash;
+}
 
 static enum status planned_open(const struct engine_options *options, void **self,
                                 struct reason *reason)
@@ -55,6 +69,10 @@ static enum status planned_trace(void *self, const struct ray *ray, size_t count
         trace_brute(planned.job.scene, tri_test_find(test), QUERY_CLOSEST, &ray[i], &hit[i]);
         if (planned.plan == PLAN_LOSES || (planned.plan == PLAN_ONCE && planned.asked == 1) ||
             (planned.plan == PLAN_TWICE && planned.asked <= 2))
+            hit[i] = miss;
+        if (planned.plan == PLAN_FARTHER)
+            hit[i].t *= 1 + planned.share;
+        if (planned.plan == PLAN_NOW_AND_THEN && hash_of(&ray[i]) >> 31)
             hit[i] = miss;
         if (planned.plan == PLAN_EACH_OTHER)
             hit[i].t += (float)planned.asked;
@@ -87,12 +105,15 @@ static struct fuzz_trial one_triangle(float size)
     struct reason reason;
     if (fuzz_trial_make(3, 1, 1, &trial, &reason))
         fail_msg("%s", reason.text);
-    const float vertex[9] = {0, 0, 0, size, 0, 0, 0, size, 0};
+    const float wide = planned.narrow ? 0x1p-10f * size : size;
+    const float vertex[9] = {0, 0, 0, wide, 0, 0, 0, wide, 0};
     memcpy(trial.scene.vertex, vertex, sizeof vertex);
     for (uint32_t i = 0; i < 3; i++)
         trial.scene.index[i] = i;
-    trial.ray[0] = (struct ray){
-        .org = {0.25f * size, 0.25f * size, -size}, .dir = {0, 0, size}, .tmax = 1000.0f};
+    const float before = planned.narrow ? 1 : 0; /* the ray comes from aside */
+    trial.ray[0] = (struct ray){.org = {(0.25f - before) * wide, 0.25f * wide, -size},
+                                .dir = {before * wide, 0, size},
+                                .tmax = 1000.0f};
     return trial;
 }
 
@@ -148,6 +169,31 @@ static void a_cause_is_found_by_asking_again(void **state)
     }
 }
 
+/* A distance that is wrong by the same share at every scale: what changes with axes of their own is
+ * the judge's measure of it, so that somewhere it is called right. And rays that are lost now and
+ * then, at any scale: half of them are right at the last one. */
+static void what_is_wrong_at_any_scale_is_not_called_scale(void **state)
+{
+    (void)state;
+    size_t farther = 0, lost = 0;
+    char text[FUZZ_SIGNATURE_MOST];
+    planned.narrow = true;
+    for (planned.share = 0x1p-22f; planned.share < 0.01f; planned.share *= 1.0625f) {
+        play(PLAN_FARTHER, 4e-3f, text);
+        farther += strcmp(text, "planned.-.distance.outside") == 0;
+        if (strstr(text, ".scale"))
+            fail_msg("t off by %a: %s", (double)planned.share, text);
+    }
+    planned.narrow = false;
+    for (planned.salt = 1; planned.salt < 60; planned.salt++) {
+        play(PLAN_NOW_AND_THEN, 4e-3f, text);
+        lost += strcmp(text, "planned.-.missed.outside") == 0;
+        if (strstr(text, ".scale"))
+            fail_msg("salt %u: %s", planned.salt, text);
+    }
+    assert_true(farther > 20 && lost > 15);
+}
+
 /* Only exponents change: of positions alike, of the direction alike, of the range what follows. */
 static void a_scaled_trial_is_the_same_question(void **state)
 {
@@ -171,9 +217,11 @@ static void a_scaled_trial_is_the_same_question(void **state)
         struct ray *ray = &trial.ray[0];
         struct reason reason;
         bool possible;
+        int power;
         *ray = (struct ray){
             {cases[i].size, 0, 0}, cases[i].tmin, {0, 0, cases[i].direction}, cases[i].tmax};
-        assert_int_equal(fuzz_trial_scaled(&trial, 0, FUZZ_SCALE_ALL, &scaled, &possible, &reason),
+        assert_int_equal(fuzz_trial_scaled(&trial, 0, FUZZ_SCALE_ALL, FUZZ_SCALE_STEPS, &scaled,
+                                           &power, &possible, &reason),
                          STATUS_OK);
         assert_int_equal(possible, cases[i].possible);
         if (possible) {
@@ -217,12 +265,14 @@ static void axes_scale_each_by_itself(void **state)
         struct ray *ray = &trial.ray[0];
         struct reason reason;
         bool possible;
+        int power;
         for (int k = 0; k < 3; k++)
             trial.scene.vertex[3 * k] = (float)(k + 1) * 0x1p-118f; /* at most 2^-116 */
         trial.scene.vertex[8] = 1;
         *ray = (struct ray){{0x1p-119f, 1, 0}, cases[i].tmin, {0}, cases[i].tmax};
         memcpy(ray->dir, cases[i].dir, sizeof ray->dir);
-        assert_int_equal(fuzz_trial_scaled(&trial, 0, FUZZ_SCALE_AXES, &scaled, &possible, &reason),
+        assert_int_equal(fuzz_trial_scaled(&trial, 0, FUZZ_SCALE_AXES, FUZZ_SCALE_STEPS, &scaled,
+                                           &power, &possible, &reason),
                          STATUS_OK);
         if (possible != cases[i].possible)
             fail_msg("case %zu: %d", i, possible);
@@ -245,6 +295,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cause_is_found_by_asking_again),
+        cmocka_unit_test(what_is_wrong_at_any_scale_is_not_called_scale),
         cmocka_unit_test(a_scaled_trial_is_the_same_question),
         cmocka_unit_test(axes_scale_each_by_itself),
     };
