@@ -89,7 +89,9 @@ static void print_played(const struct replay_file *file, const struct replay_pla
             printf("  %-13s %-13s ", "", "");
         printf("%s %s", fuzz_kind_name(finding->signature.kind),
                cause_name(finding->signature.cause));
-        if (text[0])
+        if (finding->said[0])
+            printf(", %s", finding->said);
+        else if (text[0])
             printf(", ray %u %s", finding->ray, text);
         puts(file->file.has_signature && i == played->expected ? " <- expected" : "");
     }

@@ -36,12 +36,16 @@ enum status fuzz_field_draw(const struct engine *const *engine, size_t engine_co
                             const struct engine_options *options, struct fuzz_field *out,
                             struct reason *reason) MUST_USE;
 
+#define FUZZ_SAID_MOST 200
+
 struct fuzz_finding {
     struct fuzz_signature signature; /* cause: CAUSE_UNEXPLAINED until fuzz_explain */
     size_t contestant;
     uint32_t ray; /* index in the trial */
     struct hit answer;
     struct judgement judgement;
+    char said[FUZZ_SAID_MOST]; /* of bytes that are no tree: which record, slot and bound, in the
+                                  words of packed_check; else "" */
 };
 
 /* What one trial came to. Every answer is judged alone, by the same judge as everywhere; of a

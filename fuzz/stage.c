@@ -3,6 +3,7 @@
 
 #include "fuzz/plugin_guard.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,14 +42,20 @@ static enum status make_room(struct stage *stage, size_t seats, size_t rays)
     return STATUS_OK;
 }
 
+static void say(struct stage *stage, size_t i, const struct reason *reason)
+{
+    snprintf(stage->said[i], FUZZ_SAID_MOST, "%.*s", FUZZ_SAID_MOST - 1, reason->text);
+}
+
 /* A layout's bytes are at fault only if the tree that they were made from was none. */
-static bool is_broken(const struct stage *stage, size_t i, enum status *status)
+static bool is_broken(struct stage *stage, size_t i, enum status *status)
 {
     const struct scene *scene = &stage->trial->scene;
     struct reason reason;
     *status = packed_check(&stage->packed[i], scene, NULL, &reason);
     if (*status != STATUS_INPUT)
         return false;
+    say(stage, i, &reason);
     *status = bvh_check(stage_tree(stage, i), scene, &reason);
     bool sound = *status == STATUS_OK;
     if (*status == STATUS_INPUT)
@@ -83,6 +90,7 @@ static enum status pack_all(struct stage *stage, const struct fuzz_player *playe
         const struct layout *layout = player->layout[i];
         stage->has_packed[i] = false;
         stage->fault[i] = FUZZ_KIND_COUNT;
+        stage->said[i][0] = '\0';
         if (!stage->has_tree)
             continue;
         enum status status = pack(stage, layout, i, reason);
@@ -91,6 +99,7 @@ static enum status pack_all(struct stage *stage, const struct fuzz_player *playe
         if ((layout->outside && (status == STATUS_INPUT || status == STATUS_DEVICE)) ||
             (status == STATUS_INPUT && stage->trial->move > 0)) {
             stage->fault[i] = outside_fault(status);
+            say(stage, i, reason);
             continue;
         }
         stage->has_packed[i] = status == STATUS_OK;

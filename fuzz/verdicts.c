@@ -56,6 +56,8 @@ static void keep(struct judging *j, size_t seat, enum fuzz_kind kind, uint32_t r
         finding->answer = answers->hit[ray];
     if (judgement)
         finding->judgement = *judgement;
+    if (who->layout && j->stage->fault[who->layout_index] == kind)
+        memcpy(finding->said, j->stage->said[who->layout_index], sizeof finding->said);
 }
 
 /* One judge for all seats that are judged alike. */

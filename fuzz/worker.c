@@ -57,11 +57,15 @@ static const char *say_kind(enum fuzz_kind kind)
     }
 }
 
+_Static_assert(WORK_OPINION_MOST >= FUZZ_SAID_MOST, "what is said of a tree is an opinion");
+
 static void form_opinion(const struct fuzz_trial *trial, const struct fuzz_finding *finding,
                          char text[WORK_OPINION_MOST])
 {
     const char *said = say_kind(finding->signature.kind);
-    if (said[0] || finding->ray >= trial->ray_count)
+    if (finding->said[0])
+        memcpy(text, finding->said, sizeof finding->said);
+    else if (said[0] || finding->ray >= trial->ray_count)
         snprintf(text, WORK_OPINION_MOST, "%s", said);
     else
         judge_line(&trial->ray[finding->ray], &finding->judgement, &finding->answer, text,
