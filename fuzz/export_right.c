@@ -13,8 +13,9 @@ struct asking {
     const struct ray *ray;
     const struct oracle_answer *truth;
     float v[3][3]; /* of the triangle that is answered */
-    bool follow;   /* the formula is not known: u and v are those of the ray's point at t, as the
-                      judge only asks whether the two places are the same */
+    bool follow;   /* the formula is not known: only t is looked for, with u and v of the ray's
+                      point at t, or else of the triangle's point nearest to its line */
+    float line_u, line_v; /* the latter */
     bool no_memory;
 };
 
@@ -86,6 +87,12 @@ static bool takes(struct asking *asking, struct hit *hit)
         follow(asking, hit);
     if (judge_answer(asking->judge, asking->ray, asking->truth, hit, &judgement))
         asking->no_memory = true;
+    if (asking->follow && judgement.wrong == WRONG_BARYCENTRIC) {
+        hit->u = asking->line_u;
+        hit->v = asking->line_v;
+        if (judge_answer(asking->judge, asking->ray, asking->truth, hit, &judgement))
+            asking->no_memory = true;
+    }
     return judgement.verdict != VERDICT_WRONG;
 }
 
@@ -160,9 +167,15 @@ static enum status add_around(struct export_case *the, struct asking *asking, ui
     return add(the, &right, reason);
 }
 
-/* Where the ray's line is nearest to the edge from a to b, in multiples of its direction. */
-static double nearest_t(const struct ray *ray, const float a[3], const float b[3])
+/* Where the line of the ray and the edge from a to b are nearest: multiples of the direction and of
+ * the edge, and the square of their distance there. */
+struct nearest {
+    double t, s, square;
+};
+
+static struct nearest nearest_of(const struct ray *ray, const float a[3], const float b[3])
 {
+    struct nearest out = {0};
     double d[3], edge[3], to[3], at[3];
     for (int k = 0; k < 3; k++) {
         d[k] = (double)ray->dir[k];
@@ -171,11 +184,36 @@ static double nearest_t(const struct ray *ray, const float a[3], const float b[3
     }
     double dd = dot(d, d), de = dot(d, edge), ee = dot(edge, edge);
     double across = dd * ee - de * de;
-    double s = across > 0 ? (dd * dot(edge, to) - de * dot(d, to)) / across : 0;
-    s = s < 0 ? 0 : s > 1 ? 1 : s;
+    out.s = across > 0 ? (dd * dot(edge, to) - de * dot(d, to)) / across : 0;
+    out.s = out.s < 0 ? 0 : out.s > 1 ? 1 : out.s;
     for (int k = 0; k < 3; k++)
-        at[k] = s * edge[k] - to[k];
-    return dot(at, d) / dd;
+        at[k] = out.s * edge[k] - to[k];
+    out.t = dot(at, d) / dd;
+    for (int k = 0; k < 3; k++)
+        out.square += (at[k] - out.t * d[k]) * (at[k] - out.t * d[k]);
+    return out;
+}
+
+/* u and v of the triangle's point that is nearest to the line of the ray; *edge_t: the multiples of
+ * the direction that are nearest to each edge. */
+static void follow_line(struct asking *asking, const struct twin *twin, double edge_t[3])
+{
+    double u = twin->u_near, v = twin->v_near, least = INFINITY;
+    bool inside = u >= 0 && v >= 0 && u + v <= 1;
+    for (int c = 0; c < 3; c++) {
+        double weight[3] = {0, 0, 0};
+        struct nearest nearest = nearest_of(asking->ray, asking->v[c], asking->v[(c + 1) % 3]);
+        weight[c] = 1 - nearest.s;
+        weight[(c + 1) % 3] = nearest.s;
+        edge_t[c] = nearest.t;
+        if (!inside && nearest.square < least) {
+            least = nearest.square;
+            u = weight[1];
+            v = weight[2];
+        }
+    }
+    asking->line_u = float_is_finite((float)u) ? (float)u : 0;
+    asking->line_v = float_is_finite((float)v) ? (float)v : 0;
 }
 
 /* Where the ray hits the triangle, exactly, or else its plane; not finite if it is parallel. */
@@ -215,20 +253,22 @@ static enum status ask_triangle(struct export_case *the, struct asking *asking, 
     enum twin_formula formula = asking->follow ? TWIN_WOOP : the->model.formula;
     const struct ray *ray = asking->ray;
     float(*v)[3] = asking->v;
+    double edge_t[3];
     scene_tri(&the->trial->scene, prim, v);
     struct twin twin = twin_eval(formula, the->model.rounding, ray, v);
     if (!asking->follow && !twin.possible)
         return STATUS_OK;
     float u_near = (float)twin.u_near, v_near = (float)twin.v_near;
+    follow_line(asking, &twin, edge_t);
     double earliest = twin.t_near - (twin.t_err - twin.t_off) * (1.0 - 0x1p-20);
     float early = (float)earliest;
     early = (double)early < earliest ? nextafterf(early, INFINITY) : early;
     struct hit tried[] = {{(float)twin.t_near, u_near, v_near, prim},
                           {(float)plane_t(the, asking, prim), u_near, v_near, prim},
                           {twin.t, twin.u, twin.v, prim},
-                          {(float)nearest_t(ray, v[0], v[1]), u_near, v_near, prim},
-                          {(float)nearest_t(ray, v[1], v[2]), u_near, v_near, prim},
-                          {(float)nearest_t(ray, v[2], v[0]), u_near, v_near, prim},
+                          {(float)edge_t[0], u_near, v_near, prim},
+                          {(float)edge_t[1], u_near, v_near, prim},
+                          {(float)edge_t[2], u_near, v_near, prim},
                           {ray->tmin, 0, 0, prim},
                           {early, u_near, v_near, prim}};
     for (size_t k = 0; k < ARRAY_COUNT(tried); k++) {

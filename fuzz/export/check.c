@@ -58,11 +58,11 @@ static int is_within(float x, const float interval[2])
 }
 
 #if EXPORT_FOLLOWED
-/* u and v give the same place as the ray's point at t, but for 2^-14 of the triangle's distance. */
+/* u and v weigh a place on the ray's line, but for 2^-14 of the triangle's distance. */
 static int is_there(uint32_t i, const struct hit *hit)
 {
     struct ray ray;
-    double most = 0, apart = 0;
+    double most = 0, apart = 0, along = 0, squared = 0, place[3];
     memcpy(&ray, rays[i], sizeof ray);
     for (int c = 0; c < 3; c++) {
         double length = 0;
@@ -73,12 +73,16 @@ static int is_there(uint32_t i, const struct hit *hit)
         most = length > most ? length : most;
     }
     for (int k = 0; k < 3; k++) {
-        double u = (double)hit->u, v = (double)hit->v;
-        double place = (1 - u - v) * (double)vertices[indices[hit->prim][0]][k] +
-                       u * (double)vertices[indices[hit->prim][1]][k] +
-                       v * (double)vertices[indices[hit->prim][2]][k] - (double)ray.org[k] -
-                       (double)hit->t * (double)ray.dir[k];
-        apart += place * place;
+        double u = (double)hit->u, v = (double)hit->v, d = (double)ray.dir[k];
+        place[k] = (1 - u - v) * (double)vertices[indices[hit->prim][0]][k] +
+                   u * (double)vertices[indices[hit->prim][1]][k] +
+                   v * (double)vertices[indices[hit->prim][2]][k] - (double)ray.org[k];
+        along += place[k] * d;
+        squared += d * d;
+    }
+    for (int k = 0; k < 3; k++) {
+        double rest = place[k] - along / squared * (double)ray.dir[k];
+        apart += rest * rest;
     }
     return apart <= most * 0x1p-28;
 }
