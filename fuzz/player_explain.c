@@ -152,10 +152,11 @@ static enum status together_cause(const struct seat *seat, const struct fuzz_tri
     return status == STATUS_MEMORY ? status : STATUS_OK;
 }
 
-/* How far an answer is from what is exactly right, in t; infinite if it is another triangle. */
+/* How far an answer is from what is exactly right, in t; infinite if it is another triangle or its t
+ * is no number. */
 static double error_of(const struct hit *hit, uint32_t expected, double t_lo, double t_hi)
 {
-    if (hit->prim != expected)
+    if (hit->prim != expected || (hit->prim != ABI_NO_PRIM && !float_is_finite(hit->t)))
         return INFINITY;
     double middle = 0.5 * (t_lo + t_hi);
     return hit->prim == ABI_NO_PRIM ? 0 : fabs((double)hit->t - middle) / middle;
@@ -179,7 +180,7 @@ static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray
         return false;
     double was = error_of(&finding->answer, before->expected, before->t_lo, before->t_hi);
     double is = error_of(&answer->answer.hit, truth->prim, truth->t_lo, truth->t_hi);
-    return kind == fuzz_kind_of_wrong(WRONG_BARYCENTRIC) ? isfinite(is) : is <= 0.25 * was;
+    return isfinite(is) && (kind == fuzz_kind_of_wrong(WRONG_BARYCENTRIC) || is <= 0.25 * was);
 }
 
 /* Asks an engine from outside at another scale: *asked whether it was, *cured whether it is right.
