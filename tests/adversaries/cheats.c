@@ -59,7 +59,8 @@ static bool answer_of(const struct lie *lie, size_t i, uint32_t prim, struct hit
     return hit->t >= lie->ray[i].tmin && hit->t <= lie->ray[i].tmax;
 }
 
-/* Answers the next exact hit behind the nearest, by at most `most`; false if there is none. */
+/* Answers the next exact hit behind the nearest, by at most `most`; false if there is none, or if
+ * that would lose two. */
 static bool pass(const struct lie *lie, size_t i, double most, struct hit *hit, size_t *crossings)
 {
     struct oracle_crossing *list = NULL;
@@ -70,7 +71,7 @@ static bool pass(const struct lie *lie, size_t i, double most, struct hit *hit, 
     if (truth->prim == ABI_NO_PRIM || oracle_crossings(lie->match->oracle, &lie->ray[i], INFINITY,
                                                        &list, &capacity, &count, NULL))
         return false;
-    for (size_t k = 0; k < count && !passed; k++) {
+    for (size_t k = 0; k < count && k < 2 && !passed; k++) {
         struct hit other;
         double behind = list[k].pair.t_lo - truth->t_hi;
         if (list[k].pair.class == ORACLE_INSIDE && behind > 0 && behind <= most &&
@@ -88,6 +89,8 @@ static bool pass(const struct lie *lie, size_t i, double most, struct hit *hit, 
 static void lose_nearest(const struct lie *lie, size_t i, struct hit *hit)
 {
     size_t crossings;
+    if (hit->prim != truth_of(lie, i)->prim)
+        return; /* another one is lost already */
     if (!pass(lie, i, INFINITY, hit, &crossings) && crossings <= 1)
         lose(hit);
 }
@@ -327,8 +330,8 @@ void lists_one_twice(const struct lie *lie, size_t i, struct hit *hit, uint32_t 
                      uint32_t capacity)
 {
     (void)lie, (void)i;
-    if (*count > 0 && *count < capacity)
-        hit[(*count)++] = hit[0];
+    if (*count > 0 && (*count)++ < capacity)
+        hit[*count - 1] = hit[0];
 }
 
 void leaves_one_out(const struct lie *lie, size_t i, struct hit *hit, uint32_t *count,
@@ -341,8 +344,8 @@ void leaves_one_out(const struct lie *lie, size_t i, struct hit *hit, uint32_t *
 
 void swaps_two(const struct lie *lie, size_t i, struct hit *hit, uint32_t *count, uint32_t capacity)
 {
-    (void)lie, (void)i, (void)capacity;
-    if (*count > 1) {
+    (void)lie, (void)i;
+    if (*count > 1 && capacity > 1) {
         uint32_t prim = hit[0].prim;
         hit[0].prim = hit[1].prim;
         hit[1].prim = prim;
