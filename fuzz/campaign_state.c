@@ -136,7 +136,7 @@ static bool put_offered(const struct campaign *c, char *state)
     return campaign_state_put(state, FINDINGS_STATE_MOST, "offered", text);
 }
 
-/* The one that was being written when a kill came is shrunk if its file is there. */
+/* The one that was being written when a kill came is shrunk if its file is there; the log is told. */
 static void read_offered(struct campaign *c, const char *state)
 {
     char text[64];
@@ -144,7 +144,7 @@ static void read_offered(struct campaign *c, const char *state)
     unsigned long long hash;
     if (campaign_state_get(state, "offered", text, sizeof text) &&
         sscanf(text, "%zu:%16llx", &i, &hash) == 2 && i < c->marks)
-        c->mark[i].shrunk = findings_entry(c->findings, i)->smallest.hash == hash;
+        c->dirty = c->mark[i].shrunk = findings_entry(c->findings, i)->smallest.hash == hash;
 }
 
 void campaign_state_read(struct campaign *c)
