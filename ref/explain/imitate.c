@@ -90,6 +90,7 @@ static void try_all(const struct explain_case *the, const struct explain_answer 
                     struct explanation *out)
 {
     static const uint32_t caps[] = {65535, 65536, 32767, 16383, 4095, 1023, 255};
+    static const uint32_t pads[] = {0, 2, 4, 6}; /* none, an ulp, and what is copied widely */
     const struct explain_tree *tree = the->replay.tree;
     for (enum defect defect = DEFECT_NONE + 1; defect < DEFECT_COUNT; defect++) {
         if (defect == DEFECT_SLOT) {
@@ -102,6 +103,9 @@ static void try_all(const struct explain_case *the, const struct explain_answer 
         } else if (defect == DEFECT_LOOP) {
             for (size_t i = 0; i < ARRAY_COUNT(caps); i++)
                 try_defect(the, answer, defect, caps[i], out);
+        } else if (defect == DEFECT_NOT_PADDED) {
+            for (size_t i = 0; tree && i < ARRAY_COUNT(pads); i++)
+                try_defect(the, answer, defect, pads[i], out);
         } else if (tree || defect == DEFECT_ZERO || defect == DEFECT_EDGE_FUSED ||
                    defect == DEFECT_LAST_WINS) {
             try_defect(the, answer, defect, 0, out);

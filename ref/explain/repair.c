@@ -124,7 +124,7 @@ static const struct {
                            "the stack is shorter, and what does not fit ends the walk"},
     [DEFECT_FLUSHED] = {CAUSE_HALF_SUBNORMAL_FLUSHED, "small bounds read as 0"},
     [DEFECT_STRICT] = {CAUSE_STRICT_COMPARISON, "box test: < for <="},
-    [DEFECT_NOT_PADDED] = {CAUSE_BOX_PADDING_TOO_SMALL, "box test: planes not padded"},
+    [DEFECT_NOT_PADDED] = {CAUSE_BOX_PADDING_TOO_SMALL, "box test: planes padded by so many 2^-24 only"},
     [DEFECT_NOT_BEHIND] = {CAUSE_BOX_PADDING_TOO_SMALL,
                            "box test: nothing reaches behind the origin"},
     [DEFECT_SLAB_FUSED] = {CAUSE_DRIVER_ARITHMETIC, "box test: b / d - o / d by fma"},
@@ -147,5 +147,5 @@ const char *defect_text(enum defect defect)
 bool defect_is_numbered(enum defect defect)
 {
     return defect == DEFECT_SLOT || defect == DEFECT_FAR_DROPPED || defect == DEFECT_STACK_FULL ||
-           defect == DEFECT_LOOP;
+           defect == DEFECT_NOT_PADDED || defect == DEFECT_LOOP;
 }

@@ -105,7 +105,7 @@ enum defect {
     DEFECT_STACK_FULL,  /* the stack holds `parameter` entries; one more ends the walk unfinished */
     DEFECT_FLUSHED,     /* bounds below 2^-14 in magnitude read as 0 */
     DEFECT_STRICT,      /* box test: < */
-    DEFECT_NOT_PADDED,  /* box test: planes not padded */
+    DEFECT_NOT_PADDED,  /* box test: planes padded by `parameter` u only, u = 2^-24 */
     DEFECT_NOT_BEHIND,  /* box test: what reaches behind the origin forgotten */
     DEFECT_SLAB_FUSED,  /* box test: fma(b, 1/d, -(o * 1/d)) */
     DEFECT_SLAB_SPLIT,  /* box test: b * 1/d - o * 1/d, each rounded */

@@ -2,6 +2,7 @@
 
 #include "ref/explain/fused.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -58,8 +59,11 @@ static void set_rule(struct state *s)
         pad(rule);
     if (spoilt(s, DEFECT_STRICT))
         rule->closed = false;
-    if (spoilt(s, DEFECT_NOT_PADDED))
-        rule->far = rule->near = 1.0f;
+    if (spoilt(s, DEFECT_NOT_PADDED)) { /* FLT_EPSILON is 2 u */
+        float pad = 0.5f * FLT_EPSILON * (float)s->change->parameter;
+        rule->far = 1.0f + pad;
+        rule->near = 1.0f - pad;
+    }
     if (spoilt(s, DEFECT_NOT_BEHIND))
         rule->behind = 0.0f;
     if (spoilt(s, DEFECT_SLAB_FUSED))
