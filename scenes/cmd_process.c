@@ -59,18 +59,21 @@ static void on_caught(int number)
         set_grace(0, PROCESS_GRACE_MS * 1000000L);
 }
 
-static void install(void (*handler)(int number))
+/* What was ignored at the start stays so: under nohup, and in the background of a script. Commands
+ * that end by themselves listen to SIGINT and SIGTERM there, too, as scripts send them. */
+static void install(void (*handler)(int number), bool listens)
 {
     for (size_t i = 0; i < ARRAY_COUNT(ends); i++) {
         struct sigaction before, action = {.sa_handler = handler, .sa_flags = SA_RESTART};
-        if (sigaction(ends[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+        if (sigaction(ends[i], NULL, &before) == 0 &&
+            (before.sa_handler != SIG_IGN || (listens && ends[i] != SIGHUP)))
             sigaction(ends[i], &action, NULL);
     }
 }
 
 void process_signals(void)
 {
-    install(end_by);
+    install(end_by, false);
 }
 
 void process_signals_caught(volatile sig_atomic_t *caught)
@@ -84,7 +87,7 @@ void process_signals_caught(volatile sig_atomic_t *caught)
         return;
     sigaction(SIGALRM, &late, NULL);
     caught_flag = caught;
-    install(on_caught);
+    install(on_caught, true);
 }
 
 void process_signal_taken(void)
