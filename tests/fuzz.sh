@@ -128,7 +128,7 @@ has out 'smallest: [1-4] triangles?, 1 ray$'
 printed=$(sed -n 's/^ *raydiff replay//p' "$dir/out" | head -n 1)
 eval "\"\$raydiff\" replay --brief $printed" >"$dir/out" 2>"$dir/err"
 [ $? -eq 1 ] || bad "the command that was printed plays a tracer's finding"
-finding=$(ls -d "$dir"/bug/pipe:tracer_bug1.* | head -n 1)
+finding=$(ls -d "$dir"/bug/pipe=tracer_bug1.* | head -n 1)
 "$raydiff" replay "$finding/smallest.trial" --brief --engine "${tracer}_bug1" >"$dir/out" 2>"$dir/err"
 [ $? -eq 1 ] || bad "a tracer's finding fails when it is replayed"
 "$raydiff" replay "$finding/smallest.trial" --brief --engine "$tracer" >"$dir/out" 2>"$dir/err"
