@@ -49,7 +49,7 @@ const struct fuzz_trial *feedback_trial(const struct feedback *feedback, size_t 
 
 /* Writes every kept trial that this feedback has not written yet to HASH.trial of the folder (16
  * digits of fuzz_trial_hash): a finding file that expects nothing. Each appears whole or not at
- * all; a file that is there already stays. Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+ * all; an existing file is kept. Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
 enum status feedback_save(struct feedback *feedback, const struct folder *folder,
                           struct reason *reason) MUST_USE;
 

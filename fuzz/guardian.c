@@ -154,7 +154,7 @@ static _Noreturn void guard(guardian_fn *run, const void *user, int line)
         close_all_but(line);
     bool told = send(line, &why, sizeof why, MSG_NOSIGNAL) == sizeof why;
     if (pid > 0) {
-        setpgid(pid, pid); /* whoever is first: it must be done before the group is killed */
+        setpgid(pid, pid); /* both sides do it: it must be done before the group is killed */
         if (told)
             keep_watch(pid, line);
         else

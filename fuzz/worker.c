@@ -57,7 +57,7 @@ static const char *say_kind(enum fuzz_kind kind)
     }
 }
 
-_Static_assert(WORK_OPINION_MOST >= FUZZ_SAID_MOST, "what is said of a tree is an opinion");
+_Static_assert(WORK_OPINION_MOST >= FUZZ_SAID_MOST, "the line about a tree fits in an opinion");
 
 static void form_opinion(const struct fuzz_trial *trial, const struct fuzz_finding *finding,
                          char text[WORK_OPINION_MOST])

@@ -10,7 +10,7 @@
 #define SHARP 0.25
 
 /* Where the determinant's sign is open the ray lies in the triangle's plane, as far as float32 can
- * tell: then a t that the formula can come to is said to be on the triangle where the ray is inside
+ * tell: then a t that the formula can come to counts as on the triangle where the ray is inside
  * its box, and any other is the quotient of two roundings. */
 static bool on_the_triangle(const struct ray *ray, float v[3][3], double t)
 {

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Whoever is named must answer something. A tracer that refuses everything, or all but a little, makes
+# A named member must answer something. A tracer that refuses everything, or all but a little, makes
 # every command that names it end with exit code 1 and a line that counts what it refused.
 #   sh tests/named.sh BUILD/raydiff
 set -u
@@ -29,7 +29,7 @@ for who in "$all" "$opening" "$rays"; do
     says 1 'it answered no trial' fuzz --trials 8 --rays 50 --corpus none --engine "$who" --dir "$dir/f${#who}"
 done
 
-# In files, too; who answers is not accused.
+# In files, too; a member that answers is not accused.
 says 1 "answered 0 of 1, refused 1" check sphere:n=4 $small --engine "cpu,$all" --json "$dir/check.json"
 grep -A 8 '"name": "pipe:' "$dir/check.json" | grep -q '"refused": 1' || bad "check --json: no count of what was refused"
 grep -A 8 '"name": "pipe:' "$dir/check.json" | grep -q '"vacuous": true' || bad "check --json: not vacuous"
@@ -43,7 +43,7 @@ expect 1 . fuzz --trials 8 --rays 50 --corpus none --engine "cpu,$all" --dir "$d
 grep -A 6 "\"name\": \"$all\"" "$dir/g.json" | grep -q '"refused": 8' || bad "fuzz --json: no count of what was refused"
 grep -q "name=\"$all.played\".*<failure" "$dir/g.xml" || bad "fuzz --junit: who refuses all passes"
 grep -q "^not ok .* - $all.played" "$dir/g.tap" || bad "fuzz --tap: who refuses all passes"
-grep -q "^ok .* - cpu.f32.played" "$dir/g.tap" || bad "fuzz --tap: who answers is accused"
+grep -q "^ok .* - cpu.f32.played" "$dir/g.tap" || bad "fuzz --tap: a member that answers is accused"
 grep -q "\"name\": \"$all\".*it answered no trial" "$dir/g.jsonl" || bad "fuzz --jsonl: who refuses all passes"
 
 # No stand-in passes for it: what it refuses is passed by nobody.

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Whoever is named must answer something: what tests/named.sh says of check, conform and fuzz holds for
+# A named member must answer something: what tests/named.sh tests of check, conform and fuzz holds for
 # every other command that names engines.
 #   sh tests/named_others.sh BUILD/raydiff
 set -u

@@ -160,7 +160,7 @@ static const char *play(const struct job *job, const struct task *task, const ch
         return "it fails and does not say why";
     if ((task->kind == FAULT_SHORT || task->kind == EINTR) && result.code != job->wanted) {
         snprintf(why, TREES_WHY_MOST, "exit code %d", result.code);
-        return "what was interrupted, or done in part, is not gone on with";
+        return "an interrupted or partial call is not resumed";
     }
     if (!tree_is_whole(work, false, why))
         return "a file is torn";
