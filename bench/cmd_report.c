@@ -140,12 +140,13 @@ static enum status take_passed(struct report_options *o, int option, const char 
         return status ? status : pass(o, TO_CHECK | TO_ERROR | TO_PICTURES, "--seed", text, reason);
     }
     static const struct option known[] = {ENGINE_OPTIONS};
+    const unsigned to = option == OPT_SHADER ? TO_CHECK | TO_ERROR : TO_OTHERS;
     status = engine_option_take(option, text, &tried, reason);
     for (size_t i = 0; known[i].name && !status; i++)
         if (known[i].val == option) {
             static char flags[ARRAY_COUNT(known)][24];
             snprintf(flags[i], sizeof flags[i], "--%s", known[i].name);
-            return pass(o, TO_OTHERS, flags[i], text, reason);
+            return pass(o, to, flags[i], text, reason);
         }
     return status;
 }

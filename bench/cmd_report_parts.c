@@ -3,7 +3,10 @@
 
 #include "fuzz/baseline.h"
 #include "fuzz/findings.h"
+#include "fuzz/plugin_guard.h"
+#include "fuzz/plugin_shader.h"
 #include "ref/command.h"
+#include "ref/mutant.h"
 #include "scenes/file.h"
 
 #include <stdlib.h>
@@ -32,6 +35,14 @@ void report_option(struct line *line, const char *flag, const char *value)
 {
     line_word(line, flag);
     line_word(line, value);
+}
+
+void report_layout(struct line *line, const char *name)
+{
+    const char *shader = plugin_shader_of(name);
+    report_option(line, "--layout", name);
+    if (shader && MUTANT != MUTANT_REPORT_NO_SHADER)
+        report_option(line, "--shader", shader);
 }
 
 static void number(struct line *line, const char *flag, uint64_t value)
@@ -185,6 +196,8 @@ static enum status make_finding(const struct report_options *options, struct run
     ask_baseline(options, findings, entry, &answer);
     line_begin(&line, "replay");
     line_word(&line, path);
+    if (plugin_path(entry->signature.layout))
+        report_layout(&line, plugin_path(entry->signature.layout));
     report_pass_on(&line, options, TO_OTHERS);
     char command[LINE_TEXT_BYTES];
     snprintf(command, sizeof command, "%s", line.text); /* without what only we need */

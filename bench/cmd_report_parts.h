@@ -18,7 +18,8 @@ struct baseline; /* fuzz/baseline.h */
 #define PICTURE_SCENES 2
 #define FILES_GIVEN    16
 
-/* An option that is handed on as it is; `to` are the commands that take it. */
+/* An option that is handed on as it is; `to` are the commands that take it. Shaders go where their
+ * layouts go: where one layout is picked of those named, its own does. */
 enum { TO_CHECK = 1, TO_ERROR = 2, TO_OTHERS = 4, TO_PICTURES = 8 };
 struct passed {
     unsigned to;
@@ -61,6 +62,9 @@ enum status report_make_pictures(const struct report_options *options, struct ru
 /* Adds the options that commands of `to` take; a flag with its value. */
 void report_pass_on(struct line *line, const struct report_options *options, unsigned to);
 void report_option(struct line *line, const char *flag, const char *value);
+
+/* Adds --layout, and the shader of one from outside. */
+void report_layout(struct line *line, const char *name);
 
 /* True if the user set it; else the part's own value stands. */
 bool report_is_passed(const struct report_options *options, const char *flag);

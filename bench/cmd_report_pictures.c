@@ -12,6 +12,7 @@
 #define ENGINES_MOST 8
 #define TEXT_BYTES   16384
 #define NAME_BYTES   96
+#define LAYOUT_BYTES 512
 
 /* The pictures of one scene, being made. */
 struct gallery {
@@ -87,12 +88,15 @@ static void pass_members(struct line *line, const struct report_options *options
 {
     for (size_t i = 0; i < options->passed_count; i++) {
         const struct passed *passed = &options->passed[i];
-        char name[40];
-        bool one = strcmp(passed->flag, "--box") == 0 || strcmp(passed->flag, "--tri") == 0 ||
-                   (layout && strcmp(passed->flag, "--layout") == 0);
+        char name[LAYOUT_BYTES];
+        bool test = strcmp(passed->flag, "--box") == 0 || strcmp(passed->flag, "--tri") == 0;
         snprintf(name, sizeof name, "%.*s", (int)strcspn(passed->value, ","), passed->value);
-        if (one && strcmp(name, "all") != 0)
+        if (strcmp(name, "all") == 0)
+            continue;
+        if (test)
             report_option(line, passed->flag, name);
+        else if (layout && strcmp(passed->flag, "--layout") == 0)
+            report_layout(line, name);
     }
     report_pass_on(line, options, TO_OTHERS | TO_PICTURES);
 }
@@ -278,7 +282,8 @@ static enum status look_at(struct gallery *gallery, size_t i, const char *layout
 }
 
 /* The first two layouts that the user named, or the baseline and the small one. */
-static void choose_layouts(const struct report_options *options, char first[40], char second[40])
+static void choose_layouts(const struct report_options *options, char first[LAYOUT_BYTES],
+                           char second[LAYOUT_BYTES])
 {
     const char *named = "f32,rf16";
     for (size_t i = 0; i < options->passed_count; i++)
@@ -286,14 +291,14 @@ static void choose_layouts(const struct report_options *options, char first[40],
             strcmp(options->passed[i].value, "all") != 0)
             named = options->passed[i].value;
     size_t length = strcspn(named, ",");
-    snprintf(first, 40, "%.*s", (int)length, named);
+    snprintf(first, LAYOUT_BYTES, "%.*s", (int)length, named);
     named += length + (named[length] == ',');
-    snprintf(second, 40, "%.*s", (int)strcspn(named, ","), named);
+    snprintf(second, LAYOUT_BYTES, "%.*s", (int)strcspn(named, ","), named);
 }
 
 static enum status look_at_tree(struct gallery *gallery, struct reason *reason)
 {
-    char first[40], second[40], both[80];
+    char first[LAYOUT_BYTES], second[LAYOUT_BYTES], both[2 * LAYOUT_BYTES];
     enum status status = STATUS_OK;
     choose_layouts(gallery->options, first, second);
     snprintf(both, sizeof both, "%s,%s", first, second);

@@ -400,6 +400,7 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     if (left > 0 && news > 0 && !view->unplayed && !view->unshrunk) {
         char command[FUZZ_PATH_MOST] = "raydiff min";
         command_word(command, sizeof command, c->folder);
+        replay_plugins(view->findings, command, sizeof command);
         printf("to shrink  %zu: %s\n", left, command);
     }
     print_turnout(view);

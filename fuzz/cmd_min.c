@@ -5,6 +5,7 @@
 #include "fuzz/pipe.h"
 #include "ref/cmd_options.h"
 #include "ref/command.h"
+#include "ref/mutant.h"
 
 #include <signal.h>
 #include <stdlib.h>
@@ -26,8 +27,9 @@ static const char help[] =
     "  --time S        end after so many seconds; then the result is not the same everywhere\n"
     "  --trial-time S  seconds that the engine may take for a trial     [10]\n"
     "  --memory MIB    that it may hold, 0 is no limit                  [4096]\n"
-    "  --engine E,...  brings pipe:COMMAND to a finding of pipe:PROGRAM\n" ENGINE_OPTIONS_HELP
-    "                  (--threads: here 1, since trials are small)\n"
+    "  --engine E,...  brings pipe:COMMAND to a finding of pipe:PROGRAM\n"
+    "  --layout L,...  brings FILE.so, a layout from outside, to findings on "
+    "it\n" ENGINE_OPTIONS_HELP "                  (--threads: here 1, since trials are small)\n"
     "  --json FILE     results, for machines\n\n"
     "exit codes: 0 done, 1 a finding does not show here and is left as it is, 2 bad input,\n"
     "            3 an engine cannot be opened, 4 internal error, 77 the engine cannot run here\n"
@@ -41,6 +43,7 @@ enum {
     OPT_TRIAL_TIME,
     OPT_MEMORY,
     OPT_ENGINE,
+    OPT_LAYOUT,
     OPT_JSON
 };
 
@@ -51,12 +54,43 @@ static const struct option long_options[] = {{"out", 1, NULL, OPT_OUT},
                                              {"trial-time", 1, NULL, OPT_TRIAL_TIME},
                                              {"memory", 1, NULL, OPT_MEMORY},
                                              {"engine", 1, NULL, OPT_ENGINE},
+                                             {"layout", 1, NULL, OPT_LAYOUT},
                                              {"json", 1, NULL, OPT_JSON},
                                              ENGINE_OPTIONS};
 
 static void print_help(void)
 {
     fputs(help, stdout);
+}
+
+/* A finding is on a layout; this can only bring one that raydiff has not got. */
+static enum status take_layouts(struct min_options *o, const char *text, struct reason *reason)
+{
+    struct list list;
+    enum status status = table_parse(TABLE_LAYOUTS, "--layout", text, &list, reason);
+    for (size_t i = 0; i < list.count && !status; i++) {
+        const struct layout *layout = layouts_all[list.index[i]];
+        if (!layout->outside)
+            return fail(reason, STATUS_INPUT,
+                        "--layout: findings are shrunk on their own; '%s' is here anyway, only "
+                        "FILE.so can be brought",
+                        layout->name);
+        for (size_t k = 0; k < o->layout_count; k++)
+            if (o->layout[k] == layout)
+                return fail(reason, STATUS_INPUT, "--layout: %s is named twice", layout->name);
+        o->layout[o->layout_count++] = layout; /* each once: they fit */
+    }
+    return status;
+}
+
+enum status min_check_layouts(const struct min_options *options, const char *path,
+                              min_is_on_fn *is_on, const void *user, struct reason *reason)
+{
+    for (size_t i = 0; i < options->layout_count && MUTANT != MUTANT_MIN_LAYOUT_UNUSED; i++)
+        if (!is_on(user, options->layout[i]))
+            return fail(reason, STATUS_INPUT, "--layout: no finding of %.200s is on %s", path,
+                        options->layout[i]->name);
+    return STATUS_OK;
 }
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
@@ -80,6 +114,8 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return parse_count("--memory", text, 0, 1u << 30, &o->memory_mib, reason);
     case OPT_ENGINE:
         return table_parse(TABLE_ENGINES, "--engine", text, &list, reason);
+    case OPT_LAYOUT:
+        return take_layouts(o, text, reason);
     case OPT_JSON:
         o->json = text;
         return STATUS_OK;
@@ -202,6 +238,12 @@ static enum status choose_out(const struct min_options *options, const char *pat
     return STATUS_OK;
 }
 
+static bool is_on(const void *user, const struct layout *layout)
+{
+    const struct min_row *row = user;
+    return row->file.has_signature && row->file.signature.layout == layout;
+}
+
 static int min_file(const struct min_options *options, const char *path)
 {
     struct min_row row = {0};
@@ -211,7 +253,12 @@ static int min_file(const struct min_options *options, const char *path)
         return usage_error("min", "%s",
                            strlen(path) >= sizeof row.path ? "too long a name" : reason.text);
     strcpy(row.path, path);
-    min_shrink(options, &row, finding_file_read(row.path, &row.file, &row.reason));
+    enum status read = finding_file_read(row.path, &row.file, &row.reason);
+    if (!read && min_check_layouts(options, path, is_on, &row, &reason)) {
+        min_row_free(&row);
+        return usage_error("min", "%s", reason.text);
+    }
+    min_shrink(options, &row, read);
     bool write = row.fate == MIN_SMALLER || (row.fate == MIN_SMALLEST && options->out);
     if (write) {
         enum status status = finding_file_write(&row.smaller, out, &row.reason);

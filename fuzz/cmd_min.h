@@ -12,6 +12,8 @@ struct min_options {
     bool force;
     uint64_t asks, seconds, trial_seconds, memory_mib;
     struct engine_options engines;
+    const struct layout *layout[LAYOUTS_ADDED_MOST]; /* brought from outside */
+    size_t layout_count;
 };
 
 enum min_fate {
@@ -35,8 +37,8 @@ struct min_row {
     int code; /* enum exit_code */
 };
 
-/* Shrinks row->file, which was read from row->path with this status and row->reason; sets everything
- * else but `written`. */
+/* Shrinks row->file, which was read from row->path with this status and row->reason; sets
+ * everything else but `written`. */
 void min_shrink(const struct min_options *options, struct min_row *row, enum status status);
 
 void min_row_free(struct min_row *row);
@@ -46,6 +48,14 @@ void min_print(const struct min_row *row);
 
 /* The same of a row of a folder, as a line of a table; NULL: its head. */
 void min_print_line(const struct min_row *row);
+
+/* Whether a finding is on the layout. */
+typedef bool min_is_on_fn(const void *user, const struct layout *layout);
+
+/* Errors: STATUS_INPUT a layout was brought that no finding of `path` is on. */
+enum status min_check_layouts(const struct min_options *options, const char *path,
+                              min_is_on_fn *is_on, const void *user,
+                              struct reason *reason) MUST_USE;
 
 /* Shrinks the smallest trial of each signature of a folder of findings, prints a table, and writes
  * options->json. Returns the exit code. */

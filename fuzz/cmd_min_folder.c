@@ -49,6 +49,15 @@ static void shrink_entry(const struct min_options *options, struct findings *fin
     }
 }
 
+static bool is_on(const void *user, const struct layout *layout)
+{
+    const struct findings *findings = user;
+    for (size_t i = 0; i < findings_count(findings); i++)
+        if (findings_entry(findings, i)->signature.layout == layout)
+            return true;
+    return false;
+}
+
 int min_folder(const struct min_options *options, const char *folder)
 {
     struct findings *findings;
@@ -59,6 +68,10 @@ int min_folder(const struct min_options *options, const char *folder)
     if (status) {
         fprintf(stderr, "raydiff min: %s\n", reason.text);
         return exit_of_status(status);
+    }
+    if (min_check_layouts(options, folder, is_on, findings, &reason)) {
+        findings_close(findings);
+        return usage_error("min", "%s", reason.text);
     }
     size_t count = findings_count(findings), smaller = 0;
     struct min_row *row = alloc_zeroed(count, sizeof *row);

@@ -4,6 +4,7 @@
 
 #include "fuzz/child.h"
 #include "fuzz/finding_file.h"
+#include "fuzz/findings.h"
 #include "fuzz/player.h"
 #include "ref/turnout.h"
 
@@ -63,6 +64,10 @@ bool replay_is_expected(const struct replay_options *options, const struct findi
  * it. `engine` may be NULL. */
 void replay_command(const char *path, const struct engine *engine, const struct layout *layout,
                     char *text, size_t text_bytes);
+
+/* Appends the layouts from outside that findings of the folder are on, with their shaders: who reads
+ * it must be told them. */
+void replay_plugins(const struct findings *findings, char *text, size_t text_bytes);
 
 /* A child process that plays: an engine that crashes or hangs takes only it along. */
 struct replay_worker {

@@ -61,6 +61,18 @@ void replay_command(const char *path, const struct engine *engine, const struct 
     command_word(text, text_bytes, engine->name);
 }
 
+void replay_plugins(const struct findings *findings, char *text, size_t text_bytes)
+{
+    for (size_t i = 0; i < findings_count(findings); i++) {
+        const struct layout *layout = findings_entry(findings, i)->signature.layout;
+        bool before = false;
+        for (size_t k = 0; k < i; k++)
+            before = before || findings_entry(findings, k)->signature.layout == layout;
+        if (layout && layout->outside && !before)
+            plugin_command(text, text_bytes, layout);
+    }
+}
+
 static void print_lines(const char *title, const char *lines)
 {
     for (const char *at = lines; *at;) {

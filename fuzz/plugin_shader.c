@@ -8,6 +8,7 @@
 static plugin_compile_fn *compile_with;
 static const char *waiting;          /* a file that came before its layout */
 static const struct layout *without; /* the last layout, if it has no file yet */
+static const struct layout *named;   /* the last layout */
 
 static struct {
     const struct layout *layout;
@@ -36,8 +37,17 @@ static enum status bind(const struct layout *layout, const char *file, struct re
     return STATUS_OK;
 }
 
+/* A command that another one runs is told again what is bound already. */
+static bool is_bound(const struct layout *layout, const char *file)
+{
+    const char *path = layout && file ? plugin_shader_path(layout) : NULL;
+    return path && strcmp(path, file) == 0;
+}
+
 enum status plugin_shader_take(const char *file, struct reason *reason)
 {
+    if (is_bound(named, file))
+        return STATUS_OK;
     if (without)
         return bind(without, file, reason);
     if (waiting)
@@ -49,6 +59,9 @@ enum status plugin_shader_take(const char *file, struct reason *reason)
 
 enum status plugin_shader_layout(const struct layout *layout, struct reason *reason)
 {
+    named = layout;
+    if (is_bound(layout, waiting))
+        waiting = NULL;
     if (plugin_shader_path(layout))
         return STATUS_OK;
     without = layout;
@@ -68,6 +81,16 @@ const char *plugin_shader_path(const struct layout *layout)
     for (size_t i = 0; i < bound_count; i++)
         if (bound[i].layout == layout)
             return bound[i].file;
+    return NULL;
+}
+
+const char *plugin_shader_of(const char *path)
+{
+    for (size_t i = 0; i < bound_count; i++) {
+        const char *object = plugin_path(bound[i].layout);
+        if (object && strcmp(object, path) == 0)
+            return bound[i].file;
+    }
     return NULL;
 }
 

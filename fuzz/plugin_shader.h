@@ -1,5 +1,6 @@
 /* Which shader goes with which layout from outside: --shader FILE goes with the --layout FILE.so
- * before it, or with the one after it if that has none. For programs. */
+ * before it, or with the one after it if that has none. A layout that is named again may have its
+ * file named again. For programs. */
 #ifndef PLUGIN_SHADER_H
 #define PLUGIN_SHADER_H
 
@@ -12,8 +13,8 @@ typedef enum status plugin_compile_fn(const struct layout *layout, const char *f
 /* Who compiles; without, --shader is STATUS_INPUT. */
 void plugin_compile_with(plugin_compile_fn *compile);
 
-/* --shader FILE. `file` is borrowed. Errors: STATUS_INPUT a second one for one layout; as the
- * compiler. */
+/* --shader FILE. `file` is borrowed. Errors: STATUS_INPUT a second one for one layout, unless it is
+ * the same; as the compiler. */
 enum status plugin_shader_take(const char *file, struct reason *reason) MUST_USE;
 
 /* A layout from outside was named. Errors: as the compiler of a file that waited for it. */
@@ -24,6 +25,9 @@ enum status plugin_shader_settle(struct reason *reason) MUST_USE;
 
 /* The file that the layout's shader is from; NULL: none. */
 const char *plugin_shader_path(const struct layout *layout);
+
+/* The same of the layout that was opened from this path; NULL: none. */
+const char *plugin_shader_of(const char *path);
 
 /* Appends the options that name the layout to a command line: " --layout NAME", of one from outside
  * " --layout FILE.so --shader FILE"; as much as fits. */

@@ -259,6 +259,8 @@
 #define MUTANT_WRONG_UNSEEN        363 /* report: a row that is wrong looks like any other */
 #define MUTANT_PART_EXCUSED        364 /* report: a part that failed is not in the exit code */
 #define MUTANT_PICTURE_BELIEVED    365 /* report: a damaged picture is taken as it is */
+#define MUTANT_REPORT_NO_SHADER    770 /* report: a layout from outside goes without its shader */
+#define MUTANT_MIN_LAYOUT_UNUSED   771 /* min: a layout that no finding is on is taken */
 #define MUTANT_REPLAY_FORGOTTEN    366 /* report: a finding has no line that plays it again */
 #define MUTANT_ITEMS_UNCOUNTED     367 /* report: size against speed without the item array */
 #define MUTANT_EXPONENT_SHORT      460 /* cwbvh80: a node's exponents are one too small */

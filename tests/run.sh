@@ -111,6 +111,7 @@ plain)
     suite install sh tests/install.sh
     suite tutorial sh tests/tutorial.sh "$build"
     suite plugin sh tests/plugin.sh "$build"
+    suite plugin_findings sh tests/plugin_findings.sh "$build/raydiff"
     ;;
 sanitize)
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial

@@ -1,0 +1,54 @@
+#!/bin/sh
+# Findings on layouts from outside: whoever reads a folder of them can be told the layout and its shader.
+#   sh tests/plugin_findings.sh BUILD/raydiff
+set -u
+raydiff=$(realpath "$1")
+. tests/expect.sh
+root=$(pwd)
+cd "$dir" || exit 4
+
+sample() { # NAME.so, options of the compiler, file
+    name=$1
+    shift
+    cc -std=c17 -O1 -ffp-contract=off -shared -fPIC -I"$root" -o "$name" "$@" -lm || bad "$name does not compile"
+}
+sample mine.so "$root/fuzz/samples/layout/mine.c"
+sample liar.so -DLIE=LIE_ULP "$root/tests/plugin_liar.c"
+cp "$root/fuzz/samples/layout/mine.glsl" .
+
+# --- min and report --------------------------------------------------------------------------------
+expect 1 . fuzz --trials 2 --jobs 1 --corpus none --engine cpu --no-shrink --dir found --layout ./liar.so
+printed=$(sed -n 's/^to shrink .*: raydiff //p' out)
+[ "$printed" = 'min found --layout ./liar.so' ] || bad "fuzz says to shrink by '$printed'"
+expect 2 "unknown layout 'liar' .one from outside: --layout FILE.so first." min found
+expect 2 "only FILE.so can be brought" min found --layout f32
+expect 2 "no finding of found is on mine" min found --layout ./liar.so,./mine.so
+expect 2 "no finding of found is on mine" min found --layout ./mine.so --layout ./liar.so
+expect 2 "liar is named twice" min found --layout ./liar.so --layout ./liar.so
+first=$(ls -d found/cpu.*/first.trial)
+expect 2 "no finding of $first is on mine" min "$first" --layout ./liar.so,./mine.so --out small.trial
+# shellcheck disable=SC2086
+expect 0 . $printed
+grep -q '^found: 1 findings, 1 of them smaller now' out || bad "min shrank nothing"
+expect 0 . min "$first" --layout ./liar.so --out small.trial
+grep -q '^  replay   raydiff replay small.trial --layout ./liar.so$' out || bad "min does not say how to replay"
+expect 1 . report --findings found --layout ./liar.so --parts check --out r.html --json r.json
+grep -q '"command": "raydiff replay found/cpu[^"]*/smallest.trial --layout ./liar.so"' r.json ||
+    bad "report: how to replay: $(grep command r.json)"
+grep -q 'liar: record [0-9]*: . bounds' r.html || bad "report does not name the record"
+
+# Each part of a report gets the layout and its shader, in the order in which they belong together.
+expect 0 . report sphere:n=4 --quick --count 100 --parts check,bench,pictures --engine cpu \
+    --layout f32,./mine.so --shader mine.glsl --out r.html --json r.json
+for part in 'check ' 'bench error '; do
+    grep -q "\"raydiff $part.* --layout f32,./mine.so --shader mine.glsl " r.json || bad "report: $part: $(grep "$part" r.json)"
+done
+expect 0 . report sphere:n=4 --quick --parts pictures --engine cpu --shader mine.glsl --layout ./mine.so --out r.html --json r.json
+grep -q 'raydiff render sphere:n=4 --engine cpu .* --layout ./mine.so --shader mine.glsl ' r.json ||
+    bad "report: pictures: $(grep render r.json)"
+grep -q 'raydiff render sphere:n=4 --show boxes --layout ./mine.so -w' r.json || bad "report: no looks"
+expect 2 "needs a --layout FILE.so" report sphere:n=4 --parts check --shader mine.glsl --out r.html
+expect 2 "needs a --layout FILE.so" check sphere:n=4 --layout ./mine.so --shader mine.glsl --shader other.glsl
+
+[ "$failed" -eq 0 ] && echo "plugin_findings: each is brought its layout"
+[ "$failed" -eq 0 ]
