@@ -79,6 +79,7 @@ inside() {
         told="$told${told:+, }$command $seconds s"
         [ "$code" -eq 0 ] || {
             echo "FAILED $release: $command: exit code $code after $seconds s: $logs/$release.$number.log"
+            cp -r "$root/root/raydiff/build/check" "$logs/$release.$number.check" 2>/dev/null
             return 1
         }
     done 3<"$root/root/commands"
@@ -138,7 +139,7 @@ archive=$(echo "$sources" | awk '$2 ~ /^(bullseye|bookworm|trixie|forky|sid|stab
 security=$(echo "$sources" | awk '$2 ~ /-security$/ {print $1; exit}')
 [ -n "$archive" ] || skip "apt has no Debian source on this machine"
 mkdir -p "$logs"
-rm -f "$logs"/*
+rm -rf "${logs:?}"/*
 [ -z "$(git status --porcelain --untracked-files=no)" ] || echo "fresh-check: what is not committed is not played"
 
 work=$(mktemp -d "${FRESH_DIR:-/var/tmp}/raydiff-fresh-XXXXXX") || exit 2

@@ -23,7 +23,7 @@ ended() {
     signal=$1 waits=0
     shift
     rm -f "$dir/hangs"
-    env --default-signal=INT "$raydiff" "$@" >"$dir/out" 2>"$dir/err" </dev/null &
+    env --default-signal=INT,TERM,HUP "$raydiff" "$@" >"$dir/out" 2>"$dir/err" </dev/null &
     pid=$!
     while [ ! -e "$dir/hangs" ] && [ "$waits" -lt 600 ]; do
         sleep 0.05

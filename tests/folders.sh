@@ -100,7 +100,7 @@ changed 'NR != 5' 'findings.jsonl:[0-9]+: the lines before it have not as many f
 changed 'NR < 5' 'count: [0-9]+, but findings.jsonl has [0-9]+: lines of it are lost'
 changed 'NR == 1' 'count: [0-9]+, but findings.jsonl has 0: lines of it are lost'
 changed 'NR < 0' 'count: [0-9]+, but findings.jsonl has 0: lines of it are lost'
-awk '/"checkpoint"/ && /"more":{}/ { sub(/"more":{}/, "\"more\":{\"'$signature'\":3}") } 1' "$dir/good/findings.jsonl" >"$dir/more"
+awk '/"checkpoint"/ && /"more":[{][}]/ { sub(/"more":[{][}]/, "\"more\":{\"'$signature'\":3}") } 1' "$dir/good/findings.jsonl" >"$dir/more"
 fresh && mv "$dir/more" "$dir/theirs/findings.jsonl"
 meet 2,2,2,- 'findings.jsonl:1: the lines before it have not as many findings'
 

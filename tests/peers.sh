@@ -18,7 +18,7 @@ ended() {
     signal=$1
     shift
     : >"$dir/out"
-    env --default-signal=INT "$raydiff" "$@" >"$dir/run" 2>"$dir/err" </dev/null &
+    env --default-signal=INT,TERM,HUP "$raydiff" "$@" >"$dir/run" 2>"$dir/err" </dev/null &
     pid=$!
     # 200 processes, 50 of them with a child, beside raydiff, its guardian, and the shell.
     "$dir/forks" there 253 60 >"$dir/out" || bad "$signal $1: the peer does not start"

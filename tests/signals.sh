@@ -28,7 +28,7 @@ for signal in INT TERM HUP KILL; do
     for part in 3 5 6 7 8; do
         rm -rf "$dir/cut"
         after=$(awk "BEGIN { print $ms * $part / 10000 }")
-        campaign "$dir/cut" timeout --foreground -s $signal "$after" env
+        campaign "$dir/cut" timeout --foreground -s $signal "$after" env --default-signal=INT,TERM,HUP
         code=$?
         moments=$((moments + 1))
         [ "$code" -lt 124 ] || interrupted=$((interrupted + 1))
