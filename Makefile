@@ -160,7 +160,7 @@ $(BOUNDS_TESTS): TEST_LIBS += $(GMP_LIBS)
 
 # Published triangle tests, compiled as their users do.
 $(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/,honest_plain.o honest_fast.o)
-$(B)/obj/tests/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(if $(filter x86_64,$(shell uname -m)),-mfma)
+$(B)/obj/tests/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),-mfma)
 
 $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o table.o)
 

@@ -85,12 +85,13 @@ embree_files 2>/dev/null | while read -r file; do
     minor=$(cmake_value "$file" EMBREE_VERSION_MINOR)
     case $major in 3 | 4) ;; *) continue ;; esac
     [ $((major * 1000 + minor)) -gt "$best" ] || continue
-    best=$((major * 1000 + minor))
-    here=$(cd "$(dirname "$file")" && pwd)
+    # Without links, since /lib is often one to /usr/lib.
+    here=$(cd "$(dirname "$file")" && pwd -P)
     root=$(cmake_value "$file" EMBREE_ROOT_DIR | sed "s|\${CMAKE_CURRENT_LIST_DIR}|$here|")
     root=$(cd "$root" 2>/dev/null && pwd) || continue
     library=$(cmake_value "$file" EMBREE_LIBRARY | sed "s|\${EMBREE_ROOT_DIR}|$root|")
     [ -e "$library" ] && [ -e "$root/include/embree$major/rtcore.h" ] || continue
+    best=$((major * 1000 + minor))
     echo "HAVE_EMBREE := $major"
     folder=$(dirname "$library")
     if [ "$root" = /usr ]; then

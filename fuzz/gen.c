@@ -113,7 +113,7 @@ static enum status make(uint64_t seed, uint64_t index, const struct gen_options 
 enum status gen_trial(uint64_t seed, uint64_t index, const struct gen_options *options,
                       struct fuzz_trial *out, struct reason *reason)
 {
-    unsigned environment = environment_enter(); /* a library may have left FTZ and DAZ */
+    unsigned long environment = environment_enter(); /* a library may have left FTZ and DAZ */
     enum status status = make(seed, index, options, out, reason);
     environment_leave(environment);
     return status;

@@ -82,7 +82,7 @@ enum status mutate_once(struct rng *rng, struct fuzz_trial *trial, enum edit_par
 
 enum status gen_mutate(struct rng *rng, struct fuzz_trial *trial, struct reason *reason)
 {
-    unsigned environment = environment_enter();
+    unsigned long environment = environment_enter();
     enum status status = mutate_once(rng, trial, EDIT_PARTS, reason);
     environment_leave(environment);
     if (!status)

@@ -31,12 +31,12 @@ END
 cat >"$dir/cc" <<END
 #!/bin/sh
 case \$1 in
--print-search-dirs) printf 'install: /x\nlibraries: =/no/such:%s:/neither\n' "$dir/links" ;;
+-print-search-dirs) printf 'install: /x\nlibraries: =/no/such:%s:%s:/neither\n' "\${first:-/nor/this}" "$dir/links" ;;
 -print-file-name=*) [ -e "$dir/links/\${1#*=}" ] && echo "$dir/links/\${1#*=}" || echo "\${1#*=}" ;;
 esac
 END
 chmod +x "$dir/pkg-config" "$dir/cc"
-libs() { CC=$dir/cc PKG_CONFIG=${tool:-$dir/pkg-config} CMAKE_PREFIX_PATH=${prefix:-} sh .ci/libs.sh >"$dir/out" 2>"$dir/err"; }
+libs() { first=${linked:-} CC=$dir/cc PKG_CONFIG=${tool:-$dir/pkg-config} CMAKE_PREFIX_PATH=${prefix:-} sh .ci/libs.sh >"$dir/out" 2>"$dir/err"; }
 package() { printf '%s\n%s\n' "$2" "$3" >"$dir/pc/$1"; }
 
 tool=no-such-command libs
@@ -107,6 +107,18 @@ libs
 embree "$dir/links" 5 0
 libs
 [ "$(chosen)" = 3 ] || bad 'an Embree that nobody knows is none'
+mkdir -p "$dir/merged/usr/lib"
+ln -s usr/lib "$dir/merged/lib"
+embree "$dir/merged/usr/lib/x-y" 4 2
+mv "$dir/merged/usr/lib/x-y/include" "$dir/merged/usr"
+sed -i 's|/../../")|/../../../../")|; s|/lib/libembree|/lib/x-y/lib/libembree|' "$dir"/merged/usr/lib/x-y/cmake/*/*.cmake
+linked=$dir/merged/lib/x-y libs
+[ "$(chosen)" = 4 ] || bad 'a folder that a link leads to'
+has "EMBREE_CFLAGS := -isystem $dir/merged/usr/include" 'headers beside the folder that the link leads to'
+embree "$dir/torn" 4 9
+rm "$dir/torn/lib/libembree4.so.4"
+linked=$dir/torn libs
+[ "$(chosen)" = 3 ] || bad 'an older Embree behind a newer one without its library'
 embree "$dir/own/lib" 4 1
 prefix=/nothing:$dir/own libs
 [ "$(chosen)" = 4 ] || bad 'CMAKE_PREFIX_PATH is searched'

@@ -1,4 +1,5 @@
 /* What the oracle refuses, relies on and promises beside the arithmetic. */
+#include "ref/float_mode.h"
 #include "ref/oracle/internal.h"
 #include "tests/exact_gmp.h"
 #include "tests/oracle_batch.h"
@@ -14,9 +15,6 @@
 
 #include <cmocka.h> /* last: it defines fail() as a macro */
 
-#if defined(__SSE2__)
-#include <xmmintrin.h>
-#endif
 
 /* One triangle, (0,0,1) (1,0,1) (0,1,1), and its oracle. */
 struct one {
@@ -148,12 +146,15 @@ static void rays_that_are_no_rays_miss(void **state)
     one_free(&one);
 }
 
-#if defined(__SSE2__)
 /* Embree sets FTZ and DAZ while it builds; a caller may have set a rounding mode. */
 static void the_environment_is_checked_and_made_right(void **state)
 {
     (void)state;
-    static const unsigned modes[] = {0x8000, 0x0040, 0x8040, 0x2000, 0x4000, 0x6000};
+    static const unsigned long modes[] = {FLOAT_FLUSH, FLOAT_DOWN, FLOAT_UP, FLOAT_DOWN | FLOAT_UP,
+#if defined(__SSE2__)
+                                          0x8000, 0x0040, /* FTZ and DAZ one by one */
+#endif
+                                          FLOAT_FLUSH | FLOAT_UP};
     const struct oracle_case *denormal = &oracle_cases[13];
     struct batch batch;
     struct oracle_answer want[BATCH], got[BATCH];
@@ -167,16 +168,16 @@ static void the_environment_is_checked_and_made_right(void **state)
                                         1, want, NULL, &reason),
                          STATUS_OK);
         for (size_t m = 0; m < ARRAY_COUNT(modes); m++) {
-            unsigned saved = _mm_getcsr(), set = (saved & ~0xE040u) | modes[m];
-            _mm_setcsr(set);
+            unsigned long saved = float_mode(), set = (saved & ~(unsigned long)FLOAT_MODES) | modes[m];
+            float_mode_set(set);
             enum status environment = oracle_environment(&reason);
             enum status closest = oracle_closest(batch.oracle, ORACLE_TREE, ORACLE_CLOSED,
                                                  batch.ray, BATCH, 1, got, NULL, &reason);
-            unsigned after = _mm_getcsr();
-            _mm_setcsr(saved);
+            unsigned long after = float_mode();
+            float_mode_set(saved);
             assert_int_equal(environment, STATUS_UNSUPPORTED);
             assert_int_equal(closest, STATUS_OK);
-            assert_int_equal(after & 0xE040, set & 0xE040);
+            assert_int_equal(after & FLOAT_MODES, set & FLOAT_MODES);
             for (int i = 0; i < BATCH; i++) {
                 assert_int_equal(got[i].prim, want[i].prim);
                 assert_true(got[i].t_lo == want[i].t_lo && got[i].t_hi == want[i].t_hi);
@@ -187,13 +188,6 @@ static void the_environment_is_checked_and_made_right(void **state)
     }
     assert_true(hits > 100);
 }
-#else
-static void the_environment_is_checked_and_made_right(void **state)
-{
-    (void)state;
-    skip();
-}
-#endif
 
 /* Every kernel gives the same bits, and what it drops is a miss. */
 static void kernels_drop_misses_only(void **state)

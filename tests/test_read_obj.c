@@ -153,17 +153,14 @@ static void obj_refuses_polygons_of_too_many_corners(void **state)
     (void)state;
     for (uint32_t more = 0; more < 2; more++) {
         uint32_t corners = MESH_CORNERS_MOST + more;
-        char *text = malloc(32 + 2 * (size_t)corners);
+        size_t used = strlen(CORNERS "f"), size = used + 2 * (size_t)corners;
+        char *text = malloc(size);
         assert_non_null(text);
-        strcpy(text, CORNERS "f");
-        char *at = text + strlen(text);
-        for (uint32_t i = 0; i < corners; i++, at += 2) {
-            at[0] = ' ';
-            at[1] = (char)('1' + i % 3);
-        }
-        *at = '\0';
+        memcpy(text, CORNERS "f", used);
+        for (size_t i = used; i < size; i++)
+            text[i] = (i - used) % 2 ? (char)('1' + i % 3) : ' ';
         struct scene scene;
-        enum status status = read_bytes(text, strlen(text), &scene);
+        enum status status = read_bytes(text, size, &scene);
         assert_int_equal(status, more ? STATUS_INPUT : STATUS_OK);
         if (more)
             assert_non_null(strstr(reason.text, ":4: polygon with more than 65536 corners"));
@@ -193,7 +190,7 @@ static void obj_survives_every_prefix(void **state)
 static void obj_survives_every_damaged_byte(void **state)
 {
     (void)state;
-    static const char bytes[] = {0, '\n', '\r', '\\', '/', '-', '9', 'f', 'v', ' ', '#', '.', -1};
+    static const char bytes[] = {0, '\n', '\r', '\\', '/', '-', '9', 'f', 'v', ' ', '#', '.', '\xFF'};
     char text[sizeof sample];
     for (size_t i = 0; i < strlen(sample); i++) {
         memcpy(text, sample, sizeof sample);

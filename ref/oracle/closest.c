@@ -114,7 +114,7 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
     (void)reason;
 #pragma omp parallel num_threads(team) if (count > TILE) reduction(+ : pairs, undecided, wide)
     {
-        __auto_type saved = environment_enter();
+        unsigned long saved = environment_enter();
         struct work work = {.oracle = oracle, .ends = ends};
 #pragma omp for schedule(dynamic, 4)
         for (size_t tile = 0; tile < tiles; tile++) {

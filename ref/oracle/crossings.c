@@ -98,7 +98,7 @@ enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray,
     *count = 0;
     if (!oracle_takes(ray) || (ray->dir[0] == 0 && ray->dir[1] == 0 && ray->dir[2] == 0))
         return STATUS_OK;
-    __auto_type saved = environment_enter();
+    unsigned long saved = environment_enter();
     enum status status = collect(oracle, ray, t_most, list, capacity, count);
     if (status)
         *count = 0;

@@ -2,39 +2,22 @@
 #ifndef ORACLE_ENVIRONMENT_H
 #define ORACLE_ENVIRONMENT_H
 
-#if defined(__SSE2__)
-#include <xmmintrin.h>
+#include "ref/float_mode.h"
 
 /* Sets round to nearest, no FTZ, no DAZ on this thread, whatever a caller or a library (Embree) has
  * left there; returns what to give environment_leave. */
-static inline unsigned environment_enter(void)
+static inline unsigned long environment_enter(void)
 {
-    unsigned saved = _mm_getcsr();
-    if (saved & 0xE040u) /* FTZ, rounding (two bits), DAZ */
-        _mm_setcsr(saved & ~0xE040u);
+    unsigned long saved = float_mode();
+    if (saved & FLOAT_MODES)
+        float_mode_set(saved & ~(unsigned long)FLOAT_MODES);
     return saved;
 }
 
-static inline void environment_leave(unsigned saved)
+static inline void environment_leave(unsigned long saved)
 {
-    if (saved & 0xE040u)
-        _mm_setcsr((_mm_getcsr() & ~0xE040u) | (saved & 0xE040u));
+    if (saved & FLOAT_MODES)
+        float_mode_set((float_mode() & ~(unsigned long)FLOAT_MODES) | (saved & FLOAT_MODES));
 }
-#else
-#include <fenv.h>
-
-static inline fenv_t environment_enter(void)
-{
-    fenv_t saved;
-    fegetenv(&saved);
-    fesetenv(FE_DFL_ENV);
-    return saved;
-}
-
-static inline void environment_leave(fenv_t saved)
-{
-    fesetenv(&saved);
-}
-#endif
 
 #endif

@@ -91,7 +91,7 @@ void oracle_pair(const struct oracle *oracle, const struct ray *ray, uint32_t pr
 {
     struct oracle_stats unused = {0};
     struct decided pair;
-    __auto_type saved = environment_enter();
+    unsigned long saved = environment_enter();
     pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_FULL, &pair, &unused);
     environment_leave(saved);
     *out = pair.pair;
@@ -101,7 +101,7 @@ int oracle_compare(const struct oracle *oracle, const struct ray *ray, uint32_t 
 {
     struct oracle_stats unused = {0};
     struct decided one, two;
-    __auto_type saved = environment_enter();
+    unsigned long saved = environment_enter();
     pair_decide(oracle->scene, oracle->flat[a], ray, a, PAIR_FULL, &one, &unused);
     pair_decide(oracle->scene, oracle->flat[b], ray, b, PAIR_FULL, &two, &unused);
     int sign = one.pair.t_lo > two.pair.t_hi   ? 1
@@ -119,7 +119,7 @@ bool oracle_rational(const struct oracle *oracle, const struct ray *ray, uint32_
 {
     struct oracle_stats unused = {0};
     struct decided pair;
-    __auto_type saved = environment_enter();
+    unsigned long saved = environment_enter();
     pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_FULL, &pair, &unused);
     bool written = pair_is_hit(&pair.pair) &&
                    fraction_text(pair_t(oracle->scene, ray, prim, &pair), text, text_bytes);

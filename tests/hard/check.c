@@ -1,7 +1,7 @@
 #include "tests/hard/check.h"
 
 #include "ref/all_hits.h"
-#include "tests/hard/mode.h"
+#include "ref/float_mode.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -184,9 +184,10 @@ static enum status compare_again(struct hard_play *play, void *self, enum hard_p
 static enum status check_modes(struct hard_play *play)
 {
     const struct engine *engine = play->member->engine;
-    unsigned long mode = mode_flush();
+    unsigned long mode = float_mode();
+    float_mode_set(mode | FLOAT_FLUSH);
     enum status status = compare_again(play, play->self, PROPERTY_MODE);
-    mode_restore(mode);
+    float_mode_set(mode);
     if (status)
         return status;
     void *many = pool_get(&play->stage->many, engine, &status, play->reason);
