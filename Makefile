@@ -77,7 +77,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 .PHONY: all lib tests spv clean run check bench agree conform-all deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
         lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check report-check \
-        selftest selftest-quick fresh-check adversaries
+        selftest selftest-quick fresh-check arm-check warnings-check adversaries
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: $(B)/raydiff
@@ -239,6 +239,13 @@ drivers:
 # RELEASE=trixie; as root; exit code 77: it cannot be tried here. A line for each that passes goes into tests/fresh.txt. Slow.
 fresh-check:
 	@sh .ci/fresh.sh tests/fresh.txt $(RELEASE)
+
+# The same way, in the release that has it: suites compiled for aarch64, under qemu-user; every compiler that
+# is supported, without a warning.
+arm-check:
+	@sh .ci/other.sh tests/fresh.txt aarch64
+warnings-check:
+	@sh .ci/other.sh tests/fresh.txt warnings
 
 # Everybody against everybody, 300,000 rays a scene; the result is committed. Slow.
 RESULTS ?= bench/results/lavapipe-22.3.6

@@ -3,58 +3,10 @@
 # scripts; the commands of the README fail one after the other.
 #   sh tests/fresh.sh
 set -u
-dir=$(mktemp -d) || exit 4
-trap 'rm -rf "$dir"' EXIT
-failed=0
-bad() {
-    echo "FAILED  $1"
-    sed 's/^/        /' "$dir/out"
-    failed=$((failed + 1))
-}
-for tool in sh cat cp sed awk grep sort tail head wc tee date env mkdir mktemp mv rm dirname git tr; do
-    mkdir -p "$dir/bin"
-    ln -s "$(command -v $tool)" "$dir/bin/$tool"
-done
-tool() { rm -f "$dir/bin/$1"; { echo '#!/bin/sh'; cat; } >"$dir/bin/$1"; chmod +x "$dir/bin/$1"; }
-echo 'echo 0' | tool id
-echo 'exit 0' | tool mount
-echo 'exit 0' | tool true
-echo 'echo "Acquire::http::Proxy \"http://secret.example:3128\";"' | tool apt-config
-# Its options, then the command.
-tool unshare <<'END'
-while case ${1:-} in --propagation) shift ;; --*) ;; *) false ;; esac do shift; done
-exec "$@"
-END
-tool debootstrap <<'END'
-echo "$*" >>"$NOTES/debootstrap"
-[ "$2" != trixie ] || [ ! -e "$NOTES/no-trixie" ] || exit 1
-mkdir -p "$3/etc/apt" "$3/root" "$3/dev/pts" "$3/dev/shm"
-END
-# chroot ROOT env -i VARIABLES sh -c COMMAND; what is typed in the clone is noted, with its exit code.
-tool chroot <<'END'
-for last; do :; done
-env | grep -q "^http_proxy=" && exit 9
-echo "$*" | grep -q ' http_proxy=http://secret.example:3128 ' || exit 8
-case $last in
-*'cd /root/raydiff && '*)
-    command=${last#*&& }
-    [ -d "$1/root/raydiff/.git" ] || exit 7
-    echo "$command" >>"$NOTES/typed"
-    echo "230 passed, 0 failed, 1 skipped"
-    [ ! -e "$NOTES/fails" ] || ! grep -qxF -- "$command" "$NOTES/fails" ;;
-*'git clone'*) git clone -q "$1/root/raydiff.git" "$1/root/raydiff" ;;
-*dpkg-query*) echo '4:3.14.2+dfsg-1' ;;
-*debian_version*) echo 12.9 ;;
-*dumpfullversion*) echo 12.2.0 ;;
-esac
-END
-mkdir "$dir/etc"
-printf 'deb http://one.example/debian bookworm main\ndeb http://two.example/security bookworm-security main\n' \
-    >"$dir/etc/sources.list"
-
+. tests/systems_played.sh
 # A repository with a README of its own, of which one change is not committed.
 mkdir -p "$dir/repository/.ci" "$dir/notes"
-cp .ci/fresh.sh .ci/apt_sources.sh "$dir/repository/.ci"
+cp .ci/fresh.sh .ci/systems.sh .ci/apt_sources.sh "$dir/repository/.ci"
 cp README.md "$dir/repository"
 git -C "$dir/repository" init -q
 git -C "$dir/repository" add .

@@ -105,6 +105,7 @@ plain)
     suite warnings sh tests/warnings.sh
     suite libs sh tests/libs.sh
     suite fresh sh tests/fresh.sh
+    suite other sh tests/other.sh
     suite mutants make -s mutants
     suite mutants_none sh tests/mutants_none.sh "$build"
     suite selftest make -s selftest-quick

@@ -1,0 +1,71 @@
+#!/bin/sh
+# Other processors and compilers, each in a minimal Debian that has them, on a clean clone:
+#   sh .ci/other.sh RESULTS aarch64      suites compiled for aarch64, under qemu-user (make arm-check)
+#   sh .ci/other.sh RESULTS warnings     gcc 12, clang 14, gcc 14 and clang 19 warn of nothing (make warnings-check)
+# What is green replaces its line in RESULTS. Logs: build/other. Exit codes: 0 green; 1 not; 2 usage; 77 it
+# cannot be tried here, with the reason.
+set -u
+LC_ALL=C.UTF-8
+export LC_ALL
+check=other-check
+supported='bookworm trixie'
+logs=build/other
+. .ci/systems.sh
+
+# A row of the table: LINE'S NAME, RELEASE, packages, command.
+plays() {
+    case $1 in
+    aarch64)
+        echo "aarch64|trixie|git make $(sh tests/arm.sh --packages)|sh tests/arm.sh build/aarch64"
+        ;;
+    warnings)
+        tried='sh .ci/deps.sh check && sh tests/compilers.sh build/compilers'
+        echo "warnings bookworm|bookworm|git make gcc clang-14 libomp-14-dev|$tried gcc-12 clang-14"
+        echo "warnings trixie|trixie|git make gcc clang-19 libomp-19-dev|$tried gcc-14 clang-19"
+        ;;
+    esac
+}
+
+# One row; its last line of output is the result.
+inside() {
+    release=$1 root=$2 line=$3
+    IFS='|' read -r name _ packages command <<END
+$(plays "$what" | grep "^[^|]*|$release|")
+END
+    case $packages in *:arm64*) in_root 'dpkg --add-architecture arm64' ;; esac
+    enter_system "$packages" || return 1
+    {
+        in_root "cd /root/raydiff && $command" 2>&1
+        echo $? >"$root/root/code"
+    } | tee "$logs/$release.log"
+    code=$(cat "$root/root/code")
+    [ "$code" -eq 0 ] || {
+        echo "FAILED $name: exit code $code: $logs/$release.log"
+        return 1
+    }
+    echo "$name: Debian $(in_root 'cat /etc/debian_version'): $(tail -n 1 "$logs/$release.log")" >"$line"
+}
+
+what=${WHAT:-}
+if [ "${1:-}" = --inside ]; then
+    shift
+    inside "$@"
+    exit
+fi
+results=${1:-} what=${2:-}
+[ $# -eq 2 ] && [ -n "$(plays "$what")" ] || { echo "usage: sh .ci/other.sh RESULTS aarch64|warnings" >&2; exit 2; }
+check=$what-check WHAT=$what
+export WHAT
+releases=$(plays "$what" | cut -d'|' -f2)
+# shellcheck disable=SC2086
+need_systems $releases
+worst=0
+for release in $releases; do
+    if in_system "$release"; then
+        cat "$line"
+        keep "$(plays "$what" | grep "|$release|" | cut -d'|' -f1)" "$line"
+    else
+        worst=1
+    fi
+done
+exit $worst

@@ -1,0 +1,113 @@
+#!/bin/sh
+# Minimal systems in folders, for scripts of .ci, which source this: debootstrap, a bare clone of what is
+# committed, processes, mounts and terminals of their own (unshare), so that nothing of it is left, however
+# it ends. Packages come from the machine's own Debian source, through its proxies.
+#   check=NAME supported='RELEASE...' logs=FOLDER      set before, and results=FILE before keep
+# A script calls need_systems once, then in_system for each release, which runs `sh $0 --inside RELEASE ROOT
+# LINE` in the system: what that writes into the file LINE is the result of its last run, which keep() takes.
+# shellcheck disable=SC2154 # set by who sources this
+
+skip() {
+    echo "SKIP $check: $1"
+    exit 77
+}
+
+# The machine's proxies as words NAME=VALUE, of the environment or of apt.
+proxies() {
+    env | grep -iE '^(https?|ftp|no|all)_proxy=[^ ]*$'
+    for scheme in http https; do
+        [ -n "$(env | grep -i "^${scheme}_proxy=")" ] && continue
+        apt-config dump 2>/dev/null | sed -n "s/^Acquire::$scheme::[Pp]roxy \"\(..*\)\";$/${scheme}_proxy=\1/p" |
+            grep -v '=DIRECT$'
+    done
+}
+
+# $1 is run by a shell in the new system.
+in_root() {
+    # shellcheck disable=SC2046 # words without blanks
+    chroot "$root" env -i HOME=/root TERM=dumb DEBIAN_FRONTEND=noninteractive \
+        PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin $(proxies) sh -c "$1" </dev/null
+}
+
+# $(version PACKAGE...): of the first that is installed, without what Debian adds.
+version() {
+    for package; do
+        in_root "dpkg-query -W -f '\${Version}\n' $package" 2>/dev/null && return
+    done | sed 's/^[0-9]*://; s/[-+~].*//' | head -n 1
+}
+
+# The first steps inside, with root and release set: terminals, memory, PACKAGES, and the clone.
+enter_system() { # PACKAGE...
+    mount -t devpts -o newinstance,ptmxmode=0666,mode=620 devpts "$root/dev/pts" &&
+        mount -t tmpfs tmpfs "$root/dev/shm" || skip "nothing can be mounted"
+    in_root "apt-get -q update && apt-get -q -y install $*" >"$logs/$release.apt.log" 2>&1 || {
+        tail -n 3 "$logs/$release.apt.log"
+        echo "FAILED $release: $* cannot be installed: $logs/$release.apt.log"
+        return 1
+    }
+    in_root 'cd /root && git clone -q raydiff.git raydiff'
+}
+
+# A minimal system with the machine's package source; 1: there is none of this release.
+make_system() { # RELEASE FOLDER
+    echo "$1: debootstrap"
+    mkdir -p "$2"
+    # shellcheck disable=SC2046
+    env $(proxies) debootstrap --variant=minbase "$1" "$2" "$archive" >"$logs/$1.debootstrap.log" 2>&1 || {
+        tail -n 3 "$logs/$1.debootstrap.log"
+        return 1
+    }
+    {
+        echo "deb $archive $1 main"
+        echo "deb $archive $1-updates main"
+        [ -z "$security" ] || echo "deb $security $1-security main"
+    } >"$2/etc/apt/sources.list"
+    cp /etc/resolv.conf "$2/etc/resolv.conf" 2>/dev/null
+    git clone -q --bare . "$2/root/raydiff.git"
+}
+
+# The line of NAME in the results, or one more.
+keep() { # NAME FILE
+    { grep -v "^$1:" "$results" 2>/dev/null; cat "$2"; } | sort >"$results.new" && mv "$results.new" "$results"
+}
+
+# Ends the script where no system can be made; a folder for them, which is removed at the end.
+need_systems() { # RELEASE...
+    for release; do
+        case " $supported " in
+        *" $release "*) ;;
+        *) echo "$check: '$release' is not one of: $supported" >&2; exit 2 ;;
+        esac
+    done
+    [ "$(id -u)" -eq 0 ] || skip "only root may make a system in a folder"
+    for tool in debootstrap unshare chroot git; do
+        command -v $tool >/dev/null || skip "$tool is needed"
+    done
+    unshare --mount --pid --fork true 2>/dev/null || skip "unshare may not make namespaces here"
+    # This machine's release, or any other of Debian's.
+    sources=$(sh .ci/apt_sources.sh)
+    archive=$(echo "$sources" | awk '$2 ~ /^(bullseye|bookworm|trixie|forky|sid|stable|testing)$/ {print $1; exit}')
+    security=$(echo "$sources" | awk '$2 ~ /-security$/ {print $1; exit}')
+    [ -n "$archive" ] || skip "apt has no Debian source on this machine"
+    rm -rf "$logs"
+    mkdir -p "$logs"
+    [ -z "$(git status --porcelain --untracked-files=no)" ] || echo "$check: what is not committed is not played"
+    work=$(mktemp -d "${FRESH_DIR:-/var/tmp}/raydiff-fresh-XXXXXX") || exit 2
+    trap 'rm -rf --one-file-system "$work"' EXIT
+    trap 'exit 130' INT TERM HUP
+}
+
+# One release, in namespaces of its own. Returns 0 if it wrote its line, which is then in $line.
+in_system() { # RELEASE
+    root=$work/$1 line=$work/$1.line
+    if ! make_system "$1" "$root"; then
+        echo "FAILED $1: debootstrap: $logs/$1.debootstrap.log"
+        return 1
+    fi
+    unshare --mount --propagation private --pid --fork --kill-child "--mount-proc=$root/proc" \
+        sh "$0" --inside "$1" "$root" "$line"
+    code=$?
+    rm -rf --one-file-system "$root"
+    [ "$code" -ne 77 ] || exit 77
+    [ "$code" -eq 0 ] && [ -s "$line" ]
+}
