@@ -81,6 +81,8 @@ void min_print(const struct min_row *row)
     finding_text(row, text, sizeof text);
     if (text[0])
         printf("  shows    ray %u %s\n", row->stats.finding.ray, text);
+    if (row->stats.finding.said[0])
+        printf("  shows    %s\n", row->stats.finding.said);
     if (row->file.signature.kind == FUZZ_KIND_CRASH)
         puts("  shows    the engine's process ends");
     else if (row->file.signature.kind == FUZZ_KIND_HANG)

@@ -69,6 +69,19 @@ static enum cause bound_cause(enum bound_fault fault)
     return CAUSE_UNEXPLAINED;
 }
 
+/* What the rule says that packed_check named first. */
+static enum cause rule_cause(enum packed_rule rule)
+{
+    static const enum cause causes[] = {
+        [PACKED_SOUND] = CAUSE_UNEXPLAINED,       [PACKED_REFERENCE] = CAUSE_CHILD_REFERENCE,
+        [PACKED_STACK] = CAUSE_STACK_NEED,        [PACKED_ITEM] = CAUSE_ITEM_RANGE,
+        [PACKED_TWICE] = CAUSE_TRIANGLE_TWICE,    [PACKED_VERTICES] = CAUSE_STORED_TRIANGLE,
+        [PACKED_LOST] = CAUSE_TRIANGLE_LOST,      [PACKED_BOUND] = CAUSE_BOUND_TOO_SMALL,
+        [PACKED_RECORD] = CAUSE_RECORD_MALFORMED, [PACKED_RESULT] = CAUSE_PACK_RESULT,
+    };
+    return MUTANT == MUTANT_RULE_UNTOLD ? CAUSE_UNEXPLAINED : causes[rule];
+}
+
 /* The same of boxes. */
 static enum cause box_cause(const struct explain_tree *tree)
 {
@@ -152,8 +165,8 @@ static enum status together_cause(const struct seat *seat, const struct fuzz_tri
     return status == STATUS_MEMORY ? status : STATUS_OK;
 }
 
-/* How far an answer is from what is exactly right, in t; infinite if it is another triangle or its t
- * is no number. */
+/* How far an answer is from what is exactly right, in t; infinite if it is another triangle or its
+ * t is no number. */
 static double error_of(const struct hit *hit, uint32_t expected, double t_lo, double t_hi)
 {
     if (hit->prim != expected || (hit->prim != ABI_NO_PRIM && !float_is_finite(hit->t)))
@@ -296,6 +309,9 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
     else if (!status && (!seat->layout || stage->has_packed[seat->layout_index]) &&
              (finding->ray < trial->ray_count || finding->signature.kind == FUZZ_KIND_TREE))
         status = find_cause(player, stage, finding, reason);
+    if (!status && finding->signature.kind == FUZZ_KIND_TREE && seat->layout &&
+        finding->signature.cause == CAUSE_UNEXPLAINED)
+        finding->signature.cause = rule_cause(stage->rule[seat->layout_index]);
     stage_clear(stage);
     if (!status && finding->signature.cause == CAUSE_OUTSIDE)
         status = scaled_cause(player, trial, finding, reason);

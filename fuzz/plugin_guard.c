@@ -57,6 +57,7 @@ static void limit_memory(void)
 struct told {
     enum status status;
     struct reason reason;
+    enum packed_rule rule;
     uint32_t word_count, item_count, node_count, ref_count, root;
 };
 
@@ -72,7 +73,8 @@ static void pack_in_child(struct child *parent, void *user)
     struct told told = {.status = STATUS_OK};
     struct packed packed = {.store = tri_stores[0]};
     limit_memory();
-    told.status = plugin_pack(what->layout, what->bvh, what->scene, &packed, &told.reason);
+    told.status =
+        plugin_pack(what->layout, what->bvh, what->scene, &packed, &told.rule, &told.reason);
     told.word_count = packed.word_count;
     told.item_count = packed.item_count;
     told.node_count = packed.node_count;
@@ -169,13 +171,14 @@ static bool receive_words(struct child *child, uint32_t count, uint64_t start, u
 
 enum status plugin_pack_guarded(const struct layout *layout, const struct bvh *bvh,
                                 const struct scene *scene, struct packed *out,
-                                struct reason *reason)
+                                enum packed_rule *rule, struct reason *reason)
 {
     struct packing what = {layout, bvh, scene};
     struct child child;
     struct told told;
     uint64_t start = time_ns();
     *out = (struct packed){.store = out->store};
+    *rule = PACKED_SOUND;
     enum status status = child_start(pack_in_child, &what, &child, reason);
     if (status)
         return status;
@@ -183,6 +186,7 @@ enum status plugin_pack_guarded(const struct layout *layout, const struct bvh *b
         return blame(layout->name, "packing", &child, start, reason);
     if (told.status) {
         child_end(&child, 0, NULL);
+        *rule = told.rule;
         return fail(reason, told.status, "%s", told.reason.text);
     }
     const uint64_t width = layout->width > 2 ? layout->width : 0;

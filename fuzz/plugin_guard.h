@@ -32,7 +32,7 @@ enum status plugin_open(const char *path, const struct layout **out,
  * Errors: as plugin_pack; STATUS_DEVICE it crashed or did not end. */
 enum status plugin_pack_guarded(const struct layout *layout, const struct bvh *bvh,
                                 const struct scene *scene, struct packed *out,
-                                struct reason *reason) MUST_USE;
+                                enum packed_rule *rule, struct reason *reason) MUST_USE;
 
 /* Whether the last STATUS_DEVICE of a packing was that it took too long. */
 bool plugin_hung(void);

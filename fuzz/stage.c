@@ -51,8 +51,10 @@ static void say(struct stage *stage, size_t i, const struct reason *reason)
 static bool is_broken(struct stage *stage, size_t i, enum status *status)
 {
     const struct scene *scene = &stage->trial->scene;
+    struct packed_faults faults;
     struct reason reason;
-    *status = packed_check(&stage->packed[i], scene, NULL, &reason);
+    *status = packed_check(&stage->packed[i], scene, &faults, &reason);
+    stage->rule[i] = faults.first;
     if (*status != STATUS_INPUT)
         return false;
     say(stage, i, &reason);
@@ -90,6 +92,7 @@ static enum status pack_all(struct stage *stage, const struct fuzz_player *playe
         const struct layout *layout = player->layout[i];
         stage->has_packed[i] = false;
         stage->fault[i] = FUZZ_KIND_COUNT;
+        stage->rule[i] = PACKED_SOUND;
         stage->said[i][0] = '\0';
         if (!stage->has_tree)
             continue;
@@ -99,6 +102,7 @@ static enum status pack_all(struct stage *stage, const struct fuzz_player *playe
         if ((layout->outside && (status == STATUS_INPUT || status == STATUS_DEVICE)) ||
             (status == STATUS_INPUT && stage->trial->move > 0)) {
             stage->fault[i] = outside_fault(status);
+            stage->rule[i] = layout->outside ? plugin_rule() : PACKED_SOUND;
             say(stage, i, reason);
             continue;
         }

@@ -64,6 +64,7 @@ struct stage {
     /* FUZZ_KIND_TREE: packed_check found faults that the tree had not; a layout from outside did
      * not survive packing; FUZZ_KIND_COUNT: nothing. */
     enum fuzz_kind fault[LAYOUTS_MOST];
+    enum packed_rule rule[LAYOUTS_MOST];     /* of FUZZ_KIND_TREE, where one is known */
     char said[LAYOUTS_MOST][FUZZ_SAID_MOST]; /* what is at fault with it, or "" */
     struct oracle *oracle;
     struct oracle_answer *truth;

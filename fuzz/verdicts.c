@@ -1,6 +1,7 @@
 /* Judges what all seats answered to a trial. */
 #include "fuzz/coverage.h"
 #include "fuzz/stage.h"
+#include "ref/mutant.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,7 +57,7 @@ static void keep(struct judging *j, size_t seat, enum fuzz_kind kind, uint32_t r
         finding->answer = answers->hit[ray];
     if (judgement)
         finding->judgement = *judgement;
-    if (who->layout && j->stage->fault[who->layout_index] == kind)
+    if (who->layout && j->stage->fault[who->layout_index] == kind && MUTANT != MUTANT_RECORD_UNSAID)
         memcpy(finding->said, j->stage->said[who->layout_index], sizeof finding->said);
 }
 

@@ -416,7 +416,9 @@ int cmd_explain(int argc, char **argv)
     /* What the file holds is the run's; freed there. */
     e.scene = e.file.trial.scene, e.ray = e.file.trial.ray, e.ray_count = e.file.trial.ray_count;
     code = EXIT_AGREE;
-    enum status status = explain(&e, &code, &reason);
+    enum status status = options.about_tree
+                             ? explain_tree_finding(&options, &e.file, &code, &reason)
+                             : explain(&e, &code, &reason);
     if (status) {
         fprintf(stderr, "raydiff explain: %s\n", reason.text);
         code = exit_worse(code, exit_of_status(status));

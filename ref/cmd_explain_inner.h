@@ -4,6 +4,7 @@
 
 #include "fuzz/finding_file.h"
 #include "ref/cmd_explain.h"
+#include "ref/cmd_tables.h"
 #include "scenes/rays.h"
 
 struct explain_options {
@@ -15,6 +16,7 @@ struct explain_options {
     uint64_t count, index;
     bool has_count, has_index, has_rays, has_cause, has_engine, has_layout;
     bool has_file;    /* scene, rays and test come from a finding's file */
+    bool about_tree;  /* of a finding that is on no ray */
     enum cause cause; /* looked for, if has_cause */
     struct engine_options engines;
 };
@@ -23,6 +25,12 @@ struct explain_options {
  * file, which is then read into *file. Errors: STATUS_INPUT; as finding_file_read. */
 enum status explain_take_subject(struct explain_options *options, const char *text,
                                  struct finding_file *file, struct reason *reason) MUST_USE;
+
+/* Explains a finding about a tree: prints which record, slot and bound are at fault, and writes
+ * o->json. *code: the exit code. Errors: as fuzz_play and fuzz_trial_tree; STATUS_INPUT cannot
+ * write. */
+enum status explain_tree_finding(const struct explain_options *o, const struct finding_file *file,
+                                 int *code, struct reason *reason) MUST_USE;
 
 /* Writes the command that explains ray `index` of the finding's file again; NULL if there is no
  * file. */

@@ -89,11 +89,15 @@ static enum status take_file(struct explain_options *o, const char *path, struct
     if (file->has_signature) {
         const struct fuzz_signature *signature = &file->signature;
         bool on_ray = signature->kind <= FUZZ_KIND_BITS || signature->kind == FUZZ_KIND_UNFINISHED;
-        if (!on_ray && !o->has_index)
+        o->about_tree = signature->kind == FUZZ_KIND_TREE && !o->has_index && !o->has_cause;
+        if (!on_ray && !o->has_index && !o->about_tree)
             status = fail(reason, STATUS_INPUT, "%s: a finding of kind %s is on no ray: %s", path,
                           fuzz_kind_name(signature->kind), "name one with --index, or replay it");
-        if (!status)
+        if (!status && !o->about_tree)
             status = take_engine(o, signature, reason);
+        else if (!status && !o->of.engine->needs_packed)
+            status = fail(reason, STATUS_INPUT, "%s: it is about a tree, and engine %s takes none",
+                          path, o->of.engine->name);
         if (!o->has_layout && signature->layout)
             o->of.layout = signature->layout;
         if (!o->has_cause && !o->has_index && signature->cause != CAUSE_NOT_REPEATABLE) {

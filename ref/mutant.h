@@ -259,6 +259,9 @@
 #define MUTANT_WRONG_UNSEEN        363 /* report: a row that is wrong looks like any other */
 #define MUTANT_PART_EXCUSED        364 /* report: a part that failed is not in the exit code */
 #define MUTANT_PICTURE_BELIEVED    365 /* report: a damaged picture is taken as it is */
+#define MUTANT_RULE_UNTOLD         772 /* fuzz: bytes that are no tree are unexplained */
+#define MUTANT_RECORD_UNSAID       773 /* fuzz, replay: which record is at fault is left out */
+#define MUTANT_EXPLAIN_NO_RECORD   774 /* explain: which record is at fault is left out */
 #define MUTANT_REPORT_NO_SHADER    770 /* report: a layout from outside goes without its shader */
 #define MUTANT_MIN_LAYOUT_UNUSED   771 /* min: a layout that no finding is on is taken */
 #define MUTANT_REPLAY_FORGOTTEN    366 /* report: a finding has no line that plays it again */

@@ -18,9 +18,11 @@ struct check {
 };
 
 /* True for the first fault, which is the one to be described. */
-static bool first_fault(struct check *check)
+static bool first_fault(struct check *check, enum packed_rule rule)
 {
     bool first = check->status == STATUS_OK;
+    if (first)
+        check->faults.first = rule;
     check->status = STATUS_INPUT;
     return first;
 }
@@ -37,14 +39,14 @@ static void check_walk(struct check *check)
     check->faults.bad_refs = walk->bad_refs;
     check->faults.cycles = walk->repeats;
     check->faults.too_deep = walk->stack_most > check->packed->stack_need;
-    if (walk->bad_refs > 0 && first_fault(check))
+    if (walk->bad_refs > 0 && first_fault(check, PACKED_REFERENCE))
         (void)fail(check->reason, STATUS_INPUT,
                    "%s: %s: a child reference lies outside the %u records", name,
                    packed_name(check->packed, walk->bad_ref).text, check->packed->node_count);
-    if (walk->repeats > 0 && first_fault(check))
+    if (walk->repeats > 0 && first_fault(check, PACKED_REFERENCE))
         (void)fail(check->reason, STATUS_INPUT, "%s: %s is reached more than once", name,
                    packed_name(check->packed, walk->repeat_ref).text);
-    if (check->faults.too_deep && first_fault(check))
+    if (check->faults.too_deep && first_fault(check, PACKED_STACK))
         (void)fail(check->reason, STATUS_INPUT,
                    "%s: a path needs %u stack entries, the packed tree says %u", name,
                    walk->stack_most, check->packed->stack_need);
@@ -80,10 +82,10 @@ static enum status check_cover(struct check *check)
     free(item);
     check->faults.bad_prims += !fits;
     check->faults.loose_boxes = faults.prims;
-    if (!fits && first_fault(check))
+    if (!fits && first_fault(check, PACKED_ITEM))
         (void)fail(check->reason, STATUS_INPUT, "%s: the leaves name more than %u triangles",
                    packed->layout->name, most);
-    if (faults.prims && first_fault(check))
+    if (faults.prims && first_fault(check, PACKED_BOUND))
         (void)fail(check->reason, STATUS_INPUT,
                    "%s: %s: a part of triangle %u is in no leaf's box below; %u triangles "
                    "have such parts",
@@ -105,7 +107,7 @@ static void check_stored(struct check *check, uint32_t i, const struct wide *lea
         memcmp(stored, own, sizeof own) == 0)
         return;
     check->faults.bad_tris++;
-    if (first_fault(check))
+    if (first_fault(check, PACKED_VERTICES))
         (void)fail(check->reason, STATUS_INPUT,
                    "%s: %s: storage %s has triangle %u with other vertices", packed->layout->name,
                    visit_name(check, i).text, packed->store->name, prim);
@@ -120,7 +122,7 @@ static void check_item(struct check *check, uint32_t i, const struct wide *leaf,
         return;
     if (prim >= check->scene->tri_count) {
         check->faults.bad_prims++;
-        if (first_fault(check))
+        if (first_fault(check, PACKED_ITEM))
             (void)fail(check->reason, STATUS_INPUT, "%s: %s: item slot %u names triangle %u of %u",
                        packed->layout->name, visit_name(check, i).text, slot, prim,
                        check->scene->tri_count);
@@ -128,7 +130,7 @@ static void check_item(struct check *check, uint32_t i, const struct wide *leaf,
     }
     if (check->seen[prim] && (!packed->split || check->seen[prim] == i + 1)) {
         check->faults.double_prims++;
-        if (first_fault(check))
+        if (first_fault(check, PACKED_TWICE))
             (void)fail(check->reason, STATUS_INPUT,
                        "%s: %s: item slot %u names triangle %u a second time", packed->layout->name,
                        visit_name(check, i).text, slot, prim);
@@ -147,7 +149,7 @@ static uint32_t leaf_slots(struct check *check, uint32_t i, const struct wide *n
     if (node->item_count <= most)
         return node->item_count;
     check->faults.bad_prims++;
-    if (first_fault(check))
+    if (first_fault(check, PACKED_ITEM))
         (void)fail(check->reason, STATUS_INPUT, "%s: %s: a leaf of %u items for %u triangles",
                    check->packed->layout->name, visit_name(check, i).text, node->item_count,
                    check->scene->tri_count);
@@ -170,7 +172,7 @@ static void check_items(struct check *check)
         if (check->seen[prim])
             continue;
         check->faults.lost_prims++;
-        if (first_fault(check))
+        if (first_fault(check, PACKED_LOST))
             (void)fail(check->reason, STATUS_INPUT, "%s: triangle %u is in no leaf",
                        check->packed->layout->name, prim);
     }
@@ -187,7 +189,7 @@ static void check_boxes(struct check *check)
             if (visit->box.lo[k] <= exact->lo[k] && exact->hi[k] <= visit->box.hi[k])
                 continue;
             check->faults.loose_boxes++;
-            if (first_fault(check))
+            if (first_fault(check, PACKED_BOUND))
                 (void)fail(check->reason, STATUS_INPUT,
                            "%s: %s: %c bounds [%a, %a] do not contain [%a, %a] below",
                            check->packed->layout->name, visit_name(check, i).text, "xyz"[k],

@@ -93,6 +93,7 @@ static uint32_t item(const struct packed *packed, uint32_t slot)
 /* --- the table ------------------------------------------------------------------------------- */
 
 static plugin_pack_fn *pack_with = plugin_pack;
+static _Thread_local enum packed_rule last_rule;
 
 void plugin_pack_with(plugin_pack_fn *pack)
 {
@@ -102,7 +103,13 @@ void plugin_pack_with(plugin_pack_fn *pack)
 static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
                         struct packed *out, struct reason *reason)
 {
-    return pack_with(self, bvh, scene, out, reason);
+    last_rule = PACKED_SOUND;
+    return pack_with(self, bvh, scene, out, &last_rule, reason);
+}
+
+enum packed_rule plugin_rule(void)
+{
+    return last_rule;
 }
 
 static bool name_is_fine(const char *name)

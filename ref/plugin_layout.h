@@ -20,9 +20,10 @@ enum status plugin_check(const char *name, const struct raydiff_plugin *plugin,
 /* Packs and checks, here and now: counts and references of every record that can be reached, then
  * packed_check; boxes that do not contain what is below are excused if the tree's own do not.
  * Sets what layout->pack sets. Errors: STATUS_LIMIT the plugin's, with its reason; STATUS_INPUT
- * what the check found, with the record; STATUS_MEMORY. On error *out is zero. */
+ * what the check found, with the record, and the rule in *rule; STATUS_MEMORY. On error *out is
+ * zero. */
 enum status plugin_pack(const struct layout *layout, const struct bvh *bvh,
-                        const struct scene *scene, struct packed *out,
+                        const struct scene *scene, struct packed *out, enum packed_rule *rule,
                         struct reason *reason) MUST_USE;
 
 /* How layout->pack of a layout from outside packs; plugin_pack unless a program says otherwise
@@ -30,7 +31,11 @@ enum status plugin_pack(const struct layout *layout, const struct bvh *bvh,
  * crashed or did not end. */
 typedef enum status plugin_pack_fn(const struct layout *layout, const struct bvh *bvh,
                                    const struct scene *scene, struct packed *out,
-                                   struct reason *reason);
+                                   enum packed_rule *rule, struct reason *reason);
 void plugin_pack_with(plugin_pack_fn *pack);
+
+/* The rule that the last tree of this thread broke that a layout from outside packed; PACKED_SOUND:
+ * none. */
+enum packed_rule plugin_rule(void);
 
 #endif

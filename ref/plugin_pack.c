@@ -116,7 +116,8 @@ static enum status call(const struct layout *layout, const struct bvh *bvh,
 /* --- the check ------------------------------------------------------------------------------- */
 
 /* A node that the walk reached, as the plugin itself says it. */
-static enum status check_node(const struct packed *packed, uint32_t ref, struct reason *reason)
+static enum status check_node(const struct packed *packed, uint32_t ref, enum packed_rule *rule,
+                              struct reason *reason)
 {
     const struct layout *layout = packed->layout;
     const struct raydiff_plugin *plugin = layout->family;
@@ -127,6 +128,7 @@ static enum status check_node(const struct packed *packed, uint32_t ref, struct 
                                         .items = packed->item_count,
                                         .root = packed->root};
     struct raydiff_wide node;
+    *rule = PACKED_RECORD;
     node.child_count = node.item_first = node.item_count = 0;
     plugin->load(&view, ref, &node);
     if (node.child_count > plugin->width)
@@ -142,6 +144,7 @@ static enum status check_node(const struct packed *packed, uint32_t ref, struct 
         MUTANT != MUTANT_PLUGIN_LEAF_RECORD)
         return fail(reason, STATUS_INPUT, "%s: %s: %s", layout->name, packed_name(packed, ref).text,
                     node.child_count ? "a child slot has children" : "a leaf, not a child slot");
+    *rule = PACKED_REFERENCE;
     for (uint32_t i = 0; i < node.child_count; i++) {
         uint32_t child = node.child[i];
         if (child >= packed->ref_count)
@@ -156,9 +159,10 @@ static enum status check_node(const struct packed *packed, uint32_t ref, struct 
     return STATUS_OK;
 }
 
-static enum status check_nodes(struct packed *packed, struct reason *reason)
+static enum status check_nodes(struct packed *packed, enum packed_rule *rule, struct reason *reason)
 {
     struct packed_walk walk;
+    *rule = PACKED_REFERENCE;
     if (packed->root >= packed->node_count)
         return fail(reason, STATUS_INPUT, "%s: the root is record %u of %u", packed->layout->name,
                     packed->root, packed->node_count);
@@ -168,7 +172,7 @@ static enum status check_nodes(struct packed *packed, struct reason *reason)
                     packed->node_count);
     packed->stack_need = walk.stack_most;
     for (uint32_t i = 0; i < walk.visit_count && !status && MUTANT != MUTANT_PLUGIN_BELIEVED; i++)
-        status = check_node(packed, walk.visit[i].ref, reason);
+        status = check_node(packed, walk.visit[i].ref, rule, reason);
     packed_walk_free(&walk);
     return status;
 }
@@ -180,24 +184,30 @@ static bool is_excused(const struct bvh *bvh, const struct scene *scene,
     struct reason unused;
     struct packed_faults others = *faults;
     others.loose_boxes = 0;
+    others.first = PACKED_SOUND;
     static const struct packed_faults none;
     return memcmp(&others, &none, sizeof none) == 0 &&
            (MUTANT == MUTANT_PLUGIN_EXCUSED || bvh_check(bvh, scene, &unused));
 }
 
 enum status plugin_pack(const struct layout *layout, const struct bvh *bvh,
-                        const struct scene *scene, struct packed *out, struct reason *reason)
+                        const struct scene *scene, struct packed *out, enum packed_rule *rule,
+                        struct reason *reason)
 {
     enum status status = call(layout, bvh, scene, out, reason);
+    *rule = PACKED_RESULT;
     if (!status)
-        status = check_nodes(out, reason);
+        status = check_nodes(out, rule, reason);
     if (!status && MUTANT != MUTANT_PLUGIN_UNCHECKED) {
         struct packed_faults faults;
         status = packed_check(out, scene, &faults, reason);
+        *rule = faults.first;
         if (status == STATUS_INPUT && is_excused(bvh, scene, &faults))
             status = STATUS_OK;
     }
     if (status)
         packed_free(out);
+    if (status != STATUS_INPUT)
+        *rule = PACKED_SOUND;
     return status;
 }

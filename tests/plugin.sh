@@ -152,10 +152,10 @@ other() { # code, command...
     [ "$code" -eq "$want" ] || breach "$*: exit $code, not $want: $(tail -n 1 other.log)"
     grep -q 'liar' other.log || breach "$*: does not name it"
 }
-fuzzed() { # kind, code of replay
+fuzzed() { # kind, code of replay, what is said, cause
     rm -rf findings
     other 1 fuzz --trials 2 --jobs 1 --corpus none --engine cpu --no-shrink --dir findings
-    grep -q "cpu.liar.$1.unexplained" other.log || breach "fuzz: no finding of kind $1"
+    grep -q "cpu.liar.$1.$4 " other.log || breach "fuzz: no finding of kind $1"
     grep -q 'raydiff replay .* --layout ./liar.so$' other.log || breach "fuzz: no way to replay"
     grep -qE "\"opinion\": ?\"[^\"]*$3" findings/findings.jsonl || breach "fuzz: the log does not say $3"
     other "$2" replay findings/*/first.trial --engine cpu --brief
@@ -167,13 +167,13 @@ other 3 conform any.cpu.liar.median.robust.mt.sphere.mixed.1 --count 50
 other 3 leaks sphere:n=8 --engine cpu --count 50
 other 3 explain sphere:n=8 --engine cpu
 other 3 bench error --scene sphere:n=8 --engine cpu --count 50 --rounds 1
-fuzzed crash 1 'liar: crashed while packing'
+fuzzed crash 1 'liar: crashed while packing' unexplained
 lie ULP 2 record
 other 2 conform any.cpu.liar.median.robust.mt.sphere.mixed.1 --count 50
 other 2 leaks sphere:n=8 --engine cpu --count 50
 other 2 explain sphere:n=8 --engine cpu
 other 2 bench error --scene sphere:n=8 --engine cpu --count 50 --rounds 1
-fuzzed tree 1 'liar: record [0-9]+: . bounds'
+fuzzed tree 1 'liar: record [0-9]+: . bounds' bound_too_small
 
 build/raydiff precompute --scene sphere --layout ./mine.so --out mine.tree >lie.log 2>&1
 [ $? -eq 2 ] || breach "precompute --layout ./mine.so: not exit code 2"

@@ -37,6 +37,42 @@ grep -q '"command": "raydiff replay found/cpu[^"]*/smallest.trial --layout ./lia
     bad "report: how to replay: $(grep command r.json)"
 grep -q 'liar: record [0-9]*: . bounds' r.html || bad "report does not name the record"
 
+# --- which record, slot and bound ------------------------------------------------------------------
+told() { # where
+    grep -qE 'liar: record [0-9]+: [xyz] bounds \[.*\] do not contain \[.*\] below' "$1" || bad "$2 does not name the record and the bound"
+}
+expect 1 . replay "$first" --layout ./liar.so --engine cpu
+told out replay
+expect 1 . fuzz --trials 2 --jobs 1 --corpus none --engine cpu --no-shrink --dir again --layout ./liar.so
+told again/findings.jsonl 'the log of fuzz'
+expect 1 . explain "$first" --layout ./liar.so --json t.json
+told out explain
+told t.json 'explain --json'
+grep -q '^cause     bound_too_small: ' out || bad "explain names no cause"
+grep -q '"cause": "bound_too_small"' t.json || bad "explain --json names no cause"
+expect 1 . $(sed -n 's/^again     raydiff //p' out)
+told out 'explain again'
+expect 1 . explain "$first" --layout ./liar.so --engine fast
+expect 2 'it is about a tree, and engine embree takes none' explain "$first" --layout ./liar.so --engine embree
+sed "s/[.]liar[.]/.mine./" "$first" >sound.trial
+expect 0 . explain sound.trial --layout ./mine.so
+grep -q 'its bytes are the tree that was built' out || bad "explain: mine is no tree"
+
+# The slot of a wide layout, and the other rules, by the words of findings.
+named() { # lie, cause, record or slot that is named, file
+    sample liar.so -DLIE="LIE_$1" "$root/tests/$4"
+    rm -rf lies
+    expect 1 . fuzz --trials 3 --jobs 1 --corpus none --engine cpu --no-shrink --dir lies --layout ./liar.so
+    [ -f lies/cpu.*.tree."$2"/first.trial ] || bad "fuzz calls $1 $(ls lies)"
+    expect 1 . explain lies/*.tree."$2"/first.trial --layout ./liar.so
+    grep -qE "^verdict   WRONG: liar4?: .*$3" out || bad "explain does not say $3 of $1"
+}
+named CHILD child_reference 'record [0-9]+: child [01] is reference' plugin_liar.c
+named TWICE triangle_twice 'item slot [0-9]+ names triangle [0-9]+ a second time' plugin_liar.c
+named LEAF record_malformed 'record [0-9]+: a leaf without items' plugin_liar.c
+named LEAF_ULP bound_too_small 'record [0-9]+, slot [0-9]+: x bounds' plugin_liar_wide.c
+sample liar.so -DLIE=LIE_ULP "$root/tests/plugin_liar.c"
+
 # Each part of a report gets the layout and its shader, in the order in which they belong together.
 expect 0 . report sphere:n=4 --quick --count 100 --parts check,bench,pictures --engine cpu \
     --layout f32,./mine.so --shader mine.glsl --out r.html --json r.json

@@ -14,10 +14,11 @@ struct stand {
     const struct layout *layout;
 };
 
-/* What packed_make() says of a lie; says is NULL where it packs. */
+/* What packed_make() says of a lie, and the rule that it breaks; says is NULL where it packs. */
 struct lie_case {
     unsigned lie;
     const char *says;
+    enum packed_rule rule;
 };
 
 /* A sphere in leaves of 4 and the layout of raydiff_plugin() under this name; 0 when it stands. */
@@ -54,6 +55,8 @@ static inline void stand_hears(const struct stand *s, unsigned *told, unsigned h
         if (status != (cases[i].says ? STATUS_INPUT : STATUS_OK) ||
             (cases[i].says && !strstr(reason.text, cases[i].says)))
             fail_msg("lie %u: %s: %s", cases[i].lie, status_text(status), reason.text);
+        if (plugin_rule() != cases[i].rule)
+            fail_msg("lie %u: rule %d", cases[i].lie, (int)plugin_rule());
     }
 }
 

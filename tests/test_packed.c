@@ -93,7 +93,9 @@ static void packed_check_finds_a_bound_one_step_too_tight(void **state)
             *word = float_bits(nextafterf(x, k < 3 ? 1e9f : -1e9f));
             assert_int_equal(fixture_check(&f), STATUS_INPUT);
             assert_int_equal(f.faults.loose_boxes, 1);
+            assert_int_equal(f.faults.first, PACKED_BOUND);
             f.faults.loose_boxes = 0;
+            f.faults.first = PACKED_SOUND;
             assert_memory_equal(&f.faults, &no_faults, sizeof no_faults);
             assert_non_null(strstr(f.reason.text, " bounds ["));
             fixture_free(&f);
@@ -108,6 +110,7 @@ static void packed_check_takes_nan_bounds_for_loose(void **state)
     f.packed.word[1] |= 0x7E00; /* y of the root */
     assert_int_equal(fixture_check(&f), STATUS_INPUT);
     assert_int_equal(f.faults.loose_boxes, 1);
+    assert_int_equal(f.faults.first, PACKED_BOUND);
     fixture_free(&f);
 }
 
@@ -122,21 +125,73 @@ struct spoilt {
 /* f32: node n's words begin at 8 n; 3 is first, 7 count. rf16: records 0, 1, 2 inner, leaves 3
  * (triangles 0, 1), 5 (2, 3), inner 7, leaves 8, 10, inner 12. */
 static const struct spoilt spoilt[] = {
-    {"f32", 3, 15, {.bad_refs = 1, .lost_prims = 8}, "record 0: a child"},
-    {"f32", 3, UINT32_MAX, {.bad_refs = 1, .lost_prims = 8}, "record 0: a child"},
-    {"f32", 3, 0, {.cycles = 1, .lost_prims = 8}, "record 0 is reached more than once"},
-    {"f32", 3, 5, {.cycles = 1, .lost_prims = 8}, "record 5"},
-    {"f32", 8 * 14 + 3, 12, {.lost_prims = 2, .double_prims = 2, .loose_boxes = 1}, "second time"},
-    {"f32", 8 * 14 + 7, 1, {.lost_prims = 1}, "triangle 15 is in no leaf"},
-    {"f32", 8 * 14 + 7, 0, {.bad_refs = 1, .cycles = 1, .lost_prims = 2}, "record 14"},
-    {"f32", 8 * 14 + 7, UINT32_MAX, {.bad_prims = 1, .lost_prims = 2}, "a leaf of 4294967295"},
-    {"rf16", 3, 0x0001FFFF, {.bad_refs = 1, .lost_prims = 8}, "record 0: a child"},
-    {"rf16", 3, 0x00010000, {.cycles = 1, .lost_prims = 8}, "record 0 is reached more than once"},
-    {"rf16", 4 * 4, 0x00000000, {.double_prims = 1, .lost_prims = 1}, "triangle 0 a second time"},
-    {"rf16", 4 * 4, 0x00100001, {.bad_prims = 1, .lost_prims = 1}, "names triangle 16 of 16"},
-    {"rf16", 3 * 4 + 3, 0x80000001, {.lost_prims = 1}, "triangle 1 is in no leaf"},
-    {"rf16", 3 * 4 + 3, 0x80000003, {.double_prims = 1}, "triangle 0 a second time"},
-    {"rf16", 3 * 4 + 3, 0x80000000, {.bad_refs = 2, .lost_prims = 2}, "record 3: a child"},
+    {"f32",
+     3,
+     15,
+     {.first = PACKED_REFERENCE, .bad_refs = 1, .lost_prims = 8},
+     "record 0: a child"},
+    {"f32",
+     3,
+     UINT32_MAX,
+     {.first = PACKED_REFERENCE, .bad_refs = 1, .lost_prims = 8},
+     "record 0: a child"},
+    {"f32",
+     3,
+     0,
+     {.first = PACKED_REFERENCE, .cycles = 1, .lost_prims = 8},
+     "record 0 is reached more than once"},
+    {"f32", 3, 5, {.first = PACKED_REFERENCE, .cycles = 1, .lost_prims = 8}, "record 5"},
+    {"f32",
+     8 * 14 + 3,
+     12,
+     {.first = PACKED_TWICE, .lost_prims = 2, .double_prims = 2, .loose_boxes = 1},
+     "second time"},
+    {"f32", 8 * 14 + 7, 1, {.first = PACKED_LOST, .lost_prims = 1}, "triangle 15 is in no leaf"},
+    {"f32",
+     8 * 14 + 7,
+     0,
+     {.first = PACKED_REFERENCE, .bad_refs = 1, .cycles = 1, .lost_prims = 2},
+     "record 14"},
+    {"f32",
+     8 * 14 + 7,
+     UINT32_MAX,
+     {.first = PACKED_ITEM, .bad_prims = 1, .lost_prims = 2},
+     "a leaf of 4294967295"},
+    {"rf16",
+     3,
+     0x0001FFFF,
+     {.first = PACKED_REFERENCE, .bad_refs = 1, .lost_prims = 8},
+     "record 0: a child"},
+    {"rf16",
+     3,
+     0x00010000,
+     {.first = PACKED_REFERENCE, .cycles = 1, .lost_prims = 8},
+     "record 0 is reached more than once"},
+    {"rf16",
+     4 * 4,
+     0x00000000,
+     {.first = PACKED_TWICE, .double_prims = 1, .lost_prims = 1},
+     "triangle 0 a second time"},
+    {"rf16",
+     4 * 4,
+     0x00100001,
+     {.first = PACKED_ITEM, .bad_prims = 1, .lost_prims = 1},
+     "names triangle 16 of 16"},
+    {"rf16",
+     3 * 4 + 3,
+     0x80000001,
+     {.first = PACKED_LOST, .lost_prims = 1},
+     "triangle 1 is in no leaf"},
+    {"rf16",
+     3 * 4 + 3,
+     0x80000003,
+     {.first = PACKED_TWICE, .double_prims = 1},
+     "triangle 0 a second time"},
+    {"rf16",
+     3 * 4 + 3,
+     0x80000000,
+     {.first = PACKED_REFERENCE, .bad_refs = 2, .lost_prims = 2},
+     "record 3: a child"},
 };
 
 static void packed_check_counts_each_kind_of_fault(void **state)
@@ -168,6 +223,7 @@ static void packed_check_measures_the_stack(void **state)
     f.packed.stack_need = 2;
     assert_int_equal(fixture_check(&f), STATUS_INPUT);
     assert_int_equal(f.faults.too_deep, 1);
+    assert_int_equal(f.faults.first, PACKED_STACK);
     assert_string_equal(f.reason.text,
                         "rf16: a path needs 3 stack entries, the packed tree says 2");
     fixture_free(&f);

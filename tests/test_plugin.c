@@ -26,21 +26,23 @@ static int stand_make(void **state)
 static void plugin_that_lies_is_refused_by_the_record(void **state)
 {
     static const struct lie_case cases[] = {
-        {LIE_HONEST, NULL},
-        {LIE_ULP, "liar: record 334: x bounds"},
-        {LIE_CHILD, "liar: record 0: child 1 is reference 340 of 335"},
-        {LIE_LOST, "liar: triangle 151 is in no leaf"},
-        {LIE_TWICE, "liar: record 334: item slot 511 names triangle 151 a second time"},
-        {LIE_SIZE, "liar: pack() was given 335 records and 512 items, and says 1340 and 512"},
-        {LIE_CYCLE, "liar: record 0 is reached more than once"},
-        {LIE_NAN, "liar: record 334: x bounds"},
-        {LIE_CHILDREN, "liar: record 1: 9 children, 2 at most"},
-        {LIE_TRIANGLE, "names triangle 1073741824 of 512"},
-        {LIE_LEAF, "liar: record 334: a leaf without items"},
-        {LIE_ROOT, "liar: the root is record 335 of 335"},
-        {LIE_ONE, "liar: record 0: one child, not two"},
-        {LIE_NOTHING, "liar: pack() asked for no records"},
-        {LIE_CODE, "liar: pack() returned 99"},
+        {LIE_HONEST, NULL, PACKED_SOUND},
+        {LIE_ULP, "liar: record 334: x bounds", PACKED_BOUND},
+        {LIE_CHILD, "liar: record 0: child 1 is reference 340 of 335", PACKED_REFERENCE},
+        {LIE_LOST, "liar: triangle 151 is in no leaf", PACKED_LOST},
+        {LIE_TWICE, "liar: record 334: item slot 511 names triangle 151 a second time",
+         PACKED_TWICE},
+        {LIE_SIZE, "liar: pack() was given 335 records and 512 items, and says 1340 and 512",
+         PACKED_RESULT},
+        {LIE_CYCLE, "liar: record 0 is reached more than once", PACKED_REFERENCE},
+        {LIE_NAN, "liar: record 334: x bounds", PACKED_BOUND},
+        {LIE_CHILDREN, "liar: record 1: 9 children, 2 at most", PACKED_RECORD},
+        {LIE_TRIANGLE, "names triangle 1073741824 of 512", PACKED_ITEM},
+        {LIE_LEAF, "liar: record 334: a leaf without items", PACKED_RECORD},
+        {LIE_ROOT, "liar: the root is record 335 of 335", PACKED_REFERENCE},
+        {LIE_ONE, "liar: record 0: one child, not two", PACKED_RECORD},
+        {LIE_NOTHING, "liar: pack() asked for no records", PACKED_RESULT},
+        {LIE_CODE, "liar: pack() returned 99", PACKED_RESULT},
     };
     stand_hears(*state, &lie, LIE_HONEST, cases, ARRAY_COUNT(cases));
 }
@@ -104,6 +106,7 @@ static void plugin_that_dies_is_a_status(void **state)
             fail_msg("lie %d: %s: %s", (int)lie, status_text(status), reason.text);
         if (status == STATUS_DEVICE)
             assert_int_equal(plugin_hung(), cases[i].hung);
+        assert_int_equal(plugin_rule(), lie == LIE_ULP ? PACKED_BOUND : PACKED_SOUND);
         if (status == STATUS_OK) { /* the same bytes as from here */
             assert_int_equal(packed.word_count, here.word_count);
             assert_memory_equal(packed.word, here.word, 4 * (size_t)here.word_count);

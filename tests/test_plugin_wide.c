@@ -22,16 +22,16 @@ static int stand_make(void **state)
 static void wide_plugin_that_lies_is_refused_by_the_record(void **state)
 {
     static const struct lie_case cases[] = {
-        {LIE_HONEST, NULL},
-        {LIE_HOLE, NULL},
-        {LIE_ULP, "liar4: record 4: x bounds"},
-        {LIE_LEAF_ULP, "liar4: record 84, slot 1: x bounds"},
-        {LIE_CHILD, "liar4: record 0: child 0 is reference 425 of 425"},
-        {LIE_SLOT, "liar4: record 0: child 0 is record 1, slot 1"},
-        {LIE_RECORD, "liar4: record 84: a leaf, not a child slot"},
-        {LIE_INNER, "liar4: record 84, slot 0: a child slot has children"},
-        {LIE_EMPTY, "liar4: record 84: a leaf without items"},
-        {LIE_CHILDREN, "liar4: record 0: 5 children, 4 at most"},
+        {LIE_HONEST, NULL, PACKED_SOUND},
+        {LIE_HOLE, NULL, PACKED_SOUND},
+        {LIE_ULP, "liar4: record 4: x bounds", PACKED_BOUND},
+        {LIE_LEAF_ULP, "liar4: record 84, slot 1: x bounds", PACKED_BOUND},
+        {LIE_CHILD, "liar4: record 0: child 0 is reference 425 of 425", PACKED_REFERENCE},
+        {LIE_SLOT, "liar4: record 0: child 0 is record 1, slot 1", PACKED_REFERENCE},
+        {LIE_RECORD, "liar4: record 84: a leaf, not a child slot", PACKED_RECORD},
+        {LIE_INNER, "liar4: record 84, slot 0: a child slot has children", PACKED_RECORD},
+        {LIE_EMPTY, "liar4: record 84: a leaf without items", PACKED_RECORD},
+        {LIE_CHILDREN, "liar4: record 0: 5 children, 4 at most", PACKED_RECORD},
     };
     stand_hears(*state, &lie, LIE_HONEST, cases, ARRAY_COUNT(cases));
 }

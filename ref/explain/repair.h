@@ -40,6 +40,14 @@ enum cause {
     /* What ends the program that a layout reproduces, in place of an answer. */
     CAUSE_LEAF_OVERFULL, /* more triangles in a leaf than its record has slots (F8) */
     CAUSE_ITEM_AS_NODE,  /* items of a leaf are taken for references to nodes (F6) */
+    /* Bytes that are no tree: the rule that they break, where nothing above says why. */
+    CAUSE_BOUND_TOO_SMALL,  /* a box does not contain what is below it */
+    CAUSE_TRIANGLE_LOST,    /* a triangle is in no leaf */
+    CAUSE_TRIANGLE_TWICE,   /* a triangle is named again */
+    CAUSE_ITEM_RANGE,       /* a leaf names what is no triangle of the scene */
+    CAUSE_STACK_NEED,       /* a path needs more stack than the packed tree says */
+    CAUSE_RECORD_MALFORMED, /* a record of a layout from outside is no node */
+    CAUSE_PACK_RESULT,      /* its pack() did not do what it says */
     /* Outside the bytes. */
     CAUSE_DRIVER_ARITHMETIC, /* an operator of the engine is not what C has: shown by other rays, or
                                 by an answer that its operators' bounds allow, but C's do not give
