@@ -1,5 +1,6 @@
 /* The workers of a campaign: who has what to do, who died, hangs or holds too much. */
 #include "fuzz/campaign_inner.h"
+#include "ref/mutant.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -253,12 +254,26 @@ static uint64_t limit_ms(const struct campaign *c, const struct slot *slot)
                                                        : ours;
 }
 
-/* Time that counts against workers. Looks are at most WAIT_MS apart and a little: if more has
- * passed, we were stopped, or the machine slept, and they with us. */
-static uint64_t counted_since(uint64_t before, uint64_t now)
+/* Adds the time since the last look. Looks are at most WAIT_MS apart and a little: if more has passed,
+ * we were stopped, or the machine slept, and the worker with us. */
+static void count_time(struct slot *slot, uint64_t now)
 {
     const uint64_t most = LOOK_MS * 1000000u;
-    return now - before < most ? now - before : most;
+    uint32_t running;
+    uint64_t queued = child_queued_ns(&slot->child, &running);
+    uint64_t waited = queued > slot->queued_ns ? queued - slot->queued_ns : 0;
+    slot->queued_ns = queued;
+    slot->waited_ns += waited / (running > 1 ? running : 1);
+    slot->busy_ns += now - slot->looked_ns < most ? now - slot->looked_ns : most;
+}
+
+/* Without progress for too long. Time in which its threads waited for processors that others had does
+ * not count, but for an eighth. */
+static bool is_late(const struct campaign *c, const struct slot *slot)
+{
+    uint64_t busy = slot->busy_ns, waited = MUTANT == MUTANT_QUEUE_COUNTS ? 0 : slot->waited_ns;
+    uint64_t counted = waited < busy - busy / 8 ? busy - waited : busy / 8;
+    return counted > limit_ms(c, slot) * 1000000u;
 }
 
 /* Only the time counts in which a worker could run. */
@@ -270,15 +285,16 @@ static bool is_stuck(const struct campaign *c, struct slot *slot)
     if (beat != slot->beat || mark != slot->mark) {
         slot->beat = beat;
         slot->mark = mark;
-        slot->busy_ns = 0;
         slot->looked_ns = now;
+        slot->queued_ns = child_queued_ns(&slot->child, &(uint32_t){0});
+        slot->busy_ns = slot->waited_ns = 0;
     }
     if (slot->looked_ns < slot->since_ns) /* a new order */
         slot->looked_ns = slot->since_ns;
     if (!child_is_stopped(&slot->child))
-        slot->busy_ns += counted_since(slot->looked_ns, now);
+        count_time(slot, now);
     slot->looked_ns = now;
-    return slot->busy_ns > limit_ms(c, slot) * 1000000u;
+    return is_late(c, slot);
 }
 
 static enum status watch(struct campaign *c, struct slot *slot, bool memory, struct reason *reason)

@@ -58,6 +58,7 @@ struct slot {
     bool warm;                     /* it has played something */
     uint64_t beat, mark, since_ns; /* since_ns: when its order was given */
     uint64_t busy_ns, looked_ns;   /* without progress, and when that was last looked at */
+    uint64_t queued_ns, waited_ns; /* child_queued_ns() then, and of it what fell in busy_ns */
 };
 
 struct campaign {

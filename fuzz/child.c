@@ -3,6 +3,7 @@
 
 #include "ref/mutant.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -234,15 +235,57 @@ void child_end(struct child *child, uint32_t ms, struct child_fate *fate)
         *fate = how;
 }
 
-bool child_is_stopped(const struct child *child)
+/* The letter of a state in such a file: R, S, T, t, Z ...; '?' if it cannot be read. */
+static char state_of(const char *path)
 {
-    char path[48], text[512];
-    snprintf(path, sizeof path, "/proc/%ld/stat", (long)child->pid);
+    char text[512];
     FILE *file = fopen(path, "re");
     const char *name_end = file && fgets(text, sizeof text, file) ? strrchr(text, ')') : NULL;
     if (file)
         fclose(file);
-    return name_end && name_end[1] && (name_end[2] == 'T' || name_end[2] == 't');
+    return name_end && name_end[1] ? name_end[2] : '?';
+}
+
+bool child_is_stopped(const struct child *child)
+{
+    char path[48];
+    snprintf(path, sizeof path, "/proc/%ld/stat", (long)child->pid);
+    char state = state_of(path);
+    return state == 'T' || state == 't';
+}
+
+/* Of one thread; `task` is its folder. */
+static uint64_t waited_ns(const char *task)
+{
+    char path[400];
+    unsigned long long waited = 0;
+    snprintf(path, sizeof path, "%s/schedstat", task);
+    FILE *file = fopen(path, "re");
+    if (file && fscanf(file, "%*u %llu", &waited) != 1)
+        waited = 0;
+    if (file)
+        fclose(file);
+    return waited;
+}
+
+uint64_t child_queued_ns(const struct child *child, uint32_t *running)
+{
+    char path[48], task[320], state[400];
+    uint64_t all = 0;
+    *running = 0;
+    snprintf(path, sizeof path, "/proc/%ld/task", (long)child->pid);
+    DIR *tasks = opendir(path);
+    for (const struct dirent *entry; tasks && (entry = readdir(tasks));) {
+        if (entry->d_name[0] == '.')
+            continue;
+        snprintf(task, sizeof task, "%s/%s", path, entry->d_name);
+        snprintf(state, sizeof state, "%s/stat", task);
+        all += waited_ns(task);
+        *running += state_of(state) == 'R';
+    }
+    if (tasks)
+        closedir(tasks);
+    return all;
 }
 
 uint64_t child_memory(const struct child *child)

@@ -36,6 +36,7 @@
 #define MUTANT_CAUSE_UNTOLD    663 /* explain: a cause needs no ray that tells of it */
 #define MUTANT_SCALE_BY_VERDICT 664 /* explain: an answer that is the same, scaled, is a cure */
 #define MUTANT_SCALE_ONCE      665 /* explain: right at one other scale is enough for a cause */
+#define MUTANT_QUEUE_COUNTS    850 /* waiting for a processor counts as hanging */
 #define MUTANT_FAN_OFF         40  /* watertight tests get a boundary band on closed fans */
 #define MUTANT_NOT_CERTAIN     41  /* no exact hit is certain: losing it is always excused */
 #define MUTANT_HUGE_BOUND      42  /* the bound of t times a million */

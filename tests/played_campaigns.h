@@ -6,7 +6,10 @@
 
 #include "tests/campaigns.h"
 
-#define TRIALS 1000u
+#include <time.h>
+
+#define TRIALS       1000u
+#define PLAN_WORK_MS 60
 
 /* --- an engine that dies ---------------------------------------------------------------------- */
 
@@ -17,6 +20,7 @@ enum plan {
     PLAN_ONCE,
     PLAN_MISS_ONCE,
     PLAN_EAT,
+    PLAN_WORK, /* PLAN_WORK_MS of a processor's time */
     PLAN_NEVER_OPEN,
     PLAN_DIE_OPEN
 };
@@ -43,6 +47,14 @@ static enum status fragile_prepare(void *self, const struct job *job, struct rea
     return STATUS_OK;
 }
 
+static bool work(void)
+{
+    clock_t start = clock();
+    while ((double)(clock() - start) < 1e-3 * PLAN_WORK_MS * CLOCKS_PER_SEC)
+        ;
+    return false;
+}
+
 /* What the plan has for some scenes on layout f32. True: to miss every triangle. */
 static bool act(void)
 {
@@ -57,6 +69,8 @@ static bool act(void)
     atomic_fetch_add(deaths, 1);
     if (plan == PLAN_MISS_ONCE)
         return true;
+    if (plan == PLAN_WORK)
+        return work();
     if (plan == PLAN_HANG)
         for (;;)
             pause();

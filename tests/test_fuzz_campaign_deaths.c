@@ -1,11 +1,13 @@
 /* Campaigns on an engine that crashes, hangs, takes all memory or does not open. */
 #define _GNU_SOURCE /* mkdtemp, asprintf */
 #include "fuzz/campaign.h"
+#include "fuzz/child.h"
 #include "fuzz/trial_tree.h"
 #include "ref/rng.h"
 #include "ref/trace.h"
 #include "scenes/file.h"
 
+#include <sched.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -183,6 +185,40 @@ static void what_is_not_wrong_again_is_flaky(void **state)
     check_flaky(PLAN_MISS_ONCE, in_root("wrong_once"), "fragile.f32.missed.not_repeatable");
 }
 
+static void spin(struct child *parent, void *user)
+{
+    (void)parent, (void)user;
+    for (volatile uint64_t i = 0;; i++)
+        ;
+}
+
+/* Eleven others want the one processor: what takes 60 ms of it lasts longer than the limit of 500. */
+static void waiting_for_a_processor_is_no_hang(void **state)
+{
+    (void)state;
+    struct campaign_options options = options_of_deaths(in_root("busy"), 48);
+    cpu_set_t all, one;
+    struct child rival[11];
+    assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
+    CPU_ZERO(&one);
+    for (int i = 0, found = 0; i < CPU_SETSIZE && !found; i++)
+        if ((found = CPU_ISSET((size_t)i, &all)))
+            CPU_SET((size_t)i, &one);
+    assert_true(planned(&options) > 0);
+    assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+    for (size_t i = 0; i < 11; i++)
+        assert_int_equal(child_start(spin, NULL, &rival[i], &reason), STATUS_OK);
+    plan = PLAN_WORK;
+    enum status status = run(&options);
+    plan = PLAN_LIVE;
+    for (size_t i = 0; i < 11; i++)
+        child_end(&rival[i], 0, NULL);
+    assert_int_equal(sched_setaffinity(0, sizeof all, &all), 0);
+    assert_int_equal(status, STATUS_OK);
+    assert_int_equal(last.trials, 48);
+    assert_int_equal(last.restarts, 0);
+}
+
 static void an_engine_that_does_not_open_is_an_error(void **state)
 {
     (void)state;
@@ -204,6 +240,7 @@ int main(void)
         cmocka_unit_test(too_much_memory_is_one),
         cmocka_unit_test(what_does_not_die_again_is_flaky),
         cmocka_unit_test(what_is_not_wrong_again_is_flaky),
+        cmocka_unit_test(waiting_for_a_processor_is_no_hang),
         cmocka_unit_test(an_engine_that_does_not_open_is_an_error),
     };
     deaths = child_share(sizeof *deaths);
