@@ -1,6 +1,6 @@
 #!/bin/sh
 # The README's two commands as the README says them, in a minimal Debian of each release that is supported:
-# debootstrap, git and make, a clean clone of what is committed, nothing else.
+# debootstrap, git and make, a clean clone of what is committed, nothing else. Ubuntu 24.04 is RELEASE=noble.
 #   sh .ci/fresh.sh RESULTS [RELEASE...]     (make fresh-check, RELEASE=trixie)
 # A line a release: versions, seconds, suites; if all is green it replaces the release's line in RESULTS.
 # Logs: build/fresh.
@@ -10,7 +10,7 @@ set -u
 LC_ALL=C.UTF-8
 export LC_ALL
 check=fresh-check
-supported='bookworm trixie'
+supported='bookworm trixie noble'
 logs=build/fresh
 . .ci/systems.sh
 
@@ -48,7 +48,7 @@ inside() {
         }
     done 3<"$root/root/commands"
     suites=$(grep -hE '^[0-9]+ passed' "$logs/$release".*.log | tail -n 1)
-    echo "$release: Debian $(in_root 'cat /etc/debian_version'), gcc $(in_root 'gcc -dumpfullversion')," \
+    echo "$release: $(system_name), gcc $(in_root 'gcc -dumpfullversion')," \
         "Embree $(version libembree-dev), glslang $(version glslang-tools)," \
         "Mesa $(version mesa-vulkan-drivers): $told${suites:+: $suites}" >"$line"
 }
@@ -61,8 +61,7 @@ fi
 [ $# -gt 0 ] || { echo "usage: sh .ci/fresh.sh RESULTS [RELEASE...]" >&2; exit 2; }
 results=$1
 shift
-# shellcheck disable=SC2086
-[ $# -gt 0 ] || set -- $supported
+[ $# -gt 0 ] || set -- bookworm trixie # Ubuntu's has a source and keys of its own
 [ "$(commands | wc -l)" -eq 2 ] || { echo "fresh-check: README.md has no code block of two commands" >&2; exit 4; }
 need_systems "$@"
 worst=0

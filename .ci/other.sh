@@ -43,7 +43,7 @@ END
         echo "FAILED $name: exit code $code: $logs/$release.log"
         return 1
     }
-    echo "$name: Debian $(in_root 'cat /etc/debian_version'): $(tail -n 1 "$logs/$release.log")" >"$line"
+    echo "$name: $(system_name): $(tail -n 1 "$logs/$release.log")" >"$line"
 }
 
 what=${WHAT:-}

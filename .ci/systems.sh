@@ -36,6 +36,14 @@ version() {
     done | sed 's/^[0-9]*://; s/[-+~].*//' | head -n 1
 }
 
+# Debian 12.9, Ubuntu 24.04.
+system_name() {
+    case $release in
+    noble) in_root '. /etc/os-release && echo "$NAME $VERSION_ID"' ;;
+    *) echo "Debian $(in_root 'cat /etc/debian_version')" ;;
+    esac
+}
+
 # The first steps inside, with root and release set: terminals, memory, PACKAGES, and the clone.
 enter_system() { # PACKAGE...
     mount -t devpts -o newinstance,ptmxmode=0666,mode=620 devpts "$root/dev/pts" &&
@@ -48,19 +56,37 @@ enter_system() { # PACKAGE...
     in_root 'cd /root && git clone -q raydiff.git raydiff'
 }
 
-# A minimal system with the machine's package source; 1: there is none of this release.
+# Where RELEASE comes from: mirror, that of security, components; options and script of debootstrap. Debian's
+# is the machine's own source. Ubuntu's is Ubuntu, whose keys the machine must have.
+place_of() { # RELEASE
+    mirror=$archive guarded=$security components=main options='' script=''
+    case $1 in
+    noble)
+        mirror=http://archive.ubuntu.com/ubuntu guarded=http://security.ubuntu.com/ubuntu
+        components='main universe'
+        options="--components=main,universe --keyring=$ubuntu_keys"
+        script=${SCRIPTS:-/usr/share/debootstrap/scripts}/$1
+        [ -e "$script" ] || script=${script%/*}/gutsy # what all later ones are
+        ;;
+    esac
+}
+ubuntu_keys=${UBUNTU_KEYS:-/usr/share/keyrings/ubuntu-archive-keyring.gpg}
+
+# A minimal system; 1: there is none of this release.
 make_system() { # RELEASE FOLDER
     echo "$1: debootstrap"
     mkdir -p "$2"
-    # shellcheck disable=SC2046
-    env $(proxies) debootstrap --variant=minbase "$1" "$2" "$archive" >"$logs/$1.debootstrap.log" 2>&1 || {
+    place_of "$1"
+    # shellcheck disable=SC2046,SC2086
+    env $(proxies) debootstrap --variant=minbase $options "$1" "$2" "$mirror" $script >"$logs/$1.debootstrap.log" 2>&1 || {
         tail -n 3 "$logs/$1.debootstrap.log"
         return 1
     }
+    rm -f "$2"/etc/apt/sources.list.d/*.sources
     {
-        echo "deb $archive $1 main"
-        echo "deb $archive $1-updates main"
-        [ -z "$security" ] || echo "deb $security $1-security main"
+        echo "deb $mirror $1 $components"
+        echo "deb $mirror $1-updates $components"
+        [ -z "$guarded" ] || echo "deb $guarded $1-security $components"
     } >"$2/etc/apt/sources.list"
     cp /etc/resolv.conf "$2/etc/resolv.conf" 2>/dev/null
     git clone -q --bare . "$2/root/raydiff.git"
@@ -89,6 +115,9 @@ need_systems() { # RELEASE...
     archive=$(echo "$sources" | awk '$2 ~ /^(bullseye|bookworm|trixie|forky|sid|stable|testing)$/ {print $1; exit}')
     security=$(echo "$sources" | awk '$2 ~ /-security$/ {print $1; exit}')
     [ -n "$archive" ] || skip "apt has no Debian source on this machine"
+    case " $* " in
+    *' noble '*) [ -e "$ubuntu_keys" ] || skip "noble needs $ubuntu_keys (Debian: ubuntu-archive-keyring)" ;;
+    esac
     rm -rf "$logs"
     mkdir -p "$logs"
     [ -z "$(git status --porcelain --untracked-files=no)" ] || echo "$check: what is not committed is not played"

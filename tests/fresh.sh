@@ -40,6 +40,17 @@ typed 'make run,make check,'
 [ "$(wc -l <"$dir/results")" -eq 2 ] || bad 'a line is replaced, the other kept'
 cp "$dir/results" "$dir/before"
 
+run 77 'Ubuntu without its keys' noble
+says '^SKIP fresh-check: noble needs .*keyring'
+UBUNTU_KEYS=$dir/keys SCRIPTS=$dir/scripts
+export UBUNTU_KEYS SCRIPTS
+: >"$dir/keys"
+run 0 'Ubuntu' noble
+grep -q "^--variant=minbase --components=main,universe --keyring=$dir/keys noble .* http://archive.ubuntu.com/ubuntu $dir/scripts/gutsy$" \
+    "$dir/notes/debootstrap" || bad "Ubuntu's mirror, keys and script"
+grep -q '^noble: Ubuntu 24.04, gcc 12.2.0' "$dir/results" || bad "Ubuntu's line"
+cp "$dir/before" "$dir/results"
+
 echo 'make check' >"$dir/notes/fails"
 run 1 'a command that fails' bookworm
 says '^FAILED bookworm: make check: exit code 1'
@@ -70,7 +81,7 @@ cp "$dir/sound" "$dir/repository/.ci/fresh.sh"
 rm "$dir/notes/fails"
 
 run 2 'a release that is not supported' potato
-says "'potato' is not one of: bookworm trixie"
+says "'potato' is not one of: bookworm trixie noble"
 echo 'echo 1000' | tool id
 run 77 'without root'
 says '^SKIP fresh-check: only root'

@@ -27,8 +27,9 @@ exec "$@"
 END
 tool debootstrap <<'END'
 echo "$*" >>"$NOTES/debootstrap"
-[ "$2" != trixie ] || [ ! -e "$NOTES/no-trixie" ] || exit 1
-mkdir -p "$3/etc/apt" "$3/root" "$3/dev/pts" "$3/dev/shm"
+while case $1 in --*) ;; *) false ;; esac do shift; done
+[ "$1" != trixie ] || [ ! -e "$NOTES/no-trixie" ] || exit 1
+mkdir -p "$2/etc/apt" "$2/root" "$2/dev/pts" "$2/dev/shm"
 END
 # chroot ROOT env -i VARIABLES sh -c COMMAND; what is typed in the clone is noted, with its exit code.
 tool chroot <<'END'
@@ -44,6 +45,7 @@ case $last in
     [ ! -e "$NOTES/fails" ] || ! grep -qxF -- "$command" "$NOTES/fails" ;;
 *'git clone'*) git clone -q "$1/root/raydiff.git" "$1/root/raydiff" ;;
 *dpkg-query*) echo '4:3.14.2+dfsg-1' ;;
+*os-release*) echo 'Ubuntu 24.04' ;;
 *debian_version*) echo 12.9 ;;
 *dumpfullversion*) echo 12.2.0 ;;
 esac
