@@ -46,7 +46,7 @@ static void more_than_rounding_loses_is_beyond(void **state)
         assert_int_equal(beyond(MANY, limit, margins[class], false), 0);
         assert_int_equal(beyond(MANY, limit + 1, margins[class], false), 1);
         assert_int_equal(beyond(MANY, MANY, margins[class], false), MANY - limit);
-        assert_true(class == 0 || limit < match_edges_limit(class - 1, MANY));
+        assert_true(class == 0 || (double)limit < match_edges_limit(class - 1, MANY));
     }
 }
 
