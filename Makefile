@@ -264,8 +264,8 @@ adversaries: tests
 leaks: all
 	sh tests/leaks.sh $(B) $(RESULTS)/leaks
 
-# Every system call of campaigns, merges, shrinkings and reports fails once in each of its ways. ARGS:
-# '-n merge' one command, '-o 0:openat:3:EIO' one fault. Exit code 77: processes may not be traced here.
+# Every system call of campaigns, merges, shrinkings, checks and reports fails once in each of its ways. ARGS:
+# '-n merge' one command, '-o 0:openat:3:EIO' one fault, '-s 10' each tenth. Exit code 77: processes may not be traced here.
 .PHONY: faults
 faults: all
 	@sh tests/faults.sh $(B)/raydiff $(or $(ARGS),-s 1)

@@ -19,6 +19,7 @@ struct line {
 /* Where children write to, and how long they may take. */
 struct runner {
     char *folder; /* temporary; owned */
+    int held;     /* its descriptor: as long as it is open the folder is in use */
     struct progress progress;
     unsigned seconds; /* that a child may take */
     size_t parts;     /* begun so far */
@@ -44,7 +45,7 @@ void line_free(struct line *line);
  * made; STATUS_MEMORY. */
 enum status runner_open(struct runner *runner, struct reason *reason) MUST_USE;
 
-/* Removes the folder with all that is in it. */
+/* Removes the folder with all that is in it; says so if it cannot. */
 void runner_close(struct runner *runner);
 
 /* The signal that asked us to stop, or 0. */
@@ -60,7 +61,9 @@ typedef int command_fn(int argc, char **argv);
 enum status runner_run(struct runner *runner, command_fn *command, const struct line *line,
                        struct run *run, struct reason *reason) MUST_USE;
 
-/* Sets code and state of a part from how its child ended and whether it left a result. */
-void run_judge(const struct run *run, bool result, struct report_part *part);
+/* Sets code and state of a part from how its child ended and whether its result could be read;
+ * `why`: it could not. */
+void run_judge(const struct run *run, enum status read, const struct reason *why,
+               struct report_part *part);
 
 #endif

@@ -1,4 +1,5 @@
 /* Which commands make the parts of a report. */
+#define _GNU_SOURCE /* AT_FDCWD */
 #include "bench/cmd_report_parts.h"
 
 #include "fuzz/baseline.h"
@@ -9,8 +10,11 @@
 #include "ref/mutant.h"
 #include "scenes/file.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define PRINTED_MOST 40000u /* bytes of an explanation */
 
@@ -65,7 +69,7 @@ static enum status run_part(struct report *report, struct runner *runner, comman
     if (status == STATUS_OK && !run.stopped) {
         struct reason why;
         enum status read = report_read(path, part->kind, &part->json, &why);
-        run_judge(&run, read == STATUS_OK, part);
+        run_judge(&run, read, &why, part);
         part->command = line->text;
         status = report_add(report, part, reason);
     }
@@ -152,32 +156,50 @@ static enum status make_machine(const struct report_options *options, struct run
 
 /* --- findings ----------------------------------------------------------------------------- */
 
-/* What the child printed, as much as a page should have; NULL without memory. The caller frees it.
- */
-static char *printed(const struct runner *runner)
+/* What the child printed, as much as a page should have; the caller frees it. */
+static enum status printed(const struct runner *runner, char **text, struct reason *reason)
 {
-    char path[4096], *text = alloc_zeroed(1, PRINTED_MOST + 1);
+    char path[4096];
     runner_path(runner, "out", path, sizeof path);
-    FILE *file = text ? fopen(path, "re") : NULL;
-    if (!file)
-        return text;
-    size_t size = fread(text, 1, PRINTED_MOST, file);
-    fclose(file);
+    *text = alloc_zeroed(1, PRINTED_MOST + 1);
+    int file = *text ? file_open_again(AT_FDCWD, path, O_RDONLY) : -1;
+    ssize_t got = file >= 0;
+    size_t size = 0;
+    while (got > 0 && size < PRINTED_MOST) {
+        got = read(file, *text + size, PRINTED_MOST - size);
+        if (got < 0 && errno == EINTR)
+            got = 1;
+        else if (got > 0)
+            size += (size_t)got;
+    }
+    enum status status = STATUS_OK;
+    if (!*text)
+        status = fail(reason, STATUS_MEMORY, "out of memory");
+    else if (file < 0 || got < 0)
+        status = fail(reason, STATUS_INPUT, "%s: %s", path, strerror(errno));
+    if (file >= 0)
+        close(file);
     if (size == PRINTED_MOST)
-        memcpy(text + size - 8, "\n(cut)\n", 8);
-    return text;
+        memcpy(*text + size - 8, "\n(cut)\n", 8);
+    return status;
 }
 
 /* What the baseline says of a finding, as raydiff fuzz asks it. */
-static void ask_baseline(const struct report_options *options, const struct findings *findings,
-                         const struct findings_entry *entry, struct baseline_answer *answer)
+static enum status ask_baseline(const struct report_options *options,
+                                const struct findings *findings, const struct findings_entry *entry,
+                                struct baseline_answer *answer, struct reason *reason)
 {
-    struct finding_file file;
+    struct finding_file file = {0};
     char today[BASELINE_DAY];
+    enum status status = STATUS_OK;
     baseline_today(today);
-    bool there = findings_get(findings, &entry->signature, "first.trial", &file, NULL) == STATUS_OK;
-    baseline_ask(options->baseline, &entry->signature, there ? file.versions : "", today, answer);
+    if (entry->has_first)
+        status = findings_get(findings, &entry->signature, "first.trial", &file, reason);
+    if (!status)
+        baseline_ask(options->baseline, &entry->signature, entry->has_first ? file.versions : "",
+                     today, answer);
     finding_file_free(&file);
+    return status;
 }
 
 static enum status make_finding(const struct report_options *options, struct runner *runner,
@@ -193,7 +215,9 @@ static enum status make_finding(const struct report_options *options, struct run
                   entry->has_smallest ? "smallest.trial" : "first.trial", path, sizeof path);
     struct report_part part = {.kind = REPORT_FINDING, .name = name, .times = entry->count};
     struct baseline_answer answer;
-    ask_baseline(options, findings, entry, &answer);
+    enum status status = ask_baseline(options, findings, entry, &answer, reason);
+    if (status)
+        return status;
     line_begin(&line, "replay");
     line_word(&line, path);
     if (plugin_path(entry->signature.layout))
@@ -205,18 +229,21 @@ static enum status make_finding(const struct report_options *options, struct run
     line_file(&line, runner, "finding.json");
     runner_path(runner, "finding.json", result, sizeof result);
     remove(result);
-    enum status status = runner_run(runner, cmd_replay, &line, &run, reason);
+    status = runner_run(runner, cmd_replay, &line, &run, reason);
     line_free(&line);
     if (status || run.stopped)
         return status;
     struct reason why;
     enum status read = report_read(result, REPORT_FINDING, &part.json, &why);
-    run_judge(&run, read == STATUS_OK, &part);
+    run_judge(&run, read, &why, &part);
     part.command = command;
-    part.text = printed(runner);
+    status = printed(runner, &part.text, reason);
     if (answer.state == BASELINE_KNOWN)
         part.known = answer.text;
-    status = report_add(report, &part, reason);
+    if (status)
+        json_decref(part.json);
+    else
+        status = report_add(report, &part, reason);
     free(part.text);
     return status;
 }

@@ -5,6 +5,8 @@
 
 #include "bench/json_value.h"
 #include "ref/command.h"
+#include "ref/mutant.h"
+#include "scenes/file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -68,6 +70,15 @@ static void file_name(const struct gallery *gallery, const char *what, char name
             *at = '-';
 }
 
+/* What a command that said nothing has left cannot be read. */
+static void unread(struct gallery *gallery, const char *who, const char *said, enum status status,
+                   const struct reason *why)
+{
+    complain(gallery, who, said[0] ? said : why->text);
+    if (MUTANT != MUTANT_UNREAD_IS_WELL)
+        gallery->code = exit_worse(gallery->code, exit_of_status(status));
+}
+
 /* Adds the picture that a command has made. */
 static void show(struct gallery *gallery, const char *title, const char *caption, const char *name,
                  const char *said)
@@ -80,7 +91,7 @@ static void show(struct gallery *gallery, const char *title, const char *caption
     if (status == STATUS_OK)
         gallery->drawn = true;
     else
-        complain(gallery, title, said[0] ? said : why.text);
+        unread(gallery, title, said, status, &why);
 }
 
 /* The first of each kind of member that the user named, for commands that take one. */
@@ -193,10 +204,11 @@ static enum status compare(struct gallery *gallery, const char *const *engine, s
         return status;
     gallery->code = exit_worse(gallery->code, how.code);
     struct reason why;
-    if (report_read(path, REPORT_PICTURES, &gallery->pairs, &why) == STATUS_OK)
+    status = report_read(path, REPORT_PICTURES, &gallery->pairs, &why);
+    if (status == STATUS_OK)
         show_maps(gallery, json_object_get(gallery->pairs, "pairs"), how.said);
     else
-        complain(gallery, "diff", how.said[0] ? how.said : why.text);
+        unread(gallery, "diff", how.said, status, &why);
     return STATUS_OK;
 }
 
@@ -237,6 +249,20 @@ static void show_caption(const json_t *json, char *caption, size_t caption_bytes
     }
 }
 
+/* Of our own child. */
+static enum status read_statistics(const char *path, json_t **json, struct reason *reason)
+{
+    char *bytes;
+    size_t size;
+    *json = NULL;
+    enum status status = file_read(path, &bytes, &size, reason);
+    if (status)
+        return status;
+    *json = json_loadb(bytes, size, 0, NULL);
+    free(bytes);
+    return *json ? STATUS_OK : fail(reason, STATUS_INPUT, "%s: is no JSON", file_label(path));
+}
+
 /* Draws look `i` of layouts "A" or "A,B". A layout that was not asked for may refuse the scene. */
 static enum status look_at(struct gallery *gallery, size_t i, const char *layouts,
                            struct reason *reason)
@@ -268,10 +294,14 @@ static enum status look_at(struct gallery *gallery, size_t i, const char *layout
                  (int)(comma - layouts), layouts);
     else
         snprintf(title, sizeof title, "%s, %.30s", looks[i].title, layouts);
-    json_t *json = json_load_file(path, 0, NULL); /* of our own child */
+    struct reason why;
+    json_t *json;
+    status = read_statistics(path, &json, &why);
     if (json) {
         show_caption(json, caption, sizeof caption);
         show(gallery, title, caption, name, how.said);
+    } else if (how.code == EXIT_AGREE) {
+        unread(gallery, title, how.said, status, &why);
     } else {
         complain(gallery, title, how.said);
     }

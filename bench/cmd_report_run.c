@@ -1,13 +1,14 @@
 /* The children of raydiff report: each is a sub-command in a process of its own, so that one that
  * crashes or hangs is a line in the report, and what it prints goes to a file. */
-#define _GNU_SOURCE /* mkdtemp, strsignal */
+#define _GNU_SOURCE /* strsignal */
 #include "bench/cmd_report.h"
 
 #include "fuzz/child.h"
 #include "ref/command.h"
+#include "ref/mutant.h"
 #include "scenes/file.h"
+#include "scenes/temporary.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -79,36 +80,25 @@ enum status runner_open(struct runner *runner, struct reason *reason)
     static const int stopping[] = {SIGINT, SIGTERM, SIGHUP};
     const struct sigaction action = {.sa_handler = on_signal};
     const char *parent = getenv("TMPDIR");
-    char path[PATH_MOST];
-    runner->folder = NULL;
-    snprintf(path, sizeof path, "%s/raydiff-report-XXXXXX", parent && parent[0] ? parent : "/tmp");
+    if (!parent || !parent[0])
+        parent = "/tmp";
     for (size_t i = 0; i < ARRAY_COUNT(stopping); i++)
         sigaction(stopping[i], &action, NULL);
-    if (!mkdtemp(path))
-        return fail(reason, STATUS_INPUT, "%s: cannot make a temporary folder: %s",
-                    file_label(path), strerror(errno));
-    runner->folder = strdup(path);
-    if (runner->folder)
+    runner->held = temporary_folder(parent, "raydiff-report", &runner->folder);
+    if (runner->held >= 0)
         return STATUS_OK;
-    rmdir(path);
-    return fail(reason, STATUS_MEMORY, "out of memory");
+    return fail(reason, STATUS_INPUT, "%s: cannot make a temporary folder: %s", file_label(parent),
+                strerror(errno));
 }
 
 void runner_close(struct runner *runner)
 {
-    char path[PATH_MOST];
-    DIR *listing = runner->folder ? opendir(runner->folder) : NULL;
-    struct dirent *one;
-    while (listing && (one = readdir(listing)) != NULL) {
-        if (strcmp(one->d_name, ".") == 0 || strcmp(one->d_name, "..") == 0)
-            continue;
-        runner_path(runner, one->d_name, path, sizeof path);
-        unlink(path);
-    }
-    if (listing)
-        closedir(listing);
-    if (runner->folder)
-        rmdir(runner->folder);
+    if (!runner->folder)
+        return;
+    if (!temporary_folder_remove(runner->folder))
+        fprintf(stderr, "raydiff report: %s: cannot be removed: %s; the next report tries again\n",
+                file_label(runner->folder), strerror(errno));
+    close(runner->held);
     free(runner->folder);
     runner->folder = NULL;
 }
@@ -124,11 +114,14 @@ struct order {
 /* A standard file becomes the file at `path`. */
 static bool stand_in(const char *path, int flags, int standard)
 {
-    int file = open(path, flags, 0600);
-    if (file < 0 || dup2(file, standard) < 0)
-        return false;
-    close(file);
-    return true;
+    int code = -1, file = file_open_again(AT_FDCWD, path, flags);
+    while (file >= 0 && (code = dup2(file, standard)) < 0 && errno == EINTR)
+        continue;
+    if (file < 0 || code < 0)
+        fprintf(stderr, "raydiff report: %s: %s\n", path, strerror(errno));
+    if (file >= 0)
+        close(file);
+    return code >= 0;
 }
 
 static void obey(struct child *parent, void *user)
@@ -142,6 +135,10 @@ static void obey(struct child *parent, void *user)
         stand_in(order->out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO) &&
         stand_in(order->err, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO))
         code = order->command(order->line->argc, (char **)(uintptr_t)order->line->argv);
+    if ((fflush(stdout) != 0 || ferror(stdout)) && MUTANT != MUTANT_PRINTED_LOST) {
+        fprintf(stderr, "raydiff report: cannot write what it prints: %s\n", strerror(errno));
+        code = exit_worse(code, EXIT_USAGE);
+    }
     fflush(NULL);
     if (!child_send(parent, &code, sizeof code, CHILD_FOREVER))
         _exit(EXIT_INTERNAL); /* nobody is there to hear it */
@@ -212,12 +209,15 @@ enum status runner_run(struct runner *runner, command_fn *command, const struct 
     return STATUS_OK;
 }
 
-void run_judge(const struct run *run, bool result, struct report_part *part)
+void run_judge(const struct run *run, enum status read, const struct reason *why,
+               struct report_part *part)
 {
     part->code = run->code;
     part->seconds = run->seconds;
     part->why = (char *)(uintptr_t)run->said; /* copied by report_add */
     part->state = REPORT_RAN;
-    if (run->dead || !result)
+    if (run->dead || read != STATUS_OK)
         part->state = run->code == EXIT_SKIPPED && !run->dead ? REPORT_SKIPPED : REPORT_FAILED;
+    if (read != STATUS_OK && run->code == EXIT_AGREE)
+        part->why = (char *)(uintptr_t)why->text;
 }

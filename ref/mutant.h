@@ -59,6 +59,11 @@
 #define MUTANT_INTERRUPTED       725 /* files: a write that a signal interrupts has failed */
 #define MUTANT_WRITE_UNCHECKED   732 /* files: a write that failed is taken for written */
 #define MUTANT_RENAME_UNCHECKED  733 /* files: a rename that failed is taken for one */
+#define MUTANT_LEFT_STAYS        790 /* files: what killed writers left is not removed */
+#define MUTANT_HELD_REMOVED      791 /* files: what another writer is writing is removed */
+#define MUTANT_NAMED_AT_ONCE     792 /* files: they have temporary names from the beginning */
+#define MUTANT_UNREAD_IS_WELL    793 /* report: a picture that cannot be read is none that fails */
+#define MUTANT_PRINTED_LOST      794 /* report: what a part could not print is not missed */
 #define MUTANT_UNREAD_IS_SMALL   734 /* fuzz: a finding that cannot be read needs no shrinking */
 #define MUTANT_MERGE_LEFT        735 /* merge: what a killed one left stays */
 #define MUTANT_COUNTED_TWICE   81  /* a finding that the log has is counted again */

@@ -30,14 +30,18 @@ enum status file_read_from(int file, const char *path, size_t most, char **bytes
 /* The part of `path` that fits into a reason beside a rule: all of it, or its end. */
 const char *file_label(const char *path);
 
-/* A file being written under a temporary name beside its goal. */
+/* A file being written beside its goal, without a name if the file system has such files (then who
+ * is killed leaves nothing behind), or under a temporary one, which the next writer of the same
+ * goal removes (scenes/temporary.h). */
 struct file_out {
     FILE *stream;
     char *path;      /* the goal; the target, if the path named is a symbolic link */
-    char *temporary; /* NULL: a device or pipe, written directly */
+    char *temporary; /* its name until then, if it has one */
     int file;        /* descriptor of the stream; not to be closed */
-    bool unsynced;   /* set by its user: after a crash of the machine it may be empty */
-    bool within;     /* both names are the last of their paths, in the folder that is open here */
+    int held; /* 1 + another one, which keeps the lock; 0: a device or pipe, written directly */
+    bool nameless;
+    bool unsynced; /* set by its user: after a crash of the machine it may be empty */
+    bool within;   /* both names are the last of their paths, in the folder that is open here */
     int folder;
 };
 
@@ -58,8 +62,9 @@ enum status file_out_commit(struct file_out *out, struct reason *reason) MUST_US
 /* Drops the temporary file, if it was not committed. Safe on a zero struct. */
 void file_out_discard(struct file_out *out);
 
-/* Drops the temporary files that this process has open, for a handler of signals that ends it: it
- * calls nothing that a handler may not. What the process was forked from keeps its own. */
+/* Drops the temporary files with names that this process has open, for a handler of signals that
+ * ends it: it calls nothing that a handler may not. What the process was forked from keeps its own.
+ */
 void file_out_abandon(void);
 
 /* openat() with O_CLOEXEC; a call that a signal interrupts is made again. -1 and errno on error. */

@@ -3,6 +3,7 @@
 #include "scenes/file.h"
 
 #include "ref/mutant.h"
+#include "scenes/temporary.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -69,6 +70,13 @@ static ssize_t put_all(void *cookie, const char *bytes, size_t size)
     return (ssize_t)size;
 }
 
+/* Closes it and leaves errno as `why`. */
+static void close_for(int file, int why)
+{
+    close(file);
+    errno = why;
+}
+
 /* Linux has closed it also where it says that it was interrupted. */
 static int put_close(void *cookie)
 {
@@ -80,37 +88,26 @@ static FILE *stream_of(int file)
 {
     const cookie_io_functions_t how = {.write = put_all, .close = put_close};
     FILE *stream = file < 0 ? NULL : fopencookie((void *)(intptr_t)file, "wb", how);
-    if (!stream && file >= 0) {
-        close(file);
-        errno = ENOMEM;
-    }
+    if (!stream && file >= 0)
+        close_for(file, ENOMEM);
     return stream;
 }
 
-/* Opens NAME.PID.N.tmp for the first N that is free. */
+/* Opens what is to become `name`: without a name where that can be, else under a temporary one. */
 static void open_temporary(int folder, const char *name, struct file_out *out)
 {
-    size_t length = strlen(name) + 48;
-    char *temporary = malloc(length);
-    out->file = -1;
-    for (unsigned attempt = 0; temporary && out->file < 0 && attempt < 1000; attempt++) {
-        snprintf(temporary, length, "%s.%ld.%u.tmp", name, (long)getpid(), attempt);
-        out->file = file_open_again(folder, temporary, O_WRONLY | O_CREAT | O_EXCL);
-        if (out->file < 0 && errno != EEXIST)
-            break;
-    }
-    bool made = out->file >= 0;
-    out->stream = stream_of(out->file);
-    if (out->stream) {
-        out->temporary = temporary;
-        name_know(folder, temporary);
-        return;
-    }
-    int why = errno;
-    if (made)
-        unlinkat(folder, temporary, 0);
-    free(temporary);
-    errno = why;
+    temporary_sweep(folder, name);
+    out->file = MUTANT == MUTANT_NAMED_AT_ONCE ? -1 : temporary_nameless(folder, name);
+    out->nameless = out->file >= 0;
+    if (!out->nameless)
+        out->file = temporary_named(folder, name, &out->temporary);
+    int second = out->file < 0 ? -1 : fcntl(out->file, F_DUPFD_CLOEXEC, 3);
+    if (out->file >= 0 && second < 0)
+        close_for(out->file, errno);
+    out->stream = second < 0 ? NULL : stream_of(out->file);
+    out->held = second + 1;
+    if (out->stream && out->temporary)
+        name_know(folder, out->temporary);
 }
 
 static enum status cannot_write(const char *path, int why, struct reason *reason)
@@ -167,6 +164,14 @@ int file_sync(int file)
     return code;
 }
 
+static void forget_temporary(struct file_out *out)
+{
+    if (out->temporary)
+        name_forget(out->temporary);
+    free(out->temporary);
+    out->temporary = NULL;
+}
+
 /* The name that it has under its goal's folder. */
 static const char *goal_of(const struct file_out *out)
 {
@@ -177,11 +182,13 @@ static const char *goal_of(const struct file_out *out)
 static bool take_goal(struct file_out *out)
 {
     int folder = out->within ? out->folder : AT_FDCWD;
-    if (renameat(folder, out->temporary, folder, goal_of(out)) != 0)
+    if (out->nameless && !temporary_link(out->held - 1, folder, goal_of(out), &out->temporary))
         return false;
-    name_forget(out->temporary);
-    free(out->temporary);
-    out->temporary = NULL;
+    if (out->nameless && out->temporary)
+        name_know(folder, out->temporary);
+    if (out->temporary && renameat(folder, out->temporary, folder, goal_of(out)) != 0)
+        return false;
+    forget_temporary(out);
     return !out->within || out->unsynced || file_sync(out->folder) == 0;
 }
 
@@ -190,7 +197,7 @@ enum status file_out_commit(struct file_out *out, struct reason *reason)
     errno = 0;
     bool good = fflush(out->stream) == 0 && !ferror(out->stream);
     /* So that after a crash of the machine the new name never stands for an empty file. */
-    if (good && out->temporary && !out->unsynced)
+    if (good && out->held && !out->unsynced)
         good = file_sync(out->file) == 0;
     int why = errno;
     if (fclose(out->stream) != 0 && good) {
@@ -198,7 +205,7 @@ enum status file_out_commit(struct file_out *out, struct reason *reason)
         why = errno;
     }
     out->stream = NULL;
-    if (good && out->temporary && !take_goal(out) && MUTANT != MUTANT_RENAME_UNCHECKED) {
+    if (good && out->held && !take_goal(out) && MUTANT != MUTANT_RENAME_UNCHECKED) {
         good = false;
         why = errno;
     }
@@ -211,13 +218,13 @@ void file_out_discard(struct file_out *out)
 {
     if (out->stream)
         fclose(out->stream);
-    if (out->temporary) {
+    if (out->temporary)
         unlinkat(out->within ? out->folder : AT_FDCWD, out->temporary, 0);
-        name_forget(out->temporary);
-    }
+    forget_temporary(out);
+    if (out->held)
+        close(out->held - 1);
     if (out->within)
         close(out->folder);
-    free(out->temporary);
     free(out->path);
     *out = (struct file_out){0};
 }

@@ -2,6 +2,7 @@
 #include "scenes/folder.h"
 
 #include "ref/mutant.h"
+#include "scenes/temporary.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -224,27 +225,9 @@ enum status folder_remove(const struct folder *folder, const char *name, struct 
     return system_fail(place_of(folder, name, &place), errno, reason);
 }
 
-/* "NAME.PID.N.tmp", as files are called before they are whole. */
-static bool is_temporary(const char *name)
-{
-    size_t end = strlen(name), digits;
-    if (end < 4 || strcmp(name + end - 4, ".tmp") != 0)
-        return false;
-    end -= 4;
-    for (int numbers = 0; numbers < 2; numbers++) {
-        for (digits = 0;
-             digits < end && name[end - 1 - digits] >= '0' && name[end - 1 - digits] <= '9';)
-            digits++;
-        if (digits == 0 || digits == end || name[end - 1 - digits] != '.')
-            return false;
-        end -= digits + 1;
-    }
-    return end > 0;
-}
-
 static enum status remove_temporary(void *user, const char *name, struct reason *reason)
 {
-    return is_temporary(name) ? folder_remove(user, name, reason) : STATUS_OK;
+    return temporary_is_name(name) ? folder_remove(user, name, reason) : STATUS_OK;
 }
 
 enum status folder_clean(const struct folder *folder, struct reason *reason)

@@ -58,8 +58,8 @@ enum status folder_list(const struct folder *folder, folder_name_fn *each, void 
 /* Removes a file or an empty folder. Errors: STATUS_INPUT it cannot be; it need not be there. */
 enum status folder_remove(const struct folder *folder, const char *name, struct reason *reason);
 
-/* Removes the temporary files that killed writers left, NAME.PID.N.tmp. For who alone writes there.
- */
+/* Removes the temporary files that killed writers left, of whatever goal. For who alone writes
+ * there. */
 enum status folder_clean(const struct folder *folder, struct reason *reason) MUST_USE;
 
 /* Writes "PATH/NAME"; too long a path is cut. */

@@ -1,7 +1,7 @@
 #!/bin/sh
-# System calls of campaigns, merges, shrinkings and reports fail, one at a time (tests/faults/main.c).
-# Without more arguments a sample: of each call in each process every 30th, in each of its ways, without
-# reports, which take longest.
+# System calls of campaigns, merges, shrinkings, checks and reports fail, one at a time
+# (tests/faults/main.c). Without more arguments a sample: of each call in each process every 30th, in each
+# of its ways, and little of the reports that take longest.
 #   sh tests/faults.sh PROGRAM [ARGUMENTS]     -s 1: all of them
 set -u
 program=$1

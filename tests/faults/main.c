@@ -1,11 +1,14 @@
-/* Every system call of a campaign, a merge, a min and a report fails once, in every way that it
- * can: nothing that was found may be lost, and the same command, run again, must end as if nothing
- * had been. CONTRIBUTING.md, "Faults", has what is checked. */
+/* Every system call of campaigns, merges, checks, reports and others fails once, in every way that
+ * it can: nothing that was found may be lost, and the same command, run again, must end as if
+ * nothing had been. CONTRIBUTING.md, "Faults", has what is checked. */
 #define _GNU_SOURCE
+#include "tests/faults/scenarios.h"
 #include "tests/faults/traced.h"
 #include "tests/faults/trees.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <fnmatch.h>
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -23,39 +26,6 @@
 #define CODES_MOST  256
 #define SHOWN_MOST  20
 
-/* A command, in a folder of its own. */
-struct scenario {
-    const char *name;
-    const char *before[4]; /* commands that make what it starts from, with results of their own */
-    const char *command;
-    const char *goal; /* what it writes; NULL: what it starts from is changed */
-    bool page;        /* its goal is a file, which comes whole or not at all; its children, replays
-                         with drivers and all, write nothing, and are left alone */
-};
-
-#define SMALL                                                                                      \
-    " --rays 8 --triangles 1-4 --jobs 1 --corpus none --engine cpu --layout rtrs_rf --faithful"
-#define PLAYED(folder, trials)                                                                     \
-    "fuzz" SMALL " --seed 9 --no-shrink --dir " folder " --trials " trials
-
-static const struct scenario scenarios[] = {
-    {.name = "fuzz", .command = PLAYED("found", "20")},
-    {.name = "resume", .before = {PLAYED("found", "8")}, .command = PLAYED("found", "20")},
-    {.name = "shrink", .command = "fuzz" SMALL " --seed 9 --dir found --trials 3"},
-    {.name = "merge",
-     .before = {PLAYED("one", "20 --shard 1/2"),
-                "fuzz" SMALL " --seed 12 --no-shrink --dir two --trials 20"},
-     .command = "merge --to all one two",
-     .goal = "all"},
-    {.name = "min", .before = {PLAYED("found", "20")}, .command = "min found --asks 40"},
-    {.name = "report",
-     .before = {PLAYED("found", "1")},
-     .command = "report --findings found --out report.html",
-     .goal = "report.html",
-     .page = true},
-};
-#define SCENARIOS (sizeof scenarios / sizeof *scenarios)
-
 struct task {
     struct traced_place place;
     int kind;
@@ -72,7 +42,8 @@ struct job {
     struct task *task;
     unsigned count;
     struct tally *tally;
-    int wanted; /* the exit code without a fault */
+    int wanted;    /* the exit code without a fault */
+    bool nameless; /* where this plays, files need no name before they are whole */
 };
 
 static void path_in(char *path, const char *root, const char *name)
@@ -119,16 +90,31 @@ static bool is_documented(int code, int kind)
     return (code >= 0 && code <= 4) || code == 77 || (kind == FAULT_KILL && code == 128 + 9);
 }
 
-/* Whether a table on the standard output says of a row that it failed. */
-static bool says_failed(const char *logs)
+/* Whether what it printed, "out" or "err", has this in it. */
+static bool says(const char *logs, const char *name, const char *what)
 {
     char path[TREES_PATH_MOST], text[8192];
-    path_in(path, logs, "out");
+    path_in(path, logs, name);
     FILE *file = fopen(path, "r");
     text[file ? fread(text, 1, sizeof text - 1, file) : 0] = '\0';
     if (file)
         fclose(file);
-    return strstr(text, "failed: ") != NULL;
+    return strstr(text, what) != NULL;
+}
+
+/* Whether a temporary file may be left: by who is killed, until the command is run again. Who is
+ * killed while what it makes has a temporary name: where a file is about to take the place of
+ * another, and a merge all the time. */
+static bool may_leave(const struct job *job, const struct task *task)
+{
+    return task->kind == FAULT_KILL &&
+           (!job->nameless || (job->scenario->goal && !job->scenario->page) ||
+            traced_calls[task->place.call].number == SYS_renameat);
+}
+
+static bool is_empty(const char *folder)
+{
+    return rmdir(folder) == 0 && mkdir(folder, 0777) == 0;
 }
 
 /* Plays one fault in `work`, a copy of what the command starts from. NULL: nothing is wrong. */
@@ -155,8 +141,8 @@ static const char *play(const struct job *job, const struct task *task, const ch
         snprintf(why, TREES_WHY_MOST, "exit code %d", result.code);
         return "no documented exit code";
     }
-    if (result.code >= 2 && result.code < 128 && size_of(logs, "err") <= 0 && !says_failed(logs) &&
-        !(s->page && exists(work, s->goal)))
+    if (result.code >= 2 && result.code < 128 && size_of(logs, "err") <= 0 &&
+        !says(logs, "out", "failed: ") && !(s->page && exists(work, s->goal)))
         return "it fails and does not say why";
     if ((task->kind == FAULT_SHORT || task->kind == EINTR) && result.code != job->wanted) {
         snprintf(why, TREES_WHY_MOST, "exit code %d", result.code);
@@ -164,8 +150,11 @@ static const char *play(const struct job *job, const struct task *task, const ch
     }
     if (!tree_is_whole(work, false, why))
         return "a file is torn";
-    if (task->kind != FAULT_KILL && !tree_is_whole(work, true, why))
-        return "a temporary file is left by who was not killed";
+    if (!may_leave(job, task) && !tree_is_whole(work, true, why))
+        return "a temporary file is left";
+    if (task->kind != FAULT_KILL && !is_empty(getenv("TMPDIR")) &&
+        !says(logs, "err", "cannot be removed"))
+        return "something is left in the folder for temporary files";
     if (result.code == job->wanted && !tree_same(wanted, work, why))
         return "it says that all went well";
     if (!tree_remove(after) || !tree_copy(work, after))
@@ -179,9 +168,10 @@ static const char *play(const struct job *job, const struct task *task, const ch
     }
     if (!s->goal && !tree_keeps(kept, found, why))
         return "lost";
-    /* A page lies among its user's files, which no later run cleans. */
-    if (!tree_is_whole(work, !(s->page && task->kind == FAULT_KILL), why))
+    if (!tree_is_whole(work, true, why))
         return "run again, it leaves a temporary file";
+    if (!is_empty(getenv("TMPDIR")))
+        return "run again, it leaves something in the folder for temporary files";
     return tree_same(wanted, work, why) ? NULL : "run again, it ends otherwise";
 }
 
@@ -224,8 +214,6 @@ static void work(const struct job *job, unsigned number)
         if (tree_remove(folder) && tree_remove(temporary) && mkdir(temporary, 0777) == 0 &&
             tree_copy(start, folder))
             what = play(job, task, folder, own, why);
-        if (!what && task->kind != FAULT_KILL && rmdir(temporary) != 0)
-            what = "something is left in the folder for temporary files";
         atomic_fetch_add(&job->tally->played, 1);
         if (what && atomic_fetch_add(&job->tally->lost, 1) < SHOWN_MOST)
             tell(job, task, what, why, own);
@@ -237,15 +225,24 @@ static void work(const struct job *job, unsigned number)
 struct listing {
     struct task *task;
     unsigned count, calls;
-    bool alone;
+    int processes;
 };
+
+/* Whether files can be made without a name in a folder. */
+static bool has_nameless(const char *folder)
+{
+    int file = open(folder, O_TMPFILE | O_WRONLY, 0600);
+    if (file >= 0)
+        close(file);
+    return file >= 0;
+}
 
 static void list(void *user, const struct traced_place *place)
 {
     struct listing *l = user;
-    const struct traced_call *call = &traced_calls[place->call];
-    if (l->alone && place->process > 0)
+    if (l->processes && place->process >= l->processes)
         return;
+    const struct traced_call *call = &traced_calls[place->call];
     l->calls++;
     for (int i = 0; i < FAULT_KINDS_MOST && call->kinds[i]; i++)
         if (l->count < FAULTS_MOST && (call->kinds[i] != FAULT_SHORT || place->counts) &&
@@ -255,9 +252,9 @@ static void list(void *user, const struct traced_place *place)
         l->task[l->count++] = (struct task){*place, FAULT_KILL};
 }
 
-/* Keeps the tasks that match "PROCESS:CALL:OCCURRENCE:KIND", or of each kind of call in each
- * process the first and every `step`-th, in each of its ways. */
-static void choose(struct listing *l, const char *only, unsigned step)
+/* Of each kind of call in each process the first and every `step`-th, in each of its ways; of these
+ * those whose names, "PROCESS:CALL:OCCURRENCE:KIND", match the pattern, if there is one. */
+static void choose(struct listing *l, const char *pattern, unsigned step)
 {
     unsigned kept = 0;
     for (unsigned i = 0; i < l->count; i++) {
@@ -266,7 +263,7 @@ static void choose(struct listing *l, const char *only, unsigned step)
         snprintf(name, sizeof name, "%d:%s:%u:%s", task->place.process,
                  traced_calls[task->place.call].name, task->place.occurrence,
                  fault_name(task->kind));
-        if (only ? strstr(name, only) != NULL : task->place.occurrence % step == 0)
+        if (task->place.occurrence % step == 0 && (!pattern || fnmatch(pattern, name, 0) == 0))
             l->task[kept++] = *task;
     }
     l->count = kept;
@@ -304,14 +301,14 @@ static bool prepare(struct job *job, struct listing *l)
     return true;
 }
 
-static void print_row(const struct job *job, const struct listing *l, unsigned *faults,
-                      unsigned *lost)
+static void print_row(const struct job *job, const struct listing *l, unsigned every,
+                      unsigned *faults, unsigned *lost)
 {
     unsigned missed = atomic_load(&job->tally->missed);
     *faults += l->count - missed;
     *lost += atomic_load(&job->tally->lost);
-    printf("%-8s %6u %7u %8u %5u  ", job->scenario->name, l->calls, l->count - missed, missed,
-           atomic_load(&job->tally->lost));
+    printf("%-8s %6u %6u %7u %8u %5u  ", job->scenario->name, l->calls, every, l->count - missed,
+           missed, atomic_load(&job->tally->lost));
     for (int code = 0; code < CODES_MOST; code++)
         if (atomic_load(&job->tally->code[code]))
             printf(" %d: %u", code, atomic_load(&job->tally->code[code]));
@@ -319,73 +316,96 @@ static void print_row(const struct job *job, const struct listing *l, unsigned *
     fflush(stdout);
 }
 
-int main(int argc, char **argv)
+struct options {
+    const char *scenario, *only;
+    unsigned step, jobs;
+    bool quick;
+    char program[TREES_PATH_MOST];
+};
+
+static bool take_options(struct options *o, int argc, char **argv)
 {
-    unsigned step = 1, faults = 0, lost = 0, jobs = 8;
-    bool quick = false;
-    const char *scenario = NULL, *only = NULL,
-               *parent = access("/dev/shm", W_OK) ? "/tmp" : "/dev/shm";
-    char root[64], program[TREES_PATH_MOST];
+    *o = (struct options){.step = 1, .jobs = 8};
     for (int option; (option = getopt(argc, argv, "s:n:o:j:q")) != -1;) {
         if (option == 's')
-            step = (unsigned)strtoul(optarg, NULL, 10);
+            o->step = (unsigned)strtoul(optarg, NULL, 10);
         else if (option == 'n')
-            scenario = optarg;
-        else if (option == 'q') /* without what takes long */
-            quick = true;
+            o->scenario = optarg;
+        else if (option == 'q') /* little of what takes long */
+            o->quick = true;
         else if (option == 'o')
-            only = optarg;
+            o->only = optarg;
         else if (option == 'j')
-            jobs = (unsigned)strtoul(optarg, NULL, 10);
+            o->jobs = (unsigned)strtoul(optarg, NULL, 10);
         else
-            return 2;
+            return false;
     }
-    if (optind + 1 != argc || step == 0 || jobs == 0 || !realpath(argv[optind], program)) {
-        fputs(
-            "usage: faults [-q] [-s STEP] [-n COMMAND] [-o PROCESS:CALL:OCCURRENCE:KIND] PROGRAM\n",
-            stderr);
+    return optind + 1 == argc && o->step > 0 && o->jobs > 0 && realpath(argv[optind], o->program);
+}
+
+/* False: it could not be played. */
+static bool play_scenario(const struct options *o, const struct scenario *scenario,
+                          const char *root, unsigned *faults, unsigned *lost)
+{
+    char own[TREES_PATH_MOST];
+    const bool sampled = o->quick && scenario->sample;
+    const bool all = o->step == 1 && !o->only;
+    const unsigned every = sampled ? 6 : all && scenario->every ? scenario->every : o->step;
+    struct listing l = {.task = calloc(FAULTS_MOST, sizeof *l.task),
+                        .processes = scenario->processes};
+    struct job job = {
+        .scenario = scenario, .program = o->program, .root = own, .nameless = has_nameless(root)};
+    path_in(own, root, scenario->name);
+    mkdir(own, 0777);
+    job.tally =
+        mmap(NULL, sizeof *job.tally, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (!l.task || job.tally == MAP_FAILED || !prepare(&job, &l))
+        return false;
+    choose(&l, sampled ? scenario->sample : o->only, every);
+    job.task = l.task;
+    job.count = l.count;
+    fflush(stdout);
+    for (unsigned k = 0; k < o->jobs; k++)
+        if (fork() == 0) {
+            work(&job, k);
+            _exit(0);
+        }
+    while (wait(NULL) > 0)
+        continue;
+    if (atomic_load(&job.tally->played) != l.count) {
+        printf("faults: %s: only %u of %u were played\n", scenario->name,
+               atomic_load(&job.tally->played), l.count);
+        ++*lost;
+    }
+    print_row(&job, &l, every, faults, lost);
+    tree_remove(own);
+    free(l.task);
+    return true;
+}
+
+int main(int argc, char **argv)
+{
+    unsigned faults = 0, lost = 0;
+    char root[64];
+    struct options options;
+    if (!take_options(&options, argc, argv)) {
+        fputs("usage: faults [-q] [-s STEP] [-n COMMAND] [-o PATTERN] [-j JOBS] PROGRAM\n", stderr);
         return 2;
     }
-    snprintf(root, sizeof root, "%s/raydiff-faults-XXXXXX", parent);
+    snprintf(root, sizeof root, "%s/raydiff-faults-XXXXXX",
+             access("/dev/shm", W_OK) ? "/tmp" : "/dev/shm");
     if (!mkdtemp(root))
         return 4;
     setenv("OMP_NUM_THREADS", "1", 1);
-    puts("command   calls  faults  not met  lost   exit codes: how often");
-    for (size_t i = 0; i < SCENARIOS; i++) {
-        if ((scenario && strcmp(scenario, scenarios[i].name) != 0) || (quick && scenarios[i].page))
-            continue;
-        char own[TREES_PATH_MOST];
-        struct listing l = {.task = calloc(FAULTS_MOST, sizeof *l.task),
-                            .alone = scenarios[i].page};
-        struct job job = {.scenario = &scenarios[i], .program = program, .root = own};
-        path_in(own, root, scenarios[i].name);
-        mkdir(own, 0777);
-        job.tally = mmap(NULL, sizeof *job.tally, PROT_READ | PROT_WRITE,
-                         MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-        if (!l.task || job.tally == MAP_FAILED || !prepare(&job, &l)) {
-            tree_remove(root);
-            return 4;
-        }
-        choose(&l, only, step);
-        job.task = l.task;
-        job.count = l.count;
-        fflush(stdout);
-        for (unsigned k = 0; k < jobs; k++)
-            if (fork() == 0) {
-                work(&job, k);
-                _exit(0);
+    setenv("VK_DRIVER_FILES", "/dev/null", 1); /* engine cpu alone plays */
+    setenv("VK_ICD_FILENAMES", "/dev/null", 1);
+    puts("command   calls  every  faults  not met  lost   exit codes: how often");
+    for (size_t i = 0; i < scenario_count; i++)
+        if (!options.scenario || strcmp(options.scenario, scenarios[i].name) == 0)
+            if (!play_scenario(&options, &scenarios[i], root, &faults, &lost)) {
+                tree_remove(root);
+                return 4;
             }
-        while (wait(NULL) > 0)
-            continue;
-        if (atomic_load(&job.tally->played) != l.count) {
-            printf("faults: %s: only %u of %u were played\n", scenarios[i].name,
-                   atomic_load(&job.tally->played), l.count);
-            lost++;
-        }
-        print_row(&job, &l, &faults, &lost);
-        tree_remove(own);
-        free(l.task);
-    }
     tree_remove(root);
     printf("faults: %u injected, %u lost\n", faults, lost);
     return lost > 0 || faults == 0;

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
@@ -48,6 +49,8 @@ const struct traced_call traced_calls[] = {
     CALL(rename, EIO, ENOSPC, ENOMEM),
     CALL(renameat, EIO, ENOSPC, ENOMEM),
     CALL(renameat2, EIO, ENOSPC, ENOMEM),
+    CALL(linkat, EIO, ENOSPC, ENOMEM),
+    CALL(flock, EINTR, ENOLCK),
     CALL(unlink, EIO, ENOMEM),
     CALL(unlinkat, EIO, ENOMEM),
     CALL(rmdir, EIO, ENOMEM),
@@ -239,37 +242,46 @@ static void at_stop(struct tracer *t, pid_t pid, int status)
     ptrace(leave ? PTRACE_DETACH : PTRACE_SYSCALL, pid, NULL, (void *)(long)signal);
 }
 
-static void trace_all(struct tracer *t, pid_t first)
+static int code_of(int status)
+{
+    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+/* Serves all processes until none is left, orphans included. */
+static void attend(struct tracer *t, pid_t first)
+{
+    bool ended = false, killed = false;
+    int status;
+    for (;;) {
+        pid_t pid = waitpid(-1, &status, __WALL);
+        if (pid > 0 && WIFSTOPPED(status)) {
+            at_stop(t, pid, status);
+        } else if (pid > 0) {
+            forget(t, pid);
+            ended = ended || pid == first;
+            if (pid == first && !killed)
+                t->result->code = code_of(status);
+        } else if (errno != EINTR) {
+            return;
+        } else if (late) {
+            t->result->code = -1;
+            if (ended || killed)
+                return;
+            kill(first, SIGKILL);
+            killed = true;
+        }
+    }
+}
+
+static bool trace(struct tracer *t, pid_t first)
 {
     const long how = PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACEFORK | PTRACE_O_TRACEVFORK |
                      PTRACE_O_TRACECLONE | PTRACE_O_TRACEEXEC | PTRACE_O_EXITKILL;
-    int status;
+    if (!run_to_entry(first))
+        return false;
     process_of(t, first)->started = true;
-    if (ptrace(PTRACE_SETOPTIONS, first, NULL, (void *)how) ||
-        ptrace(PTRACE_SYSCALL, first, NULL, NULL))
-        return;
-    for (;;) {
-        pid_t pid = waitpid(-1, &status, __WALL);
-        if (pid < 0 && errno == EINTR && late) {
-            kill(first, SIGKILL);
-            continue;
-        }
-        if (pid < 0 && errno == EINTR)
-            continue;
-        if (pid < 0)
-            return;
-        if (WIFSTOPPED(status)) {
-            at_stop(t, pid, status);
-            continue;
-        }
-        forget(t, pid);
-        if (pid == first) {
-            t->result->code = late                  ? -1
-                              : WIFSIGNALED(status) ? 128 + WTERMSIG(status)
-                                                    : WEXITSTATUS(status);
-            return;
-        }
-    }
+    return !ptrace(PTRACE_SETOPTIONS, first, NULL, (void *)how) &&
+           !ptrace(PTRACE_SYSCALL, first, NULL, NULL);
 }
 
 static void become(const char *in, const char *out, const char *err)
@@ -292,9 +304,9 @@ struct traced_result traced_run(char *const argv[], const char *in, const char *
         .fault = kind ? fault : NULL, .kind = kind, .result = &result, .each = each, .user = user};
     const struct sigaction action = {.sa_handler = on_alarm};
     const bool traced = tracer.fault || each;
-    int status;
     late = 0;
     sigaction(SIGALRM, &action, NULL);
+    prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);
     pid_t pid = fork();
     if (pid == 0) {
         become(in, out, err);
@@ -304,23 +316,12 @@ struct traced_result traced_run(char *const argv[], const char *in, const char *
         _exit(127);
     }
     setitimer(ITIMER_REAL, &(struct itimerval){{1, 0}, {seconds, 0}}, NULL);
-    if (traced && run_to_entry(pid)) {
-        trace_all(&tracer, pid);
-    } else if (traced) {
+    if (traced && !trace(&tracer, pid)) {
         kill(pid, SIGKILL);
-        waitpid(pid, &status, 0);
         result.refused = true;
-    } else {
-        while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
-            if (late)
-                kill(pid, SIGKILL);
-        result.code = late                  ? -1
-                      : WIFSIGNALED(status) ? 128 + WTERMSIG(status)
-                                            : WEXITSTATUS(status);
     }
+    attend(&tracer, pid);
     setitimer(ITIMER_REAL, &(struct itimerval){{0, 0}, {0, 0}}, NULL);
-    while (waitpid(-1, &status, __WALL | WNOHANG) > 0)
-        continue;
     for (int i = 0; i < tracer.count; i++)
         free(tracer.process[i].seen);
     return result;

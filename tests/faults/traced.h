@@ -33,7 +33,8 @@ struct traced_place {
 };
 
 struct traced_result {
-    int code;     /* exit code, 128 + signal, or -1: it took longer than `seconds` and was killed */
+    int code; /* exit code, 128 + signal, or -1: it took longer than `seconds` and was killed, or
+                 what it left running did */
     bool reached; /* the call came */
     bool refused; /* the system does not let one process trace another */
 };
@@ -42,7 +43,8 @@ struct traced_result {
 typedef void traced_fn(void *user, const struct traced_place *place);
 
 /* Runs argv in the folder `in`, its output in the files `out` and `err`. Calls are counted from the
- * program's entry on: what the loader does is not the program's. `kind` 0: nothing fails. */
+ * program's entry on: what the loader does is not the program's. `kind` 0: nothing fails. Returns
+ * when none of its processes is left. */
 struct traced_result traced_run(char *const argv[], const char *in, const char *out,
                                 const char *err, const struct traced_place *fault, int kind,
                                 unsigned seconds, traced_fn *each, void *user);

@@ -11,9 +11,10 @@
 bool tree_copy(const char *from, const char *to);
 bool tree_remove(const char *path); /* it need not be there */
 
-/* Whether both hold the same, byte for byte; `why` says what differs. Of files that tell times
- * (stats.json, *.html) only that both are whole; of findings.jsonl the lines of findings, in order,
- * and the last checkpoint: the others are a matter of when. Temporary files are not looked at. */
+/* Whether both hold the same, byte for byte; `why` says what differs. Of stats.json only that both
+ * are whole, of other files that tell times (JSON, HTML, XML, CSV) all but numbers; of
+ * findings.jsonl the lines of findings, in order, and the last checkpoint: the others are a matter
+ * of when. Temporary files are not looked at. */
 bool tree_same(const char *wanted, const char *got, char why[TREES_WHY_MOST]);
 
 /* Whether every file in it is whole, however it was left: a trial has its end, a count is a number,
