@@ -26,6 +26,16 @@ plays() {
     esac
 }
 
+# Tells the kernel how programs for aarch64 are emulated, for the processes of these name spaces alone (kernels
+# before 6.7 cannot), and goes on in the system.
+emulated() { # COMMAND
+    magic='\x7fELF\x02\x01\x01\x00\x00\x00\x00\x00\x00\x00\x00\x00\x02\x00\xb7\x00'
+    mask='\xff\xff\xff\xff\xff\xff\xff\x00\xff\xff\xff\xff\xff\xff\xff\xff\xfe\xff\xff\xff'
+    mount -t binfmt_misc none "$root/mnt" 2>/dev/null &&
+        printf '%s' ":raydiff-aarch64:M::$magic:$mask:$root/usr/bin/qemu-aarch64:F" >"$root/mnt/register"
+    in_root "$1"
+}
+
 # One row; its last line of output is the result.
 inside() {
     release=$1 root=$2 line=$3
@@ -35,7 +45,10 @@ END
     case $packages in *:arm64*) in_root 'dpkg --add-architecture arm64' ;; esac
     enter_system "$packages" || return 1
     {
-        in_root "cd /root/raydiff && $command" 2>&1
+        case $command in
+        *arm.sh*) unshare --user --map-root-user --mount sh "$0" --emulated "$root" "cd /root/raydiff && $command" 2>&1 ;;
+        *) in_root "cd /root/raydiff && $command" 2>&1 ;;
+        esac
         echo $? >"$root/root/code"
     } | tee "$logs/$release.log"
     code=$(cat "$root/root/code")
@@ -50,6 +63,11 @@ what=${WHAT:-}
 if [ "${1:-}" = --inside ]; then
     shift
     inside "$@"
+    exit
+fi
+if [ "${1:-}" = --emulated ]; then
+    root=$2
+    emulated "$3"
     exit
 fi
 results=${1:-} what=${2:-}
