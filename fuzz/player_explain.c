@@ -175,10 +175,12 @@ static double error_of(const struct hit *hit, uint32_t expected, double t_lo, do
     return hit->prim == ABI_NO_PRIM ? 0 : fabs((double)hit->t - middle) / middle;
 }
 
-/* A hit that was missed must be found: that a miss became excusable is no cure. Nor is it one that
- * the verdict is another one though the answer is as far off as before: the judge of an unknown
- * formula measures by the scene, which axes of their own change. */
-static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray *answer, int power)
+/* A hit that was missed must be found, of any-hit rays any exact hit: that a miss became excusable is
+ * no cure. Nor is it one that the verdict is another one though the answer is as far off as before:
+ * the judge of an unknown formula measures by the scene, which axes of their own change. What was no
+ * number is cured by any answer that is allowed. */
+static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray *answer, bool any,
+                     int power)
 {
     const struct oracle_answer *truth = &answer->truth;
     const struct judgement *before = &finding->judgement;
@@ -191,6 +193,14 @@ static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray
         return true;
     if (fuzz_hit_is_scaled(&finding->answer, &answer->answer.hit, power))
         return false;
+#if MUTANT != MUTANT_CURE_IS_NEAREST
+    if (kind == fuzz_kind_of_wrong(WRONG_NOT_FINITE))
+        return true;
+    if (any && kind == fuzz_kind_of_wrong(WRONG_MISSED))
+        return answer->answer.hit.prim != ABI_NO_PRIM && answer->judgement.verdict == VERDICT_RIGHT;
+#else
+    (void)any;
+#endif
     double was = error_of(&finding->answer, before->expected, before->t_lo, before->t_hi);
     double is = error_of(&answer->answer.hit, truth->prim, truth->t_lo, truth->t_hi);
     return isfinite(is) && (kind == fuzz_kind_of_wrong(WRONG_BARYCENTRIC) || is <= 0.25 * was);
@@ -221,7 +231,7 @@ static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_tria
     if (asked.possible && !status &&
         (status = judged_explain(&asked.judged, scaled.ray, &answer, reason)) == STATUS_OK) {
         *was_asked = true;
-        *cured = is_cured(finding, &answer, power);
+        *cured = is_cured(finding, &answer, trial->query == QUERY_ANY, power);
         explain_free(&answer.why);
     }
     judged_free(&asked.judged);

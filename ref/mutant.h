@@ -35,6 +35,7 @@
 #define MUTANT_NEAR_IS_ENOUGH  662 /* explain: far rays need not agree with an imitation */
 #define MUTANT_CAUSE_UNTOLD    663 /* explain: a cause needs no ray that tells of it */
 #define MUTANT_SCALE_BY_VERDICT 664 /* explain: an answer that is the same, scaled, is a cure */
+#define MUTANT_CURE_IS_NEAREST 820 /* explain: at another scale the nearest hit must be answered */
 #define MUTANT_SCALE_ONCE      665 /* explain: right at one other scale is enough for a cause */
 #define MUTANT_QUEUE_COUNTS    850 /* waiting for a processor counts as hanging */
 #define MUTANT_FAN_OFF         40  /* watertight tests get a boundary band on closed fans */

@@ -31,6 +31,7 @@ struct question {
     float vertex[5][3][3];
     uint32_t triangles;
     struct ray ray;
+    enum query query;
 };
 
 static struct fuzz_trial trial_of(const struct question *q)
@@ -43,6 +44,7 @@ static struct fuzz_trial trial_of(const struct question *q)
     for (uint32_t i = 0; i < 3 * q->triangles; i++)
         trial.scene.index[i] = i;
     trial.ray[0] = q->ray;
+    trial.query = q->query;
     return trial;
 }
 
@@ -175,6 +177,33 @@ static void a_subnormal_determinant_gives_nan(void **state)
     }
 }
 
+/* At another scale an any-hit ray may be told of the farther triangle, which is as right; and where
+ * the nearest hit lies at the begin of the range, the answer is the one behind. */
+static void what_cures_need_not_be_the_nearest_hit(void **state)
+{
+    (void)state;
+    need_embree();
+    for (int nearer = 0; nearer < 2; nearer++) {
+        char text[FUZZ_SIGNATURE_MOST];
+        struct question q = beside_a_border(0.5e-18f, 1);
+        memcpy(q.vertex[1], q.vertex[0], sizeof q.vertex[1]);
+        for (int c = 0; c < 3; c++)
+            q.vertex[nearer][c][2] = 0.875f;
+        q.query = QUERY_ANY;
+        play("embree_robust", &q, text);
+        assert_string_equal(text, "embree_robust.-.missed.scale");
+    }
+    struct question q = {.triangles = 2,
+                         .vertex = {{{0x1p-51f, 0, 0}, {0, 0, -0x1p-46f}, {0x1p-45f, 0x1.8p-45f, 0}},
+                                    {{0x1p-51f, 0, 0}, {0, 0, -0x1p-46f}, {0, 0, -0x1.4p-46f}}},
+                         .ray = {.org = {0x1p-45f, 0x1.8p-45f, 0},
+                                 .dir = {-0x1p-30f, -0x1.8p-30f, -0x1.4p-31f},
+                                 .tmax = INFINITY}};
+    char text[FUZZ_SIGNATURE_MOST];
+    play("embree", &q, text);
+    assert_string_equal(text, "embree.-.not_finite.scale");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -182,6 +211,7 @@ int main(void)
         cmocka_unit_test(the_sign_of_a_small_direction_is_lost),
         cmocka_unit_test(an_axis_of_tiny_numbers_is_scaled_by_itself),
         cmocka_unit_test(a_subnormal_determinant_gives_nan),
+        cmocka_unit_test(what_cures_need_not_be_the_nearest_hit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
