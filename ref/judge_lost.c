@@ -22,6 +22,9 @@ static bool slab_may_miss(const struct judge *judge, const struct ray *ray, uint
 {
     struct box box = scene_tri_bounds(judge->scene, prim);
     double enter[3], leave[3], error[3];
+#if MUTANT == MUTANT_SLAB_EXACT
+    return false;
+#endif
 #if MUTANT != MUTANT_SLAB_TO_REACH
     reach = fmin(reach, (double)ray->tmax);
 #endif

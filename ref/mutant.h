@@ -326,6 +326,7 @@
 #define MUTANT_OWN_FORGOTTEN       622 /* twins: roundings of mt's p and q are left out of t */
 #define MUTANT_SHEAR_EXACT         623 /* twins: woop's shear moves nothing, for t */
 #define MUTANT_NEAR_IS_EXACT       624 /* twins: t's near value is taken for exact */
+#define MUTANT_SLAB_EXACT          821 /* judge: Embree's default box test misses nothing */
 #define MUTANT_SLAB_TO_REACH       626 /* judge: the range's end cuts no box of Embree's */
 #define MUTANT_EXACT_REPLAYED      627 /* judge: exact numbers must be those of an evaluation, too */
 #define MUTANT_RUNNING_KEPT        625 /* twins: t has its running error alone */
