@@ -35,7 +35,8 @@ static void draw_layers(struct rng *rng, uint32_t first, const float origin[3])
 {
     float v[3][3], scale = ldexpf(1.0f, (int)rng_below(rng, 8) - 4);
     uint32_t flat = rng_below(rng, 6);
-    float height = ldexpf(rng_range(rng, -1.0f, 1.0f), -(int)rng_below(rng, 12));
+    int power = -(int)rng_below(rng, 12);
+    float height = ldexpf(rng_range(rng, -1.0f, 1.0f), power);
     for (int c = 0; c < 3; c++)
         for (uint32_t k = 0; k < 3; k++)
             v[c][k] = origin[k] + scale * (flat == k ? height : rng_range(rng, -1.0f, 1.0f));
@@ -60,8 +61,11 @@ static void draw_scene(struct rng *rng)
     for (uint32_t i = 0; i < TRIANGLES; i += LAYERS)
         draw_layers(rng, i, origin);
     for (size_t i = 0; i < RAYS; i++) {
-        float v[3][3], w[3] = {rng_float(rng), rng_float(rng), rng_float(rng)};
-        float sum = w[0] + w[1] + w[2] + 0x1p-20f;
+        float v[3][3], w[3], sum = 0x1p-20f;
+        for (int c = 0; c < 3; c++) {
+            w[c] = rng_float(rng);
+            sum += w[c];
+        }
         scene_tri(&now.scene, rng_below(rng, TRIANGLES), v);
         now.ray[i] = (struct ray){.tmax = 1e30f};
         for (int k = 0; k < 3; k++) {
