@@ -12,6 +12,7 @@
 #define EXPLAIN_FACTOR 6u      /* an engine is asked some times */
 #define OURS_MS        120000u /* for what is not an engine's: the truth of a large scene */
 #define FAILURES_MOST  3u      /* starts in a row */
+#define STOPS_MOST     3u      /* workers in a row that somebody stops */
 #define MEMORY_NS      200000000u
 #define WAIT_MS        50u
 #define LOOK_MS        1000u /* between two looks at a worker, at most */
@@ -24,6 +25,7 @@ static enum status start(struct campaign *c, struct slot *slot, struct reason *r
     slot->warm = false;
     slot->since_ns = time_ns();
     slot->beat = slot->mark = UINT64_MAX;
+    slot->stopped_ns = 0;
     return worker_start(&how, &slot->child, reason);
 }
 
@@ -214,6 +216,7 @@ static enum status take_message(struct campaign *c, struct slot *slot, const voi
     if (slot->task == SLOT_STARTING)
         return take_start(c, slot, &parts, reason);
     slot->warm = true;
+    slot->stops = 0;
     if (status == STATUS_MEMORY)
         return fail(reason, status, "%s", parts.report->reason.text);
     if (slot->task == SLOT_SHRINK || slot->task == SLOT_AGAIN)
@@ -254,8 +257,8 @@ static uint64_t limit_ms(const struct campaign *c, const struct slot *slot)
                                                        : ours;
 }
 
-/* Adds the time since the last look. Looks are at most WAIT_MS apart and a little: if more has passed,
- * we were stopped, or the machine slept, and the worker with us. */
+/* Adds the time since the last look. Looks are at most WAIT_MS apart and a little: if more has
+ * passed, we were stopped, or the machine slept, and the worker with us. */
 static void count_time(struct slot *slot, uint64_t now)
 {
     const uint64_t most = LOOK_MS * 1000000u;
@@ -267,8 +270,8 @@ static void count_time(struct slot *slot, uint64_t now)
     slot->busy_ns += now - slot->looked_ns < most ? now - slot->looked_ns : most;
 }
 
-/* Without progress for too long. Time in which its threads waited for processors that others had does
- * not count, but for an eighth. */
+/* Without progress for too long. Time in which its threads waited for processors that others had
+ * does not count, but for an eighth. */
 static bool is_late(const struct campaign *c, const struct slot *slot)
 {
     uint64_t busy = slot->busy_ns, waited = MUTANT == MUTANT_QUEUE_COUNTS ? 0 : slot->waited_ns;
@@ -291,10 +294,36 @@ static bool is_stuck(const struct campaign *c, struct slot *slot)
     }
     if (slot->looked_ns < slot->since_ns) /* a new order */
         slot->looked_ns = slot->since_ns;
-    if (!child_is_stopped(&slot->child))
+    const uint64_t most = LOOK_MS * 1000000u, spent = now - slot->looked_ns;
+    bool debugged, stopped = child_is_stopped(&slot->child, &debugged);
+    if (!stopped)
         count_time(slot, now);
+    slot->stopped_ns = !stopped ? 0
+                                : slot->stopped_ns + (debugged       ? 0
+                                                      : spent < most ? spent
+                                                                     : most);
     slot->looked_ns = now;
     return is_late(c, slot);
+}
+
+/* Who is stopped by a signal for longer than it may be at its work, and we are not, will hardly go
+ * on by itself. It is replaced, and what it was at is begun again: that somebody stopped it says
+ * nothing of a trial. */
+static enum status replace_stopped(struct campaign *c, struct slot *slot, struct reason *reason)
+{
+    const struct death at = read_watch(slot);
+    const double seconds = (double)slot->stopped_ns * 1e-9;
+    if (++slot->stops == STOPS_MOST)
+        return fail(
+            reason, STATUS_DEVICE,
+            "%u workers in a row were stopped for %.3g s%s%s: something sends SIGSTOP", STOPS_MOST,
+            seconds, at.contestant < c->rules.field.count ? ", at last by or within engine " : "",
+            at.contestant < c->rules.field.count ? c->rules.field.who[at.contestant].engine->name
+                                                 : "");
+    snprintf(c->said, sizeof c->said, "a worker was stopped for %.3g s, and is replaced", seconds);
+    c->view.restarts++;
+    child_end(&slot->child, 0, NULL);
+    return start(c, slot, reason);
 }
 
 static enum status watch(struct campaign *c, struct slot *slot, bool memory, struct reason *reason)
@@ -309,6 +338,9 @@ static enum status watch(struct campaign *c, struct slot *slot, bool memory, str
                  (double)c->options->trial_ms * 1e-3);
         return end_worker(c, slot, true, why, reason);
     }
+    if (slot->stopped_ns > limit_ms(c, slot) * 1000000u && MUTANT != MUTANT_STOPPED_FOR_EVER)
+        return MUTANT == MUTANT_STOPPED_IS_HUNG ? end_worker(c, slot, true, "is stopped", reason)
+                                                : replace_stopped(c, slot, reason);
     if (memory && most > 0 && child_memory(&slot->child) > most) {
         snprintf(why, sizeof why, "held more than %llu MiB of memory",
                  (unsigned long long)(most >> 20));

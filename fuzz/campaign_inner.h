@@ -55,6 +55,8 @@ struct slot {
     struct block *block;
     size_t entry;                  /* of SLOT_SHRINK and SLOT_AGAIN */
     uint32_t failures;             /* starts in a row that failed */
+    uint32_t stops;                /* workers in a row that were stopped for too long */
+    uint64_t stopped_ns;           /* for how long this one has been */
     bool warm;                     /* it has played something */
     uint64_t beat, mark, since_ns; /* since_ns: when its order was given */
     uint64_t busy_ns, looked_ns;   /* without progress, and when that was last looked at */

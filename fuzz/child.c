@@ -246,12 +246,13 @@ static char state_of(const char *path)
     return name_end && name_end[1] ? name_end[2] : '?';
 }
 
-bool child_is_stopped(const struct child *child)
+bool child_is_stopped(const struct child *child, bool *debugged)
 {
     char path[48];
     snprintf(path, sizeof path, "/proc/%ld/stat", (long)child->pid);
-    char state = state_of(path);
-    return state == 'T' || state == 't';
+    const char state = state_of(path);
+    *debugged = state == 't';
+    return state == 'T' || *debugged;
 }
 
 /* Of one thread; `task` is its folder. */

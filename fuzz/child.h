@@ -66,12 +66,12 @@ struct child_fate {
  * once, unless it has ended already). Zeroes *child; `fate` may be NULL. A zero one is fine. */
 void child_end(struct child *child, uint32_t ms, struct child_fate *fate);
 
-/* True if somebody has stopped it: SIGSTOP, Ctrl-Z, a debugger. */
-bool child_is_stopped(const struct child *child);
+/* True if somebody has stopped it: SIGSTOP, Ctrl-Z, a debugger (*debugged). */
+bool child_is_stopped(const struct child *child, bool *debugged);
 
 /* Nanoseconds that its threads, added up, have waited for a processor that others had (Linux's
- * /proc/PID/task/TID/schedstat; 0 if that is not known; falls when a thread ends). *running: how many
- * of them want one now. */
+ * /proc/PID/task/TID/schedstat; 0 if that is not known; falls when a thread ends). *running: how
+ * many of them want one now. */
 uint64_t child_queued_ns(const struct child *child, uint32_t *running);
 
 /* Bytes of memory that it has in use, 0 if that is not known. */

@@ -37,6 +37,8 @@
 #define MUTANT_SCALE_BY_VERDICT 664 /* explain: an answer that is the same, scaled, is a cure */
 #define MUTANT_CURE_IS_NEAREST 820 /* explain: at another scale the nearest hit must be answered */
 #define MUTANT_SCALE_ONCE      665 /* explain: right at one other scale is enough for a cause */
+#define MUTANT_STOPPED_FOR_EVER 795 /* a stopped worker is waited for without end */
+#define MUTANT_STOPPED_IS_HUNG  796 /* what a worker was at when somebody stopped it is a finding */
 #define MUTANT_QUEUE_COUNTS    850 /* waiting for a processor counts as hanging */
 #define MUTANT_FAN_OFF         40  /* watertight tests get a boundary band on closed fans */
 #define MUTANT_NOT_CERTAIN     41  /* no exact hit is certain: losing it is always excused */

@@ -6,6 +6,7 @@
 
 #include "tests/campaigns.h"
 
+#include <signal.h>
 #include <time.h>
 
 #define TRIALS       1000u
@@ -20,6 +21,8 @@ enum plan {
     PLAN_ONCE,
     PLAN_MISS_ONCE,
     PLAN_EAT,
+    PLAN_STOP,
+    PLAN_STOP_ONCE,
     PLAN_WORK, /* PLAN_WORK_MS of a processor's time */
     PLAN_NEVER_OPEN,
     PLAN_DIE_OPEN
@@ -63,7 +66,7 @@ static bool act(void)
     bool now = scene && given.packed->layout == layout_find("f32");
     if (plan == PLAN_MISS_ONCE && scene && !now)
         return true; /* every time */
-    bool once = plan == PLAN_ONCE || plan == PLAN_MISS_ONCE;
+    bool once = plan == PLAN_ONCE || plan == PLAN_MISS_ONCE || plan == PLAN_STOP_ONCE;
     if (plan == PLAN_LIVE || !now || (once && atomic_load(deaths) > 0))
         return false;
     atomic_fetch_add(deaths, 1);
@@ -71,6 +74,8 @@ static bool act(void)
         return true;
     if (plan == PLAN_WORK)
         return work();
+    if (plan == PLAN_STOP || plan == PLAN_STOP_ONCE)
+        return raise(SIGSTOP) != 0;
     if (plan == PLAN_HANG)
         for (;;)
             pause();

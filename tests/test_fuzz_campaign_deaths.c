@@ -185,6 +185,53 @@ static void what_is_not_wrong_again_is_flaky(void **state)
     check_flaky(PLAN_MISS_ONCE, in_root("wrong_once"), "fragile.f32.missed.not_repeatable");
 }
 
+/* Alone and beside others; the trials that it was at are played as if nothing had been. */
+static void a_stopped_worker_is_replaced(void **state)
+{
+    (void)state;
+    for (uint32_t jobs = 1; jobs <= 3; jobs += 2) {
+        const char *folder[2] = {in_root("stopped"), in_root("undisturbed")};
+        for (int turn = 0; turn < 2; turn++) {
+            struct campaign_options options = options_of_deaths(folder[turn], 200);
+            options.jobs = jobs;
+            atomic_store(deaths, 0);
+            plan = turn == 0 ? PLAN_STOP_ONCE : PLAN_LIVE;
+            alarm(120); /* waiting without end is not */
+            assert_run(&options);
+            alarm(0);
+            plan = PLAN_LIVE;
+            assert_int_equal(atomic_load(deaths), turn == 0);
+            assert_int_equal(last.restarts, turn == 0);
+            assert_int_equal(last.trials, 200);
+        }
+        const char *one = normal(folder[0]), *other = normal(folder[1]);
+        assert_same_folders(one, other, 1 + 3 * distinct(one));
+        assert_int_equal(remove_tree(folder[0]), 0);
+        assert_int_equal(remove_tree(folder[1]), 0);
+        assert_int_equal(remove_tree(one), 0);
+        assert_int_equal(remove_tree(other), 0);
+    }
+}
+
+static void what_stops_every_worker_ends_the_campaign(void **state)
+{
+    (void)state;
+    struct campaign_options options = options_of_deaths(in_root("stops"), 200);
+    atomic_store(deaths, 0);
+    plan = PLAN_STOP;
+    alarm(120);
+    assert_int_equal(run(&options), STATUS_DEVICE);
+    alarm(0);
+    plan = PLAN_LIVE;
+    assert_int_equal(atomic_load(deaths), 3);
+    assert_non_null(strstr(reason.text, "3 workers in a row were stopped"));
+    assert_non_null(strstr(reason.text, "engine fragile"));
+    struct findings *findings = look(options.folder);
+    for (size_t i = 0; i < findings_count(findings); i++)
+        assert_string_not_equal(findings_entry(findings, i)->signature.engine, "fragile");
+    findings_close(findings);
+}
+
 static void spin(struct child *parent, void *user)
 {
     (void)parent, (void)user;
@@ -192,7 +239,8 @@ static void spin(struct child *parent, void *user)
         ;
 }
 
-/* Eleven others want the one processor: what takes 60 ms of it lasts longer than the limit of 500. */
+/* Eleven others want the one processor: what takes 60 ms of it lasts longer than the limit of 500.
+ */
 static void waiting_for_a_processor_is_no_hang(void **state)
 {
     (void)state;
@@ -240,6 +288,8 @@ int main(void)
         cmocka_unit_test(too_much_memory_is_one),
         cmocka_unit_test(what_does_not_die_again_is_flaky),
         cmocka_unit_test(what_is_not_wrong_again_is_flaky),
+        cmocka_unit_test(a_stopped_worker_is_replaced),
+        cmocka_unit_test(what_stops_every_worker_ends_the_campaign),
         cmocka_unit_test(waiting_for_a_processor_is_no_hang),
         cmocka_unit_test(an_engine_that_does_not_open_is_an_error),
     };

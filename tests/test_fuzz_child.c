@@ -326,17 +326,19 @@ static void pause_for_ever(struct child *parent, void *user)
 
 static bool becomes(const struct child *child, bool stopped)
 {
-    for (int tries = 0; tries < 2000 && child_is_stopped(child) != stopped; tries++)
+    bool debugged;
+    for (int tries = 0; tries < 2000 && child_is_stopped(child, &debugged) != stopped; tries++)
         usleep(10000);
-    return child_is_stopped(child) == stopped;
+    return child_is_stopped(child, &debugged) == stopped;
 }
 
 static void a_stopped_child_is_seen(void **state)
 {
     (void)state;
+    bool debugged;
     struct child child;
     assert_int_equal(child_start(pause_for_ever, NULL, &child, &reason), STATUS_OK);
-    assert_false(child_is_stopped(&child));
+    assert_false(child_is_stopped(&child, &debugged));
     kill(child.pid, SIGSTOP);
     assert_true(becomes(&child, true));
     kill(child.pid, SIGCONT);
