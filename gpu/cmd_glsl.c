@@ -19,7 +19,7 @@ static enum status read_whole(const char *path, char **bytes, size_t *size, stru
 }
 
 static enum status link(const struct glsl_text *text, glslang_shader_t *shader, int messages,
-                        const struct layout *layout, bool render, struct reason *reason)
+                        const struct layout *layout, enum glsl_use use, struct reason *reason)
 {
     glslang_program_t *program = glslang_program_create();
     glslang_spv_options_t options = {.disable_optimizer = true};
@@ -30,15 +30,15 @@ static enum status link(const struct glsl_text *text, glslang_shader_t *shader, 
     } else {
         glslang_program_SPIRV_generate_with_options(program, GLSLANG_STAGE_COMPUTE, &options);
         status =
-            shader_add(layout->name, render, text->file[0], glslang_program_SPIRV_get_ptr(program),
+            shader_add(layout->name, use, text->file[0], glslang_program_SPIRV_get_ptr(program),
                        glslang_program_SPIRV_get_size(program), reason);
     }
     glslang_program_delete(program);
     return status;
 }
 
-static enum status compile(const struct glsl_text *text, const struct layout *layout, bool render,
-                           struct reason *reason)
+static enum status compile(const struct glsl_text *text, const struct layout *layout,
+                           enum glsl_use use, struct reason *reason)
 {
     const glslang_input_t input = {
         .language = GLSLANG_SOURCE_GLSL,
@@ -60,23 +60,26 @@ static enum status compile(const struct glsl_text *text, const struct layout *la
     if (!glslang_shader_preprocess(shader, &input) || !glslang_shader_parse(shader, &input))
         status = glsl_text_blame(text, glslang_shader_get_info_log(shader), reason);
     else
-        status = link(text, shader, (int)input.messages, layout, render, reason);
+        status = link(text, shader, (int)input.messages, layout, use, reason);
     glslang_shader_delete(shader);
     return status;
 }
 
 enum status cmd_glsl_compile(const struct layout *layout, const char *file, struct reason *reason)
 {
-    static const enum glsl_use uses[] = {GLSL_TRACE, GLSL_RENDER};
     enum status status = STATUS_OK;
     if (!glslang_initialize_process())
         return fail(reason, STATUS_INTERNAL, "glslang cannot be initialized");
-    for (size_t i = 0; i < ARRAY_COUNT(uses) && !status; i++) {
+    for (enum glsl_use use = 0; use < GLSL_USES && !status; use++) {
         struct glsl_text text;
-        status = glsl_text_make(file, uses[i], read_whole, &text, reason);
+        status = glsl_text_make(file, use, read_whole, &text, reason);
         if (!status)
-            status = compile(&text, layout, uses[i] == GLSL_RENDER, reason);
+            status = compile(&text, layout, use, reason);
         glsl_text_free(&text);
+        if (use == GLSL_DECODE && status == STATUS_INPUT) { /* what traces is fine */
+            shader_lacks(layout->name, reason->text);
+            status = STATUS_OK;
+        }
     }
     glslang_finalize_process();
     return status;

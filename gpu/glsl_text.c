@@ -151,6 +151,9 @@ static enum status expand(struct making *m, const char *name, const char *text)
 enum status glsl_text_make(const char *path, enum glsl_use use, glsl_read_fn *read,
                            struct glsl_text *out, struct reason *reason)
 {
+    static const char *const main_of[GLSL_USES] = {[GLSL_TRACE] = "trace.glsl",
+                                                   [GLSL_RENDER] = "render_tree.glsl",
+                                                   [GLSL_DECODE] = "decode.glsl"};
     *out = (struct glsl_text){.files = 0};
     struct making m = {out, path, read, reason, 0};
     char *bytes = NULL;
@@ -164,7 +167,7 @@ enum status glsl_text_make(const char *path, enum glsl_use use, glsl_read_fn *re
         status = expand(&m, path, bytes);
     free(bytes);
     if (!status)
-        status = include(&m, use == GLSL_RENDER ? "render_tree.glsl" : "trace.glsl", path, 0);
+        status = include(&m, main_of[use], path, 0);
     if (status)
         glsl_text_free(out);
     return status;

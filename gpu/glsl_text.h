@@ -16,7 +16,12 @@ extern const struct glsl_source glsl_sources[];
 #define GLSL_NAME_MOST  200
 #define GLSL_TEXT_MOST  ((size_t)8 << 20)
 
-enum glsl_use { GLSL_TRACE, GLSL_RENDER };
+enum glsl_use {
+    GLSL_TRACE,
+    GLSL_RENDER,
+    GLSL_DECODE, /* says what it decodes, see gpu/decode.h */
+    GLSL_USES
+};
 
 /* Owns `text`; see glsl_text_free. */
 struct glsl_text {
@@ -30,10 +35,10 @@ struct glsl_text {
 typedef enum status glsl_read_fn(const char *path, char **bytes, size_t *size,
                                  struct reason *reason);
 
-/* Makes the text of the shader that traces, or renders, with the layout of the file `path`. Its
- * includes are ours or, where no file of ours has the name, files beside it.
- * Errors: STATUS_INPUT "FILE:LINE: rule": an include that is not to be had, files that include each
- * other, over GLSL_FILES_MOST or GLSL_TEXT_MOST; as `read`; STATUS_MEMORY. On error *out is zero.
+/* Makes the text of the shader that traces, renders or decodes with the layout of the file `path`.
+ * Its includes are ours or, where no file of ours has the name, files beside it. Errors:
+ * STATUS_INPUT "FILE:LINE: rule": an include that is not to be had, files that include each other,
+ * over GLSL_FILES_MOST or GLSL_TEXT_MOST; as `read`; STATUS_MEMORY. On error *out is zero.
  */
 enum status glsl_text_make(const char *path, enum glsl_use use, glsl_read_fn *read,
                            struct glsl_text *out, struct reason *reason) MUST_USE;

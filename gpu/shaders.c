@@ -43,10 +43,13 @@ static enum status look_through(const char *file, const uint32_t *word, uint32_t
     return status;
 }
 
-enum status shader_add(const char *layout, bool render, const char *file, const uint32_t *word,
-                       size_t count, struct reason *reason)
+enum status shader_add(const char *layout, enum glsl_use use, const char *file,
+                       const uint32_t *word, size_t count, struct reason *reason)
 {
     struct reason why = {""};
+    static const char *const prefix[GLSL_USES] = {
+        [GLSL_TRACE] = "trace", [GLSL_RENDER] = "render", [GLSL_DECODE] = "decode"};
+    const bool render = use == GLSL_RENDER;
     const struct spirv_rules rules = {
         .tracing = !render, .render = render, .free = MUTANT == MUTANT_GLSL_NOT_PINNED};
     uint32_t *fixed;
@@ -62,8 +65,7 @@ enum status shader_add(const char *layout, bool render, const char *file, const 
         free(fixed);
         return status;
     }
-    snprintf(added_name[added_count], sizeof added_name[0], "%s_%.48s", render ? "render" : "trace",
-             layout);
+    snprintf(added_name[added_count], sizeof added_name[0], "%s_%.48s", prefix[use], layout);
     added[added_count] = (struct shader){.name = added_name[added_count],
                                          .word = fixed,
                                          .word_count = (uint32_t)fixed_count,

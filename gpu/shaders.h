@@ -3,7 +3,7 @@
 #ifndef SHADERS_H
 #define SHADERS_H
 
-#include "ref/base.h"
+#include "gpu/glsl_text.h"
 
 struct shader {
     const char *name; /* of the file, without .comp */
@@ -18,15 +18,15 @@ extern const struct shader shaders[];
 /* Returns the shader of that name, of these or added, or NULL. */
 const struct shader *shader_find(const char *name);
 
-#define SHADERS_ADDED_MOST 8
+#define SHADERS_ADDED_MOST 12
 
 /* Checks and decorates a compiled module (gpu/spirv_fix.h) of the layout and adds it as
- * "trace_LAYOUT", or "render_LAYOUT". For programs, while no other thread looks.
+ * "trace_LAYOUT", "render_LAYOUT" or "decode_LAYOUT". For programs, while no other thread looks.
  *   file   of its source, for reasons
  * Errors: STATUS_INPUT "FILE: rule"; STATUS_LIMIT over SHADERS_ADDED_MOST; STATUS_INTERNAL what
  * came out is not as it must be; STATUS_MEMORY. */
-enum status shader_add(const char *layout, bool render, const char *file, const uint32_t *word,
-                       size_t count, struct reason *reason) MUST_USE;
+enum status shader_add(const char *layout, enum glsl_use use, const char *file,
+                       const uint32_t *word, size_t count, struct reason *reason) MUST_USE;
 
 /* Says why the layout has no shader, of those that have none; a text without end is cut. */
 void shader_lacks(const char *layout, const char *why);

@@ -69,6 +69,12 @@
 #define ABI_BIND_ITEMS 4 /* U32[]: the words of the triangle storage, if the layout has one */
 #define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order; if read */
 #define ABI_BIND_FOUND 6 /* U32[]: ABI_QUERY_ALL: triangles that each ray hit; else unused */
+#define ABI_BIND_ASKED 7 /* U32[2]: of shaders that decode: a record and what of it */
+
+/* Of shaders that decode: what a node is. */
+#define ABI_DECODED_NONE  0u
+#define ABI_DECODED_INNER 1u
+#define ABI_DECODED_LEAF  2u
 
 #define ABI_FLAG_DONE      1u  /* the invocation ran to its end */
 #define ABI_FLAG_EXHAUSTED 2u  /* the answer is not to be believed; one of the next says why */

@@ -36,6 +36,8 @@ static const char help[] =
     "  --tri T         triangle test                                             [mt]\n"
     "  --query Q       closest or any                                            "
     "[closest]\n" ENGINE_OPTIONS_HELP "  --json FILE     the page, for machines\n\n"
+    "Of a layout from outside with --shader it also compares what its C and its GLSL decode, record\n"
+    "by record, and names the first that differs. A finding about a tree is explained by the record.\n"
     "Members as published are held to what their repaired forms promise.\n"
     "exit codes: 0 the answer is allowed, 1 wrong and explained, 2 bad input, 3 the engine did "
     "not\n"
@@ -228,6 +230,7 @@ struct explaining {
     struct bvh bvh;
     struct packed packed;
     struct pool pool;
+    struct explain_decode decode;
     struct fuzz_player *player; /* of the file's trial, once it is asked at another scale */
     struct ray *ray;
     size_t ray_count; /* 1 with --ray */
@@ -347,10 +350,11 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
                                 .rays = o->ray_text || o->has_file ? NULL : o->rays->name,
                                 .index = index,
                                 .count = e->ray_count,
+                                .decode = &e->decode,
                                 .again = explain_again(o, index, again)};
-    *code = explain_is_wrong(&ray) ? EXIT_MISMATCH : EXIT_AGREE;
-    if (!ray.answer.finished)
-        *code = EXIT_ENGINE;
+    *code = exit_worse(*code, !ray.answer.finished     ? EXIT_ENGINE
+                              : explain_is_wrong(&ray) ? EXIT_MISMATCH
+                                                       : EXIT_AGREE);
     explain_print(&page);
     if (o->json)
         status = explain_write_json(o->json, &page, *code, reason);
@@ -389,7 +393,12 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     struct judged_job from = {of->engine, self, &job, &e->bvh, e->oracle};
     status = judged_make(&from, &judged, reason);
     if (!status)
+        status = explain_decode(e->options, &e->packed, &e->decode, reason);
+    *code = explain_decode_code(&e->decode);
+    if (!status)
         status = explain_one(e, &judged, code, reason);
+    if (!status)
+        explain_decode_print(&e->decode);
     judged_free(&judged);
     return status;
 }

@@ -32,6 +32,8 @@ void explain_command(const struct explain_of *of, const struct ray *ray,
 struct explain_of explain_of_row(const struct row *row, const char *spec, uint64_t seed,
                                  const char *driver);
 
+struct explain_decode; /* ref/cmd_explain_inner.h */
+
 /* One explained ray with everything a page needs; borrowed. */
 struct explain_page {
     const struct explain_of *of;
@@ -41,6 +43,7 @@ struct explain_page {
     const char *rays; /* set it comes from, or NULL */
     size_t index, count;
     const char *again; /* command that shows the page again, NULL: raydiff explain */
+    const struct explain_decode *decode; /* or NULL */
 };
 
 /* Prints the page for a person. */

@@ -3,9 +3,12 @@
 #define CMD_EXPLAIN_INNER_H
 
 #include "fuzz/finding_file.h"
+#include "gpu/decode.h"
 #include "ref/cmd_explain.h"
 #include "ref/cmd_tables.h"
 #include "scenes/rays.h"
+
+#include <jansson.h>
 
 struct explain_options {
     struct explain_of of;
@@ -25,6 +28,28 @@ struct explain_options {
  * file, which is then read into *file. Errors: STATUS_INPUT; as finding_file_read. */
 enum status explain_take_subject(struct explain_options *options, const char *text,
                                  struct finding_file *file, struct reason *reason) MUST_USE;
+
+/* What explain_decode found. */
+struct explain_decode {
+    bool asked;    /* the layout is from outside and has a shader */
+    bool compared; /* else `why` not */
+    struct decoded decoded;
+    struct reason why;
+};
+
+/* Compares what C and GLSL of a layout from outside decode. Errors: as decode_compare, but that it
+ * cannot be done here. */
+enum status explain_decode(const struct explain_options *o, const struct packed *packed,
+                           struct explain_decode *out, struct reason *reason) MUST_USE;
+
+/* EXIT_AGREE, EXIT_MISMATCH or, if it was asked and cannot be done here, EXIT_SKIPPED. */
+int explain_decode_code(const struct explain_decode *decode);
+
+/* Prints it, if it was asked. */
+void explain_decode_print(const struct explain_decode *decode);
+
+/* The same as JSON; null: it was not asked. The caller owns it. */
+json_t *explain_decode_json(const struct explain_decode *decode);
 
 /* Explains a finding about a tree: prints which record, slot and bound are at fault, and writes
  * o->json. *code: the exit code. Errors: as fuzz_play and fuzz_trial_tree; STATUS_INPUT cannot

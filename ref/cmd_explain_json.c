@@ -1,6 +1,6 @@
 /* The page of raydiff explain as JSON, and its command line. Floats stand as bit patterns beside
  * the readable number. */
-#include "ref/cmd_explain.h"
+#include "ref/cmd_explain_inner.h"
 
 #include "fuzz/plugin_shader.h"
 #include "ref/explain/outside.h"
@@ -171,6 +171,7 @@ static json_t *page_json(const struct explain_page *page, int exit_code)
     json_object_set_new(out, "tried", tried_json(why));
     json_object_set_new(out, "imitated", imitated_json(why));
     json_object_set_new(out, "hints", hints_json(page));
+    json_object_set_new(out, "decode", explain_decode_json(page->decode));
     return out;
 }
 

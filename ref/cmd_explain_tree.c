@@ -34,28 +34,33 @@ static enum status find_fault(const struct explain_options *o, const struct fuzz
     return status;
 }
 
-/* A layout that cannot hold the tree, or does not survive packing it, is no fault of the tree. */
+/* A layout that cannot hold the tree, or does not survive packing it, is no fault of the tree; of
+ * one that can C and GLSL are compared. */
 static enum status try_packing(const struct explain_options *o, const struct fuzz_trial *trial,
-                               struct reason *reason)
+                               struct explain_decode *decode, struct reason *reason)
 {
     struct bvh bvh;
     struct packed packed;
     enum status status = fuzz_trial_tree(trial, o->of.layout, &bvh, &packed, NULL, reason);
+    if (!status)
+        status = explain_decode(o, &packed, decode, reason);
     packed_free(&packed);
     bvh_free(&bvh);
     return status;
 }
 
 static enum status write_json(const struct explain_options *o, const struct fuzz_finding *finding,
-                              const char *again, int code, struct reason *reason)
+                              const struct explain_decode *decode, const char *again, int code,
+                              struct reason *reason)
 {
     const bool sound = finding->signature.kind == FUZZ_KIND_COUNT;
-    json_t *root = json_pack(
-        "{s:s, s:i, s:{s:s, s:s, s:s, s:s, s:i}, s:s, s:s, s:s}", "raydiff", RAYDIFF_VERSION,
-        "exit", code, "subject", "scene", o->of.spec, "layout", o->of.layout->name, "store",
-        o->of.store ? o->of.store->name : tri_stores[0]->name, "builder", o->of.builder->name,
-        "leaf", (int)o->of.build.leaf, "command", again, "cause",
-        cause_name(sound ? CAUSE_NONE : finding->signature.cause), "tree", finding->said);
+    json_t *root = json_pack("{s:s, s:i, s:{s:s, s:s, s:s, s:s, s:i}, s:s, s:s, s:s, s:o}",
+                             "raydiff", RAYDIFF_VERSION, "exit", code, "subject", "scene",
+                             o->of.spec, "layout", o->of.layout->name, "store",
+                             o->of.store ? o->of.store->name : tri_stores[0]->name, "builder",
+                             o->of.builder->name, "leaf", (int)o->of.build.leaf, "command", again,
+                             "cause", cause_name(sound ? CAUSE_NONE : finding->signature.cause),
+                             "tree", finding->said, "decode", explain_decode_json(decode));
     return json_write(o->json, root, 9, reason);
 }
 
@@ -81,15 +86,18 @@ enum status explain_tree_finding(const struct explain_options *o, const struct f
                                  int *code, struct reason *reason)
 {
     struct fuzz_finding finding;
+    struct explain_decode decode = {.asked = false};
     char again[EXPLAIN_COMMAND_MOST] = "raydiff explain";
     enum status status = find_fault(o, &file->trial, &finding, reason);
     if (!status && finding.signature.kind == FUZZ_KIND_COUNT)
-        status = try_packing(o, &file->trial, reason);
+        status = try_packing(o, &file->trial, &decode, reason);
     if (status)
         return status;
     command_word(again, sizeof again, o->of.spec);
     plugin_command(again, sizeof again, o->of.layout);
-    *code = finding.signature.kind == FUZZ_KIND_COUNT ? EXIT_AGREE : EXIT_MISMATCH;
+    *code =
+        finding.signature.kind == FUZZ_KIND_COUNT ? explain_decode_code(&decode) : EXIT_MISMATCH;
     print_page(o, &file->trial, &finding, again);
-    return o->json ? write_json(o, &finding, again, *code, reason) : STATUS_OK;
+    explain_decode_print(&decode);
+    return o->json ? write_json(o, &finding, &decode, again, *code, reason) : STATUS_OK;
 }

@@ -271,6 +271,8 @@
 #define MUTANT_RULE_UNTOLD         772 /* fuzz: bytes that are no tree are unexplained */
 #define MUTANT_RECORD_UNSAID       773 /* fuzz, replay: which record is at fault is left out */
 #define MUTANT_EXPLAIN_NO_RECORD   774 /* explain: which record is at fault is left out */
+#define MUTANT_DECODE_LAST         775 /* decode: the last record is not compared */
+#define MUTANT_DECODE_SLOT         776 /* decode: the last slot of a node is not compared */
 #define MUTANT_REPORT_NO_SHADER    770 /* report: a layout from outside goes without its shader */
 #define MUTANT_MIN_LAYOUT_UNUSED   771 /* min: a layout that no finding is on is taken */
 #define MUTANT_REPLAY_FORGOTTEN    366 /* report: a finding has no line that plays it again */

@@ -73,6 +73,44 @@ named LEAF record_malformed 'record [0-9]+: a leaf without items' plugin_liar.c
 named LEAF_ULP bound_too_small 'record [0-9]+, slot [0-9]+: x bounds' plugin_liar_wide.c
 sample liar.so -DLIE=LIE_ULP "$root/tests/plugin_liar.c"
 
+# --- what C and GLSL decode ------------------------------------------------------------------------
+sample mine4.so "$root/fuzz/samples/layout/mine4.c"
+cp "$root/fuzz/samples/layout/mine4.glsl" .
+decoded() { # code, what is said, layout, shader
+    expect "$1" . explain sphere:n=8 --rays mixed --count 50 --index 0 --layout "./$3.so" --shader "$4" --json d.json
+    grep -qE "^decode    $2" out || bad "explain --shader $4 does not say '$2'"
+}
+lie() { # file, what of it, what instead, then as decoded
+    sed "s/$2/$3/" "$1" >bad.glsl
+    cmp -s "$1" bad.glsl && bad "'$2' is not in $1"
+    decoded 1 "DIFFERS: $4" "${1%.glsl}" bad.glsl
+}
+"$raydiff" explain sphere:n=8 --count 50 --layout ./mine.so --shader mine.glsl >out 2>err
+if [ $? -eq 77 ] && grep '^decode    C and GLSL are not compared: ' out; then
+    echo "SKIP what C and GLSL decode"
+else
+    decoded 0 'C and GLSL decode the same of 335 records, 679 slots' mine mine.glsl
+    decoded 0 'C and GLSL decode the same of 85 records, 684 slots' mine4 mine4.glsl
+    box='vec3 lo = uintBitsToFloat(low.xyz)'
+    lie mine.glsl "$box" "if (ref == 334u) high.y = low.w; $box" \
+        'record 334: z hi: C decodes 0x1.4779eep-1 \(0.639602125\), GLSL 0x1.a20bd8p-1 \(0.816496611\)'
+    grep -q '^          1 of 335 records ' out || bad "explain does not count the records that differ"
+    grep -q '"first": "record 334: z hi: ' d.json || bad "explain --json has no decode"
+    lie mine.glsl 'at < job.item_count' 'both(at < job.item_count, at != 511u)' 'record 334: item slot 3: C decodes 151, GLSL none'
+    lie mine.glsl 'leaf(n.b, n.a \& ~NODE_LEAF)' 'leaf(n.b, n.b == 508u ? 3u : 4u)' 'record [0-9]*: items: C decodes [0-9]+, GLSL [0-9]+'
+    lie mine.glsl 'return n.b;' 'return n.a == 0u ? n.b : n.b + 1u;' 'record 1: second child: C decodes 85, GLSL 86'
+    lie mine.glsl 'return n.a + 1u;' 'return n.a + uint(n.a != 0u);' 'record 0: first child: C decodes 1, GLSL 0'
+    lie mine4.glsl "$box" "if (w.record == 84u) high.y = at == 674u ? 0u : high.y; $box" \
+        'record 84, slot 1: z hi: C decodes .*, GLSL 0x0p\+0'
+    lie mine4.glsl 'pick(inner, high.z, NODE_LEAF' 'pick(inner, high.z == 20u ? 21u : high.z, NODE_LEAF' \
+        'record 4: child of slot 3: C decodes record 20, GLSL another \(21\)'
+    lie mine4.glsl 'NODE_LEAF | high.w' 'NODE_LEAF | (at == 674u ? high.w - 1u : high.w)' 'record 84, slot 1: items: C decodes 2, GLSL 1'
+    # Of a finding, too: of one about a tree that is sound with this layout.
+    sed "s/$box/high.y = low.w; $box/" mine.glsl >bad.glsl
+    expect 1 . explain sound.trial --layout ./mine.so --shader bad.glsl
+    grep -q '^decode    DIFFERS: record 0: z hi: ' out || bad "explain of a finding compares nothing"
+fi
+
 # Each part of a report gets the layout and its shader, in the order in which they belong together.
 expect 0 . report sphere:n=4 --quick --count 100 --parts check,bench,pictures --engine cpu \
     --layout f32,./mine.so --shader mine.glsl --out r.html --json r.json

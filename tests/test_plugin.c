@@ -226,13 +226,13 @@ static void shader_from_outside_is_pinned(void **state)
         if (word[at] == (3u << 16 | 71u) && word[at + 2] == 42u)
             word[at + 1] = bared = 1;
     assert_int_equal(bared, 1);
-    assert_int_equal(shader_add("liar", false, "x.glsl", word, from->word_count, &reason),
+    assert_int_equal(shader_add("liar", GLSL_TRACE, "x.glsl", word, from->word_count, &reason),
                      STATUS_OK);
     free(word);
     const struct shader *made = shader_find("trace_liar");
     assert_non_null(made);
     assert_int_equal(made->word_count, from->word_count);
-    assert_int_equal(shader_add("liar", false, "x.glsl", from->word, 3, &reason), STATUS_INPUT);
+    assert_int_equal(shader_add("liar", GLSL_TRACE, "x.glsl", from->word, 3, &reason), STATUS_INPUT);
     assert_non_null(strstr(reason.text, "x.glsl: word 0"));
 }
 
