@@ -22,8 +22,8 @@ limit=${ARM_LIMIT:-900}
 left_out() {
     case $1 in
     vulkan* | half_gpu | grid_gpu) echo Vulkan ;;
-    pipe) echo 'qemu-user passes no limit of memory on' ;;
-    adversaries | bounds_slack) echo 'over 3 minutes' ;;
+    pipe | fuzz_campaign_deaths) echo 'qemu-user passes no limit of memory on' ;;
+    fuzz_campaign) echo 'over 3 minutes' ;;
     esac
     # Those that start programs of theirs, which the kernel must know how to emulate.
     [ -n "$known" ] || ! grep -qE 'tests/(peers|spawned|campaigns|built)\.h|--peer|system\(|spawn|dlopen' "tests/test_$1.c" ||
