@@ -162,7 +162,7 @@ $(BOUNDS_TESTS): TEST_LIBS += $(GMP_LIBS)
 $(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/,honest_plain.o honest_fast.o)
 $(B)/obj/tests/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),-mfma)
 
-$(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o table.o)
+$(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
 
 # Their allocations are told to fail, or weighed.
 $(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \

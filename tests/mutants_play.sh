@@ -148,7 +148,8 @@ judge_test() { # where
 beside() { # objects, libraries and options of a test
     case $1 in
     test_out_of_memory | test_memory) echo -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free ;;
-    test_adversaries) echo "$build/obj/tests/adversaries/cheats.o $build/obj/tests/adversaries/table.o" ;;
+    test_adversaries)
+        for object in cheats outsiders outsiders_table table; do echo "$build/obj/tests/adversaries/$object.o"; done ;;
     test_judge_blackbox | test_match_edges) echo "$build/obj/tests/honest_plain.o $build/obj/tests/honest_fast.o" ;;
     test_oracle*) echo "$build/obj/tests/exact_gmp.o $build/obj/tests/oracle_cases.o -lgmp" ;;
     test_bounds* | test_judge_noise* | test_judge_range* | test_judge_unnamed*)

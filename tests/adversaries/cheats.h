@@ -3,6 +3,7 @@
 #ifndef TESTS_ADVERSARIES_CHEATS_H
 #define TESTS_ADVERSARIES_CHEATS_H
 
+#include "ref/judge.h"
 #include "ref/match.h"
 
 #include <stdio.h>
@@ -13,11 +14,20 @@ struct lie {
     size_t calls; /* of trace, this one included */
     size_t count; /* rays of this call */
     const struct ray *ray;
-    const struct hit *right; /* what cpu answers to them */
-    double amount;           /* of the cheat */
+    const struct hit *right;   /* what cpu answers to them */
+    const struct judge *judge; /* who will judge the answers */
+    double amount;             /* of the cheat */
 };
 
-enum cheat_rays { RAYS_PRIMARY, RAYS_MIXED, RAYS_RANGES, RAYS_FAR, RAYS_IN_PLANE, RAYS_BAD };
+enum cheat_rays {
+    RAYS_PRIMARY,
+    RAYS_MIXED,
+    RAYS_RANGES,
+    RAYS_AXIS,
+    RAYS_FAR,
+    RAYS_IN_PLANE,
+    RAYS_BAD,
+};
 
 struct cheat {
     const char *name;
@@ -37,7 +47,7 @@ struct cheat {
                        uint32_t capacity);
 };
 
-extern const struct cheat cheats[];
-extern const size_t cheat_count;
+extern const struct cheat cheats[], outsiders[];
+extern const size_t cheat_count, outsider_count;
 
 #endif

@@ -10,7 +10,6 @@
     {                                                                                              \
         .formula = TWIN_MT, .rounding = { 1, 1, 1, 0x1p-149 }                                      \
     }
-
 const struct cheat cheats[] = {
     {"drops all within 32 units of an edge", "displacement", NULL, RAYS_PRIMARY, 32, CLOSEST,
      SECRET, drops_the_band, true, 0, true, NULL},
