@@ -22,7 +22,7 @@ limit=${ARM_LIMIT:-900}
 left_out() {
     case $1 in
     vulkan* | half_gpu | grid_gpu) echo Vulkan ;;
-    pipe | fuzz_campaign_deaths) echo 'qemu-user passes no limit of memory on' ;;
+    pipe | fuzz_campaign_deaths | memory) echo 'qemu-user passes no limit of memory on' ;;
     fuzz_campaign) echo 'over 3 minutes' ;;
     esac
     # Those that start programs of theirs, which the kernel must know how to emulate.
