@@ -206,7 +206,8 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
                                   .tri = trial->tri,
                                   .query = trial->query};
     const struct explain_page page = {&of,  &trial->scene, &parts->judged,   &parts->ray,
-                                      NULL, request->ray,  trial->ray_count, again, NULL};
+                                      NULL, request->ray,  trial->ray_count, again,
+                                      NULL};
     explain_print(&page);
     explain_free(&parts->ray.why);
     return STATUS_OK;
