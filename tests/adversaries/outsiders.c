@@ -187,3 +187,18 @@ void names_the_next_triangle(const struct lie *lie, size_t i, struct hit *hit)
     if (is_hit(hit))
         hit->prim = (hit->prim + 1) % lie->match->scene->tri_count;
 }
+
+/* Whatever is missed, with the numbers of the point where the line meets the triangle's plane. */
+void sees_what_is_excused(const struct lie *lie, size_t i, struct hit *hit)
+{
+    for (uint32_t prim = 0; !is_hit(hit) && prim < lie->match->scene->tri_count; prim++) {
+        float v[3][3];
+        scene_tri(lie->match->scene, prim, v);
+        struct judge_rounding r = judge_rounding_of(&lie->ray[i], v);
+        float u = (float)(r.edge[1] / r.det), w = (float)(r.edge[2] / r.det);
+        u = fminf(fmaxf(u, 0.0f), 1.0f);
+        struct hit made = {(float)(r.t / r.det), u, fminf(fmaxf(w, 0.0f), 1.0f - u), prim};
+        if (r.det != 0.0 && passes(lie, i, &made))
+            *hit = made;
+    }
+}
