@@ -7,7 +7,7 @@
 set -u
 compiler=aarch64-linux-gnu-gcc
 libraries='libc6-dev libjansson-dev libpng-dev zlib1g-dev libvulkan-dev libembree-dev libcmocka-dev libgmp-dev'
-packages="gcc-aarch64-linux-gnu qemu-user pkg-config glslang-tools $(printf '%s:arm64 ' $libraries)"
+packages="gcc libc6-dev gcc-aarch64-linux-gnu qemu-user pkg-config glslang-tools $(printf '%s:arm64 ' $libraries)"
 if [ "${1:-}" = --packages ]; then
     echo $packages
     exit
