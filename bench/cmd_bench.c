@@ -4,6 +4,7 @@
 #include "bench/frames.h"
 #include "ref/command.h"
 #include "ref/cmd_json.h"
+#include "ref/cmd_use.h"
 #include "ref/frame.h"
 
 #include <stdlib.h>
@@ -50,33 +51,26 @@ static const struct benchmark *const benchmarks[] = {
     &bench_fuzz,    &bench_frames,    &bench_paper, &bench_special,  &bench_fast,
     &bench_matrix,  &bench_tightness, NULL};
 
-/* Names of the bits of benchmark.takes. */
-static const char *const taken[] = {"--engine",
-                                    "--layout",
-                                    "--tri",
-                                    "--box",
-                                    "--rays",
-                                    "--seed",
-                                    "--svg",
-                                    "--json",
-                                    "--bvh",
-                                    "--frames --size --out",
-                                    "--turns --warm-up --bounces --profile",
-                                    "--quick",
-                                    "--store"};
+/* "takes --a --b", in lines. */
+static void print_takes(const char *takes)
+{
+    size_t column = (size_t)printf("  %-12s takes", "");
+    for (const char *at = takes; *at;) {
+        size_t length = strcspn(at, " ");
+        if (column + length + 3 > 96)
+            column = (size_t)printf("\n  %-12s      ", "") - 1;
+        column += (size_t)printf(" --%.*s", (int)length, at);
+        at += length + strspn(at + length, " ");
+    }
+    putchar('\n');
+}
 
 static void print_help(void)
 {
     fputs(help, stdout);
     for (size_t i = 0; benchmarks[i]; i++) {
         printf("  %-12s %s\n", benchmarks[i]->name, benchmarks[i]->summary);
-        if (benchmarks[i]->takes)
-            printf("  %-12s takes", "");
-        for (size_t k = 0; k < ARRAY_COUNT(taken); k++)
-            if (benchmarks[i]->takes & 1u << k)
-                printf(" %s", taken[k]);
-        if (benchmarks[i]->takes)
-            putchar('\n');
+        print_takes(benchmarks[i]->takes);
         if (benchmarks[i]->alone)
             printf("  %-12s runs only if it is named\n", "");
     }
@@ -136,9 +130,6 @@ static enum status take_size(const char *text, struct bench *bench, struct reaso
 /* Options of measured frames. */
 static enum status take_picture(int option, char *text, struct bench *bench, struct reason *reason)
 {
-    bench->given |= option <= OPT_OUT     ? BENCH_TAKES_FRAMES
-                    : option == OPT_QUICK ? BENCH_TAKES_QUICK
-                                          : BENCH_TAKES_LOOK;
     switch (option) {
     case OPT_FRAMES:
         return parse_count("--frames", text, 1, FRAMES_MOST, &bench->picture.frames, reason);
@@ -169,8 +160,6 @@ static enum status take_picture(int option, char *text, struct bench *bench, str
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
     struct bench *bench = user;
-    if (option >= OPT_ENGINE && option <= OPT_JSON)
-        bench->given |= 1u << (option - OPT_ENGINE);
     if (option >= OPT_FRAMES && option <= OPT_QUICK)
         return take_picture(option, text, bench, reason);
     switch (option) {
@@ -188,7 +177,6 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_LAYOUT:
         return table_parse(TABLE_LAYOUTS, "--layout", text, &bench->layout, reason);
     case OPT_STORE:
-        bench->given |= BENCH_TAKES_STORE;
         return table_parse(TABLE_STORES, "--store", text, &bench->store, reason);
     case OPT_TRI:
         return table_parse(TABLE_TRI_TESTS, "--tri", text, &bench->tri, reason);
@@ -206,7 +194,6 @@ static enum status take_option(void *user, int option, char *text, struct reason
         return STATUS_OK;
     case OPT_BVH:
         bench->bvh = text;
-        bench->given |= BENCH_TAKES_BVH;
         return STATUS_OK;
     default:
         return engine_option_take(option, text, &bench->engines, reason);
@@ -223,29 +210,38 @@ static enum status unknown(const char *name, struct reason *reason)
     return fail(reason, STATUS_INPUT, "unknown benchmark '%.60s'; benchmarks are: %s", name, known);
 }
 
-/* An option that the named benchmark (or none of all) takes would be ignored: refused instead. */
+/* What was named, or all that could be. */
+static const struct list *or_all(const struct list *named, enum table table, struct list *all)
+{
+    *all = table_all(table);
+    return named->count ? named : all;
+}
+
+/* An option that the named benchmark, or each of all, would ignore is refused. */
 static enum status check_given(const struct bench *bench, const char *name, struct reason *reason)
 {
-    unsigned takes = 0;
+    struct list engine, layout;
+    char takes[2000] = "", by[80];
     bool known = false;
     for (size_t i = 0; benchmarks[i]; i++) {
         if (name ? strcmp(name, benchmarks[i]->name) != 0 : benchmarks[i]->alone)
             continue;
         known = true;
-        takes |= benchmarks[i]->takes;
+        size_t used = strlen(takes);
+        snprintf(takes + used, sizeof takes - used, " %s", benchmarks[i]->takes);
     }
     if (!known)
         return unknown(name, reason);
-    for (size_t k = 0; k < ARRAY_COUNT(taken); k++)
-        if (bench->given & ~takes & 1u << k)
-            return fail(reason, STATUS_INPUT, "%s: benchmark %s does not take it", taken[k],
-                        name ? name : "all");
-    for (size_t i = 0; benchmarks[i] && name && bench->scene_count > 0; i++)
-        if (benchmarks[i]->sceneless && strcmp(name, benchmarks[i]->name) == 0)
-            return fail(reason, STATUS_INPUT, "--scene: benchmark %s does not take it", name);
-    if (bench->bvh && bench->scene_count != 1)
+    snprintf(by, sizeof by, "benchmark %s", name ? name : "all");
+    const struct option_use use = {.by = by,
+                                   .only = takes,
+                                   .engine = or_all(&bench->engine, TABLE_ENGINES, &engine),
+                                   .layout = or_all(&bench->layout, TABLE_LAYOUTS, &layout),
+                                   .seeded = true};
+    enum status status = options_check(&use, reason);
+    if (!status && bench->bvh && bench->scene_count != 1)
         return fail(reason, STATUS_INPUT, "--bvh: a tree is of one scene: name it with --scene");
-    return STATUS_OK;
+    return status;
 }
 
 /* The CSV is written from the start. */

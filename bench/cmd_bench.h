@@ -13,20 +13,9 @@
 #define BENCH_ROUNDS    99
 #define BENCH_TREE_NAME 120
 
-/* Options that not every benchmark takes: bits of benchmark.takes. */
-#define BENCH_TAKES_ENGINE 1u
-#define BENCH_TAKES_LAYOUT 2u
-#define BENCH_TAKES_TRI    4u
-#define BENCH_TAKES_BOX    8u
-#define BENCH_TAKES_RAYS   16u
-#define BENCH_TAKES_SEED   32u
-#define BENCH_TAKES_SVG    64u
-#define BENCH_TAKES_JSON   128u
-#define BENCH_TAKES_BVH    256u
-#define BENCH_TAKES_FRAMES 512u  /* --frames --size --out */
-#define BENCH_TAKES_LOOK   1024u /* --turns --warm-up --bounces --profile */
-#define BENCH_TAKES_QUICK  2048u
-#define BENCH_TAKES_STORE  4096u
+/* Parts of benchmark.takes: where engines run, and what goes with those from outside. */
+#define BENCH_MACHINE " threads driver device workgroup"
+#define BENCH_OUTSIDE " peer-time peer-memory shader"
 
 /* Settings of a run, and where its rows go. */
 struct bench {
@@ -34,7 +23,6 @@ struct bench {
     size_t scene_count;
     uint64_t ray_count, rounds, seed;                  /* ray_count 0: the benchmark's own */
     struct list engine, layout, store, tri, box, rays; /* count 0: the benchmark's own */
-    unsigned given; /* BENCH_TAKES_*: options on the command line */
     struct engine_options engines;
     struct progress progress;
     const char *csv_path, *json_path, *svg_path;
@@ -56,12 +44,11 @@ struct bench {
 struct benchmark {
     const char *name;
     const char *summary;
-    unsigned takes;    /* BENCH_TAKES_* */
+    const char *takes; /* the options that it uses, by name, blanks between */
     const char *about; /* more than a line, for --help; or NULL */
     int (*run)(struct bench *bench);
     bool alone;     /* takes minutes or writes files of its own: only if it is named */
     bool rows_out;  /* --out BASE names its files of rows and its plot */
-    bool sceneless; /* makes its scenes: no --scene */
 };
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,

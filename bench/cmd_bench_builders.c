@@ -160,7 +160,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_builders = {
     .name = "builders",
     .summary = "time per triangle, with one thread and with two, and the tree's quality",
-    .takes = BENCH_TAKES_JSON,
+    .takes = "scene rounds csv json threads",
     .about =
         "leaf size 4. SAH: expected cost of a line through the scene's box, 1 for a node or a\n"
         "  triangle; overlap: what a ray pays that ends on a surface in boxes of triangles\n"

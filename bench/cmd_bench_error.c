@@ -388,9 +388,7 @@ static const char about[] =
 const struct benchmark bench_error = {
     .name = "error",
     .summary = "engines, layouts and triangle tests: speed against error, exactly measured",
-    .takes = BENCH_TAKES_ENGINE | BENCH_TAKES_LAYOUT | BENCH_TAKES_TRI | BENCH_TAKES_BOX |
-             BENCH_TAKES_RAYS | BENCH_TAKES_SEED | BENCH_TAKES_SVG | BENCH_TAKES_JSON |
-             BENCH_TAKES_BVH,
+    .takes = "scene count rounds csv json seed engine layout tri box rays svg bvh" BENCH_MACHINE BENCH_OUTSIDE,
     .about = about,
     .run = run,
 };

@@ -295,7 +295,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_fast = {
     .name = "fast",
     .summary = "engine fast against Embree, single rays of four kinds",
-    .takes = BENCH_TAKES_SEED | BENCH_TAKES_JSON,
+    .takes = "scene count rounds csv json seed threads",
     .about =
         "--threads 1 unless told otherwise: the core's own time, else time on the wall; the tree\n"
         "  is sah_sweep's. Shadow rays go from primary hits to a light and ask for any hit.\n"

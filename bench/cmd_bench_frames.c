@@ -121,8 +121,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_frames = {
     .name = "frames",
     .summary = "frames of an orbiting camera: ms per frame, engines and layouts by turns",
-    .takes = BENCH_TAKES_ENGINE | BENCH_TAKES_LAYOUT | BENCH_TAKES_TRI | BENCH_TAKES_BOX |
-             BENCH_TAKES_SEED | BENCH_TAKES_BVH | BENCH_TAKES_FRAMES | BENCH_TAKES_LOOK,
+    .takes = "scene seed engine layout tri box bvh frames size out turns warm-up bounces profile" BENCH_MACHINE BENCH_OUTSIDE,
     .about = about,
     .run = run,
     .alone = true,

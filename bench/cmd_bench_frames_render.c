@@ -181,5 +181,6 @@ const struct render_mode render_mode_benchmark = {
         "  --benchmark-out BASE      name of the files                       [benchmark]\n",
     .option = own,
     .take = take,
+    .never = "out frames angle paths json fps",
     .run = run,
 };

@@ -191,8 +191,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_fuzz = {
     .name = "fuzz",
     .summary = "trials and judged rays a second, and where the time goes",
-    .takes = BENCH_TAKES_ENGINE | BENCH_TAKES_LAYOUT | BENCH_TAKES_SEED | BENCH_TAKES_JSON,
+    .takes = "count rounds csv json seed engine layout driver device workgroup" BENCH_OUTSIDE,
     .about = about,
     .run = run,
-    .sceneless = true,
 };

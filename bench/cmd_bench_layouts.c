@@ -315,6 +315,6 @@ static int run(struct bench *bench)
 const struct benchmark bench_layouts = {
     .name = "layouts",
     .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
-    .takes = BENCH_TAKES_JSON | BENCH_TAKES_BVH,
+    .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE,
     .run = run,
 };

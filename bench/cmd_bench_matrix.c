@@ -363,8 +363,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_matrix = {
     .name = "matrix",
     .summary = "builders, layouts, storages, engines: speed, size, lines read, errors",
-    .takes = BENCH_TAKES_ENGINE | BENCH_TAKES_LAYOUT | BENCH_TAKES_STORE | BENCH_TAKES_SEED |
-             BENCH_TAKES_SVG | BENCH_TAKES_JSON,
+    .takes = "scene count rounds csv json svg seed engine layout store" BENCH_MACHINE BENCH_OUTSIDE,
     .about =
         "rays: prim from a pinhole, rand random, diff bounced off what prim rays hit; o-shad from\n"
         "  what they hit to a light and o-rand ask for any hit. Speeds are multiples of Embree's "

@@ -280,7 +280,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_oracle = {
     .name = "oracle",
     .summary = "the double filter per ray-triangle pair, exact answers per ray",
-    .takes = BENCH_TAKES_JSON | BENCH_TAKES_SEED,
+    .takes = "scene count rounds csv json seed",
     .about = about,
     .run = run,
 };

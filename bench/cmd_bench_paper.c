@@ -164,7 +164,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_paper = {
     .name = "paper",
     .summary = "the paper's tables: bytes of Figure 8, direct against RF; published and repaired",
-    .takes = BENCH_TAKES_FRAMES | BENCH_TAKES_QUICK | BENCH_TAKES_JSON | BENCH_TAKES_SVG,
+    .takes = "scene csv json svg frames size out quick" BENCH_MACHINE,
     .about = about,
     .run = run,
     .alone = true,

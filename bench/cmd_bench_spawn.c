@@ -377,8 +377,7 @@ static const char about[] =
 const struct benchmark bench_spawn = {
     .name = "spawn",
     .summary = "rays that start on a surface: self-hits and skipped surfaces of offset rules",
-    .takes = BENCH_TAKES_ENGINE | BENCH_TAKES_LAYOUT | BENCH_TAKES_TRI | BENCH_TAKES_BOX |
-             BENCH_TAKES_RAYS | BENCH_TAKES_SEED | BENCH_TAKES_JSON,
+    .takes = "scene count rounds csv json seed engine layout tri box rays" BENCH_MACHINE BENCH_OUTSIDE,
     .about = about,
     .run = run,
 };

@@ -239,7 +239,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_special = {
     .name = "special",
     .summary = "the pipeline that a scene gets against the general one: same bits, ratio of times",
-    .takes = BENCH_TAKES_LAYOUT | BENCH_TAKES_FRAMES | BENCH_TAKES_QUICK | BENCH_TAKES_JSON,
+    .takes = "layout csv json frames size out quick" BENCH_MACHINE BENCH_OUTSIDE,
     .about = about,
     .run = run,
     .alone = true,

@@ -182,7 +182,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_tightness = {
     .name = "tightness",
     .summary = "the smallest rejected error of t over the real ones, per formula and rounding",
-    .takes = BENCH_TAKES_JSON | BENCH_TAKES_SEED,
+    .takes = "scene count csv json seed",
     .about = about,
     .run = run,
     .alone = true,

@@ -372,7 +372,8 @@ static int check_options(struct report_options *o)
     for (size_t i = 0; i < o->scene_count; i++)
         if (strchr(o->scene[i], ';'))
             return usage_error("report", "'%s': a scene's name may not hold ';'", o->scene[i]);
-    return EXIT_AGREE;
+    int code = report_check_use(o);
+    return code < 0 ? EXIT_AGREE : code;
 }
 
 static int run_report(struct report_options *o, struct runner *runner, const char *command)

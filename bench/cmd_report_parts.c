@@ -21,7 +21,8 @@
 void report_pass_on(struct line *line, const struct report_options *options, unsigned to)
 {
     for (size_t i = 0; i < options->passed_count; i++)
-        if (options->passed[i].to & to) {
+        if ((options->passed[i].to & to) &&
+            report_line_uses(line, options, to, options->passed[i].flag)) {
             line_word(line, options->passed[i].flag);
             line_word(line, options->passed[i].value);
         }
@@ -83,21 +84,24 @@ static enum status make_check(const struct report_options *options, struct runne
                               struct report *report, struct reason *reason)
 {
     struct report_part part = {.kind = REPORT_CHECK, .name = (char[]){"check"}};
+    const unsigned to = TO_CHECK | TO_OTHERS;
     struct line line;
     line_begin(&line, "check");
     for (size_t i = 0; i < options->scene_count; i++)
         line_word(&line, options->scene[i]);
-    if (!report_is_passed(options, "--layout"))
+    if (!report_is_passed(options, "--layout") && report_line_uses(&line, options, to, "--layout"))
         report_option(&line, "--layout",
                       options->quick ? "f32,rf16,rtrs_rf" : "f32,rf16,rtrs_direct,rtrs_rf");
-    if (!report_is_passed(options, "--tri") && !options->quick)
+    if (!report_is_passed(options, "--tri") && !options->quick &&
+        report_line_uses(&line, options, to, "--tri"))
         report_option(&line, "--tri", "mt,woop");
-    if (!report_is_passed(options, "--box") && !options->quick)
+    if (!report_is_passed(options, "--box") && !options->quick &&
+        report_line_uses(&line, options, to, "--box"))
         report_option(&line, "--box", "robust,watertight");
     number(&line, "--count", options->count ? options->count : options->quick ? 2000 : 10000);
     number(&line, "--repeat", 1); /* speed is for bench to say */
     number(&line, "--brute", options->quick ? 1000000 : 10000000);
-    report_pass_on(&line, options, TO_CHECK | TO_OTHERS);
+    report_pass_on(&line, options, to);
     line_word(&line, "--json");
     line_file(&line, runner, "check.json");
     return run_part(report, runner, cmd_check, &line, "check.json", &part, reason);

@@ -59,7 +59,15 @@ int report_try_scenes(const struct report_options *options, struct runner *runne
 enum status report_make_pictures(const struct report_options *options, struct runner *runner,
                                  struct report *report, struct reason *reason) MUST_USE;
 
-/* Adds the options that commands of `to` take; a flag with its value. */
+/* True if the command of a line, with what else is handed on to it, uses an option. */
+bool report_line_uses(const struct line *line, const struct report_options *options, unsigned to,
+                      const char *flag);
+
+/* Refuses what was given that no part uses. -1: nothing; else an exit code, and a line was printed.
+ */
+int report_check_use(const struct report_options *options);
+
+/* Adds the options that commands of `to` take and this line uses; a flag with its value. */
 void report_pass_on(struct line *line, const struct report_options *options, unsigned to);
 void report_option(struct line *line, const char *flag, const char *value);
 

@@ -102,7 +102,8 @@ static void pass_members(struct line *line, const struct report_options *options
         char name[LAYOUT_BYTES];
         bool test = strcmp(passed->flag, "--box") == 0 || strcmp(passed->flag, "--tri") == 0;
         snprintf(name, sizeof name, "%.*s", (int)strcspn(passed->value, ","), passed->value);
-        if (strcmp(name, "all") == 0)
+        if (strcmp(name, "all") == 0 ||
+            !report_line_uses(line, options, TO_OTHERS | TO_PICTURES, passed->flag))
             continue;
         if (test)
             report_option(line, passed->flag, name);

@@ -1,7 +1,6 @@
 /* raydiff export: a finding as something that runs without raydiff. */
 #include "fuzz/export.h"
-#include "ref/cmd_options.h"
-#include "ref/cmd_tables.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "scenes/file.h"
 
@@ -115,6 +114,29 @@ static int write_file(const char *path, const struct taken *taken, const struct 
     return EXIT_AGREE;
 }
 
+/* Only such are asked here, and written with what they were given. */
+static bool is_vendors(const struct engine *engine)
+{
+    return engine && (engine->gpu || strncmp(engine->name, "embree", 6) == 0);
+}
+
+/* What was named that this file's engine does not use. -1: nothing. */
+static int check_use(const struct export_options *o, const struct finding_file *file)
+{
+    const struct engine *engine = o->engine             ? o->engine
+                                  : file->has_signature ? engine_find(file->signature.engine)
+                                                        : engine_find("vulkan");
+    const struct list list =
+        engine ? list_of_engine(engine) : (struct list){.count = 0}; /* of a peer that is not here */
+    const struct option_use use = {.by = "export",
+                                   .never = "peer-time peer-memory shader",
+                                   .engine = &list};
+    const struct option_use ours = {.by = "an export of no vendor's engine",
+                                    .never = is_vendors(engine) ? "" : "layout threads"};
+    int code = options_refused("export", &use);
+    return code < 0 ? options_refused("export", &ours) : code;
+}
+
 int cmd_export(int argc, char **argv)
 {
     struct taken taken = {.options = {.ray = EXPORT_ALL_RAYS, .engines = engine_options_default()},
@@ -131,7 +153,9 @@ int cmd_export(int argc, char **argv)
     enum status status = finding_file_read(argv[first], &file, &reason);
     if (status)
         return complain("", status, &reason);
-    code = write_file(argv[first], &taken, &file);
+    code = check_use(&taken.options, &file);
+    if (code < 0)
+        code = write_file(argv[first], &taken, &file);
     finding_file_free(&file);
     return code;
 }

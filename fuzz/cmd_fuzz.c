@@ -5,6 +5,7 @@
 
 #include "fuzz/plugin_guard.h"
 #include "fuzz/report.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 
 #include <errno.h>
@@ -326,6 +327,13 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
         status = try_outputs(c, reason); /* some may be in the folder */
     if (!status)
         status = fuzz_identify(c, reason);
+    if (!status) {
+        const struct list own = table_all(TABLE_ENGINES);
+        const struct option_use use = {.engine = c->given[KEY_ENGINE] ? &c->engine : &own,
+                                       .layout = &c->layout,
+                                       .seeded = true};
+        status = options_check(&use, reason);
+    }
     if (!status && c->pairs > 0 && (c->shards > 0 || c->feedback || names_corpus(c)))
         status = fail(reason, STATUS_INPUT,
                       "--pairs: members are drawn, not with --shard, --feedback or --corpus");

@@ -1,7 +1,6 @@
 /* raydiff gen: a request in the text form, for a tracer to answer. */
 #include "fuzz/pipe_text.h"
-#include "ref/cmd_options.h"
-#include "ref/cmd_tables.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "scenes/file.h"
 #include "scenes/rays.h"
@@ -134,6 +133,11 @@ int cmd_gen(int argc, char **argv)
         return code;
     if (argc - first != 1)
         return usage_error("gen", argc == first ? "no scene given" : "one scene at a time");
+    const struct list rays = {.index = {o.rays}, .count = 1};
+    const struct option_use use = {.rays = &rays, .scene = argv + first, .scene_count = 1};
+    code = options_refused("gen", &use);
+    if (code >= 0)
+        return code;
     enum status status = gen(&o, argv[first], &reason);
     if (status)
         fprintf(stderr, "raydiff gen: %s\n", reason.text);

@@ -2,7 +2,7 @@
 #include "fuzz/pipe_text.h"
 #include "fuzz/recorded.h"
 #include "ref/cmd_check.h"
-#include "ref/cmd_options.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "scenes/file.h"
 #include "scenes/rays.h"
@@ -263,6 +263,10 @@ int cmd_judge(int argc, char **argv)
     const char *rays = path_of(argv[first + 1]), *hits = path_of(argv[first + 2]);
     if (strcmp(rays, STANDARD_INPUT) == 0 && strcmp(hits, rays) == 0)
         return usage_error("judge", "RAYS and HITS cannot both be '-'");
+    const struct option_use use = {.scene = argv + first, .scene_count = 1};
+    code = options_refused("judge", &use);
+    if (code >= 0)
+        return code;
     struct judging j = {.command = "judge",
                         .options = &o,
                         .spec = argv[first],
@@ -351,6 +355,9 @@ int cmd_verify(int argc, char **argv)
         return code;
     if (argc != first)
         return usage_error("verify", "it reads its standard input; '%s' is too much", argv[first]);
+    code = options_refused("verify", &(struct option_use){.by = "verify", .never = "seed"});
+    if (code >= 0)
+        return code;
     struct judging j = {.command = "verify", .options = &o};
     struct pipe_text look = {0};
     enum status status = read_piped(&j, &look, &reason);

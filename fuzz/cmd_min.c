@@ -3,7 +3,7 @@
 #include "fuzz/cmd_min.h"
 
 #include "fuzz/pipe.h"
-#include "ref/cmd_options.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "ref/mutant.h"
 
@@ -96,7 +96,6 @@ enum status min_check_layouts(const struct min_options *options, const char *pat
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
     struct min_options *o = user;
-    struct list list; /* the table of engines then has them */
     switch (option) {
     case OPT_OUT:
         o->out = text;
@@ -113,7 +112,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
     case OPT_MEMORY:
         return parse_count("--memory", text, 0, 1u << 30, &o->memory_mib, reason);
     case OPT_ENGINE:
-        return table_parse(TABLE_ENGINES, "--engine", text, &list, reason);
+        return table_parse(TABLE_ENGINES, "--engine", text, &o->named, reason);
     case OPT_LAYOUT:
         return take_layouts(o, text, reason);
     case OPT_JSON:
@@ -126,7 +125,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
 
 /* --- one finding ----------------------------------------------------------------------------- */
 
-static const struct engine *engine_of(const struct fuzz_signature *signature)
+const struct engine *min_engine_of(const struct fuzz_signature *signature)
 {
     for (size_t i = 0; engines[i]; i++) {
         struct fuzz_signature named;
@@ -135,6 +134,24 @@ static const struct engine *engine_of(const struct fuzz_signature *signature)
             return engines[i];
     }
     return NULL;
+}
+
+int min_check_use(const struct min_options *options, const struct list *engine)
+{
+    struct list layout = {.count = 0};
+    for (size_t i = 0; i < options->layout_count; i++) {
+        size_t at = 0;
+        while (layouts_all[at] != options->layout[i])
+            at++;
+        layout.index[layout.count++] = at;
+    }
+    const struct option_use use = {
+        .by = "min", .engine = engine, .layout = &layout, .compares = true};
+    for (size_t i = 0; i < options->named.count; i++)
+        if (!list_has(engine, options->named.index[i]))
+            return usage_error("min", "--engine: not used here: no finding is of engine %s",
+                               engines[options->named.index[i]]->name);
+    return options_refused("min", &use);
 }
 
 static size_t text_bytes(const struct finding_file *file)
@@ -161,7 +178,7 @@ static enum status check_row(struct min_row *row, struct reason *reason)
     const struct finding_file *file = &row->file;
     if (!file->has_signature)
         return fail(reason, STATUS_INPUT, "it expects 'clean': nothing is wrong with it to shrink");
-    row->engine = engine_of(&file->signature);
+    row->engine = min_engine_of(&file->signature);
     if (row->engine)
         return STATUS_OK;
     bool peer = strncmp(file->signature.engine, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
@@ -253,15 +270,25 @@ static int min_file(const struct min_options *options, const char *path)
         return usage_error("min", "%s",
                            strlen(path) >= sizeof row.path ? "too long a name" : reason.text);
     strcpy(row.path, path);
-    enum status read = finding_file_read(row.path, &row.file, &row.reason);
-    if (!read && min_check_layouts(options, path, is_on, &row, &reason)) {
+    enum status status = finding_file_read(row.path, &row.file, &row.reason);
+    const struct engine *engine =
+        !status && row.file.has_signature ? min_engine_of(&row.file.signature) : NULL;
+    if (engine) {
+        const struct list of = list_of_engine(engine);
+        row.code = min_check_use(options, &of);
+    }
+    if (engine && row.code >= 0) {
+        finding_file_free(&row.file);
+        return row.code;
+    }
+    if (!status && min_check_layouts(options, path, is_on, &row, &reason)) {
         min_row_free(&row);
         return usage_error("min", "%s", reason.text);
     }
-    min_shrink(options, &row, read);
+    min_shrink(options, &row, status);
     bool write = row.fate == MIN_SMALLER || (row.fate == MIN_SMALLEST && options->out);
     if (write) {
-        enum status status = finding_file_write(&row.smaller, out, &row.reason);
+        status = finding_file_write(&row.smaller, out, &row.reason);
         if (status) {
             row.fate = MIN_FAILED;
             row.code = exit_of_status(status);

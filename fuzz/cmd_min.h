@@ -14,6 +14,7 @@ struct min_options {
     struct engine_options engines;
     const struct layout *layout[LAYOUTS_ADDED_MOST]; /* brought from outside */
     size_t layout_count;
+    struct list named; /* of --engine */
 };
 
 enum min_fate {
@@ -37,8 +38,15 @@ struct min_row {
     int code; /* enum exit_code */
 };
 
-/* Shrinks row->file, which was read from row->path with this status and row->reason; sets
- * everything else but `written`. */
+/* The engine that a signature names, or NULL. */
+const struct engine *min_engine_of(const struct fuzz_signature *signature);
+
+/* Refuses what was named that findings of these engines do not use. -1: nothing; else an exit code,
+ * and a line was printed. */
+int min_check_use(const struct min_options *options, const struct list *engine);
+
+/* Shrinks row->file, which was read from row->path with this status and row->reason; sets everything
+ * else but `written`. */
 void min_shrink(const struct min_options *options, struct min_row *row, enum status status);
 
 void min_row_free(struct min_row *row);

@@ -2,6 +2,7 @@
 #include "fuzz/cmd_min.h"
 
 #include "fuzz/findings.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 
 #include <stdlib.h>
@@ -58,6 +59,18 @@ static bool is_on(const void *user, const struct layout *layout)
     return false;
 }
 
+/* The engines of all findings that are to be shrunk. */
+static struct list engines_of(const struct findings *findings)
+{
+    struct list list = {.count = 0};
+    for (size_t i = 0; i < findings_count(findings); i++) {
+        const struct engine *engine = min_engine_of(&findings_entry(findings, i)->signature);
+        if (engine && !list_names(&list, engine))
+            list.index[list.count++] = list_of_engine(engine).index[0];
+    }
+    return list;
+}
+
 int min_folder(const struct min_options *options, const char *folder)
 {
     struct findings *findings;
@@ -72,6 +85,12 @@ int min_folder(const struct min_options *options, const char *folder)
     if (min_check_layouts(options, folder, is_on, findings, &reason)) {
         findings_close(findings);
         return usage_error("min", "%s", reason.text);
+    }
+    const struct list of = engines_of(findings);
+    int unused = min_check_use(options, &of);
+    if (unused >= 0) {
+        findings_close(findings);
+        return unused;
     }
     size_t count = findings_count(findings), smaller = 0;
     struct min_row *row = alloc_zeroed(count, sizeof *row);

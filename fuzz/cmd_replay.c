@@ -3,8 +3,7 @@
 #include "fuzz/cmd_replay.h"
 
 #include "fuzz/pipe.h"
-#include "ref/cmd_options.h"
-#include "ref/cmd_tables.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 
 #include <stdlib.h>
@@ -278,6 +277,21 @@ static int replay_all(const struct replay_options *options, struct replay_file *
     return exit_worse(code, turnout_exit(turnout));
 }
 
+/* What was named that none of the engines uses. -1: nothing. */
+static int check_use(const struct replay_options *options)
+{
+    struct list engine = {.count = 0}, layout = {.count = 0};
+    for (size_t i = 0; i < options->engine_count; i++)
+        engine.index[engine.count++] = list_of_engine(options->engine[i]).index[0];
+    for (size_t i = 0; i < options->layout_count; i++) {
+        size_t at = 0;
+        while (layouts_all[at] != options->layout[i])
+            at++;
+        layout.index[layout.count++] = at;
+    }
+    return options_refused("replay", &(struct option_use){.engine = &engine, .layout = &layout});
+}
+
 int cmd_replay(int argc, char **argv)
 {
     struct replay_options options = {.engines = engine_options_default(), .seconds = 60};
@@ -291,6 +305,9 @@ int cmd_replay(int argc, char **argv)
         return code;
     if (first == argc)
         return usage_error("replay", "no file given");
+    code = check_use(&options);
+    if (code >= 0)
+        return code;
     size_t count = (size_t)(argc - first);
     struct replay_file *files = alloc_zeroed(count, sizeof *files);
     if (!files) {

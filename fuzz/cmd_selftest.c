@@ -3,7 +3,7 @@
 #include "fuzz/cmd_selftest.h"
 
 #include "gpu/spirv_look.h"
-#include "ref/cmd_options.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 
 #include <stdio.h>
@@ -321,6 +321,10 @@ int cmd_selftest(int argc, char **argv)
     int code = options_take("fuzz", print_help, long_options, take_option, &c, argc, argv, &first);
     if (code < 0 && first < argc)
         code = usage_error("fuzz", "'%s': only options are expected", argv[first]);
+    const struct option_use use = {.by = "--shaders",
+                                   .never = shaders_only ? "only time seed jobs programs json" : ""};
+    if (code < 0)
+        code = options_refused("fuzz", &use);
     if (code >= 0)
         return code;
     if (shaders_only)

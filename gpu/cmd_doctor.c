@@ -4,7 +4,7 @@
 
 #include "gpu/vk_driver.h"
 #include "gpu/vulkan_options.h"
-#include "ref/cmd_options.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 
 #include <float.h>
@@ -155,6 +155,10 @@ int cmd_doctor(int argc, char **argv)
         return code;
     if (first < argc)
         return usage_error("doctor", "'%s' is not an option", argv[first]);
+    const struct option_use use = {.by = "doctor", .never = "peer-time peer-memory shader"};
+    code = options_refused("doctor", &use);
+    if (code >= 0)
+        return code;
     printf("raydiff        %s, compiled by %s\n", RAYDIFF_VERSION, __VERSION__);
     printf("processors     %ld\n", sysconf(_SC_NPROCESSORS_ONLN));
     struct doctor *doctor = alloc_zeroed(1, sizeof *doctor);

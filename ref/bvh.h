@@ -76,6 +76,8 @@ struct builder {
                          struct bvh *out, struct reason *reason);
     uint32_t tri_bytes; /* that building takes at least for each triangle, the tree included; of
                            sbvh for each item */
+    const char *takes;  /* options of struct build_options that it reads beyond leaf and threads, as
+                           the command line names them, blanks between; NULL: none */
 };
 
 /* NULL-terminated: the builders that every product of tests runs over; the first is the default. */

@@ -2,6 +2,7 @@
 #include "ref/cmd_check.h"
 
 #include "ref/cmd_tree.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "ref/original.h"
 #include "scenes/move.h"
@@ -336,8 +337,6 @@ static enum status play_both(struct check *check, const struct scene *scene,
     size_t grids = 0;
     for (size_t i = 0; i < o->store.count; i++)
         grids += store_is_of_grids(o, i);
-    if (o->bits > 0 && grids == 0)
-        return fail(reason, STATUS_INPUT, "--bits: is of --store quantised, which is not named");
     if (grids && (o->bvh || o->layout_auto || o->move > 0))
         return fail(reason, STATUS_INPUT,
                     "--store quantised: not with --bvh, --move, --layout auto");
@@ -423,6 +422,21 @@ static int check_all(struct check *check, char *const *spec, size_t count)
     return code;
 }
 
+/* What was named that this run does not use. -1: nothing. */
+static int check_use(const struct check_options *o, char *const *spec, size_t count)
+{
+    const struct list rays = {.index = {o->rays}, .count = 1};
+    const struct option_use use = {.engine = &o->engine,
+                                   .layout = o->layout_auto ? NULL : &o->layout,
+                                   .builder = &o->builder,
+                                   .store = &o->store,
+                                   .rays = &rays,
+                                   .scene = spec,
+                                   .scene_count = count,
+                                   .seeded = o->move > 0};
+    return options_refused("check", &use);
+}
+
 int cmd_check(int argc, char **argv)
 {
     struct check check = {.options = default_options(), .progress = progress_make("check")};
@@ -438,6 +452,9 @@ int cmd_check(int argc, char **argv)
         return usage_error("check", "%s", reason.text);
     if (check.options.demands.watertight && list_has(&check.options.query, QUERY_ALL))
         return usage_error("check", "--require watertight is of closest and any hits, not all");
+    code = check_use(&check.options, argv + first, (size_t)(argc - first));
+    if (code >= 0)
+        return code;
     check.pool.options = check.options.engines;
     code = check_all(&check, argv + first, (size_t)(argc - first));
     pool_free(&check.pool);

@@ -20,6 +20,7 @@ struct explain_options {
     bool has_count, has_index, has_rays, has_cause, has_engine, has_layout;
     bool has_file;    /* scene, rays and test come from a finding's file */
     bool about_tree;  /* of a finding that is on no ray */
+    bool has_trial;   /* all of them come from a trial's name */
     enum cause cause; /* looked for, if has_cause */
     struct engine_options engines;
 };

@@ -40,6 +40,7 @@ static enum status take_trial(struct explain_options *o, const char *text, struc
                                 .tri = trial.tri,
                                 .query = trial.query};
     o->rays = trial.rays;
+    o->has_trial = true;
     if (!o->has_count)
         o->count = 1000;
     return STATUS_OK;

@@ -2,6 +2,7 @@
 #include "ref/cmd_leaks.h"
 
 #include "ref/cmd_tree.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 
 #include <stdlib.h>
@@ -213,5 +214,13 @@ int cmd_leaks(int argc, char **argv)
     struct reason reason;
     if (tree_check_options(options.bvh, options.build_flag, (size_t)(argc - first), &reason))
         return usage_error("leaks", "%s", reason.text);
+    const struct option_use use = {.engine = &options.engine,
+                                   .layout = &options.layout,
+                                   .builder = &options.builder,
+                                   .store = &options.store,
+                                   .seeded = true};
+    code = options_refused("leaks", &use);
+    if (code >= 0)
+        return code;
     return leaks_all(&options, argv + first, (size_t)(argc - first));
 }

@@ -1,4 +1,5 @@
 /* raydiff list: every member of every table. */
+#include "ref/cmd_options.h"
 #include "ref/cmd_tables.h"
 #include "ref/command.h"
 
@@ -34,23 +35,34 @@ static int unknown(const char *kind)
     return usage_error("list", "unknown kind '%.60s'; kinds are: %s", kind, known);
 }
 
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    (void)user;
+    (void)option;
+    return fail(reason, STATUS_INPUT, "'%s' is not expected", text);
+}
+
 int cmd_list(int argc, char **argv)
 {
-    if (argc > 1 && strcmp(argv[1], "--help") == 0) {
-        fputs(help, stdout);
-        return EXIT_AGREE;
-    }
-    if (argc > 2)
+    static const struct option long_options[] = {{"help", 0, NULL, OPT_HELP}, {NULL, 0, NULL, 0}};
+    int first, code = options_take("list", print_help, long_options, take_option, NULL, argc, argv,
+                                   &first);
+    if (code >= 0)
+        return code;
+    if (argc - first > 1)
         return usage_error("list", "one kind at a time");
+    const char *kind = first < argc ? argv[first] : "";
     size_t shown = 0;
     for (enum table table = 0; table < TABLE_COUNT; table++) {
-        size_t length = argc > 1 ? strlen(argv[1]) : 0;
-        if (length > 0 && strncmp(table_name(table), argv[1], length) != 0)
+        if (strncmp(table_name(table), kind, strlen(kind)) != 0)
             continue;
         print_table(table);
         shown++;
     }
-    if (shown == 0)
-        return unknown(argv[1]);
-    return EXIT_AGREE;
+    return shown ? EXIT_AGREE : unknown(kind);
 }

@@ -191,6 +191,26 @@ enum status output_try(const char *path, struct reason *reason)
     return status;
 }
 
+#define GIVEN_MOST 128 /* more than any table has */
+
+/* Names of a table, which outlives the command. */
+static const char *given[GIVEN_MOST];
+static size_t given_count;
+
+const char *option_given(size_t i)
+{
+    return i < given_count ? given[i] : NULL;
+}
+
+static void note_given(const char *name)
+{
+    for (size_t i = 0; i < given_count; i++)
+        if (strcmp(given[i], name) == 0)
+            return;
+    if (given_count < GIVEN_MOST)
+        given[given_count++] = name;
+}
+
 #define OUTPUTS_MOST 16
 
 /* The outputs that were named, tried when all options are known to be right. */
@@ -214,12 +234,23 @@ static int option_error(const char *command, enum status status, const struct re
     return status == STATUS_DEVICE ? EXIT_ENGINE : code;
 }
 
+/* getopt takes the beginning of a name for it: then another option is meant, perhaps. True if what
+ * was typed is the whole name. */
+static bool is_whole(char *const *argv, const char *name)
+{
+    const bool apart = optarg && argv[optind - 1] == optarg;
+    const char *typed = argv[optind - (apart ? 2 : 1)] + strlen("--");
+    const size_t length = strlen(name);
+    return strncmp(typed, name, length) == 0 && (typed[length] == '\0' || typed[length] == '=');
+}
+
 int options_take(const char *command, void (*print_help)(void), const struct option *table,
                  option_fn *take, void *user, int argc, char **argv, int *first)
 {
     struct reason reason;
     struct outputs outputs = {.count = 0};
     int option, index = 0;
+    given_count = 0;
     opterr = 0; /* the message is ours */
     optind = 1;
     while ((option = getopt_long(argc, argv, "h", table, &index)) != -1) {
@@ -229,8 +260,14 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
         }
         if (option == '?')
             return usage_error(command, "unknown option or missing value: '%s'", argv[optind - 1]);
+        if (!is_whole(argv, table[index].name))
+            return usage_error(command, "unknown option: '%s'; --%s is one",
+                               argv[optind - (optarg && argv[optind - 1] == optarg ? 2 : 1)],
+                               table[index].name);
         if (optarg && strcmp(optarg, "-") == 0 && !take_dash(table[index].name, &reason))
             return usage_error(command, "%s", reason.text);
+        if (MUTANT != MUTANT_OPTION_UNNAMED || optind < argc)
+            note_given(table[index].name);
         enum status status = take(user, option, optarg, &reason);
         if (status)
             return option_error(command, status, &reason);

@@ -108,6 +108,10 @@ typedef enum status option_fn(void *user, int option, char *text, struct reason 
 int options_take(const char *command, void (*print_help)(void), const struct option *table,
                  option_fn *take, void *user, int argc, char **argv, int *first);
 
+/* Name of the i-th option that the last options_take was given, without dashes and each once; NULL
+ * past the end. */
+const char *option_given(size_t i);
+
 /* Proves that a file can be written, before work is done for it: what is there stays as it is, and
  * nothing is left behind. What is no regular file is not opened. Errors: as file_out_open. */
 enum status output_try(const char *path, struct reason *reason) MUST_USE;

@@ -1,8 +1,7 @@
 /* raydiff precompute: a scene's tree in the seed's file format or packed in a layout; and trees of
  * others, checked. */
 #include "ref/bvh_json.h"
-#include "ref/cmd_options.h"
-#include "ref/cmd_tables.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "ref/packed_file.h"
 #include "scenes/file.h"
@@ -30,7 +29,8 @@ static const char help[] =
     "example: raydiff precompute --scene default.json --out default.bvh.json --item-count 2\n";
 
 struct precompute {
-    const char *scene, *out, *verify;
+    char *scene;
+    const char *out, *verify;
     const struct layout *layout; /* NULL: JSON */
     size_t builder;
     struct build_options build;
@@ -228,8 +228,15 @@ int cmd_precompute(int argc, char **argv)
         return usage_error("precompute", "unexpected argument '%s'", argv[first]);
     if (!p.scene || (!p.out && !p.verify))
         return usage_error("precompute", "%s is missing", p.scene ? "--out" : "--scene");
-    if (p.verify && (p.out || p.layout))
-        return usage_error("precompute", "--verify takes no --out and no --layout");
+    const struct list builder = {.index = {p.builder}, .count = 1};
+    const struct option_use use = {.by = "--verify",
+                                   .only = p.verify ? "scene verify seed" : NULL,
+                                   .builder = &builder,
+                                   .scene = (char *const[]){p.scene},
+                                   .scene_count = 1};
+    code = options_refused("precompute", &use);
+    if (code >= 0)
+        return code;
     struct scene scene;
     enum status status = scene_open(p.scene, p.seed, &scene, &reason);
     code = EXIT_AGREE;

@@ -95,6 +95,8 @@
 #define MUTANT_INTERPRETER     689 /* a peer is called after the first word of its command */
 #define MUTANT_FAST_IS_MT      690 /* rows of engine fast say what was asked for, not what ran */
 #define MUTANT_HARD_LISTS      691 /* conform --hard: --layout, --builder, --box, --tri do nothing */
+#define MUTANT_OPTION_SWALLOWED 750 /* options of builders are taken without a builder that reads them */
+#define MUTANT_OPTION_UNNAMED  751 /* a command's last option is not among those that were given */
 #define MUTANT_HELD_FORGOTTEN  111 /* feedback keeps trials that reach nothing new */
 #define MUTANT_HALF_MESSAGE    90  /* what a dead child sent of a message is taken for all of it */
 #define MUTANT_SIBLINGS_HELD   91  /* a child keeps the files that its parent had open */

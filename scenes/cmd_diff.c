@@ -1,6 +1,7 @@
 /* raydiff diff: two pictures, or engines that draw the same one. */
 #include "scenes/cmd_diff.h"
 
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "scenes/cmd_render_out.h"
 #include "scenes/image_diff.h"
@@ -155,9 +156,13 @@ static enum status finish(struct diff_options *o, struct reason *reason)
     if (!status && o->has_pixel && (o->x >= o->settings.width || o->y >= o->settings.height))
         status = fail(reason, STATUS_INPUT, "--pixel: %u,%u is not in a picture of %u x %u", o->x,
                       o->y, o->settings.width, o->settings.height);
-    if (!status && o->has_pixel && o->out)
-        status = fail(reason, STATUS_INPUT, "--out: a heat map is of all pixels, not of --pixel");
-    return status;
+    const struct option_use pixel = {.by = "--pixel", .never = o->has_pixel ? "out list" : ""};
+    const struct option_use all = {.by = "diff", .never = "fps"};
+    if (!status)
+        status = options_check(&pixel, reason);
+    if (!status)
+        status = options_check(&all, reason);
+    return status ? status : render_options_check(&o->settings, &o->engine, reason);
 }
 
 static enum status open_member(struct diff_run *run, struct diff_member *member, size_t index,

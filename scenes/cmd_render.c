@@ -1,6 +1,7 @@
 /* raydiff render: pictures of a scene by any engine; the seed's load. */
 #include "scenes/cmd_render.h"
 
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "scenes/cmd_process.h"
 #include "scenes/cmd_render_out.h"
@@ -325,6 +326,27 @@ static int finish_options(struct render *r, int argc, char **argv, int first, st
     return -1;
 }
 
+/* Refuses what the mode, or a picture without one, does not use: options of other modes, too. */
+static enum status check_use(const struct render *r, struct reason *reason)
+{
+    char by[40], never[600];
+    const struct list engine = list_of_engine(r->settings.engine);
+    snprintf(by, sizeof by, "%s%s", r->mode ? "--" : "pictures", r->mode ? r->mode->name : "");
+    snprintf(never, sizeof never, "%s", r->mode ? r->mode->never : "fps");
+    for (size_t m = 0; modes[m]; m++)
+        for (size_t i = 0; modes[m] != r->mode && modes[m]->option[i].name; i++) {
+            size_t used = strlen(never);
+            snprintf(never + used, sizeof never - used, " %s", modes[m]->option[i].name);
+        }
+    const struct option_use of_mode = {.by = by, .never = never};
+    const struct option_use alone = {.by = "one picture",
+                                     .never = r->frames == 1 ? "angle" : ""};
+    enum status status = options_check(&of_mode, reason);
+    if (!status)
+        status = options_check(&alone, reason);
+    return status ? status : render_options_check(&r->settings, &engine, reason);
+}
+
 int cmd_render(int argc, char **argv)
 {
     struct render r = {.settings = render_settings_default(), .frames = 1};
@@ -338,9 +360,8 @@ int cmd_render(int argc, char **argv)
         return code;
     if (r.settings.versus && (!r.mode || !r.mode->two_layouts))
         return usage_error("render", "--layout: one; two are for the difference of --show");
-    if (r.mode && (r.frames > 1 || r.paths))
-        return usage_error("render", "--%s goes without --%s", r.mode->name,
-                           r.paths ? "paths" : "frames");
+    if (check_use(&r, &reason))
+        return usage_error("render", "%s", reason.text);
     if (r.mode)
         return r.mode->run(&r.settings, r.mode_value);
     process_signals_caught(&caught);

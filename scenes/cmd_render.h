@@ -34,7 +34,7 @@ extern const struct render_handler render_handlers[]; /* ends with a NULL name *
 /* Everything that options say. What is said to be filled in by render_settings_finish is NULL or 0
  * before unless the user named it. */
 struct render_settings {
-    const char *scene; /* NULL: RENDER_SCENE_DEFAULT */
+    char *scene;       /* NULL: RENDER_SCENE_DEFAULT */
     uint64_t seed;     /* of generators */
     struct look look;
     bool eye_given; /* --camera-light-strength was */
@@ -136,6 +136,11 @@ int render_options_take(const char *command, void (*print_help)(void), const str
 enum status render_settings_finish(const char *command, struct render_settings *settings,
                                    struct reason *reason) MUST_USE;
 
+/* Refuses options that say something of members which nothing of `engine` uses. After
+ * render_settings_finish. Errors: STATUS_INPUT. */
+enum status render_options_check(const struct render_settings *settings, const struct list *engine,
+                                 struct reason *reason) MUST_USE;
+
 /* The engine that stands for `engine` with the settings' handler: naive means every triangle.
  * Errors: STATUS_INPUT it has none. */
 enum status render_engine(const struct render_settings *settings, const struct engine *engine,
@@ -180,6 +185,7 @@ struct render_mode {
     const struct option *option; /* its own, numbered from OPT_RENDER_LAST + 1 on, up to 1023; NULL
                                     name at the end; or NULL */
     option_fn *take;             /* takes them; `user` is NULL */
+    const char *never;           /* options of render that it does not use, blanks between */
     bool two_layouts;            /* --layout may name two: settings->versus */
     /* Settings are finished. Returns the exit code. `value` is the option's, or NULL. */
     int (*run)(const struct render_settings *settings, const char *value);

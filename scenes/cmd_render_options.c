@@ -1,4 +1,5 @@
 /* Options of pictures. */
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "scenes/cmd_render.h"
 
@@ -341,14 +342,41 @@ enum status render_settings_finish(const char *command, struct render_settings *
     if (status)
         return status;
     size_t i = s->look.profile;
-    s->scene = s->scene ? s->scene : RENDER_SCENE_DEFAULT;
+    static char standard[] = RENDER_SCENE_DEFAULT;
+    s->scene = s->scene ? s->scene : standard;
     s->builder = s->builder ? s->builder : builder_find(s->handler->member[i].builder);
     s->build.leaf = s->build.leaf ? s->build.leaf : s->handler->member[i].leaf;
     if (!s->layout && !s->layout_auto && !s->bvh)
         s->layout = layout_find(s->handler->member[i].layout);
     s->box = s->box ? s->box : box_test_find(s->handler->member[i].box);
     s->tri = s->tri ? s->tri : tri_test_find(s->handler->member[i].tri);
-    if (s->look.profile == PROFILE_RTRS && s->look.ambience > 0)
-        fprintf(stderr, "raydiff %s: --ambience: the published shader does not read it\n", command);
     return render_engine(s, s->engine ? s->engine : engine_find("cpu"), &s->engine, reason);
+}
+
+enum status render_options_check(const struct render_settings *s, const struct list *engine,
+                                 struct reason *reason)
+{
+    struct list layout = {.count = 0}, builder = {.count = 0};
+    bool draws = false;
+    for (size_t i = 0; layouts_all[i]; i++)
+        if (layouts_all[i] == s->layout || layouts_all[i] == s->versus)
+            layout.index[layout.count++] = i;
+    for (size_t i = 0; builders_all[i]; i++)
+        if (builders_all[i] == s->builder)
+            builder.index[builder.count++] = i;
+    for (size_t i = 0; i < engine->count; i++)
+        draws = draws || (engines[engine->index[i]]->frame && !s->waves);
+    const struct option_use members = {.engine = engine,
+                                       .layout = &layout,
+                                       .builder = &builder,
+                                       .scene = (char *const[]){s->scene},
+                                       .scene_count = 1};
+    const struct option_use look = {.by = "the published shader",
+                                    .never = s->look.profile == PROFILE_RTRS ? "ambience" : ""};
+    const struct option_use plans = {.by = "engines that do not draw on their own",
+                                     .never = draws ? "" : "plan general"};
+    enum status status = options_check(&members, reason);
+    if (!status)
+        status = options_check(&look, reason);
+    return status ? status : options_check(&plans, reason);
 }

@@ -365,5 +365,6 @@ const struct render_mode render_mode_show = {
     .option = options,
     .take = take_option,
     .two_layouts = true,
+    .never = "frames angle paths fps bounces ambience camera-light-strength waves plan general",
     .run = run,
 };

@@ -1,12 +1,12 @@
 /* raydiff scene: what a scene is, from one format to another, and which there are. */
 #define _GNU_SOURCE /* scandir */
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "ref/decimal.h"
 #include "scenes/facts.h"
 #include "scenes/scenes.h"
 
 #include <dirent.h>
-#include <getopt.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
@@ -150,8 +150,6 @@ static int scene_info(const struct scene_options *options)
 
 static int scene_convert(const struct scene_options *options)
 {
-    if (options->json)
-        return usage_error("scene", "convert: --json belongs to info");
     if (options->argument_count != 2)
         return usage_error("scene", "convert: one scene and one file are needed");
     const char *from = options->argument[0], *to = options->argument[1];
@@ -199,8 +197,8 @@ static void list_fetched(void)
 
 static int scene_list(const struct scene_options *options)
 {
-    if (options->argument_count != 0 || options->json)
-        return usage_error("scene", "list: takes no argument and no --json");
+    if (options->argument_count != 0)
+        return usage_error("scene", "list: takes no argument");
     printf("generators, as NAME or NAME:PARAMETER=VALUE,PARAMETER=VALUE; each also takes seed=S\n"
            "(range of every parameter, and [default])\n");
     for (size_t i = 0; generators[i]; i++) {
@@ -219,42 +217,60 @@ static int scene_list(const struct scene_options *options)
 static const struct {
     const char *name;
     int (*run)(const struct scene_options *options);
-} actions[] = {{"info", scene_info}, {"convert", scene_convert}, {"list", scene_list}};
+    const char *takes; /* options */
+} actions[] = {{"info", scene_info, "json seed"},
+               {"convert", scene_convert, "seed"},
+               {"list", scene_list, ""}};
 
-static const struct option long_options[] = {
-    {"help", 0, NULL, 'h'}, {"json", 0, NULL, 'j'}, {"seed", 1, NULL, 's'}, {0}};
+enum { OPT_JSON = 256, OPT_SEED };
+
+static const struct option long_options[] = {{"json", 0, NULL, OPT_JSON},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             {"help", 0, NULL, OPT_HELP},
+                                             {NULL, 0, NULL, 0}};
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct scene_options *options = user;
+    if (option == OPT_SEED)
+        return parse_count("--seed", text, 0, UINT64_MAX, &options->seed, reason);
+    options->json = true;
+    return STATUS_OK;
+}
+
+static int run_action(size_t i, const struct scene_options *options)
+{
+    const struct option_use use = {.by = actions[i].name,
+                                   .only = actions[i].takes,
+                                   .scene = options->argument,
+                                   .scene_count = (size_t)options->argument_count};
+    int code = options_refused("scene", &use);
+    if (code < 0)
+        code = actions[i].run(options);
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return code;
+    fprintf(stderr, "raydiff scene: cannot write to standard output\n");
+    return exit_worse(code, EXIT_USAGE);
+}
 
 int cmd_scene(int argc, char **argv)
 {
     struct scene_options options = {.seed = 1};
-    struct reason reason;
-    int option;
-    opterr = 0;
-    optind = 1;
-    while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == 'h') {
-            fputs(help, stdout);
-            return EXIT_AGREE;
-        }
-        if (option == '?')
-            return usage_error("scene", "unknown option or missing value: '%s'", argv[optind - 1]);
-        options.json = options.json || option == 'j';
-        if (option == 's' &&
-            parse_count("--seed", optarg, 0, UINT64_MAX, &options.seed, &reason) != STATUS_OK)
-            return usage_error("scene", "%s", reason.text);
-    }
-    if (optind == argc)
+    int first, code = options_take("scene", print_help, long_options, take_option, &options, argc,
+                                   argv, &first);
+    if (code >= 0)
+        return code;
+    if (first == argc)
         return usage_error("scene", "info, convert or list?");
-    options.argument = argv + optind + 1;
-    options.argument_count = argc - optind - 1;
-    for (size_t i = 0; i < ARRAY_COUNT(actions); i++) {
-        if (strcmp(argv[optind], actions[i].name) != 0)
-            continue;
-        int code = actions[i].run(&options);
-        if (fflush(stdout) == 0 && !ferror(stdout))
-            return code;
-        fprintf(stderr, "raydiff scene: cannot write to standard output\n");
-        return exit_worse(code, EXIT_USAGE);
-    }
-    return usage_error("scene", "unknown action '%s'; those are info, convert, list", argv[optind]);
+    options.argument = argv + first + 1;
+    options.argument_count = argc - first - 1;
+    for (size_t i = 0; i < ARRAY_COUNT(actions); i++)
+        if (strcmp(argv[first], actions[i].name) == 0)
+            return run_action(i, &options);
+    return usage_error("scene", "unknown action '%s'; those are info, convert, list", argv[first]);
 }

@@ -162,9 +162,6 @@ static enum status open_all(struct showing *s, struct reason *reason)
 {
     const struct render_settings *settings = s->settings;
     enum status status = STATUS_OK;
-    if (settings->json)
-        return fail(reason, STATUS_INPUT,
-                    "--window goes without --json: --log says what was drawn");
     if (settings->out_given)
         status = render_try_output(settings->out, reason);
     if (!status && asked.log)
@@ -244,5 +241,6 @@ const struct render_mode render_mode_window = {
     .help = help,
     .option = options,
     .take = take_option,
+    .never = "frames angle paths json",
     .run = run,
 };

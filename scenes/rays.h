@@ -12,6 +12,7 @@ struct ray_set {
     const char *summary;
     enum status (*make)(const struct scene *scene, uint64_t seed, size_t count, struct ray *out,
                         struct reason *reason);
+    bool seedless; /* whatever the seed, the rays are the same */
 };
 
 #define RAY_TMAX 1e30f

@@ -248,6 +248,7 @@ const struct ray_set ray_set_primary = {
     .name = "primary",
     .summary = "through the pixels of a square picture of the scene's camera; no seed",
     .make = make_primary,
+    .seedless = true,
 };
 const struct ray_set ray_set_bounce = {
     .name = "bounce",

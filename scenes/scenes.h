@@ -21,6 +21,7 @@ struct generator {
     struct param param[GENERATOR_PARAMS]; /* ends at the first without a name */
     enum status (*make)(const double *value, uint64_t seed, struct scene *out,
                         struct reason *reason);
+    bool seedless; /* whatever the seed, the scene is the same */
 };
 
 /* NULL-terminated. */

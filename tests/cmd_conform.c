@@ -1,5 +1,5 @@
 /* raydiff conform: the conformance suite, its names made from the tables. */
-#include "ref/cmd_options.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "tests/cmd_conform_hard.h"
 #include "tests/cmd_conform_report.h"
@@ -297,6 +297,43 @@ static void print_help(void)
     fputs(help, stdout);
 }
 
+/* What was named that this run does not use. -1: nothing. */
+static int check_use(const struct conform_options *o, bool hard)
+{
+    static struct list all[TABLE_COUNT];
+    const struct list *of[TABLE_COUNT];
+    const bool named = o->pattern && strpbrk(o->pattern, "*?[") == NULL;
+    const bool ours = named && strncmp(o->pattern, "hard.", 5) != 0;
+    const struct option_use modes[] = {
+        {.by = "the hard cases", .never = hard ? "count brute all store" : ""},
+        {.by = "--list",
+         .never = o->list_only ? "count brute require waivers verbose tap junit summary markdown "
+                                 "html threads driver device workgroup peer-time peer-memory"
+                               : ""},
+        {.by = "a PATTERN, whose trials are all played", .never = o->pattern ? "all" : ""},
+        {.by = "a trial's whole name",
+         .never = ours ? "engine layout store builder box tri hard quick summary markdown html" : ""},
+        {.by = "--tap, which has a line per trial", .never = o->tap ? "verbose summary" : ""},
+    };
+    int code = -1;
+    for (size_t i = 0; i < ARRAY_COUNT(modes) && code < 0; i++)
+        code = options_refused("conform", &modes[i]);
+    for (enum table t = 0; t < TABLE_COUNT; t++) {
+        all[t] = table_all(t);
+        of[t] = o->list[t].count ? &o->list[t] : &all[t];
+    }
+    struct list engine, layout = {.count = 0};
+    struct option_use use = {.engine = of[TABLE_ENGINES], .layout = of[TABLE_LAYOUTS]};
+    struct trial trial;
+    struct reason why;
+    if (ours && !trial_parse(o->pattern, &trial, &why)) {
+        engine = list_of_engine(trial.engine);
+        use.engine = &engine;
+        use.layout = &layout;
+    }
+    return code < 0 ? options_refused("conform", &use) : code;
+}
+
 int cmd_conform(int argc, char **argv)
 {
     struct conform_options o = {.brute = 100000000, .engines = engine_options_default()};
@@ -315,15 +352,9 @@ int cmd_conform(int argc, char **argv)
     bool hard = o.hard || (o.pattern && strncmp(o.pattern, "hard.", 5) == 0);
     static struct list named[TABLE_COUNT];
     named_of(&o, named);
-    if (hard && o.list[TABLE_STORES].count > 0)
-        return usage_error("conform", "--store: the hard cases are of storage indexed");
-    if (hard && (o.count > 0 || o.brute_given || o.all))
-        return usage_error("conform", "%s: the hard cases bring their own rays and members",
-                           o.count > 0     ? "--count"
-                           : o.brute_given ? "--brute"
-                                           : "--all");
-    if (o.all && o.pattern)
-        return usage_error("conform", "--all: with a PATTERN every trial that matches is played");
+    code = check_use(&o, hard);
+    if (code >= 0)
+        return code;
     if (hard)
         return conform_hard(&(struct conform_hard_options){.pattern = o.pattern,
                                                            .junit = o.junit,

@@ -32,9 +32,9 @@ expect 2 "'0' is not a whole number from 1" bench frames --size 0x4
 expect 2 "not WIDTHxHEIGHT" bench frames --size 12
 expect 2 "'0' is not a whole number from 1" bench frames --frames 0
 expect 2 "neither repaired nor rtrs" bench frames --profile pretty
-expect 2 "benchmark layouts does not take it" bench layouts --frames 3
-expect 2 "does not take it" bench --frames 3
-expect 2 "benchmark frames does not take it" bench frames --quick
+expect 2 "not used by benchmark layouts" bench layouts --frames 3
+expect 2 "not used by benchmark all" bench --frames 3
+expect 2 "not used by benchmark frames" bench frames --quick
 expect 2 "cannot write" bench frames $few --frames 2 --out /nonexistent/run
 expect 2 "cannot write" bench frames --engine cpu --frames 100000 --out /nonexistent/run # before the work
 grep -q written "$dir/out" && bad "what was not written is said to be"

@@ -29,7 +29,7 @@ only 6 baldwin_webber --tri
 expect 2 'no hard case matches' conform 'hard.nothing' --engine cpu --layout tiny8
 
 for option in '--count 5' '--brute 7' --all '--store compact'; do
-    expect 2 "^raydiff conform: ${option%% *}: the hard cases" conform --hard $option
+    expect 2 "^raydiff conform: ${option%% *}: not used by the hard cases" conform --hard $option
 done
 expect 2 '^raydiff conform: --all: ' conform 'closest.cpu.*' --all
 

@@ -95,8 +95,7 @@ for dark in '--profile rtrs' '--camera-light-strength 0'; do
     expect 0 . render sphere $dark $small
     grep -q 'warning: no light .* black' "$dir/err" || bad "render sphere $dark warns"
 done
-expect 0 . render rtrs --profile rtrs --ambience 0.5 $small
-grep -q 'does not read it' "$dir/err" || bad "the published shader's ambience"
+expect 2 '--ambience: not used by the published shader' render rtrs --profile rtrs --ambience 0.5 $small
 expect 2 "--ambience: '-1' is below 0" render --ambience -1 $small
 expect 2 "--fps: '0' is not above 0" render --fps 0 $small
 

@@ -78,6 +78,7 @@ plain)
     suite cli sh tests/cli.sh "$build/raydiff"
     suite shipped sh tests/shipped.sh "$build/raydiff"
     suite hard_lists sh tests/hard_lists.sh "$build/raydiff"
+    suite options sh tests/options.sh "$build/raydiff"
     suite named sh tests/named.sh "$build/raydiff"
     suite named_others sh tests/named_others.sh "$build/raydiff"
     suite watertight sh tests/watertight.sh "$build/raydiff"

@@ -77,13 +77,13 @@ cp "$dir/one.png" "$dir/before.png"
 expect 2 "unknown 'foo'; known: t, prim, normal, boxes" render $scene --show foo
 expect 2 "at most two" render $scene --show t --layout f32,rf16,rtrs_direct
 expect 2 'named twice' render $scene --show t --layout f32,f32
-expect 2 'no difference of two' render $scene --show t --engine brute --layout f32,rf16
+expect 2 '--layout: .* an engine that walks trees' render $scene --show t --engine brute --layout f32,rf16
 expect 2 'two are for the difference of --show' render $scene --layout f32,rf16
 expect 2 'no range of colours' render $scene --show class --show-range 0:1 --out "$dir/one.png"
 expect 2 'is no range' render $scene --show t --show-range 2:1 --out "$dir/one.png"
 expect 2 'not LEAST:MOST' render $scene --show t --show-range 2 --out "$dir/one.png"
 expect 2 '0 in its middle: -5:5' render $scene --show t --layout f32,rf16 --show-range 0:5
-expect 2 'goes without --paths' render $scene --show t --paths "$dir/p.csv" --out "$dir/one.png"
+expect 2 '--paths: not used by --show' render $scene --show t --paths "$dir/p.csv" --out "$dir/one.png"
 expect 2 'cannot write' render $scene --show t --out "$dir/no/where.png"
 expect 2 'cannot write' render $scene --show t --csv "$dir/no/where.csv" --out "$dir/one.png"
 expect 2 'rf16: .*larger --leaf' render soup:n=70000 --show boxes --layout f32,rf16 \

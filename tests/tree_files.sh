@@ -129,7 +129,7 @@ expect 2 'engine brute takes no tree' explain $scene --bvh "$dir/median.json" --
 expect 2 "a trial's name says" explain closest.cpu.rf16.median.robust.mt.soup.random.1 \
     --bvh "$dir/median.json"
 expect 2 'name it with --scene' bench layouts --bvh "$dir/median.json"
-expect 2 'benchmark oracle does not take it' bench oracle --scene $scene --bvh "$dir/median.json"
+expect 2 'not used by benchmark oracle' bench oracle --scene $scene --bvh "$dir/median.json"
 
 # precompute itself.
 expect 2 'no file, and no generator' precompute --scene nowhere --out "$dir/x"

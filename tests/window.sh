@@ -38,7 +38,7 @@ expect 0 . render rtrs --window $small --out "$dir/without.png"
 grep -q 'is drawn without one' "$dir/err" || bad "says that there is no window"
 expect 0 . render rtrs $small --out "$dir/plain.png"
 cmp -s "$dir/without.png" "$dir/plain.png" || bad "without a display the picture is the same"
-expect 2 "goes without --json" render rtrs --window --json "$dir/x.json" $small
+expect 2 "--json: not used by --window" render rtrs --window --json "$dir/x.json" $small
 expect 2 "'0' is not above 0" render rtrs --window --seconds 0 $small
 expect 2 'no-such-folder' render rtrs --window $small --out "$dir/no-such-folder/x.png"
 expect 2 'no-such-folder' render rtrs --window $small --log "$dir/no-such-folder/x.log"

@@ -206,5 +206,6 @@ const struct builder build_ploc = {
     .name = "ploc",
     .summary = "clusters from below that join their best neighbour within --radius places",
     .build = build,
+    .takes = "radius",
     .tri_bytes = 190,
 };

@@ -93,5 +93,6 @@ const struct builder build_rtrs = {
     .summary = "as the seed builds, cut boxes included; leaves can exceed the limit below eps / 2",
     .faithful = true,
     .build = build_rtrs_tree,
+    .takes = "eps",
     .tri_bytes = 44,
 };

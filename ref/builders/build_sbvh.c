@@ -360,5 +360,6 @@ const struct builder build_sbvh = {
     .summary = "surface area heuristic with spatial splits: parts of a triangle in several leaves, "
                "at most --split-budget more than triangles",
     .build = build,
+    .takes = "split-budget split-alpha",
     .tri_bytes = 230,
 };

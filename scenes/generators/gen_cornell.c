@@ -115,4 +115,5 @@ const struct generator gen_cornell = {
     .summary = "box open in front, two blocks, a lamp; materials, light and camera; no seed",
     .param = {[N] = {"n", "each side is n x n quads", 1, 1, 170}},
     .make = make,
+    .seedless = true,
 };

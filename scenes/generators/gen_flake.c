@@ -95,4 +95,5 @@ const struct generator gen_flake = {
     .param = {[DEPTH] = {"depth", "generations of smaller spheres", 2, 0, 6},
               [N] = {"n", "each sphere has 8 n^2 triangles", 2, 1, 64}},
     .make = make,
+    .seedless = true,
 };

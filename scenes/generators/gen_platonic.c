@@ -146,4 +146,5 @@ const struct generator gen_platonic = {
               [RADIUS] = {"radius", "distance of the vertices from the centre", 1, 1e-9, 1e9},
               [ROWS] = {"rows", "copies along z", 1, 1, 1 << 14}},
     .make = make,
+    .seedless = true,
 };

@@ -103,4 +103,5 @@ const struct generator gen_rtrs = {
     .name = "rtrs",
     .summary = "the seed's default scene: tetrahedron, dodecahedron; furnished; no parameter",
     .make = make,
+    .seedless = true,
 };

@@ -27,4 +27,5 @@ const struct generator gen_sphere = {
     .param = {[N] = {"n", "parts of each octahedron edge", 16, 1, 1448},
               [RADIUS] = {"radius", "radius", 1, 1e-9, 1e9}},
     .make = make,
+    .seedless = true,
 };

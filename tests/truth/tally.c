@@ -63,8 +63,9 @@ static void write_command(const struct wrong_answer *answer, const char *scene, 
 {
     const struct contestant *who = &answer->who;
     const struct ray *ray = &answer->ray;
-    fprintf(stream, "  raydiff explain %s --engine %s --tri %s", scene, who->engine->name,
-            who->tri->name);
+    fprintf(stream, "  raydiff explain %s --engine %s", scene, who->engine->name);
+    if (!who->engine->own_tri)
+        fprintf(stream, " --tri %s", who->tri->name);
     if (who->layout)
         fprintf(stream, " --layout %s --box %s", who->layout->name, who->box->name);
     fprintf(stream, " --ray '%a,%a,%a %a,%a,%a %a,%a'\n", (double)ray->org[0], (double)ray->org[1],
