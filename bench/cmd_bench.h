@@ -47,8 +47,8 @@ struct benchmark {
     const char *takes; /* the options that it uses, by name, blanks between */
     const char *about; /* more than a line, for --help; or NULL */
     int (*run)(struct bench *bench);
-    bool alone;     /* takes minutes or writes files of its own: only if it is named */
-    bool rows_out;  /* --out BASE names its files of rows and its plot */
+    bool alone;    /* takes minutes or writes files of its own: only if it is named */
+    bool rows_out; /* --out BASE names its files of rows and its plot */
 };
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,

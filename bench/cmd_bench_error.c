@@ -388,7 +388,8 @@ static const char about[] =
 const struct benchmark bench_error = {
     .name = "error",
     .summary = "engines, layouts and triangle tests: speed against error, exactly measured",
-    .takes = "scene count rounds csv json seed engine layout tri box rays svg bvh" BENCH_MACHINE BENCH_OUTSIDE,
+    .takes = "scene count rounds csv json seed engine layout tri box rays svg bvh" BENCH_MACHINE
+        BENCH_OUTSIDE,
     .about = about,
     .run = run,
 };

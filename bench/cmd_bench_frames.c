@@ -121,7 +121,8 @@ static int run(struct bench *bench)
 const struct benchmark bench_frames = {
     .name = "frames",
     .summary = "frames of an orbiting camera: ms per frame, engines and layouts by turns",
-    .takes = "scene seed engine layout tri box bvh frames size out turns warm-up bounces profile" BENCH_MACHINE BENCH_OUTSIDE,
+    .takes = "scene seed engine layout tri box bvh frames size out turns warm-up bounces "
+             "profile" BENCH_MACHINE BENCH_OUTSIDE,
     .about = about,
     .run = run,
     .alone = true,

@@ -377,7 +377,8 @@ static const char about[] =
 const struct benchmark bench_spawn = {
     .name = "spawn",
     .summary = "rays that start on a surface: self-hits and skipped surfaces of offset rules",
-    .takes = "scene count rounds csv json seed engine layout tri box rays" BENCH_MACHINE BENCH_OUTSIDE,
+    .takes =
+        "scene count rounds csv json seed engine layout tri box rays" BENCH_MACHINE BENCH_OUTSIDE,
     .about = about,
     .run = run,
 };

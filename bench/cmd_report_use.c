@@ -60,8 +60,8 @@ static void use_of_line(const struct line *line, const struct report_options *op
     if (strcmp(command, "doctor") == 0)
         out->use.never = "peer-time peer-memory shader";
     if (bench)
-        out->use.only = strcmp(line->argv[1], "error") == 0 ? bench_error.takes
-                                                            : bench_layouts.takes;
+        out->use.only =
+            strcmp(line->argv[1], "error") == 0 ? bench_error.takes : bench_layouts.takes;
 }
 
 bool report_line_uses(const struct line *line, const struct report_options *options, unsigned to,
@@ -77,11 +77,9 @@ int report_check_use(const struct report_options *options)
 {
     static const char machine[] = " threads driver device workgroup peer-time peer-memory shader";
     const bool plays = options->scene_count > 0, *wanted = options->wanted;
-    char only[1000] = "out title time json parts check bench benchmark picture doctor findings";
-    const struct list engine =
-        list_of(TABLE_ENGINES, passed_value(options, ~0u, "--engine"), NULL);
-    const struct list layout =
-        list_of(TABLE_LAYOUTS, passed_value(options, ~0u, "--layout"), NULL);
+    char only[4000] = "out title time json parts check bench benchmark picture doctor findings";
+    const struct list engine = list_of(TABLE_ENGINES, passed_value(options, ~0u, "--engine"), NULL);
+    const struct list layout = list_of(TABLE_LAYOUTS, passed_value(options, ~0u, "--layout"), NULL);
     const struct option_use of_engines = {.engine = &engine, .layout = &layout};
     const struct {
         bool is_there;
@@ -96,6 +94,12 @@ int report_check_use(const struct report_options *options)
         {options->findings, " baseline"},
         {options->findings, machine},
     };
+    for (size_t i = 0; options->findings && i < engine.count; i++) /* which it brings to them */
+        if (engine_is_peer(engines[engine.index[i]]))
+            strcat(only, " engine");
+    for (size_t i = 0; options->findings && i < layout.count; i++)
+        if (layouts_all[layout.index[i]]->outside)
+            strcat(only, " layout");
     for (size_t i = 0; i < ARRAY_COUNT(parts); i++)
         if (parts[i].is_there)
             strncat(only, parts[i].options, sizeof only - strlen(only) - 1);

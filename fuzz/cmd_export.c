@@ -126,11 +126,10 @@ static int check_use(const struct export_options *o, const struct finding_file *
     const struct engine *engine = o->engine             ? o->engine
                                   : file->has_signature ? engine_find(file->signature.engine)
                                                         : engine_find("vulkan");
-    const struct list list =
-        engine ? list_of_engine(engine) : (struct list){.count = 0}; /* of a peer that is not here */
-    const struct option_use use = {.by = "export",
-                                   .never = "peer-time peer-memory shader",
-                                   .engine = &list};
+    const struct list list = engine ? list_of_engine(engine)
+                                    : (struct list){.count = 0}; /* of a peer that is not here */
+    const struct option_use use = {
+        .by = "export", .never = "peer-time peer-memory shader", .engine = &list};
     const struct option_use ours = {.by = "an export of no vendor's engine",
                                     .never = is_vendors(engine) ? "" : "layout threads"};
     int code = options_refused("export", &use);

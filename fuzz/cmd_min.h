@@ -45,8 +45,8 @@ const struct engine *min_engine_of(const struct fuzz_signature *signature);
  * and a line was printed. */
 int min_check_use(const struct min_options *options, const struct list *engine);
 
-/* Shrinks row->file, which was read from row->path with this status and row->reason; sets everything
- * else but `written`. */
+/* Shrinks row->file, which was read from row->path with this status and row->reason; sets
+ * everything else but `written`. */
 void min_shrink(const struct min_options *options, struct min_row *row, enum status status);
 
 void min_row_free(struct min_row *row);

@@ -321,8 +321,8 @@ int cmd_selftest(int argc, char **argv)
     int code = options_take("fuzz", print_help, long_options, take_option, &c, argc, argv, &first);
     if (code < 0 && first < argc)
         code = usage_error("fuzz", "'%s': only options are expected", argv[first]);
-    const struct option_use use = {.by = "--shaders",
-                                   .never = shaders_only ? "only time seed jobs programs json" : ""};
+    const struct option_use use = {
+        .by = "--shaders", .never = shaders_only ? "only time seed jobs programs json" : ""};
     if (code < 0)
         code = options_refused("fuzz", &use);
     if (code >= 0)

@@ -12,20 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct check_options {
-    struct list layout, store, engine, builder, box, tri, query;
-    bool layout_auto, layout_named, engine_named;
-    struct build_options build;
-    size_t rays;
-    uint64_t count, seed, repeats, brute, brute_rays, bits; /* bits 0: not named */
-    struct engine_options engines;
-    float move;
-    struct match_demands demands;
-    const char *json;
-    const char *bvh;        /* of --bvh, or NULL */
-    const char *build_flag; /* the last option given that says how to build, or NULL */
-};
-
 enum {
     OPT_LAYOUT = 256,
     OPT_STORE,
@@ -69,30 +55,6 @@ static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
                                              BUILD_OPTIONS,
                                              TREE_OPTION,
                                              ENGINE_OPTIONS};
-
-static struct check_options default_options(void)
-{
-    struct reason reason;
-    struct check_options o = {
-        .engine = table_all(TABLE_ENGINES),
-        .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
-        .count = 100000,
-        .seed = 1,
-        .repeats = 3,
-        .brute = 200000000,
-        .engines = engine_options_default(),
-    };
-    bool ok = table_parse(TABLE_LAYOUTS, "", "f32,rf16", &o.layout, &reason) == STATUS_OK &&
-              table_parse(TABLE_STORES, "", "indexed", &o.store, &reason) == STATUS_OK &&
-              table_parse(TABLE_BUILDERS, "", "median", &o.builder, &reason) == STATUS_OK &&
-              table_parse(TABLE_BOX_TESTS, "", "robust", &o.box, &reason) == STATUS_OK &&
-              table_parse(TABLE_TRI_TESTS, "", "mt", &o.tri, &reason) == STATUS_OK &&
-              table_parse(TABLE_QUERIES, "", "closest", &o.query, &reason) == STATUS_OK &&
-              table_parse_one(TABLE_RAY_SETS, "", "mixed", &o.rays, &reason) == STATUS_OK;
-    if (!ok)
-        abort(); /* a default that no table names is our bug */
-    return o;
-}
 
 static enum status take_layouts(struct check_options *o, const char *text, struct reason *reason)
 {
@@ -439,7 +401,7 @@ static int check_use(const struct check_options *o, char *const *spec, size_t co
 
 int cmd_check(int argc, char **argv)
 {
-    struct check check = {.options = default_options(), .progress = progress_make("check")};
+    struct check check = {.options = check_options_default(), .progress = progress_make("check")};
     int first, code = options_take("check", check_help, long_options, take_option, &check.options,
                                    argc, argv, &first);
     if (code >= 0)

@@ -49,4 +49,22 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
                              const struct turnout *turnout, int exit_code,
                              struct reason *reason) MUST_USE;
 
+/* What the user asked for. */
+struct check_options {
+    struct list layout, store, engine, builder, box, tri, query;
+    bool layout_auto, layout_named, engine_named;
+    struct build_options build;
+    size_t rays;
+    uint64_t count, seed, repeats, brute, brute_rays, bits; /* bits 0: not named */
+    struct engine_options engines;
+    float move;
+    struct match_demands demands;
+    const char *json;
+    const char *bvh;        /* of --bvh, or NULL */
+    const char *build_flag; /* the last option given that says how to build, or NULL */
+};
+
+/* Where the user asks for nothing. */
+struct check_options check_options_default(void);
+
 #endif

@@ -1,10 +1,11 @@
-/* What raydiff check --help says. */
+/* What raydiff check --help says, and what it does where the user asks for nothing. */
 #include "ref/cmd_check.h"
 
 #include "ref/cmd_options.h"
 #include "ref/cmd_tree.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 static const char help[] =
     "usage: raydiff check SCENE... [OPTIONS]\n"
@@ -55,4 +56,28 @@ static const char help[] =
 void check_help(void)
 {
     fputs(help, stdout);
+}
+
+struct check_options check_options_default(void)
+{
+    struct reason reason;
+    struct check_options o = {
+        .engine = table_all(TABLE_ENGINES),
+        .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+        .count = 100000,
+        .seed = 1,
+        .repeats = 3,
+        .brute = 200000000,
+        .engines = engine_options_default(),
+    };
+    bool ok = table_parse(TABLE_LAYOUTS, "", "f32,rf16", &o.layout, &reason) == STATUS_OK &&
+              table_parse(TABLE_STORES, "", "indexed", &o.store, &reason) == STATUS_OK &&
+              table_parse(TABLE_BUILDERS, "", "median", &o.builder, &reason) == STATUS_OK &&
+              table_parse(TABLE_BOX_TESTS, "", "robust", &o.box, &reason) == STATUS_OK &&
+              table_parse(TABLE_TRI_TESTS, "", "mt", &o.tri, &reason) == STATUS_OK &&
+              table_parse(TABLE_QUERIES, "", "closest", &o.query, &reason) == STATUS_OK &&
+              table_parse_one(TABLE_RAY_SETS, "", "mixed", &o.rays, &reason) == STATUS_OK;
+    if (!ok)
+        abort(); /* a default that no table names is our bug */
+    return o;
 }

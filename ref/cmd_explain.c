@@ -4,7 +4,6 @@
 #include "fuzz/player.h"
 #include "fuzz/trial_tree.h"
 #include "ref/cmd_tree.h"
-#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "ref/explain/ray_text.h"
 #include "scenes/scenes.h"
@@ -411,40 +410,6 @@ static void print_help(void)
     fputs(help, stdout);
 }
 
-/* What was named that this ray does not use. A trial's name, and a finding's file, say all but how
- * they are played. -1: nothing. */
-static int check_use(const struct explain_options *o, char *const *spec)
-{
-    const char *const never = o->ray_text   ? "rays index count cause"
-                              : o->has_index ? "cause"
-                                             : "";
-    struct list engine = list_of_engine(o->of.engine), layout = {.count = 0};
-    struct list builder = {.count = 0};
-    struct option_use use = {.by = o->ray_text ? "--ray" : "--index",
-                             .never = o->has_file ? "" : never,
-                             .engine = &engine,
-                             .seeded = !o->ray_text && !o->rays->seedless,
-                             .scene = spec,
-                             .scene_count = 1};
-    int code = -1;
-    while (o->of.layout && layouts_all[layout.index[0]] != o->of.layout)
-        layout.index[0]++;
-    layout.count = o->of.layout != NULL;
-    while (o->of.builder && builders_all[builder.index[0]] &&
-           builders_all[builder.index[0]] != o->of.builder)
-        builder.index[0]++;
-    builder.count = o->of.builder && builders_all[builder.index[0]] == o->of.builder;
-    use.layout = &layout;
-    use.builder = &builder;
-    if (o->has_trial) {
-        const struct option_use own = {
-            .by = "a trial, whose name says it",
-            .never = "engine layout store builder box tri query rays seed"};
-        code = options_refused("explain", &own);
-    }
-    return code < 0 ? options_refused("explain", &use) : code;
-}
-
 int cmd_explain(int argc, char **argv)
 {
     struct explain_options options = default_options();
@@ -459,7 +424,7 @@ int cmd_explain(int argc, char **argv)
     if (tree_check_options(options.of.tree, options.build_flag, 1, &reason) ||
         explain_take_subject(&options, argv[first], &e.file, &reason))
         return usage_error("explain", "%s", reason.text);
-    code = check_use(&options, argv + first);
+    code = explain_check_use(&options, argv + first);
     if (code >= 0) {
         finding_file_free(&e.file);
         return code;

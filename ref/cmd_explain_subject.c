@@ -2,6 +2,7 @@
 #include "ref/cmd_explain_inner.h"
 
 #include "fuzz/plugin_shader.h"
+#include "ref/cmd_use.h"
 #include "ref/command.h"
 #include "tests/cmd_trial.h"
 
@@ -150,4 +151,37 @@ enum status explain_take_subject(struct explain_options *o, const char *text,
     if (!status && o->ray_text && (o->has_rays || o->has_index))
         status = fail(reason, STATUS_INPUT, "--ray is one ray: it goes without --rays and --index");
     return status;
+}
+
+int explain_check_use(const struct explain_options *o, char *const *spec)
+{
+    const char *const never = o->ray_text ? "rays index count cause" : o->has_index ? "cause" : "";
+    struct list engine = list_of_engine(o->of.engine), layout = {.count = 0};
+    struct list builder = {.count = 0};
+    struct option_use use = {.by = o->ray_text ? "--ray" : "--index",
+                             .never = o->has_file ? "" : never,
+                             .engine = &engine,
+                             .compares = true,
+                             .seeded = !o->ray_text && !o->rays->seedless,
+                             .scene = spec,
+                             .scene_count = 1};
+    int code = -1;
+    while (o->of.layout && layouts_all[layout.index[0]] != o->of.layout)
+        layout.index[0]++;
+    layout.count = o->of.layout != NULL;
+    while (o->of.builder && builders_all[builder.index[0]] &&
+           builders_all[builder.index[0]] != o->of.builder)
+        builder.index[0]++;
+    builder.count = o->of.builder && builders_all[builder.index[0]] == o->of.builder;
+    use.layout = &layout;
+    use.builder = &builder;
+    if (o->has_trial) {
+        char words[80];
+        snprintf(words, sizeof words, "%s%s store builder box tri query rays seed",
+                 engine_is_peer(o->of.engine) ? "" : "engine ",
+                 o->of.layout && o->of.layout->outside ? "" : "layout");
+        const struct option_use own = {.by = "a trial, whose name says it", .never = words};
+        code = options_refused("explain", &own);
+    }
+    return code < 0 ? options_refused("explain", &use) : code;
 }

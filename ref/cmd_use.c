@@ -36,14 +36,14 @@ static bool is_gpu(const struct engine *engine)
     return engine->gpu;
 }
 
-static bool is_peer(const struct engine *engine)
+bool engine_is_peer(const struct engine *engine)
 {
     return strncmp(engine->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
 }
 
 static bool is_of_processor(const struct engine *engine)
 {
-    return !engine->gpu && !is_peer(engine);
+    return !engine->gpu && !engine_is_peer(engine);
 }
 
 static bool is_of_shaders(const struct engine *engine)
@@ -64,7 +64,7 @@ static bool tests_ours(const struct engine *engine)
 /* Of a formula that is not known. */
 static bool is_black(const struct engine *engine)
 {
-    return is_peer(engine) || (engine->gpu && engine->own_tri);
+    return engine_is_peer(engine) || (engine->gpu && engine->own_tri);
 }
 
 static bool any_engine(const struct option_use *use, bool (*is)(const struct engine *engine))
@@ -84,7 +84,7 @@ static bool on_gpu(const struct option_use *use, const char *option)
 static bool on_shaders(const struct option_use *use, const char *option)
 {
     (void)option;
-    return any_engine(use, is_of_shaders);
+    return use->compares || any_engine(use, is_of_shaders);
 }
 
 static bool on_black(const struct option_use *use, const char *option)
@@ -114,7 +114,7 @@ static bool on_tests(const struct option_use *use, const char *option)
 static bool from_outside(const struct option_use *use, const char *option)
 {
     (void)option;
-    bool any = any_engine(use, is_peer);
+    bool any = any_engine(use, engine_is_peer);
     for (size_t i = 0; use->layout && i < use->layout->count; i++)
         any = any || layouts_all[use->layout->index[i]]->outside;
     return any;
@@ -168,8 +168,8 @@ static const struct {
     bool (*is_met)(const struct option_use *use, const char *option);
     const char *what;
 } needs[] = {
-    {"layout store builder box leaf eps bvh bins radius split-budget split-alpha optimize", on_trees,
-     "an engine that walks trees"},
+    {"layout store builder box leaf eps bvh bins radius split-budget split-alpha optimize",
+     on_trees, "an engine that walks trees"},
     {"eps bins radius split-budget split-alpha", by_builder, "builder"},
     {"tri", on_tests, "an engine that has no triangle test of its own"},
     {"driver device workgroup", on_gpu, "an engine on Vulkan"},

@@ -17,7 +17,8 @@ struct option_use {
     const struct list *engine, *layout, *builder, *store, *rays;
     char *const *scene; /* as users name them, for options of generators; NULL: not known */
     size_t scene_count;
-    bool seeded; /* more than rays and scenes depends on --seed */
+    bool seeded;   /* more than rays and scenes depends on --seed */
+    bool compares; /* shaders of layouts are compiled whoever plays */
 };
 
 /* True if a name is among names with blanks between. */
@@ -33,7 +34,11 @@ enum status options_check(const struct option_use *use, struct reason *reason) M
 /* The same, which prints the reason: -1 to go on, else EXIT_USAGE. */
 int options_refused(const char *command, const struct option_use *use);
 
-/* A list of that engine alone; empty if it is not of the table, as one whose answers were recorded. */
+/* True if the engine is a child process: naming it is what brings it. */
+bool engine_is_peer(const struct engine *engine);
+
+/* A list of that engine alone; empty if it is not of the table, as one whose answers were recorded.
+ */
 struct list list_of_engine(const struct engine *engine);
 
 #endif

@@ -18,8 +18,8 @@ static enum status build_nothing(const struct scene *scene, const struct build_o
     return fail(reason, STATUS_INTERNAL, "builder file: its tree is read, not built");
 }
 
-const struct builder tree_file_builder = {"file", "a tree that was read from a file", false,
-                                          build_nothing, 0, NULL};
+const struct builder tree_file_builder = {
+    "file", "a tree that was read from a file", false, build_nothing, 0, NULL};
 
 /* How far rounding may move a centre out of the box of its leaf, in parts of the largest
  * coordinate: that of the seed's float32 arithmetic, and of bounds in float16 rounded to nearest,

@@ -339,8 +339,7 @@ static enum status check_use(const struct render *r, struct reason *reason)
             snprintf(never + used, sizeof never - used, " %s", modes[m]->option[i].name);
         }
     const struct option_use of_mode = {.by = by, .never = never};
-    const struct option_use alone = {.by = "one picture",
-                                     .never = r->frames == 1 ? "angle" : ""};
+    const struct option_use alone = {.by = "one picture", .never = r->frames == 1 ? "angle" : ""};
     enum status status = options_check(&of_mode, reason);
     if (!status)
         status = options_check(&alone, reason);

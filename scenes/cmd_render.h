@@ -34,8 +34,8 @@ extern const struct render_handler render_handlers[]; /* ends with a NULL name *
 /* Everything that options say. What is said to be filled in by render_settings_finish is NULL or 0
  * before unless the user named it. */
 struct render_settings {
-    char *scene;       /* NULL: RENDER_SCENE_DEFAULT */
-    uint64_t seed;     /* of generators */
+    char *scene;   /* NULL: RENDER_SCENE_DEFAULT */
+    uint64_t seed; /* of generators */
     struct look look;
     bool eye_given; /* --camera-light-strength was */
     enum { RENDER_AS_SCENE, RENDER_FIXED, RENDER_ORBIT } turn;

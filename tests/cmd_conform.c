@@ -297,13 +297,32 @@ static void print_help(void)
     fputs(help, stdout);
 }
 
+/* A trial's whole name says who plays; members from outside are brought by options. */
+static int check_name(const struct conform_options *o)
+{
+    struct list engine, layout = {.count = 0};
+    struct trial trial;
+    struct reason why;
+    char never[100];
+    if (trial_parse(o->pattern, &trial, &why))
+        return -1; /* it is no name, as is said later */
+    engine = list_of_engine(trial.engine);
+    const bool outside = trial.layout && trial.layout->outside;
+    snprintf(never, sizeof never, "%s%s store builder box tri hard quick summary markdown html",
+             engine_is_peer(trial.engine) ? "" : "engine ", outside ? "" : "layout");
+    const struct option_use use = {.by = "a trial's whole name",
+                                   .never = never,
+                                   .engine = &engine,
+                                   .layout = outside ? &o->list[TABLE_LAYOUTS] : &layout};
+    return options_refused("conform", &use);
+}
+
 /* What was named that this run does not use. -1: nothing. */
 static int check_use(const struct conform_options *o, bool hard)
 {
-    static struct list all[TABLE_COUNT];
-    const struct list *of[TABLE_COUNT];
-    const bool named = o->pattern && strpbrk(o->pattern, "*?[") == NULL;
-    const bool ours = named && strncmp(o->pattern, "hard.", 5) != 0;
+    struct list engine = table_all(TABLE_ENGINES), layout = table_all(TABLE_LAYOUTS);
+    const bool named =
+        o->pattern && strpbrk(o->pattern, "*?[") == NULL && strncmp(o->pattern, "hard.", 5) != 0;
     const struct option_use modes[] = {
         {.by = "the hard cases", .never = hard ? "count brute all store" : ""},
         {.by = "--list",
@@ -311,27 +330,14 @@ static int check_use(const struct conform_options *o, bool hard)
                                  "html threads driver device workgroup peer-time peer-memory"
                                : ""},
         {.by = "a PATTERN, whose trials are all played", .never = o->pattern ? "all" : ""},
-        {.by = "a trial's whole name",
-         .never = ours ? "engine layout store builder box tri hard quick summary markdown html" : ""},
         {.by = "--tap, which has a line per trial", .never = o->tap ? "verbose summary" : ""},
+        {.engine = o->list[TABLE_ENGINES].count ? &o->list[TABLE_ENGINES] : &engine,
+         .layout = o->list[TABLE_LAYOUTS].count ? &o->list[TABLE_LAYOUTS] : &layout},
     };
-    int code = -1;
-    for (size_t i = 0; i < ARRAY_COUNT(modes) && code < 0; i++)
+    int code = named ? check_name(o) : -1;
+    for (size_t i = 0; i < ARRAY_COUNT(modes) - named && code < 0; i++)
         code = options_refused("conform", &modes[i]);
-    for (enum table t = 0; t < TABLE_COUNT; t++) {
-        all[t] = table_all(t);
-        of[t] = o->list[t].count ? &o->list[t] : &all[t];
-    }
-    struct list engine, layout = {.count = 0};
-    struct option_use use = {.engine = of[TABLE_ENGINES], .layout = of[TABLE_LAYOUTS]};
-    struct trial trial;
-    struct reason why;
-    if (ours && !trial_parse(o->pattern, &trial, &why)) {
-        engine = list_of_engine(trial.engine);
-        use.engine = &engine;
-        use.layout = &layout;
-    }
-    return code < 0 ? options_refused("conform", &use) : code;
+    return code;
 }
 
 int cmd_conform(int argc, char **argv)

@@ -19,7 +19,7 @@ expect 2 "unknown name 'gpu'" diff rtrs --engine cpu,gpu $small
 expect 2 "'5' is not X,Y" diff rtrs --pixel 5 $small
 expect 2 "48,3 is not in a picture of 48 x 36" diff rtrs --pixel 48,3 $small
 expect 2 "'-1' is not a whole number" diff rtrs --pixel -1,3 $small
-expect 2 "heat map is of all pixels" diff rtrs --pixel 1,3 --out "$dir/heat.png" $small
+expect 2 "--out: not used by --pixel" diff rtrs --pixel 1,3 --out "$dir/heat.png" $small
 expect 2 "no-such-folder" diff rtrs --engine cpu,embree --out "$dir/no-such-folder/heat.png" $small
 expect 2 "no-such-folder" diff rtrs --engine cpu,embree --json "$dir/no-such-folder/x.json" $small
 expect 2 "--handler naive is every triangle" diff rtrs --engine cpu,embree --handler naive $small

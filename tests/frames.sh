@@ -41,7 +41,7 @@ grep -q written "$dir/out" && bad "what was not written is said to be"
 expect 2 "cannot write" render --benchmark --benchmark-out /nonexistent/run -w 16 -h 16
 expect 2 "No such file" bench frames $few --bvh "$dir/none.json" --scene rtrs
 expect 2 "the paper's are rtrs and" bench paper --scene cornell
-expect 2 "its own scenes" bench special --scene rtrs
+expect 2 "--scene: not used by benchmark special" bench special --scene rtrs
 
 # Ctrl-C: the files hold the frames drawn until then.
 "$raydiff" bench frames --scene sphere:n=30 --engine cpu --size 256x192 --frames 100000 --out "$dir/cut" \

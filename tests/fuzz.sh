@@ -98,11 +98,11 @@ else
 fi
 
 # Every option of it is kept, compared if it is given again, and taken from the folder if not.
-every="seed=9 shard=1/2 engine=cpu layout=f32 builder=median rays=40 triangles=4-9 driver=one device=0 workgroup=32"
+every="seed=9 shard=1/2 engine=cpu,vulkan layout=f32 builder=median rays=40 triangles=4-9 driver=stock device=0 workgroup=32"
 expect 1 . fuzz $(for one in $every; do echo "--${one%=*} ${one#*=}"; done) --faithful --jobs 1 --corpus none --trials 64 \
     --dir "$dir/every"
-for one in seed=8:9 shard=2/2:1/2 engine=brute:cpu layout=rf16:f32 builder=rtrs:median rays=41:40 triangles=4-10:4-9 \
-    driver=two:one device=1:0 workgroup=64:32; do
+for one in seed=8:9 shard=2/2:1/2 engine=brute:cpu,vulkan layout=rf16:f32 builder=rtrs:median rays=41:40 triangles=4-10:4-9 \
+    driver=two:stock device=1:0 workgroup=64:32; do
     key=${one%%=*} value=${one#*=}
     expect 2 "--$key ${value%:*}: the campaign in .*/every has ${value#*:} " fuzz --dir "$dir/every" "--$key" "${value%:*}"
 done

@@ -17,12 +17,12 @@ says() {
     expect "$code" . "$@"
     grep -qE -- "$line" "$dir/out" "$dir/err" || bad "raydiff $*: no line like /$line/"
 }
-tree='sphere:n=4 --count 1000 --tri mt'
+tree='sphere:n=4 --count 1000'
 says 1 "^engine $all answered 0 of 1, refused 1" leaks $tree --engine "$all"
 says 1 "^engine $all answered 0 of 1, refused 1" replay fuzz/corpus/sentinel.trial --engine "$all"
 says 1 "^engine $all answered 0 of 1, refused 1" replay fuzz/corpus/sentinel.trial --engine "cpu,$all" --brief
 says 1 'only teapots' bench error --scene sphere:n=4 --count 64 --rounds 1 --engine "cpu,$all" --layout f32 --tri mt
-says 1 'only teapots' bench matrix --scene sphere:n=4 --count 64 --rounds 1 --threads 1 --engine "$all"
+says 1 'only teapots' bench matrix --scene sphere:n=4 --count 64 --rounds 1 --engine "$all"
 says 1 'only teapots' bench spawn --scene sphere:n=4 --count 64 --rounds 1 --engine "$all"
 says 1 'only teapots' bench frames --scene sphere:n=4 --frames 2 --size 16x16 --engine "$all" --out "$dir/frames"
 says 1 'only teapots' diff sphere:n=2 -w 16 -h 16 --engine "cpu,$all"

@@ -61,14 +61,14 @@ wide() { # what the log must say, command...
     want=$1
     shift
     # shellcheck disable=SC2086
-    build/raydiff "$@" $mine4 --driver stock >step.log 2>&1
+    build/raydiff "$@" $mine4 >step.log 2>&1
     code=$?
     [ "$code" -eq 0 ] && grep -qE "$want" step.log || {
         breach "mine4: $1: exit $code, or not '$want'"
         tail -n 5 step.log
     }
 }
-wide ' 0 of [24]000 answers WRONG' check sphere:n=8 --engine cpu,vulkan --count 2000 --repeat 1
+wide ' 0 of [24]000 answers WRONG' check sphere:n=8 --engine cpu,vulkan --driver stock --count 2000 --repeat 1
 passes=4
 if grep -q '^mine4  *vulkan .* skipped:' step.log; then
     echo "SKIP mine4 on vulkan: $(grep -m 1 'skipped:' step.log)"
@@ -77,7 +77,7 @@ else
     grep -q ' 0 of 2000 answers differ' step.log || breach "mine4 on vulkan is not mine4 on cpu"
 fi
 wide "^$passes passed, 0 failed" conform '*.mine4.median.robust.mt.sphere.mixed.1' \
-    --engine cpu,vulkan --count 100
+    --engine cpu,vulkan --driver stock --count 100
 wide '^ .* leaf  *entered' explain sphere:n=8 --rays mixed --count 200 --index 5
 echo "four children: $(($(date +%s) - start)) s"
 

@@ -71,14 +71,14 @@ grep -q 'td class="bad".*WRONG' "$dir/w.html" || bad "a row that is wrong stands
 # Findings: played again, explained, with the line that does it.
 "$raydiff" fuzz --trials 100 --engine cpu --layout rtrs_rf --faithful --dir "$dir/found" --jobs 1 --until 2 \
     --no-shrink --corpus none >/dev/null 2>&1
-expect 1 . report --findings "$dir/found" --out "$dir/f.html" --engine cpu --parts machine
+expect 1 . report --findings "$dir/found" --out "$dir/f.html" --parts machine
 sound "$dir/f.html"
 grep -q '<pre class="line">raydiff replay .*first.trial\|<pre class="line">raydiff replay .*smallest.trial' "$dir/f.html" ||
     bad "a finding has its replay line"
 grep -q '<summary>explanation</summary>' "$dir/f.html" || bad "a finding is explained"
 
 # A part that cannot run, fails or takes too long is in the page and in the exit code.
-expect 77 . report sphere:n=3 $few --engine rayquery --driver swiftshader --parts check --out "$dir/s.html"
+expect 77 . report sphere:n=3 --count 200 --quick --engine rayquery --driver swiftshader --parts check --out "$dir/s.html"
 grep -q 'something cannot run here' "$dir/s.html" || bad "a skipped part is in the page"
 expect 2 . report soup:n=100000,size=0.001 --count 100 --quick --layout rf16 --engine cpu --parts check --out "$dir/l.html"
 grep -q 'refused' "$dir/l.html" || bad "a layout that refuses is in the page"

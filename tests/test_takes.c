@@ -1,5 +1,5 @@
-/* What builders, generators and ray sets say that they read is what their results depend on: commands
- * refuse options by it. */
+/* What builders, generators and ray sets say that they read is what their results depend on:
+ * commands refuse options by it. */
 #include "ref/bvh.h"
 #include "scenes/rays.h"
 #include "scenes/scenes.h"
