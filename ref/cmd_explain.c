@@ -412,8 +412,8 @@ static void print_help(void)
 
 int cmd_explain(int argc, char **argv)
 {
-    struct explain_options options = default_options();
     struct reason reason = {""};
+    struct explain_options options = default_options();
     int first, code = options_take("explain", print_help, long_options, take_option, &options, argc,
                                    argv, &first);
     if (code >= 0)
@@ -425,10 +425,8 @@ int cmd_explain(int argc, char **argv)
         explain_take_subject(&options, argv[first], &e.file, &reason))
         return usage_error("explain", "%s", reason.text);
     code = explain_check_use(&options, argv + first);
-    if (code >= 0) {
-        finding_file_free(&e.file);
-        return code;
-    }
+    if (code >= 0)
+        return finding_file_free(&e.file), code;
     /* What the file holds is the run's; freed there. */
     e.scene = e.file.trial.scene, e.ray = e.file.trial.ray, e.ray_count = e.file.trial.ray_count;
     code = EXIT_AGREE;
