@@ -361,6 +361,7 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
 {
     struct model model = engine->model(self, match->options.tri);
     row->unknown = model.formula == TWIN_UNKNOWN;
+    row->formula = row_formula_name(model.formula);
     if (match->options.demands.displacement > 0.0f)
         model.displacement = (double)match->options.demands.displacement;
     const struct job job = job_of(match, engine);

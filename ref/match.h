@@ -126,12 +126,14 @@ struct row {
         size_t lost, phantom, other; /* a miss for a hit, a hit for a miss, not the nearest */
         double allowed, most, most_decoded; /* certified; needed for the original, the decoded */
     } original;
-    size_t bit_differences;   /* against engine cpu on the same tree, if bits */
-    bool bits;                /* compared with engine cpu bit for bit */
-    bool unknown;             /* its formula is not known */
-    bool judged;              /* false: a member as published takes part, only counted */
-    size_t differences;       /* what makes the exit code 1 */
-    double mrays[3];          /* million rays per second: median, least, most */
+    size_t bit_differences; /* against engine cpu on the same tree, if bits */
+    bool bits;              /* compared with engine cpu bit for bit */
+    bool unknown;           /* its formula is not known */
+    const char *formula; /* of an engine with own_tri, once it was asked: the triangle test of the
+                            table that it says it runs; NULL: none of the table */
+    bool judged;         /* false: a member as published takes part, only counted */
+    size_t differences;  /* what makes the exit code 1 */
+    double mrays[3];     /* million rays per second: median, least, most */
     struct match_refit refit; /* with options.rest */
     uint64_t boxes, tris;
     bool device_clock;
@@ -141,10 +143,12 @@ struct row {
 
 const char *row_status_name(enum row_status status);
 
-/* The tests that a row's engine ran, which may be its own whatever was asked for: "own" is a box
- * test of no table, "-" none. */
+/* The tests that a row's engine ran, which may be its own whatever was asked for: "own" is a test
+ * of no table, "-" none. */
 const char *row_box_name(const struct row *row);
 const char *row_tri_name(const struct row *row);
+/* The triangle test of the table with that formula, or NULL. */
+const char *row_formula_name(enum twin_formula formula);
 
 /* The most of so many hits of class `class` of row->edges that may be lost. */
 double match_edges_limit(size_t class, size_t hits);

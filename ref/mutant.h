@@ -94,6 +94,7 @@
 #define MUTANT_NAME_WITH_COLON 688 /* a finding's folder is named after its engine as it is */
 #define MUTANT_INTERPRETER     689 /* a peer is called after the first word of its command */
 #define MUTANT_FAST_IS_MT      690 /* rows of engine fast say what was asked for, not what ran */
+#define MUTANT_OWN_IS_MT       797 /* rows of engines with tests of their own name those asked for */
 #define MUTANT_HARD_LISTS      691 /* conform --hard: --layout, --builder, --box, --tri do nothing */
 #define MUTANT_OPTION_SWALLOWED 750 /* options of builders are taken without a builder that reads them */
 #define MUTANT_OPTION_UNNAMED  751 /* a command's last option is not among those that were given */

@@ -58,6 +58,16 @@ grep -q '^f32  *fast  *own  *woop  *closest' "$dir/out" || bad "check: a row of 
 grep '^f32 ' "$dir/out" | awk '{print $6, $7}' >"$dir/bytes"
 [ "$(sort -u "$dir/bytes" | wc -l)" -eq 2 ] || bad "check: fast has the bytes of f32"
 
+# So do those of engines with tests of their own, and of a peer that declares its formula, whatever is asked for.
+expect 0 . check sphere:n=20 --engine "embree,embree_robust,pipe:$samples/tracer" --tri woop --count 100 --repeat 1 \
+    --json "$dir/own.json"
+for engine in embree embree_robust; do
+    grep -q "^-  *$engine  *-  *own  *closest" "$dir/out" || bad "check: a row of $engine says another test than it ran"
+done
+grep -q '^-  *pipe:[^ ]*  *-  *mt  *closest' "$dir/out" || bad "check: a row of a peer says another test than it declares"
+[ "$(grep -c '"tri": "own"' "$dir/own.json")" -eq 2 ] && [ "$(grep -c '"tri": "mt"' "$dir/own.json")" -eq 1 ] ||
+    bad "check --json: rows say other tests than ran"
+
 # Who refuses a scene says why in JSON.
 expect 2 . check sphere:n=150 --layout rf16 --engine cpu --count 100 --repeat 1 --brute 0 --json "$dir/refused.json"
 grep -q '"refused": "rf16: ' "$dir/refused.json" || bad "check --json: no reason of what is refused"
