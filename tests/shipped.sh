@@ -59,7 +59,7 @@ grep '^f32 ' "$dir/out" | awk '{print $6, $7}' >"$dir/bytes"
 [ "$(sort -u "$dir/bytes" | wc -l)" -eq 2 ] || bad "check: fast has the bytes of f32"
 
 # So do those of engines with tests of their own, and of a peer that declares its formula, whatever is asked for.
-expect 0 . check sphere:n=20 --engine "embree,embree_robust,pipe:$samples/tracer" --tri woop --count 100 --repeat 1 \
+expect 0 . check sphere:n=20 --engine "cpu,embree,embree_robust,pipe:$samples/tracer" --tri woop --count 100 --repeat 1 \
     --json "$dir/own.json"
 for engine in embree embree_robust; do
     grep -q "^-  *$engine  *-  *own  *closest" "$dir/out" || bad "check: a row of $engine says another test than it ran"
