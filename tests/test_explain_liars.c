@@ -105,7 +105,7 @@ static size_t told_at_random(const struct suspect *suspect, const struct replay_
     const struct replay_change healthy = {0};
     struct explain_case the = case_of(suspect, ray);
     size_t told = 0;
-    witnesses_make(&the, 0, false, &w);
+    witnesses_make(&the, 0, WITNESS_ALL, &w);
     for (size_t i = 0; i < w.count; i++) {
         struct hit a, b;
         enum replay_end one = replay_run(&the.replay, change, &w.ray[i], &a, NULL);

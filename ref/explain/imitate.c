@@ -29,7 +29,7 @@ static bool alike(const struct explain_case *the, const struct explain_answer *a
 /* So many rays that tell of an imitation are enough, if no other cause is left. */
 #define TELLING_ENOUGH 32u
 #define ROUNDS_MOST    40u
-/* Defects that few rays show are looked for longer, by rays at vertices alone. */
+/* Defects that few rays show are looked for longer, by rays at vertices and along edges. */
 #define ROUNDS_FAR 200u
 
 /* What C answers with the defect; DEFECT_NONE: as it is. */
@@ -181,7 +181,8 @@ static void keep_telling(const struct explain_case *the, const struct explanatio
 static void ask_round(const struct explain_case *the, uint32_t round, struct witnesses *w,
                       struct explanation *out)
 {
-    witnesses_make(the, round, round >= ROUNDS_MOST, w);
+    enum witness_kind few = round % 2 ? WITNESS_ALONG : WITNESS_VERTICES;
+    witnesses_make(the, round, round >= ROUNDS_MOST ? few : WITNESS_ALL, w);
     for (uint32_t i = 0; i < w->count; i++)
         w->healthy[i] = imitated(the, DEFECT_NONE, 0, &w->ray[i]);
     if (round > 0)

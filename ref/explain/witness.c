@@ -122,7 +122,18 @@ static void aim_at_vertex(const struct scene *scene, struct rng *rng, struct ray
     ray->tmax = 1e30f;
 }
 
-void witnesses_make(const struct explain_case *the, uint32_t round, bool vertices,
+/* The ray itself, moved along an edge of a triangle by up to half of it: how it passes what lies along
+ * that edge stays as it is. */
+static void move_along_edge(const struct scene *scene, struct rng *rng, struct ray *ray)
+{
+    float v[3][3], share = rng_range(rng, -0.5f, 0.5f);
+    scene_tri(scene, rng_below(rng, scene->tri_count), v);
+    uint32_t corner = rng_below(rng, 3);
+    for (int k = 0; k < 3; k++)
+        ray->org[k] += share * (v[(corner + 1) % 3][k] - v[corner][k]);
+}
+
+void witnesses_make(const struct explain_case *the, uint32_t round, enum witness_kind kind,
                     struct witnesses *w)
 {
     const struct scene *scene = the->replay.scene;
@@ -135,8 +146,10 @@ void witnesses_make(const struct explain_case *the, uint32_t round, bool vertice
         if (aim == 0) /* at random: neighbours in order are neighbours in slots */
             prim = rng_below(&rng, scene->tri_count);
         w->ray[i] = the->ray;
-        if (vertices)
+        if (kind == WITNESS_VERTICES)
             aim_at_vertex(scene, &rng, &w->ray[i]);
+        else if (kind == WITNESS_ALONG)
+            move_along_edge(scene, &rng, &w->ray[i]);
         else if (aim == AIM_BESIDE || aim == AIM_MOVED || aim == AIM_NEAR)
             aim_beside(aim, &rng, &w->ray[i]);
         else

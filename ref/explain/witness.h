@@ -13,9 +13,14 @@ struct witnesses {
     uint32_t count;
 };
 
-/* Makes the EXPLAIN_WITNESSES rays of round `round`: of all kinds, or all far away and aimed at
- * vertices, where boxes end. The scene has a triangle. */
-void witnesses_make(const struct explain_case *the, uint32_t round, bool vertices,
+enum witness_kind {
+    WITNESS_ALL,      /* near and far, by turns */
+    WITNESS_VERTICES, /* far away and aimed at vertices, where boxes end */
+    WITNESS_ALONG     /* the ray itself, moved along edges of triangles */
+};
+
+/* Makes the EXPLAIN_WITNESSES rays of round `round`. The scene has a triangle. */
+void witnesses_make(const struct explain_case *the, uint32_t round, enum witness_kind kind,
                     struct witnesses *w);
 
 /* Asks the engine about the `count` rays. */
