@@ -76,7 +76,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
 
 .PHONY: all lib tests spv clean run check bench agree conform-all deep slow sanitize-check tsan-check \
         validate-check validate-gpu-check format format-check drivers install uninstall scenes mutants \
-        lint fuzz-files fuzz-afl fuzz-oss fire-engine truth leaks bounds parallel-check slurm-check report-check \
+        lint fuzz-files fuzz-afl fuzz-oss fire-engine truth honest leaks bounds parallel-check slurm-check report-check \
         selftest selftest-quick fresh-check arm-check warnings-check adversaries
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -351,6 +351,13 @@ bounds:
 	@for test in $(BOUNDS_TESTS); do echo "# $$(basename $$test)"; \
 	    RAYDIFF_SLOW=1 $$test >$(B)/bounds.log 2>&1; code=$$?; \
 	    grep -v '^\[' $(B)/bounds.log; [ $$code -eq 0 ] || exit 1; done
+
+# No honest answer is refused: 10^6 evaluations of each formula and black box; CONTRIBUTING.md has what it
+# prints.
+HONEST_TESTS := $(B)/tests/test_judge_noise $(B)/tests/test_judge_blackbox
+honest:
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(HONEST_TESTS)
+	@sh tests/honest.sh $(HONEST_TESTS)
 
 slow: all tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_half

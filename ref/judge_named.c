@@ -73,10 +73,31 @@ static bool says_little(const struct twin *twin)
            !(twin->v_err <= SHARP);
 }
 
+/* One unit of the last place of a float32, at its largest. */
+static double last_place(double value)
+{
+#if MUTANT == MUTANT_SUBNORMAL_EXACT
+    return 2.0 * JUDGE_UNIT * fabs(value);
+#endif
+    return 2.0 * JUDGE_UNIT * fabs(value) + ROUNDING_IEEE.tiny;
+}
+
 /* To one unit of the last place, and what the near value is off. */
 static bool is_near(float value, double near, double off)
 {
-    return fabs((double)value - near) <= 2.0 * JUDGE_UNIT * fabs(near) + off;
+    return fabs((double)value - near) <= last_place(near) + off;
+}
+
+/* In the closed range. */
+static bool is_hit(const struct oracle_pair *pair)
+{
+    bool inside =
+        pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE || pair->class == ORACLE_VERTEX;
+#if MUTANT == MUTANT_ENDS_REPLAYED
+    return inside && pair->range == ORACLE_WITHIN;
+#endif
+    return inside && (pair->range == ORACLE_WITHIN || pair->range == ORACLE_AT_TMIN ||
+                      pair->range == ORACLE_AT_TMAX);
 }
 
 /* True if the triangle is exactly hit and the answer is where, to one unit of its last place:
@@ -84,19 +105,18 @@ static bool is_near(float value, double near, double off)
 static bool is_exact(const struct oracle_pair *pair, const struct twin *twin,
                      const struct hit *answer)
 {
-    bool hit =
-        pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE || pair->class == ORACLE_VERTEX;
 #if MUTANT == MUTANT_EXACT_REPLAYED
     return false;
 #endif
     double t = (double)answer->t, u = (double)answer->u, v = (double)answer->v;
-    if (hit && pair->range == ORACLE_WITHIN && !isfinite(twin->t_err)) /* of a sliver: by t alone */
-        return t >= pair->t_lo * (1.0 - 2.0 * JUDGE_UNIT) &&
-               t <= pair->t_hi * (1.0 + 2.0 * JUDGE_UNIT) && u >= 0.0 && v >= 0.0 &&
+    if (!is_hit(pair))
+        return false;
+    if (!isfinite(twin->t_err)) /* of a sliver: by t alone */
+        return t >= pair->t_lo - last_place(pair->t_lo) &&
+               t <= pair->t_hi + last_place(pair->t_hi) && u >= 0.0 && v >= 0.0 &&
                u + v <= 1.0 + JUDGE_SHARE;
     /* Of what has no bound, as a triangle's share of its hit, the near value is good enough. */
-    return hit && pair->range == ORACLE_WITHIN && isfinite(twin->t_err) &&
-           is_near(answer->t, twin->t_near, twin->t_off) &&
+    return is_near(answer->t, twin->t_near, twin->t_off) &&
            is_near(answer->u, twin->u_near, JUDGE_SHARE * fmin(twin->u_err, 1.0)) &&
            is_near(answer->v, twin->v_near, JUDGE_SHARE * fmin(twin->v_err, 1.0));
 }

@@ -336,6 +336,8 @@
 #define MUTANT_SLAB_EXACT          821 /* judge: Embree's default box test misses nothing */
 #define MUTANT_SLAB_TO_REACH       626 /* judge: the range's end cuts no box of Embree's */
 #define MUTANT_EXACT_REPLAYED      627 /* judge: exact numbers must be those of an evaluation, too */
+#define MUTANT_ENDS_REPLAYED       840 /* judge: likewise, at the ends of a range */
+#define MUTANT_SUBNORMAL_EXACT     841 /* judge: float32 numbers have no least step */
 #define MUTANT_RUNNING_KEPT        625 /* twins: t has its running error alone */
 #define MUTANT_LOST_NOT_COUNTED    548 /* quantised: hits lost of the original are not counted */
 #define MUTANT_PAIRS_BY_CHANCE     516 /* fuzz: the rarest pair is not preferred */

@@ -69,6 +69,7 @@ plain)
     suite rules_planted sh tests/rules_planted.sh
     suite constants sh tests/constants.sh
     suite constants_planted sh tests/constants_planted.sh
+    suite honest_planted sh tests/honest_planted.sh
     suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
     suite conform_hard "$build/raydiff" conform --hard --quick --junit "$logs/hard.xml"
     suite agree sh tests/agree.sh "$build" quick "$logs/agree"

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "tests/honest.h"
+#include "tests/honest_count.h"
 #include "tests/judged.h"
 
 #include <math.h>
@@ -41,6 +42,13 @@ static const struct honest *honest_at(size_t i)
     return i < HONEST_PLAIN ? &honest_plain[i] : &honest_fast[i - HONEST_PLAIN];
 }
 
+static void show(const struct court *c, const struct hit *hit, const char *test, const char *spec)
+{
+    char line[400];
+    judge_line(&c->ray, &c->judgement, hit, line, sizeof line);
+    print_message("%s, %s: WRONG (%s): %s\n", test, spec, wrong_name(c->judgement.wrong), line);
+}
+
 /* All ray sets by turns, aimed at edges and vertices, in planes, at ends of ranges. */
 static void published_tests_are_never_wrong(void **state)
 {
@@ -48,10 +56,12 @@ static void published_tests_are_never_wrong(void **state)
     const size_t each = getenv("RAYDIFF_SLOW") ? 160000 : 4000;
     struct ray *ray = calloc(each, sizeof *ray);
     assert_non_null(ray);
+    uint64_t refused = 0;
     size_t tests = HONEST_PLAIN + (honest_fast_runs() ? HONEST_FAST : 0);
     for (size_t i = 0; i < tests; i++) {
         const struct honest *test = honest_at(i);
         double most = 0, share = 0;
+        struct honest_count honest = honest_begun();
         size_t answers = 0, count[VERDICT_COUNT] = {0};
         for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
             struct court *c = court_open(specs[s], 7);
@@ -63,10 +73,9 @@ static void published_tests_are_never_wrong(void **state)
                 court_ask(c, ray[k]);
                 struct hit hit = nearest(test, &c->scene, &ray[k]);
                 count[verdict(c, hit)]++;
-                if (c->judgement.verdict == VERDICT_WRONG) {
-                    print_message("%s, %s\n", test->name, specs[s]);
-                    must_be(c, hit, VERDICT_RIGHT);
-                }
+                honest_counted(&honest, c->judgement.verdict == VERDICT_WRONG);
+                if (c->judgement.verdict == VERDICT_WRONG && honest.refused <= HONEST_SHOWN)
+                    show(c, &hit, test->name, specs[s]);
                 answers++;
                 most = fmax(most, c->judgement.displacement);
                 share = fmax(share, c->judgement.share);
@@ -77,8 +86,10 @@ static void published_tests_are_never_wrong(void **state)
             "%-22s %zu answers, %zu boundary, %zu noise, largest displacement %.3g uM, of "
             "what is allowed there %.3f\n",
             test->name, answers, count[VERDICT_BOUNDARY], count[VERDICT_NOISE], most, share);
+        refused += honest_ended(&honest, test->name);
     }
     free(ray);
+    assert_int_equal(refused, 0);
 }
 
 /* Through a point of the triangle, almost in its plane. */
