@@ -28,6 +28,9 @@ only 5 watertight --box
 only 6 baldwin_webber --tri
 expect 2 'no hard case matches' conform 'hard.nothing' --engine cpu --layout tiny8
 
+# Vertices that are not finite end no builder.
+expect 0 . conform 'hard.44-*' --engine cpu --layout f32 --builder all --box robust --tri mt
+
 for option in '--count 5' '--brute 7' --all '--store compact'; do
     expect 2 "^raydiff conform: ${option%% *}: not used by the hard cases" conform --hard $option
 done

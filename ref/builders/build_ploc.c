@@ -54,6 +54,7 @@ static void choose_chunk(const struct ploc *p, uint32_t begin, uint32_t end)
             struct lane_box both = p->box[i];
             lane_box_add(&both, &p->box[j]);
             float area = lanes_half_area(both.hi - both.lo);
+            area = area < INFINITY ? area : INFINITY; /* NaN, of vertices that are not finite */
             if (i >= begin)
                 choose(&best[i - begin], area, i ^ j);
             if (j < end)
