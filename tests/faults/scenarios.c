@@ -4,8 +4,8 @@
     " --rays 8 --triangles 1-4 --jobs 1 --corpus none --engine cpu --layout rtrs_rf --faithful"
 #define PLAYED(folder, trials)                                                                     \
     "fuzz" SMALL " --seed 9 --no-shrink --dir " folder " --trials " trials
-#define SCENE                                                                                      \
-    " soup:n=12 --engine cpu --layout f32 --tri mt --box robust --query closest --threads 1"
+#define TREE  " soup:n=12 --engine cpu --layout f32 --tri mt --box robust --threads 1"
+#define SCENE TREE " --query closest"
 
 const struct scenario scenarios[] = {
     {.name = "fuzz", .command = PLAYED("found", "20")},
@@ -31,7 +31,7 @@ const struct scenario scenarios[] = {
      .goal = "report.html",
      .page = true},
     {.name = "pictures",
-     .command = "report" SCENE " --parts pictures --quick --out report.html --json report.json",
+     .command = "report" TREE " --parts pictures --quick --out report.html --json report.json",
      .goal = "report.html",
      .page = true,
      .sample = "0:openat:*:EIO",
