@@ -29,9 +29,11 @@ sed -i 's/:.*//' "$out/chosen"
 sh tests/mutants_scenes.sh "$out" || exit 4
 $CC_CMD -shared -fPIC -o "$out/cmocka_only.so" tests/cmocka_only.c || exit 4
 
-# As many at a time as there are processors, each with one thread; told in the order of the list.
+# As many at a time as there are processors (of which nproc counts OMP_NUM_THREADS at most), each with
+# one thread; told in the order of the list.
+jobs=$(env -u OMP_NUM_THREADS nproc)
 export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
-xargs -P "$(nproc)" -n 1 sh tests/mutants_play.sh "$build" "$list" <"$out/chosen" &
+xargs -P "$jobs" -n 1 sh tests/mutants_play.sh "$build" "$list" <"$out/chosen" &
 player=$!
 trap 'kill "$player"; exit 130' INT TERM
 for number in $(cat "$out/chosen"); do

@@ -196,7 +196,7 @@ static void a_stopped_worker_is_replaced(void **state)
             options.jobs = jobs;
             atomic_store(deaths, 0);
             plan = turn == 0 ? PLAN_STOP_ONCE : PLAN_LIVE;
-            alarm(120); /* waiting without end is not */
+            alarm(60); /* waiting without end is not */
             assert_run(&options);
             alarm(0);
             plan = PLAN_LIVE;
@@ -219,7 +219,7 @@ static void what_stops_every_worker_ends_the_campaign(void **state)
     struct campaign_options options = options_of_deaths(in_root("stops"), 200);
     atomic_store(deaths, 0);
     plan = PLAN_STOP;
-    alarm(120);
+    alarm(60);
     assert_int_equal(run(&options), STATUS_DEVICE);
     alarm(0);
     plan = PLAN_LIVE;
