@@ -113,12 +113,14 @@ program() {
     judge "$unit" "$code" $? "$(healthy_log "$build/raydiff" "$@").log"
 }
 
-# Bug, unit, script of tests/ that must turn red when it is given the program.
+# Bug, unit, script of tests/ that must turn red when it is given the program, then what it plays of itself.
 script() {
     make_program "$1" "$2"
-    code=$(healthy sh "tests/$3" "$build/raydiff")
-    timeout "$limit" sh "tests/$3" "$dir/raydiff" >"$dir/$line.log" 2>&1
-    judge "$unit, by $3" "$code" $? "$(healthy_log sh "tests/$3" "$build/raydiff").log"
+    by=tests/$3
+    shift 3
+    code=$(healthy sh "$by" "$build/raydiff" "$@")
+    timeout "$limit" sh "$by" "$dir/raydiff" "$@" >"$dir/$line.log" 2>&1
+    judge "$unit, by ${by#tests/}${1:+ $*}" "$code" $? "$(healthy_log sh "$by" "$build/raydiff" "$@").log"
 }
 
 # Sets test and only: of TEST:NAME only the unit tests whose names match NAME are run.

@@ -1,9 +1,10 @@
 #!/bin/sh
 # Every command with every option that any command knows: what a run uses it takes, and its output
 # shows so; all else is refused by one line that names the option, before anything is played.
-#   sh tests/options.sh BUILD/raydiff
+#   sh tests/options.sh BUILD/raydiff [COMMAND]     only the walks of one command
 set -u
 raydiff=$1
+walked=${2-}
 . tests/expect.sh
 files=$dir/files
 mkdir "$files"
@@ -62,6 +63,7 @@ is_refused() { # option
 walk() {
     base=$1
     command=${base%% *}
+    case ${walked:-$command} in "$command") ;; *) return ;; esac
     uses=" $(echo $2) "
     look $base
     mv "$dir/seen" "$dir/plain"

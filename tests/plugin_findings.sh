@@ -112,13 +112,13 @@ else
 fi
 
 # Each part of a report gets the layout and its shader, in the order in which they belong together.
-expect 0 . report sphere:n=4 --quick --count 100 --parts check,bench,pictures --engine cpu \
+expect 0 . report sphere:n=4 --quick --count 100 --parts check,bench,pictures --engine cpu,vulkan \
     --layout f32,./mine.so --shader mine.glsl --out r.html --json r.json
 for part in 'check ' 'bench error '; do
     grep -q "\"raydiff $part.* --layout f32,./mine.so --shader mine.glsl " r.json || bad "report: $part: $(grep "$part" r.json)"
 done
-expect 0 . report sphere:n=4 --quick --parts pictures --engine cpu --shader mine.glsl --layout ./mine.so --out r.html --json r.json
-grep -q 'raydiff render sphere:n=4 --engine cpu .* --layout ./mine.so --shader mine.glsl ' r.json ||
+expect 0 . report sphere:n=4 --quick --parts pictures --engine vulkan --shader mine.glsl --layout ./mine.so --out r.html --json r.json
+grep -q 'raydiff render sphere:n=4 --engine vulkan .* --layout ./mine.so --shader mine.glsl ' r.json ||
     bad "report: pictures: $(grep render r.json)"
 grep -q 'raydiff render sphere:n=4 --show boxes --layout ./mine.so -w' r.json || bad "report: no looks"
 expect 2 "needs a --layout FILE.so" report sphere:n=4 --parts check --shader mine.glsl --out r.html
