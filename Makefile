@@ -155,8 +155,9 @@ $(ORACLE_TESTS): $(B)/obj/tests/exact_gmp.o $(B)/obj/tests/exact_gmp_bounds.o \
     $(B)/obj/tests/exact_gmp_replay.o $(B)/obj/tests/oracle_cases.o
 $(ORACLE_TESTS): TEST_LIBS += $(GMP_LIBS)
 BOUNDS_TESTS := $(filter $(B)/tests/test_bounds% $(B)/tests/test_judge_noise $(B)/tests/test_judge_range $(B)/tests/test_judge_unnamed,$(TESTS))
-$(BOUNDS_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle_cases.o)
-$(BOUNDS_TESTS): TEST_LIBS += $(GMP_LIBS)
+TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact
+$(TRIAL_TESTS): $(addprefix $(B)/obj/tests/,trials.o legal.o exact_gmp.o oracle_cases.o)
+$(TRIAL_TESTS): TEST_LIBS += $(GMP_LIBS)
 
 # Published triangle tests, compiled as their users do.
 $(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/,honest_plain.o honest_fast.o)
@@ -352,9 +353,9 @@ bounds:
 	    RAYDIFF_SLOW=1 $$test >$(B)/bounds.log 2>&1; code=$$?; \
 	    grep -v '^\[' $(B)/bounds.log; [ $$code -eq 0 ] || exit 1; done
 
-# No honest answer is refused: 10^6 evaluations of each formula and black box; CONTRIBUTING.md has what it
-# prints.
-HONEST_TESTS := $(B)/tests/test_judge_noise $(B)/tests/test_judge_blackbox
+# No honest answer is refused: 10^6 that are exactly right and 10^6 evaluations of each formula and black
+# box; CONTRIBUTING.md has what it prints.
+HONEST_TESTS := $(B)/tests/test_judge_exact $(B)/tests/test_judge_noise $(B)/tests/test_judge_blackbox
 honest:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(HONEST_TESTS)
 	@sh tests/honest.sh $(HONEST_TESTS)

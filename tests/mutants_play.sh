@@ -154,7 +154,7 @@ beside() { # objects, libraries and options of a test
         for object in cheats outsiders outsiders_table table; do echo "$build/obj/tests/adversaries/$object.o"; done ;;
     test_judge_blackbox | test_match_edges) echo "$build/obj/tests/honest_plain.o $build/obj/tests/honest_fast.o" ;;
     test_oracle*) echo "$build/obj/tests/exact_gmp.o $build/obj/tests/oracle_cases.o -lgmp" ;;
-    test_bounds* | test_judge_noise* | test_judge_range* | test_judge_unnamed*)
+    test_bounds* | test_judge_exact* | test_judge_noise* | test_judge_range* | test_judge_unnamed*)
         for object in trials legal exact_gmp oracle_cases; do echo "$build/obj/tests/$object.o"; done
         echo -lgmp
         ;;
