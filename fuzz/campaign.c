@@ -72,6 +72,13 @@ const char *campaign_vacuous(const struct campaign_view *view, size_t i)
     return NULL;
 }
 
+const char *campaign_loses(const struct campaign_view *view, size_t i)
+{
+    return match_edges_beyond(view->turnout[i].edges) > 0
+               ? "it loses more hits beside edges than rounding does"
+               : NULL;
+}
+
 static int stop_of(const struct campaign *c)
 {
     return c->options->stop ? *c->options->stop : 0;

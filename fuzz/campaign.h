@@ -61,9 +61,10 @@ enum campaign_phase { CAMPAIGN_STARTING, CAMPAIGN_PLAYING, CAMPAIGN_ENDING, CAMP
 
 /* Trials of the whole campaign, all its runs, by what came of asking a contestant. */
 struct campaign_turnout {
-    uint64_t played;   /* it answered */
-    uint64_t declined; /* it refused by itself, not its layout */
-    uint64_t proved;   /* it answered with a hit that is not WRONG */
+    uint64_t played;                      /* it answered */
+    uint64_t declined;                    /* it refused by itself, not its layout */
+    uint64_t proved;                      /* it answered with a hit that is not WRONG */
+    struct edges_lost edges[MATCH_EDGES]; /* unknown formula: hits beside edges, of all trials */
 };
 
 /* How it stands. `run` numbers are of this run. */
@@ -110,6 +111,11 @@ bool campaign_is_flaky(const struct campaign_mark *mark);
  * not with a single right hit, or refused nearly all. NULL: it did test something, or there was no
  * trial yet. */
 const char *campaign_vacuous(const struct campaign_view *view, size_t i);
+
+/* Why contestant i, whose formula is not known, fails although each of its answers may be rounding:
+ * in all trials together it lost more hits beside edges than rounding does (ref/match_edges.c).
+ * NULL: it did not. */
+const char *campaign_loses(const struct campaign_view *view, size_t i);
 
 /* Runs it, from where the folder's state says; `findings` was opened for writing. The process must
  * not have opened any engine. `end` (may be NULL) is called with the last view.

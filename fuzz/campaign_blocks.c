@@ -280,6 +280,10 @@ static void count_trial(struct campaign *c, const struct block *block, const str
         view->turnout[i].played += one->players >> i & 1u;
         view->turnout[i].declined += one->decliners >> i & 1u;
         view->turnout[i].proved += one->provers >> i & 1u;
+        for (size_t e = 0; e < MATCH_EDGES && MUTANT != MUTANT_FUZZ_EDGES; e++) {
+            view->turnout[i].edges[e].hits += one->edges[i][e].hits;
+            view->turnout[i].edges[e].lost += one->edges[i][e].lost;
+        }
         view->refitted += one->refitted >> i & 1u;
         view->rebuilt += one->rebuilt >> i & 1u;
     }

@@ -121,9 +121,43 @@ static void read_turnout(struct campaign *c, const char *state)
         unsigned long long played, declined, proved;
         if (sscanf(at, "%llu,%llu,%llu", &played, &declined, &proved) != 3)
             break;
-        c->view.turnout[i] = (struct campaign_turnout){played, declined, proved};
+        c->view.turnout[i].played = played;
+        c->view.turnout[i].declined = declined;
+        c->view.turnout[i].proved = proved;
         at += strcspn(at, ":");
         at += *at == ':';
+    }
+}
+
+#define EDGES_TEXT (FUZZ_CONTESTANTS_MOST * MATCH_EDGES * 2 * 12)
+
+/* "HITS,LOST," of each class of each contestant with any hits beside edges, after its number. */
+static bool put_edges(const struct campaign *c, char *state)
+{
+    char text[EDGES_TEXT + 1] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < c->rules.field.count; i++) {
+        const struct edges_lost *edges = c->view.turnout[i].edges;
+        bool any = false;
+        for (size_t e = 0; e < MATCH_EDGES; e++)
+            any = any || edges[e].hits > 0;
+        for (size_t e = 0; e < MATCH_EDGES && any && used + 48 < sizeof text; e++)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%zu.%zu,%zu,%zu:", i, e,
+                                     edges[e].hits, edges[e].lost);
+    }
+    return !used || MUTANT == MUTANT_EDGES_FORGOT ||
+           campaign_state_put(state, FINDINGS_STATE_MOST, "edges", text);
+}
+
+static void read_edges(struct campaign *c, const char *state)
+{
+    char text[EDGES_TEXT + 1];
+    (void)campaign_state_get(state, "edges", text, sizeof text);
+    for (const char *at = text; *at; at += strcspn(at, ":"), at += *at == ':') {
+        size_t i, e, hits, lost;
+        if (sscanf(at, "%zu.%zu,%zu,%zu", &i, &e, &hits, &lost) == 4 && i < c->rules.field.count &&
+            e < MATCH_EDGES)
+            c->view.turnout[i].edges[e] = (struct edges_lost){hits, lost};
     }
 }
 
@@ -136,7 +170,8 @@ static bool put_offered(const struct campaign *c, char *state)
     return campaign_state_put(state, FINDINGS_STATE_MOST, "offered", text);
 }
 
-/* The one that was being written when a kill came is shrunk if its file is there; the log is told. */
+/* The one that was being written when a kill came is shrunk if its file is there; the log is told.
+ */
 static void read_offered(struct campaign *c, const char *state)
 {
     char text[64];
@@ -152,6 +187,7 @@ void campaign_state_read(struct campaign *c)
     const char *state = findings_state(c->findings);
     char text[1024];
     read_turnout(c, state);
+    read_edges(c, state);
     c->corpus_done = number(state, "corpus_done") != 0;
     c->next = c->applied = number(state, "next");
     c->mut_next = number(state, "mut");
@@ -181,7 +217,7 @@ enum status campaign_state_write(struct campaign *c, struct reason *reason)
         !put_number(state, "next", MUTANT == MUTANT_STATE_AHEAD ? c->next : c->applied) ||
         !put_number(state, "mut", c->mut_next) || !put_number(state, "trials", c->trials_done) ||
         !campaign_state_put(state, sizeof state, "coverage", coverage) || !put_turnout(c, state) ||
-        !put_shrunk(c, state) || !put_offered(c, state))
+        !put_edges(c, state) || !put_shrunk(c, state) || !put_offered(c, state))
         return fail(reason, STATUS_INPUT, "the options of a campaign are too long to be kept");
     enum status status = findings_checkpoint(c->findings, state, reason);
     if (!status)

@@ -135,6 +135,9 @@ static json_t *contestants_json(const struct campaign_view *view)
                            (json_int_t)turnout->played, "refused", (json_int_t)turnout->declined,
                            "with_a_right_hit", (json_int_t)turnout->proved, "refused_in_this_run",
                            (json_int_t)view->refused[i], "vacuous", campaign_vacuous(view, i)));
+        if (campaign_loses(view, i))
+            json_object_set_new(json_array_get(out, i), "loses",
+                                json_string(campaign_loses(view, i)));
     }
     return out;
 }
@@ -244,12 +247,14 @@ static void fill_contestants(const struct campaign_view *view, struct report_roo
 {
     const struct fuzz_field *field = &view->options->rules.field;
     for (size_t i = 0; i < field->count; i++) {
+        const char *vacuous = campaign_vacuous(view, i);
         contestant_name(view, i, room->name[i]);
-        room->contestant[i] = (struct report_contestant){.name = room->name[i],
-                                                         .played = view->turnout[i].played,
-                                                         .refused = view->refused[i],
-                                                         .vacuous = campaign_vacuous(view, i),
-                                                         .seconds = seconds(view->time.engine[i])};
+        room->contestant[i] =
+            (struct report_contestant){.name = room->name[i],
+                                       .played = view->turnout[i].played,
+                                       .refused = view->refused[i],
+                                       .vacuous = vacuous ? vacuous : campaign_loses(view, i),
+                                       .seconds = seconds(view->time.engine[i])};
     }
 }
 
@@ -343,11 +348,11 @@ static bool is_vacuous(const struct campaign_view *view)
     return view->trials + view->before == 0;
 }
 
-static size_t vacuous_count(const struct campaign_view *view)
+static size_t failed_count(const struct campaign_view *view)
 {
     size_t count = 0;
     for (size_t i = 0; i < view->options->rules.field.count; i++)
-        count += campaign_vacuous(view, i) != NULL;
+        count += campaign_vacuous(view, i) || campaign_loses(view, i);
     return count;
 }
 
@@ -357,13 +362,16 @@ static void print_turnout(const struct campaign_view *view)
     char name[NAME_MOST];
     for (size_t i = 0; i < view->options->rules.field.count; i++) {
         const struct campaign_turnout *turnout = &view->turnout[i];
-        const char *vacuous = campaign_vacuous(view, i);
+        const char *vacuous = campaign_vacuous(view, i), *loses = campaign_loses(view, i);
+        char lost[MATCH_EDGES_TEXT];
         contestant_name(view, i, name);
         printf("%-10s %s answered %llu trials, refused %llu", i ? "" : "contestant", name,
                (unsigned long long)turnout->played, (unsigned long long)turnout->declined);
         if (view->refused[i] > 0 && view->options->rules.field.who[i].layout)
             printf(", of this run %llu for its layout", (unsigned long long)view->refused[i]);
-        printf("%s%s\n", vacuous ? "; vacuous: " : "", vacuous ? vacuous : "");
+        match_edges_text(turnout->edges, lost);
+        printf("%s%s%s%s\n", vacuous ? "; vacuous: " : "", vacuous ? vacuous : "",
+               loses ? "; lost beside edges " : "", loses ? lost : "");
     }
 }
 
@@ -418,7 +426,7 @@ void fuzz_report(void *user, const struct campaign_view *view)
 {
     struct fuzz_command *c = user;
     fuzz_show_end(c);
-    c->code = campaign_news(view, NULL) > 0 || is_vacuous(view) || vacuous_count(view) > 0 ||
+    c->code = campaign_news(view, NULL) > 0 || is_vacuous(view) || failed_count(view) > 0 ||
                       fuzz_pairs_short(c) > 0
                   ? EXIT_MISMATCH
                   : EXIT_AGREE;

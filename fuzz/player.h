@@ -5,7 +5,7 @@
 #include "fuzz/coverage.h"
 #include "fuzz/signature.h"
 #include "fuzz/trial.h"
-#include "ref/engine.h"
+#include "ref/match.h"
 
 #define FUZZ_CONTESTANTS_MOST 32u
 #define FUZZ_FINDINGS_MOST    8u /* kept of one trial, the first of each contestant and kind */
@@ -61,6 +61,7 @@ struct fuzz_result {
     uint32_t players;            /* contestants that answered, likewise */
     uint32_t provers;            /* those with a hit that is not WRONG, likewise */
     uint32_t refitted, rebuilt;  /* contestants on a tree that was, since it moved, likewise */
+    struct edges_lost edges[FUZZ_CONTESTANTS_MOST][MATCH_EDGES]; /* of unknown formulas */
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
     size_t finding_count;
     uint64_t coverage[COVERAGE_WORDS]; /* bits of states reached */

@@ -35,7 +35,8 @@ struct report_contestant {
     uint64_t played, refused; /* trials */
     double seconds;           /* that it worked */
     const char *why;     /* it was not played; NULL: because there was no trial, or it refused */
-    const char *vacuous; /* why it tested nothing, a failure; NULL: it did, or was not asked */
+    const char *vacuous; /* why it tested nothing, or loses too much, a failure; NULL: it did, or
+                            was not asked */
 };
 
 struct report {

@@ -1,6 +1,7 @@
 /* Judges what all seats answered to a trial. */
 #include "fuzz/coverage.h"
 #include "fuzz/stage.h"
+#include "ref/match_edges.h"
 #include "ref/mutant.h"
 
 #include <stdio.h>
@@ -17,6 +18,7 @@ struct judging {
     struct judge *judge[FUZZ_CONTESTANTS_MOST]; /* owned by the first seat of a kind */
     size_t alike[FUZZ_CONTESTANTS_MOST];        /* the first seat that is judged alike */
     bool bits[FUZZ_CONTESTANTS_MOST];
+    uint8_t *note[FUZZ_CONTESTANTS_MOST]; /* of unknown formulas: of match_edges_note, a ray each */
     /* Of a part of the rays. */
     struct judgement judgement[FUZZ_CONTESTANTS_MOST][PART];
     bool own[FUZZ_CONTESTANTS_MOST][PART]; /* else it is the first seat's */
@@ -74,6 +76,9 @@ static enum status make_judges(struct judging *j, struct reason *reason)
         const struct seat *seat = &j->player->seat[i];
         model[i] = seat_model(seat, trial, seat->layout && stage->packed[seat->layout_index].split);
         j->bits[i] = model[i].bits;
+        if (model[i].formula == TWIN_UNKNOWN &&
+            !(j->note[i] = alloc_zeroed(trial->ray_count, sizeof *j->note[i])))
+            return fail(reason, STATUS_MEMORY, "no memory for %u rays", (unsigned)trial->ray_count);
         for (size_t k = 0; k < i && j->alike[i] == i; k++)
             if (j->judge[k] && same_model(&model[k], &model[i]))
                 j->alike[i] = k;
@@ -158,6 +163,8 @@ static void count_ray(struct judging *j, uint32_t i, uint32_t k)
             coverage_add_answer(j->out->coverage, query, judgement);
         verdicts |= 1u << judgement->verdict;
         j->out->count[judgement->verdict]++;
+        if (j->note[s])
+            j->note[s][i] = match_edges_note(judgement);
         if (judgement->verdict == VERDICT_WRONG) {
             j->out->wrong++;
             keep(j, s, fuzz_kind_of_wrong(judgement->wrong), i, judgement);
@@ -181,7 +188,11 @@ static enum status judge_rays(struct judging *j)
         for (uint32_t k = 0; k < count; k++)
             count_ray(j, first + k, k);
     }
-    return STATUS_OK;
+    enum status status = STATUS_OK;
+    for (size_t s = 0; s < j->player->contestants && !status; s++)
+        if (j->note[s])
+            status = match_edges_add(j->stage->trial->ray, j->note[s], rays, j->out->edges[s]);
+    return status;
 }
 
 /* True if the layout could not be made because the program that it reproduces ends there. */
@@ -255,7 +266,7 @@ enum status stage_judge(const struct stage *stage, const struct fuzz_player *pla
     j.player = player;
     j.out = out;
     for (size_t i = 0; i < player->contestants; i++)
-        j.judge[i] = NULL;
+        j.judge[i] = NULL, j.note[i] = NULL;
     bool faulty = false;
     *out = (struct fuzz_result){0};
     cover(&j);
@@ -267,7 +278,9 @@ enum status stage_judge(const struct stage *stage, const struct fuzz_player *pla
         (void)fail(reason, status, "no memory to judge a ray");
     if (faulty)
         out->judged = 0; /* somebody has no verdict */
-    for (size_t i = 0; i < player->contestants; i++)
+    for (size_t i = 0; i < player->contestants; i++) {
         judge_free(j.judge[i]);
+        free(j.note[i]);
+    }
     return status;
 }

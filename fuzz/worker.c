@@ -113,6 +113,11 @@ static void tell(struct worker *w, uint32_t count)
         memcpy(to->coverage, from->coverage, sizeof to->coverage);
         for (size_t v = 0; v < VERDICT_COUNT; v++)
             to->count[v] = (uint32_t)from->count[v];
+        for (size_t k = 0; k < FUZZ_CONTESTANTS_MOST * MATCH_EDGES; k++) {
+            const struct edges_lost *edges = &from->edges[k / MATCH_EDGES][k % MATCH_EDGES];
+            to->edges[k / MATCH_EDGES][k % MATCH_EDGES].hits = (uint32_t)edges->hits;
+            to->edges[k / MATCH_EDGES][k % MATCH_EDGES].lost = (uint32_t)edges->lost;
+        }
     }
     w->report.trials = count;
 }

@@ -90,6 +90,9 @@ struct work_trial {
     uint32_t wrong, judged, rays, triangles;
     uint32_t refusers;                                       /* contestants, 1u << contestant */
     uint32_t decliners, players, provers, refitted, rebuilt; /* likewise */
+    struct {
+        uint32_t hits, lost;
+    } edges[FUZZ_CONTESTANTS_MOST][MATCH_EDGES];
     /* Members, to be counted. */
     const struct builder *builder;
     const struct tri_store *store;

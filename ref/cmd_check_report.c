@@ -40,10 +40,10 @@ static void print_lists(const struct row *row)
 /* Only where more was lost than rounding explains. */
 static void print_edges(const struct row *row)
 {
-    for (size_t c = 0; c < MATCH_EDGES && row->edges_beyond; c++)
-        printf("%s %zu of %zu (at most %.0f)%s", c ? "," : " lost beside edges", row->edges[c].lost,
-               row->edges[c].hits, match_edges_limit(c, row->edges[c].hits),
-               c + 1 < MATCH_EDGES ? "" : ", the nearest first: not rounding");
+    char text[MATCH_EDGES_TEXT];
+    match_edges_text(row->edges, text);
+    if (row->edges_beyond)
+        printf(" lost beside edges %s", text);
 }
 
 static void print_row(const struct row *row)

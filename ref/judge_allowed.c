@@ -169,8 +169,13 @@ static bool may_have_sign(const struct judge *judge, const struct judge_rounding
 
 bool judge_may_accept(const struct judge *judge, const struct judge_rounding *r)
 {
-    bool det = fabs(r->det) + r->det_most > 0.0; /* else it is 0 in every evaluation */
-    return r->area > 0.0 && det && (may_have_sign(judge, r, 1.0) || may_have_sign(judge, r, -1.0));
+    /* Else it is 0 in every evaluation, as of three equal vertices. That of two equal ones, or of
+     * three in a line, may come to any sign by rounding. */
+    bool det = fabs(r->det) + r->det_most > 0.0;
+#if MUTANT == MUTANT_LINE_REFUSED
+    det = det && r->area > 0.0;
+#endif
+    return det && (may_have_sign(judge, r, 1.0) || may_have_sign(judge, r, -1.0));
 }
 
 double judge_displacement_allowed(const struct judge *judge, const struct ray *ray, uint32_t prim)

@@ -83,6 +83,11 @@ enum row_status {
     ROW_VACUOUS, /* too few hits to mean anything */
 };
 
+/* Hits of one class of ref/match_edges.c, and how many of them were lost. */
+struct edges_lost {
+    size_t hits, lost;
+};
+
 /* One line of a result: an engine on a layout. */
 struct row {
     struct match_options options; /* of the match it was played in */
@@ -107,9 +112,8 @@ struct row {
         double p50, p99, most; /* displacement, see struct judgement */
         size_t fan_lost;       /* hits lost inside a closed fan */
     } displacement;
-    struct {               /* closest and any hits of an unknown formula, by distance from edges */
-        size_t hits, lost; /* see ref/match_edges.c */
-    } edges[MATCH_EDGES];
+    struct edges_lost edges[MATCH_EDGES]; /* closest and any hits of an unknown formula, by distance
+                                             from edges: see ref/match_edges.c */
     size_t edges_beyond; /* more lost than rounding explains: counted in differences */
     size_t fans_lost; /* with options.demands.watertight: hits lost inside a closed fan; likewise */
     struct {          /* QUERY_ALL: an answer is a list, a hit one that is not empty */
@@ -152,6 +156,13 @@ const char *row_formula_name(enum twin_formula formula);
 
 /* The most of so many hits of class `class` of row->edges that may be lost. */
 double match_edges_limit(size_t class, size_t hits);
+
+/* "12 of 20 (at most 9), ..., the nearest first: not rounding": at most MATCH_EDGES_TEXT bytes. */
+#define MATCH_EDGES_TEXT 400
+void match_edges_text(const struct edges_lost edges[MATCH_EDGES], char text[MATCH_EDGES_TEXT]);
+
+/* How many more than that were lost, in all classes. */
+size_t match_edges_beyond(const struct edges_lost edges[MATCH_EDGES]);
 
 /* True if the row makes a command fail with EXIT_MISMATCH. */
 bool row_failed(const struct row *row);

@@ -13,6 +13,7 @@
 #include "ref/mutant.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,6 +42,16 @@ double match_edges_limit(size_t class, size_t hits)
     return expected + 3.0 * sqrt(expected) + MATCH_EDGES_FEW;
 }
 
+void match_edges_text(const struct edges_lost edges[MATCH_EDGES], char text[MATCH_EDGES_TEXT])
+{
+    int used = 0;
+    for (size_t class = 0; class < MATCH_EDGES; class ++)
+        used += snprintf(text + used, MATCH_EDGES_TEXT - (size_t)used,
+                         "%zu of %zu (at most %.0f), ", edges[class].lost, edges[class].hits,
+                         match_edges_limit(class, edges[class].hits));
+    snprintf(text + used, MATCH_EDGES_TEXT - (size_t)used, "the nearest first: not rounding");
+}
+
 struct noted {
     const struct ray *ray;
     uint8_t note;
@@ -53,16 +64,17 @@ static int by_ray(const void *left, const void *right)
     return order ? order : (a->note > b->note) - (a->note < b->note);
 }
 
-enum status match_edges_count(const struct ray *ray, const uint8_t *note, struct row *row)
+enum status match_edges_add(const struct ray *ray, const uint8_t *note, size_t rays,
+                            struct edges_lost edges[MATCH_EDGES])
 {
     size_t count = 0;
-    for (size_t i = 0; i < row->rays; i++)
+    for (size_t i = 0; i < rays; i++)
         count += note[i] != 0;
     struct noted *list = alloc_zeroed(count + 1, sizeof *list);
     if (!list)
-        return fail(&row->reason, STATUS_MEMORY, "no memory to count %zu hits", count);
+        return STATUS_MEMORY;
     count = 0;
-    for (size_t i = 0; i < row->rays; i++)
+    for (size_t i = 0; i < rays; i++)
         if (note[i])
             list[count++] = (struct noted){&ray[i], note[i]};
     qsort(list, count, sizeof *list, by_ray);
@@ -70,14 +82,28 @@ enum status match_edges_count(const struct ray *ray, const uint8_t *note, struct
         size_t class = (list[i].note & ~LOST) - 1u;
         if (i > 0 && by_ray(&list[i - 1], &list[i]) == 0 && MUTANT != MUTANT_EDGES_REPEATED)
             continue;
-        row->edges[class].hits++;
-        row->edges[class].lost += (list[i].note & LOST) != 0;
+        edges[class].hits++;
+        edges[class].lost += (list[i].note & LOST) != 0;
     }
     free(list);
+    return STATUS_OK;
+}
+
+size_t match_edges_beyond(const struct edges_lost edges[MATCH_EDGES])
+{
+    size_t beyond = 0;
     for (size_t class = 0; class < MATCH_EDGES; class ++) {
-        double limit = match_edges_limit(class, row->edges[class].hits);
-        if ((double)row->edges[class].lost > limit && MUTANT != MUTANT_EDGES_UNCOUNTED)
-            row->edges_beyond += row->edges[class].lost - (size_t)limit;
+        double limit = match_edges_limit(class, edges[class].hits);
+        if ((double)edges[class].lost > limit && MUTANT != MUTANT_EDGES_UNCOUNTED)
+            beyond += edges[class].lost - (size_t)limit;
     }
+    return beyond;
+}
+
+enum status match_edges_count(const struct ray *ray, const uint8_t *note, struct row *row)
+{
+    if (match_edges_add(ray, note, row->rays, row->edges))
+        return fail(&row->reason, STATUS_MEMORY, "no memory to count hits beside edges");
+    row->edges_beyond += match_edges_beyond(row->edges);
     return STATUS_OK;
 }

@@ -9,8 +9,12 @@
  */
 uint8_t match_edges_note(const struct judgement *judgement);
 
-/* Counts the notes of row->rays rays into row->edges, a ray that was given several times once, and
- * sums up row->edges_beyond. Errors: STATUS_MEMORY. */
+/* Adds the notes of so many rays to `edges`, of a ray that was given several times once. Errors:
+ * STATUS_MEMORY. */
+enum status match_edges_add(const struct ray *ray, const uint8_t *note, size_t count,
+                            struct edges_lost edges[MATCH_EDGES]) MUST_USE;
+
+/* The same of row->rays rays for row->edges, and row->edges_beyond. Errors: STATUS_MEMORY. */
 enum status match_edges_count(const struct ray *ray, const uint8_t *note, struct row *row);
 
 #endif

@@ -77,6 +77,7 @@ plain)
     suite hard_lists sh tests/hard_lists.sh "$build/raydiff"
     suite options sh tests/options.sh "$build/raydiff"
     suite named sh tests/named.sh "$build/raydiff"
+    suite losers sh tests/losers.sh "$build/raydiff"
     suite named_others sh tests/named_others.sh "$build/raydiff"
     suite watertight sh tests/watertight.sh "$build/raydiff"
     alone bench sh tests/bench.sh "$build/raydiff"

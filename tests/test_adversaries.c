@@ -171,6 +171,23 @@ static void add_degenerate(struct scene *scene)
     *scene = more;
 }
 
+/* The scene with so many triangles more that are lines: the first side of another, there and back.
+ */
+static void add_lines(struct scene *scene, uint32_t count)
+{
+    struct scene more;
+    count = scene->tri_count < count ? scene->tri_count : count;
+    assert_int_equal(scene_make(scene->vertex_count, scene->tri_count + count, &more), STATUS_OK);
+    memcpy(more.vertex, scene->vertex, 3 * (size_t)scene->vertex_count * sizeof *more.vertex);
+    memcpy(more.index, scene->index, 3 * (size_t)scene->tri_count * sizeof *more.index);
+    for (uint32_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3; c++)
+            more.index[3 * (size_t)(scene->tri_count + i) + c] =
+                scene->index[3 * (size_t)(i * (scene->tri_count / count)) + (c ? 1 : 0)];
+    scene_free(scene);
+    *scene = more;
+}
+
 /* cpu runs what the cheat says that it does, where C has it; but for those whose cheat that is. */
 static const struct tri_test *test_of(const struct cheat *cheat)
 {
@@ -193,6 +210,8 @@ static void play(const struct cheat *cheat, const char *spec, size_t count, stru
         fail_msg("%s", reason.text);
     if (strstr(cheat->name, "without area"))
         add_degenerate(&scene);
+    if (strstr(cheat->name, "that are lines"))
+        add_lines(&scene, CHEAT_LINES);
     make_rays(cheat, &scene, count, ray);
     const struct match_options options = {.builder = builder_find("median"),
                                           .build = {.leaf = 4, .eps = BUILD_EPS_DEFAULT},

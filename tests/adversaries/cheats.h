@@ -29,6 +29,8 @@ enum cheat_rays {
     RAYS_BAD,
 };
 
+#define CHEAT_LINES 20 /* triangles without area that are lines, the last ones of a scene */
+
 struct cheat {
     const char *name;
     const char *uses;  /* the allowance that it lives on */
