@@ -48,6 +48,77 @@ static void visit_made(const struct hard_case *one, const struct hard_defect *de
     }
 }
 
+/* --- the others ---------------------------------------------------------------------------------
+ * The product is of a few layouts and builders. Every other layout meets every case once on engine
+ * cpu, and so do the builders: with s = case + layout, places in their tables, the digits of s say
+ * builder, box test, triangle test and query, so that for a case as for a layout all combinations of
+ * these come by turns. Of the other engines that walk trees each meets a layout in one of so many
+ * cases, since each of its layouts costs a program. */
+#define CASES_OF_AN_ENGINE 16u
+
+static bool is_in_product(const struct layout *layout)
+{
+    bool found = false;
+    for (size_t l = 0; layouts[l]; l++)
+        found = found || layouts[l] == layout;
+    return found;
+}
+
+/* How many builders are repaired; *out (may be NULL) is the one at `place` among them. */
+static uint32_t repaired_builders(const struct builder **out, uint32_t place)
+{
+    uint32_t count = 0;
+    for (size_t b = 0; builders_all[b]; b++)
+        if (!builders_all[b]->faithful && count++ == place && out)
+            *out = builders_all[b];
+    return count;
+}
+
+/* Repaired members alone: of those as published it is known what they get wrong. */
+static struct hard_member covered(uint32_t s, const struct layout *layout)
+{
+    static const enum query query[] = {QUERY_CLOSEST, QUERY_ANY};
+    struct hard_member m = {.layout = layout, .engine = engine_find("cpu")};
+    const uint32_t count = repaired_builders(NULL, 0);
+    (void)repaired_builders(&m.builder, s % count);
+    m.box = box_test_find(s / count % 2 ? "watertight" : "robust");
+    m.tri = tri_test_find(s / count / 2 % 2 ? "woop" : "mt");
+    m.query = query[s / count / 4 % 2];
+    return m;
+}
+
+/* Which of the others a layout meets in a case, if any. */
+static const struct engine *covered_by(uint32_t s, const struct layout *layout)
+{
+    uint32_t turn = s % CASES_OF_AN_ENGINE;
+    for (size_t e = 0; engines[e]; e++)
+        if (engines[e]->needs_packed && strcmp(engines[e]->name, "cpu") != 0 && turn-- == 0)
+            return engine_takes(engines[e], layout) ? engines[e] : NULL;
+    return NULL;
+}
+
+static void each_other_layout(const struct hard_case *one, hard_visit *visit, void *user)
+{
+    const uint32_t count = repaired_builders(NULL, 0);
+    uint32_t first = 0;
+    while (hard_cases[first] != one)
+        first++;
+    for (uint32_t turn = 0; turn < count; turn++) /* neighbours share the tree */
+        for (uint32_t l = 0, s = first; layouts_all[l]; l++) {
+            const struct layout *layout = layouts_all[l];
+            if (layout->faithful || layout->outside || is_in_product(layout))
+                continue;
+            struct hard_member member = covered(s, layout);
+            const struct engine *engine = covered_by(s, layout);
+            if (s++ % count != turn)
+                continue;
+            visit(user, one, &member);
+            member.engine = engine;
+            if (engine)
+                visit(user, one, &member);
+        }
+}
+
 struct hard_tables hard_tables_all(void)
 {
     return (struct hard_tables){layouts, builders, box_tests, tri_tests, false};
@@ -76,6 +147,8 @@ void hard_each_member(const struct hard_case *one, const struct hard_tables *tab
     for (size_t d = 0; d < HARD_DEFECTS_MOST && one->defect[d].fault && !tables->chosen; d++)
         if (one->defect[d].layout || one->defect[d].engine)
             visit_made(one, &one->defect[d], visit, user);
+    if (!(one->flags & HARD_NO_TREES) && !tables->chosen)
+        each_other_layout(one, visit, user);
     if (!(one->flags & HARD_TREES_ONLY))
         each_without_tree(one, tables, visit, user);
 }
