@@ -277,7 +277,7 @@ static enum status write_documents(const struct conform_hard_options *o,
 static int play(const struct conform_hard_options *o, const struct suite *suite)
 {
     struct conform_report report;
-    struct matrix matrix = {.row_count = 0};
+    struct matrix matrix = {.apart = suite->tables.chosen};
     struct reason reason = {""};
     bool complete =
         o->pattern == NULL && !o->quick && o->engine.count == 0 && !suite->tables.chosen;

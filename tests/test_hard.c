@@ -85,8 +85,17 @@ static void cases_are_made_the_same_twice(void **state)
     }
 }
 
+/* The place of a layout in a table, from 1; 0: it is not there. */
+static size_t place_of(const struct layout *layout, const struct layout *const *table)
+{
+    for (size_t l = 0; table[l]; l++)
+        if (table[l] == layout)
+            return l + 1;
+    return 0;
+}
+
 struct tally {
-    size_t count, of_tree, all;
+    size_t count, of_tree, all, by_turns;
     bool engine[POOL_MOST];
 };
 
@@ -95,7 +104,9 @@ static void count_member(void *user, const struct hard_case *one, const struct h
     struct tally *tally = user;
     (void)one;
     tally->count++;
-    tally->of_tree += m->layout != NULL;
+    const bool by_turns = place_of(m->layout, layouts_all) && !place_of(m->layout, layouts);
+    tally->by_turns += by_turns;
+    tally->of_tree += m->layout != NULL && !by_turns;
     tally->all += m->query == QUERY_ALL;
     for (size_t e = 0; engines[e]; e++)
         tally->engine[e] |= m->engine == engines[e];
@@ -111,7 +122,7 @@ static size_t length(const void *const *table)
     return n;
 }
 
-/* Every member of every table takes part in every case. */
+/* Every member of the tables takes part in every case. */
 static void members_are_all_combinations(void **state)
 {
     size_t trees = length((const void *const *)builders) * length((const void *const *)layouts) *
@@ -129,6 +140,7 @@ static void members_are_all_combinations(void **state)
         hard_each_member(hard_cases[i], &tables, count_member, &tally);
         for (size_t d = 0; d < HARD_DEFECTS_MOST && hard_cases[i]->defect[d].fault; d++)
             made += (hard_cases[i]->defect[d].layout || hard_cases[i]->defect[d].engine) ? 2 : 0;
+        assert_int_equal(tally.by_turns > 0, !(hard_cases[i]->flags & HARD_NO_TREES));
         size_t of_tree = hard_cases[i]->flags & HARD_NO_TREES ? 0 : queries * trees * with_trees;
         assert_int_equal(tally.of_tree, of_tree + made);
         assert_int_equal(tally.all > 0, queries == 3);

@@ -23,10 +23,10 @@ const char *outcome_meaning(enum outcome outcome)
     return (size_t)outcome < OUTCOME_COUNT ? meanings[outcome] : "";
 }
 
-static bool is_member(const struct layout *layout)
+static bool is_in(const struct layout *const *table, const struct layout *layout)
 {
-    for (size_t i = 0; layouts[i]; i++)
-        if (layouts[i] == layout)
+    for (size_t i = 0; table[i]; i++)
+        if (table[i] == layout)
             return true;
     return layout == NULL;
 }
@@ -44,14 +44,17 @@ static size_t column_of(struct matrix *matrix, const struct hard_member *m)
 {
     struct matrix_column c = {.engine = m->engine, .layout = m->layout};
     c.published = hard_member_published(m) > 0;
-    c.made = !is_member(m->layout) || !is_engine(m->engine) ||
+    c.made = !is_in(layouts_all, m->layout) || !is_engine(m->engine) ||
              (m->engine->needs_packed && !m->layout); /* asked directly */
-    if (!m->engine->own_tri && !(c.published && m->layout))
+    c.others = !matrix->apart && !c.made && !is_in(layouts, m->layout);
+    if (c.others)
+        c.layout = NULL;
+    if (!c.others && !m->engine->own_tri && !(c.published && m->layout))
         c.tri = m->tri;
     for (size_t i = 0; i < matrix->column_count; i++) {
         const struct matrix_column *at = &matrix->column[i];
         if (at->engine == c.engine && at->layout == c.layout && at->tri == c.tri &&
-            at->published == c.published)
+            at->published == c.published && at->others == c.others)
             return i;
     }
     if (matrix->column_count == MATRIX_COLUMNS_MOST)
@@ -170,6 +173,8 @@ bool matrix_table_is_empty(const struct matrix *matrix, size_t table)
 
 const char *matrix_layout_name(const struct matrix_column *column)
 {
+    if (column->others)
+        return "others";
     return column->layout ? column->layout->name : "-";
 }
 

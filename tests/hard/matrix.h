@@ -26,12 +26,13 @@ const char *outcome_meaning(enum outcome outcome);
 #define MATRIX_COLUMNS_MOST 64
 
 /* One engine on one layout with one triangle test, repaired; or all that is as published on one
- * engine and layout. */
+ * engine and layout; or one engine on all layouts that the hard cases meet by turns. */
 struct matrix_column {
     const struct engine *engine;
-    const struct layout *layout; /* NULL: no tree */
+    const struct layout *layout; /* NULL: no tree, or `others` */
     const struct tri_test *tri;  /* NULL: the engine's own, or several as published */
     bool published;              /* some part is as published */
+    bool others;                 /* layouts outside layouts[], together */
     bool made;                   /* a member of no table, made to be wrong */
 };
 
@@ -49,6 +50,7 @@ struct matrix_note {
 
 /* Owns its arrays; zero is empty. */
 struct matrix {
+    bool apart; /* layouts outside layouts[] have columns of their own */
     struct matrix_column column[MATRIX_COLUMNS_MOST];
     size_t column_count;
     const struct hard_case **row; /* in order of their first result */
@@ -81,7 +83,7 @@ enum outcome matrix_worst(const struct matrix_cell *cell);
 const char *matrix_table_title(size_t table);
 bool matrix_in_table(const struct matrix *matrix, size_t column, size_t table);
 bool matrix_table_is_empty(const struct matrix *matrix, size_t table);
-/* "-" without a tree. */
+/* "-" without a tree; "others": by turns. */
 const char *matrix_layout_name(const struct matrix_column *column);
 /* "own": the engine's; "all": of several. */
 const char *matrix_tri_name(const struct matrix_column *column);

@@ -1,5 +1,7 @@
 #include "tests/hard/members.h"
 
+#include "ref/mutant.h"
+
 #include <fnmatch.h>
 #include <string.h>
 
@@ -49,11 +51,12 @@ static void visit_made(const struct hard_case *one, const struct hard_defect *de
 }
 
 /* --- the others ---------------------------------------------------------------------------------
- * The product is of a few layouts and builders. Every other layout meets every case once on engine
- * cpu, and so do the builders: with s = case + layout, places in their tables, the digits of s say
- * builder, box test, triangle test and query, so that for a case as for a layout all combinations of
- * these come by turns. Of the other engines that walk trees each meets a layout in one of so many
- * cases, since each of its layouts costs a program. */
+ * The product is of a few layouts and builders. Every other layout meets one of any three neighbouring
+ * cases on engine cpu, and every case all builders. With k = (case + layout) / 3, places in their
+ * tables, k says builder, box test, triangle test and query, so that for a case as for a layout they
+ * come by turns. Of the other engines that walk trees each meets a layout in one of so many of these,
+ * since each of its layouts costs a program. */
+#define CASES_APART        3u
 #define CASES_OF_AN_ENGINE 16u
 
 static bool is_in_product(const struct layout *layout)
@@ -75,22 +78,22 @@ static uint32_t repaired_builders(const struct builder **out, uint32_t place)
 }
 
 /* Repaired members alone: of those as published it is known what they get wrong. */
-static struct hard_member covered(uint32_t s, const struct layout *layout)
+static struct hard_member covered(uint32_t k, const struct layout *layout)
 {
-    static const enum query query[] = {QUERY_CLOSEST, QUERY_ANY};
     struct hard_member m = {.layout = layout, .engine = engine_find("cpu")};
     const uint32_t count = repaired_builders(NULL, 0);
-    (void)repaired_builders(&m.builder, s % count);
-    m.box = box_test_find(s / count % 2 ? "watertight" : "robust");
-    m.tri = tri_test_find(s / count / 2 % 2 ? "woop" : "mt");
-    m.query = query[s / count / 4 % 2];
+    const uint32_t tests = k + k / count; /* every builder meets all that these say */
+    (void)repaired_builders(&m.builder, MUTANT == MUTANT_HARD_TURNS ? 0 : k % count);
+    m.box = box_test_find(tests % 2 ? "watertight" : "robust");
+    m.tri = tri_test_find(tests / 2 % 2 ? "woop" : "mt");
+    m.query = tests / 4 % 2 ? QUERY_ANY : QUERY_CLOSEST;
     return m;
 }
 
-/* Which of the others a layout meets in a case, if any. */
-static const struct engine *covered_by(uint32_t s, const struct layout *layout)
+/* Which of the other engines meets the layout, too, if any. */
+static const struct engine *covered_by(uint32_t k, const struct layout *layout)
 {
-    uint32_t turn = s % CASES_OF_AN_ENGINE;
+    uint32_t turn = k % CASES_OF_AN_ENGINE;
     for (size_t e = 0; engines[e]; e++)
         if (engines[e]->needs_packed && strcmp(engines[e]->name, "cpu") != 0 && turn-- == 0)
             return engine_takes(engines[e], layout) ? engines[e] : NULL;
@@ -104,17 +107,16 @@ static void each_other_layout(const struct hard_case *one, hard_visit *visit, vo
     while (hard_cases[first] != one)
         first++;
     for (uint32_t turn = 0; turn < count; turn++) /* neighbours share the tree */
-        for (uint32_t l = 0, s = first; layouts_all[l]; l++) {
+        for (uint32_t l = 0; layouts_all[l]; l++) {
             const struct layout *layout = layouts_all[l];
-            if (layout->faithful || layout->outside || is_in_product(layout))
+            const uint32_t s = first + l, k = s / CASES_APART;
+            if (layout->faithful || layout->outside || is_in_product(layout) || s % CASES_APART != 0 ||
+                k % count != turn)
                 continue;
-            struct hard_member member = covered(s, layout);
-            const struct engine *engine = covered_by(s, layout);
-            if (s++ % count != turn)
-                continue;
+            struct hard_member member = covered(k, layout);
             visit(user, one, &member);
-            member.engine = engine;
-            if (engine)
+            member.engine = covered_by(k, layout);
+            if (member.engine)
                 visit(user, one, &member);
         }
 }
