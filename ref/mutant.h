@@ -99,6 +99,7 @@
 #define MUTANT_OPTION_SWALLOWED 750 /* options of builders are taken without a builder that reads them */
 #define MUTANT_OPTION_UNNAMED  751 /* a command's last option is not among those that were given */
 #define MUTANT_HARD_TURNS      752 /* hard cases: layouts that come by turns meet one builder */
+#define MUTANT_MATRIX_NARROW   1200 /* the matrix of the hard cases has room for 64 columns */
 #define MUTANT_HELD_FORGOTTEN  111 /* feedback keeps trials that reach nothing new */
 #define MUTANT_HALF_MESSAGE    90  /* what a dead child sent of a message is taken for all of it */
 #define MUTANT_SIBLINGS_HELD   91  /* a child keeps the files that its parent had open */

@@ -342,6 +342,36 @@ static struct hard_tables choose(const struct conform_hard_options *o, struct ch
     return tables;
 }
 
+/* Whether one of the suite's members has this layout and this builder; NULL: any. */
+static bool is_met(const struct suite *suite, const struct layout *layout,
+                   const struct builder *builder)
+{
+    for (size_t i = 0; i < suite->count; i++) {
+        const struct hard_member *m = &suite->one[i].member;
+        if ((!layout || m->layout == layout) && (!builder || m->builder == builder))
+            return true;
+    }
+    return false;
+}
+
+/* The names on standard output; on standard error how much of the tables they are. */
+static void list_suite(const struct suite *suite)
+{
+    size_t cases = 0, l, b, of_layouts = 0, of_builders = 0;
+    for (size_t i = 0; i < suite->count; i++) {
+        char name[HARD_NAME_MOST];
+        hard_name_print(suite->one[i].hard, &suite->one[i].member, name);
+        puts(name);
+        cases += i == 0 || suite->one[i].hard != suite->one[i - 1].hard;
+    }
+    for (l = 0; layouts_all[l]; l++)
+        of_layouts += is_met(suite, layouts_all[l], NULL);
+    for (b = 0; builders_all[b]; b++)
+        of_builders += is_met(suite, NULL, builders_all[b]);
+    fprintf(stderr, "%zu trials of %zu hard cases: %zu of %zu layouts, %zu of %zu builders\n",
+            suite->count, cases, of_layouts, l, of_builders, b);
+}
+
 int conform_hard(const struct conform_hard_options *o)
 {
     static struct chosen chosen;
@@ -357,11 +387,7 @@ int conform_hard(const struct conform_hard_options *o)
         fprintf(stderr, "raydiff conform: %s\n", reason.text);
         code = exit_of_status(status);
     } else if (o->list) {
-        for (size_t i = 0; i < suite.count; i++) {
-            char name[HARD_NAME_MOST];
-            hard_name_print(suite.one[i].hard, &suite.one[i].member, name);
-            puts(name);
-        }
+        list_suite(&suite);
     } else {
         code = play(o, &suite);
     }

@@ -28,6 +28,24 @@ only 5 watertight --box
 only 6 baldwin_webber --tri
 expect 2 'no hard case matches' conform 'hard.nothing' --engine cpu --layout tiny8
 
+# All layouts at once: a matrix of so many columns is written.
+expect 0 . conform 'hard.03-*' --engine cpu --layout every --builder median --tri every --quick --markdown "$dir/wide.md"
+[ "$(grep '^| 03 ' "$dir/wide.md" | tr -cd '|' | wc -c)" -gt 64 ] || bad "conform --markdown: not every layout has its columns"
+
+# By default every layout is played but the one outside the product that is as published, and every
+# builder; --list says so.
+names() { "$raydiff" list "$1" | sed -n 's/^  \([a-z][a-z0-9_]*\) .*/\1/p' | sort; }
+expect 0 . conform --hard --list --engine cpu
+for table in layouts:5 builders:6; do
+    cut -d . -f "${table#*:}" "$dir/out" | sort -u >"$dir/met"
+    names "${table%:*}" >"$dir/all"
+    comm -13 "$dir/met" "$dir/all"
+done >"$dir/missed"
+[ "$(cat "$dir/missed")" = amd64_g0 ] || bad "conform --hard: not played by default: $(tr '\n' ' ' <"$dir/missed")"
+of_layouts=$(names layouts | wc -l) of_builders=$(names builders | wc -l)
+grep -qx "$(wc -l <"$dir/out") trials of [0-9]* hard cases: $((of_layouts - 1)) of $of_layouts layouts, $of_builders of $of_builders builders" "$dir/err" ||
+    bad "conform --hard --list does not say how much of the tables is played"
+
 # Vertices that are not finite end no builder.
 expect 0 . conform 'hard.44-*' --engine cpu --layout f32 --builder all --box robust --tri mt
 

@@ -205,6 +205,33 @@ static void matrix_counts(void **state)
     matrix_free(&m);
 }
 
+/* Every layout with every triangle test: as many columns as that are, and every result in its own. */
+static void matrix_is_as_wide_as_it_has_to_be(void **state)
+{
+    struct matrix m = {.apart = true};
+    size_t wide = 0;
+    (void)state;
+    for (size_t row = 0; row < 3; row++)
+        for (size_t l = 0; layouts_all[l]; l++)
+            for (size_t t = 0; tri_tests[t] && !layouts_all[l]->faithful; t++) {
+                struct hard_member one = member("cpu", layouts_all[l]->name, tri_tests[t]->name);
+                if (tri_tests[t]->faithful || hard_member_published(&one))
+                    continue;
+                wide += row == 0;
+                put(&m, row, &one, row == 1 && l == 7 ? OUTCOME_FAILED : OUTCOME_PASSED, "");
+            }
+    assert_int_equal(m.column_count, wide);
+    assert_true(wide > 64);
+    for (size_t c = 0; c < wide; c++)
+        for (size_t row = 0; row < 3; row++) {
+            const bool bad = row == 1 && m.column[c].layout == layouts_all[7];
+            assert_int_equal(matrix_at(&m, row, c)->count[OUTCOME_FAILED], bad);
+            assert_int_equal(matrix_at(&m, row, c)->count[OUTCOME_PASSED], !bad);
+        }
+    assert_int_equal(matrix_worst(matrix_at(&m, 1000, wide - 1)), OUTCOME_COUNT);
+    matrix_free(&m);
+}
+
 typedef void writer(const struct matrix *matrix, const char *versions, FILE *out);
 
 static void written_text(const struct matrix *matrix, const char *versions, FILE *out)
@@ -257,6 +284,7 @@ int main(void)
         cmocka_unit_test(versions_are_parts_or_ranges),
         cmocka_unit_test(waivers_excuse_and_grow_old),
         cmocka_unit_test(matrix_counts),
+        cmocka_unit_test(matrix_is_as_wide_as_it_has_to_be),
         cmocka_unit_test(matrix_is_shown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,7 @@
 #include "tests/hard/matrix.h"
 
+#include "ref/mutant.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,8 +41,7 @@ static bool is_engine(const struct engine *engine)
     return false;
 }
 
-/* Returns the column's index; MATRIX_COLUMNS_MOST if there is no room. */
-static size_t column_of(struct matrix *matrix, const struct hard_member *m)
+static struct matrix_column column_made_of(const struct matrix *matrix, const struct hard_member *m)
 {
     struct matrix_column c = {.engine = m->engine, .layout = m->layout};
     c.published = hard_member_published(m) > 0;
@@ -51,16 +52,26 @@ static size_t column_of(struct matrix *matrix, const struct hard_member *m)
         c.layout = NULL;
     if (!c.others && !m->engine->own_tri && !(c.published && m->layout))
         c.tri = m->tri;
-    for (size_t i = 0; i < matrix->column_count; i++) {
-        const struct matrix_column *at = &matrix->column[i];
+    return c;
+}
+
+static enum status column_of(struct matrix *matrix, const struct hard_member *m, size_t *column)
+{
+    const struct matrix_column c = column_made_of(matrix, m);
+    for (*column = 0; *column < matrix->column_count; ++*column) {
+        const struct matrix_column *at = &matrix->column[*column];
         if (at->engine == c.engine && at->layout == c.layout && at->tri == c.tri &&
             at->published == c.published && at->others == c.others)
-            return i;
+            return STATUS_OK;
     }
-    if (matrix->column_count == MATRIX_COLUMNS_MOST)
-        return MATRIX_COLUMNS_MOST;
-    matrix->column[matrix->column_count] = c;
-    return matrix->column_count++;
+    if (MUTANT == MUTANT_MATRIX_NARROW && *column == 64)
+        return STATUS_LIMIT;
+    void *columns = matrix->column;
+    enum status status = array_reserve(&columns, &matrix->column_room, *column + 1, sizeof c);
+    matrix->column = columns;
+    if (status == STATUS_OK)
+        matrix->column[matrix->column_count++] = c;
+    return status;
 }
 
 static enum status row_of(struct matrix *matrix, const struct hard_case *one, size_t *row)
@@ -68,19 +79,25 @@ static enum status row_of(struct matrix *matrix, const struct hard_case *one, si
     for (*row = 0; *row < matrix->row_count; ++*row)
         if (matrix->row[*row] == one)
             return STATUS_OK;
-    void *rows = matrix->row, *cells = matrix->cell;
-    size_t need = (matrix->row_count + 1) * MATRIX_COLUMNS_MOST;
+    void *rows = matrix->row;
     enum status status =
         array_reserve(&rows, &matrix->row_room, matrix->row_count + 1, sizeof(void *));
     matrix->row = rows;
     if (status == STATUS_OK)
-        status = array_reserve(&cells, &matrix->cell_room, need, sizeof *matrix->cell);
-    matrix->cell = cells;
+        matrix->row[matrix->row_count++] = one;
+    return status;
+}
+
+static enum status cell_of(struct matrix_column *column, size_t row, struct matrix_cell **cell)
+{
+    void *cells = column->cell;
+    const size_t had = column->cell_room;
+    enum status status = array_reserve(&cells, &column->cell_room, row + 1, sizeof **cell);
+    column->cell = cells;
     if (status)
         return status;
-    memset(matrix->cell + *row * MATRIX_COLUMNS_MOST, 0,
-           MATRIX_COLUMNS_MOST * sizeof *matrix->cell);
-    matrix->row[matrix->row_count++] = one;
+    memset(column->cell + had, 0, (column->cell_room - had) * sizeof **cell);
+    *cell = &column->cell[row];
     return STATUS_OK;
 }
 
@@ -115,15 +132,18 @@ enum status matrix_add(struct matrix *matrix, const struct hard_case *one,
                        const struct hard_member *member, enum outcome outcome, size_t rays,
                        const char *why, struct reason *reason)
 {
-    size_t row, column = column_of(matrix, member);
-    if (column == MATRIX_COLUMNS_MOST)
-        return fail(reason, STATUS_LIMIT, "matrix: more than %d columns", MATRIX_COLUMNS_MOST);
-    enum status status = row_of(matrix, one, &row);
+    size_t row, column;
+    struct matrix_cell *cell = NULL;
+    enum status status = column_of(matrix, member, &column);
+    if (status == STATUS_OK)
+        status = row_of(matrix, one, &row);
+    if (status == STATUS_OK)
+        status = cell_of(&matrix->column[column], row, &cell);
     if (status == STATUS_OK && outcome >= OUTCOME_KNOWN)
         status = note(matrix, one, member, outcome, why);
     if (status)
         return fail(reason, status, "no memory for the matrix");
-    matrix->cell[row * MATRIX_COLUMNS_MOST + column].count[outcome]++;
+    cell->count[outcome]++;
     matrix->total[outcome]++;
     matrix->rays += rays;
     return STATUS_OK;
@@ -135,10 +155,19 @@ void matrix_free(struct matrix *matrix)
         free(matrix->note[i].name);
         free(matrix->note[i].why);
     }
+    for (size_t c = 0; c < matrix->column_count; c++)
+        free(matrix->column[c].cell);
     free(matrix->note);
     free(matrix->row);
-    free(matrix->cell);
+    free(matrix->column);
     *matrix = (struct matrix){0};
+}
+
+const struct matrix_cell *matrix_at(const struct matrix *matrix, size_t row, size_t column)
+{
+    static const struct matrix_cell none = {.count = {0}};
+    const struct matrix_column *c = &matrix->column[column];
+    return row < c->cell_room ? &c->cell[row] : &none;
 }
 
 enum outcome matrix_worst(const struct matrix_cell *cell)

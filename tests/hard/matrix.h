@@ -23,7 +23,9 @@ const char *outcome_name(enum outcome outcome);
 /* One line: what it means. */
 const char *outcome_meaning(enum outcome outcome);
 
-#define MATRIX_COLUMNS_MOST 64
+struct matrix_cell {
+    size_t count[OUTCOME_COUNT];
+};
 
 /* One engine on one layout with one triangle test, repaired; or all that is as published on one
  * engine and layout; or one engine on all layouts that the hard cases meet by turns. */
@@ -34,10 +36,8 @@ struct matrix_column {
     bool published;              /* some part is as published */
     bool others;                 /* layouts outside layouts[], together */
     bool made;                   /* a member of no table, made to be wrong */
-};
-
-struct matrix_cell {
-    size_t count[OUTCOME_COUNT];
+    struct matrix_cell *cell;    /* cell_room: rows behind that have none */
+    size_t cell_room;
 };
 
 /* Something that is not plain: a failure; or what one waiver or one case's defect excuses. */
@@ -51,30 +51,24 @@ struct matrix_note {
 /* Owns its arrays; zero is empty. */
 struct matrix {
     bool apart; /* layouts outside layouts[] have columns of their own */
-    struct matrix_column column[MATRIX_COLUMNS_MOST];
-    size_t column_count;
-    const struct hard_case **row; /* in order of their first result */
-    struct matrix_cell *cell;     /* row_count * MATRIX_COLUMNS_MOST */
-    size_t row_count, row_room, cell_room;
+    struct matrix_column *column; /* in order of their first result, as rows are */
+    size_t column_count, column_room;
+    const struct hard_case **row;
+    size_t row_count, row_room;
     struct matrix_note *note;
     size_t note_count, note_room;
     size_t total[OUTCOME_COUNT];
     size_t rays;
 };
 
-/* Adds a result. `why` is one line: what is broken, or the excuse. Errors: STATUS_MEMORY;
- * STATUS_LIMIT more columns than MATRIX_COLUMNS_MOST. */
+/* Adds a result. `why` is one line: what is broken, or the excuse. Errors: STATUS_MEMORY. */
 enum status matrix_add(struct matrix *matrix, const struct hard_case *one,
                        const struct hard_member *member, enum outcome outcome, size_t rays,
                        const char *why, struct reason *reason) MUST_USE;
 void matrix_free(struct matrix *matrix);
 
-static inline const struct matrix_cell *matrix_at(const struct matrix *matrix, size_t row,
-                                                  size_t column)
-{
-    return &matrix->cell[row * MATRIX_COLUMNS_MOST + column];
-}
-
+/* A cell without results is all zero. */
+const struct matrix_cell *matrix_at(const struct matrix *matrix, size_t row, size_t column);
 /* The worst of a cell's outcomes; OUTCOME_COUNT if it has none. */
 enum outcome matrix_worst(const struct matrix_cell *cell);
 
