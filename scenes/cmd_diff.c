@@ -30,9 +30,8 @@ static const char help_head[] =
     "  --json FILE     everything, for machines\n\n";
 
 static const char help_tail[] =
-    "\nexit codes: 0 as it should be, 1 a difference that is not, 2 bad input, 3 an engine did "
-    "not\n"
-    "            finish, 4 no memory, 77 a named engine cannot run here\n"
+    "\nexit codes: 0 as it should be, 1 a difference that is not, or no path hits, 2 bad input,\n"
+    "            3 an engine did not finish, 4 no memory, 77 a named engine cannot run here\n"
     "example: raydiff diff rtrs --engine cpu,vulkan,embree -w 96 -h 72\n"
     "example: raydiff diff rtrs --engine cpu,embree -w 96 -h 72 --pixel 40,30\n";
 
@@ -300,7 +299,7 @@ static int exit_of(const struct diff_run *run)
         if (member->status && run->options->engines_named)
             code = exit_worse(code, EXIT_SKIPPED);
         if (!member->status && i != run->reference && !run->options->has_pixel &&
-            !pair_agrees(&member->pair))
+            (!pair_agrees(&member->pair) || diff_is_vacuous(&member->pair)))
             code = exit_worse(code, EXIT_MISMATCH);
     }
     return code;

@@ -51,6 +51,9 @@ struct diff_run {
 void diff_explain(const struct diff_run *run, const struct diff_member *member, bool shadow,
                   const struct ray *ray, char text[EXPLAIN_COMMAND_MOST]);
 
+/* True if two pictures agree although neither has a hit: nothing was compared. */
+bool diff_is_vacuous(const struct pair *pair);
+
 /* Prints what differs between the reference and each other member, and why. */
 void diff_print(const struct diff_run *run);
 

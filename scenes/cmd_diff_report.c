@@ -1,5 +1,6 @@
 /* What raydiff diff says about engines: for a person, and as JSON. */
 #include "ref/cmd_json.h"
+#include "ref/mutant.h"
 #include "scenes/cmd_diff.h"
 
 #include <stdio.h>
@@ -115,7 +116,14 @@ static void print_pair(const struct diff_run *run, const struct diff_member *mem
         }
     if (worst)
         print_pixel_command(run, worst->pixel);
-    printf("  %s\n", pair_agrees(pair) ? "as it should be" : "DIFFERS");
+    printf("  %s\n", diff_is_vacuous(pair) ? "vacuous: no path of either hits a triangle"
+                     : pair_agrees(pair)   ? "as it should be"
+                                           : "DIFFERS");
+}
+
+bool diff_is_vacuous(const struct pair *pair)
+{
+    return pair_agrees(pair) && pair->diff.hits == 0 && MUTANT != MUTANT_DIFF_OF_NOTHING;
 }
 
 void diff_print(const struct diff_run *run)
@@ -190,10 +198,10 @@ static json_t *pair_json(const struct diff_run *run, const struct diff_member *m
     json_t *out = json_pack(
         "{s:s, s:s, s:b, s:b, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "engine", member->engine->name,
         "reference", run->member[run->reference].engine->name, "same_bits_demanded",
-        pair->same_bits, "agrees", pair_agrees(pair), "paths", (json_int_t)diff->paths,
-        "paths_different", (json_int_t)diff->paths_apart, "segments", (json_int_t)diff->segments,
-        "triangle", (json_int_t)diff->field[PATH_PRIM], "t", (json_int_t)diff->field[PATH_T],
-        "asked", (json_int_t)diff->field[PATH_ASKED], "shadowed",
+        pair->same_bits, "agrees", pair_agrees(pair) && !diff_is_vacuous(pair), "paths",
+        (json_int_t)diff->paths, "paths_different", (json_int_t)diff->paths_apart, "segments",
+        (json_int_t)diff->segments, "triangle", (json_int_t)diff->field[PATH_PRIM], "t",
+        (json_int_t)diff->field[PATH_T], "asked", (json_int_t)diff->field[PATH_ASKED], "shadowed",
         (json_int_t)diff->field[PATH_SHADOWED]);
     json_object_set_new(out, "values_different", json_integer((json_int_t)diff->colours));
     json_object_set_new(out, "largest", json_integer((json_int_t)diff->largest));

@@ -99,6 +99,7 @@ static void add_diff(struct frame_diff *to, const struct frame_diff *one)
 {
     to->paths += one->paths;
     to->segments += one->segments;
+    to->hits += one->hits;
     to->paths_apart += one->paths_apart;
     for (enum path_field field = PATH_SAME; field < PATH_FIELD_COUNT; field++) {
         to->field[field] += one->field[field];

@@ -89,6 +89,7 @@ static enum path_field count_segments(const struct segment *a, const struct segm
             break;
         unsigned fields = apart(&of_a, &of_b);
         diff->segments++;
+        diff->hits += of_a.prim < ABI_NO_SEGMENT || of_b.prim < ABI_NO_SEGMENT;
         diff->field[PATH_SAME] += fields == 0;
         for (enum path_field field = PATH_PRIM; field < PATH_FIELD_COUNT; field++)
             diff->field[field] += fields >> field & 1u;

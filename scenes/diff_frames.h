@@ -15,6 +15,7 @@ const char *path_field_name(enum path_field field);
 struct frame_diff {
     size_t paths;                   /* compared: one a pixel */
     size_t segments;                /* that either picture has */
+    size_t hits;                    /* of them those that end on a triangle in either */
     size_t paths_apart;             /* paths with a segment that differs in some bit */
     size_t field[PATH_FIELD_COUNT]; /* segments that differ in that member; [PATH_SAME]: in none */
     size_t first[PATH_FIELD_COUNT]; /* paths by the member that differs first */
