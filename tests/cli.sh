@@ -693,16 +693,11 @@ for arguments in 'bench error --svg' 'conform --junit' 'conform --markdown' 'fuz
 done
 [ ! -e ./- ] || bad "a file named - was written"
 
-# The seed's numbers (Figure 8 of its paper), where its scene is at hand.
-seed=../shared/scenes/rtrs-default.json
-if [ -r "$seed" ]; then
-    expect 0 . check "$seed" --builder rtrs --eps 0.02 --leaf 2 --layout rtrs_direct $small --json "$dir/f8.json"
-    grep -q '"node_bytes": 2448' "$dir/f8.json" || bad "rtrs_direct at leaf 2 needs 2,448 bytes"
-    expect 0 . check "$seed" --builder rtrs --eps 0.02 --leaf 4 --layout rtrs_rf $small --json "$dir/f8.json"
-    grep -q '"node_bytes": 656' "$dir/f8.json" || bad "rtrs_rf at leaf 4 needs 656 bytes"
-else
-    echo "SKIP the seed's scene: $seed is not here"
-fi
+# The seed's numbers (Figure 8 of its paper), on its scene.
+expect 0 . check rtrs --builder rtrs --eps 0.02 --leaf 2 --layout rtrs_direct $small --json "$dir/f8.json"
+grep -q '"node_bytes": 2448' "$dir/f8.json" || bad "rtrs_direct at leaf 2 needs 2,448 bytes"
+expect 0 . check rtrs --builder rtrs --eps 0.02 --leaf 4 --layout rtrs_rf $small --json "$dir/f8.json"
+grep -q '"node_bytes": 656' "$dir/f8.json" || bad "rtrs_rf at leaf 4 needs 656 bytes"
 
 # An engine that cannot run: skipped by default, 77 when named. Mesa's driver loses 128 bytes when it
 # is unloaded without a device having been made, and is gone when a sanitizer asks whose they were.

@@ -73,6 +73,10 @@ perl -0777 -ne '
     }' $(git ls-files '*.c' '*.h') >"$scratch"
 [ -s "$scratch" ] && cat "$scratch" && breach "one draw after the other: arguments are evaluated in any order"
 
+# The project speaks of itself alone: nothing lies beside the checkout.
+git grep -nE '\.\./shared/|(^|[^a-z./])shared/(scenes|design|notes)' -- . ':!tests/rules.sh' ':!tests/rules_planted.sh' &&
+    breach "what is not part of the project is named by an option or a variable"
+
 # Small rooms.
 for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
     lines=$(wc -l <"$file")

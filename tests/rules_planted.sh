@@ -36,6 +36,8 @@ plant ref/rng.h 'float f(struct rng *rng) { return ldexpf(rng_float(rng), (int)r
 plant ref/mutant.h '#define MUTANT_NOBODY 999'
 plant ref/mutant.h '#define MUTANT_LOST_SLOT 1'
 plant ref/mutant.h '#define MUTANT_LOST_SLOT /* 2 */'
+plant tests/trees.h '/* ../shared/design/house.md */'
+plant tests/trees.h 'static const char *f = "shared/scenes/a.json";'
 plant ref/half.c "$(awk 'BEGIN { for (i = 0; i < 460; i++) print "/* */" }')"
 [ "$failed" -eq 0 ] && echo "rules: every planted breach caught"
 exit "$failed"

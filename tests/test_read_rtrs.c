@@ -1,12 +1,12 @@
 #include "ref/rng.h"
 #include "scenes/file.h"
 #include "scenes/formats.h"
+#include "tests/published.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
 static struct reason reason;
@@ -206,11 +206,9 @@ static void rtrs_survives_every_prefix_and_damaged_byte(void **state)
 static void rtrs_default_scene_loads_unchanged(void **state)
 {
     (void)state;
-    const char *path = "../shared/scenes/rtrs-default.json";
-    if (access(path, R_OK) != 0) {
-        print_message("SKIP %s is not here\n", path);
+    const char *path = published_scene();
+    if (!path)
         skip();
-    }
     char *bytes;
     size_t size;
     struct scene scene;

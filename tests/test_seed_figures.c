@@ -2,6 +2,7 @@
  * the trees behind it), and what becomes of flat floors. */
 #include "ref/layout.h"
 #include "scenes/scenes.h"
+#include "tests/published.h"
 #include "tests/trees.h"
 
 #include <stdarg.h>
@@ -11,7 +12,6 @@
 #include <cmocka.h>
 
 #include <string.h>
-#include <unistd.h>
 
 /* One row of the table: builder rtrs, eps 0.02. */
 static const struct figures {
@@ -41,11 +41,10 @@ static void the_generated_scene_is_the_published_one(void **state)
     (void)state;
     struct scene made, read;
     struct reason reason = {""};
-    if (access(TREES_SEED_SCENE, R_OK) != 0) {
-        print_message("SKIP no " TREES_SEED_SCENE "\n");
+    const char *path = published_scene();
+    if (!path)
         skip();
-    }
-    if (scene_read(TREES_SEED_SCENE, &read, &reason))
+    if (scene_read(path, &read, &reason))
         fail_msg("%s", reason.text);
     open_seed_scene(&made);
     assert_int_equal(made.vertex_count, read.vertex_count);

@@ -4,6 +4,7 @@
 #include "scenes/formats.h"
 #include "scenes/normals.h"
 #include "scenes/scenes.h"
+#include "tests/published.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -184,11 +185,9 @@ static void obj_and_ply_bytes_are_golden(void **state)
 static void rtrs_default_scene_is_written_byte_for_byte(void **state)
 {
     (void)state;
-    const char *path = "../shared/scenes/rtrs-default.json";
-    if (access(path, R_OK) != 0) {
-        print_message("SKIP %s is not here\n", path);
+    const char *path = published_scene();
+    if (!path)
         skip();
-    }
     struct scene scene;
     char *want, *got;
     size_t want_size, got_size;

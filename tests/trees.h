@@ -6,9 +6,6 @@
 
 #include <stdlib.h>
 
-/* The scene of all tests that need its counts: 40 triangles, 24 vertices. */
-#define TREES_SEED_SCENE "../shared/scenes/rtrs-default.json"
-
 /* `count` small triangles on a grid of 256 columns in the plane z = 0; all coordinates are
  * multiples of 1/8 and below 513. Aborts without memory. */
 static inline struct scene trees_grid(uint32_t count)

@@ -103,7 +103,7 @@ struct hard_defect {
 #define HARD_NO_TREES   128u /* asks nothing of engines with a tree */
 
 struct hard_case {
-    unsigned number; /* 1 to 60: ../shared/design/numerics.md, section 4; above: README */
+    unsigned number; /* 1 to 64: open questions; from 70 on: known truths; README has both */
     const char *name;
     const char *recipe, *expected, *source; /* one line each */
     unsigned flags;
