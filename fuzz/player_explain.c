@@ -175,10 +175,10 @@ static double error_of(const struct hit *hit, uint32_t expected, double t_lo, do
     return hit->prim == ABI_NO_PRIM ? 0 : fabs((double)hit->t - middle) / middle;
 }
 
-/* A hit that was missed must be found, of any-hit rays any exact hit: that a miss became excusable is
- * no cure. Nor is it one that the verdict is another one though the answer is as far off as before:
- * the judge of an unknown formula measures by the scene, which axes of their own change. What was no
- * number is cured by any answer that is allowed. */
+/* A hit that was missed must be found, of any-hit rays any exact hit: that a miss became excusable
+ * is no cure. Nor is it one that the verdict is another one though the answer is as far off as
+ * before: the judge of an unknown formula measures by the scene, which axes of their own change.
+ * What was no number is cured by any answer that is allowed. */
 static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray *answer, bool any,
                      int power)
 {
@@ -248,6 +248,8 @@ static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_tr
 {
     enum status status = STATUS_OK;
     for (enum fuzz_scaling how = 0; how < FUZZ_SCALINGS && !status; how++) {
+        if (how == FUZZ_SCALE_AXES && !fuzz_trial_is_uneven(trial, finding->ray))
+            break;
         bool asked, cured, once = false, again = false;
         status = ask_scaled(player, trial, how, FUZZ_SCALE_STEPS, finding, &asked, &cured, reason);
         bool last = asked && cured;

@@ -1,10 +1,13 @@
 #include "fuzz/scaled.h"
 
+#include "ref/mutant.h"
+
 #include <limits.h>
 #include <math.h>
 
 /* Numbers are made no larger than 2^39: contracts end at 2^40. */
 #define MOST_EXPONENT 39
+#define UNEVEN        0x1p-12f
 
 static float larger(float a, float b)
 {
@@ -100,6 +103,28 @@ static struct powers part_of(const struct powers *whole, enum fuzz_scaling scali
     if (scaling == FUZZ_SCALE_ALL)
         out.t = out.positions[0] - (whole->positions[0] - whole->t) * part / all;
     return out;
+}
+
+/* A number that is not 0 and below that share of the largest. */
+static bool is_uneven(const float *number, size_t count, float largest)
+{
+    bool uneven = false;
+    for (size_t i = 0; i < count; i++)
+        uneven = uneven || (number[i] != 0.0f && fabsf(number[i]) < UNEVEN * largest);
+    return uneven;
+}
+
+bool fuzz_trial_is_uneven(const struct fuzz_trial *trial, uint32_t ray)
+{
+    const struct ray *one = &trial->ray[ray];
+    float place = 0.0f, turn = 0.0f;
+    for (int k = 0; k < 3; k++) {
+        place = larger(place, largest_position(&trial->scene, one, k));
+        turn = larger(turn, one->dir[k]);
+    }
+    return is_uneven(trial->scene.vertex, 3 * (size_t)trial->scene.vertex_count, place) ||
+           is_uneven(one->org, 3, place) || is_uneven(one->dir, 3, turn) ||
+           MUTANT == MUTANT_SCALE_BY_SHAPE;
 }
 
 bool fuzz_hit_is_scaled(const struct hit *hit, const struct hit *scaled, int power)

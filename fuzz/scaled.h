@@ -26,6 +26,12 @@ enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray,
                               enum fuzz_scaling scaling, uint32_t step, struct fuzz_trial *out,
                               int *power, bool *possible, struct reason *reason) MUST_USE;
 
+/* Whether axes of their own can tell more than all alike: some number of the positions or of the
+ * direction is less than 2^-12 of the largest. Otherwise differences are at least 2^-36 of it, so
+ * that the axes alike bring them all far above any constant and underflow; what axes of their own
+ * then cure is wrong by the shape, which they change: angles, and ratios of lengths. */
+bool fuzz_trial_is_uneven(const struct fuzz_trial *trial, uint32_t ray);
+
 /* Whether an answer is the other one, scaled: the same triangle, u and v, and t times 2^power. Who
  * answers so does not know of the scale. */
 bool fuzz_hit_is_scaled(const struct hit *hit, const struct hit *scaled, int power);

@@ -21,6 +21,7 @@ enum plan {
     PLAN_TWICE,        /* wrong the first two times, then right */
     PLAN_FARTHER,      /* t is larger by planned.share of itself, at every scale */
     PLAN_NOW_AND_THEN, /* a hash of the ray's bits says which rays are lost */
+    PLAN_FAR,          /* what is farther away than ten times the triangle's width is lost */
     PLAN_EACH_OTHER    /* another wrong distance each time */
 };
 
@@ -73,6 +74,9 @@ static enum status planned_trace(void *self, const struct ray *ray, size_t count
         if (planned.plan == PLAN_FARTHER)
             hit[i].t *= 1 + planned.share;
         if (planned.plan == PLAN_NOW_AND_THEN && hash_of(&ray[i]) >> 31)
+            hit[i] = miss;
+        const float *v = planned.job.scene->vertex;
+        if (planned.plan == PLAN_FAR && fabsf(ray[i].org[2]) > 10 * v[3])
             hit[i] = miss;
         if (planned.plan == PLAN_EACH_OTHER)
             hit[i].t += (float)planned.asked;
@@ -184,6 +188,8 @@ static void what_is_wrong_at_any_scale_is_not_called_scale(void **state)
         if (strstr(text, ".scale"))
             fail_msg("t off by %a: %s", (double)planned.share, text);
     }
+    play(PLAN_FAR, 4e-3f, text); /* axes of their own change the ratio of width and distance */
+    assert_string_equal(text, "planned.-.missed.outside");
     planned.narrow = false;
     for (planned.salt = 1; planned.salt < 60; planned.salt++) {
         play(PLAN_NOW_AND_THEN, 4e-3f, text);
