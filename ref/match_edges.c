@@ -39,7 +39,8 @@ uint8_t match_edges_note(const struct judgement *judgement)
 double match_edges_limit(size_t class, size_t hits)
 {
     double expected = classes[class].share * (double)hits;
-    return expected + 3.0 * sqrt(expected) + MATCH_EDGES_FEW;
+    return expected * (MUTANT == MUTANT_EDGES_WIDER ? 1.5 : 1.0) + 3.0 * sqrt(expected) +
+           MATCH_EDGES_FEW;
 }
 
 void match_edges_text(const struct edges_lost edges[MATCH_EDGES], char text[MATCH_EDGES_TEXT])

@@ -97,7 +97,8 @@ void match_displacements(double *displacement, struct row *row)
         return;
     qsort(displacement, count, sizeof *displacement, by_size);
     row->displacement.p50 = displacement[(count - 1) / 2];
-    row->displacement.p99 = displacement[(count - 1) * 99 / 100];
+    row->displacement.p99 =
+        displacement[(count - 1) * (MUTANT == MUTANT_P99_IS_P90 ? 90 : 99) / 100];
     row->displacement.most = displacement[count - 1];
 }
 

@@ -176,6 +176,8 @@
 #define MUTANT_LINE_REFUSED    1242 /* black box: a triangle that is a line cannot be hit */
 #define MUTANT_DIFF_OF_NOTHING 1243 /* diff: two pictures without a hit agree */
 #define MUTANT_SCALE_BY_SHAPE  1244 /* fuzz: what axes of their own cure is always called scale */
+#define MUTANT_P99_IS_P90      1245 /* black box: the 90th percentile of displacements for the 99th */
+#define MUTANT_EDGES_WIDER     1246 /* black box: half as many hits again may be lost */
 #define MUTANT_EDGES_REPEATED  645 /* black box: a ray given often counts as often */
 #define MUTANT_FANS_FORGIVEN   646 /* --require watertight: what closed fans lose is not counted */
 #define MUTANT_SHOULD_FOR_MUST 647 /* leaks: only rows that promise must keep a profile */

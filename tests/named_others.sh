@@ -30,5 +30,11 @@ says 1 'only teapots' render sphere:n=2 -w 16 -h 16 --out "$dir/x.png" --engine 
 says 1 'only teapots' explain sphere:n=2 --ray '0,0,-3 0,0,1' --engine "$all"
 says 1 'check: exit code 1' report sphere:n=3 --count 200 --parts check --engine "$all" --out "$dir/r.html"
 
+# Two pictures of nothing are no evidence.
+for nothing in 'soup:n=0' 'rtrs --bounces 0'; do
+    expect 1 . diff $nothing --engine cpu,brute -w 48 -h 36
+    grep -q '^  vacuous: no path of either hits a triangle$' "$dir/out" || bad "diff $nothing: not vacuous"
+done
+
 echo "named_others: $failed failed"
 [ "$failed" -eq 0 ]

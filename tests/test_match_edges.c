@@ -1,6 +1,7 @@
 /* Laws of ref/match_edges.c: many losses beside edges are no rounding, a few are; and of
  * --require watertight. */
 #include "ref/match_edges.h"
+#include "ref/match_judge.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -48,6 +49,36 @@ static void more_than_rounding_loses_is_beyond(void **state)
         assert_int_equal(beyond(MANY, MANY, margins[class], false), MANY - limit);
         assert_true(class == 0 || (double)limit < match_edges_limit(class - 1, MANY));
     }
+}
+
+/* Shares of 1/2, 1/8, 1/32 and 1/64 of 1000 hits, three standard deviations and 4. */
+static void limits_by_value(void **state)
+{
+    (void)state;
+    static const double limits[MATCH_EDGES] = {571.0820, 162.5410, 52.0205, 31.4835};
+    for (size_t class = 0; class < MATCH_EDGES; class ++)
+        assert_true(fabs(match_edges_limit(class, MANY) - limits[class]) < 1e-3);
+    assert_true(match_edges_limit(3, 0) == 4.0);
+    struct edges_lost edges[MATCH_EDGES] = {{1000, 573}, {1000, 162}, {1000, 53}, {0, 5}};
+    assert_int_equal(match_edges_beyond(edges), 2 + 0 + 1 + 1);
+}
+
+/* 1 to 200 in another order, and one alone. */
+static void displacements_by_value(void **state)
+{
+    (void)state;
+    double displacement[200];
+    struct row row = {.displacement.count = ARRAY_COUNT(displacement)};
+    for (size_t i = 0; i < ARRAY_COUNT(displacement); i++)
+        displacement[i] = (double)(i * 77 % 200 + 1);
+    match_displacements(displacement, &row);
+    assert_true(row.displacement.p50 == 100);
+    assert_true(row.displacement.p99 == 198);
+    assert_true(row.displacement.most == 200);
+    row = (struct row){.displacement.count = 1};
+    match_displacements(displacement, &row);
+    assert_true(row.displacement.p50 == 1 && row.displacement.p99 == 1);
+    assert_true(row.displacement.most == 1);
 }
 
 static void what_any_test_may_lose_is_not_counted(void **state)
@@ -152,6 +183,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(more_than_rounding_loses_is_beyond),
+        cmocka_unit_test(limits_by_value),
+        cmocka_unit_test(displacements_by_value),
         cmocka_unit_test(what_any_test_may_lose_is_not_counted),
         cmocka_unit_test(a_ray_counts_once),
         cmocka_unit_test(published_tests_stay_within),
