@@ -11,32 +11,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <cmocka.h> /* last: it defines fail() as a macro */
+#include <cmocka.h> /* it defines fail() as a macro */
 
-static const struct {
-    const char *name;
-    enum twin_formula formula;
-} formulas[] = {
-    {"mt", TWIN_MT},
-    {"mt_rtrs", TWIN_MT_RTRS},
-    {"woop", TWIN_WOOP},
-    {"pluecker", TWIN_PLUECKER},
-    {"baldwin_webber", TWIN_BALDWIN_WEBBER},
-    {"embree", TWIN_EMBREE},
-    {"embree_robust", TWIN_EMBREE_ROBUST},
-};
-
-static const struct {
-    const char *name;
-    struct rounding rounding;
-    bool fuses;
-} roundings[] = {
-    {"ieee", ROUNDING_IEEE, false},
-    {"flushed", ROUNDING_FLUSHED, false},
-    {"vulkan rte", ROUNDING_VULKAN_RTE, false},
-    {"vulkan", ROUNDING_VULKAN, false},
-    {"embree", ROUNDING_EMBREE, true},
-};
+#include "tests/stand.h"
 
 static uint64_t pairs_each(void)
 {
@@ -47,13 +24,7 @@ static void must_hold(const char *broken, const struct trial *trial, size_t f, s
 {
     if (!broken)
         return;
-    const struct ray *ray = &trial->ray;
-    print_message("o %a %a %a d %a %a %a tmin %a tmax %a\n", (double)ray->org[0],
-                  (double)ray->org[1], (double)ray->org[2], (double)ray->dir[0],
-                  (double)ray->dir[1], (double)ray->dir[2], (double)ray->tmin, (double)ray->tmax);
-    for (int c = 0; c < 3; c++)
-        print_message("v%d %a %a %a\n", c, (double)trial->v[c][0], (double)trial->v[c][1],
-                      (double)trial->v[c][2]);
+    print_pair(&trial->ray, trial->v);
     fail_msg("%s, rounding %s, %s: broken: %s", formulas[f].name, roundings[r].name,
              trial_kind(kind), broken);
 }

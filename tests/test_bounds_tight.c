@@ -13,32 +13,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <cmocka.h> /* last: it defines fail() as a macro */
+#include <cmocka.h> /* it defines fail() as a macro */
 
-static const struct {
-    const char *name;
-    enum twin_formula formula;
-} formulas[] = {
-    {"mt", TWIN_MT},
-    {"mt_rtrs", TWIN_MT_RTRS},
-    {"woop", TWIN_WOOP},
-    {"pluecker", TWIN_PLUECKER},
-    {"baldwin_webber", TWIN_BALDWIN_WEBBER},
-    {"embree", TWIN_EMBREE},
-    {"embree_robust", TWIN_EMBREE_ROBUST},
-};
-
-static const struct {
-    const char *name;
-    struct rounding rounding;
-    bool fuses;
-} roundings[] = {
-    {"ieee", ROUNDING_IEEE, false},
-    {"flushed", ROUNDING_FLUSHED, false},
-    {"vulkan rte", ROUNDING_VULKAN_RTE, false},
-    {"vulkan", ROUNDING_VULKAN, false},
-    {"embree", ROUNDING_EMBREE, true},
-};
+#include "tests/stand.h"
 
 #define SIZES 20u /* 1 to 2^-19 of the distance */
 
@@ -85,13 +62,10 @@ static double over_of(const struct trial *trial, enum twin_formula formula, cons
         legal_evaluate(legal, formula, &trial->ray, (float(*)[3])trial->v);
     const char *broken = trial_broken(trial, formula, twin, &evaluation, &near);
     row->evaluations++;
-    if (broken)
-        fail_msg("%s, o %a %a %a d %a %a %a v0 %a %a %a v1 %a %a %a v2 %a %a %a", broken,
-                 (double)trial->ray.org[0], (double)trial->ray.org[1], (double)trial->ray.org[2],
-                 (double)trial->ray.dir[0], (double)trial->ray.dir[1], (double)trial->ray.dir[2],
-                 (double)trial->v[0][0], (double)trial->v[0][1], (double)trial->v[0][2],
-                 (double)trial->v[1][0], (double)trial->v[1][1], (double)trial->v[1][2],
-                 (double)trial->v[2][0], (double)trial->v[2][1], (double)trial->v[2][2]);
+    if (broken) {
+        print_pair(&trial->ray, trial->v);
+        fail_msg("%s", broken);
+    }
     return near.t;
 }
 

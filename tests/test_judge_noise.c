@@ -13,42 +13,17 @@
 
 #include "tests/honest_count.h"
 #include "tests/judged.h"
+#include "tests/stand.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-static const struct {
-    const char *name;
-    enum twin_formula formula;
-} formulas[] = {
-    {"mt", TWIN_MT},
-    {"mt_rtrs", TWIN_MT_RTRS},
-    {"woop", TWIN_WOOP},
-    {"pluecker", TWIN_PLUECKER},
-    {"baldwin_webber", TWIN_BALDWIN_WEBBER},
-    {"embree", TWIN_EMBREE},
-    {"embree_robust", TWIN_EMBREE_ROBUST},
-};
-
-static const struct {
-    const char *name;
-    struct rounding rounding;
-    bool fuses;
-} roundings[] = {
+static const struct stand_rounding liberties[] = {
     {"ieee", ROUNDING_IEEE, false},      {"ieee, fused", ROUNDING_IEEE, true},
     {"flushed", ROUNDING_FLUSHED, true}, {"vulkan rte", ROUNDING_VULKAN_RTE, true},
     {"vulkan", ROUNDING_VULKAN, true},   {"embree", ROUNDING_EMBREE, true},
 };
-
-static void print_pair(const struct ray *ray, float v[3][3])
-{
-    print_message("o %a %a %a d %a %a %a tmin %a tmax %a\n", (double)ray->org[0],
-                  (double)ray->org[1], (double)ray->org[2], (double)ray->dir[0],
-                  (double)ray->dir[1], (double)ray->dir[2], (double)ray->tmin, (double)ray->tmax);
-    for (int c = 0; c < 3; c++)
-        print_message("v%d %a %a %a\n", c, (double)v[c][0], (double)v[c][1], (double)v[c][2]);
-}
 
 static struct replay_answer answer_of(const struct evaluation *e)
 {
@@ -122,7 +97,7 @@ static void must_be_possible(const struct trial *trial, size_t f, const struct l
     bool one = replay_can_answer(formulas[f].formula, liberty, ray, v, &any);
     bool this = replay_can_answer(formulas[f].formula, liberty, ray, v, &a);
     if ((!one || !this) && tally->honest.refused < HONEST_SHOWN) {
-        print_pair(ray, v);
+        print_pair(ray, trial->v);
         print_message("%s, %s: t %a u %a v %a was answered, and %s is possible\n", formulas[f].name,
                       what, (double)e->t, (double)e->u, (double)e->v, one ? "another" : "nothing");
     }
@@ -136,7 +111,7 @@ static void check(struct trial *trial, uint64_t index, size_t f, size_t r, const
     static const enum legal_style styles[] = {LEGAL_ALL_NEAREST, LEGAL_ALL_LOW, LEGAL_ALL_HIGH,
                                               LEGAL_ALIKE, LEGAL_ALIKE};
     enum twin_formula formula = formulas[f].formula;
-    struct liberty liberty = {roundings[r].rounding, roundings[r].fuses};
+    struct liberty liberty = {liberties[r].rounding, liberties[r].fuses};
     struct subject subject = {formulas[f].name,
                               twin_is_own(formula) ? formulas[f].name : "mt",
                               {.formula = formula,
@@ -169,14 +144,6 @@ static void check(struct trial *trial, uint64_t index, size_t f, size_t r, const
     court_close(c);
 }
 
-static bool in_contract(const struct ray *ray, float v[3][3])
-{
-    bool in = ray_in_contract(ray);
-    for (int i = 0; i < 9; i++)
-        in = in && fabsf(v[i / 3][i % 3]) <= 0x1p40f;
-    return in;
-}
-
 typedef void draw_fn(int kind, uint64_t index, struct gmp_pair *pair, struct trial *out);
 
 static void draw_degenerate(int kind, uint64_t index, struct gmp_pair *pair, struct trial *out)
@@ -184,7 +151,7 @@ static void draw_degenerate(int kind, uint64_t index, struct gmp_pair *pair, str
     struct rng rng = rng_make(index, (uint64_t)kind);
     degenerate_triangle((enum degenerate)kind, &rng, out->v);
     out->ray = degenerate_ray((enum degenerate)kind, &rng, out->v);
-    if (in_contract(&out->ray, out->v))
+    if (pair_in_contract(&out->ray, out->v))
         trial_truth(pair, out);
 }
 
@@ -199,18 +166,18 @@ static void check_all(draw_fn *draw, const char *(*name)(int), int kinds, uint64
     struct gmp_pair pair;
     exact_gmp_init(&pair);
     for (size_t f = 0; f < ARRAY_COUNT(formulas); f++)
-        for (size_t r = 0; r < ARRAY_COUNT(roundings); r++) {
+        for (size_t r = 0; r < ARRAY_COUNT(liberties); r++) {
             struct tally tally = {.honest = honest_begun()};
             for (int kind = 0; kind < kinds; kind++)
                 for (uint64_t i = 0; i < each; i++) {
                     struct trial trial;
                     draw(kind, i, &pair, &trial);
-                    if (in_contract(&trial.ray, trial.v))
+                    if (pair_in_contract(&trial.ray, trial.v))
                         check(&trial, i, f, r, name(kind), &tally);
                 }
             print_message("%-15s %-12s %8llu evaluations, accepted %8llu, open %8llu; "
                           "exact %8llu\n",
-                          formulas[f].name, roundings[r].name,
+                          formulas[f].name, liberties[r].name,
                           (unsigned long long)tally.evaluations, (unsigned long long)tally.accepted,
                           (unsigned long long)tally.open, (unsigned long long)tally.exact);
             refused += honest_ended(&tally.honest, formulas[f].name);
