@@ -43,32 +43,17 @@ fi
 # Leaks inside drivers are not ours; ours are.
 [ "$mode" = sanitize ] && export LSAN_OPTIONS="suppressions=$(pwd)/tests/lsan.supp"
 
-for test in "$build"/tests/test_*; do
-    case $test in *.d) continue ;; esac
-    name=$(basename "$test")
-    if [ "$mode" = tsan ]; then
-        # Threads of drivers and of Embree are not ours to judge: CPU suites only.
-        case $name in test_abi | test_bad_input | test_half_gpu | test_vulkan* | test_spirv) continue ;; esac
-    fi
-    if [ "$mode" = watch ]; then # what runs shaders
-        case $name in test_abi | test_half_gpu | test_vulkan*) ;; *) continue ;; esac
-    fi
-    case $name in
-    test_pipe | test_guardian | test_fuzz_campaign_deaths | test_fuzz_shrink_apart) alone "$name" "$test" ;;
-    *) suite "$name" "$test" ;;
-    esac
-done
-
+# What takes long begins first.
 case $mode in
 plain)
-    suite rules sh tests/rules.sh
+    suite conform_hard "$build/raydiff" conform --hard --quick --junit "$logs/hard.xml"
     suite rules_planted sh tests/rules_planted.sh
+    suite agree sh tests/agree.sh "$build" quick "$logs/agree"
+    suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
+    suite rules sh tests/rules.sh
     suite constants sh tests/constants.sh
     suite constants_planted sh tests/constants_planted.sh
     suite honest_planted sh tests/honest_planted.sh
-    alone conform "$build/raydiff" conform --junit "$logs/conform.xml"
-    alone conform_hard "$build/raydiff" conform --hard --quick --junit "$logs/hard.xml"
-    alone agree sh tests/agree.sh "$build" quick "$logs/agree"
     suite leaks sh tests/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
     suite fire sh tests/fire.sh "$build"
@@ -108,9 +93,9 @@ plain)
     alone mutants make -s mutants
     suite mutants_none sh tests/mutants_none.sh "$build"
     alone selftest make -s selftest-quick
-    alone install sh tests/install.sh
-    alone tutorial sh tests/tutorial.sh "$build"
-    alone plugin sh tests/plugin.sh "$build"
+    suite install sh tests/install.sh
+    suite tutorial sh tests/tutorial.sh "$build"
+    suite plugin sh tests/plugin.sh "$build"
     suite plugin_findings sh tests/plugin_findings.sh "$build/raydiff"
     ;;
 sanitize)
@@ -142,6 +127,22 @@ tsan)
     suite conform_embree "$build/raydiff" conform "*.embree*" --count 100
     ;;
 esac
+
+for test in "$build"/tests/test_*; do
+    case $test in *.d) continue ;; esac
+    name=$(basename "$test")
+    if [ "$mode" = tsan ]; then
+        # Threads of drivers and of Embree are not ours to judge: CPU suites only.
+        case $name in test_abi | test_bad_input | test_half_gpu | test_vulkan* | test_spirv) continue ;; esac
+    fi
+    if [ "$mode" = watch ]; then # what runs shaders
+        case $name in test_abi | test_half_gpu | test_vulkan*) ;; *) continue ;; esac
+    fi
+    case $name in
+    test_pipe | test_guardian | test_fuzz_shrink_apart) alone "$name" "$test" ;;
+    *) suite "$name" "$test" ;;
+    esac
+done
 
 # Beside each other they share processors: who waits for another thread sleeps.
 jobs=$(env -u OMP_NUM_THREADS nproc 2>/dev/null || echo 2)
