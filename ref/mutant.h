@@ -181,6 +181,8 @@
 #define MUTANT_LISTS_BESIDE    1247 /* black box: what lists lose beside edges is not counted */
 #define MUTANT_EDGES_REPEATED  645 /* black box: a ray given often counts as often */
 #define MUTANT_FANS_FORGIVEN   646 /* --require watertight: what closed fans lose is not counted */
+#define MUTANT_CONFORM_LENIENT 1220 /* conform: what is demanded beyond the judge's own is not */
+#define MUTANT_EXPLAIN_SILENT  1221 /* explain --json: no file where no ray is wrong */
 #define MUTANT_SHOULD_FOR_MUST 647 /* leaks: only rows that promise must keep a profile */
 #define MUTANT_NEED_WITHOUT    476 /* quantised: the displacement excuses every answer */
 #define MUTANT_GROUP_LATE      335 /* shader: a workgroup is there from its second path on */

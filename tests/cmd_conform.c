@@ -28,13 +28,16 @@ static const char help[] =
     "  --store S,..    triangle storages; others than indexed are named as in f32:compact\n"
     "                                                                     [indexed]\n"
     "  --all           every combination of members once, scenes and ray sets by turns\n"
-    "  --require E,..  engines whose skips are failures\n"
+    "  --require E,..  engines whose skips are failures; watertight: a trial fails\n"
+    "                  if it loses a hit inside a closed fan\n"
+    "  --displacement U  how far vertices may have to move to make an answer of an unknown formula\n"
+    "                  right, in 2^-24 of their distance                  [32]\n"
     "  --hard          the hard cases, on the layouts f32, rf16 and the seed's and the builders\n"
     "                  median and rtrs, all others by turns; or on those of --layout, --builder,\n"
     "                  --box and --tri alone (one from outside, too): names\n"
     "                  hard.NN-CASE.query.engine.layout.builder.box.tri.\n"
     "                  A PATTERN that begins with 'hard.' means them too. Not with --count,\n"
-    "                  --brute, --store, --all\n"
+    "                  --brute, --store, --all, --displacement, --require watertight\n"
     "  --quick         without members of which two parts or more are as published\n"
     "  --summary       the hard cases as a matrix\n"
     "  --markdown FILE the matrix as Markdown\n"
@@ -54,6 +57,7 @@ struct conform_options {
     struct list list[TABLE_COUNT], require;
     bool everything[TABLE_COUNT]; /* list[] is "all", so that none of it is named */
     bool all, brute_given;
+    struct match_demands demands;
     uint64_t count, brute;
     struct engine_options engines;
 };
@@ -101,6 +105,7 @@ static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
                                              {"markdown", 1, NULL, OPT_MARKDOWN},
                                              {"html", 1, NULL, OPT_HTML},
                                              {"store", 1, NULL, OPT_STORE},
+                                             {"displacement", 1, NULL, OPT_DISPLACEMENT},
                                              ENGINE_OPTIONS};
 
 static enum status take_list(struct conform_options *o, enum table table, const char *flag,
@@ -108,6 +113,28 @@ static enum status take_list(struct conform_options *o, enum table table, const 
 {
     o->everything[table] = strcmp(text, "all") == 0 || strcmp(text, "every") == 0;
     return table_parse(table, flag, text, &o->list[table], reason);
+}
+
+/* Engines, and watertight among them, which is no engine. */
+static enum status take_require(struct conform_options *o, const char *text, struct reason *reason)
+{
+    static const char word[] = "watertight";
+    static char rest[4096];
+    const size_t length = sizeof word - 1;
+    const char *at = text;
+    while ((at = strstr(at, word)) != NULL &&
+           !((at == text || at[-1] == ',') && strchr(",", at[length])))
+        at++;
+    if (!at)
+        return table_parse(TABLE_ENGINES, "--require", text, &o->require, reason);
+    enum status status = demand_take(OPT_DEMAND, word, &o->demands, reason);
+    if (status || strcmp(text, word) == 0)
+        return status;
+    const size_t before = (size_t)(at - text), last = at[length] == '\0';
+    if (snprintf(rest, sizeof rest, "%.*s%s", (int)(before - last), text,
+                 at + length + !last) >= (int)sizeof rest)
+        return fail(reason, STATUS_INPUT, "--require: longer than %zu characters", sizeof rest - 1);
+    return table_parse(TABLE_ENGINES, "--require", rest, &o->require, reason);
 }
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
@@ -138,7 +165,9 @@ static enum status take_option(void *user, int option, char *text, struct reason
         o->all = true;
         break;
     case OPT_REQUIRE:
-        return table_parse(TABLE_ENGINES, "--require", text, &o->require, reason);
+        return take_require(o, text, reason);
+    case OPT_DISPLACEMENT:
+        return demand_take(option, text, &o->demands, reason);
     case OPT_WAIVERS:
         o->waivers = text;
         break;
@@ -174,13 +203,20 @@ static enum status take_option(void *user, int option, char *text, struct reason
     return STATUS_OK;
 }
 
+/* Whether a trial was judged, and whether one of an unknown formula was. */
+struct use_of {
+    bool judged, unknown;
+};
+
 /* Runs the trials of the suite from `first` on into the report; ran[i] is whether trial i came to
  * be judged. */
 static void run_suite(const struct conform_options *o, const struct suite *suite, size_t first,
-                      struct conform_report *report, bool *ran)
+                      struct conform_report *report, bool *ran, struct use_of *use)
 {
-    struct stage stage = {
-        .pool = {.options = o->engines}, .ray_count = (size_t)o->count, .brute_budget = o->brute};
+    struct stage stage = {.pool = {.options = o->engines},
+                          .ray_count = (size_t)o->count,
+                          .brute_budget = o->brute,
+                          .demands = o->demands};
     struct progress progress = progress_make("conform");
     for (size_t i = first; i < suite->count; i++) {
         char name[TRIAL_NAME_MOST];
@@ -193,6 +229,8 @@ static void run_suite(const struct conform_options *o, const struct suite *suite
         uint64_t start = time_ns();
         enum status status = trial_stage_run(&stage, trial, &row, &reason);
         ran[i] = !status && row.status != ROW_REFUSED && row.status != ROW_SKIPPED;
+        use->judged = use->judged || (!status && row.status == ROW_OK);
+        use->unknown = use->unknown || (!status && row.status == ROW_OK && row.unknown);
         if (!o->tap)
             progress_end(&progress);
         conform_report_add(report, name, status, &row, &reason,
@@ -215,7 +253,7 @@ static int list_suite(const struct suite *suite)
 /* Pairs that met only where nothing ran meet once more, where the rest runs with most; what then is
  * left cannot meet. */
 static enum status fill_and_print(const struct conform_options *o, struct suite *suite,
-                                  struct conform_report *report, bool **ran)
+                                  struct conform_report *report, bool **ran, struct use_of *use)
 {
     char example[160];
     size_t pairs, unmet, first = suite->count;
@@ -226,7 +264,7 @@ static enum status fill_and_print(const struct conform_options *o, struct suite 
     suite_free(&more);
     if (status)
         return status;
-    run_suite(o, suite, first, report, *ran);
+    run_suite(o, suite, first, report, *ran, use);
     status = suite_pairs(suite, *ran, &pairs, &unmet, example, sizeof example, NULL);
     if (!status)
         fprintf(o->tap ? stderr : stdout,
@@ -247,6 +285,7 @@ static int run_and_report(const struct conform_options *o, struct suite *suite,
                           struct reason *reason)
 {
     struct conform_report report;
+    struct use_of use = {false, false};
     bool covering = suite->kind == SUITE_COVERING;
     bool whole = suite->kind != SUITE_PATTERN && o->list[TABLE_ENGINES].count == 0;
     bool *ran = alloc_zeroed(suite->count, sizeof *ran);
@@ -262,15 +301,32 @@ static int run_and_report(const struct conform_options *o, struct suite *suite,
         report.verbose = o->verbose;
         report.tap = o->tap;
         report.options = o->engines;
-        run_suite(o, suite, 0, &report, ran);
-        if (covering && fill_and_print(o, suite, &report, &ran))
+        run_suite(o, suite, 0, &report, ran, &use);
+        if (covering && fill_and_print(o, suite, &report, &ran, &use))
             fprintf(stderr, "raydiff conform: no memory to count pairs\n");
         code = conform_report_close(&report);
+        if (o->demands.displacement > 0.0f && use.judged && !use.unknown)
+            code = exit_worse(
+                code,
+                usage_error("conform", "--displacement: no engine here has an unknown formula"));
     } else {
         fprintf(stderr, "raydiff conform: %s\n", reason->text);
     }
     free(ran);
     return code;
+}
+
+/* -1: a trial of the suite uses what is demanded. */
+static int check_demands(const struct conform_options *o, const struct suite *suite)
+{
+    struct reason why;
+    bool used = o->demands.displacement == 0.0f;
+    for (size_t i = 0; i < suite->count && !used; i++) {
+        const struct list engine = list_of_engine(suite->trial[i].engine);
+        const struct option_use use = {.engine = &engine};
+        used = used || option_is_used(&use, "displacement", &why);
+    }
+    return used ? -1 : usage_error("conform", "%s", why.text);
 }
 
 static int conform(const struct conform_options *o)
@@ -287,7 +343,9 @@ static int conform(const struct conform_options *o)
         fprintf(stderr, "raydiff conform: %s\n", reason.text);
         code = exit_of_status(status);
     } else {
-        code = o->list_only ? list_suite(&suite) : run_and_report(o, &suite, &reason);
+        code = check_demands(o, &suite);
+        if (code < 0)
+            code = o->list_only ? list_suite(&suite) : run_and_report(o, &suite, &reason);
     }
     suite_free(&suite);
     return code;
@@ -325,9 +383,9 @@ static int check_use(const struct conform_options *o, bool hard)
     const bool named =
         o->pattern && strpbrk(o->pattern, "*?[") == NULL && strncmp(o->pattern, "hard.", 5) != 0;
     const struct option_use modes[] = {
-        {.by = "the hard cases", .never = hard ? "count brute all store" : ""},
+        {.by = "the hard cases", .never = hard ? "count brute all store displacement" : ""},
         {.by = "--list",
-         .never = o->list_only ? "count brute require waivers verbose tap junit summary markdown "
+         .never = o->list_only ? "count brute require displacement waivers verbose tap junit summary markdown "
                                  "html threads driver device workgroup peer-time peer-memory"
                                : ""},
         {.by = "a PATTERN, whose trials are all played", .never = o->pattern ? "all" : ""},
@@ -362,6 +420,8 @@ int cmd_conform(int argc, char **argv)
     code = check_use(&o, hard);
     if (code >= 0)
         return code;
+    if (hard && o.demands.watertight)
+        return usage_error("conform", "--require watertight: not used by the hard cases");
     if (hard)
         return conform_hard(&(struct conform_hard_options){.pattern = o.pattern,
                                                            .junit = o.junit,

@@ -146,8 +146,12 @@ static enum outcome decide(enum status status, const struct row *row, const stru
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
         length += snprintf(why + length, why_bytes - (size_t)length, " %s %zu", verdict_name(v),
                            row->count[v]);
-    snprintf(why + length, why_bytes - (size_t)length, "%s; err/E %.2f; bits %zu",
-             row->judged ? "" : " (as published, counted)", row->worst_over, row->bit_differences);
+    length += snprintf(why + length, why_bytes - (size_t)length, "%s; err/E %.2f; bits %zu",
+                       row->judged ? "" : " (as published, counted)", row->worst_over,
+                       row->bit_differences);
+    if (row->fans_lost)
+        snprintf(why + length, why_bytes - (size_t)length, "; lost in closed fans %zu",
+                 row->fans_lost);
     return row->differences ? OUTCOME_FAILED : OUTCOME_PASSED;
 }
 

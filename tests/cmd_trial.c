@@ -1,6 +1,7 @@
 #include "tests/cmd_trial.h"
 
 #include "fuzz/pipe.h"
+#include "ref/mutant.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>
@@ -188,6 +189,7 @@ static enum status set_match(struct stage *stage, const struct trial *trial, str
         .query = trial->query,
         .repeats = 1,
         .brute_budget = stage->brute_budget,
+        .demands = MUTANT == MUTANT_CONFORM_LENIENT ? (struct match_demands){0} : stage->demands,
     };
     status = match_make(&stage->scene, stage->ray, stage->ray_count, &options, &stage->pool,
                         &stage->match, reason);

@@ -37,6 +37,7 @@ struct stage {
     struct pool pool;
     size_t ray_count;
     uint64_t brute_budget;
+    struct match_demands demands;
     char scene_spec[128];
     uint64_t seed;
     const struct ray_set *rays;

@@ -102,5 +102,10 @@ expect 2 . check sphere --json "$dir/kept" --layout nobody
 expect 2 . check --json "$dir/fresh"
 [ ! -e "$dir/fresh" ] || bad "check --json: an empty file is left behind"
 
+# A page of a scene without a wrong answer is a file, too.
+expect 0 . explain soup --rays random --count 2000 --json "$dir/none.json"
+grep -q '"rays_judged": 2000' "$dir/none.json" && grep -q '"cause": "none"' "$dir/none.json" ||
+    bad "explain --json says that nothing is wrong"
+
 echo "shipped: $failed failed"
 [ "$failed" -eq 0 ]
