@@ -6,7 +6,6 @@
 #include "ref/cmd_tree.h"
 #include "ref/command.h"
 #include "ref/explain/ray_text.h"
-#include "ref/mutant.h"
 #include "scenes/scenes.h"
 
 #include <stdlib.h>
@@ -343,13 +342,7 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
         printf("%s: %zu ray%s%s: no answer of %s is wrong%s%s\n", o->of.spec, e->ray_count,
                e->ray_count == 1 ? "" : "s", from, o->of.engine->name,
                o->has_cause ? " with cause " : "", o->has_cause ? cause_name(o->cause) : "");
-        const struct explain_page none = {.of = &o->of,
-                                          .rays = o->has_file ? NULL : o->rays->name,
-                                          .count = e->ray_count,
-                                          .decode = &e->decode};
-        if (!o->json || MUTANT == MUTANT_EXPLAIN_SILENT)
-            return STATUS_OK;
-        return explain_write_json(o->json, &none, *code, reason);
+        return explain_write_none(o, e->ray_count, &e->decode, *code, reason);
     }
     char again[EXPLAIN_COMMAND_MOST];
     struct explain_page page = {.of = &o->of,

@@ -39,7 +39,7 @@ struct explain_page {
     const struct explain_of *of;
     const struct scene *scene;
     const struct judged *judged;
-    const struct judged_ray *ray; /* NULL, for explain_write_json: no answer is wrong */
+    const struct judged_ray *ray;
     const char *rays; /* set it comes from, or NULL */
     size_t index, count;
     const char *again; /* command that shows the page again, NULL: raydiff explain */

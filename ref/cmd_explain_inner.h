@@ -52,6 +52,12 @@ void explain_decode_print(const struct explain_decode *decode);
 /* The same as JSON; null: it was not asked. The caller owns it. */
 json_t *explain_decode_json(const struct explain_decode *decode);
 
+/* Writes o->json, if there is one, where no answer of `count` rays is wrong. Errors: as
+ * explain_write_json. */
+enum status explain_write_none(const struct explain_options *o, size_t count,
+                               const struct explain_decode *decode, int exit_code,
+                               struct reason *reason) MUST_USE;
+
 /* Explains a finding about a tree: prints which record, slot and bound are at fault, and writes
  * o->json. *code: the exit code. Errors: as fuzz_play and fuzz_trial_tree; STATUS_INPUT cannot
  * write. */

@@ -5,6 +5,7 @@
 #include "fuzz/plugin_shader.h"
 #include "ref/explain/outside.h"
 #include "ref/explain/ray_text.h"
+#include "ref/mutant.h"
 #include "scenes/file.h"
 #include "ref/cmd_json.h"
 #include "ref/cmd_use.h"
@@ -176,25 +177,29 @@ static json_t *page_json(const struct explain_page *page, int exit_code)
     return out;
 }
 
-/* No ray was found. */
-static json_t *none_json(const struct explain_page *page, int exit_code)
+enum status explain_write_json(const char *path, const struct explain_page *page, int exit_code,
+                               struct reason *reason)
 {
-    json_t *subject = subject_json(page), *out = json_object();
+    json_t *root = page_json(page, exit_code);
+    return json_write(path, root, 17, reason);
+}
+
+enum status explain_write_none(const struct explain_options *o, size_t count,
+                               const struct explain_decode *decode, int exit_code,
+                               struct reason *reason)
+{
+    if (!o->json || MUTANT == MUTANT_EXPLAIN_SILENT)
+        return STATUS_OK;
+    const struct explain_page page = {.of = &o->of, .rays = o->has_file ? NULL : o->rays->name};
+    json_t *subject = subject_json(&page), *out = json_object();
     json_object_set_new(subject, "index", json_null());
     json_object_set_new(out, "raydiff", json_string(RAYDIFF_VERSION));
     json_object_set_new(out, "exit", json_integer(exit_code));
     json_object_set_new(out, "subject", subject);
-    json_object_set_new(out, "rays_judged", json_integer((json_int_t)page->count));
+    json_object_set_new(out, "rays_judged", json_integer((json_int_t)count));
     json_object_set_new(out, "cause", json_string(cause_name(CAUSE_NONE)));
-    json_object_set_new(out, "decode", explain_decode_json(page->decode));
-    return out;
-}
-
-enum status explain_write_json(const char *path, const struct explain_page *page, int exit_code,
-                               struct reason *reason)
-{
-    json_t *root = page->ray ? page_json(page, exit_code) : none_json(page, exit_code);
-    return json_write(path, root, 17, reason);
+    json_object_set_new(out, "decode", explain_decode_json(decode));
+    return json_write(o->json, out, 17, reason);
 }
 
 /* Appends printf-formatted text as far as it fits. */
