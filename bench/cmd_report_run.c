@@ -218,6 +218,6 @@ void run_judge(const struct run *run, enum status read, const struct reason *why
     part->state = REPORT_RAN;
     if (run->dead || read != STATUS_OK)
         part->state = run->code == EXIT_SKIPPED && !run->dead ? REPORT_SKIPPED : REPORT_FAILED;
-    if (read != STATUS_OK && run->code == EXIT_AGREE)
+    if (read != STATUS_OK && (run->code == EXIT_AGREE || run->code == EXIT_MISMATCH))
         part->why = (char *)(uintptr_t)why->text;
 }

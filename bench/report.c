@@ -135,8 +135,9 @@ int report_part_code(const struct report_part *part)
         return EXIT_AGREE;
     if (part->state == REPORT_FAILED && MUTANT == MUTANT_PART_EXCUSED)
         return EXIT_AGREE;
-    if (part->state == REPORT_FAILED && part->code == EXIT_AGREE)
-        return EXIT_INTERNAL;
+    if (part->state == REPORT_FAILED &&
+        (part->code == EXIT_AGREE || (part->code == EXIT_MISMATCH && MUTANT != MUTANT_PART_UNREAD)))
+        return EXIT_INTERNAL; /* it ran to its end, and what it wrote cannot be read */
     if (part->state == REPORT_SKIPPED && part->code == EXIT_AGREE)
         return EXIT_SKIPPED;
     return part->code;

@@ -1,27 +1,31 @@
 /* Section 6: the machine, its engines, and a card for each Vulkan driver. */
 #include "bench/report_inner.h"
+#include "scenes/file.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
 
 #define LINES_MOST   64u /* of a card; the program's own have 17 */
 #define DRIVERS_MOST 16u
 
-/* "Intel(R) ...", or "unknown". */
+/* "Intel(R) ...", or "unknown"; where that cannot be read, standard error has the reason. */
 static void processor(char *text, size_t text_bytes)
 {
-    char line[256];
-    FILE *file = fopen("/proc/cpuinfo", "re");
+    static const char key[] = "model name";
+    char *bytes;
+    size_t size;
+    struct reason reason;
     snprintf(text, text_bytes, "unknown");
-    while (file && fgets(line, sizeof line, file)) {
-        const char *colon = strchr(line, ':');
-        if (strncmp(line, "model name", 10) != 0 || !colon)
-            continue;
-        snprintf(text, text_bytes, "%.*s", (int)strcspn(colon + 1, "\n"), colon + 1);
-        break;
+    if (file_read("/proc/cpuinfo", &bytes, &size, &reason)) {
+        fprintf(stderr, "raydiff report: the processor's name is not known: %s\n", reason.text);
+        return;
     }
-    if (file)
-        fclose(file);
+    const char *line = strstr(bytes, key), *colon = line ? strchr(line, ':') : NULL;
+    if (colon)
+        snprintf(text, text_bytes, "%.*s", (int)strcspn(colon + 1, "\n"), colon + 1);
+    free(bytes);
 }
 
 static void put_fact(struct html *html, const char *name, const char *text)

@@ -282,6 +282,7 @@
 #define MUTANT_BASE64_TAIL         362 /* report: the last bytes of a picture are lost */
 #define MUTANT_WRONG_UNSEEN        363 /* report: a row that is wrong looks like any other */
 #define MUTANT_PART_EXCUSED        364 /* report: a part that failed is not in the exit code */
+#define MUTANT_PART_UNREAD         1260 /* report: nor is one whose result cannot be read */
 #define MUTANT_PICTURE_BELIEVED    365 /* report: a damaged picture is taken as it is */
 #define MUTANT_RULE_UNTOLD         772 /* fuzz: bytes that are no tree are unexplained */
 #define MUTANT_RECORD_UNSAID       773 /* fuzz, replay: which record is at fault is left out */

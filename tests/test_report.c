@@ -274,6 +274,7 @@ static void the_exit_code_is_of_all_parts(void **state)
     } cases[] = {
         {{.kind = REPORT_CHECK, .state = REPORT_RAN, .code = EXIT_MISMATCH}, EXIT_MISMATCH},
         {{.kind = REPORT_CHECK, .state = REPORT_FAILED, .code = EXIT_AGREE}, EXIT_INTERNAL},
+        {{.kind = REPORT_CHECK, .state = REPORT_FAILED, .code = EXIT_MISMATCH}, EXIT_INTERNAL},
         {{.kind = REPORT_CHECK, .state = REPORT_FAILED, .code = EXIT_USAGE}, EXIT_USAGE},
         {{.kind = REPORT_BENCH, .state = REPORT_SKIPPED, .code = EXIT_AGREE}, EXIT_SKIPPED},
         {{.kind = REPORT_BENCH, .state = REPORT_GIVEN, .code = EXIT_ENGINE}, EXIT_ENGINE},
