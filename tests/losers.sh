@@ -28,6 +28,13 @@ grep -qE "$lost" "$dir/out" || bad "fuzz: a second run forgets what was lost"
 expect 0 . fuzz --trials 800 $campaign --engine "$honest" --dir "$dir/h"
 grep -q 'beside edges' "$dir/out" && bad "fuzz: a published test loses too much"
 
+# conform judges with the displacement that is given: with one that is large enough a
+# tracer passes that is WRONG with the default.
+cc -O2 -DBUG=1 -o "$dir/wrong" "$dir/honest.c" || exit 4
+expect 1 . conform --engine "pipe:$dir/wrong" 'closest.*.sphere.mixed.*'
+expect 0 . conform --engine "pipe:$dir/wrong" --displacement 1e6 'closest.*.sphere.mixed.*'
+expect 0 . conform --engine "$honest" --displacement 1 'closest.*.sphere.mixed.*'
+
 # A triangle with two equal vertices is a line, whose determinant rounding may make anything: where
 # the ray meets that line the published test answers it.
 trial() {
