@@ -30,7 +30,7 @@ static struct {
     struct job job;
     uint32_t asked;
     float share;
-    bool narrow; /* a triangle that is seen from a thousand times its size away */
+    float narrow; /* if not 0, the triangle's size as a share of the distance it is seen from */
     uint32_t salt;
 } planned;
 
@@ -109,12 +109,12 @@ static struct fuzz_trial one_triangle(float size)
     struct reason reason;
     if (fuzz_trial_make(3, 1, 1, &trial, &reason))
         fail_msg("%s", reason.text);
-    const float wide = planned.narrow ? 0x1p-10f * size : size;
+    const float wide = planned.narrow > 0.0f ? planned.narrow * size : size;
     const float vertex[9] = {0, 0, 0, wide, 0, 0, 0, wide, 0};
     memcpy(trial.scene.vertex, vertex, sizeof vertex);
     for (uint32_t i = 0; i < 3; i++)
         trial.scene.index[i] = i;
-    const float before = planned.narrow ? 1 : 0; /* the ray comes from aside */
+    const float before = planned.narrow > 0.0f ? 1 : 0; /* the ray comes from aside */
     trial.ray[0] = (struct ray){.org = {(0.25f - before) * wide, 0.25f * wide, -size},
                                 .dir = {before * wide, 0, size},
                                 .tmax = 1000.0f};
@@ -181,16 +181,17 @@ static void what_is_wrong_at_any_scale_is_not_called_scale(void **state)
     (void)state;
     size_t farther = 0, lost = 0;
     char text[FUZZ_SIGNATURE_MOST];
-    planned.narrow = true;
+    planned.narrow = 0x1p-13f; /* some numbers are small, so that axes of their own are asked */
     for (planned.share = 0x1p-22f; planned.share < 0.01f; planned.share *= 1.0625f) {
         play(PLAN_FARTHER, 4e-3f, text);
         farther += strcmp(text, "planned.-.distance.outside") == 0;
         if (strstr(text, ".scale"))
             fail_msg("t off by %a: %s", (double)planned.share, text);
     }
+    planned.narrow = 0x1p-10f;
     play(PLAN_FAR, 4e-3f, text); /* axes of their own change the ratio of width and distance */
     assert_string_equal(text, "planned.-.missed.outside");
-    planned.narrow = false;
+    planned.narrow = 0.0f;
     for (planned.salt = 1; planned.salt < 60; planned.salt++) {
         play(PLAN_NOW_AND_THEN, 4e-3f, text);
         lost += strcmp(text, "planned.-.missed.outside") == 0;
