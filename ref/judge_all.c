@@ -154,18 +154,12 @@ static enum status judge_crossings(struct listing *l)
 {
     bool unknown = l->judge->model.formula == TWIN_UNKNOWN;
     const struct judge_slot *before = NULL;
-    bool nearest = false; /* hit is behind us */
     enum status status = STATUS_OK;
     for (size_t i = 0; i < l->crossings && !status && !is_wrong(l); i++) {
         const struct oracle_crossing *crossing = &l->crossing[i];
         if (!is_hit(crossing))
             continue;
         const struct judge_slot *slot = judge_find(&l->found, crossing->prim);
-        if (unknown && !nearest) {
-            nearest = true;
-            l->out->judgement.margin = judge_margin_of(l->judge, l->ray, crossing->prim);
-            l->out->judgement.edge_lost = !slot;
-        }
         if (!slot) {
             status = unknown ? left_out_by_distance(l, crossing) : left_out(l, crossing);
             continue;

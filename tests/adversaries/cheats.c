@@ -351,17 +351,3 @@ void swaps_two(const struct lie *lie, size_t i, struct hit *hit, uint32_t *count
         hit[1].prim = prim;
     }
 }
-
-/* Only of short lists, which are traced once. */
-void leaves_out_the_band(const struct lie *lie, size_t i, struct hit *hit, uint32_t *count,
-                         uint32_t capacity)
-{
-    uint32_t kept = 0;
-    double margin;
-    if (*count > capacity || *count > 2)
-        return;
-    for (uint32_t k = 0; k < *count; k++)
-        if (edge_of(lie, i, hit[k].prim, &margin) > lie->amount)
-            hit[kept++] = hit[k];
-    *count = kept;
-}
