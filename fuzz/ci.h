@@ -9,7 +9,7 @@
 enum ci_state {
     CI_PASSED,
     CI_FAILED,
-    CI_KNOWN,   /* fails, as is known: TAP's TODO; JUnit, which has no word for it, skipped */
+    CI_KNOWN,   /* a failure that is known: expected in TAP, skipped in JUnit, which has no word */
     CI_SKIPPED, /* was not run */
 };
 

@@ -1,5 +1,5 @@
-/* The answer that is exactly right, rounded to float32, is believed of whoever gives it: of every
- * formula with a bound, and of a black box. The judge's truth is the oracle's; the numbers of the
+/* The answer that is exactly right, rounded to float32, is accepted from every formula with a bound
+ * and from a black box. The judge's truth is the oracle's; the numbers of the
  * answer are those of rational arithmetic (GMP). */
 #include "ref/replay.h"
 #include "ref/twin.h"
@@ -29,7 +29,7 @@ static struct amount amount(void)
     return getenv("RAYDIFF_SLOW") ? (struct amount){300000, 30000} : (struct amount){300, 30};
 }
 
-/* Everybody who is judged, before the same scenes. */
+/* A judge for each kind of engine, all of the same scene. */
 struct bench {
     struct court *court[SUBJECTS];
     struct honest_count honest[SUBJECTS];
