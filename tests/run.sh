@@ -89,6 +89,7 @@ plain)
     suite warnings sh tests/warnings.sh
     suite libs sh tests/libs.sh
     suite fresh sh tests/fresh.sh
+    suite runner sh tests/runner.sh
     suite other sh tests/other.sh
     alone mutants make -s mutants
     suite mutants_none sh tests/mutants_none.sh "$build"
