@@ -52,7 +52,7 @@ struct judgement {
     double displacement; /* unknown formula: smallest displacement of vertices that makes the answer
                             right, in units of u * max |vertex - origin|, u = 2^-24; else 0 */
     double share;        /* unknown formula: displacement over what is allowed there; else 0 */
-    double margin;       /* unknown formula: of an exact nearest hit that rounding may lose, its
+    double margin;       /* unknown formula: of an exact nearest hit (of a list, of one hit) that rounding may lose, its
                             distance to the nearest edge in parts of the classical test's bound,
                             where more than JUDGE_DISPLACEMENT_MOST is allowed in as many parts of
                             that; else 0 */

@@ -1,9 +1,12 @@
 #include "ref/judge_all.h"
 
 #include "ref/judge_inner.h"
+#include "ref/mutant.h"
+#include "ref/rng.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* One list being judged. */
 struct listing {
@@ -105,6 +108,41 @@ static bool is_hit(const struct oracle_crossing *crossing)
 {
     enum oracle_class class = crossing->pair.class;
     return class == ORACLE_INSIDE || class == ORACLE_EDGE || class == ORACLE_VERTEX;
+}
+
+/* Could this hit be lost sooner for its edge than for an end of the range or a hit at `reach`? */
+static bool beside_edge(const struct listing *l, const struct oracle_crossing *lost, double reach)
+{
+    enum verdict why;
+    double over;
+    judge_loss(l->judge, l->ray, lost, reach, &over, &why);
+    return why == VERDICT_BOUNDARY;
+}
+
+/* Of an unknown formula: one of the exact hits, which depends on the ray alone, stands for the list
+ * in the count of hits beside edges. Where triangles meet, one of them is enough. */
+static void note_one(struct listing *l)
+{
+    struct judgement *sum = &l->out->judgement;
+    const struct oracle_crossing *crossing = NULL;
+    uint32_t hits = 0, bits[sizeof *l->ray / sizeof(uint32_t)];
+    uint64_t seed = 0;
+    memcpy(bits, l->ray, sizeof bits);
+    for (size_t k = 0; k < ARRAY_COUNT(bits); k++)
+        seed = rng_u64(&(struct rng){seed ^ bits[k]});
+    for (size_t i = 0; i < l->crossings; i++)
+        hits += is_hit(&l->crossing[i]);
+    if (hits == 0)
+        return;
+    uint32_t at = MUTANT == MUTANT_LISTS_NEAREST ? 0 : (uint32_t)(seed % hits);
+    for (size_t i = 0; i < l->crossings && !crossing; i++)
+        if (is_hit(&l->crossing[i]) && at-- == 0)
+            crossing = &l->crossing[i];
+    sum->margin = judge_margin_of(l->judge, l->ray, crossing->prim);
+    sum->edge_lost = !judge_find(&l->found, crossing->prim) &&
+                     (MUTANT == MUTANT_LISTS_AT_ENDS || beside_edge(l, crossing, (double)INFINITY));
+    for (size_t i = 0; i < l->count && sum->edge_lost; i++)
+        sum->edge_lost = beside_edge(l, crossing, (double)l->hit[i].t);
 }
 
 /* A hit that was left out, of an unknown formula. */
@@ -215,6 +253,8 @@ enum status judge_list(const struct judge *judge, const struct ray *ray, const s
         judge_order(&l);
         status = judge_crossings(&l);
     }
+    if (!status && judge->model.formula == TWIN_UNKNOWN)
+        note_one(&l);
     free(l.found.slot);
     free(l.crossing);
     if (status)

@@ -328,8 +328,7 @@ enum verdict judge_named_by_distance(const struct judge *judge, const struct ray
                                                                                 : VERDICT_RIGHT;
 }
 
-/* See struct judgement. */
-static double margin_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
+double judge_margin_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
     float v[3][3];
     double edge[3];
@@ -373,7 +372,7 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
     }
     if (truth->prim == ABI_NO_PRIM)
         return STATUS_OK;
-    out->margin = margin_of(judge, ray, truth->prim);
+    out->margin = judge_margin_of(judge, ray, truth->prim);
     if (!miss && judge->query == QUERY_ANY)
         return STATUS_OK;
     /* Between the nearest and the next hit only the nearest can have been lost. */

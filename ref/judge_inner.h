@@ -196,4 +196,7 @@ bool judge_det_is_open(const struct judge_rounding *rounding);
 /* The least |w_c| over its bound: below 1 the classical test may lose an exact hit. */
 double judge_margin(const struct judge_rounding *rounding);
 
+/* Of an exact hit of an unknown formula: the margin of struct judgement. */
+double judge_margin_of(const struct judge *judge, const struct ray *ray, uint32_t prim);
+
 #endif

@@ -112,8 +112,8 @@ struct row {
         double p50, p99, most; /* displacement, see struct judgement */
         size_t fan_lost;       /* hits lost inside a closed fan */
     } displacement;
-    struct edges_lost edges[MATCH_EDGES]; /* closest and any hits of an unknown formula, by distance
-                                             from edges: see ref/match_edges.c */
+    struct edges_lost edges[MATCH_EDGES]; /* hits of an unknown formula, one of each list, by
+                                             distance from edges: see ref/match_edges.c */
     size_t edges_beyond; /* more lost than rounding explains: counted in differences */
     size_t fans_lost; /* with options.demands.watertight: hits lost inside a closed fan; likewise */
     struct {          /* QUERY_ALL: an answer is a list, a hit one that is not empty */

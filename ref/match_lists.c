@@ -2,7 +2,9 @@
 
 #include "ref/all_hits.h"
 #include "ref/judge_all.h"
+#include "ref/match_edges.h"
 #include "ref/match_judge.h"
+#include "ref/mutant.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +29,7 @@ struct playing {
     struct all_hits hits, again, theirs; /* the engine's, twice, and cpu's */
     struct said *said;                   /* of the rays of one batch */
     double *displacement;                /* of an unknown formula, or NULL */
+    uint8_t *note;                       /* likewise: of match_edges_note, a ray each */
     uint64_t ns[2];
 };
 
@@ -118,6 +121,8 @@ static void count_one(struct playing *p, size_t at, size_t i)
         (count > 0 || judgement->displacement > 0.0))
         p->displacement[row->displacement.count++] = judgement->displacement;
     row->displacement.fan_lost += judgement->fan;
+    if (p->note && MUTANT != MUTANT_LISTS_BESIDE)
+        p->note[at + i] = match_edges_note(judgement);
     if (said->bits) {
         row->bit_differences++;
         keep_finding(p, at + i, said, true);
@@ -162,9 +167,11 @@ static enum status play(struct playing *p, const struct model *model)
                             &p->judge, &row->reason);
     bool unknown = model->formula == TWIN_UNKNOWN;
     p->said = alloc_zeroed(ALL_HITS_RAYS, sizeof *p->said);
-    if (unknown)
+    if (unknown) {
         p->displacement = alloc_zeroed(row->rays, sizeof *p->displacement);
-    if (!status && (!p->said || (unknown && !p->displacement)))
+        p->note = alloc_zeroed(row->rays, sizeof *p->note);
+    }
+    if (!status && (!p->said || (unknown && (!p->displacement || !p->note))))
         status = fail(&row->reason, STATUS_MEMORY, "no memory to judge %zu lists", row->rays);
     row->lists.closed =
         !status && match->scene->tri_count > 0 && topology_open_edge(&p->topology) == TOPOLOGY_NONE;
@@ -172,6 +179,8 @@ static enum status play(struct playing *p, const struct model *model)
         status = play_part(p, at, row->lists.closed, &done);
     if (!status && unknown)
         match_displacements(p->displacement, row);
+    if (!status && unknown)
+        status = match_edges_count(match->ray, p->note, row);
     return status;
 }
 
@@ -198,7 +207,7 @@ enum status match_lists(struct match *match, const struct engine *engine, void *
     row->brute = match->brute_count < row->rays ? match->brute_count : row->rays;
     row->differences += row->bit_differences;
     if (row->judged)
-        row->differences += row->count[VERDICT_WRONG];
+        row->differences += row->count[VERDICT_WRONG] + row->edges_beyond;
     judge_free(p.judge);
     topology_free(&p.topology);
     all_hits_free(&p.hits);
@@ -206,5 +215,6 @@ enum status match_lists(struct match *match, const struct engine *engine, void *
     all_hits_free(&p.theirs);
     free(p.said);
     free(p.displacement);
+    free(p.note);
     return status;
 }

@@ -178,6 +178,9 @@
 #define MUTANT_SCALE_BY_SHAPE  1244 /* fuzz: what axes of their own cure is always called scale */
 #define MUTANT_P99_IS_P90      1245 /* black box: the 90th percentile of displacements for the 99th */
 #define MUTANT_EDGES_WIDER     1246 /* black box: half as many hits again may be lost */
+#define MUTANT_LISTS_BESIDE    1247 /* black box: what lists lose beside edges is not counted */
+#define MUTANT_LISTS_NEAREST   1248 /* black box: the nearest hit of each list stands for it */
+#define MUTANT_LISTS_AT_ENDS   1249 /* black box: a list loses hits at the range's ends for edges */
 #define MUTANT_EDGES_REPEATED  645 /* black box: a ray given often counts as often */
 #define MUTANT_FANS_FORGIVEN   646 /* --require watertight: what closed fans lose is not counted */
 #define MUTANT_CONFORM_LENIENT 1220 /* conform: what is demanded beyond the judge's own is not */

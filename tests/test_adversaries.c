@@ -66,8 +66,12 @@ static enum status trace_all_and_spoil(void *self, const struct ray *ray, size_t
     enum status status =
         engine_find("cpu")->trace_all(self, ray, ray_count, capacity, hit, hit_count, reason);
     struct lie lie = {now.match, ++now.calls, ray_count, ray, NULL, now.judge, now.cheat->amount};
-    for (size_t i = 0; i < ray_count && !status; i++)
+    for (size_t i = 0; i < ray_count && !status; i++) {
+        uint32_t before = hit_count[i];
         now.cheat->spoil_list(&lie, i, hit + i * capacity, &hit_count[i], capacity);
+        now.hits += before > 0;
+        now.spoilt += hit_count[i] != before;
+    }
     return status;
 }
 

@@ -351,3 +351,45 @@ void swaps_two(const struct lie *lie, size_t i, struct hit *hit, uint32_t *count
         hit[1].prim = prim;
     }
 }
+
+/* Only of short lists, which are traced once. */
+void leaves_out_the_band(const struct lie *lie, size_t i, struct hit *hit, uint32_t *count,
+                         uint32_t capacity)
+{
+    uint32_t kept = 0;
+    double margin;
+    if (*count > capacity || *count > 2)
+        return;
+    for (uint32_t k = 0; k < *count; k++)
+        if (edge_of(lie, i, hit[k].prim, &margin) > lie->amount)
+            hit[kept++] = hit[k];
+    *count = kept;
+}
+
+void leaves_out_the_ends(const struct lie *lie, size_t i, struct hit *hit, uint32_t *count,
+                         uint32_t capacity)
+{
+    const struct ray *ray = &lie->ray[i];
+    uint32_t kept = 0;
+    if (*count > capacity || *count > 2)
+        return;
+    for (uint32_t k = 0; k < *count; k++)
+        if (hit[k].t > ray->tmin && hit[k].t < ray->tmax)
+            hit[kept++] = hit[k];
+    *count = kept;
+}
+
+void keeps_the_nearest(const struct lie *lie, size_t i, struct hit *hit, uint32_t *count,
+                       uint32_t capacity)
+{
+    uint32_t rest = 1;
+    if (*count != 2 || capacity < 2)
+        return;
+    if (hit[1].t < hit[0].t) {
+        struct hit far = hit[0];
+        hit[0] = hit[1];
+        hit[1] = far;
+    }
+    leaves_out_the_band(lie, i, hit + 1, &rest, capacity - 1);
+    *count = 1 + rest;
+}

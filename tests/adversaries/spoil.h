@@ -19,6 +19,7 @@ extern spoil_fn drops_what_is_excused, sees_what_is_excused, claims_the_degenera
     lies_alone, lies_in_batches, lies_later, lies_to_odd_rays, lies_once_in_a_while, forgets_backs,
     forgets_axes, forgets_the_end, stops_at_the_end, takes_anothers_place, answers_no_number,
     answers_next_to_0, fills_misses, names_the_next_triangle, claims_a_line;
-extern spoil_list_fn lists_one_twice, leaves_one_out, swaps_two;
+extern spoil_list_fn lists_one_twice, leaves_one_out, swaps_two, leaves_out_the_band,
+    keeps_the_nearest, leaves_out_the_ends;
 
 #endif
