@@ -6,7 +6,7 @@
 # Exit codes: 0 all pass; 1 a warning, or a suite fails; 2 usage; 77 what it needs is not here.
 set -u
 compiler=aarch64-linux-gnu-gcc
-libraries='libc6-dev libjansson-dev libpng-dev zlib1g-dev libvulkan-dev libembree-dev libcmocka-dev libgmp-dev'
+libraries='libc6-dev libgomp1 libjansson-dev libpng-dev zlib1g-dev libvulkan-dev libembree-dev libcmocka-dev libgmp-dev'
 packages="gcc libc6-dev gcc-aarch64-linux-gnu qemu-user pkg-config glslang-tools $(printf '%s:arm64 ' $libraries)"
 if [ "${1:-}" = --packages ]; then
     echo $packages

@@ -8,7 +8,7 @@ walked=${2-}
 . tests/expect.sh
 files=$dir/files
 mkdir "$files"
-runs=0 pairs=0 done=
+runs=0 pairs=0 done= input=/dev/null
 
 commands='check explain fuzz merge min replay export conform judge gen verify bench construct report precompute diff
     render scene leaks list doctor'
@@ -31,7 +31,8 @@ value_of() {
     show) value=t ;; form) value=text ;; plan) value=steps ;; parts) value=machine ;; size) value=8x8 ;;
     pixel) value=1,1 ;; shard) value=1/2 ;; show-range) value=0:1 ;; triangles) value=8-16 ;; driver) value=stock ;;
     ray) value='0,0,0 1,0,0' ;; cause) value=sentinel ;; scene) value=soup:n=9 ;; path) value=soup:n=9 ;;
-    bvh | shader | baseline | waivers | check | bench | benchmark | doctor | findings | corpus | verify | picture)
+    baseline) value=fuzz/baseline.txt ;;
+    bvh | shader | waivers | check | bench | benchmark | doctor | findings | corpus | verify | picture)
         value=$dir/nothing ;;
     out | json | csv | svg | junit | jsonl | tap | markdown | html | log | paths | to | dir | benchmark-out)
         value=$files/x.$1 ;;
@@ -43,7 +44,7 @@ value_of() {
 look() { # name, command line
     rm -rf "$files"
     mkdir "$files"
-    "$raydiff" "$@" >"$dir/out" 2>"$dir/err" </dev/null
+    "$raydiff" "$@" >"$dir/out" 2>"$dir/err" <"$input"
     code=$?
     runs=$((runs + 1))
     { echo "$code"; cat "$dir/out" "$dir/err"; cd "$files" && find . -type f -size +0 && cat tree* 2>/dev/null | cksum; } |
@@ -54,7 +55,7 @@ look() { # name, command line
 is_refused() { # option
     [ "$code" -eq 2 ] || return 1
     { IFS= read -r said && ! read -r more; } <"$dir/err" || return 1
-    case "$said " in *"--$1"[!a-z-]*) return 0 ;; esac
+    case "$said " in *"--$1"[!a-z-]* | *"--handler ${1#handler-} "*) return 0 ;; esac
     return 1
 }
 
@@ -95,7 +96,7 @@ walk() {
         pairs=$((pairs + 1))
         value_of "$option"
         case $option,$command in tap,conform | benchmark,render) value= ;; esac
-        "$raydiff" $base --$option ${value:+"$value"} >"$dir/out" 2>"$dir/err" </dev/null
+        "$raydiff" $base --$option ${value:+"$value"} >"$dir/out" 2>"$dir/err" <"$input"
         code=$?
         is_refused "$option" || bad "raydiff $base --$option $value: exit $code, and it is not used"
     done
@@ -149,6 +150,37 @@ walk "render --path rtrs -w 8 -h 8 --engine cpu --out $files/tree.png" \
     ~ambience=0.5 ~camera-light-strength=0.5 ~camera-fixed handler=bvh-rf ~handler-naive ~handler-bvh handler-bvh-rf
     ~handler-blank engine=brute layout=rf16 ~builder=ploc ~box=watertight ~tri=woop ~leaf=1 ~waves ~optimize=reinsert
     ~threads=1 ~paths=$files/y.csv ~window ~bvh=$dir/rtrs.json"
+
+# Whole answers, machines, made scenes, pictures that differ, campaigns, reports.
+"$raydiff" gen sphere:n=2 --count 5 --decimal | awk -f fuzz/samples/tracer.awk >"$dir/answers"
+input=$dir/answers
+walk verify 'brute=1 ~displacement=3 ~require=watertight json=@'
+input=/dev/null
+walk 'doctor --driver stock' '~driver=stock ~device=0 json=@ ~threads=1 ~workgroup=32'
+walk "construct --out $files/made.json --model soup:n=9 0 --camera-pos 0 1 -8 0 0 0 --camera-fixed" \
+    '~seed=3 json ~fill-normals ~camera-fixed ~scale=2'
+"$raydiff" precompute --scene cornell --out "$dir/cornell.json" 2>/dev/null
+walk 'diff --path cornell --engine cpu,fast -w 24 -h 18' "pixel=3,3 angle=30 ~list=1 out=@ json=@ path=sphere:n=4
+    width=25 height=19
+    ~workgroup-size=3 profile=rtrs bounces=0 ~ambience=0.5 camera-light-strength=0.5 engine=cpu,brute ~threads=1
+    ~layout=rf16 leaf=1 builder=ploc box=watertight ~tri=woop optimize=reinsert ~waves ~bvh=$dir/cornell.json
+    handler=bvh-rf handler-bvh-rf ~handler-bvh handler-blank ~camera-orbit ~camera-fixed"
+walk "fuzz --trials 20 --jobs 1 --engine cpu --layout f32 --corpus none --dir $files/d" 'trials=40 ~time=60 ~until=1 seed=3
+    ~jobs=2 ~shard=1/1 engine=cpu,fast layout=f32,rf16 builder=ploc faithful rays=9 triangles=4-8 ~feedback pairs=1
+    ~no-shrink ~trial-time=9 ~memory=999 json=@ junit=@ tap=@ jsonl=@ dir=@ ~baseline=fuzz/baseline.txt'
+"$raydiff" check soup:n=40 --count 64 --repeat 1 --engine cpu --layout f32 --json "$dir/check.json" >/dev/null
+"$raydiff" bench builders --scene soup:n=40 --rounds 1 --threads 1 --json "$dir/bench.json" >/dev/null 2>&1
+"$raydiff" doctor --driver stock --json "$dir/doctor.json" >/dev/null
+"$raydiff" render --path rtrs -w 8 -h 8 --engine cpu --out "$dir/p.png" >/dev/null 2>&1
+"$raydiff" render --path rtrs -w 8 -h 8 --engine cpu --benchmark --benchmark-frames 2 \
+    --benchmark-out "$dir/benchmark" >/dev/null 2>&1
+"$raydiff" fuzz --trials 2 --jobs 1 --engine cpu --layout f32 --corpus none --dir "$dir/found" >/dev/null 2>&1
+walk "report soup:n=40 --out $files/r.html --parts machine" "~title=T parts=check ~threads=1 json=@ out=@ ~driver=stock
+    ~device=0 ~workgroup=32 ~time=99 check=$dir/check.json bench=$dir/bench.json benchmark=$dir/benchmark.json
+    ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found"
+walk "report --findings $dir/found --out $files/r.html" "~title=T ~peer-memory=999 ~peer-time=9 ~parts=machine json=@ out=@
+    ~driver=stock ~device=0 ~workgroup=32 ~threads=1 ~time=99 check=$dir/check.json bench=$dir/bench.json benchmark=$dir/benchmark.json
+    ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found ~baseline=fuzz/baseline.txt"
 
 echo "options: $pairs pairs of run and option, $runs runs, $failed failed"
 [ "$failed" -eq 0 ]
