@@ -9,14 +9,8 @@
 #include <signal.h>
 #include <time.h>
 
-#define TRIALS 1000u
-/* Under AddressSanitizer all else of a trial takes that much longer. */
-#ifdef __SANITIZE_ADDRESS__
-#define PLAN_SLOWER 3
-#else
-#define PLAN_SLOWER 1
-#endif
-#define PLAN_WORK_MS (60 * PLAN_SLOWER)
+#define TRIALS       1000u
+#define PLAN_WORK_MS 60
 
 /* --- an engine that dies ---------------------------------------------------------------------- */
 
