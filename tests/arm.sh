@@ -23,7 +23,7 @@ left_out() {
     case $1 in
     vulkan* | half_gpu | grid_gpu) echo Vulkan ;;
     pipe | fuzz_campaign_deaths | memory) echo 'qemu-user passes no limit of memory on' ;;
-    fuzz_campaign) echo 'over 3 minutes' ;;
+    adversaries | fuzz_campaign) echo 'over 3 minutes' ;;
     esac
     # Those that start programs of theirs, which the kernel must know how to emulate.
     [ -n "$known" ] || ! grep -qE 'tests/(peers|spawned|campaigns|built)\.h|--peer|system\(|spawn|dlopen' "tests/test_$1.c" ||
@@ -43,7 +43,8 @@ for suite; do
 done
 [ $# -gt 0 ] || set -- $made
 start=$(date +%s)
-make -s -j"$(nproc)" "OUT=$folder" CC=$compiler WERROR=1 "$folder/raydiff" $(echo "$made" | sed "s|^|$folder/tests/test_|") || {
+make -s -j"$(nproc)" "OUT=$folder" CC=$compiler WERROR=1 "$folder/raydiff" \
+    $(printf "$folder/samples/%s " tracer tracer_bug1 tracer_bug2 refuser) $(echo "$made" | sed "s|^|$folder/tests/test_|") || {
     echo "FAILED aarch64: it does not build without a warning"
     exit 1
 }

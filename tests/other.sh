@@ -91,6 +91,7 @@ echo '[ "$1" = --version ] && echo "qemu-aarch64 version 10.0.7 (played)" || exe
 for name in one two vulkan_three; do : >"$dir/repository/tests/test_$name.c"; done
 cat >"$dir/repository/Makefile" <<'END'
 $(OUT)/raydiff: ; @mkdir -p $(OUT)
+$(OUT)/samples/%: ; @:
 $(OUT)/tests/%: tests/%.c
 	@mkdir -p $(OUT)/tests
 	@cp $< $@
