@@ -47,11 +47,10 @@ LDLIBS   := $(if $(EMBREE),$(EMBREE_LIBS)) $(LIBS) -ldl -lm -lpthread
 # Only the program is linked with glslang, and only it compiles anew when that comes or goes.
 PROGRAM_LIBS := $(if $(filter 1,$(HAVE_GLSLANG)),$(GLSLANG_LIBS))
 
-# Files named cmd_* are the program's, fuzz/fuzz_* have entry points of their own, all others of these
-# folders are the library's.
-LIB_SRC  := $(foreach file,$(wildcard ref/*.c ref/*/*.c gpu/*.c scenes/*.c scenes/*/*.c bench/*.c tests/hard/*.c fuzz/*.c),\
-              $(if $(filter cmd_% fuzz_%,$(notdir $(file))),,$(file)))
-CMD_SRC  := raydiff.c $(wildcard */cmd_*.c)
+# The commands are the program's, all else of these folders is the library's.
+FUZZ     := gen play shrink feedback campaign findings selftest export
+LIB_SRC  := $(wildcard ref/*/*.c gpu/*/*.c scenes/*.c scenes/*/*.c bench/*/*.c tests/hard/*.c $(FUZZ:%=fuzz/%/*.c))
+CMD_SRC  := raydiff.c $(wildcard cmd/*/*.c)
 TEST_SRC := $(wildcard tests/test_*.c)
 SHADERS  := $(wildcard shaders/*.comp)
 
@@ -69,7 +68,7 @@ SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv) $(RENDERED:%=$(B)/spv/%.spv
 # A member that no table names would never be tested: the tables compare these with their length.
 COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           BUILDER_FILES=$(words $(wildcard ref/builders/build_*.c)) \
-          ENGINE_FILES=$(words $(wildcard ref/engines/engine_*.c gpu/engine_*.c)) \
+          ENGINE_FILES=$(words $(wildcard ref/engines/engine_*.c gpu/engines/engine_*.c)) \
           STORE_FILES=$(words $(wildcard ref/store/store_*.c)) \
           GENERATOR_FILES=$(words $(wildcard scenes/generators/gen_*.c)) \
           TRACE_SHADERS=$(words $(filter-out %/trace_brute.comp,$(wildcard shaders/trace_*.comp)))
@@ -115,8 +114,8 @@ $(B)/gen/have_sdl2.h: FORCE
 	$(call written,'#define HAVE_SDL2 $(or $(HAVE_SDL2),0)')
 $(B)/gen/have_glslang.h: FORCE
 	$(call written,'#define HAVE_GLSLANG $(or $(HAVE_GLSLANG),0)')
-$(B)/obj/scenes/window.o: CPPFLAGS += $(SDL2_CFLAGS)
-$(B)/obj/gpu/cmd_glsl.o: CPPFLAGS += $(GLSLANG_CFLAGS)
+$(B)/obj/scenes/render/window.o: CPPFLAGS += $(SDL2_CFLAGS)
+$(B)/obj/cmd/doctor/cmd_glsl.o: CPPFLAGS += $(GLSLANG_CFLAGS)
 .PHONY: FORCE
 
 # What is known to fail is part of the program, so that an installed one has it.
@@ -171,7 +170,7 @@ $(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
 
 # The campaign of truth; needs GMP, so it is no part of the program.
 TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact_gmp*.c) \
-               ref/cmd_tables.c ref/cmd_options.c)
+               cmd/common/cmd_tables.c cmd/common/cmd_options.c)
 $(B)/truth: $(TRUTH_OBJ) $(B)/libraydiff.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(GMP_LIBS)
 truth:
@@ -182,24 +181,24 @@ truth:
 
 include shaders/shaders.mk # $(SPV), $(B)/gen/shaders.c
 include mutants.mk # planted, planted-quick
-include fuzz/fire/fire.mk # files under fire
+include tests/readers/fire.mk # files under fire
 
 # Parts of the C programs that `raydiff export` writes, as text. They are read as they are, never
 # compiled here.
-TEMPLATES := $(sort $(wildcard fuzz/export/*.c))
+TEMPLATES := $(sort $(wildcard fuzz/templates/*.c))
 $(B)/gen/templates.c: $(TEMPLATES) Makefile
 	@mkdir -p $(@D)
-	{ echo '#include "fuzz/export_template.h"'; \
+	{ echo '#include "fuzz/export/export_template.h"'; \
 	  echo 'const struct export_template export_templates[] = {'; \
 	  for file in $(TEMPLATES); do printf '{"%s",\n' "$${file##*/}"; \
 	      sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $$file; echo '},'; done; \
 	  echo '{0, 0}};'; } >$@
 
 # The text of our shaders, for those that are compiled at run time.
-GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl)) ref/abi.h ref/mutant.h
+GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl)) ref/abi.h ref/base/mutant.h
 $(B)/gen/glsl_sources.c: $(GLSL_TEXTS) Makefile
 	@mkdir -p $(@D)
-	@{ echo '#include "gpu/glsl_text.h"'; echo 'const struct glsl_source glsl_sources[] = {'; \
+	@{ echo '#include "gpu/shaders/glsl_text.h"'; echo 'const struct glsl_source glsl_sources[] = {'; \
 	  for file in $(GLSL_TEXTS); do printf '{"%s",\n' "$${file#shaders/}"; \
 	      sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $$file; echo '},'; done; \
 	  echo '{0, 0}};'; } >$@
@@ -331,7 +330,7 @@ fuzz-files:
 	@sh .ci/deps.sh deep
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/fire/seeds
 	@$(MAKE) --no-print-directory -s -j$(JOBS) FIRE_OUT=$(OUT)/fire-libfuzzer fire-engine
-	@sh fuzz/fire/run.sh $(OUT)/fire-libfuzzer $(B)/fire/seeds $(or $(TIME),60) $(or $(ENTRY),$(FIRE_NAMES))
+	@sh tests/readers/run.sh $(OUT)/fire-libfuzzer $(B)/fire/seeds $(or $(TIME),60) $(or $(ENTRY),$(FIRE_NAMES))
 
 # The same under AFL++ (Debian package afl++).
 fuzz-afl:
@@ -339,7 +338,7 @@ fuzz-afl:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/fire/seeds
 	@$(MAKE) --no-print-directory -s -j$(JOBS) FIRE_OUT=$(OUT)/fire-afl FIRE_CC=afl-clang-fast \
 	    FIRE_FLAGS='-g -O2 -fsanitize=undefined -fno-sanitize-recover=all' fire-engine
-	@sh fuzz/fire/afl.sh $(OUT)/fire-afl $(B)/fire/seeds $(or $(TIME),60) $(or $(ENTRY),$(FIRE_NAMES))
+	@sh tests/readers/afl.sh $(OUT)/fire-afl $(B)/fire/seeds $(or $(TIME),60) $(or $(ENTRY),$(FIRE_NAMES))
 
 # The script for OSS-Fuzz, with what is on this machine in place of its image.
 fuzz-oss:
@@ -375,11 +374,12 @@ format:
 format-check:
 	clang-format --dry-run -Werror $(SOURCES)
 
-HEADERS := $(wildcard ref/*.h ref/primitives/*.h scenes/*.h) ref/oracle/oracle.h ref/store/store.h
+HEADERS := $(wildcard ref/*.h $(patsubst %,ref/%/*.h,base files judge match packed primitives scene trace tree twin) \
+             scenes/*.h scenes/*/*.h) ref/oracle/oracle.h
 install: all lib
 	install -Dm755 $(B)/raydiff $(DESTDIR)$(PREFIX)/bin/raydiff
 	install -Dm644 $(B)/libraydiff.a $(DESTDIR)$(PREFIX)/lib/libraydiff.a
-	for h in $(filter-out ref/cmd_% scenes/cmd_%,$(HEADERS)); do \
+	for h in $(HEADERS); do \
 	    install -Dm644 $$h $(DESTDIR)$(PREFIX)/include/raydiff/$$h || exit 1; done
 	install -d $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/share/man/man1
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LDLIBS)|' \

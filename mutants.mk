@@ -13,7 +13,7 @@ $(SELFTEST)/$(1).$(basename $(notdir $(2)))/unit.o: $(2) $(B)/gen/flags
 endef
 # Of a shader: its SPIR-V in the place of the healthy one's. The tool that decorates it can be the bug.
 define plant_shader
-$(SELFTEST)/$(1).$(2)/tool: $(TOOL_SRC) ref/mutant.h
+$(SELFTEST)/$(1).$(2)/tool: $(TOOL_SRC) ref/base/mutant.h
 	@mkdir -p $$(@D)
 	$$(HOSTCC) -I. -std=c17 -O1 $$(WARN) -DMUTANT=MUTANT_$(1) -o $$@ $(TOOL_SRC)
 $(SELFTEST)/$(1).$(2)/raw/$(2).spv: shaders/$(2).comp

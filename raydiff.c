@@ -1,7 +1,7 @@
 /* The front door: names, summaries and functions of the sub-commands, and how the program ends. */
-#include "fuzz/plugin_shader.h"
-#include "ref/command.h"
-#include "scenes/cmd_process.h"
+#include "ref/outside/plugin_shader.h"
+#include "ref/base/command.h"
+#include "cmd/common/cmd_process.h"
 
 #include <string.h>
 

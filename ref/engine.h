@@ -3,7 +3,7 @@
 #define ENGINE_H
 
 #include "ref/layout.h"
-#include "ref/model.h"
+#include "ref/twin/model.h"
 #include "ref/primitives/primitives.h"
 
 struct engine_options {
@@ -38,7 +38,7 @@ struct job {
  * whose boxes end at planes within triangles: a ray that meets a shared edge exactly on the side of
  * the one triangle may be accepted by the test of the other alone, at a point beside it that no
  * box has which lists it. How far beside grows with the ray's distance, so no padding of the boxes
- * would do. Exact hits are found in split trees, too (ref/cover.h). */
+ * would do. Exact hits are found in split trees, too (ref/tree/cover.h). */
 static inline bool job_keeps_watertight(const struct job *job)
 {
     return !job->packed || (job->box->watertight && !job->packed->split);
@@ -116,13 +116,13 @@ struct engine {
      * for the other queries), in no order; ray i's are hit[i * capacity .. + hit_count[i] - 1]. A
      * count over capacity says how many there are; then only the first `capacity` are written. A
      * triangle may be listed twice if the engine finds it twice: that is for the judge to see. The
-     * caller keeps ray_count * capacity in bounds (ref/all_hits.h does). Errors: as trace;
+     * caller keeps ray_count * capacity in bounds (ref/trace/all_hits.h does). Errors: as trace;
      * STATUS_LIMIT capacity hits of one ray are more than a buffer can hold. NULL: cannot (rows
      * skip). An engine whose traversal is not ours, such as a ray query, can list candidates and
      * confirm none. */
     enum status (*trace_all)(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason);
-    /* Renders on its own; both NULL: it is driven ray by ray (scenes/render.h). frame_prepare as
+    /* Renders on its own; both NULL: it is driven ray by ray (scenes/render/render.h). frame_prepare as
      * prepare, of which it is independent; frame draws the prepared job as seen from `view`.
      * report->ns is the time of the drawing alone, without reading back. Errors: as prepare;
      * STATUS_DEVICE a path was not finished (the reason names pixel and cause), lost; STATUS_LIMIT

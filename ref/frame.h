@@ -1,4 +1,4 @@
-/* What a picture of a scene is: the contract between the renderer in C (scenes/render.h), which
+/* What a picture of a scene is: the contract between the renderer in C (scenes/render/render.h), which
  * drives any engine ray by ray, and the one in shaders, which an engine may have.
  *
  * Both follow the same paths to the same bits wherever + - * / of floats are IEEE's: what follows
@@ -99,7 +99,7 @@ struct view {
 /* Where the answers of a frame go; the arrays are the caller's, row 0 at the top. */
 struct frame {
     uint32_t
-        *pixel;   /* width * height, as struct image has them (scenes/image.h): red in bits 0-7 */
+        *pixel;   /* width * height, as struct image has them (scenes/picture/image.h): red in bits 0-7 */
     float *color; /* NULL, or `total` of each pixel, 3 floats */
     float *bound; /* NULL, or for each pixel how far 255 total of any channel can be from that of
                      another IEEE renderer whose pow is within Vulkan's precision; filled in by

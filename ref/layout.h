@@ -3,7 +3,7 @@
 #define LAYOUT_H
 
 #include "ref/abi.h"
-#include "ref/store/store.h"
+#include "ref/store.h"
 
 /* In which order a traversal visits the children it hits. */
 enum visit {
@@ -35,7 +35,7 @@ struct packed {
     uint32_t root;       /* reference of the root */
     uint32_t tri_count;  /* of the scene it was packed from */
     uint32_t stack_need; /* entries a traversal can need at most */
-    bool split;          /* from a split tree (ref/bvh.h) */
+    bool split;          /* from a split tree (ref/tree/bvh.h) */
 };
 
 #define WIDE_MAX 8
@@ -66,7 +66,7 @@ struct layout {
                       1 + width */
     enum visit order;
     bool faithful; /* reproduces the seed or its paper, faults included */
-    bool outside;  /* a plugin's (ref/plugin_layout.h): what it packs is as deep as it decodes */
+    bool outside;  /* a plugin's (ref/outside/plugin_layout.h): what it packs is as deep as it decodes */
     /* Layouts of a family share their functions and one shader. `shader` is the name of the file
      * shaders/trace_SHADER.comp, NULL: the layout's own name. */
     const char *shader;
@@ -94,7 +94,7 @@ struct layout {
      * the order of load(), and with them a frame of that node, but no frame of the scene. All boxes
      * are finite and not empty. Never writes outside the words. Errors: STATUS_LIMIT, with the
      * layout and the limit, a bound that has no number there; the words are then anything. NULL:
-     * such trees are to be built anew (ref/refit.h). */
+     * such trees are to be built anew (ref/packed/refit.h). */
     enum status (*rebound)(struct packed *packed, uint32_t ref, const struct box *own,
                            const struct wide *node, struct reason *reason);
     /* Of layouts whose items lie in the nodes; NULL: pack() has them written by the storage

@@ -1,8 +1,8 @@
 #include "scenes/construct.h"
 
-#include "ref/mutant.h"
-#include "scenes/formats.h"
-#include "scenes/normals.h"
+#include "ref/base/mutant.h"
+#include "scenes/read/formats.h"
+#include "scenes/read/normals.h"
 #include "scenes/scenes.h"
 
 #include <math.h>

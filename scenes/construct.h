@@ -3,7 +3,7 @@
 #define CONSTRUCT_H
 
 #include "scenes/transform.h"
-#include "ref/scene.h"
+#include "ref/scene/scene.h"
 
 #define CONSTRUCT_DEFAULT UINT32_MAX /* a model's material: the default red */
 

@@ -2,7 +2,7 @@
 #ifndef FACTS_H
 #define FACTS_H
 
-#include "ref/scene.h"
+#include "ref/scene/scene.h"
 
 struct facts {
     struct box bounds;

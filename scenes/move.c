@@ -1,6 +1,6 @@
 #include "scenes/move.h"
 
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 
 #include <math.h>
 

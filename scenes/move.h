@@ -2,7 +2,7 @@
 #ifndef MOVE_H
 #define MOVE_H
 
-#include "ref/scene.h"
+#include "ref/scene/scene.h"
 
 /* Moves each vertex along each axis by up to `amount` times the longest side of the scene's box,
  * either way, evenly; the same on every machine. How far says the place where it is, so that what

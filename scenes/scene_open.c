@@ -1,7 +1,7 @@
 #define _POSIX_C_SOURCE 200809L /* strcasecmp, stat */
-#include "ref/decimal.h"
-#include "scenes/file.h"
-#include "scenes/formats.h"
+#include "ref/base/decimal.h"
+#include "ref/files/file.h"
+#include "scenes/read/formats.h"
 #include "scenes/scenes.h"
 
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef SCENES_H
 #define SCENES_H
 
-#include "ref/scene.h"
+#include "ref/scene/scene.h"
 
 struct param {
     const char *name;

@@ -1,6 +1,6 @@
 #include "scenes/transform.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <math.h>
 

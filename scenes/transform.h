@@ -2,7 +2,7 @@
 #ifndef TRANSFORM_H
 #define TRANSFORM_H
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 
 /* A point p becomes row . p + row[3], computed in double. */
 struct transform {

@@ -1,5 +1,5 @@
 /* What a layout's shader decodes, a record's slot an invocation, for comparison with what its C does
- * (gpu/decode.c). No ray is traced: bounds come in the order in which a ray along (1, 1, 1) meets
+ * (gpu/trace/decode.c). No ray is traced: bounds come in the order in which a ray along (1, 1, 1) meets
  * them, which is the lower and the upper one. */
 #ifndef DECODE_GLSL
 #define DECODE_GLSL

@@ -5,7 +5,7 @@
 #define JOB_GLSL
 
 #include "ref/abi.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include "pick.glsl"
 

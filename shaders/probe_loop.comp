@@ -1,6 +1,6 @@
 #version 450
 /* Does the driver end loops before their condition does? Three loops in one invocation of one kind
- * each; gpu/card.c compares the iterations with those asked for. `state` keeps a compiler from
+ * each; gpu/card/card.c compares the iterations with those asked for. `state` keeps a compiler from
  * computing a loop's end. */
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint steps; uint nested; };

@@ -1,5 +1,5 @@
 #version 450
-/* Float16 conversions in both directions, measured by gpu/card.c: word i is packed as a float, in
+/* Float16 conversions in both directions, measured by gpu/card/card.c: word i is packed as a float, in
  * both halves, and unpacked as two halves. */
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint word_count; };

@@ -2,13 +2,13 @@
 # tool, and its embedding into C.
 GLSLANG ?= glslangValidator
 HOSTCC  ?= cc
-# Number of a planted bug (ref/mutant.h); 0 in everything that is shipped.
+# Number of a planted bug (ref/base/mutant.h); 0 in everything that is shipped.
 MUTANT  ?= 0
 
 TOOL := $(B)/spirv_tool
 
-TOOL_SRC := shaders/spirv_tool.c gpu/spirv_fix.c ref/base.c ref/memory.c
-$(TOOL): $(TOOL_SRC) gpu/spirv_fix.h ref/base.h ref/mutant.h
+TOOL_SRC := shaders/spirv_tool.c gpu/shaders/spirv_fix.c ref/base/base.c ref/base/memory.c
+$(TOOL): $(TOOL_SRC) gpu/shaders/spirv_fix.h ref/base/base.h ref/base/mutant.h
 	@mkdir -p $(@D)
 	$(call warned,$(HOSTCC) -I. -std=c17 -O1 $(WARN) -DMUTANT=$(MUTANT) -o $@ $(TOOL_SRC))
 

@@ -1,12 +1,12 @@
 /* Build step for SPIR-V: checks a module against our rules, decorates its float arithmetic, and
  * writes modules as C.
- *   spirv_tool fix IN.spv OUT.spv       checks, decorates (gpu/spirv_fix.h)
- *   spirv_tool embed OUT.c A.spv ...    table of gpu/shaders.h
+ *   spirv_tool fix IN.spv OUT.spv       checks, decorates (gpu/shaders/spirv_fix.h)
+ *   spirv_tool embed OUT.c A.spv ...    table of gpu/shaders/shaders.h
  * Tracing shaders are those whose file name begins with trace_ or stackless_, those that
  * render with render_,
  * those that may use ray queries with query_.
  */
-#include "gpu/spirv_fix.h"
+#include "gpu/shaders/spirv_fix.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -152,7 +152,7 @@ static bool embed(const char *to, char **file, int count)
         return false;
     }
     bool ok = true;
-    fprintf(out, "#include \"gpu/shaders.h\"\n\n");
+    fprintf(out, "#include \"gpu/shaders/shaders.h\"\n\n");
     for (int i = 0; i < count && ok; i++)
         ok = embed_words(out, file[i]);
     fprintf(out, "const struct shader shaders[] = {\n");

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-/* Every triangle for every ray, as ref/trace.c's trace_brute and trace_brute_all: one ray an
+/* Every triangle for every ray, as ref/trace/trace.c's trace_brute and trace_brute_all: one ray an
  * invocation, one part of the triangles a dispatch, so that no loop is long enough for a driver to
  * end it early (lavapipe 22 does after 65,535 iterations). What earlier parts found is carried in
  * buffers that only a tree needs: best hits in the nodes', numbers of hits in the items'.

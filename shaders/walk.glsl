@@ -1,4 +1,4 @@
-/* The traversal, the same as ref/trace.c visits, of a ray at a time. The query is a parameter, a
+/* The traversal, the same as ref/trace/trace.c visits, of a ray at a time. The query is a parameter, a
  * constant once the driver has inlined the calls, so that one shader can ask several. Who defines
  * WALK_LISTS before can ask ABI_QUERY_ALL. */
 #ifndef WALK_GLSL

@@ -1,4 +1,4 @@
-/* The way through a binary tree without a stack, the same as ref/trace_walk.h's: a trail of one bit a
+/* The way through a binary tree without a stack, the same as ref/trace/trace_walk.h's: a trail of one bit a
  * level tells whether the other child still waits, and links to parents lead back. They lie behind
  * the items. */
 #ifndef WALK_STACKLESS_GLSL

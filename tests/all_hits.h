@@ -3,9 +3,9 @@
 #ifndef TESTS_ALL_HITS_H
 #define TESTS_ALL_HITS_H
 
-#include "ref/all_hits.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/trace/all_hits.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

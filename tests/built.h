@@ -2,7 +2,7 @@
 #ifndef TESTS_BUILT_H
 #define TESTS_BUILT_H
 
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 #include "tests/trees.h"
 
 #include <math.h>

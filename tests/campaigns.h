@@ -1,5 +1,5 @@
 /* A made-up campaign that fills folders of findings, and their comparison. Include after cmocka.h
- * and after fuzz/findings.h, ref/rng.h and scenes/file.h; needs _GNU_SOURCE. */
+ * and after fuzz/findings/findings.h, ref/base/rng.h and ref/files/file.h; needs _GNU_SOURCE. */
 #ifndef TESTS_CAMPAIGNS_H
 #define TESTS_CAMPAIGNS_H
 

@@ -628,7 +628,7 @@ grep -q '^short  *[0-9]* pairs met in fewer than 1000 trials' "$dir/out" ||
     bad "raydiff fuzz --pairs: it does not say that the time was short"
 expect 2 "no planted bugs in .*/none: type .make selftest" fuzz --self-test --programs "$dir/none"
 mkdir -p "$dir/planted/LOST_SLOT.trace"
-echo 'LOST_SLOT ref/trace.c cpu f32 slots' >"$dir/planted/selftest.txt"
+echo 'LOST_SLOT ref/trace/trace.c cpu f32 slots' >"$dir/planted/selftest.txt"
 expect 2 "LOST_SLOT.trace is not built" fuzz --self-test --programs "$dir/planted"
 expect 2 "no bug is 'NONE'" fuzz --self-test --programs "$dir/planted" --only NONE
 printf '#!/bin/sh\necho sick\nexit 4\n' >"$dir/planted/LOST_SLOT.trace/raydiff"
@@ -638,7 +638,7 @@ expect 1 . fuzz --self-test --programs "$dir/planted" --json "$dir/self.json"
 grep -q '"passed": false' "$dir/self.json" || bad "fuzz --self-test --json: passed"
 # One without a bug that finds something fails it, even where every bug is found.
 mkdir -p "$dir/unclean/LOST_SLOT.trace"
-echo 'LOST_SLOT ref/trace.c cpu rtrs_rf slots' >"$dir/unclean/selftest.txt"
+echo 'LOST_SLOT ref/trace/trace.c cpu rtrs_rf slots' >"$dir/unclean/selftest.txt"
 case $raydiff in /*) ;; *) raydiff=$PWD/$raydiff ;; esac
 printf '#!/bin/sh\nexec "%s" "$@"\n' "$raydiff" >"$dir/unclean/LOST_SLOT.trace/raydiff"
 chmod +x "$dir/unclean/LOST_SLOT.trace/raydiff"

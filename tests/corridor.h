@@ -3,9 +3,9 @@
 #ifndef TESTS_CORRIDOR_H
 #define TESTS_CORRIDOR_H
 
-#include "ref/base.h"
-#include "ref/rng.h"
-#include "ref/scene.h"
+#include "ref/base/base.h"
+#include "ref/base/rng.h"
+#include "ref/scene/scene.h"
 
 /* A closed box of 12 triangles, 2 wide and high and 2 * `half` long in `axis`. */
 static inline struct scene corridor_scene(int axis, float half)

@@ -3,8 +3,8 @@
 #define TESTS_DEGENERATE_H
 
 #include "ref/abi.h"
-#include "ref/base.h"
-#include "ref/rng.h"
+#include "ref/base/base.h"
+#include "ref/base/rng.h"
 
 #include <math.h>
 #include <string.h>

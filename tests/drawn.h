@@ -3,7 +3,7 @@
 #ifndef TESTS_DRAWN_H
 #define TESTS_DRAWN_H
 
-#include "gpu/framer.h"
+#include "gpu/frame/framer.h"
 
 #include "tests/gpu.h"
 #include "tests/pictures.h"

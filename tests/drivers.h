@@ -3,8 +3,8 @@
 #ifndef TESTS_DRIVERS_H
 #define TESTS_DRIVERS_H
 
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include "tests/gpu.h"

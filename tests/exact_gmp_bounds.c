@@ -1,6 +1,6 @@
 #include "tests/exact_gmp_bounds.h"
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 #include "ref/primitives/tri.h"
 #include "tests/exact_gmp_known.h"
 

@@ -1,5 +1,5 @@
 /* A-priori bounds on what a triangle test may compute, in rationals: closed forms over the exact
- * values, never the twins of ref/twin.c, never a float that anyone computed.
+ * values, never the twins of ref/twin/twin.c, never a float that anyone computed.
  *
  * Every quantity that decides is a sum of products. A factor that was computed with error E lies
  * within |x| + E, and a product of such factors that goes through n more roundings of relative size
@@ -10,7 +10,7 @@
 #define EXACT_GMP_BOUNDS_H
 
 #include "ref/abi.h"
-#include "ref/model.h"
+#include "ref/twin/model.h"
 
 #include <gmp.h>
 

@@ -4,8 +4,8 @@
 #ifndef EXACT_GMP_REDECIDE_H
 #define EXACT_GMP_REDECIDE_H
 
-#include "ref/model.h"
-#include "ref/scene.h"
+#include "ref/twin/model.h"
+#include "ref/scene/scene.h"
 #include "tests/exact_gmp.h"
 
 enum gmp_opinion {

@@ -1,6 +1,6 @@
 #include "tests/exact_gmp_replay.h"
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 #include "ref/primitives/tri.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #define EXACT_GMP_REPLAY_H
 
 #include "ref/abi.h"
-#include "ref/model.h"
+#include "ref/twin/model.h"
 
 #include <gmp.h>
 

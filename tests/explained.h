@@ -4,7 +4,7 @@
 #define TESTS_EXPLAINED_H
 
 #include "ref/explain/explain.h"
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include <string.h>
 

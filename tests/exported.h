@@ -4,8 +4,8 @@
 
 #define _GNU_SOURCE /* open_memstream, mkdtemp, memmem */
 
-#include "fuzz/export_inner.h"
-#include "fuzz/gen.h"
+#include "fuzz/export/export_inner.h"
+#include "fuzz/gen/gen.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -3,7 +3,7 @@
 #ifndef TESTS_FAULTS_H
 #define TESTS_FAULTS_H
 
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 #include "scenes/scenes.h"
 #include "tests/trees.h"
 

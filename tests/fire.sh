@@ -4,10 +4,10 @@
 set -u
 build=$1
 bad=0
-for source in fuzz/fire/entry_*.c; do
+for source in tests/readers/entry_*.c; do
     name=$(basename "$source" .c)
     name=${name#entry_}
-    kept=fuzz/fire/found/$name
+    kept=tests/readers/found/$name
     [ -d "$kept" ] || kept=
     log=$build/fire/$name.log
     large=$build/fire/seeds/large/$name

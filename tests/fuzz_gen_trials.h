@@ -2,7 +2,7 @@
 #ifndef TESTS_FUZZ_GEN_TRIALS_H
 #define TESTS_FUZZ_GEN_TRIALS_H
 
-#include "fuzz/gen.h"
+#include "fuzz/gen/gen.h"
 
 #include <string.h>
 

@@ -3,8 +3,8 @@
 #ifndef TESTS_FUZZ_TRIALS_H
 #define TESTS_FUZZ_TRIALS_H
 
-#include "fuzz/player.h"
-#include "ref/rng.h"
+#include "fuzz/play/player.h"
+#include "ref/base/rng.h"
 
 #include <stdarg.h>
 #include <stddef.h>

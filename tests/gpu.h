@@ -3,8 +3,8 @@
 #ifndef TESTS_GPU_H
 #define TESTS_GPU_H
 
-#include "gpu/shaders.h"
-#include "gpu/tracer.h"
+#include "gpu/shaders/shaders.h"
+#include "gpu/trace/tracer.h"
 #include "ref/engine.h"
 
 #include <stdarg.h>

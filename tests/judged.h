@@ -2,8 +2,8 @@
 #ifndef TESTS_JUDGED_H
 #define TESTS_JUDGED_H
 
-#include "ref/judge.h"
-#include "scenes/rays.h"
+#include "ref/judge/judge.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdlib.h>

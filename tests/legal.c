@@ -1,6 +1,6 @@
 #include "tests/legal.h"
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 
 #include <float.h>
 #include <math.h>

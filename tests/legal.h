@@ -1,12 +1,12 @@
-/* Legal evaluations: the triangle tests computed as badly as a rounding (ref/model.h) allows, each
+/* Legal evaluations: the triangle tests computed as badly as a rounding (ref/twin/model.h) allows, each
  * operation by choice. Written anew, from the descriptions, with the decisions that the engines
  * make; for tests of the twins. */
 #ifndef TESTS_LEGAL_H
 #define TESTS_LEGAL_H
 
-#include "ref/model.h"
-#include "ref/rng.h"
-#include "ref/twin.h"
+#include "ref/twin/model.h"
+#include "ref/base/rng.h"
+#include "ref/twin/twin.h"
 
 /* More operations than any formula has. */
 #define LEGAL_MOST 256

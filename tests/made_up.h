@@ -3,7 +3,7 @@
 #define TESTS_MADE_UP_H
 
 #include "ref/engines/cpu_rays.h"
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include "tests/matched.h"
 

@@ -2,8 +2,8 @@
 #ifndef TESTS_MATCHED_H
 #define TESTS_MATCHED_H
 
-#include "ref/match.h"
-#include "scenes/rays.h"
+#include "ref/match/match.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef TESTS_MEETINGS_H
 #define TESTS_MEETINGS_H
 
-#include "fuzz/meetings.h"
+#include "fuzz/feedback/meetings.h"
 
 #include <string.h>
 

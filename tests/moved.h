@@ -3,7 +3,7 @@
 #ifndef TESTS_MOVED_H
 #define TESTS_MOVED_H
 
-#include "ref/refit.h"
+#include "ref/packed/refit.h"
 #include "scenes/move.h"
 #include "tests/built.h"
 

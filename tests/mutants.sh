@@ -1,5 +1,5 @@
 #!/bin/sh
-# Planted bugs (ref/mutant.h): each line of tests/mutants_list.txt compiles one into a C unit or a
+# Planted bugs (ref/base/mutant.h): each line of tests/mutants_list.txt compiles one into a C unit or a
 # shader, under BUILD/mutants/suite, and something of the suite must turn red. The same command is run
 # without the bug, too, and must be green, so that a broken catcher cannot pass for a catch.
 #   make mutants [ONLY='PATTERN...']    the patterns as words of the shell

@@ -19,10 +19,10 @@ cc=$(cat "$build/gen/flags")
 spirv="glslangValidator --quiet -V --target-env vulkan1.1 -g0 -I. -Ishaders"
 
 grep -n MUTANT "$build/gen/flags" && fault "the flags of the build plant a bug"
-awk '$1 == "#define" && $2 ~ /^MUTANT_/ && NF > 2 && $3 < 1 {print; bad = 1} END {exit bad}' ref/mutant.h ||
-    fault "ref/mutant.h: a bug without a number is in every program"
-awk '$1 == "#define" && $2 ~ /^MUTANT_/ {print $2}' ref/mutant.h | sort >"$work/defined"
-for name in $(git ls-files 'ref/*' 'gpu/*' 'fuzz/*' 'shaders/*' | xargs grep -ohE '\bMUTANT_[A-Z0-9_]+' | sort -u); do
+awk '$1 == "#define" && $2 ~ /^MUTANT_/ && NF > 2 && $3 < 1 {print; bad = 1} END {exit bad}' ref/base/mutant.h ||
+    fault "ref/base/mutant.h: a bug without a number is in every program"
+awk '$1 == "#define" && $2 ~ /^MUTANT_/ {print $2}' ref/base/mutant.h | sort >"$work/defined"
+for name in $(git ls-files 'ref/*' 'gpu/*' 'fuzz/*' 'cmd/*' 'shaders/*' | xargs grep -ohE '\bMUTANT_[A-Z0-9_]+' | sort -u); do
     grep -qx "$name" "$work/defined" || [ "$name" = MUTANT_H ] || [ "$name" = MUTANT_BUG ] ||
         fault "$name has no number: it would be in every program"
 done
@@ -55,7 +55,7 @@ for unit in $(awk '{print $2}' "$work/table" | sort -u); do
     done
 done
 while read -r bug unit; do
-    grep -lw "MUTANT_$bug" ref/oracle/* ref/judge* fuzz/verdicts.c && fault "$bug is in who judges"
+    grep -lw "MUTANT_$bug" ref/oracle/* ref/judge/* fuzz/play/verdicts.c && fault "$bug is in who judges"
 done <"$work/table"
 
 [ "$failed" -eq 0 ] && echo "no planted bug is in the program, and $(wc -l <"$work/table") are where the table says"

@@ -40,8 +40,8 @@ link() { # program, then what it is made of
 
 bug() { # sets name, number, unit and the folder of what is made with the bug in that unit
     name=$1 unit=$2
-    number=$(awk -v name="MUTANT_$name" '$2 == name {print $3}' ref/mutant.h)
-    [ -n "$number" ] || broken "$name has no number in ref/mutant.h"
+    number=$(awk -v name="MUTANT_$name" '$2 == name {print $3}' ref/base/mutant.h)
+    [ -n "$number" ] || broken "$name has no number in ref/base/mutant.h"
     dir=$out/$name-$(basename "$unit" .c)
     mkdir -p "$dir"
 }
@@ -80,7 +80,7 @@ make_unit() {
 gold=$(command -v ld.gold >/dev/null && echo -fuse-ld=gold)
 link_program() { # the commands are no part of the library; the unit may be one of them
     own=$(basename "$unit" .c).o
-    link "$dir/raydiff" $gold "$build"/obj/raydiff.o $(ls "$build"/obj/*/cmd_*.o | grep -v "/$own\$") "$dir/unit.o"
+    link "$dir/raydiff" $gold "$build"/obj/raydiff.o $(ls "$build"/obj/cmd/*/*.o | grep -v "/$own\$") "$dir/unit.o"
 }
 make_program() {
     bug "$1" "$2"
@@ -184,8 +184,8 @@ fire() {
     bug "$1" "$2"
     make_unit
     entry=$3
-    made "$dir/$entry" link "$dir/$entry" "$build/obj/fuzz/fire/entry_$entry.o" "$dir/unit.o" \
-        "$build"/obj/fuzz/fire/harness.o "$build"/obj/fuzz/fire/count.o "$build"/obj/fuzz/fire/main.o
+    made "$dir/$entry" link "$dir/$entry" "$build/obj/tests/readers/entry_$entry.o" "$dir/unit.o" \
+        "$build"/obj/tests/readers/harness.o "$build"/obj/tests/readers/count.o "$build"/obj/tests/readers/main.o
     code=$(healthy "$build/fire/$entry" "$build/fire/seeds/$entry")
     timeout "$limit" "$dir/$entry" "$build/fire/seeds/$entry" >"$dir/$line.log" 2>&1
     got=$?

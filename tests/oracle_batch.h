@@ -15,7 +15,7 @@ struct batch {
     struct ray ray[BATCH];
 };
 
-/* Sequences of neighbouring seeds are one sequence, shifted by a number (ref/rng.h): start anywhere
+/* Sequences of neighbouring seeds are one sequence, shifted by a number (ref/base/rng.h): start anywhere
  * instead, or batches would repeat each other's triangles. */
 static inline struct rng far_rng(uint64_t seed)
 {

@@ -3,8 +3,8 @@
 #define TESTS_ORACLE_CASES_H
 
 #include "ref/abi.h"
-#include "ref/base.h"
-#include "ref/rng.h"
+#include "ref/base/base.h"
+#include "ref/base/rng.h"
 
 /* A kind makes one triangle and a ray that has to do with it. Triangles of a batch share `seed`, so
  * that a kind can make ties across them. */

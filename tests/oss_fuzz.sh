@@ -14,7 +14,7 @@ SRC=$(dirname "$(pwd)") WORK=$folder/work OUT=$folder/out CC=clang CXX=clang++ \
     CXXFLAGS="-O1 -fno-omit-frame-pointer -gline-tables-only $sanitize" \
     LIB_FUZZING_ENGINE=-fsanitize=fuzzer bash -eu fuzz/oss-fuzz/build.sh
 bad=0
-for source in fuzz/fire/entry_*.c; do
+for source in tests/readers/entry_*.c; do
     name=$(basename "$source" .c)
     name=${name#entry_}
     seeds=$folder/seeds/$name

@@ -1,10 +1,10 @@
 /* Peers for engines "pipe:COMMAND": one that keeps the protocol, and one for every way to break it.
- * Written from fuzz/pipe.h alone, but for the triangle test. */
+ * Written from ref/outside/pipe.h alone, but for the triangle test. */
 #ifndef TESTS_PEERS_H
 #define TESTS_PEERS_H
 
-#include "fuzz/pipe.h"
-#include "ref/trace.h"
+#include "ref/outside/pipe.h"
+#include "ref/trace/trace.h"
 
 #include <signal.h>
 #include <stdio.h>

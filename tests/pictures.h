@@ -3,8 +3,8 @@
 #ifndef TESTS_PICTURES_H
 #define TESTS_PICTURES_H
 
-#include "scenes/camera.h"
-#include "scenes/render.h"
+#include "scenes/render/camera.h"
+#include "scenes/render/render.h"
 #include "scenes/scenes.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* Campaigns that are really played, on engine cpu and one that dies as planned. Include after
- * cmocka.h, fuzz/campaign.h, ref/rng.h, ref/trace.h, scenes/file.h and stdatomic.h; needs
+ * cmocka.h, fuzz/campaign/campaign.h, ref/base/rng.h, ref/trace/trace.h, ref/files/file.h and stdatomic.h; needs
  * _GNU_SOURCE. */
 #ifndef TESTS_PLAYED_CAMPAIGNS_H
 #define TESTS_PLAYED_CAMPAIGNS_H

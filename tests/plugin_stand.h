@@ -3,7 +3,7 @@
 #ifndef RAYDIFF_TESTS_PLUGIN_STAND_H
 #define RAYDIFF_TESTS_PLUGIN_STAND_H
 
-#include "ref/plugin_layout.h"
+#include "ref/outside/plugin_layout.h"
 #include "scenes/scenes.h"
 
 #include <string.h>

@@ -2,8 +2,8 @@
 #ifndef TESTS_RAYS_H
 #define TESTS_RAYS_H
 
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

@@ -9,22 +9,64 @@ breach() {
 scratch=${TMPDIR:-/tmp}/rules.$$
 list() { ls $* 2>/dev/null; }
 
-# Who may include whom: down only.
-for file in $(list ref/*.[ch] ref/*/*.[ch]); do
-    case $file in ref/cmd_*) continue ;; esac
-    grep -nE '#include "(gpu|scenes|tests|bench|fuzz|shaders)/' "$file" /dev/null &&
-        breach "$file: ref/ includes nothing outside ref/"
-done
-for file in $(list scenes/*.[ch] scenes/*/*.[ch] gpu/*.[ch]); do
-    case $file in scenes/cmd_* | gpu/cmd_*) continue ;; esac
-    grep -nE '#include "(tests|bench|fuzz|shaders)/' "$file" /dev/null &&
-        breach "$file: the library includes no program"
-done
-grep -nE '#include "gpu/' $(list scenes/*.[ch] tests/cmd_*.[ch] bench/*.[ch]) /dev/null &&
-    breach "only gpu/ and the driver's own tests include gpu/"
+# Who may include whom: docs/rooms.txt, where every room stands below those that include it.
+git ls-files '*.c' '*.h' '*.glsl' '*.comp' | while read -r file; do
+    [ -e "$file" ] && awk '/#[ \t]*include "/ {split($0, part, "\""); print FILENAME, FNR, part[2]}' "$file"
+done | awk -v rooms=docs/rooms.txt '
+    function breach(text) { print text; bad = 1 }
+    function room_of(file) {
+        if (file in place) return file
+        return sub("/[^/]*$", "", file) ? file : "."
+    }
+    BEGIN {
+        while ((getline line < rooms) > 0) {
+            if (line ~ /^#/ || line == "") continue
+            if (line !~ /^ /) { # else it goes on with the line before
+                room = line
+                sub(":.*", "", room)
+                sub("[^:]*:", "", line)
+                place[room] = ++known
+            }
+            count = split(line, word, " ")
+            for (i = 1; i <= count; i++) {
+                if (!(word[i] in place) || word[i] == room)
+                    breach(rooms ": " room " names " word[i] ", which does not stand below it")
+                allowed[room, word[i]] = 1
+            }
+        }
+        while (("git ls-files" | getline file) > 0) {
+            there[file] = 1
+            seen[room_of(file)] = 1
+        }
+        for (room in place)
+            if (!(room in seen)) breach(rooms ": " room " is empty")
+    }
+    {
+        from = room_of($1)
+        target = $3
+        if (!(target in there)) { # of GLSL, from its own folder
+            folder = $1
+            sub("[^/]*$", "", folder)
+            target = (folder target in there ? folder : "shaders/") target
+            if (!(target in there)) next # made, or of a library
+        }
+        to = room_of(target)
+        if (!(from in place)) breach($1 ":" $2 ": " rooms " has no room " from)
+        else if (from != to && !((from, to) in allowed))
+            breach($1 ":" $2 ": " from " includes nothing of " to " (" rooms ")")
+        used[from, to] = 1
+    }
+    END {
+        for (pair in allowed)
+            if (!(pair in used)) {
+                split(pair, side, SUBSEP)
+                breach(rooms ": " side[1] " includes nothing of " side[2] " any more")
+            }
+        exit bad
+    }' || breach "folders include downward, as docs/rooms.txt says"
 grep -nE '#include "(ref|scenes)/.*(engine_|layout_|build_|gen_)[a-z0-9_]*\.[ch]"' $(git ls-files '*.c' '*.h') &&
     breach "members of a table are reached through their table"
-grep -lE '#include <embree[34]?/' $(git ls-files '*.c' '*.h') | grep -vE '^(ref/engines/engine_embree.c|fuzz/export/embree.c)$' &&
+grep -lE '#include <embree[34]?/' $(git ls-files '*.c' '*.h') | grep -vE '^(ref/engines/engine_embree.c|fuzz/templates/embree.c)$' &&
     breach "one file includes Embree, beside a program that is written out"
 
 # Shaders: nothing whose result may differ between drivers, but in the probes that measure how.
@@ -56,7 +98,6 @@ grep -E '\b(cross|dot|normalize|length|distance|mix|min|max) *\(' "$scratch" &&
 
 # The library prints nothing and does not exit.
 for file in $(git ls-files 'ref/*.c' 'gpu/*.c' 'scenes/*.c'); do
-    case $file in */cmd_*) continue ;; esac
     grep -nE '(^|[^a-z_])(printf|puts|perror|exit|abort) *\(' "$file" /dev/null &&
         breach "$file: the library neither prints nor exits"
 done
@@ -84,13 +125,13 @@ for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
 done
 
 # A planted bug has a number of its own, beside its name, and something must find it.
-defines() { awk '$1 == "#define" && $2 ~ /^MUTANT_/ && $2 != "MUTANT_H" {print $2, $3}' ref/mutant.h; }
+defines() { awk '$1 == "#define" && $2 ~ /^MUTANT_/ && $2 != "MUTANT_H" {print $2, $3}' ref/base/mutant.h; }
 defines | awk '{sub("MUTANT_", "", $1); print $1}' | while read -r name; do
     grep -qE "^[a-z ]+ $name " tests/mutants_list.txt || grep -q "^$name " fuzz/selftest.txt || echo "$name"
 done >"$scratch"
-[ -s "$scratch" ] && breach "ref/mutant.h: neither tests/mutants_list.txt nor fuzz/selftest.txt plays $(tr '\n' ' ' <"$scratch")"
-defines | awk '$2 !~ /^[0-9]+$/ {print $1; bad = 1} END {exit !bad}' && breach "ref/mutant.h: a bug without a number"
-defines | awk '{print $2}' | sort | uniq -d | grep . && breach "ref/mutant.h: a number that two bugs have"
+[ -s "$scratch" ] && breach "ref/base/mutant.h: neither tests/mutants_list.txt nor fuzz/selftest.txt plays $(tr '\n' ' ' <"$scratch")"
+defines | awk '$2 !~ /^[0-9]+$/ {print $1; bad = 1} END {exit !bad}' && breach "ref/base/mutant.h: a bug without a number"
+defines | awk '{print $2}' | sort | uniq -d | grep . && breach "ref/base/mutant.h: a number that two bugs have"
 rm -f "$scratch"
 
 [ "$bad" -eq 0 ] && echo "rules: kept"

@@ -3,7 +3,7 @@
 set -u
 copy=$(mktemp -d) || exit 4
 trap 'rm -rf "$copy"' EXIT
-git ls-files -z -- ref gpu scenes tests bench shaders raydiff.c fuzz/selftest.txt | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
+git ls-files -z -- ref gpu scenes fuzz tests bench cmd shaders docs CONTRIBUTING.md raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
 cd "$copy" && git init -q . && git add -A || exit 4
 sh tests/rules.sh >log 2>&1 || { cat log; echo "the copy breaks a rule before anything is planted"; exit 1; }
 failed=0
@@ -21,23 +21,33 @@ plant() {
     cp saved "$1"
 }
 
-plant ref/base.c '#include "gpu/vk.h"'
-plant ref/base.c '#include "scenes/file.h"'
-plant scenes/file.c '#include "tests/cmd_trial.h"'
-plant bench/cmd_bench.c '#include "gpu/vk.h"'
-plant ref/match.c '#include "ref/layouts/layout_f32.h"'
-plant ref/match.c '#include <embree3/rtcore.h>'
+plant ref/base/base.c '#include "gpu/vk/vk.h"'
+plant ref/base/base.c '#include "ref/files/file.h"'
+plant ref/oracle/oracle.h '#include "ref/judge/judge.h"'
+plant ref/files/file.c '#include "cmd/conform/cmd_trial.h"'
+plant scenes/render/render.c '#  include "gpu/vk/vk.h"'
+plant cmd/bench/cmd_bench.c '#include "gpu/vk/vk.h"'
+plant cmd/common/cmd_use.c '#include "cmd/check/cmd_check.h"'
+plant shaders/tri.glsl '#include "bench/chart/chart.h"'
+plant docs/rooms.txt 'ref/attic:'
+plant docs/rooms.txt 'ref/base: ref/nowhere'
+plant docs/rooms.txt '    ref/plugin.h'
+plant ref/match/match.c '#include "ref/layouts/layout_f32.h"'
+plant ref/match/match.c '#include <embree3/rtcore.h>'
 plant shaders/tri.glsl 'float f(float a) { return fma(a, a, a); }'
 plant shaders/half.glsl 'uint f(vec2 a) { return packHalf2x16(a); }'
 plant shaders/slab.glsl 'float f(vec3 a) { return dot(a, a); }'
-plant ref/bvh.c 'void f(void) { printf("x"); }'
-plant gpu/vk.c 'void f(void) { exit (1); }'
-plant ref/rng.h 'float f(struct rng *rng) { return ldexpf(rng_float(rng), (int)rng_below(rng, 3)); }'
-plant ref/mutant.h '#define MUTANT_NOBODY 999'
-plant ref/mutant.h '#define MUTANT_LOST_SLOT 1'
-plant ref/mutant.h '#define MUTANT_LOST_SLOT /* 2 */'
+plant ref/tree/bvh.c 'void f(void) { printf("x"); }'
+plant gpu/vk/vk.c 'void f(void) { exit (1); }'
+plant ref/base/rng.h 'float f(struct rng *rng) { return ldexpf(rng_float(rng), (int)rng_below(rng, 3)); }'
+plant ref/base/mutant.h '#define MUTANT_NOBODY 999'
+plant ref/base/mutant.h '#define MUTANT_LOST_SLOT 1'
+plant ref/base/mutant.h '#define MUTANT_LOST_SLOT /* 2 */'
 plant tests/trees.h '/* ../shared/design/house.md */'
 plant tests/trees.h 'static const char *f = "shared/scenes/a.json";'
-plant ref/half.c "$(awk 'BEGIN { for (i = 0; i < 460; i++) print "/* */" }')"
+mkdir ref/attic && echo '#include "ref/base/base.h"' >ref/attic/new.h && git add ref/attic
+plant ref/attic/new.h ''
+git rm -qf ref/attic/new.h
+plant ref/base/half.c "$(awk 'BEGIN { for (i = 0; i < 460; i++) print "/* */" }')"
 [ "$failed" -eq 0 ] && echo "rules: every planted breach caught"
 exit "$failed"

@@ -2,8 +2,8 @@
 #ifndef TESTS_SPAWNED_H
 #define TESTS_SPAWNED_H
 
-#include "bench/spawn.h"
-#include "scenes/rays.h"
+#include "bench/measure/spawn.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <setjmp.h>

@@ -3,8 +3,8 @@
 #ifndef TESTS_STAND_H
 #define TESTS_STAND_H
 
-#include "ref/model.h"
-#include "ref/twin.h"
+#include "ref/twin/model.h"
+#include "ref/twin/twin.h"
 #include "ref/primitives/primitives.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 /* Dishonest tracers (tests/adversaries): each does no more harm than is stated, or is caught.
  * RAYDIFF_ADVERSARIES=MESH plays them on that mesh, with many rays, and prints the table of
  * `make adversaries`. */
-#include "ref/match.h"
-#include "ref/rng.h"
-#include "scenes/rays.h"
+#include "ref/match/match.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* The all-hits query: trace_ray_all and trace_brute_all against their definitions, and what
- * ref/all_hits.c promises. Engines are in test_all_engines.c. */
+ * ref/trace/all_hits.c promises. Engines are in test_all_engines.c. */
 #include "tests/all_hits.h"
 
 #include "ref/oracle/oracle.h"

@@ -2,7 +2,7 @@
  * Embrees against exact crossings. */
 #include "tests/all_hits.h"
 
-#include "gpu/tracer.h"
+#include "gpu/trace/tracer.h"
 #include "ref/oracle/oracle.h"
 
 #include <math.h>

@@ -29,7 +29,7 @@ static void must_hold(const char *broken, const struct trial *trial, size_t f, s
              trial_kind(kind), broken);
 }
 
-/* The judge takes E for the error of the distance to a box as well: ref/judge_lost.c. */
+/* The judge takes E for the error of the distance to a box as well: ref/judge/judge_lost.c. */
 static const char *box_entry_broken(const struct twin *twin, struct rounding rounding)
 {
     double least = (2.0 * rounding.add + rounding.div) * 0x1p-24 * fabs(twin->t_near);

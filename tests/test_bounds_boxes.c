@@ -2,7 +2,7 @@
  * turned away that must not be. Prints the table; fails if that happens untightened. */
 #include "tests/legal.h"
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * each operation may round either way. */
 #include "tests/legal.h"
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 
 #include <math.h>
 #include <stdlib.h>

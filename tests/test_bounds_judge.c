@@ -3,7 +3,7 @@
  * tables; fails above the proof. */
 #include "tests/trials.h"
 
-#include "ref/judge_inner.h"
+#include "ref/judge/judge_inner.h"
 
 #include <math.h>
 #include <stdlib.h>

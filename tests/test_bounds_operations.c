@@ -10,7 +10,7 @@ static struct {
 #define NORMAL        turned.normal
 #define DIVISOR_LEAST turned.divisor_least
 #define DIVISOR_MOST  turned.divisor_most
-#include "ref/twin.c"
+#include "ref/twin/twin.c"
 
 #include "tests/legal.h"
 

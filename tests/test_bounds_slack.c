@@ -4,7 +4,7 @@
 /* The twin once more, with a band that can be turned. */
 static double band = 0x1p-23;
 #define EMBREE_BAND band
-#include "ref/twin.c"
+#include "ref/twin/twin.c"
 
 #include "tests/trials.h"
 

@@ -1,7 +1,7 @@
 /* Laws of ref/primitives/slab.h: the repaired tests against exact arithmetic, the published test as
  * it is. */
 #include "ref/primitives/primitives.h"
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -2,9 +2,9 @@
  * of threads. */
 #include "ref/builders/links.h"
 #include "ref/builders/reinsert.h"
-#include "ref/bvh.h"
-#include "ref/rng.h"
-#include "ref/tree_quality.h"
+#include "ref/tree/bvh.h"
+#include "ref/base/rng.h"
+#include "ref/tree/tree_quality.h"
 #include "tests/built.h"
 
 #include <stdarg.h>

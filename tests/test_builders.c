@@ -1,6 +1,6 @@
 /* Laws of ref/builders/: what every builder keeps, what median promises, what the seed does. */
-#include "ref/bvh.h"
-#include "ref/rng.h"
+#include "ref/tree/bvh.h"
+#include "ref/base/rng.h"
 #include "tests/built.h"
 
 #include <stdarg.h>

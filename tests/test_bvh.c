@@ -1,5 +1,5 @@
-/* Laws of ref/bvh.h. */
-#include "ref/bvh.h"
+/* Laws of ref/tree/bvh.h. */
+#include "ref/tree/bvh.h"
 #include "tests/trees.h"
 
 #include <stdarg.h>

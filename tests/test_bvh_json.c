@@ -1,7 +1,7 @@
-/* Laws of ref/bvh_json.h. */
+/* Laws of ref/tree/bvh_json.h. */
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
-#include "ref/bvh_json.h"
-#include "ref/rng.h"
+#include "ref/tree/bvh_json.h"
+#include "ref/base/rng.h"
 #include "tests/trees.h"
 
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* The simulated cache: what patterns whose misses are known by hand read from beyond each level. */
-#include "bench/cache_sim.h"
+#include "bench/measure/cache_sim.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

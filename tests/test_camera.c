@@ -1,4 +1,4 @@
-#include "scenes/camera.h"
+#include "scenes/render/camera.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,10 +1,10 @@
 /* Line charts: the same lines as SVG and as PNG, where the numbers say, with gaps where there are
  * none. */
 #define _GNU_SOURCE /* mkdtemp, open_memstream */
-#include "bench/chart.h"
+#include "bench/chart/chart.h"
 
-#include "scenes/colour.h"
-#include "scenes/file.h"
+#include "scenes/picture/colour.h"
+#include "ref/files/file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 #include <string.h>
 
 #include "tests/root.h"
-#include "tests/well_formed.h"
+#include "tests/readers/well_formed.h"
 
 static struct chart chart_of(const struct chart_series *series, size_t count)
 {

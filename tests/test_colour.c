@@ -1,9 +1,9 @@
 /* Colours for numbers: lightness that rises with them, for every eye; a scale bar that says which.
  */
-#include "scenes/colour_picture.h"
+#include "scenes/picture/colour_picture.h"
 
-#include "scenes/draw.h"
-#include "scenes/ticks.h"
+#include "scenes/picture/draw.h"
+#include "scenes/picture/ticks.h"
 
 #include <math.h>
 #include <setjmp.h>

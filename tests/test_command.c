@@ -1,6 +1,6 @@
-/* Laws of ref/command.h: exit codes, and numbers on the command line. */
+/* Laws of ref/base/command.h: exit codes, and numbers on the command line. */
 #define _POSIX_C_SOURCE 200809L /* dup2, fileno */
-#include "ref/command.h"
+#include "ref/base/command.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -2,8 +2,8 @@
  * up, and what is refused. The golden scene is the one that the seed's authors published. */
 #define _GNU_SOURCE /* mkdtemp */
 #include "scenes/construct.h"
-#include "scenes/formats.h"
-#include "scenes/normals.h"
+#include "scenes/read/formats.h"
+#include "scenes/read/normals.h"
 #include "scenes/scenes.h"
 #include "tests/published.h"
 

@@ -1,6 +1,6 @@
 /* The contract is told as it is: the numbers of README.md, A8, are those at which ray_in_contract
  * and the judge turn, found by asking them. Run from the root of the sources. */
-#include "ref/judge.h"
+#include "ref/judge/judge.h"
 #include "ref/primitives/primitives.h"
 
 #include <stdarg.h>

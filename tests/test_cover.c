@@ -1,9 +1,9 @@
 /* The exact check of split trees: cover_meets against exact clipping, cover_check against trees
  * that are right, and wrong by one ulp, one item, one plane. */
-#include "ref/cover.h"
-#include "ref/cover_exact.h"
-#include "ref/bvh.h"
-#include "ref/rng.h"
+#include "ref/tree/cover.h"
+#include "ref/tree/cover_exact.h"
+#include "ref/tree/bvh.h"
+#include "ref/base/rng.h"
 #include "tests/trees.h"
 
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* Covering arrays: every pair meets, with few rows. */
-#include "fuzz/covering.h"
+#include "fuzz/gen/covering.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

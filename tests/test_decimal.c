@@ -1,5 +1,5 @@
-#include "ref/decimal.h"
-#include "ref/rng.h"
+#include "ref/base/decimal.h"
+#include "ref/base/rng.h"
 
 #include <float.h>
 #include <locale.h>

@@ -2,7 +2,7 @@
  * tiny ones, flat, a line, far away. Every builder's tree in every layout is packed or refused in
  * one line, and traced by every engine on the processor to what all triangles say. */
 #include "ref/engine.h"
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 #include "tests/built.h"
 
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* Two frames made by hand: what is counted, what is allowed, what comes first. */
-#include "scenes/diff_frames.h"
+#include "scenes/render/diff_frames.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* The first number in which two paths differ, and its first bit: paths made by hand. */
-#include "scenes/diff_values.h"
+#include "scenes/render/diff_values.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

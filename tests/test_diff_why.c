@@ -1,7 +1,7 @@
 /* Why two paths part: tracers that lie in one known way, and what is said of them. The scene is two
  * mirrors, a floor and a lamp, so that paths have several segments and shadows. */
-#include "scenes/camera.h"
-#include "scenes/diff_engines.h"
+#include "scenes/render/camera.h"
+#include "scenes/render/diff_engines.h"
 #include "scenes/scenes.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Drawing: text that can be read, lines where their numbers say, nothing beyond the border. */
-#include "scenes/draw.h"
+#include "scenes/picture/draw.h"
 
 #include <limits.h>
 #include <math.h>

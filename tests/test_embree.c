@@ -2,9 +2,9 @@
  * its engines; skipped with the reason where Embree cannot run. */
 #include "ref/engine.h"
 #include "ref/engines/embree_modes.h"
-#include "ref/judge.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/judge/judge.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "tests/trees.h"
 

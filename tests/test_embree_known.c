@@ -1,7 +1,7 @@
 /* What fuzz/baseline.txt says of Embree 3 and 4, with numbers: two constants that do not scale. Skipped
  * where there is a newer Embree or none. */
-#include "fuzz/baseline.h"
-#include "fuzz/player.h"
+#include "fuzz/findings/baseline.h"
+#include "fuzz/play/player.h"
 
 #include <stdarg.h>
 #include <stddef.h>

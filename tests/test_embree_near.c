@@ -2,8 +2,8 @@
  * place: what it answers behind a hit that its formula is sure of is within twice that hit's error,
  * or its box test may miss the hit. How near it comes to that is printed. */
 #include "ref/engine.h"
-#include "ref/judge_inner.h"
-#include "ref/rng.h"
+#include "ref/judge/judge_inner.h"
+#include "ref/base/rng.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,8 +1,8 @@
 /* Errors planted by hand come out of the measure with the size that arithmetic on paper gives. */
-#include "bench/error_measure.h"
-#include "bench/leak_rays.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "bench/measure/error_measure.h"
+#include "bench/measure/leak_rays.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <setjmp.h>

@@ -2,7 +2,7 @@
  * every ray visit every node and F8 ends the seed: no answer is wrong. F6 garbles slots that F7
  * does not read. F13 is the paper's, in no layout: tests/test_explain_imitate.c. */
 #include "ref/explain/explain.h"
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 
 #include <stdarg.h>
 #include <stddef.h>

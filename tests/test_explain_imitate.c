@@ -1,8 +1,8 @@
 /* Explanations of engines whose inside cannot be seen: each known defect is put into an engine that
  * is only asked, and found again by imitation; what is no known defect is not called one. */
 #include "ref/explain/explain.h"
-#include "ref/rng.h"
-#include "scenes/rays.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -5,7 +5,7 @@
 #include "ref/explain/explain.h"
 #include "ref/explain/imitate.h"
 #include "ref/explain/witness.h"
-#include "scenes/rays.h"
+#include "scenes/rays/rays.h"
 
 #include <stdarg.h>
 #include <stddef.h>

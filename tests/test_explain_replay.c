@@ -1,8 +1,8 @@
 /* The replay is the reference traversal: the same bits, with nothing changed, over every layout,
  * box test, triangle test and query; and each switch does what it says. */
 #include "ref/explain/replay.h"
-#include "ref/rng.h"
-#include "scenes/rays.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 
 #include <stdarg.h>
 #include <stddef.h>

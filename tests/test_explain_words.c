@@ -2,8 +2,8 @@
  * every layout that can have it; healthy trees have none. Also steps between floats. */
 #include "ref/explain/explain.h"
 #include "ref/explain/steps.h"
-#include "ref/half.h"
-#include "scenes/rays.h"
+#include "ref/base/half.h"
+#include "scenes/rays/rays.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -3,7 +3,7 @@
 #include "ref/fast/decoded.h"
 #include "ref/fast/fast.h"
 #include "ref/layout.h"
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 #include "tests/rays.h"
 #include "tests/trees.h"
 

@@ -2,7 +2,7 @@
  * the repaired member does not have it. The builder's: test_faults_builder.c; the layouts':
  * test_faults_layout.c and test_faults_bits.c. */
 #include "ref/layout.h"
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

@@ -2,7 +2,7 @@
  * wrongly, and that a repaired layout answers them right or refuses the scene. What the words look
  * like at each border: test_limits_rtrs.c. */
 #include "ref/layout.h"
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

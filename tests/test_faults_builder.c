@@ -1,8 +1,8 @@
 /* The faults of the seed's builder, each from the input that shows it, and that builder median does
  * not have it. */
 #include "ref/layout.h"
-#include "ref/rng.h"
-#include "scenes/rays.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

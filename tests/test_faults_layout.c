@@ -2,7 +2,7 @@
  * that a repaired layout answers them right. Numbers too narrow: test_faults_bits.c. What the words
  * look like at each border: test_limits_rtrs.c. */
 #include "ref/layout.h"
-#include "scenes/rays.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 #define _GNU_SOURCE /* mkdtemp, symlink */
-#include "scenes/file.h"
+#include "ref/files/file.h"
 
 #include <dirent.h>
 #include <setjmp.h>

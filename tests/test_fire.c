@@ -1,7 +1,7 @@
-/* Laws of fuzz/fire/fire.h: an entry that keeps its reader's promises plays on, one that breaks
+/* Laws of tests/readers/fire.h: an entry that keeps its reader's promises plays on, one that breaks
  * them ends the program, for each way to break them. The entry is this file's. */
 #define _GNU_SOURCE
-#include "fuzz/fire/fire.h"
+#include "tests/readers/fire.h"
 
 #include <setjmp.h>
 #include <signal.h>

@@ -1,9 +1,9 @@
 /* Measured runs of frames, with a renderer that takes as long as the test says. */
 #define _GNU_SOURCE
-#include "bench/frames_files.h"
-#include "scenes/file.h"
-#include "scenes/image.h"
-#include "scenes/image.h"
+#include "bench/frames/frames_files.h"
+#include "ref/files/file.h"
+#include "scenes/picture/image.h"
+#include "scenes/picture/image.h"
 #include "tests/root.h"
 
 #include <setjmp.h>

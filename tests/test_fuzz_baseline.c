@@ -1,6 +1,6 @@
 /* The baseline: what is known, until when, and what of it is unused. */
 #define _POSIX_C_SOURCE 200809L
-#include "fuzz/baseline.h"
+#include "fuzz/findings/baseline.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

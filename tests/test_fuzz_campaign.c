@@ -1,10 +1,10 @@
 /* Campaigns: what a folder holds depends on the trials alone, not on workers, shards, kills or the
  * deaths of an engine. */
 #define _GNU_SOURCE /* mkdtemp, asprintf */
-#include "fuzz/campaign.h"
-#include "ref/rng.h"
-#include "ref/trace.h"
-#include "scenes/file.h"
+#include "fuzz/campaign/campaign.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
+#include "ref/files/file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

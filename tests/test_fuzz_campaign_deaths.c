@@ -1,11 +1,11 @@
 /* Campaigns on an engine that crashes, hangs, takes all memory or does not open. */
 #define _GNU_SOURCE /* mkdtemp, asprintf */
-#include "fuzz/campaign.h"
-#include "fuzz/child.h"
-#include "fuzz/trial_tree.h"
-#include "ref/rng.h"
-#include "ref/trace.h"
-#include "scenes/file.h"
+#include "fuzz/campaign/campaign.h"
+#include "ref/outside/child.h"
+#include "fuzz/play/trial_tree.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
+#include "ref/files/file.h"
 
 #include <sched.h>
 #include <setjmp.h>

@@ -1,8 +1,8 @@
 /* Causes that only asking again can tell: engines that keep their inside to themselves, made here
  * to be wrong at one scale alone or at all, and engines that do not answer alike twice. */
-#include "fuzz/player.h"
-#include "fuzz/scaled.h"
-#include "ref/trace.h"
+#include "fuzz/play/player.h"
+#include "fuzz/play/scaled.h"
+#include "ref/trace/trace.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* Children of our own: what they send arrives whole, and however they end is told. */
 #define _GNU_SOURCE /* MAP_ANONYMOUS */
-#include "fuzz/child.h"
+#include "ref/outside/child.h"
 
 #include <fcntl.h>
 #include <setjmp.h>

@@ -1,8 +1,8 @@
 /* Coverage feedback: what is kept, counted, chosen, saved and loaded. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "fuzz/feedback.h"
-#include "fuzz/finding_file.h"
-#include "scenes/file.h"
+#include "fuzz/feedback/feedback.h"
+#include "fuzz/findings/finding_file.h"
+#include "ref/files/file.h"
 
 #include "tests/fuzz_trials.h" /* includes cmocka.h */
 #include "tests/root.h"

@@ -1,8 +1,8 @@
 /* The text file of a finding: to the bit there and back, and every broken file refused with its
  * line. */
 #define _GNU_SOURCE /* mkstemp */
-#include "fuzz/finding_file.h"
-#include "ref/rng.h"
+#include "fuzz/findings/finding_file.h"
+#include "ref/base/rng.h"
 
 #include <math.h>
 #include <setjmp.h>

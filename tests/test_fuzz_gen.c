@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "fuzz/gen_sketch.h"
-#include "ref/float_mode.h"
+#include "fuzz/gen/gen_sketch.h"
+#include "ref/base/float_mode.h"
 #include "ref/oracle/oracle.h"
 
 #include <cmocka.h>

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "fuzz/aim.h"
-#include "fuzz/gen_sketch.h"
-#include "ref/half.h"
+#include "fuzz/gen/aim.h"
+#include "fuzz/gen/gen_sketch.h"
+#include "ref/base/half.h"
 #include "ref/layout.h"
 
 #include <cmocka.h>

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "fuzz/coverage.h"
-#include "fuzz/coverage_bits.h"
-#include "ref/rng.h"
+#include "fuzz/play/coverage.h"
+#include "fuzz/play/coverage_bits.h"
+#include "ref/base/rng.h"
 
 #include <cmocka.h>
 

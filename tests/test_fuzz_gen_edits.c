@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "fuzz/mutate.h"
+#include "fuzz/gen/mutate.h"
 
 #include <cmocka.h>
 

@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "fuzz/gen_recipes.h"
-#include "ref/half.h"
+#include "fuzz/gen/gen_recipes.h"
+#include "ref/base/half.h"
 #include "ref/layout.h"
 
 #include <cmocka.h>

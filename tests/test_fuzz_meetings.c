@@ -1,8 +1,8 @@
 /* Who meets whom: which pairs can, that the rarest are drawn, and what the drawn trials are. */
-#include "fuzz/meetings.h"
+#include "fuzz/feedback/meetings.h"
 
-#include "fuzz/trial_tree.h"
-#include "fuzz/worker.h"
+#include "fuzz/play/trial_tree.h"
+#include "fuzz/campaign/worker.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,8 +1,8 @@
 /* What the tally of pairs comes to: by hand, from its file, and against what a campaign played. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "fuzz/campaign.h"
-#include "fuzz/meetings.h"
-#include "fuzz/worker.h"
+#include "fuzz/campaign/campaign.h"
+#include "fuzz/feedback/meetings.h"
+#include "fuzz/campaign/worker.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,8 +1,8 @@
 /* Folders of findings that were killed, and their merge: nothing lost, nothing twice. */
 #define _GNU_SOURCE /* mkdtemp, usleep */
-#include "fuzz/findings.h"
-#include "ref/rng.h"
-#include "scenes/file.h"
+#include "fuzz/findings/findings.h"
+#include "ref/base/rng.h"
+#include "ref/files/file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /* Floats as the text files of findings have them: to the bit there and back. */
-#include "ref/float_word.h"
-#include "ref/rng.h"
+#include "ref/base/float_word.h"
+#include "ref/base/rng.h"
 
 #include <math.h>
 #include <setjmp.h>

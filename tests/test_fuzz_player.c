@@ -1,8 +1,8 @@
-/* Laws of fuzz/player.h: playing many trials at once is playing each alone in a match, and what an
+/* Laws of fuzz/play/player.h: playing many trials at once is playing each alone in a match, and what an
  * engine does wrong is found, whatever it is. */
-#include "fuzz/coverage.h"
-#include "ref/match.h"
-#include "ref/trace.h"
+#include "fuzz/play/coverage.h"
+#include "ref/match/match.h"
+#include "ref/trace/trace.h"
 
 #include "tests/fuzz_trials.h"
 

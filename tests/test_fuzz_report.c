@@ -1,9 +1,9 @@
 /* What a campaign came to as JUnit, TAP and JSON lines: read back by readers of our own, and by
  * xmllint and prove where these are. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "fuzz/ci.h"
-#include "fuzz/report.h"
-#include "scenes/file.h"
+#include "fuzz/findings/ci.h"
+#include "fuzz/findings/report.h"
+#include "ref/files/file.h"
 
 #include <jansson.h>
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 /* The seed's faults come up in a campaign: of the stream of trials on its layouts each shows as a
  * signature of its own, with its own cause, and nothing is left unexplained. */
-#include "fuzz/gen.h"
-#include "fuzz/player.h"
+#include "fuzz/gen/gen.h"
+#include "fuzz/play/player.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,12 +1,12 @@
 /* The self-test's own parts: its table, and what it makes of how a program ends. The programs are
  * scripts here. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "fuzz/selftest.h"
+#include "fuzz/selftest/selftest.h"
 
-#include "fuzz/findings.h"
-#include "ref/command.h"
-#include "ref/rng.h"
-#include "scenes/file.h"
+#include "fuzz/findings/findings.h"
+#include "ref/base/command.h"
+#include "ref/base/rng.h"
+#include "ref/files/file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@ static void a_table_is_read(void **state)
     size_t count;
     char name[SELFTEST_NAME_MOST];
     const char *text = "# a comment\n\n"
-                       "A ref/half.c  cpu f32 rounding\n"
+                       "A ref/base/half.c  cpu f32 rounding\n"
                        "\tA trace_f32 cpu,vulkan f32,rf16 padding  \n"
                        "B_2 gpu/x/y.c spirv f32 stack";
     if (selftest_parse("it", text, &bug, &count, &reason))
@@ -88,7 +88,7 @@ static void the_table_of_the_sources_is_whole(void **state)
         skip();
     }
     if (selftest_read("fuzz/selftest.txt", &bug, &count, &reason) ||
-        file_read("ref/mutant.h", &text, &size, &reason))
+        file_read("ref/base/mutant.h", &text, &size, &reason))
         fail_msg("%s", reason.text);
     for (size_t i = 0; i < count; i++) {
         char define[64];

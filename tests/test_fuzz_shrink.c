@@ -1,7 +1,7 @@
-/* Laws of fuzz/shrink.h on questions whose smallest answer is known: what comes out still shows it,
+/* Laws of fuzz/shrink/shrink.h on questions whose smallest answer is known: what comes out still shows it,
  * is as small as it can be, the same every time, and is not made smaller by doing it again. */
-#include "fuzz/gen.h"
-#include "fuzz/shrink.h"
+#include "fuzz/gen/gen.h"
+#include "fuzz/shrink/shrink.h"
 
 #include <math.h>
 #include <setjmp.h>

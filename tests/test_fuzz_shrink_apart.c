@@ -2,7 +2,7 @@
  * nobody along, and the trial that makes it do so is shrunk like any other. The engines are made
  * here. */
 #define _GNU_SOURCE /* usleep */
-#include "fuzz/shrink.h"
+#include "fuzz/shrink/shrink.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

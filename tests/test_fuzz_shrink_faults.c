@@ -1,9 +1,9 @@
 /* Laws of fuzz_shrink_finding on real faults: what the generators find in layouts as published, and
  * in a peer with a planted bug, becomes a trial that a person can read and that shows the same when
  * somebody else plays it. */
-#include "fuzz/gen.h"
-#include "fuzz/pipe.h"
-#include "fuzz/shrink.h"
+#include "fuzz/gen/gen.h"
+#include "ref/outside/pipe.h"
+#include "fuzz/shrink/shrink.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

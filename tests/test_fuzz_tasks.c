@@ -1,6 +1,6 @@
 /* Laws of engine.trace_tasks: many jobs in one call have the bits of each alone, and what happens
  * in one keeps to it. */
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include "tests/many_jobs.h"
 

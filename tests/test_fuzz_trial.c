@@ -1,7 +1,7 @@
 /* Trials and signatures: copies, hashes, what no reader may let through, names of folders. */
-#include "fuzz/signature.h"
-#include "fuzz/trial.h"
-#include "fuzz/worker_base.h"
+#include "fuzz/play/signature.h"
+#include "fuzz/play/trial.h"
+#include "fuzz/campaign/worker_base.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,8 +1,8 @@
 /* What a worker makes of an order: the trials, whose numbers a finding is known by. */
-#include "fuzz/worker.h"
+#include "fuzz/campaign/worker.h"
 
-#include "fuzz/gen.h"
-#include "ref/bvh.h"
+#include "fuzz/gen/gen.h"
+#include "ref/tree/bvh.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,8 +2,8 @@
  * that press on its frames. */
 #include "ref/layouts/grid.h"
 
-#include "ref/rng.h"
-#include "ref/trace.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
 #include "tests/trees.h"
 
 #include <stdarg.h>

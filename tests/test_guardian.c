@@ -1,8 +1,8 @@
 /* A guardian ends a command with all that it started, however those were started and whatever ends
  * us. */
 #define _GNU_SOURCE
-#include "fuzz/child.h"
-#include "fuzz/guardian.h"
+#include "ref/outside/child.h"
+#include "ref/outside/guardian.h"
 
 #include <errno.h>
 #include <poll.h>

@@ -1,7 +1,7 @@
-/* Laws of ref/half.h, against a decoder written from the definition and against the CPU's F16C. */
-#include "ref/base.h"
-#include "ref/half.h"
-#include "ref/rng.h"
+/* Laws of ref/base/half.h, against a decoder written from the definition and against the CPU's F16C. */
+#include "ref/base/base.h"
+#include "ref/base/half.h"
+#include "ref/base/rng.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* All 65,536 half codes through the decoders of the shaders (shaders/half.glsl), on the running
- * driver, against ref/half.h. */
+ * driver, against ref/base/half.h. */
 #include "ref/abi.h"
-#include "ref/half.h"
+#include "ref/base/half.h"
 
 #include "tests/gpu.h"
 

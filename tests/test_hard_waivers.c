@@ -1,7 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 /* Waivers and the matrix: what they excuse, when they are themselves at fault, what is shown. */
 #include "tests/hard/matrix.h"
-#include "fuzz/waivers.h"
+#include "fuzz/findings/waivers.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -2,10 +2,10 @@
  * cut, damaged or beyond the limits becomes a picture. The PNGs are put together here, chunk by
  * chunk. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "scenes/image.h"
+#include "scenes/picture/image.h"
 
-#include "ref/rng.h"
-#include "scenes/file.h"
+#include "ref/base/rng.h"
+#include "ref/files/file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

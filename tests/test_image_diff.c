@@ -1,7 +1,7 @@
 /* Two pictures compared: what was planted is counted, measured and located, and nothing else. */
-#include "scenes/image_diff.h"
+#include "scenes/picture/image_diff.h"
 
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,8 +1,8 @@
-/* Laws of ref/json_text.h: texts of ours fit, one of empty objects does not, and readers of JSON
+/* Laws of ref/base/json_text.h: texts of ours fit, one of empty objects does not, and readers of JSON
  * ask before they parse. */
-#include "ref/json_text.h"
-#include "ref/bvh_json.h"
-#include "scenes/formats.h"
+#include "ref/base/json_text.h"
+#include "ref/tree/bvh_json.h"
+#include "scenes/read/formats.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

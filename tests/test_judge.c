@@ -1,6 +1,6 @@
 /* The judge: right answers are right, and wrong answers of every kind are caught, for every
  * formula. The allowed classes: test_judge_classes.c. */
-#include "ref/judge.h"
+#include "ref/judge/judge.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* Lists of all hits before the judge: right ones are right, wrong ones of every kind are caught for
  * every formula, and what is allowed has its class; and what lists say of a mesh. */
-#include "ref/judge_all.h"
+#include "ref/judge/judge_all.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* Published tests as black boxes: whatever they answer is allowed, and what no test can answer is
  * not. RAYDIFF_SLOW: 10^6 answers of each. */
-#include "ref/judge_inner.h"
-#include "ref/rng.h"
+#include "ref/judge/judge_inner.h"
+#include "ref/base/rng.h"
 
 #include <stdarg.h>
 #include <stddef.h>

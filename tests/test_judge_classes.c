@@ -1,5 +1,5 @@
 /* Classes of answers that the judge allows: each is named, and ends where it should. */
-#include "ref/judge.h"
+#include "ref/judge/judge.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,9 +1,9 @@
 /* Answers of an unknown formula, judged by the displacement of vertices that makes them right
- * (ref/judge_distance.c): answers for displaced vertices need no more than that, and what needs too
+ * (ref/judge/judge_distance.c): answers for displaced vertices need no more than that, and what needs too
  * much is WRONG. */
-#include "ref/judge.h"
-#include "ref/rng.h"
-#include "scenes/rays.h"
+#include "ref/judge/judge.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

@@ -1,8 +1,8 @@
 /* The answer that is exactly right, rounded to float32, is accepted from every formula with a bound
  * and from a black box. The judge's truth is the oracle's; the numbers of the
  * answer are those of rational arithmetic (GMP). */
-#include "ref/replay.h"
-#include "ref/twin.h"
+#include "ref/twin/replay.h"
+#include "ref/twin/twin.h"
 #include "tests/degenerate.h"
 #include "tests/trials.h"
 

@@ -1,7 +1,7 @@
-/* Watertight tests get no boundary band inside closed fans, and only there (ref/judge_fan.c). */
-#include "ref/judge.h"
-#include "ref/rng.h"
-#include "scenes/rays.h"
+/* Watertight tests get no boundary band inside closed fans, and only there (ref/judge/judge_fan.c). */
+#include "ref/judge/judge.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>
@@ -13,7 +13,7 @@
 #include "tests/judged.h"
 #include "tests/traced.h"
 
-#include "bench/leak_rays.h"
+#include "bench/measure/leak_rays.h"
 
 #include <math.h>
 

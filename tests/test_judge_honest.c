@@ -1,8 +1,8 @@
 /* The judge cries no wolf: honest answers of every kind of engine, on every kind of scene, are
  * never WRONG. At least 100,000 answers a scene. */
-#include "ref/match.h"
-#include "ref/rng.h"
-#include "scenes/rays.h"
+#include "ref/match/match.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

@@ -3,8 +3,8 @@
 #include "tests/fuzz_trials.h"
 #include "tests/judged.h"
 
-#include "fuzz/gen.h"
-#include "ref/trace.h"
+#include "fuzz/gen/gen.h"
+#include "ref/trace/trace.h"
 
 #include <math.h>
 

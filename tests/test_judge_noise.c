@@ -1,7 +1,7 @@
 /* What a formula can come to is allowed, and so is what is exactly right; of triangles whose
  * determinant may be 0 nothing else. */
-#include "ref/replay.h"
-#include "ref/rng.h"
+#include "ref/twin/replay.h"
+#include "ref/base/rng.h"
 #include "tests/degenerate.h"
 #include "tests/trials.h"
 

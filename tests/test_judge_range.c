@@ -1,7 +1,7 @@
 /* The ends of a ray's range: an answer may lie outside by as much as a comparison before the
  * division lets it, and no farther, however loose the bound of t is. */
-#include "ref/judge.h"
-#include "ref/rng.h"
+#include "ref/judge/judge.h"
+#include "ref/base/rng.h"
 #include "tests/trials.h"
 
 #include <stdarg.h>

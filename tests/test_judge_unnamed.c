@@ -1,6 +1,6 @@
 /* Any-hit answers that name no triangle, and any-hit against closest-hit. */
-#include "ref/judge.h"
-#include "ref/rng.h"
+#include "ref/judge/judge.h"
+#include "ref/base/rng.h"
 #include "tests/legal.h"
 
 #include <stdarg.h>

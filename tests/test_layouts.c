@@ -1,6 +1,6 @@
 /* Laws of ref/layouts/: the words of one small tree in every layout, and what each node reads as.
  */
-#include "ref/half.h"
+#include "ref/base/half.h"
 #include "ref/layout.h"
 #include "tests/trees.h"
 

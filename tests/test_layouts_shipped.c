@@ -1,8 +1,8 @@
 /* Laws of the node formats that ship elsewhere: their words, and that no box of theirs is too small
  * whatever the scene. */
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
-#include "ref/packed_file.h"
-#include "ref/rng.h"
+#include "ref/packed/packed_file.h"
+#include "ref/base/rng.h"
 #include "tests/trees.h"
 
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* The leak counter: what excludes what, counts against made-up engines, and the triangle tests
  * whose leaks are known. */
-#include "ref/leaks.h"
-#include "scenes/rays_inside.h"
+#include "ref/judge/leaks.h"
+#include "scenes/rays/rays_inside.h"
 #include "tests/all_hits.h"
 
 #include <math.h>

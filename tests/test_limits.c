@@ -1,5 +1,5 @@
 /* What f32 and rf16 can hold, at both sides of every border, and how deep any tree may be. */
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 #include "tests/trees.h"
 
 #include <stdarg.h>

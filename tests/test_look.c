@@ -2,9 +2,9 @@
  * depth, boxes around the hit and inflation against what was counted another way or by hand. */
 #include "ref/look/around.h"
 #include "ref/look/numbers.h"
-#include "ref/packed_walk.h"
-#include "ref/rng.h"
-#include "scenes/rays.h"
+#include "ref/packed/packed_walk.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* A tree that is only there packed: decoded it is the tree it was made from, or refused. */
 #include "ref/look/decoded.h"
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 
 #include <stdarg.h>
 #include <stddef.h>

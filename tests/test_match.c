@@ -1,7 +1,7 @@
-/* Laws of ref/match.h: rows say what happened, and a wrong answer of anybody shows. */
-#include "ref/match.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+/* Laws of ref/match/match.h: rows say what happened, and a wrong answer of anybody shows. */
+#include "ref/match/match.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

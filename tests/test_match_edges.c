@@ -1,7 +1,7 @@
-/* Laws of ref/match_edges.c: many losses beside edges are no rounding, a few are; and of
+/* Laws of ref/match/match_edges.c: many losses beside edges are no rounding, a few are; and of
  * --require watertight. */
-#include "ref/match_edges.h"
-#include "ref/match_judge.h"
+#include "ref/match/match_edges.h"
+#include "ref/match/match_judge.h"
 
 #include <stdarg.h>
 #include <stddef.h>

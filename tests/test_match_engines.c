@@ -1,6 +1,6 @@
-/* Laws of ref/match.h about answers: wrong ones are found, and told apart. The engine here is made
+/* Laws of ref/match/match.h about answers: wrong ones are found, and told apart. The engine here is made
  * up: it answers what the test tells it. */
-#include "ref/match.h"
+#include "ref/match/match.h"
 
 #include <stdarg.h>
 #include <stddef.h>

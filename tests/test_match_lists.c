@@ -1,6 +1,6 @@
 /* Rows of all hits: honest engines are right, and a list spoilt in one place is found, counted and
  * shown. The engine that spoils is made up. */
-#include "ref/match.h"
+#include "ref/match/match.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +10,7 @@
 
 #include "tests/made_up.h"
 
-#include "ref/all_hits.h"
+#include "ref/trace/all_hits.h"
 
 #include <math.h>
 #include <string.h>

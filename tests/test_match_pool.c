@@ -1,6 +1,6 @@
-/* Laws of ref/match.h about engines: opened once, failures kept apart. The engine here is made up:
+/* Laws of ref/match/match.h about engines: opened once, failures kept apart. The engine here is made up:
  * it does what the test tells it. */
-#include "ref/match.h"
+#include "ref/match/match.h"
 
 #include <stdarg.h>
 #include <stddef.h>

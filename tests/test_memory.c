@@ -3,7 +3,7 @@
 #include "tests/allocations.h"
 
 #include "ref/builders/room.h"
-#include "ref/memory.h"
+#include "ref/base/memory.h"
 #include "tests/built.h"
 
 #include <stdarg.h>

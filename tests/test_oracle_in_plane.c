@@ -1,7 +1,7 @@
 /* A ray in a triangle's plane by integers of 128 bits (ref/oracle/small.h) and by GMP rationals: at
  * every size that is taken, and where two ends are closer than doubles tell. */
 #include "ref/oracle/small.h"
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 
 #include <gmp.h>
 

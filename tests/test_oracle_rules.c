@@ -1,5 +1,5 @@
 /* What the oracle refuses, relies on and promises beside the arithmetic. */
-#include "ref/float_mode.h"
+#include "ref/base/float_mode.h"
 #include "ref/oracle/internal.h"
 #include "tests/exact_gmp.h"
 #include "tests/oracle_batch.h"

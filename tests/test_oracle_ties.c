@@ -2,7 +2,7 @@
  * (ref/oracle/nearest.c), so they are compared with the fractions here; and hits that are apart by
  * less than any enclosure tells. */
 #include "ref/oracle/oracle.h"
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 
 #include <math.h>
 #include <stdio.h>

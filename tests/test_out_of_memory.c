@@ -5,14 +5,14 @@
 
 #include "ref/builders/links.h"
 #include "ref/builders/reinsert.h"
-#include "ref/cover.h"
+#include "ref/tree/cover.h"
 #include "ref/engine.h"
 #include "ref/fast/fast.h"
-#include "ref/packed_unpack.h"
-#include "ref/packed_walk.h"
-#include "ref/quantise.h"
-#include "ref/refit.h"
-#include "ref/tree_quality.h"
+#include "ref/packed/packed_unpack.h"
+#include "ref/packed/packed_walk.h"
+#include "ref/scene/quantise.h"
+#include "ref/packed/refit.h"
+#include "ref/tree/tree_quality.h"
 #include "tests/built.h"
 
 #include <stdarg.h>

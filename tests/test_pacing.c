@@ -1,5 +1,5 @@
 /* Frame pacing under a clock that the tests tell. */
-#include "bench/pacing.h"
+#include "bench/frames/pacing.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

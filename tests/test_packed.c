@@ -1,6 +1,6 @@
 /* Laws of packed_make, packed_make_auto and packed_check. */
 #include "ref/layout.h"
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 #include "tests/trees.h"
 
 #include <stdarg.h>

@@ -1,9 +1,9 @@
-/* Laws of ref/packed_file.h: what is written reads back to the byte and traces alike; whatever is
+/* Laws of ref/packed/packed_file.h: what is written reads back to the byte and traces alike; whatever is
  * changed in it is refused, counted as a fault, or still safe to trace; nothing leads out of it. */
 #define _POSIX_C_SOURCE 200809L
-#include "ref/packed_file.h"
-#include "ref/rng.h"
-#include "ref/trace.h"
+#include "ref/packed/packed_file.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
 #include "scenes/scenes.h"
 
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* Painters of measured frames, by engines that need no GPU. */
-#include "bench/painter.h"
+#include "bench/frames/painter.h"
 #include "scenes/scenes.h"
 
 #include <setjmp.h>

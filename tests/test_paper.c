@@ -1,5 +1,5 @@
 /* Figure 8 by its formulas and by the trees. */
-#include "bench/paper.h"
+#include "bench/frames/paper.h"
 #include "scenes/scenes.h"
 
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* The front: what is on it, and which of it are worth using. */
-#include "bench/pareto.h"
+#include "bench/chart/pareto.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

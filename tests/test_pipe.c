@@ -1,11 +1,11 @@
-/* Laws of engines "pipe:COMMAND" (fuzz/pipe.h): a peer that keeps the protocol is an engine like
+/* Laws of engines "pipe:COMMAND" (ref/outside/pipe.h): a peer that keeps the protocol is an engine like
  * any other; whatever else it does is said in one line, ends the peer and nothing else, and leaves
  * no process behind. The peers are this program, run as `test_pipe --peer WHAT`. */
 #define _GNU_SOURCE /* environ, usleep */
-#include "fuzz/pipe.h"
-#include "ref/rng.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/outside/pipe.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "tests/peers.h"
 

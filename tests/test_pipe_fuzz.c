@@ -1,9 +1,9 @@
-/* Laws of peers in fuzz/player.h: what ends a peer is a finding of its kind, with the ray; the
+/* Laws of peers in fuzz/play/player.h: what ends a peer is a finding of its kind, with the ray; the
  * trial after it is played as if nothing had happened. The peers are this program (tests/peers.h).
  */
 #define _GNU_SOURCE /* setenv, usleep */
-#include "fuzz/gen.h"
-#include "fuzz/player.h"
+#include "fuzz/gen/gen.h"
+#include "fuzz/play/player.h"
 #include "tests/peers.h"
 
 #include <setjmp.h>

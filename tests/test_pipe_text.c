@@ -1,10 +1,10 @@
-/* Laws of the text form of requests and answers (fuzz/pipe_text.h): what is written reads back to
+/* Laws of the text form of requests and answers (ref/outside/pipe_text.h): what is written reads back to
  * the bit, in both notations; whatever else is in a file is named with its line. */
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
-#include "fuzz/pipe_text.h"
-#include "fuzz/recorded.h"
-#include "ref/rng.h"
-#include "scenes/rays.h"
+#include "ref/outside/pipe_text.h"
+#include "ref/outside/recorded.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* The SVG plot: well-formed whatever the texts, every point where its numbers put it. */
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
-#include "bench/plot.h"
+#include "bench/chart/plot.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/well_formed.h"
+#include "tests/readers/well_formed.h"
 
 static void the_parser_knows_broken_xml(void **state)
 {

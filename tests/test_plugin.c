@@ -1,8 +1,8 @@
 /* What a layout from outside says is believed only after a look, and every lie is told by the
  * record; the text of its shader names its own lines. */
-#include "fuzz/plugin_guard.h"
-#include "gpu/glsl_text.h"
-#include "gpu/shaders.h"
+#include "ref/outside/plugin_guard.h"
+#include "gpu/shaders/glsl_text.h"
+#include "gpu/shaders/shaders.h"
 
 static unsigned lie; /* enum lie */
 #define LIE lie

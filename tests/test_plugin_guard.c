@@ -1,6 +1,6 @@
 /* What is no shared object is refused at once. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "fuzz/plugin_guard.h"
+#include "ref/outside/plugin_guard.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /* Layouts from outside of four children: what an honest one packs is the tree, wherever the
  * children stand in a record; every lie is told by the record, a leaf's by the slot. */
-#include "ref/packed_walk.h"
+#include "ref/packed/packed_walk.h"
 
 static unsigned lie; /* enum lie */
 #define LIE lie

@@ -1,6 +1,6 @@
 /* Laws of ref/primitives/: the tables and the contract of rays. The tests themselves: test_boxes.c
  * and test_triangles.c. */
-#include "ref/base.h"
+#include "ref/base/base.h"
 #include "ref/primitives/primitives.h"
 
 #include <stdarg.h>

@@ -1,9 +1,9 @@
 /* Quantised scenes: how far vertices move is what was certified, what is stored is what was
  * decoded, and closed meshes stay closed. */
-#include "ref/original.h"
-#include "ref/refit.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/match/original.h"
+#include "ref/packed/refit.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

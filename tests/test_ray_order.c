@@ -1,6 +1,6 @@
-/* Laws of gpu/ray_order.h. */
-#include "gpu/ray_order.h"
-#include "ref/rng.h"
+/* Laws of gpu/trace/ray_order.h. */
+#include "gpu/trace/ray_order.h"
+#include "ref/base/rng.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,8 +1,8 @@
 /* Rays from inside closed meshes: the points are inside, the rays come near edges, and bad meshes
  * are refused. */
-#include "scenes/rays_inside.h"
+#include "scenes/rays/rays_inside.h"
 #include "ref/primitives/primitives.h"
-#include "scenes/rays.h"
+#include "scenes/rays/rays.h"
 #include "tests/all_hits.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
-#include "ref/rng.h"
-#include "scenes/formats.h"
-#include "scenes/mesh.h"
+#include "ref/base/rng.h"
+#include "scenes/read/formats.h"
+#include "ref/scene/mesh.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
-#include "ref/rng.h"
-#include "scenes/file.h"
-#include "scenes/formats.h"
+#include "ref/base/rng.h"
+#include "ref/files/file.h"
+#include "scenes/read/formats.h"
 #include "tests/published.h"
 
 #include <setjmp.h>

@@ -1,9 +1,9 @@
-/* Refit (ref/refit.h): trees of moved scenes stay sound in every layout, or are to be built anew
+/* Refit (ref/packed/refit.h): trees of moved scenes stay sound in every layout, or are to be built anew
  * and stay what they were. */
-#include "ref/refit.h"
+#include "ref/packed/refit.h"
 
-#include "ref/packed_walk.h"
-#include "ref/trace.h"
+#include "ref/packed/packed_walk.h"
+#include "ref/trace/trace.h"
 
 #include <stdarg.h>
 #include <stddef.h>

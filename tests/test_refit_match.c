@@ -1,8 +1,8 @@
 /* Matches on refitted trees: engines agree with the truth about the moved scene, and vulkan with
  * cpu, bit for bit. */
-#include "ref/match.h"
+#include "ref/match/match.h"
 #include "scenes/move.h"
-#include "scenes/rays.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

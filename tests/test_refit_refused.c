@@ -1,6 +1,6 @@
-/* What cannot be refitted (ref/refit.h): other scenes and words that are no tree are said, and left
+/* What cannot be refitted (ref/packed/refit.h): other scenes and words that are no tree are said, and left
  * as they are. */
-#include "ref/refit.h"
+#include "ref/packed/refit.h"
 
 #include <stdarg.h>
 #include <stddef.h>

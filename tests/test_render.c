@@ -1,9 +1,9 @@
 /* Whole pictures: against a renderer in double that was written from the formulas alone, and
  * against themselves path by path. */
-#include "scenes/normals.h"
-#include "scenes/shade.h"
+#include "scenes/read/normals.h"
+#include "scenes/render/shade.h"
 
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include <math.h>
 #include <setjmp.h>

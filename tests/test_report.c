@@ -1,10 +1,10 @@
 /* A report says what its parts say, and nothing else: whatever they hold the page is well-formed
  * and asks for nothing, what is wrong stands out, what failed is in it and in the exit code. */
 #define _GNU_SOURCE /* open_memstream, mkdtemp */
-#include "bench/report.h"
+#include "bench/report/report.h"
 
-#include "ref/command.h"
-#include "scenes/image.h"
+#include "ref/base/command.h"
+#include "scenes/picture/image.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +16,7 @@
 #include <string.h>
 
 #include "tests/root.h"
-#include "tests/well_formed.h"
+#include "tests/readers/well_formed.h"
 
 static const char check_text[] =
     "{'raydiff': '0.1.0', 'exit': 1, 'scenes': [{'scene': 'S<1>', 'triangles': 12, 'vertices': 8,"

@@ -1,7 +1,7 @@
 /* The writer of HTML: nothing in a text can become markup, every element is closed, pictures keep
  * every byte. */
 #define _GNU_SOURCE /* open_memstream */
-#include "bench/report_html.h"
+#include "bench/report/report_html.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/well_formed.h"
+#include "tests/readers/well_formed.h"
 
 /* A page in memory. */
 struct sheet {

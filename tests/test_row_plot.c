@@ -1,6 +1,6 @@
 /* Figures from rows of benchmarks: every number where its row says, for every scene and ray set. */
 #define _GNU_SOURCE /* open_memstream */
-#include "bench/row_plot.h"
+#include "bench/chart/row_plot.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/well_formed.h"
+#include "tests/readers/well_formed.h"
 
 static json_t *row_of(const char *scene, const char *rays, const char *engine, const char *layout)
 {

@@ -2,14 +2,14 @@
  * every layout; budgets are kept; answers are right. */
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
 
-#include "ref/all_hits.h"
+#include "ref/trace/all_hits.h"
 #include "ref/builders/clip.h"
-#include "ref/bvh_json.h"
-#include "ref/match.h"
-#include "ref/packed_file.h"
-#include "ref/packed_unpack.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/tree/bvh_json.h"
+#include "ref/match/match.h"
+#include "ref/packed/packed_file.h"
+#include "ref/packed/packed_unpack.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "tests/built.h"
 

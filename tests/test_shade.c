@@ -1,7 +1,7 @@
 /* Paths by hand: scenes small enough for every number of theirs to be worked out on paper. */
-#include "scenes/shade.h"
+#include "scenes/render/shade.h"
 
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include <math.h>
 #include <setjmp.h>

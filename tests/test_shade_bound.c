@@ -4,7 +4,7 @@
 
 static float other_pow(float x, float y);
 #define powf other_pow
-#include "scenes/shade.c" /* in place of the library's */
+#include "scenes/render/shade.c" /* in place of the library's */
 #undef powf
 
 #include <setjmp.h>
@@ -12,7 +12,7 @@ static float other_pow(float x, float y);
 #include <string.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
-#include "scenes/diff_frames.h"
+#include "scenes/render/diff_frames.h"
 #include "tests/pictures.h"
 
 /* Which way every step of pow errs; 0: not at all. */

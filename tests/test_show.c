@@ -1,10 +1,10 @@
 /* What each picture of the tree shows, held against what was computed without it: the traversal's
  * answers and counters, the judge's verdicts, differences by hand. */
-#include "scenes/show.h"
+#include "scenes/render/show.h"
 
-#include "scenes/camera.h"
-#include "scenes/render.h"
-#include "scenes/shade.h"
+#include "scenes/render/camera.h"
+#include "scenes/render/render.h"
+#include "scenes/render/shade.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* Pictures in false colours: each pixel has the colour of its value, and the range is what was
  * asked for, or fits. */
-#include "scenes/show_picture.h"
+#include "scenes/render/show_picture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
-/* Laws of the embedded SPIR-V, read by another parser (gpu/spirv_look.h) than that of the tool that
+/* Laws of the embedded SPIR-V, read by another parser (gpu/shaders/spirv_look.h) than that of the tool that
  * made it. */
 #define _POSIX_C_SOURCE 200809L
-#include "gpu/spirv_look.h"
+#include "gpu/shaders/spirv_look.h"
 #include "ref/layout.h"
 
 #include <stdarg.h>

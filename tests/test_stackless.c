@@ -1,5 +1,5 @@
 /* Traversal without a stack: the same hits in the same order as with it, in C and on the device. */
-#include "ref/packed_walk.h"
+#include "ref/packed/packed_walk.h"
 #include "tests/all_hits.h"
 
 #include <stdlib.h>

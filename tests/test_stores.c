@@ -1,9 +1,9 @@
 /* Triangle storage: what it holds is the scene's, to the bit, and every answer is `indexed`'s. */
-#include "ref/packed_walk.h"
-#include "ref/quantise.h"
-#include "ref/rng.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/packed/packed_walk.h"
+#include "ref/scene/quantise.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* What builders, generators and ray sets say that they read is what their results depend on:
  * commands refuse options by it. */
-#include "ref/bvh.h"
-#include "scenes/rays.h"
+#include "ref/tree/bvh.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* What killed writers leave is removed by the next writer of the same goal, and nothing else is. */
 #define _GNU_SOURCE /* mkdtemp, O_TMPFILE */
-#include "scenes/file.h"
-#include "scenes/temporary.h"
+#include "ref/files/file.h"
+#include "ref/files/temporary.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -1,7 +1,7 @@
 /* Ticks: round numbers within the range, as many as asked for, told apart by their texts. */
-#include "scenes/ticks.h"
+#include "scenes/picture/ticks.h"
 
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 
 #include <math.h>
 #include <setjmp.h>

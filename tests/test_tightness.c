@@ -1,6 +1,6 @@
 /* Tightness: a pair that arithmetic on paper gives, the smallest rejected error against a walk over
  * all floats, and sums of few values. */
-#include "bench/tightness.h"
+#include "bench/measure/tightness.h"
 #include "scenes/scenes.h"
 
 #include <math.h>

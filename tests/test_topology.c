@@ -1,5 +1,5 @@
 /* Welding, edges, fans, and which meshes are closed. */
-#include "ref/topology.h"
+#include "ref/scene/topology.h"
 #include "scenes/scenes.h"
 
 #include <string.h>

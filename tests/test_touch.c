@@ -1,8 +1,8 @@
 /* What a traversal reads: the lines of small trees that are known by hand; and that watching
  * changes no answer. */
-#include "bench/shadow_rays.h"
-#include "bench/touch.h"
-#include "scenes/rays.h"
+#include "bench/measure/shadow_rays.h"
+#include "bench/measure/touch.h"
+#include "scenes/rays/rays.h"
 #include "tests/trees.h"
 
 #include <setjmp.h>

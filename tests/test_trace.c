@@ -1,8 +1,8 @@
-/* Laws of ref/trace.h: what a tree answers is exactly true, in the layout's order. The
+/* Laws of ref/trace/trace.h: what a tree answers is exactly true, in the layout's order. The
  * work it takes and the stack: test_trace_work.c. */
-#include "ref/judge.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/judge/judge.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

@@ -1,8 +1,8 @@
-/* Laws of ref/trace.h: how little a ray visits, what the stack must hold, and that no words make it
+/* Laws of ref/trace/trace.h: how little a ray visits, what the stack must hold, and that no words make it
  * hang. */
-#include "ref/rng.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

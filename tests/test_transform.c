@@ -1,6 +1,6 @@
 /* Laws of scenes/transform.h: what each step does to a point, in which order steps are done, and
  * which steps are refused. */
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 #include "scenes/transform.h"
 
 #include <float.h>

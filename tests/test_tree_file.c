@@ -1,10 +1,10 @@
-/* Laws of ref/tree_file.h: a tree that is written comes back as it was, in every layout; one of
+/* Laws of ref/packed/tree_file.h: a tree that is written comes back as it was, in every layout; one of
  * another scene is refused, however it is stored; one with too small boxes is taken, with a doubt.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "ref/bvh_json.h"
-#include "ref/packed_file.h"
-#include "ref/tree_file.h"
+#include "ref/tree/bvh_json.h"
+#include "ref/packed/packed_file.h"
+#include "ref/packed/tree_file.h"
 #include "scenes/scenes.h"
 
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* Numbers of trees: cost by hand, end-point overlap by hand and by points on the triangles. */
-#include "ref/tree_quality.h"
+#include "ref/tree/tree_quality.h"
 #include "tests/built.h"
 
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* Laws of ref/primitives/tri.h. The box tests: test_primitives.c. */
 #include "ref/primitives/primitives.h"
-#include "ref/rng.h"
-#include "ref/twin.h"
+#include "ref/base/rng.h"
+#include "ref/twin/twin.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

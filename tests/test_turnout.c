@@ -1,7 +1,7 @@
 /* What was named must have answered: counts, lines and exit codes. */
-#include "fuzz/campaign.h"
-#include "ref/command.h"
-#include "ref/turnout.h"
+#include "fuzz/campaign/campaign.h"
+#include "ref/base/command.h"
+#include "ref/match/turnout.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

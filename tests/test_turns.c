@@ -1,6 +1,6 @@
 /* Orders of play: everybody once a round, nobody twice in a row, everybody after everybody, and
  * from every place to every other as often as chance has it. */
-#include "bench/turns.h"
+#include "bench/frames/turns.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

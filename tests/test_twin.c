@@ -1,7 +1,7 @@
 /* The running-error twins against the same formulas in extended precision. */
-#include "ref/base.h"
-#include "ref/rng.h"
-#include "ref/twin.h"
+#include "ref/base/base.h"
+#include "ref/base/rng.h"
+#include "ref/twin/twin.h"
 
 #include <math.h>
 #include <string.h>

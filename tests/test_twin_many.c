@@ -1,9 +1,9 @@
 /* Twins by vectors are the twins computed alone, bit for bit, for every kind of vector that runs
  * here, every formula and every rounding. */
-#include "ref/base.h"
-#include "ref/rng.h"
-#include "ref/twin.h"
-#include "ref/twin_lanes.h"
+#include "ref/base/base.h"
+#include "ref/base/rng.h"
+#include "ref/twin/twin.h"
+#include "ref/twin/twin_lanes.h"
 
 #include <math.h>
 #include <stdio.h>

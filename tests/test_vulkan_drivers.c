@@ -1,6 +1,6 @@
 /* Choosing drivers, several in one process, and the same bits from each of them. */
 #define _POSIX_C_SOURCE 200809L
-#include "gpu/vk_driver.h"
+#include "gpu/vk/vk_driver.h"
 
 #include "tests/drivers.h"
 

@@ -3,7 +3,7 @@
  * program that it must notice. */
 #include "tests/exported.h"
 
-#include "gpu/vk_driver.h"
+#include "gpu/vk/vk_driver.h"
 
 #include <sys/wait.h>
 

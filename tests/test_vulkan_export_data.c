@@ -2,8 +2,8 @@
  */
 #include "tests/exported.h"
 
-#include "ref/rng.h"
-#include "ref/trace.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
 
 static struct reason reason;
 

@@ -1,5 +1,5 @@
 /* The operator probe, on the running driver and on made-up results. */
-#include "gpu/card.h"
+#include "gpu/card/card.h"
 
 #include "tests/drivers.h"
 

@@ -2,7 +2,7 @@
  * RAYDIFF_SLOW all of them, and more scenes) each segment of each path has the C renderer's bits,
  * and each pixel its value, or the other one where the colour lies within the bound of a rounding
  * border. */
-#include "scenes/diff_frames.h"
+#include "scenes/render/diff_frames.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* The square root of the rendering shaders is C's on every driver, to the bit: all floats with
  * exponents 126 and 127, which have every mantissa with both parities, and the ends of the range.
  */
-#include "gpu/probe_once.h"
+#include "gpu/card/probe_once.h"
 
 #include "tests/gpu.h"
 

@@ -1,8 +1,8 @@
 /* Triangle storage on the GPU: the bits of engine cpu, alone and as one of many tasks. */
-#include "ref/quantise.h"
-#include "ref/rng.h"
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/scene/quantise.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "tests/gpu.h"
 

@@ -1,4 +1,4 @@
-/* Laws of gpu/tracer.h's tracer_trace_tasks on the running driver. */
+/* Laws of gpu/trace/tracer.h's tracer_trace_tasks on the running driver. */
 #include "tests/gpu.h"
 #include "tests/many_jobs.h"
 

@@ -1,7 +1,7 @@
 /* Tracing on the running driver: its answers are C's, bit for bit, and what cannot be answered
  * fails loudly. */
-#include "ref/trace.h"
-#include "scenes/rays.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
 #include "tests/gpu.h"

@@ -1,6 +1,6 @@
 /* The watertight box test on the running driver: no leak where the robust one has many, and C's
  * bits. */
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include "tests/gpu.h"
 #include "tests/corridor.h"

@@ -1,5 +1,5 @@
-/* Laws of ref/wide_tree.h. */
-#include "ref/wide_tree.h"
+/* Laws of ref/tree/wide_tree.h. */
+#include "ref/tree/wide_tree.h"
 #include "scenes/scenes.h"
 #include "tests/trees.h"
 
@@ -15,7 +15,7 @@
 /* --- every tree is one --------------------------------------------------------------------------
  */
 
-/* Whether the tree is what ref/wide_tree.h says: ranges, order, boxes, limits, stack. */
+/* Whether the tree is what ref/tree/wide_tree.h says: ranges, order, boxes, limits, stack. */
 static bool is_well_formed(const struct wide_tree *tree, const struct bvh *bvh,
                            const struct scene *scene, const struct wide_rule *rule)
 {

@@ -1,8 +1,8 @@
 /* The window without a screen: keys and time, and what is said where no window can be. */
 #define _GNU_SOURCE /* setenv */
-#include "scenes/file.h"
-#include "scenes/turning.h"
-#include "scenes/window.h"
+#include "ref/files/file.h"
+#include "scenes/render/turning.h"
+#include "scenes/render/window.h"
 
 #include "have_sdl2.h"
 

@@ -1,8 +1,8 @@
 #define _GNU_SOURCE /* mkdtemp, open_memstream */
-#include "ref/rng.h"
-#include "scenes/file.h"
-#include "scenes/formats.h"
-#include "scenes/normals.h"
+#include "ref/base/rng.h"
+#include "ref/files/file.h"
+#include "scenes/read/formats.h"
+#include "scenes/read/normals.h"
 #include "scenes/scenes.h"
 #include "tests/published.h"
 

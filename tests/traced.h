@@ -2,7 +2,7 @@
 #ifndef TESTS_TRACED_H
 #define TESTS_TRACED_H
 
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 #include "scenes/scenes.h"
 #include "tests/held.h"
 

@@ -5,7 +5,7 @@
 set -u
 dir=$(mktemp -d) || exit 4
 trap 'rm -rf "$dir"' EXIT
-object=$dir/build/obj/ref/base.o
+object=$dir/build/obj/ref/base/base.o
 unset WERROR MAKEFLAGS MFLAGS
 
 # compiled MAKEFILE ARGUMENTS...: one object, from here.

@@ -14,10 +14,10 @@ make -s -j"$(nproc)" OUT="$build" CC=cc HAVE_EMBREE= FIRE_OUT="$WORK/fire" FIRE_
 for fuzzer in "$WORK"/fire/fuzz_*; do
     name=${fuzzer##*/fuzz_}
     cp "$fuzzer" "$OUT/$name"
-    found=fuzz/fire/found/$name
+    found=tests/readers/found/$name
     [ -d "$found" ] || found=
     rm -f "$OUT/${name}_seed_corpus.zip"
     zip -qj "$OUT/${name}_seed_corpus.zip" "$build/fire/seeds/$name"/* ${found:+"$found"/*}
-    [ ! -r "fuzz/fire/dict/$name.dict" ] || cp "fuzz/fire/dict/$name.dict" "$OUT/$name.dict"
+    [ ! -r "tests/readers/dict/$name.dict" ] || cp "tests/readers/dict/$name.dict" "$OUT/$name.dict"
     printf '[libfuzzer]\nmax_len = 16384\ntimeout = 10\n' >"$OUT/$name.options"
 done

@@ -1,5 +1,5 @@
 /* The smallest tracer that raydiff can judge: every triangle for every ray, Moeller and Trumbore
- * 1997. The protocol: fuzz/pipe.h, of which nothing needs to be included.
+ * 1997. The protocol: ref/outside/pipe.h, of which nothing needs to be included.
  *   cc -O2 -o tracer tracer.c && raydiff check sphere --engine 'pipe:./tracer'
  * With -DBUG=1 an edge is tested wrongly, with -DBUG=2 a later triangle hides a nearer one. */
 #include <stdint.h>

@@ -5,7 +5,7 @@
 #include "ref/builders/grow.h"
 #include "ref/builders/top_down.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 /* In double, where the sum of three floats cannot overflow. */
 static void centroid(float v[3][3], float out[3])

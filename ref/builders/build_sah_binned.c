@@ -7,7 +7,7 @@
 #include "ref/builders/grow.h"
 #include "ref/builders/room.h"
 #include "ref/builders/swap.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 struct binned {
     struct ref *ref;

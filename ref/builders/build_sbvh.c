@@ -1,13 +1,13 @@
 /* Top-down by the surface area heuristic, with spatial splits (Stich, Friedrich, Dietrich 2009,
  * Spatial Splits in Bounding Volume Hierarchies): where the children of the best object split
  * overlap, planes are tried, too, which cut triangles into parts. Ours: parts are cut from the
- * triangle itself with outward rounding (clip.h), so that ref/cover.h finds nothing lost; and the
+ * triangle itself with outward rounding (clip.h), so that ref/tree/cover.h finds nothing lost; and the
  * additional parts are bounded by a budget, which children divide by the area of their parts, so
  * that subtrees are built without knowing of each other, by any number of threads. */
 #include "ref/builders/grow.h"
 #include "ref/builders/room.h"
 #include "ref/builders/split.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <omp.h>

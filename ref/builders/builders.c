@@ -1,7 +1,7 @@
 #include "ref/builders/links.h"
 #include "ref/builders/reinsert.h"
-#include "ref/bvh.h"
-#include "ref/memory.h"
+#include "ref/tree/bvh.h"
+#include "ref/base/memory.h"
 
 #include "counts.h"
 

@@ -1,6 +1,6 @@
 #include "ref/builders/clip.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <math.h>
 

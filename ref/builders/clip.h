@@ -2,7 +2,7 @@
 #ifndef CLIP_H
 #define CLIP_H
 
-#include "ref/geom.h"
+#include "ref/base/geom.h"
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 #include "ref/builders/grow.h"
 
 #include "ref/builders/room.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 

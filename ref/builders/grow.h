@@ -6,7 +6,7 @@
 
 #include "ref/builders/lanes.h"
 #include "ref/builders/refs.h"
-#include "ref/bvh.h"
+#include "ref/tree/bvh.h"
 
 /* No tree is deeper, whatever the input: a range of n at depth d keeps d + ceil(log2(n)) <= this,
  * at first because n <= 2^31, later because a split that would break it is replaced by halving. */

@@ -1,7 +1,7 @@
 #include "ref/builders/keys.h"
 
 #include "ref/builders/room.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <string.h>
 

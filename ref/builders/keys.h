@@ -2,7 +2,7 @@
 #ifndef KEYS_H
 #define KEYS_H
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 
 /* Sorts by bits first_bit and above, ascending; keys that are equal there keep their order, so that
  * the result is the same for any number of threads. *key (of room_make) may be exchanged for

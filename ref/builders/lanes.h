@@ -3,7 +3,7 @@
 #ifndef LANES_H
 #define LANES_H
 
-#include "ref/geom.h"
+#include "ref/base/geom.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -2,8 +2,8 @@
 
 #include "ref/builders/grow.h"
 #include "ref/builders/room.h"
-#include "ref/mutant.h"
-#include "ref/tree_quality.h"
+#include "ref/base/mutant.h"
+#include "ref/tree/tree_quality.h"
 
 /* A tree that is being written. */
 struct writer {

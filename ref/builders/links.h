@@ -4,7 +4,7 @@
 #define LINKS_H
 
 #include "ref/builders/lanes.h"
-#include "ref/bvh.h"
+#include "ref/tree/bvh.h"
 
 #define LINKS_NONE UINT32_MAX
 

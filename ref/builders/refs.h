@@ -2,9 +2,9 @@
 #ifndef REFS_H
 #define REFS_H
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 #include "ref/builders/lanes.h"
-#include "ref/bvh.h"
+#include "ref/tree/bvh.h"
 
 /* The number stands in the fourth lanes, 16 bits in the mantissa of each, so that they are floats
  * between 1 and 2 that no operation stumbles over. */

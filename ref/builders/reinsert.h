@@ -2,7 +2,7 @@
 #ifndef REINSERT_H
 #define REINSERT_H
 
-#include "ref/bvh.h"
+#include "ref/tree/bvh.h"
 
 /* Moves subtrees of a well-formed tree to where they cost less (Bittner, Hapala and Havran 2013,
  * Fast insertion-based optimization of bounding volume hierarchies; the search of Meister and

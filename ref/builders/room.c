@@ -1,7 +1,7 @@
 #define _DEFAULT_SOURCE /* madvise */
 #include "ref/builders/room.h"
 
-#include "ref/memory.h"
+#include "ref/base/memory.h"
 
 #include <stdint.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #define SPLIT_H
 
 #include "ref/builders/clip.h"
-#include "ref/scene.h"
+#include "ref/scene/scene.h"
 
 #define SPLIT_SWEPT 32u /* up to so many parts every place is tried, beyond it bins */
 

@@ -2,7 +2,7 @@
 
 #include "ref/builders/links.h"
 #include "ref/builders/room.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <string.h>
 

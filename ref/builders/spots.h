@@ -2,9 +2,9 @@
 #ifndef SPOTS_H
 #define SPOTS_H
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 #include "ref/builders/lanes.h"
-#include "ref/bvh.h"
+#include "ref/tree/bvh.h"
 
 struct spot {
     struct lane_box box; /* in units in which areas neither overflow nor vanish */

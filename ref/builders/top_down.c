@@ -1,7 +1,7 @@
 #include "ref/builders/top_down.h"
 
 #include "ref/builders/grow.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 

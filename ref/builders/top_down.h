@@ -2,7 +2,7 @@
 #ifndef TOP_DOWN_H
 #define TOP_DOWN_H
 
-#include "ref/bvh.h"
+#include "ref/tree/bvh.h"
 
 /* Scratch data of one build. */
 struct build {

@@ -1,6 +1,6 @@
 #include "ref/engines/cpu_rays.h"
 
-#include "ref/twin.h"
+#include "ref/twin/twin.h"
 
 #include <omp.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #define CPU_RAYS_H
 
 #include "ref/engine.h"
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 /* Answers one ray; called from several threads at once. Errors: STATUS_LIMIT not finished. */
 typedef enum status cpu_ray_fn(const struct job *job, const struct ray *ray, struct hit *hit,

@@ -1,6 +1,6 @@
 /* Every triangle for every ray, no tree: any difference to it is the tree's. */
 #include "ref/engines/cpu_rays.h"
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include <stdio.h>
 

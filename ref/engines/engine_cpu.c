@@ -1,6 +1,6 @@
 /* The reference traversal on all cores. */
 #include "ref/engines/cpu_rays.h"
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include <stdio.h>
 

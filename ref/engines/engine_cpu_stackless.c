@@ -1,7 +1,7 @@
 /* The reference traversal without a stack: links to parents and a trail of bits. */
 #include "ref/engines/cpu_rays.h"
-#include "ref/packed_walk.h"
-#include "ref/trace.h"
+#include "ref/packed/packed_walk.h"
+#include "ref/trace/trace.h"
 
 #include <stdio.h>
 #include <stdlib.h>

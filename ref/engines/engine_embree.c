@@ -4,7 +4,7 @@
 
 #include "ref/engine.h"
 #include "ref/engines/cpu_rays.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <stdio.h>
 

@@ -1,7 +1,7 @@
 #include "ref/explain/imitate.h"
 
 #include "ref/explain/witness.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include "ref/engine.h"
 #include "ref/explain/explain.h"
-#include "ref/judge.h"
+#include "ref/judge/judge.h"
 
 /* An engine prepared for a job, and what its answers are compared with; all borrowed. */
 struct judged_job {

@@ -6,7 +6,7 @@
 
 #include "ref/explain/repair.h"
 #include "ref/explain/slabs.h"
-#include "ref/scene.h"
+#include "ref/scene/scene.h"
 
 struct outside_hint {
     enum cause cause;

@@ -4,7 +4,7 @@
 #ifndef EXPLAIN_REPAIR_H
 #define EXPLAIN_REPAIR_H
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 
 /* Causes, the most specific first: where several repairs help, the first is named. */
 enum cause {

@@ -1,4 +1,4 @@
-/* The reference traversal once more (ref/trace.c), with switches: repairs that make one thing
+/* The reference traversal once more (ref/trace/trace.c), with switches: repairs that make one thing
  * right, a planted defect that makes one thing wrong, and notes of what happened on the way. */
 #ifndef EXPLAIN_REPLAY_H
 #define EXPLAIN_REPLAY_H

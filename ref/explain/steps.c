@@ -1,6 +1,6 @@
 #include "ref/explain/steps.h"
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
  * triangles below. */
 #include "ref/explain/tree.h"
 
-#include "ref/packed_walk.h"
+#include "ref/packed/packed_walk.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 #include "ref/explain/witness.h"
 
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 #include "ref/fast/block.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <string.h>
 

@@ -8,7 +8,7 @@
 #ifndef BLOCK_H
 #define BLOCK_H
 
-#include "ref/scene.h"
+#include "ref/scene/scene.h"
 
 #define BLOCK_TRIS     8u
 #define BLOCK_VERTICES 16u

@@ -1,6 +1,6 @@
 #include "ref/fast/decoded.h"
 
-#include "ref/packed_unpack.h"
+#include "ref/packed/packed_unpack.h"
 
 #include <stdlib.h>
 

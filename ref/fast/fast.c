@@ -2,9 +2,9 @@
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
-#include "ref/memory.h"
-#include "ref/mutant.h"
-#include "ref/wide_tree.h"
+#include "ref/base/memory.h"
+#include "ref/base/mutant.h"
+#include "ref/tree/wide_tree.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #define FAST_H
 
 #include "ref/abi.h"
-#include "ref/bvh.h"
+#include "ref/tree/bvh.h"
 
 #define FAST_WIDTH 8u
 #define FAST_STACK 256u /* entries of the traversal's stack */
@@ -41,7 +41,7 @@ struct fast_tree {
     bool in_pairs; /* kernels take two rays at once: the tree is larger than caches */
 };
 
-/* Makes the tree from a binary one whose form was checked: the cheapest collapse (ref/wide_tree.h).
+/* Makes the tree from a binary one whose form was checked: the cheapest collapse (ref/tree/wide_tree.h).
  * Errors: STATUS_LIMIT a traversal could need more than FAST_STACK entries, or the blocks are
  * larger than 512 MB; STATUS_MEMORY. On error *out is zero. */
 enum status fast_make(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
@@ -71,7 +71,7 @@ extern const struct fast_kernel *const fast_kernels[];
 /* The first that runs here. */
 const struct fast_kernel *fast_kernel_best(void);
 
-/* Every triangle that the ray hits, as trace_ray_all (ref/trace.h) lists them; returns how many. */
+/* Every triangle that the ray hits, as trace_ray_all (ref/trace/trace.h) lists them; returns how many. */
 uint32_t fast_all(const struct fast_tree *tree, const struct ray *ray, uint32_t capacity,
                   struct hit *hit);
 

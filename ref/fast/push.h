@@ -3,7 +3,7 @@
 #ifndef FAST_PUSH_H
 #define FAST_PUSH_H
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 /* Sorts the children in `mask`, farthest first, by the bits of their entries, which are at least 0;
  * the lowest three bits of a key are the child's number. Returns how many there are. */

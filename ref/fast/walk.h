@@ -11,7 +11,7 @@
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 #include "ref/layouts/common.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 

@@ -3,7 +3,7 @@
 #ifndef LAYOUT_COMMON_H
 #define LAYOUT_COMMON_H
 
-#include "ref/half.h"
+#include "ref/base/half.h"
 #include "ref/layout.h"
 
 /* Checks that the vertices of all triangles and the boxes of all nodes are finite.

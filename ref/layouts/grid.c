@@ -1,7 +1,7 @@
 #include "ref/layouts/grid.h"
 
 #include "ref/layouts/wide_nodes.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <string.h>

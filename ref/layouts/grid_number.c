@@ -1,8 +1,8 @@
 #include "ref/layouts/grid_number.h"
 
 #include "ref/abi.h"
-#include "ref/half.h"
-#include "ref/mutant.h"
+#include "ref/base/half.h"
+#include "ref/base/mutant.h"
 
 #include <float.h>
 #include <math.h>

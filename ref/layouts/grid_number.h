@@ -4,8 +4,8 @@
 #ifndef GRID_NUMBER_H
 #define GRID_NUMBER_H
 
-#include "ref/base.h"
-#include "ref/geom.h"
+#include "ref/base/base.h"
+#include "ref/base/geom.h"
 
 /* A format. Codes that are stored are 0, `first` to `last`, and those with the sign's bit: neither
  * subnormal nor infinite, nor -0. */

@@ -17,7 +17,7 @@
  * number lies beyond what was rounded. The others round outward.
  */
 #include "ref/layouts/wide_nodes.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <float.h>
 #include <math.h>

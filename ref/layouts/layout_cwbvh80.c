@@ -16,7 +16,7 @@
  * is not exactly a float32 (ref/layouts/wide_nodes.h), so far from the origin boxes are a little
  * larger. Its limits are kept: 3 items in a leaf, 24 in a node. */
 #include "ref/layouts/wide_nodes.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <string.h>
 

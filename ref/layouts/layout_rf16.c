@@ -11,7 +11,7 @@
  * reached only through record 0, so its tag is never read as a tag, and the count in record 0 says
  * which slots are in use, so that triangle 0 needs no reserved value. */
 #include "ref/layouts/common.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdlib.h>

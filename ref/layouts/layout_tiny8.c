@@ -9,7 +9,7 @@
  * Members differ in the leaves that they want: the cost of a node in tests of a triangle says how
  * many nodes are worth a smaller leaf. Smaller leaves: faster, and more nodes. */
 #include "ref/layouts/wide_nodes.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <string.h>
 

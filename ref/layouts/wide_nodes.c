@@ -1,6 +1,6 @@
 #include "ref/layouts/wide_nodes.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <float.h>
 #include <math.h>

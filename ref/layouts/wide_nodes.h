@@ -4,7 +4,7 @@
 #define WIDE_NODES_H
 
 #include "ref/layouts/common.h"
-#include "ref/wide_tree.h"
+#include "ref/tree/wide_tree.h"
 
 /* A child slot of a record, decoded. */
 struct wide_slot {

@@ -1,7 +1,7 @@
 #include "ref/look/around.h"
 
-#include "ref/mutant.h"
-#include "ref/packed_walk.h"
+#include "ref/base/mutant.h"
+#include "ref/packed/packed_walk.h"
 
 #include <stdlib.h>
 

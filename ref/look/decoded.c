@@ -1,7 +1,7 @@
 #include "ref/look/decoded.h"
 
-#include "ref/mutant.h"
-#include "ref/packed_unpack.h"
+#include "ref/base/mutant.h"
+#include "ref/packed/packed_unpack.h"
 
 #include <stdlib.h>
 

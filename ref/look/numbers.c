@@ -2,7 +2,7 @@
 
 #include "ref/explain/replay.h"
 #include "ref/look/around.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef LOOK_VERDICTS_H
 #define LOOK_VERDICTS_H
 
-#include "ref/judge.h"
+#include "ref/judge/judge.h"
 
 /* Decides `count` rays exactly and judges an engine's closest hits, on all threads. For a large
  * picture called part by part, so that the caller can say how far it is; both borrowed.

@@ -17,7 +17,7 @@
 #define ORACLE_EARLY_H
 
 #include "ref/abi.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <stdbool.h>
 

@@ -2,7 +2,7 @@
 #ifndef ORACLE_ENVIRONMENT_H
 #define ORACLE_ENVIRONMENT_H
 
-#include "ref/float_mode.h"
+#include "ref/base/float_mode.h"
 
 /* Sets round to nearest, no FTZ, no DAZ on this thread, whatever a caller or a library (Embree) has
  * left there; returns what to give environment_leave. */

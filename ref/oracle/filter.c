@@ -1,6 +1,6 @@
 #include "ref/oracle/filter.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <math.h>
 

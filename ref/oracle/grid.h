@@ -2,7 +2,7 @@
 #ifndef ORACLE_GRID_H
 #define ORACLE_GRID_H
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 #include "ref/oracle/wide.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 #include "ref/oracle/medium.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 typedef unsigned __int128 u128;
 

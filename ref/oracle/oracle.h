@@ -10,7 +10,7 @@
 #define ORACLE_H
 
 #include "ref/abi.h"
-#include "ref/scene.h"
+#include "ref/scene/scene.h"
 
 /* How the line of a ray meets a triangle, whatever the range of t. */
 enum oracle_class {

@@ -3,7 +3,7 @@
 #ifndef ORACLE_PAIR_H
 #define ORACLE_PAIR_H
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 #include "ref/oracle/exact.h"
 #include "ref/oracle/oracle.h"
 

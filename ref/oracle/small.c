@@ -1,6 +1,6 @@
 #include "ref/oracle/small.h"
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 #include "ref/oracle/grid.h"
 
 #include <math.h>

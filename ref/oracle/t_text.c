@@ -1,6 +1,6 @@
 /* An exact t as a person reads it. */
-#include "ref/decimal.h"
-#include "ref/mutant.h"
+#include "ref/base/decimal.h"
+#include "ref/base/mutant.h"
 #include "ref/oracle/oracle.h"
 
 #include <math.h>

@@ -13,8 +13,8 @@
 #ifndef ORACLE_TREE_H
 #define ORACLE_TREE_H
 
-#include "ref/mutant.h"
-#include "ref/scene.h"
+#include "ref/base/mutant.h"
+#include "ref/scene/scene.h"
 
 #if MUTANT == MUTANT_TREE_UNPADDED
 #define TREE_PAD 0.0

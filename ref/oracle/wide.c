@@ -1,6 +1,6 @@
 #include "ref/oracle/wide.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <assert.h>
 #include <stdbool.h>

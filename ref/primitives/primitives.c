@@ -1,6 +1,6 @@
 #include "ref/primitives/primitives.h"
 
-#include "ref/base.h"
+#include "ref/base/base.h"
 
 #include <math.h>
 #include <string.h>

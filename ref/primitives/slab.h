@@ -4,8 +4,8 @@
 #define SLAB_H
 
 #include "ref/abi.h"
-#include "ref/geom.h"
-#include "ref/mutant.h"
+#include "ref/base/geom.h"
+#include "ref/base/mutant.h"
 
 /* A non-zero direction component below this fraction of the largest one is treated as parallel and
  * is out of contract; see ray_in_contract. */

@@ -1,10 +1,10 @@
 /* Ray against triangle, f32, double-sided. The shader has the same operations in the same order,
- * written anew (shaders/tri.glsl); running-error twins are in ref/twin.c. */
+ * written anew (shaders/tri.glsl); running-error twins are in ref/twin/twin.c. */
 #ifndef TRI_H
 #define TRI_H
 
 #include "ref/abi.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <stdbool.h>
 #if MUTANT == MUTANT_CONTRACTED_EDGE || MUTANT == MUTANT_CONTRACTED_CROSS

@@ -1,6 +1,6 @@
 /* Storage `edges`: ten words an item: vertex 0, vertex 1 - vertex 0, vertex 2 - vertex 0, as the
  * test by Moeller and Trumbore rounds them, and the triangle's number. */
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 #include "ref/primitives/primitives.h"
 #include "ref/store/rows.h"
 

@@ -1,5 +1,5 @@
 /* Storage `quantised`: the blocks of `compact` (ref/fast/block.h) of a scene whose vertices lie on
- * a grid, in bits. It loses nothing: what is lost was lost by scene_quantise (ref/quantise.h).
+ * a grid, in bits. It loses nothing: what is lost was lost by scene_quantise (ref/scene/quantise.h).
  *
  *   before the first leaf
  *     words 0 - 2    the grid's lo per axis
@@ -14,8 +14,8 @@
  *     widths each    the vertices: x, y, z */
 #include "ref/fast/block.h"
 #include "ref/layout.h"
-#include "ref/mutant.h"
-#include "ref/quantise.h"
+#include "ref/base/mutant.h"
+#include "ref/scene/quantise.h"
 #include "ref/store/bits.h"
 
 #include <string.h>

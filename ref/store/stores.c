@@ -1,5 +1,5 @@
 #include "ref/layout.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include "counts.h"
 

@@ -1,4 +1,4 @@
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 #include "scenes/generators/pen.h"
 
 #include <math.h>

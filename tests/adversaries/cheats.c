@@ -1,7 +1,7 @@
 #include "tests/adversaries/spoil.h"
 
-#include "ref/judge_inner.h"
-#include "ref/rng.h"
+#include "ref/judge/judge_inner.h"
+#include "ref/base/rng.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,7 +26,7 @@ static void vertices_of(const struct lie *lie, uint32_t prim, float v[3][3])
     scene_tri(lie->match->scene, prim, v);
 }
 
-/* Distance to the nearest edge in units, and the margin of ref/match_edges.c. */
+/* Distance to the nearest edge in units, and the margin of ref/match/match_edges.c. */
 static double edge_of(const struct lie *lie, size_t i, uint32_t prim, double *margin)
 {
     float v[3][3];

@@ -3,8 +3,8 @@
 #ifndef TESTS_ADVERSARIES_CHEATS_H
 #define TESTS_ADVERSARIES_CHEATS_H
 
-#include "ref/judge.h"
-#include "ref/match.h"
+#include "ref/judge/judge.h"
+#include "ref/match/match.h"
 
 #include <stdio.h>
 

@@ -1,7 +1,7 @@
 /* Lies of somebody who has read the judge's source, but for what it draws by chance. */
 #include "tests/adversaries/spoil.h"
 
-#include "ref/judge_inner.h"
+#include "ref/judge/judge_inner.h"
 
 #include <math.h>
 #include <string.h>

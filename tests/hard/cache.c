@@ -1,6 +1,6 @@
 #include "tests/hard/cache.h"
 
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include <math.h>
 #include <stdlib.h>

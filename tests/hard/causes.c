@@ -4,7 +4,7 @@
 #include "ref/explain/outside.h"
 #include "tests/hard/cache.h"
 
-#include "ref/trace.h"
+#include "ref/trace/trace.h"
 
 #include <stdio.h>
 #include <string.h>

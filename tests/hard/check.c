@@ -1,7 +1,7 @@
 #include "tests/hard/check.h"
 
-#include "ref/all_hits.h"
-#include "ref/float_mode.h"
+#include "ref/trace/all_hits.h"
+#include "ref/base/float_mode.h"
 
 #include <stdlib.h>
 #include <string.h>

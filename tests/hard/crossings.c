@@ -1,7 +1,7 @@
 /* Crossings of a closed mesh: an even number, and every engine lists those that are clear. */
 #include "tests/hard/crossings.h"
 
-#include "ref/all_hits.h"
+#include "ref/trace/all_hits.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 #include "tests/hard/driver.h"
 
-#include "gpu/card.h"
-#include "gpu/vulkan_options.h"
+#include "gpu/card/card.h"
+#include "gpu/trace/vulkan_options.h"
 
 /* Opens the driver and measures it; false if it cannot: *out then says why. */
 static bool measure(const struct engine_options *options, struct card *card,

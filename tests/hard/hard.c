@@ -1,6 +1,6 @@
 #include "tests/hard/hard.h"
 
-#include "ref/model.h"
+#include "ref/twin/model.h"
 
 #include <math.h>
 #include <stdlib.h>

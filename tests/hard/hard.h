@@ -6,8 +6,8 @@
 
 #include "ref/abi.h"
 #include "ref/explain/repair.h"
-#include "ref/model.h"
-#include "ref/scene.h"
+#include "ref/twin/model.h"
+#include "ref/scene/scene.h"
 
 #define HARD_PARTS_MOST   72
 #define HARD_LABEL_MOST   24

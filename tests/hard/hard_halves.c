@@ -1,7 +1,7 @@
 /* Hard cases of float16 bounds: rounding, overflow, subnormals, zero. */
 #include "tests/hard/parts.h"
 
-#include "ref/half.h"
+#include "ref/base/half.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 #include "ref/engines/cpu_rays.h"
 #include "ref/explain/slabs.h"
 #include "ref/layouts/common.h"
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 #include <string.h>

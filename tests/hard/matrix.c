@@ -1,6 +1,6 @@
 #include "tests/hard/matrix.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 #include "tests/hard/members.h"
 
-#include "ref/mutant.h"
+#include "ref/base/mutant.h"
 
 #include <fnmatch.h>
 #include <string.h>

@@ -3,8 +3,8 @@
 #ifndef HARD_PARTS_H
 #define HARD_PARTS_H
 
-#include "ref/rng.h"
-#include "scenes/rays.h"
+#include "ref/base/rng.h"
+#include "scenes/rays/rays.h"
 #include "tests/hard/hard.h"
 
 /* A new empty part; at most HARD_PARTS_MOST. */

@@ -1,6 +1,6 @@
 #include "tests/hard/relations.h"
 
-#include "ref/rng.h"
+#include "ref/base/rng.h"
 #include "tests/hard/parts.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef HARD_RUN_H
 #define HARD_RUN_H
 
-#include "ref/match.h"
+#include "ref/match/match.h"
 #include "tests/hard/hard.h"
 
 #define HARD_NAME_MOST 320

@@ -3,7 +3,7 @@
 #define TRUTH_PLAY_H
 
 #include "ref/explain/judged.h"
-#include "ref/match.h"
+#include "ref/match/match.h"
 #include "tests/truth/tally.h"
 
 /* A scene with rays and the truth about them. Owned by the campaign; hit and judgement have room

@@ -1,6 +1,6 @@
 #include "tests/truth/tally.h"
 
-#include "scenes/file.h"
+#include "ref/files/file.h"
 #include "scenes/scenes.h"
 
 #include <string.h>

@@ -6,11 +6,11 @@
  * again and explained. The first of each signature and the smallest scene that still shows it go to
  * DIR. Exit: 0 nothing overturned and no WRONG of cpu or vulkan on f32 or rf16; 1 otherwise; 2 bad
  * input; 3 an engine failed; 4 no memory. */
-#include "ref/cmd_options.h"
-#include "ref/cmd_tables.h"
-#include "ref/command.h"
-#include "scenes/file.h"
-#include "scenes/rays.h"
+#include "cmd/common/cmd_options.h"
+#include "cmd/common/cmd_tables.h"
+#include "ref/base/command.h"
+#include "ref/files/file.h"
+#include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "tests/truth/play.h"
 

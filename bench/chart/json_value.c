@@ -1,0 +1,32 @@
+#include "bench/chart/json_value.h"
+
+#include <math.h>
+#include <string.h>
+
+const char *value_text(const json_t *object, const char *name)
+{
+    const char *text = json_string_value(json_object_get(object, name));
+    return text ? text : "";
+}
+
+double value_number(const json_t *object, const char *name)
+{
+    const json_t *value = json_object_get(object, name);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+size_t value_count(const json_t *object, const char *name)
+{
+    json_int_t value = json_integer_value(json_object_get(object, name));
+    return value > 0 ? (size_t)value : 0;
+}
+
+bool value_bool(const json_t *object, const char *name)
+{
+    return json_is_true(json_object_get(object, name));
+}
+
+bool value_same(const json_t *a, const json_t *b, const char *name)
+{
+    return strcmp(value_text(a, name), value_text(b, name)) == 0;
+}

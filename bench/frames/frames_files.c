@@ -1,0 +1,150 @@
+#include "bench/frames/frames_files.h"
+
+#include "bench/chart/chart.h"
+#include "bench/chart/csv.h"
+#include "ref/files/file.h"
+
+#include <jansson.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PATH_MOST 4096
+
+const char *frames_clock(const struct frames_contestant *contestant)
+{
+    if (contestant->rays_alone)
+        return contestant->device_clock ? "GPU timestamps, rays alone" : "host clock, rays alone";
+    return contestant->device_clock ? "GPU timestamps" : "host clock";
+}
+
+static void put_csv(FILE *stream, const struct frames_run *run)
+{
+    fputs("handler,bytes,clock,frame,angle_deg,ms,average_ms,min_ms,max_ms,median_ms\n", stream);
+    for (size_t i = 0; i < run->count; i++) {
+        const struct frames_contestant *c = &run->contestant[i];
+        struct frames_stats stats = frames_stats_of(run, i);
+        for (uint32_t frame = 0; frame < run->done; frame++) {
+            csv_text(stream, c->handler);
+            fprintf(stream, ",%llu,", (unsigned long long)c->bytes);
+            csv_text(stream, frames_clock(c));
+            fprintf(stream, ",%u,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", frame,
+                    frames_angle(&run->settings, frame) * (180.0 / 3.14159265358979323846),
+                    c->ms[frame], stats.average, stats.least, stats.most, stats.median);
+        }
+    }
+}
+
+/* A frame too short for the clock has no ratio. */
+static json_t *number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *handler_json(const struct frames_run *run, size_t i, size_t base)
+{
+    const struct frames_contestant *c = &run->contestant[i];
+    struct frames_stats stats = frames_stats_of(run, i);
+    json_t *samples = json_array();
+    for (uint32_t frame = 0; frame < run->done; frame++)
+        json_array_append_new(samples, json_real(c->ms[frame]));
+    json_t *out = json_pack("{s:s, s:I, s:s, s:f, s:f, s:f, s:f, s:o}", "handler", c->handler,
+                            "bytes", (json_int_t)c->bytes, "clock", frames_clock(c), "average_ms",
+                            stats.average, "min_ms", stats.least, "max_ms", stats.most, "median_ms",
+                            stats.median, "samples_ms", samples);
+    if (out && base < run->count && run->done > 0) {
+        struct spread ratio = frames_ratio(run, i, base);
+        json_object_set_new(out, "ratio",
+                            json_pack("{s:s, s:o, s:o, s:o}", "to", run->contestant[base].handler,
+                                      "median", number(ratio.median), "min", number(ratio.least),
+                                      "max", number(ratio.most)));
+    }
+    return out;
+}
+
+static json_t *run_json(const struct frames_run *run, const struct frames_about *about)
+{
+    json_t *notes = json_object(), *handlers = json_array();
+    for (size_t i = 0; i < FRAMES_NOTES && about->note[i].name; i++)
+        json_object_set_new(notes, about->note[i].name, json_string(about->note[i].value));
+    for (size_t i = 0; i < run->count; i++)
+        json_array_append_new(handlers, handler_json(run, i, about->base));
+    return json_pack("{s:s, s:s, s:o, s:I, s:I, s:I, s:I, s:b, s:o}", "raydiff", RAYDIFF_VERSION,
+                     "title", about->title, "notes", notes, "frames_asked",
+                     (json_int_t)run->settings.frames, "frames", (json_int_t)run->done, "turns",
+                     (json_int_t)run->settings.turns, "warm_up_dropped", (json_int_t)run->dropped,
+                     "stopped", run->stopped, "handlers", handlers);
+}
+
+static enum status write_csv(const struct frames_run *run, const char *path, struct reason *reason)
+{
+    struct file_out out;
+    enum status status = file_out_open(path, &out, reason);
+    if (status)
+        return status;
+    put_csv(out.stream, run);
+    return file_out_commit(&out, reason);
+}
+
+static enum status write_json(const struct frames_run *run, const struct frames_about *about,
+                              const char *path, struct reason *reason)
+{
+    struct file_out out;
+    json_t *root = run_json(run, about);
+    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    json_decref(root);
+    if (!text)
+        return fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", file_label(path));
+    enum status status = file_out_open(path, &out, reason);
+    if (status == STATUS_OK) {
+        fprintf(out.stream, "%s\n", text);
+        status = file_out_commit(&out, reason);
+    }
+    free(text);
+    return status;
+}
+
+static enum status write_chart(const struct frames_run *run, const struct frames_about *about,
+                               const char *svg, const char *png, struct reason *reason)
+{
+    struct chart_series series[FRAMES_CONTESTANTS];
+    for (size_t i = 0; i < run->count; i++) {
+        const struct frames_contestant *c = &run->contestant[i];
+        struct frames_stats stats = frames_stats_of(run, i);
+        series[i] = (struct chart_series){.name = c->handler,
+                                          .bytes = c->bytes,
+                                          .average = stats.average,
+                                          .least = stats.least,
+                                          .most = stats.most,
+                                          .value = c->ms,
+                                          .count = run->done};
+    }
+    struct chart chart = {.title = about->title,
+                          .x_label = "Frame",
+                          .y_label = CHART_DURATION,
+                          .unit = "ms",
+                          .series = series,
+                          .series_count = run->count,
+                          .x_count = run->settings.frames};
+    return chart_write(&chart, svg, png, reason);
+}
+
+enum status frames_write(const struct frames_run *run, const struct frames_about *about,
+                         const char *base, struct reason *reason)
+{
+    char path[PATH_MOST], png[PATH_MOST];
+    if (strlen(base) + 6 > sizeof path)
+        return fail(reason, STATUS_INPUT, "%s: too long a name", file_label(base));
+    snprintf(path, sizeof path, "%s.csv", base);
+    enum status status = write_csv(run, path, reason);
+    if (status)
+        return status;
+    snprintf(path, sizeof path, "%s.json", base);
+    status = write_json(run, about, path, reason);
+    if (status)
+        return status;
+    snprintf(path, sizeof path, "%s.svg", base);
+    snprintf(png, sizeof png, "%s.png", base);
+    return write_chart(run, about, path, png, reason);
+}

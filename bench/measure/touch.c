@@ -1,0 +1,212 @@
+#include "bench/measure/touch.h"
+
+#include "ref/base/mutant.h"
+#include "ref/trace/trace.h"
+
+#include <stdlib.h>
+
+/* Where the arrays are: so far apart that they cannot meet. */
+enum { NODES, ITEMS, INDICES, VERTICES };
+
+static uint64_t place(int array, uint64_t offset)
+{
+    return ((uint64_t)(array + 1) << 40) + offset;
+}
+
+/* The packed tree is the first member of what watches it. */
+static const struct touch *watcher(const struct packed *packed)
+{
+    return (const struct touch *)packed;
+}
+
+/* --- nodes ------------------------------------------------------------------------------------ */
+
+/* Records have one reference each and one for each slot; twice that where a record can be read in
+ * two ways, the second of which takes the next one, too (amd64). */
+static void read_record(const struct touch *touch, uint32_t ref)
+{
+    const struct layout *layout = touch->real->layout;
+    uint32_t records = touch->real->node_count, width = layout->width;
+    uint32_t refs = layout_refs(layout), ways = refs > 1 ? refs / (1 + width) : 1;
+    uint32_t record = ref, way = 0;
+    if (refs > 1 && ways > 0) {
+        bool slot = ref >= ways * records;
+        record = slot ? (ref - ways * records) / width : ref;
+        way = record / records;
+    }
+    cache_sim_read(touch->cache, place(NODES, (uint64_t)(record % records) * layout->node_bytes),
+                   (1 + way) * (uint64_t)layout->node_bytes);
+}
+
+static void load(const struct packed *packed, uint32_t ref, struct wide *out)
+{
+    const struct touch *touch = watcher(packed);
+    read_record(touch, ref);
+    touch->real->layout->load(touch->real, ref, out);
+}
+
+static struct box box(const struct packed *packed, uint32_t ref)
+{
+    const struct packed *real = watcher(packed)->real;
+    return real->layout->box(real, ref);
+}
+
+/* --- items ------------------------------------------------------------------------------------ */
+
+static void read_vertices(const struct touch *touch, uint32_t prim)
+{
+    if (prim >= touch->scene->tri_count)
+        return;
+    if (touch->gathered) {
+        cache_sim_read(touch->cache, place(VERTICES, 36 * (uint64_t)prim), 36);
+        return;
+    }
+    cache_sim_read(touch->cache, place(INDICES, 12 * (uint64_t)prim), 12);
+    for (int c = 0; c < 3; c++) {
+        uint32_t vertex = touch->scene->index[3 * (size_t)prim + (size_t)c];
+        cache_sim_read(touch->cache, place(VERTICES, 12 * (uint64_t)vertex), 12);
+    }
+}
+
+/* Of layouts that have items without a storage: words of the item array, or 16 bits in the nodes.
+ */
+static uint32_t layout_item(const struct packed *packed, uint32_t slot)
+{
+    const struct touch *touch = watcher(packed);
+    uint32_t prim = touch->real->layout->item(touch->real, slot);
+    if (touch->real->item)
+        cache_sim_read(touch->cache, place(ITEMS, 4 * (uint64_t)slot), 4);
+    else
+        cache_sim_read(touch->cache, place(NODES, 2 * (uint64_t)slot), 2);
+    read_vertices(touch, prim);
+    return prim;
+}
+
+static int by_place(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Words from `first` to the next leaf. */
+static uint64_t leaf_words(const struct touch *touch, uint32_t first)
+{
+    const uint32_t *at =
+        bsearch(&first, touch->leaf, touch->leaf_count, sizeof *touch->leaf, by_place);
+    if (!at)
+        return 1;
+    size_t next = (size_t)(at - touch->leaf) + 1;
+    return (next < touch->leaf_count ? touch->leaf[next] : touch->real->item_count) - first;
+}
+
+static uint32_t store_item(const struct packed *packed, uint32_t first, uint32_t slot)
+{
+    const struct touch *touch = watcher(packed);
+    const struct tri_store *store = touch->real->store;
+    uint32_t prim = store->item(touch->real, first, slot);
+    if (touch->leaf) {
+        if (slot == 0)
+            cache_sim_read(touch->cache, place(ITEMS, 4 * (uint64_t)first),
+                           4 * leaf_words(touch, first));
+        return prim;
+    }
+    cache_sim_read(touch->cache, place(ITEMS, 4 * ((uint64_t)first + slot)), 4);
+    if (MUTANT != MUTANT_TOUCH_ONCE || slot == 0)
+        read_vertices(touch, prim);
+    return prim;
+}
+
+static bool store_tri(const struct packed *packed, uint32_t first, uint32_t slot, float v[3][3])
+{
+    const struct packed *real = watcher(packed)->real;
+    return real->store->tri(real, first, slot, v);
+}
+
+static bool store_test(const struct packed *packed, uint32_t first, uint32_t slot, uint32_t tri_id,
+                       const struct tri_ray *ray, struct hit *out)
+{
+    const struct packed *real = watcher(packed)->real;
+    return real->store->test(real, first, slot, tri_id, ray, out);
+}
+
+/* --- the whole -------------------------------------------------------------------------------- */
+
+static enum status find_leaves(struct touch *touch, struct reason *reason)
+{
+    const struct packed *real = touch->real;
+    touch->leaf = alloc_zeroed((size_t)real->ref_count + 1, sizeof *touch->leaf);
+    if (!touch->leaf)
+        return fail(reason, STATUS_MEMORY, "no memory for %u leaves", real->ref_count);
+    for (uint32_t ref = 0; ref < real->ref_count; ref++) {
+        struct wide node;
+        real->layout->load(real, ref, &node);
+        if (node.child_count == 0 && node.item_count > 0)
+            touch->leaf[touch->leaf_count++] = node.item_first;
+    }
+    qsort(touch->leaf, touch->leaf_count, sizeof *touch->leaf, by_place);
+    return STATUS_OK;
+}
+
+enum status touch_make(const struct packed *packed, const struct scene *scene, bool gathered,
+                       struct cache_sim *cache, struct touch *out, struct reason *reason)
+{
+    *out = (struct touch){.packed = *packed,
+                          .layout = *packed->layout,
+                          .real = packed,
+                          .scene = scene,
+                          .cache = cache,
+                          .gathered = gathered};
+    out->layout.load = load;
+    out->layout.box = box;
+    out->packed.layout = &out->layout;
+    if (packed->node_count == 0)
+        return STATUS_OK;
+    out->store = *packed->store;
+    out->packed.store = &out->store;
+    if (packed->layout->item) {
+        out->layout.item = layout_item;
+        return STATUS_OK;
+    }
+    out->store.id = UINT32_MAX; /* of `indexed` the traversal knows the items without asking */
+    out->store.item = store_item;
+    out->store.tri = out->store.tri ? store_tri : NULL;
+    out->store.test = out->store.test ? store_test : NULL;
+    return tri_store_reads_scene(packed->store) ? STATUS_OK : find_leaves(out, reason);
+}
+
+enum status touch_ray(struct touch *touch, const struct job *job, const struct ray *ray,
+                      struct hit *hit)
+{
+    return trace_ray(&touch->packed, touch->scene, job->box, job->tri, job->query, ray, hit, NULL);
+}
+
+void touch_free(struct touch *touch)
+{
+    free(touch->leaf);
+    touch->leaf = NULL;
+}
+
+struct fast_reader {
+    const struct fast_tree *tree;
+    struct cache_sim *cache;
+};
+
+static void read_fast(void *reader, const void *at, size_t bytes)
+{
+    const struct fast_reader *r = reader;
+    const char *from = at, *node = (const char *)r->tree->node;
+    const char *block = (const char *)r->tree->block;
+    bool is_node = bytes == sizeof(struct fast_node) && from >= node &&
+                   from < node + sizeof(struct fast_node) * (size_t)r->tree->node_count;
+    cache_sim_read(r->cache,
+                   is_node ? place(NODES, (uint64_t)(from - node))
+                           : place(ITEMS, (uint64_t)(from - block)),
+                   bytes);
+}
+
+void touch_fast(const struct fast_tree *tree, const struct ray *ray, bool any,
+                struct cache_sim *cache, struct hit *hit)
+{
+    struct fast_reader reader = {tree, cache};
+    fast_watched(tree, ray, any, read_fast, &reader, hit);
+}

@@ -1,0 +1,56 @@
+/* What the sections of a report share. */
+#ifndef REPORT_INNER_H
+#define REPORT_INNER_H
+
+#include "bench/chart/json_value.h"
+#include "bench/report/report.h"
+#include "bench/report/report_html.h"
+
+/* The sections, in the order of the page. */
+void report_summary(struct html *html, const struct report *report);
+void report_agreement(struct html *html, const struct report *report);
+enum status report_speed(struct html *html, const struct report *report,
+                         struct reason *reason) MUST_USE;
+void report_pictures(struct html *html, const struct report *report);
+void report_findings(struct html *html, const struct report *report);
+void report_machine(struct html *html, const struct report *report);
+void report_commands(struct html *html, const struct report *report);
+
+/* The rows of one scene of check: the matrix and the table behind it. */
+struct check_rows {
+    const char *scene;
+    const json_t *const *row;
+    size_t count;
+};
+void report_matrix(struct html *html, const struct check_rows *rows);
+void report_verdicts(struct html *html, const struct check_rows *rows);
+
+/* How a row of check came out, and the class of its cell. */
+enum row_look { LOOK_GOOD, LOOK_PUBLISHED, LOOK_WRONG, LOOK_FAILED, LOOK_NONE };
+enum row_look row_look(const json_t *row);
+const char *look_class(enum row_look look);
+size_t row_allowed(const json_t *row);
+
+/* Begins a section with its heading, number and anchor. */
+void section_begin(struct html *html, const char *id, const char *title);
+void section_end(struct html *html);
+
+/* Why parts of a kind have no result: a line each; and if the section has nothing at all, that it
+ * was not asked for, with `how` to get it. Returns whether there is anything to show. */
+bool section_reasons(struct html *html, const struct report *report, enum report_kind kind,
+                     const char *how);
+
+/* A table of an array of flat JSON rows, whatever their members are: numbers to the right. */
+void report_rows(struct html *html, const json_t *rows);
+
+/* Runs of frames have "handlers" in place of rows. Errors: STATUS_MEMORY. */
+bool report_is_frames(const json_t *json);
+enum status report_frames(struct html *html, const json_t *json, struct reason *reason) MUST_USE;
+size_t report_charts(const json_t *json); /* figures that it has: 0 or 1 */
+
+/* How many figures the page has: plots (bench/chart/row_plot.h) and pictures. */
+size_t report_figures(const struct report *report);
+
+extern const char report_style[]; /* CSS */
+
+#endif

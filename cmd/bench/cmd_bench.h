@@ -1,0 +1,90 @@
+/* What the benchmarks share. For commands only. */
+#ifndef CMD_BENCH_H
+#define CMD_BENCH_H
+
+#include "bench/chart/spread.h"
+#include "cmd/common/cmd_tree.h"
+#include "ref/match/match.h"
+#include "ref/files/file.h"
+
+#include <jansson.h>
+
+#define BENCH_SCENES    16
+#define BENCH_ROUNDS    99
+#define BENCH_TREE_NAME 120
+
+/* Parts of benchmark.takes: where engines run, and what goes with those from outside. */
+#define BENCH_MACHINE " threads driver device workgroup"
+#define BENCH_OUTSIDE " peer-time peer-memory shader"
+
+/* Settings of a run, and where its rows go. */
+struct bench {
+    const char *scene[BENCH_SCENES]; /* the user's, if any */
+    size_t scene_count;
+    uint64_t ray_count, rounds, seed;                  /* ray_count 0: the benchmark's own */
+    struct list engine, layout, store, tri, box, rays; /* count 0: the benchmark's own */
+    struct engine_options engines;
+    struct progress progress;
+    const char *csv_path, *json_path, *svg_path;
+    struct {
+        uint64_t frames, width, height; /* 0: the benchmark's own */
+        uint64_t turns, warm_up, bounces;
+        bool rtrs;                             /* the published look */
+        const char *out;                       /* base path of files; NULL: the benchmark's own */
+        char csv[4096], json[4096], svg[4096]; /* of `out`, where rows go there */
+    } picture;
+    bool quick;
+    const char *bvh;      /* of --bvh: a tree of the one scene; NULL: built */
+    struct file_out csv;  /* stream NULL: none */
+    const char *csv_head; /* benchmark whose column names were written last */
+    json_t *rows;         /* NULL: none */
+};
+
+/* A benchmark; `run` returns an exit code. */
+struct benchmark {
+    const char *name;
+    const char *summary;
+    const char *takes; /* the options that it uses, by name, blanks between */
+    const char *about; /* more than a line, for --help; or NULL */
+    int (*run)(struct bench *bench);
+    bool alone;    /* takes minutes or writes files of its own: only if it is named */
+    bool rows_out; /* --out BASE names its files of rows and its plot */
+};
+
+extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
+    bench_fuzz, bench_frames, bench_paper, bench_special, bench_fast, bench_matrix, bench_tightness;
+
+/* The user's scenes, or `own` (NULL-terminated), of which files that are not there are left out
+ * with a line that says so. Returns how many are in `out`. */
+size_t bench_scenes(const struct bench *bench, const char *const *own,
+                    const char *out[BENCH_SCENES]);
+
+/* What trees are made by, as tables name it: "builder median, leaf 4", or "tree FILE". */
+const char *bench_tree_name(const struct bench *bench, char text[BENCH_TREE_NAME]);
+
+/* Reads the user's tree of the scene, which must be JSON, since layouts are packed from it; *out is
+ * zero where the user named none. Errors: STATUS_INPUT, STATUS_MEMORY. */
+enum status bench_tree_open(const struct bench *bench, const struct scene *scene,
+                            struct tree_file *out, struct reason *reason) MUST_USE;
+
+/* The scene's tree: a copy of the user's, or what the default builder makes. Errors: as above, and
+ * those of builders. */
+enum status bench_tree_make(const struct bench *bench, const struct scene *scene, struct bvh *out,
+                            struct reason *reason) MUST_USE;
+
+/* Says on the standard error what went wrong with a scene: "raydiff bench: SCENE: why". Readers and
+ * generators name theirs themselves, then it is not said twice. */
+void bench_complain(const char *spec, const struct reason *reason);
+
+/* Rays per trace: the user's, or the benchmark's own number. */
+size_t bench_rays_count(const struct bench *bench, size_t own);
+
+/* A JSON number, or null if it is not finite. */
+json_t *bench_number(double value);
+
+/* Takes one flat object of named texts, numbers and nulls as a row of the CSV (its names become the
+ * header before the benchmark's first row) and of the JSON; owns `row`. NULL (no memory) is left
+ * out. All rows of a benchmark have the same names in the same order. */
+void bench_row(struct bench *bench, const struct benchmark *benchmark, json_t *row);
+
+#endif

@@ -1,0 +1,171 @@
+/* Builders: time per triangle and how good the tree is. */
+#include "cmd/bench/cmd_bench.h"
+
+#include "ref/base/command.h"
+#include "ref/tree/tree_quality.h"
+#include "scenes/scenes.h"
+
+/* Triangles from which on end-point overlap is estimated. */
+#define OVERLAP_MOST 50000u
+#define MOST         32
+
+/* One way to build. */
+struct contestant {
+    const struct builder *builder;
+    uint32_t passes, threads;
+    double ns[BENCH_ROUNDS];
+    struct tree_quality quality;
+    double overlap;
+    struct reason refused; /* "" unless it was */
+};
+
+static void add(struct contestant *list, size_t *count, const char *name, uint32_t passes,
+                uint32_t threads)
+{
+    if (*count < MOST)
+        list[(*count)++] = (struct contestant){
+            .builder = builder_find(name), .passes = passes, .threads = threads};
+}
+
+/* All builders, and reinsertion after the fast ones, with one thread and with two; or with the
+ * user's number. */
+static size_t contestants(const struct bench *bench, struct contestant list[MOST])
+{
+    static const char *const optimized[] = {"sah_binned", "lbvh", "ploc"};
+    uint32_t first = bench->engines.threads ? bench->engines.threads : 1;
+    uint32_t last = bench->engines.threads ? bench->engines.threads : 2;
+    size_t count = 0;
+    for (uint32_t threads = first; threads <= last; threads++) {
+        for (size_t b = 0; builders_all[b]; b++)
+            add(list, &count, builders_all[b]->name, 0, threads);
+        for (size_t i = 0; i < ARRAY_COUNT(optimized); i++)
+            add(list, &count, optimized[i], BUILD_PASSES_DEFAULT, threads);
+    }
+    return count;
+}
+
+/* Builds once; with `look` the tree is judged. */
+static enum status build_once(struct contestant *c, const struct scene *scene, size_t round,
+                              bool look, struct reason *reason)
+{
+    const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT,
+                                          .eps = BUILD_EPS_DEFAULT,
+                                          .passes = c->passes,
+                                          .threads = c->threads};
+    struct bvh bvh;
+    uint64_t start = time_ns();
+    enum status status = bvh_build(c->builder, scene, &options, &bvh, reason);
+    c->ns[round] = (double)(time_ns() - start);
+    if (status == STATUS_LIMIT) {
+        c->refused = *reason;
+        return STATUS_OK;
+    }
+    if (!status && look) {
+        c->quality = tree_quality(&bvh, scene);
+        status = tree_overlap(&bvh, scene, OVERLAP_MOST, &c->overlap);
+        if (status)
+            (void)fail(reason, status, "no memory to judge a tree of %u nodes", bvh.node_count);
+    }
+    bvh_free(&bvh);
+    return status;
+}
+
+static void print_row(struct bench *bench, const char *spec, const struct scene *scene,
+                      struct contestant *c)
+{
+    char name[64];
+    int used = snprintf(name, sizeof name, "%s", c->builder->name);
+    if (c->passes)
+        snprintf(name + used, sizeof name - (size_t)used, " reinsert=%u", c->passes);
+    if (c->refused.text[0]) {
+        printf("  %-24s %s\n", name, c->refused.text);
+        return;
+    }
+    struct spread spread = spread_of(c->ns, (size_t)bench->rounds);
+    const struct tree_quality *q = &c->quality;
+    double tris = scene->tri_count ? (double)scene->tri_count : 1.0;
+    printf("  %-24s %7u %9.1f (%.1f-%.1f) %8.2f %8.2f %6u %9u %6.2f %7u %6u\n", name, c->threads,
+           spread.median / tris, spread.least / tris, spread.most / tris, q->sah, c->overlap,
+           q->stats.depth, q->stats.node_count, q->leaf_fill, q->stats.largest_leaf,
+           q->stats.loose_count);
+    json_t *row =
+        json_pack("{s:s, s:s, s:i, s:i, s:I, s:I}", "scene", spec, "builder", c->builder->name,
+                  "reinsert", (int)c->passes, "threads", (int)c->threads, "triangles",
+                  (json_int_t)scene->tri_count, "rounds", (json_int_t)bench->rounds);
+    json_object_set_new(row, "ns_per_tri_median", bench_number(spread.median / tris));
+    json_object_set_new(row, "ns_per_tri_min", bench_number(spread.least / tris));
+    json_object_set_new(row, "ns_per_tri_max", bench_number(spread.most / tris));
+    json_object_set_new(row, "sah", bench_number(q->sah));
+    json_object_set_new(row, "overlap", bench_number(c->overlap));
+    json_object_set_new(row, "overlap_exact", json_boolean(scene->tri_count <= OVERLAP_MOST));
+    json_object_set_new(row, "nodes", json_integer(q->stats.node_count));
+    json_object_set_new(row, "leaves", json_integer(q->stats.leaf_count));
+    json_object_set_new(row, "leaf_fill", bench_number(q->leaf_fill));
+    json_object_set_new(row, "depth", json_integer(q->stats.depth));
+    json_object_set_new(row, "largest_leaf", json_integer(q->stats.largest_leaf));
+    json_object_set_new(row, "loose", json_integer(q->stats.loose_count));
+    bench_row(bench, &bench_builders, row);
+}
+
+static int bench_scene(struct bench *bench, const char *spec, const struct scene *scene)
+{
+    static struct contestant list[MOST];
+    size_t count = contestants(bench, list);
+    for (size_t round = 0; round < bench->rounds; round++)
+        for (size_t i = 0; i < count; i++) {
+            struct reason reason = {""};
+            if (list[i].refused.text[0])
+                continue;
+            progress_step(&bench->progress, "%s, builder %s, %u threads, round %zu", spec,
+                          list[i].builder->name, list[i].threads, round);
+            enum status status = build_once(&list[i], scene, round, round == 0, &reason);
+            if (status) {
+                progress_end(&bench->progress);
+                fprintf(stderr, "raydiff bench: %s: %s\n", spec, reason.text);
+                return exit_of_status(status);
+            }
+        }
+    progress_end(&bench->progress);
+    printf("%s: %u triangles%s\n", spec, scene->tri_count,
+           scene->tri_count > OVERLAP_MOST ? "; overlap is estimated" : "");
+    printf("  %-24s %7s %9s %-15s %6s %8s %6s %9s %6s %7s %6s\n", "builder", "threads", "ns/tri",
+           "(least-most)", "SAH", "overlap", "depth", "nodes", "fill", "largest", "loose");
+    for (size_t i = 0; i < count; i++)
+        print_row(bench, spec, scene, &list[i]);
+    return EXIT_AGREE;
+}
+
+static int run(struct bench *bench)
+{
+    static const char *const own[] = {"soup:n=20000,size=0.01", "sphere:n=100", NULL};
+    const char *spec[BENCH_SCENES];
+    size_t count = bench_scenes(bench, own, spec);
+    int code = EXIT_AGREE;
+    puts("\nbuilders");
+    for (size_t i = 0; i < count; i++) {
+        struct scene scene;
+        struct reason reason;
+        enum status status = scene_open(spec[i], 1, &scene, &reason);
+        if (!status && scene.tri_count == 0)
+            status = fail(&reason, STATUS_INPUT, "no triangles");
+        if (status)
+            bench_complain(spec[i], &reason);
+        code =
+            exit_worse(code, status ? exit_of_status(status) : bench_scene(bench, spec[i], &scene));
+        scene_free(&scene);
+    }
+    return code;
+}
+
+const struct benchmark bench_builders = {
+    .name = "builders",
+    .summary = "time per triangle, with one thread and with two, and the tree's quality",
+    .takes = "scene rounds csv json threads",
+    .about =
+        "leaf size 4. SAH: expected cost of a line through the scene's box, 1 for a node or a\n"
+        "  triangle; overlap: what a ray pays that ends on a surface in boxes of triangles\n"
+        "  elsewhere, likewise (of 50,000 triangles, if there are more); fill: triangles per\n"
+        "  leaf; loose: inner nodes that do not contain their triangles. --threads N: only so\n"
+        "  many.\n",
+    .run = run,
+};

@@ -1,0 +1,120 @@
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/bench/cmd_bench.h"
+
+#include "bench/chart/csv.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+size_t bench_scenes(const struct bench *bench, const char *const *own,
+                    const char *out[BENCH_SCENES])
+{
+    size_t count = 0;
+    for (size_t i = 0; i < bench->scene_count; i++)
+        out[count++] = bench->scene[i];
+    for (size_t i = 0; bench->scene_count == 0 && own[i] && count < BENCH_SCENES; i++) {
+        if (strchr(own[i], '/') && access(own[i], R_OK) != 0)
+            printf("%s: left out, not fetched (make scenes)\n", own[i]);
+        else
+            out[count++] = own[i];
+    }
+    return count;
+}
+
+void bench_complain(const char *spec, const struct reason *reason)
+{
+    size_t name = strcspn(spec, ":"); /* of a generator: without its parameters */
+    bool named = strncmp(reason->text, spec, name) == 0 && reason->text[name] == ':';
+    fprintf(stderr, "raydiff bench: %s%s%s\n", named ? "" : spec, named ? "" : ": ", reason->text);
+}
+
+size_t bench_rays_count(const struct bench *bench, size_t own)
+{
+    return bench->ray_count ? (size_t)bench->ray_count : own;
+}
+
+const char *bench_tree_name(const struct bench *bench, char text[BENCH_TREE_NAME])
+{
+    if (bench->bvh)
+        snprintf(text, BENCH_TREE_NAME, "tree %.100s", file_label(bench->bvh));
+    else
+        snprintf(text, BENCH_TREE_NAME, "builder %s, leaf %u", builders[0]->name,
+                 BUILD_LEAF_DEFAULT);
+    return text;
+}
+
+enum status bench_tree_open(const struct bench *bench, const struct scene *scene,
+                            struct tree_file *out, struct reason *reason)
+{
+    *out = (struct tree_file){0};
+    if (!bench->bvh)
+        return STATUS_OK;
+    enum status status = tree_open("bench", bench->bvh, scene, out, reason);
+    if (status || !tree_file_is_packed(out))
+        return status;
+    tree_file_free(out);
+    return fail(reason, STATUS_INPUT, "%s: is packed; layouts are compared on a tree as JSON",
+                file_label(bench->bvh));
+}
+
+enum status bench_tree_make(const struct bench *bench, const struct scene *scene, struct bvh *out,
+                            struct reason *reason)
+{
+    const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
+    struct tree_file file;
+    *out = (struct bvh){0};
+    if (!bench->bvh)
+        return bvh_build(builders[0], scene, &build, out, reason);
+    enum status status = bench_tree_open(bench, scene, &file, reason);
+    if (!status)
+        status = tree_file_bvh(&file, scene, out, reason);
+    tree_file_free(&file);
+    return status;
+}
+
+json_t *bench_number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static void csv_value(FILE *stream, const json_t *value)
+{
+    if (json_is_string(value))
+        csv_text(stream, json_string_value(value));
+    else if (json_is_integer(value))
+        fprintf(stream, "%lld", (long long)json_integer_value(value));
+    else if (json_is_real(value))
+        fprintf(stream, "%.9g", json_real_value(value));
+    else if (json_is_boolean(value))
+        fputs(json_is_true(value) ? "true" : "false", stream);
+}
+
+void bench_row(struct bench *bench, const struct benchmark *benchmark, json_t *row)
+{
+    FILE *stream = bench->csv.stream;
+    const char *name;
+    json_t *value;
+    if (row && stream && bench->csv_head != benchmark->name) {
+        fputs("benchmark", stream);
+        json_object_foreach(row, name, value) fprintf(stream, ",%s", name);
+        fputc('\n', stream);
+        bench->csv_head = benchmark->name;
+    }
+    if (row && stream) {
+        fputs(benchmark->name, stream);
+        json_object_foreach(row, name, value)
+        {
+            fputc(',', stream);
+            csv_value(stream, value);
+        }
+        fputc('\n', stream);
+    }
+    if (row && bench->rows) {
+        json_object_set_new(row, "benchmark", json_string(benchmark->name));
+        json_array_append(bench->rows, row);
+    }
+    json_decref(row);
+}

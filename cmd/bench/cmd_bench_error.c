@@ -1,0 +1,395 @@
+/* Speed against error: every engine, layout and triangle test on the same rays, each answer held
+ * against the exact truth. */
+#include "cmd/bench/cmd_bench_error.h"
+
+#include "ref/base/command.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define OWN_RAYS 65536
+/* Pairs that brute force may decide per ray set; above, the oracle's own tree is faster. */
+#define BRUTE_PAIRS 1000000000u
+
+static const char *const own_scenes[] = {"sphere:n=32", "scenes/fetched/dragon-11k.ply.gz",
+                                         "needles", NULL};
+static const char *const own_sets[] = {"random", "edges"};
+
+/* Rays with their exact answers. */
+struct known_rays {
+    struct ray *ray;
+    struct oracle_answer *truth;
+    size_t count;
+};
+
+/* One scene being measured. */
+struct field {
+    struct bench *bench;
+    const struct scene *scene;
+    struct oracle *oracle;
+    struct bvh bvh;
+    struct race race;
+    struct known_rays leak[LEAK_TARGETS];
+    struct hit *hit; /* of the largest number of rays */
+};
+
+static void known_free(struct known_rays *known)
+{
+    free(known->ray);
+    free(known->truth);
+    *known = (struct known_rays){0};
+}
+
+static enum status known_alloc(size_t count, struct known_rays *out, struct reason *reason)
+{
+    *out = (struct known_rays){.ray = alloc_zeroed(count, sizeof *out->ray),
+                               .truth = alloc_zeroed(count, sizeof *out->truth),
+                               .count = count};
+    if (out->ray && out->truth)
+        return STATUS_OK;
+    known_free(out);
+    return fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
+}
+
+static enum status decide(const struct field *field, struct known_rays *known,
+                          struct reason *reason)
+{
+    bool few = (uint64_t)known->count * field->scene->tri_count < BRUTE_PAIRS;
+    return oracle_closest(field->oracle, few ? ORACLE_BRUTE : ORACLE_TREE, ORACLE_CLOSED,
+                          known->ray, known->count, field->bench->engines.threads, known->truth,
+                          NULL, reason);
+}
+
+static size_t hits_of(const struct known_rays *known)
+{
+    size_t hits = 0;
+    for (size_t i = 0; i < known->count; i++)
+        hits += known->truth[i].prim != ABI_NO_PRIM;
+    return hits;
+}
+
+/* Rays that must hit, if the mesh is closed; none and the reason in *page if it is not. */
+static enum status make_leak_rays(struct field *field, size_t count, struct error_page *page,
+                                  struct reason *reason)
+{
+    for (int target = 0; target < LEAK_TARGETS; target++) {
+        struct known_rays *known = &field->leak[target];
+        enum status status = known_alloc(count, known, reason);
+        if (status)
+            return status;
+        progress_step(&field->bench->progress, "%s: rays from inside", page->scene);
+        status = leak_rays_make(field->oracle, field->scene, (enum leak_target)target,
+                                field->bench->seed, count, known->ray, &page->no_leaks);
+        if (status == STATUS_INPUT) {
+            known_free(known);
+            return STATUS_OK;
+        }
+        if (status == STATUS_OK)
+            status = decide(field, known, reason);
+        if (status)
+            return status;
+        page->leak_rays[target] = count;
+        if (hits_of(known) != count)
+            return fail(reason, STATUS_DEVICE, "%s: %zu rays from inside a closed mesh do not hit",
+                        page->scene, count - hits_of(known));
+    }
+    return STATUS_OK;
+}
+
+static enum status trace(const struct field *field, const struct contestant *c,
+                         const struct known_rays *known, struct reason *reason)
+{
+    struct trace_report report = {0};
+    return c->engine->trace(c->self, known->ray, known->count, field->hit, &report, reason);
+}
+
+/* Judges the answers to `known` and adds them to the row. Errors: STATUS_MEMORY. */
+static enum status judge_rays(const struct field *field, const struct contestant *c,
+                              const struct known_rays *known, struct error_row *row,
+                              struct reason *reason)
+{
+    struct model model = c->engine->model(c->self, c->tri);
+    struct judge *judge;
+    size_t wrong = 0, named = 0, failed = 0;
+    double over = 0, displacement = 0;
+    enum status status =
+        judge_make(field->oracle, field->scene, &model, c->tri, QUERY_CLOSEST, &judge, reason);
+    if (status)
+        return status;
+#pragma omp parallel for schedule(dynamic, 64) reduction(+ : wrong, named, failed)                  \
+    reduction(max : over, displacement)
+    for (long long i = 0; i < (long long)known->count; i++) {
+        struct judgement judgement;
+        failed += judge_answer(judge, &known->ray[i], &known->truth[i], &field->hit[i],
+                               &judgement) != STATUS_OK;
+        wrong += judgement.verdict == VERDICT_WRONG;
+        named += judgement.verdict != VERDICT_WRONG && judgement.verdict != VERDICT_RIGHT;
+        over = fmax(over, judgement.over);
+        displacement = fmax(displacement, judgement.displacement);
+    }
+    judge_free(judge);
+    if (failed)
+        return fail(reason, STATUS_MEMORY, "no memory to judge %zu answers", failed);
+    row->wrong += wrong;
+    row->named += named;
+    row->over = isnan(row->over) ? over : fmax(row->over, over);
+    row->displacement = fmax(row->displacement, displacement);
+    return STATUS_OK;
+}
+
+/* Leaks and errors of one contestant. */
+static enum status measure(const struct field *field, const struct contestant *c,
+                           const struct known_rays *known, struct error_row *row,
+                           struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (int target = 0; target < LEAK_TARGETS && status == STATUS_OK; target++) {
+        const struct known_rays *leak = &field->leak[target];
+        if (leak->count)
+            status = trace(field, c, leak, reason);
+        if (leak->count && status == STATUS_OK)
+            status = judge_rays(field, c, leak, row, reason);
+        for (size_t i = 0; i < leak->count && status == STATUS_OK; i++)
+            row->leak[target] += field->hit[i].prim == ABI_NO_PRIM;
+    }
+    if (status == STATUS_OK)
+        status = trace(field, c, known, reason);
+    if (status == STATUS_OK)
+        status = error_sum_make(field->oracle, field->scene, known->ray, known->truth, field->hit,
+                                known->count, &row->sum, reason);
+    if (status == STATUS_OK)
+        status = judge_rays(field, c, known, row, reason);
+    return status;
+}
+
+/* A row of everything but the speed. */
+static struct error_row row_of(const struct contestant *c)
+{
+    struct error_row row = {.engine = c->engine, .layout = c->layout, .over = NAN};
+    bool own = c->layout || strstr(c->engine->name, "brute");
+    row.tri = own ? c->tri : NULL;
+    row.box = c->layout ? c->box : NULL;
+    row.judged = !(c->layout && (c->layout->faithful || c->box->faithful));
+    if (c->layout) {
+        row.node_bytes = packed_node_bytes(&c->packed);
+        row.item_bytes = packed_item_bytes(&c->packed);
+    }
+    return row;
+}
+
+static void take_speeds(const struct field *field, struct error_page *page)
+{
+    size_t rounds = (size_t)field->bench->rounds;
+    for (size_t i = 0; i < page->row_count; i++) {
+        const struct contestant *c = &field->race.contestant[i];
+        struct error_row *row = &page->row[i];
+        double mrays[BENCH_ROUNDS], ratio[BENCH_ROUNDS];
+        memcpy(mrays, c->mrays, sizeof mrays);
+        memcpy(ratio, c->ratio, sizeof ratio);
+        row->mrays = spread_of(mrays, rounds);
+        row->ratio = spread_of(ratio, rounds);
+        snprintf(row->base, sizeof row->base, "%s", race_base_name(&field->race, c));
+        row->memory_bytes = c->memory_bytes;
+        row->boxes = c->boxes ? (double)c->boxes / (double)page->ray_count : NAN;
+        row->tris = c->tris ? (double)c->tris / (double)page->ray_count : NAN;
+        row->boxes_to_f32 = row->tris_to_f32 = NAN;
+    }
+    for (size_t i = 0; i < page->row_count; i++)
+        for (size_t k = 0; k < page->row_count; k++) {
+            struct error_row *row = &page->row[i];
+            const struct error_row *f32 = &page->row[k];
+            if (!row->layout || f32->engine != row->engine || f32->tri != row->tri ||
+                f32->box != row->box || strcmp(f32->layout->name, "f32") != 0)
+                continue;
+            row->boxes_to_f32 = row->boxes / f32->boxes;
+            row->tris_to_f32 = row->tris / f32->tris;
+        }
+}
+
+/* Fills one page: errors first, then the race. */
+static enum status play(struct field *field, const struct ray_set *set, struct error_page *page,
+                        struct reason *reason)
+{
+    struct known_rays known;
+    char label[96];
+    enum status status = known_alloc(page->ray_count, &known, reason);
+    if (status)
+        return status;
+    snprintf(label, sizeof label, "%.60s, %s rays", page->scene, set->name);
+    field->race.label = label;
+    progress_step(&field->bench->progress, "%s: exact answers", label);
+    status = set->make(field->scene, field->bench->seed, page->ray_count, known.ray, reason);
+    if (status == STATUS_OK)
+        status = decide(field, &known, reason);
+    page->exact_hits = status ? 0 : hits_of(&known);
+    for (size_t i = 0; i < field->race.count && status == STATUS_OK; i++) {
+        const struct contestant *c = &field->race.contestant[i];
+        progress_step(&field->bench->progress, "%s: errors of %s", label, c->engine->name);
+        page->row[i] = row_of(c);
+        status = measure(field, c, &known, &page->row[i], reason);
+        page->row_count = i + 1;
+    }
+    if (status == STATUS_OK)
+        status = race_run(&field->race, known.ray, known.count, field->hit, reason);
+    if (status == STATUS_OK)
+        take_speeds(field, page);
+    progress_end(&field->bench->progress);
+    known_free(&known);
+    return status;
+}
+
+static int code_of(const struct error_page *page)
+{
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < page->row_count; i++)
+        if (page->row[i].judged && page->row[i].wrong > 0)
+            code = EXIT_MISMATCH;
+    if (page->exact_hits == 0) {
+        printf("vacuous: no ray hits anything\n");
+        code = EXIT_MISMATCH;
+    }
+    return code;
+}
+
+/* Room for one more page; NULL without memory. */
+static struct error_page *add_page(struct error_page **pages, size_t *capacity, size_t *count)
+{
+    void *array = *pages;
+    if (array_reserve(&array, capacity, *count + 1, sizeof **pages))
+        return NULL;
+    *pages = array;
+    (*pages)[*count] = (struct error_page){0};
+    return &(*pages)[(*count)++];
+}
+
+struct pages {
+    struct error_page *page;
+    size_t count, capacity;
+};
+
+static enum status play_sets(struct field *field, const char *spec, struct pages *pages, int *code,
+                             struct reason *reason)
+{
+    struct bench *bench = field->bench;
+    size_t count = bench_rays_count(bench, OWN_RAYS);
+    struct error_page leaks = {.scene = spec};
+    enum status status = make_leak_rays(field, (count + 1) / 2, &leaks, reason);
+    if (status == STATUS_OK)
+        *code = exit_worse(*code, race_enter(&field->race, NULL));
+    size_t sets = bench->rays.count ? bench->rays.count : ARRAY_COUNT(own_sets);
+    for (size_t s = 0; s < sets && status == STATUS_OK; s++) {
+        const struct ray_set *set =
+            bench->rays.count ? ray_sets[bench->rays.index[s]] : ray_set_find(own_sets[s]);
+        struct error_page *page = add_page(&pages->page, &pages->capacity, &pages->count);
+        if (!page)
+            return fail(reason, STATUS_MEMORY, "no memory for another page");
+        *page = leaks;
+        page->rays = set->name;
+        page->ray_count = count;
+        page->tri_count = field->scene->tri_count;
+        status = play(field, set, page, reason);
+        if (status) {
+            pages->count--;
+            return status;
+        }
+        error_print(bench, page);
+        *code = exit_worse(*code, code_of(page));
+    }
+    return status;
+}
+
+static enum status play_scene(struct bench *bench, const char *spec, struct pages *pages, int *code,
+                              struct reason *reason)
+{
+    struct scene scene;
+    enum status status = scene_open(spec, bench->seed, &scene, reason);
+    if (status)
+        return status;
+    struct field *field = alloc_zeroed(1, sizeof *field);
+    if (!field) {
+        scene_free(&scene);
+        return fail(reason, STATUS_MEMORY, "no memory");
+    }
+    field->bench = bench;
+    field->scene = &scene;
+    field->race = (struct race){.bench = bench, .label = spec, .scene = &scene, .bvh = &field->bvh};
+    field->hit = alloc_zeroed(bench_rays_count(bench, OWN_RAYS), sizeof *field->hit);
+    if (!field->hit)
+        status = fail(reason, STATUS_MEMORY, "no memory for the answers");
+    if (status == STATUS_OK)
+        status = oracle_make(&scene, &field->oracle, reason);
+    if (status == STATUS_OK)
+        status = bench_tree_make(bench, &scene, &field->bvh, reason);
+    if (status == STATUS_OK)
+        status = play_sets(field, spec, pages, code, reason);
+    race_leave(&field->race);
+    for (int target = 0; target < LEAK_TARGETS; target++)
+        known_free(&field->leak[target]);
+    bvh_free(&field->bvh);
+    oracle_free(field->oracle);
+    free(field->hit);
+    free(field);
+    scene_free(&scene);
+    return status;
+}
+
+static int run(struct bench *bench)
+{
+    const char *spec[BENCH_SCENES];
+    size_t count = bench_scenes(bench, own_scenes, spec);
+    struct pages pages = {0};
+    struct reason reason = {""};
+    char driver[96];
+    int code = EXIT_AGREE;
+    enum status status = STATUS_OK;
+    error_driver(&bench->engines, driver, sizeof driver);
+    for (size_t i = 0; i < count; i++) {
+        status = play_scene(bench, spec[i], &pages, &code, &reason);
+        progress_end(&bench->progress);
+        if (status) {
+            if (!reason.text[0])
+                fail(&reason, status, "%s", status_text(status));
+            bench_complain(spec[i], &reason);
+            code = exit_worse(code, exit_of_status(status));
+        }
+        fflush(stdout);
+    }
+    if (bench->svg_path && pages.count > 0) {
+        status = error_plot(bench->svg_path, bench, pages.page, pages.count, driver, &reason);
+        if (status) {
+            fprintf(stderr, "raydiff bench: %s\n", reason.text);
+            code = exit_worse(code, exit_of_status(status));
+        }
+    }
+    free(pages.page);
+    return code;
+}
+
+static const char about[] =
+    "speed beside errors, on the same rays. Truth is exact (ref/oracle).\n"
+    "  lost, phantom, wrong id   answers that differ from the exact truth, without any tolerance,\n"
+    "                            per million rays; <x: none of N, at most 3/N with 95 % "
+    "confidence\n"
+    "  leaks                     misses of rays from inside a closed mesh, aimed at its edges and\n"
+    "                            vertices, per million\n"
+    "  named, WRONG, err/E       answers in an allowed class; answers that no rounding of the\n"
+    "                            engine's own formula explains; the largest error of t over its\n"
+    "                            proven bound; of leak rays, too\n"
+    "  forward                   |t - exact t| |d| / (u M): M is the triangle's size seen from "
+    "the\n"
+    "                            origin, max |v - o|; u = 2^-24\n"
+    "  plane                     distance of the hit point from the triangle's plane / (u M)\n"
+    "  boxes, tris               tests per ray over those of f32 nodes with the same tests\n"
+    "With --svg: speed against wrong answers, leaks and forward error.\n";
+
+const struct benchmark bench_error = {
+    .name = "error",
+    .summary = "engines, layouts and triangle tests: speed against error, exactly measured",
+    .takes = "scene count rounds csv json seed engine layout tri box rays svg bvh" BENCH_MACHINE
+        BENCH_OUTSIDE,
+    .about = about,
+    .run = run,
+};

@@ -1,0 +1,178 @@
+#include "cmd/bench/cmd_bench_frames.h"
+
+#include "fuzz/findings/versions.h"
+#include "ref/base/command.h"
+#include "cmd/common/cmd_process.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static volatile sig_atomic_t signalled;
+
+void frames_catch_signals(void)
+{
+    process_signals_caught(&signalled);
+}
+
+const volatile sig_atomic_t *frames_stop_flag(void)
+{
+    return &signalled;
+}
+
+int frames_signal_code(void)
+{
+    return signalled ? 128 + signalled : 0;
+}
+
+enum status frames_session_enter(struct frames_session *session, const struct painter_plan *plan,
+                                 const struct scene *scene, const struct engine_options *options,
+                                 struct reason *reason)
+{
+    if (session->count == FRAMES_CONTESTANTS)
+        return fail(reason, STATUS_LIMIT, "more than %d handlers", FRAMES_CONTESTANTS);
+    enum status status =
+        painter_open(plan, scene, options, &session->painter[session->count], reason);
+    session->count += status == STATUS_OK;
+    return status;
+}
+
+static enum status draw(void *user, size_t contestant, double angle, struct frames_sample *out,
+                        struct reason *reason)
+{
+    struct frames_session *session = user;
+    struct painter *painter = &session->painter[contestant];
+    struct reason why = {""};
+    progress_step(session->progress, "%s: frame %u of %u, %s", session->label,
+                  session->run.done + 1, session->run.settings.frames, painter->plan.handler);
+    enum status status = painter_draw(painter, angle, out, &why);
+    if (status)
+        return fail(reason, status, "%s: %.250s", painter->plan.handler, why.text);
+    return STATUS_OK;
+}
+
+static enum status tell(void *user, const struct frames_run *run, struct reason *reason)
+{
+    struct frames_session *session = user;
+    return frames_write(run, &session->about, session->base, reason);
+}
+
+enum status frames_session_measure(struct frames_session *session,
+                                   const struct frames_settings *settings, struct reason *reason)
+{
+    struct frames_settings stoppable = *settings;
+    stoppable.stop = frames_stop_flag();
+    enum status status = frames_make(&stoppable, &session->run, reason);
+    for (size_t i = 0; i < session->count && !status; i++) {
+        const struct painter *painter = &session->painter[i];
+        status = frames_enter(&session->run, painter->plan.handler, painter_bytes(painter), reason);
+        if (!status)
+            session->run.contestant[i].rays_alone = painter->by_waves;
+    }
+    if (!status && session->base) /* a file that cannot be written ends it now */
+        status = tell(session, &session->run, reason);
+    if (!status)
+        status = frames_measure(&session->run, draw, session->base ? tell : NULL, session, reason);
+    progress_end(session->progress);
+    process_signal_taken();
+    return status;
+}
+
+static void print_line(const struct frames_run *run, size_t i, size_t base)
+{
+    const struct frames_contestant *c = &run->contestant[i];
+    struct frames_stats stats = frames_stats_of(run, i);
+    char ratio[64] = "";
+    if (base < run->count) {
+        struct spread spread = frames_ratio(run, i, base);
+        snprintf(ratio, sizeof ratio, "%.3f (%.3f-%.3f)", spread.median, spread.least, spread.most);
+    }
+    printf("%-28s %9llu %10.3f %10.3f %10.3f %10.3f  %-24s %s\n", c->handler,
+           (unsigned long long)c->bytes, stats.average, stats.least, stats.most, stats.median,
+           ratio, frames_clock(c));
+}
+
+void frames_print(const struct frames_run *run, const struct frames_about *about, const char *base)
+{
+    printf("%s\n%u frames over %u turn%s%s; %u frames to warm up, dropped%s\n", about->title,
+           run->done, run->settings.turns, run->settings.turns == 1 ? "" : "s",
+           run->count > 1 ? ", handlers by turns" : "", run->dropped,
+           run->stopped ? "; stopped by a signal" : "");
+    printf("%-28s %9s %10s %10s %10s %10s  %-24s %s\n", "handler", "bytes", "average ms", "least",
+           "most", "median", about->base < run->count ? "ratio (least-most)" : "", "clock");
+    for (size_t i = 0; i < run->count; i++)
+        print_line(run, i, about->base);
+    if (base)
+        printf("written: %s.csv, %s.json, %s.svg, %s.png\n", base, base, base, base);
+}
+
+void frames_session_free(struct frames_session *session)
+{
+    for (size_t i = 0; i < session->count; i++)
+        painter_close(&session->painter[i]);
+    session->count = 0;
+    frames_free(&session->run);
+}
+
+/* The notes of the files: what the numbers are of. */
+static void note_all(struct frames_session *session, const char *scene_name,
+                     const struct engine_options *options)
+{
+    const struct engine *engine[FRAMES_CONTESTANTS];
+    for (size_t i = 0; i < session->count; i++)
+        engine[i] = session->painter[i].plan.engine;
+    fuzz_versions(engine, session->count, options, session->versions, sizeof session->versions);
+    session->about.note[0].name = "scene";
+    session->about.note[0].value = scene_name;
+    session->about.note[1].name = "versions";
+    session->about.note[1].value = session->versions;
+}
+
+static enum status measure_plans(struct frames_session *session, const struct painter_plan *plan,
+                                 size_t count, const char *scene_name, const struct scene *scene,
+                                 const struct engine_options *options,
+                                 const struct frames_settings *settings, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        struct reason why = {""};
+        status = frames_session_enter(session, &plan[i], scene, options, &why);
+        if (status)
+            return fail(reason, status, "%s: %.250s", plan[i].handler, why.text);
+    }
+    note_all(session, scene_name, options);
+    frames_catch_signals();
+    return frames_session_measure(session, settings, reason);
+}
+
+int frames_command(const char *command, const struct painter_plan *plan, size_t count,
+                   const char *scene_name, const struct scene *scene,
+                   const struct engine_options *options, const struct frames_settings *settings,
+                   const char *base)
+{
+    struct frames_session *session = calloc(1, sizeof *session);
+    struct progress progress = progress_make(command);
+    struct reason reason = {""};
+    char title[160];
+    if (!session)
+        return EXIT_INTERNAL;
+    snprintf(title, sizeof title, "%.60s: %u triangles, %u x %u pixels, %u bounces", scene_name,
+             scene->tri_count, plan->width, plan->height, plan->look.bounces);
+    session->progress = &progress;
+    session->label = scene_name;
+    session->base = base;
+    session->about.title = title;
+    session->about.base = count > 1 ? 0 : SIZE_MAX;
+    enum status status =
+        measure_plans(session, plan, count, scene_name, scene, options, settings, &reason);
+    if (session->run.done > 0 || session->run.stopped)
+        frames_print(&session->run, &session->about, status ? NULL : base);
+    int code = exit_of_status(status);
+    if (status)
+        fprintf(stderr, "raydiff %s: %s\n", command, reason.text);
+    else if (session->run.stopped)
+        code = frames_signal_code();
+    frames_session_free(session);
+    free(session);
+    return code;
+}

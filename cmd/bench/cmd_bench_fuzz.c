@@ -1,0 +1,197 @@
+/* How fast trials are played: on one core, and on all of them by a process each. */
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/bench/cmd_bench_fuzz.h"
+
+#include "cmd/bench/cmd_bench.h"
+#include "ref/base/command.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define TRIALS 512 /* of a worker and turn */
+
+static const char about[] =
+    "generated trials of 16 to 64 triangles and 500 rays, played on cpu, vulkan and embree_robust\n"
+    "and f32 and rf16 unless told otherwise. Each worker is a process with one thread; --count is\n"
+    "trials of a worker and round. A judged ray has a verdict for every contestant. The harness\n"
+    "makes trials, builds and packs trees, decides rays exactly and judges; pipelines were made\n"
+    "before. What it finds is counted only: raydiff fuzz is for that. us of core time: also where\n"
+    "other work on the machine takes cores away.\n";
+
+/* One setting, a value per round. */
+struct setting {
+    size_t workers;
+    double trials[BENCH_ROUNDS], judged[BENCH_ROUNDS]; /* per second, all workers */
+    double share[BENCH_ROUNDS];                        /* of the harness */
+    double ratio[BENCH_ROUNDS];                        /* harness to engines */
+    double core[BENCH_ROUNDS];                         /* us of core time per trial */
+    double engine[FUZZ_CONTESTANTS_MOST][BENCH_ROUNDS], part[4][BENCH_ROUNDS]; /* us per trial */
+    uint64_t all, triangles, wrong, refused;
+};
+
+static const char *const part_name[4] = {"generate", "build", "truth", "judge"};
+
+/* Adds up one round. All workers began at once; each is as fast as its own clock says. */
+static void take_round(struct setting *setting, const struct fuzz_field *field, size_t round,
+                       const struct crew_report *report)
+{
+    double asked = 0, harness = 0, core = 0, trials = 0, part[4] = {0};
+    double engine[FUZZ_CONTESTANTS_MOST] = {0};
+    setting->trials[round] = setting->judged[round] = 0;
+    for (size_t w = 0; w < setting->workers; w++) {
+        const struct crew_report *one = &report[w];
+        const uint64_t of[4] = {one->time.generate, one->time.build, one->time.truth,
+                                one->time.judge};
+        setting->trials[round] += (double)one->trials / ((double)one->ns * 1e-9);
+        setting->judged[round] += (double)one->judged / ((double)one->ns * 1e-9);
+        for (size_t i = 0; i < 4; i++)
+            part[i] += (double)of[i];
+        for (size_t i = 0; i < field->count; i++)
+            engine[i] += (double)one->time.engine[i];
+        core += (double)one->core_ns;
+        trials += (double)one->trials;
+        setting->all += one->trials;
+        setting->triangles += one->triangles;
+        setting->wrong += one->wrong;
+        setting->refused += one->refused;
+    }
+    for (size_t i = 0; i < 4; i++) {
+        harness += part[i];
+        setting->part[i][round] = part[i] * 1e-3 / trials;
+    }
+    for (size_t i = 0; i < field->count; i++) {
+        asked += engine[i];
+        setting->engine[i][round] = engine[i] * 1e-3 / trials;
+    }
+    setting->share[round] = harness / (harness + asked);
+    setting->ratio[round] = harness / asked;
+    setting->core[round] = core * 1e-3 / trials;
+}
+
+static void report_setting(struct bench *bench, const struct fuzz_field *field,
+                           struct setting *setting)
+{
+    size_t rounds = (size_t)bench->rounds;
+    struct spread trials = spread_of(setting->trials, rounds);
+    struct spread judged = spread_of(setting->judged, rounds);
+    struct spread share = spread_of(setting->share, rounds);
+    double ratio = spread_of(setting->ratio, rounds).median;
+    double core = spread_of(setting->core, rounds).median;
+    double triangles = (double)setting->triangles / (double)setting->all;
+    printf("%zu worker%s: %.0f (%.0f-%.0f) trials/s, %.3f (%.3f-%.3f) million judged rays/s\n",
+           setting->workers, setting->workers == 1 ? "" : "s", trials.median, trials.least,
+           trials.most, judged.median * 1e-6, judged.least * 1e-6, judged.most * 1e-6);
+    printf("  harness %.1f %% (%.1f-%.1f) of the time, %.2f of the engines'; %.0f us of core time "
+           "a trial\n",
+           share.median * 100, share.least * 100, share.most * 100, ratio, core);
+    printf("  %llu trials of %.1f triangles, %llu answers at fault, %llu refusals\n",
+           (unsigned long long)setting->all, triangles, (unsigned long long)setting->wrong,
+           (unsigned long long)setting->refused);
+    json_t *row = json_pack("{s:I, s:I}", "workers", (json_int_t)setting->workers, "trials",
+                            (json_int_t)setting->all);
+    json_object_set_new(row, "trials_per_s", bench_number(trials.median));
+    json_object_set_new(row, "trials_per_s_least", bench_number(trials.least));
+    json_object_set_new(row, "trials_per_s_most", bench_number(trials.most));
+    json_object_set_new(row, "judged_rays_per_s", bench_number(judged.median));
+    json_object_set_new(row, "harness_share", bench_number(share.median));
+    json_object_set_new(row, "harness_to_engines", bench_number(ratio));
+    json_object_set_new(row, "core_us_per_trial", bench_number(core));
+    json_object_set_new(row, "triangles", bench_number(triangles));
+    json_object_set_new(row, "at_fault", json_integer((json_int_t)setting->wrong));
+    for (size_t i = 0; i < field->count; i++) {
+        char name[96];
+        double us = spread_of(setting->engine[i], rounds).median;
+        snprintf(name, sizeof name, "%s_%s_us", field->who[i].engine->name,
+                 field->who[i].layout ? field->who[i].layout->name : "alone");
+        printf("  %-24s %8.1f us a trial\n", name, us);
+        json_object_set_new(row, name, bench_number(us));
+    }
+    for (size_t i = 0; i < 4; i++) {
+        char name[96];
+        double us = spread_of(setting->part[i], rounds).median;
+        snprintf(name, sizeof name, "%s_us", part_name[i]);
+        printf("  %-24s %8.1f us a trial\n", name, us);
+        json_object_set_new(row, name, bench_number(us));
+    }
+    bench_row(bench, &bench_fuzz, row);
+}
+
+/* The members named, or the benchmark's own. */
+static enum status make_field(const struct bench *bench, struct fuzz_field *out,
+                              struct reason *reason)
+{
+    static const char *const own_engine[] = {"cpu", "vulkan", "embree_robust"};
+    static const char *const own_layout[] = {"f32", "rf16"};
+    const struct engine *engine[LIST_MOST];
+    const struct layout *layout[LIST_MOST];
+    size_t engine_count = bench->engine.count, layout_count = bench->layout.count;
+    for (size_t i = 0; i < engine_count; i++)
+        engine[i] = engine_find(table_member(TABLE_ENGINES, bench->engine.index[i], NULL));
+    for (size_t i = 0; i < layout_count; i++)
+        layout[i] = layouts_all[bench->layout.index[i]];
+    for (size_t i = 0; i < ARRAY_COUNT(own_engine) && !bench->engine.count; i++)
+        engine[engine_count++] = engine_find(own_engine[i]);
+    for (size_t i = 0; i < ARRAY_COUNT(own_layout) && !bench->layout.count; i++)
+        layout[layout_count++] = layout_find(own_layout[i]);
+    struct engine_options options = bench->engines;
+    options.threads = 1;
+    for (size_t i = 0; i < engine_count; i++)
+        if (!engine[i])
+            return fail(reason, STATUS_INPUT, "only engines of the table take part");
+    return fuzz_field_make(engine, engine_count, layout, layout_count, &options, out, reason);
+}
+
+static enum status measure(struct bench *bench, const struct fuzz_field *field, struct crew *crew,
+                           struct setting *setting, size_t settings, struct reason *reason)
+{
+    static struct crew_report report[CREW_MOST];
+    uint64_t trials = bench_rays_count(bench, TRIALS), first = 0;
+    enum status status = STATUS_OK;
+    for (size_t round = 0; round < bench->rounds && !status; round++)
+        for (size_t i = 0; i < settings && !status; i++) {
+            progress_step(&bench->progress, "round %zu, %zu workers", round, setting[i].workers);
+            status = crew_play(crew, setting[i].workers, first, trials, report, reason);
+            first += setting[i].workers * trials;
+            if (!status)
+                take_round(&setting[i], field, round, report);
+        }
+    progress_end(&bench->progress);
+    return status;
+}
+
+static int run(struct bench *bench)
+{
+    static struct setting setting[2];
+    struct fuzz_field field;
+    struct crew crew = {.count = 0};
+    struct reason reason = {""};
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    size_t workers = cores < 1 ? 1 : cores > (long)CREW_MOST ? CREW_MOST : (size_t)cores;
+    size_t settings = workers > 1 ? 2 : 1;
+    setting[0].workers = 1;
+    setting[1].workers = workers;
+    puts("\nfuzz");
+    fflush(stdout); /* or each worker would have it to print, too */
+    enum status status = make_field(bench, &field, &reason);
+    if (!status)
+        status = crew_start(&field, bench->seed, workers, &crew, &reason);
+    if (!status)
+        status = measure(bench, &field, &crew, setting, settings, &reason);
+    crew_stop(&crew);
+    if (status) {
+        fprintf(stderr, "raydiff bench: %s\n", reason.text);
+        return exit_of_status(status);
+    }
+    for (size_t i = 0; i < settings; i++)
+        report_setting(bench, &field, &setting[i]);
+    return EXIT_AGREE;
+}
+
+const struct benchmark bench_fuzz = {
+    .name = "fuzz",
+    .summary = "trials and judged rays a second, and where the time goes",
+    .takes = "count rounds csv json seed engine layout driver device workgroup" BENCH_OUTSIDE,
+    .about = about,
+    .run = run,
+};

@@ -1,0 +1,37 @@
+/* Workers of the fuzzing benchmark: processes with a player each, that play when told. */
+#ifndef CMD_BENCH_FUZZ_H
+#define CMD_BENCH_FUZZ_H
+
+#include "ref/outside/child.h"
+#include "fuzz/play/player.h"
+
+#define CREW_MOST 64u
+
+/* What one worker did in one turn, or in warming up. */
+struct crew_report {
+    struct fuzz_time time;
+    uint64_t ns, core_ns; /* on the clock, and of all threads of the process */
+    uint64_t trials, triangles, rays, judged, wrong, refused;
+    enum status status;
+    struct reason reason;
+};
+
+struct crew {
+    struct child worker[CREW_MOST];
+    size_t count;
+};
+
+/* Starts `count` processes, each of which opens the field and plays some trials, so that pipelines
+ * are made. The calling process must not have opened any engine. Errors: STATUS_DEVICE no
+ * process, or one died; else what the first worker says that cannot. crew_stop in any case. */
+enum status crew_start(const struct fuzz_field *field, uint64_t seed, size_t count,
+                       struct crew *out, struct reason *reason) MUST_USE;
+
+/* The first `workers` of them play `trials` trials each at once, from index `first` on. Errors: as
+ * a worker says. */
+enum status crew_play(struct crew *crew, size_t workers, uint64_t first, uint64_t trials,
+                      struct crew_report *report, struct reason *reason) MUST_USE;
+
+void crew_stop(struct crew *crew);
+
+#endif

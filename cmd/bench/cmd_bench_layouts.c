@@ -1,0 +1,320 @@
+/* Layouts and engines against each other: speed, bytes, work and errors on the same tree. */
+#include "cmd/bench/cmd_bench.h"
+#include "bench/frames/turns.h"
+
+#include "ref/base/command.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Ray-triangle tests that brute force may spend per scene and ray set on the error figures. */
+#define BRUTE_BUDGET 100000000u
+#define OWN_RAYS     262144
+
+/* One engine with one layout, prepared and kept while the others run. */
+struct contestant {
+    const struct engine *engine;
+    const struct layout *layout; /* NULL: none needed */
+    struct packed packed;
+    void *self;
+    struct row row; /* errors, from an untimed run */
+    uint64_t memory_bytes;
+    double mrays[BENCH_ROUNDS];
+    double ratio[BENCH_ROUNDS]; /* to its base */
+    size_t base;                /* index: same engine on f32, or embree for CPU engines */
+};
+
+#define CONTESTANTS 16
+
+struct field {
+    struct bench *bench;
+    const char *spec, *rays;
+    const struct scene *scene;
+    const struct tree_file *tree; /* the user's, or NULL */
+    const struct ray *ray;
+    size_t ray_count;
+    struct hit *hit;
+    struct match match;
+    struct contestant contestant[CONTESTANTS];
+    size_t count;
+};
+
+/* Adds an engine (on a layout) if it can run here and the layout can hold the scene. */
+static enum status enter(struct field *field, const struct engine *engine,
+                         const struct layout *layout, struct reason *reason)
+{
+    if (field->count == CONTESTANTS)
+        return fail(reason, STATUS_LIMIT, "more than %d contestants", CONTESTANTS);
+    struct contestant *c = &field->contestant[field->count];
+    *c = (struct contestant){.engine = engine, .layout = layout};
+    enum status status = STATUS_OK;
+    if (layout)
+        status = packed_make(layout, &field->match.bvh, field->scene, &c->packed, reason);
+    if (status == STATUS_OK)
+        status = engine->open(&field->bench->engines, &c->self, reason);
+    if (status) {
+        packed_free(&c->packed);
+        return status;
+    }
+    struct job job = {.scene = field->scene,
+                      .packed = layout ? &c->packed : NULL,
+                      .box = field->match.options.box,
+                      .tri = field->match.options.tri,
+                      .query = QUERY_CLOSEST};
+    status = engine->prepare(c->self, &job, reason);
+    if (status) {
+        engine->close(c->self);
+        packed_free(&c->packed);
+    } else {
+        field->count++;
+    }
+    return status;
+}
+
+static void enter_all(struct field *field)
+{
+    for (size_t e = 0; engines[e]; e++) {
+        bool tree = engines[e]->needs_packed;
+        if (strcmp(engines[e]->name, "brute") == 0)
+            continue; /* its time is the triangle count's, not a layout's */
+        for (size_t l = 0; tree ? layouts[l] != NULL : l == 0; l++) {
+            struct reason reason = {""};
+            if (tree && layouts[l]->faithful)
+                continue; /* as published they test every node: no speed to compare */
+            if (enter(field, engines[e], tree ? layouts[l] : NULL, &reason))
+                printf("%-14s %-12s left out: %s\n", engines[e]->name,
+                       tree ? layouts[l]->name : "-", reason.text);
+        }
+    }
+}
+
+static void leave_all(struct field *field)
+{
+    for (size_t i = 0; i < field->count; i++) {
+        field->contestant[i].engine->close(field->contestant[i].self);
+        packed_free(&field->contestant[i].packed);
+    }
+    field->count = 0;
+}
+
+/* Errors of every contestant, from the match's judge. */
+static int judge_all(struct field *field)
+{
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < field->count; i++) {
+        struct contestant *c = &field->contestant[i];
+        struct reason reason;
+        if (c->layout && match_pack(&field->match, c->layout, &reason))
+            continue;
+        match_run(&field->match, c->engine, &c->row);
+        if (c->row.status == ROW_FAILED)
+            code = exit_worse(code, EXIT_ENGINE);
+        if (row_failed(&c->row))
+            code = exit_worse(code, EXIT_MISMATCH);
+    }
+    return code;
+}
+
+/* Against what a contestant's speed is a ratio: Vulkan to itself on f32; the rest to Embree. */
+static size_t base_of(const struct field *field, size_t i)
+{
+    const struct contestant *c = &field->contestant[i];
+    for (size_t k = 0; k < field->count; k++) {
+        const struct contestant *b = &field->contestant[k];
+        bool vulkan = strcmp(c->engine->name, "vulkan") == 0;
+        if (vulkan && b->engine == c->engine && strcmp(b->layout->name, "f32") == 0)
+            return k;
+        if (!vulkan && strcmp(b->engine->name, "embree") == 0)
+            return k;
+    }
+    return i;
+}
+
+static enum status race(struct field *field, struct reason *reason)
+{
+    size_t rays = field->ray_count, order[ARRAY_COUNT(field->contestant)];
+    struct rng rng = rng_make(field->bench->seed, rays);
+    turns_start(order, field->count);
+    /* Round 0 warms up: pipelines, caches, page faults. */
+    for (size_t round = 0; round <= field->bench->rounds; round++) {
+        turns_next(&rng, order, field->count);
+        for (size_t i = 0; i < field->count; i++) {
+            struct contestant *c = &field->contestant[order[i]];
+            struct trace_report report = {0};
+            progress_step(&field->bench->progress, "%s, %s rays, round %zu of %llu", field->spec,
+                          field->rays, round, (unsigned long long)field->bench->rounds);
+            enum status status =
+                c->engine->trace(c->self, field->ray, rays, field->hit, &report, reason);
+            if (status)
+                return status;
+            if (report.memory_bytes > c->memory_bytes)
+                c->memory_bytes = report.memory_bytes;
+            if (round > 0)
+                c->mrays[round - 1] = 1e3 * (double)rays / (double)(report.ns ? report.ns : 1);
+        }
+    }
+    for (size_t i = 0; i < field->count; i++) {
+        struct contestant *c = &field->contestant[i];
+        c->base = base_of(field, i);
+        for (size_t round = 0; round < field->bench->rounds; round++)
+            c->ratio[round] = c->mrays[round] / field->contestant[c->base].mrays[round];
+    }
+    return STATUS_OK;
+}
+
+static void write_row(struct field *field, const struct contestant *c, const struct spread *speed,
+                      const struct spread *ratio, size_t allowed)
+{
+    const struct row *row = &c->row;
+    const struct contestant *base = &field->contestant[c->base];
+    json_t *out =
+        json_pack("{s:s, s:I, s:s, s:s, s:s, s:I, s:I}", "scene", field->spec, "triangles",
+                  (json_int_t)field->scene->tri_count, "rays", field->rays, "engine",
+                  c->engine->name, "layout", c->layout ? c->layout->name : "-", "count",
+                  (json_int_t)field->ray_count, "rounds", (json_int_t)field->bench->rounds);
+    json_object_set_new(out, "mrays_median", bench_number(speed->median));
+    json_object_set_new(out, "mrays_min", bench_number(speed->least));
+    json_object_set_new(out, "mrays_max", bench_number(speed->most));
+    json_object_set_new(out, "base_engine", json_string(base->engine->name));
+    json_object_set_new(out, "base_layout", json_string(base->layout ? base->layout->name : "-"));
+    json_object_set_new(out, "ratio_median", bench_number(ratio->median));
+    json_object_set_new(out, "ratio_min", bench_number(ratio->least));
+    json_object_set_new(out, "ratio_max", bench_number(ratio->most));
+    json_object_set_new(out, "node_bytes", json_integer((json_int_t)row->node_bytes));
+    json_object_set_new(out, "item_bytes", json_integer((json_int_t)row->item_bytes));
+    json_object_set_new(out, "memory_bytes", json_integer((json_int_t)c->memory_bytes));
+    json_object_set_new(out, "differences", json_integer((json_int_t)row->differences));
+    json_object_set_new(out, "allowed", json_integer((json_int_t)allowed));
+    json_object_set_new(out, "boxes_per_ray",
+                        bench_number((double)row->boxes / (double)field->ray_count));
+    json_object_set_new(out, "tris_per_ray",
+                        bench_number((double)row->tris / (double)field->ray_count));
+    bench_row(field->bench, &bench_layouts, out);
+}
+
+static void print_contestant(struct field *field, struct contestant *c)
+{
+    size_t rounds = (size_t)field->bench->rounds;
+    const struct row *row = &c->row;
+    const struct contestant *base = &field->contestant[c->base];
+    double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
+    struct spread speed = spread_of(c->mrays, rounds), ratio = spread_of(c->ratio, rounds);
+    size_t allowed = row->rays - row->count[VERDICT_RIGHT] - row->count[VERDICT_WRONG];
+    double node = (double)row->node_bytes / tris;
+    double nodes = (double)(row->node_bytes + row->item_bytes) / tris;
+    printf("%-8s %-13s %-5s %7.3f (%.3f-%.3f) %5.2f (%.2f-%.2f) of %-8s ", field->rays,
+           c->engine->name, c->layout ? c->layout->name : "-", speed.median, speed.least,
+           speed.most, ratio.median, ratio.least, ratio.most,
+           base->engine == c->engine && base->layout ? base->layout->name : base->engine->name);
+    if (c->layout)
+        printf("%6.1f %6.1f", node, nodes);
+    else
+        printf("%6s %6s", "-", "-");
+    printf(" %8.1f %7zu %6zu\n", (double)c->memory_bytes / tris, row->differences, allowed);
+    write_row(field, c, &speed, &ratio, allowed);
+}
+
+static int bench_rays(struct field *field, const struct ray_set *set)
+{
+    struct reason reason = {""};
+    struct match_options options = {
+        .builder = field->tree ? &tree_file_builder : builders[0],
+        .tree = field->tree,
+        .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+        .box = box_tests[0],
+        .tri = tri_tests[0],
+        .query = QUERY_CLOSEST,
+        .repeats = 1,
+        .brute_budget = BRUTE_BUDGET,
+    };
+    struct pool pool = {.options = field->bench->engines};
+    size_t count = bench_rays_count(field->bench, OWN_RAYS);
+    struct ray *ray = alloc_zeroed(count, sizeof *ray);
+    struct hit *hit = alloc_zeroed(count, sizeof *hit);
+    enum status status = ray && hit ? STATUS_OK : STATUS_MEMORY;
+    int code = EXIT_AGREE;
+    field->ray = ray;
+    field->ray_count = count;
+    field->hit = hit;
+    field->rays = set->name;
+    if (status == STATUS_OK)
+        status = set->make(field->scene, 1, count, ray, &reason);
+    if (status == STATUS_OK)
+        status = match_make(field->scene, ray, count, &options, &pool, &field->match, &reason);
+    if (status == STATUS_OK) {
+        enter_all(field);
+        code = judge_all(field);
+        status = race(field, &reason);
+        progress_end(&field->bench->progress);
+        /* Sorting for the median loses the rounds, so ratios come first: they are made in race. */
+        for (size_t i = 0; i < field->count && status == STATUS_OK; i++)
+            print_contestant(field, &field->contestant[i]);
+        leave_all(field);
+        match_free(&field->match);
+    }
+    pool_free(&pool);
+    free(ray);
+    free(hit);
+    if (status == STATUS_OK)
+        return code;
+    fprintf(stderr, "raydiff bench: %s: %s\n", field->spec,
+            reason.text[0] ? reason.text : status_text(status));
+    return exit_worse(code, exit_of_status(status));
+}
+
+static int run(struct bench *bench)
+{
+    static const char *const own[] = {"sphere:n=50", "terrain:k=6",
+                                      "scenes/fetched/dragon-11k.ply.gz", NULL};
+    static const char *const sets[] = {"primary", "random", "bounce"};
+    const char *spec[BENCH_SCENES];
+    size_t count = bench_scenes(bench, own, spec);
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < count; i++) {
+        struct scene scene;
+        struct tree_file tree = {0};
+        struct reason reason;
+        char name[BENCH_TREE_NAME];
+        enum status status = scene_open(spec[i], 1, &scene, &reason);
+        if (status == STATUS_OK)
+            status = bench_tree_open(bench, &scene, &tree, &reason);
+        if (status) {
+            fprintf(stderr, "raydiff bench: %s\n", reason.text);
+            code = exit_worse(code, exit_of_status(status));
+            scene_free(&scene);
+            continue;
+        }
+        printf("\n%s: %u triangles; %s, box %s, triangle %s; %llu rays, %llu "
+               "rounds interleaved\n",
+               spec[i], scene.tri_count, bench_tree_name(bench, name), box_tests[0]->name,
+               tri_tests[0]->name, (unsigned long long)bench_rays_count(bench, OWN_RAYS),
+               (unsigned long long)bench->rounds);
+        printf("%-8s %-13s %-5s %-21s %-27s %6s %6s %8s %7s %6s\n", "rays", "engine", "nodes",
+               "Mray/s (least-most)", "ratio (least-most)", "B/tri", "+items", "mem/tri", "wrong",
+               "named");
+        for (size_t s = 0; s < ARRAY_COUNT(sets); s++) {
+            struct field *field = alloc_zeroed(1, sizeof *field);
+            if (!field)
+                return EXIT_INTERNAL;
+            field->bench = bench;
+            field->spec = spec[i];
+            field->scene = &scene;
+            field->tree = bench->bvh ? &tree : NULL;
+            code = exit_worse(code, bench_rays(field, ray_set_find(sets[s])));
+            free(field);
+        }
+        tree_file_free(&tree);
+        scene_free(&scene);
+    }
+    return code;
+}
+
+const struct benchmark bench_layouts = {
+    .name = "layouts",
+    .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
+    .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE,
+    .run = run,
+};

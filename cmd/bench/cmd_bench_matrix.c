@@ -1,0 +1,383 @@
+/* raydiff bench matrix: builders, layouts, triangle storages and engines on all kinds of rays:
+ * speed beside Embree's, bytes, lines read, errors. */
+#include "cmd/bench/cmd_bench_matrix.h"
+
+#include "bench/measure/shadow_rays.h"
+#include "ref/base/command.h"
+#include "ref/base/mutant.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define OWN_RAYS     65536
+#define OWN_RAYS_GPU 8192
+#define FEW          8 /* engine cpu traces every eighth ray */
+#define GROUP        8 /* GPU contestants at a time: each holds a device */
+
+const char *const matrix_kinds[MATRIX_KINDS] = {"prim", "rand", "diff", "o-shad", "o-rand"};
+
+static enum query query_of(int kind)
+{
+    return kind < MATRIX_CLOSEST ? QUERY_CLOSEST : QUERY_ANY;
+}
+
+/* --- trees and rays --------------------------------------------------------------------------- */
+
+/* Leaves of one triangle for whoever collapses the tree and makes its own. */
+static uint32_t leaf_of(const struct matrix_entry *e)
+{
+    bool collapses = layout_is_wide(e->layout) || strcmp(e->engine->name, "fast") == 0;
+    return collapses ? 1 : BUILD_LEAF_DEFAULT;
+}
+
+/* The tree of an entry, built when it is first asked for. */
+static enum status tree_of(struct matrix *m, const struct matrix_entry *e, const struct bvh **out,
+                           struct reason *reason)
+{
+    uint32_t leaf = leaf_of(e);
+    for (size_t i = 0; i < m->tree_count; i++) {
+        const struct matrix_tree *t = &m->tree[i];
+        *out = &t->bvh;
+        if (t->builder == e->builder && t->passes == e->passes && t->leaf == leaf)
+            return STATUS_OK;
+    }
+    if (m->tree_count == MATRIX_TREES)
+        return fail(reason, STATUS_LIMIT, "more than %d trees", MATRIX_TREES);
+    struct matrix_tree *t = &m->tree[m->tree_count];
+    const struct build_options build = {
+        .leaf = leaf, .eps = BUILD_EPS_DEFAULT, .passes = e->passes};
+    *t = (struct matrix_tree){.builder = e->builder, .passes = e->passes, .leaf = leaf};
+    progress_step(&m->bench->progress, "%s: building by %s", m->spec, e->builder->name);
+    enum status status = bvh_build(e->builder, &m->scene, &build, &t->bvh, reason);
+    m->tree_count += status == STATUS_OK;
+    *out = &t->bvh;
+    return status;
+}
+
+/* From the hits of engine fast, which needs a tree. */
+static enum status make_shadow_rays(struct matrix *m, struct reason *reason)
+{
+    const struct contestant fast = {.engine = engine_find("fast"),
+                                    .layout = layout_find("f32"),
+                                    .box = box_test_find("watertight"),
+                                    .tri = tri_test_find("woop")};
+    const struct matrix_entry entry = {
+        .engine = fast.engine, .layout = fast.layout, .builder = builder_find("sah_binned")};
+    struct trace_report report;
+    enum status status = tree_of(m, &entry, &m->race.bvh, reason);
+    if (!status)
+        status = race_add(&m->race, &fast, &m->bench->engines, reason);
+    if (!status)
+        status = fast.engine->trace(m->race.contestant[0].self, m->ray[KIND_PRIM], m->count, m->hit,
+                                    &report, reason);
+    if (!status)
+        status = shadow_rays_make(&m->scene, m->ray[KIND_PRIM], m->hit, m->count,
+                                  m->ray[KIND_O_SHAD], reason);
+    race_leave(&m->race);
+    return status;
+}
+
+static enum status make_rays(struct matrix *m, struct reason *reason)
+{
+    static const char *const sets[MATRIX_KINDS] = {"primary", "random", "bounce", NULL, "random"};
+    enum status status = STATUS_OK;
+    size_t room = m->count > 8192 ? m->count : 8192; /* leak rays are answered there, too */
+    m->hit = alloc_zeroed(room, sizeof *m->hit);
+    m->few = alloc_zeroed(m->count / FEW + 1, sizeof *m->few);
+    for (int kind = 0; kind < MATRIX_KINDS; kind++) {
+        m->ray[kind] = alloc_zeroed(m->count, sizeof *m->ray[kind]);
+        if (!m->ray[kind] || !m->hit || !m->few)
+            return fail(reason, STATUS_MEMORY, "no memory for %zu rays", m->count);
+        progress_step(&m->bench->progress, "%s: %s rays", m->spec, matrix_kinds[kind]);
+        /* Any hits are asked of other rays than closest hits. */
+        if (sets[kind])
+            status = ray_set_find(sets[kind])
+                         ->make(&m->scene, m->bench->seed + (kind == KIND_O_RAND), m->count,
+                                m->ray[kind], reason);
+        else
+            status = make_shadow_rays(m, reason);
+        if (status)
+            return status;
+    }
+    return status;
+}
+
+/* --- a group of contestants ------------------------------------------------------------------- */
+
+/* Adds an entry that can run here; says why one cannot. */
+static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigned threads,
+                         bool *entered, struct reason *reason)
+{
+    struct engine_options options = m->bench->engines;
+    struct contestant who = {.engine = e->engine,
+                             .layout = e->layout,
+                             .store = e->store,
+                             .box = box_test_find("watertight"),
+                             .tri = tri_test_find("woop"),
+                             .few = strncmp(e->engine->name, "cpu", 3) == 0};
+    enum status status = STATUS_OK;
+    options.threads = threads;
+    options.compact = e->compact;
+    options.avx512 = e->avx512;
+    if (e->layout)
+        status = tree_of(m, e, &who.bvh, reason);
+    if (!status) {
+        progress_step(&m->bench->progress, "%s: preparing %s", m->spec, e->name);
+        status = race_add(&m->race, &who, &options, reason);
+    }
+    *entered = status == STATUS_OK;
+    if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
+        progress_end(&m->bench->progress);
+        printf("  %s left out: %s\n", e->name, reason->text);
+        return STATUS_OK;
+    }
+    if (status == STATUS_REFUSED) { /* the others go on */
+        bench_complain(m->spec, reason);
+        m->refused = true;
+        return STATUS_OK;
+    }
+    return status;
+}
+
+static void take_speeds(struct matrix *m, int kind, struct matrix_row **row)
+{
+    size_t rounds = (size_t)m->bench->rounds;
+    for (size_t i = 0; i < m->race.count; i++) {
+        struct contestant *c = &m->race.contestant[i];
+        if (!row[i])
+            continue;
+        row[i]->mrays[kind] = spread_of(c->mrays, rounds);
+        row[i]->ratio[kind] = spread_of(c->ratio, rounds);
+        row[i]->rays = c->few ? m->race.few_count : m->count;
+        if (kind < MATRIX_MEAN + (MUTANT == MUTANT_MEAN_OF_FIVE))
+            row[i]->mean *= pow(row[i]->ratio[kind].median, 1.0 / MATRIX_MEAN);
+    }
+}
+
+static enum status race_kinds(struct matrix *m, struct matrix_row **row, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    char label[160];
+    m->race.few = m->few;
+    m->race.few_count = (m->count + FEW - 1) / FEW;
+    for (int kind = 0; kind < MATRIX_KINDS && !status; kind++) {
+        snprintf(label, sizeof label, "%.80s, %s rays", m->spec, matrix_kinds[kind]);
+        m->race.label = label;
+        for (size_t i = 0; i < m->race.few_count; i++)
+            m->few[i] = m->ray[kind][i * FEW];
+        if (kind == MATRIX_CLOSEST)
+            status = race_prepare(&m->race, query_of(kind), reason);
+        if (!status)
+            status = race_run(&m->race, m->ray[kind], m->count, m->hit, reason);
+        if (!status)
+            take_speeds(m, kind, row);
+    }
+    return status;
+}
+
+/* Entries first to last - 1, and before them the one that the others are compared with, if it is
+ * not among them. */
+static enum status play_group(struct matrix *m, size_t first, size_t last, unsigned threads,
+                              const struct matrix_row *known, struct reason *reason)
+{
+    struct matrix_row *row[CONTESTANTS] = {NULL};
+    enum status status = STATUS_OK;
+    bool entered;
+    m->race.core_time = threads == 1 && !matrix_entry_is_gpu(&m->entries.entry[first]);
+    if (first > 0)
+        status = enter(m, &m->entries.entry[0], threads, &entered, reason);
+    for (size_t i = first; i < last && !status; i++) {
+        const struct matrix_entry *e = &m->entries.entry[i];
+        status = enter(m, e, threads, &entered, reason);
+        if (status || !entered)
+            continue;
+        const struct contestant *c = &m->race.contestant[m->race.count - 1];
+        struct matrix_row *made = &m->row[m->row_count++];
+        row[m->race.count - 1] = made;
+        *made = (struct matrix_row){.entry = e};
+        progress_step(&m->bench->progress, "%s: errors and lines of %s", m->spec, e->name);
+        for (const struct matrix_row *k = known; k && k->entry; k++)
+            if (k->entry == e)
+                *made = *k;
+        if (!made->asked)
+            status = matrix_measure(m, c, made, reason);
+        made->threads = threads;
+        made->mean = 1;
+    }
+    if (!status)
+        status = race_kinds(m, row, reason);
+    progress_end(&m->bench->progress);
+    race_leave(&m->race);
+    return status;
+}
+
+/* All contestants with that many threads; what was measured beside speed is taken from `known`. */
+static enum status play_threads(struct matrix *m, unsigned threads, const struct matrix_row *known,
+                                struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    bool gpu = matrix_entry_is_gpu(&m->entries.entry[0]);
+    size_t step = gpu ? GROUP : m->entries.count;
+    m->row_count = 0;
+    for (size_t first = 0; first < m->entries.count && !status; first += step) {
+        size_t last = first + step < m->entries.count ? first + step : m->entries.count;
+        status = play_group(m, first, last, threads, known, reason);
+    }
+    return status;
+}
+
+/* --- a scene ---------------------------------------------------------------------------------- */
+
+static enum status open_matrix(struct matrix *m, struct reason *reason)
+{
+    struct bench *bench = m->bench;
+    enum status status = matrix_entries_make(bench, &m->entries, reason);
+    if (!status)
+        status = scene_open(m->spec, bench->seed, &m->scene, reason);
+    if (!status && m->scene.tri_count == 0)
+        status = fail(reason, STATUS_INPUT, "no triangles");
+    if (status)
+        return status;
+    bool gpu = matrix_entry_is_gpu(&m->entries.entry[0]);
+    m->count = bench_rays_count(bench, gpu ? OWN_RAYS_GPU : OWN_RAYS);
+    m->race = (struct race){.bench = bench, .label = m->spec, .scene = &m->scene};
+    m->row = alloc_zeroed(2 * (CONTESTANTS + 1), sizeof *m->row);
+    if (!m->row)
+        return fail(reason, STATUS_MEMORY, "no memory");
+    status = oracle_make(&m->scene, &m->oracle, reason);
+    if (!status)
+        status = make_rays(m, reason);
+    return status ? status : matrix_known_make(m, reason);
+}
+
+static void close_matrix(struct matrix *m)
+{
+    race_leave(&m->race);
+    for (size_t i = 0; i < m->tree_count; i++)
+        bvh_free(&m->tree[i].bvh);
+    for (int kind = 0; kind < MATRIX_KINDS; kind++)
+        free(m->ray[kind]);
+    matrix_known_free(&m->sample);
+    matrix_known_free(&m->leak);
+    free(m->few);
+    free(m->hit);
+    free(m->row);
+    oracle_free(m->oracle);
+    scene_free(&m->scene);
+}
+
+static enum status play(struct matrix *m, struct reason *reason)
+{
+    unsigned named = m->bench->engines.threads;
+    bool gpu = matrix_entry_is_gpu(&m->entries.entry[0]);
+    unsigned first = named ? named : 1, last = named || gpu ? first : 2;
+    struct matrix_row *known = m->row + CONTESTANTS + 1;
+    enum status status = STATUS_OK;
+    for (unsigned threads = first; threads <= last && !status; threads++) {
+        status = play_threads(m, threads, threads > first ? known : NULL, reason);
+        if (status)
+            return status;
+        matrix_print(m, threads == first);
+        memcpy(known, m->row, m->row_count * sizeof *known);
+        known[m->row_count].entry = NULL;
+    }
+    return status;
+}
+
+/* Drops engines that were named and cannot run here, each with a line; returns what that is as an
+ * exit code. */
+static int drop_absent(struct bench *bench)
+{
+    size_t kept = 0;
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < bench->engine.count; i++) {
+        const struct engine *engine = engines[bench->engine.index[i]];
+        struct reason reason = {"no memory"};
+        void *self = NULL;
+        enum status status =
+            engine->brute ? STATUS_OK : engine->open(&bench->engines, &self, &reason);
+        if (self)
+            engine->close(self);
+        if (status)
+            fprintf(stderr, "raydiff bench: %s\n", reason.text);
+        else
+            bench->engine.index[kept++] = bench->engine.index[i];
+        code = exit_worse(code, exit_of_status(status));
+    }
+    bench->engine.count = kept;
+    return code;
+}
+
+static int run(struct bench *bench)
+{
+    static const char *const own[] = {"scenes/fetched/dragon-11k.ply.gz",
+                                      "scenes/fetched/dragon-203k.ply.gz",
+                                      "scenes/fetched/dragon-871k.ply.gz", NULL};
+    static const char *const own_gpu[] = {"scenes/fetched/dragon-11k.ply.gz",
+                                          "scenes/fetched/dragon-203k.ply.gz", NULL};
+    static const char *const made[] = {"terrain:k=6", "terrain:k=8", "terrain:k=9", NULL};
+    const char *spec[BENCH_SCENES];
+    int code = drop_absent(bench);
+    if (code != EXIT_AGREE && bench->engine.count == 0)
+        return code;
+    size_t count = bench_scenes(bench, matrix_is_gpu(bench) ? own_gpu : own, spec);
+    if (count == 0)
+        count = bench_scenes(bench, made, spec);
+    json_t *rows = bench->rows ? json_incref(bench->rows) : json_array();
+    json_t *kept = bench->rows;
+    bench->rows = rows;
+    for (size_t i = 0; i < count; i++) {
+        struct reason reason = {"no memory"};
+        struct matrix *m = alloc_zeroed(1, sizeof *m);
+        if (!m)
+            return EXIT_INTERNAL;
+        m->bench = bench;
+        m->spec = spec[i];
+        enum status status = open_matrix(m, &reason);
+        if (!status)
+            status = play(m, &reason);
+        progress_end(&bench->progress);
+        if (status) {
+            bench_complain(spec[i], &reason);
+            code = exit_worse(code, exit_of_status(status));
+        }
+        if (m->refused)
+            code = exit_worse(code, EXIT_MISMATCH);
+        close_matrix(m);
+        free(m);
+        fflush(stdout);
+    }
+    bench->rows = kept;
+    struct reason reason = {""};
+    if (bench->svg_path && matrix_plot(bench->svg_path, rows, &reason)) {
+        fprintf(stderr, "raydiff bench: %s\n", reason.text);
+        code = exit_worse(code, EXIT_USAGE);
+    }
+    json_decref(rows);
+    return code;
+}
+
+const struct benchmark bench_matrix = {
+    .name = "matrix",
+    .summary = "builders, layouts, storages, engines: speed, size, lines read, errors",
+    .takes = "scene count rounds csv json svg seed engine layout store" BENCH_MACHINE BENCH_OUTSIDE,
+    .about =
+        "rays: prim from a pinhole, rand random, diff bounced off what prim rays hit; o-shad from\n"
+        "  what they hit to a light and o-rand ask for any hit. Speeds are multiples of Embree's "
+        "by\n"
+        "  default (of engine vulkan: of its layout f32), 1 thread by the core's own time and 2 "
+        "by\n"
+        "  the time on the wall, or --threads N; mean: geometric, of the first four. Engine cpu\n"
+        "  traces every eighth ray. Bytes per triangle: all that a traversal reads; of Embree "
+        "what\n"
+        "  it holds without its buffers of vertices and indices, which only compact reads.\n"
+        "  Lines: bytes per ray in lines of 64, looked for and from beyond 48 KiB (12 ways) and\n"
+        "  1 MiB (16 ways), by simulation. lost, wrong: against the exact truth.\n"
+        "  --engine vulkan: every layout that loses nothing, or --layout. With --store and\n"
+        "  without --layout: on f32.\n",
+    .run = run,
+    .alone = true,
+};

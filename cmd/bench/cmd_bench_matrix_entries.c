@@ -1,0 +1,173 @@
+/* Who takes part in the matrix. */
+#include "cmd/bench/cmd_bench_matrix.h"
+
+#include "ref/engines/embree_modes.h"
+
+#include <string.h>
+
+#define REINSERT BUILD_PASSES_DEFAULT
+
+struct own {
+    const char *engine, *layout, *store, *builder;
+    uint32_t passes;
+    bool compact, avx512;
+};
+
+static const struct own own[] = {
+    {.engine = "embree"},
+    {.engine = "embree", .avx512 = true},
+    {.engine = "embree_robust"},
+    {.engine = "embree", .compact = true},
+    {.engine = "embree_16"},
+    {.engine = "embree_high"},
+    {.engine = "fast", .layout = "f32", .builder = "sah_binned"},
+    {.engine = "fast", .layout = "f32", .builder = "sah_binned", .passes = REINSERT},
+    {.engine = "fast", .layout = "f32", .builder = "sah_sweep"},
+    {.engine = "fast", .layout = "f32", .builder = "sbvh"},
+    {.engine = "cpu", .layout = "f32", .builder = "sah_binned"},
+    {.engine = "cpu", .layout = "f32", .store = "gathered", .builder = "sah_binned"},
+    {.engine = "cpu", .layout = "f32", .store = "compact", .builder = "sah_binned"},
+    {.engine = "cpu", .layout = "rf16", .builder = "sah_binned"},
+    {.engine = "cpu", .layout = "bvh8_u8_node", .builder = "sah_binned"},
+    {.engine = "cpu", .layout = "cwbvh80", .builder = "sah_binned"},
+    {.engine = "cpu", .layout = "tiny8", .builder = "sah_binned"},
+    {.engine = "cpu", .layout = "tiny8_l14", .builder = "sah_binned"},
+};
+
+bool matrix_entry_is_gpu(const struct matrix_entry *entry)
+{
+    return strncmp(entry->engine->name, "vulkan", 6) == 0;
+}
+
+static const struct engine *engine_of(const char *name)
+{
+    for (size_t i = 0; embree_modes[i]; i++)
+        if (strcmp(embree_modes[i]->name, name) == 0)
+            return embree_modes[i];
+    return engine_find(name);
+}
+
+/* "cpu tiny8 compact, sah_binned", "fast, sah_binned reinsert=4", "embree compact". */
+static void name_entry(struct matrix_entry *e)
+{
+    bool fast = strcmp(e->engine->name, "fast") == 0;
+    const char *store = e->store && e->store != tri_stores[0] ? e->store->name : NULL;
+    int used = snprintf(e->name, sizeof e->name, "%.20s%s%s", e->engine->name,
+                        e->compact ? " compact" : "", e->avx512 ? " avx512" : "");
+    if (e->layout && !fast)
+        used += snprintf(e->name + used, sizeof e->name - (size_t)used, " %.20s%s%.16s",
+                         e->layout->name, store ? " " : "", store ? store : "");
+    if (e->builder && fast)
+        used += snprintf(e->name + used, sizeof e->name - (size_t)used, " %.16s", e->builder->name);
+    if (e->passes)
+        (void)snprintf(e->name + used, sizeof e->name - (size_t)used, " reinsert=%u", e->passes);
+}
+
+static enum status add(struct matrix_entries *out, const struct matrix_entry *entry,
+                       struct reason *reason)
+{
+    if (out->count == CONTESTANTS)
+        return fail(reason, STATUS_LIMIT,
+                    "more than %d contestants: --engine, --layout and --store name fewer",
+                    CONTESTANTS);
+    out->entry[out->count] = *entry;
+    name_entry(&out->entry[out->count++]);
+    return STATUS_OK;
+}
+
+static enum status add_own(struct matrix_entries *out, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < ARRAY_COUNT(own) && !status; i++) {
+        const struct own *o = &own[i];
+        const struct matrix_entry entry = {
+            .engine = engine_of(o->engine),
+            .layout = o->layout ? layout_find(o->layout) : NULL,
+            .store = o->layout ? tri_store_find(o->store ? o->store : "indexed") : NULL,
+            .builder = o->builder ? builder_find(o->builder) : NULL,
+            .passes = o->passes,
+            .compact = o->compact,
+            .avx512 = o->avx512};
+        if (o->layout && !(entry.layout && entry.store && entry.builder))
+            continue;
+        status = add(out, &entry, reason);
+    }
+    return status;
+}
+
+/* The entry's layout on each storage that was named; `once` is there already, on `indexed`. */
+static enum status add_stores(const struct bench *bench, const struct matrix_entry *entry,
+                              bool once, struct matrix_entries *out, struct reason *reason)
+{
+    const struct list *list = &bench->store;
+    struct matrix_entry stored = *entry;
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < (list->count ? list->count : 1) && !status; i++) {
+        stored.store = tri_stores[list->count ? list->index[i] : 0];
+        if (!once || stored.store != tri_stores[0])
+            status = add(out, &stored, reason);
+    }
+    return status;
+}
+
+static enum status add_layouts(const struct bench *bench, const struct engine *engine,
+                               struct matrix_entries *out, struct reason *reason)
+{
+    const struct list *list = &bench->layout;
+    struct matrix_entry entry = {
+        .engine = engine, .store = tri_stores[0], .builder = builder_find("sah_binned")};
+    enum status status = STATUS_OK;
+    entry.layout = layout_find("f32");
+    bool fast = strcmp(engine->name, "fast") == 0;
+    if (fast || matrix_entry_is_gpu(&entry))
+        status = add(out, &entry, reason);
+    for (size_t l = 0; layouts_all[l] && !fast && !status; l++) {
+        bool f32 = layouts_all[l] == layout_find("f32");
+        bool named =
+            list->count == 0 && !layouts_all[l]->faithful && (bench->store.count == 0 || f32);
+        for (size_t i = 0; i < list->count; i++)
+            named = named || list->index[i] == l;
+        if (!named)
+            continue;
+        entry.layout = layouts_all[l];
+        status = add_stores(bench, &entry, f32 && matrix_entry_is_gpu(&entry), out, reason);
+    }
+    return status;
+}
+
+bool matrix_is_gpu(const struct bench *bench)
+{
+    const struct list *list = &bench->engine;
+    bool gpu = list->count > 0;
+    for (size_t i = 0; i < list->count; i++)
+        gpu = gpu && strncmp(engines[list->index[i]]->name, "vulkan", 6) == 0;
+    return gpu;
+}
+
+enum status matrix_entries_make(const struct bench *bench, struct matrix_entries *out,
+                                struct reason *reason)
+{
+    const struct list *list = &bench->engine;
+    enum status status = STATUS_OK;
+    out->count = 0;
+    if (list->count == 0 && bench->layout.count == 0 && bench->store.count == 0)
+        return add_own(out, reason);
+    const struct matrix_entry embree = {.engine = engine_of("embree")};
+    if (!matrix_is_gpu(bench))
+        status = add(out, &embree, reason);
+    if (list->count == 0 && !status)
+        status = add_layouts(bench, engine_find("cpu"), out, reason);
+    for (size_t i = 0; i < list->count && !status; i++) {
+        const struct engine *engine = engines[list->index[i]];
+        const struct matrix_entry entry = {.engine = engine};
+        if (engine->brute)
+            return fail(reason, STATUS_INPUT, "--engine %s: tests every triangle", engine->name);
+        if (list->count == 1 && strcmp(engine->name, "fast") == 0 && bench->store.count > 0)
+            return fail(reason, STATUS_INPUT, "--store: engine fast stores triangles its own way");
+        if (engine->needs_packed)
+            status = add_layouts(bench, engine, out, reason);
+        else if (engine != embree.engine)
+            status = add(out, &entry, reason);
+    }
+    return status;
+}

@@ -1,0 +1,205 @@
+/* What the matrix measures beside speed: bytes, errors, lines. */
+#include "cmd/bench/cmd_bench_matrix.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define SAMPLE   4096 /* prim rays, and rand rays, with exact answers */
+#define LEAKS    4096 /* rays at edges, and at vertices */
+#define RUNS     4    /* whose lines are counted, but of the first, which fills the cache */
+#define RUN_RAYS 512
+
+void matrix_known_free(struct matrix_known *known)
+{
+    free(known->ray);
+    free(known->truth);
+    *known = (struct matrix_known){.count = 0};
+}
+
+static enum status alloc(size_t count, struct matrix_known *out, struct reason *reason)
+{
+    *out = (struct matrix_known){.ray = alloc_zeroed(count, sizeof *out->ray),
+                                 .truth = alloc_zeroed(count, sizeof *out->truth),
+                                 .count = count};
+    if (out->ray && out->truth)
+        return STATUS_OK;
+    matrix_known_free(out);
+    return fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
+}
+
+/* Half prim, half rand rays, evenly spread. */
+static enum status make_sample(struct matrix *m, struct reason *reason)
+{
+    size_t each = m->count < SAMPLE ? m->count : SAMPLE;
+    enum status status = alloc(2 * each, &m->sample, reason);
+    for (size_t i = 0; i < each && !status; i++) {
+        size_t from = i * m->count / each;
+        m->sample.ray[i] = m->ray[KIND_PRIM][from];
+        m->sample.ray[each + i] = m->ray[KIND_RAND][from];
+    }
+    if (!status)
+        status = oracle_closest(m->oracle, ORACLE_TREE, ORACLE_CLOSED, m->sample.ray, 2 * each, 0,
+                                m->sample.truth, NULL, reason);
+    return status;
+}
+
+static enum status make_leaks(struct matrix *m, struct reason *reason)
+{
+    size_t each = m->count < LEAKS ? m->count : LEAKS;
+    enum status status = alloc(2 * each, &m->leak, reason);
+    for (int target = 0; target < 2 && !status; target++)
+        status = leak_rays_make(m->oracle, &m->scene, (enum leak_target)target, m->bench->seed,
+                                each, m->leak.ray + (target ? each : 0), reason);
+    if (status)
+        matrix_known_free(&m->leak);
+    return status == STATUS_INPUT ? STATUS_OK : status; /* not closed: none */
+}
+
+enum status matrix_known_make(struct matrix *matrix, struct reason *reason)
+{
+    enum status status = make_sample(matrix, reason);
+    return status ? status : make_leaks(matrix, reason);
+}
+
+/* --- errors ----------------------------------------------------------------------------------- */
+
+static enum status count_errors(struct matrix *m, const struct contestant *c,
+                                struct matrix_row *row, struct reason *reason)
+{
+    struct trace_report report = {.ns = 0};
+    struct error_sum sum = {.rays = 0};
+    enum status status =
+        c->engine->trace(c->self, m->sample.ray, m->sample.count, m->hit, &report, reason);
+    row->held_bytes = report.memory_bytes;
+    if (!status)
+        status = error_sum_make(m->oracle, &m->scene, m->sample.ray, m->sample.truth, m->hit,
+                                m->sample.count, &sum, reason);
+    row->asked = sum.rays;
+    row->lost = sum.kind[ERROR_LOST];
+    row->wrong = sum.kind[ERROR_PHANTOM] + sum.kind[ERROR_WRONG];
+    row->leak_rays = m->leak.count;
+    if (!status && m->leak.count)
+        status = c->engine->trace(c->self, m->leak.ray, m->leak.count, m->hit, &report, reason);
+    for (size_t i = 0; i < m->leak.count && !status; i++)
+        row->leaks += m->hit[i].prim == ABI_NO_PRIM;
+    return status;
+}
+
+/* --- lines ------------------------------------------------------------------------------------ */
+
+/* Either of the two traversals that can be watched. */
+struct watched {
+    struct touch *touch;
+    const struct fast_tree *fast;
+    struct job job;
+    struct cache_sim cache;
+};
+
+static enum status watch_kind(const struct matrix *m, struct watched *w, int kind,
+                              struct matrix_touch *out)
+{
+    size_t runs = m->count / RUN_RAYS < RUNS ? m->count / RUN_RAYS : RUNS;
+    size_t length = runs ? RUN_RAYS : m->count, counted = 0;
+    enum status status = STATUS_OK;
+    runs = runs ? runs : 1;
+    for (size_t run = 0; run < runs; run++) {
+        const struct ray *ray = m->ray[kind] + run * (m->count / runs);
+        if (run <= 1) {
+            cache_sim_restart(&w->cache);
+            counted = 0;
+        }
+        for (size_t i = 0; i < length && !status; i++, counted++) {
+            struct hit hit;
+            if (w->fast)
+                touch_fast(w->fast, &ray[i], false, &w->cache, &hit);
+            else
+                status = touch_ray(w->touch, &w->job, &ray[i], &hit);
+        }
+    }
+    double per_ray = (double)CACHE_SIM_LINE / (double)(counted ? counted : 1);
+    out->looked = per_ray * (double)w->cache.counts.lines;
+    for (int level = 0; level < CACHE_SIM_LEVELS; level++)
+        out->beyond[level] = per_ray * (double)w->cache.counts.beyond[level];
+    return status;
+}
+
+static enum status watch(struct matrix *m, struct watched *w, struct matrix_row *row,
+                         struct reason *reason)
+{
+    enum status status = cache_sim_make(cache_sim_usual, &w->cache, reason);
+    for (int kind = 0; kind < MATRIX_CLOSEST && !status; kind++) {
+        status = watch_kind(m, w, kind, &row->touch[kind]);
+        if (status)
+            return fail(reason, status, "%s: a ray was not finished", row->entry->name);
+    }
+    row->touched = status == STATUS_OK;
+    cache_sim_free(&w->cache);
+    return status;
+}
+
+static enum status watch_fast(struct matrix *m, const struct contestant *c, struct matrix_row *row,
+                              struct reason *reason)
+{
+    struct fast_tree *tree = aligned_alloc(_Alignof(struct fast_tree), sizeof *tree);
+    if (!tree)
+        return fail(reason, STATUS_MEMORY, "no memory for a tree");
+    enum status status = fast_make(c->bvh, &m->scene, tree, reason);
+    if (!status) {
+        struct watched w = {.fast = tree};
+        row->node_bytes = sizeof(struct fast_node) * (uint64_t)tree->node_count;
+        row->item_bytes = 4 * tree->block_words;
+        status = watch(m, &w, row, reason);
+        fast_free(tree);
+    }
+    free(tree);
+    return status;
+}
+
+static enum status watch_packed(struct matrix *m, const struct contestant *c,
+                                struct matrix_row *row, struct reason *reason)
+{
+    struct touch *touch = alloc_zeroed(1, sizeof *touch);
+    struct watched w = {.touch = touch, .job = {.box = c->box, .tri = c->tri}};
+    bool gpu = matrix_entry_is_gpu(row->entry);
+    if (!touch)
+        return fail(reason, STATUS_MEMORY, "no memory to watch a tree");
+    enum status status = touch_make(&c->packed, &m->scene, gpu, &w.cache, touch, reason);
+    if (!status)
+        status = watch(m, &w, row, reason);
+    touch_free(touch);
+    free(touch);
+    return status;
+}
+
+/* --- all -------------------------------------------------------------------------------------- */
+
+/* What Embree's traversal reads is what it holds without the buffers of vertices and indices: its
+ * leaves have copies, but those of the compact mode have indices alone. */
+static void measure_embree(const struct matrix *m, struct matrix_row *row)
+{
+    uint64_t arrays = 12 * ((uint64_t)m->scene.vertex_count + m->scene.tri_count);
+    row->scene_bytes = row->entry->compact ? arrays : 0;
+    row->node_bytes = row->held_bytes > arrays ? row->held_bytes - arrays : 0;
+}
+
+enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
+                           struct matrix_row *row, struct reason *reason)
+{
+    enum status status = count_errors(matrix, c, row, reason);
+    if (status)
+        return status;
+    if (!c->layout) {
+        measure_embree(matrix, row);
+        return STATUS_OK;
+    }
+    if (strcmp(c->engine->name, "fast") == 0)
+        return watch_fast(matrix, c, row, reason);
+    row->node_bytes = packed_node_bytes(&c->packed);
+    row->item_bytes = packed_item_bytes(&c->packed);
+    if (tri_store_reads_scene(c->packed.store))
+        row->scene_bytes =
+            matrix_entry_is_gpu(row->entry)
+                ? 36 * (uint64_t)matrix->scene.tri_count
+                : 12 * ((uint64_t)matrix->scene.vertex_count + matrix->scene.tri_count);
+    return watch_packed(matrix, c, row, reason);
+}

@@ -1,0 +1,321 @@
+/* What the matrix shows: tables, rows for machines, the front, a figure. */
+#include "cmd/bench/cmd_bench_matrix.h"
+
+#include "bench/chart/json_value.h"
+#include "bench/chart/pareto.h"
+#include "bench/chart/plot.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double per_tri(const struct matrix *m, uint64_t bytes)
+{
+    return (double)bytes / (double)m->scene.tri_count;
+}
+
+static uint64_t bytes_of(const struct matrix_row *row)
+{
+    return row->node_bytes + row->item_bytes + row->scene_bytes;
+}
+
+/* --- the front -------------------------------------------------------------------------------- */
+
+static const char *const worth_text[PARETO_WORTH] = {"fastest", "smallest", "balanced"};
+
+/* True if another row with the same engine, layout and storage is faster, by a better tree. */
+static bool has_better_tree(const struct matrix *m, const struct matrix_row *row)
+{
+    for (size_t i = 0; i < m->row_count; i++) {
+        const struct matrix_entry *a = m->row[i].entry, *b = row->entry;
+        if (a->engine == b->engine && a->layout == b->layout && a->store == b->store &&
+            m->row[i].mean > row->mean)
+            return true;
+    }
+    return false;
+}
+
+/* Marks the rows of the GPU, or the others. Worth using are ours alone, each on its best tree. */
+static void mark_front(struct matrix *m, bool gpu)
+{
+    struct pareto_point point[CONTESTANTS] = {{0}}, own[CONTESTANTS] = {{0}};
+    struct matrix_row *row[CONTESTANTS];
+    bool on[CONTESTANTS];
+    size_t count = 0, worth[PARETO_WORTH];
+    for (size_t i = 0; i < m->row_count; i++) {
+        struct matrix_row *r = &m->row[i];
+        if (matrix_entry_is_gpu(r->entry) != gpu)
+            continue;
+        double asked = (double)(r->asked + r->leak_rays);
+        row[count] = r;
+        point[count] = own[count] =
+            (struct pareto_point){.size = per_tri(m, bytes_of(r)),
+                                  .speed = r->mean,
+                                  .error = (double)(r->lost + r->leaks) / (asked > 0 ? asked : 1)};
+        if (!r->entry->layout || has_better_tree(m, r))
+            own[count].size = NAN;
+        count++;
+    }
+    pareto_front(point, count, on);
+    pareto_worth(own, count, worth);
+    for (size_t i = 0; i < count; i++) {
+        row[i]->on_front = on[i];
+        row[i]->worth = NULL;
+    }
+    for (int what = 0; what < PARETO_WORTH; what++)
+        if (worth[what] < count)
+            row[worth[what]]->worth = worth_text[what];
+}
+
+static void print_front(const struct matrix *m)
+{
+    const char *before = "  front of size, speed and lost hits: ";
+    for (size_t i = 0; i < m->row_count; i++)
+        if (m->row[i].on_front) {
+            printf("%s%s", before, m->row[i].entry->name);
+            before = "; ";
+        }
+    putchar('\n');
+    before = "  worth using, nothing lost: ";
+    for (int what = 0; what < PARETO_WORTH; what++)
+        for (size_t i = 0; i < m->row_count; i++)
+            if (m->row[i].worth == worth_text[what]) {
+                printf("%s%s (%s)", before, m->row[i].entry->name, worth_text[what]);
+                before = ", ";
+            }
+    printf("\n\n");
+}
+
+/* --- tables ----------------------------------------------------------------------------------- */
+
+static void print_speeds(const struct matrix *m)
+{
+    unsigned threads = m->row_count ? m->row[0].threads : 1;
+    printf("\n%s: %u triangles, %zu rays of each kind, %llu rounds interleaved, %u thread%s\n",
+           m->spec, m->scene.tri_count, m->count, (unsigned long long)m->bench->rounds, threads,
+           threads == 1 ? "" : "s");
+    printf("  %-30s", "speed, least-most");
+    for (int kind = 0; kind < MATRIX_KINDS; kind++)
+        printf(" %-16s", matrix_kinds[kind]);
+    printf(" %6s %10s\n", "mean", "prim Mr/s");
+    for (size_t i = 0; i < m->row_count; i++) {
+        const struct matrix_row *r = &m->row[i];
+        printf("  %-30s", r->entry->name);
+        for (int kind = 0; kind < MATRIX_KINDS; kind++) {
+            char text[40];
+            snprintf(text, sizeof text, "%.2f (%.2f-%.2f)", r->ratio[kind].median,
+                     r->ratio[kind].least, r->ratio[kind].most);
+            printf(" %-16s", text);
+        }
+        printf(" %6.2f %10.3f\n", r->mean, r->mrays[KIND_PRIM].median);
+    }
+}
+
+static void print_part(const struct matrix *m, uint64_t bytes, bool known)
+{
+    if (known)
+        printf(" %6.1f", per_tri(m, bytes));
+    else
+        printf(" %6s", "-");
+}
+
+/* "0 of 8192" */
+static void print_of(size_t events, size_t count)
+{
+    char text[48];
+    snprintf(text, sizeof text, "%zu of %zu", events, count);
+    printf(" %12s", count ? text : "-");
+}
+
+static void print_sizes(const struct matrix *m)
+{
+    printf("  %-30s %6s %6s %6s %6s  %-18s %-18s %-18s %12s %12s %12s\n", "bytes per triangle",
+           "nodes", "items", "scene", "all", "lines prim L1 L2", "rand", "diff", "lost", "wrong",
+           "leaks");
+    for (size_t i = 0; i < m->row_count; i++) {
+        const struct matrix_row *r = &m->row[i];
+        printf("  %-30s", r->entry->name);
+        print_part(m, r->node_bytes, r->touched);
+        print_part(m, r->item_bytes, r->touched);
+        print_part(m, r->scene_bytes, true);
+        print_part(m, bytes_of(r), true);
+        putchar(' ');
+        for (int kind = 0; kind < MATRIX_CLOSEST; kind++) {
+            char text[64] = "-";
+            if (r->touched)
+                snprintf(text, sizeof text, "%.0f %.0f %.0f", r->touch[kind].looked,
+                         r->touch[kind].beyond[0], r->touch[kind].beyond[1]);
+            printf(" %-18s", text);
+        }
+        print_of(r->lost, r->asked);
+        print_of(r->wrong, r->asked);
+        print_of(r->leaks, r->leak_rays);
+        putchar('\n');
+    }
+}
+
+/* --- rows ------------------------------------------------------------------------------------- */
+
+static void put(json_t *row, const char *kind, const char *what, double value)
+{
+    char name[48];
+    snprintf(name, sizeof name, "%s_%s", kind, what);
+    json_object_set_new(row, name, bench_number(value));
+}
+
+static void put_count(json_t *row, const char *name, uint64_t value)
+{
+    json_object_set_new(row, name, json_integer((json_int_t)value));
+}
+
+static json_t *row_json(const struct matrix *m, const struct matrix_row *r)
+{
+    const struct matrix_entry *e = r->entry;
+    json_t *row = json_pack(
+        "{s:s, s:I, s:i, s:s, s:s, s:s, s:s, s:s, s:i, s:I, s:I}", "scene", m->spec, "triangles",
+        (json_int_t)m->scene.tri_count, "threads", (int)r->threads, "name", e->name, "engine",
+        e->engine->name, "layout", e->layout ? e->layout->name : "-", "store",
+        e->store ? e->store->name : "-", "builder", e->builder ? e->builder->name : "-", "reinsert",
+        (int)e->passes, "rays", (json_int_t)r->rays, "rounds", (json_int_t)m->bench->rounds);
+    for (int kind = 0; kind < MATRIX_KINDS; kind++) {
+        put(row, matrix_kinds[kind], "mrays", r->mrays[kind].median);
+        put(row, matrix_kinds[kind], "ratio", r->ratio[kind].median);
+        put(row, matrix_kinds[kind], "ratio_min", r->ratio[kind].least);
+        put(row, matrix_kinds[kind], "ratio_max", r->ratio[kind].most);
+    }
+    json_object_set_new(row, "mean_ratio", bench_number(r->mean));
+    put_count(row, "node_bytes", r->node_bytes);
+    put_count(row, "item_bytes", r->item_bytes);
+    put_count(row, "scene_bytes", r->scene_bytes);
+    put_count(row, "held_bytes", r->held_bytes);
+    json_object_set_new(row, "bytes_per_triangle", bench_number(per_tri(m, bytes_of(r))));
+    for (int kind = 0; kind < MATRIX_CLOSEST; kind++) {
+        const struct matrix_touch *t = &r->touch[kind];
+        put(row, matrix_kinds[kind], "line_bytes", r->touched ? t->looked : (double)NAN);
+        put(row, matrix_kinds[kind], "beyond_l1", r->touched ? t->beyond[0] : (double)NAN);
+        put(row, matrix_kinds[kind], "beyond_l2", r->touched ? t->beyond[1] : (double)NAN);
+    }
+    put_count(row, "asked", r->asked);
+    put_count(row, "lost", r->lost);
+    put_count(row, "wrong", r->wrong);
+    put_count(row, "leak_rays", r->leak_rays);
+    put_count(row, "leaks", r->leaks);
+    json_object_set_new(row, "front", json_boolean(r->on_front));
+    json_object_set_new(row, "worth", json_string(r->worth ? r->worth : "-"));
+    return row;
+}
+
+void matrix_print(struct matrix *matrix, bool full)
+{
+    mark_front(matrix, false);
+    mark_front(matrix, true);
+    print_speeds(matrix);
+    if (full)
+        print_sizes(matrix);
+    print_front(matrix);
+    for (size_t i = 0; i < matrix->row_count; i++)
+        bench_row(matrix->bench, &bench_matrix, row_json(matrix, &matrix->row[i]));
+}
+
+/* --- the figure ------------------------------------------------------------------------------- */
+
+/* One panel a scene, of the rows of its first number of threads. */
+struct drawing {
+    struct plot_figure figure;
+    struct plot_series series[CONTESTANTS];
+    struct plot_point point[PLOT_PANELS][CONTESTANTS];
+    char title[PLOT_PANELS][120];
+};
+
+static bool is_first(const json_t *rows, size_t i)
+{
+    const json_t *row = json_array_get(rows, i);
+    for (size_t k = 0; k < i; k++) {
+        const json_t *other = json_array_get(rows, k);
+        if (value_same(row, other, "scene") && value_same(row, other, "name"))
+            return false;
+    }
+    return true;
+}
+
+/* Engines by colour; shape and fill tell their contestants apart. */
+static size_t series_at(struct drawing *d, const json_t *row)
+{
+    static const char *const engine[] = {"embree", "fast", "cpu", "vulkan"};
+    struct plot_figure *figure = &d->figure;
+    size_t s = 0;
+    while (s < figure->series_count && strcmp(d->series[s].name, value_text(row, "name")) != 0)
+        s++;
+    if (s < figure->series_count || s == CONTESTANTS)
+        return s;
+    unsigned colour = 0;
+    for (unsigned i = 0; i < ARRAY_COUNT(engine); i++)
+        if (strncmp(value_text(row, "engine"), engine[i], strlen(engine[i])) == 0)
+            colour = i;
+    d->series[s] = (struct plot_series){.name = value_text(row, "name"),
+                                        .colour = colour,
+                                        .shape = (unsigned)s,
+                                        .fill = (unsigned)(s / 4)};
+    figure->series_count++;
+    return s;
+}
+
+static size_t panel_at(struct drawing *d, const json_t *row)
+{
+    struct plot_figure *figure = &d->figure;
+    char title[120];
+    snprintf(title, sizeof title, "%.60s, %zu triangles", value_text(row, "scene"),
+             value_count(row, "triangles"));
+    size_t p = 0;
+    while (p < figure->panel_count && strcmp(d->title[p], title) != 0)
+        p++;
+    if (p < figure->panel_count || p == PLOT_PANELS)
+        return p;
+    memcpy(d->title[p], title, sizeof title);
+    figure->panel[p] = (struct plot_panel){.title = d->title[p],
+                                           .x_label = "speed, geometric mean of ratios",
+                                           .y_label = "bytes per triangle, all that is read",
+                                           .point = d->point[p]};
+    figure->panel_count++;
+    return p;
+}
+
+static void draw(struct drawing *d, const json_t *row)
+{
+    size_t p = panel_at(d, row), s = p < PLOT_PANELS ? series_at(d, row) : CONTESTANTS;
+    if (s == CONTESTANTS || d->figure.panel[p].count == CONTESTANTS)
+        return;
+    double speed = value_number(row, "mean_ratio"), size = value_number(row, "bytes_per_triangle");
+    d->point[p][d->figure.panel[p].count++] = (struct plot_point){.series = s,
+                                                                  .x = speed,
+                                                                  .x_lo = speed,
+                                                                  .x_hi = speed,
+                                                                  .y = size,
+                                                                  .y_lo = size,
+                                                                  .y_hi = size};
+}
+
+enum status matrix_plot(const char *path, const json_t *rows, struct reason *reason)
+{
+    struct drawing *d = alloc_zeroed(1, sizeof *d);
+    struct file_out out;
+    if (!d)
+        return fail(reason, STATUS_MEMORY, "no memory for the plot");
+    d->figure.title = "raydiff bench matrix: size and speed";
+    d->figure.subtitle = "right is faster, down is smaller; one thread, or as many as were named";
+    d->figure.series = d->series;
+    for (size_t i = 0; i < json_array_size(rows); i++)
+        if (is_first(rows, i))
+            draw(d, json_array_get(rows, i));
+    enum status status = STATUS_OK;
+    if (d->figure.panel_count == 0)
+        status = fail(reason, STATUS_INPUT, "%s: nothing was measured to plot", path);
+    if (!status)
+        status = file_out_open(path, &out, reason);
+    if (!status) {
+        plot_write(out.stream, &d->figure, 1);
+        status = file_out_commit(&out, reason);
+    }
+    free(d);
+    return status;
+}

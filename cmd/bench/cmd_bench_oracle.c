@@ -1,0 +1,286 @@
+/* The oracle: what a ray-triangle pair costs in the double filter, vectorised and one at a time,
+ * and what whole answers cost. */
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/bench/cmd_bench.h"
+
+#include "ref/base/command.h"
+#include "ref/oracle/filter.h"
+#include "ref/oracle/internal.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+
+#include <stdlib.h>
+#include <time.h>
+
+#define RAYS    10000 /* of whole answers */
+#define FILTER  1000  /* of them, for the filter on one core */
+#define KERNELS 4
+#define THREADS 2 /* of brute force */
+
+static const char about[] =
+    "every ray against every triangle. filter: the first look with the kernel that this machine\n"
+    "gets, and the full double filter on what it leaves, on one core; scalar: the full filter on\n"
+    "every pair, on one core; both in time of that core, so that other work on the machine counts\n"
+    "little; undecided: pairs that need integers. Then the exact nearest hits of\n"
+    "all rays: brute on two threads, and by the oracle's own tree on one.\n";
+
+/* What the filter says of pairs. */
+struct tally {
+    uint64_t pairs, missed, inside, undecided;
+};
+
+static void filter_one(const struct scene *scene, const struct ray *ray, uint32_t prim,
+                       struct tally *tally)
+{
+    float v[3][3];
+    struct filter filter;
+    int positive = 0, negative = 0;
+    scene_tri(scene, prim, v);
+    filter_edges(ray, v, &filter);
+    for (int c = 0; c < 3; c++) {
+        positive += filter_sign(filter.w[c], filter.w_err[c]) > 0;
+        negative += filter_sign(filter.w[c], filter.w_err[c]) < 0;
+    }
+    if (positive && negative)
+        tally->missed++;
+    else if (positive == 3 || negative == 3)
+        tally->inside++;
+    else
+        tally->undecided++;
+}
+
+static struct tally filter_scalar(const struct oracle *oracle, const struct ray *ray, size_t count)
+{
+    struct tally tally = {0};
+    for (size_t i = 0; i < count; i++)
+        for (uint32_t prim = 0; prim < oracle->scene->tri_count; prim++)
+            filter_one(oracle->scene, &ray[i], prim, &tally);
+    tally.pairs = (uint64_t)count * oracle->scene->tri_count;
+    return tally;
+}
+
+static double largest_in(const struct box *box, const struct early_ray *ray)
+{
+    double largest = 0;
+    for (int k = 0; k < 3; k++) {
+        double below = ray->o[k] - (double)box->lo[k], above = (double)box->hi[k] - ray->o[k];
+        largest = below > largest ? below : largest;
+        largest = above > largest ? above : largest;
+    }
+    return largest;
+}
+
+static struct tally filter_vector(const struct oracle *oracle, const struct early_kernel *kernel,
+                                  const struct ray *ray, size_t count)
+{
+    struct tally tally = {0};
+    uint32_t tris = oracle->scene->tri_count;
+    for (size_t i = 0; i < count; i++) {
+        struct early_ray early = early_ray_make(&ray[i]);
+        for (uint32_t first = 0; first < tris; first += EARLY_MOST) {
+            uint32_t run = tris - first < EARLY_MOST ? tris - first : EARLY_MOST;
+            uint64_t left = kernel->look(&oracle->soup, &early, first, run,
+                                         largest_in(&oracle->run[first / EARLY_MOST], &early));
+            tally.missed += run - (uint32_t)__builtin_popcountll(left);
+            for (; left; left &= left - 1)
+                filter_one(oracle->scene, &ray[i],
+                           oracle->tree.order[first + (uint32_t)__builtin_ctzll(left)], &tally);
+        }
+    }
+    tally.pairs = (uint64_t)count * tris;
+    return tally;
+}
+
+/* Times of one scene, a value per round. */
+struct times {
+    double scalar[BENCH_ROUNDS], kernel[KERNELS][BENCH_ROUNDS], ratio[BENCH_ROUNDS];
+    double brute[BENCH_ROUNDS], tree[BENCH_ROUNDS];
+};
+
+struct measured {
+    const char *spec;
+    struct oracle *oracle;
+    struct ray *ray;
+    struct oracle_answer *brute, *tree;
+    size_t count, filtered; /* rays: of answers, of the filter */
+    struct tally scalar, vector;
+};
+
+static enum status closest(const struct measured *it, enum oracle_path path, unsigned threads,
+                           struct oracle_answer *out, double *seconds, struct reason *reason)
+{
+    uint64_t start = time_ns();
+    enum status status = oracle_closest(it->oracle, path, ORACLE_CLOSED, it->ray, it->count,
+                                        threads, out, NULL, reason);
+    *seconds = (double)(time_ns() - start) * 1e-9;
+    return status;
+}
+
+/* Time that this thread had a core. */
+static uint64_t core_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+static enum status one_round(struct measured *it, size_t round, struct times *times,
+                             struct reason *reason)
+{
+    const struct oracle *oracle = it->oracle;
+    uint64_t start = core_ns();
+    it->scalar = filter_scalar(oracle, it->ray, it->filtered);
+    double pairs = (double)it->scalar.pairs;
+    times->scalar[round] = (double)(core_ns() - start) / pairs;
+    for (int k = 0; k < KERNELS && early_kernels[k].name; k++) {
+        if (!early_kernels[k].runs())
+            continue;
+        start = core_ns();
+        struct tally tally = filter_vector(oracle, &early_kernels[k], it->ray, it->filtered);
+        times->kernel[k][round] = (double)(core_ns() - start) / pairs;
+        if (&early_kernels[k] == oracle->kernel) {
+            it->vector = tally;
+            times->ratio[round] = times->kernel[k][round] / times->scalar[round];
+        }
+    }
+    enum status status =
+        closest(it, ORACLE_BRUTE, THREADS, it->brute, &times->brute[round], reason);
+    if (status)
+        return status;
+    return closest(it, ORACLE_TREE, 1, it->tree, &times->tree[round], reason);
+}
+
+static size_t disagreements(const struct measured *it)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < it->count; i++) {
+        const struct oracle_answer *a = &it->brute[i], *b = &it->tree[i];
+        count += a->prim != b->prim || a->tie_count != b->tie_count || a->t_lo != b->t_lo ||
+                 a->t_hi != b->t_hi || a->t_next != b->t_next || a->class != b->class ||
+                 a->flags != b->flags;
+    }
+    return count;
+}
+
+static void print_times(struct bench *bench, const struct measured *it, struct times *times)
+{
+    size_t rounds = (size_t)bench->rounds;
+    struct spread scalar = spread_of(times->scalar, rounds), filter = {0};
+    struct spread ratio = spread_of(times->ratio, rounds);
+    struct spread brute = spread_of(times->brute, rounds), tree = spread_of(times->tree, rounds);
+    double each[KERNELS] = {0};
+    uint32_t tris = it->oracle->scene->tri_count;
+    printf("%s: %u triangles, %zu rays; the filter on %zu of them\n", it->spec, tris, it->count,
+           it->filtered);
+    printf("  %-9s %7.3f (%.3f-%.3f) ns per pair\n", "scalar", scalar.median, scalar.least,
+           scalar.most);
+    for (int k = 0; k < KERNELS && early_kernels[k].name; k++) {
+        if (!early_kernels[k].runs())
+            continue;
+        struct spread spread = spread_of(times->kernel[k], rounds);
+        bool chosen = &early_kernels[k] == it->oracle->kernel;
+        each[k] = spread.median;
+        filter = chosen ? spread : filter;
+        printf("  %-9s %7.3f (%.3f-%.3f) ns per pair%s\n", early_kernels[k].name, spread.median,
+               spread.least, spread.most, chosen ? ", chosen" : "");
+    }
+    printf("  chosen / scalar %.3f (%.3f-%.3f); of %llu pairs %llu are left to integers, scalar "
+           "%llu\n",
+           ratio.median, ratio.least, ratio.most, (unsigned long long)it->vector.pairs,
+           (unsigned long long)it->vector.undecided, (unsigned long long)it->scalar.undecided);
+    printf("  exact nearest hits: brute %.3f s (%.3f-%.3f) on %d threads, tree %.3f us per ray\n",
+           brute.median, brute.least, brute.most, THREADS, tree.median * 1e6 / (double)it->count);
+    json_t *row = json_pack("{s:s, s:i, s:I, s:I, s:s}", "scene", it->spec, "tris", (int)tris,
+                            "rays", (json_int_t)it->count, "pairs", (json_int_t)it->vector.pairs,
+                            "kernel", it->oracle->kernel->name);
+    json_object_set_new(row, "filter_ns", bench_number(filter.median));
+    json_object_set_new(row, "scalar_ns", bench_number(scalar.median));
+    json_object_set_new(row, "ratio", bench_number(ratio.median));
+    json_object_set_new(row, "undecided", json_integer((json_int_t)it->vector.undecided));
+    for (int k = 0; k < KERNELS && early_kernels[k].name; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "%s_ns", early_kernels[k].name);
+        json_object_set_new(row, name,
+                            early_kernels[k].runs() ? bench_number(each[k]) : json_null());
+    }
+    json_object_set_new(row, "brute_s", bench_number(brute.median));
+    json_object_set_new(row, "tree_us", bench_number(tree.median * 1e6 / (double)it->count));
+    bench_row(bench, &bench_oracle, row);
+}
+
+static int measure(struct bench *bench, struct measured *it, struct reason *reason)
+{
+    static struct times times;
+    for (size_t round = 0; round < bench->rounds; round++) {
+        progress_step(&bench->progress, "%s, round %zu", it->spec, round);
+        enum status status = one_round(it, round, &times, reason);
+        if (status)
+            return exit_of_status(status);
+    }
+    progress_end(&bench->progress);
+    print_times(bench, it, &times);
+    size_t wrong = disagreements(it);
+    if (wrong == 0 && it->vector.inside == it->scalar.inside)
+        return EXIT_AGREE;
+    printf("  %zu answers differ between brute force and tree; the filters found %llu and %llu "
+           "inside\n",
+           wrong, (unsigned long long)it->vector.inside, (unsigned long long)it->scalar.inside);
+    return EXIT_MISMATCH;
+}
+
+static int bench_scene(struct bench *bench, const char *spec, struct reason *reason)
+{
+    struct scene scene;
+    struct measured it = {.spec = spec, .count = bench_rays_count(bench, RAYS)};
+    enum status status = scene_open(spec, bench->seed, &scene, reason);
+    if (status)
+        return exit_of_status(status);
+    if (scene.tri_count == 0) {
+        scene_free(&scene);
+        return exit_of_status(fail(reason, STATUS_INPUT, "no triangles"));
+    }
+    it.filtered = it.count < FILTER ? it.count : FILTER;
+    it.ray = alloc_zeroed(it.count, sizeof *it.ray);
+    it.brute = alloc_zeroed(it.count, sizeof *it.brute);
+    it.tree = alloc_zeroed(it.count, sizeof *it.tree);
+    int code = EXIT_INTERNAL;
+    if (!it.ray || !it.brute || !it.tree)
+        fail(reason, STATUS_MEMORY, "no memory for %zu rays", it.count);
+    else if ((status =
+                  ray_set_find("random")->make(&scene, bench->seed, it.count, it.ray, reason)) ||
+             (status = oracle_make(&scene, &it.oracle, reason)))
+        code = exit_of_status(status);
+    else
+        code = measure(bench, &it, reason);
+    oracle_free(it.oracle);
+    free(it.ray);
+    free(it.brute);
+    free(it.tree);
+    scene_free(&scene);
+    return code;
+}
+
+static int run(struct bench *bench)
+{
+    static const char *const own[] = {"soup:n=10000", "sphere:n=35", NULL};
+    const char *spec[BENCH_SCENES];
+    size_t count = bench_scenes(bench, own, spec);
+    int code = EXIT_AGREE;
+    puts("\noracle");
+    for (size_t i = 0; i < count; i++) {
+        struct reason reason = {""};
+        int one = bench_scene(bench, spec[i], &reason);
+        if (reason.text[0])
+            bench_complain(spec[i], &reason);
+        code = exit_worse(code, one);
+    }
+    return code;
+}
+
+const struct benchmark bench_oracle = {
+    .name = "oracle",
+    .summary = "the double filter per ray-triangle pair, exact answers per ray",
+    .takes = "scene count rounds csv json seed",
+    .about = about,
+    .run = run,
+};

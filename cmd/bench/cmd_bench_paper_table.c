@@ -1,0 +1,305 @@
+/* The paper's performance table as text, rows, words and plot. */
+#include "cmd/bench/cmd_bench_paper.h"
+
+#include "bench/chart/chart.h"
+#include "bench/chart/plot.h"
+#include "ref/base/command.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const struct benchmark paper_frames = {.name = "paper_frames"};
+
+/* Ratios are near 1 or far below. */
+static void print_ratio(char text[40], struct spread ratio)
+{
+    if (ratio.median < 0.1)
+        snprintf(text, 40, "%.2g (%.2g-%.2g)", ratio.median, ratio.least, ratio.most);
+    else
+        snprintf(text, 40, "%.3f (%.3f-%.3f)", ratio.median, ratio.least, ratio.most);
+}
+
+static bool has(const struct paper_table *table, enum paper_line_id id)
+{
+    return table->session.run.done > 0 && table->line[id].contestant < table->session.run.count;
+}
+
+static struct spread ratio_of(const struct paper_table *table, enum paper_line_id a,
+                              enum paper_line_id b)
+{
+    return frames_ratio(&table->session.run, table->line[a].contestant, table->line[b].contestant);
+}
+
+/* A line's frame is that of engine cpu: paths to the bit, pixels as far as rounding allows. */
+static bool is_right(const struct paper_line *line)
+{
+    return !line->checked || (line->diff.paths_apart == 0 && line->diff.excess == 0);
+}
+
+static json_t *count(bool known, uint64_t value)
+{
+    return known ? json_integer((json_int_t)value) : json_null();
+}
+
+/* A row of what was measured; of a line that was left out the reason. */
+static void add_row(struct paper_table *table, enum paper_line_id id)
+{
+    const struct frames_run *run = &table->session.run;
+    const struct paper_line *line = &table->line[id];
+    const struct painter_plan plan = paper_plan(table, id);
+    bool in = has(table, id), checked = in && line->checked;
+    const struct frames_contestant *c = in ? &run->contestant[line->contestant] : NULL;
+    struct frames_stats stats = {NAN, NAN, NAN, NAN};
+    struct spread ratio = {NAN, NAN, NAN};
+    if (in)
+        stats = frames_stats_of(run, line->contestant);
+    if (in && has(table, paper_line_other(id)))
+        ratio = ratio_of(table, id, paper_line_other(id));
+    json_t *row = json_pack(
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:I}", "scene", table->scene->spec, "line",
+        plan.handler, "look", paper_line_published(id) ? "published" : "repaired", "engine",
+        plan.engine->name, "layout", plan.layout ? plan.layout->name : "", "box", plan.box->name,
+        "tri", plan.tri->name, "plan", plan.plan == FRAME_WHOLE ? "whole" : "steps", "leaf",
+        (json_int_t)plan.build.leaf);
+    json_object_set_new(row, "nodes", count(in, line->tree.node_count));
+    json_object_set_new(row, "bytes", count(in, in ? c->bytes : 0));
+    json_object_set_new(row, "clock", in ? json_string(frames_clock(c)) : json_null());
+    json_object_set_new(row, "frames", count(in, run->done));
+    json_object_set_new(row, "average_ms", bench_number(stats.average));
+    json_object_set_new(row, "min_ms", bench_number(stats.least));
+    json_object_set_new(row, "max_ms", bench_number(stats.most));
+    json_object_set_new(row, "median_ms", bench_number(stats.median));
+    json_object_set_new(row, "ratio_to", json_string(paper_line_name(paper_line_other(id))));
+    json_object_set_new(row, "ratio_median", bench_number(ratio.median));
+    json_object_set_new(row, "ratio_min", bench_number(ratio.least));
+    json_object_set_new(row, "ratio_max", bench_number(ratio.most));
+    json_object_set_new(row, "pixels", count(true, (uint64_t)table->width * table->height));
+    json_object_set_new(row, "pixels_wrong", count(in, line->wrong));
+    json_object_set_new(row, "cpu_paths_apart", count(checked, line->diff.paths_apart));
+    json_object_set_new(row, "cpu_pixels_apart", count(checked, line->diff.colours));
+    json_object_set_new(row, "cpu_pixels_beyond_rounding", count(checked, line->diff.excess));
+    json_object_set_new(row, "left_out", in ? json_null() : json_string(line->why));
+    bench_row(table->bench, &paper_frames, row);
+}
+
+static void print_line(const struct paper_table *table, enum paper_line_id id)
+{
+    const struct paper_line *line = &table->line[id];
+    if (line->contestant == SIZE_MAX) {
+        printf("  %-24s left out: %s\n", paper_line_name(id), line->why);
+        return;
+    }
+    const struct frames_run *run = &table->session.run;
+    const struct frames_contestant *c = &run->contestant[line->contestant];
+    struct frames_stats stats = frames_stats_of(run, line->contestant);
+    char ratio[80] = "", apart[40] = "-";
+    if (paper_line_other(id) != id && has(table, paper_line_other(id))) {
+        char number[40];
+        print_ratio(number, ratio_of(table, id, paper_line_other(id)));
+        snprintf(ratio, sizeof ratio, "%s of %s", number, paper_line_name(paper_line_other(id)));
+    }
+    if (line->checked)
+        snprintf(apart, sizeof apart, "%zu/%zu%s", line->diff.paths_apart, line->diff.colours,
+                 is_right(line) ? "" : " WRONG");
+    printf("  %-24s %8llu %9.3f %9.3f %9.3f %9.3f  %8s %7zu  %-40s %s\n", c->handler,
+           (unsigned long long)c->bytes, stats.average, stats.least, stats.most, stats.median,
+           apart, line->wrong, ratio, frames_clock(c));
+}
+
+static void print_head(const struct paper_table *table)
+{
+    const struct frames_run *run = &table->session.run;
+    const struct paper_figure *figure = table->scene->figure;
+    printf("\n%s, %u x %u pixels, 4 bounces, workgroups of 16 x 16: %u frames over %u turn%s, all "
+           "lines by turns%s\n",
+           table->scene->spec, table->width, table->height, run->done, run->settings.turns,
+           run->settings.turns == 1 ? "" : "s", run->stopped ? "; stopped by a signal" : "");
+    printf(
+        "vulkan: one ray of each path per invocation and dispatch, the arithmetic unchanged, but "
+        "where whole paths are\nnamed; a ray that was cut short would have ended the line. First "
+        "frames (2 to check, %u to warm up) dropped.\n",
+        run->dropped);
+    if (table->scene->furnished)
+        puts(
+            "The mesh has no lights: two, and the default red with a tenth of reflection, were put "
+            "there.");
+    if (!table->scene->same)
+        printf("ANOTHER MESH than the paper's, of as many triangles.");
+    printf("%sThe paper, average ms: direct %.3f, RF %.3f, ratio %.3f\n",
+           table->scene->same ? "" : " ", figure->direct_ms, figure->rf_ms,
+           figure->direct_ms / figure->rf_ms);
+    printf("  %-24s %8s %9s %9s %9s %9s  %8s %7s  %-40s %s\n", "ms per frame", "bytes", "average",
+           "least", "most", "median", "cpu", "wrong", "ratio of times (least-most)", "clock");
+}
+
+int paper_print_table(struct paper_table *table)
+{
+    int code = table->code;
+    if (table->session.run.count == 0)
+        return code;
+    print_head(table);
+    for (enum paper_line_id id = 0; id < LINE_COUNT; id++) {
+        if (id == LINE_DIRECT)
+            puts(" published shader");
+        if (id == LINE_DIRECT_WHOLE)
+            puts(" published shader, whole paths in one dispatch, as it was");
+        if (id == LINE_F32_2_WHOLE)
+            puts(" repaired, whole paths in one dispatch");
+        if (id == LINE_DIRECT_CULLS)
+            puts(" published shader, its box test alone replaced by one that culls: the pictures "
+                 "break (F2, F3)");
+        if (id == LINE_F32_2)
+            puts(" repaired: builder median, box test robust, triangle test mt");
+        print_line(table, id);
+        add_row(table, id);
+        if (!is_right(&table->line[id]))
+            code = exit_worse(code, EXIT_MISMATCH);
+    }
+    printf("  cpu: paths/pixels that differ from engine cpu's with the same members (pixels alone: "
+           "pow, within rounding);\n  wrong: pixels of %u that differ from brute force's, of the "
+           "first frame\n",
+           table->width * table->height);
+    return code;
+}
+
+/* "12.3 % less time (ratio 1.140, 1.120-1.160)" of b against a. */
+static void say_gain(const struct paper_table *table, enum paper_line_id a, enum paper_line_id b)
+{
+    struct spread ratio = ratio_of(table, a, b);
+    double saved = 100.0 * (1.0 - 1.0 / ratio.median);
+    printf("%.1f %% %s time (ratio %.3f, %.3f-%.3f)", fabs(saved), saved >= 0 ? "less" : "more",
+           ratio.median, ratio.least, ratio.most);
+}
+
+/* "  TEXT X % less time (...)", a line, if both were measured. */
+static void say(const struct paper_table *table, const char *text, enum paper_line_id a,
+                enum paper_line_id b)
+{
+    if (!has(table, a) || !has(table, b))
+        return;
+    printf("  %s ", text);
+    say_gain(table, a, b);
+    puts("");
+}
+
+static void say_scene(const struct paper_table *table)
+{
+    printf("%s%s:\n", table->scene->spec, table->scene->same ? "" : " (another mesh)");
+    puts(" as published, where every ray visits every node and no box culls,");
+    say(table, "RF (leaf 4) against direct (leaf 2):        ", LINE_DIRECT, LINE_RF);
+    say(table, "the layout alone, same tree, leaf 4:        ", LINE_DIRECT_4, LINE_RF);
+    say(table, "direct alone, leaf 4 against leaf 2:        ", LINE_DIRECT, LINE_DIRECT_4);
+    say(table, "RF against direct, whole paths:             ", LINE_DIRECT_WHOLE, LINE_RF_WHOLE);
+    say(table, "the naive handler, never timed, against RF: ", LINE_RF, LINE_NAIVE);
+    puts(" once the box test culls, and all that it had hidden is repaired,");
+    say(table, "rf16, leaf 4, against f32, leaf 2:          ", LINE_F32_2, LINE_RF16_4);
+    say(table, "the layout alone, same tree, leaf 4:        ", LINE_F32_4, LINE_RF16_4);
+    say(table, "the layout alone, same tree, leaf 2:        ", LINE_F32_2, LINE_RF16_2);
+    say(table, "whole paths: rf16, leaf 4, to f32, leaf 2:  ", LINE_F32_2_WHOLE, LINE_RF16_4_WHOLE);
+    say(table, "whole paths: the layout alone, leaf 4:      ", LINE_F32_4_WHOLE, LINE_RF16_4_WHOLE);
+    say(table, "whole paths: the layout alone, leaf 2:      ", LINE_F32_2_WHOLE, LINE_RF16_2_WHOLE);
+    puts(" and, the look being another,");
+    say(table, "repaired rf16 against published RF:         ", LINE_RF, LINE_RF16_4);
+    say(table, "the same, whole paths against published RF: ", LINE_RF, LINE_RF16_4_WHOLE);
+}
+
+void paper_print_words(struct paper_table *const *table, size_t count)
+{
+    bool any = false;
+    for (size_t i = 0; i < count; i++)
+        any = any || (table[i] && table[i]->session.run.done > 0);
+    if (!any)
+        return;
+    const struct paper_figure *small = &paper_figures[PAPER_DEFAULT];
+    const struct paper_figure *large = &paper_figures[PAPER_TEAPOT];
+    printf("\nThe paper's 19 %%. It is 2 (a - b) / (a + b) of %.3f and %.3f ms, and of %.3f and "
+           "%.3f; of "
+           "time saved that is %.1f\nand %.1f %%, and the two have other leaf sizes.\n",
+           small->direct_ms, small->rf_ms, large->direct_ms, large->rf_ms,
+           100.0 * (1.0 - small->rf_ms / small->direct_ms),
+           100.0 * (1.0 - large->rf_ms / large->direct_ms));
+    for (size_t i = 0; i < count; i++)
+        if (table[i] && table[i]->session.run.done > 0)
+            say_scene(table[i]);
+}
+
+/* One panel a scene: every line a point, its frames a bar. */
+enum status paper_write_plot(struct paper_table *const *table, size_t count, const char *path,
+                             struct reason *reason)
+{
+    struct plot_series series[LINE_COUNT];
+    struct plot_point point[PAPER_FIGURES][LINE_COUNT];
+    struct plot_figure figure = {.title = "The paper's performance table",
+                                 .subtitle = "median ms per frame, bars from least to most; bytes "
+                                             "of the tree, 1 where there is none",
+                                 .series = series,
+                                 .series_count = LINE_COUNT};
+    struct file_out out;
+    for (enum paper_line_id id = 0; id < LINE_COUNT; id++)
+        series[id] = (struct plot_series){paper_line_name(id), (unsigned)id, (unsigned)id / 4,
+                                          paper_line_published(id)};
+    for (size_t i = 0; i < count && figure.panel_count < PLOT_PANELS; i++) {
+        size_t points = 0;
+        for (enum paper_line_id id = 0; id < LINE_COUNT && table[i]; id++) {
+            if (!has(table[i], id))
+                continue;
+            const struct frames_run *run = &table[i]->session.run;
+            size_t c = table[i]->line[id].contestant;
+            struct frames_stats stats = frames_stats_of(run, c);
+            double bytes = fmax(1.0, (double)run->contestant[c].bytes);
+            point[i][points++] = (struct plot_point){id,           bytes,       bytes,      bytes,
+                                                     stats.median, stats.least, stats.most, false};
+        }
+        if (points > 0)
+            figure.panel[figure.panel_count++] = (struct plot_panel){
+                table[i]->scene->spec, "bytes of the tree", "ms per frame", point[i], points};
+    }
+    if (figure.panel_count == 0)
+        return STATUS_OK;
+    enum status status = file_out_open(path, &out, reason);
+    if (status)
+        return status;
+    plot_write(out.stream, &figure, 1);
+    return file_out_commit(&out, reason);
+}
+
+/* Direct and RF over the frames, as the paper's own charts have them. */
+enum status paper_write_chart(const struct paper_table *table, const char *base,
+                              struct reason *reason)
+{
+    static const enum paper_line_id shown[] = {LINE_DIRECT, LINE_RF};
+    const struct frames_run *run = &table->session.run;
+    struct chart_series series[ARRAY_COUNT(shown)];
+    char svg[4096], png[4096], title[160];
+    size_t count = 0;
+    for (size_t i = 0; i < ARRAY_COUNT(shown); i++) {
+        if (!has(table, shown[i]))
+            continue;
+        const struct frames_contestant *c = &run->contestant[table->line[shown[i]].contestant];
+        struct frames_stats stats = frames_stats_of(run, table->line[shown[i]].contestant);
+        series[count++] = (struct chart_series){.name = c->handler,
+                                                .bytes = c->bytes,
+                                                .average = stats.average,
+                                                .least = stats.least,
+                                                .most = stats.most,
+                                                .value = c->ms,
+                                                .count = run->done};
+    }
+    if (count == 0)
+        return STATUS_OK;
+    snprintf(title, sizeof title, "%.60s, published shader, %u x %u", table->scene->spec,
+             table->width, table->height);
+    if (snprintf(svg, sizeof svg, "%s-%s.svg", base, table->scene->figure->scene) >=
+            (int)sizeof svg ||
+        snprintf(png, sizeof png, "%s-%s.png", base, table->scene->figure->scene) >=
+            (int)sizeof png)
+        return fail(reason, STATUS_INPUT, "--out: too long a name");
+    struct chart chart = {.title = title,
+                          .x_label = "Frame",
+                          .y_label = CHART_DURATION,
+                          .unit = "ms",
+                          .series = series,
+                          .series_count = count,
+                          .x_count = run->settings.frames};
+    return chart_write(&chart, svg, png, reason);
+}

@@ -1,0 +1,233 @@
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/bench/cmd_bench_race.h"
+
+#include "bench/frames/turns.h"
+#include "ref/base/command.h"
+
+#include <string.h>
+#include <time.h>
+
+static struct job job_of(const struct race *race, const struct contestant *c, enum query query)
+{
+    return (struct job){.scene = race->scene,
+                        .packed = c->layout ? &c->packed : NULL,
+                        .box = c->box,
+                        .tri = c->tri,
+                        .query = query};
+}
+
+enum status race_add(struct race *race, const struct contestant *who,
+                     const struct engine_options *options, struct reason *reason)
+{
+    if (race->count == CONTESTANTS)
+        return fail(reason, STATUS_LIMIT, "more than %d contestants", CONTESTANTS);
+    struct contestant *c = &race->contestant[race->count];
+    *c = *who;
+    c->bvh = who->bvh ? who->bvh : race->bvh;
+    enum status status = STATUS_OK;
+    if (c->layout)
+        status = packed_make_stored(c->layout, c->store ? c->store : tri_stores[0], c->bvh,
+                                    race->scene, &c->packed, reason);
+    if (status == STATUS_OK)
+        status = c->engine->open(options, &c->self, reason);
+    if (status == STATUS_OK) {
+        struct job job = job_of(race, c, QUERY_CLOSEST);
+        status = c->engine->prepare(c->self, &job, reason);
+        if (status)
+            c->engine->close(c->self);
+    }
+    if (status)
+        packed_free(&c->packed);
+    else
+        race->count++;
+    return status;
+}
+
+enum status race_prepare(struct race *race, enum query query, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < race->count && !status; i++) {
+        struct contestant *c = &race->contestant[i];
+        struct job job = job_of(race, c, query);
+        status = c->engine->prepare(c->self, &job, reason);
+    }
+    return status;
+}
+
+/* True if `name` stands in "a,b,c". */
+static bool is_in(const char *names, const char *name)
+{
+    size_t length = strlen(name);
+    for (const char *at = names; (at = strstr(at, name)); at++)
+        if ((at == names || at[-1] == ',') && (at[length] == ',' || at[length] == '\0'))
+            return true;
+    return false;
+}
+
+/* True if member i was asked for: named, or (nothing being named) one of `own`; where there is no
+ * `own`, unless it is to be left out. */
+static bool wanted(const struct list *list, size_t i, const char *own, const char *name,
+                   bool left_out)
+{
+    for (size_t k = 0; k < list->count; k++)
+        if (list->index[k] == i)
+            return true;
+    return list->count == 0 && (own ? is_in(own, name) : !left_out);
+}
+
+static int enter_one(struct race *race, const struct engine *engine, const struct layout *layout,
+                     const struct box_test *box, const struct tri_test *tri)
+{
+    const struct bench *bench = race->bench;
+    struct reason reason = {""};
+    const struct contestant who = {.engine = engine, .layout = layout, .box = box, .tri = tri};
+    enum status status = race_add(race, &who, &bench->engines, &reason);
+    if (status == STATUS_OK)
+        return EXIT_AGREE;
+    progress_end(&race->bench->progress);
+    printf("%-14s %-12s left out: %s\n", engine->name, layout ? layout->name : "-", reason.text);
+    if (status == STATUS_LIMIT)
+        return layout && bench->layout.count ? EXIT_USAGE : EXIT_AGREE;
+    if (status == STATUS_UNSUPPORTED)
+        return bench->engine.count ? EXIT_SKIPPED : EXIT_AGREE;
+    return exit_of_status(status);
+}
+
+/* The first box test that keeps the triangle test's promise. */
+static const struct box_test *box_for(const struct tri_test *tri)
+{
+    for (size_t b = 0; box_tests[b] && tri->watertight; b++)
+        if (box_tests[b]->watertight)
+            return box_tests[b];
+    return box_tests[0];
+}
+
+static int enter_layouts(struct race *race, const struct engine *engine, const struct tri_test *tri)
+{
+    const struct list *boxes = &race->bench->box;
+    int code = EXIT_AGREE;
+    bool core = true; /* layouts_all begins with layouts */
+    for (size_t l = 0; layouts_all[l]; l++) {
+        core = core && layouts[l];
+        for (size_t b = 0; b < (boxes->count ? boxes->count : 1); b++) {
+            const struct box_test *box = boxes->count ? box_tests[boxes->index[b]] : box_for(tri);
+            if (wanted(&race->bench->layout, l, race->own_layouts, layouts_all[l]->name,
+                       !core || layouts_all[l]->faithful))
+                code = exit_worse(code, enter_one(race, engine, layouts_all[l], box, tri));
+        }
+    }
+    return code;
+}
+
+/* True if the engine computes our triangle tests, and so takes part once for each. */
+static bool has_our_test(const struct engine *engine)
+{
+    return !engine->own_tri;
+}
+
+int race_enter(struct race *race, const struct tri_test *tri)
+{
+    int code = EXIT_AGREE;
+    for (size_t e = 0; engines[e]; e++) {
+        bool entered = false;
+        if (!wanted(&race->bench->engine, e, race->own_engines, engines[e]->name,
+                    strstr(engines[e]->name, "brute") != NULL))
+            continue;
+        for (size_t t = 0; tri_tests[t]; t++) {
+            bool take = tri ? tri_tests[t] == tri
+                            : wanted(&race->bench->tri, t, NULL, tri_tests[t]->name,
+                                     tri_tests[t]->faithful || !tri_tests[t]->core);
+            if (!take || (entered && !has_our_test(engines[e])))
+                continue;
+            entered = true;
+            int one = engines[e]->needs_packed
+                          ? enter_layouts(race, engines[e], tri_tests[t])
+                          : enter_one(race, engines[e], NULL, box_tests[0], tri_tests[t]);
+            code = exit_worse(code, one);
+        }
+    }
+    return code;
+}
+
+void race_leave(struct race *race)
+{
+    for (size_t i = 0; i < race->count; i++) {
+        race->contestant[i].engine->close(race->contestant[i].self);
+        packed_free(&race->contestant[i].packed);
+    }
+    race->count = 0;
+}
+
+static bool is_named(const struct contestant *c, const char *engine)
+{
+    return strcmp(c->engine->name, engine) == 0;
+}
+
+static size_t base_of(const struct race *race, size_t i)
+{
+    const struct contestant *c = &race->contestant[i];
+    bool vulkan = is_named(c, "vulkan");
+    for (size_t k = 0; k < race->count; k++) {
+        const struct contestant *b = &race->contestant[k];
+        if (vulkan && b->engine == c->engine && b->tri == c->tri && b->box == c->box &&
+            strcmp(b->layout->name, "f32") == 0)
+            return k;
+        if (!vulkan && is_named(b, "embree"))
+            return k;
+    }
+    return i;
+}
+
+const char *race_base_name(const struct race *race, const struct contestant *contestant)
+{
+    const struct contestant *base = &race->contestant[contestant->base];
+    return base->engine == contestant->engine && base->layout ? base->layout->name
+                                                              : base->engine->name;
+}
+
+/* Of the calling thread. */
+static uint64_t core_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1000000000u * (uint64_t)now.tv_sec + (uint64_t)now.tv_nsec;
+}
+
+enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
+                     struct reason *reason)
+{
+    struct bench *bench = race->bench;
+    struct rng rng = rng_make(bench->seed, count);
+    size_t order[CONTESTANTS];
+    turns_start(order, race->count);
+    /* Round 0 warms up: pipelines, caches, page faults. */
+    for (size_t round = 0; round <= bench->rounds; round++) {
+        turns_next(&rng, order, race->count);
+        for (size_t i = 0; i < race->count; i++) {
+            struct contestant *c = &race->contestant[order[i]];
+            struct trace_report report = {0};
+            progress_step(&bench->progress, "%s, round %zu of %llu", race->label, round,
+                          (unsigned long long)bench->rounds);
+            size_t rays = c->few ? race->few_count : count;
+            uint64_t start = core_ns();
+            enum status status =
+                c->engine->trace(c->self, c->few ? race->few : ray, rays, hit, &report, reason);
+            uint64_t ns = race->core_time ? core_ns() - start : report.ns;
+            if (status)
+                return status;
+            c->boxes = report.boxes;
+            c->tris = report.tris;
+            if (report.memory_bytes > c->memory_bytes)
+                c->memory_bytes = report.memory_bytes;
+            if (round > 0)
+                c->mrays[round - 1] = 1e3 * (double)rays / (double)(ns ? ns : 1);
+        }
+    }
+    for (size_t i = 0; i < race->count; i++) {
+        struct contestant *c = &race->contestant[i];
+        c->base = base_of(race, i);
+        for (size_t round = 0; round < bench->rounds; round++)
+            c->ratio[round] = c->mrays[round] / race->contestant[c->base].mrays[round];
+    }
+    return STATUS_OK;
+}

@@ -1,0 +1,384 @@
+/* Rays that start on a surface: how far an origin must be moved, and what moving it costs. */
+#include "cmd/bench/cmd_bench_spawn.h"
+
+#include "ref/base/command.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define OWN_RAYS 50000
+/* Pairs that brute force may decide per row; above, the oracle's own tree is faster. */
+#define BRUTE_PAIRS 200000000u
+
+static const struct place {
+    double scale, far;
+} places[] = {{1e-3, 0}, {1, 0}, {1e3, 0}, {1e6, 0}, {1, 1e3}, {1, 1e6}};
+
+/* One block being measured. */
+struct field {
+    struct bench *bench;
+    const struct scene *scene;
+    struct oracle *oracle;
+    struct topology topology;
+    struct bvh bvh;
+    struct race race;
+    struct spawn_hit *hit;
+    struct spawn_near *near;
+    float (*origin)[3]; /* one array per row, each of hit_count */
+    double *steps[SPAWN_POINTS];
+    struct ray *ray;
+    struct oracle_answer *truth; /* of the row being played, as ray and answer */
+    struct hit *answer;
+    size_t hit_count;
+};
+
+static float (*origins_of(const struct field *field, size_t row))[3]
+{
+    return field->origin + row * field->hit_count;
+}
+
+static const double constants[SPAWN_RULES] = {
+    [RULE_NONE] = 0, [RULE_CONST_5] = 1e-5, [RULE_CONST_4] = 1e-4, [RULE_CONST_3] = 1e-3};
+
+/* All origins of one hit, and how far the farthest is. */
+static double move_origins(const struct field *field, size_t i)
+{
+    const struct spawn_hit *hit = &field->hit[i];
+    double reach = 0;
+    for (int point = 0; point < SPAWN_POINTS; point++) {
+        float p[3], error[3];
+        spawn_point_make(hit, field->scene, (enum spawn_point)point, p, error);
+        for (int rule = 0; rule < SPAWN_RULES; rule++) {
+            float *out = origins_of(field, (size_t)(point * SPAWN_RULES + rule))[i];
+            if (rule == RULE_BOUND) {
+                spawn_bound(p, error, hit->normal, out);
+            } else if (rule == RULE_INTEGER) {
+                spawn_integer(p, hit->normal, out);
+            } else if (rule == RULE_LEAST) {
+                uint32_t steps = spawn_least(field->oracle, field->scene, hit, p, out);
+                field->steps[point][i] = steps == SPAWN_NEVER ? NAN : (double)steps;
+            } else {
+                spawn_constant(p, hit->normal, (float)constants[rule], out);
+            }
+            reach = fmax(reach, spawn_offset(hit, out));
+        }
+    }
+    return reach;
+}
+
+static void add_fate(struct spawn_count *count, const struct spawn_fate *fate)
+{
+    count->self += fate->self;
+    count->beside += fate->beside;
+    count->skipped += fate->skipped;
+}
+
+/* What the rays of one row exactly do; the rays are made on the way. */
+static enum status exact_row(const struct field *field, size_t index, struct spawn_row *row,
+                             struct reason *reason)
+{
+    float(*origin)[3] = origins_of(field, index);
+    bool few = (uint64_t)field->hit_count * field->scene->tri_count < BRUTE_PAIRS;
+    for (size_t i = 0; i < field->hit_count; i++)
+        field->ray[i] = spawn_ray(&field->hit[i], origin[i]);
+    enum status status =
+        oracle_closest(field->oracle, few ? ORACLE_BRUTE : ORACLE_TREE, ORACLE_CLOSED, field->ray,
+                       field->hit_count, field->bench->engines.threads, field->truth, NULL, reason);
+    for (size_t i = 0; i < field->hit_count && status == STATUS_OK; i++) {
+        struct spawn_fate fate =
+            spawn_fate_exact(field->oracle, field->scene, &field->topology, &field->hit[i],
+                             &field->near[i], origin[i], &field->truth[i]);
+        add_fate(&row->exact, &fate);
+        row->near += fate.near;
+    }
+    return status;
+}
+
+static enum status engine_row(const struct field *field, size_t index, size_t judge,
+                              struct spawn_row *row, struct reason *reason)
+{
+    const struct contestant *c = &field->race.contestant[judge];
+    float(*origin)[3] = origins_of(field, index);
+    struct trace_report report = {0};
+    enum status status =
+        c->engine->trace(c->self, field->ray, field->hit_count, field->answer, &report, reason);
+    for (size_t i = 0; i < field->hit_count && status == STATUS_OK; i++) {
+        struct spawn_fate fate =
+            spawn_fate_answer(field->scene, &field->topology, &field->hit[i], &field->near[i],
+                              origin[i], field->answer[i].prim);
+        add_fate(&row->engine[judge], &fate);
+    }
+    return status;
+}
+
+/* Quantiles of one row's offsets and steps. Errors: STATUS_MEMORY. */
+static enum status take_sizes(const struct field *field, size_t index, struct spawn_row *row,
+                              struct reason *reason)
+{
+    float(*origin)[3] = origins_of(field, index);
+    double *value = alloc_zeroed(field->hit_count, sizeof *value);
+    if (!value)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu offsets", field->hit_count);
+    for (size_t i = 0; i < field->hit_count; i++)
+        value[i] = spawn_offset(&field->hit[i], origin[i]);
+    row->offset = quantiles_of(value, field->hit_count);
+    row->steps = (struct quantiles){0, NAN, NAN, NAN};
+    if (row->rule == RULE_LEAST) {
+        for (size_t i = 0; i < field->hit_count; i++)
+            value[i] = field->steps[row->point][i];
+        row->steps = quantiles_of(value, field->hit_count);
+        row->never = field->hit_count - row->steps.count;
+    }
+    free(value);
+    return STATUS_OK;
+}
+
+/* Hits of `count` rays of a set; fewer than rays. */
+static enum status make_hits(struct field *field, const struct ray_set *set, size_t count,
+                             struct reason *reason)
+{
+    const struct tri_test *tri = tri_tests[0];
+    struct ray *ray = alloc_zeroed(count, sizeof *ray);
+    struct oracle_answer *truth = alloc_zeroed(count, sizeof *truth);
+    enum status status = STATUS_OK;
+    field->hit = alloc_zeroed(count, sizeof *field->hit);
+    if (!ray || !truth || !field->hit)
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
+    if (status == STATUS_OK)
+        status = set->make(field->scene, field->bench->seed, count, ray, reason);
+    if (status == STATUS_OK)
+        status = oracle_closest(field->oracle, ORACLE_AUTO, ORACLE_CLOSED, ray, count,
+                                field->bench->engines.threads, truth, NULL, reason);
+    for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+        struct rng rng = rng_make(field->bench->seed, 1000 + i);
+        if (spawn_hit_make(field->oracle, field->scene, tri, &ray[i], &truth[i], &rng,
+                           &field->hit[field->hit_count]))
+            field->hit_count++;
+    }
+    free(ray);
+    free(truth);
+    return status;
+}
+
+/* Origins of all rules, and what is near. */
+static enum status make_origins(struct field *field, size_t *undecided, struct reason *reason)
+{
+    size_t count = field->hit_count, open = 0;
+    field->near = alloc_zeroed(count, sizeof *field->near);
+    field->origin = alloc_zeroed(count * SPAWN_POINTS * SPAWN_RULES, sizeof *field->origin);
+    field->ray = alloc_zeroed(count, sizeof *field->ray);
+    field->answer = alloc_zeroed(count, sizeof *field->answer);
+    field->truth = alloc_zeroed(count, sizeof *field->truth);
+    bool all = field->near && field->origin && field->ray && field->answer && field->truth;
+    for (int point = 0; point < SPAWN_POINTS; point++) {
+        field->steps[point] = alloc_zeroed(count, sizeof *field->steps[point]);
+        all = all && field->steps[point];
+    }
+    if (!all)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu origins", count);
+#pragma omp parallel for schedule(dynamic, 64) reduction(+ : open)
+    for (long long i = 0; i < (long long)count; i++) {
+        double reach = move_origins(field, (size_t)i);
+        field->near[i] = spawn_near_find(field->scene, &field->hit[i], reach);
+        open += field->near[i].undecided;
+    }
+    *undecided = open;
+    return STATUS_OK;
+}
+
+static enum status play_rows(struct field *field, struct spawn_block *block, struct reason *reason)
+{
+    for (size_t i = 0; i < (size_t)SPAWN_POINTS * SPAWN_RULES; i++) {
+        struct spawn_row *row = &block->row[i];
+        row->point = (enum spawn_point)(i / SPAWN_RULES);
+        row->rule = (enum spawn_rule)(i % SPAWN_RULES);
+        progress_step(&field->bench->progress, "%s, scale %g, offset %g: %s", block->scene,
+                      block->scale, block->far, spawn_rule_name(row->rule));
+        enum status status = exact_row(field, i, row, reason);
+        if (status == STATUS_OK)
+            status = take_sizes(field, i, row, reason);
+        for (size_t judge = 0; judge < block->judge_count && status == STATUS_OK; judge++)
+            status = engine_row(field, i, judge, row, reason);
+        if (status)
+            return status;
+    }
+    return STATUS_OK;
+}
+
+static void field_free(struct field *field)
+{
+    race_leave(&field->race);
+    for (int point = 0; point < SPAWN_POINTS; point++)
+        free(field->steps[point]);
+    free(field->hit);
+    free(field->near);
+    free(field->origin);
+    free(field->ray);
+    free(field->answer);
+    free(field->truth);
+    topology_free(&field->topology);
+    bvh_free(&field->bvh);
+    oracle_free(field->oracle);
+    free(field);
+}
+
+/* "embree_robust", "cpu mt", "cpu rf16 mt". */
+static void name_judge(const struct contestant *c, char *text, size_t text_bytes)
+{
+    bool own = c->layout || strstr(c->engine->name, "brute");
+    bool base = !c->layout || strcmp(c->layout->name, "f32") == 0;
+    snprintf(text, text_bytes, "%s%s%s%s%s", c->engine->name, base ? "" : " ",
+             base ? "" : c->layout->name, own ? " " : "", own ? c->tri->name : "");
+}
+
+static int play_block(struct bench *bench, const struct scene *scene, const struct ray_set *set,
+                      struct spawn_block *block)
+{
+    const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
+    struct reason reason = {""};
+    int code = EXIT_AGREE;
+    struct field *field = alloc_zeroed(1, sizeof *field);
+    if (!field)
+        return EXIT_INTERNAL;
+    field->bench = bench;
+    field->scene = scene;
+    field->race = (struct race){.bench = bench,
+                                .label = block->scene,
+                                .scene = scene,
+                                .bvh = &field->bvh,
+                                .own_engines = "cpu,embree_robust",
+                                .own_layouts = "f32"};
+    enum status status = oracle_make(scene, &field->oracle, &reason);
+    if (status == STATUS_OK)
+        status = topology_make(scene, &field->topology, &reason);
+    if (status == STATUS_OK)
+        status = builders[0]->build(scene, &build, &field->bvh, &reason);
+    if (status == STATUS_OK) {
+        code = race_enter(&field->race, NULL);
+        block->judge_count =
+            field->race.count < SPAWN_JUDGES ? field->race.count : (size_t)SPAWN_JUDGES;
+        for (size_t i = 0; i < block->judge_count; i++)
+            name_judge(&field->race.contestant[i], block->judge[i], sizeof block->judge[i]);
+        status = make_hits(field, set, block->ray_count, &reason);
+    }
+    if (status == STATUS_OK)
+        status = make_origins(field, &block->undecided, &reason);
+    block->hit_count = field->hit_count;
+    if (status == STATUS_OK)
+        status = play_rows(field, block, &reason);
+    progress_end(&bench->progress);
+    if (status == STATUS_OK)
+        spawn_print(bench, block);
+    else
+        fprintf(stderr, "raydiff bench: %s: %s\n", block->scene,
+                reason.text[0] ? reason.text : status_text(status));
+    if (status == STATUS_OK && block->hit_count == 0) {
+        printf("vacuous: no ray hits anything\n");
+        code = exit_worse(code, EXIT_MISMATCH);
+    }
+    field_free(field);
+    return exit_worse(code, exit_of_status(status));
+}
+
+/* The scene `from`, scaled, then moved by `far` times its new size along all axes, as a user's file
+ * at that place would hold it: rounded to float32. */
+static enum status place_scene(const struct scene *from, const struct place *place,
+                               struct scene *out, struct reason *reason)
+{
+    struct box box = scene_bounds(from);
+    double size = 0;
+    for (int k = 0; k < 3; k++)
+        size = fmax(size, (double)box.hi[k] - (double)box.lo[k]);
+    if (scene_make(from->vertex_count, from->tri_count, out))
+        return fail(reason, STATUS_MEMORY, "no memory for a moved scene");
+    for (size_t i = 0; i < 3 * (size_t)from->vertex_count; i++)
+        out->vertex[i] = (float)(place->scale * ((double)from->vertex[i] + place->far * size));
+    memcpy(out->index, from->index, 3 * (size_t)from->tri_count * sizeof *out->index);
+    enum status status = scene_check(out, reason);
+    if (status)
+        scene_free(out);
+    return status;
+}
+
+static int play_scene(struct bench *bench, const char *spec, struct reason *reason)
+{
+    struct scene scene;
+    int code = EXIT_AGREE;
+    enum status status = scene_open(spec, bench->seed, &scene, reason);
+    for (size_t p = 0; p < ARRAY_COUNT(places) && status == STATUS_OK; p++) {
+        struct scene placed;
+        status = place_scene(&scene, &places[p], &placed, reason);
+        for (size_t s = 0; s < (bench->rays.count ? bench->rays.count : 1) && !status; s++) {
+            const struct ray_set *set =
+                bench->rays.count ? ray_sets[bench->rays.index[s]] : ray_set_find("random");
+            struct spawn_block *block = alloc_zeroed(1, sizeof *block);
+            if (!block) {
+                status = fail(reason, STATUS_MEMORY, "no memory");
+                continue;
+            }
+            *block = (struct spawn_block){.scene = spec,
+                                          .rays = set->name,
+                                          .scale = places[p].scale,
+                                          .far = places[p].far,
+                                          .tri_count = scene.tri_count,
+                                          .ray_count = bench_rays_count(bench, OWN_RAYS)};
+            code = exit_worse(code, play_block(bench, &placed, set, block));
+            fflush(stdout);
+            free(block);
+        }
+        scene_free(&placed);
+    }
+    scene_free(&scene);
+    return exit_worse(code, exit_of_status(status));
+}
+
+static int run(struct bench *bench)
+{
+    static const char *const own[] = {"soup:n=400,size=0.7", "cornell", NULL};
+    const char *spec[BENCH_SCENES];
+    size_t count = bench_scenes(bench, own, spec);
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < count; i++) {
+        struct reason reason = {""};
+        code = exit_worse(code, play_scene(bench, spec[i], &reason));
+        progress_end(&bench->progress);
+        if (reason.text[0])
+            bench_complain(spec[i], &reason);
+    }
+    return code;
+}
+
+static const char about[] =
+    "rays leave the points that other rays hit. Points are computed in float32, as o+td\n"
+    "(o + t d) and bary ((1 - u - v) v0 + u v1 + v v2), with t, u, v of the triangle test mt;\n"
+    "then moved along the face's normal n, by one of these rules:\n"
+    "  none      not at all\n"
+    "  1e-5 ..   a constant distance, whatever the scale\n"
+    "  bound     |n| . e with e the proven error of the point, then one float further: pbrt's\n"
+    "            OffsetRayOrigin (Pharr, Jakob, Humphreys: Physically Based Rendering,\n"
+    "            \"Managing Rounding Error\")\n"
+    "  integer   256 n floats per coordinate, n / 65536 below 1/32 (Waechter, Binder: A Fast and\n"
+    "            Robust Method for Avoiding Self-Intersection, Ray Tracing Gems, chapter 6)\n"
+    "  least     the fewest steps along n, each one float of the largest coordinate, that free\n"
+    "            the exact ray from its own triangle; an engine's rounding may need more\n"
+    "Counted per million hits, exactly (ref/oracle) and as engines answer (tmin is 0), by the\n"
+    "first triangle that the moved ray hits:\n"
+    "  self      it is the one that the ray left\n"
+    "  beside    it touches that one, and the exact ray from the exact point misses it\n"
+    "  skip      that exact ray meets a surface nearer than the origin was moved, and the moved\n"
+    "            ray first hits neither it nor a triangle that touches it: light leaks in\n"
+    "<x: none of N, at most 3/N with 95 % confidence. The scene is scaled (scale), then moved "
+    "away\n"
+    "from the origin by so many of its sizes (far), and its vertices rounded to float32.\n";
+
+const struct benchmark bench_spawn = {
+    .name = "spawn",
+    .summary = "rays that start on a surface: self-hits and skipped surfaces of offset rules",
+    .takes =
+        "scene count rounds csv json seed engine layout tri box rays" BENCH_MACHINE BENCH_OUTSIDE,
+    .about = about,
+    .run = run,
+};

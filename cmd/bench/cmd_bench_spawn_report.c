@@ -1,0 +1,104 @@
+/* What raydiff bench spawn shows: tables, and rows for machines. */
+#include "cmd/bench/cmd_bench_spawn.h"
+
+#include <math.h>
+#include <string.h>
+
+const char *spawn_rule_name(enum spawn_rule rule)
+{
+    static const char *const names[SPAWN_RULES] = {"none",  "1e-5",    "1e-4", "1e-3",
+                                                   "bound", "integer", "least"};
+    return names[rule];
+}
+
+static void print_rate(size_t events, size_t count)
+{
+    char text[32];
+    error_rate_text(events, count, text, sizeof text);
+    printf(" %7s", text);
+}
+
+static void print_count(const struct spawn_count *count, size_t hits)
+{
+    printf("  ");
+    print_rate(count->self, hits);
+    print_rate(count->beside, hits);
+    print_rate(count->skipped, hits);
+}
+
+static void print_head(const struct spawn_block *block)
+{
+    printf("%-5s %-8s %9s %9s   %-24s", "", "", "moved", "", "exact");
+    for (size_t i = 0; i < block->judge_count; i++)
+        printf("  %-24s", block->judge[i]);
+    printf("\n%-5s %-8s %9s %9s  ", "point", "rule", "p50", "max");
+    for (size_t i = 0; i <= block->judge_count; i++)
+        printf(" %7s %7s %7s  ", "self", "beside", "skip");
+    putchar('\n');
+}
+
+static void print_row(const struct spawn_block *block, const struct spawn_row *row)
+{
+    printf("%-5s %-8s %9.2g %9.2g", spawn_point_name(row->point), spawn_rule_name(row->rule),
+           row->offset.p50, row->offset.most);
+    print_count(&row->exact, block->hit_count);
+    for (size_t i = 0; i < block->judge_count; i++)
+        print_count(&row->engine[i], block->hit_count);
+    putchar('\n');
+}
+
+static void print_least(const struct spawn_row *row)
+{
+    if (row->rule == RULE_LEAST)
+        printf("%s: %.0f steps suffice for 50 %% of the rays, %.0f for 99 %%, %.0f for all%s",
+               spawn_point_name(row->point), row->steps.p50, row->steps.p99, row->steps.most,
+               row->never ? "" : "\n");
+    if (row->never)
+        printf(" but %zu, which no step frees\n", row->never);
+}
+
+static json_t *row_json(const struct bench *bench, const struct spawn_block *block,
+                        const struct spawn_row *row, const char *judge,
+                        const struct spawn_count *count)
+{
+    json_t *out = json_pack(
+        "{s:s, s:s, s:f, s:f, s:I, s:I, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "scene",
+        block->scene, "rays", block->rays, "scale", block->scale, "far", block->far, "triangles",
+        (json_int_t)block->tri_count, "seed", (json_int_t)bench->seed, "point",
+        spawn_point_name(row->point), "rule", spawn_rule_name(row->rule), "engine", judge, "hits",
+        (json_int_t)block->hit_count, "undecided", (json_int_t)block->undecided, "near",
+        (json_int_t)row->near, "self", (json_int_t)count->self, "beside", (json_int_t)count->beside,
+        "skipped", (json_int_t)count->skipped);
+    if (!out)
+        return NULL;
+    json_object_set_new(out, "moved_p50", bench_number(row->offset.p50));
+    json_object_set_new(out, "moved_p99", bench_number(row->offset.p99));
+    json_object_set_new(out, "moved_max", bench_number(row->offset.most));
+    json_object_set_new(out, "steps_p50", bench_number(row->steps.p50));
+    json_object_set_new(out, "steps_p99", bench_number(row->steps.p99));
+    json_object_set_new(out, "steps_max", bench_number(row->steps.most));
+    json_object_set_new(out, "never", json_integer((json_int_t)row->never));
+    return out;
+}
+
+void spawn_print(struct bench *bench, const struct spawn_block *block)
+{
+    size_t near = 0;
+    for (size_t i = 0; i < ARRAY_COUNT(block->row); i++)
+        near = block->row[i].near > near ? block->row[i].near : near;
+    printf("\n%s, scale %g, far %g: %u triangles; %zu %s rays, seed %llu, %zu hits; up to %zu have "
+           "a surface nearer than they are moved (%zu undecided)\n",
+           block->scene, block->scale, block->far, block->tri_count, block->ray_count, block->rays,
+           (unsigned long long)bench->seed, block->hit_count, near, block->undecided);
+    print_head(block);
+    for (size_t i = 0; i < ARRAY_COUNT(block->row); i++)
+        print_row(block, &block->row[i]);
+    for (size_t i = 0; i < ARRAY_COUNT(block->row); i++) {
+        const struct spawn_row *row = &block->row[i];
+        print_least(row);
+        bench_row(bench, &bench_spawn, row_json(bench, block, row, "exact", &row->exact));
+        for (size_t k = 0; k < block->judge_count; k++)
+            bench_row(bench, &bench_spawn,
+                      row_json(bench, block, row, block->judge[k], &row->engine[k]));
+    }
+}

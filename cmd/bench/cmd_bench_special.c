@@ -1,0 +1,247 @@
+/* Only what the scene needs: the pipeline that a scene gets against the one that takes any. */
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/bench/cmd_bench.h"
+#include "cmd/bench/cmd_bench_frames.h"
+#include "cmd/bench/cmd_bench_paper.h"
+
+#include "ref/base/command.h"
+#include "scenes/scenes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char about[] =
+    "each scene drawn by the pipeline made for it (stack, lights and bounces as its constants, no\n"
+    "more than it needs) and by the general one: the same shader with the same early exits, its\n"
+    "counts read at run time, its constants at their most. Both must draw the same bits (exit code "
+    "1\n"
+    "if not), frame by frame in one run. The ratio is general to special; exit code 1 if its "
+    "median\n"
+    "is below 1 with 95 % confidence. Whether a scene without lights and reflections pays for the\n"
+    "bounces that were asked for is shown by a third contestant, which asks for one.\n";
+
+#define CHECKED_ANGLES 5
+#define BOUNCES        4u
+
+extern const struct benchmark bench_special;
+
+enum { SPECIAL, GENERAL, ONE_BOUNCE, CONTESTANTS };
+
+/* A scene, and what of its furniture is used. */
+struct special_scene {
+    const char *name, *spec;
+    uint32_t lights; /* at most so many of its own */
+    bool dull;       /* nothing reflects */
+};
+
+static const struct special_scene scenes[] = {
+    {"no lights, no reflection", "sphere:n=20", 0, true},
+    {"one light", "cornell:n=8", 1, true},
+    {"3 lights, reflection", "rtrs", 3, false},
+    {"teapot, 2 lights, reflection", "teapot", 2, false},
+};
+
+/* What is told of a scene. */
+struct special_result {
+    struct spread ratio, paid; /* general to special; four bounces asked to one */
+    double ratio_most;         /* upper end of its median's interval */
+    bool equal;                /* bits of the frames that were checked */
+    bool slower;               /* special than general, beyond noise */
+};
+
+static void strip(const struct special_scene *what, struct scene *scene)
+{
+    scene->light_count = scene->light_count < what->lights ? scene->light_count : what->lights;
+    for (uint32_t i = 0; what->dull && i < scene->material_count; i++)
+        scene->material[i].albedo[2] = 0;
+}
+
+static enum status open_scene(const struct special_scene *what, struct scene *out,
+                              struct reason *reason)
+{
+    struct paper_scene paper = {.spec = NULL};
+    enum status status = strcmp(what->spec, "teapot") == 0
+                             ? paper_scene_open(PAPER_TEAPOT, &paper, reason)
+                             : scene_open(what->spec, 1, &paper.scene, reason);
+    *out = paper.scene;
+    if (!status)
+        strip(what, out);
+    return status;
+}
+
+static enum status enter(struct bench *bench, const struct scene *scene, bool dull,
+                         struct frames_session *session, struct reason *reason)
+{
+    static const char *const names[CONTESTANTS] = {"special", "general", "special, 1 bounce"};
+    struct painter_plan plan = {
+        .engine = engine_find("vulkan"),
+        .layout = bench->layout.count ? layouts_all[bench->layout.index[0]] : layout_find("f32"),
+        .builder = builders[0],
+        .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+        .box = box_tests[0],
+        .tri = tri_tests[0],
+        .look = {.profile = PROFILE_REPAIRED, .bounces = BOUNCES, .ambience = 0.1f},
+        .width = bench->picture.width ? (uint32_t)bench->picture.width
+                 : bench->quick       ? 96
+                                      : 384,
+        .height = bench->picture.height ? (uint32_t)bench->picture.height
+                  : bench->quick        ? 72
+                                        : 288,
+        .tile = 16,
+    };
+    enum status status = STATUS_OK;
+    for (int i = 0; i < (dull ? CONTESTANTS : ONE_BOUNCE) && !status; i++) {
+        plan.handler = names[i];
+        plan.general = i == GENERAL;
+        plan.look.bounces = i == ONE_BOUNCE ? 1 : BOUNCES;
+        status = frames_session_enter(session, &plan, scene, &bench->engines, reason);
+    }
+    return status;
+}
+
+/* Whether the two pipelines draw the same bits, at some angles of the run. */
+static enum status check(struct frames_session *session, bool *equal, struct reason *reason)
+{
+    struct sheet sheet[2] = {{.width = 0}};
+    enum status status = STATUS_OK;
+    *equal = true;
+    for (int i = 0; i < 2 && !status; i++)
+        status = sheet_make(&session->painter[i].plan, &sheet[i], reason);
+    for (int k = 0; k < CHECKED_ANGLES && !status && *equal; k++) {
+        for (int i = 0; i < 2 && !status; i++) {
+            struct frames_sample sample;
+            progress_step(session->progress, "%s: comparing", session->label);
+            status = painter_sheet(&session->painter[i], 1.25 * k, &sheet[i], &sample, reason);
+        }
+        *equal = !status && sheet_equal(&sheet[0], &sheet[1]);
+    }
+    sheet_free(&sheet[0]);
+    sheet_free(&sheet[1]);
+    return status;
+}
+
+static void take_result(const struct frames_session *session, struct special_result *out)
+{
+    const struct frames_run *run = &session->run;
+    if (run->done == 0)
+        return;
+    out->ratio = frames_ratio(run, GENERAL, SPECIAL);
+    for (uint32_t i = 0; i < run->done; i++)
+        run->scratch[i] = run->contestant[GENERAL].ms[i] / run->contestant[SPECIAL].ms[i];
+    out->ratio_most = spread_median_most(run->scratch, run->done);
+    out->slower = out->ratio_most < 1;
+    if (run->count > ONE_BOUNCE)
+        out->paid = frames_ratio(run, SPECIAL, ONE_BOUNCE);
+}
+
+static void add_row(struct bench *bench, const struct special_scene *what,
+                    const struct frames_session *session, const struct special_result *result)
+{
+    const struct frames_run *run = &session->run;
+    struct frames_stats special = frames_stats_of(run, SPECIAL);
+    struct frames_stats general = frames_stats_of(run, GENERAL);
+    bool paid = run->count > ONE_BOUNCE;
+    json_t *row =
+        json_pack("{s:s, s:s, s:s, s:I, s:b, s:s}", "scene", what->spec, "what", what->name,
+                  "layout", session->painter[0].plan.layout->name, "frames", (json_int_t)run->done,
+                  "bits_equal", result->equal, "clock", frames_clock(&run->contestant[SPECIAL]));
+    json_object_set_new(row, "special_ms", bench_number(special.median));
+    json_object_set_new(row, "general_ms", bench_number(general.median));
+    json_object_set_new(row, "ratio_median", bench_number(result->ratio.median));
+    json_object_set_new(row, "ratio_min", bench_number(result->ratio.least));
+    json_object_set_new(row, "ratio_max", bench_number(result->ratio.most));
+    json_object_set_new(row, "ratio_median_95_most", bench_number(result->ratio_most));
+    json_object_set_new(row, "four_to_one_bounce", bench_number(paid ? result->paid.median : NAN));
+    json_object_set_new(row, "four_to_one_bounce_min",
+                        bench_number(paid ? result->paid.least : NAN));
+    json_object_set_new(row, "four_to_one_bounce_max",
+                        bench_number(paid ? result->paid.most : NAN));
+    bench_row(bench, &bench_special, row);
+}
+
+static void print_result(const struct special_scene *what, const struct frames_session *session,
+                         const struct special_result *result)
+{
+    const struct frames_run *run = &session->run;
+    printf("%-30s %9.3f %9.3f  %.3f (%.3f-%.3f)  %s%s", what->name,
+           frames_stats_of(run, SPECIAL).median, frames_stats_of(run, GENERAL).median,
+           result->ratio.median, result->ratio.least, result->ratio.most,
+           result->equal ? "bits equal" : "BITS DIFFER",
+           result->slower ? ", SPECIAL IS SLOWER" : "");
+    if (run->count > ONE_BOUNCE)
+        printf("; 4 bounces asked to 1: %.3f (%.3f-%.3f)", result->paid.median, result->paid.least,
+               result->paid.most);
+    puts("");
+}
+
+static int measure(struct bench *bench, const struct special_scene *what,
+                   struct frames_session *session)
+{
+    struct reason reason = {""};
+    struct special_result result = {.equal = false};
+    struct scene scene;
+    enum status status = open_scene(what, &scene, &reason);
+    if (status == STATUS_UNSUPPORTED) {
+        puts(reason.text);
+        return EXIT_AGREE;
+    }
+    session->progress = &bench->progress;
+    session->label = what->name;
+    session->about.base = SIZE_MAX;
+    if (!status)
+        status = enter(bench, &scene, what->dull && what->lights == 0, session, &reason);
+    if (!status)
+        status = check(session, &result.equal, &reason);
+    struct frames_settings settings = {.frames = bench->picture.frames
+                                                     ? (uint32_t)bench->picture.frames
+                                                 : bench->quick ? 20
+                                                                : FRAMES_DEFAULT,
+                                       .turns = FRAMES_TURNS,
+                                       .warm_up = FRAMES_WARM_UP};
+    if (!status)
+        status = frames_session_measure(session, &settings, &reason);
+    progress_end(&bench->progress);
+    int code = exit_of_status(status);
+    if (status)
+        fprintf(stderr, "raydiff bench: %s: %s\n", what->name, reason.text);
+    if (!status && session->run.done > 0) {
+        take_result(session, &result);
+        print_result(what, session, &result);
+        add_row(bench, what, session, &result);
+        code = result.equal && !result.slower ? EXIT_AGREE : EXIT_MISMATCH;
+    }
+    frames_session_free(session);
+    scene_free(&scene);
+    return code;
+}
+
+static int run(struct bench *bench)
+{
+    int code = EXIT_AGREE;
+    if (bench->layout.count > 1 || bench->scene_count > 0)
+        return usage_error("bench", "special: one layout, and its own scenes");
+    if (!engine_find("vulkan")->frame) {
+        puts("engine vulkan draws no frames of its own: there is no pipeline to compare");
+        return EXIT_SKIPPED;
+    }
+    struct frames_session *session = calloc(1, sizeof *session);
+    if (!session)
+        return EXIT_INTERNAL;
+    frames_catch_signals();
+    printf("%-30s %9s %9s  %s\n", "scene", "special", "general", "general to special (least-most)");
+    for (size_t i = 0; i < ARRAY_COUNT(scenes) && !frames_signal_code(); i++)
+        code = exit_worse(code, measure(bench, &scenes[i], session));
+    free(session);
+    return code == EXIT_AGREE && frames_signal_code() ? frames_signal_code() : code;
+}
+
+const struct benchmark bench_special = {
+    .name = "special",
+    .summary = "the pipeline that a scene gets against the general one: same bits, ratio of times",
+    .takes = "layout csv json frames size out quick" BENCH_MACHINE BENCH_OUTSIDE,
+    .about = about,
+    .run = run,
+    .alone = true,
+    .rows_out = true,
+};

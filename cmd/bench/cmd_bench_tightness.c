@@ -1,0 +1,189 @@
+/* The bounds of t: the smallest rejected error beside the real ones, per formula and rounding. */
+#include "cmd/bench/cmd_bench.h"
+#include "bench/measure/tightness.h"
+
+#include "ref/base/command.h"
+#include "scenes/scenes.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define PAIRS 100000
+/* Draws per pair; of a scene of slivers most rays hit no inside. */
+#define DRAWS_MOST 1000
+
+static const char about[] =
+    "rays at random points of random triangles, which they hit; everything in ulp of the exact t.\n"
+    "  real      error of the formula with every operation rounded to nearest: median, the value\n"
+    "            that one in a thousand exceeds, largest\n"
+    "  rejected  smallest error of t that the judge calls WRONG: median, the value that one in a\n"
+    "            thousand exceeds\n"
+    "  medians   the median of rejected over that of real\n"
+    "  times     the median of rejected over the 99.9th percentile of real\n"
+    "  groups    the same for every 1000 pairs of like rejected error: median, and the worst "
+    "group\n"
+    "  alarms    answers that are right and that the judge calls WRONG: what the formula "
+    "computed,\n"
+    "            and the exact t, u and v, each rounded once; exit code 1 if there is any\n"
+    "  no bound  pairs of which any t is accepted\n";
+
+static const struct {
+    const char *name, *rounding_name;
+    enum twin_formula formula;
+    struct rounding rounding;
+} models[] = {
+    {"mt", "ieee", TWIN_MT, ROUNDING_IEEE},
+    {"mt", "vulkan rte", TWIN_MT, ROUNDING_VULKAN_RTE},
+    {"mt", "vulkan", TWIN_MT, ROUNDING_VULKAN},
+    {"mt_rtrs", "ieee", TWIN_MT_RTRS, ROUNDING_IEEE},
+    {"mt_rtrs", "vulkan rte", TWIN_MT_RTRS, ROUNDING_VULKAN_RTE},
+    {"mt_rtrs", "vulkan", TWIN_MT_RTRS, ROUNDING_VULKAN},
+    {"woop", "ieee", TWIN_WOOP, ROUNDING_IEEE},
+    {"woop", "vulkan rte", TWIN_WOOP, ROUNDING_VULKAN_RTE},
+    {"woop", "vulkan", TWIN_WOOP, ROUNDING_VULKAN},
+    {"pluecker", "ieee", TWIN_PLUECKER, ROUNDING_IEEE},
+    {"pluecker", "vulkan rte", TWIN_PLUECKER, ROUNDING_VULKAN_RTE},
+    {"pluecker", "vulkan", TWIN_PLUECKER, ROUNDING_VULKAN},
+    {"baldwin_webber", "ieee", TWIN_BALDWIN_WEBBER, ROUNDING_IEEE},
+    {"baldwin_webber", "vulkan rte", TWIN_BALDWIN_WEBBER, ROUNDING_VULKAN_RTE},
+    {"baldwin_webber", "vulkan", TWIN_BALDWIN_WEBBER, ROUNDING_VULKAN},
+    {"embree", "embree", TWIN_EMBREE, ROUNDING_EMBREE},
+    {"embree_robust", "embree", TWIN_EMBREE_ROBUST, ROUNDING_EMBREE},
+};
+
+/* A scene, and the pairs drawn of it. */
+struct field {
+    struct bench *bench;
+    const char *spec;
+    struct scene scene;
+    struct oracle *oracle;
+    struct tightness_pair *pair;
+    struct tightness_one *one;
+    size_t count;
+};
+
+static enum status draw_all(struct field *field, struct reason *reason)
+{
+    struct box bounds = scene_bounds(&field->scene);
+    struct rng rng = rng_make(field->bench->seed, 0);
+    for (size_t i = 0; i < field->count; i++) {
+        int draws = 0;
+        while (!tightness_draw(field->oracle, &field->scene, &bounds, &rng, &field->pair[i]))
+            if (++draws == DRAWS_MOST)
+                return fail(reason, STATUS_INPUT,
+                            "%s: of %d rays at its triangles none hits an inside", field->spec,
+                            DRAWS_MOST);
+    }
+    return STATUS_OK;
+}
+
+static void report(const struct field *field, size_t m, const struct tightness *sum)
+{
+    printf("  %-14s %-10s %6.2f %7.2f %8.3g %8.3g %8.3g %7.1f %6.1f %6.1f %6.1f %6zu %8zu\n",
+           models[m].name, models[m].rounding_name, sum->real_p50, sum->real_p999, sum->real_most,
+           sum->rejected_p50, sum->rejected_p999, sum->medians, sum->times, sum->group_p50,
+           sum->group_most, sum->alarms, sum->unbounded);
+    json_t *row = json_pack("{s:s, s:s, s:s, s:I}", "scene", field->spec, "formula", models[m].name,
+                            "rounding", models[m].rounding_name, "pairs", (json_int_t)sum->count);
+    const struct {
+        const char *name;
+        double value;
+    } values[] = {{"real_p50", sum->real_p50},
+                  {"real_p999", sum->real_p999},
+                  {"real_most", sum->real_most},
+                  {"rejected_p50", sum->rejected_p50},
+                  {"rejected_p999", sum->rejected_p999},
+                  {"medians", sum->medians},
+                  {"times", sum->times},
+                  {"group_p50", sum->group_p50},
+                  {"group_most", sum->group_most},
+                  {"alarms", (double)sum->alarms},
+                  {"unbounded", (double)sum->unbounded}};
+    for (size_t i = 0; i < ARRAY_COUNT(values); i++)
+        json_object_set_new(row, values[i].name, bench_number(values[i].value));
+    bench_row(field->bench, &bench_tightness, row);
+}
+
+static enum status measure(struct field *field, size_t m, int *code, struct reason *reason)
+{
+    const struct model model = {.formula = models[m].formula, .rounding = models[m].rounding};
+    struct judge *judge;
+    enum status status =
+        judge_make(field->oracle, &field->scene, &model, NULL, QUERY_ANY, &judge, reason);
+    if (status)
+        return status;
+    progress_step(&field->bench->progress, "%s: %s, %s", field->spec, models[m].name,
+                  models[m].rounding_name);
+#pragma omp parallel for schedule(dynamic, 256)
+    for (long long i = 0; i < (long long)field->count; i++)
+        field->one[i] = tightness_measure(judge, &field->scene, &model, &field->pair[i]);
+    judge_free(judge);
+    progress_end(&field->bench->progress);
+    struct tightness sum;
+    status = tightness_sum(field->one, field->count, &sum, reason);
+    if (status)
+        return status;
+    report(field, m, &sum);
+    if (sum.alarms > 0)
+        *code = EXIT_MISMATCH;
+    return STATUS_OK;
+}
+
+static enum status play(struct field *field, int *code, struct reason *reason)
+{
+    if (field->scene.tri_count == 0)
+        return fail(reason, STATUS_INPUT, "no triangles");
+    enum status status = oracle_make(&field->scene, &field->oracle, reason);
+    field->pair = alloc_zeroed(field->count, sizeof *field->pair);
+    field->one = alloc_zeroed(field->count, sizeof *field->one);
+    if (status == STATUS_OK && (!field->pair || !field->one))
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu pairs", field->count);
+    if (status == STATUS_OK)
+        status = draw_all(field, reason);
+    if (status == STATUS_OK)
+        printf("%s: %u triangles, %zu pairs\n"
+               "  %-14s %-10s %6s %7s %8s %8s %8s %7s %6s %6s %6s %6s %8s\n",
+               field->spec, field->scene.tri_count, field->count, "formula", "rounding", "real",
+               "99.9 %", "most", "rejected", "99.9 %", "medians", "times", "groups", "worst",
+               "alarms", "no bound");
+    for (size_t m = 0; m < ARRAY_COUNT(models) && status == STATUS_OK; m++)
+        status = measure(field, m, code, reason);
+    return status;
+}
+
+static int run(struct bench *bench)
+{
+    static const char *const own[] = {"soup:n=10000", "sphere:n=35", NULL};
+    const char *spec[BENCH_SCENES];
+    size_t count = bench_scenes(bench, own, spec);
+    int code = EXIT_AGREE;
+    puts("\ntightness");
+    for (size_t i = 0; i < count; i++) {
+        struct reason reason = {""};
+        struct field field = {
+            .bench = bench, .spec = spec[i], .count = bench_rays_count(bench, PAIRS)};
+        enum status status = scene_open(spec[i], bench->seed, &field.scene, &reason);
+        if (status == STATUS_OK) {
+            status = play(&field, &code, &reason);
+            scene_free(&field.scene);
+        }
+        oracle_free(field.oracle);
+        free(field.pair);
+        free(field.one);
+        if (status) {
+            bench_complain(spec[i], &reason);
+            code = exit_worse(code, exit_of_status(status));
+        }
+        fflush(stdout);
+    }
+    return code;
+}
+
+const struct benchmark bench_tightness = {
+    .name = "tightness",
+    .summary = "the smallest rejected error of t over the real ones, per formula and rounding",
+    .takes = "scene count csv json seed",
+    .about = about,
+    .run = run,
+    .alone = true,
+};

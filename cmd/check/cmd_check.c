@@ -1,0 +1,425 @@
+/* raydiff check: the main job. Engines and layouts on one scene, compared ray by ray. */
+#include "cmd/check/cmd_check.h"
+
+#include "cmd/common/cmd_tree.h"
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+#include "ref/match/original.h"
+#include "scenes/move.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    OPT_LAYOUT = 256,
+    OPT_STORE,
+    OPT_BITS,
+    OPT_ENGINE,
+    OPT_BUILDER,
+    OPT_LEAF,
+    OPT_EPS,
+    OPT_MOVE,
+    OPT_BOX,
+    OPT_TRI,
+    OPT_QUERY,
+    OPT_RAYS,
+    OPT_COUNT,
+    OPT_SEED,
+    OPT_REPEAT,
+    OPT_BRUTE,
+    OPT_BRUTE_RAYS,
+    OPT_JSON
+};
+
+static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
+                                             {"store", 1, NULL, OPT_STORE},
+                                             {"bits", 1, NULL, OPT_BITS},
+                                             {"engine", 1, NULL, OPT_ENGINE},
+                                             {"builder", 1, NULL, OPT_BUILDER},
+                                             {"leaf", 1, NULL, OPT_LEAF},
+                                             {"eps", 1, NULL, OPT_EPS},
+                                             {"move", 1, NULL, OPT_MOVE},
+                                             {"box", 1, NULL, OPT_BOX},
+                                             {"tri", 1, NULL, OPT_TRI},
+                                             {"query", 1, NULL, OPT_QUERY},
+                                             {"rays", 1, NULL, OPT_RAYS},
+                                             {"count", 1, NULL, OPT_COUNT},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             {"repeat", 1, NULL, OPT_REPEAT},
+                                             {"brute", 1, NULL, OPT_BRUTE},
+                                             {"brute-rays", 1, NULL, OPT_BRUTE_RAYS},
+                                             DEMAND_OPTIONS,
+                                             {"json", 1, NULL, OPT_JSON},
+                                             BUILD_OPTIONS,
+                                             TREE_OPTION,
+                                             ENGINE_OPTIONS};
+
+static enum status take_layouts(struct check_options *o, const char *text, struct reason *reason)
+{
+    o->layout_named = true;
+    o->layout_auto = strcmp(text, "auto") == 0;
+    return o->layout_auto ? STATUS_OK
+                          : table_parse(TABLE_LAYOUTS, "--layout", text, &o->layout, reason);
+}
+
+static enum status take_number(struct check_options *o, int option, const char *text,
+                               struct reason *reason)
+{
+    uint64_t n = 0;
+    enum status status;
+    switch (option) {
+    case OPT_LEAF:
+        o->build_flag = "--leaf";
+        status = parse_count("--leaf", text, 1, 1u << 20, &n, reason);
+        o->build.leaf = (uint32_t)n;
+        return status;
+    case OPT_COUNT:
+        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
+    case OPT_BITS:
+        return parse_count("--bits", text, QUANTISE_BITS_LEAST, QUANTISE_BITS_MOST, &o->bits,
+                           reason);
+    case OPT_SEED:
+        return parse_count("--seed", text, 0, UINT64_MAX, &o->seed, reason);
+    case OPT_REPEAT:
+        return parse_count("--repeat", text, 1, REPEAT_MOST, &o->repeats, reason);
+    case OPT_BRUTE_RAYS:
+        return parse_count("--brute-rays", text, 0, UINT64_MAX, &o->brute_rays, reason);
+    case OPT_BRUTE:
+        return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
+    default:
+        return engine_option_take(option, text, &o->engines, reason);
+    }
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct check_options *o = user;
+    switch (option) {
+    case OPT_LAYOUT:
+        return take_layouts(o, text, reason);
+    case OPT_STORE:
+        o->build_flag = "--store";
+        return table_parse(TABLE_STORES, "--store", text, &o->store, reason);
+    case OPT_ENGINE:
+        o->engine_named = strcmp(text, "all") != 0;
+        return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
+    case OPT_BUILDER:
+        o->build_flag = "--builder";
+        return table_parse(TABLE_BUILDERS, "--builder", text, &o->builder, reason);
+    case OPT_BOX:
+        return table_parse(TABLE_BOX_TESTS, "--box", text, &o->box, reason);
+    case OPT_TRI:
+        return table_parse(TABLE_TRI_TESTS, "--tri", text, &o->tri, reason);
+    case OPT_QUERY:
+        return table_parse(TABLE_QUERIES, "--query", text, &o->query, reason);
+    case OPT_RAYS:
+        return table_parse_one(TABLE_RAY_SETS, "--rays", text, &o->rays, reason);
+    case OPT_BVH:
+        o->bvh = text;
+        return STATUS_OK;
+    case OPT_EPS:
+        o->build_flag = "--eps";
+        return parse_float("--eps", text, &o->build.eps, reason);
+    case OPT_MOVE:
+        return check_take_move(text, &o->move, reason);
+    case OPT_BINS:
+    case OPT_RADIUS:
+    case OPT_SPLIT_BUDGET:
+    case OPT_SPLIT_ALPHA:
+    case OPT_OPTIMIZE:
+        return build_option_take(option, text, &o->build, &o->build_flag, reason);
+    case OPT_DISPLACEMENT:
+    case OPT_DEMAND:
+        return demand_take(option, text, &o->demands, reason);
+    case OPT_JSON:
+        o->json = text;
+        return STATUS_OK;
+    default:
+        return take_number(o, option, text, reason);
+    }
+}
+
+/* Such are played on the decoded scene, the others on the scene as it is. */
+static bool store_is_of_grids(const struct check_options *o, size_t i)
+{
+    return tri_stores[o->store.index[i]]->head != NULL;
+}
+
+/* What one run of the command holds. */
+struct check {
+    struct check_options options;
+    struct pool pool;
+    struct progress progress;
+    struct tree_file tree;           /* of --bvh; rows refer to it */
+    struct turnout turnout;          /* of what was named */
+    const struct original *original; /* of the decoded scene that is played; NULL: as it was */
+};
+
+/* Rows of one engine over all box tests and queries; engines without a tree have no box test. */
+static enum status play_engine(struct check *check, struct match *match,
+                               const struct engine *engine, struct check_scene *result)
+{
+    const struct check_options *o = &check->options;
+    size_t boxes = engine->needs_packed ? o->box.count : 1;
+    for (size_t b = 0; b < boxes; b++)
+        for (size_t q = 0; q < o->query.count; q++) {
+            struct row row;
+            match_set(match, box_tests[o->box.index[b]], (enum query)o->query.index[q]);
+            progress_step(&check->progress, "%s: %s %s %s", result->spec,
+                          engine->needs_packed ? match->packed.layout->name : "-", engine->name,
+                          query_name(match->options.query));
+            match_run(match, engine, &row);
+            if (check->original && original_judge(check->original, match, &row))
+                return STATUS_MEMORY;
+            if (check_add_row(result, &row))
+                return STATUS_MEMORY;
+        }
+    return STATUS_OK;
+}
+
+static enum status play_engines(struct check *check, struct match *match, bool packed,
+                                struct check_scene *result)
+{
+    const struct check_options *o = &check->options;
+    enum status status = STATUS_OK;
+    for (size_t e = 0; e < o->engine.count && status == STATUS_OK; e++)
+        if (engines[o->engine.index[e]]->needs_packed == packed)
+            status = play_engine(check, match, engines[o->engine.index[e]], result);
+    return status;
+}
+
+static enum status play_layouts(struct check *check, struct match *match,
+                                struct check_scene *result, struct reason *reason)
+{
+    const struct check_options *o = &check->options;
+    struct list list = o->layout_named ? o->layout : tree_layouts(&check->tree, &o->layout);
+    size_t count = o->layout_auto ? 1 : list.count;
+    for (size_t i = 0; i < count * o->store.count; i++) {
+        const struct layout *layout =
+            o->layout_auto ? NULL : layouts_all[list.index[i / o->store.count]];
+        struct reason refusal = {""};
+        if (store_is_of_grids(o, i % o->store.count) != (check->original != NULL))
+            continue;
+        match->options.store = tri_stores[o->store.index[i % o->store.count]];
+        enum status status =
+            layout ? match_pack(match, layout, &refusal)
+                   : match_pack_auto(match, result->refused, sizeof result->refused, &refusal);
+        struct row row;
+        if (status == STATUS_OK) {
+            status = play_engines(check, match, true, result);
+        } else if (status == STATUS_LIMIT) {
+            match_refused(match, layout, NULL, status, &refusal, &row);
+            status = check_add_row(result, &row);
+        }
+        if (status)
+            return fail(reason, status, "%s: %s", result->spec,
+                        refusal.text[0] ? refusal.text : status_text(status));
+    }
+    return STATUS_OK;
+}
+
+/* All layouts and engines on the match's tree; engines without a tree with the first builder only,
+ * to which they are the same. */
+static enum status play_match(struct check *check, struct match *match, bool first_builder,
+                              struct check_scene *result, struct reason *reason)
+{
+    enum status status = play_layouts(check, match, result, reason);
+    if (status == STATUS_OK && first_builder && !check->original)
+        status = play_engines(check, match, false, result);
+    return status;
+}
+
+static enum status play_scene(struct check *check, const struct scene *scene,
+                              const struct scene *rest, const struct ray *rays,
+                              struct check_scene *result, struct reason *reason)
+{
+    const struct check_options *o = &check->options;
+    struct match_options options = {.builder = o->bvh ? &tree_file_builder
+                                                      : builders_all[o->builder.index[0]],
+                                    .build = o->build,
+                                    .tree = o->bvh ? &check->tree : NULL,
+                                    .rest = o->move > 0 ? rest : NULL,
+                                    .box = box_tests[o->box.index[0]],
+                                    .tri = tri_tests[o->tri.index[0]],
+                                    .query = (enum query)o->query.index[0],
+                                    .demands = o->demands,
+                                    .repeats = (unsigned)o->repeats,
+                                    .brute_budget = o->brute,
+                                    .brute_rays = o->brute_rays};
+    struct match match;
+    struct reason why = {""};
+    progress_step(&check->progress, "%s: exact truth", result->spec);
+    enum status status =
+        match_make(scene, rays, result->ray_count, &options, &check->pool, &match, &why);
+    if (status)
+        return fail(reason, status, "%s: %s", result->spec, why.text);
+    for (size_t t = 0; t < o->tri.count && status == STATUS_OK; t++)
+        for (size_t b = 0; b < o->builder.count && status == STATUS_OK; b++) {
+            if (t + b > 0)
+                status = match_rebuild(
+                    &match, o->bvh ? &tree_file_builder : builders_all[o->builder.index[b]],
+                    &o->build, tri_tests[o->tri.index[t]], &why);
+            if (status)
+                fail(reason, status, "%s: %s", result->spec, why.text);
+            else
+                status = play_match(check, &match, b == 0, result, reason);
+        }
+    match_free(&match);
+    return status;
+}
+
+/* The storages of grids, on the scene that they decode to. */
+static enum status play_decoded(struct check *check, const struct scene *scene,
+                                const struct ray *rays, struct check_scene *result,
+                                struct reason *reason)
+{
+    struct scene decoded;
+    struct original original = {0};
+    uint32_t bits = check->options.bits ? (uint32_t)check->options.bits : QUANTISE_BITS_DEFAULT;
+    enum status status = scene_quantise(scene, bits, &decoded, &result->quantised, reason);
+    if (status)
+        return status;
+    status = original_make(scene, &result->quantised, rays, result->ray_count, &original, reason);
+    check->original = &original;
+    if (status == STATUS_OK)
+        status = play_scene(check, &decoded, NULL, rays, result, reason);
+    check->original = NULL;
+    original_free(&original);
+    scene_free(&decoded);
+    return status;
+}
+
+static enum status play_both(struct check *check, const struct scene *scene,
+                             const struct scene *rest, const struct ray *rays,
+                             struct check_scene *result, struct reason *reason)
+{
+    const struct check_options *o = &check->options;
+    size_t grids = 0;
+    for (size_t i = 0; i < o->store.count; i++)
+        grids += store_is_of_grids(o, i);
+    if (grids && (o->bvh || o->layout_auto || o->move > 0))
+        return fail(reason, STATUS_INPUT,
+                    "--store quantised: not with --bvh, --move, --layout auto");
+    enum status status =
+        grids < o->store.count ? play_scene(check, scene, rest, rays, result, reason) : STATUS_OK;
+    return status || !grids ? status : play_decoded(check, scene, rays, result, reason);
+}
+
+static enum status check_one(struct check *check, const char *spec, struct check_scene *result,
+                             struct reason *reason)
+{
+    const struct check_options *o = &check->options;
+    struct scene scene, rest = {0};
+    *result = (struct check_scene){.spec = spec,
+                                   .move = (double)o->move,
+                                   .rays = ray_sets[o->rays]->name,
+                                   .ray_count = (size_t)o->count,
+                                   .seed = o->seed,
+                                   .driver = o->engines.driver};
+    progress_step(&check->progress, "%s: reading", spec);
+    enum status status = scene_open(spec, o->seed, &scene, reason);
+    if (status)
+        return status;
+    result->tri_count = scene.tri_count;
+    result->vertex_count = scene.vertex_count;
+    if (o->move > 0) {
+        status = scene_open(spec, o->seed, &rest, reason);
+        scene_move(&scene, o->move, o->seed);
+    }
+    if (status == STATUS_OK && o->bvh)
+        status = tree_open("check", o->bvh, o->move > 0 ? &rest : &scene, &check->tree, reason);
+    struct ray *rays = alloc_zeroed(result->ray_count, sizeof *rays);
+    if (!rays && status == STATUS_OK)
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", result->ray_count);
+    if (status == STATUS_OK)
+        status = ray_sets[o->rays]->make(&scene, o->seed, result->ray_count, rays, reason);
+    if (status == STATUS_OK)
+        status = play_both(check, &scene, &rest, rays, result, reason);
+    free(rays);
+    scene_free(&scene);
+    scene_free(&rest);
+    return status;
+}
+
+static int check_all(struct check *check, char *const *spec, size_t count)
+{
+    int code = EXIT_AGREE;
+    struct reason reason = {""};
+    struct check_scene *results = alloc_zeroed(count, sizeof *results);
+    if (!results)
+        return EXIT_INTERNAL;
+    const struct check_options *o = &check->options;
+    turnout_expect(&check->turnout, o->engine_named ? &o->engine : NULL, &o->engine,
+                   o->layout_named && !o->layout_auto ? &o->layout : NULL);
+    for (size_t i = 0; i < count; i++) {
+        enum status status = check_one(check, spec[i], &results[i], &reason);
+        progress_end(&check->progress);
+        if (status) {
+            fprintf(stderr, "raydiff check: %s\n", reason.text);
+            code = exit_worse(code, exit_of_status(status));
+            continue;
+        }
+        check_print(&results[i]);
+        fflush(stdout);
+        turnout_rows(&check->turnout, results[i].row, results[i].row_count);
+        code = exit_worse(code, check_exit(&results[i], check->options.layout_named,
+                                           check->options.engine_named));
+    }
+    turnout_print(&check->turnout);
+    code = exit_worse(code, turnout_exit(&check->turnout));
+    code = exit_worse(code, check_unused(check->options.demands.displacement, results, count));
+    if (check->options.json) {
+        enum status status =
+            check_write_json(check->options.json, results, count, &check->turnout, code, &reason);
+        if (status) {
+            fprintf(stderr, "raydiff check: %s\n", reason.text);
+            code = exit_worse(code, exit_of_status(status));
+        }
+    }
+    for (size_t i = 0; i < count; i++)
+        free(results[i].row);
+    free(results);
+    return code;
+}
+
+/* What was named that this run does not use. -1: nothing. */
+static int check_use(const struct check_options *o, char *const *spec, size_t count)
+{
+    const struct list rays = {.index = {o->rays}, .count = 1};
+    const struct option_use use = {.engine = &o->engine,
+                                   .layout = o->layout_auto ? NULL : &o->layout,
+                                   .builder = &o->builder,
+                                   .store = &o->store,
+                                   .rays = &rays,
+                                   .scene = spec,
+                                   .scene_count = count,
+                                   .seeded = o->move > 0};
+    return options_refused("check", &use);
+}
+
+int cmd_check(int argc, char **argv)
+{
+    struct check check = {.options = check_options_default(), .progress = progress_make("check")};
+    int first, code = options_take("check", check_help, long_options, take_option, &check.options,
+                                   argc, argv, &first);
+    if (code >= 0)
+        return code;
+    if (first == argc)
+        return usage_error("check", "no scene given");
+    struct reason reason;
+    if (tree_check_options(check.options.bvh, check.options.build_flag, (size_t)(argc - first),
+                           &reason))
+        return usage_error("check", "%s", reason.text);
+    if (check.options.demands.watertight && list_has(&check.options.query, QUERY_ALL))
+        return usage_error("check", "--require watertight is of closest and any hits, not all");
+    code = check_use(&check.options, argv + first, (size_t)(argc - first));
+    if (code >= 0)
+        return code;
+    check.pool.options = check.options.engines;
+    code = check_all(&check, argv + first, (size_t)(argc - first));
+    pool_free(&check.pool);
+    tree_file_free(&check.tree);
+    return code;
+}

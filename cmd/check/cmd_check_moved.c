@@ -1,0 +1,64 @@
+/* What raydiff check --move says of trees that were refitted. */
+#include "cmd/check/cmd_check.h"
+
+#include "ref/base/command.h"
+
+#include <stdio.h>
+
+static bool same_tree(const struct row *a, const struct row *b)
+{
+    return a->options.builder == b->options.builder && a->options.tri == b->options.tri;
+}
+
+static bool same_packed(const struct row *a, const struct row *b)
+{
+    return a->layout == b->layout && a->options.store == b->options.store && same_tree(a, b);
+}
+
+static bool is_refitted(const struct row *row)
+{
+    return row->layout && row->status != ROW_REFUSED && row->refit.refit_ns > 0;
+}
+
+static void print_cost(const struct check_scene *scene, const struct row *row)
+{
+    const struct match_refit *r = &row->refit;
+    double count = scene->tri_count ? scene->tri_count : 1;
+    const struct tri_store *store = row->options.store;
+    bool stored = store && store != tri_stores[0];
+    printf("  %s%s%s: refitted in %.1f ns a triangle", row->layout->name, stored ? "/" : "",
+           stored ? store->name : "", (double)r->refit_ns / count);
+    if (r->build_ns == 0)
+        printf("; packed in %.1f\n", (double)r->pack_ns / count);
+    else
+        printf("; built in %.1f and packed in %.1f: %.1f times as long\n",
+               (double)r->build_ns / count, (double)r->pack_ns / count,
+               (double)(r->build_ns + r->pack_ns) / (double)r->refit_ns);
+}
+
+enum status check_take_move(const char *text, float *move, struct reason *reason)
+{
+    if (parse_float("--move", text, move, reason))
+        return STATUS_INPUT;
+    return *move >= 0 ? STATUS_OK
+                      : fail(reason, STATUS_INPUT, "--move %s: how far is at least 0", text);
+}
+
+void check_print_moved(const struct check_scene *scene)
+{
+    const struct row *tree = NULL, *packed = NULL;
+    for (size_t i = 0; i < scene->row_count && scene->move > 0; i++) {
+        const struct row *row = &scene->row[i];
+        if (!is_refitted(row))
+            continue;
+        if (row->refit.sah_after > 0 && (!tree || !same_tree(tree, row)))
+            printf("  vertices moved by up to %g extents: SAH cost of the tree of %s %.1f before, "
+                   "%.1f refitted\n",
+                   scene->move, row->options.builder->name, row->refit.sah_before,
+                   row->refit.sah_after);
+        tree = row;
+        if (!packed || !same_packed(packed, row))
+            print_cost(scene, row);
+        packed = row;
+    }
+}

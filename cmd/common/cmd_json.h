@@ -1,0 +1,35 @@
+/* JSON files as the commands write them: whole or not at all. For commands only. */
+#ifndef CMD_JSON_H
+#define CMD_JSON_H
+
+#include "ref/abi.h"
+#include "ref/base/base.h"
+#include "ref/files/file.h"
+
+#include <jansson.h>
+
+/* Writes `root`, which is taken over and may be NULL (no memory for it), to `path` (options_out),
+ * reals with so many digits. Errors: STATUS_MEMORY; STATUS_INPUT cannot write. */
+enum status json_write(const char *path, json_t *root, unsigned digits,
+                       struct reason *reason) MUST_USE;
+
+/* The same to an open file, which is committed or discarded. */
+enum status json_write_out(struct file_out *out, json_t *root, unsigned digits,
+                           struct reason *reason) MUST_USE;
+
+/* JSON knows no NaN and no infinity: these become null. NULL without memory, as all of these. */
+json_t *json_number(double x);
+
+/* {"value": a number or null, "bits": "0x..."}, one and several. */
+json_t *json_float(float x);
+json_t *json_floats(const float *x, size_t count);
+
+/* A triangle, or null for ABI_NO_PRIM; and a hit with its t, u and v. */
+json_t *json_prim(uint32_t prim);
+json_t *json_hit(const struct hit *hit);
+
+/* Those that were named, and what came of asking them, see README "JSON". */
+struct turnout;
+json_t *json_turnout(const struct turnout *turnout);
+
+#endif

@@ -1,0 +1,344 @@
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/common/cmd_tables.h"
+
+#include "ref/outside/pipe.h"
+#include "ref/outside/plugin_guard.h"
+#include "ref/outside/plugin_shader.h"
+#include "ref/outside/recorded.h"
+#include "ref/engine.h"
+#include "ref/match/turnout.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+
+#include <fnmatch.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PROGRESS_AFTER_NS 2000000000u
+#define PROGRESS_TTY_NS   200000000u
+#define PROGRESS_LOG_NS   10000000000u
+
+bool list_has(const struct list *list, size_t index)
+{
+    bool has = false;
+    for (size_t i = 0; i < list->count; i++)
+        has = has || list->index[i] == index;
+    return has;
+}
+
+bool list_names(const struct list *list, const struct engine *engine)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (engines[list->index[i]] == engine)
+            return true;
+    return false;
+}
+
+const char *table_name(enum table table)
+{
+    static const char *const names[TABLE_COUNT] = {"builders",       "layouts",  "box tests",
+                                                   "triangle tests", "queries",  "engines",
+                                                   "scenes",         "ray sets", "storages"};
+    return names[table];
+}
+
+/* As turnouts call a member of the table. */
+static const char *kind_of(enum table table)
+{
+    static const char *const names[TABLE_COUNT] = {"builder", "layout", "box",  "tri",  "query",
+                                                   "engine",  "scene",  "rays", "store"};
+    return names[table];
+}
+
+/* Name and summary of member i of a NULL-terminated table of pointers to named structs. */
+#define MEMBER(table)                                                                              \
+    do {                                                                                           \
+        if (!(table)[i])                                                                           \
+            return NULL;                                                                           \
+        *text = (table)[i]->summary;                                                               \
+        return (table)[i]->name;                                                                   \
+    } while (0)
+
+static const char *member(enum table table, size_t i, const char **text)
+{
+    switch (table) {
+    case TABLE_BUILDERS:
+        MEMBER(builders_all);
+    case TABLE_LAYOUTS:
+        MEMBER(layouts_all);
+    case TABLE_BOX_TESTS:
+        MEMBER(box_tests);
+    case TABLE_TRI_TESTS:
+        MEMBER(tri_tests);
+    case TABLE_ENGINES:
+        MEMBER(engines);
+    case TABLE_GENERATORS:
+        MEMBER(generators);
+    case TABLE_RAY_SETS:
+        MEMBER(ray_sets);
+    case TABLE_STORES:
+        MEMBER(tri_stores);
+    case TABLE_QUERIES:
+        *text = i == QUERY_ALL   ? "every triangle along the ray, sorted"
+                : i == QUERY_ANY ? "the first accepted hit ends the ray"
+                                 : "the nearest hit";
+        return i < QUERY_COUNT ? query_name((enum query)i) : NULL;
+    case TABLE_COUNT:
+        break;
+    }
+    return NULL;
+}
+
+const char *table_member(enum table table, size_t i, const char **summary)
+{
+    const char *text = NULL;
+    const char *name = member(table, i, &text);
+    if (summary)
+        *summary = text;
+    return name;
+}
+
+struct list table_all(enum table table)
+{
+    struct list list = {.count = 0};
+    for (size_t i = 0; table_member(table, i, NULL); i++)
+        if (table != TABLE_LAYOUTS || layouts[list.count])
+            list.index[list.count++] = i;
+    return list;
+}
+
+/* Why a word for many members, or for one that is looked for, names none here; NULL: it is none. */
+static const char *stands_alone(enum table table, const char *name, size_t length)
+{
+    if (length == 4 && memcmp(name, "auto", 4) == 0 && table == TABLE_LAYOUTS)
+        return "is for check and render, and stands alone";
+    if (table == TABLE_QUERIES || !((length == 3 && memcmp(name, "all", 3) == 0) ||
+                                    (length == 5 && memcmp(name, "every", 5) == 0)))
+        return NULL;
+    return "stands alone, not in a list";
+}
+
+static enum status unknown(enum table table, const char *flag, const char *name, size_t length,
+                           struct reason *reason)
+{
+    char known[200] = "";
+    size_t used = 0, i = 0;
+    const char *one;
+    const char *alone = stands_alone(table, name, length);
+    if (alone)
+        return fail(reason, STATUS_INPUT, "%s: '%.*s' %s", flag, (int)length, name, alone);
+    for (; (one = table_member(table, i, NULL)) && used + strlen(one) + 2 < sizeof known - 40; i++)
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one);
+    if (one)
+        snprintf(known + used, sizeof known - used, ", ... (raydiff list %s)", table_name(table));
+    return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s%s", flag,
+                (int)(length > 60 ? 60 : length), name, table_name(table), known,
+                table == TABLE_ENGINES   ? ", pipe:COMMAND"
+                : table == TABLE_LAYOUTS ? ", ./FILE.so"
+                                         : "");
+}
+
+void list_expect(enum table table, const struct list *list, struct turnout *turnout)
+{
+    for (size_t i = 0; i < list->count; i++)
+        turnout_name(turnout, kind_of(table), table_member(table, list->index[i], NULL));
+}
+
+bool list_needs_trees(const struct list *list)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (engines[list->index[i]]->needs_packed)
+            return true;
+    return false;
+}
+
+void turnout_expect(struct turnout *turnout, const struct list *engine, const struct list *playing,
+                    const struct list *layout)
+{
+    if (engine)
+        list_expect(TABLE_ENGINES, engine, turnout);
+    if (layout && list_needs_trees(playing))
+        list_expect(TABLE_LAYOUTS, layout, turnout);
+}
+
+void turnout_print(const struct turnout *turnout)
+{
+    char line[512];
+    for (size_t i = 0; i < turnout->count; i++) {
+        const struct turnout_one *one = &turnout->one[i];
+        if (!one->declines && !turnout_tells(one)) /* engines always */
+            continue;
+        turnout_line(one, line, sizeof line);
+        printf("%s %s %s\n", one->kind, one->name, line);
+    }
+}
+
+/* Of queries, "all" is one. */
+static bool is_everything(enum table table, const char *text)
+{
+    return table != TABLE_QUERIES && strcmp(text, "all") == 0;
+}
+
+static bool begins_with(const char *text, const char *prefix)
+{
+    return strncmp(text, prefix, strlen(prefix)) == 0;
+}
+
+/* Length of the name at the start of the text. A command may hold commas: its name goes on to the
+ * end, or to the next command. */
+static size_t name_length(enum table table, const char *text)
+{
+    if (table != TABLE_ENGINES || !begins_with(text, PIPE_PREFIX))
+        return strcspn(text, ",");
+    const char *next = strstr(text, "," PIPE_PREFIX);
+    return next ? (size_t)(next - text) : strlen(text);
+}
+
+/* Puts the engine "pipe:COMMAND" or "answer:..." into the table, if that is what is named. */
+static enum status add_engine(enum table table, const char *flag, const char *text, size_t length,
+                              struct reason *reason)
+{
+    char name[PIPE_NAME_MOST + 1];
+    const struct engine *engine;
+    struct reason why = {""};
+    enum status status = STATUS_OK;
+    if (table != TABLE_ENGINES)
+        return STATUS_OK;
+    snprintf(name, sizeof name, "%.*s", (int)(length < PIPE_NAME_MOST ? length : PIPE_NAME_MOST),
+             text);
+    if (begins_with(name, PIPE_PREFIX))
+        status = pipe_engine(name, &engine, &why);
+    else if (begins_with(name, RECORDED_PREFIX))
+        status = recorded_find(name, &engine, &why);
+    return status ? fail(reason, STATUS_INPUT, "%s: %s", flag, why.text) : STATUS_OK;
+}
+
+/* Puts the layout of "PATH.so" into the table, if that is what is named; then that is the name. */
+static enum status add_plugin(enum table table, const char *flag, const char **text, size_t *length,
+                              struct reason *reason)
+{
+    char path[512];
+    const struct layout *layout;
+    struct reason why = {""};
+    size_t suffix = strlen(PLUGIN_SUFFIX);
+    if (table != TABLE_LAYOUTS || *length <= suffix || *length >= sizeof path ||
+        memcmp(*text + *length - suffix, PLUGIN_SUFFIX, suffix) != 0)
+        return STATUS_OK;
+    snprintf(path, sizeof path, "%.*s", (int)*length, *text);
+    enum status status = plugin_open(path, &layout, &why);
+    if (!status)
+        status = plugin_shader_layout(layout, &why);
+    if (status)
+        return fail(reason, status, "%s: %s", flag, why.text);
+    *text = layout->name;
+    *length = strlen(layout->name);
+    return STATUS_OK;
+}
+
+/* Adds the members that the name of `length` characters names or matches; their number in *added.
+ */
+static enum status add_members(enum table table, const char *flag, const char *text, size_t length,
+                               struct list *out, struct reason *reason)
+{
+    char name[PIPE_NAME_MOST + 1];
+    const char *one;
+    size_t before = out->count;
+    bool pattern = false;
+    if (length < sizeof name) {
+        memcpy(name, text, length);
+        name[length] = '\0';
+        pattern = !begins_with(text, PIPE_PREFIX) && strpbrk(name, "*?") != NULL;
+    }
+    for (size_t i = 0; (one = table_member(table, i, NULL)); i++) {
+        bool is_one = strlen(one) == length && memcmp(one, text, length) == 0;
+        if (!is_one && !(pattern && fnmatch(name, one, 0) == 0))
+            continue;
+        for (size_t k = 0; k < before; k++)
+            if (out->index[k] == i)
+                return fail(reason, STATUS_INPUT, "%s: '%s' is named twice", flag, one);
+        out->index[out->count++] = i;
+    }
+    return out->count > before ? STATUS_OK : unknown(table, flag, text, length, reason);
+}
+
+enum status table_parse(enum table table, const char *flag, const char *text, struct list *out,
+                        struct reason *reason)
+{
+    *out = (struct list){.count = 0};
+    if (is_everything(table, text)) {
+        *out = table_all(table);
+        return STATUS_OK;
+    }
+    if (table != TABLE_QUERIES && strcmp(text, "every") == 0)
+        text = "*";
+    for (const char *at = text;; at++) {
+        size_t length = name_length(table, at);
+        const char *name = at;
+        size_t name_is = length;
+        enum status status = add_engine(table, flag, at, length, reason);
+        if (!status)
+            status = add_plugin(table, flag, &name, &name_is, reason);
+        if (!status)
+            status = add_members(table, flag, name, name_is, out, reason);
+        if (status)
+            return status;
+        at += length;
+        if (*at == '\0')
+            return STATUS_OK;
+    }
+}
+
+enum status table_parse_one(enum table table, const char *flag, const char *text, size_t *index,
+                            struct reason *reason)
+{
+    struct list list;
+    enum status status = table_parse(table, flag, text, &list, reason);
+    if (status == STATUS_OK && (list.count != 1 || is_everything(table, text)))
+        status = fail(reason, STATUS_INPUT, "%s: '%s' is not one name", flag, text);
+    *index = status ? 0 : list.index[0];
+    return status;
+}
+
+const char *stored_name(const struct layout *layout, const struct tri_store *store,
+                        char text[STORED_NAME_MOST])
+{
+    if (!layout)
+        return "-";
+    if (!store || store == tri_stores[0])
+        return layout->name;
+    snprintf(text, STORED_NAME_MOST, "%s:%s", layout->name, store->name);
+    return text;
+}
+
+struct progress progress_make(const char *command)
+{
+    uint64_t now = time_ns();
+    return (struct progress){command, now, now, isatty(STDERR_FILENO) == 1, false};
+}
+
+void progress_step(struct progress *progress, const char *format, ...)
+{
+    uint64_t now = time_ns();
+    uint64_t pause = progress->terminal ? PROGRESS_TTY_NS : PROGRESS_LOG_NS;
+    if (now - progress->start_ns < PROGRESS_AFTER_NS || now - progress->last_ns < pause)
+        return;
+    progress->last_ns = now;
+    progress->shown = true;
+    fprintf(stderr, "%sraydiff %s: %.0f s: ", progress->terminal ? "\r\033[K" : "",
+            progress->command, (double)(now - progress->start_ns) * 1e-9);
+    va_list args;
+    va_start(args, format);
+    vfprintf(stderr, format, args);
+    va_end(args);
+    fputs(progress->terminal ? "" : "\n", stderr);
+    fflush(stderr);
+}
+
+void progress_end(struct progress *progress)
+{
+    if (progress->shown && progress->terminal)
+        fputs("\r\033[K", stderr);
+    progress->shown = false;
+}

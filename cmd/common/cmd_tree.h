@@ -1,0 +1,35 @@
+/* The option --bvh FILE of commands that use a tree. For commands only. */
+#ifndef CMD_TREE_H
+#define CMD_TREE_H
+
+#include "cmd/common/cmd_options.h"
+#include "cmd/common/cmd_tables.h"
+#include "ref/packed/tree_file.h"
+
+/* An entry of a getopt_long table, before ENGINE_OPTIONS; OPT_BVH is its value. */
+#define TREE_OPTION                                                                                \
+    {                                                                                              \
+        "bvh", 1, NULL, OPT_BVH                                                                    \
+    }
+
+/* What it means, for a help text. */
+#define TREE_OPTION_HELP                                                                           \
+    "  --bvh FILE      a tree of the scene as raydiff precompute writes it, as JSON or packed\n"   \
+    "                  (of that layout), in place of a builder's\n"
+
+/* Refuses what --bvh `path` (NULL: not given, all is well) does not go with: a flag that says how
+ * to build (`build_flag`, NULL if none was given) and more scenes than one. Errors: STATUS_INPUT.
+ */
+enum status tree_check_options(const char *path, const char *build_flag, size_t scene_count,
+                               struct reason *reason) MUST_USE;
+
+/* Reads the tree of a scene and prints its doubt, if any, as a warning. `path` is borrowed by
+ * *out. Errors: STATUS_INPUT no such file; as tree_file_read. On error *out is zero. */
+enum status tree_open(const char *command, const char *path, const struct scene *scene,
+                      struct tree_file *out, struct reason *reason) MUST_USE;
+
+/* The layout of a packed tree, as a list of one; of JSON what `list` is. For commands whose user
+ * named no layout. */
+struct list tree_layouts(const struct tree_file *file, const struct list *list);
+
+#endif

@@ -1,0 +1,227 @@
+#include "cmd/common/cmd_use.h"
+
+#include "ref/outside/pipe.h"
+#include "ref/base/command.h"
+#include "ref/base/mutant.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+
+#include <string.h>
+
+bool option_among(const char *names, const char *name)
+{
+    size_t length = strlen(name);
+    for (const char *at = names; *at; at += strcspn(at, " ")) {
+        at += strspn(at, " ");
+        if (strncmp(at, name, length) == 0 && (at[length] == ' ' || at[length] == '\0'))
+            return true;
+    }
+    return false;
+}
+
+struct list list_of_engine(const struct engine *engine)
+{
+    struct list list = {.count = 0};
+    while (engines[list.index[0]] && engines[list.index[0]] != engine)
+        list.index[0]++;
+    list.count = engines[list.index[0]] != NULL;
+    return list;
+}
+
+/* --- what options are for ------------------------------------------------------------------------
+ */
+
+static bool is_gpu(const struct engine *engine)
+{
+    return engine->gpu;
+}
+
+bool engine_is_peer(const struct engine *engine)
+{
+    return strncmp(engine->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
+}
+
+static bool is_of_processor(const struct engine *engine)
+{
+    return !engine->gpu && !engine_is_peer(engine);
+}
+
+static bool is_of_shaders(const struct engine *engine)
+{
+    return engine->gpu && engine->needs_packed;
+}
+
+static bool walks_trees(const struct engine *engine)
+{
+    return engine->needs_packed;
+}
+
+static bool tests_ours(const struct engine *engine)
+{
+    return !engine->own_tri;
+}
+
+/* Of a formula that is not known. */
+static bool is_black(const struct engine *engine)
+{
+    return engine_is_peer(engine) || (engine->gpu && engine->own_tri);
+}
+
+static bool any_engine(const struct option_use *use, bool (*is)(const struct engine *engine))
+{
+    bool any = !use->engine;
+    for (size_t i = 0; use->engine && i < use->engine->count; i++)
+        any = any || is(engines[use->engine->index[i]]);
+    return any;
+}
+
+static bool on_gpu(const struct option_use *use, const char *option)
+{
+    (void)option;
+    return any_engine(use, is_gpu);
+}
+
+static bool on_shaders(const struct option_use *use, const char *option)
+{
+    (void)option;
+    return use->compares || any_engine(use, is_of_shaders);
+}
+
+static bool on_black(const struct option_use *use, const char *option)
+{
+    (void)option;
+    return any_engine(use, is_black);
+}
+
+static bool on_processor(const struct option_use *use, const char *option)
+{
+    (void)option;
+    return any_engine(use, is_of_processor);
+}
+
+static bool on_trees(const struct option_use *use, const char *option)
+{
+    (void)option;
+    return any_engine(use, walks_trees);
+}
+
+static bool on_tests(const struct option_use *use, const char *option)
+{
+    (void)option;
+    return any_engine(use, tests_ours);
+}
+
+static bool from_outside(const struct option_use *use, const char *option)
+{
+    (void)option;
+    bool any = any_engine(use, engine_is_peer);
+    for (size_t i = 0; use->layout && i < use->layout->count; i++)
+        any = any || layouts_all[use->layout->index[i]]->outside;
+    return any;
+}
+
+static bool by_builder(const struct option_use *use, const char *option)
+{
+    bool any = !use->builder;
+    for (size_t i = 0; use->builder && i < use->builder->count; i++) {
+        const char *takes = builders_all[use->builder->index[i]]->takes;
+        any = any || (takes && option_among(takes, option));
+    }
+    return any || MUTANT == MUTANT_OPTION_SWALLOWED;
+}
+
+static bool of_grids(const struct option_use *use, const char *option)
+{
+    (void)option;
+    bool any = !use->store;
+    for (size_t i = 0; use->store && i < use->store->count; i++)
+        any = any || tri_stores[use->store->index[i]]->head != NULL;
+    return any;
+}
+
+/* Files and generators that draw nothing by chance are the same whatever the seed, and so is one
+ * whose text gives its own. */
+static bool scene_is_seeded(const char *spec)
+{
+    char name[64];
+    const char *colon = strchr(spec, ':');
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(spec, ":"), spec);
+    const struct generator *generator = generator_find(name);
+    if (!generator || generator->seedless)
+        return false;
+    return !colon || (!strstr(colon, ":seed=") && !strstr(colon, ",seed="));
+}
+
+static bool by_chance(const struct option_use *use, const char *option)
+{
+    (void)option;
+    bool any = use->seeded || (!use->rays && !use->scene);
+    for (size_t i = 0; use->rays && i < use->rays->count; i++)
+        any = any || !ray_sets[use->rays->index[i]]->seedless;
+    for (size_t i = 0; use->scene && i < use->scene_count; i++)
+        any = any || scene_is_seeded(use->scene[i]);
+    return any;
+}
+
+static const struct {
+    const char *options;
+    bool (*is_met)(const struct option_use *use, const char *option);
+    const char *what;
+} needs[] = {
+    {"layout store builder box leaf eps bvh bins radius split-budget split-alpha optimize",
+     on_trees, "an engine that walks trees"},
+    {"eps bins radius split-budget split-alpha", by_builder, "builder"},
+    {"tri", on_tests, "an engine that has no triangle test of its own"},
+    {"driver device workgroup", on_gpu, "an engine on Vulkan"},
+    {"shader", on_shaders, "an engine that runs shaders of layouts"},
+    {"displacement", on_black, "an engine whose formula is not known"},
+    {"threads", on_processor, "an engine of the processor"},
+    {"peer-time peer-memory", from_outside, "pipe:COMMAND or --layout FILE.so"},
+    {"bits", of_grids, "--store quantised"},
+    {"seed", by_chance, "a scene or rays that are drawn by chance"},
+};
+
+/* The builders that take an option, by name. */
+static void name_builders(const char *option, char *text, size_t text_bytes)
+{
+    size_t used = (size_t)snprintf(text, text_bytes, "builder");
+    for (size_t i = 0; builders_all[i] && used < text_bytes; i++)
+        if (builders_all[i]->takes && option_among(builders_all[i]->takes, option))
+            used += (size_t)snprintf(text + used, text_bytes - used, " %s", builders_all[i]->name);
+}
+
+bool option_is_used(const struct option_use *use, const char *option, struct reason *why)
+{
+    char text[120];
+    const bool left_out = (use->only && !option_among(use->only, option)) ||
+                          (use->never && option_among(use->never, option));
+    if (left_out) {
+        (void)fail(why, STATUS_INPUT, "--%s: not used by %s", option, use->by);
+        return false;
+    }
+    for (size_t i = 0; i < ARRAY_COUNT(needs); i++) {
+        if (!option_among(needs[i].options, option) || needs[i].is_met(use, option))
+            continue;
+        snprintf(text, sizeof text, "%s", needs[i].what);
+        if (needs[i].is_met == by_builder)
+            name_builders(option, text, sizeof text);
+        (void)fail(why, STATUS_INPUT, "--%s: not used here: it needs %s", option, text);
+        return false;
+    }
+    return true;
+}
+
+enum status options_check(const struct option_use *use, struct reason *reason)
+{
+    const char *option;
+    for (size_t i = 0; (option = option_given(i)) != NULL; i++)
+        if (!option_is_used(use, option, reason))
+            return STATUS_INPUT;
+    return STATUS_OK;
+}
+
+int options_refused(const char *command, const struct option_use *use)
+{
+    struct reason reason;
+    return options_check(use, &reason) ? usage_error(command, "%s", reason.text) : -1;
+}

@@ -1,0 +1,396 @@
+#include "cmd/conform/cmd_conform_hard.h"
+
+#include "ref/base/command.h"
+#include "ref/base/mutant.h"
+#include "cmd/conform/cmd_conform_report.h"
+#include "tests/hard/causes.h"
+#include "tests/hard/members.h"
+
+#include <fnmatch.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct one {
+    const struct hard_case *hard;
+    struct hard_member member;
+};
+
+struct suite {
+    struct one *one;
+    size_t count, capacity;
+    const char *pattern; /* NULL: take all */
+    struct list engine;  /* none: take all */
+    struct hard_tables tables;
+    bool tri_named; /* then not the core alone */
+    bool quick;     /* without members of which two parts or more are as published */
+    bool failed;    /* no memory */
+};
+
+static void suite_add(void *user, const struct hard_case *hard, const struct hard_member *member)
+{
+    struct suite *suite = user;
+    char name[HARD_NAME_MOST];
+    if (suite->engine.count && !list_names(&suite->engine, member->engine))
+        return;
+    if (!suite->pattern && !suite->tri_named && !member->tri->core)
+        return;
+    if (suite->quick && hard_member_published(member) > 1 && !hard_defect_of(hard, member))
+        return;
+    hard_name_print(hard, member, name);
+    if (suite->pattern && fnmatch(suite->pattern, name, 0) != 0)
+        return;
+    void *array = suite->one;
+    if (array_reserve(&array, &suite->capacity, suite->count + 1, sizeof *suite->one)) {
+        suite->failed = true;
+        return;
+    }
+    suite->one = array;
+    suite->one[suite->count++] = (struct one){hard, *member};
+}
+
+static enum status suite_make(struct suite *suite, struct reason *reason)
+{
+    for (size_t i = 0; hard_cases[i]; i++)
+        hard_each_member(hard_cases[i], &suite->tables, suite_add, suite);
+    if (suite->failed)
+        return fail(reason, STATUS_MEMORY, "no memory for the list of hard cases");
+    if (suite->count == 0)
+        return fail(reason, STATUS_INPUT, "no hard case matches '%s'",
+                    suite->pattern ? suite->pattern : "hard.*");
+    return STATUS_OK;
+}
+
+/* A member that may be excused by one of the waivers. */
+struct counting {
+    struct waivers *waivers;
+    bool core; /* of core members alone */
+};
+
+static void count_name(void *user, const struct hard_case *hard, const struct hard_member *member)
+{
+    const struct counting *counting = user;
+    char name[HARD_NAME_MOST];
+    if (counting->core && !member->tri->core)
+        return;
+    hard_name_print(hard, member, name);
+    waivers_count(counting->waivers, name);
+}
+
+/* What belongs to a run. */
+struct run {
+    const struct conform_hard_options *options;
+    struct hard_stage stage;
+    struct conform_report *report;
+    struct matrix *matrix;
+    const char *driver;  /* that `versions` are of */
+    char versions[8192]; /* what the engines say of themselves; "": not asked yet */
+};
+
+/* True if the engines here are said to have the defect. */
+static bool is_expected(struct run *run, const struct hard_defect *defect)
+{
+    const struct engine_options *options = &run->stage.pool.options;
+    if (!defect->version)
+        return true;
+    if (run->versions[0] == '\0' || run->driver != options->driver)
+        conform_versions(options, run->versions, sizeof run->versions);
+    run->driver = options->driver;
+    return version_told(run->versions, defect->version);
+}
+
+/* True if the member is there to show a defect: that it does so otherwise is not excused. */
+static bool is_defect(struct run *run, const struct one *one)
+{
+    const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
+    return defect && is_expected(run, defect);
+}
+
+/* A member that is to show a defect broke the case: for the cause that is known? */
+static enum status confirm(struct run *run, const struct one *one, const struct hard_result *result,
+                           const struct hard_defect *defect, enum outcome *outcome, char *why,
+                           size_t why_bytes, struct reason *reason)
+{
+    struct hard_causes causes;
+    *outcome = OUTCOME_KNOWN;
+    snprintf(why, why_bytes, "%s%s%s", defect->fault, result->reason.text[0] ? ": " : "",
+             result->reason.text);
+    if (defect->cause == CAUSE_NONE)
+        return STATUS_OK;
+    enum status status = hard_explain(&run->stage, &one->member, result, &causes, reason);
+    if (status)
+        return status;
+    if (causes.most != defect->cause) {
+        char found[300];
+        hard_causes_print(&causes, found, sizeof found);
+        *outcome = OUTCOME_FAILED;
+        snprintf(why, why_bytes, "%s: explained as %s, not %s", defect->fault, found,
+                 cause_name(defect->cause));
+    } else {
+        snprintf(why, why_bytes, "%s: %s, %s%s%s", defect->fault, cause_name(causes.most),
+                 cause_text(causes.most), causes.hint[0] ? "; some rays are lost too by " : "",
+                 causes.hint);
+    }
+    return STATUS_OK;
+}
+
+static bool shows(const struct hard_result *result, const struct hard_defect *defect)
+{
+    if (defect->refuses)
+        return result->outcome == HARD_REFUSED &&
+               strstr(result->reason.text, defect->refuses) != NULL;
+    return result->outcome == HARD_FAILED &&
+           (!result->unfinished || defect->cause == CAUSE_LOOP_CAP);
+}
+
+/* What a result means for a member that is to show a defect, or for any other. */
+static enum status outcome_of(struct run *run, const struct one *one,
+                              const struct hard_result *result, enum outcome *outcome, char *why,
+                              size_t why_bytes, struct reason *reason)
+{
+    static const enum outcome plain[] = {[HARD_PASSED] = OUTCOME_PASSED,
+                                         [HARD_FAILED] = OUTCOME_FAILED,
+                                         [HARD_REFUSED] = OUTCOME_REFUSED,
+                                         [HARD_SKIPPED] = OUTCOME_SKIPPED};
+    const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
+    hard_result_print(result, why, why_bytes);
+    *outcome = plain[result->outcome];
+    if (result->outcome == HARD_SKIPPED && list_names(&run->options->require, one->member.engine))
+        *outcome = OUTCOME_FAILED;
+    if (!defect || result->outcome == HARD_SKIPPED || !is_expected(run, defect))
+        return STATUS_OK;
+    if (shows(result, defect))
+        return confirm(run, one, result, defect, outcome, why, why_bytes, reason);
+    if (result->outcome != HARD_FAILED && !defect->rare) {
+        *outcome = OUTCOME_FAILED;
+        snprintf(why, why_bytes, "the defect %s shows no more", defect->fault);
+    }
+    return STATUS_OK;
+}
+
+/* Counts the parts of a case for those that were named. */
+static void count_turnout(struct turnout *turnout, const struct hard_member *member,
+                          const struct hard_result *result)
+{
+    const char *why = result->reason.text;
+    const size_t refused = result->refused - result->declined;
+    const struct {
+        const char *kind, *name;
+    } who[] = {{"engine", member->engine->name},
+               {"layout", member->layout ? member->layout->name : NULL},
+               {"builder", member->layout ? member->builder->name : NULL},
+               {"box", member->layout ? member->box->name : NULL},
+               {"tri", member->tri->name}};
+    for (size_t i = 0; i < ARRAY_COUNT(who); i++) {
+        const bool engine = i == 0;
+        if (!who[i].name)
+            continue;
+        turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_ANSWERED, result->played, why);
+        turnout_add(turnout, who[i].kind, who[i].name, engine ? TURNOUT_REFUSED : TURNOUT_SKIPPED,
+                    result->declined, why);
+        if (!engine) /* which was not asked */
+            turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_REFUSED, refused, why);
+        if (result->outcome == HARD_SKIPPED)
+            turnout_add(turnout, who[i].kind, who[i].name,
+                        result->absent ? TURNOUT_ABSENT : TURNOUT_SKIPPED, 1, why);
+        if (result->unfinished)
+            turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_FAILED, 1, why);
+    }
+}
+
+/* Adds one result to the report and the matrix. */
+static enum status add_result(struct run *run, const struct one *one,
+                              const struct hard_result *result, double seconds,
+                              struct reason *reason)
+{
+    char name[HARD_NAME_MOST], why[900];
+    const struct waiver *waiver = NULL;
+    struct conform_report *report = run->report;
+    hard_name_print(one->hard, &one->member, name);
+    struct conform_entry entry = {.name = name, .why = why, .seconds = seconds};
+    enum status status = outcome_of(run, one, result, &entry.outcome, why, sizeof why, reason);
+    if (status)
+        return status;
+    entry.code = result->unfinished ? EXIT_ENGINE : EXIT_MISMATCH;
+    entry.plain =
+        entry.outcome == OUTCOME_FAILED && result->outcome != HARD_SKIPPED && is_defect(run, one);
+    enum outcome outcome = conform_report_put(report, &entry, &waiver);
+    report->absent += outcome == OUTCOME_SKIPPED && result->absent;
+    count_turnout(&report->turnout, &one->member, result);
+    if (waiver)
+        snprintf(why, sizeof why, "%s %s", waiver->reason, waiver->link);
+    bool excused = outcome == OUTCOME_WAIVED || outcome == OUTCOME_KNOWN;
+    *(excused ? &report->excused : &report->rays) += result->rays;
+    for (int v = 0; v < VERDICT_COUNT && !excused; v++)
+        report->count[v] += result->count[v];
+    return matrix_add(run->matrix, one->hard, &one->member, outcome, result->rays, why, reason);
+}
+
+static enum status run_suite(struct run *run, const struct suite *suite, struct reason *reason)
+{
+    struct progress progress = progress_make("conform");
+    enum status status = STATUS_OK;
+    bool tap = run->options->tap;
+    for (size_t i = 0; i < suite->count && status == STATUS_OK; i++) {
+        const struct one *one = &suite->one[i];
+        struct hard_result result;
+        if (!tap)
+            progress_step(&progress, "%zu of %zu: %02u-%s", i + 1, suite->count, one->hard->number,
+                          one->hard->name);
+        uint64_t start = time_ns();
+        status = hard_run(&run->stage, one->hard, &one->member, &result, reason);
+        if (status == STATUS_OK)
+            status = add_result(run, one, &result, (double)(time_ns() - start) * 1e-9, reason);
+    }
+    if (!tap)
+        progress_end(&progress);
+    return status;
+}
+
+typedef void write_fn(const struct matrix *matrix, const char *versions, FILE *out);
+
+/* Writes a document whole or not at all. */
+static enum status write_file(const char *path, write_fn *write, const struct matrix *matrix,
+                              const char *versions, struct reason *reason)
+{
+    struct file_out file;
+    if (!path)
+        return STATUS_OK;
+    enum status status = file_out_open(path, &file, reason);
+    if (status)
+        return status;
+    write(matrix, versions, file.stream);
+    return file_out_commit(&file, reason);
+}
+
+static enum status write_documents(const struct conform_hard_options *o,
+                                   const struct matrix *matrix, struct reason *reason)
+{
+    char versions[8192] = "";
+    if (o->summary && !o->tap)
+        matrix_text(matrix, stdout);
+    if (o->markdown || o->html)
+        conform_versions(&o->engines, versions, sizeof versions);
+    enum status status = write_file(o->markdown, matrix_markdown, matrix, versions, reason);
+    return status ? status : write_file(o->html, matrix_html, matrix, versions, reason);
+}
+
+static int play(const struct conform_hard_options *o, const struct suite *suite)
+{
+    struct conform_report report;
+    struct matrix matrix = {.apart = suite->tables.chosen};
+    struct reason reason = {""};
+    bool complete =
+        o->pattern == NULL && !o->quick && o->engine.count == 0 && !suite->tables.chosen;
+    enum status status =
+        conform_report_open(&report, suite->count, complete, o->waivers, o->junit, &reason);
+    if (!status && !o->waivers && MUTANT != MUTANT_WAIVERS_LEFT)
+        status = waivers_shipped_read(&report.waivers, &reason);
+    if (status) {
+        fprintf(stderr, "raydiff conform: %s\n", reason.text);
+        return exit_of_status(status);
+    }
+    const struct hard_tables everything = hard_tables_all();
+    struct counting counting = {&report.waivers, o->pattern == NULL};
+    for (size_t i = 0; !complete && hard_cases[i]; i++)
+        hard_each_member(hard_cases[i], &everything, count_name, &counting);
+    conform_report_expect(&report, o->named);
+    report.verbose = o->verbose;
+    report.tap = o->tap;
+    report.quiet = true;
+    report.options = o->engines;
+    struct run run = {
+        .options = o, .stage = hard_stage_make(&o->engines), .report = &report, .matrix = &matrix};
+    status = run_suite(&run, suite, &reason);
+    hard_stage_free(&run.stage);
+    if (status == STATUS_OK)
+        status = write_documents(o, &matrix, &reason);
+    int code = conform_report_close(&report);
+    matrix_free(&matrix);
+    if (status)
+        fprintf(stderr, "raydiff conform: %s\n", reason.text);
+    return status ? exit_worse(code, exit_of_status(status)) : code;
+}
+
+/* What the user chose of the tables, as hard cases take them. */
+struct chosen {
+    const struct layout *layout[LIST_MOST + 1];
+    const struct builder *builder[LIST_MOST + 1];
+    const struct box_test *box[LIST_MOST + 1];
+    const struct tri_test *tri[LIST_MOST + 1];
+};
+
+static struct hard_tables choose(const struct conform_hard_options *o, struct chosen *chosen)
+{
+    const struct list *layout = &o->list_of[TABLE_LAYOUTS], *builder = &o->list_of[TABLE_BUILDERS];
+    const struct list *box = &o->list_of[TABLE_BOX_TESTS], *tri = &o->list_of[TABLE_TRI_TESTS];
+    struct hard_tables tables = hard_tables_all();
+    for (size_t i = 0; i < layout->count; i++)
+        chosen->layout[i] = layouts_all[layout->index[i]];
+    for (size_t i = 0; i < builder->count; i++)
+        chosen->builder[i] = builders_all[builder->index[i]];
+    for (size_t i = 0; i < box->count; i++)
+        chosen->box[i] = box_tests[box->index[i]];
+    for (size_t i = 0; i < tri->count; i++)
+        chosen->tri[i] = tri_tests[tri->index[i]];
+    tables.layout = layout->count ? chosen->layout : tables.layout;
+    tables.builder = builder->count ? chosen->builder : tables.builder;
+    tables.box = box->count ? chosen->box : tables.box;
+    tables.tri = tri->count ? chosen->tri : tables.tri;
+    tables.chosen = layout->count + builder->count + box->count + tri->count > 0;
+    if (MUTANT == MUTANT_HARD_LISTS)
+        tables = hard_tables_all();
+    return tables;
+}
+
+/* Whether one of the suite's members has this layout and this builder; NULL: any. */
+static bool is_met(const struct suite *suite, const struct layout *layout,
+                   const struct builder *builder)
+{
+    for (size_t i = 0; i < suite->count; i++) {
+        const struct hard_member *m = &suite->one[i].member;
+        if ((!layout || m->layout == layout) && (!builder || m->builder == builder))
+            return true;
+    }
+    return false;
+}
+
+/* The names on standard output; on standard error how much of the tables they are. */
+static void list_suite(const struct suite *suite)
+{
+    size_t cases = 0, l, b, of_layouts = 0, of_builders = 0;
+    for (size_t i = 0; i < suite->count; i++) {
+        char name[HARD_NAME_MOST];
+        hard_name_print(suite->one[i].hard, &suite->one[i].member, name);
+        puts(name);
+        cases += i == 0 || suite->one[i].hard != suite->one[i - 1].hard;
+    }
+    for (l = 0; layouts_all[l]; l++)
+        of_layouts += is_met(suite, layouts_all[l], NULL);
+    for (b = 0; builders_all[b]; b++)
+        of_builders += is_met(suite, NULL, builders_all[b]);
+    fprintf(stderr, "%zu trials of %zu hard cases: %zu of %zu layouts, %zu of %zu builders\n",
+            suite->count, cases, of_layouts, l, of_builders, b);
+}
+
+int conform_hard(const struct conform_hard_options *o)
+{
+    static struct chosen chosen;
+    struct suite suite = {.pattern = o->pattern,
+                          .quick = o->quick,
+                          .engine = o->engine,
+                          .tables = choose(o, &chosen),
+                          .tri_named = o->list_of[TABLE_TRI_TESTS].count > 0};
+    struct reason reason = {""};
+    enum status status = suite_make(&suite, &reason);
+    int code = EXIT_AGREE;
+    if (status) {
+        fprintf(stderr, "raydiff conform: %s\n", reason.text);
+        code = exit_of_status(status);
+    } else if (o->list) {
+        list_suite(&suite);
+    } else {
+        code = play(o, &suite);
+    }
+    free(suite.one);
+    return code;
+}

@@ -1,0 +1,67 @@
+/* Results of the conformance suite: text, TAP, JUnit, waivers. For commands only. */
+#ifndef CMD_CONFORM_REPORT_H
+#define CMD_CONFORM_REPORT_H
+
+#include "cmd/common/cmd_tables.h"
+#include "ref/match/turnout.h"
+#include "ref/files/file.h"
+#include "tests/hard/matrix.h"
+#include "fuzz/findings/ci.h"
+#include "fuzz/findings/waivers.h"
+
+struct conform_report {
+    size_t expected /* 0: not known before the end */, done;
+    size_t outcomes[OUTCOME_COUNT];
+    size_t absent; /* skipped, since the engine cannot run here at all */
+    size_t rays, count[VERDICT_COUNT];
+    size_t excused; /* rays of hard cases whose failure is waived or known, not in `rays` */
+    bool verbose, tap, complete;
+    bool quiet; /* waived ones are not printed: they stand in a matrix */
+    int code;
+    uint64_t start_ns;
+    struct engine_options options; /* of the engines whose versions waivers name */
+    struct turnout turnout;        /* of what was named */
+    struct waivers waivers;
+    char versions[8192];   /* of conform_versions, if a waiver needs them */
+    struct ci_junit junit; /* body NULL: none */
+};
+
+/* What became of one trial or hard case. */
+struct conform_entry {
+    const char *name;
+    enum outcome outcome; /* a waiver turns OUTCOME_FAILED into OUTCOME_WAIVED */
+    const char *why;
+    int code;   /* of a failure */
+    bool plain; /* a failure that no waiver may excuse */
+    double seconds;
+};
+
+/* What every engine says of itself, a line or more each; one that cannot run says why. */
+void conform_versions(const struct engine_options *options, char *text, size_t text_bytes);
+
+/* Reads the waivers and opens the JUnit file.
+ *   complete   the suite is not cut by a pattern: waivers that name nothing are faults
+ * Errors: STATUS_INPUT bad waiver line, cannot write. */
+enum status conform_report_open(struct conform_report *report, size_t expected, bool complete,
+                                const char *waivers, const char *junit,
+                                struct reason *reason) MUST_USE;
+
+/* Enters what was named: each of these is to answer something, or the run fails. Of a report that
+ * was opened and has no entry yet. */
+void conform_report_expect(struct conform_report *report, const struct list list[TABLE_COUNT]);
+
+/* Counts and prints an entry; returns what it is under the waivers, and the waiver that excuses it
+ * in *waiver (may be NULL). */
+enum outcome conform_report_put(struct conform_report *report, const struct conform_entry *entry,
+                                const struct waiver **waiver);
+
+/* Adds the outcome of one trial: `status` and `reason` of stage_run, and its row. */
+void conform_report_add(struct conform_report *report, const char *name, enum status status,
+                        const struct row *row, const struct reason *reason, bool required,
+                        double seconds);
+
+/* Prints the summary, finishes files, fails waivers that matched nothing and what was named and
+ * answered nothing; returns the exit code. */
+int conform_report_close(struct conform_report *report);
+
+#endif

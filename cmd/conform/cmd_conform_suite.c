@@ -1,0 +1,443 @@
+#include "cmd/conform/cmd_conform_suite.h"
+
+#include "fuzz/gen/covering.h"
+#include "ref/base/mutant.h"
+#include "scenes/scenes.h"
+
+#include <fnmatch.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NAME_DOTS    8 /* of a trial whose scene has none */
+#define LAYOUT_FIELD 2
+
+/* The tables whose members pair, in the order of a row. */
+static const enum table with_tree[] = {TABLE_ENGINES,    TABLE_LAYOUTS,   TABLE_BUILDERS,
+                                       TABLE_BOX_TESTS,  TABLE_TRI_TESTS, TABLE_QUERIES,
+                                       TABLE_GENERATORS, TABLE_RAY_SETS};
+static const enum table with_stores[] = {TABLE_ENGINES,  TABLE_LAYOUTS,    TABLE_STORES,
+                                         TABLE_BUILDERS, TABLE_BOX_TESTS,  TABLE_TRI_TESTS,
+                                         TABLE_QUERIES,  TABLE_GENERATORS, TABLE_RAY_SETS};
+static const enum table without_tree[] = {TABLE_ENGINES, TABLE_TRI_TESTS, TABLE_QUERIES,
+                                          TABLE_GENERATORS, TABLE_RAY_SETS};
+
+/* Member indices of a trial, by table. */
+struct choice {
+    size_t index[TABLE_COUNT];
+};
+
+static struct trial trial_of(const struct choice *c)
+{
+    struct trial trial = {.query = (enum query)c->index[TABLE_QUERIES],
+                          .engine = engines[c->index[TABLE_ENGINES]],
+                          .tri = tri_tests[c->index[TABLE_TRI_TESTS]],
+                          .rays = ray_sets[c->index[TABLE_RAY_SETS]],
+                          .seed = 1};
+    strcpy(trial.scene, generators[c->index[TABLE_GENERATORS]]->name);
+    if (trial.engine->needs_packed) {
+        trial.layout = layouts_all[c->index[TABLE_LAYOUTS]];
+        trial.store = tri_stores[c->index[TABLE_STORES]];
+        trial.builder = builders_all[c->index[TABLE_BUILDERS]];
+        trial.box = box_tests[c->index[TABLE_BOX_TESTS]];
+    }
+    return trial;
+}
+
+static enum status add(struct suite *suite, const struct trial *trial)
+{
+    char name[TRIAL_NAME_MOST];
+    trial_print(trial, name);
+    if (suite->kind == SUITE_PATTERN && fnmatch(suite->pattern, name, 0) != 0)
+        return STATUS_OK;
+    void *trials = suite->trial;
+    enum status status = array_reserve(&trials, &suite->capacity, suite->count + 1, sizeof *trial);
+    suite->trial = trials;
+    if (!status)
+        suite->trial[suite->count++] = *trial;
+    return status;
+}
+
+/* --- who takes part -----------------------------------------------------------------------------
+ */
+
+/* A layout's field is its name, and perhaps that of a storage. */
+static bool layout_matches(const char *field, const char *name)
+{
+    char layout[TRIAL_NAME_MOST];
+    snprintf(layout, sizeof layout, "%.*s", (int)strcspn(field, ":"), field);
+    return fnmatch(layout, name, 0) == 0;
+}
+
+/* True if the pattern's field `at`, or (at < 0) any of them but "*", matches the name. */
+static bool field_matches(const char *pattern, int at, const char *name)
+{
+    char field[TRIAL_NAME_MOST];
+    for (int i = 0; *pattern; i++) {
+        size_t length = strcspn(pattern, ".");
+        if (length >= sizeof field)
+            return true;
+        memcpy(field, pattern, length);
+        field[length] = '\0';
+        if ((at < 0 ? strcmp(field, "*") != 0 : i == at) &&
+            (at < 0 || at == LAYOUT_FIELD ? layout_matches(field, name)
+                                          : fnmatch(field, name, 0) == 0))
+            return true;
+        pattern += length + (pattern[length] == '.');
+    }
+    return false;
+}
+
+static bool has_all_fields(const char *pattern)
+{
+    int dots = 0;
+    for (const char *c = pattern; *c; c++)
+        dots += *c == '.';
+    return dots == NAME_DOTS;
+}
+
+/* True if storages are a table like others: some are named, by the option or in the field of the
+ * layout; else all trials are of `indexed`. */
+static bool takes_stores(const struct suite *suite)
+{
+    if (suite->list[TABLE_STORES].count > 0)
+        return true;
+    if (suite->kind != SUITE_PATTERN || !has_all_fields(suite->pattern))
+        return false;
+    const char *field = suite->pattern;
+    for (int i = 0; i < LAYOUT_FIELD; i++)
+        field += strcspn(field, ".") + 1;
+    return strcspn(field, ":") < strcspn(field, ".");
+}
+
+/* The tables of trials with or without a tree; their number in *count. */
+static const enum table *tables_of(const struct suite *suite, bool tree, uint32_t *count)
+{
+    bool stores = tree && takes_stores(suite);
+    *count = stores ? ARRAY_COUNT(with_stores)
+             : tree ? ARRAY_COUNT(with_tree)
+                    : ARRAY_COUNT(without_tree);
+    return stores ? with_stores : tree ? with_tree : without_tree;
+}
+
+/* With all the dots of a name no wildcard can stand for one, so that each field has a table. */
+static bool pattern_takes(const struct suite *suite, enum table table, size_t i)
+{
+    static const int field_of[TABLE_COUNT] = {
+        [TABLE_QUERIES] = 0,    [TABLE_ENGINES] = 1,   [TABLE_LAYOUTS] = LAYOUT_FIELD,
+        [TABLE_BUILDERS] = 3,   [TABLE_BOX_TESTS] = 4, [TABLE_TRI_TESTS] = 5,
+        [TABLE_GENERATORS] = 6, [TABLE_RAY_SETS] = 7};
+    const char *name = table_member(table, i, NULL);
+    if (table == TABLE_STORES)
+        return true;
+    if (has_all_fields(suite->pattern))
+        return field_matches(suite->pattern, field_of[table], name);
+    if (table != TABLE_LAYOUTS)
+        return true;
+    struct list core = table_all(TABLE_LAYOUTS);
+    return i < core.count || field_matches(suite->pattern, -1, name);
+}
+
+static bool takes_part(const struct suite *suite, enum table table, size_t i)
+{
+    const struct list *list = &suite->list[table];
+    if (table == TABLE_QUERIES && i > QUERY_ANY) /* not judged here yet */
+        return false;
+    if (suite->kind == SUITE_PATTERN && !pattern_takes(suite, table, i))
+        return false;
+    for (size_t k = 0; k < list->count; k++)
+        if (list->index[k] == i)
+            return true;
+    if (list->count > 0)
+        return false;
+    return table != TABLE_ENGINES || suite->kind == SUITE_PATTERN ||
+           strcmp(engines[i]->name, "brute") != 0; /* it is what the others are compared with */
+}
+
+/* The members of a table that take part; of engines those with or without a tree. */
+static struct list members_of(const struct suite *suite, enum table table, bool tree)
+{
+    struct list list = {.count = 0};
+    for (size_t i = 0; list.count < LIST_MOST && table_member(table, i, NULL); i++)
+        if (takes_part(suite, table, i) &&
+            (table != TABLE_ENGINES || engines[i]->needs_packed == tree))
+            list.index[list.count++] = i;
+    return list;
+}
+
+/* --- the three kinds ----------------------------------------------------------------------------
+ */
+
+static enum status add_covering(struct suite *suite, bool tree, struct reason *reason)
+{
+    uint32_t tables;
+    const enum table *table = tables_of(suite, tree, &tables);
+    struct list list[TABLE_COUNT];
+    uint32_t members[TABLE_COUNT];
+    struct covering covering;
+    for (uint32_t t = 0; t < tables; t++) {
+        list[t] = members_of(suite, table[t], tree);
+        members[t] = (uint32_t)list[t].count;
+        if (members[t] == 0)
+            return STATUS_OK;
+    }
+    enum status status = covering_make(members, tables, &covering, reason);
+    for (uint32_t r = 0; r < covering.rows && !status; r++) {
+        struct choice choice = {{0}};
+        for (uint32_t t = 0; t < tables; t++)
+            choice.index[table[t]] = list[t].index[covering.member[r * tables + t]];
+        struct trial trial = trial_of(&choice);
+        status = add(suite, &trial);
+    }
+    covering_free(&covering);
+    return status;
+}
+
+/* Every combination of members of `table`; scenes and rays too, or by turns. */
+static enum status add_product(struct suite *suite, bool tree, bool everywhere)
+{
+    uint32_t tables;
+    const enum table *table = tables_of(suite, tree, &tables);
+    uint32_t combined = everywhere ? tables : tables - 2; /* those before scene and rays */
+    struct list list[TABLE_COUNT];
+    size_t at[TABLE_COUNT] = {0}, serial = 0;
+    for (uint32_t t = 0; t < tables; t++) {
+        list[t] = members_of(suite, table[t], tree);
+        if (list[t].count == 0)
+            return STATUS_OK;
+    }
+    for (uint32_t t = 0; t < combined;) {
+        struct choice choice = {{0}};
+        if (!everywhere) {
+            /* Engines, the first table, share scene and rays. */
+            size_t turn = serial++ / list[0].count;
+            at[tables - 2] = turn % list[tables - 2].count;
+            at[tables - 1] = turn / list[tables - 2].count % list[tables - 1].count;
+        }
+        for (uint32_t k = 0; k < tables; k++)
+            choice.index[table[k]] = list[k].index[at[k]];
+        struct trial trial = trial_of(&choice);
+        enum status status = add(suite, &trial);
+        if (status)
+            return status;
+        for (t = 0; t < combined && ++at[t] == list[t].count; t++)
+            at[t] = 0;
+    }
+    return STATUS_OK;
+}
+
+static enum status add_all(struct suite *suite, struct reason *reason)
+{
+    enum status status;
+    if (suite->kind == SUITE_COVERING) {
+        status = add_covering(suite, true, reason);
+        if (!status)
+            status = add_covering(suite, false, reason);
+        return status;
+    }
+    status = add_product(suite, true, suite->kind == SUITE_PATTERN);
+    if (!status)
+        status = add_product(suite, false, suite->kind == SUITE_PATTERN);
+    return status;
+}
+
+static int by_stage(const void *a, const void *b)
+{
+    const struct trial *x = a, *y = b;
+    int order = strcmp(x->scene, y->scene);
+    if (order == 0)
+        order = strcmp(x->rays->name, y->rays->name);
+    if (order == 0)
+        order = strcmp(x->tri->name, y->tri->name);
+    if (order == 0)
+        order = strcmp(x->builder ? x->builder->name : "", y->builder ? y->builder->name : "");
+    if (order == 0)
+        order = strcmp(x->layout ? x->layout->name : "", y->layout ? y->layout->name : "");
+    if (order == 0)
+        order = strcmp(x->store ? x->store->name : "", y->store ? y->store->name : "");
+    if (order == 0)
+        order = strcmp(x->box ? x->box->name : "", y->box ? y->box->name : "");
+    if (order == 0)
+        order = (x->query > y->query) - (x->query < y->query);
+    return order ? order : strcmp(x->engine->name, y->engine->name);
+}
+
+enum status suite_make(struct suite *suite, struct reason *reason)
+{
+    struct trial one;
+    enum status status;
+    if (suite->kind == SUITE_PATTERN && strpbrk(suite->pattern, "*?[") == NULL) {
+        status = trial_parse(suite->pattern, &one, reason);
+        if (!status)
+            status = add(suite, &one);
+    } else {
+        status = add_all(suite, reason);
+    }
+    if (status == STATUS_MEMORY)
+        return fail(reason, status, "no memory for the list of trials");
+    if (status)
+        return status;
+    if (suite->count == 0)
+        return fail(reason, STATUS_INPUT, "no trial matches '%s'%s",
+                    suite->pattern ? suite->pattern : "*",
+                    suite->list[TABLE_ENGINES].count ? " and --engine" : "");
+    qsort(suite->trial, suite->count, sizeof *suite->trial, by_stage);
+    return STATUS_OK;
+}
+
+/* --- what met -----------------------------------------------------------------------------------
+ */
+
+/* Names of the trial's members, by table; NULL where it has none, and storages only with `stores`.
+ */
+static void names_of(const struct trial *trial, bool stores, const char *name[TABLE_COUNT])
+{
+    name[TABLE_BUILDERS] = trial->builder ? trial->builder->name : NULL;
+    name[TABLE_LAYOUTS] = trial->layout ? trial->layout->name : NULL;
+    name[TABLE_STORES] = stores && trial->store ? trial->store->name : NULL;
+    name[TABLE_BOX_TESTS] = trial->box ? trial->box->name : NULL;
+    name[TABLE_TRI_TESTS] = trial->tri->name;
+    name[TABLE_QUERIES] = query_name(trial->query);
+    name[TABLE_ENGINES] = trial->engine->name;
+    name[TABLE_GENERATORS] = trial->scene;
+    name[TABLE_RAY_SETS] = trial->rays->name;
+}
+
+struct met {
+    enum table a, b;
+    char name[2][64];
+    bool ran;
+};
+
+static int by_pair(const void *a, const void *b)
+{
+    const struct met *x = a, *y = b;
+    int order = (x->a > y->a) - (x->a < y->a);
+    if (order == 0)
+        order = (x->b > y->b) - (x->b < y->b);
+    if (order == 0)
+        order = strcmp(x->name[0], y->name[0]);
+    if (order == 0)
+        order = strcmp(x->name[1], y->name[1]);
+    return order ? order : (int)y->ran - (int)x->ran; /* the first of equal ones ran, if any */
+}
+
+static size_t put_pairs(const struct trial *trial, bool stores, bool ran, struct met *met)
+{
+    const char *name[TABLE_COUNT] = {NULL};
+    size_t count = 0;
+    names_of(trial, stores, name);
+    for (enum table a = 0; a < TABLE_COUNT; a++)
+        for (enum table b = a + 1; b < TABLE_COUNT; b++) {
+            if (!name[a] || !name[b])
+                continue;
+            struct met *one = &met[count++];
+            *one = (struct met){.a = a, .b = b, .ran = ran};
+            snprintf(one->name[0], sizeof one->name[0], "%s", name[a]);
+            snprintf(one->name[1], sizeof one->name[1], "%s", name[b]);
+        }
+    return count;
+}
+
+static size_t index_of(enum table table, const char *name)
+{
+    size_t i = 0;
+    const char *one;
+    while ((one = table_member(table, i, NULL)) && strcmp(one, name) != 0)
+        i++;
+    return i;
+}
+
+/* The engine that stands for the others where no pair names one: `cpu`, if it takes part, else the
+ * first that does and has, or needs no, tree. */
+static size_t stand_in(const struct suite *suite, bool tree)
+{
+    struct list list = members_of(suite, TABLE_ENGINES, tree);
+    size_t cpu = index_of(TABLE_ENGINES, "cpu");
+    for (size_t i = 0; i < list.count; i++)
+        if (list.index[i] == cpu || MUTANT == MUTANT_CPU_STANDS_IN)
+            return cpu;
+    return list.count ? list.index[0] : cpu;
+}
+
+static bool is_of_trees(enum table table)
+{
+    return table == TABLE_LAYOUTS || table == TABLE_STORES || table == TABLE_BUILDERS ||
+           table == TABLE_BOX_TESTS;
+}
+
+/* The pair among the first members that take part of all other tables. */
+static enum status add_pair(const struct suite *suite, const struct met *met, struct suite *more)
+{
+    struct choice choice = {{0}};
+    bool tree = is_of_trees(met->a) || is_of_trees(met->b) ||
+                members_of(suite, TABLE_ENGINES, true).count > 0;
+    for (enum table t = 0; t < TABLE_COUNT; t++) {
+        struct list list = members_of(suite, t, tree);
+        choice.index[t] = list.count ? list.index[0] : 0;
+    }
+    choice.index[TABLE_ENGINES] = stand_in(suite, tree);
+    choice.index[met->a] = index_of(met->a, met->name[0]);
+    choice.index[met->b] = index_of(met->b, met->name[1]);
+    struct trial trial = trial_of(&choice);
+    return add(more, &trial);
+}
+
+enum status suite_pairs(const struct suite *suite, const bool *ran, size_t *pairs, size_t *unmet,
+                        char *example, size_t example_bytes, struct suite *more)
+{
+    size_t each = TABLE_COUNT * (TABLE_COUNT - 1) / 2, count = 0;
+    struct met *met = alloc_zeroed(suite->count * each, sizeof *met);
+    enum status status = met ? STATUS_OK : STATUS_MEMORY;
+    *pairs = *unmet = 0;
+    example[0] = '\0';
+    for (size_t i = 0; i < suite->count && met; i++)
+        count += put_pairs(&suite->trial[i], takes_stores(suite), ran[i], met + count);
+    if (met)
+        qsort(met, count, sizeof *met, by_pair);
+    for (size_t i = 0; i < count && !status; i++) {
+        bool same = i > 0 && met[i].a == met[i - 1].a && met[i].b == met[i - 1].b &&
+                    strcmp(met[i].name[0], met[i - 1].name[0]) == 0 &&
+                    strcmp(met[i].name[1], met[i - 1].name[1]) == 0;
+        *pairs += !same;
+        if (same || met[i].ran)
+            continue;
+        if ((*unmet)++ == 0)
+            snprintf(example, example_bytes, "%s with %s", met[i].name[0], met[i].name[1]);
+        if (more)
+            status = add_pair(suite, &met[i], more);
+    }
+    free(met);
+    if (more && more->count > 0 && !status)
+        qsort(more->trial, more->count, sizeof *more->trial, by_stage);
+    return status;
+}
+
+enum status suite_append(struct suite *suite, bool **ran, const struct suite *more)
+{
+    if (more->count == 0)
+        return STATUS_OK;
+    bool *all = alloc_zeroed(suite->count + more->count, sizeof *all);
+    void *trials = suite->trial;
+    enum status status = all ? array_reserve(&trials, &suite->capacity, suite->count + more->count,
+                                             sizeof *suite->trial)
+                             : STATUS_MEMORY;
+    suite->trial = trials;
+    if (status) {
+        free(all);
+        return status;
+    }
+    memcpy(all, *ran, suite->count * sizeof *all);
+    memcpy(suite->trial + suite->count, more->trial, more->count * sizeof *more->trial);
+    suite->count += more->count;
+    free(*ran);
+    *ran = all;
+    return STATUS_OK;
+}
+
+void suite_free(struct suite *suite)
+{
+    free(suite->trial);
+    suite->trial = NULL;
+    suite->count = suite->capacity = 0;
+}

@@ -1,0 +1,406 @@
+/* raydiff diff: two pictures, or engines that draw the same one. */
+#include "cmd/diff/cmd_diff.h"
+
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+#include "cmd/render/cmd_render_out.h"
+#include "scenes/picture/image_diff.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help_head[] =
+    "usage: raydiff diff [SCENE] [--engine A,B,..] [OPTIONS]\n"
+    "       raydiff diff A.png B.png [OPTIONS]            (raydiff diff A.png --help)\n"
+    "Draws a scene by several engines and compares every path: what each segment hits, t to the "
+    "bit,\n"
+    "which lights are in a shadow, and the 8-bit values. Engines that compute the same bits must "
+    "have\n"
+    "the same paths. Where others differ each pixel is explained: its path is followed to the "
+    "first\n"
+    "hit or shadow that differs, and each engine's own answer to its own ray is judged against "
+    "the\n"
+    "exact truth.\n\n"
+    "  --engine A,B,.. compared with the first         [cpu,vulkan,embree: those that run here]\n"
+    "  --pixel X,Y     the path of one pixel on every engine, to the first bit that differs\n"
+    "  --angle DEG     of the camera around its target                           [0]\n"
+    "  --list N        pixels listed of each kind, at most 16                    [4]\n"
+    "  --out HEAT.png  a heat map of the values; of several engines HEAT-ENGINE.png\n"
+    "  --json FILE     everything, for machines\n\n";
+
+static const char help_tail[] =
+    "\nexit codes: 0 as it should be, 1 a difference that is not, or no path hits, 2 bad input,\n"
+    "            3 an engine did not finish, 4 no memory, 77 a named engine cannot run here\n"
+    "example: raydiff diff rtrs --engine cpu,vulkan,embree -w 96 -h 72\n"
+    "example: raydiff diff rtrs --engine cpu,embree -w 96 -h 72 --pixel 40,30\n";
+
+enum { OPT_PIXEL = OPT_RENDER_LAST + 1, OPT_DIFF_ANGLE, OPT_LIST, OPT_OUT, OPT_JSON };
+
+static const struct option table[] = {{"pixel", 1, NULL, OPT_PIXEL},
+                                      {"angle", 1, NULL, OPT_DIFF_ANGLE},
+                                      {"list", 1, NULL, OPT_LIST},
+                                      {"out", 1, NULL, OPT_OUT},
+                                      {"json", 1, NULL, OPT_JSON},
+                                      RENDER_OPTIONS,
+                                      ENGINE_OPTIONS};
+
+static bool ends_in_png(const char *text)
+{
+    size_t length = strlen(text);
+    return length > 4 && strcmp(text + length - 4, ".png") == 0;
+}
+
+/* An argument is a picture, and no option's value. */
+static bool is_of_pictures(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++)
+        if (ends_in_png(argv[i]) && argv[i][0] != '-' &&
+            (argv[i - 1][0] != '-' || strcmp(argv[i - 1], "--") == 0))
+            return true;
+    return false;
+}
+
+static void print_help(void)
+{
+    fputs(help_head, stdout);
+    fputs(render_options_help, stdout);
+    fputs(ENGINE_OPTIONS_HELP, stdout);
+    fputs(help_tail, stdout);
+}
+
+static enum status take_pixel(const char *text, struct diff_options *o, struct reason *reason)
+{
+    char x[16];
+    const char *comma = strchr(text, ',');
+    uint64_t value[2] = {0, 0};
+    if (!comma || (size_t)(comma - text) >= sizeof x)
+        return fail(reason, STATUS_INPUT, "--pixel: '%s' is not X,Y", text);
+    snprintf(x, sizeof x, "%.*s", (int)(comma - text), text);
+    enum status status = parse_count("--pixel", x, 0, FRAME_SIDE_MOST - 1, &value[0], reason);
+    if (!status)
+        status = parse_count("--pixel", comma + 1, 0, FRAME_SIDE_MOST - 1, &value[1], reason);
+    o->has_pixel = true;
+    o->x = (uint32_t)value[0];
+    o->y = (uint32_t)value[1];
+    return status;
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct diff_options *o = user;
+    float degrees = 0;
+    enum status status;
+    switch (option) {
+    case OPT_PIXEL:
+        return take_pixel(text, o, reason);
+    case OPT_DIFF_ANGLE:
+        status = parse_float("--angle", text, &degrees, reason);
+        o->angle = (double)degrees * (acos(-1.0) / 180);
+        return status;
+    case OPT_LIST:
+        return parse_count("--list", text, 0, PAIR_KEPT, &o->list, reason);
+    case OPT_OUT:
+        o->out = text;
+        return STATUS_OK;
+    case OPT_JSON:
+        o->json = text;
+        return STATUS_OK;
+    case OPT_RENDER_ENGINE:
+        o->engines_named = true;
+        return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
+    default:
+        return render_option_take(option, text, &o->settings, reason);
+    }
+}
+
+void diff_explain(const struct diff_run *run, const struct diff_member *member, bool shadow,
+                  const struct ray *ray, char text[EXPLAIN_COMMAND_MOST])
+{
+    const struct render_settings *settings = &run->options->settings;
+    bool packed = member->engine->needs_packed;
+    bool any = shadow && settings->look.profile == PROFILE_REPAIRED;
+    const struct explain_of of = {.spec = settings->scene,
+                                  .seed = settings->seed,
+                                  .engine = member->engine,
+                                  .layout = packed ? run->stage.packed.layout : NULL,
+                                  .builder = packed ? settings->builder : NULL,
+                                  .build = settings->build,
+                                  .tree = packed ? settings->bvh : NULL,
+                                  .box = settings->box,
+                                  .tri = settings->tri,
+                                  .query = any ? QUERY_ANY : QUERY_CLOSEST,
+                                  .driver = settings->engine_options.driver};
+    explain_command(&of, ray, text);
+}
+
+/* What draws is chosen by the engines' list; a tree is made if any of them needs one. */
+static enum status finish(struct diff_options *o, struct reason *reason)
+{
+    static char standard[] = "cpu,vulkan,embree";
+    enum status status = STATUS_OK;
+    if (!o->engines_named)
+        status = table_parse(TABLE_ENGINES, "--engine", standard, &o->engine, reason);
+    if (!status)
+        status = render_settings_finish("diff", &o->settings, reason);
+    for (size_t i = 0; i < o->engine.count && !status; i++) {
+        const struct engine *engine = engines[o->engine.index[i]];
+        if (!status && engine->needs_packed)
+            o->settings.engine = engine;
+    }
+    if (!status && o->settings.versus)
+        status = fail(reason, STATUS_INPUT, "--layout: one, the same for all engines");
+    if (!status && o->engine.count < 2 && !o->has_pixel)
+        status = fail(reason, STATUS_INPUT, "--engine: two engines are compared, and more");
+    if (!status && o->has_pixel && (o->x >= o->settings.width || o->y >= o->settings.height))
+        status = fail(reason, STATUS_INPUT, "--pixel: %u,%u is not in a picture of %u x %u", o->x,
+                      o->y, o->settings.width, o->settings.height);
+    const struct option_use pixel = {.by = "--pixel", .never = o->has_pixel ? "out list" : ""};
+    const struct option_use all = {.by = "diff", .never = "fps"};
+    if (!status)
+        status = options_check(&pixel, reason);
+    if (!status)
+        status = options_check(&all, reason);
+    return status ? status : render_options_check(&o->settings, &o->engine, reason);
+}
+
+static enum status open_member(struct diff_run *run, struct diff_member *member, size_t index,
+                               struct reason *reason)
+{
+    const struct diff_options *o = run->options;
+    struct frame_job job = run->stage.job;
+    enum status status =
+        render_engine(&o->settings, engines[o->engine.index[index]], &member->engine, reason);
+    if (status)
+        return status;
+    job.job.packed = member->engine->needs_packed ? &run->stage.packed : NULL;
+    member->status = side_open(member->engine, &o->settings.engine_options, &job, o->settings.waves,
+                               &member->side, &member->reason);
+    member->side.published = member->engine->needs_packed &&
+                             (run->stage.packed.layout->faithful || o->settings.box->faithful ||
+                              (!o->settings.bvh && o->settings.builder->faithful));
+    if (member->status && member->status != STATUS_UNSUPPORTED)
+        return fail(reason, member->status, "%s: %s", member->engine->name, member->reason.text);
+    return STATUS_OK;
+}
+
+static enum status open_members(struct diff_run *run, struct reason *reason)
+{
+    size_t running = 0;
+    for (size_t i = 0; i < run->options->engine.count; i++) {
+        struct diff_member *member = &run->member[run->count++];
+        enum status status = open_member(run, member, i, reason);
+        if (status)
+            return status;
+        for (size_t k = 0; k + 1 < run->count; k++)
+            if (run->member[k].engine == member->engine)
+                return fail(reason, STATUS_INPUT, "--engine: %s stands for two of them",
+                            member->engine->name);
+        if (member->status == STATUS_OK && running++ == 0)
+            run->reference = i;
+    }
+    for (size_t i = 0; i < run->count && running < 2 && !run->options->has_pixel; i++)
+        if (run->member[i].status)
+            return fail(reason, STATUS_UNSUPPORTED,
+                        "fewer than two of the engines can run here: %s",
+                        run->member[i].reason.text);
+    return running ? STATUS_OK
+                   : fail(reason, STATUS_UNSUPPORTED, "none of the engines can run here: %s",
+                          run->member[0].reason.text);
+}
+
+static enum status compare_member(struct diff_run *run, struct diff_member *member,
+                                  struct progress *progress, struct reason *reason)
+{
+    struct side *reference = &run->member[run->reference].side;
+    size_t *pixel, count, batch = pair_batch(&run->stage.job);
+    enum status status =
+        pair_compare(reference, &member->side, &member->pair, &pixel, &count, reason);
+    if (!status && count > 0 && !run->oracle)
+        status = oracle_make(&run->stage.scene, &run->oracle, reason);
+    for (size_t first = 0; first < count && !status; first += batch) {
+        size_t part = count - first < batch ? count - first : batch;
+        progress_step(progress, "%s: %zu of %zu pixels explained", member->engine->name, first,
+                      count);
+        status = pair_explain(reference, &member->side, &run->view, run->oracle, pixel + first,
+                              part, &member->pair, reason);
+    }
+    free(pixel);
+    return status;
+}
+
+static enum status draw_and_compare(struct diff_run *run, struct reason *reason)
+{
+    struct progress progress = progress_make("diff");
+    enum status status = STATUS_OK;
+    for (size_t i = run->reference; i < run->count && !status; i++) {
+        struct diff_member *member = &run->member[i];
+        struct reason why = {""};
+        if (member->status)
+            continue;
+        progress_step(&progress, "%s draws", member->engine->name);
+        status = side_draw(&member->side, &run->view, &why);
+        if (!status && i != run->reference)
+            status = compare_member(run, member, &progress, &why);
+        if (status)
+            fail(reason, status, "%s: %s", member->engine->name, why.text);
+    }
+    progress_end(&progress);
+    return status;
+}
+
+/* "HEAT-ENGINE.png" beside "HEAT.png" where there are several. */
+static void heat_path(const struct diff_run *run, const struct engine *engine, char *path,
+                      size_t path_bytes)
+{
+    const char *out = run->options->out, *dot = strrchr(out, '.');
+    size_t stem = dot && !strchr(dot, '/') ? (size_t)(dot - out) : strlen(out);
+    size_t pairs = 0;
+    for (size_t i = 0; i < run->count; i++)
+        pairs += run->member[i].status == STATUS_OK;
+    if (pairs <= 2)
+        snprintf(path, path_bytes, "%s", out);
+    else
+        snprintf(path, path_bytes, "%.*s-%s%s", (int)stem, out, engine->name, out + stem);
+}
+
+static enum status write_heat(const struct diff_run *run, const struct diff_member *member,
+                              struct reason *reason)
+{
+    const struct frame_job *job = &run->stage.job;
+    const struct diff_member *reference = &run->member[run->reference];
+    const struct image a = {job->width, job->height, reference->side.frame.pixel};
+    const struct image b = {job->width, job->height, member->side.frame.pixel};
+    char title[200], path[1024];
+    struct image_diff diff;
+    struct image heat = {0};
+    struct colour_place place;
+    heat_path(run, member->engine, path, sizeof path);
+    snprintf(title, sizeof title, "%.90s: %s against %s", file_label(run->options->settings.scene),
+             reference->engine->name, member->engine->name);
+    enum status status = image_diff(&a, &b, &diff, reason);
+    if (!status)
+        status = image_diff_heat(&a, &b, &diff, title, &heat, &place, reason);
+    if (!status)
+        status = image_write(path, &heat, reason);
+    if (!status)
+        printf("heat map %s: pixel (x, y) is at (%u + %u x, %u + %u y)\n", path, place.x,
+               place.zoom, place.y, place.zoom);
+    image_free(&heat);
+    return status;
+}
+
+/* What was found, as an exit code; engines that were named must run. */
+static int exit_of(const struct diff_run *run)
+{
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < run->count; i++) {
+        const struct diff_member *member = &run->member[i];
+        if (member->status && run->options->engines_named)
+            code = exit_worse(code, EXIT_SKIPPED);
+        if (!member->status && i != run->reference && !run->options->has_pixel &&
+            (!pair_agrees(&member->pair) || diff_is_vacuous(&member->pair)))
+            code = exit_worse(code, EXIT_MISMATCH);
+    }
+    return code;
+}
+
+static enum status report(const struct diff_run *run, int *code, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    *code = exit_worse(*code, exit_of(run));
+    diff_print(run);
+    for (size_t i = run->reference + 1; i < run->count && !status && run->options->out; i++)
+        if (!run->member[i].status)
+            status = write_heat(run, &run->member[i], reason);
+    if (!status && run->options->json)
+        status = diff_write_json(run, *code, reason);
+    return status;
+}
+
+static enum status play(struct diff_run *run, int *code, struct reason *reason)
+{
+    const struct diff_options *o = run->options;
+    enum status status = render_try_output(o->out, reason);
+    if (!status)
+        status = render_try_output(o->json, reason);
+    if (!status)
+        status = render_stage_open("diff", &o->settings, &run->stage, reason);
+    if (status)
+        return status;
+    run->view = render_stage_view(&run->stage, o->angle);
+    status = open_members(run, reason);
+    if (status)
+        return status;
+    if (o->has_pixel) {
+        status = oracle_make(&run->stage.scene, &run->oracle, reason);
+        if (!status)
+            status = diff_pixel(run, code, reason);
+        *code = exit_worse(*code, exit_of(run));
+        return status;
+    }
+    status = draw_and_compare(run, reason);
+    return status ? status : report(run, code, reason);
+}
+
+/* The command line as it can be typed again, but for what is written and listed. */
+static void keep_command(int argc, char **argv, char *text, size_t text_bytes)
+{
+    static const char *const left_out[] = {"--out", "--json", "--list"};
+    snprintf(text, text_bytes, "raydiff diff");
+    for (int i = 1; i < argc; i++) {
+        bool keep = true;
+        for (size_t k = 0; k < ARRAY_COUNT(left_out) && keep; k++) {
+            size_t length = strlen(left_out[k]);
+            keep = strncmp(argv[i], left_out[k], length) != 0 ||
+                   (argv[i][length] != '\0' && argv[i][length] != '=');
+            i += !keep && argv[i][length] == '\0'; /* its value */
+        }
+        if (keep)
+            command_word(text, text_bytes, argv[i]);
+    }
+}
+
+static int diff_engines(int argc, char **argv)
+{
+    struct diff_options options = {.settings = render_settings_default(), .list = 4};
+    struct diff_run *run = alloc_zeroed(1, sizeof *run);
+    struct reason reason = {""};
+    if (run)
+        keep_command(argc, argv, run->command, sizeof run->command);
+    int first, code = render_options_take("diff", print_help, table, take_option, &options, argc,
+                                          argv, &first);
+    if (code < 0 && first + 1 < argc)
+        code = usage_error("diff", "unexpected argument '%s'", argv[first + 1]);
+    if (code < 0 && first < argc && options.settings.scene)
+        code = usage_error("diff", "'%s' and --path %s: one scene", argv[first],
+                           options.settings.scene);
+    if (code < 0 && first < argc)
+        options.settings.scene = argv[first];
+    if (code < 0 && finish(&options, &reason))
+        code = usage_error("diff", "%s", reason.text);
+    if (code >= 0 || !run) {
+        free(run);
+        return code >= 0 ? code : EXIT_INTERNAL;
+    }
+    run->options = &options;
+    code = EXIT_AGREE;
+    enum status status = play(run, &code, &reason);
+    if (status) {
+        fprintf(stderr, "raydiff diff: %s\n", reason.text);
+        code = exit_worse(code, exit_of_status(status));
+    }
+    for (size_t i = 0; i < run->count; i++) {
+        walk_free(&run->member[i].walk);
+        side_close(&run->member[i].side);
+    }
+    oracle_free(run->oracle);
+    render_stage_close(&run->stage);
+    free(run);
+    return code;
+}
+
+int cmd_diff(int argc, char **argv)
+{
+    return is_of_pictures(argc, argv) ? cmd_diff_images(argc, argv) : diff_engines(argc, argv);
+}

@@ -1,0 +1,252 @@
+/* What raydiff diff says about engines: for a person, and as JSON. */
+#include "cmd/common/cmd_json.h"
+#include "ref/base/mutant.h"
+#include "cmd/diff/cmd_diff.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void diff_print_subject(const struct diff_run *run)
+{
+    const struct render_settings *settings = &run->options->settings;
+    const struct frame_job *job = &run->stage.job;
+    printf("%s: %u triangles; %u x %u pixels, profile %s, %u bounces, %u light%s\n",
+           settings->scene, run->stage.scene.tri_count, job->width, job->height,
+           job->look.profile == PROFILE_RTRS ? "rtrs" : "repaired", job->look.bounces,
+           job->light_count, job->light_count == 1 ? "" : "s");
+    if (run->stage.packed.layout)
+        printf("tree: %s %s, layout %s, box test %s", settings->bvh ? "file" : "builder",
+               settings->bvh ? settings->bvh : settings->builder->name,
+               run->stage.packed.layout->name, settings->box->name);
+    printf("%striangle test %s\n", run->stage.packed.layout ? ", " : "", settings->tri->name);
+    for (size_t i = 0; i < run->count; i++)
+        if (run->member[i].status)
+            printf("left out: %s\n", run->member[i].reason.text);
+}
+
+/* "tie 3, near_tie 0, ...", every class, also of 0. */
+static void print_whys(const struct pair *pair)
+{
+    size_t fine = 0;
+    for (enum why why = WHY_SAME; !why_is_fault(why); why++)
+        fine += pair->why[why];
+    printf("  explained   %zu of %zu pixels: same path %zu, rounding %zu, drift %zu", fine,
+           pair->asked, pair->why[WHY_SAME], pair->why[WHY_ROUNDING], pair->why[WHY_DRIFT]);
+    for (enum verdict verdict = VERDICT_TIE; verdict < VERDICT_WRONG; verdict++)
+        printf(", %s %zu", verdict_name(verdict), pair->verdict[verdict]);
+    printf(", wrong as published %zu", pair->why[WHY_PUBLISHED]);
+    printf("\n  faults      wrong answer %zu, picture not of its rays %zu, unexplained %zu",
+           pair->why[WHY_WRONG], pair->why[WHY_RENDERER], pair->why[WHY_UNEXPLAINED]);
+    printf("; err/E at most %.3g\n", pair->over);
+}
+
+static const char *class_of(const struct path_why *why)
+{
+    return why->why == WHY_ALLOWED ? verdict_name(why->verdict) : why_name(why->why);
+}
+
+/* One pixel, and of a wrong answer the ray and the commands. */
+static void print_pixel(const struct diff_run *run, const struct diff_member *member,
+                        const struct pixel_why *found)
+{
+    const struct path_why *why = &found->why;
+    const struct diff_member *side[2] = {&run->member[run->reference], member};
+    uint32_t width = run->stage.job.width;
+    printf("  pixel %zu,%zu %s: values differ by %u", found->pixel % width, found->pixel / width,
+           class_of(why), found->apart);
+    if (found->field != PATH_SAME)
+        printf("; pictures part at segment %u (%s)", found->segment, path_field_name(found->field));
+    if (why->why > WHY_ROUNDING && why->why != WHY_RENDERER) {
+        printf("; rays at segment %u", why->segment);
+        if (why->light != WHY_NO_LIGHT)
+            printf(", light %u", why->light);
+    }
+    if (why->why == WHY_RENDERER || why->why == WHY_WRONG || why->why == WHY_PUBLISHED ||
+        why->why == WHY_ALLOWED)
+        printf(", of %s", side[why->side]->engine->name);
+    putchar('\n');
+    for (unsigned i = 0; i < 2; i++) {
+        const struct why_answer *answer = &why->answer[i];
+        char line[512], command[EXPLAIN_COMMAND_MOST];
+        if (!answer->judged || answer->judgement.verdict != VERDICT_WRONG)
+            continue;
+        judge_line(&answer->ray, &answer->judgement, &answer->hit, line, sizeof line);
+        diff_explain(run, side[i], why->light != WHY_NO_LIGHT, &answer->ray, command);
+        printf("    WRONG %s %s %s\n    explain: %s\n", wrong_name(answer->judgement.wrong),
+               side[i]->engine->name, line, command);
+    }
+}
+
+static void print_pixel_command(const struct diff_run *run, size_t pixel)
+{
+    uint32_t width = run->stage.job.width;
+    printf("  look: %s --pixel %zu,%zu\n", run->command, pixel % width, pixel / width);
+}
+
+static void print_pair(const struct diff_run *run, const struct diff_member *member)
+{
+    const struct pair *pair = &member->pair;
+    const struct frame_diff *diff = &pair->diff;
+    const struct diff_member *reference = &run->member[run->reference];
+    uint64_t list = run->options->list;
+    printf("\n%s against %s: %s\n", member->engine->name, reference->engine->name,
+           pair->same_bits ? "the same bits are demanded" : "each difference is to be explained");
+    printf("  paths       %zu of %zu differ\n", diff->paths_apart, diff->paths);
+    printf("  segments    of %zu differ in triangle %zu, t %zu, lights asked %zu, shadows %zu\n",
+           diff->segments, diff->field[PATH_PRIM], diff->field[PATH_T], diff->field[PATH_ASKED],
+           diff->field[PATH_SHADOWED]);
+    printf("  values      %zu of %zu pixels differ, by %u at most; same path: %zu within the bound "
+           "of a rounding border, %zu not\n",
+           diff->colours, diff->paths, diff->largest, diff->allowed,
+           pair->bounded ? diff->excess : 0);
+    print_whys(pair);
+    for (size_t i = 0; i < pair->border_count && i < list; i++) {
+        const struct pixel_border *border = &pair->border[i];
+        const uint32_t *value = border->value;
+        printf("  pixel %zu,%zu border: rgb %u %u %u and %u %u %u, bound %.3g of a step\n",
+               border->pixel % run->stage.job.width, border->pixel / run->stage.job.width,
+               value[0] & 255u, value[0] >> 8 & 255u, value[0] >> 16 & 255u, value[1] & 255u,
+               value[1] >> 8 & 255u, value[1] >> 16 & 255u, (double)border->bound);
+    }
+    const struct pixel_why *worst = NULL;
+    for (enum why why = WHY_COUNT; why-- > WHY_SAME;)
+        for (size_t i = 0; i < pair->why[why] && i < list; i++) {
+            worst = worst ? worst : &pair->example[why][i];
+            print_pixel(run, member, &pair->example[why][i]);
+        }
+    if (worst)
+        print_pixel_command(run, worst->pixel);
+    printf("  %s\n", diff_is_vacuous(pair) ? "vacuous: no path of either hits a triangle"
+                     : pair_agrees(pair)   ? "as it should be"
+                                           : "DIFFERS");
+}
+
+bool diff_is_vacuous(const struct pair *pair)
+{
+    return pair_agrees(pair) && pair->diff.hits == 0 && MUTANT != MUTANT_DIFF_OF_NOTHING;
+}
+
+void diff_print(const struct diff_run *run)
+{
+    diff_print_subject(run);
+    for (size_t i = run->reference + 1; i < run->count; i++)
+        if (!run->member[i].status)
+            print_pair(run, &run->member[i]);
+}
+
+static json_t *answer_json(const struct diff_run *run, const struct diff_member *member,
+                           const struct path_why *why, unsigned side)
+{
+    const struct why_answer *answer = &why->answer[side];
+    char command[EXPLAIN_COMMAND_MOST];
+    if (!answer->judged)
+        return json_null();
+    diff_explain(run, member, why->light != WHY_NO_LIGHT, &answer->ray, command);
+    return json_pack(
+        "{s:s, s:o, s:s, s:s, s:o, s:o, s:o, s:s}", "engine", member->engine->name, "answer",
+        json_hit(&answer->hit), "verdict", verdict_name(answer->judgement.verdict), "wrong",
+        wrong_name(answer->judgement.wrong), "expected", json_prim(answer->judgement.expected),
+        "t_lo", json_number(answer->judgement.t_lo), "t_hi", json_number(answer->judgement.t_hi),
+        "explain", command);
+}
+
+static json_t *pixels_json(const struct diff_run *run, const struct diff_member *member,
+                           const struct pixel_why *found, size_t count)
+{
+    json_t *out = json_array();
+    uint32_t width = run->stage.job.width;
+    for (size_t i = 0; i < count && i < PAIR_KEPT; i++) {
+        const struct path_why *why = &found[i].why;
+        json_array_append_new(
+            out,
+            json_pack(
+                "{s:I, s:I, s:s, s:I, s:s, s:I, s:I, s:o, s:[o, o]}", "x",
+                (json_int_t)(found[i].pixel % width), "y", (json_int_t)(found[i].pixel / width),
+                "class", class_of(why), "value_difference", (json_int_t)found[i].apart,
+                "picture_field", path_field_name(found[i].field), "picture_segment",
+                (json_int_t)found[i].segment, "segment", (json_int_t)why->segment, "light",
+                why->light == WHY_NO_LIGHT ? json_null() : json_integer((json_int_t)why->light),
+                "answers", answer_json(run, &run->member[run->reference], why, 0),
+                answer_json(run, member, why, 1)));
+    }
+    return out;
+}
+
+static json_t *borders_json(const struct diff_run *run, const struct pair *pair)
+{
+    json_t *out = json_array();
+    uint32_t width = run->stage.job.width;
+    for (size_t i = 0; i < pair->border_count; i++)
+        json_array_append_new(out, json_pack("{s:I, s:I, s:[I, I], s:o}", "x",
+                                             (json_int_t)(pair->border[i].pixel % width), "y",
+                                             (json_int_t)(pair->border[i].pixel / width), "values",
+                                             (json_int_t)pair->border[i].value[0],
+                                             (json_int_t)pair->border[i].value[1], "bound",
+                                             json_number((double)pair->border[i].bound)));
+    return out;
+}
+
+static json_t *pair_json(const struct diff_run *run, const struct diff_member *member)
+{
+    const struct pair *pair = &member->pair;
+    const struct frame_diff *diff = &pair->diff;
+    json_t *why = json_object(), *verdicts = json_object();
+    for (enum why i = WHY_SAME; i < WHY_COUNT; i++)
+        json_object_set_new(why, why_name(i), json_integer((json_int_t)pair->why[i]));
+    for (enum verdict i = VERDICT_TIE; i < VERDICT_WRONG; i++)
+        json_object_set_new(verdicts, verdict_name(i), json_integer((json_int_t)pair->verdict[i]));
+    json_t *out = json_pack(
+        "{s:s, s:s, s:b, s:b, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "engine", member->engine->name,
+        "reference", run->member[run->reference].engine->name, "same_bits_demanded",
+        pair->same_bits, "agrees", pair_agrees(pair) && !diff_is_vacuous(pair), "paths",
+        (json_int_t)diff->paths, "paths_different", (json_int_t)diff->paths_apart, "segments",
+        (json_int_t)diff->segments, "triangle", (json_int_t)diff->field[PATH_PRIM], "t",
+        (json_int_t)diff->field[PATH_T], "asked", (json_int_t)diff->field[PATH_ASKED], "shadowed",
+        (json_int_t)diff->field[PATH_SHADOWED]);
+    json_object_set_new(out, "values_different", json_integer((json_int_t)diff->colours));
+    json_object_set_new(out, "largest", json_integer((json_int_t)diff->largest));
+    json_object_set_new(out, "at_a_border", json_integer((json_int_t)diff->allowed));
+    json_object_set_new(out, "beyond_the_bound",
+                        json_integer((json_int_t)(pair->bounded ? diff->excess : 0)));
+    json_object_set_new(out, "to_explain", json_integer((json_int_t)pair->asked));
+    json_object_set_new(out, "why", why);
+    json_object_set_new(out, "allowed", verdicts);
+    json_object_set_new(out, "err_over_bound", json_number(pair->over));
+    json_object_set_new(out, "borders", borders_json(run, pair));
+    json_t *pixels = json_object();
+    for (enum why i = WHY_SAME; i < WHY_COUNT; i++)
+        json_object_set_new(pixels, why_name(i),
+                            pixels_json(run, member, pair->example[i], pair->why[i]));
+    json_object_set_new(out, "pixels", pixels);
+    return out;
+}
+
+json_t *diff_subject_json(const struct diff_run *run, int exit_code)
+{
+    const struct render_settings *settings = &run->options->settings;
+    const struct frame_job *job = &run->stage.job;
+    json_t *skipped = json_array();
+    for (size_t i = 0; i < run->count; i++)
+        if (run->member[i].status)
+            json_array_append_new(skipped,
+                                  json_pack("{s:s, s:s}", "engine", run->member[i].engine->name,
+                                            "reason", run->member[i].reason.text));
+    return json_pack("{s:s, s:i, s:s, s:I, s:I, s:I, s:s, s:I, s:I, s:s?, s:s, s:o}", "raydiff",
+                     RAYDIFF_VERSION, "exit", exit_code, "scene", settings->scene, "triangles",
+                     (json_int_t)run->stage.scene.tri_count, "width", (json_int_t)job->width,
+                     "height", (json_int_t)job->height, "profile",
+                     job->look.profile == PROFILE_RTRS ? "rtrs" : "repaired", "bounces",
+                     (json_int_t)job->look.bounces, "lights", (json_int_t)job->light_count,
+                     "layout", run->stage.packed.layout ? run->stage.packed.layout->name : NULL,
+                     "tri", settings->tri->name, "left_out", skipped);
+}
+
+enum status diff_write_json(const struct diff_run *run, int exit_code, struct reason *reason)
+{
+    json_t *out = diff_subject_json(run, exit_code), *pairs = json_array();
+    for (size_t i = run->reference + 1; i < run->count; i++)
+        if (!run->member[i].status)
+            json_array_append_new(pairs, pair_json(run, &run->member[i]));
+    json_object_set_new(out, "pairs", pairs);
+    return json_write(run->options->json, out, 17, reason);
+}

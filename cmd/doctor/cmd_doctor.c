@@ -1,0 +1,179 @@
+/* raydiff doctor: what can run here, and why the rest cannot. */
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/doctor/cmd_doctor.h"
+
+#include "gpu/vk/vk_driver.h"
+#include "gpu/trace/vulkan_options.h"
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+
+#include <float.h>
+#include <fenv.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char help[] =
+    "usage: raydiff doctor [OPTIONS]\n"
+    "Says for every engine whether it can run here, with versions, devices\n"
+    "and limits, or why it is skipped; prints a card for every Vulkan driver\n"
+    "(or the one of --driver): what its arithmetic, conversions and loops do,\n"
+    "measured; and checks the float environment that the C reference relies on.\n\n"
+    "  --json FILE     the same, written to a temporary name and renamed\n" ENGINE_OPTIONS_HELP
+    "\nexit codes: 0 every engine of the processor runs and a Vulkan driver does (of --driver: "
+    "that\n"
+    "            one), though others may be missing; 77 an engine of the processor, or every "
+    "Vulkan\n"
+    "            driver, cannot run here; 4 the float environment is not IEEE\n"
+    "example: raydiff doctor --driver mesa25\n";
+
+/* Prints each line indented. */
+static void print_lines(char *text)
+{
+    for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
+        printf("    %s\n", line);
+}
+
+static void ask_engine(const struct engine *engine, const struct engine_options *options,
+                       struct doctor_engine *out)
+{
+    void *self = NULL;
+    out->engine = engine;
+    out->status = engine->open(options, &self, &out->reason);
+    engine->describe(options, out->text, sizeof out->text);
+    if (!out->status)
+        engine->close(self);
+}
+
+static void print_engine(const struct doctor_engine *e)
+{
+    char text[sizeof e->text];
+    memcpy(text, e->text, sizeof text);
+    printf("%-14s %s\n", e->engine->name, e->status ? "SKIPPED" : "runs");
+    if (e->status)
+        printf("    why: %s\n", e->reason.text);
+    if (!e->status || !strstr(text, e->reason.text)) /* the same is not told twice */
+        print_lines(text);
+}
+
+static void ask_driver(const char *name, const struct engine_options *options,
+                       struct doctor_driver *out)
+{
+    struct engine_options asked = *options;
+    struct driver driver;
+    asked.driver = name;
+    struct vk_options vk_options = vulkan_options(&asked);
+    struct vk *vk;
+    out->name = name;
+    out->status = driver_find(name, &driver, &out->reason);
+    if (!out->status)
+        driver_version(&driver, out->version, sizeof out->version);
+    if (!out->status)
+        out->status = vk_open(&vk_options, &vk, &out->reason);
+    if (out->status)
+        return;
+    out->status = card_make(vk, &out->card, &out->reason);
+    (void)vk_close(vk, NULL);
+}
+
+static void print_driver(const struct doctor_driver *d)
+{
+    char text[4096];
+    if (d->status) {
+        printf("driver %-12s SKIPPED\n    why: %s\n", d->name, d->reason.text);
+        return;
+    }
+    printf("driver %-12s %s, %s\n", d->name, d->card.limits.device, d->card.limits.driver);
+    if (d->version[0])
+        printf("    %s\n", d->version);
+    card_text(&d->card, text, sizeof text);
+    print_lines(text);
+}
+
+/* The reference must round to nearest, keep subnormals and evaluate floats as floats. */
+static int print_float_environment(void)
+{
+    volatile float least = FLT_MIN, half = 0.5f, one = 1.0f, tiny = 0x1p-24f;
+    bool subnormals = least * half > 0.0f;
+    bool nearest = fegetround() == FE_TONEAREST && one + tiny == one;
+    printf("float          %s: FLT_EVAL_METHOD %d, subnormals %s, rounding %s\n",
+           subnormals && nearest && FLT_EVAL_METHOD == 0 ? "IEEE" : "NOT IEEE", FLT_EVAL_METHOD,
+           subnormals ? "kept" : "flushed", nearest ? "to nearest" : "directed");
+    return subnormals && nearest && FLT_EVAL_METHOD == 0 ? EXIT_AGREE : EXIT_INTERNAL;
+}
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+enum { OPT_JSON = 256 };
+
+struct arguments {
+    struct engine_options engine;
+    const char *json;
+};
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct arguments *arguments = user;
+    if (option == OPT_JSON) {
+        arguments->json = text;
+        return STATUS_OK;
+    }
+    return engine_option_take(option, text, &arguments->engine, reason);
+}
+
+/* Everything is printed as soon as it is known: a driver may hang. */
+static int examine(const struct arguments *arguments, struct doctor *doctor)
+{
+    int code = print_float_environment();
+    size_t drivers = 0;
+    for (size_t i = 0; engines[i] && i < DOCTOR_MOST; i++, doctor->engine_count++) {
+        ask_engine(engines[i], &arguments->engine, &doctor->engine[i]);
+        print_engine(&doctor->engine[i]);
+        if (doctor->engine[i].status && !engines[i]->gpu)
+            code = exit_worse(code, EXIT_SKIPPED);
+    }
+    const char *const asked[] = {arguments->engine.driver, NULL};
+    const char *const *names = asked[0] ? asked : driver_names;
+    for (size_t i = 0; names[i] && i < DOCTOR_MOST; i++, doctor->driver_count++) {
+        ask_driver(names[i], &arguments->engine, &doctor->driver[i]);
+        print_driver(&doctor->driver[i]);
+        drivers += doctor->driver[i].status == STATUS_OK;
+    }
+    return drivers > 0 ? code : exit_worse(code, EXIT_SKIPPED);
+}
+
+int cmd_doctor(int argc, char **argv)
+{
+    static const struct option long_options[] = {{"json", 1, NULL, OPT_JSON}, ENGINE_OPTIONS};
+    struct arguments arguments = {.engine = engine_options_default()};
+    int first, code = options_take("doctor", print_help, long_options, take_option, &arguments,
+                                   argc, argv, &first);
+    if (code >= 0)
+        return code;
+    if (first < argc)
+        return usage_error("doctor", "'%s' is not an option", argv[first]);
+    const struct option_use use = {.by = "doctor", .never = "peer-time peer-memory shader"};
+    code = options_refused("doctor", &use);
+    if (code >= 0)
+        return code;
+    printf("raydiff        %s, compiled by %s\n", RAYDIFF_VERSION, __VERSION__);
+    printf("processors     %ld\n", sysconf(_SC_NPROCESSORS_ONLN));
+    struct doctor *doctor = alloc_zeroed(1, sizeof *doctor);
+    struct reason reason = {""};
+    if (!doctor) {
+        fprintf(stderr, "raydiff doctor: no memory\n");
+        return EXIT_INTERNAL;
+    }
+    code = examine(&arguments, doctor);
+    enum status status =
+        arguments.json ? doctor_write_json(arguments.json, doctor, &reason) : STATUS_OK;
+    if (status) {
+        fprintf(stderr, "raydiff doctor: %s\n", reason.text);
+        code = exit_of_status(status);
+    }
+    free(doctor);
+    return code;
+}

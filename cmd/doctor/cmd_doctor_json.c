@@ -1,0 +1,33 @@
+/* raydiff doctor --json. */
+#include "cmd/doctor/cmd_doctor.h"
+
+#include "ref/files/file.h"
+#include "cmd/common/cmd_json.h"
+
+#include <stdlib.h>
+
+static json_t *engine_json(const struct doctor_engine *e)
+{
+    return json_pack("{s:s, s:b, s:s?, s:s}", "name", e->engine->name, "runs",
+                     e->status == STATUS_OK, "why", e->status ? e->reason.text : NULL, "text",
+                     e->text);
+}
+
+static json_t *driver_json(const struct doctor_driver *d)
+{
+    return json_pack("{s:s, s:b, s:s?, s:s, s:o*}", "name", d->name, "runs", d->status == STATUS_OK,
+                     "why", d->status ? d->reason.text : NULL, "packages", d->version, "card",
+                     d->status ? NULL : card_json(&d->card));
+}
+
+enum status doctor_write_json(const char *path, const struct doctor *doctor, struct reason *reason)
+{
+    json_t *list[2] = {json_array(), json_array()};
+    for (size_t i = 0; i < doctor->engine_count; i++)
+        (void)json_array_append_new(list[0], engine_json(&doctor->engine[i]));
+    for (size_t i = 0; i < doctor->driver_count; i++)
+        (void)json_array_append_new(list[1], driver_json(&doctor->driver[i]));
+    json_t *root = json_pack("{s:s, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "engines", list[0],
+                             "drivers", list[1]);
+    return json_write(path, root, 9, reason);
+}

@@ -1,0 +1,104 @@
+/* Compiling the shader of a layout from outside, with glslang's C interface. The program's own: the
+ * library is not linked with glslang. */
+#include "ref/outside/plugin_shader.h"
+#include "gpu/shaders/glsl_text.h"
+#include "gpu/shaders/shaders.h"
+#include "ref/files/file.h"
+
+#include "have_glslang.h"
+
+#include <stdlib.h>
+
+#if HAVE_GLSLANG
+#include <glslang/Include/glslang_c_interface.h>
+#include <glslang/Public/resource_limits_c.h>
+
+static enum status read_whole(const char *path, char **bytes, size_t *size, struct reason *reason)
+{
+    return file_read_most(path, GLSL_TEXT_MOST, bytes, size, reason);
+}
+
+static enum status link(const struct glsl_text *text, glslang_shader_t *shader, int messages,
+                        const struct layout *layout, enum glsl_use use, struct reason *reason)
+{
+    glslang_program_t *program = glslang_program_create();
+    glslang_spv_options_t options = {.disable_optimizer = true};
+    enum status status;
+    glslang_program_add_shader(program, shader);
+    if (!glslang_program_link(program, messages)) {
+        status = glsl_text_blame(text, glslang_program_get_info_log(program), reason);
+    } else {
+        glslang_program_SPIRV_generate_with_options(program, GLSLANG_STAGE_COMPUTE, &options);
+        status =
+            shader_add(layout->name, use, text->file[0], glslang_program_SPIRV_get_ptr(program),
+                       glslang_program_SPIRV_get_size(program), reason);
+    }
+    glslang_program_delete(program);
+    return status;
+}
+
+static enum status compile(const struct glsl_text *text, const struct layout *layout,
+                           enum glsl_use use, struct reason *reason)
+{
+    const glslang_input_t input = {
+        .language = GLSLANG_SOURCE_GLSL,
+        .stage = GLSLANG_STAGE_COMPUTE,
+        .client = GLSLANG_CLIENT_VULKAN,
+        .client_version = GLSLANG_TARGET_VULKAN_1_1,
+        .target_language = GLSLANG_TARGET_SPV,
+        .target_language_version = GLSLANG_TARGET_SPV_1_3,
+        .code = text->text,
+        .default_version = 450,
+        .default_profile = GLSLANG_NO_PROFILE,
+        .messages = GLSLANG_MSG_SPV_RULES_BIT | GLSLANG_MSG_VULKAN_RULES_BIT,
+        .resource = glslang_default_resource(),
+    };
+    glslang_shader_t *shader = glslang_shader_create(&input);
+    enum status status;
+    if (!shader)
+        return fail(reason, STATUS_MEMORY, "glslang: no memory for a shader");
+    if (!glslang_shader_preprocess(shader, &input) || !glslang_shader_parse(shader, &input))
+        status = glsl_text_blame(text, glslang_shader_get_info_log(shader), reason);
+    else
+        status = link(text, shader, (int)input.messages, layout, use, reason);
+    glslang_shader_delete(shader);
+    return status;
+}
+
+enum status cmd_glsl_compile(const struct layout *layout, const char *file, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    if (!glslang_initialize_process())
+        return fail(reason, STATUS_INTERNAL, "glslang cannot be initialized");
+    for (enum glsl_use use = 0; use < GLSL_USES && !status; use++) {
+        struct glsl_text text;
+        status = glsl_text_make(file, use, read_whole, &text, reason);
+        if (!status)
+            status = compile(&text, layout, use, reason);
+        glsl_text_free(&text);
+        if (use == GLSL_DECODE && status == STATUS_INPUT) { /* what traces is fine */
+            shader_lacks(layout->name, reason->text);
+            status = STATUS_OK;
+        }
+    }
+    glslang_finalize_process();
+    return status;
+}
+#else
+enum status cmd_glsl_compile(const struct layout *layout, const char *file, struct reason *reason)
+{
+    char *bytes = NULL;
+    size_t size;
+    struct reason why;
+    enum status status = file_read_most(file, GLSL_TEXT_MOST, &bytes, &size, reason);
+    free(bytes);
+    if (status)
+        return status;
+    (void)fail(&why, STATUS_UNSUPPORTED,
+               "cannot compile %.120s: raydiff was built without glslang (Debian package "
+               "glslang-dev)",
+               file);
+    shader_lacks(layout->name, why.text);
+    return STATUS_OK;
+}
+#endif

@@ -1,0 +1,449 @@
+/* raydiff explain: one ray, one engine; what is right, what was answered, and why it is wrong. */
+#include "cmd/explain/cmd_explain_inner.h"
+
+#include "fuzz/play/player.h"
+#include "fuzz/play/trial_tree.h"
+#include "cmd/common/cmd_tree.h"
+#include "ref/base/command.h"
+#include "ref/base/ray_text.h"
+#include "scenes/scenes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: raydiff explain SCENE --ray 'OX,OY,OZ DX,DY,DZ [TMIN,TMAX]' [OPTIONS]\n"
+    "       raydiff explain SCENE --rays SET [--index I] [OPTIONS]\n"
+    "       raydiff explain TRIAL [--index I] [OPTIONS]     (a name of raydiff conform)\n"
+    "       raydiff explain FILE.trial [--index I] [--engine E] [--layout L]     (a finding)\n"
+    "Says what a ray exactly hits, what the engine answers, and if that is wrong, why: which node\n"
+    "turned the ray away, its bounds in the triangles, in the tree and in the bytes, and the one\n"
+    "thing that, made right, makes the answer right.\n\n"
+    "  --ray R         numbers in decimal or hexadecimal (0x1.8p+1), or inf, nan\n"
+    "  --rays SET      ray set, as raydiff check takes it                        [mixed]\n"
+    "  --count N       its rays                                  [100000; of a trial 1000]\n"
+    "  --index I       which of them             [the first one that is answered wrongly]\n"
+    "  --cause C       look for a ray with this cause, such as rounded_inward    [any]\n"
+    "  --seed S        of rays and generators                                    [1]\n"
+    "  --engine E      engine; pipe:COMMAND is a tracer of your own              [cpu]\n"
+    "  --layout L      layout                                                    [rf16]\n"
+    "  --store S       triangle storage, see raydiff list storages               [indexed]\n"
+    "  --builder B     builder                                                   [median]\n"
+    "  --leaf N        items per leaf                                            [4]\n"
+    "  --eps E         builder rtrs: smallest box that is split                  "
+    "[0.02]\n" BUILD_OPTIONS_HELP TREE_OPTION_HELP
+    "  --box B         box test                                                  [robust]\n"
+    "  --tri T         triangle test                                             [mt]\n"
+    "  --query Q       closest or any                                            "
+    "[closest]\n" ENGINE_OPTIONS_HELP "  --json FILE     the page, for machines\n\n"
+    "Of a layout from outside with --shader it also compares what its C and its GLSL decode, "
+    "record\n"
+    "by record, and names the first that differs. A finding about a tree is explained by the "
+    "record.\n"
+    "Members as published are held to what their repaired forms promise.\n"
+    "exit codes: 0 the answer is allowed, 1 wrong and explained, 2 bad input, 3 the engine did "
+    "not\n"
+    "            finish (explained too), 77 the engine cannot run here\n"
+    "example: raydiff explain soup:n=300 --rays vertices --layout rtrs_rf_paper\n";
+
+enum {
+    OPT_RAY = 256,
+    OPT_RAYS,
+    OPT_COUNT,
+    OPT_INDEX,
+    OPT_CAUSE,
+    OPT_SEED,
+    OPT_ENGINE,
+    OPT_LAYOUT,
+    OPT_STORE,
+    OPT_BUILDER,
+    OPT_LEAF,
+    OPT_EPS,
+    OPT_BOX,
+    OPT_TRI,
+    OPT_QUERY,
+    OPT_JSON
+};
+
+static const struct option long_options[] = {{"ray", 1, NULL, OPT_RAY},
+                                             {"rays", 1, NULL, OPT_RAYS},
+                                             {"count", 1, NULL, OPT_COUNT},
+                                             {"index", 1, NULL, OPT_INDEX},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             {"engine", 1, NULL, OPT_ENGINE},
+                                             {"layout", 1, NULL, OPT_LAYOUT},
+                                             {"store", 1, NULL, OPT_STORE},
+                                             {"builder", 1, NULL, OPT_BUILDER},
+                                             {"leaf", 1, NULL, OPT_LEAF},
+                                             {"eps", 1, NULL, OPT_EPS},
+                                             {"box", 1, NULL, OPT_BOX},
+                                             {"tri", 1, NULL, OPT_TRI},
+                                             {"query", 1, NULL, OPT_QUERY},
+                                             {"json", 1, NULL, OPT_JSON},
+                                             {"cause", 1, NULL, OPT_CAUSE},
+                                             BUILD_OPTIONS,
+                                             TREE_OPTION,
+                                             ENGINE_OPTIONS};
+
+static struct explain_options default_options(void)
+{
+    return (struct explain_options){
+        .of = {.seed = 1,
+               .engine = engine_find("cpu"),
+               .layout = layout_find("rf16"),
+               .store = tri_stores[0],
+               .builder = builders[0],
+               .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+               .box = box_tests[0],
+               .tri = tri_tests[0],
+               .query = QUERY_CLOSEST},
+        .rays = ray_sets[0],
+        .count = 100000,
+        .engines = engine_options_default(),
+    };
+}
+
+/* Takes the options that name a member of a table. */
+static enum status take_name(struct explain_options *o, int option, const char *text,
+                             struct reason *reason)
+{
+    static const struct {
+        int option;
+        enum table table;
+        const char *flag;
+    } names[] = {
+        {OPT_RAYS, TABLE_RAY_SETS, "--rays"},    {OPT_ENGINE, TABLE_ENGINES, "--engine"},
+        {OPT_LAYOUT, TABLE_LAYOUTS, "--layout"}, {OPT_BUILDER, TABLE_BUILDERS, "--builder"},
+        {OPT_BOX, TABLE_BOX_TESTS, "--box"},     {OPT_TRI, TABLE_TRI_TESTS, "--tri"},
+        {OPT_QUERY, TABLE_QUERIES, "--query"},   {OPT_STORE, TABLE_STORES, "--store"}};
+    size_t which = 0, index;
+    while (names[which].option != option)
+        which++;
+    enum status status =
+        table_parse_one(names[which].table, names[which].flag, text, &index, reason);
+    if (!status && option == OPT_QUERY && index == QUERY_ALL)
+        status = fail(reason, STATUS_INPUT, "--query: closest or any can be explained, not all");
+    if (status)
+        return status;
+    switch (option) {
+    case OPT_RAYS:
+        o->rays = ray_sets[index];
+        o->has_rays = true;
+        break;
+    case OPT_ENGINE:
+        o->of.engine = engines[index];
+        o->has_engine = true;
+        return STATUS_OK;
+    case OPT_LAYOUT:
+        o->of.layout = layouts_all[index];
+        o->has_layout = true;
+        return STATUS_OK;
+    case OPT_BUILDER:
+        o->of.builder = builders_all[index];
+        o->build_flag = "--builder";
+        break;
+    case OPT_STORE:
+        o->of.store = tri_stores[index];
+        o->build_flag = "--store";
+        break;
+    case OPT_BOX:
+        o->of.box = box_tests[index];
+        break;
+    case OPT_TRI:
+        o->of.tri = tri_tests[index];
+        break;
+    default:
+        o->of.query = (enum query)index;
+        break;
+    }
+    o->test_flag = names[which].flag;
+    return STATUS_OK;
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct explain_options *o = user;
+    uint64_t leaf = 0;
+    enum status status = STATUS_OK;
+    switch (option) {
+    case OPT_RAY:
+        o->ray_text = text;
+        o->test_flag = "--ray";
+        return STATUS_OK;
+    case OPT_COUNT:
+        o->has_count = true;
+        o->test_flag = "--count";
+        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
+    case OPT_INDEX:
+        o->has_index = true;
+        return parse_count("--index", text, 0, (1u << 30) - 1, &o->index, reason);
+    case OPT_CAUSE:
+        o->has_cause = cause_find(text, &o->cause);
+        if (!o->has_cause || o->cause == CAUSE_NONE)
+            return fail(reason, STATUS_INPUT, "--cause: unknown cause '%.60s'", text);
+        return STATUS_OK;
+    case OPT_SEED:
+        o->test_flag = "--seed";
+        return parse_count("--seed", text, 0, UINT64_MAX, &o->of.seed, reason);
+    case OPT_LEAF:
+        o->test_flag = o->build_flag = "--leaf";
+        status = parse_count("--leaf", text, 1, 1u << 20, &leaf, reason);
+        o->of.build.leaf = (uint32_t)leaf;
+        return status;
+    case OPT_EPS:
+        o->test_flag = o->build_flag = "--eps";
+        return parse_float("--eps", text, &o->of.build.eps, reason);
+    case OPT_BINS:
+    case OPT_RADIUS:
+    case OPT_SPLIT_BUDGET:
+    case OPT_SPLIT_ALPHA:
+    case OPT_OPTIMIZE:
+        status = build_option_take(option, text, &o->of.build, &o->build_flag, reason);
+        o->test_flag = o->build_flag;
+        return status;
+    case OPT_BVH:
+        o->test_flag = "--bvh";
+        o->of.tree = text;
+        return STATUS_OK;
+    case OPT_JSON:
+        o->json = text;
+        return STATUS_OK;
+    case OPT_RAYS:
+    case OPT_ENGINE:
+    case OPT_LAYOUT:
+    case OPT_STORE:
+    case OPT_BUILDER:
+    case OPT_BOX:
+    case OPT_TRI:
+    case OPT_QUERY:
+        return take_name(o, option, text, reason);
+    default:
+        return engine_option_take(option, text, &o->engines, reason);
+    }
+}
+
+/* What one run holds. */
+struct explaining {
+    struct explain_options *options;
+    struct finding_file file; /* if that is what is explained */
+    struct scene scene;
+    struct oracle *oracle;
+    struct tree_file tree; /* of --bvh */
+    struct bvh bvh;
+    struct packed packed;
+    struct pool pool;
+    struct explain_decode decode;
+    struct fuzz_player *player; /* of the file's trial, once it is asked at another scale */
+    struct ray *ray;
+    size_t ray_count; /* 1 with --ray */
+};
+
+static enum status make_rays(struct explaining *e, struct reason *reason)
+{
+    const struct explain_options *o = e->options;
+    if (o->has_file) {
+        if (o->has_index && o->index >= e->ray_count)
+            return fail(reason, STATUS_INPUT, "--index: %llu of %zu rays",
+                        (unsigned long long)o->index, e->ray_count);
+        return STATUS_OK;
+    }
+    e->ray_count = o->ray_text ? 1 : (size_t)o->count;
+    e->ray = alloc_zeroed(e->ray_count, sizeof *e->ray);
+    if (!e->ray)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu rays", e->ray_count);
+    if (o->ray_text)
+        return ray_text_read(o->ray_text, RAY_TMAX, e->ray, reason);
+    if (o->has_index && o->index >= o->count)
+        return fail(reason, STATUS_INPUT, "--index: %llu of %llu rays",
+                    (unsigned long long)o->index, (unsigned long long)o->count);
+    return o->rays->make(&e->scene, o->of.seed, e->ray_count, e->ray, reason);
+}
+
+static enum status make_tree(struct explaining *e, struct reason *reason)
+{
+    const struct explain_of *of = &e->options->of;
+    if (!of->engine->needs_packed)
+        return STATUS_OK;
+    enum status status = STATUS_OK;
+    if (e->options->has_file && !of->tree) {
+        struct fuzz_trial trial = e->file.trial;
+        trial.builder = of->builder;
+        trial.build = of->build;
+        return fuzz_trial_tree(&trial, of->layout, &e->bvh, &e->packed, NULL, reason);
+    }
+    if (of->tree)
+        status = tree_open("explain", of->tree, &e->scene, &e->tree, reason);
+    if (!status && tree_file_is_packed(&e->tree) && !e->options->has_layout)
+        e->options->of.layout = e->tree.packed.layout;
+    if (!status)
+        status = of->tree ? tree_file_bvh(&e->tree, &e->scene, &e->bvh, reason)
+                          : bvh_build(of->builder, &e->scene, &of->build, &e->bvh, reason);
+    if (!status && of->tree)
+        return tree_file_pack(&e->tree, of->layout, &e->scene, &e->packed, reason);
+    if (!status)
+        status = packed_make_stored(of->layout, of->store, &e->bvh, &e->scene, &e->packed, reason);
+    return status;
+}
+
+/* Explains a ray; that of a file as the campaign did that wrote it. */
+static enum status explain_ray(struct explaining *e, struct judged *judged, size_t index,
+                               struct judged_ray *out, struct reason *reason)
+{
+    const struct explain_of *of = &e->options->of;
+    enum status status = judged_explain(judged, &e->ray[index], out, reason);
+    if (status || out->why.cause != CAUSE_OUTSIDE || !e->options->has_file)
+        return status;
+    const struct fuzz_field field = {
+        .who = {{of->engine, of->layout}}, .count = 1, .options = e->options->engines};
+    if (!e->player)
+        status = fuzz_player_open(&field, &e->player, reason);
+    if (!status)
+        status = fuzz_explain_scaled(e->player, &e->file.trial, (uint32_t)index, out, reason);
+    if (status)
+        explain_free(&out->why);
+    return status;
+}
+
+/* Explains the ray asked for, or the first wrong one (with the cause looked for). *index is the
+ * number of rays if there is none. */
+static enum status choose(struct explaining *e, struct judged *judged, struct judged_ray *out,
+                          size_t *index, struct reason *reason)
+{
+    const struct explain_options *o = e->options;
+    *index = o->ray_text ? 0 : (size_t)o->index;
+    if (o->ray_text || o->has_index)
+        return explain_ray(e, judged, *index, out, reason);
+    for (size_t first = 0;; first = *index + 1) {
+        enum status status = judged_find(judged, e->ray, first, e->ray_count, index, reason);
+        if (status || *index == e->ray_count)
+            return status;
+        status = explain_ray(e, judged, *index, out, reason);
+        if (status || !o->has_cause || out->why.cause == o->cause)
+            return status;
+        explain_free(&out->why);
+    }
+}
+
+/* *code: the exit code. */
+static enum status explain_one(struct explaining *e, struct judged *judged, int *code,
+                               struct reason *reason)
+{
+    const struct explain_options *o = e->options;
+    struct judged_ray ray;
+    size_t index;
+    enum status status = choose(e, judged, &ray, &index, reason);
+    if (status)
+        return status;
+    if (index == e->ray_count) {
+        char from[80] = "";
+        if (!o->has_file)
+            snprintf(from, sizeof from, " of set %s, seed %llu", o->rays->name,
+                     (unsigned long long)o->of.seed);
+        printf("%s: %zu ray%s%s: no answer of %s is wrong%s%s\n", o->of.spec, e->ray_count,
+               e->ray_count == 1 ? "" : "s", from, o->of.engine->name,
+               o->has_cause ? " with cause " : "", o->has_cause ? cause_name(o->cause) : "");
+        return explain_write_none(o, e->ray_count, &e->decode, *code, reason);
+    }
+    char again[EXPLAIN_COMMAND_MOST];
+    struct explain_page page = {.of = &o->of,
+                                .scene = &e->scene,
+                                .judged = judged,
+                                .ray = &ray,
+                                .rays = o->ray_text || o->has_file ? NULL : o->rays->name,
+                                .index = index,
+                                .count = e->ray_count,
+                                .decode = &e->decode,
+                                .again = explain_again(o, index, again)};
+    *code = exit_worse(*code, !ray.answer.finished     ? EXIT_ENGINE
+                              : explain_is_wrong(&ray) ? EXIT_MISMATCH
+                                                       : EXIT_AGREE);
+    explain_print(&page);
+    if (o->json)
+        status = explain_write_json(o->json, &page, *code, reason);
+    explain_free(&ray.why);
+    return status;
+}
+
+static enum status explain(struct explaining *e, int *code, struct reason *reason)
+{
+    const struct explain_of *of = &e->options->of;
+    struct judged judged = {0};
+    struct job job = {.scene = &e->scene,
+                      .packed = of->engine->needs_packed ? &e->packed : NULL,
+                      .box = of->box,
+                      .tri = of->tri,
+                      .query = of->query};
+    enum status status = STATUS_OK;
+    if (!e->options->has_file)
+        status = scene_open(of->spec, of->seed, &e->scene, reason);
+    if (!status)
+        status = make_rays(e, reason);
+    if (!status)
+        status = make_tree(e, reason);
+    if (!status)
+        status = oracle_make(&e->scene, &e->oracle, reason);
+    if (status)
+        return status;
+    e->pool.options = e->options->engines;
+    void *self = pool_get(&e->pool, of->engine, &status, reason);
+    if (!status)
+        status = of->engine->prepare(self, &job, reason);
+    if (status) {
+        *code = exit_of_status(status);
+        return status;
+    }
+    struct judged_job from = {of->engine, self, &job, &e->bvh, e->oracle};
+    status = judged_make(&from, &judged, reason);
+    if (!status)
+        status = explain_decode(e->options, &e->packed, &e->decode, reason);
+    *code = explain_decode_code(&e->decode);
+    if (!status)
+        status = explain_one(e, &judged, code, reason);
+    if (!status)
+        explain_decode_print(&e->decode);
+    judged_free(&judged);
+    return status;
+}
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+int cmd_explain(int argc, char **argv)
+{
+    struct reason reason = {""};
+    struct explain_options options = default_options();
+    int first, code = options_take("explain", print_help, long_options, take_option, &options, argc,
+                                   argv, &first);
+    if (code >= 0)
+        return code;
+    if (argc - first != 1)
+        return usage_error("explain", argc == first ? "no scene given" : "one scene at a time");
+    struct explaining e = {.options = &options};
+    if (tree_check_options(options.of.tree, options.build_flag, 1, &reason) ||
+        explain_take_subject(&options, argv[first], &e.file, &reason))
+        return usage_error("explain", "%s", reason.text);
+    code = explain_check_use(&options, argv + first);
+    if (code >= 0)
+        return finding_file_free(&e.file), code;
+    /* What the file holds is the run's; freed there. */
+    e.scene = e.file.trial.scene, e.ray = e.file.trial.ray, e.ray_count = e.file.trial.ray_count;
+    code = EXIT_AGREE;
+    enum status status = options.about_tree
+                             ? explain_tree_finding(&options, &e.file, &code, &reason)
+                             : explain(&e, &code, &reason);
+    if (status) {
+        fprintf(stderr, "raydiff explain: %s\n", reason.text);
+        code = exit_worse(code, exit_of_status(status));
+    }
+    fuzz_player_close(e.player);
+    pool_free(&e.pool);
+    oracle_free(e.oracle);
+    packed_free(&e.packed);
+    bvh_free(&e.bvh);
+    tree_file_free(&e.tree);
+    scene_free(&e.scene);
+    free(e.ray);
+    return code;
+}

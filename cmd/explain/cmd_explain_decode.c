@@ -1,0 +1,59 @@
+/* raydiff explain of a layout from outside: what its C and its GLSL decode, held against each
+ * other. */
+#include "cmd/explain/cmd_explain_inner.h"
+
+#include "ref/outside/plugin_shader.h"
+#include "ref/base/command.h"
+
+#include <stdio.h>
+
+enum status explain_decode(const struct explain_options *o, const struct packed *packed,
+                           struct explain_decode *out, struct reason *reason)
+{
+    *out = (struct explain_decode){.compared = false};
+    if (!o->of.layout || !plugin_shader_path(o->of.layout))
+        return STATUS_OK;
+    out->asked = true;
+    enum status status = decode_compare(packed, &o->engines, &out->decoded, &out->why);
+    out->compared = status == STATUS_OK;
+    if (status && status != STATUS_UNSUPPORTED)
+        return fail(reason, status, "comparing what C and GLSL decode: %s", out->why.text);
+    return STATUS_OK;
+}
+
+int explain_decode_code(const struct explain_decode *decode)
+{
+    if (!decode->asked)
+        return EXIT_AGREE;
+    return !decode->compared ? EXIT_SKIPPED : decode->decoded.differ ? EXIT_MISMATCH : EXIT_AGREE;
+}
+
+void explain_decode_print(const struct explain_decode *decode)
+{
+    const struct decoded *decoded = &decode->decoded;
+    if (!decode->asked)
+        return;
+    if (!decode->compared) {
+        printf("decode    C and GLSL are not compared: %s\n", decode->why.text);
+        return;
+    }
+    if (decoded->differ == 0) {
+        printf("decode    C and GLSL decode the same of %u records, %u slots\n", decoded->records,
+               decoded->slots);
+        return;
+    }
+    printf("decode    DIFFERS: %s\n", decoded->first);
+    printf("          %u of %u records decode otherwise in GLSL than in C\n", decoded->differ,
+           decoded->records);
+}
+
+json_t *explain_decode_json(const struct explain_decode *decode)
+{
+    const struct decoded *decoded = &decode->decoded;
+    if (!decode || !decode->asked)
+        return json_null();
+    return json_pack("{s:b, s:s, s:I, s:I, s:I, s:s}", "compared", decode->compared, "reason",
+                     decode->why.text, "records", (json_int_t)decoded->records, "slots",
+                     (json_int_t)decoded->slots, "differ", (json_int_t)decoded->differ, "first",
+                     decoded->first);
+}

@@ -1,0 +1,187 @@
+/* What raydiff explain is asked about: a scene, a trial's name, a finding's file. */
+#include "cmd/explain/cmd_explain_inner.h"
+
+#include "ref/outside/plugin_shader.h"
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+#include "cmd/conform/cmd_trial.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* A trial's name stands for its options; what begins like one is one. */
+static bool is_trial(const char *text)
+{
+    for (enum query query = 0; query < QUERY_COUNT; query++) {
+        size_t length = strlen(query_name(query));
+        if (strncmp(text, query_name(query), length) == 0 && text[length] == '.')
+            return true;
+    }
+    return false;
+}
+
+static enum status take_trial(struct explain_options *o, const char *text, struct reason *reason)
+{
+    static struct trial trial; /* its scene is borrowed */
+    enum status status = trial_parse(text, &trial, reason);
+    if (!status && trial.query == QUERY_ALL)
+        status = fail(reason, STATUS_INPUT, "trial: closest or any can be explained, not all");
+    if (!status && o->of.tree)
+        status = fail(reason, STATUS_INPUT, "--bvh: a trial's name says which tree it builds");
+    if (status)
+        return status;
+    o->of = (struct explain_of){.spec = trial.scene,
+                                .seed = trial.seed,
+                                .engine = trial.engine,
+                                .layout = trial.layout,
+                                .store = trial.store,
+                                .builder = trial.builder,
+                                .build = o->of.build,
+                                .box = trial.box,
+                                .tri = trial.tri,
+                                .query = trial.query};
+    o->rays = trial.rays;
+    o->has_trial = true;
+    if (!o->has_count)
+        o->count = 1000;
+    return STATUS_OK;
+}
+
+static bool is_file(const char *text)
+{
+    static const char ending[] = ".trial";
+    size_t length = strlen(text), least = sizeof ending - 1;
+    return length > least && strcmp(text + length - least, ending) == 0;
+}
+
+/* The engine of a signature, unless the user names another. */
+static enum status take_engine(struct explain_options *o, const struct fuzz_signature *signature,
+                               struct reason *reason)
+{
+    struct fuzz_signature named;
+    for (size_t i = 0; engines[i] && !o->has_engine; i++) {
+        fuzz_signature_set_engine(&named, engines[i]->name);
+        o->has_engine = strcmp(named.engine, signature->engine) == 0;
+        o->of.engine = engines[i];
+    }
+    if (!o->has_engine)
+        return fail(reason, STATUS_INPUT, "%s: its engine '%s' is not here: name one with --engine",
+                    o->of.spec, signature->engine);
+    return STATUS_OK;
+}
+
+/* The file decides everything but engine and layout. Without --index and --cause its own cause is
+ * looked for, where it has one. */
+static enum status take_file(struct explain_options *o, const char *path, struct finding_file *file,
+                             struct reason *reason)
+{
+    if (o->test_flag)
+        return fail(reason, STATUS_INPUT, "%s: %s brings its own", o->test_flag, path);
+    enum status status = finding_file_read(path, file, reason);
+    if (status)
+        return status;
+    const struct fuzz_trial *trial = &file->trial;
+    o->has_file = true;
+    o->of.builder = trial->builder;
+    o->of.build = trial->build;
+    o->of.store = trial->store;
+    o->of.box = trial->box;
+    o->of.tri = trial->tri;
+    o->of.query = trial->query;
+    if (file->has_signature) {
+        const struct fuzz_signature *signature = &file->signature;
+        bool on_ray = signature->kind <= FUZZ_KIND_BITS || signature->kind == FUZZ_KIND_UNFINISHED;
+        o->about_tree = signature->kind == FUZZ_KIND_TREE && !o->has_index && !o->has_cause;
+        if (!on_ray && !o->has_index && !o->about_tree)
+            status = fail(reason, STATUS_INPUT, "%s: a finding of kind %s is on no ray: %s", path,
+                          fuzz_kind_name(signature->kind), "name one with --index, or replay it");
+        if (!status && !o->about_tree)
+            status = take_engine(o, signature, reason);
+        else if (!status && !o->of.engine->needs_packed)
+            status = fail(reason, STATUS_INPUT, "%s: it is about a tree, and engine %s takes none",
+                          path, o->of.engine->name);
+        if (!o->has_layout && signature->layout)
+            o->of.layout = signature->layout;
+        if (!o->has_cause && !o->has_index && signature->cause != CAUSE_NOT_REPEATABLE) {
+            o->has_cause = true;
+            o->cause = signature->cause;
+        }
+    }
+    if (status)
+        finding_file_free(file);
+    return status;
+}
+
+const char *explain_again(const struct explain_options *o, size_t index,
+                          char text[EXPLAIN_COMMAND_MOST])
+{
+    char number[32];
+    if (!o->has_file)
+        return NULL;
+    snprintf(text, EXPLAIN_COMMAND_MOST, "raydiff explain");
+    command_word(text, EXPLAIN_COMMAND_MOST, o->of.spec);
+    snprintf(number, sizeof number, "%zu", index);
+    command_word(text, EXPLAIN_COMMAND_MOST, "--index");
+    command_word(text, EXPLAIN_COMMAND_MOST, number);
+    command_word(text, EXPLAIN_COMMAND_MOST, "--engine");
+    command_word(text, EXPLAIN_COMMAND_MOST, o->of.engine->name);
+    if (o->of.layout)
+        plugin_command(text, EXPLAIN_COMMAND_MOST, o->of.layout);
+    return text;
+}
+
+enum status explain_take_subject(struct explain_options *o, const char *text,
+                                 struct finding_file *file, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    o->of.spec = text;
+    if (is_trial(text))
+        status = take_trial(o, text, reason);
+    else if (is_file(text))
+        status = take_file(o, text, file, reason);
+    o->of.driver = o->engines.driver;
+    if (!status && o->of.tree && !o->of.engine->needs_packed)
+        status = fail(reason, STATUS_INPUT, "--bvh: engine %s takes no tree", o->of.engine->name);
+    if (o->of.tree)
+        o->of.builder = &tree_file_builder;
+    if (!o->of.engine->needs_packed) {
+        o->of.layout = NULL;
+        o->of.builder = NULL;
+    }
+    if (!status && o->ray_text && (o->has_rays || o->has_index))
+        status = fail(reason, STATUS_INPUT, "--ray is one ray: it goes without --rays and --index");
+    return status;
+}
+
+int explain_check_use(const struct explain_options *o, char *const *spec)
+{
+    const char *const never = o->ray_text ? "rays index count cause" : o->has_index ? "cause" : "";
+    struct list engine = list_of_engine(o->of.engine), layout = {.count = 0};
+    struct list builder = {.count = 0};
+    struct option_use use = {.by = o->ray_text ? "--ray" : "--index",
+                             .never = o->has_file ? "" : never,
+                             .engine = &engine,
+                             .compares = true,
+                             .seeded = !o->ray_text && !o->rays->seedless,
+                             .scene = spec,
+                             .scene_count = 1};
+    int code = -1;
+    while (o->of.layout && layouts_all[layout.index[0]] != o->of.layout)
+        layout.index[0]++;
+    layout.count = o->of.layout != NULL;
+    while (o->of.builder && builders_all[builder.index[0]] &&
+           builders_all[builder.index[0]] != o->of.builder)
+        builder.index[0]++;
+    builder.count = o->of.builder && builders_all[builder.index[0]] == o->of.builder;
+    use.layout = &layout;
+    use.builder = &builder;
+    if (o->has_trial) {
+        char words[80];
+        snprintf(words, sizeof words, "%s%s store builder box tri query rays seed",
+                 engine_is_peer(o->of.engine) ? "" : "engine ",
+                 o->of.layout && o->of.layout->outside ? "" : "layout");
+        const struct option_use own = {.by = "a trial, whose name says it", .never = words};
+        code = options_refused("explain", &own);
+    }
+    return code < 0 ? options_refused("explain", &use) : code;
+}

@@ -1,0 +1,103 @@
+/* raydiff explain of a finding about a tree: which record, slot and bound of it are at fault, and
+ * by which rule. It is on no ray, and any engine that takes trees will do. */
+#include "cmd/explain/cmd_explain_inner.h"
+
+#include "fuzz/play/player.h"
+#include "ref/outside/plugin_shader.h"
+#include "fuzz/play/trial_tree.h"
+#include "cmd/common/cmd_json.h"
+#include "ref/base/command.h"
+#include "ref/base/mutant.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* What raydiff fuzz and raydiff replay say of the trial's tree: *finding is of FUZZ_KIND_TREE, or
+ * of FUZZ_KIND_COUNT if nothing is at fault. */
+static enum status find_fault(const struct explain_options *o, const struct fuzz_trial *trial,
+                              struct fuzz_finding *finding, struct reason *reason)
+{
+    const struct fuzz_field field = {
+        .who = {{o->of.engine, o->of.layout}}, .count = 1, .options = o->engines};
+    struct fuzz_player *player;
+    struct fuzz_result result;
+    *finding = (struct fuzz_finding){.signature = {.kind = FUZZ_KIND_COUNT}};
+    enum status status = fuzz_player_open(&field, &player, reason);
+    if (!status)
+        status = fuzz_play(player, trial, 1, &result, NULL, NULL, reason);
+    for (size_t i = 0; !status && i < result.finding_count; i++)
+        if (result.finding[i].signature.kind == FUZZ_KIND_TREE) {
+            *finding = result.finding[i];
+            status = fuzz_explain(player, trial, finding, reason);
+        }
+    fuzz_player_close(player);
+    return status;
+}
+
+/* A layout that cannot hold the tree, or does not survive packing it, is no fault of the tree; of
+ * one that can C and GLSL are compared. */
+static enum status try_packing(const struct explain_options *o, const struct fuzz_trial *trial,
+                               struct explain_decode *decode, struct reason *reason)
+{
+    struct bvh bvh;
+    struct packed packed;
+    enum status status = fuzz_trial_tree(trial, o->of.layout, &bvh, &packed, NULL, reason);
+    if (!status)
+        status = explain_decode(o, &packed, decode, reason);
+    packed_free(&packed);
+    bvh_free(&bvh);
+    return status;
+}
+
+static enum status write_json(const struct explain_options *o, const struct fuzz_finding *finding,
+                              const struct explain_decode *decode, const char *again, int code,
+                              struct reason *reason)
+{
+    const bool sound = finding->signature.kind == FUZZ_KIND_COUNT;
+    json_t *root = json_pack("{s:s, s:i, s:{s:s, s:s, s:s, s:s, s:i}, s:s, s:s, s:s, s:o}",
+                             "raydiff", RAYDIFF_VERSION, "exit", code, "subject", "scene",
+                             o->of.spec, "layout", o->of.layout->name, "store",
+                             o->of.store ? o->of.store->name : tri_stores[0]->name, "builder",
+                             o->of.builder->name, "leaf", (int)o->of.build.leaf, "command", again,
+                             "cause", cause_name(sound ? CAUSE_NONE : finding->signature.cause),
+                             "tree", finding->said, "decode", explain_decode_json(decode));
+    return json_write(o->json, root, 9, reason);
+}
+
+static void print_page(const struct explain_options *o, const struct fuzz_trial *trial,
+                       const struct fuzz_finding *finding, const char *again)
+{
+    char text[STORED_NAME_MOST];
+    enum cause cause = finding->signature.cause;
+    printf("scene     %s: %u triangles\n", o->of.spec, trial->scene.tri_count);
+    printf("tree      layout %s, builder %s, leaf %u\n",
+           stored_name(o->of.layout, o->of.store, text), o->of.builder->name, o->of.build.leaf);
+    if (finding->signature.kind == FUZZ_KIND_COUNT) {
+        puts("verdict   its bytes are the tree that was built");
+    } else {
+        printf("verdict   WRONG: %s\n",
+               MUTANT == MUTANT_EXPLAIN_NO_RECORD ? "no tree" : finding->said);
+        printf("cause     %s: %s\n", cause_name(cause), cause_text(cause));
+    }
+    printf("again     %s\n", again);
+}
+
+enum status explain_tree_finding(const struct explain_options *o, const struct finding_file *file,
+                                 int *code, struct reason *reason)
+{
+    struct fuzz_finding finding;
+    struct explain_decode decode = {.asked = false};
+    char again[EXPLAIN_COMMAND_MOST] = "raydiff explain";
+    enum status status = find_fault(o, &file->trial, &finding, reason);
+    if (!status && finding.signature.kind == FUZZ_KIND_COUNT)
+        status = try_packing(o, &file->trial, &decode, reason);
+    if (status)
+        return status;
+    command_word(again, sizeof again, o->of.spec);
+    plugin_command(again, sizeof again, o->of.layout);
+    *code =
+        finding.signature.kind == FUZZ_KIND_COUNT ? explain_decode_code(&decode) : EXIT_MISMATCH;
+    print_page(o, &file->trial, &finding, again);
+    explain_decode_print(&decode);
+    return o->json ? write_json(o, &finding, &decode, again, *code, reason) : STATUS_OK;
+}

@@ -1,0 +1,109 @@
+/* What the parts of raydiff fuzz share. For commands only. */
+#ifndef FUZZ_CMD_FUZZ_H
+#define FUZZ_CMD_FUZZ_H
+
+#include "fuzz/findings/baseline.h"
+#include "fuzz/campaign/campaign.h"
+#include "fuzz/findings/report.h"
+#include "cmd/common/cmd_options.h"
+#include "cmd/common/cmd_tables.h"
+
+/* Options that decide what is found: kept in the folder, so that a campaign goes on as it began. */
+enum fuzz_key {
+    KEY_SEED,
+    KEY_SHARD,
+    KEY_ENGINE,
+    KEY_LAYOUT,
+    KEY_BUILDER,
+    KEY_FAITHFUL,
+    KEY_RAYS,
+    KEY_TRIANGLES,
+    KEY_DRIVER,
+    KEY_DEVICE,
+    KEY_WORKGROUP,
+    KEY_PAIRS,
+    KEY_COUNT
+};
+
+#define FUZZ_PATH_MOST  4096
+#define FUZZ_VALUE_MOST 1024
+
+struct fuzz_command {
+    bool given[KEY_COUNT];
+    uint64_t seed;
+    uint32_t shard, shards; /* shards 0: not sharded */
+    struct list engine, layout, builder;
+    bool faithful;
+    uint32_t rays, triangles_least, triangles_most;
+    char driver[FUZZ_VALUE_MOST]; /* "": any */
+    struct engine_options engines;
+    uint64_t trials, seconds;
+    uint64_t pairs; /* members are drawn until every pair met in so many; 0: they are not drawn */
+    uint32_t jobs, until;
+    double trial_s;
+    uint64_t memory_mib;
+    bool seconds_given, feedback, no_shrink;
+    const char *folder, *corpus, *json, *junit, *tap, *jsonl;
+    /* Made of these. */
+    char identity[FINDINGS_STATE_MOST];
+    struct feedback_list corpus_trials;
+    struct meetings *meetings;
+    struct baseline baseline;
+    char today[BASELINE_DAY];
+    struct findings *findings;
+    struct campaign_options campaign;
+    char left_out[FUZZ_VALUE_MOST]; /* engines of the default that cannot run here, and why */
+    /* The screen. */
+    bool terminal;
+    int lines; /* that are to be overwritten */
+    uint64_t shown_ns, stats_ns;
+    volatile sig_atomic_t *signalled; /* the signal that ended it; 0: none */
+    struct reason failed;             /* writing a report did */
+    enum status failed_status;
+    int code;
+};
+
+/* Name of a key's option, "seed"; its value as it is kept. */
+const char *fuzz_key_name(enum fuzz_key key);
+void fuzz_key_print(const struct fuzz_command *command, enum fuzz_key key,
+                    char text[FUZZ_VALUE_MOST]);
+/* True if the layouts are all that there are, which is kept as "every". */
+bool fuzz_has_every_layout(const struct fuzz_command *command);
+/* Sets the option. Errors: STATUS_INPUT with the flag, text and rule. */
+enum status fuzz_key_set(struct fuzz_command *command, enum fuzz_key key, const char *text,
+                         struct reason *reason) MUST_USE;
+
+/* Takes over what the folder's campaign has; makes a new one's identity. Errors: STATUS_INPUT an
+ * option that differs, another version of the generators, a folder of something else. */
+enum status fuzz_identify(struct fuzz_command *command, struct reason *reason) MUST_USE;
+
+/* Leaves out what cannot run here of the engines that nobody named; asked in a child. Errors:
+ * STATUS_UNSUPPORTED none can; as child_start. */
+enum status fuzz_default_engines(struct fuzz_command *command, struct reason *reason) MUST_USE;
+
+/* Rules and tally of the pairs that meet. Errors: STATUS_INPUT nobody takes part; STATUS_LIMIT;
+ * STATUS_MEMORY. */
+enum status fuzz_pairs_make(struct fuzz_command *command, struct reason *reason) MUST_USE;
+/* Pairs that the time did not suffice for, 1 where none can meet; 0 without a number asked for. */
+uint32_t fuzz_pairs_short(const struct fuzz_command *command);
+void fuzz_pairs_print(const struct fuzz_command *command, const struct campaign_view *view);
+struct json_t *fuzz_pairs_json(const struct fuzz_command *command,
+                               const struct campaign_view *view);
+
+/* The status, as often as it is to be shown; campaign_options.tick, of a struct fuzz_command. */
+void fuzz_show(void *user, const struct campaign_view *view);
+/* Wipes the screen's lines. */
+void fuzz_show_end(struct fuzz_command *command);
+
+/* The results: the table on stdout, files; sets command->code. campaign_run's `end`. */
+void fuzz_report(void *user, const struct campaign_view *view);
+/* Writes DIR/stats.json. */
+enum status fuzz_stats(const struct fuzz_command *command, const struct campaign_view *view,
+                       struct reason *reason) MUST_USE;
+
+/* What is said of a finding: new, known, expired or flaky; why. */
+enum report_state fuzz_state_of(const struct fuzz_command *command,
+                                const struct campaign_view *view, size_t i,
+                                struct baseline_answer *answer);
+
+#endif

@@ -1,0 +1,300 @@
+/* The options that decide what a campaign finds: they are kept in its folder. */
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/fuzz/cmd_fuzz.h"
+
+#include "ref/outside/plugin_guard.h"
+#include "ref/base/command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const own_engines = "cpu,vulkan,embree_robust";
+static const char *const own_layouts = "f32,rf16";
+/* Of --pairs. */
+static const char *const pair_engines =
+    "cpu,vulkan,fast,cpu_stackless,vulkan_stackless,brute,vulkan_brute";
+static const char *const pair_layouts = "every";
+
+const char *fuzz_key_name(enum fuzz_key key)
+{
+    static const char *const name[KEY_COUNT] = {"seed",    "shard",    "engine",    "layout",
+                                                "builder", "faithful", "rays",      "triangles",
+                                                "driver",  "device",   "workgroup", "pairs"};
+    return name[key];
+}
+
+bool fuzz_has_every_layout(const struct fuzz_command *c)
+{
+    return c->layout.count > table_all(TABLE_LAYOUTS).count &&
+           !table_member(TABLE_LAYOUTS, c->layout.count, NULL);
+}
+
+static bool has_plugin(const struct list *list)
+{
+    bool has = false;
+    for (size_t i = 0; i < list->count; i++)
+        has = has || plugin_path(layouts_all[list->index[i]]);
+    return has;
+}
+
+/* Layouts from outside by their path, so that it can be read again. */
+static void print_list(enum table table, const struct list *list, char text[FUZZ_VALUE_MOST])
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < list->count && used < FUZZ_VALUE_MOST; i++) {
+        size_t index = list->index[i];
+        const char *path = table == TABLE_LAYOUTS ? plugin_path(layouts_all[index]) : NULL;
+        used += (size_t)snprintf(text + used, FUZZ_VALUE_MOST - used, "%s%s", i ? "," : "",
+                                 path ? path : table_member(table, index, NULL));
+    }
+}
+
+void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[FUZZ_VALUE_MOST])
+{
+    text[0] = '\0';
+    switch (key) {
+    case KEY_SEED:
+        snprintf(text, FUZZ_VALUE_MOST, "%llu", (unsigned long long)c->seed);
+        break;
+    case KEY_SHARD:
+        if (c->shards > 0)
+            snprintf(text, FUZZ_VALUE_MOST, "%u/%u", (unsigned)c->shard, (unsigned)c->shards);
+        break;
+    case KEY_ENGINE:
+        print_list(TABLE_ENGINES, &c->engine, text);
+        break;
+    case KEY_LAYOUT:
+        if (fuzz_has_every_layout(c) && !has_plugin(&c->layout))
+            snprintf(text, FUZZ_VALUE_MOST, "every");
+        else
+            print_list(TABLE_LAYOUTS, &c->layout, text);
+        break;
+    case KEY_BUILDER:
+        print_list(TABLE_BUILDERS, &c->builder, text);
+        break;
+    case KEY_FAITHFUL:
+        snprintf(text, FUZZ_VALUE_MOST, "%s", c->faithful ? "yes" : "");
+        break;
+    case KEY_RAYS:
+        snprintf(text, FUZZ_VALUE_MOST, "%u", (unsigned)c->rays);
+        break;
+    case KEY_TRIANGLES:
+        snprintf(text, FUZZ_VALUE_MOST, "%u-%u", (unsigned)c->triangles_least,
+                 (unsigned)c->triangles_most);
+        break;
+    case KEY_DRIVER:
+        snprintf(text, FUZZ_VALUE_MOST, "%s", c->driver);
+        break;
+    case KEY_DEVICE:
+        if (c->engines.device >= 0)
+            snprintf(text, FUZZ_VALUE_MOST, "%d", c->engines.device);
+        break;
+    case KEY_WORKGROUP:
+        if (c->engines.workgroup > 0)
+            snprintf(text, FUZZ_VALUE_MOST, "%u", (unsigned)c->engines.workgroup);
+        break;
+    case KEY_PAIRS:
+        if (c->pairs > 0)
+            snprintf(text, FUZZ_VALUE_MOST, "%llu", (unsigned long long)c->pairs);
+        break;
+    case KEY_COUNT:
+        break;
+    }
+}
+
+/* "A-B" or "A/B". */
+static enum status set_pair(const char *flag, const char *text, char between, uint64_t most,
+                            uint64_t pair[2], struct reason *reason)
+{
+    char first[40];
+    const char *at = strchr(text, between);
+    if (!at || (size_t)(at - text) >= sizeof first)
+        return fail(reason, STATUS_INPUT, "%s: '%.40s' is not two numbers with a '%c' between",
+                    flag, text, between);
+    snprintf(first, sizeof first, "%.*s", (int)(at - text), text);
+    enum status status = parse_count(flag, first, 1, most, &pair[0], reason);
+    if (!status)
+        status = parse_count(flag, at + 1, 1, most, &pair[1], reason);
+    if (!status && pair[0] > pair[1])
+        status = fail(reason, STATUS_INPUT, "%s: %llu is more than %llu", flag,
+                      (unsigned long long)pair[0], (unsigned long long)pair[1]);
+    return status;
+}
+
+static enum status set_lists(struct fuzz_command *c, enum fuzz_key key, const char *text,
+                             struct reason *reason)
+{
+    switch (key) {
+    case KEY_ENGINE:
+        return table_parse(TABLE_ENGINES, "--engine", text, &c->engine, reason);
+    case KEY_LAYOUT:
+        return table_parse(TABLE_LAYOUTS, "--layout", text, &c->layout, reason);
+    default:
+        return table_parse(TABLE_BUILDERS, "--builder", text, &c->builder, reason);
+    }
+}
+
+enum status fuzz_key_set(struct fuzz_command *c, enum fuzz_key key, const char *text,
+                         struct reason *reason)
+{
+    uint64_t value = 0, pair[2] = {0, 0};
+    enum status status;
+    switch (key) {
+    case KEY_SEED:
+        return parse_count("--seed", text, 0, UINT64_MAX, &c->seed, reason);
+    case KEY_SHARD:
+        status = set_pair("--shard", text, '/', CAMPAIGN_SHARDS_MOST, pair, reason);
+        c->shard = (uint32_t)pair[0];
+        c->shards = (uint32_t)pair[1];
+        return status;
+    case KEY_TRIANGLES:
+        status = set_pair("--triangles", text, '-', FUZZ_TRIANGLES_MOST / 4, pair, reason);
+        c->triangles_least = (uint32_t)pair[0];
+        c->triangles_most = (uint32_t)pair[1];
+        return status;
+    case KEY_FAITHFUL:
+        c->faithful = true;
+        return STATUS_OK;
+    case KEY_RAYS:
+        status = parse_count("--rays", text, 1, FUZZ_RAYS_MOST, &value, reason);
+        c->rays = (uint32_t)value;
+        return status;
+    case KEY_PAIRS:
+        return parse_count("--pairs", text, 1, (uint64_t)1 << 40, &c->pairs, reason);
+    case KEY_DRIVER:
+        if (strlen(text) >= sizeof c->driver)
+            return fail(reason, STATUS_INPUT, "--driver: too long a name");
+        strcpy(c->driver, text);
+        return STATUS_OK;
+    case KEY_DEVICE:
+        return engine_option_take(OPT_DEVICE, text, &c->engines, reason);
+    case KEY_WORKGROUP:
+        return engine_option_take(OPT_WORKGROUP, text, &c->engines, reason);
+    default:
+        return set_lists(c, key, text, reason);
+    }
+}
+
+/* --- engines that run here ------------------------------------------------------------------- */
+
+struct probe {
+    struct list list;
+    struct engine_options options;
+};
+
+struct probed {
+    bool runs[LIST_MOST];
+    char why[LIST_MOST][100];
+};
+
+static void probe(struct child *parent, void *user)
+{
+    const struct probe *what = user;
+    struct probed out = {.runs = {false}};
+    for (size_t i = 0; i < what->list.count; i++) {
+        const struct engine *engine = engines[what->list.index[i]];
+        struct reason reason = {""};
+        void *self = NULL;
+        out.runs[i] = engine->open(&what->options, &self, &reason) == STATUS_OK;
+        if (out.runs[i])
+            engine->close(self);
+        snprintf(out.why[i], sizeof out.why[i], "%.99s", reason.text);
+    }
+    if (!child_send(parent, &out, sizeof out, CHILD_FOREVER))
+        return;
+}
+
+enum status fuzz_default_engines(struct fuzz_command *c, struct reason *reason)
+{
+    struct probe what = {.options = c->engines};
+    struct probed out;
+    struct child child;
+    enum status status = table_parse(TABLE_ENGINES, "--engine",
+                                     c->pairs > 0 ? pair_engines : own_engines, &what.list, reason);
+    what.options.threads = 1;
+    what.options.driver = c->driver[0] ? c->driver : NULL;
+    if (!status)
+        status = child_start(probe, &what, &child, reason);
+    if (status)
+        return status;
+    bool heard = child_receive_into(&child, &out, sizeof out, 60000);
+    child_end(&child, heard ? 5000 : 0, NULL);
+    if (!heard) { /* one of them ends whoever opens it: that is for the campaign to tell */
+        c->engine = what.list;
+        return STATUS_OK;
+    }
+    size_t used = 0;
+    for (size_t i = 0; i < what.list.count; i++)
+        if (out.runs[i])
+            c->engine.index[c->engine.count++] = what.list.index[i];
+        else if (used < sizeof c->left_out)
+            used +=
+                (size_t)snprintf(c->left_out + used, sizeof c->left_out - used, "%s%s: %s",
+                                 used ? "; " : "", engines[what.list.index[i]]->name, out.why[i]);
+    return c->engine.count ? STATUS_OK : fail(reason, STATUS_UNSUPPORTED, "%.300s", c->left_out);
+}
+
+/* --- the folder's campaign ------------------------------------------------------------------- */
+
+/* An option may differ as long as nothing was played: whoever mistyped a tracer's command tries
+ * again. */
+static enum status compare(struct fuzz_command *c, const char *state, enum fuzz_key key,
+                           struct reason *reason)
+{
+    char kept[FUZZ_VALUE_MOST] = "", mine[FUZZ_VALUE_MOST];
+    (void)campaign_state_get(state, fuzz_key_name(key), kept, sizeof kept);
+    if (!c->given[key])
+        return kept[0] ? fuzz_key_set(c, key, kept, reason) : STATUS_OK;
+    fuzz_key_print(c, key, mine);
+    if (strcmp(kept, mine) == 0 ||
+        (findings_count(c->findings) == 0 && campaign_state_is_unplayed(state)))
+        return STATUS_OK;
+    return fail(reason, STATUS_INPUT,
+                "--%s %.60s: the campaign in %.60s has %.60s (another --dir begins a new one)",
+                fuzz_key_name(key), mine, c->folder, kept[0] ? kept : "none");
+}
+
+static enum status resume(struct fuzz_command *c, const char *state, struct reason *reason)
+{
+    char version[32] = "";
+    enum status status = STATUS_OK;
+    (void)campaign_state_get(state, "gen", version, sizeof version);
+    if (strtoul(version, NULL, 10) != GEN_VERSION)
+        return fail(reason, STATUS_INPUT,
+                    "%.100s: its trials were made by version %.10s of the generators, this is %u "
+                    "(another --dir begins a new campaign)",
+                    c->folder, version[0] ? version : "0", GEN_VERSION);
+    for (enum fuzz_key key = 0; key < KEY_COUNT && !status; key++)
+        status = compare(c, state, key, reason);
+    return status;
+}
+
+enum status fuzz_identify(struct fuzz_command *c, struct reason *reason)
+{
+    const char *state = findings_state(c->findings);
+    char value[FUZZ_VALUE_MOST];
+    enum status status = STATUS_OK;
+    if (state[0])
+        status = resume(c, state, reason);
+    else if (findings_count(c->findings) > 0)
+        status = fail(reason, STATUS_INPUT,
+                      "%.100s: its findings are of no campaign, but of raydiff merge", c->folder);
+    if (!status && c->layout.count == 0)
+        status = table_parse(TABLE_LAYOUTS, "--layout", c->pairs > 0 ? pair_layouts : own_layouts,
+                             &c->layout, reason);
+    if (!status && c->engine.count == 0)
+        status = fuzz_default_engines(c, reason);
+    if (status)
+        return status;
+    snprintf(value, sizeof value, "%u", GEN_VERSION);
+    bool fits = campaign_state_put(c->identity, sizeof c->identity, "gen", value);
+    for (enum fuzz_key key = 0; key < KEY_COUNT && fits; key++) {
+        fuzz_key_print(c, key, value);
+        fits = strlen(value) < sizeof value - 1; /* or it may be cut */
+        if (fits && value[0])
+            fits = campaign_state_put(c->identity, sizeof c->identity, fuzz_key_name(key), value);
+    }
+    return fits ? STATUS_OK : fail(reason, STATUS_INPUT, "the options are too long to be kept");
+}

@@ -1,0 +1,101 @@
+/* Who takes part in the pairs of a campaign, and what is said of them. */
+#include "cmd/fuzz/cmd_fuzz.h"
+
+#include "cmd/common/cmd_json.h"
+
+#include <stdio.h>
+
+#define RAREST_SHOWN 5u
+#define RAREST_TOLD  50u /* in JSON */
+
+static void add(struct meeting_tables *tables, enum meeting_factor factor, const void *member)
+{
+    if (tables->count[factor] < MEET_MOST)
+        tables->member[factor][tables->count[factor]++] = member;
+}
+
+/* Members of tables that can be drawn or generated: as published with --faithful, and layouts that
+ * are named; the same for a folder that is gone on with, which has the names and not who gave
+ * them. */
+static void fill(const struct fuzz_command *c, struct meeting_tables *t)
+{
+    const struct fuzz_field *field = &c->campaign.rules.field;
+    bool all = c->faithful, drawn = c->pairs > 0;
+    for (size_t i = 0; i < field->count; i++)
+        if (i == 0 || field->who[i].engine != field->who[i - 1].engine)
+            add(t, MEET_ENGINE, field->who[i].engine);
+    for (size_t i = 0; i < c->layout.count; i++) {
+        const struct layout *layout = layouts_all[c->layout.index[i]];
+        if (!drawn || all || !layout->faithful || !fuzz_has_every_layout(c))
+            add(t, MEET_LAYOUT, layout);
+    }
+    for (size_t i = 0; i < c->builder.count; i++)
+        add(t, MEET_BUILDER, builders_all[c->builder.index[i]]);
+    for (size_t i = 0; builders_all[i] && c->builder.count == 0; i++)
+        if (all || !builders_all[i]->faithful)
+            add(t, MEET_BUILDER, builders_all[i]);
+    for (size_t i = 0; tri_stores[i] && (drawn || i == 0); i++)
+        add(t, MEET_STORE, tri_stores[i]);
+    for (size_t i = 0; tri_tests[i]; i++)
+        if (all || !tri_tests[i]->faithful)
+            add(t, MEET_TRI, tri_tests[i]);
+    for (size_t i = 0; box_tests[i]; i++)
+        if (all || !box_tests[i]->faithful)
+            add(t, MEET_BOX, box_tests[i]);
+    t->count[MEET_OPTIMIZE] = t->count[MEET_MOTION] = drawn ? 2 : 1;
+}
+
+enum status fuzz_pairs_make(struct fuzz_command *c, struct reason *reason)
+{
+    struct meeting_tables tables = {.count = {0}};
+    fill(c, &tables);
+    return meetings_open(&tables, &c->meetings, reason);
+}
+
+uint32_t fuzz_pairs_short(const struct fuzz_command *c)
+{
+    if (c->pairs == 0)
+        return 0;
+    struct meetings_summary sum = meetings_summarize(c->meetings, c->pairs);
+    return sum.possible > 0 ? sum.below : 1;
+}
+
+void fuzz_pairs_print(const struct fuzz_command *c, const struct campaign_view *view)
+{
+    struct meetings_summary sum = meetings_summarize(c->meetings, c->pairs);
+    char name[MEETING_NAME_MOST];
+    uint64_t count;
+    printf("pairs      %u of members can meet, %u met; trials of a pair: least %llu, median %llu\n",
+           sum.possible, sum.met, (unsigned long long)sum.least, (unsigned long long)sum.median);
+    for (uint32_t i = 0; i < RAREST_SHOWN && meetings_rarest(c->meetings, i, name, &count); i++)
+        printf("           %s %llu\n", name, (unsigned long long)count);
+    if (view->refitted + view->rebuilt > 0)
+        printf("moved      %llu trees refitted, %llu rebuilt\n", (unsigned long long)view->refitted,
+               (unsigned long long)view->rebuilt);
+    if (c->pairs > 0 && sum.possible == 0)
+        printf("short      --pairs: the engines share no member of whom pairs could meet\n");
+    if (c->pairs > 0 && sum.below > 0)
+        printf("short      %u pairs met in fewer than %llu trials: run it again to go on\n",
+               sum.below, (unsigned long long)c->pairs);
+}
+
+struct json_t *fuzz_pairs_json(const struct fuzz_command *c, const struct campaign_view *view)
+{
+    struct meetings_summary sum = meetings_summarize(c->meetings, c->pairs);
+    char name[MEETING_NAME_MOST];
+    uint64_t count;
+    json_t *rarest = json_array();
+    for (uint32_t i = 0; i < RAREST_TOLD && meetings_rarest(c->meetings, i, name, &count); i++)
+        json_array_append_new(rarest,
+                              json_pack("{s:s, s:I}", "pair", name, "trials", (json_int_t)count));
+    json_t *out = json_pack("{s:I, s:I, s:I, s:I}", "possible", (json_int_t)sum.possible,
+                            "impossible", (json_int_t)sum.impossible, "met", (json_int_t)sum.met,
+                            "least", (json_int_t)sum.least);
+    json_object_set_new(out, "median", json_integer((json_int_t)sum.median));
+    json_object_set_new(out, "wanted", json_integer((json_int_t)c->pairs));
+    json_object_set_new(out, "below", json_integer((json_int_t)(c->pairs ? sum.below : 0)));
+    json_object_set_new(out, "refitted", json_integer((json_int_t)view->refitted));
+    json_object_set_new(out, "rebuilt", json_integer((json_int_t)view->rebuilt));
+    json_object_set_new(out, "rarest", rarest);
+    return out;
+}

@@ -1,0 +1,446 @@
+/* What a campaign came to: the table, JSON, and the files of CI systems. */
+#include "cmd/fuzz/cmd_fuzz.h"
+
+#include "cmd/fuzz/cmd_replay.h"
+#include "fuzz/play/coverage.h"
+#include "ref/outside/pipe.h"
+#include "fuzz/findings/report.h"
+#include "fuzz/campaign/worker.h"
+#include "cmd/common/cmd_json.h"
+#include "ref/base/command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NAME_MOST 64
+
+enum report_state fuzz_state_of(const struct fuzz_command *c, const struct campaign_view *view,
+                                size_t i, struct baseline_answer *answer)
+{
+    const struct findings_entry *entry = findings_entry(view->findings, i);
+    struct baseline baseline = c->baseline; /* asking notes what was used; the list is shared */
+    baseline_ask(&baseline, &entry->signature, entry->versions, c->today, answer);
+    if (answer->state == BASELINE_KNOWN)
+        return REPORT_KNOWN;
+    if (campaign_is_flaky(&view->mark[i])) {
+        snprintf(answer->text, sizeof answer->text, "never again in %u times alone",
+                 (unsigned)view->mark[i].played_again);
+        return REPORT_FLAKY;
+    }
+    return answer->state == BASELINE_EXPIRED ? REPORT_EXPIRED : REPORT_NEW;
+}
+
+static double seconds(uint64_t ns)
+{
+    return (double)ns * 1e-9;
+}
+
+static double rate(uint64_t count, uint64_t ns)
+{
+    return ns ? (double)count / seconds(ns) : 0;
+}
+
+#define UNUSED_MOST 512
+
+/* The next entry of the baseline from *at on that excused nothing; false: there is none. To be
+ * asked after the findings. */
+static bool unused_line(const struct fuzz_command *c, const struct campaign_view *view, size_t *at,
+                        char line[UNUSED_MOST])
+{
+    const char *path;
+    const struct waiver *waiver =
+        baseline_unused(&c->baseline, &view->options->rules.field, view->versions, at, &path);
+    if (waiver)
+        snprintf(line, UNUSED_MOST, "%.200s:%zu: '%.160s' excused nothing here", path, waiver->line,
+                 waiver->pattern);
+    return waiver != NULL;
+}
+
+/* The engine of a signature among those that play; NULL: another campaign's. */
+static const struct engine *engine_of(const struct campaign_view *view,
+                                      const struct fuzz_signature *signature)
+{
+    const struct fuzz_field *field = &view->options->rules.field;
+    size_t i = work_contestant(field, signature);
+    return i < field->count ? field->who[i].engine : NULL;
+}
+
+static void contestant_name(const struct campaign_view *view, size_t i, char name[NAME_MOST])
+{
+    const struct fuzz_contestant *who = &view->options->rules.field.who[i];
+    snprintf(name, NAME_MOST, "%.40s%s%s", who->engine->name, who->layout ? "." : "",
+             who->layout ? who->layout->name : "");
+}
+
+/* --- JSON ------------------------------------------------------------------------------------ */
+
+static json_t *finding_json(const struct fuzz_command *c, const struct campaign_view *view,
+                            size_t i, bool whole)
+{
+    const struct findings_entry *entry = findings_entry(view->findings, i);
+    char signature[FUZZ_SIGNATURE_MOST], smallest[FUZZ_PATH_MOST], first[FUZZ_PATH_MOST];
+    fuzz_signature_print(&entry->signature, signature);
+    json_t *row =
+        json_pack("{s:s, s:I}", "signature", signature, "count", (json_int_t)entry->count);
+    if (!whole)
+        return row;
+    struct baseline_answer answer;
+    enum report_state state = fuzz_state_of(c, view, i, &answer);
+    char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
+    findings_path(view->findings, &entry->signature, "smallest.trial", smallest, sizeof smallest);
+    findings_path(view->findings, &entry->signature, "first.trial", first, sizeof first);
+    replay_command(smallest, engine_of(view, &entry->signature), entry->signature.layout, command,
+                   sizeof command);
+    json_object_set_new(row, "state", json_string(report_state_name(state)));
+    json_object_set_new(row, "known", json_boolean(state == REPORT_KNOWN));
+    json_object_set_new(row, "flaky", json_boolean(state == REPORT_FLAKY));
+    json_object_set_new(row, "reason", json_string(answer.text));
+    json_object_set_new(row, "cause", json_string(cause_text(entry->signature.cause)));
+    json_object_set_new(row, "first", json_string(first));
+    json_object_set_new(row, "smallest", json_string(smallest));
+    json_object_set_new(row, "triangles", json_integer((json_int_t)entry->smallest.triangles));
+    json_object_set_new(row, "rays", json_integer((json_int_t)entry->smallest.rays));
+    json_object_set_new(row, "replay", json_string(command));
+    return row;
+}
+
+static void add_times(json_t *root, const struct campaign_view *view)
+{
+    const struct fuzz_field *field = &view->options->rules.field;
+    const struct fuzz_time *time = &view->time;
+    double ratio;
+    json_object_set_new(root, "harness_share", json_real(campaign_harness_share(view, &ratio)));
+    json_object_set_new(root, "harness_to_engines", json_real(ratio));
+    json_t *parts = json_pack("{s:f, s:f, s:f, s:f, s:f}", "generate", seconds(time->generate),
+                              "build", seconds(time->build), "truth", seconds(time->truth), "judge",
+                              seconds(time->judge), "explain", seconds(view->explain_ns));
+    for (size_t i = 0; i < field->count; i++) {
+        char name[NAME_MOST];
+        contestant_name(view, i, name);
+        json_object_set_new(parts, name, json_real(seconds(time->engine[i])));
+    }
+    json_object_set_new(root, "core_seconds", parts);
+}
+
+static json_t *contestants_json(const struct campaign_view *view)
+{
+    json_t *out = json_array();
+    for (size_t i = 0; i < view->options->rules.field.count; i++) {
+        const struct campaign_turnout *turnout = &view->turnout[i];
+        char name[NAME_MOST];
+        contestant_name(view, i, name);
+        json_array_append_new(
+            out, json_pack("{s:s, s:I, s:I, s:I, s:I, s:s?}", "name", name, "answered",
+                           (json_int_t)turnout->played, "refused", (json_int_t)turnout->declined,
+                           "with_a_right_hit", (json_int_t)turnout->proved, "refused_in_this_run",
+                           (json_int_t)view->refused[i], "vacuous", campaign_vacuous(view, i)));
+        if (campaign_loses(view, i))
+            json_object_set_new(json_array_get(out, i), "loses",
+                                json_string(campaign_loses(view, i)));
+    }
+    return out;
+}
+
+static void add_coverage(json_t *root, const struct campaign_view *view)
+{
+    json_t *missing = json_array();
+    char name[COVERAGE_NAME_MOST];
+    for (uint32_t bit = 0; bit < COVERAGE_BITS; bit++)
+        if (coverage_name(bit, name) && !(view->coverage[bit / 64] >> bit % 64 & 1))
+            json_array_append_new(missing, json_string(name));
+    json_object_set_new(root, "coverage",
+                        json_pack("{s:i, s:i, s:o}", "reached", (int)coverage_count(view->coverage),
+                                  "known", (int)coverage_known(), "never", missing));
+}
+
+static json_t *make_json(const struct fuzz_command *c, const struct campaign_view *view, bool whole)
+{
+    json_t *verdicts = json_object(), *findings = json_array();
+    for (size_t v = 0; v < VERDICT_COUNT; v++)
+        json_object_set_new(verdicts, verdict_name((enum verdict)v),
+                            json_integer((json_int_t)view->count[v]));
+    for (size_t i = 0; i < findings_count(view->findings); i++)
+        json_array_append_new(findings, finding_json(c, view, i, whole));
+    json_t *root =
+        json_pack("{s:s, s:I, s:f, s:f}", "raydiff", RAYDIFF_VERSION, "seed", (json_int_t)c->seed,
+                  "seconds", seconds(view->ns), "play_seconds", seconds(view->play_ns));
+    json_object_set_new(root, "versions", json_string(view->versions));
+    json_object_set_new(root, "dir", json_string(c->folder));
+    json_object_set_new(root, "trials", json_integer((json_int_t)view->trials));
+    json_object_set_new(root, "trials_before", json_integer((json_int_t)view->before));
+    json_object_set_new(root, "corpus", json_integer((json_int_t)view->corpus));
+    json_object_set_new(root, "mutants", json_integer((json_int_t)view->mutants));
+    json_object_set_new(root, "rays", json_integer((json_int_t)view->rays));
+    json_object_set_new(root, "judged", json_integer((json_int_t)view->judged));
+    json_object_set_new(root, "at_fault", json_integer((json_int_t)view->wrong));
+    json_object_set_new(root, "trials_per_s", json_real(rate(view->trials, view->play_ns)));
+    json_object_set_new(root, "judged_rays_per_s", json_real(rate(view->judged, view->play_ns)));
+    json_object_set_new(
+        root, "triangles_mean",
+        json_real(view->trials ? (double)view->triangles / (double)view->trials : 0));
+    json_object_set_new(root, "triangles_median",
+                        json_integer((json_int_t)campaign_triangles_median(view)));
+    add_times(root, view);
+    json_object_set_new(root, "verdicts", verdicts);
+    add_coverage(root, view);
+    json_object_set_new(root, "pairs", fuzz_pairs_json(c, view));
+    json_object_set_new(root, "workers", json_integer((json_int_t)view->options->jobs));
+    json_object_set_new(root, "restarts", json_integer((json_int_t)view->restarts));
+    json_object_set_new(root, "renewed", json_integer((json_int_t)view->renewed));
+    json_object_set_new(root, "contestants", contestants_json(view));
+    json_object_set_new(root, "findings", findings);
+    if (whole)
+        json_object_set_new(root, "exit", json_integer(c->code));
+    return root;
+}
+
+enum status fuzz_stats(const struct fuzz_command *c, const struct campaign_view *view,
+                       struct reason *reason)
+{
+    struct file_out out;
+    enum status status = folder_put(findings_folder(view->findings), "stats.json", &out, reason);
+    return status ? status : json_write_out(&out, make_json(c, view, false), 6, reason);
+}
+
+/* --- CI -------------------------------------------------------------------------------------- */
+
+#define NOTES_MOST 32
+
+/* What struct report borrows. */
+struct report_room {
+    struct report_finding *finding;
+    char (*text)[6][FUZZ_PATH_MOST]; /* signature, reason, first, smallest, replay, none */
+    struct report_contestant contestant[FUZZ_CONTESTANTS_MOST];
+    char name[FUZZ_CONTESTANTS_MOST][NAME_MOST];
+    const char *note[NOTES_MOST];
+    char unused[NOTES_MOST][UNUSED_MOST];
+};
+
+static void fill_finding(const struct fuzz_command *c, const struct campaign_view *view, size_t i,
+                         struct report_room *room)
+{
+    const struct findings_entry *entry = findings_entry(view->findings, i);
+    char(*text)[FUZZ_PATH_MOST] = room->text[i];
+    struct baseline_answer answer;
+    enum report_state state = fuzz_state_of(c, view, i, &answer);
+    fuzz_signature_print(&entry->signature, text[0]);
+    snprintf(text[1], FUZZ_PATH_MOST, "%s", answer.text);
+    findings_path(view->findings, &entry->signature, "first.trial", text[2], FUZZ_PATH_MOST);
+    findings_path(view->findings, &entry->signature, "smallest.trial", text[3], FUZZ_PATH_MOST);
+    replay_command(text[3], engine_of(view, &entry->signature), entry->signature.layout, text[4],
+                   FUZZ_PATH_MOST);
+    room->finding[i] = (struct report_finding){.signature = text[0],
+                                               .count = entry->count,
+                                               .state = state,
+                                               .reason = text[1],
+                                               .cause = cause_text(entry->signature.cause),
+                                               .triangles = entry->smallest.triangles,
+                                               .rays = entry->smallest.rays,
+                                               .vertices = entry->smallest.vertices,
+                                               .first = text[2],
+                                               .smallest = text[3],
+                                               .replay = text[4]};
+}
+
+static void fill_contestants(const struct campaign_view *view, struct report_room *room)
+{
+    const struct fuzz_field *field = &view->options->rules.field;
+    for (size_t i = 0; i < field->count; i++) {
+        const char *vacuous = campaign_vacuous(view, i);
+        contestant_name(view, i, room->name[i]);
+        room->contestant[i] =
+            (struct report_contestant){.name = room->name[i],
+                                       .played = view->turnout[i].played,
+                                       .refused = view->refused[i],
+                                       .vacuous = vacuous ? vacuous : campaign_loses(view, i),
+                                       .seconds = seconds(view->time.engine[i])};
+    }
+}
+
+static size_t fill_notes(const struct fuzz_command *c, const struct campaign_view *view,
+                         struct report_room *room)
+{
+    size_t notes = 0, at = 0;
+    if (c->left_out[0])
+        room->note[notes++] = c->left_out;
+    for (; notes < NOTES_MOST && unused_line(c, view, &at, room->unused[notes]); notes++)
+        room->note[notes] = room->unused[notes];
+    return notes;
+}
+
+static enum status write_ci(const struct fuzz_command *c, const struct campaign_view *view,
+                            struct reason *reason)
+{
+    struct report_room *room = alloc_zeroed(1, sizeof *room);
+    size_t count = findings_count(view->findings);
+    enum status status = STATUS_OK;
+    if (room) {
+        room->finding = alloc_zeroed(count + 1, sizeof *room->finding);
+        room->text = alloc_zeroed(count + 1, sizeof *room->text);
+    }
+    if (!room || !room->finding || !room->text) {
+        status = fail(reason, STATUS_MEMORY, "no memory for a report");
+    } else {
+        struct report report = {.seed = c->seed,
+                                .trials = view->trials + view->before,
+                                .judged = view->judged,
+                                .seconds = seconds(view->ns),
+                                .harness_share = campaign_harness_share(view, NULL),
+                                .contestant = room->contestant,
+                                .contestants = view->options->rules.field.count,
+                                .finding = room->finding,
+                                .findings = count,
+                                .note = room->note};
+        fill_contestants(view, room);
+        for (size_t i = 0; i < count; i++)
+            fill_finding(c, view, i, room);
+        report.notes = fill_notes(c, view, room);
+        if (c->junit)
+            status = report_junit(&report, c->junit, reason);
+        if (!status && c->tap)
+            status = report_tap(&report, c->tap, reason);
+        if (!status && c->jsonl)
+            status = report_jsonl(&report, c->jsonl, reason);
+    }
+    if (room) {
+        free(room->finding);
+        free(room->text);
+    }
+    free(room);
+    return status;
+}
+
+/* --- the table ------------------------------------------------------------------------------- */
+
+static void print_finding(const struct fuzz_command *c, const struct campaign_view *view, size_t i)
+{
+    const struct findings_entry *entry = findings_entry(view->findings, i);
+    char signature[FUZZ_SIGNATURE_MOST], path[FUZZ_PATH_MOST];
+    char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
+    struct baseline_answer answer;
+    enum report_state state = fuzz_state_of(c, view, i, &answer);
+    fuzz_signature_print(&entry->signature, signature);
+    findings_path(view->findings, &entry->signature, "smallest.trial", path, sizeof path);
+    printf("%-7s  %s  %llu time%s, smallest: %u triangle%s, %u ray%s\n", report_state_name(state),
+           signature, (unsigned long long)entry->count, entry->count == 1 ? "" : "s",
+           entry->smallest.triangles, entry->smallest.triangles == 1 ? "" : "s",
+           entry->smallest.rays, entry->smallest.rays == 1 ? "" : "s");
+    printf("         %s\n", cause_text(entry->signature.cause));
+    if (answer.text[0])
+        printf("         %s\n", answer.text);
+    replay_command(path, engine_of(view, &entry->signature), entry->signature.layout, command,
+                   sizeof command);
+    printf("         %s\n", command);
+}
+
+static void print_unused(const struct fuzz_command *c, const struct campaign_view *view)
+{
+    char line[UNUSED_MOST];
+    size_t at = c->baseline.list[0].count; /* what is shipped need not show in every campaign */
+    while (unused_line(c, view, &at, line))
+        printf("unused     %s\n", line);
+}
+
+/* No trial in any run. */
+static bool is_vacuous(const struct campaign_view *view)
+{
+    return view->trials + view->before == 0;
+}
+
+static size_t failed_count(const struct campaign_view *view)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < view->options->rules.field.count; i++)
+        count += campaign_vacuous(view, i) || campaign_loses(view, i);
+    return count;
+}
+
+/* What came of asking each contestant in the whole campaign. */
+static void print_turnout(const struct campaign_view *view)
+{
+    char name[NAME_MOST];
+    for (size_t i = 0; i < view->options->rules.field.count; i++) {
+        const struct campaign_turnout *turnout = &view->turnout[i];
+        const char *vacuous = campaign_vacuous(view, i), *loses = campaign_loses(view, i);
+        char lost[MATCH_EDGES_TEXT];
+        contestant_name(view, i, name);
+        printf("%-10s %s answered %llu trials, refused %llu", i ? "" : "contestant", name,
+               (unsigned long long)turnout->played, (unsigned long long)turnout->declined);
+        if (view->refused[i] > 0 && view->options->rules.field.who[i].layout)
+            printf(", of this run %llu for its layout", (unsigned long long)view->refused[i]);
+        match_edges_text(turnout->edges, lost);
+        printf("%s%s%s%s\n", vacuous ? "; vacuous: " : "", vacuous ? vacuous : "",
+               loses ? "; lost beside edges " : "", loses ? lost : "");
+    }
+}
+
+static void print_summary(const struct fuzz_command *c, const struct campaign_view *view)
+{
+    size_t flaky, news = campaign_news(view, &flaky), count = findings_count(view->findings);
+    size_t left = 0;
+    for (size_t i = 0; i < count; i++)
+        left += !view->mark[i].shrunk && !view->mark[i].known;
+    if (c->left_out[0])
+        printf("left out   %s\n", c->left_out);
+    printf("trials     %llu (%.0f/s), of %.1f triangles (median %u)",
+           (unsigned long long)view->trials, rate(view->trials, view->play_ns),
+           view->trials ? (double)view->triangles / (double)view->trials : 0,
+           (unsigned)campaign_triangles_median(view));
+    if (view->corpus > 0)
+        printf(", %llu of the corpus", (unsigned long long)view->corpus);
+    if (view->mutants > 0)
+        printf(", %llu mutants", (unsigned long long)view->mutants);
+    if (view->before > 0)
+        printf(", after %llu generated ones of earlier runs", (unsigned long long)view->before);
+    printf("\njudged     %llu rays (%.0f/s); harness %.0f %% of the time\n",
+           (unsigned long long)view->judged, rate(view->judged, view->play_ns),
+           100 * campaign_harness_share(view, NULL));
+    printf("coverage   %u of %u states\n", (unsigned)coverage_count(view->coverage),
+           (unsigned)coverage_known());
+    fuzz_pairs_print(c, view);
+    if (view->restarts > 0)
+        printf("restarts   %u; the last: %s\n", (unsigned)view->restarts, view->said);
+    if (view->renewed > 0)
+        printf("renewed    %u workers that held half of --memory\n", (unsigned)view->renewed);
+    if (flaky > 0)
+        printf("flaky      %zu: never showed again in %u times alone\n", flaky, CAMPAIGN_AGAIN);
+    if (left > 0 && news > 0 && !view->unplayed && !view->unshrunk) {
+        char command[FUZZ_PATH_MOST] = "raydiff min";
+        command_word(command, sizeof command, c->folder);
+        replay_plugins(view->findings, command, sizeof command);
+        printf("to shrink  %zu: %s\n", left, command);
+    }
+    print_turnout(view);
+    print_unused(c, view);
+    if (view->unplayed)
+        printf("unplayed   trials are left: run it again to go on\n");
+    else if (view->unshrunk)
+        printf("unshrunk   findings are left: run it again to shrink them\n");
+    if (is_vacuous(view))
+        printf("vacuous    no trial was played: nothing is tested\n");
+    printf("findings   %zu distinct, %zu outside the baseline, in %s\n", count, news, c->folder);
+}
+
+void fuzz_report(void *user, const struct campaign_view *view)
+{
+    struct fuzz_command *c = user;
+    fuzz_show_end(c);
+    c->code = campaign_news(view, NULL) > 0 || is_vacuous(view) || failed_count(view) > 0 ||
+                      fuzz_pairs_short(c) > 0
+                  ? EXIT_MISMATCH
+                  : EXIT_AGREE;
+    if ((view->unplayed || view->unshrunk) &&
+        *c->signalled) /* so that who waits for a shard knows */
+        c->code = 128 + *c->signalled;
+    for (size_t i = 0; i < findings_count(view->findings); i++)
+        print_finding(c, view, i);
+    print_summary(c, view);
+    fflush(stdout);
+    enum status status = fuzz_stats(c, view, &c->failed);
+    if (!status && c->json)
+        status = json_write(c->json, make_json(c, view, true), 9, &c->failed);
+    if (!status && (c->junit || c->tap || c->jsonl))
+        status = write_ci(c, view, &c->failed);
+    c->failed_status = c->failed_status ? c->failed_status : status;
+}

@@ -1,0 +1,145 @@
+/* raydiff gen: a request in the text form, for a tracer to answer. */
+#include "ref/outside/pipe_text.h"
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+#include "ref/files/file.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: raydiff gen SCENE [OPTIONS]\n"
+    "Writes SCENE (a mesh file or a generator) and rays as text, a line each, for a tracer that\n"
+    "answers in the same form; raydiff verify judges the answers. In lines:\n"
+    "  from ...           where it comes from: copy it to the answer\n"
+    "  query closest      or any: whichever triangle is hit\n"
+    "  v X Y Z            a vertex\n"
+    "  t A B C            a triangle of three vertices, numbered from 0\n"
+    "  r OX OY OZ TMIN DX DY DZ TMAX   a ray; t counts in multiples of D, ends belong to it\n"
+    "  end                nothing follows\n"
+    "The answer: the from line, then per ray 'h T U V TRIANGLE' or 'm' (a miss); see raydiff\n"
+    "judge --help.\n\n"
+    "  --rays SET      ray set                                                   [mixed]\n"
+    "  --count N       rays                                                      [1000]\n"
+    "  --seed S        of rays and generators                                    [1]\n"
+    "  --query Q       closest or any                                            [closest]\n"
+    "  --decimal       the shortest decimals that read back as the same bits, for awk and the\n"
+    "                  like; otherwise hexadecimal floats, 0x1.8p+1\n"
+    "  --out FILE      [standard output]\n\n"
+    "exit codes: 0, 2 bad input, 4 no memory\n"
+    "example: raydiff gen sphere:n=8 --decimal | awk -f fuzz/samples/tracer.awk | raydiff verify\n";
+
+struct gen_command {
+    const char *out;
+    uint64_t seed, count;
+    size_t rays;
+    enum query query;
+    bool decimal;
+};
+
+enum { OPT_RAYS = 256, OPT_COUNT, OPT_SEED, OPT_QUERY, OPT_DECIMAL, OPT_OUT };
+
+static const struct option long_options[] = {
+    {"rays", 1, NULL, OPT_RAYS},       {"count", 1, NULL, OPT_COUNT},
+    {"seed", 1, NULL, OPT_SEED},       {"query", 1, NULL, OPT_QUERY},
+    {"decimal", 0, NULL, OPT_DECIMAL}, {"out", 1, NULL, OPT_OUT},
+    {"help", 0, NULL, OPT_HELP},       {NULL, 0, NULL, 0}};
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct gen_command *o = user;
+    size_t index;
+    enum status status = STATUS_OK;
+    switch (option) {
+    case OPT_RAYS:
+        return table_parse_one(TABLE_RAY_SETS, "--rays", text, &o->rays, reason);
+    case OPT_COUNT:
+        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
+    case OPT_SEED:
+        return parse_count("--seed", text, 0, INT64_MAX, &o->seed, reason);
+    case OPT_QUERY:
+        status = table_parse_one(TABLE_QUERIES, "--query", text, &index, reason);
+        o->query = (enum query)index;
+        if (!status && o->query == QUERY_ALL)
+            status = fail(reason, STATUS_INPUT, "--query: closest or any, not all");
+        return status;
+    case OPT_DECIMAL:
+        o->decimal = true;
+        return STATUS_OK;
+    default:
+        o->out = text;
+        return STATUS_OK;
+    }
+}
+
+static enum status write_all(const struct gen_command *o, const struct pipe_from *from,
+                             const struct scene *scene, const struct ray *ray,
+                             struct reason *reason)
+{
+    struct file_out out;
+    if (!o->out) {
+        pipe_text_write(stdout, from, scene, ray, (size_t)o->count, o->query, o->decimal);
+        if (fflush(stdout) != 0 || ferror(stdout))
+            return fail(reason, STATUS_INPUT, "cannot write to standard output");
+        return STATUS_OK;
+    }
+    enum status status = file_out_open(o->out, &out, reason);
+    if (status)
+        return status;
+    pipe_text_write(out.stream, from, scene, ray, (size_t)o->count, o->query, o->decimal);
+    return file_out_commit(&out, reason);
+}
+
+static enum status gen(const struct gen_command *o, const char *spec, struct reason *reason)
+{
+    struct pipe_from from = {.seed = o->seed, .count = o->count};
+    struct scene scene;
+    if (strlen(spec) >= sizeof from.spec || strpbrk(spec, "\n\r"))
+        return fail(reason, STATUS_INPUT, "'%.40s...': a scene's name has at most %zu characters",
+                    spec, sizeof from.spec - 1);
+    enum status status = scene_open(spec, o->seed, &scene, reason);
+    if (status)
+        return status;
+    struct ray *ray = alloc_zeroed((size_t)o->count, sizeof *ray);
+    if (!ray)
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", (size_t)o->count);
+    if (!status)
+        status = ray_sets[o->rays]->make(&scene, o->seed, (size_t)o->count, ray, reason);
+    if (!status) {
+        strcpy(from.spec, spec);
+        snprintf(from.rays, sizeof from.rays, "%s", ray_sets[o->rays]->name);
+        from.hash = pipe_hash(&scene, ray, (size_t)o->count, o->query);
+        status = write_all(o, &from, &scene, ray, reason);
+    }
+    free(ray);
+    scene_free(&scene);
+    return status;
+}
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+int cmd_gen(int argc, char **argv)
+{
+    struct gen_command o = {.seed = 1, .count = 1000, .query = QUERY_CLOSEST};
+    struct reason reason = {""};
+    int first,
+        code = options_take("gen", print_help, long_options, take_option, &o, argc, argv, &first);
+    if (code >= 0)
+        return code;
+    if (argc - first != 1)
+        return usage_error("gen", argc == first ? "no scene given" : "one scene at a time");
+    const struct list rays = {.index = {o.rays}, .count = 1};
+    const struct option_use use = {.rays = &rays, .scene = argv + first, .scene_count = 1};
+    code = options_refused("gen", &use);
+    if (code >= 0)
+        return code;
+    enum status status = gen(&o, argv[first], &reason);
+    if (status)
+        fprintf(stderr, "raydiff gen: %s\n", reason.text);
+    return exit_of_status(status);
+}

@@ -1,0 +1,327 @@
+/* raydiff min: findings shrunk, one file or a folder of them. */
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/fuzz/cmd_min.h"
+
+#include "ref/outside/pipe.h"
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+#include "ref/base/mutant.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char help[] =
+    "usage: raydiff min FILE [OPTIONS]\n"
+    "       raydiff min DIR [OPTIONS]\n"
+    "Shrinks a finding (a .trial file) as long as it shows the same: engine, layout, kind and "
+    "cause.\n"
+    "Fewer triangles and rays, then shorter numbers and plainer members; NAME.min.trial beside it\n"
+    "is written. Of a folder of raydiff fuzz the smallest trial of each finding is replaced by a\n"
+    "smaller one. The engine runs in a child process: crashes and hangs are shrunk, too.\n\n"
+    "  --out FILE      of a FILE: write to this one, also if nothing smaller was found\n"
+    "  --force         replace NAME.min.trial if it is there\n"
+    "  --asks N        candidates that are played at most; one of many triangles or rays\n"
+    "                  counts for more                                  [100000]\n"
+    "  --time S        end after so many seconds; then the result is not the same everywhere\n"
+    "  --trial-time S  seconds that the engine may take for a trial     [10]\n"
+    "  --memory MIB    that it may hold, 0 is no limit                  [4096]\n"
+    "  --engine E,...  brings pipe:COMMAND to a finding of pipe:PROGRAM\n"
+    "  --layout L,...  brings FILE.so, a layout from outside, to findings on "
+    "it\n" ENGINE_OPTIONS_HELP "                  (--threads: here 1, since trials are small)\n"
+    "  --json FILE     results, for machines\n\n"
+    "exit codes: 0 done, 1 a finding does not show here and is left as it is, 2 bad input,\n"
+    "            3 an engine cannot be opened, 4 internal error, 77 the engine cannot run here\n"
+    "example: raydiff min fuzz/corpus/slot-not-read.trial --out small.trial\n";
+
+enum {
+    OPT_OUT = 256,
+    OPT_FORCE,
+    OPT_ASKS,
+    OPT_TIME,
+    OPT_TRIAL_TIME,
+    OPT_MEMORY,
+    OPT_ENGINE,
+    OPT_LAYOUT,
+    OPT_JSON
+};
+
+static const struct option long_options[] = {{"out", 1, NULL, OPT_OUT},
+                                             {"force", 0, NULL, OPT_FORCE},
+                                             {"asks", 1, NULL, OPT_ASKS},
+                                             {"time", 1, NULL, OPT_TIME},
+                                             {"trial-time", 1, NULL, OPT_TRIAL_TIME},
+                                             {"memory", 1, NULL, OPT_MEMORY},
+                                             {"engine", 1, NULL, OPT_ENGINE},
+                                             {"layout", 1, NULL, OPT_LAYOUT},
+                                             {"json", 1, NULL, OPT_JSON},
+                                             ENGINE_OPTIONS};
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+/* A finding is on a layout; this can only bring one that raydiff has not got. */
+static enum status take_layouts(struct min_options *o, const char *text, struct reason *reason)
+{
+    struct list list;
+    enum status status = table_parse(TABLE_LAYOUTS, "--layout", text, &list, reason);
+    for (size_t i = 0; i < list.count && !status; i++) {
+        const struct layout *layout = layouts_all[list.index[i]];
+        if (!layout->outside)
+            return fail(reason, STATUS_INPUT,
+                        "--layout: findings are shrunk on their own; '%s' is here anyway, only "
+                        "FILE.so can be brought",
+                        layout->name);
+        for (size_t k = 0; k < o->layout_count; k++)
+            if (o->layout[k] == layout)
+                return fail(reason, STATUS_INPUT, "--layout: %s is named twice", layout->name);
+        o->layout[o->layout_count++] = layout; /* each once: they fit */
+    }
+    return status;
+}
+
+enum status min_check_layouts(const struct min_options *options, const char *path,
+                              min_is_on_fn *is_on, const void *user, struct reason *reason)
+{
+    for (size_t i = 0; i < options->layout_count && MUTANT != MUTANT_MIN_LAYOUT_UNUSED; i++)
+        if (!is_on(user, options->layout[i]))
+            return fail(reason, STATUS_INPUT, "--layout: no finding of %.200s is on %s", path,
+                        options->layout[i]->name);
+    return STATUS_OK;
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct min_options *o = user;
+    switch (option) {
+    case OPT_OUT:
+        o->out = text;
+        return STATUS_OK;
+    case OPT_FORCE:
+        o->force = true;
+        return STATUS_OK;
+    case OPT_ASKS:
+        return parse_count("--asks", text, 1, UINT64_MAX / 2, &o->asks, reason);
+    case OPT_TIME:
+        return parse_count("--time", text, 1, 1000000, &o->seconds, reason);
+    case OPT_TRIAL_TIME:
+        return parse_count("--trial-time", text, 1, 86400, &o->trial_seconds, reason);
+    case OPT_MEMORY:
+        return parse_count("--memory", text, 0, 1u << 30, &o->memory_mib, reason);
+    case OPT_ENGINE:
+        return table_parse(TABLE_ENGINES, "--engine", text, &o->named, reason);
+    case OPT_LAYOUT:
+        return take_layouts(o, text, reason);
+    case OPT_JSON:
+        o->json = text;
+        return STATUS_OK;
+    default:
+        return engine_option_take(option, text, &o->engines, reason);
+    }
+}
+
+/* --- one finding ----------------------------------------------------------------------------- */
+
+const struct engine *min_engine_of(const struct fuzz_signature *signature)
+{
+    for (size_t i = 0; engines[i]; i++) {
+        struct fuzz_signature named;
+        fuzz_signature_set_engine(&named, engines[i]->name);
+        if (strcmp(named.engine, signature->engine) == 0)
+            return engines[i];
+    }
+    return NULL;
+}
+
+int min_check_use(const struct min_options *options, const struct list *engine)
+{
+    struct list layout = {.count = 0};
+    for (size_t i = 0; i < options->layout_count; i++) {
+        size_t at = 0;
+        while (layouts_all[at] != options->layout[i])
+            at++;
+        layout.index[layout.count++] = at;
+    }
+    const struct option_use use = {
+        .by = "min", .engine = engine, .layout = &layout, .compares = true};
+    for (size_t i = 0; i < options->named.count; i++)
+        if (!list_has(engine, options->named.index[i]))
+            return usage_error("min", "--engine: not used here: no finding is of engine %s",
+                               engines[options->named.index[i]]->name);
+    return options_refused("min", &use);
+}
+
+static size_t text_bytes(const struct finding_file *file)
+{
+    char *bytes;
+    size_t size;
+    if (finding_file_print(file, &bytes, &size, NULL))
+        return 0;
+    free(bytes);
+    return size;
+}
+
+static void show_progress(void *user, const struct shrink_stats *stats,
+                          const struct fuzz_trial *best)
+{
+    (void)best;
+    progress_step(user, "%u triangles, %u rays, %llu bits; %llu asks", stats->after.triangles,
+                  stats->after.rays, (unsigned long long)stats->after.bits,
+                  (unsigned long long)stats->asks);
+}
+
+static enum status check_row(struct min_row *row, struct reason *reason)
+{
+    const struct finding_file *file = &row->file;
+    if (!file->has_signature)
+        return fail(reason, STATUS_INPUT, "it expects 'clean': nothing is wrong with it to shrink");
+    row->engine = min_engine_of(&file->signature);
+    if (row->engine)
+        return STATUS_OK;
+    bool peer = strncmp(file->signature.engine, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
+    return fail(reason, STATUS_INPUT, "its engine '%s' is not here%s", file->signature.engine,
+                peer ? "; name its command: --engine 'pipe:COMMAND'" : "");
+}
+
+static enum min_fate fate_of(const struct min_row *row, enum status status)
+{
+    if (status)
+        return status == STATUS_UNSUPPORTED ? MIN_SKIPPED : MIN_FAILED;
+    if (row->stats.end == SHRINK_NOT_SHOWN)
+        return MIN_NOT_SHOWN;
+    return row->stats.accepted ? MIN_SMALLER : MIN_SMALLEST;
+}
+
+void min_shrink(const struct min_options *options, struct min_row *row, enum status status)
+{
+    struct progress progress = progress_make("min");
+    struct reason why;
+    if (!status && (status = check_row(row, &why)))
+        fail(&row->reason, status, "%.150s: %.160s", row->path, why.text);
+    if (!status) {
+        const struct shrink_apart how = {.who = {row->engine, row->file.signature.layout},
+                                         .engines = options->engines,
+                                         .ms = (uint32_t)options->trial_seconds * 1000,
+                                         .memory = options->memory_mib << 20};
+        const struct shrink_options shrink = {.asks = options->asks,
+                                              .ns = options->seconds * 1000000000u,
+                                              .progress = show_progress,
+                                              .user = &progress};
+        status =
+            fuzz_shrink_apart(&how, &row->file, &shrink, &row->smaller, &row->stats, &row->reason);
+        row->bytes_before = text_bytes(&row->file);
+        row->bytes_after = status ? 0 : text_bytes(&row->smaller);
+    }
+    progress_end(&progress);
+    row->fate = fate_of(row, status);
+    row->code = row->fate == MIN_NOT_SHOWN ? EXIT_MISMATCH : exit_of_status(status);
+}
+
+void min_row_free(struct min_row *row)
+{
+    finding_file_free(&row->file);
+    finding_file_free(&row->smaller);
+}
+
+/* --- one file -------------------------------------------------------------------------------- */
+
+static bool ends_with(const char *text, const char *end)
+{
+    size_t length = strlen(text), end_length = strlen(end);
+    return length >= end_length && strcmp(text + length - end_length, end) == 0;
+}
+
+/* Where the result goes: NAME.min.trial beside NAME.trial, and one that has that name already is
+ * gone on with. Errors: STATUS_INPUT too long a name, or something is there. */
+static enum status choose_out(const struct min_options *options, const char *path,
+                              char out[MIN_PATH_MOST], struct reason *reason)
+{
+    struct stat there;
+    size_t stem = strlen(path) - (ends_with(path, ".trial") ? strlen(".trial") : 0);
+    bool again = ends_with(path, ".min.trial");
+    int length = options->out ? snprintf(out, MIN_PATH_MOST, "%s", options->out)
+                 : again      ? snprintf(out, MIN_PATH_MOST, "%s", path)
+                              : snprintf(out, MIN_PATH_MOST, "%.*s.min.trial", (int)stem, path);
+    if (length >= MIN_PATH_MOST)
+        return fail(reason, STATUS_INPUT, "%.100s...: too long a name", path);
+    bool here = !options->out && lstat(out, &there) == 0;
+    if (here && S_ISLNK(there.st_mode))
+        return fail(reason, STATUS_INPUT, "%.200s is a symbolic link: name a file with --out", out);
+    if (here && !again && !options->force)
+        return fail(reason, STATUS_INPUT, "%.200s is there already: --force or --out", out);
+    return STATUS_OK;
+}
+
+static bool is_on(const void *user, const struct layout *layout)
+{
+    const struct min_row *row = user;
+    return row->file.has_signature && row->file.signature.layout == layout;
+}
+
+static int min_file(const struct min_options *options, const char *path)
+{
+    struct min_row row = {0};
+    struct reason reason;
+    char out[MIN_PATH_MOST];
+    if (strlen(path) >= sizeof row.path || choose_out(options, path, out, &reason))
+        return usage_error("min", "%s",
+                           strlen(path) >= sizeof row.path ? "too long a name" : reason.text);
+    strcpy(row.path, path);
+    enum status status = finding_file_read(row.path, &row.file, &row.reason);
+    const struct engine *engine =
+        !status && row.file.has_signature ? min_engine_of(&row.file.signature) : NULL;
+    if (engine) {
+        const struct list of = list_of_engine(engine);
+        row.code = min_check_use(options, &of);
+    }
+    if (engine && row.code >= 0) {
+        finding_file_free(&row.file);
+        return row.code;
+    }
+    if (!status && min_check_layouts(options, path, is_on, &row, &reason)) {
+        min_row_free(&row);
+        return usage_error("min", "%s", reason.text);
+    }
+    min_shrink(options, &row, status);
+    bool write = row.fate == MIN_SMALLER || (row.fate == MIN_SMALLEST && options->out);
+    if (write) {
+        status = finding_file_write(&row.smaller, out, &row.reason);
+        if (status) {
+            row.fate = MIN_FAILED;
+            row.code = exit_of_status(status);
+        } else {
+            strcpy(row.written, out);
+        }
+    }
+    min_print(&row);
+    if (options->json && min_write_json(options->json, &row, 1, row.code, &reason)) {
+        fprintf(stderr, "raydiff min: %s\n", reason.text);
+        row.code = exit_worse(row.code, EXIT_USAGE);
+    }
+    min_row_free(&row);
+    return row.code;
+}
+
+int cmd_min(int argc, char **argv)
+{
+    struct min_options options = {
+        .engines = engine_options_default(), .trial_seconds = 10, .memory_mib = 4096};
+    struct stat what;
+    int first;
+    options.engines.threads = 1; /* trials are small */
+    int code =
+        options_take("min", print_help, long_options, take_option, &options, argc, argv, &first);
+    if (code >= 0)
+        return code;
+    if (first + 1 != argc)
+        return usage_error("min", first == argc ? "no file or folder given" : "one at a time");
+    signal(SIGPIPE, SIG_IGN); /* a peer that died is seen by what it does not answer */
+    if (stat(argv[first], &what) != 0 || !S_ISDIR(what.st_mode))
+        return min_file(&options, argv[first]);
+    if (options.out || options.force)
+        return usage_error("min", "--out and --force are for a file");
+    return min_folder(&options, argv[first]);
+}

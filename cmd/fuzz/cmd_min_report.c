@@ -1,0 +1,150 @@
+/* What raydiff min says of findings, for people and for machines. */
+#include "cmd/fuzz/cmd_min.h"
+
+#include "cmd/fuzz/cmd_replay.h"
+#include "ref/outside/pipe.h"
+#include "cmd/common/cmd_json.h"
+#include "ref/base/command.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *fate_name(enum min_fate fate)
+{
+    static const char *const names[] = {"smaller", "smallest", "not shown", "skipped", "failed"};
+    return names[fate];
+}
+
+/* Why it ended, in words. */
+static const char *end_text(enum shrink_end end)
+{
+    switch (end) {
+    case SHRINK_FIXPOINT:
+        return "nothing smaller is left to be tried";
+    case SHRINK_OUT_OF_ASKS:
+        return "more --asks may find a smaller one";
+    case SHRINK_OUT_OF_TIME:
+        return "ended by --time";
+    case SHRINK_NOT_SHOWN:
+        break;
+    }
+    return "it does not show here";
+}
+
+static void print_size(const char *title, const struct fuzz_trial_size *size, size_t bytes)
+{
+    printf("  %-8s %u triangle%s, %u ray%s, %u vert%s, %llu bits of numbers, %zu bytes\n", title,
+           size->triangles, size->triangles == 1 ? "" : "s", size->rays, size->rays == 1 ? "" : "s",
+           size->vertices, size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits,
+           bytes);
+}
+
+/* The line of the judge, where there is one. */
+static void finding_text(const struct min_row *row, char *text, size_t size)
+{
+    const struct fuzz_finding *finding = &row->stats.finding;
+    const struct fuzz_trial *trial = &row->smaller.trial;
+    text[0] = '\0';
+    if (finding->ray < trial->ray_count && finding->judgement.verdict == VERDICT_WRONG)
+        judge_line(&trial->ray[finding->ray], &finding->judgement, &finding->answer, text, size);
+}
+
+static void print_replay(const struct min_row *row)
+{
+    char text[MIN_PATH_MOST + PIPE_NAME_MOST];
+    replay_command(row->written[0] ? row->written : row->path, row->engine,
+                   row->file.signature.layout, text, sizeof text);
+    printf("  replay   %s\n", text);
+}
+
+void min_print(const struct min_row *row)
+{
+    char signature[FUZZ_SIGNATURE_MOST], text[512];
+    if (row->fate == MIN_FAILED || row->fate == MIN_SKIPPED) {
+        fprintf(stderr, "raydiff min: %s\n", row->reason.text);
+        return;
+    }
+    fuzz_signature_print(&row->file.signature, signature);
+    printf("%s: %s\n", row->path, signature);
+    print_size("before", &row->stats.before, row->bytes_before);
+    if (row->fate == MIN_NOT_SHOWN) {
+        puts("  it does not show here; nothing was written");
+        print_replay(row);
+        return;
+    }
+    print_size("after", &row->stats.after, row->bytes_after);
+    printf("  asked    %llu trials in %u rounds (%llu asks), %llu were smaller; %s\n",
+           (unsigned long long)row->stats.tried, row->stats.rounds,
+           (unsigned long long)row->stats.asks, (unsigned long long)row->stats.accepted,
+           end_text(row->stats.end));
+    finding_text(row, text, sizeof text);
+    if (text[0])
+        printf("  shows    ray %u %s\n", row->stats.finding.ray, text);
+    if (row->stats.finding.said[0])
+        printf("  shows    %s\n", row->stats.finding.said);
+    if (row->file.signature.kind == FUZZ_KIND_CRASH)
+        puts("  shows    the engine's process ends");
+    else if (row->file.signature.kind == FUZZ_KIND_HANG)
+        puts("  shows    the engine does not answer in time");
+    else
+        printf("  cause    %s: %s\n", cause_name(row->file.signature.cause),
+               cause_text(row->file.signature.cause));
+    printf("  wrote    %s\n", row->written[0] ? row->written : "nothing: it is the smallest");
+    print_replay(row);
+}
+
+void min_print_line(const struct min_row *row)
+{
+    char signature[FUZZ_SIGNATURE_MOST], before[40], after[40];
+    if (!row) {
+        printf("%-48s %18s %18s %8s  %s\n", "finding", "triangles, rays", "now", "asks", "");
+        return;
+    }
+    const struct fuzz_trial_size *a = &row->stats.before, *b = &row->stats.after;
+    bool played = row->fate <= MIN_SMALLEST;
+    fuzz_signature_print(&row->file.signature, signature);
+    snprintf(before, sizeof before, "%u, %u", a->triangles, a->rays);
+    snprintf(after, sizeof after, "%u, %u", b->triangles, b->rays);
+    printf("%-48s %18s %18s %8llu  %s%s%s\n", signature, played ? before : "-",
+           played ? after : "-", (unsigned long long)row->stats.asks, fate_name(row->fate),
+           row->reason.text[0] && !played ? ": " : "",
+           !played                             ? row->reason.text
+           : row->stats.end == SHRINK_FIXPOINT ? ""
+                                               : "; more --asks or --time may help");
+}
+
+static json_t *size_json(const struct fuzz_trial_size *size, size_t bytes)
+{
+    return json_pack("{s:I, s:I, s:I, s:I, s:I}", "triangles", (json_int_t)size->triangles, "rays",
+                     (json_int_t)size->rays, "vertices", (json_int_t)size->vertices, "bits",
+                     (json_int_t)size->bits, "bytes", (json_int_t)bytes);
+}
+
+static json_t *row_json(const struct min_row *row)
+{
+    char signature[FUZZ_SIGNATURE_MOST], text[512];
+    bool played = row->fate <= MIN_NOT_SHOWN;
+    fuzz_signature_print(&row->file.signature, signature);
+    finding_text(row, text, sizeof text);
+    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:o, s:I, s:I, s:I, s:I, s:s, s:s, s:s, s:i}",
+                     "file", row->path, "signature", signature, "result", fate_name(row->fate),
+                     "end", played ? shrink_end_name(row->stats.end) : "", "before",
+                     size_json(&row->stats.before, row->bytes_before), "after",
+                     size_json(&row->stats.after, row->bytes_after), "asks",
+                     (json_int_t)row->stats.asks, "tried", (json_int_t)row->stats.tried, "accepted",
+                     (json_int_t)row->stats.accepted, "rounds", (json_int_t)row->stats.rounds,
+                     "text", text, "written", row->written, "reason",
+                     played ? "" : row->reason.text, "exit", row->code);
+}
+
+enum status min_write_json(const char *path, const struct min_row *row, size_t count, int code,
+                           struct reason *reason)
+{
+    json_t *findings = json_array();
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(findings, row_json(&row[i]));
+    json_t *root = json_pack("{s:s, s:i, s:o}", "raydiff", RAYDIFF_VERSION, "exit", code,
+                             "findings", findings);
+    return json_write(path, root, 17, reason);
+}

@@ -1,0 +1,333 @@
+/* raydiff replay: findings played again, each engine in a process that may die. */
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/fuzz/cmd_replay.h"
+
+#include "ref/outside/pipe.h"
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: raydiff replay FILE... [OPTIONS]\n"
+    "Plays findings (.trial files of raydiff fuzz, or regressions) again, on all engines, and "
+    "says\n"
+    "whether what a file expects is still there: its signature, or of a clean one anything wrong.\n"
+    "Every engine runs in a child process; one that crashes or hangs is reported.\n\n"
+    "  --engine E,...  these engines; the signature's engine then does not matter  [all]\n"
+    "  --layout L,...  these layouts                [the signature's; else f32,rf16]\n"
+    "  --time S        seconds that an engine may take for a file                  [60]\n"
+    "  --brief         a line per file, and what nobody expected; no explanation\n"
+    "  --as-expected   succeed if each file shows exactly what it expects\n" ENGINE_OPTIONS_HELP
+    "  --json FILE     results, for machines\n\n"
+    "exit codes: 0 no file fails any more, 1 one still fails, 2 bad input, 3 an engine crashed or\n"
+    "            hung where that was not expected, 77 the file's engine cannot run here\n"
+    "example: raydiff replay fuzz/corpus/rounded-inward.trial\n";
+
+enum { OPT_ENGINE = 256, OPT_LAYOUT, OPT_TIME, OPT_BRIEF, OPT_AS_EXPECTED, OPT_JSON };
+
+static const struct option long_options[] = {{"engine", 1, NULL, OPT_ENGINE},
+                                             {"layout", 1, NULL, OPT_LAYOUT},
+                                             {"time", 1, NULL, OPT_TIME},
+                                             {"brief", 0, NULL, OPT_BRIEF},
+                                             {"as-expected", 0, NULL, OPT_AS_EXPECTED},
+                                             {"json", 1, NULL, OPT_JSON},
+                                             ENGINE_OPTIONS};
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct replay_options *o = user;
+    struct list list;
+    uint64_t value = 0;
+    enum status status = STATUS_OK;
+    switch (option) {
+    case OPT_ENGINE:
+        status = table_parse(TABLE_ENGINES, "--engine", text, &list, reason);
+        o->any_engine = true;
+        o->engine_named = strcmp(text, "all") != 0 && strcmp(text, "every") != 0;
+        o->engine_count = status ? 0 : list.count;
+        for (size_t i = 0; i < o->engine_count; i++)
+            o->engine[i] = engines[list.index[i]];
+        return status;
+    case OPT_LAYOUT:
+        status = table_parse(TABLE_LAYOUTS, "--layout", text, &list, reason);
+        o->layout_count = status ? 0 : list.count;
+        for (size_t i = 0; i < o->layout_count; i++)
+            o->layout[i] = layouts_all[list.index[i]];
+        return status;
+    case OPT_TIME:
+        status = parse_count("--time", text, 1, 86400, &value, reason);
+        o->seconds = (unsigned)value;
+        return status;
+    case OPT_BRIEF:
+        o->brief = true;
+        return STATUS_OK;
+    case OPT_AS_EXPECTED:
+        o->as_expected = true;
+        return STATUS_OK;
+    case OPT_JSON:
+        o->json = text;
+        return STATUS_OK;
+    default:
+        return engine_option_take(option, text, &o->engines, reason);
+    }
+}
+
+bool replay_is_expected(const struct replay_options *options, const struct finding_file *file,
+                        const struct fuzz_signature *found)
+{
+    const struct fuzz_signature *want = &file->signature;
+    if (!file->has_signature)
+        return true;
+    return want->kind == found->kind && want->cause == found->cause &&
+           (options->any_engine || strcmp(want->engine, found->engine) == 0) &&
+           (options->layout_count > 0 || want->layout == found->layout);
+}
+
+/* True if the contestant is the one that the signature names, or stands in for it. */
+static bool is_wanted(const struct replay_options *options, const struct finding_file *file,
+                      const struct fuzz_contestant *who)
+{
+    struct fuzz_signature mine = file->signature;
+    fuzz_signature_set_engine(&mine, who->engine->name);
+    mine.layout = who->layout;
+    return replay_is_expected(options, file, &mine);
+}
+
+/* The layouts of a file: asked for, the signature's, or all that are not as published. */
+static size_t choose_layouts(const struct replay_options *options, const struct finding_file *file,
+                             const struct layout **out)
+{
+    size_t count = 0;
+    if (options->layout_count > 0) {
+        memcpy(out, options->layout, options->layout_count * sizeof *out);
+        return options->layout_count;
+    }
+    if (file->has_signature && file->signature.layout) {
+        out[0] = file->signature.layout;
+        return 1;
+    }
+    for (size_t i = 0; layouts[i]; i++)
+        if (!layouts[i]->faithful)
+            out[count++] = layouts[i];
+    return count;
+}
+
+/* A crash or hang has no ray and no cause; a peer that dies before the first question may have been
+ * found to break the protocol. */
+static bool died_as_expected(const struct replay_options *options, const struct finding_file *file,
+                             const struct replay_played *played)
+{
+    bool hung = played->fate == REPLAY_HUNG;
+    enum fuzz_kind kind = file->signature.kind;
+    bool alike = kind == (hung ? FUZZ_KIND_HANG : FUZZ_KIND_CRASH) || kind == FUZZ_KIND_PROTOCOL;
+    return file->has_signature && alike && is_wanted(options, file, &played->who);
+}
+
+static int code_of(const struct replay_options *options, struct replay_file *file)
+{
+    bool wanted_played = false;
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < file->played_count; i++) {
+        const struct replay_played *played = &file->played[i];
+        bool died = played->fate == REPLAY_CRASHED || played->fate == REPLAY_HUNG;
+        if (died && !played->crashed_as_expected)
+            code = exit_worse(code, EXIT_ENGINE);
+        if (played->fate == REPLAY_FAILED)
+            code = exit_worse(code, EXIT_INTERNAL);
+        if (played->fate == REPLAY_REFUSED && is_wanted(options, &file->file, &played->who))
+            file->refused = true;
+        if (played->fate != REPLAY_SKIPPED && played->fate != REPLAY_REFUSED &&
+            (!file->file.has_signature || is_wanted(options, &file->file, &played->who)))
+            wanted_played = true;
+    }
+    file->refused = file->refused && !wanted_played;
+    if (!wanted_played)
+        return exit_worse(code, file->refused ? EXIT_MISMATCH : EXIT_SKIPPED);
+    bool bad = options->as_expected ? file->fails != file->file.has_signature : file->fails;
+    return bad ? exit_worse(code, EXIT_MISMATCH) : code;
+}
+
+static void play_file(struct replay_worker *worker, size_t i)
+{
+    const struct replay_options *options = worker->options;
+    struct replay_file *file = &worker->files[i];
+    const struct layout *layout[FUZZ_CONTESTANTS_MOST];
+    size_t layout_count = choose_layouts(options, &file->file, layout);
+    struct fuzz_field field;
+    struct reason reason;
+    if (fuzz_field_make(options->engine, options->engine_count, layout, layout_count,
+                        &options->engines, &field, &reason)) {
+        file->code = usage_error("replay", "%s", reason.text);
+        return;
+    }
+    for (size_t k = 0; k < field.count; k++) {
+        struct replay_played *played = &file->played[file->played_count++];
+        *played = (struct replay_played){.who = field.who[k]};
+        replay_play(worker, i, played);
+        played->expected = 0;
+        while (
+            played->expected < played->finding_count &&
+            !replay_is_expected(options, &file->file, &played->finding[played->expected].signature))
+            played->expected++;
+        bool died = played->fate == REPLAY_CRASHED || played->fate == REPLAY_HUNG;
+        played->crashed_as_expected = died && died_as_expected(options, &file->file, played);
+        if (played->crashed_as_expected || played->expected < played->finding_count)
+            file->fails = true;
+    }
+    replay_versions(worker, i);
+    file->code = code_of(options, file);
+}
+
+/* True if it has a ray that can be explained. */
+static bool has_page(const struct fuzz_finding *finding)
+{
+    enum fuzz_kind kind = finding->signature.kind;
+    return kind <= FUZZ_KIND_BITS || kind == FUZZ_KIND_UNFINISHED;
+}
+
+/* The page of the first finding that the file expects; of a clean one of the first at all. */
+static void print_page(struct replay_worker *worker, size_t i)
+{
+    const struct replay_file *file = &worker->files[i];
+    for (size_t k = 0; k < file->played_count; k++) {
+        const struct replay_played *played = &file->played[k];
+        for (size_t n = played->expected; n < played->finding_count; n++)
+            if (has_page(&played->finding[n]) &&
+                replay_is_expected(worker->options, &file->file, &played->finding[n].signature)) {
+                replay_page(worker, i, &played->who, played->finding[n].ray);
+                return;
+            }
+    }
+}
+
+/* Reads all files before anything is played. Returns the exit code. */
+static int read_files(char **path, size_t count, struct replay_file *files)
+{
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < count; i++) {
+        struct reason reason;
+        files[i].path = path[i];
+        enum status status = finding_file_read(path[i], &files[i].file, &reason);
+        if (!status)
+            continue;
+        fprintf(stderr, "raydiff replay: %s\n", reason.text);
+        code = exit_worse(code, exit_of_status(status));
+    }
+    return code;
+}
+
+/* A signature's engine must be among those that are played. */
+static int check_engine(const struct replay_options *options, const struct replay_file *file)
+{
+    if (!file->file.has_signature || options->any_engine)
+        return EXIT_AGREE;
+    for (size_t i = 0; i < options->engine_count; i++) {
+        struct fuzz_signature named;
+        fuzz_signature_set_engine(&named, options->engine[i]->name);
+        if (strcmp(named.engine, file->file.signature.engine) == 0)
+            return EXIT_AGREE;
+    }
+    bool peer = strncmp(file->file.signature.engine, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
+    return usage_error("replay", "%s: its engine '%s' is not here%s", file->path,
+                       file->file.signature.engine,
+                       peer ? "; name its command: --engine 'pipe:COMMAND'" : "");
+}
+
+static void count_turnout(const struct replay_file *file, struct turnout *turnout)
+{
+    for (size_t i = 0; i < file->played_count; i++) {
+        const struct replay_played *played = &file->played[i];
+        enum turnout_end end = TURNOUT_FAILED;
+        if (played->fate == REPLAYED)
+            end = TURNOUT_ANSWERED;
+        else if (played->fate == REPLAY_SKIPPED)
+            end = TURNOUT_ABSENT;
+        else if (played->fate == REPLAY_REFUSED)
+            end = played->who.layout ? TURNOUT_SKIPPED : TURNOUT_REFUSED;
+        turnout_add(turnout, "engine", played->who.engine->name, end, 1, played->reason);
+    }
+}
+
+static int replay_all(const struct replay_options *options, struct replay_file *files, size_t count,
+                      struct turnout *turnout)
+{
+    struct replay_worker worker = {.options = options, .files = files};
+    int code = EXIT_AGREE;
+    for (size_t i = 0; i < options->engine_count && options->engine_named; i++)
+        turnout_name(turnout, "engine", options->engine[i]->name);
+    for (size_t i = 0; i < count; i++) {
+        play_file(&worker, i);
+        replay_print(options, &files[i]);
+        fflush(stdout); /* the child prints the page */
+        if (!options->brief)
+            print_page(&worker, i);
+        count_turnout(&files[i], turnout);
+        code = exit_worse(code, files[i].code);
+    }
+    replay_end(&worker);
+    if (!options->brief || turnout_exit(turnout))
+        turnout_print(turnout);
+    return exit_worse(code, turnout_exit(turnout));
+}
+
+/* What was named that none of the engines uses. -1: nothing. */
+static int check_use(const struct replay_options *options)
+{
+    struct list engine = {.count = 0}, layout = {.count = 0};
+    for (size_t i = 0; i < options->engine_count; i++)
+        engine.index[engine.count++] = list_of_engine(options->engine[i]).index[0];
+    for (size_t i = 0; i < options->layout_count; i++) {
+        size_t at = 0;
+        while (layouts_all[at] != options->layout[i])
+            at++;
+        layout.index[layout.count++] = at;
+    }
+    return options_refused("replay", &(struct option_use){.engine = &engine, .layout = &layout});
+}
+
+int cmd_replay(int argc, char **argv)
+{
+    struct replay_options options = {.engines = engine_options_default(), .seconds = 60};
+    struct reason reason;
+    int first;
+    for (; engines[options.engine_count]; options.engine_count++)
+        options.engine[options.engine_count] = engines[options.engine_count];
+    int code =
+        options_take("replay", print_help, long_options, take_option, &options, argc, argv, &first);
+    if (code >= 0)
+        return code;
+    if (first == argc)
+        return usage_error("replay", "no file given");
+    code = check_use(&options);
+    if (code >= 0)
+        return code;
+    size_t count = (size_t)(argc - first);
+    struct replay_file *files = alloc_zeroed(count, sizeof *files);
+    if (!files) {
+        fputs("raydiff replay: out of memory\n", stderr);
+        return EXIT_INTERNAL;
+    }
+    code = read_files(argv + first, count, files);
+    for (size_t i = 0; i < count && code == EXIT_AGREE; i++)
+        code = check_engine(&options, &files[i]);
+    if (code == EXIT_AGREE) {
+        static struct turnout turnout;
+        code = replay_all(&options, files, count, &turnout);
+        if (options.json &&
+            replay_write_json(options.json, files, count, &turnout, code, &reason)) {
+            fprintf(stderr, "raydiff replay: %s\n", reason.text);
+            code = exit_worse(code, EXIT_USAGE);
+        }
+    }
+    for (size_t i = 0; i < count; i++)
+        finding_file_free(&files[i].file);
+    free(files);
+    return code;
+}

@@ -1,0 +1,204 @@
+/* What raydiff replay says of a file, for people and for machines. */
+#include "cmd/fuzz/cmd_replay.h"
+
+#include "ref/outside/pipe.h"
+#include "ref/outside/plugin_shader.h"
+#include "ref/base/command.h"
+#include "ref/base/ray_text.h"
+#include "ref/files/file.h"
+#include "cmd/common/cmd_json.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *fate_name(enum replay_fate fate)
+{
+    static const char *const names[] = {"played",  "skipped", "refused",
+                                        "crashed", "hung",    "failed"};
+    return names[fate];
+}
+
+static const char *outcome(const struct replay_file *file)
+{
+    if (file->code == 77)
+        return "not played: its engine cannot run here";
+    if (file->refused)
+        return "not played: refused, so that nothing is tested";
+    if (!file->file.has_signature)
+        return file->fails ? "FAILS" : "clean";
+    return file->fails ? "STILL FAILS" : "does not fail";
+}
+
+static void expectation(const struct finding_file *file, char text[FUZZ_SIGNATURE_MOST])
+{
+    snprintf(text, FUZZ_SIGNATURE_MOST, "clean");
+    if (file->has_signature)
+        fuzz_signature_print(&file->signature, text);
+}
+
+/* One line of what the judge or the harness said of it. */
+static void finding_text(const struct finding_file *file, const struct fuzz_finding *finding,
+                         char *text, size_t size)
+{
+    text[0] = '\0';
+    if (finding->ray >= file->trial.ray_count || finding->judgement.verdict != VERDICT_WRONG)
+        return;
+    judge_line(&file->trial.ray[finding->ray], &finding->judgement, &finding->answer, text, size);
+}
+
+void replay_command(const char *path, const struct engine *engine, const struct layout *layout,
+                    char *text, size_t text_bytes)
+{
+    snprintf(text, text_bytes, "raydiff replay");
+    command_word(text, text_bytes, path);
+    if (layout && layout->outside)
+        plugin_command(text, text_bytes, layout);
+    if (!engine || strncmp(engine->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0)
+        return;
+    command_word(text, text_bytes, "--engine");
+    command_word(text, text_bytes, engine->name);
+}
+
+void replay_plugins(const struct findings *findings, char *text, size_t text_bytes)
+{
+    for (size_t i = 0; i < findings_count(findings); i++) {
+        const struct layout *layout = findings_entry(findings, i)->signature.layout;
+        bool before = false;
+        for (size_t k = 0; k < i; k++)
+            before = before || findings_entry(findings, k)->signature.layout == layout;
+        if (layout && layout->outside && !before)
+            plugin_command(text, text_bytes, layout);
+    }
+}
+
+static void print_lines(const char *title, const char *lines)
+{
+    for (const char *at = lines; *at;) {
+        size_t length = strcspn(at, "\n");
+        printf("  %-8s %.*s\n", at == lines ? title : "", (int)length, at);
+        at += length + (at[length] == '\n');
+    }
+}
+
+static void print_played(const struct replay_file *file, const struct replay_played *played)
+{
+    printf("  %-13s %-13s ", played->who.engine->name,
+           played->who.layout ? played->who.layout->name : "-");
+    if (played->fate != REPLAYED) {
+        printf("%s: %s%s\n", fate_name(played->fate), played->reason,
+               played->crashed_as_expected ? ", as expected" : "");
+        return;
+    }
+    if (played->finding_count == 0)
+        puts("nothing wrong");
+    for (size_t i = 0; i < played->finding_count; i++) {
+        const struct fuzz_finding *finding = &played->finding[i];
+        char text[512];
+        finding_text(&file->file, finding, text, sizeof text);
+        if (i > 0)
+            printf("  %-13s %-13s ", "", "");
+        printf("%s %s", fuzz_kind_name(finding->signature.kind),
+               cause_name(finding->signature.cause));
+        if (finding->said[0])
+            printf(", %s", finding->said);
+        else if (text[0])
+            printf(", ray %u %s", finding->ray, text);
+        puts(file->file.has_signature && i == played->expected ? " <- expected" : "");
+    }
+}
+
+void replay_print(const struct replay_options *options, const struct replay_file *file)
+{
+    const struct fuzz_trial *trial = &file->file.trial;
+    const struct fuzz_origin *origin = &trial->origin;
+    char text[FUZZ_SIGNATURE_MOST];
+    expectation(&file->file, text);
+    printf("%s: %s: %s\n", file->path, text, outcome(file));
+    if (options->brief) { /* only what nobody expected */
+        for (size_t i = 0; i < file->played_count; i++) {
+            const struct replay_played *played = &file->played[i];
+            if (played->fate >= REPLAY_CRASHED ||
+                (!file->file.has_signature && played->finding_count > 0))
+                print_played(file, played);
+        }
+        return;
+    }
+    printf(
+        "  trial    %u triangle%s, %u ray%s, builder %s, leaf %u, box %s, triangle %s, query %s\n",
+        trial->scene.tri_count, trial->scene.tri_count == 1 ? "" : "s", trial->ray_count,
+        trial->ray_count == 1 ? "" : "s", trial->builder->name, trial->build.leaf, trial->box->name,
+        trial->tri->name, query_name(trial->query));
+    if (origin->recipe[0])
+        printf("  made as  %s\n", origin->recipe);
+    if (origin->version > 0)
+        printf("  from     seed %llu, trial %llu of stream %s, generators %u\n",
+               (unsigned long long)origin->seed, (unsigned long long)origin->index,
+               origin->mutated ? "mut" : "gen", origin->version);
+    for (size_t i = 0; i < file->played_count; i++)
+        print_played(file, &file->played[i]);
+    print_lines("then", file->file.versions);
+    print_lines("now", file->now);
+}
+
+static json_t *finding_json(const struct replay_file *file, const struct replay_played *played,
+                            size_t i)
+{
+    const struct fuzz_finding *finding = &played->finding[i];
+    char signature[FUZZ_SIGNATURE_MOST], text[512];
+    fuzz_signature_print(&finding->signature, signature);
+    finding_text(&file->file, finding, text, sizeof text);
+    bool on_ray = finding->ray < file->file.trial.ray_count;
+    return json_pack("{s:s, s:o, s:s, s:b}", "signature", signature, "ray",
+                     on_ray ? json_integer((json_int_t)finding->ray) : json_null(), "text", text,
+                     "expected", i == played->expected);
+}
+
+static json_t *played_json(const struct replay_file *file, const struct replay_played *played)
+{
+    json_t *findings = json_array();
+    for (size_t i = 0; i < played->finding_count; i++)
+        json_array_append_new(findings, finding_json(file, played, i));
+    return json_pack("{s:s, s:s?, s:s, s:s, s:o}", "engine", played->who.engine->name, "layout",
+                     played->who.layout ? played->who.layout->name : NULL, "status",
+                     fate_name(played->fate), "reason",
+                     played->fate == REPLAYED ? "" : played->reason, "findings", findings);
+}
+
+static json_t *lines_json(const char *lines)
+{
+    json_t *out = json_array();
+    for (const char *at = lines; *at;) {
+        size_t length = strcspn(at, "\n");
+        json_array_append_new(out, json_stringn(at, length));
+        at += length + (at[length] == '\n');
+    }
+    return out;
+}
+
+static json_t *file_json(const struct replay_file *file)
+{
+    char expect[FUZZ_SIGNATURE_MOST];
+    json_t *played = json_array();
+    expectation(&file->file, expect);
+    for (size_t i = 0; i < file->played_count; i++)
+        json_array_append_new(played, played_json(file, &file->played[i]));
+    return json_pack("{s:s, s:s, s:b, s:i, s:I, s:I, s:o, s:o, s:o}", "file", file->path, "expect",
+                     expect, "fails", file->fails, "exit", file->code, "triangles",
+                     (json_int_t)file->file.trial.scene.tri_count, "rays",
+                     (json_int_t)file->file.trial.ray_count, "then",
+                     lines_json(file->file.versions), "now", lines_json(file->now), "played",
+                     played);
+}
+
+enum status replay_write_json(const char *path, const struct replay_file *file, size_t count,
+                              const struct turnout *turnout, int code, struct reason *reason)
+{
+    json_t *files = json_array();
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(files, file_json(&file[i]));
+    json_t *root = json_pack("{s:s, s:i, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "exit", code,
+                             "named", json_turnout(turnout), "files", files);
+    return json_write(path, root, 17, reason);
+}

@@ -1,0 +1,338 @@
+/* raydiff fuzz --self-test: the fuzzer against bugs that were planted for it. */
+#define _POSIX_C_SOURCE 200809L
+#include "cmd/fuzz/cmd_selftest.h"
+
+#include "gpu/shaders/spirv_look.h"
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The rarest planted bug shows only in scenes of more than 32,768 triangles. Of seeds 1 to 8 the
+ * first such trial is the 659th to the 10,358th; this one, the 2,458th, stands in the middle. */
+#define DEFAULT_SEED 2u
+
+/* What a control plays at least. */
+#define CONTROL_TRIALS 1024u
+
+static const char help[] =
+    "usage: raydiff fuzz --self-test [OPTIONS]\n"
+    "Fuzzes programs into each of which one bug was planted, in one C unit or one shader of an\n"
+    "engine, layout or builder, never in the oracle or the judge, and says how many trials and\n"
+    "seconds it took until the bug was found. Then the program without a bug plays the same "
+    "trials\n"
+    "and must find nothing. `make selftest` builds the programs and runs this.\n\n"
+    "  --only B,...     only these: by bug, by bug and unit as in LOST_SLOT.trace_rf16, by kind,\n"
+    "                   or by engines\n"
+    "  --time S         seconds for each                          [60]\n"
+    "  --seed S         of the trials                             [2]\n"
+    "  --jobs N         programs at a time, of one worker each    [cores]\n"
+    "  --programs DIR   where they are           [mutants, beside this program]\n"
+    "  --shaders        only check that this program's own shaders are pinned\n"
+    "  --json FILE      results, for machines\n\n"
+    "exit codes: 0 every bug was found and nothing else, 1 not so, 2 bad input, nothing is built,\n"
+    "            4 internal error\n"
+    "example: raydiff fuzz --self-test --only rounding,LOST_SLOT\n";
+
+enum { OPT_ONLY = 256, OPT_TIME, OPT_SEED, OPT_JOBS, OPT_PROGRAMS, OPT_SHADERS, OPT_JSON };
+
+static const struct option long_options[] = {{"only", 1, NULL, OPT_ONLY},
+                                             {"time", 1, NULL, OPT_TIME},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             {"jobs", 1, NULL, OPT_JOBS},
+                                             {"programs", 1, NULL, OPT_PROGRAMS},
+                                             {"shaders", 0, NULL, OPT_SHADERS},
+                                             {"json", 1, NULL, OPT_JSON},
+                                             {"help", 0, NULL, OPT_HELP},
+                                             {NULL, 0, NULL, 0}};
+
+static bool shaders_only;
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+static enum status take_choices(struct selftest_command *c, char *text, struct reason *reason)
+{
+    for (char *one = strtok(text, ","); one; one = strtok(NULL, ",")) {
+        if (c->choices == SELFTEST_CHOICE_MOST)
+            return fail(reason, STATUS_INPUT, "--only: at most %u", SELFTEST_CHOICE_MOST);
+        c->choice[c->choices++] = one;
+    }
+    return c->choices ? STATUS_OK : fail(reason, STATUS_INPUT, "--only: none is named");
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct selftest_command *c = user;
+    uint64_t value = 0;
+    enum status status = STATUS_OK;
+    switch (option) {
+    case OPT_ONLY:
+        return take_choices(c, text, reason);
+    case OPT_TIME:
+        status = parse_count("--time", text, 1, 86400, &value, reason);
+        c->seconds = (unsigned)value;
+        return status;
+    case OPT_SEED:
+        return parse_count("--seed", text, 0, UINT64_MAX, &c->seed, reason);
+    case OPT_JOBS:
+        status = parse_count("--jobs", text, 1, SELFTEST_JOBS_MOST, &value, reason);
+        c->jobs = (unsigned)value;
+        return status;
+    case OPT_PROGRAMS:
+        c->programs = text;
+        return STATUS_OK;
+    case OPT_SHADERS:
+        shaders_only = true;
+        return STATUS_OK;
+    default: /* OPT_JSON */
+        c->json = text;
+        return STATUS_OK;
+    }
+}
+
+static bool is_chosen(const struct selftest_command *c, const struct selftest_bug *bug)
+{
+    for (size_t i = 0; i < c->choices; i++)
+        if (selftest_chosen(bug, c->choice[i]))
+            return true;
+    return c->choices == 0;
+}
+
+/* Joins folder and name; false if that is too long. */
+static bool join(char path[SELFTEST_PATH_MOST], const char *folder, const char *name)
+{
+    return (unsigned)snprintf(path, SELFTEST_PATH_MOST, "%s/%s", folder, name) < SELFTEST_PATH_MOST;
+}
+
+/* This program, and where those with bugs are. */
+static enum status find_folder(struct selftest_command *c, struct reason *reason)
+{
+    ssize_t length = readlink("/proc/self/exe", c->self, sizeof c->self - 1);
+    if (length <= 0)
+        return fail(reason, STATUS_INPUT, "this program cannot find itself; name --programs");
+    c->self[length] = '\0';
+    char beside[SELFTEST_PATH_MOST];
+    memcpy(beside, c->self, sizeof beside);
+    char *slash = strrchr(beside, '/');
+    if (slash)
+        *slash = '\0';
+    if (c->programs
+            ? (unsigned)snprintf(c->folder, sizeof c->folder, "%s", c->programs) >= sizeof c->folder
+            : !join(c->folder, beside, "mutants"))
+        return fail(reason, STATUS_INPUT, "the folder's name is too long");
+    return STATUS_OK;
+}
+
+static enum status add_row(struct selftest_command *c, const struct selftest_bug *bug, bool control,
+                           struct reason *reason)
+{
+    char name[SELFTEST_NAME_MOST + 16];
+    struct selftest_row *row = &c->row[c->rows];
+    *row = (struct selftest_row){.bug = bug, .control = control};
+    selftest_name(bug, name);
+    if (control)
+        (void)snprintf(name, sizeof name, "control.%s.%s", bug->engines, bug->layouts);
+    if (!join(row->folder, c->folder, name) || !join(row->program, row->folder, "raydiff"))
+        return fail(reason, STATUS_INPUT, "the folder's name is too long");
+    if (control)
+        memcpy(row->program, c->self, sizeof row->program);
+    else if (access(row->program, X_OK) != 0)
+        return fail(reason, STATUS_INPUT,
+                    "%s is not built: type `make selftest` (or `make planted`)", name);
+    row->job = (struct selftest_job){.program = row->program,
+                                     .folder = row->folder,
+                                     .engines = bug->engines,
+                                     .layouts = bug->layouts,
+                                     .seed = c->seed,
+                                     .seconds = c->seconds};
+    c->rows++;
+    return STATUS_OK;
+}
+
+static bool same_field(const struct selftest_bug *a, const struct selftest_bug *b)
+{
+    return strcmp(a->engines, b->engines) == 0 && strcmp(a->layouts, b->layouts) == 0;
+}
+
+/* A row for each chosen bug, and one for each field that they are played in. */
+static enum status make_rows(struct selftest_command *c, struct reason *reason)
+{
+    c->row = alloc_zeroed(2 * c->bugs, sizeof *c->row);
+    if (!c->row)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu programs", c->bugs);
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < c->bugs && !status; i++)
+        if (is_chosen(c, &c->bug[i]))
+            status = add_row(c, &c->bug[i], false, reason);
+    c->planted = c->rows;
+    for (size_t i = 0; i < c->planted && !status; i++) {
+        bool there = false;
+        for (size_t k = c->planted; k < c->rows; k++)
+            there = there || same_field(c->row[k].bug, c->row[i].bug);
+        if (!there)
+            status = add_row(c, c->row[i].bug, true, reason);
+    }
+    if (!status && c->planted == 0)
+        status = fail(reason, STATUS_INPUT, "--only: no bug is '%.100s'", c->choice[0]);
+    return status;
+}
+
+/* A control plays at least the trials that the bugs of its field took. */
+static void set_control(const struct selftest_command *c, struct selftest_row *row)
+{
+    row->job.trials = CONTROL_TRIALS;
+    for (size_t i = 0; i < c->planted; i++)
+        if (same_field(c->row[i].bug, row->bug) && c->row[i].job.result.trials > row->job.trials)
+            row->job.trials = c->row[i].job.result.trials;
+}
+
+/* Starts the next one; false: none may be started now. */
+static bool start_next(struct selftest_command *c, size_t running, enum status *status,
+                       struct reason *reason)
+{
+    size_t ended = 0;
+    if (running >= c->jobs)
+        return false;
+    for (size_t i = 0; i < c->rows; i++) {
+        struct selftest_row *row = &c->row[i];
+        if (!row->started) {
+            if (row->control && ended < c->planted)
+                return false; /* controls wait for all bugs */
+            if (row->control)
+                set_control(c, row);
+            row->started = true;
+            *status = selftest_start(&row->job, reason);
+            return *status == STATUS_OK;
+        }
+        ended += row->ended;
+    }
+    return false;
+}
+
+static void show_progress(const struct selftest_command *c)
+{
+    size_t ended = 0;
+    const char *sign = "";
+    if (!c->terminal)
+        return;
+    for (size_t i = 0; i < c->rows; i++)
+        ended += c->row[i].ended;
+    fprintf(stderr, "\r\033[K%zu of %zu done:", ended, c->rows);
+    for (size_t i = 0; i < c->rows; i++)
+        if (c->row[i].started && !c->row[i].ended) {
+            const char *name = strrchr(c->row[i].folder, '/');
+            fprintf(stderr, "%s %s", sign, name ? name + 1 : "");
+            sign = ",";
+        }
+    fflush(stderr);
+}
+
+static void wipe_progress(const struct selftest_command *c)
+{
+    if (c->terminal)
+        fputs("\r\033[K", stderr);
+}
+
+/* Runs all rows, some at a time. */
+static enum status run_rows(struct selftest_command *c, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (;;) {
+        struct selftest_job *running[SELFTEST_JOBS_MOST];
+        size_t count = 0;
+        for (size_t i = 0; i < c->rows; i++)
+            if (c->row[i].started && !c->row[i].ended)
+                running[count++] = &c->row[i].job;
+        if (!status && start_next(c, count, &status, reason))
+            continue;
+        if (status || count == 0)
+            break;
+        show_progress(c);
+        selftest_wait(running, count, 500);
+        for (size_t i = 0; i < c->rows && !status; i++)
+            if (c->row[i].started && !c->row[i].ended)
+                c->row[i].ended = selftest_ended(&c->row[i].job, &status, reason);
+        wipe_progress(c);
+        selftest_print_rows(c);
+    }
+    for (size_t i = 0; i < c->rows; i++)
+        if (c->row[i].started && !c->row[i].ended)
+            selftest_stop(&c->row[i].job);
+    return status;
+}
+
+static enum status run(struct selftest_command *c, struct selftest_sum *sum, struct reason *reason)
+{
+    char table[SELFTEST_PATH_MOST];
+    enum status status = find_folder(c, reason);
+    if (!status && (!join(table, c->folder, "selftest.txt") || access(table, R_OK) != 0))
+        status =
+            fail(reason, STATUS_INPUT,
+                 "no planted bugs in %.150s: type `make selftest` in raydiff's sources", c->folder);
+    if (!status)
+        status = selftest_read(table, &c->bug, &c->bugs, reason);
+    if (!status)
+        status = make_rows(c, reason);
+    if (status)
+        return status;
+    selftest_print_head();
+    status = run_rows(c, reason);
+    *sum = selftest_sum(c);
+    if (!status)
+        selftest_print_sum(sum);
+    if (!status && c->json)
+        status = selftest_json(c, sum, reason);
+    return status;
+}
+
+/* What programs with a mutated shader are asked: nothing that runs can show a lost decoration,
+ * since the drivers here never contract. */
+static int check_shaders(void)
+{
+    struct reason reason;
+    enum status status = spirv_check_tracing(&reason);
+    if (!status)
+        puts("shaders: all float operations of the tracing shaders are pinned");
+    else
+        printf("%s\n", reason.text);
+    return status == STATUS_OK         ? EXIT_AGREE
+           : status == STATUS_INTERNAL ? EXIT_MISMATCH
+                                       : exit_of_status(status);
+}
+
+int cmd_selftest(int argc, char **argv)
+{
+    static struct selftest_command c;
+    struct selftest_sum sum = {0};
+    struct reason reason = {""};
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    int first;
+    c = (struct selftest_command){.seed = DEFAULT_SEED,
+                                  .seconds = 60,
+                                  .terminal = isatty(STDERR_FILENO) == 1,
+                                  .start_ns = time_ns()};
+    c.jobs = cores < 1 ? 1 : cores > SELFTEST_JOBS_MOST ? SELFTEST_JOBS_MOST : (unsigned)cores;
+    int code = options_take("fuzz", print_help, long_options, take_option, &c, argc, argv, &first);
+    if (code < 0 && first < argc)
+        code = usage_error("fuzz", "'%s': only options are expected", argv[first]);
+    const struct option_use use = {
+        .by = "--shaders", .never = shaders_only ? "only time seed jobs programs json" : ""};
+    if (code < 0)
+        code = options_refused("fuzz", &use);
+    if (code >= 0)
+        return code;
+    if (shaders_only)
+        return check_shaders();
+    enum status status = run(&c, &sum, &reason);
+    if (status)
+        fprintf(stderr, "raydiff fuzz: %s\n", reason.text);
+    free(c.bug);
+    free(c.row);
+    return status ? exit_of_status(status) : selftest_passed(&sum) ? EXIT_AGREE : EXIT_MISMATCH;
+}

@@ -1,0 +1,58 @@
+/* What the parts of raydiff fuzz --self-test share. For commands only. */
+#ifndef FUZZ_CMD_SELFTEST_H
+#define FUZZ_CMD_SELFTEST_H
+
+#include "fuzz/selftest/selftest.h"
+
+#define SELFTEST_JOBS_MOST   64u
+#define SELFTEST_CHOICE_MOST 32u
+
+/* A program of the self-test: one of a planted bug or, without a bug, the healthy one in the field
+ * of some of them. */
+struct selftest_row {
+    const struct selftest_bug *bug; /* of a control: the first of its field */
+    bool control;
+    bool started, ended, printed;
+    char folder[SELFTEST_PATH_MOST], program[SELFTEST_PATH_MOST];
+    struct selftest_job job;
+};
+
+struct selftest_command {
+    uint64_t seed;
+    unsigned seconds, jobs;
+    const char *json, *programs;
+    const char *choice[SELFTEST_CHOICE_MOST]; /* none: all */
+    size_t choices;
+    bool terminal;
+    char self[SELFTEST_PATH_MOST], folder[SELFTEST_PATH_MOST];
+    struct selftest_bug *bug; /* the table */
+    size_t bugs;
+    struct selftest_row *row; /* bugs first, then controls */
+    size_t rows, planted;     /* of the rows, how many are of bugs */
+    uint64_t start_ns;
+};
+
+/* What it came to. */
+struct selftest_sum {
+    size_t found, planted, skipped, clean, controls; /* planted and controls without skipped ones */
+    double median_s, slowest_s;                      /* of those found */
+    double seconds;                                  /* all in all */
+};
+
+struct selftest_sum selftest_sum(const struct selftest_command *command);
+bool selftest_passed(const struct selftest_sum *sum);
+
+/* Errors: as json_write. */
+enum status selftest_json(const struct selftest_command *command, const struct selftest_sum *sum,
+                          struct reason *reason) MUST_USE;
+
+/* The heading; those rows that are known and not printed yet, as far as all before them are; the
+ * last lines. */
+void selftest_print_head(void);
+void selftest_print_rows(struct selftest_command *command);
+void selftest_print_sum(const struct selftest_sum *sum);
+
+/* raydiff fuzz --self-test; argv[0] is that. */
+int cmd_selftest(int argc, char **argv);
+
+#endif

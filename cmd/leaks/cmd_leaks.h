@@ -1,0 +1,82 @@
+/* What raydiff leaks and its report share. For commands only. */
+#ifndef CMD_LEAKS_H
+#define CMD_LEAKS_H
+
+#include "cmd/common/cmd_tables.h"
+#include "ref/judge/leaks.h"
+#include "ref/match/turnout.h"
+#include "scenes/rays/rays_inside.h"
+
+#define LEAKS_LEAST 1000 /* fewer rays say nothing */
+
+/* What was asked for. */
+struct leaks_options {
+    struct list layout, store, engine, builder, box, tri;
+    bool layout_named, engine_named;
+    struct build_options build;
+    uint64_t count, seed;
+    const struct leak_profile *profile;
+    struct engine_options engines;
+    const char *json;
+    const char *bvh;        /* of --bvh, or NULL */
+    const char *build_flag; /* the last option given that says how to build, or NULL */
+};
+
+/* An engine on a layout, or alone. */
+struct leak_row {
+    const struct engine *engine; /* NULL: no engine could play, the layout refused */
+    const struct layout *layout; /* NULL: the engine needs none */
+    const struct tri_store *store;
+    const struct builder *builder;
+    const struct box_test *box;
+    const struct tri_test *tri;
+    enum status status; /* LIMIT: the layout refuses, or the engine; REFUSED: the engine;
+                           UNSUPPORTED: cannot run here, or not this; else failed */
+    struct reason reason;
+    bool absent; /* UNSUPPORTED: the engine cannot run here at all */
+    struct leaks leaks;
+    bool own_test; /* the engine has one triangle test, whatever `tri` says */
+    bool promises; /* a watertight triangle test, a box test that keeps it so, none as published */
+    bool compared; /* with engine cpu on the same tree, bit for bit */
+    size_t bit_differences;
+    char broken[160]; /* what breaks the profile or the engine's promise; empty: nothing */
+};
+
+/* One scene and all its rows. */
+struct leak_scene {
+    const char *spec;
+    const struct leak_profile *profile;
+    uint32_t tri_count, point_count, edge_count;
+    size_t ray_count;
+    uint64_t seed;
+    struct inside inside;
+    char vacuous[120]; /* why the whole result says nothing; empty: it does */
+    struct leak_row *row;
+    size_t row_count;
+};
+
+/* Opens a scene, demands that it is closed, aims, and lets every engine play. *result is whole only
+ * on success; the caller frees result->row. Errors: STATUS_INPUT no such scene, an open mesh, no
+ * point inside; STATUS_MEMORY; those of builders. What fails in a row is in the row. */
+enum status leaks_play(const struct leaks_options *options, struct pool *pool,
+                       struct progress *progress, const char *spec, struct leak_scene *result,
+                       struct reason *reason) MUST_USE;
+
+/* Fills row->broken from its counts. */
+void leak_row_judge(struct leak_row *row, const struct leak_profile *profile);
+
+/* Prints the table of a scene, its findings and what it means. */
+void leaks_print(const struct leak_scene *scene);
+
+/* The exit code that the rows ask for; a layout or engine counts only if it was named. */
+int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_named);
+
+/* Counts all rows for those that were named. */
+void leaks_count_turnout(const struct leak_scene *scene, struct turnout *turnout);
+
+/* Writes all rows as JSON, see README "Leaks". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+enum status leaks_write_json(const char *path, const struct leak_scene *scene, size_t scene_count,
+                             const struct turnout *turnout, int exit_code,
+                             struct reason *reason) MUST_USE;
+
+#endif

@@ -1,0 +1,373 @@
+/* raydiff render: pictures of a scene by any engine; the seed's load. */
+#include "cmd/render/cmd_render.h"
+
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+#include "cmd/common/cmd_process.h"
+#include "cmd/render/cmd_render_out.h"
+#include "scenes/picture/image.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What else can be done with the same options; NULL-terminated. */
+extern const struct render_mode render_mode_show, render_mode_benchmark, render_mode_window;
+static const struct render_mode *const modes[] = {&render_mode_show, &render_mode_benchmark,
+                                                  &render_mode_window, NULL};
+
+static const char help_head[] =
+    "usage: raydiff render [SCENE] [OPTIONS]\n"
+    "Draws a scene with shadows and reflections, each ray traced by an engine.\n\n"
+    "  --out FILE.png  written to a temporary name and renamed             [render.png]\n"
+    "  --frames N      a turn of an orbiting camera in N pictures: FILE-0001.png and so on, or\n"
+    "                  FILE%04d.png as printf has it                             [1]\n"
+    "  --angle DEG     the turn between two pictures                             [360 / N]\n"
+    "  --paths FILE    .csv or .json: what every ray hit, t to the bit\n"
+    "  --json FILE     what was drawn, times, rays, bytes\n";
+
+static const char help_tail[] =
+    "\nexit codes: 0, 1 --show class has wrong answers, 2 bad input, or a layout that refuses\n"
+    "the scene, 3 an engine did not finish, 4 no memory, or counts of --show that disagree,\n"
+    "77 the engine cannot run here, 128 + the signal that ended it (--json and --paths are then "
+    "of\n"
+    "the whole pictures, unless the one being drawn took too long)\n"
+    "example: raydiff render scenes/fetched/utah-teapot.obj -w 384 -h 288 --out teapot.png\n"
+    "example: raydiff render --profile rtrs --handler-bvh-rf --engine vulkan --frames 40\n";
+
+enum { OPT_OUT = OPT_RENDER_LAST + 1, OPT_FRAMES, OPT_ANGLE, OPT_PATHS, OPT_JSON, OPT_MODE = 2048 };
+
+#define FRAMES_MOST  100000u
+#define OPTIONS_MOST 128
+/* Segments are kept to be counted up to that many bytes; --paths keeps them in any case. */
+#define SEGMENT_BYTES ((size_t)256 << 20)
+
+static const struct option own_options[] = {{"out", 1, NULL, OPT_OUT},
+                                            {"frames", 1, NULL, OPT_FRAMES},
+                                            {"angle", 1, NULL, OPT_ANGLE},
+                                            {"paths", 1, NULL, OPT_PATHS},
+                                            {"json", 1, NULL, OPT_JSON},
+                                            RENDER_OPTIONS,
+                                            ENGINE_OPTIONS};
+
+/* The command. */
+struct render {
+    struct render_settings settings;
+    const char *paths;
+    uint32_t frames;
+    float angle; /* degrees */
+    bool angle_given;
+    const struct render_mode *mode;
+    const char *mode_value;
+    struct option table[OPTIONS_MOST];
+};
+
+static volatile sig_atomic_t caught;
+
+static void print_help(void)
+{
+    fputs(help_head, stdout);
+    for (size_t i = 0; modes[i]; i++)
+        fputs(modes[i]->help, stdout);
+    fputs("\n", stdout);
+    fputs(render_options_help, stdout);
+    fputs(ENGINE_OPTIONS_HELP, stdout);
+    fputs(help_tail, stdout);
+}
+
+/* The options of the command, of pictures and engines, and of modes. */
+static void make_table(struct render *r)
+{
+    size_t count = 0;
+    for (size_t i = 0; own_options[i].name; i++)
+        r->table[count++] = own_options[i];
+    for (size_t m = 0; modes[m]; m++) {
+        r->table[count++] =
+            (struct option){modes[m]->name, modes[m]->has_arg, NULL, OPT_MODE + (int)m};
+        for (size_t i = 0; modes[m]->option && modes[m]->option[i].name; i++)
+            if (count + 2 < OPTIONS_MOST)
+                r->table[count++] = modes[m]->option[i];
+    }
+    r->table[count] = (struct option){NULL, 0, NULL, 0};
+}
+
+static enum status take_mode(struct render *r, int option, char *text, struct reason *reason)
+{
+    if (option >= OPT_MODE) {
+        const struct render_mode *mode = modes[option - OPT_MODE];
+        if (r->mode && r->mode != mode)
+            return fail(reason, STATUS_INPUT, "--%s and --%s do not go together", r->mode->name,
+                        mode->name);
+        r->mode = mode;
+        r->mode_value = text;
+        return STATUS_OK;
+    }
+    for (size_t m = 0; modes[m]; m++)
+        for (size_t i = 0; modes[m]->option && modes[m]->option[i].name; i++)
+            if (modes[m]->option[i].val == option)
+                return modes[m]->take(NULL, option, text, reason);
+    return render_option_take(option, text, &r->settings, reason);
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct render *r = user;
+    uint64_t n = 0;
+    enum status status;
+    switch (option) {
+    case OPT_OUT:
+        r->settings.out = text;
+        r->settings.out_given = true;
+        return STATUS_OK;
+    case OPT_PATHS:
+        r->paths = text;
+        return STATUS_OK;
+    case OPT_JSON:
+        r->settings.json = text;
+        return STATUS_OK;
+    case OPT_FRAMES:
+        status = parse_count("--frames", text, 1, FRAMES_MOST, &n, reason);
+        r->frames = (uint32_t)n;
+        return status;
+    case OPT_ANGLE:
+        r->angle_given = true;
+        return parse_float("--angle", text, &r->angle, reason);
+    default:
+        return take_mode(r, option, text, reason);
+    }
+}
+
+/* What pictures are drawn into. */
+struct canvas {
+    struct image image;
+    struct segment *segment; /* or NULL */
+    struct frame frame;
+};
+
+static void canvas_free(struct canvas *canvas)
+{
+    image_free(&canvas->image);
+    free(canvas->segment);
+}
+
+static enum status canvas_make(const struct render *r, const struct render_stage *stage,
+                               struct canvas *out, struct reason *reason)
+{
+    *out = (struct canvas){.segment = NULL};
+    const struct frame_job *job = &stage->job;
+    enum status status = image_make(job->width, job->height, &out->image, reason);
+    if (status)
+        return status;
+    size_t segments = (size_t)job->width * job->height * job->look.bounces;
+    if (r->paths || segments <= SEGMENT_BYTES / sizeof *out->segment)
+        out->segment = alloc_zeroed(segments, sizeof *out->segment);
+    if (r->paths && !out->segment)
+        return fail(reason, STATUS_MEMORY, "--paths: no memory for %zu segments", segments);
+    out->frame = (struct frame){.pixel = out->image.pixel, .segment = out->segment};
+    return STATUS_OK;
+}
+
+static void show_progress(void *user, double share)
+{
+    progress_step(user, "%.0f %% of a picture", 100 * share);
+}
+
+static enum status draw_one(const struct render *r, const struct render_stage *stage,
+                            struct renderer *renderer, struct canvas *canvas, uint32_t i,
+                            struct frame_record *record, struct reason *reason)
+{
+    const struct frame_job *job = &stage->job;
+    double step = r->angle_given ? (double)r->angle : 360.0 / r->frames;
+    record->angle = i * step * (acos(-1.0) / 180);
+    record->view = render_stage_view(stage, record->angle);
+    enum status status =
+        frame_path(r->settings.out, i + 1, r->frames, record->path, sizeof record->path, reason);
+    if (status)
+        return status;
+    uint64_t start = time_ns();
+    status = renderer_frame(renderer, &record->view, &canvas->frame, &record->report, reason);
+    record->wall_ns = time_ns() - start;
+    if (status)
+        return status;
+    record->counted = canvas->segment != NULL;
+    if (record->counted)
+        record->rays =
+            frame_count(canvas->segment, (size_t)job->width * job->height, job->look.bounces);
+    return image_write(record->path, &canvas->image, reason);
+}
+
+static void print_one(const struct render_stage *stage, const struct frame_record *record)
+{
+    const struct frame_job *job = &stage->job;
+    const struct packed *packed = job->job.packed;
+    printf("%s: %u x %u, ", record->path, job->width, job->height);
+    if (record->counted)
+        printf("%llu rays (%llu of them to lights), ",
+               (unsigned long long)(record->rays.closest + record->rays.shadow),
+               (unsigned long long)record->rays.shadow);
+    printf("%.1f ms tracing by the %s's clock, %.1f ms in all", (double)record->report.ns * 1e-6,
+           record->report.device_clock ? "device" : "host", (double)record->wall_ns * 1e-6);
+    if (packed)
+        printf(", %s: %llu bytes", packed->layout->name,
+               (unsigned long long)(packed_node_bytes(packed) + packed_item_bytes(packed)));
+    puts("");
+}
+
+/* *done counts the pictures that are whole. */
+static enum status draw_all(const struct render *r, const struct render_stage *stage,
+                            struct renderer *renderer, struct canvas *canvas,
+                            struct paths_out *paths, struct frame_record *record, uint32_t *done,
+                            struct reason *reason)
+{
+    struct progress progress = progress_make("render");
+    renderer_watch(renderer, show_progress, &progress);
+    enum status status = STATUS_OK;
+    for (*done = 0; *done < r->frames && !caught && !status; ++*done) {
+        struct frame_record *one = &record[*done];
+        status = draw_one(r, stage, renderer, canvas, *done, one, reason);
+        if (status)
+            break;
+        if (paths)
+            paths_add(paths, *done + 1, stage, canvas->segment);
+        if (r->frames == 1) {
+            progress_end(&progress);
+            print_one(stage, one);
+        }
+        progress_step(&progress, "%u of %u pictures", *done + 1, r->frames);
+    }
+    progress_end(&progress);
+    process_signal_taken();
+    if (!status && r->frames > 1) {
+        uint64_t ns = 0;
+        for (uint32_t i = 0; i < *done; i++)
+            ns += record[i].report.ns;
+        printf("%u pictures, %s and on: %.1f ms tracing each by the %s's clock\n", *done,
+               *done ? record[0].path : "none", *done ? (double)ns * 1e-6 / *done : 0.0,
+               *done && record[0].report.device_clock ? "device" : "host");
+    }
+    return status;
+}
+
+/* Everything is open. */
+static enum status render(const struct render *r, const struct render_stage *stage,
+                          struct renderer *renderer, struct reason *reason)
+{
+    struct canvas canvas;
+    struct paths_out paths = {.json = false};
+    uint32_t done = 0;
+    struct frame_record *record = alloc_zeroed(r->frames, sizeof *record);
+    enum status status = canvas_make(r, stage, &canvas, reason);
+    if (!record)
+        status = fail(reason, STATUS_MEMORY, "no memory for %u pictures", r->frames);
+    if (!status && r->paths)
+        status = paths_open(r->paths, stage, &r->settings, &paths, reason);
+    if (!status)
+        status =
+            draw_all(r, stage, renderer, &canvas, r->paths ? &paths : NULL, record, &done, reason);
+    if (!status && r->paths)
+        status = paths_close(&paths, reason);
+    if (!status && r->settings.json)
+        status = render_json(r->settings.json, &r->settings, stage, record, done, reason);
+    file_out_discard(&paths.file);
+    canvas_free(&canvas);
+    free(record);
+    return status;
+}
+
+/* What can be wrong before anything is opened. */
+static enum status check_outputs(const struct render *r, struct reason *reason)
+{
+    char path[512];
+    enum status status = frame_path(r->settings.out, 1, r->frames, path, sizeof path, reason);
+    if (!status)
+        status = render_try_output(path, reason);
+    if (!status)
+        status = render_try_output(r->paths, reason);
+    if (!status)
+        status = render_try_output(r->settings.json, reason);
+    return status;
+}
+
+static enum status run(const struct render *r, struct reason *reason)
+{
+    struct render_stage stage = {.name = NULL};
+    struct renderer *renderer = NULL;
+    enum status status = check_outputs(r, reason);
+    if (!status)
+        status = render_stage_open("render", &r->settings, &stage, reason);
+    if (!status && r->frames > 1 && !stage.camera.orbit)
+        status =
+            fail(reason, STATUS_INPUT,
+                 "--frames %u: the scene's camera is fixed; --camera-orbit turns it", r->frames);
+    if (!status)
+        status = renderer_open(r->settings.engine, &r->settings.engine_options, r->settings.waves,
+                               &renderer, reason);
+    if (!status)
+        status = renderer_prepare(renderer, &stage.job, reason);
+    if (!status)
+        status = render(r, &stage, renderer, reason);
+    renderer_close(renderer);
+    render_stage_close(&stage);
+    return status;
+}
+
+/* After the options: a scene may stand alone. */
+static int finish_options(struct render *r, int argc, char **argv, int first, struct reason *reason)
+{
+    if (first < argc && r->settings.scene)
+        return usage_error("render", "'%s' and --path %s: one scene", argv[first],
+                           r->settings.scene);
+    if (first + 1 < argc)
+        return usage_error("render", "unexpected argument '%s'", argv[first + 1]);
+    if (first < argc)
+        r->settings.scene = argv[first];
+    if (render_settings_finish("render", &r->settings, reason))
+        return usage_error("render", "%s", reason->text);
+    return -1;
+}
+
+/* Refuses what the mode, or a picture without one, does not use: options of other modes, too. */
+static enum status check_use(const struct render *r, struct reason *reason)
+{
+    char by[40], never[600];
+    const struct list engine = list_of_engine(r->settings.engine);
+    snprintf(by, sizeof by, "%s%s", r->mode ? "--" : "pictures", r->mode ? r->mode->name : "");
+    snprintf(never, sizeof never, "%s", r->mode ? r->mode->never : "fps");
+    for (size_t m = 0; modes[m]; m++)
+        for (size_t i = 0; modes[m] != r->mode && modes[m]->option[i].name; i++) {
+            size_t used = strlen(never);
+            snprintf(never + used, sizeof never - used, " %s", modes[m]->option[i].name);
+        }
+    const struct option_use of_mode = {.by = by, .never = never};
+    const struct option_use alone = {.by = "one picture", .never = r->frames == 1 ? "angle" : ""};
+    enum status status = options_check(&of_mode, reason);
+    if (!status)
+        status = options_check(&alone, reason);
+    return status ? status : render_options_check(&r->settings, &engine, reason);
+}
+
+int cmd_render(int argc, char **argv)
+{
+    struct render r = {.settings = render_settings_default(), .frames = 1};
+    struct reason reason = {""};
+    make_table(&r);
+    int first, code = render_options_take("render", print_help, r.table, take_option, &r, argc,
+                                          argv, &first);
+    if (code < 0)
+        code = finish_options(&r, argc, argv, first, &reason);
+    if (code >= 0)
+        return code;
+    if (r.settings.versus && (!r.mode || !r.mode->two_layouts))
+        return usage_error("render", "--layout: one; two are for the difference of --show");
+    if (check_use(&r, &reason))
+        return usage_error("render", "%s", reason.text);
+    if (r.mode)
+        return r.mode->run(&r.settings, r.mode_value);
+    process_signals_caught(&caught);
+    enum status status = run(&r, &reason);
+    if (status)
+        fprintf(stderr, "raydiff render: %s\n", reason.text);
+    if (!status && caught)
+        return 128 + (int)caught;
+    return exit_of_status(status);
+}

@@ -1,0 +1,194 @@
+/* What commands that show pictures share: their options, and how a scene, its tree and a view of it
+ * are opened by them. For commands only.
+ *   settings = render_settings_default(); render_options_take(...); render_settings_finish(...);
+ *   render_stage_open(...); renderer_open(settings.engine, &settings.engine_options, ...);
+ *   renderer_prepare(renderer, &stage.job, ...); view = render_stage_view(&stage, angle); ... */
+#ifndef CMD_RENDER_H
+#define CMD_RENDER_H
+
+#include "cmd/common/cmd_options.h"
+#include "cmd/common/cmd_tree.h"
+#include "scenes/render/camera.h"
+#include "scenes/render/render.h"
+
+#define RENDER_SCENE_DEFAULT "rtrs" /* the seed's own */
+#define RENDER_WINDOW_WIDTH  800u   /* where only a workgroup size says what is wanted */
+#define RENDER_WINDOW_HEIGHT 600u
+
+enum {
+    OPT_RENDER_FIRST = 256,
+    OPT_RENDER_LAST = 511, /* options of commands and modes follow */
+};
+
+/* What the seed calls an intersection handler: members of our tables, for either profile. */
+struct render_handler {
+    const char *name; /* as in --handler; --handler-NAME is the seed's spelling */
+    struct {
+        const char *builder, *layout, *box, *tri;
+        uint32_t leaf;
+    } member[2]; /* [PROFILE_...] */
+};
+
+extern const struct render_handler render_handlers[]; /* ends with a NULL name */
+
+/* Everything that options say. What is said to be filled in by render_settings_finish is NULL or 0
+ * before unless the user named it. */
+struct render_settings {
+    char *scene;   /* NULL: RENDER_SCENE_DEFAULT */
+    uint64_t seed; /* of generators */
+    struct look look;
+    bool eye_given; /* --camera-light-strength was */
+    enum { RENDER_AS_SCENE, RENDER_FIXED, RENDER_ORBIT } turn;
+    uint32_t width, height, tile;         /* filled in: all above 0 */
+    const struct render_handler *handler; /* filled in */
+    const struct engine *engine;          /* filled in */
+    struct engine_options engine_options;
+    bool waves;                    /* through engine.trace, even if the engine has a renderer */
+    const char *bvh;               /* a tree from a file, or NULL */
+    const struct builder *builder; /* filled in, as all members below */
+    struct build_options build;
+    const char *build_flag;      /* of BUILD_OPTIONS, the last one given; or NULL */
+    const struct layout *layout; /* NULL: the first that fits, if layout_auto, else the
+                                    file's of --bvh or, of JSON, the handler's */
+    bool layout_auto;
+    const struct layout *versus; /* the second of --layout A,B, for modes of two_layouts; or NULL */
+    const struct box_test *box;
+    const struct tri_test *tri;
+    enum frame_plan plan;
+    bool general;
+    float fps;
+    bool resizable;   /* filled in: no size was named, so a picture can follow its window */
+    const char *out;  /* where the picture goes */
+    bool out_given;   /* --out was */
+    const char *json; /* or NULL */
+};
+
+struct render_settings render_settings_default(void);
+
+/* Entries of a getopt_long table, before ENGINE_OPTIONS. */
+#define RENDER_OPTIONS                                                                             \
+    {"path", 1, NULL, OPT_RENDER_PATH}, {"seed", 1, NULL, OPT_RENDER_SEED},                        \
+        {"width", 1, NULL, OPT_RENDER_WIDTH}, {"height", 1, NULL, OPT_RENDER_HEIGHT},              \
+        {"workgroup-size", 1, NULL, OPT_RENDER_TILE}, {"profile", 1, NULL, OPT_RENDER_PROFILE},    \
+        {"bounces", 1, NULL, OPT_RENDER_BOUNCES}, {"ambience", 1, NULL, OPT_RENDER_AMBIENCE},      \
+        {"camera-light-strength", 1, NULL, OPT_RENDER_EYE},                                        \
+        {"camera-fixed", 0, NULL, OPT_RENDER_CAMERA_FIXED},                                        \
+        {"camera-orbit", 0, NULL, OPT_RENDER_CAMERA_ORBIT}, {"fps", 1, NULL, OPT_RENDER_FPS},      \
+        {"handler", 1, NULL, OPT_RENDER_HANDLER}, {"handler-naive", 0, NULL, OPT_RENDER_NAIVE},    \
+        {"handler-bvh", 0, NULL, OPT_RENDER_BVH}, {"handler-bvh-rf", 0, NULL, OPT_RENDER_BVH_RF},  \
+        {"handler-bvh-from", 1, NULL, OPT_RENDER_BVH_FROM},                                        \
+        {"handler-bvh-rf-from", 1, NULL, OPT_RENDER_BVH_RF_FROM},                                  \
+        {"handler-blank", 0, NULL, OPT_RENDER_BLANK}, {"engine", 1, NULL, OPT_RENDER_ENGINE},      \
+        {"layout", 1, NULL, OPT_RENDER_LAYOUT}, {"builder", 1, NULL, OPT_RENDER_BUILDER},          \
+        {"box", 1, NULL, OPT_RENDER_BOX}, {"tri", 1, NULL, OPT_RENDER_TRI},                        \
+        {"leaf", 1, NULL, OPT_RENDER_LEAF}, {"eps", 1, NULL, OPT_RENDER_EPS},                      \
+        {"waves", 0, NULL, OPT_RENDER_WAVES}, {"plan", 1, NULL, OPT_RENDER_PLAN},                  \
+        {"general", 0, NULL, OPT_RENDER_GENERAL}, BUILD_OPTIONS, TREE_OPTION
+
+enum {
+    OPT_RENDER_PATH = OPT_RENDER_FIRST,
+    OPT_RENDER_SEED,
+    OPT_RENDER_WIDTH,
+    OPT_RENDER_HEIGHT,
+    OPT_RENDER_TILE,
+    OPT_RENDER_PROFILE,
+    OPT_RENDER_BOUNCES,
+    OPT_RENDER_AMBIENCE,
+    OPT_RENDER_EYE,
+    OPT_RENDER_CAMERA_FIXED,
+    OPT_RENDER_CAMERA_ORBIT,
+    OPT_RENDER_FPS,
+    OPT_RENDER_HANDLER,
+    OPT_RENDER_NAIVE,
+    OPT_RENDER_BVH,
+    OPT_RENDER_BVH_RF,
+    OPT_RENDER_BVH_FROM,
+    OPT_RENDER_BVH_RF_FROM,
+    OPT_RENDER_BLANK,
+    OPT_RENDER_ENGINE,
+    OPT_RENDER_LAYOUT,
+    OPT_RENDER_BUILDER,
+    OPT_RENDER_BOX,
+    OPT_RENDER_TRI,
+    OPT_RENDER_LEAF,
+    OPT_RENDER_EPS,
+    OPT_RENDER_WAVES,
+    OPT_RENDER_PLAN,
+    OPT_RENDER_GENERAL,
+};
+
+/* What they mean, for a help text; ENGINE_OPTIONS_HELP and TREE_OPTION_HELP are not in it. */
+extern const char render_options_help[];
+
+/* Takes one of RENDER_OPTIONS, TREE_OPTION or ENGINE_OPTIONS.
+ * Errors: STATUS_INPUT with the flag, the text and the rule. */
+enum status render_option_take(int option, char *text, struct render_settings *out,
+                               struct reason *reason) MUST_USE;
+
+/* As options_take, for tables with RENDER_OPTIONS: -w is --width, -h followed by a word is
+ * --height, and --handler-bvh and --handler-bvh-rf may be followed by a box size or a file. */
+int render_options_take(const char *command, void (*print_help)(void), const struct option *table,
+                        option_fn *take, void *user, int argc, char **argv, int *first);
+
+/* Fills in what was not named: the resolution by the seed's three forms, and the members of the
+ * profile's handler. `command` prefixes notes on stderr.
+ * Errors: STATUS_INPUT options that contradict each other. */
+enum status render_settings_finish(const char *command, struct render_settings *settings,
+                                   struct reason *reason) MUST_USE;
+
+/* Refuses options that say something of members which nothing of `engine` uses. After
+ * render_settings_finish. Errors: STATUS_INPUT. */
+enum status render_options_check(const struct render_settings *settings, const struct list *engine,
+                                 struct reason *reason) MUST_USE;
+
+/* The engine that stands for `engine` with the settings' handler: naive means every triangle.
+ * Errors: STATUS_INPUT it has none. */
+enum status render_engine(const struct render_settings *settings, const struct engine *engine,
+                          const struct engine **out, struct reason *reason) MUST_USE;
+
+/* A scene with its tree, ready for pictures; owns everything. Do not move it: the job points into
+ * it. */
+struct render_stage {
+    const char *name;      /* of the scene; borrowed */
+    uint32_t tri_count;    /* of the scene as it was read; handler blank shows none of them */
+    struct scene scene;    /* what is shown */
+    struct camera camera;  /* `orbit`: as the options say, else as the scene does */
+    struct tree_file file; /* of --bvh */
+    struct bvh bvh;        /* empty if the file is packed */
+    struct packed packed;  /* of settings->layout; empty if the engine needs none */
+    struct shading shading;
+    struct frame_job job;
+};
+
+/* Opens all of it; warnings and notes go to stderr as "raydiff COMMAND: ...".
+ * Errors, of which *out is zero: as scene_open, tree_open, shading_make and packed_make (with a
+ * hint at --layout auto); STATUS_INPUT a camera that is not finite. */
+enum status render_stage_open(const char *command, const struct render_settings *settings,
+                              struct render_stage *out, struct reason *reason) MUST_USE;
+
+/* Packs the stage's tree in another layout and makes it the job's. Errors: as packed_make and
+ * tree_file_pack; then the stage has no packed tree. */
+enum status render_stage_pack(struct render_stage *stage, const struct layout *layout,
+                              struct reason *reason) MUST_USE;
+
+/* The view after the camera was turned by so many radians (see camera_orbit), for the job's size.
+ */
+struct view render_stage_view(const struct render_stage *stage, double angle);
+
+void render_stage_close(struct render_stage *stage); /* a zero one is fine */
+
+/* Something else to do with the settings than to write pictures: `raydiff render --NAME`. */
+struct render_mode {
+    const char *name;            /* of the option that chooses it */
+    int has_arg;                 /* as in struct option: 0 or 1 */
+    const char *help;            /* lines of the help text: the option and those of its own */
+    const struct option *option; /* its own, numbered from OPT_RENDER_LAST + 1 on, up to 1023; NULL
+                                    name at the end; or NULL */
+    option_fn *take;             /* takes them; `user` is NULL */
+    const char *never;           /* options of render that it does not use, blanks between */
+    bool two_layouts;            /* --layout may name two: settings->versus */
+    /* Settings are finished. Returns the exit code. `value` is the option's, or NULL. */
+    int (*run)(const struct render_settings *settings, const char *value);
+};
+
+#endif

@@ -1,0 +1,246 @@
+/* raydiff render --window: the picture on the screen, turned by the seed's keys. */
+#include "bench/frames/pacing.h"
+#include "ref/base/command.h"
+#include "cmd/common/cmd_process.h"
+#include "cmd/render/cmd_render.h"
+#include "cmd/render/cmd_render_out.h"
+#include "scenes/render/turning.h"
+#include "scenes/render/window.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char help[] =
+    "  --window        a window: the left and right arrow keys turn an orbiting camera, Esc ends.\n"
+    "                  Without -w and -h the picture has the window's size. --out FILE.png is the\n"
+    "                  last picture; without a display it is the only one, else 77. With:\n"
+    "  --seconds S       ends by itself after that time                        [never]\n"
+    "  --pictures N      ends after that many; one is drawn when something changed  [never]\n"
+    "  --log FILE        a line per picture: camera angle, size, ms\n";
+
+enum { OPT_SECONDS = OPT_RENDER_LAST + 140, OPT_PICTURES, OPT_LOG };
+
+static const struct option options[] = {{"seconds", 1, NULL, OPT_SECONDS},
+                                        {"pictures", 1, NULL, OPT_PICTURES},
+                                        {"log", 1, NULL, OPT_LOG},
+                                        {NULL, 0, NULL, 0}};
+
+/* At most so long the window is not looked at. */
+#define LOOK_MS 250u
+
+static struct {
+    float seconds; /* 0: for ever */
+    uint64_t pictures;
+    const char *log;
+} asked;
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    (void)user;
+    if (option == OPT_LOG) {
+        asked.log = text;
+        return STATUS_OK;
+    }
+    if (option == OPT_PICTURES)
+        return parse_count("--pictures", text, 1, UINT32_MAX, &asked.pictures, reason);
+    enum status status = parse_float("--seconds", text, &asked.seconds, reason);
+    if (!status && !(asked.seconds > 0))
+        return fail(reason, STATUS_INPUT, "--seconds: '%s' is not above 0", text);
+    return status;
+}
+
+/* What is on the screen. */
+struct showing {
+    const struct render_settings *settings;
+    struct render_stage stage;
+    struct renderer *renderer;
+    struct window *window; /* NULL: there is no display */
+    struct image image;
+    struct pacing pacing;
+    double angle;                    /* of the camera, radians */
+    double turn_ms;                  /* keys held and not yet turned by */
+    uint64_t start_ns, pictures, ns; /* ns: of all pictures */
+    struct file_out log;
+};
+
+/* Signals close the window, as its button does. SDL would do that too, but only between pictures.
+ */
+static volatile sig_atomic_t caught;
+
+/* Draws the picture as seen now, at its size. */
+static enum status draw(struct showing *s, struct reason *reason)
+{
+    struct view view = render_stage_view(&s->stage, s->angle);
+    struct frame frame = {.pixel = s->image.pixel};
+    uint64_t start = time_ns();
+    enum status status = renderer_frame(s->renderer, &view, &frame, NULL, reason);
+    uint64_t ns = time_ns() - start;
+    s->ns += ns;
+    s->pictures++;
+    if (s->log.stream)
+        fprintf(s->log.stream, "picture %llu angle %.17g size %ux%u ms %.3f\n",
+                (unsigned long long)s->pictures, s->angle, s->image.width, s->image.height,
+                1e-6 * (double)ns);
+    if (status || !s->window)
+        return status;
+    char title[200];
+    const struct packed *packed = s->stage.job.job.packed;
+    snprintf(title, sizeof title, "raydiff: %.80s, %.40s%s%s, %.1f ms", s->settings->scene,
+             s->settings->engine->name, packed ? " " : "", packed ? packed->layout->name : "",
+             1e-6 * (double)ns);
+    window_title(s->window, title);
+    return window_show(s->window, &s->image, reason);
+}
+
+/* Makes the picture that large. */
+static enum status resize(struct showing *s, uint32_t width, uint32_t height, struct reason *reason)
+{
+    image_free(&s->image);
+    s->stage.job.width = width;
+    s->stage.job.height = height;
+    enum status status = image_make(width, height, &s->image, reason);
+    if (!status)
+        status = renderer_prepare(s->renderer, &s->stage.job, reason);
+    pacing_touch(&s->pacing);
+    return status;
+}
+
+/* Turns by the keys, as far as time has come. A stall is one frame long, as pacing says. */
+static void turn(struct showing *s, double moved_ms)
+{
+    if (moved_ms <= 0 || s->turn_ms == 0)
+        return;
+    double most = fmax(moved_ms, TURNING_TAP_MS), by = fmax(-most, fmin(most, s->turn_ms));
+    s->turn_ms = 0;
+    if (!s->stage.camera.orbit)
+        return;
+    s->angle += TURNING_SPEED * by;
+    pacing_touch(&s->pacing);
+}
+
+static bool is_over(const struct showing *s)
+{
+    double seconds = 1e-9 * (double)(time_ns() - s->start_ns);
+    return (asked.pictures && s->pictures >= asked.pictures) ||
+           (asked.seconds > 0 && seconds >= (double)asked.seconds);
+}
+
+/* How long to wait for something to happen. */
+static unsigned wait_ms(const struct showing *s, bool turning)
+{
+    if (!turning && s->turn_ms == 0 && !s->pacing.stale)
+        return LOOK_MS;
+    uint64_t ms = (pacing_idle_ns(&s->pacing, time_ns()) + 999999) / 1000000;
+    return ms < LOOK_MS ? (unsigned)ms : LOOK_MS;
+}
+
+static enum status loop(struct showing *s, struct reason *reason)
+{
+    struct window_news news = {0};
+    enum status status = STATUS_OK;
+    while (!status && !is_over(s)) {
+        window_wait(s->window, wait_ms(s, news.turning), &news);
+        if (news.quit || caught)
+            return STATUS_OK;
+        s->turn_ms += news.turn_ms;
+        turn(s, pacing_tick(&s->pacing, time_ns()));
+        bool resized = news.width != s->image.width || news.height != s->image.height;
+        if (s->settings->resizable && resized && news.width > 0 && news.height > 0)
+            status = resize(s, news.width, news.height, reason);
+        else if (news.redraw && !s->pacing.stale)
+            status = window_show(s->window, &s->image, reason);
+        if (!status && pacing_begin(&s->pacing)) {
+            status = draw(s, reason);
+            pacing_end(&s->pacing);
+        }
+    }
+    return status;
+}
+
+/* Everything but the window. */
+static enum status open_all(struct showing *s, struct reason *reason)
+{
+    const struct render_settings *settings = s->settings;
+    enum status status = STATUS_OK;
+    if (settings->out_given)
+        status = render_try_output(settings->out, reason);
+    if (!status && asked.log)
+        status = file_out_open(asked.log, &s->log, reason);
+    if (!status)
+        status = render_stage_open("render", settings, &s->stage, reason);
+    if (!status)
+        status = renderer_open(settings->engine, &settings->engine_options, settings->waves,
+                               &s->renderer, reason);
+    if (!status)
+        status = renderer_prepare(s->renderer, &s->stage.job, reason);
+    if (!status)
+        status = image_make(s->stage.job.width, s->stage.job.height, &s->image, reason);
+    return status;
+}
+
+/* Without a display a picture can still be drawn where one was asked for. */
+static enum status open_window(struct showing *s, struct reason *reason)
+{
+    struct reason why;
+    process_signals_caught(&caught);
+    enum status status = window_open("raydiff", s->image.width, s->image.height, &s->window, &why);
+    if (status == STATUS_UNSUPPORTED && s->settings->out_given) {
+        fprintf(stderr, "raydiff render: %s: %s is drawn without one\n", why.text,
+                s->settings->out);
+        return STATUS_OK;
+    }
+    if (status)
+        return fail(reason, status, "%s%s", why.text,
+                    status == STATUS_UNSUPPORTED ? "; --out FILE.png draws without one" : "");
+    return STATUS_OK;
+}
+
+static enum status close_files(struct showing *s, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    if (s->settings->out_given && s->pictures > 0)
+        status = image_write(s->settings->out, &s->image, reason);
+    if (!status && asked.log)
+        status = file_out_commit(&s->log, reason);
+    return status;
+}
+
+static int run(const struct render_settings *settings, const char *value)
+{
+    (void)value;
+    struct showing s = {.settings = settings};
+    struct reason reason = {""};
+    enum status status = open_all(&s, &reason);
+    if (!status)
+        status = open_window(&s, &reason);
+    s.start_ns = time_ns();
+    s.pacing = pacing_make((double)settings->fps, s.start_ns);
+    if (!status)
+        status = s.window ? loop(&s, &reason) : draw(&s, &reason);
+    process_signal_taken();
+    if (!status)
+        status = close_files(&s, &reason);
+    if (!status)
+        printf("%llu pictures, %.1f ms each, camera turned by %.1f degrees\n",
+               (unsigned long long)s.pictures,
+               s.pictures ? 1e-6 * (double)s.ns / (double)s.pictures : 0.0,
+               s.angle * (180 / acos(-1.0)));
+    else
+        fprintf(stderr, "raydiff render: %s\n", reason.text);
+    window_close(s.window);
+    file_out_discard(&s.log);
+    image_free(&s.image);
+    renderer_close(s.renderer);
+    render_stage_close(&s.stage);
+    return exit_of_status(status);
+}
+
+extern const struct render_mode render_mode_window;
+const struct render_mode render_mode_window = {
+    .name = "window",
+    .help = help,
+    .option = options,
+    .take = take_option,
+    .never = "frames angle paths json",
+    .run = run,
+};

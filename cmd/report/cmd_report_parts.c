@@ -1,0 +1,349 @@
+/* Which commands make the parts of a report. */
+#define _GNU_SOURCE /* AT_FDCWD */
+#include "cmd/report/cmd_report_parts.h"
+
+#include "fuzz/findings/baseline.h"
+#include "fuzz/findings/findings.h"
+#include "ref/outside/plugin_guard.h"
+#include "ref/outside/plugin_shader.h"
+#include "ref/base/command.h"
+#include "ref/base/mutant.h"
+#include "ref/files/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PRINTED_MOST 40000u /* bytes of an explanation */
+
+void report_pass_on(struct line *line, const struct report_options *options, unsigned to)
+{
+    for (size_t i = 0; i < options->passed_count; i++)
+        if ((options->passed[i].to & to) &&
+            report_line_uses(line, options, to, options->passed[i].flag)) {
+            line_word(line, options->passed[i].flag);
+            line_word(line, options->passed[i].value);
+        }
+}
+
+bool report_is_passed(const struct report_options *options, const char *flag)
+{
+    for (size_t i = 0; i < options->passed_count; i++)
+        if (strcmp(options->passed[i].flag, flag) == 0)
+            return true;
+    return false;
+}
+
+void report_option(struct line *line, const char *flag, const char *value)
+{
+    line_word(line, flag);
+    line_word(line, value);
+}
+
+void report_layout(struct line *line, const char *name)
+{
+    const char *shader = plugin_shader_of(name);
+    report_option(line, "--layout", name);
+    if (shader && MUTANT != MUTANT_REPORT_NO_SHADER)
+        report_option(line, "--shader", shader);
+}
+
+static void number(struct line *line, const char *flag, uint64_t value)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%llu", (unsigned long long)value);
+    report_option(line, flag, text);
+}
+
+/* Runs the line, whose result is the folder's file `name`, and adds the part. */
+static enum status run_part(struct report *report, struct runner *runner, command_fn *command,
+                            struct line *line, const char *name, struct report_part *part,
+                            struct reason *reason)
+{
+    struct run run = {.stopped = false};
+    char path[4096];
+    runner_path(runner, name, path, sizeof path);
+    remove(path);
+    enum status status = runner_run(runner, command, line, &run, reason);
+    if (status == STATUS_OK && !run.stopped) {
+        struct reason why;
+        enum status read = report_read(path, part->kind, &part->json, &why);
+        run_judge(&run, read, &why, part);
+        part->command = line->text;
+        status = report_add(report, part, reason);
+    }
+    line_free(line);
+    return status;
+}
+
+/* --- check, bench, doctor ------------------------------------------------------------------- */
+
+static enum status make_check(const struct report_options *options, struct runner *runner,
+                              struct report *report, struct reason *reason)
+{
+    struct report_part part = {.kind = REPORT_CHECK, .name = (char[]){"check"}};
+    const unsigned to = TO_CHECK | TO_OTHERS;
+    struct line line;
+    line_begin(&line, "check");
+    for (size_t i = 0; i < options->scene_count; i++)
+        line_word(&line, options->scene[i]);
+    if (!report_is_passed(options, "--layout") && report_line_uses(&line, options, to, "--layout"))
+        report_option(&line, "--layout",
+                      options->quick ? "f32,rf16,rtrs_rf" : "f32,rf16,rtrs_direct,rtrs_rf");
+    if (!report_is_passed(options, "--tri") && !options->quick &&
+        report_line_uses(&line, options, to, "--tri"))
+        report_option(&line, "--tri", "mt,woop");
+    if (!report_is_passed(options, "--box") && !options->quick &&
+        report_line_uses(&line, options, to, "--box"))
+        report_option(&line, "--box", "robust,watertight");
+    number(&line, "--count", options->count ? options->count : options->quick ? 2000 : 10000);
+    number(&line, "--repeat", 1); /* speed is for bench to say */
+    number(&line, "--brute", options->quick ? 1000000 : 10000000);
+    report_pass_on(&line, options, to);
+    line_word(&line, "--json");
+    line_file(&line, runner, "check.json");
+    return run_part(report, runner, cmd_check, &line, "check.json", &part, reason);
+}
+
+/* Names of scenes stand in one word, with ';' between them. */
+static char *joined_scenes(const struct report_options *options)
+{
+    size_t bytes = 1;
+    for (size_t i = 0; i < options->scene_count; i++)
+        bytes += strlen(options->scene[i]) + 1;
+    char *text = alloc_zeroed(bytes, 1);
+    for (size_t i = 0; i < options->scene_count && text; i++) {
+        strcat(text, i > 0 ? ";" : "");
+        strcat(text, options->scene[i]);
+    }
+    return text;
+}
+
+static enum status make_bench(const struct report_options *options, struct runner *runner,
+                              const char *benchmark, struct report *report, struct reason *reason)
+{
+    bool error = strcmp(benchmark, "error") == 0;
+    char name[32], file[32];
+    snprintf(name, sizeof name, "bench %s", benchmark);
+    snprintf(file, sizeof file, "%s.json", benchmark);
+    struct report_part part = {.kind = REPORT_BENCH, .name = name};
+    struct line line;
+    char *scenes = joined_scenes(options);
+    if (!scenes)
+        return fail(reason, STATUS_MEMORY, "out of memory");
+    line_begin(&line, "bench");
+    line_word(&line, benchmark);
+    report_option(&line, "--scene", scenes);
+    free(scenes);
+    uint64_t count = options->count ? options->count : options->quick ? 2000 : 5000;
+    number(&line, "--count", count);
+    number(&line, "--rounds", options->rounds ? options->rounds : options->quick ? 3 : 5);
+    report_pass_on(&line, options, (error ? TO_ERROR : 0u) | TO_OTHERS);
+    line_word(&line, "--json");
+    line_file(&line, runner, file);
+    return run_part(report, runner, cmd_bench, &line, file, &part, reason);
+}
+
+static enum status make_machine(const struct report_options *options, struct runner *runner,
+                                struct report *report, struct reason *reason)
+{
+    struct report_part part = {.kind = REPORT_MACHINE, .name = (char[]){"doctor"}};
+    struct line line;
+    line_begin(&line, "doctor");
+    report_pass_on(&line, options, TO_OTHERS);
+    line_word(&line, "--json");
+    line_file(&line, runner, "doctor.json");
+    return run_part(report, runner, cmd_doctor, &line, "doctor.json", &part, reason);
+}
+
+/* --- findings ----------------------------------------------------------------------------- */
+
+/* What the child printed, as much as a page should have; the caller frees it. */
+static enum status printed(const struct runner *runner, char **text, struct reason *reason)
+{
+    char path[4096];
+    runner_path(runner, "out", path, sizeof path);
+    *text = alloc_zeroed(1, PRINTED_MOST + 1);
+    int file = *text ? file_open_again(AT_FDCWD, path, O_RDONLY) : -1;
+    ssize_t got = file >= 0;
+    size_t size = 0;
+    while (got > 0 && size < PRINTED_MOST) {
+        got = read(file, *text + size, PRINTED_MOST - size);
+        if (got < 0 && errno == EINTR)
+            got = 1;
+        else if (got > 0)
+            size += (size_t)got;
+    }
+    enum status status = STATUS_OK;
+    if (!*text)
+        status = fail(reason, STATUS_MEMORY, "out of memory");
+    else if (file < 0 || got < 0)
+        status = fail(reason, STATUS_INPUT, "%s: %s", path, strerror(errno));
+    if (file >= 0)
+        close(file);
+    if (size == PRINTED_MOST)
+        memcpy(*text + size - 8, "\n(cut)\n", 8);
+    return status;
+}
+
+/* What the baseline says of a finding, as raydiff fuzz asks it. */
+static enum status ask_baseline(const struct report_options *options,
+                                const struct findings *findings, const struct findings_entry *entry,
+                                struct baseline_answer *answer, struct reason *reason)
+{
+    struct finding_file file = {0};
+    char today[BASELINE_DAY];
+    enum status status = STATUS_OK;
+    baseline_today(today);
+    if (entry->has_first)
+        status = findings_get(findings, &entry->signature, "first.trial", &file, reason);
+    if (!status)
+        baseline_ask(options->baseline, &entry->signature, entry->has_first ? file.versions : "",
+                     today, answer);
+    finding_file_free(&file);
+    return status;
+}
+
+static enum status make_finding(const struct report_options *options, struct runner *runner,
+                                const struct findings *findings, size_t i, struct report *report,
+                                struct reason *reason)
+{
+    const struct findings_entry *entry = findings_entry(findings, i);
+    char name[FUZZ_SIGNATURE_MOST], path[4096], result[4096];
+    struct run run = {.stopped = false};
+    struct line line;
+    fuzz_signature_print(&entry->signature, name);
+    findings_path(findings, &entry->signature,
+                  entry->has_smallest ? "smallest.trial" : "first.trial", path, sizeof path);
+    struct report_part part = {.kind = REPORT_FINDING, .name = name, .times = entry->count};
+    struct baseline_answer answer;
+    enum status status = ask_baseline(options, findings, entry, &answer, reason);
+    if (status)
+        return status;
+    line_begin(&line, "replay");
+    line_word(&line, path);
+    if (plugin_path(entry->signature.layout))
+        report_layout(&line, plugin_path(entry->signature.layout));
+    report_pass_on(&line, options, TO_OTHERS);
+    char command[LINE_TEXT_BYTES];
+    snprintf(command, sizeof command, "%s", line.text); /* without what only we need */
+    line_word(&line, "--json");
+    line_file(&line, runner, "finding.json");
+    runner_path(runner, "finding.json", result, sizeof result);
+    remove(result);
+    status = runner_run(runner, cmd_replay, &line, &run, reason);
+    line_free(&line);
+    if (status || run.stopped)
+        return status;
+    struct reason why;
+    enum status read = report_read(result, REPORT_FINDING, &part.json, &why);
+    run_judge(&run, read, &why, &part);
+    part.command = command;
+    status = printed(runner, &part.text, reason);
+    if (answer.state == BASELINE_KNOWN)
+        part.known = answer.text;
+    if (status)
+        json_decref(part.json);
+    else
+        status = report_add(report, &part, reason);
+    free(part.text);
+    return status;
+}
+
+static enum status make_findings(const struct report_options *options, struct runner *runner,
+                                 struct report *report, struct reason *reason)
+{
+    struct findings *findings;
+    report->wanted[REPORT_FINDING] = true;
+    enum status status = findings_look(options->findings, &findings, reason);
+    if (status)
+        return status;
+    size_t count = findings_count(findings);
+    size_t shown = count < FINDINGS_SHOWN ? count : FINDINGS_SHOWN;
+    report->findings_left_out = count - shown;
+    for (size_t i = 0; i < shown && status == STATUS_OK && !runner_signal(); i++)
+        status = make_finding(options, runner, findings, i, report, reason);
+    findings_close(findings);
+    return status;
+}
+
+/* --- what is given ------------------------------------------------------------------------ */
+
+static enum status take_file(struct report *report, enum report_kind kind, const char *flag,
+                             const char *path, struct reason *reason)
+{
+    char name[200], command[LINE_TEXT_BYTES];
+    struct report_part part = {
+        .kind = kind, .state = REPORT_GIVEN, .name = name, .command = command};
+    snprintf(name, sizeof name, "%s %s", flag + 2, file_label(path));
+    snprintf(command, sizeof command, "# read from");
+    command_word(command, sizeof command, path);
+    enum status status = report_read(path, kind, &part.json, reason);
+    if (status)
+        return status;
+    part.code = (int)json_integer_value(json_object_get(part.json, "exit"));
+    return report_add(report, &part, reason);
+}
+
+static enum status take_files(const struct report_options *options, struct report *report,
+                              struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < options->check_count && !status; i++)
+        status = take_file(report, REPORT_CHECK, "--check", options->check[i], reason);
+    for (size_t i = 0; i < options->bench_count && !status; i++)
+        status = take_file(report, REPORT_BENCH, "--bench", options->bench[i], reason);
+    if (options->doctor && !status)
+        status = take_file(report, REPORT_MACHINE, "--doctor", options->doctor, reason);
+    for (size_t i = 0; i < options->picture_count && !status; i++) {
+        char *equals = strchr(options->picture[i], '='); /* was looked for */
+        *equals = '\0';
+        status =
+            report_add_picture(report, "", options->picture[i], equals + 1, equals + 1, reason);
+        *equals = '=';
+    }
+    return status;
+}
+
+/* --- all ---------------------------------------------------------------------------------- */
+
+int report_try_scenes(const struct report_options *options, struct runner *runner,
+                      struct reason *reason)
+{
+    struct run run;
+    struct line line;
+    line_begin(&line, "scene");
+    line_word(&line, "info");
+    for (size_t i = 0; i < options->scene_count; i++)
+        line_word(&line, options->scene[i]);
+    enum status status = runner_run(runner, cmd_scene, &line, &run, reason);
+    line_free(&line);
+    if (status)
+        return exit_of_status(status);
+    const char *said = strncmp(run.said, "raydiff scene: ", 15) == 0 ? run.said + 15 : run.said;
+    if (run.code)
+        (void)fail(reason, STATUS_INPUT, "%.*s", (int)strcspn(said, "\n"), said);
+    return run.code;
+}
+
+enum status report_make(const struct report_options *options, struct runner *runner,
+                        struct report *report, struct reason *reason)
+{
+    bool scenes = options->scene_count > 0;
+    enum status status = take_files(options, report, reason);
+    if (!status && scenes && options->wanted[REPORT_CHECK] && !runner_signal())
+        status = make_check(options, runner, report, reason);
+    if (!status && scenes && options->wanted[REPORT_BENCH] && !runner_signal())
+        status = make_bench(options, runner, "error", report, reason);
+    if (!status && scenes && options->wanted[REPORT_BENCH] && !runner_signal())
+        status = make_bench(options, runner, "layouts", report, reason);
+    if (!status && scenes && options->wanted[REPORT_PICTURES] && !runner_signal())
+        status = report_make_pictures(options, runner, report, reason);
+    if (!status && options->findings && !runner_signal())
+        status = make_findings(options, runner, report, reason);
+    if (!status && !options->doctor && options->wanted[REPORT_MACHINE] && !runner_signal())
+        status = make_machine(options, runner, report, reason);
+    return status;
+}

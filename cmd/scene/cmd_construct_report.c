@@ -1,0 +1,61 @@
+/* What raydiff construct says of the scene it made. */
+#include "cmd/scene/cmd_construct.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+static json_t *model_json(const struct construct_model *model, uint32_t red)
+{
+    bool is_red = model->material == CONSTRUCT_DEFAULT;
+    return json_pack("{s:s, s:I, s:I, s:I, s:b, s:b}", "model", model->spec, "material",
+                     (json_int_t)(is_red ? red : model->material), "triangles",
+                     (json_int_t)model->tri_count, "vertices", (json_int_t)model->vertex_count,
+                     "transformed", (int)model->transform.any, "mirrored",
+                     (int)model->transform.mirrors);
+}
+
+enum status construct_json(const struct construct_options *o, const struct scene *scene,
+                           const struct construct_notes *notes, json_t **out, struct reason *reason)
+{
+    *out = NULL;
+    json_t *models = json_array();
+    for (uint32_t i = 0; i < o->construct.model_count; i++)
+        if (json_array_append_new(models, model_json(&o->construct.model[i], notes->red)) != 0) {
+            json_decref(models);
+            return fail(reason, STATUS_INPUT, "--json: a name that is not UTF-8 fits no JSON text");
+        }
+    json_t *red = notes->red == CONSTRUCT_DEFAULT ? json_null() : json_integer(notes->red);
+    *out = json_pack("{s:s, s:s, s:o, s:I, s:I, s:I, s:o, s:I, s:s, s:I, s:I}", "raydiff",
+                     RAYDIFF_VERSION, "out", o->out, "models", models, "triangles",
+                     (json_int_t)scene->tri_count, "vertices", (json_int_t)scene->vertex_count,
+                     "materials", (json_int_t)scene->material_count, "default_material", red,
+                     "lights", (json_int_t)scene->light_count, "camera",
+                     scene->camera.orbit ? "orbit" : "fixed", "unused_vertices",
+                     (json_int_t)notes->unused, "filled_normals", (json_int_t)notes->filled);
+    return *out ? STATUS_OK
+                : fail(reason, STATUS_INPUT, "--json: a name that is not UTF-8 fits no JSON text");
+}
+
+void construct_print(const struct construct_options *o, const struct scene *scene,
+                     const struct construct_notes *notes)
+{
+    const struct construct *c = &o->construct;
+    fprintf(stderr,
+            "%s: %u model%s, %u triangles, %u vertices, %u material%s, %u light%s, camera %s\n",
+            o->out, c->model_count, c->model_count == 1 ? "" : "s", scene->tri_count,
+            scene->vertex_count, scene->material_count, scene->material_count == 1 ? "" : "s",
+            scene->light_count, scene->light_count == 1 ? "" : "s",
+            scene->camera.orbit ? "orbit" : "fixed");
+    if (notes->red != CONSTRUCT_DEFAULT)
+        fprintf(stderr, "material %u is the default red\n", notes->red);
+    if (notes->unused)
+        fprintf(stderr, "vertices of no triangle, kept, with normal 0 1 0: %u\n", notes->unused);
+    if (notes->filled)
+        fprintf(stderr, "vertices without a normal of their triangles', filled with 0 1 0: %u\n",
+                notes->filled);
+    size_t length = strlen(o->out);
+    if (length < 5 || strcasecmp(o->out + length - 5, ".json") != 0)
+        fprintf(stderr, "not kept, since the format has no place for them: normals, lights, "
+                        "materials, camera\n");
+}

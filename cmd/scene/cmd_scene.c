@@ -1,0 +1,276 @@
+/* raydiff scene: what a scene is, from one format to another, and which there are. */
+#define _GNU_SOURCE /* scandir */
+#include "cmd/common/cmd_use.h"
+#include "ref/base/command.h"
+#include "ref/base/decimal.h"
+#include "scenes/facts.h"
+#include "scenes/scenes.h"
+
+#include <dirent.h>
+#include <jansson.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define FETCHED "scenes/fetched"
+
+static const char help[] =
+    "usage: raydiff scene info SCENE... [--json] [--seed S]\n"
+    "       raydiff scene convert SCENE FILE [--seed S]\n"
+    "       raydiff scene list\n"
+    "A SCENE is a mesh file (.json as RTRS writes it, .obj, .ply; each also .gz) or a generator\n"
+    "with parameters, such as soup:n=1000,seed=7.\n\n"
+    "  info      triangles, vertices, bounds, zero-area and duplicate triangles, lights and more\n"
+    "  convert   reads SCENE and writes FILE, by its ending: .json, .obj or .ply (binary);\n"
+    "            coordinates keep every bit, triangles their order\n"
+    "  list      the generators with their parameters, and the meshes that `make scenes` "
+    "fetched\n\n"
+    "  --json    info as one JSON object, {\"scenes\": [...]}\n"
+    "  --seed S  of generators whose text gives none [1]\n\n"
+    "exit codes: 0, 2 bad input, 4 no memory\n"
+    "example: raydiff scene info scenes/fetched/glmark2-bunny.obj soup:n=1000\n"
+    "example: raydiff scene convert terrain:k=6 terrain.ply\n";
+
+struct scene_options {
+    uint64_t seed;
+    bool json;
+    char **argument;
+    int argument_count;
+};
+
+static int report(enum status status, const struct reason *reason)
+{
+    fprintf(stderr, "raydiff scene: %s\n", reason->text);
+    return exit_of_status(status);
+}
+
+/* "x y z" in the shortest decimals that name the floats. */
+static const char *show3(const float x[3], char text[3 * DECIMAL_TEXT])
+{
+    char part[3][DECIMAL_TEXT];
+    for (int k = 0; k < 3; k++) {
+        if (float_is_finite(x[k]))
+            decimal_write_float(x[k], part[k]);
+        else
+            strcpy(part[k], "beyond-a-float");
+    }
+    snprintf(text, 3 * DECIMAL_TEXT, "%s %s %s", part[0], part[1], part[2]);
+    return text;
+}
+
+static void print_info(const char *spec, const struct scene *scene, const struct facts *facts)
+{
+    char text[3 * DECIMAL_TEXT];
+    struct camera camera = scene_camera(scene);
+    printf("%s\n", spec);
+    printf("  triangles           %u\n", scene->tri_count);
+    printf("  vertices            %u\n", scene->vertex_count);
+    if (scene->tri_count) {
+        printf("  bounds, least       %s\n", show3(facts->bounds.lo, text));
+        printf("  bounds, most        %s\n", show3(facts->bounds.hi, text));
+    }
+    printf("  longest side        %.9g\n", (double)facts->extent);
+    printf("  largest coordinate  %.9g\n", (double)facts->largest);
+    printf("  zero-area           %u\n", facts->zero_area);
+    printf("  duplicates          %u\n", facts->duplicate);
+    printf("  normals             %s\n", scene->normal ? "yes" : "no");
+    printf("  lights, materials   %u, %u\n", scene->light_count, scene->material_count);
+    printf("  camera from         %s%s\n", show3(camera.pos, text),
+           scene->has_camera ? "" : " (none given: chosen)");
+    printf("  camera at           %s, %s\n", show3(camera.at, text),
+           camera.orbit ? "orbit" : "fixed");
+}
+
+/* Three floats; null for one that JSON cannot hold. */
+static json_t *json3(const float x[3])
+{
+    json_t *array = json_array();
+    for (int k = 0; k < 3; k++)
+        json_array_append_new(array, float_is_finite(x[k]) ? json_real((double)x[k]) : json_null());
+    return array;
+}
+
+static json_t *json_info(const char *spec, const struct scene *scene, const struct facts *facts)
+{
+    struct camera camera = scene_camera(scene);
+    bool any = scene->tri_count > 0, finite = float_is_finite(facts->extent);
+    json_t *extent = finite ? json_real((double)facts->extent) : json_null();
+    return json_pack(
+        "{s:s, s:I, s:I, s:o, s:o, s:o, s:f, s:I, s:I, s:b, s:I, s:I,"
+        " s:{s:o, s:o, s:b, s:b}}",
+        "scene", spec, "triangles", (json_int_t)scene->tri_count, "vertices",
+        (json_int_t)scene->vertex_count, "least", any ? json3(facts->bounds.lo) : json_null(),
+        "most", any ? json3(facts->bounds.hi) : json_null(), "longest_side", extent,
+        "largest_coordinate", (double)facts->largest, "zero_area", (json_int_t)facts->zero_area,
+        "duplicates", (json_int_t)facts->duplicate, "normals", scene->normal != NULL, "lights",
+        (json_int_t)scene->light_count, "materials", (json_int_t)scene->material_count, "camera",
+        "from", json3(camera.pos), "at", json3(camera.at), "orbit", (int)camera.orbit, "chosen",
+        (int)!scene->has_camera);
+}
+
+/* Adds one scene to the report; `list` is NULL for a report on the terminal. */
+static enum status inform(const char *spec, uint64_t seed, json_t *list, struct reason *reason)
+{
+    struct scene scene;
+    enum status status = scene_open(spec, seed, &scene, reason);
+    if (status != STATUS_OK)
+        return status;
+    struct facts facts;
+    status = facts_make(&scene, &facts);
+    if (status != STATUS_OK)
+        fail(reason, status, "%s: no memory to compare %u triangles", spec, scene.tri_count);
+    else if (!list)
+        print_info(spec, &scene, &facts);
+    else if (json_array_append_new(list, json_info(spec, &scene, &facts)) != 0)
+        status = fail(reason, STATUS_INPUT, "%s: a name that is not UTF-8 fits no JSON text", spec);
+    scene_free(&scene);
+    return status;
+}
+
+static int scene_info(const struct scene_options *options)
+{
+    if (options->argument_count == 0)
+        return usage_error("scene", "info: no scene given");
+    json_t *list = options->json ? json_array() : NULL;
+    int code = EXIT_AGREE;
+    for (int i = 0; i < options->argument_count; i++) {
+        struct reason reason;
+        enum status status = inform(options->argument[i], options->seed, list, &reason);
+        if (status != STATUS_OK)
+            code = exit_worse(code, report(status, &reason));
+    }
+    if (!list)
+        return code;
+    json_t *whole = json_pack("{s:o}", "scenes", list);
+    if (json_dumpf(whole, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0)
+        putchar('\n');
+    json_decref(whole);
+    return code;
+}
+
+static int scene_convert(const struct scene_options *options)
+{
+    if (options->argument_count != 2)
+        return usage_error("scene", "convert: one scene and one file are needed");
+    const char *from = options->argument[0], *to = options->argument[1];
+    struct scene scene;
+    struct reason reason;
+    enum status status = scene_open(from, options->seed, &scene, &reason);
+    if (status == STATUS_OK)
+        status = scene_write(to, &scene, &reason);
+    if (status != STATUS_OK) {
+        scene_free(&scene);
+        return report(status, &reason);
+    }
+    printf("%s: %u triangles, %u vertices\n", to, scene.tri_count, scene.vertex_count);
+    size_t length = strlen(to);
+    bool rtrs = length > 5 && strcasecmp(to + length - 5, ".json") == 0;
+    if (!rtrs && (scene.normal || scene.light_count || scene.material_count || scene.has_camera))
+        printf("not kept, since the format has no place for them: normals, lights, materials, "
+               "camera\n");
+    scene_free(&scene);
+    return EXIT_AGREE;
+}
+
+static int is_shown(const struct dirent *entry)
+{
+    return entry->d_name[0] != '.';
+}
+
+static void list_fetched(void)
+{
+    struct dirent **entry = NULL;
+    int count = scandir(FETCHED, &entry, is_shown, alphasort);
+    printf("\nfetched meshes (%s)\n", FETCHED);
+    if (count <= 0)
+        printf("  none here: `make scenes` fetches them\n");
+    for (int i = 0; i < count; i++) {
+        char path[sizeof FETCHED + 300];
+        struct stat about;
+        snprintf(path, sizeof path, "%s/%s", FETCHED, entry[i]->d_name);
+        if (stat(path, &about) == 0)
+            printf("  %-40s %9lld bytes\n", path, (long long)about.st_size);
+        free(entry[i]);
+    }
+    free(entry);
+}
+
+static int scene_list(const struct scene_options *options)
+{
+    if (options->argument_count != 0)
+        return usage_error("scene", "list: takes no argument");
+    printf("generators, as NAME or NAME:PARAMETER=VALUE,PARAMETER=VALUE; each also takes seed=S\n"
+           "(range of every parameter, and [default])\n");
+    for (size_t i = 0; generators[i]; i++) {
+        printf("\n  %-10s %s\n", generators[i]->name, generators[i]->summary);
+        for (size_t k = 0; k < GENERATOR_PARAMS && generators[i]->param[k].name; k++) {
+            const struct param *param = &generators[i]->param[k];
+            char range[64];
+            snprintf(range, sizeof range, "%.9g to %.9g", param->least, param->most);
+            printf("    %-10s %-22s [%.9g] %s\n", param->name, range, param->value, param->summary);
+        }
+    }
+    list_fetched();
+    return EXIT_AGREE;
+}
+
+static const struct {
+    const char *name;
+    int (*run)(const struct scene_options *options);
+    const char *takes; /* options */
+} actions[] = {{"info", scene_info, "json seed"},
+               {"convert", scene_convert, "seed"},
+               {"list", scene_list, ""}};
+
+enum { OPT_JSON = 256, OPT_SEED };
+
+static const struct option long_options[] = {{"json", 0, NULL, OPT_JSON},
+                                             {"seed", 1, NULL, OPT_SEED},
+                                             {"help", 0, NULL, OPT_HELP},
+                                             {NULL, 0, NULL, 0}};
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
+static enum status take_option(void *user, int option, char *text, struct reason *reason)
+{
+    struct scene_options *options = user;
+    if (option == OPT_SEED)
+        return parse_count("--seed", text, 0, UINT64_MAX, &options->seed, reason);
+    options->json = true;
+    return STATUS_OK;
+}
+
+static int run_action(size_t i, const struct scene_options *options)
+{
+    const struct option_use use = {.by = actions[i].name,
+                                   .only = actions[i].takes,
+                                   .scene = options->argument,
+                                   .scene_count = (size_t)options->argument_count};
+    int code = options_refused("scene", &use);
+    if (code < 0)
+        code = actions[i].run(options);
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return code;
+    fprintf(stderr, "raydiff scene: cannot write to standard output\n");
+    return exit_worse(code, EXIT_USAGE);
+}
+
+int cmd_scene(int argc, char **argv)
+{
+    struct scene_options options = {.seed = 1};
+    int first, code = options_take("scene", print_help, long_options, take_option, &options, argc,
+                                   argv, &first);
+    if (code >= 0)
+        return code;
+    if (first == argc)
+        return usage_error("scene", "info, convert or list?");
+    options.argument = argv + first + 1;
+    options.argument_count = argc - first - 1;
+    for (size_t i = 0; i < ARRAY_COUNT(actions); i++)
+        if (strcmp(argv[first], actions[i].name) == 0)
+            return run_action(i, &options);
+    return usage_error("scene", "unknown action '%s'; those are info, convert, list", argv[first]);
+}

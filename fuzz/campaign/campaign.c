@@ -1,0 +1,301 @@
+#include "fuzz/campaign/campaign_inner.h"
+
+#include "ref/base/mutant.h"
+#include "ref/match/turnout.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TICK_NS 100000000u
+/* Between checkpoints while nothing is written to the log: of many findings only the number is. */
+#define SAVE_NS 1000000000u
+/* Shrinking goes on for so long after the last trial. */
+#define GRACE_NS 30000000000u
+/* After a signal workers may finish their trials for so long; what they do not is played by the
+ * next run. */
+#define STOP_NS 500000000u
+
+#define KEPT_FOLDER "corpus"
+
+uint32_t campaign_triangles_median(const struct campaign_view *view)
+{
+    uint64_t seen = 0;
+    for (uint32_t i = 0; i < CAMPAIGN_TRIANGLES; i++) {
+        seen += view->histogram[i];
+        if (2 * seen >= view->trials)
+            return i;
+    }
+    return 0;
+}
+
+double campaign_harness_share(const struct campaign_view *view, double *to_engines)
+{
+    const struct fuzz_time *time = &view->time;
+    double harness = (double)(time->generate + time->build + time->truth + time->judge), asked = 0;
+    for (size_t i = 0; i < FUZZ_CONTESTANTS_MOST; i++)
+        asked += (double)time->engine[i];
+    if (to_engines)
+        *to_engines = asked > 0 ? harness / asked : 0;
+    return harness + asked > 0 ? harness / (harness + asked) : 0;
+}
+
+bool campaign_is_flaky(const struct campaign_mark *mark)
+{
+    return mark->played_again > 0 && mark->shown == 0;
+}
+
+size_t campaign_news(const struct campaign_view *view, size_t *flaky)
+{
+    size_t news = 0, rare = 0;
+    for (size_t i = 0; i < findings_count(view->findings); i++) {
+        bool is_flaky = campaign_is_flaky(&view->mark[i]);
+        rare += is_flaky;
+        news += !is_flaky && !view->mark[i].known;
+    }
+    if (flaky)
+        *flaky = rare;
+    return news;
+}
+
+const char *campaign_vacuous(const struct campaign_view *view, size_t i)
+{
+    const struct campaign_turnout *turnout = &view->turnout[i];
+    if (MUTANT == MUTANT_FUZZ_REFUSERS || view->turnout_unknown || view->trials + view->before == 0)
+        return NULL;
+    if (turnout->played == 0)
+        return "it answered no trial";
+    if (turnout->proved == 0)
+        return "it gave no right hit in any trial";
+    if (TURNOUT_ONE_IN * turnout->played < turnout->played + turnout->declined)
+        return "it refused nearly all trials";
+    return NULL;
+}
+
+const char *campaign_loses(const struct campaign_view *view, size_t i)
+{
+    return match_edges_beyond(view->turnout[i].edges) > 0
+               ? "it loses more hits beside edges than rounding does"
+               : NULL;
+}
+
+static int stop_of(const struct campaign *c)
+{
+    return c->options->stop ? *c->options->stop : 0;
+}
+
+bool campaign_is_played(const struct campaign *c)
+{
+    const struct campaign_options *o = c->options;
+    if (MUTANT == MUTANT_SHRUNK_EARLY)
+        return c->ending;
+    return c->ending && !stop_of(c) && !campaign_has_blocks(c) &&
+           (!campaign_blocks_left(c) || (o->until > 0 && campaign_counted(c) >= o->until));
+}
+
+static void update_view(struct campaign *c)
+{
+    struct campaign_view *view = &c->view;
+    view->mark = c->mark;
+    view->ns = time_ns() - c->start_ns;
+    view->play_ns = c->play_end_ns ? c->play_end_ns - c->start_ns : view->ns;
+    view->workers = (uint32_t)(c->slots - campaign_crew_count(c, SLOT_STARTING));
+    view->to_shrink = view->shrunk = 0;
+    for (size_t i = 0; i < c->marks; i++) {
+        view->shrunk += c->mark[i].shrunk;
+        view->to_shrink += !c->mark[i].shrunk;
+    }
+    view->unplayed = campaign_blocks_left(c);
+    view->unshrunk = c->options->shrink == CAMPAIGN_SHRINK_AT_END && campaign_shrinks_left(c);
+    view->phase = !c->versions[0]  ? CAMPAIGN_STARTING
+                  : !c->ending     ? CAMPAIGN_PLAYING
+                  : c->play_end_ns ? CAMPAIGN_SHRINKING
+                                   : CAMPAIGN_ENDING;
+}
+
+static void tick(struct campaign *c, bool now)
+{
+    if (!c->options->tick || (!now && time_ns() - c->ticked_ns < TICK_NS))
+        return;
+    c->ticked_ns = time_ns();
+    update_view(c);
+    c->options->tick(c->options->user, &c->view);
+}
+
+/* True if no block may be ordered any more. */
+static bool is_over(const struct campaign *c)
+{
+    const struct campaign_options *o = c->options;
+    return stop_of(c) || (o->until > 0 && campaign_counted(c) >= o->until) ||
+           (o->seconds > 0 && time_ns() - c->start_ns >= o->seconds * 1000000000u);
+}
+
+bool campaign_has_blocks(const struct campaign *c)
+{
+    for (size_t i = 0; i < c->slots; i++)
+        if (c->slot[i].block)
+            return true;
+    return c->first != NULL;
+}
+
+/* True if there is nothing more to do. */
+static bool is_done(struct campaign *c)
+{
+    if (!c->ending || campaign_has_blocks(c))
+        return false;
+    if (!c->play_end_ns)
+        c->play_end_ns = time_ns();
+    bool late = c->options->shrink == CAMPAIGN_SHRINK_SOON && time_ns() - c->play_end_ns > GRACE_NS;
+    c->no_more_jobs = c->no_more_jobs || stop_of(c) || late;
+    if (campaign_crew_is_busy(c, SLOT_SHRINK) || campaign_crew_is_busy(c, SLOT_AGAIN))
+        return stop_of(c) != 0;
+    return c->no_more_jobs || !campaign_jobs_left(c);
+}
+
+/* What was kept to be mutated; so a kill loses no more of it than of the rest. */
+static enum status save_kept(struct campaign *c, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    if (!c->kept_folder.path)
+        status = folder_open_in(findings_folder(c->findings), KEPT_FOLDER, true, &c->kept_folder,
+                                reason);
+    return status ? status : feedback_save(c->feedback, &c->kept_folder, reason);
+}
+
+static enum status save(struct campaign *c, bool now, struct reason *reason)
+{
+    uint64_t since = time_ns() - c->saved_ns;
+    if (!c->dirty || (!now && !c->found && since < SAVE_NS))
+        return STATUS_OK;
+    enum status status = campaign_state_write(c, reason);
+    return status || !c->options->mutate ? status : save_kept(c, reason);
+}
+
+/* All trials were ordered: nobody has one, and there is no next. */
+static bool is_empty(struct campaign *c)
+{
+    return campaign_crew_count(c, SLOT_IDLE) == c->slots && !campaign_has_blocks(c);
+}
+
+/* True if nobody waits for the workers any more. */
+static bool is_cut_short(struct campaign *c)
+{
+    if (!stop_of(c))
+        return false;
+    if (!c->stopped_ns)
+        c->stopped_ns = time_ns();
+    return stop_of(c) > 1 || time_ns() - c->stopped_ns > STOP_NS;
+}
+
+static enum status go_on(struct campaign *c, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    while (!status && !is_done(c) && !is_cut_short(c)) {
+        status = campaign_crew_order(c, reason);
+        if (!status && is_empty(c))
+            c->ending = true;
+        if (!status)
+            status = campaign_crew_hear(c, reason);
+        c->ending = c->ending || is_over(c);
+        if (!status) /* before files are written, so that nobody waits for the disk */
+            status = campaign_crew_order(c, reason);
+        if (!status)
+            status = campaign_blocks_apply(c, reason);
+        if (!status)
+            status = campaign_marks_update(c, reason);
+        c->ending = c->ending || is_over(c);
+        if (!status)
+            status = save(c, false, reason);
+        c->view.said = c->said;
+        tick(c, false);
+    }
+    return status;
+}
+
+static void close_all(struct campaign *c)
+{
+    struct block *next;
+    campaign_crew_end(c, 2000);
+    for (struct block *block = c->first; block; block = next) {
+        next = block->next;
+        campaign_block_free(block);
+    }
+    feedback_close(c->feedback);
+    feedback_list_free(&c->kept);
+    folder_close(&c->kept_folder);
+    free(c->mark);
+    free(c);
+}
+
+/* What earlier runs kept. */
+static enum status load_kept(struct campaign *c, struct reason *reason)
+{
+    const struct folder *parent = findings_folder(c->findings);
+    bool there;
+    enum status status = folder_has_folder(parent, KEPT_FOLDER, &there, reason);
+    if (status || !there)
+        return status;
+    status = folder_open_in(parent, KEPT_FOLDER, false, &c->kept_folder, reason);
+    if (!status)
+        status = folder_clean(&c->kept_folder, reason);
+    return status ? status : feedback_load(&c->kept_folder, FEEDBACK_BYTES, &c->kept, reason);
+}
+
+/* Opens what a run needs before it makes processes. */
+static enum status open_all(struct campaign *c, struct reason *reason)
+{
+    enum status status = feedback_open(FEEDBACK_BYTES, &c->feedback, reason);
+    if (!status && c->options->mutate)
+        status = load_kept(c, reason);
+    c->rules = c->options->rules;
+    c->rules.kept = c->kept.trial;
+    c->rules.kept_count = c->kept.count;
+    c->last = &c->first;
+    c->offered = SIZE_MAX;
+    c->rng = rng_make(c->options->rules.seed, 0x63686F6Fu);
+    c->start_ns = time_ns();
+    c->view.options = c->options;
+    c->view.findings = c->findings;
+    c->view.versions = c->versions;
+    c->view.said = c->said;
+    if (!status)
+        status = campaign_marks_update(c, reason);
+    if (!status)
+        campaign_state_read(c);
+    if (!status && !campaign_state_is_unplayed(findings_state(c->findings)))
+        status = campaign_pairs_read(c, reason);
+    /* Before anything else is in the folder, so that it is never one of no campaign, or of what
+     * an unplayed one was to be. */
+    if (!status && campaign_state_is_unplayed(findings_state(c->findings)))
+        status = campaign_state_write(c, reason);
+    return status;
+}
+
+enum status campaign_run(const struct campaign_options *options, struct findings *findings,
+                         void (*end)(void *user, const struct campaign_view *view),
+                         struct reason *reason)
+{
+    struct campaign *c = alloc_zeroed(1, sizeof *c);
+    if (!c)
+        return fail(reason, STATUS_MEMORY, "no memory for a campaign");
+    c->options = options;
+    c->findings = findings;
+    enum status status = open_all(c, reason);
+    if (!status)
+        status = campaign_crew_start(c, reason);
+    if (!status)
+        status = go_on(c, reason);
+    if (!status)
+        status = save(c, true, reason);
+    if (!status && options->mutate)
+        status = save_kept(c, reason);
+    if (!c->play_end_ns)
+        c->play_end_ns = time_ns();
+    if (!status) {
+        update_view(c);
+        if (end)
+            end(options->user, &c->view);
+    }
+    close_all(c);
+    return status;
+}

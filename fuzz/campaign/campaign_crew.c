@@ -1,0 +1,382 @@
+/* The workers of a campaign: who has what to do, who died, hangs or holds too much. */
+#include "fuzz/campaign/campaign_inner.h"
+#include "ref/base/mutant.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+#define START_MS       120000u /* engines are opened, a driver may compile */
+#define FIRST_FACTOR   6u      /* the first trials meet pipelines that are still to be compiled */
+#define PEER_FACTOR    4u /* a peer's own time may be over some times in a trial, and is then told */
+#define EXPLAIN_FACTOR 6u      /* an engine is asked some times */
+#define OURS_MS        120000u /* for what is not an engine's: the truth of a large scene */
+#define FAILURES_MOST  3u      /* starts in a row */
+#define STOPS_MOST     3u      /* workers in a row that somebody stops */
+#define MEMORY_NS      200000000u
+#define WAIT_MS        50u
+#define LOOK_MS        1000u /* between two looks at a worker, at most */
+
+static enum status start(struct campaign *c, struct slot *slot, struct reason *reason)
+{
+    const struct work_start how = {
+        .rules = &c->rules, .watch = slot->watch, .versions = !c->versions[0]};
+    slot->task = SLOT_STARTING;
+    slot->warm = false;
+    slot->since_ns = time_ns();
+    slot->beat = slot->mark = UINT64_MAX;
+    slot->stopped_ns = 0;
+    return worker_start(&how, &slot->child, reason);
+}
+
+enum status campaign_crew_start(struct campaign *c, struct reason *reason)
+{
+    size_t jobs = c->options->jobs;
+    enum status status = STATUS_OK;
+    c->watch = child_share(jobs * sizeof *c->watch);
+    if (!c->watch)
+        return fail(reason, STATUS_MEMORY, "no memory to share");
+    for (size_t i = 0; i < jobs && !status; i++) {
+        c->slot[i].watch = &c->watch[i];
+        status = start(c, &c->slot[i], reason);
+        c->slots = i + 1;
+    }
+    return status;
+}
+
+void campaign_crew_end(struct campaign *c, uint32_t ms)
+{
+    for (size_t i = 0; i < c->slots; i++) {
+        bool idle = c->slot[i].task == SLOT_IDLE;
+        child_end(&c->slot[i].child, idle ? ms : 0, NULL);
+        if (c->slot[i].block && c->slot[i].block->stream == WORK_MUT)
+            campaign_block_free(c->slot[i].block);
+        c->slot[i].block = NULL;
+    }
+    c->slots = 0;
+    child_unshare(c->watch, c->options->jobs * sizeof *c->watch);
+    c->watch = NULL;
+}
+
+size_t campaign_crew_count(const struct campaign *c, enum slot_task task)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < c->slots; i++)
+        count += c->slot[i].task == task;
+    return count;
+}
+
+bool campaign_crew_is_busy(const struct campaign *c, enum slot_task task)
+{
+    return campaign_crew_count(c, task) > 0;
+}
+
+/* --- orders ---------------------------------------------------------------------------------- */
+
+static void send_block(struct slot *slot)
+{
+    const struct work_order order = campaign_block_order(slot->block);
+    struct finding_file base = {.has_signature = false};
+    if (slot->block->base)
+        base.trial = *slot->block->base;
+    slot->task = SLOT_BLOCK;
+    slot->since_ns = time_ns();
+    slot->beat = UINT64_MAX;
+    /* One that does not take it has died, which is seen when it is listened to. */
+    (void)worker_order(&slot->child, &order, slot->block->base ? &base : NULL);
+}
+
+/* Drivers keep what they compiled for as long as their process lives: before that takes all it may
+ * hold, which would be told as a crash, an idle worker makes room for a new one. */
+static bool is_grown(const struct campaign *c, const struct slot *slot)
+{
+    uint64_t most = c->options->memory_bytes;
+    return most > 0 && slot->warm && child_memory(&slot->child) > most / 2;
+}
+
+static enum status renew(struct campaign *c, struct slot *slot, struct reason *reason)
+{
+    child_end(&slot->child, 1000, NULL);
+    c->view.renewed++;
+    return start(c, slot, reason);
+}
+
+enum status campaign_crew_order(struct campaign *c, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < c->slots && !status; i++) {
+        struct slot *slot = &c->slot[i];
+        bool given = false;
+        if (slot->task != SLOT_IDLE)
+            continue;
+        if (is_grown(c, slot)) {
+            status = renew(c, slot, reason);
+            continue;
+        }
+        status = campaign_job_order(c, slot, &given, reason);
+        if (status || given)
+            continue;
+        slot->block = campaign_block_next(c, &status);
+        if (status)
+            return fail(reason, status, "no memory for a block of trials");
+        if (slot->block)
+            send_block(slot);
+    }
+    return status;
+}
+
+/* --- reports --------------------------------------------------------------------------------- */
+
+/* The block is done, or goes on alone. */
+static enum status after_block(struct campaign *c, struct slot *slot, enum status status,
+                               struct reason *reason)
+{
+    struct block *block = slot->block;
+    if (status)
+        return fail(reason, status, "no memory for what workers report");
+    if (!block->done) {
+        send_block(slot);
+        return STATUS_OK;
+    }
+    slot->block = NULL;
+    slot->task = SLOT_IDLE;
+    return block->stream == WORK_MUT ? campaign_block_apply(c, block, reason) : STATUS_OK;
+}
+
+/* The worker ended or was ended, and is started anew. */
+static enum status bury(struct campaign *c, struct slot *slot, const struct death *death,
+                        struct reason *reason)
+{
+    enum slot_task task = slot->task;
+    enum status status = STATUS_OK;
+    snprintf(c->said, sizeof c->said, "a worker %.200s", death->text);
+    c->view.restarts++;
+    slot->failures = task == SLOT_STARTING ? slot->failures + 1 : 0;
+    if (slot->failures >= FAILURES_MOST || (task == SLOT_STARTING && !c->versions[0]))
+        return fail(reason, STATUS_DEVICE, "opening the engines: a worker %s", death->text);
+    if (task == SLOT_BLOCK)
+        status = campaign_block_died(c, slot->block, death);
+    else if (task == SLOT_SHRINK || task == SLOT_AGAIN)
+        status = campaign_job_take(c, slot, NULL, reason);
+    if (status)
+        return status;
+    if (slot->block && slot->block->done)
+        status = after_block(c, slot, STATUS_OK, reason);
+    return status ? status : start(c, slot, reason);
+}
+
+static struct death read_watch(const struct slot *slot)
+{
+    struct death death = {.trial = atomic_load(&slot->watch->mark.trial),
+                          .contestant = atomic_load(&slot->watch->mark.contestant),
+                          .phase = atomic_load(&slot->watch->phase)};
+    if (death.phase != WORK_PLAYING) /* the mark is an old one */
+        death.contestant = FUZZ_CONTESTANTS_MOST;
+    return death;
+}
+
+/* Ends a worker, if it has not ended, and says so; `why` NULL: as it ended. */
+static enum status end_worker(struct campaign *c, struct slot *slot, bool hung, const char *why,
+                              struct reason *reason)
+{
+    struct death death = read_watch(slot);
+    struct child_fate fate;
+    child_end(&slot->child, why ? 0 : 1000, &fate);
+    death.hung = hung;
+    snprintf(death.text, sizeof death.text, "%s", why ? why : fate.text);
+    return bury(c, slot, &death, reason);
+}
+
+static enum status take_start(struct campaign *c, struct slot *slot, const struct work_parts *parts,
+                              struct reason *reason)
+{
+    const struct work_report *report = parts->report;
+    if (report->status && (!c->versions[0] || ++slot->failures >= FAILURES_MOST))
+        return fail(reason, report->status, "%s", report->reason.text);
+    if (report->status) {
+        child_end(&slot->child, 1000, NULL);
+        return start(c, slot, reason);
+    }
+    slot->failures = 0;
+    slot->task = SLOT_IDLE;
+    if (!c->versions[0])
+        snprintf(c->versions, sizeof c->versions, "%s", parts->text);
+    if (slot->block) /* of the one that died */
+        send_block(slot);
+    return STATUS_OK;
+}
+
+static enum status take_message(struct campaign *c, struct slot *slot, const void *bytes,
+                                size_t size, struct reason *reason)
+{
+    struct work_parts parts;
+    if (!work_parts(bytes, size, &parts))
+        return end_worker(c, slot, false, "sent what is no report", reason);
+    enum status status = parts.report->status;
+    if (slot->task == SLOT_STARTING)
+        return take_start(c, slot, &parts, reason);
+    slot->warm = true;
+    slot->stops = 0;
+    if (status == STATUS_MEMORY)
+        return fail(reason, status, "%s", parts.report->reason.text);
+    if (slot->task == SLOT_SHRINK || slot->task == SLOT_AGAIN)
+        return campaign_job_take(c, slot, &parts, reason);
+    if (slot->task != SLOT_BLOCK)
+        return end_worker(c, slot, false, "spoke without being asked", reason);
+    if (status) {
+        char why[WORK_OPINION_MOST];
+        snprintf(why, sizeof why, "%s: %s", status_text(status), parts.report->reason.text);
+        return end_worker(c, slot, false, why, reason);
+    }
+    status = campaign_block_take(c, slot->block, &parts);
+    return after_block(c, slot, status, reason);
+}
+
+/* --- the watch ------------------------------------------------------------------------------- */
+
+/* The longest that it may be at what it is at. */
+static uint64_t limit_ms(const struct campaign *c, const struct slot *slot)
+{
+    const struct fuzz_field *field = &c->rules.field;
+    /* Drivers compile before they trace, and with members drawn every block may have a new shader.
+     */
+    bool compiled = slot->warm && !field->drawn;
+    uint64_t trial = c->options->trial_ms * (uint64_t)(compiled ? 1 : FIRST_FACTOR);
+    uint64_t ours = trial > OURS_MS ? trial : OURS_MS;
+    if (slot->task == SLOT_STARTING)
+        return START_MS;
+    uint32_t phase = atomic_load(&slot->watch->phase);
+    uint32_t who = atomic_load(&slot->watch->mark.contestant);
+    if (phase == WORK_PLAYING && who < field->count && field->who[who].engine->fault &&
+        field->options.peer_ms > trial)
+        trial = field->options.peer_ms;
+    if (phase == WORK_PLAYING && who < field->count && field->who[who].engine->fault)
+        trial *= PEER_FACTOR;
+    return phase == WORK_PLAYING && who < field->count ? trial
+           : phase == WORK_EXPLAINING                  ? EXPLAIN_FACTOR * trial
+                                                       : ours;
+}
+
+/* Adds the time since the last look. Looks are at most WAIT_MS apart and a little: if more has
+ * passed, we were stopped, or the machine slept, and the worker with us. */
+static void count_time(struct slot *slot, uint64_t now)
+{
+    const uint64_t most = LOOK_MS * 1000000u;
+    uint32_t running;
+    uint64_t queued = child_queued_ns(&slot->child, &running);
+    uint64_t waited = queued > slot->queued_ns ? queued - slot->queued_ns : 0;
+    slot->queued_ns = queued;
+    slot->waited_ns += waited / (running > 1 ? running : 1);
+    slot->busy_ns += now - slot->looked_ns < most ? now - slot->looked_ns : most;
+}
+
+/* Without progress for too long. Time in which its threads waited for processors that others had
+ * does not count, but for an eighth. */
+static bool is_late(const struct campaign *c, const struct slot *slot)
+{
+    uint64_t busy = slot->busy_ns, waited = MUTANT == MUTANT_QUEUE_COUNTS ? 0 : slot->waited_ns;
+    uint64_t counted = waited < busy - busy / 8 ? busy - waited : busy / 8;
+    return counted > limit_ms(c, slot) * 1000000u;
+}
+
+/* Only the time counts in which a worker could run. */
+static bool is_stuck(const struct campaign *c, struct slot *slot)
+{
+    uint64_t beat = atomic_load(&slot->watch->beat), now = time_ns();
+    uint64_t mark = atomic_load(&slot->watch->mark.trial) * (FUZZ_CONTESTANTS_MOST + 1) +
+                    atomic_load(&slot->watch->mark.contestant);
+    if (beat != slot->beat || mark != slot->mark) {
+        slot->beat = beat;
+        slot->mark = mark;
+        slot->looked_ns = now;
+        slot->queued_ns = child_queued_ns(&slot->child, &(uint32_t){0});
+        slot->busy_ns = slot->waited_ns = 0;
+    }
+    if (slot->looked_ns < slot->since_ns) /* a new order */
+        slot->looked_ns = slot->since_ns;
+    const uint64_t most = LOOK_MS * 1000000u, spent = now - slot->looked_ns;
+    bool debugged, stopped = child_is_stopped(&slot->child, &debugged);
+    if (!stopped)
+        count_time(slot, now);
+    slot->stopped_ns = !stopped ? 0
+                                : slot->stopped_ns + (debugged       ? 0
+                                                      : spent < most ? spent
+                                                                     : most);
+    slot->looked_ns = now;
+    return is_late(c, slot);
+}
+
+/* Who is stopped by a signal for longer than it may be at its work, and we are not, will hardly go
+ * on by itself. It is replaced, and what it was at is begun again: that somebody stopped it says
+ * nothing of a trial. */
+static enum status replace_stopped(struct campaign *c, struct slot *slot, struct reason *reason)
+{
+    const struct death at = read_watch(slot);
+    const double seconds = (double)slot->stopped_ns * 1e-9;
+    if (++slot->stops == STOPS_MOST)
+        return fail(
+            reason, STATUS_DEVICE,
+            "%u workers in a row were stopped for %.3g s%s%s: something sends SIGSTOP", STOPS_MOST,
+            seconds, at.contestant < c->rules.field.count ? ", at last by or within engine " : "",
+            at.contestant < c->rules.field.count ? c->rules.field.who[at.contestant].engine->name
+                                                 : "");
+    snprintf(c->said, sizeof c->said, "a worker was stopped for %.3g s, and is replaced", seconds);
+    c->view.restarts++;
+    child_end(&slot->child, 0, NULL);
+    return start(c, slot, reason);
+}
+
+static enum status watch(struct campaign *c, struct slot *slot, bool memory, struct reason *reason)
+{
+    char why[WORK_OPINION_MOST];
+    uint64_t most = c->options->memory_bytes;
+    if (slot->task == SLOT_IDLE)
+        return STATUS_OK;
+    if (is_stuck(c, slot)) {
+        /* Whatever limit it was: the words are kept, and are the same in every run. */
+        snprintf(why, sizeof why, "did not answer within %g s",
+                 (double)c->options->trial_ms * 1e-3);
+        return end_worker(c, slot, true, why, reason);
+    }
+    if (slot->stopped_ns > limit_ms(c, slot) * 1000000u && MUTANT != MUTANT_STOPPED_FOR_EVER)
+        return MUTANT == MUTANT_STOPPED_IS_HUNG ? end_worker(c, slot, true, "is stopped", reason)
+                                                : replace_stopped(c, slot, reason);
+    if (memory && most > 0 && child_memory(&slot->child) > most) {
+        snprintf(why, sizeof why, "held more than %llu MiB of memory",
+                 (unsigned long long)(most >> 20));
+        return end_worker(c, slot, false, why, reason);
+    }
+    return STATUS_OK;
+}
+
+enum status campaign_crew_hear(struct campaign *c, struct reason *reason)
+{
+    struct child *child[CAMPAIGN_JOBS_MOST];
+    enum status status = STATUS_OK;
+    bool memory = time_ns() - c->memory_ns > MEMORY_NS;
+    for (size_t i = 0; i < c->slots; i++)
+        child[i] = &c->slot[i].child;
+    child_wait(child, c->slots, WAIT_MS);
+    for (size_t i = 0; i < c->slots && !status; i++) {
+        struct slot *slot = &c->slot[i];
+        const void *bytes;
+        size_t size;
+        switch (child_receive(&slot->child, WORK_MESSAGE_MOST, 0, &bytes, &size)) {
+        case CHILD_GOT:
+            status = take_message(c, slot, bytes, size, reason);
+            break;
+        case CHILD_LATE:
+            status = watch(c, slot, memory, reason);
+            break;
+        case CHILD_GONE:
+            status = end_worker(c, slot, false, NULL, reason);
+            break;
+        case CHILD_TOO_LONG:
+            status = end_worker(c, slot, false, "sent a report of no end", reason);
+            break;
+        }
+    }
+    if (memory)
+        c->memory_ns = time_ns();
+    return status;
+}

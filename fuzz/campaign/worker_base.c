@@ -1,0 +1,70 @@
+#include "fuzz/campaign/worker_base.h"
+
+#include <string.h>
+
+/* The file itself, with pointers that mean nothing, then these arrays of it. */
+struct part {
+    void *at;
+    size_t bytes;
+};
+
+#define PARTS 3
+
+static void parts_of(const struct fuzz_trial *trial, struct part part[PARTS])
+{
+    const struct scene *scene = &trial->scene;
+    part[0] = (struct part){scene->vertex, 3 * sizeof(float) * scene->vertex_count};
+    part[1] = (struct part){scene->index, 3 * sizeof(uint32_t) * scene->tri_count};
+    part[2] = (struct part){trial->ray, sizeof *trial->ray * trial->ray_count};
+}
+
+size_t worker_base_bytes(const struct finding_file *file)
+{
+    struct part part[PARTS];
+    size_t bytes = sizeof *file;
+    parts_of(&file->trial, part);
+    for (size_t i = 0; i < PARTS; i++)
+        bytes += part[i].bytes;
+    return bytes;
+}
+
+void worker_base_put(const struct finding_file *file, void *bytes)
+{
+    struct part part[PARTS];
+    char *at = bytes;
+    parts_of(&file->trial, part);
+    memcpy(at, file, sizeof *file);
+    at += sizeof *file;
+    for (size_t i = 0; i < PARTS; at += part[i].bytes, i++)
+        if (part[i].bytes > 0)
+            memcpy(at, part[i].at, part[i].bytes);
+}
+
+enum status worker_base_get(const void *bytes, size_t size, struct finding_file *out,
+                            struct reason *reason)
+{
+    struct finding_file file;
+    struct fuzz_trial made;
+    struct part part[PARTS];
+    const char *at = bytes;
+    *out = (struct finding_file){.has_signature = false};
+    if (size < sizeof file)
+        return fail(reason, STATUS_INPUT, "an order's base has %zu bytes, too few", size);
+    memcpy(&file, at, sizeof file);
+    at += sizeof file;
+    if (worker_base_bytes(&file) != size)
+        return fail(reason, STATUS_INPUT, "an order's base has %zu bytes, not %zu", size,
+                    worker_base_bytes(&file));
+    enum status status = fuzz_trial_make(file.trial.scene.vertex_count, file.trial.scene.tri_count,
+                                         file.trial.ray_count, &made, reason);
+    if (status)
+        return status;
+    file.trial.scene = made.scene;
+    file.trial.ray = made.ray;
+    parts_of(&file.trial, part);
+    for (size_t i = 0; i < PARTS; at += part[i].bytes, i++)
+        if (part[i].bytes > 0)
+            memcpy(part[i].at, at, part[i].bytes);
+    *out = file;
+    return STATUS_OK;
+}

@@ -1,0 +1,69 @@
+#include "fuzz/export/export_inner.h"
+
+#include "ref/outside/pipe_text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Scene and rays for a tracer that reads text, what is right in comments. */
+static void write_text(const struct export_case *the, const struct export_options *options,
+                       FILE *to)
+{
+    export_comment(the, options, "# ", to);
+    for (size_t i = 0; i < the->right_count; i++) {
+        fprintf(to, "# ray %u, right: ", (unsigned)the->right[i].ray);
+        export_print_right(the, &the->right[i], to);
+        fputc('\n', to);
+    }
+    pipe_text_write(to, NULL, &the->trial->scene, the->ray, the->ray_count, the->trial->query,
+                    false);
+}
+
+static void tell(struct export_said *said, const char *line)
+{
+    size_t used = strlen(said->text);
+    snprintf(said->text + used, sizeof said->text - used, "%s%s", used ? "\n" : "", line);
+}
+
+static void tell_all(const struct export_case *the, struct export_said *said)
+{
+    bool wrong = false;
+    for (uint32_t i = 0; i < the->ray_count && the->here; i++)
+        wrong =
+            wrong || the->judgement[i].verdict == VERDICT_WRONG ||
+            (the->bits_matter && memcmp(&the->here[i], &the->reference[i], sizeof *the->here) != 0);
+    if (the->reference_fails)
+        tell(said, "C on the same bytes is wrong, too: no driver is at fault");
+    if (the->here && the->file->has_signature && !wrong)
+        tell(said, "what it expects did not show here: every answer was right");
+    if (!the->here && the->not_asked[0] && the->subject != SUBJECT_TRACER) {
+        char line[240];
+        snprintf(line, sizeof line, "it was not asked here: %s", the->not_asked);
+        tell(said, line);
+    }
+}
+
+enum status export_write(const struct finding_file *file, const struct export_options *options,
+                         FILE *to, struct export_said *said, struct reason *reason)
+{
+    struct export_case the;
+    said->text[0] = '\0';
+    enum status status = export_case_make(file, options, &the, reason);
+    if (status)
+        return status;
+    tell_all(&the, said);
+    switch (options->form) {
+    case EXPORT_C:
+        export_write_c(&the, options, to);
+        break;
+    case EXPORT_AMBER:
+        export_write_amber(&the, options, to);
+        break;
+    case EXPORT_TEXT:
+    case EXPORT_FORMS:
+        write_text(&the, options, to);
+        break;
+    }
+    export_case_free(&the);
+    return STATUS_OK;
+}

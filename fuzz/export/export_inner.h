@@ -1,0 +1,99 @@
+/* What the files of the exporter share. */
+#ifndef FUZZ_EXPORT_INNER_H
+#define FUZZ_EXPORT_INNER_H
+
+#include "fuzz/export/export.h"
+#include "gpu/trace/dispatch.h"
+#include "ref/judge/judge.h"
+
+/* Whom a finding is exported for. */
+enum export_subject {
+    SUBJECT_VULKAN, /* a layout's tracing shader */
+    SUBJECT_BRUTE,  /* the shader that tests every triangle */
+    SUBJECT_QUERY,  /* the driver's ray queries */
+    SUBJECT_EMBREE,
+    SUBJECT_EMBREE_ROBUST,
+    SUBJECT_TRACER, /* somebody's tracer that reads text */
+};
+
+/* A right answer: triangle prim, or ABI_NO_PRIM, with t, u and v in these closed intervals; those
+ * of u and v are infinite if export_is_followed. */
+struct export_right {
+    uint32_t ray, prim;
+    float t[2], u[2], v[2];
+};
+
+/* Everything that a form writes; owns its arrays (export_case_free). */
+struct export_case {
+    const struct finding_file *file;
+    const struct fuzz_trial *trial;
+    enum export_subject subject;
+    const struct engine *engine;     /* NULL: SUBJECT_TRACER */
+    const struct layout *layout;     /* SUBJECT_VULKAN, else NULL */
+    char title[FUZZ_SIGNATURE_MOST]; /* the signature, or "clean" */
+    bool bits_matter;                /* the finding is that C's bits were not met */
+    struct ray *ray;                 /* those that are exported */
+    uint32_t *number;                /* their indices in the file */
+    uint32_t ray_count, left_out;    /* left out: Embree does not promise to survive them */
+    struct bvh bvh;
+    struct packed packed;
+    struct job job;
+    struct dispatch dispatch; /* of the Vulkan subjects */
+    struct model model;
+    bool measured; /* the model is the engine's own, else what its specification allows */
+    struct oracle *oracle;
+    struct oracle_answer *truth;
+    struct export_right *right;
+    size_t right_count, right_capacity;
+    struct hit *reference;       /* of C on the same bytes; SUBJECT_VULKAN and _BRUTE, else NULL */
+    bool reference_fails;        /* it is not right either, or did not finish */
+    struct hit *here;            /* what the engine answered here; NULL: it was not asked */
+    struct judgement *judgement; /* of that */
+    char not_asked[200];         /* why it was not asked */
+    char versions[1024];         /* of what was asked, lines */
+};
+
+enum status export_case_make(const struct finding_file *file, const struct export_options *options,
+                             struct export_case *out, struct reason *reason) MUST_USE;
+void export_case_free(struct export_case *the);
+
+/* True if it runs on Vulkan. */
+bool export_is_vulkan(const struct export_case *the);
+
+/* Finds all right answers to the rays: every triangle, and a miss, is held before the judge, and of
+ * what it takes the intervals are widened as far as it takes them. A ray without one is out of
+ * contract: any answer is right. Errors: STATUS_MEMORY. */
+enum status export_find_right(struct export_case *the, const struct judge *judge,
+                              struct reason *reason) MUST_USE;
+
+/* True if one of the right answers to ray `i` is this one (if export_is_followed: as far as its
+ * triangle and t tell). */
+bool export_is_right(const struct export_case *the, uint32_t i, const struct hit *hit);
+
+/* The comment that heads every form: each line begins with `begin`. */
+void export_comment(const struct export_case *the, const struct export_options *options,
+                    const char *begin, FILE *to);
+
+/* "triangle 3 at t in [1.5, 1.5000001]", "a miss", "a hit". */
+void export_print_right(const struct export_case *the, const struct export_right *right, FILE *to);
+
+/* True if answers say hit or miss and name no triangle. */
+bool export_is_unnamed(const struct export_case *the);
+
+/* True if the formula is not known: then u and v must give the ray's point at t, to
+ * JUDGE_DISPLACEMENT_MOST units, wherever in its interval t is. */
+bool export_is_followed(const struct export_case *the);
+
+void export_write_c(const struct export_case *the, const struct export_options *options, FILE *to);
+void export_write_amber(const struct export_case *the, const struct export_options *options,
+                        FILE *to);
+
+/* One of the storage buffers as the engine makes them: how many bytes, and what it begins with. */
+struct export_buffer {
+    const char *name;
+    uint64_t bytes, data_bytes;
+};
+
+void export_buffers(const struct export_case *the, struct export_buffer out[DISPATCH_BINDINGS]);
+
+#endif

@@ -1,0 +1,222 @@
+/* Which pairs can meet, and how often they did. */
+#include "fuzz/feedback/meetings_inner.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *meeting_factor_name(enum meeting_factor factor)
+{
+    static const char *const names[MEET_FACTORS] = {"engine", "layout", "builder",  "store",
+                                                    "tri",    "box",    "optimize", "motion"};
+    return names[factor];
+}
+
+const struct meeting_tables *meetings_tables(const struct meetings *m)
+{
+    return &m->tables;
+}
+
+const char *meetings_name(const struct meetings *m, enum meeting_factor factor, uint32_t i)
+{
+    static const char *const optimize[] = {"plain", "reinsert"}, *const motion[] = {"still",
+                                                                                    "moved"};
+    const void *member = m->tables.member[factor][i];
+    switch (factor) {
+    case MEET_ENGINE:
+        return ((const struct engine *)member)->name;
+    case MEET_LAYOUT:
+        return ((const struct layout *)member)->name;
+    case MEET_BUILDER:
+        return ((const struct builder *)member)->name;
+    case MEET_STORE:
+        return ((const struct tri_store *)member)->name;
+    case MEET_TRI:
+        return ((const struct tri_test *)member)->name;
+    case MEET_BOX:
+        return ((const struct box_test *)member)->name;
+    case MEET_OPTIMIZE:
+        return optimize[i];
+    default:
+        return motion[i];
+    }
+}
+
+struct pair *meetings_pair(const struct meetings *m, enum meeting_factor a, uint32_t i,
+                           enum meeting_factor b, uint32_t j)
+{
+    assert(a != b); /* a factor is in no pair with itself */
+    if (a > b)
+        return meetings_pair(m, b, j, a, i);
+    return &m->pair[m->place[a][b] + (size_t)i * m->tables.count[b] + j];
+}
+
+bool meetings_possible(const struct meetings *m, enum meeting_factor a, uint32_t i,
+                       enum meeting_factor b, uint32_t j)
+{
+    return meetings_pair(m, a, i, b, j)->possible;
+}
+
+/* --- what can meet --------------------------------------------------------------------------- */
+
+bool meetings_meets(const struct engine *engine, enum meeting_factor factor)
+{
+    bool tests = factor == MEET_TRI || factor == MEET_BOX;
+    if (factor == MEET_ENGINE)
+        return true;
+    if (engine->own_tri && tests) /* its traversal is its own, too */
+        return false;
+    return engine->needs_packed || factor == MEET_TRI;
+}
+
+/* Triangles that every layout and storage can hold if it can hold any: few, and on a grid. */
+static enum status make_sample(struct scene *out, struct bvh *bvh, struct reason *reason)
+{
+    const struct build_options build = {.leaf = 2, .eps = BUILD_EPS_DEFAULT, .threads = 1};
+    enum status status = scene_make(12, 4, out);
+    if (status)
+        return fail(reason, status, "no memory for a sample of four triangles");
+    for (uint32_t i = 0; i < 12; i++) {
+        out->index[i] = i;
+        out->vertex[3 * i] = (float)(4 * (i / 3) + i % 3);
+        out->vertex[3 * i + 1] = (float)(i % 3 == 1);
+        out->vertex[3 * i + 2] = (float)(i % 3 == 2);
+    }
+    status = builders[0]->build(out, &build, bvh, reason);
+    if (status)
+        scene_free(out);
+    return status;
+}
+
+static enum status layout_takes(const struct layout *layout, const struct tri_store *store,
+                                bool *takes, struct reason *reason)
+{
+    struct scene scene;
+    struct bvh bvh;
+    struct packed packed;
+    enum status status = make_sample(&scene, &bvh, reason);
+    if (status)
+        return status;
+    status = packed_make_stored(layout, store, &bvh, &scene, &packed, reason);
+    *takes = status == STATUS_OK;
+    if (!status)
+        packed_free(&packed);
+    bvh_free(&bvh);
+    scene_free(&scene);
+    return status == STATUS_MEMORY ? status : STATUS_OK;
+}
+
+/* a < b. Pairs of the same factor of the product that no rule refuses are possible. */
+static enum status can_meet(const struct meeting_tables *t, enum meeting_factor a, uint32_t i,
+                            enum meeting_factor b, uint32_t j, bool *can, struct reason *reason)
+{
+    const void *x = t->member[a][i], *y = t->member[b][j];
+    *can = true;
+    if (a == MEET_ENGINE) {
+        const struct engine *engine = x;
+        *can = meetings_meets(engine, b);
+        if (b == MEET_LAYOUT && engine->needs_packed)
+            *can = engine_takes(engine, y);
+    } else if (a == MEET_LAYOUT && b == MEET_STORE) {
+        return layout_takes(x, y, can, reason);
+    } else if (a == MEET_LAYOUT && b == MEET_MOTION) {
+        *can = j == 0 || ((const struct layout *)x)->rebound;
+    } else if (a == MEET_BUILDER && b == MEET_OPTIMIZE) {
+        *can = j == 0 || !((const struct builder *)x)->faithful;
+    } else if (a == MEET_STORE && b == MEET_TRI) {
+        *can = tri_store_answers(x, ((const struct tri_test *)y)->id);
+    } else if (a == MEET_STORE && b == MEET_MOTION) { /* what moved is on no grid */
+        *can = j == 0 || ((const struct tri_store *)x)->id != ABI_STORE_QUANTISED;
+    }
+    return STATUS_OK;
+}
+
+static enum status find_possible(struct meetings *m, struct reason *reason)
+{
+    const struct meeting_tables *t = &m->tables;
+    enum status status = STATUS_OK;
+    for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
+        for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
+            for (uint32_t i = 0; i < t->count[a]; i++)
+                for (uint32_t j = 0; j < t->count[b] && !status; j++)
+                    status =
+                        can_meet(t, a, i, b, j, &meetings_pair(m, a, i, b, j)->possible, reason);
+    return status;
+}
+
+enum status meetings_open(const struct meeting_tables *tables, struct meetings **out,
+                          struct reason *reason)
+{
+    struct meetings *m = alloc_zeroed(1, sizeof *m);
+    *out = NULL;
+    if (!m)
+        return fail(reason, STATUS_MEMORY, "no memory to count pairs");
+    m->tables = *tables;
+    for (enum meeting_factor a = 0; a < MEET_FACTORS; a++) {
+        if (tables->count[a] == 0) {
+            free(m);
+            return fail(reason, STATUS_INPUT, "pairs: there is no %s", meeting_factor_name(a));
+        }
+        for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++) {
+            m->place[a][b] = m->pairs;
+            m->pairs += (size_t)tables->count[a] * tables->count[b];
+        }
+    }
+    m->pair = alloc_zeroed(m->pairs, sizeof *m->pair);
+    m->program = alloc_zeroed((size_t)tables->count[MEET_ENGINE] * tables->count[MEET_LAYOUT],
+                              sizeof *m->program);
+    enum status status = m->pair && m->program
+                             ? find_possible(m, reason)
+                             : fail(reason, STATUS_MEMORY, "no memory to count pairs");
+    if (status)
+        meetings_close(m);
+    else
+        *out = m;
+    return status;
+}
+
+void meetings_close(struct meetings *m)
+{
+    if (m) {
+        free(m->pair);
+        free(m->program);
+    }
+    free(m);
+}
+
+/* --- how often they did ---------------------------------------------------------------------- */
+
+static uint16_t place_of(const struct meeting_tables *t, enum meeting_factor factor,
+                         const void *member)
+{
+    for (uint32_t i = 0; i < t->count[factor]; i++)
+        if (t->member[factor][i] == member)
+            return (uint16_t)i;
+    return MEET_NONE;
+}
+
+struct meeting meetings_of(const struct meetings *m, const struct engine *engine,
+                           const struct layout *layout, const struct builder *builder,
+                           const struct tri_store *store, const struct tri_test *tri,
+                           const struct box_test *box, bool optimized, bool moved)
+{
+    const struct meeting_tables *t = &m->tables;
+    const void *const member[] = {engine, layout, builder, store, tri, box};
+    struct meeting out;
+    for (enum meeting_factor f = 0; f < MEET_OPTIMIZE; f++)
+        out.member[f] = place_of(t, f, member[f]);
+    out.member[MEET_OPTIMIZE] = optimized < t->count[MEET_OPTIMIZE] ? optimized : MEET_NONE;
+    out.member[MEET_MOTION] = moved < t->count[MEET_MOTION] ? moved : MEET_NONE;
+    for (enum meeting_factor f = 0; f < MEET_FACTORS; f++)
+        if (!meetings_meets(engine, f))
+            out.member[f] = MEET_NONE;
+    return out;
+}
+
+void meetings_add(struct meetings *m, const struct meeting *met)
+{
+    for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
+        for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
+            if (met->member[a] != MEET_NONE && met->member[b] != MEET_NONE)
+                meetings_pair(m, a, met->member[a], b, met->member[b])->met++;
+}

@@ -1,0 +1,68 @@
+/* What a campaign came to, for machines: JUnit XML, TAP and JSON lines. One test case says that
+ * trials were played at all, one per contestant that it was, and one per finding what it is: it
+ * fails if the finding counts. So the number of failures is the number of findings outside the
+ * baseline, and a campaign that tested nothing fails. */
+#ifndef FUZZ_REPORT_H
+#define FUZZ_REPORT_H
+
+#include "ref/base/base.h"
+
+enum report_state {
+    REPORT_NEW,
+    REPORT_KNOWN,   /* in the baseline: does not count */
+    REPORT_EXPIRED, /* was in the baseline: counts */
+    REPORT_FLAKY,   /* did not show when it was played again: does not count */
+};
+
+/* "new", "known", "expired", "flaky". */
+const char *report_state_name(enum report_state state);
+
+/* Strings are borrowed; NULL and "" stand for none. */
+struct report_finding {
+    const char *signature;
+    uint64_t count; /* how often it was found */
+    enum report_state state;
+    const char *reason;                 /* of known, expired and flaky ones, one line */
+    const char *cause;                  /* what its cause means, one line */
+    const char *opinion;                /* what was seen of the first, one line */
+    uint32_t triangles, rays, vertices; /* of the smallest */
+    const char *first, *smallest;       /* paths */
+    const char *replay;                 /* a command */
+};
+
+struct report_contestant {
+    const char *name;         /* "cpu.rf16", "embree_robust" */
+    uint64_t played, refused; /* trials */
+    double seconds;           /* that it worked */
+    const char *why;     /* it was not played; NULL: because there was no trial, or it refused */
+    const char *vacuous; /* why it tested nothing, or loses too much, a failure; NULL: it did, or
+                            was not asked */
+};
+
+struct report {
+    uint64_t seed, trials, judged; /* judged: rays with a verdict of all that played */
+    double seconds, harness_share; /* on the clock; of the time, what was not the engines' */
+    const struct report_contestant *contestant;
+    size_t contestants;
+    const struct report_finding *finding;
+    size_t findings;
+    const char *const *note; /* other lines worth reading: unused entries of a baseline, ... */
+    size_t notes;
+};
+
+/* True if the finding fails a campaign. */
+bool report_counts(const struct report_finding *finding);
+
+/* How many test cases fail; 0 is exit code 0. */
+size_t report_failures(const struct report *report);
+
+/* Each writes `path` whole or not at all. Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+enum status report_junit(const struct report *report, const char *path,
+                         struct reason *reason) MUST_USE;
+enum status report_tap(const struct report *report, const char *path,
+                       struct reason *reason) MUST_USE;
+/* One object a line: {"type": "campaign" | "contestant" | "finding" | "note", ...}. */
+enum status report_jsonl(const struct report *report, const char *path,
+                         struct reason *reason) MUST_USE;
+
+#endif

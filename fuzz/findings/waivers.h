@@ -1,0 +1,83 @@
+/* Waivers: failures that are known, each with a reason and a link, of the conformance suite and,
+ * with dates, of campaigns (fuzz/findings/baseline.h). In the suite one that no longer excuses anything is
+ * itself a failure, so that the list cannot grow old. */
+#ifndef FUZZ_WAIVERS_H
+#define FUZZ_WAIVERS_H
+
+#include "ref/base/base.h"
+
+struct waiver {
+    char *pattern; /* shell wildcards, of the name of a trial or hard case */
+    char *version; /* of an engine, as version_told() takes it: elsewhere it excuses nothing; or
+                      NULL */
+    char *until;   /* YYYY-MM-DD, the last day on which it excuses; NULL: it has none */
+    char *reason;
+    char *link;
+    size_t line;
+    size_t exist;  /* names of the whole suite that it matches; 0: not counted */
+    size_t named;  /* names that it matches, played or not */
+    size_t ran;    /* of them, those that were played */
+    size_t failed; /* of them, those that failed */
+};
+
+/* Owns its arrays; zero is an empty list. */
+struct waivers {
+    struct waiver *waiver;
+    size_t count, capacity;
+    char *text; /* what the strings point into */
+    char path[256];
+};
+
+/* Reads lines "PATTERN [@VERSION] REASON... LINK"; blank lines and lines that start with '#' are
+ * comments. VERSION is what version_told() takes, '_' for a blank; LINK is the last word and has
+ * "://" or ".md" in it. Control characters, a range that is none, and a second line of the same
+ * pattern, version and date are refused. Errors: STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY. */
+enum status waivers_read(const char *path, struct waivers *out, struct reason *reason) MUST_USE;
+
+/* The same of bytes in memory, which it takes over and frees; `name` stands in messages. With
+ * `dated` each line says "until YYYY-MM-DD" or "until -" before the reason. */
+enum status waivers_parse(const char *name, char *text, size_t size, bool dated,
+                          struct waivers *out, struct reason *reason) MUST_USE;
+/* Those that are part of the program, tests/waivers.txt. Errors: as waivers_read. */
+enum status waivers_shipped_read(struct waivers *out, struct reason *reason) MUST_USE;
+void waivers_free(struct waivers *waivers);
+
+/* True if `versions`, what engines say of themselves (as `raydiff doctor` does), tells of
+ * `version`: that is a part of it, such as "Mesa 22.3.6", or a range "NAME FIRST..LAST", such as
+ * "Embree 3..4.3.3", in which a version of NAME lies. Both ends belong to it; of LAST only as many
+ * numbers count as it has, so that 4.3.3 is within "..4.3". */
+bool version_told(const char *versions, const char *version);
+
+/* True if it is about `name` (shell wildcards) and about one of these versions, or about none. */
+bool waiver_is_about(const struct waiver *waiver, const char *name, const char *versions);
+
+enum waiver_event { WAIVER_SKIPPED, WAIVER_PASSED, WAIVER_FAILED };
+
+/* Counts a name of the whole suite, of which a pattern may choose some to be noted. */
+void waivers_count(struct waivers *waivers, const char *name);
+
+/* True if a waiver that matches `name` is about one version. */
+bool waivers_name_version(const struct waivers *waivers, const char *name);
+
+/* Notes what became of `name`, and returns the first waiver that excuses its failure; NULL if it
+ * did not fail or nothing does. All waivers that match count it; its failure only those that are
+ * about no version, or about one that is part of `versions`, what the engines say of themselves
+ * (may be "" where waivers_name_version says no, or nothing failed). */
+const struct waiver *waivers_note(struct waivers *waivers, const char *name,
+                                  enum waiver_event event, const char *versions);
+
+enum waiver_fault {
+    WAIVER_FINE,
+    WAIVER_UNUSED,  /* what it names was played and did not fail: remove it */
+    WAIVER_NOTHING, /* it names nothing: correct or remove it */
+    WAIVER_GONE,    /* no fault: nothing failed, but in another version than it is about */
+};
+
+/* Judges a waiver at the end.
+ *   complete   every name of the suite was noted, so that no match means that none exists; else a
+ *              waiver of which `exist` says that it matches more than was noted is fine
+ *   versions   what the engines say of themselves
+ * A waiver whose names were all skipped, because an engine cannot run here, is fine. */
+enum waiver_fault waiver_judge(const struct waiver *waiver, bool complete, const char *versions);
+
+#endif

@@ -1,0 +1,54 @@
+#include "fuzz/gen/gen_members.h"
+
+#include "fuzz/gen/gen_sketch.h"
+
+/* One in so many members is one of those that the products of tests leave out. */
+#define OTHER_IN 4u
+
+/* One of the members of a table that may take part: those of the products, or the others, all
+ * alike. `is_core` tells them apart by the member's place. */
+#define CHOOSER(function, type, table, is_core)                                                    \
+    const struct type *function(struct rng *rng, bool faithful)                                    \
+    {                                                                                              \
+        uint32_t allowed[2] = {0, 0};                                                              \
+        bool core = rng_below(rng, OTHER_IN) != 0;                                                 \
+        for (size_t i = 0; (table)[i]; i++)                                                        \
+            allowed[is_core] += faithful || !(table)[i]->faithful;                                 \
+        core = core || allowed[0] == 0;                                                            \
+        uint32_t skip = rng_below(rng, allowed[core]);                                             \
+        for (size_t i = 0;; i++)                                                                   \
+            if ((faithful || !(table)[i]->faithful) && (is_core) == core && skip-- == 0)           \
+                return (table)[i];                                                                 \
+    }
+
+static size_t core_builders(void)
+{
+    size_t count = 0;
+    while (builders[count])
+        count++;
+    return count;
+}
+
+CHOOSER(gen_builder, builder, builders_all, i < core_builders())
+CHOOSER(gen_box_test, box_test, box_tests, true)
+CHOOSER(gen_tri_test, tri_test, tri_tests, tri_tests[i]->core)
+
+uint32_t gen_leaf(struct rng *rng, bool faithful)
+{
+    static const uint8_t often[] = {4, 4, 4, 4, 4, 1, 1, 2, 2, 3, 5, 6, 7, 8, 8, 8};
+    uint32_t beyond = 9 + rng_below(rng, 8);
+    uint32_t leaf = often[rng_below(rng, ARRAY_COUNT(often))];
+    return rng_below(rng, 32) == 0 && faithful ? beyond : leaf;
+}
+
+float gen_eps(struct rng *rng)
+{
+    uint32_t how = rng_below(rng, 4);
+    int exponent = (int)rng_below(rng, 31);
+    return how < 2 ? BUILD_EPS_DEFAULT : how == 2 ? 0.0f : power_of_two(-exponent);
+}
+
+float gen_move(struct rng *rng)
+{
+    return power_of_two((int)rng_below(rng, 12) - 10);
+}

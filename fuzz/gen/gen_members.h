@@ -1,0 +1,23 @@
+/* Random members of the tables, of all builders and tests: as published only if `faithful`; one in
+ * four is one that the products of tests leave out. */
+#ifndef FUZZ_GEN_MEMBERS_H
+#define FUZZ_GEN_MEMBERS_H
+
+#include "fuzz/play/trial.h"
+#include "ref/base/rng.h"
+
+const struct builder *gen_builder(struct rng *rng, bool faithful);
+const struct box_test *gen_box_test(struct rng *rng, bool faithful);
+const struct tri_test *gen_tri_test(struct rng *rng, bool faithful);
+
+/* 1 to 8, most often 4; with `faithful` rarely up to 16, which 16-byte layouts refuse. */
+uint32_t gen_leaf(struct rng *rng, bool faithful);
+
+/* The published builder's threshold: its default, 0, or a power of two down to 2^-30. */
+float gen_eps(struct rng *rng);
+
+/* Extents of the scene that vertices move by after the tree was built: 2^-10, as from one picture
+ * of an animation to the next, to 2. */
+float gen_move(struct rng *rng);
+
+#endif

@@ -1,0 +1,61 @@
+/* Which states a trial has reached: a fixed map of bits, filled from what the tree, the packed
+ * bytes, the truth and the judge say. A trial that sets a bit no earlier trial has set is worth
+ * keeping. A map is a pure function of a trial and the answers to it. */
+#ifndef FUZZ_COVERAGE_H
+#define FUZZ_COVERAGE_H
+
+#include "fuzz/play/trial.h"
+#include "ref/judge/judge.h"
+#include "ref/layout.h"
+
+#define COVERAGE_BITS  512u
+#define COVERAGE_WORDS (COVERAGE_BITS / 64)
+
+/* fuzz_result.coverage is one. Zero-initialize. */
+
+/* The tree: depth, size of leaves, which members and storage, whether optimized, how large the
+ * scene is, boxes without thickness, how near the numbers of items, records and indices are to the
+ * 16-byte layouts' limits. */
+void coverage_add_tree(uint64_t map[COVERAGE_WORDS], const struct fuzz_trial *trial,
+                       const struct bvh *bvh);
+
+/* The packed bytes: which layout, whether of a split tree, how much stack they need, and, in
+ * layouts of 16-byte records, what the stored halves are: infinite, the largest, 2^-14, subnormal,
+ * zero, negative zero, exact, rounded. Looks at no more than 4096 nodes. */
+void coverage_add_packed(uint64_t map[COVERAGE_WORDS], const struct packed *packed);
+
+/* A packed tree was refitted to vertices that moved, or built anew. */
+void coverage_add_motion(uint64_t map[COVERAGE_WORDS], bool rebuilt);
+
+/* A layout refused the tree: which layout, and by which of its limits. */
+void coverage_add_refusal(uint64_t map[COVERAGE_WORDS], const struct layout *layout,
+                          const struct fuzz_trial *trial, const struct bvh *bvh);
+
+/* A ray and its exact truth; `root` is the root's box. */
+void coverage_add_truth(uint64_t map[COVERAGE_WORDS], const struct ray *ray, const struct box *root,
+                        const struct oracle_answer *truth);
+
+/* An engine's answer: the verdict of that query, what kind of wrong, err/E and displacement in
+ * powers of two. */
+void coverage_add_answer(uint64_t map[COVERAGE_WORDS], enum query query,
+                         const struct judgement *judgement);
+
+/* Verdicts of all contestants on one ray, as a mask of 1u << verdict: every unlike pair is a bit.
+ */
+void coverage_add_verdicts(uint64_t map[COVERAGE_WORDS], uint32_t mask);
+
+/* Adds `from` to `into`; returns how many bits are new. */
+uint32_t coverage_merge(uint64_t into[COVERAGE_WORDS], const uint64_t from[COVERAGE_WORDS]);
+
+/* Bits set. */
+uint32_t coverage_count(const uint64_t map[COVERAGE_WORDS]);
+
+/* Bits that have a meaning; the others are never set. */
+uint32_t coverage_known(void);
+
+#define COVERAGE_NAME_MOST 64
+
+/* "verdict.closest.tie", "refused.rf16.records", ...; false, and "", for a bit without meaning. */
+bool coverage_name(uint32_t bit, char name[COVERAGE_NAME_MOST]);
+
+#endif

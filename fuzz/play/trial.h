@@ -1,0 +1,74 @@
+/* A fuzz trial: everything that decides a test, by value: a scene, how its tree is built, stored
+ * and moved, the tests, the query, the rays. Which layouts and engines play it is the campaign's
+ * choice. */
+#ifndef FUZZ_TRIAL_H
+#define FUZZ_TRIAL_H
+
+#include "ref/tree/bvh.h"
+#include "ref/primitives/primitives.h"
+#include "ref/store.h"
+
+#define FUZZ_TRIANGLES_MOST 131072u /* of a trial; generated ones are far smaller */
+#define FUZZ_RAYS_MOST      65536u
+#define FUZZ_PASSES_MOST    16u   /* of reinsertion */
+#define FUZZ_MOVE_MOST      64.0f /* extents of the scene */
+
+/* Where a trial comes from. */
+struct fuzz_origin {
+    uint64_t seed, index; /* of the campaign, and in its stream */
+    uint32_t version;     /* GEN_VERSION of the generators; 0: from a file */
+    bool mutated;         /* stream `mut`: not a function of seed and index, stored whole */
+    char recipe[200];     /* what was made, for people */
+};
+
+/* Owns scene and rays (fuzz_trial_free). */
+struct fuzz_trial {
+    struct fuzz_origin origin;
+    struct scene scene;
+    struct ray *ray;
+    uint32_t ray_count;
+    const struct builder *builder;
+    struct build_options build;
+    const struct box_test *box;
+    const struct tri_test *tri;
+    enum query query; /* closest or any */
+    const struct tri_store *store;
+    /* The scene is what is traced; the tree is built of it at rest, that is scene_move of it with
+     * these, and then refitted (fuzz/play/trial_tree.h). 0: it never moved. */
+    float move;
+    uint64_t move_seed;
+};
+
+/* A trial of default members with room for that many vertices, triangles and rays, all zero.
+ * Errors: STATUS_LIMIT over the most; STATUS_MEMORY. *out is zero on error. */
+enum status fuzz_trial_make(uint32_t vertices, uint32_t triangles, uint32_t rays,
+                            struct fuzz_trial *out, struct reason *reason) MUST_USE;
+
+/* A deep copy. Errors: STATUS_MEMORY. */
+enum status fuzz_trial_copy(const struct fuzz_trial *trial, struct fuzz_trial *out,
+                            struct reason *reason) MUST_USE;
+
+void fuzz_trial_free(struct fuzz_trial *trial); /* a zero one is fine */
+
+/* A hash of all that decides the test, origin left out: equal trials have equal hashes on any
+ * machine. 64 bits, FNV-1a over the bits in a fixed order. */
+uint64_t fuzz_trial_hash(const struct fuzz_trial *trial);
+
+/* How much there is for a person to read: what a shrinker makes less of. Compared in this order. */
+struct fuzz_trial_size {
+    uint32_t triangles, rays, vertices;
+    uint64_t bits; /* of all numbers: 0 for 0, a tmax of infinity and the defaults of members, else
+                      significant ones and those of the exponent; 1 for a vertex out of order */
+    uint64_t hash; /* fuzz_trial_hash: so that of two different trials one is the smaller */
+};
+
+struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial);
+/* Below 0: a is smaller; 0: the same trial; above 0: b is. */
+int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_trial_size *b);
+
+/* Rejects what no reader may let through: indices out of range, vertices that are not finite, no
+ * builder, test or storage, a storage that the triangle test cannot ask, limits. Rays may hold
+ * anything. Errors: STATUS_INPUT, STATUS_LIMIT. */
+enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason) MUST_USE;
+
+#endif

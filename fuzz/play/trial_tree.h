@@ -1,0 +1,34 @@
+/* The tree of a trial: built of its scene at rest, packed in a layout and the trial's storage, and
+ * refitted to the scene as it is traced. Whoever plays, explains or exports a trial asks here. */
+#ifndef FUZZ_TRIAL_TREE_H
+#define FUZZ_TRIAL_TREE_H
+
+#include "fuzz/play/trial.h"
+#include "ref/layout.h"
+
+/* What a tree has gone through since it was built. */
+enum trial_motion {
+    TRIAL_STILL,
+    TRIAL_REFITTED,
+    TRIAL_REBUILT /* the refit said "rebuild": it was built anew, of the scene as it is traced */
+};
+
+/* Builds the canonical tree of the scene at rest, on one thread. Errors: as bvh_build. */
+enum status fuzz_trial_build(const struct fuzz_trial *trial, struct bvh *out,
+                             struct reason *reason) MUST_USE;
+
+/* Packs a tree that fuzz_trial_build made, of a trial that does not move. Errors: as
+ * packed_make_stored. */
+enum status fuzz_trial_pack(const struct fuzz_trial *trial, const struct layout *layout,
+                            const struct bvh *bvh, struct packed *out,
+                            struct reason *reason) MUST_USE;
+
+/* Builds, packs, moves and refits; *bvh is the tree of what is packed, its bounds those of the
+ * scene that is traced. A refit that says "rebuild" is followed: *motion (may be NULL) is then
+ * TRIAL_REBUILT. Both are zero on error. Errors: as fuzz_trial_build and fuzz_trial_pack;
+ * STATUS_INPUT to be refitted, but what was packed decodes to no tree of the scene. */
+enum status fuzz_trial_tree(const struct fuzz_trial *trial, const struct layout *layout,
+                            struct bvh *bvh, struct packed *out, enum trial_motion *motion,
+                            struct reason *reason) MUST_USE;
+
+#endif

@@ -1,0 +1,299 @@
+/* The shrinker: rounds of passes over the smallest trial so far, until a whole round finds nothing
+ * smaller. A pass sees the smallest trial alone, not what was done before, so that shrinking the
+ * result again asks what the last round asked and changes nothing. */
+#include "fuzz/shrink/shrink.h"
+
+#include "fuzz/shrink/shrink_inner.h"
+#include "ref/base/mutant.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Triangles of all candidates that are asked about at a time, at most, unless one has more. */
+#define BATCH_TRIANGLES 65536u
+/* Triangles or rays that make an ask as dear as another one. */
+#define THINGS_PER_ASK 64u
+/* The share of all asks that one level of a pass may need: what is dearer is left out. */
+#define LEVEL_SHARE 4u
+
+/* Where in a pass. */
+struct place {
+    uint32_t chunk, first, variant;
+};
+
+struct shrinker {
+    struct fuzz_trial best;
+    struct fuzz_trial_size size; /* of it */
+    shrink_ask_fn *ask;
+    void *user;
+    const struct shrink_options *options;
+    struct shrink_stats *stats;
+    uint64_t most, start;
+    uint64_t *seen; /* hashes of trials that did not show it; 0: free */
+    size_t seen_count, seen_capacity;
+    struct fuzz_trial candidate[SHRINK_BATCH];
+    struct place place[SHRINK_BATCH]; /* of each */
+    uint64_t hash[SHRINK_BATCH];
+    size_t count, patience; /* candidates, and how many there may be */
+    bool over, left_out;    /* left_out: in this round, something that was too dear */
+};
+
+const char *shrink_end_name(enum shrink_end end)
+{
+    static const char *const name[] = {"fixpoint", "asks", "time", "not shown"};
+    return name[end];
+}
+
+static uint64_t cost(const struct fuzz_trial *trial)
+{
+    return 1 + trial->scene.tri_count / THINGS_PER_ASK + trial->ray_count / THINGS_PER_ASK;
+}
+
+/* --- what was asked before ------------------------------------------------------------------- */
+
+static size_t seen_slot(const struct shrinker *s, uint64_t hash)
+{
+    size_t at = (size_t)(hash & (s->seen_capacity - 1));
+    while (s->seen[at] && s->seen[at] != hash)
+        at = (at + 1) & (s->seen_capacity - 1);
+    return at;
+}
+
+static bool was_seen(const struct shrinker *s, uint64_t hash)
+{
+    return s->seen_capacity && s->seen[seen_slot(s, hash | 1)] != 0;
+}
+
+static enum status note_seen(struct shrinker *s, uint64_t hash)
+{
+    if (2 * (s->seen_count + 1) > s->seen_capacity) {
+        struct shrinker grown = *s;
+        grown.seen_capacity = s->seen_capacity ? 2 * s->seen_capacity : 1024;
+        grown.seen = alloc_zeroed(grown.seen_capacity, sizeof *grown.seen);
+        if (!grown.seen)
+            return STATUS_MEMORY;
+        for (size_t i = 0; i < s->seen_capacity; i++)
+            if (s->seen[i])
+                grown.seen[seen_slot(&grown, s->seen[i])] = s->seen[i];
+        free(s->seen);
+        s->seen = grown.seen;
+        s->seen_capacity = grown.seen_capacity;
+    }
+    size_t at = seen_slot(s, hash | 1); /* 0 is a free slot */
+    s->seen_count += s->seen[at] == 0;
+    s->seen[at] = hash | 1;
+    return STATUS_OK;
+}
+
+/* --- places of a pass ------------------------------------------------------------------------ */
+
+/* A level that costs too much is left out, which depends on the trial and the budget alone. */
+static bool affordable(struct shrinker *s, const struct shrink_pass *pass, uint32_t things,
+                       uint32_t chunk)
+{
+    uint64_t chunks = ((uint64_t)things + chunk - 1) / chunk;
+    if (pass->way == SHRINK_ENDS ||
+        chunks * pass->variants * cost(&s->best) <= s->most / LEVEL_SHARE)
+        return true;
+    s->left_out = true;
+    return false;
+}
+
+/* The place after, or false. */
+static bool step(struct shrinker *s, const struct shrink_pass *pass, uint32_t things,
+                 struct place *at)
+{
+    if (at->variant + 1 < pass->variants && at->first < things) {
+        at->variant++;
+        return true;
+    }
+    at->variant = 0;
+    bool ends = pass->way == SHRINK_ENDS && at->first + at->chunk < things;
+    at->first = ends ? things - at->chunk : at->first + at->chunk;
+    while (at->first >= things) {
+        if (at->chunk == 1)
+            return false;
+        at->first = 0;
+        at->chunk = (at->chunk + 1) / 2;
+        if (!affordable(s, pass, things, at->chunk))
+            return false; /* smaller ones are dearer */
+    }
+    return true;
+}
+
+static void clear_candidates(struct shrinker *s)
+{
+    for (size_t i = 0; i < s->count; i++)
+        fuzz_trial_free(&s->candidate[i]);
+    s->count = 0;
+}
+
+/* True if it is a trial, smaller than the best, not known to show nothing and not among the
+ * candidates. The order is that of sizes without the hash, which says nothing to a reader. */
+static bool worth_asking(struct shrinker *s, const struct fuzz_trial *trial)
+{
+    struct fuzz_trial_size size = fuzz_trial_size(trial), best = s->size;
+    uint64_t hash = size.hash;
+    best.hash = hash;
+    if (fuzz_trial_size_compare(&size, &best) >= 0 || fuzz_trial_check(trial, NULL) ||
+        was_seen(s, hash))
+        return false;
+    for (size_t i = 0; i < s->count; i++)
+        if (s->hash[i] == hash)
+            return false;
+    s->hash[s->count] = hash;
+    return true;
+}
+
+/* Makes candidates from place *at on, which moves behind the last one; *more says whether there is
+ * anything behind. */
+static enum status gather(struct shrinker *s, const struct shrink_pass *pass, uint32_t things,
+                          struct place *at, bool *more, struct reason *reason)
+{
+    uint32_t most = BATCH_TRIANGLES / (s->best.scene.tri_count + 1) + 1;
+    size_t wanted = s->patience < most ? s->patience : most;
+    *more = true;
+    while (s->count < wanted && *more) {
+        struct fuzz_trial *trial = &s->candidate[s->count];
+        uint32_t left = things - at->first;
+        enum status status = fuzz_trial_copy(&s->best, trial, reason);
+        if (status)
+            return status;
+        if (pass->change(trial, at->first, at->chunk < left ? at->chunk : left, at->variant) &&
+            worth_asking(s, trial))
+            s->place[s->count++] = *at;
+        else
+            fuzz_trial_free(trial);
+        *more = step(s, pass, things, at);
+    }
+    return STATUS_OK;
+}
+
+/* --- asking ---------------------------------------------------------------------------------- */
+
+static void stop(struct shrinker *s, enum shrink_end why)
+{
+    s->over = true;
+    s->stats->end = why;
+}
+
+/* Asks about the candidates that can be paid for; *first is that of the first that shows it, or
+ * s->count. What lies behind it is not paid for: how many are asked about at a time makes no
+ * difference. */
+static enum status ask(struct shrinker *s, size_t *first, struct reason *reason)
+{
+    size_t paid = 0, shown;
+    uint64_t asks = s->stats->asks;
+    *first = s->count;
+    if (s->options->ns && time_ns() - s->start > s->options->ns) {
+        stop(s, SHRINK_OUT_OF_TIME);
+        return STATUS_OK;
+    }
+    while (paid < s->count &&
+           (MUTANT == MUTANT_UNPAID || asks + cost(&s->candidate[paid]) <= s->most))
+        asks += cost(&s->candidate[paid++]);
+    enum status status = paid ? s->ask(s->user, s->candidate, paid, &shown, reason) : STATUS_OK;
+    for (size_t i = 0; i < paid && !status; i++) {
+        s->stats->asks += cost(&s->candidate[i]);
+        s->stats->tried++;
+        if (i == shown) {
+            *first = MUTANT == MUTANT_NOT_ASKED && i > 0 ? i - 1 : i;
+            return STATUS_OK;
+        }
+        if ((status = note_seen(s, s->hash[i])))
+            (void)fail(reason, status, "no memory to shrink a trial");
+    }
+    if (paid < s->count)
+        stop(s, SHRINK_OUT_OF_ASKS);
+    return status;
+}
+
+static void accept(struct shrinker *s, size_t i)
+{
+    fuzz_trial_free(&s->best);
+    s->best = s->candidate[i];
+    s->candidate[i] = (struct fuzz_trial){0};
+    s->size = fuzz_trial_size(&s->best);
+    s->stats->accepted++;
+    s->stats->after = s->size;
+}
+
+static enum status run_pass(struct shrinker *s, const struct shrink_pass *pass,
+                            struct reason *reason)
+{
+    uint32_t things = pass->things(&s->best);
+    struct place at = {.chunk = pass->way == SHRINK_SINGLY ? 1 : things};
+    bool more = things > 0 && affordable(s, pass, things, at.chunk);
+    enum status status = STATUS_OK;
+    while (more && !s->over && !status) {
+        size_t first = 0;
+        status = gather(s, pass, things, &at, &more, reason);
+        if (!status && s->count)
+            status = ask(s, &first, reason);
+        if (!status && first < s->count) {
+            at = s->place[first];
+            at.variant = 0;
+            accept(s, first);
+            things = pass->things(&s->best);
+            at.chunk = at.chunk < things ? at.chunk : things;
+            more = things > 0 && (at.first < things || step(s, pass, things, &at));
+            s->patience = 1;
+        } else if (s->patience < SHRINK_BATCH) {
+            s->patience *= 2; /* most are rejected: ask about more at a time */
+        }
+        clear_candidates(s);
+        if (s->options->progress)
+            s->options->progress(s->options->user, s->stats, &s->best);
+    }
+    return status;
+}
+
+static enum status run_rounds(struct shrinker *s, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    uint64_t before;
+    do {
+        before = s->stats->accepted;
+        s->stats->rounds++;
+        s->left_out = false;
+        for (size_t i = 0; shrink_passes[i] && !s->over && !status; i++)
+            status = run_pass(s, shrink_passes[i], reason);
+    } while (!status && !s->over && s->stats->accepted > before && MUTANT != MUTANT_ONE_ROUND);
+    if (!s->over && s->left_out)
+        s->stats->end = SHRINK_OUT_OF_ASKS;
+    return status;
+}
+
+enum status fuzz_shrink_trial(const struct fuzz_trial *from, shrink_ask_fn *ask_user, void *user,
+                              const struct shrink_options *options, struct fuzz_trial *out,
+                              struct shrink_stats *stats, struct reason *reason)
+{
+    struct shrinker s = {.ask = ask_user,
+                         .user = user,
+                         .options = options,
+                         .stats = stats,
+                         .most = options->asks ? options->asks : SHRINK_ASKS,
+                         .start = time_ns(),
+                         .patience = 1};
+    size_t first = 1;
+    *out = (struct fuzz_trial){0};
+    *stats = (struct shrink_stats){.end = SHRINK_FIXPOINT};
+    enum status status = fuzz_trial_copy(from, &s.best, reason);
+    if (status)
+        return status;
+    s.size = stats->before = stats->after = fuzz_trial_size(from);
+    stats->asks = cost(from);
+    stats->tried = 1;
+    status = ask_user(user, from, 1, &first, reason);
+    if (!status && first > 0)
+        stop(&s, SHRINK_NOT_SHOWN);
+    else if (!status)
+        status = run_rounds(&s, reason);
+    clear_candidates(&s);
+    free(s.seen);
+    if (status)
+        fuzz_trial_free(&s.best);
+    else
+        *out = s.best;
+    return status;
+}

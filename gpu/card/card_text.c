@@ -1,0 +1,188 @@
+/* A driver's card as text and as JSON. */
+#include "gpu/card/card.h"
+
+#include "gpu/vk/text.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define LABEL "%-22s "
+
+static const char *nan_rule(const struct card_pair *pair)
+{
+    bool first = isnan(pair->first_nan), second = isnan(pair->second_nan);
+    if (!first && !second)
+        return "the number";
+    if (first && second)
+        return "NaN";
+    return first ? "the first operand" : "the second operand";
+}
+
+static const char *zero_rule(const struct card_pair *pair)
+{
+    bool first = signbit(pair->minus_plus) != 0, second = signbit(pair->plus_minus) != 0;
+    if (first == second)
+        return first ? "-0" : "+0";
+    return first ? "the first" : "the second";
+}
+
+static void choice_text(const char *label, const struct card_choice *choice, const char *other,
+                        char *text, size_t text_bytes)
+{
+    text_append(text, text_bytes, LABEL, label);
+    if (choice->plain == choice->telling)
+        text_append(text, text_bytes, "as written, each operation rounded (%u of %u telling)\n",
+                    (unsigned)choice->plain, (unsigned)choice->telling);
+    else if (choice->other == choice->telling)
+        text_append(text, text_bytes, "%s (%u of %u telling)\n", other, (unsigned)choice->other,
+                    (unsigned)choice->telling);
+    else
+        text_append(text, text_bytes, "of %u telling %u as written, %u %s, %u neither\n",
+                    (unsigned)choice->telling, (unsigned)choice->plain, (unsigned)choice->other,
+                    other, (unsigned)choice->neither);
+}
+
+static void root_text(const char *label, const struct card_root *root, char *text,
+                      size_t text_bytes)
+{
+    text_append(text, text_bytes, LABEL "%u of %u differ from the nearest, at most %u ulp\n", label,
+                (unsigned)root->differs, (unsigned)root->count, (unsigned)root->worst_ulp);
+}
+
+static void halves_text(const struct card *card, char *text, size_t text_bytes)
+{
+    const struct card_unpack *unpack = &card->unpack;
+    const struct card_pack *pack = &card->pack;
+    text_append(text, text_bytes,
+                LABEL "zeros, normal, infinite, NaN: %u wrong; subnormal: %u kept, %u zero, %u "
+                      "wrong\n",
+                "unpackHalf2x16", (unsigned)unpack->wrong, (unsigned)unpack->kept,
+                (unsigned)unpack->flushed, (unsigned)unpack->subnormal_wrong);
+    text_append(text, text_bytes, LABEL "%u of %u are not the nearest half", "packHalf2x16",
+                (unsigned)pack->differs, (unsigned)pack->count);
+    if (pack->differs)
+        text_append(text, text_bytes,
+                    ": %u from 65520, %u below 2^-14, %u between; %u no neighbour; %a gives "
+                    "%04x, nearest %04x",
+                    (unsigned)pack->overflow, (unsigned)pack->tiny, (unsigned)pack->normal,
+                    (unsigned)pack->beyond, (double)pack->example, (unsigned)pack->example_got,
+                    (unsigned)pack->example_nearest);
+    text_append(text, text_bytes, "\n");
+}
+
+static bool loop_is_cut(const struct card_loop *loop)
+{
+    return memcmp(loop->asked, loop->ran, sizeof loop->ran) != 0;
+}
+
+static void loop_text(const struct card_loop *loop, char *text, size_t text_bytes)
+{
+    if (!loop_is_cut(loop)) {
+        text_append(text, text_bytes, LABEL "run to their end (%u iterations)\n", "loops",
+                    (unsigned)loop->asked[1]);
+        return;
+    }
+    text_append(text, text_bytes,
+                LABEL "ENDED EARLY, silently: %u of %u; two in turn %u of %u; nested %u of %u\n",
+                "loops", (unsigned)loop->ran[0], (unsigned)loop->asked[0], (unsigned)loop->ran[1],
+                (unsigned)loop->asked[1], (unsigned)loop->ran[2], (unsigned)loop->asked[2]);
+}
+
+void card_text(const struct card *card, char *text, size_t text_bytes)
+{
+    text[0] = '\0';
+    probe_text(card->op, text, text_bytes);
+    text_append(text, text_bytes, LABEL "%s\n", "subnormals",
+                !card->arithmetic.flushes ? "kept"
+                : card->arithmetic.bits   ? "become zeros"
+                                          : "see above");
+    root_text("sqrt", &card->sqrt, text, text_bytes);
+    root_text("inversesqrt", &card->inversesqrt, text, text_bytes);
+    text_append(text, text_bytes, LABEL "min gives %s, max %s\n", "with one NaN",
+                nan_rule(&card->min), nan_rule(&card->max));
+    text_append(text, text_bytes, LABEL "min gives %s, max %s\n", "of -0 and +0",
+                zero_rule(&card->min), zero_rule(&card->max));
+    choice_text("fma(a,b,c)", &card->fma, "fused", text, text_bytes);
+    choice_text("a*b+c, if free", &card->contraction, "fused", text, text_bytes);
+    choice_text("(a-b)*c, if free", &card->distribution, "as a*c-b*c", text, text_bytes);
+    halves_text(card, text, text_bytes);
+    loop_text(&card->loop, text, text_bytes);
+    text_append(text, text_bytes, LABEL "%s\n", "the judge uses",
+                probe_arithmetic_text(&card->arithmetic));
+}
+
+static json_t *choice_json(const struct card_choice *choice)
+{
+    return json_pack("{s:I, s:I, s:I, s:I}", "telling", (json_int_t)choice->telling, "as_written",
+                     (json_int_t)choice->plain, "other", (json_int_t)choice->other, "neither",
+                     (json_int_t)choice->neither);
+}
+
+static json_t *root_json(const struct card_root *root)
+{
+    return json_pack("{s:I, s:I, s:I}", "count", (json_int_t)root->count, "differs",
+                     (json_int_t)root->differs, "worst_ulp", (json_int_t)root->worst_ulp);
+}
+
+static json_t *pair_json(const struct card_pair *pair)
+{
+    return json_pack("{s:s, s:s}", "with_one_nan", nan_rule(pair), "of_zeros", zero_rule(pair));
+}
+
+static json_t *ops_json(const struct card *card)
+{
+    json_t *ops = json_array();
+    for (uint32_t k = 0; k < PROBE_OPS && ops; k++) {
+        const struct probe_op *op = &card->op[k];
+        (void)json_array_append_new(
+            ops, json_pack("{s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "op", op->name, "ordinary",
+                           (json_int_t)op->ordinary, "ordinary_differs",
+                           (json_int_t)op->ordinary_differs, "worst_ulp", (json_int_t)op->worst_ulp,
+                           "special", (json_int_t)op->special, "special_differs",
+                           (json_int_t)op->special_differs, "flushed", (json_int_t)op->flushed));
+    }
+    return ops;
+}
+
+static json_t *halves_json(const struct card *card)
+{
+    const struct card_unpack *unpack = &card->unpack;
+    const struct card_pack *pack = &card->pack;
+    return json_pack("{s:{s:I, s:I, s:I, s:I}, s:{s:I, s:I, s:I, s:I, s:I, s:I}}", "unpack",
+                     "wrong", (json_int_t)unpack->wrong, "subnormal_kept", (json_int_t)unpack->kept,
+                     "subnormal_zero", (json_int_t)unpack->flushed, "subnormal_wrong",
+                     (json_int_t)unpack->subnormal_wrong, "pack", "count", (json_int_t)pack->count,
+                     "not_nearest", (json_int_t)pack->differs, "no_neighbour",
+                     (json_int_t)pack->beyond, "overflow", (json_int_t)pack->overflow, "tiny",
+                     (json_int_t)pack->tiny, "normal", (json_int_t)pack->normal);
+}
+
+static json_t *loop_json(const struct card_loop *loop)
+{
+    json_t *asked = json_array(), *ran = json_array();
+    for (uint32_t i = 0; i < CARD_LOOPS; i++) {
+        (void)json_array_append_new(asked, json_integer((json_int_t)loop->asked[i]));
+        (void)json_array_append_new(ran, json_integer((json_int_t)loop->ran[i]));
+    }
+    return json_pack("{s:b, s:o, s:o}", "ended_early", loop_is_cut(loop), "asked", asked, "ran",
+                     ran);
+}
+
+static json_t *arithmetic_json(const struct arithmetic *a)
+{
+    return json_pack("{s:b, s:b, s:f, s:f, s:f}", "bits", a->bits, "flushes", a->flushes, "add_u",
+                     a->rounding.add, "mul_u", a->rounding.mul, "div_u", a->rounding.div);
+}
+
+json_t *card_json(const struct card *card)
+{
+    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "device",
+                     card->limits.device, "driver", card->limits.driver, "judge",
+                     arithmetic_json(&card->arithmetic), "ops", ops_json(card), "sqrt",
+                     root_json(&card->sqrt), "inversesqrt", root_json(&card->inversesqrt), "min",
+                     pair_json(&card->min), "max", pair_json(&card->max), "fma",
+                     choice_json(&card->fma), "free_mul_add", choice_json(&card->contraction),
+                     "free_distribution", choice_json(&card->distribution), "half",
+                     halves_json(card), "loops", loop_json(&card->loop));
+}

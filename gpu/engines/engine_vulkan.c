@@ -1,0 +1,107 @@
+/* Engine `vulkan`: the shaders of shaders/trace_<layout>.comp, and those that render with the same
+ * layouts, on any Vulkan 1.1 device. */
+#include "gpu/frame/framer.h"
+#include "gpu/trace/tracer.h"
+#include "gpu/trace/vulkan_options.h"
+#include "ref/twin/twin.h"
+
+#include <stdlib.h>
+
+struct vulkan {
+    struct tracer *tracer;
+    struct framer *framer; /* NULL until a frame is prepared */
+};
+
+static void close(void *self)
+{
+    struct vulkan *v = self;
+    if (!v)
+        return;
+    framer_free(v->framer);
+    (void)tracer_close(v->tracer, NULL);
+    free(v);
+}
+
+static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+{
+    struct vk_options vk_options = vulkan_options(options);
+    struct vulkan *v = alloc_zeroed(1, sizeof *v);
+    *self = v;
+    if (!v)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    enum status status = tracer_open(&vk_options, options->workgroup, &v->tracer, reason);
+    if (status) {
+        close(v);
+        *self = NULL;
+    }
+    return status;
+}
+
+static enum status prepare(void *self, const struct job *job, struct reason *reason)
+{
+    return tracer_prepare(((struct vulkan *)self)->tracer, job, reason);
+}
+
+static enum status trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                         struct trace_report *report, struct reason *reason)
+{
+    return tracer_trace(((struct vulkan *)self)->tracer, ray, ray_count, hit, report, reason);
+}
+
+static enum status trace_tasks(void *self, struct engine_task *task, size_t count,
+                               struct reason *reason)
+{
+    return tracer_trace_tasks(((struct vulkan *)self)->tracer, task, count, reason);
+}
+
+static enum status trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                             struct hit *hit, uint32_t *hit_count, struct reason *reason)
+{
+    return tracer_trace_all(((struct vulkan *)self)->tracer, ray, ray_count, capacity, hit,
+                            hit_count, reason);
+}
+
+static struct model model(void *self, const struct tri_test *tri)
+{
+    struct arithmetic arithmetic = tracer_arithmetic(((struct vulkan *)self)->tracer);
+    return (struct model){.formula = twin_of_tri(tri->id),
+                          .rounding = arithmetic.rounding,
+                          .bits = arithmetic.bits,
+                          .watertight = tri->watertight && rounding_is_nearest(arithmetic.rounding),
+                          .open = tri->open};
+}
+
+static enum status frame_prepare(void *self, const struct frame_job *job, struct reason *reason)
+{
+    struct vulkan *v = self;
+    if (!v->framer)
+        v->framer = framer_make(tracer_device(v->tracer), false);
+    if (!v->framer)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    return framer_prepare(v->framer, job, reason);
+}
+
+static enum status frame(void *self, const struct view *view, struct frame *out,
+                         struct trace_report *report, struct reason *reason)
+{
+    return framer_draw(((struct vulkan *)self)->framer, view, out, report, reason);
+}
+
+extern const struct engine engine_vulkan;
+const struct engine engine_vulkan = {
+    .name = "vulkan",
+    .gpu = true,
+    .summary = "compute shaders on a Vulkan device, one per layout",
+    .needs_packed = true,
+    .compiles = true,
+    .open = open,
+    .prepare = prepare,
+    .trace = trace,
+    .trace_tasks = trace_tasks,
+    .trace_all = trace_all,
+    .frame_prepare = frame_prepare,
+    .frame = frame,
+    .model = model,
+    .close = close,
+    .describe = vulkan_describe,
+};

@@ -1,0 +1,33 @@
+/* Pictures on a Vulkan device: what engines `vulkan` and `vulkan_brute` draw frames with. */
+#ifndef FRAMER_H
+#define FRAMER_H
+
+#include "gpu/vk/vk.h"
+#include "ref/frame.h"
+
+struct framer;
+
+/* `vk` is borrowed; `brute`: tests every triangle, job.packed is not needed. NULL without memory.
+ */
+struct framer *framer_make(struct vk *vk, bool brute);
+void framer_free(struct framer *framer); /* before its device; NULL is fine */
+
+/* As engine.frame_prepare; pipelines are kept from job to job and made with the first frame that
+ * needs them. Errors: STATUS_LIMIT a stack, or a number of lights or bounces, that there is no
+ * pipeline for, or a buffer over the device's limits; STATUS_UNSUPPORTED no shader for the layout,
+ * or tiles over the device's limit; STATUS_DEVICE; STATUS_MEMORY. */
+enum status framer_prepare(struct framer *framer, const struct frame_job *job,
+                           struct reason *reason) MUST_USE;
+
+/* As engine.frame. Errors: STATUS_DEVICE not prepared, lost, hung, a path that was not finished
+ * (the reason names its pixel and why), or validation messages since open; STATUS_LIMIT a row of
+ * tiles needs more than the device's buffers; STATUS_UNSUPPORTED as vk_pipeline_make;
+ * STATUS_MEMORY. */
+enum status framer_draw(struct framer *framer, const struct view *view, struct frame *out,
+                        struct trace_report *report, struct reason *reason) MUST_USE;
+
+/* How the last frame was drawn, FRAME_WHOLE or FRAME_STEPS; pipelines made so far. */
+enum frame_plan framer_plan(const struct framer *framer);
+uint32_t framer_pipelines(const struct framer *framer);
+
+#endif

@@ -1,0 +1,31 @@
+/* What framer.c and framer_slab.c share; nobody else includes it. */
+#ifndef FRAMER_PRIVATE_H
+#define FRAMER_PRIVATE_H
+
+#include "gpu/frame/frame_dispatch.h"
+#include "gpu/frame/framer.h"
+#include "gpu/shaders/pipelines.h"
+
+struct framer {
+    struct vk *vk;
+    bool brute, prepared;
+    struct frame_job job; /* what it borrows is valid until the next one is prepared */
+    struct frame_dispatch dispatch;
+    struct pipelines pipelines;
+    struct vk_buffer *buffer[FRAME_BINDINGS];
+    uint32_t batch;  /* tiles of a submission */
+    uint32_t serial; /* of the last slab */
+};
+
+/* Rows of the picture that the buffers hold at a time. */
+struct slab {
+    uint32_t first_row, rows;
+};
+
+/* Draws a slab in as many submissions as that takes. `dispatch` is told all but the place. Errors:
+ * as vk_dispatch and vk_pipeline_make. */
+enum status framer_slab(struct framer *framer, const struct frame_dispatch *dispatch,
+                        const struct slab *slab, struct trace_report *report,
+                        struct reason *reason) MUST_USE;
+
+#endif

@@ -1,0 +1,52 @@
+/* The text of a shader that is compiled at run time: a layout's own file, from outside, and this
+ * program's shaders, which are part of it. */
+#ifndef GLSL_TEXT_H
+#define GLSL_TEXT_H
+
+#include "ref/base/base.h"
+
+/* Our files that a shader may include, made at build time; the last one has the name NULL. */
+struct glsl_source {
+    const char *name; /* "walk.glsl", "ref/abi.h": as shaders/ includes them */
+    const char *text;
+};
+extern const struct glsl_source glsl_sources[];
+
+#define GLSL_FILES_MOST 64
+#define GLSL_NAME_MOST  200
+#define GLSL_TEXT_MOST  ((size_t)8 << 20)
+
+enum glsl_use {
+    GLSL_TRACE,
+    GLSL_RENDER,
+    GLSL_DECODE, /* says what it decodes, see gpu/trace/decode.h */
+    GLSL_USES
+};
+
+/* Owns `text`; see glsl_text_free. */
+struct glsl_text {
+    char *text; /* ended by 0; every include resolved, lines numbered by "#line LINE FILE" */
+    size_t size, capacity;
+    char file[GLSL_FILES_MOST][GLSL_NAME_MOST]; /* FILE is an index of this */
+    size_t files;
+};
+
+/* Reads a file whole, with a 0 behind it; *bytes is to be freed. */
+typedef enum status glsl_read_fn(const char *path, char **bytes, size_t *size,
+                                 struct reason *reason);
+
+/* Makes the text of the shader that traces, renders or decodes with the layout of the file `path`.
+ * Its includes are ours or, where no file of ours has the name, files beside it. Errors:
+ * STATUS_INPUT "FILE:LINE: rule": an include that is not to be had, files that include each other,
+ * over GLSL_FILES_MOST or GLSL_TEXT_MOST; as `read`; STATUS_MEMORY. On error *out is zero.
+ */
+enum status glsl_text_make(const char *path, enum glsl_use use, glsl_read_fn *read,
+                           struct glsl_text *out, struct reason *reason) MUST_USE;
+
+/* Says in `reason` what a compiler's log, whose errors are "ERROR: FILE:LINE: text", says first:
+ * "NAME:LINE: text". Returns STATUS_INPUT. */
+enum status glsl_text_blame(const struct glsl_text *text, const char *log, struct reason *reason);
+
+void glsl_text_free(struct glsl_text *text);
+
+#endif

@@ -1,0 +1,42 @@
+#include "gpu/shaders/pipelines.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct pipeline_kept {
+    const uint32_t *word; /* which module */
+    uint32_t constant[VK_CONSTANTS_MAX];
+    struct vk_pipeline *pipeline;
+};
+
+enum status pipelines_find(struct pipelines *pipelines, struct vk *vk,
+                           const struct vk_shader *shader, struct vk_pipeline **out,
+                           struct reason *reason)
+{
+    struct pipeline_kept want = {.word = shader->word};
+    memcpy(want.constant, shader->constant, shader->constant_count * sizeof want.constant[0]);
+    for (size_t i = 0; i < pipelines->count; i++)
+        if (pipelines->kept[i].word == want.word &&
+            memcmp(pipelines->kept[i].constant, want.constant, sizeof want.constant) == 0) {
+            *out = pipelines->kept[i].pipeline;
+            return STATUS_OK;
+        }
+    void *kept = pipelines->kept;
+    if (array_reserve(&kept, &pipelines->capacity, pipelines->count + 1, sizeof want))
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the list of pipelines");
+    pipelines->kept = kept;
+    enum status status = vk_pipeline_make(vk, shader, &want.pipeline, reason);
+    if (status)
+        return status;
+    pipelines->kept[pipelines->count++] = want;
+    *out = want.pipeline;
+    return STATUS_OK;
+}
+
+void pipelines_free(struct pipelines *pipelines, struct vk *vk)
+{
+    for (size_t i = 0; i < pipelines->count; i++)
+        vk_pipeline_free(vk, pipelines->kept[i].pipeline);
+    free(pipelines->kept);
+    *pipelines = (struct pipelines){0};
+}

@@ -1,0 +1,16 @@
+/* Triangles as the tracing shaders read them. */
+#ifndef GATHER_H
+#define GATHER_H
+
+#include "gpu/vk/vk.h"
+#include "ref/scene/scene.h"
+
+/* Bytes of that: ABI_TRI_FLOATS floats a triangle, padded to whole quads, which shaders read. */
+uint64_t gather_bytes(const struct scene *scene);
+
+/* Makes a buffer of all triangles, in scene order. *out is NULL on error. Errors: as vk_buffer_make
+ * and _write. */
+enum status gather_triangles(struct vk *vk, const struct scene *scene, struct vk_buffer **out,
+                             struct reason *reason) MUST_USE;
+
+#endif

@@ -1,0 +1,341 @@
+/* Many small jobs in one submission: what all of them need lies in seven large buffers, one after
+ * the other, and each dispatch sees its own parts. */
+#include "gpu/trace/ray_order.h"
+#include "gpu/trace/tracer_private.h"
+
+#include "ref/base/mutant.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Dispatches of one submission, at most. */
+#define GROUP_MOST 128u
+
+#define QUAD_BYTES 16u
+
+/* Host's side of one buffer. */
+struct arena {
+    uint8_t *byte;
+    size_t capacity, used;
+};
+
+/* A task of the submission being made. */
+struct entry {
+    struct engine_task *task;
+    struct push push;
+    size_t order; /* where in tasks.order; ray i of the dispatch is the task's order[i] */
+    bool ordered; /* else its i */
+};
+
+struct tracer_tasks {
+    struct vk_sets *sets;
+    struct vk_buffer *buffer[DISPATCH_BINDINGS];
+    struct arena arena[DISPATCH_BINDINGS];
+    struct vk_work work[GROUP_MOST];
+    struct entry entry[GROUP_MOST];
+    struct arena order; /* of all entries; not for the device */
+    uint32_t count;
+    uint64_t visits; /* that they can make at most */
+};
+
+void tracer_tasks_free(struct tracer *tracer)
+{
+    struct tracer_tasks *tasks = tracer->tasks;
+    if (!tasks)
+        return;
+    vk_sets_free(tracer->vk, tasks->sets);
+    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++) {
+        vk_buffer_free(tracer->vk, tasks->buffer[i]);
+        free(tasks->arena[i].byte);
+    }
+    free(tasks->order.byte);
+    free(tasks);
+    tracer->tasks = NULL;
+}
+
+static enum status need_tasks(struct tracer *tracer, struct reason *reason)
+{
+    if (tracer->tasks)
+        return STATUS_OK;
+    tracer->tasks = alloc_zeroed(1, sizeof *tracer->tasks);
+    if (!tracer->tasks)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for many jobs");
+    return vk_sets_make(tracer->vk, DISPATCH_BINDINGS, GROUP_MOST, &tracer->tasks->sets, reason);
+}
+
+/* Takes `bytes` of the arena, at least one quad, where a part may begin; NULL without memory. */
+static void *take(struct tracer *tracer, struct vk_work *work, uint32_t binding, uint64_t bytes)
+{
+    struct arena *arena = &tracer->tasks->arena[binding];
+    size_t align = (size_t)vk_limits(tracer->vk)->alignment;
+    if (align < QUAD_BYTES)
+        align = QUAD_BYTES;
+    size_t first = (arena->used + align - 1) / align * align;
+    size_t size = bytes ? (bytes + QUAD_BYTES - 1) / QUAD_BYTES * QUAD_BYTES : QUAD_BYTES;
+    void *byte = arena->byte;
+    if (array_reserve(&byte, &arena->capacity, first + size, 1))
+        return NULL;
+    arena->byte = byte;
+    arena->used = first + size;
+    work->part[binding].offset = first;
+    work->part[binding].bytes = size;
+    memset(arena->byte + first, 0, size); /* so that a ray never traced has no DONE */
+    return arena->byte + first;
+}
+
+static bool put(struct tracer *tracer, struct vk_work *work, uint32_t binding, const void *data,
+                uint64_t bytes)
+{
+    void *at = take(tracer, work, binding, bytes);
+    if (at && bytes)
+        memcpy(at, data, bytes);
+    return at != NULL;
+}
+
+/* The order of the entry's rays, if it has one. */
+static const uint32_t *order_of(const struct tracer_tasks *tasks, const struct entry *entry)
+{
+    return entry->ordered ? (const uint32_t *)(const void *)(tasks->order.byte + entry->order)
+                          : NULL;
+}
+
+/* Orders the rays by what they may take. */
+static bool make_order(struct tracer_tasks *tasks, const struct engine_task *task,
+                       struct entry *entry)
+{
+    size_t bytes = task->ray_count * sizeof(uint32_t);
+    entry->ordered = task->expected && task->ray_count > 0;
+    entry->order = tasks->order.used;
+    if (!entry->ordered)
+        return true;
+    void *byte = tasks->order.byte;
+    if (array_reserve(&byte, &tasks->order.capacity, tasks->order.used + 2 * bytes, 1))
+        return false;
+    tasks->order.byte = byte;
+    uint32_t *order = (void *)(tasks->order.byte + tasks->order.used);
+    ray_order_by_work(task->expected, task->ray_count, order, order + task->ray_count);
+    tasks->order.used += bytes; /* the rest is free again */
+    return true;
+}
+
+static bool put_rays(struct tracer *tracer, struct vk_work *work, const struct entry *entry)
+{
+    const struct engine_task *task = entry->task;
+    const uint32_t *order = order_of(tracer->tasks, entry);
+    if (!order)
+        return put(tracer, work, ABI_BIND_RAYS, task->ray, task->ray_count * sizeof *task->ray);
+    struct ray *ray = take(tracer, work, ABI_BIND_RAYS, task->ray_count * sizeof *ray);
+    for (size_t i = 0; ray && i < task->ray_count; i++)
+        ray[i] = task->ray[order[i]];
+    return ray != NULL;
+}
+
+static bool put_triangles(struct tracer *tracer, struct vk_work *work, const struct job *job)
+{
+    const struct scene *scene = job->scene;
+    uint32_t count = tri_store_reads_scene(job->packed->store) ? scene->tri_count : 0;
+    float(*tri)[3][3] = take(tracer, work, ABI_BIND_TRIS, sizeof *tri * (uint64_t)count);
+    for (uint32_t i = 0; tri && i < count; i++)
+        scene_tri(scene, i, tri[i]);
+    return tri != NULL;
+}
+
+/* Node visits that a task can need. */
+static uint64_t visits_of(const struct engine_task *task)
+{
+    return (uint64_t)task->ray_count * (task->job.packed->ref_count + 1);
+}
+
+/* Adds a task to the submission. */
+static enum status add(struct tracer *tracer, struct engine_task *task, struct reason *reason)
+{
+    struct tracer_tasks *tasks = tracer->tasks;
+    const struct packed *packed = task->job.packed;
+    struct vk_work *work = &tasks->work[tasks->count];
+    struct entry *entry = &tasks->entry[tasks->count];
+    struct dispatch dispatch;
+    task->status = dispatch_tree(&task->job, tracer->workgroup, &dispatch, &task->reason);
+    if (!task->status)
+        task->status = tracer_pipeline(tracer, &dispatch, &work->pipeline, &task->reason);
+    if (task->status == STATUS_LIMIT || task->status == STATUS_UNSUPPORTED)
+        return STATUS_OK;
+    if (task->status)
+        return fail(reason, task->status, "%s", task->reason.text);
+    const uint64_t rays = task->ray_count;
+    entry->task = task;
+    if (!make_order(tasks, task, entry) || !put_rays(tracer, work, entry) ||
+        !take(tracer, work, ABI_BIND_HITS, rays * sizeof *task->hit) ||
+        !take(tracer, work, ABI_BIND_FLAGS, rays * sizeof *task->flag) ||
+        !put(tracer, work, ABI_BIND_NODES, packed->word, packed_node_bytes(packed)) ||
+        !put(tracer, work, ABI_BIND_ITEMS, packed->item, packed_item_bytes(packed)) ||
+        !put_triangles(tracer, work, &task->job) || !take(tracer, work, ABI_BIND_FOUND, 0))
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for many jobs");
+#if MUTANT == MUTANT_NEIGHBOUR
+    work->part[ABI_BIND_NODES] = tasks->work[0].part[ABI_BIND_NODES];
+#endif
+    entry->push = dispatch.push;
+    entry->push.ray_count = (uint32_t)rays;
+    work->push = &entry->push;
+#if MUTANT == MUTANT_GROUPS_CUT
+    work->groups = (uint32_t)(rays / tracer->workgroup);
+#else
+    work->groups = dispatch_groups(&dispatch, (uint32_t)rays);
+#endif
+    tasks->visits += visits_of(task);
+    tasks->count++;
+    return STATUS_OK;
+}
+
+/* Makes the buffers large enough and fills those that shaders read. Flags are written too. */
+static enum status upload(struct tracer *tracer, struct reason *reason)
+{
+    struct tracer_tasks *tasks = tracer->tasks;
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < DISPATCH_BINDINGS && !status; i++) {
+        const struct arena *arena = &tasks->arena[i];
+        if (!tasks->buffer[i] || vk_buffer_bytes(tasks->buffer[i]) < arena->used) {
+            vk_buffer_free(tracer->vk, tasks->buffer[i]);
+            tasks->buffer[i] = NULL;
+            status = vk_buffer_make(tracer->vk, arena->capacity, &tasks->buffer[i], reason);
+        }
+        if (!status && i != ABI_BIND_HITS && i != ABI_BIND_FOUND)
+            status =
+                vk_buffer_write(tracer->vk, tasks->buffer[i], 0, arena->byte, arena->used, reason);
+    }
+    return status;
+}
+
+/* The first ray of a task that was not finished decides its status. */
+static void check_flags(struct tracer *tracer, struct engine_task *task)
+{
+    task->status = STATUS_OK;
+#if MUTANT == MUTANT_FLAGS_UNREAD
+    for (size_t i = 0; i < task->ray_count; i++)
+        task->flag[i] = ABI_FLAG_DONE;
+#endif
+    for (size_t i = 0; i < task->ray_count && !task->status; i++)
+        if (task->flag[i] != ABI_FLAG_DONE)
+            task->status =
+                fail(&task->reason, STATUS_DEVICE, "vulkan: %s: ray %zu was not finished: %s",
+                     vk_limits(tracer->vk)->device, i, dispatch_cause(task->flag[i]));
+}
+
+/* Hands the answers out in the task's own order. */
+static void take_answers(const struct entry *entry, const uint32_t *order, const void *hits,
+                         const void *flags)
+{
+    const struct hit *hit = hits;
+    const uint32_t *flag = flags;
+    struct engine_task *task = entry->task;
+#if MUTANT == MUTANT_ORDER_KEPT
+    order = NULL;
+#endif
+    if (!order) {
+        memcpy(task->hit, hit, task->ray_count * sizeof *hit);
+        memcpy(task->flag, flag, task->ray_count * sizeof *flag);
+        return;
+    }
+    for (size_t i = 0; i < task->ray_count; i++) {
+        task->hit[order[i]] = hit[i];
+        task->flag[order[i]] = flag[i];
+    }
+}
+
+static enum status download(struct tracer *tracer, struct reason *reason)
+{
+    struct tracer_tasks *tasks = tracer->tasks;
+    struct arena *hits = &tasks->arena[ABI_BIND_HITS], *flags = &tasks->arena[ABI_BIND_FLAGS];
+    enum status status =
+        vk_buffer_read(tracer->vk, tasks->buffer[ABI_BIND_HITS], 0, hits->byte, hits->used, reason);
+    if (!status)
+        status = vk_buffer_read(tracer->vk, tasks->buffer[ABI_BIND_FLAGS], 0, flags->byte,
+                                flags->used, reason);
+    for (uint32_t i = 0; i < tasks->count && !status; i++) {
+        take_answers(&tasks->entry[i], order_of(tasks, &tasks->entry[i]),
+                     hits->byte + tasks->work[i].part[ABI_BIND_HITS].offset,
+                     flags->byte + tasks->work[i].part[ABI_BIND_FLAGS].offset);
+        check_flags(tracer, tasks->entry[i].task);
+    }
+    return status;
+}
+
+static int by_pipeline(const void *a, const void *b)
+{
+    uintptr_t x = (uintptr_t)((const struct vk_work *)a)->pipeline;
+    uintptr_t y = (uintptr_t)((const struct vk_work *)b)->pipeline;
+    return (x > y) - (x < y);
+}
+
+/* Traces what was added. */
+static enum status flush(struct tracer *tracer, struct reason *reason)
+{
+    struct tracer_tasks *tasks = tracer->tasks;
+    enum status status = STATUS_OK;
+    if (tasks->count) {
+        struct vk_work sorted[GROUP_MOST];
+        memcpy(sorted, tasks->work, tasks->count * sizeof sorted[0]);
+        qsort(sorted, tasks->count, sizeof sorted[0], by_pipeline);
+        status = upload(tracer, reason);
+        if (!status)
+            status = vk_dispatch_many(tracer->vk, tasks->sets, tasks->buffer, sorted, tasks->count,
+                                      reason);
+        if (!status)
+            status = download(tracer, reason);
+    }
+    tasks->count = 0;
+    tasks->visits = 0;
+    tasks->order.used = 0;
+    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++)
+        tasks->arena[i].used = 0;
+    return status;
+}
+
+/* True if a task is too large to be one of many: it is traced in batches of its own. */
+static bool is_large(const struct tracer *tracer, const struct engine_task *task)
+{
+    const struct vk_limits *limits = vk_limits(tracer->vk);
+    return visits_of(task) > TRACER_VISITS_MOST || task->ray_count > TRACER_RAYS_MOST ||
+           task->ray_count / tracer->workgroup >= limits->groups;
+}
+
+/* By prepare and trace. */
+static enum status trace_large(struct tracer *tracer, struct engine_task *task,
+                               struct reason *reason)
+{
+    struct trace_report report;
+    task->status = tracer_prepare(tracer, &task->job, &task->reason);
+    if (!task->status)
+        task->status =
+            tracer_trace(tracer, task->ray, task->ray_count, task->hit, &report, &task->reason);
+    uint32_t flag = task->status ? ABI_FLAG_EXHAUSTED : ABI_FLAG_DONE;
+    for (size_t i = 0; i < task->ray_count; i++)
+        task->flag[i] = flag;
+    if (task->status == STATUS_OK || task->status == STATUS_LIMIT ||
+        task->status == STATUS_UNSUPPORTED)
+        return STATUS_OK;
+    return fail(reason, task->status, "%s", task->reason.text);
+}
+
+enum status tracer_trace_tasks(struct tracer *tracer, struct engine_task *task, size_t count,
+                               struct reason *reason)
+{
+    enum status status = need_tasks(tracer, reason);
+    for (size_t i = 0; i < count && !status; i++) {
+        task[i].status = STATUS_OK;
+        if (is_large(tracer, &task[i])) {
+            status = trace_large(tracer, &task[i], reason);
+            continue;
+        }
+        struct tracer_tasks *tasks = tracer->tasks;
+        if (tasks->count == GROUP_MOST || tasks->visits + visits_of(&task[i]) > TRACER_VISITS_MOST)
+            status = flush(tracer, reason);
+        if (!status && task[i].ray_count)
+            status = add(tracer, &task[i], reason);
+    }
+    if (!status)
+        status = flush(tracer, reason);
+    if (!status && vk_messages(tracer->vk, reason))
+        status = STATUS_DEVICE;
+    return status;
+}

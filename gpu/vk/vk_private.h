@@ -1,0 +1,187 @@
+/* What the vk_*.c files share; nobody else includes it. */
+#ifndef VK_PRIVATE_H
+#define VK_PRIVATE_H
+
+#define VK_NO_PROTOTYPES
+#include "gpu/vk/vk.h"
+#include "gpu/vk/vk_driver.h"
+
+#include <stdatomic.h>
+#include <vulkan/vulkan_core.h>
+
+/* The entry points used, filled in by vk_load_*. */
+struct vk_fn {
+    PFN_vkGetInstanceProcAddr GetInstanceProcAddr;
+    PFN_vkEnumerateInstanceVersion EnumerateInstanceVersion;
+    PFN_vkEnumerateInstanceLayerProperties EnumerateInstanceLayerProperties;
+    PFN_vkEnumerateInstanceExtensionProperties EnumerateInstanceExtensionProperties;
+    PFN_vkCreateInstance CreateInstance;
+
+    PFN_vkDestroyInstance DestroyInstance;
+    PFN_vkEnumeratePhysicalDevices EnumeratePhysicalDevices;
+    PFN_vkGetPhysicalDeviceProperties GetPhysicalDeviceProperties;
+    PFN_vkGetPhysicalDeviceProperties2 GetPhysicalDeviceProperties2;
+    PFN_vkGetPhysicalDeviceMemoryProperties GetPhysicalDeviceMemoryProperties;
+    PFN_vkGetPhysicalDeviceQueueFamilyProperties GetPhysicalDeviceQueueFamilyProperties;
+    PFN_vkEnumerateDeviceExtensionProperties EnumerateDeviceExtensionProperties;
+    PFN_vkCreateDevice CreateDevice;
+    PFN_vkGetDeviceProcAddr GetDeviceProcAddr;
+    PFN_vkCreateDebugUtilsMessengerEXT CreateDebugUtilsMessengerEXT;
+    PFN_vkDestroyDebugUtilsMessengerEXT DestroyDebugUtilsMessengerEXT;
+
+    PFN_vkGetPhysicalDeviceFeatures2 GetPhysicalDeviceFeatures2;
+
+    PFN_vkDestroyDevice DestroyDevice;
+    PFN_vkDeviceWaitIdle DeviceWaitIdle;
+    PFN_vkGetDeviceQueue GetDeviceQueue;
+    PFN_vkQueueSubmit QueueSubmit;
+    PFN_vkCreateFence CreateFence;
+    PFN_vkDestroyFence DestroyFence;
+    PFN_vkResetFences ResetFences;
+    PFN_vkWaitForFences WaitForFences;
+    PFN_vkCreateCommandPool CreateCommandPool;
+    PFN_vkDestroyCommandPool DestroyCommandPool;
+    PFN_vkResetCommandPool ResetCommandPool;
+    PFN_vkAllocateCommandBuffers AllocateCommandBuffers;
+    PFN_vkBeginCommandBuffer BeginCommandBuffer;
+    PFN_vkEndCommandBuffer EndCommandBuffer;
+    PFN_vkCreateQueryPool CreateQueryPool;
+    PFN_vkDestroyQueryPool DestroyQueryPool;
+    PFN_vkGetQueryPoolResults GetQueryPoolResults;
+    PFN_vkCmdResetQueryPool CmdResetQueryPool;
+    PFN_vkCmdWriteTimestamp CmdWriteTimestamp;
+    PFN_vkCreateBuffer CreateBuffer;
+    PFN_vkDestroyBuffer DestroyBuffer;
+    PFN_vkGetBufferMemoryRequirements GetBufferMemoryRequirements;
+    PFN_vkAllocateMemory AllocateMemory;
+    PFN_vkFreeMemory FreeMemory;
+    PFN_vkBindBufferMemory BindBufferMemory;
+    PFN_vkMapMemory MapMemory;
+    PFN_vkCmdCopyBuffer CmdCopyBuffer;
+    PFN_vkCmdPipelineBarrier CmdPipelineBarrier;
+    PFN_vkCreateShaderModule CreateShaderModule;
+    PFN_vkDestroyShaderModule DestroyShaderModule;
+    PFN_vkCreateDescriptorSetLayout CreateDescriptorSetLayout;
+    PFN_vkDestroyDescriptorSetLayout DestroyDescriptorSetLayout;
+    PFN_vkCreatePipelineLayout CreatePipelineLayout;
+    PFN_vkDestroyPipelineLayout DestroyPipelineLayout;
+    PFN_vkCreateComputePipelines CreateComputePipelines;
+    PFN_vkDestroyPipeline DestroyPipeline;
+    PFN_vkCreateDescriptorPool CreateDescriptorPool;
+    PFN_vkDestroyDescriptorPool DestroyDescriptorPool;
+    PFN_vkAllocateDescriptorSets AllocateDescriptorSets;
+    PFN_vkUpdateDescriptorSets UpdateDescriptorSets;
+    PFN_vkCmdBindPipeline CmdBindPipeline;
+    PFN_vkCmdBindDescriptorSets CmdBindDescriptorSets;
+    PFN_vkCmdPushConstants CmdPushConstants;
+    PFN_vkCmdDispatch CmdDispatch;
+    PFN_vkCmdDispatchIndirect CmdDispatchIndirect;
+    PFN_vkCmdUpdateBuffer CmdUpdateBuffer;
+
+    /* With ray queries: */
+    PFN_vkGetBufferDeviceAddress GetBufferDeviceAddress;
+    PFN_vkCreateAccelerationStructureKHR CreateAccelerationStructureKHR;
+    PFN_vkDestroyAccelerationStructureKHR DestroyAccelerationStructureKHR;
+    PFN_vkGetAccelerationStructureBuildSizesKHR GetAccelerationStructureBuildSizesKHR;
+    PFN_vkGetAccelerationStructureDeviceAddressKHR GetAccelerationStructureDeviceAddressKHR;
+    PFN_vkCmdBuildAccelerationStructuresKHR CmdBuildAccelerationStructuresKHR;
+};
+
+/* Messages of the validation layer; the callback may run on any thread. */
+struct vk_log {
+    atomic_uint count;
+    atomic_bool has_first;
+    struct reason first; /* valid once count is read as 1 or more */
+};
+
+struct vk {
+    void *library;
+    struct vk_fn fn;
+    struct vk_options options;
+    struct driver driver; /* what options.driver means */
+    struct vk_log log;
+    VkInstance instance;
+    VkDebugUtilsMessengerEXT messenger;
+    VkPhysicalDevice physical;
+    VkPhysicalDeviceMemoryProperties memory;
+    struct vk_limits limits;
+    uint64_t allocation_bytes; /* the largest piece of memory */
+    uint32_t family;           /* queue family */
+    VkDevice device;
+    VkQueue queue;
+    VkCommandPool pool;
+    VkCommandBuffer command;
+    VkFence fence;
+    VkQueryPool query; /* two timestamps, or null */
+    struct vk_buffer *staging;
+    bool given_up; /* lost, or hung: the fence may still be pending */
+    bool pending;  /* submitted and not seen to end */
+    bool stuck;    /* still pending after the grace time */
+};
+
+struct vk_buffer {
+    VkBuffer buffer;
+    VkDeviceMemory memory;
+    uint8_t *map; /* NULL if the host cannot see it */
+    uint64_t bytes;
+};
+
+struct vk_pipeline {
+    VkDescriptorSetLayout set_layout;
+    VkPipelineLayout layout;
+    VkPipeline pipeline;
+    VkDescriptorPool pool;
+    VkDescriptorSet set;
+    uint32_t binding_count;
+    uint32_t push_bytes;
+    bool accel;
+};
+
+/* Says which call failed and how: STATUS_MEMORY for the out-of-memory results, else
+ * STATUS_DEVICE. Marks a lost device. */
+enum status vk_fail(struct vk *vk, struct reason *reason, VkResult result, const char *what);
+
+/* Fill in the table. Errors: STATUS_UNSUPPORTED with the library or the missing function. */
+enum status vk_load_library(struct vk *vk, struct reason *reason) MUST_USE;
+enum status vk_load_instance(struct vk *vk, struct reason *reason) MUST_USE;
+enum status vk_load_device(struct vk *vk, struct reason *reason) MUST_USE;
+
+/* Makes vk->instance, with the validation layer if asked. */
+enum status vk_instance_make(struct vk *vk, struct reason *reason) MUST_USE;
+
+/* Chooses vk->physical, vk->family and fills in vk->limits and vk->memory. */
+enum status vk_choose(struct vk *vk, struct reason *reason) MUST_USE;
+
+/* One line per device into text, for messages. */
+void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes);
+
+/* True if the device has the extension. */
+bool vk_has_extension(struct vk *vk, VkPhysicalDevice device, const char *name);
+
+/* True if the device, of Vulkan `version`, can do what vk_options.ray_query asks for. */
+bool vk_can_query_rays(struct vk *vk, VkPhysicalDevice device, uint32_t version);
+
+/* What vkCreateDevice needs for that. */
+struct vk_ray_features {
+    VkPhysicalDeviceBufferDeviceAddressFeatures address;
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR accel;
+    VkPhysicalDeviceRayQueryFeaturesKHR query;
+};
+#define VK_RAY_EXTENSIONS 3u
+extern const char *const vk_ray_extensions[VK_RAY_EXTENSIONS];
+/* Chains and, if `wanted`, switches on what is needed; returns the head of the chain. */
+void *vk_ray_chain(struct vk_ray_features *features, bool wanted);
+
+/* Makes a buffer that no shader binds, up to the largest piece of memory. */
+enum status vk_buffer_make_unbound(struct vk *vk, uint64_t bytes, struct vk_buffer **out,
+                                   struct reason *reason) MUST_USE;
+
+/* True if nothing is running, after some waiting for what hung. If false, no object that a shader
+ * can use may be destroyed. */
+bool vk_idle(struct vk *vk);
+
+/* Begins vk->command; vk_submit ends and submits it and waits. `what` names the work. */
+enum status vk_begin(struct vk *vk, struct reason *reason) MUST_USE;
+enum status vk_submit(struct vk *vk, const char *what, struct reason *reason) MUST_USE;
+
+#endif

@@ -1,0 +1,76 @@
+/* Status codes, reasons, checked allocation. Included by everything in C. */
+#ifndef BASE_H
+#define BASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define MUST_USE          __attribute__((warn_unused_result))
+#define PRINTF_LIKE(a, b) __attribute__((format(printf, a, b)))
+#define ARRAY_COUNT(a)    (sizeof(a) / sizeof((a)[0]))
+
+/* How the world can fail us. Every fallible function returns one; its outputs come last and are
+ * zero on error, so that freeing them is always safe. */
+enum status {
+    STATUS_OK,
+    STATUS_MEMORY,      /* no memory */
+    STATUS_INPUT,       /* a file, flag or scene is wrong */
+    STATUS_LIMIT,       /* a stated limit of a layout or engine is exceeded */
+    STATUS_REFUSED,     /* an engine from outside refuses what it is asked */
+    STATUS_UNSUPPORTED, /* not available here: the caller skips, with the reason */
+    STATUS_DEVICE,      /* a device or driver failed, or did not finish its work */
+    STATUS_INTERNAL,    /* two of our own ways to the same answer contradict each other: our bug */
+};
+
+/* One line that says why a status is not STATUS_OK: what, where, which rule. */
+struct reason {
+    char text[320];
+};
+
+/* Returns a short English name of `status`; never NULL. */
+const char *status_text(enum status status);
+
+/* Writes a printf-formatted line to `reason` (NULL: nothing) and returns `status`, so that a
+ * failing function ends with `return fail(...)`. Too long a line is cut and ends in "..."; it may
+ * quote a file, so control bytes are written as '?'. */
+enum status fail(struct reason *reason, enum status status, const char *format, ...)
+    PRINTF_LIKE(3, 4);
+
+/* Returns `count` zeroed elements of `size` bytes, or NULL without memory (ref/base/memory.h) or if the
+ * product overflows. A count of 0 returns a valid pointer to free(). */
+void *alloc_zeroed(size_t count, size_t size) MUST_USE;
+
+/* Grows `*array` of `size`-byte elements so that it can hold at least `need`; doubles `*capacity`.
+ * On STATUS_MEMORY array and capacity are unchanged. New elements are not cleared. */
+enum status array_reserve(void **array, size_t *capacity, size_t need, size_t size) MUST_USE;
+
+/* Monotonic time in nanoseconds since an arbitrary start. */
+uint64_t time_ns(void);
+
+/* Bit pattern of a float and back. */
+static inline uint32_t float_bits(float x)
+{
+    union {
+        float f;
+        uint32_t u;
+    } pun = {.f = x};
+    return pun.u;
+}
+
+static inline float float_from_bits(uint32_t bits)
+{
+    union {
+        uint32_t u;
+        float f;
+    } pun = {.u = bits};
+    return pun.f;
+}
+
+/* True for neither NaN nor infinity; independent of -ffinite-math flags. */
+static inline bool float_is_finite(float x)
+{
+    return (float_bits(x) & 0x7F800000u) != 0x7F800000u;
+}
+
+#endif

@@ -1,0 +1,265 @@
+#include "ref/judge/judge_inner.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Larger coordinates are out of contract: degree 3 in them overflows float32 a little later. */
+#define LARGEST_COORDINATE 0x1p40f
+
+const char *verdict_name(enum verdict verdict)
+{
+    static const char *const names[VERDICT_COUNT] = {
+        "right",    "tie",  "near_tie", "boundary",        "border",
+        "in_plane", "slab", "noise",    "out_of_contract", "wrong",
+    };
+    return verdict < VERDICT_COUNT ? names[verdict] : "unknown";
+}
+
+const char *wrong_name(enum wrong wrong)
+{
+    static const char *const names[WRONG_COUNT] = {
+        "not",        "missed",         "phantom",       "triangle", "distance", "barycentric",
+        "not_finite", "not_repeatable", "any_disagrees", "twice",    "order"};
+    return wrong < WRONG_COUNT ? names[wrong] : "unknown";
+}
+
+enum status judge_make(const struct oracle *oracle, const struct scene *scene,
+                       const struct model *model, const struct tri_test *tri, enum query query,
+                       struct judge **out, struct reason *reason)
+{
+    struct judge *judge = alloc_zeroed(1, sizeof *judge);
+    *out = judge;
+    if (!judge)
+        return fail(reason, STATUS_MEMORY, "no memory for a judge");
+    judge->oracle = oracle;
+    judge->scene = scene;
+    judge->tri = tri;
+    judge->model = *model;
+    judge->query = query;
+    judge->own = twin_is_own(model->formula);
+    judge->displacement = model->displacement > 0.0 ? model->displacement : JUDGE_DISPLACEMENT_MOST;
+#if MUTANT == MUTANT_BAND_OF_BEFORE
+    judge->displacement = 1024.0;
+#endif
+    /* The proof in judge_fan.c needs the same rounding of the same product wherever it is made. */
+    judge->fans =
+        model->watertight && model->formula == TWIN_WOOP && rounding_is_nearest(model->rounding);
+#if MUTANT == MUTANT_FAN_OFF
+    judge->fans = false;
+#endif
+    judge->in_contract = true;
+    struct box box = scene_bounds(scene);
+    for (int k = 0; k < 3 && scene->tri_count > 0; k++) {
+        judge->largest[k] = fmaxf(fabsf(box.lo[k]), fabsf(box.hi[k]));
+        judge->in_contract = judge->in_contract && judge->largest[k] <= LARGEST_COORDINATE;
+    }
+    pthread_mutex_init(&judge->lock, NULL);
+    atomic_init(&judge->topology, NULL);
+    return STATUS_OK;
+}
+
+void judge_by_bounds(struct judge *judge, bool on)
+{
+    judge->by_bounds = on;
+}
+
+void judge_free(struct judge *judge)
+{
+    if (!judge)
+        return;
+    struct topology *topology = atomic_load(&judge->topology);
+    if (topology)
+        topology_free(topology);
+    free(topology);
+    pthread_mutex_destroy(&judge->lock);
+    free(judge);
+}
+
+struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                       const struct judge_known *known)
+{
+    float v[3][3];
+    for (size_t i = 0; known && i < known->count; i++)
+        if (known->prim[i] == prim || MUTANT == MUTANT_OTHER_TWIN)
+            return known->twin[i];
+    scene_tri(judge->scene, prim, v);
+    struct twin twin = twin_eval(judge->model.formula, judge->model.rounding, ray, v);
+#if MUTANT == MUTANT_HUGE_BOUND
+    twin.t_err *= 1e6;
+#endif
+    return twin;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+double judge_plane_t(const struct ray *ray, float v[3][3])
+{
+    double d[3], e1[3], e2[3], s[3], n[3];
+    for (int k = 0; k < 3; k++) {
+        d[k] = (double)ray->dir[k];
+        e1[k] = (double)v[1][k] - (double)v[0][k];
+        e2[k] = (double)v[2][k] - (double)v[0][k];
+        s[k] = (double)v[0][k] - (double)ray->org[k];
+    }
+    cross(e1, e2, n);
+    return dot(s, n) / dot(d, n);
+}
+
+double judge_over(double t, double lo, double hi, double bound)
+{
+    double error = t < lo ? lo - t : t > hi ? t - hi : 0.0;
+    return error > 0.0 ? error / bound : 0.0;
+}
+
+bool judge_in_range(const struct judge *judge, const struct ray *ray, float t)
+{
+    return judge->model.open ? t > ray->tmin && t < ray->tmax : t >= ray->tmin && t <= ray->tmax;
+}
+
+bool judge_barycentrics(const struct twin *twin, const struct hit *answer)
+{
+    double u = fabs((double)answer->u - twin->u_near), u_most = twin->u_err * (1 + JUDGE_SHARE);
+    double w = fabs((double)answer->v - twin->v_near), w_most = twin->v_err * (1 + JUDGE_SHARE);
+    return (isinf(twin->u_err) || u <= u_most) && (isinf(twin->v_err) || w <= w_most);
+}
+
+static void set_wrong(struct judgement *out, enum wrong wrong)
+{
+    out->verdict = VERDICT_WRONG;
+    out->wrong = wrong;
+}
+
+/* Most answers: the nearest triangle itself, t within its bound. True if that settles it. */
+static bool settled(const struct judge *judge, const struct ray *ray,
+                    const struct oracle_answer *truth, const struct hit *answer,
+                    const struct judge_known *known, struct judgement *out)
+{
+    struct twin twin = judge_twin(judge, ray, truth->prim, known);
+    double t = (double)answer->t;
+    if (!isfinite(twin.t_err) || !judge_in_range(judge, ray, answer->t))
+        return false;
+    double over = judge_over(t, truth->t_lo, truth->t_hi, twin.t_err);
+    /* Behind the next hit: then it may be that one that was lost. */
+    if (!(over <= 1.0) || !(judge->query == QUERY_ANY || t <= truth->t_next) ||
+        !judge_barycentrics(&twin, answer))
+        return false;
+    out->over = over;
+    out->verdict =
+        truth->tie_count > 1 && judge->query == QUERY_CLOSEST ? VERDICT_TIE : VERDICT_RIGHT;
+    return true;
+}
+
+/* The rule: the named triangle is possible, its t is right, and no certain hit lies before it. */
+static enum status judge_certified(const struct judge *judge, const struct ray *ray,
+                                   const struct oracle_answer *truth, const struct hit *answer,
+                                   const struct judge_known *known, struct judgement *out)
+{
+    bool miss = answer->prim == ABI_NO_PRIM, lost = false;
+    if (truth->prim == ABI_NO_PRIM && miss)
+        return STATUS_OK;
+    if (!miss && answer->prim == truth->prim && settled(judge, ray, truth, answer, known, out))
+        return STATUS_OK;
+    enum verdict named = VERDICT_RIGHT;
+    if (!miss) {
+        named = out->verdict = judge_named(judge, ray, truth, answer, known, out);
+        if (named == VERDICT_WRONG || judge->query == QUERY_ANY)
+            return STATUS_OK;
+    }
+    double reach = miss ? (double)INFINITY : (double)answer->t;
+    enum status status = judge_lost(judge, ray, truth, reach, known, &lost, out);
+    if (status || lost) {
+        set_wrong(out, WRONG_MISSED);
+        return status;
+    }
+    if (named != VERDICT_RIGHT)
+        return STATUS_OK;
+    if (!miss && truth->prim == answer->prim)
+        out->verdict = truth->tie_count > 1 ? VERDICT_TIE : VERDICT_RIGHT;
+    else if (!miss && truth->tie_count > 1 &&
+             oracle_compare(judge->oracle, ray, answer->prim, truth->prim) == 0)
+        out->verdict = VERDICT_TIE;
+    else
+        out->verdict =
+            judge_why_lost(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach, known);
+    return STATUS_OK;
+}
+
+enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool in_contract,
+                          const struct oracle_answer *truth, const struct hit *answer,
+                          const struct judge_known *known, struct judgement *out)
+{
+    bool hit = answer->prim != ABI_NO_PRIM;
+    bool unnamed = judge->query == QUERY_ANY && judge->model.any_unnamed;
+    enum status status = STATUS_OK;
+    *out = (struct judgement){.verdict = VERDICT_RIGHT,
+                              .expected = truth->prim,
+                              .t_lo = truth->t_lo,
+                              .t_hi = truth->t_hi};
+    if (hit && !unnamed && answer->prim >= judge->scene->tri_count) {
+        set_wrong(out, WRONG_PHANTOM); /* whatever the ray */
+        return STATUS_OK;
+    }
+    if (!judge->in_contract || !in_contract) {
+        out->verdict = VERDICT_OUT_OF_CONTRACT;
+        return STATUS_OK;
+    }
+    if (!float_is_finite(answer->t) || !float_is_finite(answer->u) || !float_is_finite(answer->v))
+        set_wrong(out, WRONG_NOT_FINITE);
+    else if (unnamed && hit)
+        judge_unnamed_hit(judge, ray, truth, out);
+    else if (judge->model.formula == TWIN_UNKNOWN)
+        status = judge_by_distance(judge, ray, truth, answer, out);
+    else
+        status = judge_certified(judge, ray, truth, answer, known, out);
+    if (status)
+        *out = (struct judgement){.verdict = VERDICT_OUT_OF_CONTRACT, .expected = truth->prim};
+    return status;
+}
+
+enum status judge_answer(const struct judge *judge, const struct ray *ray,
+                         const struct oracle_answer *truth, const struct hit *answer,
+                         struct judgement *out)
+{
+    return judge_knowing(judge, ray, ray_in_contract(ray), truth, answer, NULL, out);
+}
+
+/* Of a class that leaves open whether something is hit. */
+static bool is_open(enum verdict verdict)
+{
+#if MUTANT == MUTANT_ANY_EXCUSED
+    return verdict != VERDICT_RIGHT;
+#endif
+    return verdict == VERDICT_BOUNDARY || verdict == VERDICT_BORDER ||
+           verdict == VERDICT_IN_PLANE || verdict == VERDICT_SLAB || verdict == VERDICT_NOISE;
+}
+
+void judge_any_against_closest(const struct judge *judge, const struct ray *ray,
+                               const struct hit *closest, const struct judgement *closest_judgement,
+                               const struct hit *any, struct judgement *any_judgement)
+{
+    bool any_hit = any->prim != ABI_NO_PRIM, truth_hit = any_judgement->expected != ABI_NO_PRIM;
+    if ((closest->prim != ABI_NO_PRIM) == any_hit || !judge->in_contract || !ray_in_contract(ray) ||
+        any_judgement->verdict == VERDICT_WRONG)
+        return;
+    const struct judgement *off = any_hit != truth_hit ? any_judgement : closest_judgement;
+    if (judge->own || !is_open(off->verdict))
+        set_wrong(any_judgement, WRONG_ANY_DISAGREES);
+}
+
+enum verdict judge_bits(const struct ray *ray, const struct hit *a, const struct hit *b)
+{
+    if (memcmp(a, b, sizeof *a) == 0)
+        return VERDICT_RIGHT;
+    return ray_in_contract(ray) ? VERDICT_WRONG : VERDICT_OUT_OF_CONTRACT;
+}

@@ -1,0 +1,263 @@
+#include "ref/judge/judge_all.h"
+
+#include "ref/judge/judge_inner.h"
+#include "ref/base/mutant.h"
+#include "ref/base/rng.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One list being judged. */
+struct listing {
+    const struct judge *judge;
+    const struct ray *ray;
+    const struct hit *hit;
+    size_t count;
+    struct judge_found found;
+    struct oracle_crossing *crossing;
+    size_t crossings;
+    struct list_judgement *out;
+};
+
+static const struct hit no_hit = {.prim = ABI_NO_PRIM};
+
+static void wrong(struct listing *l, enum wrong kind, const struct hit *at_fault)
+{
+    l->out->judgement.verdict = VERDICT_WRONG;
+    l->out->judgement.wrong = kind;
+    l->out->at_fault = *at_fault;
+}
+
+static bool is_wrong(const struct listing *l)
+{
+    return l->out->judgement.verdict == VERDICT_WRONG;
+}
+
+/* The list needs this class, too. */
+static void need(struct listing *l, enum verdict verdict)
+{
+    if (verdict > l->out->judgement.verdict)
+        l->out->judgement.verdict = verdict;
+}
+
+static void expect(struct listing *l, uint32_t prim, double t_lo, double t_hi)
+{
+    l->out->judgement.expected = prim;
+    l->out->judgement.t_lo = t_lo;
+    l->out->judgement.t_hi = t_hi;
+}
+
+static int by_prim(const void *left, const void *right)
+{
+    const struct judge_slot *a = left, *b = right;
+    if (a->prim != b->prim)
+        return (a->prim > b->prim) - (a->prim < b->prim);
+    return (a->at > b->at) - (a->at < b->at);
+}
+
+/* Indexes the list by triangle; WRONG if one stands there twice. */
+static void index_list(struct listing *l)
+{
+    struct judge_slot *slot = l->found.slot;
+    for (size_t i = 0; i < l->count; i++)
+        slot[i] = (struct judge_slot){l->hit[i].prim, (uint32_t)i};
+    l->found.count = l->count;
+    qsort(slot, l->count, sizeof *slot, by_prim);
+    for (size_t i = 1; i < l->count && !is_wrong(l); i++)
+        if (slot[i].prim == slot[i - 1].prim) {
+            double t = (double)l->hit[slot[i - 1].at].t;
+            wrong(l, WRONG_TWICE, &l->hit[slot[i].at]);
+            expect(l, slot[i].prim, t, t);
+        }
+}
+
+/* Each triangle listed, by itself. */
+static void judge_listed(struct listing *l)
+{
+    const struct oracle_answer nothing = {.prim = ABI_NO_PRIM}; /* not possible: a phantom */
+    struct judgement *sum = &l->out->judgement;
+    bool unknown = l->judge->model.formula == TWIN_UNKNOWN;
+    for (size_t i = 0; i < l->count && !is_wrong(l); i++) {
+        struct judgement one = {.verdict = VERDICT_RIGHT};
+        enum verdict verdict =
+            unknown ? judge_named_by_distance(l->judge, l->ray, &nothing, &l->hit[i], &one)
+                    : judge_named(l->judge, l->ray, &nothing, &l->hit[i], NULL, &one);
+        sum->over = fmax(sum->over, one.over);
+        sum->displacement = fmax(sum->displacement, one.displacement);
+        sum->share = fmax(sum->share, one.share);
+        if (verdict == VERDICT_WRONG)
+            wrong(l, one.wrong, &l->hit[i]);
+        else
+            need(l, verdict);
+    }
+}
+
+/* Each t is within its bound of the exact one, so sorted ones are in order up to both bounds. */
+static void judge_order(struct listing *l)
+{
+    for (size_t i = 1; i < l->count && !is_wrong(l); i++)
+        if (l->hit[i - 1].t > l->hit[i].t) {
+            double t = (double)l->hit[i].t;
+            wrong(l, WRONG_ORDER, &l->hit[i - 1]);
+            expect(l, l->hit[i].prim, t, t);
+        }
+}
+
+static bool is_hit(const struct oracle_crossing *crossing)
+{
+    enum oracle_class class = crossing->pair.class;
+    return class == ORACLE_INSIDE || class == ORACLE_EDGE || class == ORACLE_VERTEX;
+}
+
+/* Could this hit be lost sooner for its edge than for an end of the range or a hit at `reach`? */
+static bool beside_edge(const struct listing *l, const struct oracle_crossing *lost, double reach)
+{
+    enum verdict why;
+    double over;
+    judge_loss(l->judge, l->ray, lost, reach, &over, &why);
+    return why == VERDICT_BOUNDARY;
+}
+
+/* Of an unknown formula: one of the exact hits, which depends on the ray alone, stands for the list
+ * in the count of hits beside edges. Where triangles meet, one of them is enough. */
+static void note_one(struct listing *l)
+{
+    struct judgement *sum = &l->out->judgement;
+    const struct oracle_crossing *crossing = NULL;
+    uint32_t hits = 0, bits[sizeof *l->ray / sizeof(uint32_t)];
+    uint64_t seed = 0;
+    memcpy(bits, l->ray, sizeof bits);
+    for (size_t k = 0; k < ARRAY_COUNT(bits); k++)
+        seed = rng_u64(&(struct rng){seed ^ bits[k]});
+    for (size_t i = 0; i < l->crossings; i++)
+        hits += is_hit(&l->crossing[i]);
+    if (hits == 0)
+        return;
+    uint32_t at = MUTANT == MUTANT_LISTS_NEAREST ? 0 : (uint32_t)(seed % hits);
+    for (size_t i = 0; i < l->crossings && !crossing; i++)
+        if (is_hit(&l->crossing[i]) && at-- == 0)
+            crossing = &l->crossing[i];
+    sum->margin = judge_margin_of(l->judge, l->ray, crossing->prim);
+    sum->edge_lost = !judge_find(&l->found, crossing->prim) &&
+                     (MUTANT == MUTANT_LISTS_AT_ENDS || beside_edge(l, crossing, (double)INFINITY));
+    for (size_t i = 0; i < l->count && sum->edge_lost; i++)
+        sum->edge_lost = beside_edge(l, crossing, (double)l->hit[i].t);
+}
+
+/* A hit that was left out, of an unknown formula. */
+static enum status left_out_by_distance(struct listing *l, const struct oracle_crossing *crossing)
+{
+    enum verdict why;
+    bool closed = false;
+    double limit, over;
+    double displacement = judge_loss(l->judge, l->ray, crossing, (double)INFINITY, &over, &why);
+    struct judgement *sum = &l->out->judgement;
+    sum->displacement = fmax(sum->displacement, displacement);
+    sum->share = fmax(sum->share, over);
+    if (why == VERDICT_BOUNDARY) {
+        enum status status =
+            judge_fan(l->judge, l->ray, crossing->prim, &l->found, &closed, &limit);
+        if (status)
+            return status;
+    }
+    sum->fan = sum->fan || closed;
+    if (over > 1.0 || (l->judge->model.watertight && closed)) {
+        wrong(l, WRONG_MISSED, &no_hit);
+        expect(l, crossing->prim, crossing->pair.t_lo, crossing->pair.t_hi);
+    } else {
+        need(l, why);
+    }
+    return STATUS_OK;
+}
+
+static enum status left_out(struct listing *l, const struct oracle_crossing *crossing)
+{
+    const struct oracle_pair *pair = &crossing->pair;
+    bool lost = false;
+    enum status status = judge_cannot_miss(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
+                                           (double)INFINITY, &l->found, NULL, &lost);
+    if (lost) {
+        wrong(l, WRONG_MISSED, &no_hit);
+        expect(l, crossing->prim, pair->t_lo, pair->t_hi);
+    } else {
+        need(l, judge_why_lost(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
+                               (double)INFINITY, NULL));
+    }
+    return status;
+}
+
+/* Every exact hit: is it listed, and in its place? */
+static enum status judge_crossings(struct listing *l)
+{
+    bool unknown = l->judge->model.formula == TWIN_UNKNOWN;
+    const struct judge_slot *before = NULL;
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < l->crossings && !status && !is_wrong(l); i++) {
+        const struct oracle_crossing *crossing = &l->crossing[i];
+        if (!is_hit(crossing))
+            continue;
+        const struct judge_slot *slot = judge_find(&l->found, crossing->prim);
+        if (!slot) {
+            status = unknown ? left_out_by_distance(l, crossing) : left_out(l, crossing);
+            continue;
+        }
+        if (before && slot->at < before->at &&
+            oracle_compare(l->judge->oracle, l->ray, slot->prim, before->prim) != 0)
+            need(l, VERDICT_NEAR_TIE);
+        before = slot;
+    }
+    return status;
+}
+
+/* What can be said without any arithmetic; true if that settles it. */
+static bool settled(struct listing *l)
+{
+    const struct judge *judge = l->judge;
+    for (size_t i = 0; i < l->count; i++)
+        if (l->hit[i].prim >= judge->scene->tri_count) {
+            wrong(l, WRONG_PHANTOM, &l->hit[i]); /* whatever the ray */
+            return true;
+        }
+    if (!judge->in_contract || !ray_in_contract(l->ray)) {
+        l->out->judgement.verdict = VERDICT_OUT_OF_CONTRACT;
+        return true;
+    }
+    for (size_t i = 0; i < l->count; i++) {
+        const struct hit *hit = &l->hit[i];
+        if (!float_is_finite(hit->t) || !float_is_finite(hit->u) || !float_is_finite(hit->v)) {
+            wrong(l, WRONG_NOT_FINITE, hit);
+            return true;
+        }
+    }
+    return false;
+}
+
+enum status judge_list(const struct judge *judge, const struct ray *ray, const struct hit *hit,
+                       size_t count, struct list_judgement *out)
+{
+    struct listing l = {.judge = judge, .ray = ray, .hit = hit, .count = count, .out = out};
+    size_t capacity = 0;
+    *out = (struct list_judgement){.judgement = {.verdict = VERDICT_RIGHT, .expected = ABI_NO_PRIM},
+                                   .at_fault = no_hit};
+    if (settled(&l))
+        return STATUS_OK;
+    l.found.slot = alloc_zeroed(count, sizeof *l.found.slot);
+    enum status status = l.found.slot ? STATUS_OK : STATUS_MEMORY;
+    if (!status)
+        status = oracle_crossings(judge->oracle, ray, (double)INFINITY, &l.crossing, &capacity,
+                                  &l.crossings, NULL);
+    if (!status) {
+        index_list(&l);
+        judge_listed(&l);
+        judge_order(&l);
+        status = judge_crossings(&l);
+    }
+    if (!status && judge->model.formula == TWIN_UNKNOWN)
+        note_one(&l);
+    free(l.found.slot);
+    free(l.crossing);
+    if (status)
+        out->judgement.verdict = VERDICT_OUT_OF_CONTRACT;
+    return status;
+}

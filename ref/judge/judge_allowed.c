@@ -1,0 +1,215 @@
+/* What a black box may do: as much as the worst published test in float32, and no more.
+ *
+ * That is Moeller and Trumbore's (1997): not backward stable, so that its error as a displacement
+ * of vertices grows with the shape of the triangle. In exact arithmetic, with s from the origin to
+ * one vertex, e1 and e2 from there to the others and [a, b, c] = a . (b x c),
+ *   U = [s, d, e2]   V = [d, s, e1]   W = D - U - V   D = [e1, d, e2]   T = [e2, s, e1]
+ * decide the hit, t = T / D, u = U / D, v = V / D. Each of the first 12 products of a determinant
+ * passes at most 8 roundings: 2 differences of coordinates, 2 products, 3 sums, and one more in T.
+ * So with k u a rounding and perm the same sum with every term positive
+ *   |U^ - U| <= 8 k u perm(U)
+ * up to second order, in whatever order sums are taken, fused or not (Higham 2002, section 3.3).
+ * STEPS is 16: k = 2, either neighbour, as Vulkan allows, flushed or not. W^ has the errors of the
+ * three; a test that multiplies by a reciprocal compares u + v with 1: DIVIDED u |D| more, of an
+ * estimated reciprocal (5.5), two products by it (2) and a sum (2). Which vertex is the base is for
+ * the tracer to choose: of each bound the largest of the three counts.
+ *
+ * As displacements: the edge function of an edge e is |d x e| times the distance of ray and edge
+ * across the ray, so its error is worth |U^ - U| / |d x e|. Of an answered t, t^ D^ = T^ (1 + h),
+ * so that |t^ D - T| <= |T^ - T| + |t^| (|D^ - D| + h |D|); that over |N| is the distance of the
+ * ray's point at t^ to the triangle's plane, whatever angle they meet at and though D may be 0.
+ * Likewise |u^ D - U| bounds u^. */
+#include "ref/judge/judge_inner.h"
+#include "ref/base/mutant.h"
+
+#include <math.h>
+
+#if MUTANT == MUTANT_NO_SHAPE
+#define STEPS 0.0
+#else
+#define STEPS 16.0
+#endif
+#define DIVIDED 10.0
+/* A product, sum or operand that is subnormal may be flushed. */
+#define FLUSHED 0x1p-126
+/* Products of three such, less 2^-24 of each on the way, are normal numbers. */
+#define SAFE 0x1p-60
+
+static double largest(const double a[3])
+{
+    return fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The bound of [a, b, c]: relative parts, and what is lost where numbers are flushed: of b x c
+ * three operations and two operands a component, of its product with a five more and both. Where
+ * every product is 0 or above SAFE nothing is: differences of such are 0 or 2^-24 of them. */
+static double bound_of(const double a[3], const double b[3], const double c[3])
+{
+    double perm = 0.0, x = largest(a), y = largest(b), z = largest(c), least = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        double pair[2] = {fabs(b[i] * c[j]), fabs(b[j] * c[i])};
+        for (int p = 0; p < 2; p++) {
+            perm += fabs(a[k]) * pair[p];
+            if (pair[p] > 0.0)
+                least = fmin(least, pair[p]);
+            if (pair[p] > 0.0 && a[k] != 0.0)
+                least = fmin(least, fabs(a[k]) * fmin(pair[p], 1.0));
+        }
+    }
+    double tiny = least > SAFE ? 0.0 : 5.0 + 9.0 * x + 6.0 * x * (y + z) + 6.0 * y * z;
+    return STEPS * JUDGE_UNIT * perm + FLUSHED * tiny;
+}
+
+/* The bounds with vertex `base` as the base. */
+static void widen(const struct ray *ray, float v[3][3], int base, struct judge_rounding *out)
+{
+    double s[3], e1[3], e2[3], d[3];
+    int next = (base + 1) % 3, last = (base + 2) % 3;
+    for (int k = 0; k < 3; k++) {
+        d[k] = (double)ray->dir[k];
+        s[k] = (double)v[base][k] - (double)ray->org[k];
+        e1[k] = (double)v[next][k] - (double)v[base][k];
+        e2[k] = (double)v[last][k] - (double)v[base][k];
+    }
+    double u = bound_of(s, d, e2), w = bound_of(d, s, e1), det = bound_of(e1, d, e2);
+    double third = u + w + det + DIVIDED * JUDGE_UNIT * fabs(out->det);
+    out->edge_most[next] = fmax(out->edge_most[next], u);
+    out->edge_most[last] = fmax(out->edge_most[last], w);
+    out->edge_most[base] = fmax(out->edge_most[base], third);
+    out->det_most = fmax(out->det_most, det);
+    out->t_most = fmax(out->t_most, bound_of(e2, s, e1));
+}
+
+struct judge_rounding judge_rounding_of(const struct ray *ray, float v[3][3])
+{
+    struct judge_rounding out = {.det = 0.0};
+    double p[3][3], d[3], n[3], sides[3][3], most = 0.0;
+    for (int k = 0; k < 3; k++) {
+        d[k] = (double)ray->dir[k];
+        for (int c = 0; c < 3; c++) {
+            p[c][k] = (double)v[c][k] - (double)ray->org[k];
+            sides[c][k] = (double)v[(c + 2) % 3][k] - (double)v[(c + 1) % 3][k];
+            most = fmax(most, fabs(p[c][k]));
+        }
+    }
+    cross(sides[1], sides[2], n);
+    out.det = dot(d, n);
+    out.t = dot(p[0], n);
+    out.unit = JUDGE_UNIT * most;
+    out.area = sqrt(dot(n, n));
+    for (int c = 0; c < 3; c++) {
+        double beside[3], across[3];
+        cross(p[(c + 1) % 3], sides[c], beside);
+        cross(d, sides[c], across);
+        out.edge[c] = dot(d, beside);
+        out.across[c] = sqrt(dot(across, across));
+    }
+    for (int base = 0; base < 3; base++)
+        widen(ray, v, base, &out);
+    return out;
+}
+
+double judge_edge_allowed(const struct judge *judge, const struct judge_rounding *r, int c)
+{
+    double scale = r->across[c] * r->unit;
+    return fmax(judge->displacement, scale > 0.0 ? r->edge_most[c] / scale : 0.0);
+}
+
+double judge_plane_allowed(const struct judge *judge, const struct judge_rounding *r, double t)
+{
+    double det = r->det_most + DIVIDED * JUDGE_UNIT * fabs(r->det);
+    double scale = r->area * r->unit;
+    double most = r->t_most + fabs(t) * det + FLUSHED * fabs(r->det);
+    return fmax(judge->displacement, scale > 0.0 ? most / scale : 0.0);
+}
+
+bool judge_weight_allowed(const struct judge_rounding *r, int c, double weight)
+{
+    double det = r->det_most + DIVIDED * JUDGE_UNIT * fabs(r->det);
+    double off = fabs(weight * r->det - r->edge[c]);
+    return off <= r->edge_most[c] + fabs(weight) * det + FLUSHED * fabs(r->det);
+}
+
+bool judge_det_is_open(const struct judge_rounding *r)
+{
+    return fabs(r->det) <= r->det_most;
+}
+
+double judge_margin(const struct judge_rounding *r)
+{
+    double least = INFINITY;
+    for (int c = 0; c < 3; c++)
+        if (r->edge_most[c] > 0.0)
+            least = fmin(least, fabs(r->edge[c]) / r->edge_most[c]);
+    return least;
+}
+
+/* With the determinant of sign `side`, may every edge function have that sign? */
+static bool may_have_sign(const struct judge *judge, const struct judge_rounding *r, double side)
+{
+    bool may = side * r->det >= -r->det_most;
+    for (int c = 0; c < 3; c++) {
+        double most = judge_edge_allowed(judge, r, c) * r->across[c] * r->unit;
+        may = may && side * r->edge[c] >= -most;
+    }
+    return may;
+}
+
+bool judge_may_accept(const struct judge *judge, const struct judge_rounding *r)
+{
+    /* Else it is 0 in every evaluation, as of three equal vertices. That of two equal ones, or of
+     * three in a line, may come to any sign by rounding. */
+    bool det = fabs(r->det) + r->det_most > 0.0;
+#if MUTANT == MUTANT_LINE_REFUSED
+    det = det && r->area > 0.0;
+#endif
+    return det && (may_have_sign(judge, r, 1.0) || may_have_sign(judge, r, -1.0));
+}
+
+double judge_displacement_allowed(const struct judge *judge, const struct ray *ray, uint32_t prim)
+{
+    float v[3][3];
+    scene_tri(judge->scene, prim, v);
+    struct judge_rounding r = judge_rounding_of(ray, v);
+    double most = r.area > 0.0 && r.det != 0.0 ? judge_plane_allowed(judge, &r, r.t / r.det) : 0.0;
+    for (int c = 0; c < 3; c++)
+        most = fmax(most, judge_edge_allowed(judge, &r, c));
+    return most;
+}
+
+/* How much of the plane's move by the allowance at t brings it to the ray's point there. */
+static bool may_reach(const struct judge *judge, const struct judge_rounding *r, double from,
+                      double to)
+{
+    double least = INFINITY, end[2] = {from, to};
+    double meet = r->det != 0.0 ? r->t / r->det : (double)INFINITY;
+    if (meet >= from && meet <= to)
+        return true;
+    for (int i = 0; i < 2; i++) {
+        double off = fabs(end[i] * r->det - r->t) / (r->area * r->unit);
+        if (isfinite(end[i]))
+            least = fmin(least, off / judge_plane_allowed(judge, r, end[i]));
+    }
+    return least <= 1.0;
+}
+
+bool judge_may_be_hit(const struct judge *judge, const struct ray *ray, uint32_t prim)
+{
+    float v[3][3];
+    scene_tri(judge->scene, prim, v);
+    struct judge_rounding r = judge_rounding_of(ray, v);
+    return judge_may_accept(judge, &r) &&
+           (judge_det_is_open(&r) || may_reach(judge, &r, (double)ray->tmin, (double)ray->tmax));
+}

@@ -1,0 +1,425 @@
+/* Answers of a formula that nobody published: how far must vertices move to make them right?
+ *
+ * Every backward stable test answers exactly for a triangle whose vertices it has moved by a small
+ * multiple of u times the size of the coordinates it works on, which is M = max |vertex - origin|.
+ * So an answer is measured by the smallest such move that makes it right:
+ *   a hit of triangle p at t   the point o + t d must come to lie on p: its distance to p
+ *   a hit of p was lost        p must leave the ray, by the distance to its nearest edge as seen
+ *                              along the ray; or leave the range, or go behind what was answered,
+ *                              by the distance of that point of the ray to p's plane
+ * and the answer as a whole by the largest of these.
+ *
+ * u and v are measured alike: the point of the triangle that they weigh must come to lie on the
+ * line of the ray. That point need not be the one at t: where ray and plane meet at a small angle
+ * a move of vertices by little shifts both along the ray by much, and by different rounding.
+ *
+ * Published tests are not all backward stable, so that of slivers, and near the plane, more is
+ * allowed: what ref/judge/judge_allowed.c proves of the worst of them at that triangle. */
+#include "ref/judge/judge_inner.h"
+#include "ref/base/mutant.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct triangle {
+    double v[3][3];    /* relative to the ray's origin */
+    double side[3][3]; /* from vertex c to the next: not the difference of the above, which of a
+                          small triangle far away is less than the rounding of a double */
+    double d[3];
+    double unit; /* u * max |v| */
+};
+
+static struct triangle triangle_of(const struct ray *ray, float v[3][3])
+{
+    struct triangle t;
+    double most = 0.0;
+    for (int k = 0; k < 3; k++) {
+        t.d[k] = (double)ray->dir[k];
+        for (int c = 0; c < 3; c++) {
+            t.v[c][k] = (double)v[c][k] - (double)ray->org[k];
+            t.side[c][k] = (double)v[(c + 1) % 3][k] - (double)v[c][k];
+            most = fmax(most, fabs(t.v[c][k]));
+        }
+    }
+    t.unit = JUDGE_UNIT * most;
+    return t;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void sub(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[k] - b[k];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* Across the triangle's plane; its length is twice the area. */
+static void normal_of(const struct triangle *t, double out[3])
+{
+    cross(t->side[2], t->side[0], out);
+}
+
+/* Distance of p to the segment from a along ab. */
+static double to_segment(const double p[3], const double a[3], const double ab[3])
+{
+    double ap[3], rest[3];
+    sub(p, a, ap);
+    double length = dot(ab, ab), s = length > 0.0 ? dot(ap, ab) / length : 0.0;
+    s = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
+    for (int k = 0; k < 3; k++)
+        rest[k] = ap[k] - s * ab[k];
+    return sqrt(dot(rest, rest));
+}
+
+/* Distance of p to the triangle: to its plane above the triangle, else to the nearest edge. */
+static double to_triangle(const double p[3], const struct triangle *t)
+{
+    double n[3], ap[3], beside[3], least = INFINITY;
+    bool above = true;
+    normal_of(t, n);
+    double area = sqrt(dot(n, n));
+    for (int c = 0; c < 3; c++) {
+        least = fmin(least, to_segment(p, t->v[c], t->side[c]));
+        sub(p, t->v[c], ap);
+        cross(t->side[c], ap, beside);
+        above = above && dot(beside, n) >= 0.0;
+    }
+    if (!above || !(area > 0.0))
+        return least;
+    sub(p, t->v[0], ap);
+    return fmin(least, fabs(dot(ap, n)) / area);
+}
+
+/* Distance of the ray's point at t to the triangle's plane. */
+static double to_plane(double t, const struct triangle *tri)
+{
+    double n[3], p[3];
+    normal_of(tri, n);
+    for (int k = 0; k < 3; k++)
+        p[k] = t * tri->d[k] - tri->v[0][k];
+    double area = sqrt(dot(n, n));
+    return area > 0.0 ? fabs(dot(p, n)) / area : 0.0;
+}
+
+void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3])
+{
+    struct triangle t = triangle_of(ray, v);
+    for (int c = 0; c < 3; c++) {
+        const double *side = t.side[(c + 1) % 3];
+        double n[3], across[3];
+        cross(t.v[(c + 1) % 3], side, n);
+        cross(t.d, side, across);
+        double length = sqrt(dot(across, across));
+        out[c] = length > 0.0 ? dot(t.d, n) / length / t.unit : 0.0;
+    }
+}
+
+double judge_point_displacement(const struct ray *ray, float v[3][3], double t)
+{
+    struct triangle tri = triangle_of(ray, v);
+    double at[3] = {t * tri.d[0], t * tri.d[1], t * tri.d[2]};
+    return tri.unit > 0.0 ? to_triangle(at, &tri) / tri.unit : 0.0;
+}
+
+double judge_unit_of_t(const struct ray *ray, float v[3][3])
+{
+    struct triangle t = triangle_of(ray, v);
+    double n[3];
+    normal_of(&t, n);
+    return t.unit * sqrt(dot(n, n)) / fabs(dot(t.d, n));
+}
+
+static bool is_hit(const struct oracle_pair *pair)
+{
+    return pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE ||
+           pair->class == ORACLE_VERTEX;
+}
+
+/* What one lost hit needs. */
+struct loss {
+    uint32_t prim;
+    double need; /* displacement, in units; 0: none was lost */
+    double over; /* the same over what is allowed of it */
+    double t_lo, t_hi;
+    enum verdict why;
+};
+
+static void keep_least(struct loss *loss, double need, double allowed, enum verdict why)
+{
+    if (need < loss->over * allowed) {
+        loss->need = need;
+        loss->over = need / allowed;
+        loss->why = why;
+    }
+}
+
+/* A box whose near side is rounded up may be cut off by a hit before it, so the plane is allowed
+ * twice its bound: its own error and that of the other. */
+static void keep_plane(const struct judge *judge, const struct judge_rounding *rounding,
+                       const struct triangle *tri, double t, enum verdict why, struct loss *loss)
+{
+    keep_least(loss, to_plane(t, tri) / tri->unit, 2.0 * judge_plane_allowed(judge, rounding, t),
+               why);
+}
+
+static struct loss loss_of(const struct judge *judge, const struct ray *ray,
+                           const struct oracle_crossing *lost, double reach)
+{
+    float v[3][3];
+    double edge[3];
+    scene_tri(judge->scene, lost->prim, v);
+    struct triangle tri = triangle_of(ray, v);
+    struct judge_rounding rounding = judge_rounding_of(ray, v);
+    struct loss loss = {lost->prim,      INFINITY,        INFINITY,
+                        lost->pair.t_lo, lost->pair.t_hi, VERDICT_BOUNDARY};
+    judge_edge_distances(ray, v, edge);
+    for (int c = 0; c < 3; c++)
+        keep_least(&loss, fabs(edge[c]), judge_edge_allowed(judge, &rounding, c), VERDICT_BOUNDARY);
+    if (isfinite(reach))
+        keep_plane(judge, &rounding, &tri, reach, VERDICT_NEAR_TIE, &loss);
+    keep_plane(judge, &rounding, &tri, (double)ray->tmin, VERDICT_BORDER, &loss);
+    if (isfinite(ray->tmax))
+        keep_plane(judge, &rounding, &tri, (double)ray->tmax, VERDICT_BORDER, &loss);
+    return loss;
+}
+
+double judge_loss(const struct judge *judge, const struct ray *ray,
+                  const struct oracle_crossing *lost, double reach, double *over, enum verdict *why)
+{
+    struct loss loss = loss_of(judge, ray, lost, reach);
+    *over = loss.over;
+    *why = loss.why;
+    return loss.need;
+}
+
+/* The lost hit before `reach` that needs most; *fan: one of them lies inside a closed fan all of
+ * whose triangles were lost. */
+static enum status worst_loss(const struct judge *judge, const struct ray *ray,
+                              const struct oracle_answer *truth, double reach, struct loss *worst,
+                              struct judgement *out)
+{
+    bool *fan = &out->fan;
+    struct oracle_crossing *list = NULL;
+    size_t capacity = 0, count = 0;
+    enum status status =
+        oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
+    for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+        if (!is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
+            continue;
+        struct loss loss = loss_of(judge, ray, &list[i], reach);
+        if (worst->prim == ABI_NO_PRIM || loss.over > worst->over)
+            *worst = loss;
+        if (list[i].prim == truth->prim)
+            out->edge_lost = loss.why == VERDICT_BOUNDARY;
+        bool closed = false;
+        double limit = 0.0;
+        if (!*fan && loss.why == VERDICT_BOUNDARY)
+            status = judge_fan(judge, ray, list[i].prim, NULL, &closed, &limit);
+        *fan = *fan || (closed && reach > limit);
+    }
+    free(list);
+    return status;
+}
+
+/* How far the weighed point is from the line of the ray. */
+static double beside_ray(const double p[3], const struct triangle *tri)
+{
+    double across[3], length = sqrt(dot(tri->d, tri->d));
+    cross(p, tri->d, across);
+    return length > 0.0 ? sqrt(dot(across, across)) / length : 0.0;
+}
+
+/* Do u and v weigh a point of the triangle that rounding brings to the ray? */
+static bool weights_fit(const struct judge *judge, const struct hit *answer,
+                        const struct triangle *tri, const struct judge_rounding *rounding)
+{
+    double u = (double)answer->u, w = (double)answer->v, p[3];
+    for (int k = 0; k < 3; k++)
+        p[k] = (1.0 - u - w) * tri->v[0][k] + u * tri->v[1][k] + w * tri->v[2][k];
+    double most = judge->displacement * tri->unit;
+#if MUTANT == MUTANT_WEIGHTS_AT_T
+    for (int k = 0; k < 3; k++)
+        p[k] -= (double)answer->t * tri->d[k];
+    return sqrt(dot(p, p)) <= most;
+#endif
+#if MUTANT == MUTANT_WEIGHTS_ALONG
+    return beside_ray(p, tri) <= most;
+#endif
+    if (beside_ray(p, tri) <= most && to_triangle(p, tri) <= most)
+        return true;
+    /* No test accepts weights below 0; Embree's takes them for 0 from -2^-23 on. */
+    return u >= -JUDGE_SHARE && w >= -JUDGE_SHARE && u + w <= 1.0 + JUDGE_SHARE &&
+           judge_weight_allowed(rounding, 1, u) && judge_weight_allowed(rounding, 2, w);
+}
+
+/* How far the answered point is from the triangle over what is allowed; *need gets it in units. A
+ * test that is not backward stable may shift the point along the ray, out of the triangle, as long
+ * as it stays near the plane, of a triangle that it may take for hit; then only that counts.
+ * *noise: the determinant's sign is open there, so that the point may be anywhere. */
+static double hit_over(const struct judge *judge, const struct hit *answer,
+                       const struct triangle *tri, const struct judge_rounding *rounding,
+                       double *need, bool *noise)
+{
+    double at[3];
+    *noise = false;
+    for (int k = 0; k < 3; k++)
+        at[k] = (double)answer->t * tri->d[k];
+    *need = tri->unit > 0.0 ? to_triangle(at, tri) / tri->unit : 0.0;
+    double over = *need / judge->displacement;
+    if (!judge_may_accept(judge, rounding))
+        return over;
+    double plane = to_plane((double)answer->t, tri) / tri->unit;
+    double along = plane / judge_plane_allowed(judge, rounding, (double)answer->t);
+    if (over > 1.0) {
+        *need = plane;
+        *noise = judge_det_is_open(rounding);
+    }
+    return fmin(over, along);
+}
+
+enum verdict judge_named_by_distance(const struct judge *judge, const struct ray *ray,
+                                     const struct oracle_answer *truth, const struct hit *answer,
+                                     struct judgement *out)
+{
+    float v[3][3];
+    struct oracle_pair pair;
+    bool noise;
+    scene_tri(judge->scene, answer->prim, v);
+    struct triangle tri = triangle_of(ray, v);
+    struct judge_rounding rounding = judge_rounding_of(ray, v);
+    oracle_pair(judge->oracle, ray, answer->prim, &pair);
+    double over = out->share = hit_over(judge, answer, &tri, &rounding, &out->displacement, &noise);
+    out->wrong = truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM : WRONG_TRIANGLE;
+    if (!judge_in_range(judge, ray, answer->t)) {
+        out->wrong = WRONG_DISTANCE;
+        return VERDICT_WRONG;
+    }
+    if (over > 1.0) {
+        struct hit exact = *answer;
+        double unused;
+        bool open;
+        exact.t = (float)judge_plane_t(ray, v);
+        if (pair.det != 0 && hit_over(judge, &exact, &tri, &rounding, &unused, &open) <= 1.0)
+            out->wrong = WRONG_DISTANCE;
+        return VERDICT_WRONG;
+    }
+    if (!weights_fit(judge, answer, &tri, &rounding)) {
+        out->wrong = WRONG_BARYCENTRIC;
+        return VERDICT_WRONG;
+    }
+    out->wrong = WRONG_NOT;
+    if (noise)
+        return VERDICT_NOISE;
+    if (pair.class == ORACLE_IN_PLANE || pair.class == ORACLE_ZERO_AREA)
+        return VERDICT_IN_PLANE;
+    if (!is_hit(&pair))
+        return VERDICT_BOUNDARY;
+    bool open_end = pair.range != ORACLE_WITHIN && judge->model.open;
+    return open_end || pair.range == ORACLE_BELOW || pair.range == ORACLE_ABOVE ? VERDICT_BORDER
+                                                                                : VERDICT_RIGHT;
+}
+
+double judge_margin_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
+{
+    float v[3][3];
+    double edge[3];
+    bool near = false;
+    scene_tri(judge->scene, prim, v);
+    struct judge_rounding rounding = judge_rounding_of(ray, v);
+    judge_edge_distances(ray, v, edge);
+    for (int c = 0; c < 3; c++)
+        near = near || fabs(edge[c]) <= judge_edge_allowed(judge, &rounding, c);
+    double scale = fmax(1.0, judge->displacement / JUDGE_DISPLACEMENT_MOST);
+    return near ? judge_margin(&rounding) / scale : 0.0;
+}
+
+/* Names a right answer: RIGHT or TIE for one of the exact nearest set, else what kept that away. */
+static enum verdict name_of(const struct judge *judge, const struct ray *ray,
+                            const struct oracle_answer *truth, uint32_t prim, enum verdict why)
+{
+    struct oracle_pair pair;
+    enum verdict nearest = truth->tie_count > 1 ? VERDICT_TIE : VERDICT_RIGHT;
+    if (prim == truth->prim)
+        return nearest;
+    if (prim == ABI_NO_PRIM || truth->tie_count == 1)
+        return why;
+    oracle_pair(judge->oracle, ray, prim, &pair);
+    return is_hit(&pair) && oracle_compare(judge->oracle, ray, prim, truth->prim) == 0 ? nearest
+                                                                                       : why;
+}
+
+enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
+                              const struct oracle_answer *truth, const struct hit *answer,
+                              struct judgement *out)
+{
+    bool miss = answer->prim == ABI_NO_PRIM;
+    double reach = miss ? (double)INFINITY : (double)answer->t;
+    struct loss worst = {.prim = ABI_NO_PRIM, .why = VERDICT_NEAR_TIE};
+    enum status status = STATUS_OK;
+    if (!miss) {
+        out->verdict = judge_named_by_distance(judge, ray, truth, answer, out);
+        if (out->verdict == VERDICT_WRONG)
+            return STATUS_OK;
+    }
+    if (truth->prim == ABI_NO_PRIM)
+        return STATUS_OK;
+    out->margin = judge_margin_of(judge, ray, truth->prim);
+    if (!miss && judge->query == QUERY_ANY)
+        return STATUS_OK;
+    /* Between the nearest and the next hit only the nearest can have been lost. */
+    if (reach > truth->t_hi && !(answer->prim == truth->prim && reach <= truth->t_next))
+        status = worst_loss(judge, ray, truth, reach, &worst, out);
+    if (status)
+        return status;
+    if (out->verdict == VERDICT_RIGHT)
+        out->verdict = name_of(judge, ray, truth, answer->prim, worst.why);
+    out->displacement = fmax(out->displacement, worst.need);
+    out->share = fmax(out->share, worst.over);
+    if (worst.over > 1.0 || (judge->model.watertight && out->fan)) {
+        out->verdict = VERDICT_WRONG;
+        out->wrong = WRONG_MISSED;
+        judge_set_lost(out, worst.prim, worst.t_lo, worst.t_hi);
+    }
+    return STATUS_OK;
+}
+
+enum status judge_need(const struct judge *judge, const struct ray *ray,
+                       const struct oracle_answer *truth, const struct hit *answer, double *need)
+{
+    bool miss = answer->prim == ABI_NO_PRIM;
+    double reach = miss ? (double)INFINITY : (double)answer->t;
+    float v[3][3];
+    *need = 0.0;
+    if (!miss) {
+        double at[3];
+        scene_tri(judge->scene, answer->prim, v);
+        struct triangle tri = triangle_of(ray, v);
+        for (int k = 0; k < 3; k++)
+            at[k] = (double)answer->t * tri.d[k];
+        *need = to_triangle(at, &tri);
+    }
+    if (truth->prim == ABI_NO_PRIM || !(reach > truth->t_hi) ||
+        (!miss && judge->query == QUERY_ANY))
+        return STATUS_OK;
+    struct oracle_crossing *list = NULL;
+    size_t capacity = 0, count = 0;
+    enum status status =
+        oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
+    for (size_t i = 0; i < count && !status; i++) {
+        if (!is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
+            continue;
+        scene_tri(judge->scene, list[i].prim, v);
+        *need = fmax(*need, loss_of(judge, ray, &list[i], reach).need * triangle_of(ray, v).unit);
+    }
+    free(list);
+    return status;
+}

@@ -1,0 +1,202 @@
+/* What the judge's files share; for them only. */
+#ifndef JUDGE_INNER_H
+#define JUDGE_INNER_H
+
+#include "ref/judge/judge.h"
+#include "ref/scene/topology.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#define JUDGE_UNIT 0x1p-24 /* u */
+
+struct judge {
+    const struct oracle *oracle;
+    const struct scene *scene;
+    const struct tri_test *tri;
+    struct model model;
+    enum query query;
+    bool own;            /* the formula is one of ref/primitives/tri.h */
+    bool fans;           /* a closed fan cannot be missed: judge_fan.c */
+    bool by_bounds;      /* see judge_by_bounds */
+    bool in_contract;    /* the scene's coordinates are */
+    double displacement; /* unknown formula: what any triangle allows, in units */
+    float largest[3];    /* |coordinate| per axis of the scene */
+    /* Made when first asked for; a million triangles take a second. */
+    pthread_mutex_t lock;
+    _Atomic(struct topology *) topology;
+};
+
+/* Share of its bound by which a twin's near-exact u or v may be off, with room to spare. */
+#define JUDGE_SHARE 0x1p-20
+
+/* How far an edge must be from the ray, in u * max |vertex - origin|, for an unknown formula to be
+ * sure of its side: Woop with Vulkan's loosest rounding is within 24. */
+#define FAN_BAND 32.0
+
+/* Where the ray meets the triangle's plane, in double from the triangle's own edges. No bound is
+ * proven: for formulas that have none either. */
+double judge_plane_t(const struct ray *ray, float v[3][3]);
+
+/* Twins of one ray that were computed before, with many others. */
+#define JUDGE_KNOWN_MOST 2
+struct judge_known {
+    uint32_t prim[JUDGE_KNOWN_MOST];
+    struct twin twin[JUDGE_KNOWN_MOST];
+    size_t count;
+};
+
+/* `known` may be NULL. */
+struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                       const struct judge_known *known);
+
+/* As judge_answer, in_contract being that of the ray. */
+enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool in_contract,
+                          const struct oracle_answer *truth, const struct hit *answer,
+                          const struct judge_known *known, struct judgement *out);
+
+/* Error of t over its bound, given that the exact t lies in [lo, hi]. */
+double judge_over(double t, double lo, double hi, double bound);
+
+/* True if t keeps the range of the engine: closed, or open as model.open says. */
+bool judge_in_range(const struct judge *judge, const struct ray *ray, float t);
+
+/* --- judge_named.c --- */
+
+/* Is the answer right for the triangle it names, whatever else the ray hits? RIGHT: an exact hit
+ * in range, t, u and v within their bounds. Else the class that excuses it, or WRONG with
+ * out->wrong set. Sets out->over. */
+enum verdict judge_named(const struct judge *judge, const struct ray *ray,
+                         const struct oracle_answer *truth, const struct hit *answer,
+                         const struct judge_known *known, struct judgement *out);
+
+/* u and v within the twin's bounds? */
+bool judge_barycentrics(const struct twin *twin, const struct hit *answer);
+
+/* --- judge_noise.c --- */
+
+/* Of a named formula and a triangle whose determinant's sign is open, so that no bound of t is
+ * known: can some evaluation answer this? */
+bool judge_can_answer(const struct judge *judge, const struct ray *ray, float v[3][3],
+                      const struct hit *answer);
+
+/* The same of any answer in the range of the ray. */
+bool judge_can_hit(const struct judge *judge, const struct ray *ray, float v[3][3]);
+
+/* True if the formula, which takes triangle `v` for hit, may answer t: in the ray's range, or as
+ * far outside as a comparison before the division lets it. */
+bool judge_may_keep(const struct judge *judge, const struct ray *ray, float v[3][3], float t);
+
+/* --- judge_unnamed.c --- */
+
+/* Judges an any-hit answer that says hit and names no triangle. */
+void judge_unnamed_hit(const struct judge *judge, const struct ray *ray,
+                       const struct oracle_answer *truth, struct judgement *out);
+
+/* --- judge_lost.c --- */
+
+/* Triangles that an engine did find, sorted by index. */
+struct judge_found {
+    struct judge_slot {
+        uint32_t prim;
+        uint32_t at; /* place in the engine's list */
+    } * slot;
+    size_t count;
+};
+
+/* The entry of `prim`, the first if there are several, or NULL; `found` may be NULL. */
+const struct judge_slot *judge_find(const struct judge_found *found, uint32_t prim);
+
+/* Is the exact hit of `prim`, which was not found, one that this formula cannot miss, and is
+ * `reach` clearly behind it?
+ *   found   what was; NULL: nothing
+ * Errors: STATUS_MEMORY. */
+enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                              double t_lo, double t_hi, double reach,
+                              const struct judge_found *found, const struct judge_known *known,
+                              bool *lost);
+
+/* Looks for a hit that cannot be missed clearly nearer than `reach` (INFINITY: a miss was
+ * answered); then *lost is true and `out` names it. */
+enum status judge_lost(const struct judge *judge, const struct ray *ray,
+                       const struct oracle_answer *truth, double reach,
+                       const struct judge_known *known, bool *lost, struct judgement *out);
+
+/* Why the exact hit of `prim`, which was not answered, could be lost. */
+enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                            double t_lo, double t_hi, double reach,
+                            const struct judge_known *known);
+
+/* --- judge_fan.c --- */
+
+/* True if `prim`, a hit some of whose signs are open, lies in a closed fan one of whose triangles a
+ * watertight test must hit, and none of them is among `found` (which may be NULL); then *limit is
+ * the largest t that it may answer. Errors: STATUS_MEMORY. */
+enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                      const struct judge_found *found, bool *closed, double *limit);
+
+/* --- judge_distance.c --- */
+
+/* Judges an answer of an unknown formula by the displacement it needs. */
+enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
+                              const struct oracle_answer *truth, const struct hit *answer,
+                              struct judgement *out);
+
+/* As judge_named for an unknown formula; sets out->displacement. */
+enum verdict judge_named_by_distance(const struct judge *judge, const struct ray *ray,
+                                     const struct oracle_answer *truth, const struct hit *answer,
+                                     struct judgement *out);
+
+/* The displacement that a lost hit needs, the same over what is allowed, and what it would make of
+ * it. */
+double judge_loss(const struct judge *judge, const struct ray *ray,
+                  const struct oracle_crossing *lost, double reach, double *over,
+                  enum verdict *why);
+
+/* Distance of the line of the ray to the lines of the triangle's edges, in the plane across the
+ * ray, in units of u * max |vertex - origin|. */
+void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3]);
+
+/* Distance of the ray's point at t to the triangle, in such units. */
+double judge_point_displacement(const struct ray *ray, float v[3][3], double t);
+
+/* By how much t changes if the triangle moves one such unit along its normal. */
+double judge_unit_of_t(const struct ray *ray, float v[3][3]);
+
+/* --- judge_allowed.c --- */
+
+/* One ray and triangle with the error bounds of the classical test, whatever the order of its
+ * operations. w_c / D weighs vertex c and T / D is t, as in ref/oracle/oracle.h. */
+struct judge_rounding {
+    double edge[3], edge_most[3]; /* w_c, and the largest error of a computed one */
+    double det, det_most;         /* D, likewise */
+    double t, t_most;             /* T, likewise */
+    double across[3];             /* |d x edge c|: w_c over it is the distance of ray and edge */
+    double area;                  /* |N|, twice the area: D - t T over it is a distance, too */
+    double unit;                  /* u * max |vertex - origin| */
+};
+
+struct judge_rounding judge_rounding_of(const struct ray *ray, float v[3][3]);
+
+/* Displacements in units that an unknown formula is allowed: of edge c seen along the ray, and of
+ * the plane from the ray's point at t. At least the judge's own. */
+double judge_edge_allowed(const struct judge *judge, const struct judge_rounding *rounding, int c);
+double judge_plane_allowed(const struct judge *judge, const struct judge_rounding *rounding,
+                           double t);
+
+/* May the classical test answer this weight of vertex c? */
+bool judge_weight_allowed(const struct judge_rounding *rounding, int c, double weight);
+
+/* May an unknown formula take the triangle for hit, somewhere along the line of the ray? */
+bool judge_may_accept(const struct judge *judge, const struct judge_rounding *rounding);
+
+/* May the determinant have either sign? */
+bool judge_det_is_open(const struct judge_rounding *rounding);
+
+/* The least |w_c| over its bound: below 1 the classical test may lose an exact hit. */
+double judge_margin(const struct judge_rounding *rounding);
+
+/* Of an exact hit of an unknown formula: the margin of struct judgement. */
+double judge_margin_of(const struct judge *judge, const struct ray *ray, uint32_t prim);
+
+#endif

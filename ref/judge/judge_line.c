@@ -1,0 +1,70 @@
+/* Judgements as text. */
+#include "ref/base/decimal.h"
+#include "ref/judge/judge.h"
+#include "ref/base/mutant.h"
+
+#include <stdio.h>
+
+void judge_set_lost(struct judgement *out, uint32_t prim, double t_lo, double t_hi)
+{
+    out->behind = prim != out->expected;
+#if MUTANT == MUTANT_LOST_IS_NEAREST
+    out->expected = prim;
+    out->t_lo = t_lo;
+    out->t_hi = t_hi;
+    out->behind = false;
+#endif
+    out->lost = prim;
+    out->lost_lo = t_lo;
+    out->lost_hi = t_hi;
+}
+
+static void print_hit(const struct hit *hit, char *text, size_t text_bytes)
+{
+    if (hit->prim == ABI_NO_PRIM)
+        snprintf(text, text_bytes, "miss");
+    else
+        snprintf(text, text_bytes, "prim=%u t=%a u=%a v=%a", (unsigned)hit->prim, (double)hit->t,
+                 (double)hit->u, (double)hit->v);
+}
+
+static void print_line(const struct ray *ray, const struct hit *answer, const char *expected,
+                       char *text, size_t text_bytes)
+{
+    char got[128];
+    print_hit(answer, got, sizeof got);
+    snprintf(text, text_bytes, "o=(%a,%a,%a) d=(%a,%a,%a) t=[%a,%a] => %s  expected: %s",
+             (double)ray->org[0], (double)ray->org[1], (double)ray->org[2], (double)ray->dir[0],
+             (double)ray->dir[1], (double)ray->dir[2], (double)ray->tmin, (double)ray->tmax, got,
+             expected);
+}
+
+void judge_line(const struct ray *ray, const struct judgement *judgement, const struct hit *answer,
+                char *text, size_t text_bytes)
+{
+    char expected[160], t[DECIMAL_WITHIN_MOST];
+    decimal_within(judgement->t_lo, judgement->t_hi, t);
+    int length =
+        judgement->expected == ABI_NO_PRIM
+            ? snprintf(expected, sizeof expected, "miss")
+            : snprintf(expected, sizeof expected, "prim=%u t=%s", (unsigned)judgement->expected, t);
+    decimal_within(judgement->lost_lo, judgement->lost_hi, t);
+    if (judgement->behind)
+        length += snprintf(expected + length, sizeof expected - (size_t)length,
+                           ", lost: prim=%u t=%s", (unsigned)judgement->lost, t);
+    if (judgement->over > 0.0)
+        snprintf(expected + length, sizeof expected - (size_t)length, " err/E=%.3g",
+                 judgement->over);
+    else if (judgement->displacement > 0.0)
+        snprintf(expected + length, sizeof expected - (size_t)length, " displacement=%.3g uM",
+                 judgement->displacement);
+    print_line(ray, answer, expected, text, text_bytes);
+}
+
+void judge_bits_line(const struct ray *ray, const struct hit *expected, const struct hit *answer,
+                     char *text, size_t text_bytes)
+{
+    char want[128];
+    print_hit(expected, want, sizeof want);
+    print_line(ray, answer, want, text, text_bytes);
+}

@@ -1,0 +1,151 @@
+/* The triangle that an answer names, judged by itself. */
+#include "ref/judge/judge_inner.h"
+
+#include <math.h>
+
+/* How far outside a triangle's box, relative to the coordinates, a hit in its plane may be. */
+#define IN_PLANE_PAD (64.0 * JUDGE_UNIT)
+
+/* Bounds of u and v, and of t in proportion, that are looked at alone; a choice of speed. */
+#define SHARP 0.25
+
+/* Where the determinant's sign is open the ray lies in the triangle's plane, as far as float32 can
+ * tell: then a t that the formula can come to counts as on the triangle where the ray is inside
+ * its box, and any other is the quotient of two roundings. */
+static bool on_the_triangle(const struct ray *ray, float v[3][3], double t)
+{
+    for (int k = 0; k < 3; k++) {
+        double o = (double)ray->org[k], at = o + t * (double)ray->dir[k];
+        double lo = (double)v[0][k], hi = lo;
+        for (int c = 1; c < 3; c++) {
+            lo = fmin(lo, (double)v[c][k]);
+            hi = fmax(hi, (double)v[c][k]);
+        }
+        double pad = IN_PLANE_PAD * (fmax(fabs(lo), fabs(hi)) + fabs(o));
+        if (!(at >= lo - pad && at <= hi + pad))
+            return false;
+    }
+    return true;
+}
+
+/* The determinant's sign is open, so nothing bounds t. */
+static enum verdict unbounded(const struct ray *ray, float v[3][3], const struct oracle_pair *pair,
+                              double t)
+{
+    if (!on_the_triangle(ray, v, t))
+        return VERDICT_NOISE;
+    return pair->class == ORACLE_IN_PLANE || pair->class == ORACLE_ZERO_AREA ? VERDICT_IN_PLANE
+                                                                             : VERDICT_BOUNDARY;
+}
+
+/* What the exact pair says of an answer whose t, u and v are right for the triangle's plane. */
+static enum verdict by_pair(const struct judge *judge, const struct oracle_pair *pair)
+{
+    switch (pair->class) {
+    case ORACLE_INSIDE:
+    case ORACLE_EDGE:
+    case ORACLE_VERTEX:
+        if (pair->range == ORACLE_WITHIN)
+            return VERDICT_RIGHT;
+        if (pair->range == ORACLE_AT_TMIN || pair->range == ORACLE_AT_TMAX)
+            return judge->model.open ? VERDICT_BORDER : VERDICT_RIGHT;
+        return VERDICT_BORDER;
+    case ORACLE_IN_PLANE:
+    case ORACLE_ZERO_AREA:
+        return VERDICT_IN_PLANE;
+    case ORACLE_MISS:
+    case ORACLE_CLASS_COUNT:
+        break;
+    }
+    return VERDICT_BOUNDARY;
+}
+
+static enum verdict wrong(struct judgement *out, enum wrong kind)
+{
+    out->wrong = kind;
+    return VERDICT_WRONG;
+}
+
+/* True if the bounds leave so much open that a replay may say more. */
+static bool says_little(const struct twin *twin)
+{
+    return !(twin->t_err <= SHARP * fabs(twin->t_near)) || !(twin->u_err <= SHARP) ||
+           !(twin->v_err <= SHARP);
+}
+
+/* One unit of the last place of a float32, at its largest. */
+static double last_place(double value)
+{
+#if MUTANT == MUTANT_SUBNORMAL_EXACT
+    return 2.0 * JUDGE_UNIT * fabs(value);
+#endif
+    return 2.0 * JUDGE_UNIT * fabs(value) + ROUNDING_IEEE.tiny;
+}
+
+/* To one unit of the last place, and what the near value is off. */
+static bool is_near(float value, double near, double off)
+{
+    return fabs((double)value - near) <= last_place(near) + off;
+}
+
+/* In the closed range. */
+static bool is_hit(const struct oracle_pair *pair)
+{
+    bool inside =
+        pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE || pair->class == ORACLE_VERTEX;
+#if MUTANT == MUTANT_ENDS_REPLAYED
+    return inside && pair->range == ORACLE_WITHIN;
+#endif
+    return inside && (pair->range == ORACLE_WITHIN || pair->range == ORACLE_AT_TMIN ||
+                      pair->range == ORACLE_AT_TMAX);
+}
+
+/* True if the triangle is exactly hit and the answer is where, to one unit of its last place:
+ * right, even if no evaluation of the formula comes to these very numbers. */
+static bool is_exact(const struct oracle_pair *pair, const struct twin *twin,
+                     const struct hit *answer)
+{
+#if MUTANT == MUTANT_EXACT_REPLAYED
+    return false;
+#endif
+    double t = (double)answer->t, u = (double)answer->u, v = (double)answer->v;
+    if (!is_hit(pair))
+        return false;
+    if (!isfinite(twin->t_err)) /* of a sliver: by t alone */
+        return t >= pair->t_lo - last_place(pair->t_lo) &&
+               t <= pair->t_hi + last_place(pair->t_hi) && u >= 0.0 && v >= 0.0 &&
+               u + v <= 1.0 + JUDGE_SHARE;
+    /* Of what has no bound, as a triangle's share of its hit, the near value is good enough. */
+    return is_near(answer->t, twin->t_near, twin->t_off) &&
+           is_near(answer->u, twin->u_near, JUDGE_SHARE * fmin(twin->u_err, 1.0)) &&
+           is_near(answer->v, twin->v_near, JUDGE_SHARE * fmin(twin->v_err, 1.0));
+}
+
+enum verdict judge_named(const struct judge *judge, const struct ray *ray,
+                         const struct oracle_answer *truth, const struct hit *answer,
+                         const struct judge_known *known, struct judgement *out)
+{
+    float v[3][3];
+    struct oracle_pair pair;
+    struct twin twin = judge_twin(judge, ray, answer->prim, known);
+    double t = (double)answer->t;
+    scene_tri(judge->scene, answer->prim, v);
+    if (!twin.possible)
+        return wrong(out, truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM : WRONG_TRIANGLE);
+    if (!judge_may_keep(judge, ray, v, answer->t))
+        return wrong(out, WRONG_DISTANCE);
+    oracle_pair(judge->oracle, ray, answer->prim, &pair);
+    if (says_little(&twin) && !is_exact(&pair, &twin, answer) &&
+        !judge_can_answer(judge, ray, v, answer))
+        return wrong(out, judge_can_hit(judge, ray, v) ? WRONG_DISTANCE
+                          : truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM
+                                                       : WRONG_TRIANGLE);
+    if (!isfinite(twin.t_err))
+        return unbounded(ray, v, &pair, t);
+    out->over = judge_over(t, twin.t_near - twin.t_off, twin.t_near + twin.t_off, twin.t_err);
+    if (!(out->over <= 1.0))
+        return wrong(out, WRONG_DISTANCE);
+    if (!judge_barycentrics(&twin, answer))
+        return wrong(out, WRONG_BARYCENTRIC);
+    return by_pair(judge, &pair);
+}

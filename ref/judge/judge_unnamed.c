@@ -1,0 +1,179 @@
+/* Any-hit answers that say hit and name no triangle: where nothing is exactly hit some triangle
+ * must be one that the formula may take for hit. All are looked at, since rounding may find one
+ * that the ray passes far beside: in the plane of a triangle every sign is open. */
+#include "ref/judge/judge_inner.h"
+#include "ref/base/mutant.h"
+
+#include <math.h>
+
+#define TOGETHER 64u /* triangles looked at together */
+
+/* --- a first look ------------------------------------------------------------------------------
+ */
+
+/* What a first look keeps, for all that judge_may_be_hit may take, and the named formulas of
+ * has_look. With x = |coordinate| of what is
+ * in brackets, M = [vertex - origin], D = [d] and L = [edge] <= 2 M, an edge function may have the
+ * other sign by
+ *   A |d x e| u M <= 2 sqrt 3 A u M D L for A units of displacement, or, of the widest of
+ *   ref/judge/judge_allowed.c, 16 u (6 + 6 + 12) M D L + 10 u 12 M D L = 504 u M D L
+ * and by what is flushed, three times 2^-126 (5 + 9 S + 18 S^2) with S the largest of M, D and L.
+ */
+#define SHAPE    505.0
+#define PER_UNIT 3.47
+#define LOST     0x1p-119
+
+struct look {
+    double p[3][3][TOGETHER]; /* vertex - origin */
+    double edge[3][TOGETHER];
+    double most[TOGETHER], size[TOGETHER], length[TOGETHER];
+};
+
+static void take(const struct judge *judge, const struct ray *ray, uint32_t first, uint32_t count,
+                 struct look *look)
+{
+    for (uint32_t i = 0; i < TOGETHER; i++) {
+        float v[3][3];
+        scene_tri(judge->scene, first + (i < count ? i : 0), v);
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < 3; k++)
+                look->p[c][k][i] = (double)v[c][k] - (double)ray->org[k];
+    }
+}
+
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static void measure(const struct ray *ray, struct look *look)
+{
+    const double x = (double)ray->dir[0], y = (double)ray->dir[1], z = (double)ray->dir[2];
+    for (uint32_t i = 0; i < TOGETHER; i++)
+        look->size[i] = look->length[i] = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double(*a)[TOGETHER] = look->p[(c + 1) % 3], (*b)[TOGETHER] = look->p[(c + 2) % 3];
+        for (uint32_t i = 0; i < TOGETHER; i++) {
+            double ex = b[0][i] - a[0][i], ey = b[1][i] - a[1][i], ez = b[2][i] - a[2][i];
+            double across = x * (a[1][i] * ez - a[2][i] * ey) + y * (a[2][i] * ex - a[0][i] * ez);
+            look->edge[c][i] = across + z * (a[0][i] * ey - a[1][i] * ex);
+            look->length[i] = larger(look->length[i], larger(fabs(ex), larger(fabs(ey), fabs(ez))));
+            look->size[i] =
+                larger(look->size[i], larger(fabs(a[0][i]), larger(fabs(a[1][i]), fabs(a[2][i]))));
+        }
+    }
+}
+
+/* Which of them no two edge functions of surely opposite signs turn away. */
+static uint64_t kept(const struct judge *judge, const struct ray *ray, struct look *look)
+{
+    double d =
+        fmax(fabs((double)ray->dir[0]), fmax(fabs((double)ray->dir[1]), fabs((double)ray->dir[2])));
+    double share = (PER_UNIT * judge->displacement + SHAPE) * JUDGE_UNIT;
+    uint64_t out = 0;
+    measure(ray, look);
+    for (uint32_t i = 0; i < TOGETHER; i++) {
+        double s = 1.0 + larger(d, larger(look->size[i], look->length[i]));
+        double most = share * look->size[i] * d * look->length[i] + LOST * s * s;
+#if MUTANT == MUTANT_UNNAMED_LOOK
+        most = 0.0;
+#endif
+        bool below =
+            look->edge[0][i] < -most || look->edge[1][i] < -most || look->edge[2][i] < -most;
+        bool above = look->edge[0][i] > most || look->edge[1][i] > most || look->edge[2][i] > most;
+        out |= (uint64_t) !(below && above) << i;
+    }
+    return out;
+}
+
+/* --- named formulas --------------------------------------------------------------------------- */
+
+static bool may_hit(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                    const struct twin *twin)
+{
+    float v[3][3];
+    if (!twin->possible || isfinite(twin->t_err))
+        return twin->possible;
+    scene_tri(judge->scene, prim, v);
+    return judge_can_hit(judge, ray, v);
+}
+
+static bool has_look(const struct judge *judge)
+{
+    enum twin_formula formula = judge->model.formula;
+    const struct rounding *k = &judge->model.rounding;
+    return k->add <= 2.0 && k->mul <= 2.0 &&
+           (formula == TWIN_MT || formula == TWIN_MT_RTRS || formula == TWIN_EMBREE ||
+            formula == TWIN_PLUECKER);
+}
+
+static bool possible_by_twin(const struct judge *judge, const struct ray *ray, uint32_t first,
+                             uint32_t count)
+{
+    struct look look;
+    struct twin_pair pair[TOGETHER];
+    struct twin twin[TOGETHER];
+    bool possible = false;
+    uint64_t left = UINT64_MAX;
+    uint32_t pairs = 0;
+    if (has_look(judge)) {
+        take(judge, ray, first, count, &look);
+        left = kept(judge, ray, &look);
+    }
+    for (uint32_t i = 0; i < count; i++)
+        if (left >> i & 1)
+            pair[pairs++] = (struct twin_pair){ray, first + i};
+    twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, pairs, twin);
+    for (uint32_t i = 0; i < pairs && !possible; i++)
+        possible = may_hit(judge, ray, pair[i].prim, &twin[i]);
+    return possible;
+}
+
+/* --- an unknown formula ----------------------------------------------------------------------- */
+
+/* How far the triangle is from the ray's range, in units: where it meets the plane, cut off. */
+static double displacement_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
+{
+    float v[3][3];
+    scene_tri(judge->scene, prim, v);
+    double t = judge_plane_t(ray, v);
+    t = t > (double)ray->tmin ? fmin(t, (double)ray->tmax) : (double)ray->tmin;
+    return judge_point_displacement(ray, v, t);
+}
+
+static bool possible_by_distance(const struct judge *judge, const struct ray *ray, uint32_t first,
+                                 uint32_t count, double *least)
+{
+    struct look look;
+    bool possible = false;
+    take(judge, ray, first, count, &look);
+    for (uint64_t left = kept(judge, ray, &look); left; left &= left - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(left);
+        if (i < count && judge_may_be_hit(judge, ray, first + i)) {
+            *least = fmin(*least, displacement_of(judge, ray, first + i));
+            possible = true;
+        }
+    }
+    return possible;
+}
+
+void judge_unnamed_hit(const struct judge *judge, const struct ray *ray,
+                       const struct oracle_answer *truth, struct judgement *out)
+{
+    bool unknown = judge->model.formula == TWIN_UNKNOWN, possible = false;
+    double least = INFINITY;
+    if (truth->prim != ABI_NO_PRIM)
+        return;
+#if MUTANT == MUTANT_UNNAMED_BELIEVED
+    possible = unknown;
+#endif
+    for (uint32_t first = 0; first < judge->scene->tri_count && !possible; first += TOGETHER) {
+        uint32_t left = judge->scene->tri_count - first, count = left < TOGETHER ? left : TOGETHER;
+        possible = unknown ? possible_by_distance(judge, ray, first, count, &least)
+                           : possible_by_twin(judge, ray, first, count);
+    }
+    out->verdict = possible ? VERDICT_BOUNDARY : VERDICT_WRONG;
+    out->wrong = possible ? WRONG_NOT : WRONG_PHANTOM;
+    if (isfinite(least))
+        out->displacement = least;
+}

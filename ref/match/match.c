@@ -1,0 +1,445 @@
+#include "ref/match/match.h"
+
+#include "ref/match/match_judge.h"
+#include "ref/match/match_lists.h"
+#include "ref/base/mutant.h"
+#include "ref/packed/refit.h"
+#include "ref/tree/tree_quality.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Below one hit in this many rays (and always without a hit) a row proves nothing. */
+#define VACUOUS_ONE_IN 1000
+/* Ray-triangle tests that engine brute may spend on being asked again. */
+#define BRUTE_AGAIN 10000000u
+
+static struct job job_of(const struct match *match, const struct engine *engine)
+{
+    return (struct job){.scene = match->scene,
+                        .packed = engine->needs_packed ? &match->packed : NULL,
+                        .box = match->options.box,
+                        .tri = match->options.tri,
+                        .query = match->options.query};
+}
+
+/* How many rays brute force decides, by the options. */
+static size_t brute_share(const struct match *match)
+{
+    uint64_t per_ray = match->scene->tri_count ? match->scene->tri_count : 1;
+    uint64_t affordable = match->options.brute_budget / per_ray;
+    if (match->options.brute_rays && affordable > match->options.brute_rays)
+        affordable = match->options.brute_rays;
+    return affordable < match->ray_count ? (size_t)affordable : match->ray_count;
+}
+
+/* Do two ways to the truth of one ray agree? Enclosures may differ, but hold the same t. */
+static bool same_truth(const struct oracle_answer *a, const struct oracle_answer *b)
+{
+    return a->prim == b->prim && a->tie_count == b->tie_count && a->class == b->class &&
+           (a->prim == ABI_NO_PRIM || (a->t_lo <= b->t_hi && b->t_lo <= a->t_hi));
+}
+
+/* Decides all rays by the oracle's tree and the first ones by brute force too. */
+static enum status truth_make(struct match *match, struct reason *reason)
+{
+    enum status status = oracle_make(match->scene, &match->oracle, reason);
+    match->brute_count = brute_share(match);
+    struct oracle_answer *brute = alloc_zeroed(match->brute_count, sizeof *brute);
+    if (status == STATUS_OK && !brute)
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", match->ray_count);
+    if (status == STATUS_OK)
+        status = oracle_closest(match->oracle, ORACLE_TREE, ORACLE_CLOSED, match->ray,
+                                match->ray_count, 0, match->truth, &match->work, reason);
+    if (status == STATUS_OK)
+        status = oracle_closest(match->oracle, ORACLE_BRUTE, ORACLE_CLOSED, match->ray,
+                                match->brute_count, 0, brute, &match->work, reason);
+    for (size_t i = 0; i < match->brute_count && status == STATUS_OK; i++)
+        if (!same_truth(&brute[i], &match->truth[i]))
+            status =
+                fail(reason, STATUS_INTERNAL,
+                     "oracle: ray %zu: brute force says triangle %u of %u at t %.17g, the tree "
+                     "%u of %u at %.17g",
+                     i, (unsigned)brute[i].prim, (unsigned)brute[i].tie_count, brute[i].t_lo,
+                     (unsigned)match->truth[i].prim, (unsigned)match->truth[i].tie_count,
+                     match->truth[i].t_lo);
+    free(brute);
+    return status;
+}
+
+enum status match_make(const struct scene *scene, const struct ray *ray, size_t ray_count,
+                       const struct match_options *options, struct pool *pool, struct match *out,
+                       struct reason *reason)
+{
+    *out = (struct match){
+        .options = *options, .scene = scene, .ray = ray, .ray_count = ray_count, .pool = pool};
+    enum status status =
+        match_rebuild(out, options->builder, &options->build, options->tri, reason);
+    if (status == STATUS_OK) {
+        out->truth = alloc_zeroed(ray_count, sizeof *out->truth);
+        out->answer = alloc_zeroed(ray_count, sizeof *out->answer);
+        out->again = alloc_zeroed(ray_count, sizeof *out->again);
+        out->moody = alloc_zeroed(ray_count, 1);
+        out->closest.hit = alloc_zeroed(ray_count, sizeof *out->closest.hit);
+        if (!out->truth || !out->answer || !out->again || !out->moody || !out->closest.hit)
+            status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", ray_count);
+    }
+    if (status == STATUS_OK)
+        status = truth_make(out, reason);
+    if (status)
+        match_free(out);
+    return status;
+}
+
+static void match_unpack(struct match *match)
+{
+    packed_free(&match->packed);
+    free(match->cpu);
+    match->cpu = NULL;
+    match->closest.count = 0;
+}
+
+/* The scene that trees are built of. */
+static const struct scene *scene_of_trees(const struct match *match)
+{
+    return match->options.rest ? match->options.rest : match->scene;
+}
+
+/* What the motion makes of the tree, which itself stays as it was built. */
+static enum status measure_motion(struct match *match)
+{
+    struct bvh moved = match->bvh;
+    match->refit.sah_before = tree_sah(&match->bvh);
+    moved.node = alloc_zeroed(moved.node_count, sizeof *moved.node);
+    if (!moved.node)
+        return STATUS_MEMORY;
+    if (moved.node_count > 0)
+        memcpy(moved.node, match->bvh.node, moved.node_count * sizeof *moved.node);
+    enum status status = bvh_refit(&moved, match->scene, NULL);
+    if (!status)
+        match->refit.sah_after = tree_sah(&moved);
+    free(moved.node);
+    return status == STATUS_LIMIT ? STATUS_OK : status;
+}
+
+/* Refits what match_pack packed of the scene at rest, since `start`. */
+static enum status refit_packed(struct match *match, uint64_t start, struct reason *reason)
+{
+    if (!match->options.rest)
+        return STATUS_OK;
+    uint64_t packed = time_ns();
+    enum status status = packed_refit(&match->packed, match->scene, reason);
+    match->refit.pack_ns = packed - start;
+    match->refit.refit_ns = time_ns() - packed;
+    if (status)
+        match_unpack(match);
+    return status;
+}
+
+enum status match_rebuild(struct match *match, const struct builder *builder,
+                          const struct build_options *build, const struct tri_test *tri,
+                          struct reason *reason)
+{
+    match_unpack(match);
+    bvh_free(&match->bvh);
+    match->options.builder = builder;
+    match->options.build = *build;
+    match->options.tri = tri;
+    const struct tree_file *tree = match->options.tree;
+    enum status status = STATUS_OK;
+    if (tree)
+        match->stats = tree->stats;
+    if (tree && tree_file_is_packed(tree))
+        return status; /* match->bvh stays empty: nothing but match_pack asks for it */
+    const struct scene *scene = scene_of_trees(match);
+    uint64_t start = time_ns();
+    status = tree ? tree_file_bvh(tree, scene, &match->bvh, reason)
+                  : bvh_build(builder, scene, build, &match->bvh, reason);
+    match->refit = (struct match_refit){.build_ns = tree ? 0 : time_ns() - start};
+    if (status == STATUS_OK && !tree)
+        match->stats = bvh_stats(&match->bvh, scene);
+    if (status == STATUS_OK && match->options.rest && measure_motion(match))
+        status = fail(reason, STATUS_MEMORY, "no memory to refit a tree");
+    return status;
+}
+
+enum status match_pack(struct match *match, const struct layout *layout, struct reason *reason)
+{
+    const struct tri_store *store = match->options.store ? match->options.store : tri_stores[0];
+    match_unpack(match);
+    if (match->options.tree && store != tri_stores[0])
+        return fail(reason, STATUS_LIMIT,
+                    "%s: a tree from a file has its own items, not storage %s", layout->name,
+                    store->name);
+    const struct scene *scene = scene_of_trees(match);
+    uint64_t start = time_ns();
+    enum status status =
+        match->options.tree
+            ? tree_file_pack(match->options.tree, layout, scene, &match->packed, reason)
+            : packed_make_stored(layout, store, &match->bvh, scene, &match->packed, reason);
+    return status ? status : refit_packed(match, start, reason);
+}
+
+enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
+                            struct reason *reason)
+{
+    const struct tree_file *tree = match->options.tree;
+    if (match->options.store && match->options.store != tri_stores[0])
+        return fail(reason, STATUS_INPUT,
+                    "--layout auto packs storage indexed: name a layout for storage %s",
+                    match->options.store->name);
+    if (tree && tree_file_is_packed(tree))
+        return match_pack(match, tree->packed.layout, reason);
+    match_unpack(match);
+    uint64_t start = time_ns();
+    enum status status = packed_make_auto(&match->bvh, scene_of_trees(match), &match->packed,
+                                          refused, refused_bytes, reason);
+    return status ? status : refit_packed(match, start, reason);
+}
+
+void match_free(struct match *match)
+{
+    match_unpack(match);
+    bvh_free(&match->bvh);
+    oracle_free(match->oracle);
+    free(match->truth);
+    free(match->answer);
+    free(match->again);
+    free(match->moody);
+    free(match->closest.hit);
+    *match = (struct match){0};
+}
+
+void match_set(struct match *match, const struct box_test *box, enum query query)
+{
+    match->options.box = box;
+    match->options.query = query;
+    free(match->cpu);
+    match->cpu = NULL;
+}
+
+void match_refused(const struct match *match, const struct layout *layout,
+                   const struct engine *engine, enum status cause, const struct reason *reason,
+                   struct row *row)
+{
+    *row = (struct row){.options = match->options,
+                        .stats = match->stats,
+                        .engine = engine,
+                        .layout = layout,
+                        .status = ROW_REFUSED,
+                        .cause = cause,
+                        .reason = *reason};
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Every triangle for every ray: its time per ray is known from the number of triangles, and 100,000
+ * rays on 70,000 triangles take minutes. So it answers as many rays as brute force was given work
+ * for, is timed once, and is asked again about few. */
+static bool is_brute(const struct engine *engine)
+{
+    return engine->brute;
+}
+
+/* Traces once more and marks rays whose answer differs in a bit. */
+static enum status trace_again(struct match *match, const struct engine *engine, void *self,
+                               size_t count, struct trace_report *report, struct row *row)
+{
+    *report = (struct trace_report){0};
+    enum status status = engine->trace(self, match->ray, count, match->again, report, &row->reason);
+    for (size_t i = 0; i < count && status == STATUS_OK; i++)
+        match->moody[i] |= memcmp(&match->answer[i], &match->again[i], sizeof *match->again) != 0;
+    return status;
+}
+
+/* Traces `repeats` times, at least twice; times and work go to the row, the hits of the first to
+ * match->answer. */
+static enum status timed_traces(struct match *match, const struct engine *engine, void *self,
+                                struct row *row)
+{
+    double speed[REPEAT_MOST];
+    unsigned repeats = is_brute(engine) ? 1 : match->options.repeats;
+    uint64_t per_ray = match->scene->tri_count ? match->scene->tri_count : 1;
+    memset(match->moody, 0, match->ray_count);
+    for (unsigned i = 0; i < repeats; i++) {
+        struct trace_report report = {0};
+        enum status status =
+            i ? trace_again(match, engine, self, row->rays, &report, row)
+              : engine->trace(self, match->ray, row->rays, match->answer, &report, &row->reason);
+        if (status)
+            return status;
+        speed[i] = 1e3 * (double)row->rays / (double)(report.ns ? report.ns : 1);
+        row->boxes = report.boxes;
+        row->tris = report.tris;
+        row->device_clock = report.device_clock;
+        if (report.memory_bytes > row->memory_bytes)
+            row->memory_bytes = report.memory_bytes;
+    }
+    qsort(speed, repeats, sizeof speed[0], by_size);
+    row->mrays[0] =
+        repeats % 2 ? speed[repeats / 2] : 0.5 * (speed[repeats / 2 - 1] + speed[repeats / 2]);
+    row->mrays[1] = speed[0];
+    row->mrays[2] = speed[repeats - 1];
+    if (repeats > 1)
+        return STATUS_OK;
+    size_t few = (size_t)(BRUTE_AGAIN / per_ray) + 1;
+    struct trace_report untimed;
+    return trace_again(match, engine, self, is_brute(engine) && few < row->rays ? few : row->rays,
+                       &untimed, row);
+}
+
+/* Fills match->cpu, which exact engines are compared with. */
+static enum status cpu_hits(struct match *match, struct reason *reason)
+{
+    if (match->cpu)
+        return STATUS_OK;
+    const struct engine *cpu = engine_find("cpu");
+    enum status status = STATUS_OK;
+    void *self = pool_get(match->pool, cpu, &status, reason);
+    struct job job = job_of(match, cpu);
+    struct trace_report report;
+    struct hit *hits = alloc_zeroed(match->ray_count, sizeof *hits);
+    if (!hits)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu rays", match->ray_count);
+    if (status == STATUS_OK)
+        status = cpu->prepare(self, &job, reason);
+    if (status == STATUS_OK)
+        status = cpu->trace(self, match->ray, match->ray_count, hits, &report, reason);
+    if (status)
+        free(hits);
+    else
+        match->cpu = hits;
+    return status;
+}
+
+/* Keeps closest hits for the any-hits that may follow. */
+static void keep_closest(struct match *match, const struct engine *engine, size_t count)
+{
+    if (match->options.query != QUERY_CLOSEST)
+        return;
+    memcpy(match->closest.hit, match->answer, count * sizeof *match->answer);
+    match->closest.count = count;
+    match->closest.engine = engine;
+    match->closest.box = match->options.box;
+}
+
+/* A row is judged only if nobody in it is as published: of the seed's parts it is known that they
+ * are wrong, so their wrong answers are counted. */
+static bool is_judged(const struct match *match, const struct engine *engine)
+{
+    if (!engine->needs_packed)
+        return true;
+    return !match->packed.layout->faithful && !match->options.builder->faithful &&
+           !match->options.box->faithful;
+}
+
+/* Lists all hits and judges them, beside engine cpu's if they must have its bits. */
+static enum status run_lists(struct match *match, const struct engine *engine, void *self,
+                             const struct model *model, struct row *row)
+{
+    const struct engine *cpu = engine_find("cpu");
+    enum status status = STATUS_OK;
+    void *beside = NULL;
+    if (row->bits && engine != cpu) {
+        struct job job = job_of(match, cpu);
+        beside = pool_get(match->pool, cpu, &status, &row->reason);
+        if (status == STATUS_OK)
+            status = cpu->prepare(beside, &job, &row->reason);
+    }
+    if (status == STATUS_OK)
+        status = match_lists(match, engine, self, beside, model, row);
+    return status;
+}
+
+/* Traces and judges on an engine that is prepared. */
+static enum status play_row(struct match *match, const struct engine *engine, void *self,
+                            struct row *row)
+{
+    struct model model = engine->model(self, match->options.tri);
+    row->unknown = model.formula == TWIN_UNKNOWN;
+    row->formula = row_formula_name(model.formula);
+    if (match->options.demands.displacement > 0.0f)
+        model.displacement = (double)match->options.demands.displacement;
+    const struct job job = job_of(match, engine);
+    if (!job_keeps_watertight(&job))
+        model.watertight = false; /* the triangle test is, but its boxes are not */
+    row->judged = is_judged(match, engine);
+    row->bits = model.bits;
+    struct trace_report own = {0};
+    if (engine->own_tree &&
+        engine->trace(self, match->ray, 0, NULL, &own, &row->reason) == STATUS_OK &&
+        MUTANT != MUTANT_FAST_IS_MT) {
+        row->node_bytes = own.node_bytes;
+        row->item_bytes = own.item_bytes;
+    }
+    if (match->options.query == QUERY_ALL)
+        return run_lists(match, engine, self, &model, row);
+    enum status status = timed_traces(match, engine, self, row);
+    if (status == STATUS_OK && row->bits)
+        status = cpu_hits(match, &row->reason);
+    if (status == STATUS_OK)
+        status = match_judge(match, &model, row);
+    return status;
+}
+
+static enum status run_and_judge(struct match *match, const struct engine *engine, struct row *row)
+{
+    enum status status = STATUS_OK;
+    void *self = pool_get(match->pool, engine, &status, &row->reason);
+    if (status) {
+        row->status = status == STATUS_UNSUPPORTED ? ROW_SKIPPED : ROW_FAILED;
+        row->absent = row->status == ROW_SKIPPED;
+        return status;
+    }
+    if (engine->needs_packed && !match->packed.layout) {
+        row->status = ROW_FAILED;
+        return fail(&row->reason, STATUS_INPUT, "engine %s needs a packed layout", engine->name);
+    }
+    struct job job = job_of(match, engine);
+    if (match->options.query == QUERY_ALL && !engine->trace_all)
+        status = fail(&row->reason, STATUS_UNSUPPORTED, "%s cannot list all hits", engine->name);
+    else
+        status = engine->prepare(self, &job, &row->reason);
+    if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
+        row->status = status == STATUS_LIMIT ? ROW_REFUSED : ROW_SKIPPED;
+        row->declined = row->status == ROW_REFUSED;
+        return status;
+    }
+    if (status == STATUS_OK)
+        status = play_row(match, engine, self, row);
+    row->declined = status == STATUS_REFUSED;
+    row->status = row->declined ? ROW_REFUSED : status ? ROW_FAILED : ROW_OK;
+    if (status == STATUS_OK)
+        keep_closest(match, engine, row->rays);
+    return status;
+}
+
+void match_run(struct match *match, const struct engine *engine, struct row *row)
+{
+    *row = (struct row){.options = match->options,
+                        .stats = match->stats,
+                        .refit = match->refit,
+                        .engine = engine,
+                        .rays = match->ray_count};
+    if (engine->needs_packed) {
+        row->layout = match->packed.layout;
+        row->node_bytes = packed_node_bytes(&match->packed);
+        row->item_bytes = packed_item_bytes(&match->packed);
+        if (match->packed.layout && tri_store_reads_scene(match->packed.store))
+            row->scene_bytes =
+                12 * ((uint64_t)match->scene->vertex_count + match->scene->tri_count);
+    }
+    if (is_brute(engine) && match->brute_count > 0)
+        row->rays = match->brute_count;
+    row->cause = run_and_judge(match, engine, row);
+    size_t floor = row->rays / VACUOUS_ONE_IN;
+    if (row->status == ROW_OK && row->judged && row->hits < (floor ? floor : 1)) {
+        row->status = ROW_VACUOUS;
+        fail(&row->reason, STATUS_OK, "vacuous: %zu hits of %zu rays prove nothing", row->hits,
+             row->rays);
+    }
+}

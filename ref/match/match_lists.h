@@ -1,0 +1,15 @@
+/* Rows of all hits: every triangle along each ray, listed, sorted and judged; for match.c. */
+#ifndef MATCH_LISTS_H
+#define MATCH_LISTS_H
+
+#include "ref/match/match.h"
+
+/* Asks an engine that match->options.query == QUERY_ALL prepared for the lists of row->rays rays
+ * twice, judges them, and counts in the row; match->answer gets the nearest hits.
+ *   cpu    engine cpu's self, prepared for the same job, if row->bits and the engine is another;
+ *          else NULL
+ * Errors: those of trace_all; STATUS_MEMORY. */
+enum status match_lists(struct match *match, const struct engine *engine, void *self, void *cpu,
+                        const struct model *model, struct row *row) MUST_USE;
+
+#endif

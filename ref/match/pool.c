@@ -1,0 +1,32 @@
+/* Engines opened once and kept. */
+#include "ref/match/match.h"
+
+void *pool_get(struct pool *pool, const struct engine *engine, enum status *status,
+               struct reason *reason)
+{
+    size_t i = 0;
+    while (i < pool->count && pool->entry[i].engine != engine)
+        i++;
+    if (i == POOL_MOST) {
+        *status = fail(reason, STATUS_LIMIT, "more than %d engines", POOL_MOST);
+        return NULL;
+    }
+    if (i == pool->count) {
+        pool->count++;
+        pool->entry[i].engine = engine;
+        pool->entry[i].status =
+            engine->open(&pool->options, &pool->entry[i].self, &pool->entry[i].reason);
+    }
+    *status = pool->entry[i].status;
+    if (*status && reason)
+        *reason = pool->entry[i].reason;
+    return pool->entry[i].self;
+}
+
+void pool_free(struct pool *pool)
+{
+    for (size_t i = 0; i < pool->count; i++)
+        if (pool->entry[i].status == STATUS_OK)
+            pool->entry[i].engine->close(pool->entry[i].self);
+    pool->count = 0;
+}

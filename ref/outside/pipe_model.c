@@ -1,0 +1,49 @@
+/* What a peer says of its own arithmetic. */
+#include "ref/outside/pipe.h"
+
+static const struct {
+    const char *name;
+    enum twin_formula formula;
+} formulas[] = {{"unknown", TWIN_UNKNOWN},
+                {"mt", TWIN_MT},
+                {"woop", TWIN_WOOP},
+                {"embree", TWIN_EMBREE},
+                {"embree_robust", TWIN_EMBREE_ROBUST},
+                {"pluecker", TWIN_PLUECKER},
+                {"baldwin_webber", TWIN_BALDWIN_WEBBER}};
+
+static const char *const roundings[] = {"ieee", "flushed", "vulkan", "vulkan_rte", "embree"};
+
+const char *pipe_formula_name(uint32_t formula)
+{
+    return formula < ARRAY_COUNT(formulas) ? formulas[formula].name : NULL;
+}
+
+const char *pipe_rounding_name(uint32_t rounding)
+{
+    return rounding < ARRAY_COUNT(roundings) ? roundings[rounding] : NULL;
+}
+
+enum status pipe_model(uint32_t formula, uint32_t rounding, uint32_t flags, struct model *out,
+                       struct reason *reason)
+{
+    const struct rounding known[] = {ROUNDING_IEEE, ROUNDING_FLUSHED, ROUNDING_VULKAN,
+                                     ROUNDING_VULKAN_RTE, ROUNDING_EMBREE};
+    *out = (struct model){.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
+    if (formula >= ARRAY_COUNT(formulas))
+        return fail(reason, STATUS_INPUT, "formula %u is not one of 0 to %zu", (unsigned)formula,
+                    ARRAY_COUNT(formulas) - 1);
+    if (rounding >= ARRAY_COUNT(known))
+        return fail(reason, STATUS_INPUT, "rounding %u is not one of 0 to %zu", (unsigned)rounding,
+                    ARRAY_COUNT(known) - 1);
+    if (flags & ~(PIPE_FLAG_OPEN | PIPE_FLAG_WATERTIGHT | PIPE_FLAG_UNNAMED))
+        return fail(reason, STATUS_INPUT,
+                    "flags 0x%x have more than open 1, watertight 2, unnamed 4", (unsigned)flags);
+    *out = (struct model){.formula = formulas[formula].formula,
+                          .rounding = known[rounding],
+                          .slab = formulas[formula].formula == TWIN_EMBREE,
+                          .open = (flags & PIPE_FLAG_OPEN) != 0,
+                          .watertight = (flags & PIPE_FLAG_WATERTIGHT) != 0,
+                          .any_unnamed = (flags & PIPE_FLAG_UNNAMED) != 0};
+    return STATUS_OK;
+}

@@ -1,0 +1,379 @@
+#include "ref/outside/pipe_text.h"
+
+#include "ref/outside/pipe.h"
+#include "ref/base/decimal.h"
+#include "ref/base/ray_text.h"
+#include "ref/scene/mesh.h"
+#include "ref/files/scan.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A file being read. */
+struct reading {
+    struct scan scan;
+    const struct pipe_limits *limits;
+    struct mesh mesh;
+    size_t ray_capacity, hit_capacity;
+    bool ended;
+    struct pipe_text *out;
+    struct reason *reason;
+};
+
+void pipe_text_free(struct pipe_text *text)
+{
+    scene_free(&text->scene);
+    free(text->ray);
+    free(text->hit);
+    *text = (struct pipe_text){0};
+}
+
+static enum status no_memory(struct reading *r)
+{
+    return fail(r->reason, STATUS_MEMORY, "%s: no memory", r->scan.name);
+}
+
+static enum status read_float(struct reading *r, const char *what, float *out)
+{
+    char shown[SCAN_SHOWN];
+    scan_blanks(&r->scan);
+    const char *end = float_text_read(r->scan.at, out), *start = r->scan.at;
+    if (end) {
+        r->scan.at = end;
+        if (scan_word_done(&r->scan))
+            return STATUS_OK;
+        r->scan.at = start;
+    }
+    return scan_fail(&r->scan, r->reason, "%s: %s is not a float32 number", what,
+                     scan_show(&r->scan, shown));
+}
+
+static enum status read_floats(struct reading *r, const char *const *what, float *out, int count)
+{
+    enum status status = STATUS_OK;
+    for (int i = 0; i < count && !status; i++)
+        status = read_float(r, what[i], &out[i]);
+    return status;
+}
+
+static enum status read_vertex(struct reading *r)
+{
+    static const char *const what[] = {"x", "y", "z"};
+    float position[3];
+    enum status status = read_floats(r, what, position, 3);
+    if (status)
+        return status;
+    for (int k = 0; k < 3; k++)
+        if (!float_is_finite(position[k]))
+            return scan_fail(&r->scan, r->reason, "a vertex is finite");
+    return mesh_vertex(&r->mesh, position) ? no_memory(r) : STATUS_OK;
+}
+
+static enum status read_triangle(struct reading *r)
+{
+    mesh_polygon(&r->mesh);
+    for (int c = 0; c < 3; c++) {
+        int64_t n;
+        enum status status = scan_whole(&r->scan, "vertex", &n, r->reason);
+        if (status)
+            return status;
+        if (n < 0 || (uint64_t)n >= r->mesh.vertex_count)
+            return scan_fail(&r->scan, r->reason,
+                             "vertex %" PRId64 " is none of the %zu before this line", n,
+                             r->mesh.vertex_count);
+        if (mesh_corner(&r->mesh, (uint32_t)n))
+            return no_memory(r);
+    }
+    return STATUS_OK;
+}
+
+static enum status read_ray(struct reading *r)
+{
+    static const char *const what[] = {"origin x",    "origin y",    "origin z",    "tmin",
+                                       "direction x", "direction y", "direction z", "tmax"};
+    float n[8];
+    enum status status = read_floats(r, what, n, 8);
+    void *array = r->out->ray;
+    if (status)
+        return status;
+    if (array_reserve(&array, &r->ray_capacity, r->out->ray_count + 1, sizeof *r->out->ray))
+        return no_memory(r);
+    r->out->ray = array;
+    r->out->ray[r->out->ray_count++] =
+        (struct ray){{n[0], n[1], n[2]}, n[3], {n[4], n[5], n[6]}, n[7]};
+    return STATUS_OK;
+}
+
+static enum status add_hit(struct reading *r, struct hit hit)
+{
+    void *array = r->out->hit;
+    if (r->out->hit_count == r->limits->rays)
+        return scan_fail(&r->scan, r->reason, "an answer to ray %zu, but there are only %zu rays",
+                         r->out->hit_count, r->limits->rays);
+    if (array_reserve(&array, &r->hit_capacity, r->out->hit_count + 1, sizeof hit))
+        return no_memory(r);
+    r->out->hit = array;
+    r->out->hit[r->out->hit_count++] = hit;
+    return STATUS_OK;
+}
+
+static enum status read_hit(struct reading *r)
+{
+    static const char *const what[] = {"t", "u", "v"};
+    float n[3];
+    int64_t prim;
+    enum status status = read_floats(r, what, n, 3);
+    if (!status)
+        status = scan_whole(&r->scan, "triangle", &prim, r->reason);
+    if (status)
+        return status;
+    uint32_t most = r->limits->triangles;
+    if (prim < 0 || prim >= most)
+        return scan_fail(&r->scan, r->reason, "triangle %" PRId64 " is none of %u", prim,
+                         (unsigned)most);
+    return add_hit(r, (struct hit){n[0], n[1], n[2], (uint32_t)prim});
+}
+
+static enum status read_miss(struct reading *r)
+{
+    return add_hit(r, (struct hit){.prim = ABI_NO_PRIM});
+}
+
+static bool word_is(const char *word, size_t length, const char *name)
+{
+    return strlen(name) == length && memcmp(word, name, length) == 0;
+}
+
+/* The next word is one of a table; else its index is the table's length. */
+static uint32_t read_word(struct reading *r, const char *(*name)(uint32_t))
+{
+    const char *word;
+    size_t length = scan_word(&r->scan, &word);
+    uint32_t i = 0;
+    while (name(i) && !word_is(word, length, name(i)))
+        i++;
+    return i;
+}
+
+static enum status read_formula(struct reading *r)
+{
+    r->out->formula = read_word(r, pipe_formula_name);
+    if (!pipe_formula_name(r->out->formula))
+        return scan_fail(&r->scan, r->reason,
+                         "formulas are unknown, mt, woop, embree, embree_robust, "
+                         "pluecker, baldwin_webber");
+    scan_blanks(&r->scan);
+    if (scan_line_done(&r->scan))
+        return STATUS_OK;
+    r->out->rounding = read_word(r, pipe_rounding_name);
+    if (!pipe_rounding_name(r->out->rounding))
+        return scan_fail(&r->scan, r->reason,
+                         "roundings are ieee, flushed, vulkan, vulkan_rte, embree");
+    return STATUS_OK;
+}
+
+static const char *flag_name(uint32_t i)
+{
+    static const char *const names[] = {"open", "watertight", "unnamed"};
+    return i < ARRAY_COUNT(names) ? names[i] : NULL;
+}
+
+static enum status read_flags(struct reading *r)
+{
+    for (scan_blanks(&r->scan); !scan_line_done(&r->scan); scan_blanks(&r->scan)) {
+        uint32_t flag = read_word(r, flag_name);
+        if (!flag_name(flag))
+            return scan_fail(&r->scan, r->reason, "flags are open, watertight, unnamed");
+        r->out->flags |= 1u << flag;
+    }
+    return STATUS_OK;
+}
+
+/* The rest of the line, without what follows its last word. */
+static void read_rest(struct reading *r, char *text, size_t text_bytes)
+{
+    scan_blanks(&r->scan);
+    size_t length = 0;
+    for (; r->scan.at < r->scan.end && *r->scan.at != '\n' && *r->scan.at != '\r'; r->scan.at++)
+        if (length + 1 < text_bytes)
+            text[length++] = *r->scan.at < ' ' || *r->scan.at > '~' ? '?' : *r->scan.at;
+    while (length > 0 && text[length - 1] == ' ')
+        length--;
+    text[length] = '\0';
+}
+
+static enum status read_refused(struct reading *r)
+{
+    read_rest(r, r->out->refused, sizeof r->out->refused);
+    if (r->out->refused[0] == '\0')
+        strcpy(r->out->refused, "without a reason");
+    return STATUS_OK;
+}
+
+static enum status read_from(struct reading *r)
+{
+    struct pipe_from *from = &r->out->from;
+    const char *word, *rest;
+    size_t length = scan_word(&r->scan, &word);
+    char *end = NULL;
+    from->hash = strtoull(word, &end, 16);
+    bool good = length == 16 && end == word + 16;
+    int64_t n[2] = {0, 0};
+    for (int i = 0; i < 2 && good; i++)
+        good = scan_whole(&r->scan, "", &n[i], NULL) == STATUS_OK && n[i] >= 0;
+    from->seed = (uint64_t)n[0];
+    from->count = (uint64_t)n[1];
+    length = good ? scan_word(&r->scan, &rest) : 0;
+    good = good && length > 0 && length < sizeof from->rays && !memchr(rest, 0, length);
+    if (good)
+        memcpy(from->rays, rest, length);
+    if (good)
+        read_rest(r, from->spec, sizeof from->spec);
+    if (!good || from->spec[0] == '\0')
+        return scan_fail(&r->scan, r->reason, "not a 'from' line as raydiff gen writes it");
+    return STATUS_OK;
+}
+
+static enum status read_query(struct reading *r)
+{
+    const char *word;
+    size_t length = scan_word(&r->scan, &word);
+    r->out->query = word_is(word, length, "any") ? QUERY_ANY : QUERY_CLOSEST;
+    if (r->out->query == QUERY_CLOSEST && !word_is(word, length, "closest"))
+        return scan_fail(&r->scan, r->reason, "queries are closest, any");
+    return STATUS_OK;
+}
+
+static enum status read_version(struct reading *r)
+{
+    int64_t version;
+    enum status status = scan_whole(&r->scan, "version", &version, r->reason);
+    if (!status && version != PIPE_VERSION)
+        return scan_fail(&r->scan, r->reason, "version %" PRId64 ", not %u", version, PIPE_VERSION);
+    return status;
+}
+
+static enum status read_end(struct reading *r)
+{
+    r->ended = true;
+    return STATUS_OK;
+}
+
+static enum status read_line(struct reading *r)
+{
+    static const struct {
+        const char *name;
+        enum status (*read)(struct reading *r);
+    } lines[] = {{"v", read_vertex},        {"t", read_triangle},      {"r", read_ray},
+                 {"h", read_hit},           {"m", read_miss},          {"query", read_query},
+                 {"formula", read_formula}, {"flags", read_flags},     {"refused", read_refused},
+                 {"from", read_from},       {"raydiff", read_version}, {"end", read_end}};
+    char shown[SCAN_SHOWN];
+    const char *word;
+    struct scan before = r->scan;
+    size_t length = scan_word(&r->scan, &word);
+    if (length == 0)
+        return STATUS_OK;
+    if (r->ended)
+        return scan_fail(&before, r->reason, "nothing follows 'end'");
+    for (size_t i = 0; i < ARRAY_COUNT(lines); i++) {
+        if (!word_is(word, length, lines[i].name))
+            continue;
+        enum status status = lines[i].read(r);
+        if (status)
+            return status;
+        scan_blanks(&r->scan);
+        if (!scan_line_done(&r->scan))
+            return scan_fail(&r->scan, r->reason, "%s is too much on a line '%s'",
+                             scan_show(&r->scan, shown), lines[i].name);
+        return STATUS_OK;
+    }
+    return scan_fail(&before, r->reason,
+                     "%s is no line: v, t, r, h, m, query, formula, flags, refused, from, end",
+                     scan_show(&before, shown));
+}
+
+enum status pipe_text_parse(const char *name, const char *bytes, size_t size,
+                            const struct pipe_limits *limits, struct pipe_text *out,
+                            struct reason *reason)
+{
+    *out = (struct pipe_text){0};
+    struct reading r = {
+        .scan = scan_make(name, bytes, size), .limits = limits, .out = out, .reason = reason};
+    enum status status = STATUS_OK;
+    r.scan.comment = '#';
+    while (r.scan.at < r.scan.end && !status) {
+        scan_blanks(&r.scan);
+        out->last_line = r.scan.line;
+        status = read_line(&r);
+        if (!status)
+            scan_next_line(&r.scan);
+    }
+    if (!status && r.mesh.vertex_count > 0)
+        status = mesh_finish(&r.mesh, name, &out->scene, reason);
+    mesh_free(&r.mesh);
+    if (status)
+        pipe_text_free(out);
+    return status;
+}
+
+static uint64_t hash_more(uint64_t hash, const void *bytes, size_t size)
+{
+    const unsigned char *at = bytes;
+    for (size_t i = 0; i < size; i++)
+        hash = (hash ^ at[i]) * UINT64_C(0x100000001B3);
+    return hash;
+}
+
+uint64_t pipe_hash(const struct scene *scene, const struct ray *ray, size_t ray_count,
+                   enum query query)
+{
+    uint64_t hash = UINT64_C(0xCBF29CE484222325);
+    const uint32_t head[] = {scene->vertex_count, scene->tri_count, (uint32_t)query};
+    hash = hash_more(hash, head, sizeof head);
+    hash = hash_more(hash, scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count);
+    hash = hash_more(hash, scene->index, 3 * sizeof(uint32_t) * (size_t)scene->tri_count);
+    return hash_more(hash, ray, ray_count * sizeof *ray);
+}
+
+static void put(FILE *stream, float x, bool decimal)
+{
+    char text[32];
+    if (decimal && float_is_finite(x))
+        decimal_write_float(x, text);
+    else
+        float_text_write(x, text);
+    fputc(' ', stream);
+    fputs(text, stream);
+}
+
+static void put_line(FILE *stream, char kind, const float *x, int count, bool decimal)
+{
+    fputc(kind, stream);
+    for (int i = 0; i < count; i++)
+        put(stream, x[i], decimal);
+    fputc('\n', stream);
+}
+
+void pipe_text_write(FILE *stream, const struct pipe_from *from, const struct scene *scene,
+                     const struct ray *ray, size_t ray_count, enum query query, bool decimal)
+{
+    fprintf(stream, "raydiff %u\n", PIPE_VERSION);
+    if (from)
+        fprintf(stream, "from %016" PRIx64 " %" PRIu64 " %" PRIu64 " %s %s\n", from->hash,
+                from->seed, from->count, from->rays, from->spec);
+    fprintf(stream, "query %s\n", query_name(query));
+    for (size_t i = 0; i < scene->vertex_count; i++)
+        put_line(stream, 'v', scene->vertex + 3 * i, 3, decimal);
+    for (size_t i = 0; i < scene->tri_count; i++)
+        fprintf(stream, "t %u %u %u\n", scene->index[3 * i], scene->index[3 * i + 1],
+                scene->index[3 * i + 2]);
+    for (size_t i = 0; i < ray_count; i++) {
+        const struct ray *r = &ray[i];
+        const float x[8] = {r->org[0], r->org[1], r->org[2], r->tmin,
+                            r->dir[0], r->dir[1], r->dir[2], r->tmax};
+        put_line(stream, 'r', x, 8, decimal);
+    }
+    fputs("end\n", stream);
+}

@@ -1,0 +1,235 @@
+#include "ref/tree/cover.h"
+#include "ref/packed/packed_unpack.h"
+#include "ref/packed/packed_walk.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A check in progress; `exact` has the bounds of the triangles below each visit. */
+struct check {
+    const struct packed *packed;
+    const struct scene *scene;
+    struct packed_walk walk;
+    struct packed_faults faults;
+    struct box *exact;
+    uint32_t *seen; /* per triangle: 0, or 1 plus the last visit that names it */
+    struct reason *reason;
+    enum status status; /* STATUS_INPUT once a fault is reported */
+};
+
+/* True for the first fault, which is the one to be described. */
+static bool first_fault(struct check *check, enum packed_rule rule)
+{
+    bool first = check->status == STATUS_OK;
+    if (first)
+        check->faults.first = rule;
+    check->status = STATUS_INPUT;
+    return first;
+}
+
+static struct packed_name visit_name(const struct check *check, uint32_t i)
+{
+    return packed_name(check->packed, check->walk.visit[i].ref);
+}
+
+static void check_walk(struct check *check)
+{
+    const struct packed_walk *walk = &check->walk;
+    const char *name = check->packed->layout->name;
+    check->faults.bad_refs = walk->bad_refs;
+    check->faults.cycles = walk->repeats;
+    check->faults.too_deep = walk->stack_most > check->packed->stack_need;
+    if (walk->bad_refs > 0 && first_fault(check, PACKED_REFERENCE))
+        (void)fail(check->reason, STATUS_INPUT,
+                   "%s: %s: a child reference lies outside the %u records", name,
+                   packed_name(check->packed, walk->bad_ref).text, check->packed->node_count);
+    if (walk->repeats > 0 && first_fault(check, PACKED_REFERENCE))
+        (void)fail(check->reason, STATUS_INPUT, "%s: %s is reached more than once", name,
+                   packed_name(check->packed, walk->repeat_ref).text);
+    if (check->faults.too_deep && first_fault(check, PACKED_STACK))
+        (void)fail(check->reason, STATUS_INPUT,
+                   "%s: a path needs %u stack entries, the packed tree says %u", name,
+                   walk->stack_most, check->packed->stack_need);
+}
+
+/* Whether a split tree finds every part of every triangle. The items are copied as they decode, so
+ * that leaves which share theirs must not ask for more than the tree has bytes for. */
+static enum status check_cover(struct check *check)
+{
+    const struct packed *packed = check->packed;
+    uint32_t visits = check->walk.visit_count, most = packed_prims_most(packed), items = 0;
+    struct cover_faults faults = {0};
+    struct cover_node *node = alloc_zeroed(visits, sizeof *node);
+    uint32_t *item = alloc_zeroed(most, sizeof *item);
+    bool fits = true;
+    for (uint32_t i = 0; i < visits && node && item && fits; i++) {
+        const struct packed_visit *visit = &check->walk.visit[i];
+        struct wide wide;
+        packed->layout->load(packed, visit->ref, &wide);
+        node[i] = (struct cover_node){visit->box, visit->parent, items, 0};
+        if (wide.child_count > 0)
+            continue;
+        fits = wide.item_count <= most - items;
+        for (uint32_t s = 0; s < wide.item_count && fits; s++)
+            item[items++] = packed_item(packed, &wide, s);
+        node[i].item_count = items - node[i].item_first;
+    }
+    const struct cover_tree tree = {node, item, visits};
+    enum status status = node && item ? STATUS_OK : STATUS_MEMORY;
+    if (!status && fits)
+        status = cover_check(&tree, check->scene, &faults);
+    free(node);
+    free(item);
+    check->faults.bad_prims += !fits;
+    check->faults.loose_boxes = faults.prims;
+    if (!fits && first_fault(check, PACKED_ITEM))
+        (void)fail(check->reason, STATUS_INPUT, "%s: the leaves name more than %u triangles",
+                   packed->layout->name, most);
+    if (faults.prims && first_fault(check, PACKED_BOUND))
+        (void)fail(check->reason, STATUS_INPUT,
+                   "%s: %s: a part of triangle %u is in no leaf's box below; %u triangles "
+                   "have such parts",
+                   packed->layout->name, visit_name(check, faults.node).text, faults.prim,
+                   faults.prims);
+    return status;
+}
+
+/* A storage that has vertices has the scene's. */
+static void check_stored(struct check *check, uint32_t i, const struct wide *leaf, uint32_t s,
+                         uint32_t prim)
+{
+    const struct packed *packed = check->packed;
+    float stored[3][3], own[3][3];
+    if (!packed->store->tri)
+        return;
+    scene_tri(check->scene, prim, own);
+    if (packed->store->tri(packed, leaf->item_first, s, stored) &&
+        memcmp(stored, own, sizeof own) == 0)
+        return;
+    check->faults.bad_tris++;
+    if (first_fault(check, PACKED_VERTICES))
+        (void)fail(check->reason, STATUS_INPUT,
+                   "%s: %s: storage %s has triangle %u with other vertices", packed->layout->name,
+                   visit_name(check, i).text, packed->store->name, prim);
+}
+
+/* Marks the triangle of one item slot and adds it to the bounds of visit `i`. */
+static void check_item(struct check *check, uint32_t i, const struct wide *leaf, uint32_t s)
+{
+    const struct packed *packed = check->packed;
+    const uint32_t slot = leaf->item_first + s, prim = packed_item(packed, leaf, s);
+    if (prim == ABI_NO_PRIM)
+        return;
+    if (prim >= check->scene->tri_count) {
+        check->faults.bad_prims++;
+        if (first_fault(check, PACKED_ITEM))
+            (void)fail(check->reason, STATUS_INPUT, "%s: %s: item slot %u names triangle %u of %u",
+                       packed->layout->name, visit_name(check, i).text, slot, prim,
+                       check->scene->tri_count);
+        return;
+    }
+    if (check->seen[prim] && (!packed->split || check->seen[prim] == i + 1)) {
+        check->faults.double_prims++;
+        if (first_fault(check, PACKED_TWICE))
+            (void)fail(check->reason, STATUS_INPUT,
+                       "%s: %s: item slot %u names triangle %u a second time", packed->layout->name,
+                       visit_name(check, i).text, slot, prim);
+    }
+    check->seen[prim] = i + 1;
+    check_stored(check, i, leaf, s, prim);
+    struct box one = scene_tri_bounds(check->scene, prim);
+    box_add_box(&check->exact[i], &one);
+}
+
+/* How many slots of a leaf to look at: hostile words can claim 2^32 - 1. Fixed-size leaves have up
+ * to 8 for fewer triangles. */
+static uint32_t leaf_slots(struct check *check, uint32_t i, const struct wide *node)
+{
+    uint32_t most = check->scene->tri_count < 8 ? 8 : check->scene->tri_count;
+    if (node->item_count <= most)
+        return node->item_count;
+    check->faults.bad_prims++;
+    if (first_fault(check, PACKED_ITEM))
+        (void)fail(check->reason, STATUS_INPUT, "%s: %s: a leaf of %u items for %u triangles",
+                   check->packed->layout->name, visit_name(check, i).text, node->item_count,
+                   check->scene->tri_count);
+    return 0;
+}
+
+static void check_items(struct check *check)
+{
+    for (uint32_t i = 0; i < check->walk.visit_count; i++) {
+        struct wide node;
+        check->packed->layout->load(check->packed, check->walk.visit[i].ref, &node);
+        check->exact[i] = box_empty();
+        if (node.child_count > 0)
+            continue;
+        uint32_t slots = leaf_slots(check, i, &node);
+        for (uint32_t s = 0; s < slots; s++)
+            check_item(check, i, &node, s);
+    }
+    for (uint32_t prim = 0; prim < check->scene->tri_count; prim++) {
+        if (check->seen[prim])
+            continue;
+        check->faults.lost_prims++;
+        if (first_fault(check, PACKED_LOST))
+            (void)fail(check->reason, STATUS_INPUT, "%s: triangle %u is in no leaf",
+                       check->packed->layout->name, prim);
+    }
+}
+
+/* From the last visit to the first, so that a node's bounds are complete before its parent's. */
+static void check_boxes(struct check *check)
+{
+    for (uint32_t i = check->walk.visit_count; i-- > 0;) {
+        const struct packed_visit *visit = &check->walk.visit[i];
+        const struct box *exact = &check->exact[i];
+        for (int k = 0; k < 3; k++) {
+            /* An odd comparison, so that a NaN counts as loose. */
+            if (visit->box.lo[k] <= exact->lo[k] && exact->hi[k] <= visit->box.hi[k])
+                continue;
+            check->faults.loose_boxes++;
+            if (first_fault(check, PACKED_BOUND))
+                (void)fail(check->reason, STATUS_INPUT,
+                           "%s: %s: %c bounds [%a, %a] do not contain [%a, %a] below",
+                           check->packed->layout->name, visit_name(check, i).text, "xyz"[k],
+                           (double)visit -> box.lo[k], (double)visit->box.hi[k],
+                           (double)exact->lo[k], (double)exact->hi[k]);
+            break;
+        }
+        if (i > 0)
+            box_add_box(&check->exact[visit->parent], exact);
+    }
+}
+
+enum status packed_check(const struct packed *packed, const struct scene *scene,
+                         struct packed_faults *faults, struct reason *reason)
+{
+    struct check check = {.packed = packed, .scene = scene, .reason = reason};
+    if (faults)
+        *faults = (struct packed_faults){0};
+    enum status status = packed_walk_make(packed, &check.walk);
+    check.exact = alloc_zeroed(check.walk.visit_count, sizeof *check.exact);
+    check.seen = alloc_zeroed(scene->tri_count, sizeof *check.seen);
+    if (!status && check.exact && check.seen) {
+        check_walk(&check);
+        check_items(&check);
+        if (packed->split)
+            status = check_cover(&check);
+        else
+            check_boxes(&check);
+    } else {
+        status = STATUS_MEMORY;
+    }
+    if (!status) {
+        status = check.status;
+        if (faults)
+            *faults = check.faults;
+    } else {
+        status = fail(reason, STATUS_MEMORY, "no memory to check %u records", packed->node_count);
+    }
+    packed_walk_free(&check.walk);
+    free(check.exact);
+    free(check.seen);
+    return status;
+}

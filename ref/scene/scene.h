@@ -1,0 +1,73 @@
+/* A scene: indexed triangles, and what an RTRS scene file says beside them. */
+#ifndef SCENE_H
+#define SCENE_H
+
+#include "ref/base/base.h"
+#include "ref/base/geom.h"
+
+struct camera {
+    float pos[3];
+    float at[3];
+    bool orbit; /* RTRS "Orbit", else "Fixed" */
+};
+
+struct light {
+    float pos[3];
+    float strength;
+};
+
+struct material {
+    float color[3];
+    float albedo[3]; /* diffuse, specular, reflective */
+    float spec;      /* exponent */
+};
+
+/* Owns its arrays (see scene_free). A scene made by a reader or generator has passed scene_check.
+ * Triangle i has the vertices index[3i .. 3i+2]; its index is its name in every hit. */
+struct scene {
+    float *vertex;   /* 3 * vertex_count, finite */
+    uint32_t *index; /* 3 * tri_count, each < vertex_count */
+    uint32_t vertex_count;
+    uint32_t tri_count;
+    float *normal;        /* 3 * vertex_count, or NULL */
+    int32_t *material_of; /* tri_count, or NULL: all 0 */
+    struct light *light;  /* light_count, NULL if none */
+    struct material *material;
+    uint32_t light_count;
+    uint32_t material_count;
+    struct camera camera; /* used if has_camera; else scene_camera chooses one */
+    bool has_camera;
+};
+
+/* Allocates zeroed vertex and index arrays; the rest of *out is zero. 0 triangles are allowed.
+ * Errors: STATUS_MEMORY. */
+enum status scene_make(uint32_t vertex_count, uint32_t tri_count, struct scene *out) MUST_USE;
+
+/* Frees what the scene owns and zeroes it. A zero scene is fine. */
+void scene_free(struct scene *scene);
+
+/* Checks that indices are in range and vertices finite.
+ * Errors: STATUS_INPUT with the first offending triangle or vertex in `reason`. */
+enum status scene_check(const struct scene *scene, struct reason *reason) MUST_USE;
+
+/* Exact bounds of all triangles; box_empty() without triangles. */
+struct box scene_bounds(const struct scene *scene);
+
+/* Exact bounds of triangle `prim`. */
+struct box scene_tri_bounds(const struct scene *scene, uint32_t prim);
+
+/* The scene's camera, or one that sees the whole scene from outside along (1, 0.7, 1.3). */
+struct camera scene_camera(const struct scene *scene);
+
+/* Copies the nine coordinates of triangle `prim`. */
+static inline void scene_tri(const struct scene *scene, uint32_t prim, float v[3][3])
+{
+    for (int c = 0; c < 3; c++) {
+        const float *p = scene->vertex + 3 * (size_t)scene->index[3 * (size_t)prim + (size_t)c];
+        v[c][0] = p[0];
+        v[c][1] = p[1];
+        v[c][2] = p[2];
+    }
+}
+
+#endif

@@ -1,0 +1,217 @@
+#include "ref/trace/trace_walk.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The whole walk. Inlined where the tests are known, so that each pair of them has a loop of its
+ * own: fuzzing spends most of its time here. */
+static inline __attribute__((always_inline)) enum status walk_tree(struct walk *w, uint32_t box_id,
+                                                                   uint32_t tri_id)
+{
+    const struct packed *packed = w->packed;
+    float entry;
+    if (packed->node_count == 0)
+        return STATUS_OK;
+    struct box root = packed->layout->box(packed, packed->root);
+    slab_ray_place(&w->slab, &root);
+    w->counts.boxes++;
+    if (!box_test_run(box_id, &w->slab, &root, w->tbest, &entry))
+        return STATUS_OK;
+    uint32_t ref = packed->root;
+    /* In a tree no node is visited twice: more visits than nodes is a cycle. */
+    for (uint32_t visits = 0; visits < packed->ref_count; visits++) {
+        struct wide loaded;
+        const struct wide *node = w->decoded ? &w->decoded[ref] : &loaded;
+        bool descend = false;
+        uint32_t next = 0;
+        if (!w->decoded)
+            packed->layout->load(packed, ref, &loaded);
+        if (node->child_count == 0) {
+            if (walk_leaf(w, tri_id, node))
+                return STATUS_OK;
+        } else if (layout_is_wide(packed->layout) ? !walk_wide(w, box_id, node)
+                                                  : !walk_inner(w, box_id, node, &next, &descend)) {
+            return STATUS_LIMIT;
+        }
+        if (!descend && !(w->parent ? walk_up(w, box_id, ref, &next) : walk_pop(w, box_id, &next)))
+            return STATUS_OK;
+        ref = next;
+    }
+    return STATUS_LIMIT;
+}
+
+static enum status walk_robust(struct walk *w, uint32_t tri_id)
+{
+    if (tri_id == ABI_TRI_WOOP)
+        return walk_tree(w, ABI_BOX_ROBUST, ABI_TRI_WOOP);
+    if (tri_id == ABI_TRI_MT) /* the default, without a choice among all of them per triangle */
+        return walk_tree(w, ABI_BOX_ROBUST, ABI_TRI_MT);
+    return walk_tree(w, ABI_BOX_ROBUST, tri_id);
+}
+
+static enum status walk_watertight(struct walk *w, uint32_t tri_id)
+{
+    if (tri_id == ABI_TRI_WOOP)
+        return walk_tree(w, ABI_BOX_WATERTIGHT, ABI_TRI_WOOP);
+    return walk_tree(w, ABI_BOX_WATERTIGHT, tri_id);
+}
+
+static enum status walk_with(struct walk *w, const struct box_test *box, const struct tri_test *tri)
+{
+    if (box->id == ABI_BOX_ROBUST)
+        return walk_robust(w, tri->id);
+    if (box->id == ABI_BOX_WATERTIGHT)
+        return walk_watertight(w, tri->id);
+    return walk_tree(w, box->id, tri->id);
+}
+
+static void walk_start(struct walk *w, const struct packed *packed, const struct wide *decoded,
+                       const struct scene *scene, enum query query, const struct ray *ray)
+{
+#if MUTANT == MUTANT_TRACER_DIES || MUTANT == MUTANT_TRACER_HANGS
+    for (volatile int again = 1; again && ray->tmax != ray->tmax;)
+        if (MUTANT == MUTANT_TRACER_DIES)
+            __builtin_trap();
+#endif
+    w->packed = packed;
+    w->store = packed->store;
+    w->stored = packed->node_count > 0 && !tri_store_reads_scene(packed->store);
+    w->listed =
+        packed->node_count > 0 && !packed->layout->item && packed->store->id == ABI_STORE_INDEXED;
+    w->parent = NULL;
+    w->trail = 0;
+    w->decoded = decoded;
+    w->scene = scene;
+    w->query = query;
+    w->slab = slab_ray_make(ray);
+    w->tri = tri_ray_make(ray);
+    w->best = (struct hit){.prim = ABI_NO_PRIM};
+    w->tbest = ray->tmax;
+    w->depth = 0;
+    w->counts = (struct trace_counts){0};
+    w->capacity = w->found = 0;
+}
+
+static void walk_count(const struct walk *w, struct trace_counts *counts)
+{
+    if (counts) {
+        counts->boxes += w->counts.boxes;
+        counts->tris += w->counts.tris;
+    }
+}
+
+enum status trace_ray(const struct packed *packed, const struct scene *scene,
+                      const struct box_test *box, const struct tri_test *tri, enum query query,
+                      const struct ray *ray, struct hit *out, struct trace_counts *counts)
+{
+    return trace_ray_linked(packed, NULL, scene, box, tri, query, ray, out, counts);
+}
+
+enum status trace_ray_linked(const struct packed *packed, const uint32_t *parent,
+                             const struct scene *scene, const struct box_test *box,
+                             const struct tri_test *tri, enum query query, const struct ray *ray,
+                             struct hit *out, struct trace_counts *counts)
+{
+    struct walk w;
+    walk_start(&w, packed, NULL, scene, query, ray);
+    w.parent = parent;
+    enum status status = walk_with(&w, box, tri);
+    *out = status ? (struct hit){.prim = ABI_NO_PRIM} : w.best;
+    walk_count(&w, counts);
+    return status;
+}
+
+static uint32_t at_most(uint64_t count)
+{
+    return count < 0xFFFF ? (uint32_t)count : 0xFFFF;
+}
+
+enum status trace_rays(const struct packed *packed, const struct scene *scene,
+                       const struct box_test *box, const struct tri_test *tri, enum query query,
+                       const struct ray *ray, size_t count, struct hit *out, uint32_t *flag,
+                       uint32_t *work)
+{
+    struct wide *decoded = NULL;
+    enum status status = STATUS_OK;
+    /* Without memory, or if it does not pay, each ray decodes what it visits. */
+    if (packed->node_count > 0 && packed->ref_count <= count)
+        decoded = malloc(packed->ref_count * sizeof *decoded);
+    for (uint32_t i = 0; i < packed->ref_count && decoded; i++)
+        packed->layout->load(packed, i, &decoded[i]);
+    for (size_t i = 0; i < count; i++) {
+        struct walk w;
+        walk_start(&w, packed, decoded, scene, query, &ray[i]);
+        bool finished = walk_with(&w, box, tri) == STATUS_OK;
+        out[i] = finished ? w.best : (struct hit){.prim = ABI_NO_PRIM};
+        flag[i] = finished ? ABI_FLAG_DONE : ABI_FLAG_EXHAUSTED;
+        if (work)
+            work[i] = at_most(w.counts.boxes) << 16 | at_most(w.counts.tris);
+        status = finished ? status : STATUS_LIMIT;
+    }
+    free(decoded);
+    return status;
+}
+
+enum status trace_ray_all(const struct packed *packed, const struct scene *scene,
+                          const struct box_test *box, const struct tri_test *tri,
+                          const struct ray *ray, uint32_t capacity, struct hit *out,
+                          uint32_t *count, struct trace_counts *counts)
+{
+    return trace_ray_all_linked(packed, NULL, scene, box, tri, ray, capacity, out, count, counts);
+}
+
+enum status trace_ray_all_linked(const struct packed *packed, const uint32_t *parent,
+                                 const struct scene *scene, const struct box_test *box,
+                                 const struct tri_test *tri, const struct ray *ray,
+                                 uint32_t capacity, struct hit *out, uint32_t *count,
+                                 struct trace_counts *counts)
+{
+    struct walk w;
+    walk_start(&w, packed, NULL, scene, QUERY_ALL, ray);
+    w.parent = parent;
+    w.list = out;
+    w.capacity = capacity;
+    enum status status = walk_with(&w, box, tri);
+    *count = status ? 0 : w.found;
+    walk_count(&w, counts);
+    return status;
+}
+
+void trace_brute(const struct scene *scene, const struct tri_test *tri, enum query query,
+                 const struct ray *ray, struct hit *out)
+{
+    struct tri_ray r = tri_ray_make(ray);
+    *out = (struct hit){.prim = ABI_NO_PRIM};
+    for (uint32_t prim = 0; prim < scene->tri_count; prim++) {
+        float v[3][3];
+        struct hit hit;
+        scene_tri(scene, prim, v);
+        if (!tri_test_run(tri->id, &r, v, &hit))
+            continue;
+        if (out->prim != ABI_NO_PRIM && !(hit.t < out->t))
+            continue;
+        hit.prim = prim;
+        *out = hit;
+        if (query == QUERY_ANY)
+            return;
+    }
+}
+
+uint32_t trace_brute_all(const struct scene *scene, const struct tri_test *tri,
+                         const struct ray *ray, uint32_t capacity, struct hit *out)
+{
+    struct tri_ray r = tri_ray_make(ray);
+    uint32_t found = 0;
+    for (uint32_t prim = 0; prim < scene->tri_count; prim++) {
+        float v[3][3];
+        struct hit hit;
+        scene_tri(scene, prim, v);
+        if (!tri_test_run(tri->id, &r, v, &hit))
+            continue;
+        hit.prim = prim;
+        if (found < capacity)
+            out[found] = hit;
+        found++;
+    }
+    return found;
+}

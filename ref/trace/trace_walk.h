@@ -1,0 +1,245 @@
+/* One step of the reference traversal: a triangle, a leaf, an inner node, the way back. For
+ * ref/trace/trace.c, which puts them together. */
+#ifndef TRACE_WALK_H
+#define TRACE_WALK_H
+
+#include "ref/trace/trace.h"
+
+/* One traversal in progress. */
+struct walk {
+    const struct packed *packed;
+    const struct tri_store *store; /* the tree's */
+    bool stored;                   /* it has the triangles; else they are the scene's */
+    bool listed;                   /* items are listed by their numbers, as `indexed` does */
+    const struct scene *scene;
+    const struct wide *decoded; /* all nodes, or NULL: each is decoded when it is visited */
+    enum query query;
+    struct slab_ray slab;
+    struct tri_ray tri;
+    struct hit best;
+    float tbest;
+    const uint32_t *parent; /* packed_links of a stackless walk, or NULL */
+    uint64_t trail;         /* of it: bit i: i levels up the other child waits */
+    uint32_t depth;         /* entries on the stack, or bits of the trail */
+    uint32_t ref[ABI_STACK_WIDE];
+    float entry[ABI_STACK_WIDE];
+    struct trace_counts counts;
+    struct hit *list; /* QUERY_ALL: the first `capacity` of the hits found */
+    uint32_t capacity, found;
+};
+
+/* Tests triangle `prim`, which is item `slot` of the leaf, as the storage has it. */
+static inline bool walk_test(const struct walk *w, uint32_t tri_id, const struct wide *leaf,
+                             uint32_t slot, uint32_t prim, struct hit *out)
+{
+    const struct packed *packed = w->packed;
+    float v[3][3];
+    if (!w->stored)
+        scene_tri(w->scene, prim, v);
+    else if (w->store->test)
+        return w->store->test(packed, leaf->item_first, slot, tri_id, &w->tri, out);
+    else if (!w->store->tri(packed, leaf->item_first, slot, v))
+        return false;
+    return tri_test_run(tri_id, &w->tri, v, out);
+}
+
+/* Keeps `prim` if it is hit nearer than the best; at equal t the first found stays. QUERY_ALL lists
+ * it, and the ray keeps its length. */
+static inline bool walk_triangle(struct walk *w, uint32_t tri_id, const struct wide *leaf,
+                                 uint32_t slot, uint32_t prim)
+{
+    struct hit hit;
+    w->counts.tris++;
+    if (!walk_test(w, tri_id, leaf, slot, prim, &hit))
+        return false;
+    hit.prim = prim;
+    if (w->query == QUERY_ALL) {
+        if (w->found < w->capacity)
+            w->list[w->found] = hit;
+        w->found++;
+#if MUTANT == MUTANT_CULLED_ALL
+        w->tbest = hit.t < w->tbest ? hit.t : w->tbest;
+#endif
+        return true;
+    }
+#if MUTANT == MUTANT_FIRST_HIT_KEPT
+    if (w->best.prim != ABI_NO_PRIM)
+        return false;
+#elif MUTANT == MUTANT_LATER_WINS
+    if (w->best.prim != ABI_NO_PRIM && !(hit.t <= w->best.t))
+        return false;
+#else
+    if (w->best.prim != ABI_NO_PRIM && !(hit.t < w->best.t))
+        return false;
+#endif
+    w->best = hit;
+    w->tbest = hit.t;
+    return true;
+}
+
+/* As packed_item; the usual storage's without a call. */
+static inline uint32_t walk_item(const struct walk *w, const struct wide *leaf, uint32_t slot)
+{
+    const struct packed *packed = w->packed;
+    uint32_t at = leaf->item_first + slot;
+    if (!w->listed)
+        return packed_item(packed, leaf, slot);
+    return at < packed->item_count ? packed->item[at] : ABI_NO_PRIM;
+}
+
+/* Returns true if the query is answered. */
+static inline bool walk_leaf(struct walk *w, uint32_t tri_id, const struct wide *node)
+{
+    for (uint32_t i = 0; i < node->item_count; i++) {
+        uint32_t prim = walk_item(w, node, i);
+#if MUTANT == MUTANT_LAST_IS_EMPTY
+        if (prim + 1 == w->scene->tri_count)
+            continue;
+#endif
+        if (prim < w->scene->tri_count && walk_triangle(w, tri_id, node, i, prim) &&
+            w->query == QUERY_ANY)
+            return true;
+#if MUTANT == MUTANT_ANY_FIRST_ITEM
+        if (w->query == QUERY_ANY)
+            return false;
+#elif MUTANT == MUTANT_ANY_TOO_EARLY
+        if (w->query == QUERY_ANY)
+            return true;
+#endif
+    }
+    return false;
+}
+
+/* One level down in a stackless walk. Returns false if the trail is full. */
+static inline bool walk_down(struct walk *w, bool other_waits)
+{
+    if (w->depth >= ABI_STACK_MAX)
+        return false;
+    w->trail = w->trail << 1 | other_waits;
+    w->depth++;
+    return true;
+}
+
+/* Up to the next child that waits and can still hold something nearer. Its box is tested again,
+ * which tells what an entry distance on a stack would: it met the ray before, and only tbest is
+ * new. */
+static inline bool walk_up(struct walk *w, uint32_t box_id, uint32_t ref, uint32_t *next)
+{
+    while (w->depth > 0) {
+        uint32_t parent = w->parent[ref];
+        if (!(w->trail & 1)) {
+            w->trail >>= 1;
+            w->depth--;
+            ref = parent;
+            continue;
+        }
+        struct wide node;
+        float entry;
+        w->packed->layout->load(w->packed, parent, &node);
+        uint32_t other = node.child[0] == ref ? 1 : 0;
+        w->trail ^= 1;
+        w->counts.boxes++;
+        *next = node.child[other];
+        if (box_test_run(box_id, &w->slab, &node.box[other], w->tbest, &entry))
+            return true;
+    }
+    return false;
+}
+
+/* Chooses the next node among two children: *next, or *any = false if none is hit. Pushes the one
+ * that waits. Returns false if the stack is full. */
+static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide *node,
+                              uint32_t *next, bool *any)
+{
+    bool hit[2] = {false, false};
+    float entry[2] = {0, 0};
+    for (uint32_t i = 0; i < node->child_count; i++) {
+        hit[i] = box_test_run(box_id, &w->slab, &node->box[i], w->tbest, &entry[i]);
+        w->counts.boxes++;
+    }
+#if MUTANT == MUTANT_EQUAL_ENTRY_LOST
+    hit[1] = hit[1] && (!hit[0] || entry[0] != entry[1]);
+#endif
+    *any = hit[0] || hit[1];
+    if (!(hit[0] && hit[1])) {
+        *next = node->child[hit[1] ? 1 : 0];
+        return !w->parent || !*any || walk_down(w, false);
+    }
+    int first = 0;
+    if (w->packed->layout->order == VISIT_NEAR)
+        first = entry[1] < entry[0] ? 1 : 0;
+    else if (w->packed->layout->order == VISIT_SND)
+        first = 1;
+    if (w->parent) {
+        *next = node->child[first];
+        return walk_down(w, MUTANT != MUTANT_TRAIL_LOST || w->depth != 2);
+    }
+    if (w->depth >= w->packed->stack_need || w->depth >= ABI_STACK_MAX)
+        return false;
+#if MUTANT == MUTANT_SWAPPED_CHILD
+    w->ref[w->depth] = node->child[first];
+#elif MUTANT == MUTANT_STACK_WRAPPED
+    w->ref[w->depth % 4] = node->child[1 - first];
+#else
+    w->ref[w->depth] = node->child[1 - first];
+#endif
+    w->entry[w->depth++] = entry[1 - first];
+    *next = node->child[first];
+    return true;
+}
+
+/* Pushes the children of a wide node that are hit, the nearest last; of equal ones the first child
+ * is taken for nearer. Returns false if the stack is full. */
+static inline bool walk_wide(struct walk *w, uint32_t box_id, const struct wide *node)
+{
+    uint32_t base = w->depth;
+    for (uint32_t i = 0; i < node->child_count; i++) {
+        float entry;
+        w->counts.boxes++;
+        if (!box_test_run(box_id, &w->slab, &node->box[i], w->tbest, &entry))
+            continue;
+        if (w->depth >= w->packed->stack_need || w->depth >= ABI_STACK_WIDE)
+            return false;
+        uint32_t at = w->depth++;
+        for (; at > base && w->entry[at - 1] <= entry; at--) {
+            w->entry[at] = w->entry[at - 1];
+            w->ref[at] = w->ref[at - 1];
+        }
+#if MUTANT == MUTANT_WIDE_UNSORTED
+        at = w->depth - 1;
+#endif
+        w->entry[at] = entry;
+        w->ref[at] = node->child[i];
+    }
+#if MUTANT == MUTANT_WIDE_ONE_LOST
+    if (w->depth - base == 5)
+        w->depth--;
+#endif
+    return true;
+}
+
+/* Pops the next node that can still hold something nearer. */
+static inline bool walk_pop(struct walk *w, uint32_t box_id, uint32_t *next)
+{
+#if MUTANT == MUTANT_BOTTOM_UNREAD
+    while (w->depth > 1) {
+#else
+    while (w->depth > 0) {
+#endif
+        w->depth--;
+#if MUTANT == MUTANT_STACK_WRAPPED
+        *next = w->ref[w->depth % 4];
+#else
+        *next = w->ref[w->depth];
+#endif
+#if MUTANT == MUTANT_POP_STRICT
+        if (box_id == ABI_BOX_RTRS || w->entry[w->depth] < w->tbest)
+#else
+        if (box_id == ABI_BOX_RTRS || w->entry[w->depth] <= w->tbest)
+#endif
+            return true;
+    }
+    return false;
+}
+
+#endif

@@ -1,0 +1,166 @@
+/* End-point overlap: triangles are cut by the boxes of nodes that are not theirs. */
+#include "ref/tree/tree_quality.h"
+
+#include "ref/base/mutant.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Sums are kept for so many triangles each and added in order, whoever made them. */
+#define BLOCK 256u
+
+/* A triangle cut by up to six planes of a box. */
+#define CORNERS_MOST 9
+
+struct polygon {
+    double p[CORNERS_MOST][3];
+    int count;
+};
+
+/* Keeps what lies on the side sign * x[axis] <= sign * plane. */
+static void cut(const struct polygon *in, int axis, double plane, double sign, struct polygon *out)
+{
+    out->count = 0;
+    for (int i = 0; i < in->count; i++) {
+        const double *a = in->p[i], *b = in->p[(i + 1) % in->count];
+        double da = sign * (plane - a[axis]), db = sign * (plane - b[axis]);
+        if (da >= 0 && out->count < CORNERS_MOST)
+            memcpy(out->p[out->count++], a, sizeof out->p[0]);
+        if ((da > 0 && db < 0) || (da < 0 && db > 0)) {
+            double *p = out->p[out->count < CORNERS_MOST ? out->count : CORNERS_MOST - 1];
+            for (int k = 0; k < 3; k++)
+                p[k] = a[k] + (b[k] - a[k]) * (da / (da - db));
+            p[axis] = plane;
+            out->count += out->count < CORNERS_MOST;
+        }
+    }
+}
+
+/* The part of a polygon in a closed box. */
+static void cut_box(const struct polygon *in, const struct box *box, struct polygon *out)
+{
+    struct polygon half;
+    *out = *in;
+    for (int k = 0; k < 3 && out->count > 0; k++) {
+        cut(out, k, (double)box->hi[k], 1, &half);
+        cut(&half, k, (double)box->lo[k], -1, out);
+    }
+}
+
+static double area_of(const struct polygon *polygon)
+{
+    double sum[3] = {0, 0, 0};
+    const double *o = polygon->p[0];
+    for (int i = 1; i + 1 < polygon->count; i++)
+        for (int k = 0; k < 3; k++) {
+            int l = (k + 1) % 3, m = (k + 2) % 3;
+            const double *a = polygon->p[i], *b = polygon->p[i + 1];
+            sum[k] += (a[l] - o[l]) * (b[m] - o[m]) - (a[m] - o[m]) * (b[l] - o[l]);
+        }
+    return sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / 2;
+}
+
+/* A tree, where its subtrees' items end, and one of the places of each triangle's reference. */
+struct overlap {
+    const struct bvh *bvh;
+    const struct scene *scene;
+    const uint32_t *end;   /* items of node i: item_first .. end[i] - 1 */
+    const uint32_t *place; /* of triangle i: first of its references in `of` */
+    const uint32_t *of;    /* items by triangle, ascending */
+};
+
+static bool owns(const struct overlap *o, uint32_t node, uint32_t prim)
+{
+    uint32_t first = o->bvh->node[node].item_first;
+    for (uint32_t i = o->place[prim]; i < o->place[prim + 1]; i++)
+        if (o->of[i] >= first && o->of[i] < o->end[node])
+            return true;
+    return false;
+}
+
+/* Area times cost of one triangle's parts below a node, in nodes that are not its own. */
+static double overlap_below(const struct overlap *o, uint32_t index, uint32_t prim,
+                            const struct polygon *part)
+{
+    const struct bvh_node *node = &o->bvh->node[index];
+    struct polygon inside;
+    double sum = 0;
+    cut_box(part, &node->bounds, &inside);
+    if (inside.count < 3)
+        return 0;
+    if (MUTANT == MUTANT_OVERLAP_OWN || !owns(o, index, prim))
+        sum = area_of(&inside) *
+              (node->item_count ? QUALITY_TRIANGLE * node->item_count : QUALITY_NODE);
+    if (node->item_count)
+        return sum;
+    return sum + overlap_below(o, node->fst, prim, &inside) +
+           overlap_below(o, node->snd, prim, &inside);
+}
+
+/* Adds every stride-th triangle's area and overlap. */
+static void overlap_block(const struct overlap *o, uint32_t block, uint32_t stride, double *sum,
+                          double *area)
+{
+    uint32_t count = o->scene->tri_count;
+    uint64_t begin = (uint64_t)block * BLOCK * stride, end = begin + (uint64_t)BLOCK * stride;
+    *sum = *area = 0;
+    for (uint64_t i = begin; i < end && i < count; i += stride) {
+        struct polygon polygon = {.count = 3};
+        float v[3][3];
+        scene_tri(o->scene, (uint32_t)i, v);
+        for (int c = 0; c < 9; c++)
+            polygon.p[c / 3][c % 3] = (double)v[c / 3][c % 3];
+        *area += area_of(&polygon);
+        *sum += overlap_below(o, 0, (uint32_t)i, &polygon);
+    }
+}
+
+/* Fills end, place (tri_count + 1) and of (prim_count). */
+static void index_make(const struct bvh *bvh, uint32_t *end, uint32_t *place, uint32_t *of)
+{
+    for (uint32_t i = bvh->node_count; i-- > 0;) {
+        const struct bvh_node *node = &bvh->node[i];
+        end[i] = node->item_count ? node->item_first + node->item_count : end[node->snd];
+    }
+    for (uint32_t i = 0; i < bvh->prim_count; i++)
+        place[bvh->prim[i] + 1]++;
+    for (uint32_t i = 0; i < bvh->tri_count; i++)
+        place[i + 1] += place[i];
+    /* Backwards, so that place ends as it began: the first of each. */
+    for (uint32_t i = bvh->prim_count; i-- > 0;)
+        of[--place[bvh->prim[i] + 1]] = i;
+    memmove(place, place + 1, bvh->tri_count * sizeof *place);
+    place[bvh->tri_count] = bvh->prim_count;
+}
+
+enum status tree_overlap(const struct bvh *bvh, const struct scene *scene, uint32_t most,
+                         double *out)
+{
+    uint32_t count = scene->tri_count;
+    uint32_t stride = most && count > most ? (count + most - 1) / most : 1;
+    uint32_t blocks =
+        (uint32_t)(((uint64_t)count + (uint64_t)BLOCK * stride - 1) / ((uint64_t)BLOCK * stride));
+    uint32_t *end = alloc_zeroed(bvh->node_count, sizeof *end);
+    uint32_t *place = alloc_zeroed((size_t)count + 1, sizeof *place);
+    uint32_t *of = alloc_zeroed(bvh->prim_count, sizeof *of);
+    double *part = alloc_zeroed(blocks, 2 * sizeof *part), sum = 0, area = 0;
+    bool enough = end && place && of && part;
+    if (enough && bvh->node_count) {
+        index_make(bvh, end, place, of);
+        struct overlap o = {bvh, scene, end, place, of};
+#pragma omp parallel for schedule(dynamic, 1) if (blocks > 16)
+        for (uint32_t i = 0; i < blocks; i++)
+            overlap_block(&o, i, stride, &part[2 * i], &part[2 * i + 1]);
+        for (uint32_t i = 0; i < blocks; i++) {
+            sum += part[2 * i];
+            area += part[2 * i + 1];
+        }
+    }
+    *out = area > 0 ? sum / area : 0;
+    free(end);
+    free(place);
+    free(of);
+    free(part);
+    return enough ? STATUS_OK : STATUS_MEMORY;
+}

@@ -1,0 +1,31 @@
+#include "ref/tree/tree_quality.h"
+
+#include "ref/base/mutant.h"
+
+static uint32_t items_of(const struct bvh_node *node)
+{
+#if MUTANT == MUTANT_COST_OF_LEAF
+    return node->item_count > 0;
+#else
+    return node->item_count;
+#endif
+}
+
+double tree_sah(const struct bvh *bvh)
+{
+    double sum = 0, root = bvh->node_count ? box_half_area(&bvh->node[0].bounds) : 0;
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        const struct bvh_node *node = &bvh->node[i];
+        double cost = node->item_count ? QUALITY_TRIANGLE * items_of(node) : QUALITY_NODE;
+        sum += cost * box_half_area(&node->bounds);
+    }
+    return root > 0 ? sum / root : 0;
+}
+
+struct tree_quality tree_quality(const struct bvh *bvh, const struct scene *scene)
+{
+    struct tree_quality quality = {.stats = bvh_stats(bvh, scene), .sah = tree_sah(bvh)};
+    if (quality.stats.leaf_count)
+        quality.leaf_fill = (double)bvh->prim_count / quality.stats.leaf_count;
+    return quality;
+}

@@ -1,0 +1,34 @@
+/* Quotients with one divisor: are there a divisor and numerators out of their scatters that give
+ * what was answered? For the replays (ref/twin/replay.h). */
+#ifndef QUOTIENTS_H
+#define QUOTIENTS_H
+
+#include "ref/twin/scatter.h"
+
+/* A numerator and the quotients that it was answered with. */
+struct part {
+    struct scatter number;
+    double lo, hi;
+};
+
+/* A divisor with what it divides. */
+struct quotients {
+    struct scatter divisor;
+    struct part part[3];
+    int parts;
+    bool estimated; /* divisions are promised for some divisors only */
+    double share;   /* relative error of a quotient */
+    double tiny;    /* absolute */
+    double above;   /* the divisor is larger than that */
+    /* Where weights of one sign make a mean: the quotients of part 0 are between these, but for
+     * `pad` over the divisor. */
+    double mean_lo, mean_hi, pad;
+};
+
+/* True unless no divisor of that sign (1 or -1) gives all quotients. */
+bool quotients_fit(const struct quotients *given, int sign);
+
+/* The same of either sign. */
+bool quotients_fit_either(const struct quotients *given);
+
+#endif

@@ -1,0 +1,216 @@
+#include "ref/twin/twin.h"
+
+#include "ref/base/base.h"
+#include "ref/base/mutant.h"
+#include "ref/twin/twin_lanes.h"
+
+#include <assert.h>
+#include <math.h>
+
+/* One pair: plain numbers. */
+typedef double real;
+typedef float single;
+typedef bool mask;
+
+#define KERNEL_TARGET
+#define ALL(x)               (x)
+#define EACH(x)              (x)
+#define WIDEN(x)             ((double)(x))
+#define SIZE(x)              fabs(x)
+#define LESS(a, b)           ((a) < (b))
+#define NOT_ABOVE(a, b)      ((a) <= (b))
+#define EQUAL(a, b)          ((a) == (b))
+#define NOT(m)               (!(m))
+#define ANY(m)               (m)
+#define SELECT(m, a, b)      ((m) ? (a) : (b))
+#define SELECT_EACH(m, a, b) ((m) ? (a) : (b))
+
+#include "ref/twin/twin_steps.h"
+
+/* Share of its running bound by which t's near value may be off, as every near value. */
+#define T_OFF 0x1p-28
+
+/* The sign that the exact value has and that no evaluation can miss, or 0. */
+static int sign_of(struct bounded a)
+{
+    return fabs(a.x) > a.e ? (a.x > 0.0 ? 1 : -1) : 0;
+}
+
+enum twin_formula twin_of_tri(uint32_t id)
+{
+    static const enum twin_formula formulas[] = {[ABI_TRI_MT_RTRS] = TWIN_MT_RTRS,
+                                                 [ABI_TRI_MT] = TWIN_MT,
+                                                 [ABI_TRI_WOOP] = TWIN_WOOP,
+                                                 [ABI_TRI_PLUECKER] = TWIN_PLUECKER,
+                                                 [ABI_TRI_BALDWIN_WEBBER] = TWIN_BALDWIN_WEBBER};
+    assert(id < ARRAY_COUNT(formulas));
+    return formulas[id];
+}
+
+/* Are the signs such that no evaluation accepts them? */
+static bool surely_rejected(const struct outcome *out)
+{
+    bool positive = !out->det_alone && sign_of(out->det) > 0;
+    bool negative = !out->det_alone && sign_of(out->det) < 0;
+    for (int c = 0; c < 3; c++) {
+        struct bounded edge = out->edge[c];
+        edge.e += out->band;
+        positive |= sign_of(edge) > 0;
+        negative |= sign_of(edge) < 0;
+    }
+    return positive && negative;
+}
+
+/* What the values say. */
+static struct twin conclude(enum twin_formula formula, const struct ray *ray, struct outcome out)
+{
+    double threshold = formula == TWIN_MT_RTRS ? (double)TRI_RTRS_EPS : 0.0;
+    bool det_known = fabs(out.det.x) - out.det.e > threshold;
+    bool det_possible = !(fabs(out.det.x) + out.det.e <= threshold);
+    bool in_range = out.t.x - out.t.e > (double)ray->tmin && out.t.x + out.t.e < (double)ray->tmax;
+    bool beyond = out.t.x + out.t.e < (double)ray->tmin || out.t.x - out.t.e > (double)ray->tmax;
+    struct twin twin = {
+        .possible = det_possible && !surely_rejected(&out) && !beyond,
+        .beyond = beyond,
+        .det = det_known ? sign_of(out.det) : 0,
+        .t = out.t.v,
+        .u = out.u.v,
+        .v = out.v.v,
+        .t_err = out.t.e,
+        .u_err = out.u.e,
+        .v_err = out.v.e,
+        .t_near = out.t.x,
+        .t_off = T_OFF * out.t_running,
+        .u_near = out.u.x,
+        .v_near = out.v.x,
+    };
+#if MUTANT == MUTANT_NEAR_IS_EXACT
+    twin.t_off = 0.0;
+#endif
+#if MUTANT == MUTANT_NEAR_ROUNDED
+    twin.t_near = (double)out.t.v;
+#endif
+    int inside = 0;
+    for (int c = 0; c < 3; c++) {
+        twin.edge[c] = sign_of(out.edge[c]);
+        inside += twin.edge[c];
+    }
+    twin.certain = (inside == 3 || inside == -3) && det_known && in_range;
+    return twin;
+}
+
+/* Where the formula's axis k is in the ray. */
+static void turn_axes(enum twin_formula formula, const struct ray *ray, int axis[3])
+{
+    axis[0] = 0;
+    axis[1] = 1;
+    axis[2] = 2;
+    if (formula != TWIN_WOOP)
+        return;
+    struct tri_ray r = tri_ray_make(ray);
+    axis[0] = r.kx;
+    axis[1] = r.ky;
+    axis[2] = r.kz;
+}
+
+struct twin twin_eval(enum twin_formula formula, struct rounding rounding, const struct ray *ray,
+                      float v[3][3])
+{
+    const struct rules rules = rules_of(&rounding);
+    struct input in;
+    int axis[3];
+    turn_axes(formula, ray, axis);
+    for (int k = 0; k < 3; k++) {
+        in.o[k] = exact(ray->org[axis[k]]);
+        in.d[k] = exact(ray->dir[axis[k]]);
+        for (int c = 0; c < 3; c++)
+            in.v[c][k] = exact(v[c][axis[k]]);
+    }
+    return conclude(formula, ray, evaluate(formula, &rules, &in));
+}
+
+/* --- many --------------------------------------------------------------------------------------
+ */
+
+static const struct twin_kernel *kernel_best(void)
+{
+#if defined(TWIN_VECTORS)
+    if (twin_avx512.runs())
+        return &twin_avx512;
+    if (twin_avx2.runs())
+        return &twin_avx2;
+#endif
+    return NULL;
+}
+
+static void put_lane(enum twin_formula formula, const struct scene *scene,
+                     const struct twin_pair *pair, int lane, struct twin_input *in)
+{
+    float v[3][3];
+    int axis[3];
+    scene_tri(scene, pair->prim, v);
+    turn_axes(formula, pair->ray, axis);
+    for (int k = 0; k < 3; k++) {
+        in->o[k][lane] = pair->ray->org[axis[k]];
+        in->d[k][lane] = pair->ray->dir[axis[k]];
+        for (int c = 0; c < 3; c++)
+            in->v[c][k][lane] = v[c][axis[k]];
+    }
+}
+
+static struct twin take_lane(enum twin_formula formula, const struct ray *ray,
+                             const struct twin_output *out, int lane)
+{
+    struct bounded value[TWIN_OUTPUTS];
+    for (int i = 0; i < TWIN_OUTPUTS; i++)
+        value[i] = (struct bounded){NAN, out->x[i][lane], out->e[i][lane]};
+    return conclude(formula, ray,
+                    (struct outcome){.edge = {value[0], value[1], value[2]},
+                                     .det = value[TWIN_DET],
+                                     .t = value[TWIN_T],
+                                     .u = value[TWIN_U],
+                                     .v = value[TWIN_V],
+                                     .t_running = out->t_running[lane],
+                                     .band = out->band[lane],
+                                     .det_alone = formula == TWIN_EMBREE_ROBUST});
+}
+
+/* The pair whose numbers are in a lane. */
+static inline size_t own(int lane)
+{
+    return MUTANT == MUTANT_LANE_SLIPPED ? 0 : (size_t)lane;
+}
+
+void twin_eval_by(const struct twin_kernel *kernel, enum twin_formula formula,
+                  struct rounding rounding, const struct scene *scene, const struct twin_pair *pair,
+                  size_t count, struct twin *out)
+{
+    struct twin_input in;
+    struct twin_output result;
+    for (size_t first = 0; first < count; first += TWIN_LANES) {
+        size_t left = count - first;
+        int lanes = left < TWIN_LANES ? (int)left : TWIN_LANES;
+        for (int lane = 0; lane < TWIN_LANES; lane++) /* the last one fills up what is left over */
+            put_lane(formula, scene, &pair[first + (size_t)(lane < lanes ? lane : lanes - 1)], lane,
+                     &in);
+        kernel->evaluate(formula, &rounding, &in, &result);
+        for (int lane = 0; lane < lanes; lane++)
+            out[first + (size_t)lane] =
+                take_lane(formula, pair[first + own(lane)].ray, &result, lane);
+    }
+}
+
+void twin_eval_many(enum twin_formula formula, struct rounding rounding, const struct scene *scene,
+                    const struct twin_pair *pair, size_t count, struct twin *out)
+{
+    const struct twin_kernel *kernel = kernel_best();
+    if (kernel) {
+        twin_eval_by(kernel, formula, rounding, scene, pair, count, out);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        float v[3][3];
+        scene_tri(scene, pair[i].prim, v);
+        out[i] = twin_eval(formula, rounding, pair[i].ray, v);
+    }
+}

@@ -1,0 +1,257 @@
+/* Camera rays, and what bounces from where they hit. */
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays_stage.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+extern const struct ray_set ray_set_primary, ray_set_random, ray_set_bounce;
+
+/* Camera rays that are traced to bounce from: enough for variety, few enough for a large mesh. */
+#define PRIMARY_LEAST 4096
+#define PRIMARY_MOST  65536
+
+/* A pinhole: the ray through (nx, ny) of the picture, each in -0.5 .. 0.5, is along
+ * right * nx + up * ny + forward. */
+struct pinhole {
+    float pos[3];
+    double forward[3], right[3], up[3];
+};
+
+/* False if v has no direction. */
+static bool normalise(double v[3])
+{
+    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (!(length > 0.0))
+        return false;
+    for (int k = 0; k < 3; k++)
+        v[k] /= length;
+    return true;
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* The published camera: up is +y, and right = forward x up is not normalised. Straight up or down,
+ * where the published picture is a line, +z is up. */
+static struct pinhole pinhole_make(const struct camera *camera)
+{
+    struct pinhole p = {.up = {0, 1, 0}};
+    for (int k = 0; k < 3; k++) {
+        p.pos[k] = fminf(fmaxf(camera->pos[k], -0x1p39f), 0x1p39f);
+        p.forward[k] = (double)camera->at[k] - (double)p.pos[k];
+    }
+    if (!normalise(p.forward))
+        p.forward[2] = -1;
+    if (p.forward[0] * p.forward[0] + p.forward[2] * p.forward[2] < 1e-12) {
+        p.up[1] = 0;
+        p.up[2] = 1;
+    }
+    cross(p.forward, p.up, p.right);
+    return p;
+}
+
+/* Smallest w with w * w >= count. */
+static size_t side_of(size_t count)
+{
+    size_t side = (size_t)sqrt((double)count);
+    while (side * side < count)
+        side++;
+    while (side > 1 && (side - 1) * (side - 1) >= count)
+        side--;
+    return side;
+}
+
+/* Fills `count` rays, row by row from the bottom, through the middles of pixels. */
+static void pinhole_rays(const struct pinhole *p, size_t count, struct ray *out)
+{
+    size_t width = side_of(count);
+    size_t height = width ? (count + width - 1) / width : 0;
+    for (size_t i = 0; i < count; i++) {
+        double nx = ((double)(i % width) + 0.5) / (double)width - 0.5;
+        double ny = ((double)(i / width) + 0.5) / (double)height - 0.5;
+        double dir[3];
+        for (int k = 0; k < 3; k++)
+            dir[k] = p->right[k] * nx + p->up[k] * ny + p->forward[k];
+        normalise(dir);
+        stage_ray(p->pos, (const float[3]){(float)dir[0], (float)dir[1], (float)dir[2]}, &out[i]);
+    }
+}
+
+/* A file can hold any camera. */
+static enum status check_camera(const struct scene *scene, struct reason *reason)
+{
+    for (int k = 0; k < 3 && scene->has_camera; k++) {
+        if (!float_is_finite(scene->camera.pos[k]) || !float_is_finite(scene->camera.at[k]))
+            return fail(reason, STATUS_INPUT, "camera: coordinate %c is not finite", "xyz"[k]);
+        if (fabsf(scene->camera.pos[k]) > 0x1p39f)
+            return fail(reason, STATUS_INPUT, "camera: coordinate %c is %g, beyond 2^39", "xyz"[k],
+                        (double)scene -> camera.pos[k]);
+    }
+    return STATUS_OK;
+}
+
+static enum status make_primary(const struct scene *scene, uint64_t seed, size_t count,
+                                struct ray *out, struct reason *reason)
+{
+    (void)seed; /* nothing here is random */
+    enum status status = check_camera(scene, reason);
+    if (status)
+        return status;
+    struct camera camera = scene_camera(scene);
+    struct pinhole pinhole = pinhole_make(&camera);
+    pinhole_rays(&pinhole, count, out);
+    return STATUS_OK;
+}
+
+/* A point that a camera ray hit, and the face's unit normal on the camera's side. */
+struct spot {
+    float p[3];
+    double normal[3];
+};
+
+/* Returns false if the face has no normal. */
+static bool spot_make(const struct scene *scene, const struct ray *ray, const struct hit *hit,
+                      struct spot *out)
+{
+    float v[3][3];
+    double e1[3], e2[3], facing = 0;
+    scene_tri(scene, hit->prim, v);
+    for (int k = 0; k < 3; k++) {
+        out->p[k] = ray->org[k] + hit->t * ray->dir[k];
+        e1[k] = (double)v[1][k] - (double)v[0][k];
+        e2[k] = (double)v[2][k] - (double)v[0][k];
+    }
+    cross(e1, e2, out->normal);
+    if (!normalise(out->normal))
+        return false;
+    for (int k = 0; k < 3; k++)
+        facing += out->normal[k] * (double)ray->dir[k];
+    for (int k = 0; k < 3 && facing > 0; k++)
+        out->normal[k] = -out->normal[k];
+    return true;
+}
+
+/* Traces `count` rays of the camera and keeps what they hit. */
+static enum status find_spots(const struct packed *packed, const struct scene *scene,
+                              const struct camera *camera, size_t count, struct ray *ray,
+                              struct spot *spot, size_t *spot_count, struct reason *reason)
+{
+    struct pinhole pinhole = pinhole_make(camera);
+    const struct box_test *box = box_test_find("robust");
+    const struct tri_test *tri = tri_test_find("mt");
+    *spot_count = 0;
+    pinhole_rays(&pinhole, count, ray);
+    for (size_t i = 0; i < count; i++) {
+        struct hit hit;
+        enum status status = trace_ray(packed, scene, box, tri, QUERY_CLOSEST, &ray[i], &hit, NULL);
+        if (status)
+            return fail(reason, status, "bounce: the traversal of a camera ray did not end");
+        if (hit.prim != ABI_NO_PRIM && spot_make(scene, &ray[i], &hit, &spot[*spot_count]))
+            ++*spot_count;
+    }
+    return STATUS_OK;
+}
+
+/* The tree to find primary hits with. */
+static enum status make_tree(const struct scene *scene, struct packed *out, struct reason *reason)
+{
+    const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
+    struct bvh bvh = {0};
+    *out = (struct packed){0};
+    enum status status = bvh_build(builder_find("median"), scene, &options, &bvh, reason);
+    if (status)
+        return status;
+    status = packed_make(layout_find("f32"), &bvh, scene, out, reason);
+    bvh_free(&bvh);
+    return status;
+}
+
+/* Leaves spot i: half of the rays exactly at the computed point, half lifted off the face. The sum
+ * of the normal and a uniform unit vector is distributed by the cosine. */
+static void bounce_ray(const struct stage *stage, const struct spot *spot, size_t i,
+                       struct ray *out)
+{
+    struct rng rng = stage_rng(stage, i);
+    float ball[3], org[3];
+    double dir[3], lift = i & 1 ? 0.0 : 0x1p-10 * (double)stage->extent;
+    stage_direction(&rng, ball);
+    for (int k = 0; k < 3; k++) {
+        dir[k] = spot->normal[k] + (double)ball[k];
+        org[k] = (float)((double)spot->p[k] + lift * spot->normal[k]);
+    }
+    if (dir[0] * dir[0] + dir[1] * dir[1] + dir[2] * dir[2] < 1e-6)
+        for (int k = 0; k < 3;
+             k++) /* opposite to the normal: rounding would decide the direction */
+            dir[k] = spot->normal[k];
+    normalise(dir);
+    stage_ray(org, (const float[3]){(float)dir[0], (float)dir[1], (float)dir[2]}, out);
+}
+
+/* Finds the spots of the scene's camera; if that sees nothing, of one that sees the whole scene. */
+static enum status spots_of_scene(const struct scene *scene, size_t count, struct ray *ray,
+                                  struct spot *spot, size_t *spot_count, struct reason *reason)
+{
+    struct packed packed;
+    enum status status = make_tree(scene, &packed, reason);
+    if (status)
+        return status;
+    struct scene without = *scene; /* borrows the arrays */
+    without.has_camera = false;
+    struct camera own = scene_camera(scene), overview = scene_camera(&without);
+    status = find_spots(&packed, scene, &own, count, ray, spot, spot_count, reason);
+    if (!status && *spot_count == 0 && scene->has_camera)
+        status = find_spots(&packed, scene, &overview, count, ray, spot, spot_count, reason);
+    packed_free(&packed);
+    if (!status && *spot_count == 0)
+        return fail(reason, STATUS_INPUT,
+                    "bounce: no camera ray hits the scene, so there is nothing to bounce from; "
+                    "choose another ray set");
+    return status;
+}
+
+static enum status make_bounce(const struct scene *scene, uint64_t seed, size_t count,
+                               struct ray *out, struct reason *reason)
+{
+    if (count == 0)
+        return STATUS_OK;
+    if (scene->tri_count == 0)
+        return ray_set_random.make(scene, ~seed, count, out, reason);
+    enum status status = check_camera(scene, reason);
+    if (status)
+        return status;
+    size_t primary_count = count < PRIMARY_LEAST ? PRIMARY_LEAST : count;
+    primary_count = primary_count > PRIMARY_MOST ? PRIMARY_MOST : primary_count;
+    size_t spot_count = 0;
+    struct ray *ray = alloc_zeroed(primary_count, sizeof *ray);
+    struct spot *spot = alloc_zeroed(primary_count, sizeof *spot);
+    if (ray && spot)
+        status = spots_of_scene(scene, primary_count, ray, spot, &spot_count, reason);
+    else
+        status =
+            fail(reason, STATUS_MEMORY, "bounce: no memory for %zu camera rays", primary_count);
+    struct stage stage = stage_make(scene, seed, STAGE_BOUNCE);
+    for (size_t i = 0; i < count && !status; i++) {
+        /* Few rays are spread over the whole picture; many go round it again and again. */
+        size_t s = count < spot_count ? i * spot_count / count : i % spot_count;
+        bounce_ray(&stage, &spot[s], i, &out[i]);
+    }
+    free(ray);
+    free(spot);
+    return status;
+}
+
+const struct ray_set ray_set_primary = {
+    .name = "primary",
+    .summary = "through the pixels of a square picture of the scene's camera; no seed",
+    .make = make_primary,
+    .seedless = true,
+};
+const struct ray_set ray_set_bounce = {
+    .name = "bounce",
+    .summary = "cosine-distributed from where camera rays hit, half of them lifted off the face",
+    .make = make_bounce,
+};

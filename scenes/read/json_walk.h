@@ -1,0 +1,37 @@
+/* A cursor over JSON text that parses one value at a time, so that a list of a million elements
+ * never stands in memory as a tree. jansson parses the values; the brackets around them are read
+ * here. */
+#ifndef JSON_WALK_H
+#define JSON_WALK_H
+
+#include "ref/base/base.h"
+
+#include <jansson.h>
+
+struct json_walk {
+    const char *name; /* of the file, for reasons */
+    const char *start, *at, *end;
+    bool first; /* no member or element of the innermost bracket has been read */
+    struct reason *reason;
+};
+
+/* Every function skips the white space before what it reads.
+ * Errors of all: STATUS_INPUT "NAME:LINE:COLUMN: rule"; STATUS_MEMORY. */
+
+/* Steps into an object or array: `bracket` is '{' or '['. */
+enum status json_walk_open(struct json_walk *walk, char bracket) MUST_USE;
+
+/* To be asked before every member or element: *more is false, and the cursor behind `bracket`, '}'
+ * or ']', at the end. Leaving an inner bracket makes the outer one's next member not its first. */
+enum status json_walk_more(struct json_walk *walk, char bracket, bool *more) MUST_USE;
+
+/* Parses a value of any kind; no object in it has a key twice. The caller owns *out. */
+enum status json_walk_value(struct json_walk *walk, json_t **out) MUST_USE;
+
+/* Reads a member's key and colon; *out is a string the caller owns. */
+enum status json_walk_key(struct json_walk *walk, json_t **out) MUST_USE;
+
+/* Nothing but white space may be left. */
+enum status json_walk_end(struct json_walk *walk) MUST_USE;
+
+#endif

@@ -1,0 +1,71 @@
+/* The paths of chosen pixels with everything on them: every ray, every answer, where it lies, what
+ * each light gave. Steps are those of the renderer in C (scenes/render/shade.h); rays are answered by
+ * whoever the caller asks. */
+#ifndef DIFF_WALK_H
+#define DIFF_WALK_H
+
+#include "scenes/render/shade.h"
+
+/* Answers `count` rays. Errors: its own. */
+typedef enum status walk_ask_fn(void *user, enum query query, const struct ray *ray, size_t count,
+                                struct hit *hit, struct reason *reason);
+
+/* One light at one point. */
+struct walk_light {
+    bool asked, shadowed;
+    float nl, rv, far;
+    struct ray ray; /* if asked */
+    struct hit hit;
+};
+
+/* One segment of a path. */
+struct walk_step {
+    struct ray ray;
+    struct hit hit;
+    struct vec3 p, n, g; /* zero if nothing is hit; RTRS has no g */
+    float d, s;          /* light gathered */
+    float weight;        /* of what it adds */
+    struct vec3 total;   /* colour after it */
+    struct segment segment;
+};
+
+/* Paths of `count` pixels. Owns its arrays (walk_free). */
+struct walk {
+    size_t count;
+    uint32_t bounces, lights; /* of the job */
+    enum query shadow_query;  /* what shadow rays were asked for */
+    uint32_t *length;         /* [count] steps taken */
+    struct walk_step *step;   /* [count * bounces] */
+    struct walk_light *light; /* [count * bounces * lights] */
+    uint32_t *pixel;          /* [count] 8-bit value */
+    float *color;             /* [3 * count] as of struct frame, as is the next */
+    float *bound;
+};
+
+/* Walks the paths of the pixels `pixel[0 .. count - 1]` (row * width + column) of a job.
+ * Errors: STATUS_MEMORY; those of `ask`. On error *out is zero. */
+enum status walk_make(const struct frame_job *job, const struct view *view, const size_t *pixel,
+                      size_t count, walk_ask_fn *ask, void *user, struct walk *out,
+                      struct reason *reason) MUST_USE;
+
+/* Bytes that the walk of one pixel of the job takes. */
+size_t walk_bytes(const struct frame_job *job);
+
+void walk_free(struct walk *walk);
+
+static inline const struct walk_step *walk_step_of(const struct walk *walk, size_t path,
+                                                   uint32_t step)
+{
+    return &walk->step[path * walk->bounces + step];
+}
+
+static inline const struct walk_light *walk_light_of(const struct walk *walk, size_t path,
+                                                     uint32_t step, uint32_t light)
+{
+    return &walk->light[(path * walk->bounces + step) * walk->lights + light];
+}
+
+/* Writes the `bounces` segments of path `path` as a frame has them. */
+void walk_segments(const struct walk *walk, size_t path, struct segment *out);
+
+#endif

@@ -1,0 +1,123 @@
+/* The binary protocol: what a peer writes, without the process. The input is what it answers to
+ * each request in turn, a byte of length in front: first to the one that asks what it is, then to a
+ * scene, then to rays. Linked with --wrap, so that the child process is a file. */
+#define _GNU_SOURCE /* pwrite, O_CLOEXEC */
+#include "tests/readers/fire.h"
+#include "ref/outside/pipe.h"
+#include "ref/outside/pipe_child.h"
+#include "scenes/scenes.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#define RAYS 5
+
+static struct {
+    const char *at, *end; /* of the input: answers not yet given */
+    off_t given;          /* bytes in the file */
+} peer;
+
+enum status __wrap_pipe_child_start(const char *command, uint32_t megabytes, struct pipe_child *out,
+                                    struct reason *reason);
+void __wrap_pipe_child_stop(struct pipe_child *child);
+bool __wrap_pipe_child_is_early(struct pipe_child *child);
+bool __real_pipe_child_is_early(struct pipe_child *child);
+
+/* Puts the next answer where the engine will look for it; past the last it finds the end. */
+static void give_next(const struct pipe_child *child)
+{
+    if (peer.at == peer.end)
+        return;
+    size_t length = (unsigned char)*peer.at++, rest = (size_t)(peer.end - peer.at);
+    length = length < rest ? length : rest;
+    FIRE_MUST(pwrite(child->from, peer.at, length, peer.given) == (ssize_t)length);
+    peer.at += length;
+    peer.given += (off_t)length;
+}
+
+enum status __wrap_pipe_child_start(const char *command, uint32_t megabytes, struct pipe_child *out,
+                                    struct reason *reason)
+{
+    char path[FIRE_PATH_MOST];
+    (void)command, (void)megabytes, (void)reason;
+    *out = (struct pipe_child){.guardian = {.pid = 0x7FFFFFFF}, .mute = true};
+    out->from = fire_file("", 0, path);
+    out->to = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    out->said_from = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    FIRE_MUST(out->to >= 0 && out->said_from >= 0);
+    peer.given = 0;
+    give_next(out);
+    return STATUS_OK;
+}
+
+/* Asked before each request but the first. */
+bool __wrap_pipe_child_is_early(struct pipe_child *child)
+{
+    bool early = __real_pipe_child_is_early(child);
+    give_next(child);
+    return early;
+}
+
+void __wrap_pipe_child_stop(struct pipe_child *child)
+{
+    if (pipe_child_runs(child)) {
+        close(child->to);
+        close(child->from);
+        close(child->said_from);
+    }
+    *child = (struct pipe_child){0};
+}
+
+/* Answers name triangles of the scene, or the engine says whose fault it is. */
+static bool ask(const struct engine *engine, void *self, const struct job *job)
+{
+    static const struct ray ray[RAYS] = {{{0, 0, -3}, 0, {0, 0, 1}, 1e30f}};
+    struct hit hit[RAYS + 1];
+    struct trace_report report;
+    struct reason reason = {""};
+    size_t at = 0;
+    hit[RAYS] = (struct hit){.prim = 0xA5A5A5A5u};
+    enum status status = engine->prepare(self, job, &reason);
+    if (!status)
+        status = engine->trace(self, ray, RAYS, hit, &report, &reason);
+    FIRE_MUST(hit[RAYS].prim == 0xA5A5A5A5u);
+    if (status) {
+        FIRE_MUST(status == STATUS_DEVICE || status == STATUS_REFUSED);
+        FIRE_MUST(status == STATUS_REFUSED || engine->fault(self, &at) != ENGINE_FINE);
+        FIRE_MUST(at <= RAYS);
+        fire_must_be_reason(&reason);
+        return false;
+    }
+    for (size_t i = 0; i < RAYS; i++)
+        FIRE_MUST(hit[i].prim == ABI_NO_PRIM || hit[i].prim < job->scene->tri_count);
+    return true;
+}
+
+static bool play(const char *bytes, size_t size)
+{
+    const struct engine_options options = {.peer_ms = 5000, .peer_mb = UINT32_MAX};
+    const struct engine *engine;
+    struct scene scene;
+    struct reason reason = {""};
+    void *self = NULL;
+    bool taken = false;
+    peer.at = bytes;
+    peer.end = bytes + size;
+    FIRE_MUST(pipe_engine("pipe:peer", &engine, &reason) == STATUS_OK);
+    FIRE_MUST(scene_open("soup:n=4,seed=1", 1, &scene, &reason) == STATUS_OK);
+    enum status status = engine->open(&options, &self, &reason);
+    if (status) {
+        FIRE_MUST(status == STATUS_DEVICE || status == STATUS_UNSUPPORTED);
+        fire_must_be_reason(&reason);
+    }
+    for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY && !status; query++) {
+        struct job job = {
+            .scene = &scene, .box = box_tests[0], .tri = tri_tests[0], .query = query};
+        taken = ask(engine, self, &job) || taken;
+    }
+    engine->close(self);
+    scene_free(&scene);
+    return taken;
+}
+
+const struct fire_entry fire_entry = {"peer", 1 << 18, play};

@@ -1,0 +1,281 @@
+#!/bin/sh
+# Makes the seed corpora of the files under fire: sh tests/readers/seeds.sh BUILD FOLDER
+# A folder per entry, of small files: what raydiff itself writes, the repository's trials, and files
+# by hand for what it does not write. Some are to be refused.
+set -eu
+raydiff=$1/raydiff
+out=$2
+rm -rf "$out" "$out.new"
+for entry in obj ply rtrs gz trial tree packed peer text log baseline play png page; do
+    mkdir -p "$out.new/$entry"
+done
+cd "$out.new"
+case $raydiff in /*) ;; *) raydiff=$OLDPWD/$raydiff ;; esac
+repository=$OLDPWD
+quiet() { "$@" 2>/dev/null >/dev/null; }
+said() { quiet "$@" || true; } # its exit code is a result
+
+# "X,X,...,X" so many times.
+many() {
+    printf '%s' "$1"
+    awk -v word=",$1" -v count="$2" 'BEGIN { for (i = 1; i < count; i++) printf "%s", word }'
+}
+
+# --- meshes
+for scene in soup:n=4 sphere:n=3 grid:n=3 platonic needles:n=3; do
+    name=$(echo $scene | tr -d ':=')
+    quiet "$raydiff" scene convert $scene obj/$name.obj
+    quiet "$raydiff" scene convert $scene ply/$name.ply
+    quiet "$raydiff" scene convert $scene rtrs/$name.json
+done
+cat >obj/forms.obj <<'EOF'
+# every form of a corner, a joined line, a colour, a weight
+v 0 0 0
+v 1 0 0 1.0
+v 1 1 0 0.5 0.5 0.5
+v 0 1 -1e-3
+vt 0 0
+vn 0 0 1
+f 1 2 3 4
+f 1/1 2/1 3/1
+f 1//1 2//1 -1//-1
+f 1/1/1 \
+  2/1/1 3/1/1
+g name
+usemtl m
+EOF
+# The most triangles a byte can make: every " 1" is one.
+{
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 '
+    many 1 4000 | tr ',' ' '
+    echo
+} >obj/fan.obj
+cat >ply/ascii.ply <<'EOF'
+ply
+format ascii 1.0
+comment a square
+element vertex 4
+property double x
+property double y
+property double z
+property uchar red
+element face 2
+property list uchar int vertex_index
+element edge 1
+property int vertex1
+EOF
+printf 'end_header\n0 0 0 255\n1 0 0 1\n1 1 0 2\n0 1 0.5 3\n3 0 1 2\n4 0 1 2 3\n7\n' >>ply/ascii.ply
+head_ply() { # format, vertices, faces
+    printf 'ply\nformat %s 1.0\nelement vertex %s\nproperty float x\nproperty float y\n' "$1" "$2"
+    printf 'property float z\nelement face %s\nproperty list uchar uchar vertex_indices\n' "$3"
+    printf 'end_header\n'
+}
+three='\000\000\000\000\000\000\000\000\000\000\000\000\077\200\000\000\000\000\000\000\000\000\000\000'
+three=$three'\000\000\000\000\077\200\000\000\000\000\000\000'
+{
+    head_ply binary_big_endian 3 1
+    printf "$three"'\003\000\001\002'
+} >ply/big.ply
+{
+    head_ply binary_big_endian 3 8
+    printf "$three"
+    for i in 1 2 3 4 5 6 7 8; do
+        printf '\377'
+        head -c 255 /dev/zero
+    done
+} >ply/fans.ply
+{
+    head_ply binary_little_endian 4294967295 4294967295
+    head -c 400 /dev/zero
+} >ply/promises.ply
+{ # so little that there is memory for it
+    head_ply binary_little_endian 4000000 4000000
+    head -c 400 /dev/zero
+} >ply/promises_less.ply
+{
+    printf '{"prims":[{"indices":[0,1,2],"material":0}],"vertices":['
+    printf '{"pos":[0,0,0],"normal":[0,0,1]},{"pos":[1,0,0],"normal":[0,0,1]},'
+    printf '{"pos":[0,1,0],"normal":[0,0,1]}],"lights":[{"pos":[0,0,9],"strength":1.5}],'
+    printf '"materials":[{"color":[1,0,0],"albedo":[0.6,0.3,0.1],"spec":50}],'
+    printf '"camera":{"pos":[0,0,9],"at":[0,0,0]},"camera_controller":"Orbit","more":{"a":[true]}}'
+} >rtrs/full.json
+printf '{"unknown":[%s]}' "$(many '{}' 4000)" >rtrs/braces.json
+printf '{"unknown":[%s]}' "$(many '[]' 4000)" >rtrs/brackets.json
+printf '{"unknown":[%s]}' "$(many 0 8000)" >rtrs/numbers.json
+
+echo 'f 1 2 3' >obj/nothing.obj
+
+# --- files of any kind, zipped
+for file in obj/soupn4.obj ply/soupn4.ply rtrs/soupn4.json; do
+    gzip -nc $file >gz/$(basename $file).gz
+done
+cat gz/soupn4.obj.gz gz/soupn4.ply.gz >gz/two.gz
+head -c 100 gz/soupn4.obj.gz >gz/cut.gz
+head -c 16777216 /dev/zero | gzip -9nc >gz/bomb.gz
+cp obj/soupn4.obj gz/plain
+
+# --- pictures: every kind, one that says it has a gamma, sides that no file of its size has
+picture() { echo "$2" | base64 -d >png/$1.png; }
+picture rgb iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAFUlEQVR42mP4z8DA8J+BEUhwcnICABoxAxoZHnzfAAAAAElFTkSuQmCC
+picture gray1 iVBORw0KGgoAAAANSUhEUgAAAAkAAAADAQAAAABpcRjbAAAAEUlEQVR42mNY1cAQysDwvwEADQAC/0aFt0kAAAAASUVORK5CYII=
+picture palette iVBORw0KGgoAAAANSUhEUgAAAAMAAAACBAMAAABvWnspAAAACVBMVEUBAgMoMjxGUFooJN8LAAAAAnRSTlMAgJsrThgAAAAOSURBVHjaY2BUYFBkAAAAzQBDeljbrQAAAABJRU5ErkJggg==
+picture gray16 iVBORw0KGgoAAAANSUhEUgAAAAIAAAABEAQAAAAOu2tCAAAAEUlEQVR42mMQMvn/v4GBgREADvsCxmwaU74AAAAASUVORK5CYII=
+picture interlaced iVBORw0KGgoAAAANSUhEUgAAAAMAAAADCAAAAAEERNr1AAAAF0lEQVR42mNgYGBiEBFjYGQQZeDi5gEAAmUAZNw4nKoAAAAASUVORK5CYII=
+picture gamma iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAABGdBTUEAAYagMeiWXwAAAA10RVh0Q29tbWVudABoZWxsb+b/riQAAAAKSURBVHjaY2gAAACCAIHaRQg7AAAAAElFTkSuQmCC
+picture huge iVBORw0KGgoAAAANSUhEUgAAQAAAAEAACAYAAACpyBCEAAAAC0lEQVR42mNggAAAAAgAAST8BHIAAAAASUVORK5CYII=
+picture beyond iVBORw0KGgoAAAANSUhEUn////8AAAABCAAAAACFXWwBAAAAC0lEQVR42mNggAAAAAgAAST8BHIAAAAASUVORK5CYII=
+picture flat iVBORw0KGgoAAAANSUhEUgAAAlgAAAJYAQAAAACWHaVxAAAAQ0lEQVR42u3BAQ0AAADCoPdPbQ43oAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAvg2yIAABW5v6kQAAAABJRU5ErkJggg==
+head -c 60 png/rgb.png >png/cut.png
+{ head -c 45 png/rgb.png && printf 'x' && tail -c +47 png/rgb.png; } >png/damaged.png
+gzip -nc png/rgb.png >png/zipped.png
+printf 'P6 1 1 255 abc' >png/ppm.png
+
+# --- results that a report is put together from
+said "$raydiff" check soup:n=9 --count 40 --repeat 1 --engine cpu --layout f32,rtrs_rf --query closest,all \
+    --json page/check.json
+for benchmark in error layouts; do
+    said "$raydiff" bench $benchmark --scene sphere:n=2 --count 20 --rounds 1 --json page/$benchmark.json
+done
+said "$raydiff" doctor --json page/doctor.json
+said "$raydiff" bench frames --scene sphere:n=2 --frames 2 --size 8x8 --engine cpu --out page/frames
+said "$raydiff" diff cornell --engine cpu,embree -w 16 -h 16 --json page/diff.json
+said "$raydiff" replay "$repository/fuzz/corpus/sentinel.trial" --engine cpu --json page/replay.json
+rm -f page/frames.csv page/frames.svg page/frames.png
+sed 's/"rows"/"rowz"/' page/error.json >page/no-rows.json
+sed 's/[0-9][0-9.]*/null/g' page/layouts.json >page/nulls.json
+sed 's/"[a-z0-9]*",/"<\&\\"\\u0007",/g' page/error.json >page/hostile.json
+printf '{"scenes":[%s],"rows":[%s]}' "$(many '{"scene":""}' 60)" "$(many '{"scene":""}' 900)" >page/many.json
+
+# --- trials
+for file in "$repository"/fuzz/corpus/*.trial; do
+    cp "$file" trial/
+    cp "$file" play/
+done
+sed 's/^end/end end/' "$repository/fuzz/corpus/sentinel.trial" >trial/ends-twice
+printf '\001\002\003\004\005\006\007\010\160\170\161\162\163\164\165\166\167' >play/choices
+for i in 1 2 3 4 5 6 7 8; do
+    printf "$(awk -v s=$i 'BEGIN { for (i = 0; i < 40 * s; i++) {
+        s = (s * 1103 + 12345) % 65536; printf "\\%03o", int(s / 256) } }')" >play/choices$i
+done
+
+# --- trees of the scene that the entries use
+for builder in rtrs median; do
+    quiet "$raydiff" precompute --scene soup:n=4,seed=1 --out tree/$builder.json --builder $builder --item-count 1
+    for layout in f32 rf16 rtrs_rf rtrs_direct rtrs_rf_paper; do
+        quiet "$raydiff" precompute --scene soup:n=4,seed=1 --out packed/$builder-$layout.rdpk \
+            --builder $builder --item-count 1 --layout $layout
+    done
+done
+printf '{"uniforms":[%s],"indices":[]}' "$(many '{}' 4000)" >tree/braces.json
+printf '{"uniforms":[%s],"indices":[]}' "$(many '[]' 4000)" >tree/brackets.json
+printf '{"uniforms":[],"indices":[%s]}' "$(many 0 8000)" >tree/numbers.json
+
+# What leads nowhere, in a circle, or to no triangle.
+head -c 76 packed/median-f32.rdpk >packed/cut
+poke() { # byte, octal value: "\377"
+    head -c $1 packed/median-f32.rdpk
+    printf "$2"
+    tail -c +$(($1 + 1 + $(printf "$2" | wc -c))) packed/median-f32.rdpk
+}
+poke 60 '\000\000\000\000' >packed/circle # record 0: snd is itself
+poke 60 '\377\377\377\377' >packed/beyond
+poke 32 '\007\000\000\177' >packed/promises
+poke 36 '\011\000\000\000' >packed/root
+poke 44 '\000\000\000\000' >packed/stack
+
+# --- peers: a byte of length, then an answer
+answer() { # count, hits
+    printf 'RDRA\001\000\000\000\000\000\000\000\'$1'\000\000\000\001\000\000\000\000\000\000\000'
+    printf '\000\000\000\000\000\000\000\000'
+}
+hits() {
+    printf '\000\000\000\100\000\000\200\076\000\000\200\076\001\000\000\000'
+    for i in 1 2 3 4; do
+        printf '\000\000\000\000\000\000\000\000\000\000\000\000\377\377\377\377'
+    done
+}
+{
+    printf '\040'; answer 000
+    for query in 1 2; do
+        printf '\040'; answer 000
+        printf '\160'; answer 005; hits
+    done
+} >peer/answers
+{
+    printf '\040'; answer 000
+    printf '\045RDRA\001\000\000\000\001\000\000\000\005\000\000\000\001\000\000\000\000\000\000\000'
+    printf '\000\000\000\000\000\000\000\000large'
+} >peer/refused
+printf '\040RDRX' >peer/short
+printf 'R' >peer/nothing
+
+# --- text
+"$raydiff" gen soup:n=2 --count 2 --seed 1 >text/request
+"$raydiff" gen soup:n=2 --count 2 --seed 1 --decimal --query any >text/decimal
+awk -f "$repository/fuzz/samples/tracer.awk" text/decimal >text/answer
+{
+    printf '\001'
+    printf '# answers\nformula mt vulkan_rte\nflags open watertight unnamed\nh 1 .25 0x1p-2 2\nm\nend\n'
+} >text/limited
+printf '\002refused too many triangles\n' >text/refused
+printf 'v 0 0 0\nt 0 1 2\n' >text/forward
+printf 'r 0 0 -1 0 nan 0 1 inf\nquery any\n' >text/rays
+
+# --- logs
+line='"stream":"gen","seed":"7","index":"12","version":1,"trial":"00000000000000ff","triangles":2'
+{
+    printf '{"signature":"cpu.rtrs_rf.missed.rounded_inward",%s,"rays":1,"ray":0,"at":"","opinion":"x"}\n' "$line"
+    printf '{"signature":"vulkan.rtrs_rf.crash.unexplained",%s,"rays":1,"opinion":""}\n' "$line"
+    printf '{"checkpoint":"engines=cpu%%2Cvulkan|seed=7|next=64|coverage=00ff|shrunk=01","more":{"cpu.rtrs_rf.missed.rounded_inward":3}}\n'
+} >log/whole
+{
+    cat log/whole
+    printf '{"signature":"vulkan.rtrs_r'
+} >log/torn
+printf '{"checkpoint":"","more":{"cpu.f32.missed.none":0}}\n' >log/zero
+printf '{"checkpoint":"x","more":{},"a":[%s]}\n' "$(many '{}' 4000)" >log/braces
+printf '{"checkpoint":"x","more":{},"a":[%s]}\n' "$(many '[]' 4000)" >log/brackets
+
+# --- lists of what is known
+cp "$repository/fuzz/baseline.txt" baseline/shipped
+{
+    echo '# a comment'
+    echo 'vulkan.*.bits.driver_arithmetic @llvmpipe until 2026-12-31 why not https://example.org/1'
+    echo '*.rtrs_rf.*.[!x]? until - the seed: see notes.md'
+} >baseline/dated
+{ printf '\001' && cat "$repository/tests/waivers.txt"; } >baseline/waivers
+echo 'a.b.c.d until 2026-02-30 no such day x.md' >baseline/day
+
+# --- large ones, for the plain programs: what takes the most memory a byte, in arrays that have just
+# grown and been copied
+for entry in obj ply rtrs tree text log; do
+    mkdir -p large/$entry
+done
+{
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\n'
+    for i in 1 2 3; do
+        printf 'f 1 2 3 '
+        many 1 60000 | tr ',' ' '
+        echo
+    done
+} >large/obj/fans.obj
+{
+    head_ply binary_big_endian 3 700
+    printf "$three"
+    i=0
+    while [ $i -lt 700 ]; do
+        printf '\377'
+        head -c 255 /dev/zero
+        i=$((i + 1))
+    done
+} >large/ply/fans.ply
+printf '{"uniforms":[%s],"indices":[]}' "$(many '{"":0},[],[],[]' 65537)" >large/tree/dense.json
+printf '{"unknown":[%s]}' "$(many '{"":0},[],[],[]' 65537)" >large/rtrs/dense.json
+printf '{"checkpoint":"x","more":{},"a":[%s]}\n' "$(many '{"":0},[],[],[]' 65537)" >large/log/dense
+{
+    many m 131073 | tr ',' '\n'
+    echo
+} >large/text/misses
+
+cd "$repository"
+mv "$out.new" "$out"
