@@ -1,20 +1,27 @@
 /* Layouts `amd64`: the box nodes of AMD's ray accelerators, after the documents of their
  * instruction set (RDNA 2 Shader ISA, image_bvh_intersect_ray) and the open sources of their
- * drivers (GPURT, Mesa's RADV): records of 64 bytes, a node of four boxes in float16 in one of
- * them, of four boxes in float32 in two. words 0-3    a pointer for each child: bits 0-2 its type,
- * bits 3-31 where. Types 0-3: a leaf of 1 to 4 items, whose first one's slot it is; 4: a float16
- * node, 5: a float32 node, its first record; all ones: no child words 4-15   float16: for each
- * child min x, y, z, max x, y, z, the first in the low half words 4-27   float32: the same; words
- * 28-31 are zero As in GPURT's mixed mode a node is of float16 where that inflates its boxes
- * little, and the root is of float32. How we differ: the area that decides is that of all boxes in
- * the node; types 0-3 name a range of the item array, where the hardware has a triangle of a node
- * of triangles; child boxes are sorted by distance in software. Box growth: the hardware grows
- * boxes while it tests them, by a number of ulps of its descriptor (at most 255) that makes up for
- * what its test rounds; here the tests have that in themselves (ref/primitives/slab.h), and growth
- * is of what is stored. The members amd64_g0 to amd64_g6 round bounds to the nearest, as a plain
- * conversion does, then move them outward by n ulp of the number they are stored as: n = 0 loses
- * hits and is not judged, from n = 1 on boxes are conservative, since the neighbour of the nearest
- * number lies beyond what was rounded. The others round outward.
+ * drivers (GPURT, Mesa's RADV). Records of 64 bytes: a node of four boxes in float16 takes one, a
+ * node of four boxes in float32 two.
+ *   words 0-3    a pointer for each child: bits 0-2 its type, bits 3-31 where
+ *                  types 0-3   a leaf of 1 to 4 items; where: the slot of the first
+ *                  type 4      a float16 node; where: its record
+ *                  type 5      a float32 node; where: its first record
+ *                  all ones    no child
+ *   words 4-15   float16: for each child min x, y, z, max x, y, z, the first in the low half
+ *   words 4-27   float32: the same; words 28-31 are zero
+ * As in GPURT's mixed mode a node is of float16 where that inflates its boxes little, and the root
+ * is of float32.
+ *
+ * Differences from the hardware: the area that decides is that of all boxes in the node; types 0-3
+ * name a range of the item array, where the hardware has a triangle of a node of triangles; child
+ * boxes are sorted by distance in software.
+ *
+ * Box growth: the hardware grows boxes while it tests them, by a number of ulps of its descriptor
+ * (at most 255) that makes up for what its test rounds. Here the tests have that in themselves
+ * (ref/primitives/slab.h), and growth is of what is stored. The members amd64_g0 to amd64_g6 round
+ * bounds to the nearest, as a plain conversion does, then move them outward by n ulp of the number
+ * they are stored as: n = 0 loses hits and is not judged, from n = 1 on boxes are conservative,
+ * since the neighbour of the nearest number lies beyond what was rounded. The others round outward.
  */
 #include "ref/layouts/wide_nodes.h"
 #include "ref/base/mutant.h"

@@ -7,9 +7,8 @@
  *   word 5       item slot of its first leaf's first item; they follow each other
  *   words 6-7    a byte for each child: 0 none; node: 001 and 24 + s; leaf: the number of its items
  *                in unary (001, 011, 111) and, in the lower five bits, where they begin
- *   words 8-19   a byte for each child of lo x, lo y, lo z, hi x, hi y, hi z: plane q lies at
- * origin
- *                + q * 2^e
+ *   words 8-19   lo x, lo y, lo z, hi x, hi y, hi z: two words each, a byte for each child; plane q
+ *                lies at origin + q * 2^e
  * How we differ: children keep the tree's order and are visited by the distance of their boxes,
  * where the paper gives them places by octants and visits them in the order of the ray's; the item
  * array names triangles, where the paper has their vertices; a step is never so small that a plane

@@ -1,12 +1,15 @@
 /* Layout `half4`: the quad node with half float bounds of physics engines, after Jolt Physics
  * (AABBTree/NodeCodec/NodeCodecQuadTreeHalfFloat.h, version 5): 64 bytes for four children.
- *   words 0-11   min x, min y, min z, max x, max y, max z, each four halves, child 0 in the low
- * half words 12-15  a word for each child: bits 28-31 its triangles, 0 for a node; bits 0-27 the
- * item slot of the first, or the record; 0 (the root, which is nobody's child) for none Bounds are
- * rounded outward, and neither subnormal nor -0; those of a missing child are empty. How we differ:
- * the node comes before any of its children, offsets count records and item slots, not words of one
- * stream, and the item array names triangles, where Jolt has their vertices in 21 bits. As there,
- * coordinates end at 65504, leaves have up to 8 triangles, and children are visited by distance. */
+ *   words 0-11   min x, min y, min z, max x, max y, max z: two words each, four halves, child 0 in
+ *                the low half of the first
+ *   words 12-15  a word for each child: bits 28-31 its triangles, 0 for a node; bits 0-27 the item
+ *                slot of the first, or the record; 0 (the root, which is no node's child) for none
+ * Bounds are rounded outward, and are neither subnormal nor -0; those of a missing child are empty.
+ *
+ * Differences from Jolt: the node comes before any of its children, offsets count records and item
+ * slots, not words of one stream, and the item array names triangles, where Jolt has their vertices
+ * in 21 bits. As there, coordinates end at 65504, leaves have up to 8 triangles, and children are
+ * visited by distance. */
 #include "ref/layouts/wide_nodes.h"
 #include "ref/base/mutant.h"
 

@@ -1,6 +1,7 @@
 /* Layout `tiny8` and its family: 64 bytes, one line of a cache, for eight children; bounds of 6
- * bits in the frame of the node, as in cwbvh80 (ref/layouts/wide_nodes.h). words 0-2   the node's
- * origin, float32 word 3      bytes ex, ey, ez: exponents of the steps of its planes, plus 127; 0
+ * bits in the frame of the node, as in cwbvh80 (ref/layouts/wide_nodes.h).
+ *   words 0-2   the node's origin, float32
+ *   word 3      bytes ex, ey, ez: exponents of the steps of its planes, plus 127; the last byte 0
  *   word 4      record of its first child that is a node; they follow each other
  *   word 5      item slot of its first leaf's first item; they follow each other, leaf by leaf
  *   word 6      four bits for each child: 0 none, 1 to 14 the items of a leaf, 15 a node
