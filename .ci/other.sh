@@ -16,10 +16,10 @@ logs=build/other
 plays() {
     case $1 in
     aarch64)
-        echo "aarch64|trixie|git make $(sh tests/arm.sh --packages)|sh tests/arm.sh build/aarch64"
+        echo "aarch64|trixie|git make $(sh tests/house/arm.sh --packages)|sh tests/house/arm.sh build/aarch64"
         ;;
     warnings)
-        tried='sh .ci/deps.sh check && sh tests/compilers.sh build/compilers'
+        tried='sh .ci/deps.sh check && sh tests/house/compilers.sh build/compilers'
         echo "warnings bookworm|bookworm|git make gcc clang-14 libomp-14-dev|$tried gcc-12 clang-14"
         echo "warnings trixie|trixie|git make gcc clang-19 libomp-19-dev|$tried gcc-14 clang-19"
         ;;

@@ -1,6 +1,6 @@
 /* Every byte that C and the shaders both read. Compiled as C17 and as GLSL 4.50, so it holds only
  * #define and structs of 4-byte scalars and arrays of them; no function (a shared decoder would
- * make both sides wrong together), no 16-bit member (halves are packed in words). tests/test_abi.c
+ * make both sides wrong together), no 16-bit member (halves are packed in words). tests/base/test_abi.c
  * proves the layout on the running driver. */
 #ifndef ABI_H
 #define ABI_H

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 /* Writes into every field of every struct of ref/abi.h who it is: struct * 10000 + element * 100 +
- * field. tests/test_abi.c compares the bytes with C's structs. */
+ * field. tests/base/test_abi.c compares the bytes with C's structs. */
 #include "ref/abi.h"
 
 layout(local_size_x_id = ABI_SPEC_WORKGROUP) in;

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 /* The square root of the rendering shaders, of the float with code first + i stride for invocation i,
  * from an estimate that is worse than the driver's by so many ulp;
- * tests/test_vulkan_sqrt.c compares with C's. */
+ * tests/gpu/test_vulkan_sqrt.c compares with C's. */
 #include "ref/abi.h"
 #include "ref/base/mutant.h"
 #include "sqrt.glsl"

@@ -1,5 +1,13 @@
 # SPIR-V of every shaders/*.comp, and of a renderer for each layout, checked and decorated by our
 # tool, and its embedding into C.
+SHADERS  := $(wildcard shaders/*.comp)
+RENDERED := $(patsubst shaders/layout_%.glsl,render_%,$(wildcard shaders/layout_*.glsl))
+STACKLESS := $(patsubst shaders/layout_%.glsl,stackless_%,\
+               $(shell grep -L 'define WIDE' shaders/layout_*.glsl)) # of binary layouts
+SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv) $(RENDERED:%=$(B)/spv/%.spv) \
+            $(STACKLESS:%=$(B)/spv/%.spv)
+
+
 GLSLANG ?= glslangValidator
 HOSTCC  ?= cc
 # Number of a planted bug (ref/base/mutant.h); 0 in everything that is shipped.
@@ -50,3 +58,12 @@ $(B)/gen/shaders.c: $(SPV) $(B)/spv/list $(TOOL)
 # One that is gone makes what included it anew.
 shaders/%.glsl: ;
 -include $(wildcard $(B)/spv/raw/*.d)
+
+# The text of our shaders, for those that are compiled at run time.
+GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl)) ref/abi.h ref/base/mutant.h
+$(B)/gen/glsl_sources.c: $(GLSL_TEXTS) Makefile
+	@mkdir -p $(@D)
+	@{ echo '#include "gpu/shaders/glsl_text.h"'; echo 'const struct glsl_source glsl_sources[] = {'; \
+	  for file in $(GLSL_TEXTS); do printf '{"%s",\n' "$${file#shaders/}"; \
+	      sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $$file; echo '},'; done; \
+	  echo '{0, 0}};'; } >$@

@@ -38,7 +38,7 @@ if [ "$mode" = tsan ]; then
     [ -r "$archer" ] || { echo "libarcher.so is missing (libomp-dev)" >&2; exit 2; }
     export OMP_TOOL_LIBRARIES="$archer"
     export TSAN_OPTIONS="ignore_noninstrumented_modules=1 suppressions=$(pwd)/tests/tsan.supp"
-    suite tsan_sees_a_race sh tests/race.sh "$logs"
+    suite tsan_sees_a_race sh tests/house/race.sh "$logs"
 fi
 # Leaks inside drivers are not ours; ours are.
 [ "$mode" = sanitize ] && export LSAN_OPTIONS="suppressions=$(pwd)/tests/lsan.supp"
@@ -47,73 +47,73 @@ fi
 case $mode in
 plain)
     suite conform_hard "$build/raydiff" conform --hard --quick --junit "$logs/hard.xml"
-    suite rules_planted sh tests/rules_planted.sh
-    suite agree sh tests/agree.sh "$build" quick "$logs/agree"
+    suite rules_planted sh tests/house/rules_planted.sh
+    suite agree sh tests/scripts/agree.sh "$build" quick "$logs/agree"
     suite conform "$build/raydiff" conform --junit "$logs/conform.xml"
-    suite rules sh tests/rules.sh
-    suite constants sh tests/constants.sh
-    suite constants_planted sh tests/constants_planted.sh
-    suite honest_planted sh tests/honest_planted.sh
-    suite leaks sh tests/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
+    suite rules sh tests/house/rules.sh
+    suite constants sh tests/house/constants.sh
+    suite constants_planted sh tests/house/constants_planted.sh
+    suite honest_planted sh tests/house/honest_planted.sh
+    suite leaks sh tests/scripts/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
-    suite fire sh tests/fire.sh "$build"
-    suite cli sh tests/cli.sh "$build/raydiff"
-    suite shipped sh tests/shipped.sh "$build/raydiff"
-    suite hard_lists sh tests/hard_lists.sh "$build/raydiff"
-    suite options sh tests/options.sh "$build/raydiff"
-    suite named sh tests/named.sh "$build/raydiff"
-    suite losers sh tests/losers.sh "$build/raydiff"
-    suite named_others sh tests/named_others.sh "$build/raydiff"
-    suite watertight sh tests/watertight.sh "$build/raydiff"
-    alone bench sh tests/bench.sh "$build/raydiff"
-    suite diff sh tests/diff.sh "$build"
-    alone window sh tests/window.sh "$build"
-    suite construct sh tests/construct.sh "$build/raydiff"
-    suite render sh tests/render.sh "$build/raydiff"
-    suite tree_files sh tests/tree_files.sh "$build/raydiff"
-    alone frames sh tests/frames.sh "$build"
-    suite show sh tests/show.sh "$build/raydiff"
-    suite five_commands sh tests/five_commands.sh "$build/raydiff"
-    suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
-    suite report sh tests/report.sh "$build/raydiff"
-    suite report_browser sh tests/report_browser.sh "$build/raydiff" quick
-    alone fuzz sh tests/fuzz.sh "$build"
-    suite folders sh tests/folders.sh "$build/raydiff"
-    suite standard_files sh tests/standard_files.sh "$build/raydiff"
-    alone signals sh tests/signals.sh "$build/raydiff"
-    alone ended sh tests/ended.sh "$build/raydiff"
-    alone peers sh tests/peers.sh "$build/raydiff"
-    suite faults sh tests/faults.sh "$build/raydiff"
-    suite fetch sh tests/fetch.sh
-    suite drivers sh tests/drivers.sh
-    suite warnings sh tests/warnings.sh
-    suite libs sh tests/libs.sh
-    suite fresh sh tests/fresh.sh
-    suite runner sh tests/runner.sh
-    suite other sh tests/other.sh
+    suite fire sh tests/scripts/fire.sh "$build"
+    suite cli sh tests/scripts/cli.sh "$build/raydiff"
+    suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
+    suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"
+    suite options sh tests/scripts/options.sh "$build/raydiff"
+    suite named sh tests/scripts/named.sh "$build/raydiff"
+    suite losers sh tests/scripts/losers.sh "$build/raydiff"
+    suite named_others sh tests/scripts/named_others.sh "$build/raydiff"
+    suite watertight sh tests/scripts/watertight.sh "$build/raydiff"
+    alone bench sh tests/scripts/bench.sh "$build/raydiff"
+    suite diff sh tests/scripts/diff.sh "$build"
+    alone window sh tests/scripts/window.sh "$build"
+    suite construct sh tests/scripts/construct.sh "$build/raydiff"
+    suite render sh tests/scripts/render.sh "$build/raydiff"
+    suite tree_files sh tests/scripts/tree_files.sh "$build/raydiff"
+    alone frames sh tests/scripts/frames.sh "$build"
+    suite show sh tests/scripts/show.sh "$build/raydiff"
+    suite five_commands sh tests/scripts/five_commands.sh "$build/raydiff"
+    suite ci_outputs sh tests/scripts/ci_outputs.sh "$build/raydiff"
+    suite report sh tests/scripts/report.sh "$build/raydiff"
+    suite report_browser sh tests/scripts/report_browser.sh "$build/raydiff" quick
+    alone fuzz sh tests/scripts/fuzz.sh "$build"
+    suite folders sh tests/scripts/folders.sh "$build/raydiff"
+    suite standard_files sh tests/scripts/standard_files.sh "$build/raydiff"
+    alone signals sh tests/scripts/signals.sh "$build/raydiff"
+    alone ended sh tests/scripts/ended.sh "$build/raydiff"
+    alone peers sh tests/scripts/peers.sh "$build/raydiff"
+    suite faults sh tests/scripts/faults.sh "$build/raydiff"
+    suite fetch sh tests/house/fetch.sh
+    suite drivers sh tests/house/drivers.sh
+    suite warnings sh tests/house/warnings.sh
+    suite libs sh tests/house/libs.sh
+    suite fresh sh tests/house/fresh.sh
+    suite runner sh tests/house/runner.sh
+    suite other sh tests/house/other.sh
     alone mutants make -s mutants
-    suite mutants_none sh tests/mutants_none.sh "$build"
+    suite mutants_none sh tests/house/mutants_none.sh "$build"
     alone selftest make -s selftest-quick
-    suite install sh tests/install.sh
-    suite tutorial sh tests/tutorial.sh "$build"
-    suite plugin sh tests/plugin.sh "$build"
-    suite plugin_findings sh tests/plugin_findings.sh "$build/raydiff"
+    suite install sh tests/house/install.sh
+    suite tutorial sh tests/house/tutorial.sh "$build"
+    suite plugin sh tests/scripts/plugin.sh "$build"
+    suite plugin_findings sh tests/scripts/plugin_findings.sh "$build/raydiff"
     ;;
 sanitize)
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
-    suite fire sh tests/fire.sh "$build"
+    suite fire sh tests/scripts/fire.sh "$build"
     suite conform "$build/raydiff" conform --count 200
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
-    suite cli sh tests/cli.sh "$build/raydiff"
-    suite watertight sh tests/watertight.sh "$build/raydiff"
-    suite diff sh tests/diff.sh "$build"
-    suite frames sh tests/frames.sh "$build"
-    suite window sh tests/window.sh "$build"
-    suite five_commands sh tests/five_commands.sh "$build/raydiff"
-    suite ci_outputs sh tests/ci_outputs.sh "$build/raydiff"
-    suite report sh tests/report.sh "$build/raydiff"
-    suite fuzz sh tests/fuzz.sh "$build"
-    suite folders sh tests/folders.sh "$build/raydiff"
+    suite cli sh tests/scripts/cli.sh "$build/raydiff"
+    suite watertight sh tests/scripts/watertight.sh "$build/raydiff"
+    suite diff sh tests/scripts/diff.sh "$build"
+    suite frames sh tests/scripts/frames.sh "$build"
+    suite window sh tests/scripts/window.sh "$build"
+    suite five_commands sh tests/scripts/five_commands.sh "$build/raydiff"
+    suite ci_outputs sh tests/scripts/ci_outputs.sh "$build/raydiff"
+    suite report sh tests/scripts/report.sh "$build/raydiff"
+    suite fuzz sh tests/scripts/fuzz.sh "$build"
+    suite folders sh tests/scripts/folders.sh "$build/raydiff"
     ;;
 validate)
     suite conform "$build/raydiff" conform --engine vulkan,vulkan_brute --count 128

@@ -1,6 +1,6 @@
 /* Numbers of the planted bugs. The shipped program is compiled with MUTANT 0 and holds none;
- * tests/mutants.sh and mutants.mk compile one C unit or shader with -DMUTANT=n into build/mutants/,
- * and the suite (tests/mutants_list.txt) or the fuzzer (fuzz/selftest.txt) must find it. Plain
+ * tests/house/mutants.sh and mutants.mk compile one C unit or shader with -DMUTANT=n into build/mutants/,
+ * and the suite (tests/house/mutants_list.txt) or the fuzzer (fuzz/selftest.txt) must find it. Plain
  * #define, so that GLSL can include it. */
 #ifndef MUTANT_H
 #define MUTANT_H

@@ -1,6 +1,6 @@
 /* The box tests of ref/primitives/slab.h once more, each of their properties a switch: to replay a
  * ray with one of them repaired or spoilt. With the properties that slab_rule_of gives they are the
- * very same bits, `plain` or not (tests/test_explain_replay.c). */
+ * very same bits, `plain` or not (tests/explain/test_explain_replay.c). */
 #ifndef EXPLAIN_SLABS_H
 #define EXPLAIN_SLABS_H
 

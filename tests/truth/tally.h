@@ -5,7 +5,7 @@
 #include "ref/engine.h"
 #include "ref/explain/repair.h"
 #include "ref/judge/judge.h"
-#include "tests/exact_gmp_redecide.h"
+#include "tests/exact/exact_gmp_redecide.h"
 
 #include <stdio.h>
 

@@ -1,0 +1,96 @@
+/* How much memory building takes, and that what is too large for the memory left is refused before
+ * it is begun. */
+#include "tests/base/allocations.h"
+
+#include "ref/builders/room.h"
+#include "ref/base/memory.h"
+#include "tests/support/built.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#define WEIGHED 33000u /* just more than arrays that double have room for */
+
+/* At least what they say, and not far from it: else trees are refused that could be built. */
+static void builders_take_what_they_say(void **state)
+{
+    (void)state;
+    struct scene scene = built_soup(WEIGHED, 1);
+    for (size_t b = 0; builders_all[b]; b++)
+        for (uint32_t passes = 0; passes <= (builders_all[b]->faithful ? 0u : 1u); passes++) {
+            const struct build_options options = {
+                .leaf = 64, .eps = BUILD_EPS_DEFAULT, .passes = passes, .threads = 1};
+            struct bvh bvh;
+            long least = (long)bvh_build_bytes(builders_all[b], WEIGHED, &options);
+            atomic_store(&bytes_held, 0);
+            atomic_store(&bytes_most, 0);
+            assert_int_equal(bvh_build(builders_all[b], &scene, &options, &bvh, NULL), STATUS_OK);
+            bvh_free(&bvh);
+            if (bytes_most < least || bytes_most > least / 10 * 14)
+                fail_msg("%s, %u passes: %ld bytes of %ld", builders_all[b]->name, passes,
+                         (long)bytes_most, least);
+        }
+    scene_free(&scene);
+}
+
+/* The address space that is there and so much more. */
+static struct rlimit space_end(size_t more)
+{
+    struct rlimit before, limit;
+    unsigned long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%lu", &pages), 1);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
+    limit = before;
+    limit.rlim_cur = pages * (rlim_t)sysconf(_SC_PAGESIZE) + more;
+    assert_int_equal(setrlimit(RLIMIT_AS, &limit), 0);
+    return before;
+}
+
+static void what_is_too_large_is_refused_before(void **state)
+{
+    (void)state;
+    struct scene scene;
+    assert_int_equal(scene_make(3, 10000000, &scene), STATUS_OK);
+    assert_true(memory_left() <=
+                (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE));
+    struct rlimit before = space_end((size_t)400 << 20);
+    assert_in_range(memory_left(), (uint64_t)200 << 20, (uint64_t)400 << 20);
+    for (size_t b = 0; builders_all[b]; b++) {
+        const struct build_options options = {.leaf = 4, .eps = BUILD_EPS_DEFAULT};
+        struct bvh bvh = {.node_count = 7};
+        struct reason reason = {""};
+        enum status status = bvh_build(builders_all[b], &scene, &options, &bvh, &reason);
+        if (status != STATUS_MEMORY || bvh.node_count ||
+            !strstr(reason.text, builders_all[b]->name) ||
+            !strstr(reason.text, "no memory: a tree of 10000000 triangles takes at least "))
+            fail_msg("%s: status %d, %s", builders_all[b]->name, status, reason.text);
+    }
+    void *array = NULL, *room = alloc_zeroed((size_t)1 << 28, 2);
+    size_t capacity = 0;
+    assert_null(room);
+    assert_null(alloc_zeroed(SIZE_MAX / 2, 3));
+    assert_null(room_make((size_t)1 << 28, 2));
+    assert_int_equal(array_reserve(&array, &capacity, (size_t)1 << 28, 2), STATUS_MEMORY);
+    assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
+    assert_true(memory_fits(MEMORY_LARGE - 1));
+    assert_false(memory_fits(UINT64_MAX - 1));
+    scene_free(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(builders_take_what_they_say),
+        cmocka_unit_test(what_is_too_large_is_refused_before),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,267 @@
+/* Who meets whom: which pairs can, that the rarest are drawn, and what the drawn trials are. */
+#include "fuzz/feedback/meetings.h"
+
+#include "fuzz/play/trial_tree.h"
+#include "fuzz/campaign/worker.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h> /* last: it has a macro `fail` */
+
+#include "tests/fuzz/meetings.h"
+
+static bool can(const struct meetings *m, enum meeting_factor a, const char *x,
+                enum meeting_factor b, const char *y)
+{
+    bool possible = meetings_possible(m, a, named(m, a, x), b, named(m, b, y));
+    assert_int_equal(possible, meetings_possible(m, b, named(m, b, y), a, named(m, a, x)));
+    return possible;
+}
+
+static void what_rules_refuse_cannot_meet(void **state)
+{
+    (void)state;
+    struct meetings *m = open_all();
+    assert_true(can(m, MEET_ENGINE, "cpu", MEET_LAYOUT, "bvh8_u8_node"));
+    assert_true(can(m, MEET_ENGINE, "cpu_stackless", MEET_LAYOUT, "f32"));
+    assert_false(can(m, MEET_ENGINE, "cpu_stackless", MEET_LAYOUT, "bvh8_u8_node"));
+    assert_false(can(m, MEET_ENGINE, "brute", MEET_LAYOUT, "f32"));
+    assert_false(can(m, MEET_ENGINE, "brute", MEET_BUILDER, "median"));
+    assert_true(can(m, MEET_ENGINE, "brute", MEET_TRI, "pluecker"));
+    assert_false(can(m, MEET_ENGINE, "embree_robust", MEET_TRI, "mt"));
+    assert_false(can(m, MEET_ENGINE, "fast", MEET_TRI, "mt"));
+    assert_true(can(m, MEET_ENGINE, "fast", MEET_STORE, "compact"));
+    assert_false(can(m, MEET_LAYOUT, "rf16", MEET_STORE, "gathered"));
+    assert_true(can(m, MEET_LAYOUT, "f32", MEET_STORE, "gathered"));
+    assert_false(can(m, MEET_STORE, "edges", MEET_TRI, "woop"));
+    assert_true(can(m, MEET_STORE, "edges", MEET_TRI, "mt"));
+    assert_false(can(m, MEET_STORE, "quantised", MEET_MOTION, "moved"));
+    assert_true(can(m, MEET_STORE, "compact", MEET_MOTION, "moved"));
+    meetings_close(m);
+}
+
+/* What is drawn can be traced, and every pair that is possible comes up equally often. */
+static void rarest_pairs_are_drawn(void **state)
+{
+    (void)state;
+    struct meetings *m = open_all();
+    const struct meeting_tables *t = meetings_tables(m);
+    const uint32_t trials = 64, wanted = 4 * trials;
+    uint32_t turns = 0;
+    for (; turns < 4000 && meetings_summarize(m, wanted).below > 0; turns++) {
+        struct meeting drawn;
+        meetings_draw(m, 7, turns, trials, &drawn);
+        const struct engine *engine = t->member[MEET_ENGINE][drawn.member[MEET_ENGINE]];
+        struct meeting met =
+            meetings_of(m, engine, t->member[MEET_LAYOUT][drawn.member[MEET_LAYOUT]],
+                        t->member[MEET_BUILDER][drawn.member[MEET_BUILDER]],
+                        t->member[MEET_STORE][drawn.member[MEET_STORE]],
+                        t->member[MEET_TRI][drawn.member[MEET_TRI]],
+                        t->member[MEET_BOX][drawn.member[MEET_BOX]],
+                        drawn.member[MEET_OPTIMIZE] > 0, drawn.member[MEET_MOTION] > 0);
+        for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
+            for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
+                if (met.member[a] != MEET_NONE && met.member[b] != MEET_NONE)
+                    assert_true(meetings_possible(m, a, met.member[a], b, met.member[b]));
+        for (uint32_t i = 0; i < trials; i++)
+            meetings_add(m, &met);
+    }
+    struct meetings_summary sum = meetings_summarize(m, wanted);
+    assert_true(sum.possible > 1000 && sum.met == sum.possible && sum.below == 0);
+    /* 330 pairs of layout and builder are the most of two factors; chance takes four times that. */
+    assert_true(turns <= 4 * 330 * 5 / 4);
+    meetings_close(m);
+}
+
+static void draws_are_of_seed_turn_and_tally(void **state)
+{
+    (void)state;
+    struct meetings *a = open_all(), *b = open_all(), *c = open_all();
+    uint32_t unlike = 0;
+    for (uint32_t turn = 0; turn < 50; turn++) {
+        struct meeting x, y, z;
+        meetings_draw(a, 1, turn, 64, &x);
+        meetings_draw(b, 1, turn, 64, &y);
+        meetings_draw(c, 2, turn, 64, &z);
+        assert_memory_equal(&x, &y, sizeof x);
+        unlike += memcmp(&x, &z, sizeof x) != 0;
+    }
+    assert_true(unlike > 40);
+    meetings_close(a);
+    meetings_close(b);
+    meetings_close(c);
+}
+
+/* Where engines are few they are chosen last: the row has storage and tests already when it meets
+ * what the engine has compiled. */
+static void what_was_compiled_can_be_traced(void **state)
+{
+    (void)state;
+    static struct meeting_tables tables;
+    struct meetings *m;
+    tables = all_tables();
+    tables.count[MEET_ENGINE] = 1;
+    tables.member[MEET_ENGINE][0] = engine_find("vulkan");
+    assert_int_equal(meetings_open(&tables, &m, &reason), STATUS_OK);
+    for (uint32_t turn = 0; turn < 2000; turn++) {
+        struct meeting x;
+        meetings_draw(m, 3, turn, 64, &x);
+        for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
+            for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
+                assert_true(meetings_possible(m, a, x.member[a], b, x.member[b]));
+    }
+    meetings_close(m);
+}
+
+/* A pair that is always refused comes up again, but does not starve the others. */
+static void refused_pairs_do_not_starve_others(void **state)
+{
+    (void)state;
+    struct meetings *m = open_all();
+    const uint32_t refused = named(m, MEET_LAYOUT, "tiny8");
+    uint32_t again = 0;
+    for (uint32_t turn = 0; turn < 3000; turn++) {
+        struct meeting drawn;
+        meetings_draw(m, 3, turn, 64, &drawn);
+        bool bad = drawn.member[MEET_LAYOUT] == refused;
+        again += bad;
+        if (bad)
+            meetings_missed(m, &drawn, 64, 0);
+        else
+            meetings_add(m, &drawn);
+    }
+    /* One of 56 layouts would have come up 54 times. */
+    assert_true(again > 100 && again < 1200);
+    meetings_close(m);
+}
+
+/* --- what is drawn, as trials ------------------------------------------------------------------
+ */
+
+#define TRIALS 24u
+
+static const struct work_rules rules = {
+    .seed = 11, .gen = {.triangles_least = 8, .triangles_most = 30, .rays = 40}};
+
+static struct work_draw draw_of(const char *layout, const char *builder, const char *store,
+                                bool optimized, bool moved)
+{
+    return (struct work_draw){.on = true,
+                              .layout = layout_find(layout),
+                              .builder = builder_find(builder),
+                              .store = tri_store_find(store),
+                              .tri = tri_tests[0],
+                              .box = box_tests[0],
+                              .optimized = optimized,
+                              .moved = moved};
+}
+
+static void make_drawn(const struct work_draw *draw, uint32_t i, struct fuzz_trial *out)
+{
+    const struct work_order order = {.stream = WORK_GEN, .first = 100, .draw = *draw};
+    if (work_trial_ordered(&rules, &order, i, NULL, out, &reason))
+        fail_msg("%s", reason.text);
+}
+
+/* The packed tree is one of the scene that is traced, whatever it has gone through. */
+static void moved_trees_are_trees_of_the_scene(void **state)
+{
+    (void)state;
+    static const char *const layout[] = {"f32", "bvh8_u8_node", "bvh4_f16_scene", "half4"};
+    static const char *const store[] = {"indexed", "gathered", "compact", "edges"};
+    uint32_t refitted = 0, rebuilt = 0;
+    for (uint32_t i = 0; i < TRIALS; i++)
+        for (size_t l = 0; l < ARRAY_COUNT(layout); l++) {
+            const struct work_draw draw = draw_of(layout[l], i % 4 == 3 ? "sbvh" : "sah_binned",
+                                                  store[(i + l) % 4], i % 2, true);
+            struct fuzz_trial trial, again;
+            struct bvh bvh;
+            struct packed packed;
+            enum trial_motion motion;
+            make_drawn(&draw, i, &trial);
+            make_drawn(&draw, i, &again);
+            assert_int_equal(fuzz_trial_hash(&trial), fuzz_trial_hash(&again));
+            fuzz_trial_free(&again);
+            assert_true(trial.move > 0);
+            enum status status =
+                fuzz_trial_tree(&trial, draw.layout, &bvh, &packed, &motion, &reason);
+            if (status != STATUS_LIMIT) {
+                assert_int_equal(status, STATUS_OK);
+                if (packed_check(&packed, &trial.scene, NULL, &reason) ||
+                    bvh_check(&bvh, &trial.scene, &reason))
+                    fail_msg("%s, trial %u: %s", layout[l], i, reason.text);
+                refitted += motion == TRIAL_REFITTED;
+                rebuilt += motion == TRIAL_REBUILT;
+                packed_free(&packed);
+                bvh_free(&bvh);
+            }
+            fuzz_trial_free(&trial);
+        }
+    assert_true(refitted > 40 && rebuilt > 5);
+}
+
+/* What is on a grid, the storage can hold. */
+static void quantised_trials_are_on_a_grid(void **state)
+{
+    (void)state;
+    const struct work_draw draw = draw_of("f32", "ploc", "quantised", false, false);
+    uint32_t held = 0;
+    for (uint32_t i = 0; i < TRIALS; i++) {
+        struct fuzz_trial trial;
+        struct bvh bvh;
+        struct packed packed;
+        make_drawn(&draw, i, &trial);
+        trial.build.leaf = 4;
+        if (!fuzz_trial_tree(&trial, draw.layout, &bvh, &packed, NULL, &reason)) {
+            held++;
+            packed_free(&packed);
+            bvh_free(&bvh);
+        }
+        fuzz_trial_free(&trial);
+    }
+    assert_true(held > TRIALS * 3 / 4);
+}
+
+/* A finding's file plays alone: all that was drawn stands in it. */
+static void drawn_trials_come_back_from_their_file(void **state)
+{
+    (void)state;
+    static const char *const store[] = {"compact", "quantised", "edges", "indexed"};
+    for (uint32_t i = 0; i < TRIALS; i++) {
+        const struct work_draw draw = draw_of("f32", "ploc", store[i % 4], i % 3, i % 2);
+        struct finding_file file = {.has_signature = false}, again;
+        char *bytes;
+        size_t size;
+        make_drawn(&draw, i, &file.trial);
+        assert_int_equal(finding_file_print(&file, &bytes, &size, &reason), STATUS_OK);
+        if (finding_file_parse("a trial", bytes, size, &again, &reason))
+            fail_msg("%s", reason.text);
+        assert_int_equal(fuzz_trial_hash(&file.trial), fuzz_trial_hash(&again.trial));
+        assert_ptr_equal(again.trial.store, draw.store);
+        assert_int_equal(again.trial.build.passes > 0, draw.optimized);
+        assert_int_equal(again.trial.move > 0, draw.moved);
+        free(bytes);
+        finding_file_free(&file);
+        finding_file_free(&again);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_rules_refuse_cannot_meet),
+        cmocka_unit_test(rarest_pairs_are_drawn),
+        cmocka_unit_test(draws_are_of_seed_turn_and_tally),
+        cmocka_unit_test(what_was_compiled_can_be_traced),
+        cmocka_unit_test(refused_pairs_do_not_starve_others),
+        cmocka_unit_test(moved_trees_are_trees_of_the_scene),
+        cmocka_unit_test(quantised_trials_are_on_a_grid),
+        cmocka_unit_test(drawn_trials_come_back_from_their_file),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,136 @@
+#!/bin/sh
+# .ci/drivers.sh without network: apt and dpkg-deb are played by scripts.
+#   sh tests/house/drivers.sh
+set -u
+export LC_ALL=C
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+bad() {
+    echo "FAILED  $1"
+    sed 's/^/        /' "$dir/out"
+    failed=$((failed + 1))
+}
+
+mkdir "$dir/bin" "$dir/etc" "$dir/etc/sources.list.d"
+for tool in sh sha256sum cut mkdir mktemp rm cat tail head grep sed awk sort join find cp mv id dirname; do
+    ln -s "$(command -v "$tool")" "$dir/bin/$tool"
+done
+printf 'ID=debian\nVERSION_CODENAME=bookworm\n' >"$dir/os-release"
+sed "s|/etc/os-release|$dir/os-release|" .ci/drivers.sh >"$dir/drivers.sh"
+cp .ci/apt_sources.sh "$dir"
+
+# run CODE WHAT: fetches into $dir/to with these tools and expects the exit code.
+run() {
+    PATH=$dir/bin APT_ROOT=$dir/etc sh "$dir/drivers.sh" "$dir/to" >"$dir/out" 2>&1
+    got=$?
+    [ "$got" -eq "$1" ] && echo "passed  $2" || bad "$2: exit $got, not $1"
+}
+says() { grep -q -- "$1" "$dir/out" || bad "no line like /$1/"; }
+holds() {
+    now=$(cd "$dir/to" && ls -A | grep -v '^apt$' | tr '\n' ' ')
+    [ "$now" = "$1" ] || bad "the folder holds '$now', not '$1'"
+}
+tool() {
+    rm -f "$dir/bin/$1"
+    cat >"$dir/bin/$1"
+    chmod +x "$dir/bin/$1"
+}
+
+run 77 'without apt everything is skipped'
+says 'skipped: apt-get is needed'
+holds ''
+
+# A machine with both forms of entries; the fake apt notes what it is asked.
+cat >"$dir/etc/sources.list" <<'END'
+# deb http://commented.example/debian bookworm main
+deb [arch=amd64 signed-by=/some/key.gpg] http://one.example/debian bookworm main contrib
+END
+cat >"$dir/etc/sources.list.d/debian.sources" <<'END'
+Types: deb deb-src
+# a comment
+URIs: http://two.example/debian-security
+Suites: bookworm-security
+Components: main
+Signed-By: /other/key.gpg
+
+Types: deb
+Enabled: no
+URIs: http://off.example/debian
+Suites: bookworm
+END
+tool apt-get <<END
+#!/bin/sh
+echo "\$*" >>"$dir/asked"
+case "\$*" in
+*update*) [ ! -e "$dir/offline" ] || { echo "E: cannot reach anything" >&2; exit 100; } ;;
+*install*)
+    echo 'Inst libdrm2 [1.0] (2.0~bpo Debian Backports:stable-backports [amd64])'
+    echo 'Inst unrelated (9 Debian:stable [amd64])'
+    echo 'Inst mesa-vulkan-drivers [22] (25.0~bpo Debian Backports:stable-backports [amd64])' ;;
+*download*)
+    for last; do :; done
+    [ ! -e "$dir/broken" ] || case \$last in chromium*) echo "E: 404" >&2; exit 100 ;; esac
+    echo "\$last" >"\${last%%=*}.deb" ;;
+esac
+END
+tool apt-cache <<'END'
+#!/bin/sh
+printf 'mesa-vulkan-drivers\n  Depends: libdrm2\nlibdrm2\nlibc6\n'
+END
+tool dpkg-deb <<'END'
+#!/bin/sh
+[ "$1" = -f ] && { case $3 in Package) basename=${2##*/}; echo "${basename%.deb}" ;; *) echo 25.0 ;; esac; exit; }
+case ${2##*/} in
+*mesa*)
+    mkdir -p "$3/usr/lib" "$3/usr/share"
+    echo lvp >"$3/usr/lib/libvulkan_lvp.so"
+    echo other >"$3/usr/lib/libvulkan_other.so"
+    echo '{"ICD": {"api_version": "1.4.305", "library_path": "libvulkan_lvp.so"}}' >"$3/usr/share/lvp_icd.json" ;;
+*libdrm*) mkdir -p "$3/usr/lib"; echo drm >"$3/usr/lib/libdrm.so.2" ;;
+*chromium*)
+    mkdir -p "$3/usr/lib/chromium"
+    echo swift >"$3/usr/lib/chromium/libvk_swiftshader.so"
+    echo '{"ICD": {"api_version": "1.0.5"}}' >"$3/usr/lib/chromium/vk_swiftshader_icd.json" ;;
+esac
+END
+
+: >"$dir/offline"
+run 77 'without network everything is skipped'
+says 'skipped: no package lists: E: cannot reach anything'
+holds ''
+grep -qx 'deb \[signed-by=/some/key.gpg\] http://one.example/debian bookworm-backports main' \
+    "$dir/to/apt/sources.list" || bad 'no entry for the backports'
+grep -qx 'deb \[signed-by=/other/key.gpg\] http://two.example/debian-security bookworm-security main' \
+    "$dir/to/apt/sources.list" || bad 'no entry for security'
+grep -q 'commented\|off.example' "$dir/to/apt/sources.list" && bad 'an entry that is switched off was used'
+
+rm "$dir/offline"
+: >"$dir/broken"
+run 77 'one of two drivers is kept'
+says 'swiftshader: skipped: cannot download chromium-common: E: 404'
+holds 'mesa25 versions '
+[ -s "$dir/to/mesa25/libdrm.so.2" ] || bad 'the dependency is not beside the driver'
+[ ! -e "$dir/to/mesa25/libvulkan_other.so" ] || bad 'another driver was unpacked too'
+grep -q "\"library_path\": \"$dir/to/mesa25/libvulkan_lvp.so\", \"api_version\": \"1.4.305\"" \
+    "$dir/to/mesa25/icd.json" || bad 'icd.json does not name the driver'
+grep -q 'unrelated' "$dir/asked" && bad 'a package was fetched that the driver does not need'
+
+rm "$dir/broken"
+: >"$dir/asked"
+run 0 'the other one follows'
+holds 'mesa25 swiftshader versions '
+grep -q 'download.*mesa' "$dir/asked" && bad 'what was there was fetched again'
+grep -qE '^swiftshader chromium-common 25.0 [0-9a-f]{64}$' "$dir/to/versions" || bad 'no record of the package'
+
+: >"$dir/asked"
+run 0 'a second run does nothing'
+[ ! -s "$dir/asked" ] || bad 'apt was asked though both drivers are there'
+
+printf 'ID=fedora\n' >"$dir/os-release"
+rm -rf "$dir/to"
+run 77 'another system is skipped'
+says 'not a Debian release'
+
+echo "$failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,138 @@
+#!/bin/sh
+# Rules of the house that a compiler does not check. Prints every breach; exit 1 if there is one.
+set -u
+bad=0
+breach() {
+    echo "$1"
+    bad=1
+}
+scratch=${TMPDIR:-/tmp}/rules.$$
+list() { ls $* 2>/dev/null; }
+
+# Who may include whom: docs/rooms.txt, where every room stands below those that include it.
+git ls-files '*.c' '*.h' '*.glsl' '*.comp' | while read -r file; do
+    [ -e "$file" ] && awk '/#[ \t]*include "/ {split($0, part, "\""); print FILENAME, FNR, part[2]}' "$file"
+done | awk -v rooms=docs/rooms.txt '
+    function breach(text) { print text; bad = 1 }
+    function room_of(file) {
+        if (file in place) return file
+        return sub("/[^/]*$", "", file) ? file : "."
+    }
+    BEGIN {
+        while ((getline line < rooms) > 0) {
+            if (line ~ /^#/ || line == "") continue
+            if (line !~ /^ /) { # else it goes on with the line before
+                room = line
+                sub(":.*", "", room)
+                sub("[^:]*:", "", line)
+                place[room] = ++known
+            }
+            count = split(line, word, " ")
+            for (i = 1; i <= count; i++) {
+                if (!(word[i] in place) || word[i] == room)
+                    breach(rooms ": " room " names " word[i] ", which does not stand below it")
+                allowed[room, word[i]] = 1
+            }
+        }
+        while (("git ls-files" | getline file) > 0) {
+            there[file] = 1
+            seen[room_of(file)] = 1
+        }
+        for (room in place)
+            if (!(room in seen)) breach(rooms ": " room " is empty")
+    }
+    {
+        from = room_of($1)
+        target = $3
+        if (!(target in there)) { # of GLSL, from its own folder
+            folder = $1
+            sub("[^/]*$", "", folder)
+            target = (folder target in there ? folder : "shaders/") target
+            if (!(target in there)) next # made, or of a library
+        }
+        to = room_of(target)
+        if (!(from in place)) breach($1 ":" $2 ": " rooms " has no room " from)
+        else if (from != to && !((from, to) in allowed))
+            breach($1 ":" $2 ": " from " includes nothing of " to " (" rooms ")")
+        used[from, to] = 1
+    }
+    END {
+        for (pair in allowed)
+            if (!(pair in used)) {
+                split(pair, side, SUBSEP)
+                breach(rooms ": " side[1] " includes nothing of " side[2] " any more")
+            }
+        exit bad
+    }' || breach "folders include downward, as docs/rooms.txt says"
+grep -nE '#include "(ref|scenes)/.*(engine_|layout_|build_|gen_)[a-z0-9_]*\.[ch]"' $(git ls-files '*.c' '*.h') &&
+    breach "members of a table are reached through their table"
+grep -lE '#include <embree[34]?/' $(git ls-files '*.c' '*.h') | grep -vE '^(ref/engines/engine_embree.c|fuzz/templates/embree.c)$' &&
+    breach "one file includes Embree, beside a program that is written out"
+
+# Shaders: nothing whose result may differ between drivers, but in the probes that measure how.
+for file in $(list shaders/*.comp shaders/*.glsl); do # comments may name what the code must not
+    case $file in shaders/probe_card.comp | shaders/probe_pack.comp) continue ;; esac
+    awk '{
+        line = $0
+        kept = ""
+        while (line != "") {
+            if (comment) {
+                end = index(line, "*/")
+                if (!end) break
+                line = substr(line, end + 2)
+                comment = 0
+            }
+            begin = index(line, "/*")
+            if (!begin) { kept = kept line; break }
+            kept = kept substr(line, 1, begin - 1)
+            line = substr(line, begin + 2)
+            comment = 1
+        }
+        print FILENAME ":" FNR ": " kept
+    }' "$file"
+done >"$scratch"
+grep -E '\bpackHalf2x16|\bfma *\(' "$scratch" &&
+    breach "packHalf2x16 and fma differ between drivers"
+grep -E '\b(cross|dot|normalize|length|distance|mix|min|max) *\(' "$scratch" &&
+    breach "write the operations out: these are never decorated NoContraction"
+
+# The library prints nothing and does not exit.
+for file in $(git ls-files 'ref/*.c' 'gpu/*.c' 'scenes/*.c'); do
+    grep -nE '(^|[^a-z_])(printf|puts|perror|exit|abort) *\(' "$file" /dev/null &&
+        breach "$file: the library neither prints nor exits"
+done
+
+# Two draws of a sequence among the arguments of one call come in the order that a compiler likes.
+perl -0777 -ne '
+    s{/\*.*?\*/}{$& =~ tr/\n//cdr}gse;
+    while (/\b(?!(?:if|for|while|switch|return|rng_make)\b)\w+(\((?:[^()]++|(?1))*\))/g) {
+        my ($call, $line) = ($1, 1 + (substr($_, 0, $-[0]) =~ tr/\n//));
+        pos() = $+[0] - length($call) + 1; # what is inside is looked at as well
+        my @inner = substr($call, 1, -1) =~ /((?:[^(),{}\[\]]++|(\((?:[^()]++|(?2))*\))|[\[\]{}])+)/g;
+        my $draws = grep { defined && /\w\([^()]*\brng\b/ } @inner[grep { $_ % 2 == 0 } 0 .. $#inner];
+        print "$ARGV:$line\n" if $draws > 1;
+    }' $(git ls-files '*.c' '*.h') >"$scratch"
+[ -s "$scratch" ] && cat "$scratch" && breach "one draw after the other: arguments are evaluated in any order"
+
+# The project speaks of itself alone: nothing lies beside the checkout.
+git grep -nE '\.\./shared/|(^|[^a-z./])shared/(scenes|design|notes)' -- . ':!tests/house/rules.sh' ':!tests/house/rules_planted.sh' &&
+    breach "what is not part of the project is named by an option or a variable"
+
+# Small rooms.
+for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
+    lines=$(wc -l <"$file")
+    [ "$lines" -le 450 ] || breach "$file: $lines lines; one concept a file, at most 450"
+done
+
+# A planted bug has a number of its own, beside its name, and something must find it.
+defines() { awk '$1 == "#define" && $2 ~ /^MUTANT_/ && $2 != "MUTANT_H" {print $2, $3}' ref/base/mutant.h; }
+defines | awk '{sub("MUTANT_", "", $1); print $1}' | while read -r name; do
+    grep -qE "^[a-z ]+ $name " tests/house/mutants_list.txt || grep -q "^$name " fuzz/selftest.txt || echo "$name"
+done >"$scratch"
+[ -s "$scratch" ] && breach "ref/base/mutant.h: neither tests/house/mutants_list.txt nor fuzz/selftest.txt plays $(tr '\n' ' ' <"$scratch")"
+defines | awk '$2 !~ /^[0-9]+$/ {print $1; bad = 1} END {exit !bad}' && breach "ref/base/mutant.h: a bug without a number"
+defines | awk '{print $2}' | sort | uniq -d | grep . && breach "ref/base/mutant.h: a number that two bugs have"
+rm -f "$scratch"
+
+[ "$bad" -eq 0 ] && echo "rules: kept"
+exit "$bad"

@@ -1,0 +1,53 @@
+#!/bin/sh
+# tests/house/rules.sh must see a breach of each of its rules, planted one at a time in a copy.
+set -u
+copy=$(mktemp -d) || exit 4
+trap 'rm -rf "$copy"' EXIT
+git ls-files -z -- ref gpu scenes fuzz tests bench cmd shaders docs CONTRIBUTING.md raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
+cd "$copy" && git init -q . && git add -A || exit 4
+sh tests/house/rules.sh >log 2>&1 || { cat log; echo "the copy breaks a rule before anything is planted"; exit 1; }
+failed=0
+
+# file, line to append.
+plant() {
+    cp "$1" saved
+    printf '%s\n' "$2" >>"$1"
+    if sh tests/house/rules.sh >log 2>&1; then
+        echo "MISSED  in $1: $2"
+        failed=1
+    else
+        echo "caught  in $1: $(echo "$2" | head -n 1)"
+    fi
+    cp saved "$1"
+}
+
+plant ref/base/base.c '#include "gpu/vk/vk.h"'
+plant ref/base/base.c '#include "ref/files/file.h"'
+plant ref/oracle/oracle.h '#include "ref/judge/judge.h"'
+plant ref/files/file.c '#include "cmd/conform/cmd_trial.h"'
+plant scenes/render/render.c '#  include "gpu/vk/vk.h"'
+plant cmd/bench/cmd_bench.c '#include "gpu/vk/vk.h"'
+plant cmd/common/cmd_use.c '#include "cmd/check/cmd_check.h"'
+plant shaders/tri.glsl '#include "bench/chart/chart.h"'
+plant docs/rooms.txt 'ref/attic:'
+plant docs/rooms.txt 'ref/base: ref/nowhere'
+plant docs/rooms.txt '    ref/plugin.h'
+plant ref/match/match.c '#include "ref/layouts/layout_f32.h"'
+plant ref/match/match.c '#include <embree3/rtcore.h>'
+plant shaders/tri.glsl 'float f(float a) { return fma(a, a, a); }'
+plant shaders/half.glsl 'uint f(vec2 a) { return packHalf2x16(a); }'
+plant shaders/slab.glsl 'float f(vec3 a) { return dot(a, a); }'
+plant ref/tree/bvh.c 'void f(void) { printf("x"); }'
+plant gpu/vk/vk.c 'void f(void) { exit (1); }'
+plant ref/base/rng.h 'float f(struct rng *rng) { return ldexpf(rng_float(rng), (int)rng_below(rng, 3)); }'
+plant ref/base/mutant.h '#define MUTANT_NOBODY 999'
+plant ref/base/mutant.h '#define MUTANT_LOST_SLOT 1'
+plant ref/base/mutant.h '#define MUTANT_LOST_SLOT /* 2 */'
+plant tests/support/trees.h '/* ../shared/design/house.md */'
+plant tests/support/trees.h 'static const char *f = "shared/scenes/a.json";'
+mkdir ref/attic && echo '#include "ref/base/base.h"' >ref/attic/new.h && git add ref/attic
+plant ref/attic/new.h ''
+git rm -qf ref/attic/new.h
+plant ref/base/half.c "$(awk 'BEGIN { for (i = 0; i < 460; i++) print "/* */" }')"
+[ "$failed" -eq 0 ] && echo "rules: every planted breach caught"
+exit "$failed"

@@ -1,0 +1,43 @@
+#!/bin/sh
+# tests/run.sh on made-up suites: one that fails, or that is not played to its end, fails the run, and each
+# is counted once.
+#   sh tests/house/runner.sh
+set -u
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+mkdir "$dir/tests"
+failed=0
+bad() {
+    echo "FAILED  $1"
+    cat "$dir/out"
+    failed=1
+}
+made_up() { # NAME SCRIPT
+    printf '#!/bin/sh\n%s\n' "$2" >"$dir/tests/test_$1"
+    chmod +x "$dir/tests/test_$1"
+}
+# expect CODE 'SUM'
+expect() {
+    sh tests/run.sh "$dir" made_up >"$dir/out" 2>&1
+    got=$?
+    [ "$got" -eq "$1" ] || bad "exit code $got, not $1"
+    [ "$(tail -n 1 "$dir/out")" = "$2" ] || bad "the sum is not '$2'"
+}
+
+made_up good 'echo fine'
+made_up pipe 'exit 0'
+made_up absent 'echo "SKIP nothing to do"; exit 77'
+expect 0 '2 passed, 0 failed, 1 skipped'
+grep -q '^passed   test_pipe' "$dir/out" || bad 'a suite that runs alone is not played'
+made_up wrong 'echo "here it is wrong"; exit 1'
+expect 1 '2 passed, 1 failed, 1 skipped'
+grep -q 'here it is wrong' "$dir/out" || bad 'the log of what failed is not shown'
+made_up wrong 'kill -9 $PPID; sleep 0.2'
+expect 1 '2 passed, 1 failed, 1 skipped'
+grep -q '^FAILED   1 suites were not played to their end' "$dir/out" || bad 'who was killed is not missed'
+rm "$dir/tests/test_wrong"
+made_up pipe 'exit 3'
+expect 1 '1 passed, 1 failed, 1 skipped'
+
+[ "$failed" -eq 0 ] && echo 'runner: each suite counts'
+exit "$failed"

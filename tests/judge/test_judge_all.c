@@ -1,0 +1,421 @@
+/* Lists of all hits before the judge: right ones are right, wrong ones of every kind are caught for
+ * every formula, and what is allowed has its class; and what lists say of a mesh. */
+#include "ref/judge/judge_all.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/judge/judged.h"
+
+#include <math.h>
+
+#define MOST 8
+
+/* A list in the making. */
+struct list {
+    struct hit hit[MOST];
+    size_t count;
+    struct list_judgement judged;
+};
+
+/* The right answers of these triangles, in this order. */
+static struct list list_of(const struct court *c, size_t count, const uint32_t *prim)
+{
+    struct list list = {.count = count};
+    assert_true(count <= MOST);
+    for (size_t i = 0; i < count; i++)
+        list.hit[i] = right_answer(c, prim[i]);
+    return list;
+}
+
+#define LIST(c, ...)                                                                               \
+    list_of((c), sizeof((uint32_t[]){__VA_ARGS__}) / sizeof(uint32_t), (uint32_t[]){__VA_ARGS__})
+
+static const struct list empty;
+
+static enum verdict judge(struct court *c, struct list *list)
+{
+    assert_int_equal(
+        judge_list(c->judge, &c->ray, list->count ? list->hit : NULL, list->count, &list->judged),
+        STATUS_OK);
+    const struct judgement *j = &list->judged.judgement;
+    assert_int_equal(j->verdict == VERDICT_WRONG, j->wrong != WRONG_NOT);
+    return j->verdict;
+}
+
+static struct list must(struct court *c, struct list list, enum verdict expected)
+{
+    if (judge(c, &list) != expected)
+        fail_msg("%s: %s (%s), not %s", c->subject->name,
+                 verdict_name(list.judged.judgement.verdict),
+                 wrong_name(list.judged.judgement.wrong), verdict_name(expected));
+    if (expected != VERDICT_WRONG)
+        assert_int_equal(list.judged.at_fault.prim, ABI_NO_PRIM);
+    return list;
+}
+
+/* WRONG of this kind; `at_fault` is the hit that is, `expected` the triangle that is not there. */
+static struct list must_wrong(struct court *c, struct list list, enum wrong kind, uint32_t at_fault,
+                              uint32_t expected)
+{
+    list = must(c, list, VERDICT_WRONG);
+    const struct judgement *j = &list.judged.judgement;
+    if (j->wrong != kind || list.judged.at_fault.prim != at_fault || j->expected != expected)
+        fail_msg("%s: %s of %u, %u, not %s of %u, %u", c->subject->name, wrong_name(j->wrong),
+                 list.judged.at_fault.prim, j->expected, wrong_name(kind), at_fault, expected);
+    return list;
+}
+
+static void exactly_the_hits_are_right(void **state)
+{
+    (void)state;
+    struct court *c = inside();
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        court_ask(c, along_z(0.5f, -0.25f));
+        must(c, LIST(c, 0, 2), VERDICT_RIGHT);
+        court_ask(c, along_z(5, 5));
+        must(c, empty, VERDICT_RIGHT);
+    }
+    court_close(c);
+}
+
+static void a_lost_hit_is_wrong(void **state)
+{
+    (void)state;
+    struct court *c = inside();
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        must_wrong(c, empty, WRONG_MISSED, ABI_NO_PRIM, 0);
+        must_wrong(c, LIST(c, 2), WRONG_MISSED, ABI_NO_PRIM, 0);
+        struct list last = must_wrong(c, LIST(c, 0), WRONG_MISSED, ABI_NO_PRIM, 2);
+        assert_true(last.judged.judgement.t_lo <= 2.0 && last.judged.judgement.t_hi >= 2.0);
+    }
+    court_close(c);
+}
+
+static void a_repeated_hit_is_wrong(void **state)
+{
+    (void)state;
+    struct court *c = inside();
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        must_wrong(c, LIST(c, 0, 0, 2), WRONG_TWICE, 0, 0);
+        must_wrong(c, LIST(c, 0, 2, 2), WRONG_TWICE, 2, 2);
+    }
+    court_close(c);
+}
+
+static void a_triangle_that_is_not_hit_is_wrong(void **state)
+{
+    (void)state;
+    struct court *c = inside();
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        court_ask(c, along_z(0.5f, -0.25f));
+        must_wrong(c, LIST(c, 0, 1, 2), WRONG_PHANTOM, 1, ABI_NO_PRIM);
+        struct list none = LIST(c, 0, 2);
+        none.hit[none.count++] = (struct hit){3, 0.25f, 0.25f, 77}; /* no such triangle */
+        must_wrong(c, none, WRONG_PHANTOM, 77, ABI_NO_PRIM);
+        court_ask(c, along_z(5, 5));
+        must_wrong(c, LIST(c, 2), WRONG_PHANTOM, 2, ABI_NO_PRIM);
+    }
+    court_close(c);
+}
+
+static void wrong_numbers_are_wrong(void **state)
+{
+    (void)state;
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    struct court *c = inside();
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        struct list list = LIST(c, 0, 2);
+        list.hit[1].t *= 1.001f;
+        list = must_wrong(c, list, WRONG_DISTANCE, 2, ABI_NO_PRIM);
+        if (!is_unknown(&subjects[s]))
+            assert_true(list.judged.judgement.over > 1.0);
+        else
+            assert_true(list.judged.judgement.displacement > JUDGE_DISPLACEMENT_MOST);
+        list = LIST(c, 0, 2);
+        list.hit[0].u += 0.001f;
+        must_wrong(c, list, WRONG_BARYCENTRIC, 0, ABI_NO_PRIM);
+        for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
+            list = LIST(c, 0, 2);
+            list.hit[1].v = bad[i];
+            must_wrong(c, list, WRONG_NOT_FINITE, 2, ABI_NO_PRIM);
+        }
+        list = LIST(c, 0, 2);
+        list.hit[1].t = nextafterf(list.hit[1].t, 3);
+        list = must(c, list, VERDICT_RIGHT);
+        const struct judgement *j = &list.judged.judgement;
+        assert_true(is_unknown(&subjects[s]) ? j->displacement > 0 : j->over > 0 && j->over <= 1);
+    }
+    court_close(c);
+}
+
+static void order_counts(void **state)
+{
+    (void)state;
+    struct court *c = inside();
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        must_wrong(c, LIST(c, 2, 0), WRONG_ORDER, 2, 0);
+    }
+    court_close(c);
+}
+
+/* Two layers an ulp apart whose t are the same in float32. */
+static void an_order_within_the_errors_is_a_near_tie(void **state)
+{
+    (void)state;
+    struct scene scene = layers();
+    scene.tri_count = 4;
+    for (int i = 4; i < 8; i++)
+        scene.vertex[3 * i + 2] = nextafterf(1, 2);
+    struct court *c = court_of(scene);
+    court_ask(c, along_z(0.5f, -0.25f));
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        struct list list = LIST(c, 2, 0);
+        must(c, LIST(c, 0, 2), VERDICT_RIGHT);
+        list.hit[0].t = list.hit[1].t = 1;
+        must(c, list, VERDICT_NEAR_TIE);
+    }
+    court_close(c);
+}
+
+static void ties_stand_in_any_order(void **state)
+{
+    (void)state;
+    struct court *c = court_of(layers()); /* triangle 4 lies on triangle 0 */
+    court_ask(c, along_z(0.5f, -0.25f));
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        must(c, LIST(c, 0, 4, 2), VERDICT_RIGHT);
+        must(c, LIST(c, 4, 0, 2), VERDICT_RIGHT);
+        must_wrong(c, LIST(c, 0, 2), WRONG_MISSED, ABI_NO_PRIM, 4);
+    }
+    court_close(c);
+}
+
+/* On the diagonal of both quads each half is hit by chance, but of a watertight test one is. */
+static void an_edge_is_chance_but_not_a_gap(void **state)
+{
+    (void)state;
+    struct court *c = inside();
+    court_ask(c, along_z(0.25f, 0.25f));
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        bool watertight = subjects[s].model.watertight;
+        court_seat(c, &subjects[s], QUERY_ALL);
+        must(c, LIST(c, 0, 1, 2, 3), VERDICT_RIGHT);
+        must(c, LIST(c, 0, 2), VERDICT_BOUNDARY);
+        must(c, LIST(c, 1, 2), VERDICT_BOUNDARY);
+        must(c, LIST(c, 1, 2, 3), VERDICT_BOUNDARY);
+        if (watertight) {
+            must_wrong(c, empty, WRONG_MISSED, ABI_NO_PRIM, 0);
+            must_wrong(c, LIST(c, 2, 3), WRONG_MISSED, ABI_NO_PRIM, 0);
+            must_wrong(c, LIST(c, 1), WRONG_MISSED, ABI_NO_PRIM, 2);
+        } else {
+            struct list list = must(c, LIST(c, 2), VERDICT_BOUNDARY);
+            assert_int_equal(list.judged.judgement.fan, is_unknown(&subjects[s]));
+            list = must(c, LIST(c, 1, 2), VERDICT_BOUNDARY);
+            assert_false(list.judged.judgement.fan);
+        }
+    }
+    court_close(c);
+}
+
+static void an_end_of_the_range_is_chance(void **state)
+{
+    (void)state;
+    struct court *c = inside();
+    struct ray ray = along_z(0.5f, -0.25f);
+    ray.tmax = 2;
+    court_ask(c, ray);
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        must(c, LIST(c, 0), VERDICT_BORDER);
+        if (subjects[s].model.open)
+            must_wrong(c, LIST(c, 0, 2), WRONG_DISTANCE, 2, ABI_NO_PRIM);
+        else
+            must(c, LIST(c, 0, 2), VERDICT_RIGHT);
+    }
+    court_close(c);
+}
+
+static void a_plane_may_be_listed_or_not(void **state)
+{
+    (void)state;
+    struct court *c = inside();
+    court_ask(c, (struct ray){{-5, -0.5f, 1}, 0, {1, 0, 0}, 1e30f});
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        must(c, empty, VERDICT_RIGHT);
+        struct list list = {.hit = {{5, 0.25f, 0.25f, 0}}, .count = 1};
+        if (is_unknown(&subjects[s])) { /* at x 0, y -0.5: that is v 0.25, u 0.25 */
+            must(c, list, VERDICT_IN_PLANE);
+        } else { /* along an axis every determinant is exactly 0 */
+            must_wrong(c, list, WRONG_PHANTOM, 0, ABI_NO_PRIM);
+        }
+    }
+    court_close(c);
+}
+
+static void out_of_contract_says_nothing(void **state)
+{
+    (void)state;
+    struct court *c = inside();
+    c->ray = (struct ray){{0, 0, 0}, 0, {0, 0, 0}, 1};
+    struct list list = {.hit = {{NAN, 0, 0, 1}}, .count = 1}, beyond = list;
+    beyond.hit[0].prim = 77;
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        court_seat(c, &subjects[s], QUERY_ALL);
+        must(c, empty, VERDICT_OUT_OF_CONTRACT);
+        must(c, list, VERDICT_OUT_OF_CONTRACT);
+        must_wrong(c, beyond, WRONG_PHANTOM, 77, ABI_NO_PRIM);
+    }
+    court_close(c);
+}
+
+/* --- meshes ----------------------------------------------------------------------------------- */
+
+/* A closed box from -1 to 1; the diagonals of the faces across z run through x = y. Triangles 0 and
+ * 1 are at z = -1, 2 and 3 at z = 1. */
+static struct scene closed_box(void)
+{
+    struct scene scene;
+    static const uint32_t index[12][3] = {{0, 3, 1}, {0, 2, 3}, {4, 5, 7}, {4, 7, 6},
+                                          {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                          {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    assert_int_equal(scene_make(8, 12, &scene), STATUS_OK);
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < 3; k++)
+            scene.vertex[3 * i + k] = i >> k & 1 ? 1.0f : -1.0f;
+    memcpy(scene.index, index, sizeof index);
+    return scene;
+}
+
+/* A court of a mesh, and what its topology says. */
+struct mesh {
+    struct court *c;
+    struct topology topology;
+    bool closed;
+};
+
+static struct mesh mesh_of(struct scene scene)
+{
+    struct mesh mesh = {.c = court_of(scene)};
+    assert_int_equal(topology_make(&mesh.c->scene, &mesh.topology, NULL), STATUS_OK);
+    mesh.closed = topology_open_edge(&mesh.topology) == TOPOLOGY_NONE;
+    return mesh;
+}
+
+static struct list_mesh said_of(struct mesh *mesh, const struct list *list)
+{
+    struct list_mesh said;
+    assert_int_equal(judge_list_mesh(mesh->c->oracle, &mesh->topology, mesh->closed, &mesh->c->ray,
+                                     list->hit, list->count, &said),
+                     STATUS_OK);
+    return said;
+}
+
+static void must_say(struct mesh *mesh, struct list list, bool doubled, bool off)
+{
+    struct list_mesh said = said_of(mesh, &list);
+    assert_int_equal(said.parity, mesh->closed);
+    assert_int_equal(said.doubled, doubled);
+    assert_int_equal(said.parity_off, off);
+    if (doubled)
+        assert_true(said.pair[0] != said.pair[1] && said.pair[0] < 4 && said.pair[1] < 4);
+}
+
+static void mesh_free(struct mesh *mesh)
+{
+    topology_free(&mesh->topology);
+    court_close(mesh->c);
+}
+
+static struct ray up(float x, float y, float z)
+{
+    return (struct ray){{x, y, z}, 0, {0, 0, 1}, 1e30f};
+}
+
+/* Through the box, at its diagonals or beside them. */
+static void double_hits_and_parity_are_seen(void **state)
+{
+    (void)state;
+    struct mesh mesh = mesh_of(closed_box());
+    struct court *c = mesh.c;
+    assert_true(mesh.closed);
+    c->ray = up(0.5f, 0.25f, -5); /* from outside, through interiors */
+    must_say(&mesh, LIST(c, 0, 2), false, false);
+    must_say(&mesh, LIST(c, 0), false, true);
+    must_say(&mesh, LIST(c, 0, 1, 2), true, false); /* 1 is wrong, but no wall more */
+    must_say(&mesh, LIST(c, 0, 0, 2), false, false);
+    c->ray = up(0.25f, 0.25f, -5); /* through both diagonals */
+    must_say(&mesh, LIST(c, 0, 2), false, false);
+    must_say(&mesh, LIST(c, 1, 3), false, false);
+    must_say(&mesh, LIST(c, 0, 1, 2), true, false);
+    must_say(&mesh, LIST(c, 0, 1, 2, 3), true, false);
+    must_say(&mesh, LIST(c, 0, 1), true, true);
+    must_say(&mesh, empty, false, false); /* lost, but in pairs */
+    c->ray = up(0.25f, 0.25f, 0);         /* from inside */
+    must_say(&mesh, LIST(c, 2), false, false);
+    must_say(&mesh, LIST(c, 2, 3), true, false);
+    must_say(&mesh, empty, false, true);
+    c->ray = (struct ray){{-5, 0, 0.5f}, 5, {1, 0, 0.0625f}, 1e30f}; /* begins inside */
+    must_say(&mesh, empty, false, true);
+    /* In through an interior, out through a diagonal. */
+    c->ray = (struct ray){{-5, 0.125f, -0.625f}, 5, {1, 0.0625f, 0.1875f}, 1e30f};
+    must_say(&mesh, empty, false, true);
+    mesh_free(&mesh);
+}
+
+static void parity_is_silent_where_it_is_not_known(void **state)
+{
+    (void)state;
+    struct mesh mesh = mesh_of(closed_box());
+    struct list none = empty;
+    mesh.c->ray = up(0.25f, 0.25f, -1); /* on the wall */
+    assert_false(said_of(&mesh, &none).parity);
+    mesh.c->ray = up(0.25f, 0.25f, -5);
+    mesh.c->ray.tmax = 4; /* ends on it */
+    assert_false(said_of(&mesh, &none).parity);
+    mesh.c->ray.tmin = 5; /* begins behind an edge, ends on one */
+    mesh.c->ray.tmax = 6;
+    assert_false(said_of(&mesh, &none).parity);
+    mesh_free(&mesh);
+    struct scene scene = closed_box();
+    scene.tri_count = 11;
+    mesh = mesh_of(scene);
+    mesh.c->ray = up(0.5f, 0.25f, -5);
+    assert_false(mesh.closed);
+    assert_false(said_of(&mesh, &none).parity);
+    must_say(&mesh, LIST(mesh.c, 0, 1, 2), true, false);
+    mesh_free(&mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exactly_the_hits_are_right),
+        cmocka_unit_test(a_lost_hit_is_wrong),
+        cmocka_unit_test(a_repeated_hit_is_wrong),
+        cmocka_unit_test(a_triangle_that_is_not_hit_is_wrong),
+        cmocka_unit_test(wrong_numbers_are_wrong),
+        cmocka_unit_test(order_counts),
+        cmocka_unit_test(an_order_within_the_errors_is_a_near_tie),
+        cmocka_unit_test(ties_stand_in_any_order),
+        cmocka_unit_test(an_edge_is_chance_but_not_a_gap),
+        cmocka_unit_test(an_end_of_the_range_is_chance),
+        cmocka_unit_test(a_plane_may_be_listed_or_not),
+        cmocka_unit_test(out_of_contract_says_nothing),
+        cmocka_unit_test(double_hits_and_parity_are_seen),
+        cmocka_unit_test(parity_is_silent_where_it_is_not_known),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,112 @@
+/* Judging many answers at a time, with twins computed together, is judging each alone: answers of
+ * the triangle tests, and those bent in every way. */
+#include "tests/support/fuzz_trials.h"
+#include "tests/judge/judged.h"
+
+#include "fuzz/gen/gen.h"
+#include "ref/trace/trace.h"
+
+#include <math.h>
+
+#define TRIALS 120u
+#define RAYS   67u /* neither a multiple of the vectors' lanes nor of what is judged together */
+
+/* The answer of the subject's triangle test, or of something near it. */
+static struct hit bend(struct rng *rng, const struct scene *scene, struct hit hit)
+{
+    float *number[] = {&hit.t, &hit.u, &hit.v};
+    float *one = number[rng_below(rng, 3)];
+    switch (rng_below(rng, 16)) {
+    case 0:
+        return (struct hit){.prim = ABI_NO_PRIM};
+    case 1:
+        hit.prim = rng_below(rng, scene->tri_count + 1);
+        break;
+    case 2:
+        *one = nextafterf(*one, rng_below(rng, 2) ? INFINITY : -INFINITY);
+        break;
+    case 3:
+        *one *= 1 + 0x1p-18f;
+        break;
+    case 4:
+        *one = rng_below(rng, 2) ? NAN : 2 * *one + 1;
+        break;
+    default:
+        break;
+    }
+    return hit;
+}
+
+static bool same_double(double a, double b)
+{
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+/* Returns how many are not plainly right. */
+static size_t compare(const struct judge *judge, const struct judge_question *question)
+{
+    static struct judgement many[RAYS];
+    size_t other = 0;
+    assert_int_equal(judge_answers(judge, question, RAYS, many), STATUS_OK);
+    for (size_t i = 0; i < RAYS; i++) {
+        struct judgement one;
+        assert_int_equal(
+            judge_answer(judge, question[i].ray, question[i].truth, question[i].answer, &one),
+            STATUS_OK);
+        assert_int_equal(one.verdict, many[i].verdict);
+        assert_int_equal(one.wrong, many[i].wrong);
+        assert_int_equal(one.expected, many[i].expected);
+        assert_true(same_double(one.t_lo, many[i].t_lo) && same_double(one.t_hi, many[i].t_hi));
+        assert_true(same_double(one.over, many[i].over));
+        assert_true(same_double(one.displacement, many[i].displacement));
+        assert_int_equal(one.fan, many[i].fan);
+        other += one.verdict != VERDICT_RIGHT;
+    }
+    return other;
+}
+
+static void many_are_judged_as_each_alone(void **state)
+{
+    (void)state;
+    const struct gen_options options = {
+        .triangles_least = 1, .triangles_most = 40, .rays = RAYS, .faithful = true};
+    size_t other[SUBJECTS] = {0};
+    for (uint64_t n = 0; n < TRIALS; n++) {
+        struct fuzz_trial trial;
+        struct reason reason = {""};
+        struct oracle *oracle = NULL;
+        struct oracle_answer truth[RAYS];
+        struct judge_question question[RAYS];
+        struct hit hit[RAYS];
+        struct rng rng = rng_make(5, n);
+        if (gen_trial(21, n, &options, &trial, &reason) ||
+            oracle_make(&trial.scene, &oracle, &reason) ||
+            oracle_closest(oracle, ORACLE_AUTO, ORACLE_CLOSED, trial.ray, RAYS, 1, truth, NULL,
+                           &reason))
+            fail_msg("%s", reason.text);
+        for (size_t s = 0; s < SUBJECTS; s++) {
+            const struct tri_test *tri = tri_test_find(subjects[s].tri);
+            struct judge *judge = NULL;
+            assert_int_equal(judge_make(oracle, &trial.scene, &subjects[s].model, tri, trial.query,
+                                        &judge, &reason),
+                             STATUS_OK);
+            for (size_t i = 0; i < RAYS; i++) {
+                trace_brute(&trial.scene, tri, trial.query, &trial.ray[i], &hit[i]);
+                hit[i] = bend(&rng, &trial.scene, hit[i]);
+                question[i] = (struct judge_question){&trial.ray[i], &truth[i], &hit[i]};
+            }
+            other[s] += compare(judge, question);
+            judge_free(judge);
+        }
+        oracle_free(oracle);
+        fuzz_trial_free(&trial);
+    }
+    for (size_t s = 0; s < SUBJECTS; s++)
+        assert_true(other[s] > 500);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(many_are_judged_as_each_alone)};
+    return cmocka_run_group_tests_name("judge_many", tests, NULL, NULL) ? 1 : 0;
+}

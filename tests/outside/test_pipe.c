@@ -1,0 +1,331 @@
+/* Laws of engines "pipe:COMMAND" (ref/outside/pipe.h): a peer that keeps the protocol is an engine like
+ * any other; whatever else it does is said in one line, ends the peer and nothing else, and leaves
+ * no process behind. The peers are this program, run as `test_pipe --peer WHAT`. */
+#define _GNU_SOURCE /* environ, usleep */
+#include "ref/outside/pipe.h"
+#include "ref/base/rng.h"
+#include "ref/trace/trace.h"
+#include "scenes/rays/rays.h"
+#include "scenes/scenes.h"
+#include "tests/outside/peers.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <cmocka.h>
+
+#define RAYS 200
+
+static const char *program;
+static struct scene scene;
+static struct ray rays[RAYS];
+
+/* Engines are listed for good, and only a few: one whose command says what it is by a variable. */
+static const struct engine *peer_engine(const char *what)
+{
+    char name[PIPE_NAME_MOST];
+    const struct engine *engine;
+    struct reason reason;
+    assert_int_equal(setenv("PEER", what, 1), 0);
+    snprintf(name, sizeof name, "pipe:exec %.100s --peer $PEER", program);
+    assert_int_equal(pipe_engine(name, &engine, &reason), STATUS_OK);
+    return engine;
+}
+
+static struct job job_of(enum query query)
+{
+    return (struct job){.scene = &scene, .tri = tri_test_find("mt"), .query = query};
+}
+
+/* Opens the peer, prepares and traces once; the first status that is not OK. */
+static enum status play(const char *what, enum query query, uint32_t ms, struct hit hit[RAYS],
+                        struct model *model, struct reason *reason)
+{
+    const struct engine *engine = peer_engine(what);
+    struct engine_options options = {.peer_ms = ms, .peer_mb = UINT32_MAX};
+    struct job job = job_of(query);
+    struct trace_report report;
+    void *self;
+    enum status status = engine->open(&options, &self, reason);
+    if (status)
+        return status;
+    if (model)
+        *model = engine->model(self, job.tri);
+    status = engine->prepare(self, &job, reason);
+    if (!status)
+        status = engine->trace(self, rays, RAYS, hit, &report, reason);
+    if (!status && strcmp(what, "chatty") == 0)
+        usleep(300000); /* so that it is there before the next request, not after it */
+    if (!status)        /* again: what was left over is seen now */
+        status = engine->trace(self, rays, RAYS, hit, &report, reason);
+    engine->close(self);
+    return status;
+}
+
+/* No child is left, dead or alive. */
+static void must_have_no_children(void)
+{
+    assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
+    assert_int_equal(errno, ECHILD);
+}
+
+static void an_honest_peer_gives_the_bits_of_its_formula(void **state)
+{
+    (void)state;
+    struct hit hit[RAYS], own;
+    struct model model;
+    struct reason reason = {""};
+    size_t hits = 0;
+    assert_int_equal(play("honest", QUERY_CLOSEST, 20000, hit, &model, &reason), STATUS_OK);
+    assert_int_equal(model.formula, TWIN_UNKNOWN);
+    for (size_t i = 0; i < RAYS; i++) {
+        trace_brute(&scene, tri_test_find("mt"), QUERY_CLOSEST, &rays[i], &own);
+        assert_memory_equal(&own, &hit[i], sizeof own);
+        hits += own.prim != ABI_NO_PRIM;
+    }
+    assert_true(hits > RAYS / 4);
+    must_have_no_children();
+}
+
+static void what_a_peer_says_of_itself_is_its_model(void **state)
+{
+    (void)state;
+    struct hit hit[RAYS];
+    struct model model;
+    struct reason reason = {""};
+    assert_int_equal(play("declared", QUERY_CLOSEST, 20000, hit, &model, &reason), STATUS_OK);
+    assert_int_equal(model.formula, TWIN_MT);
+    assert_true(model.rounding.tiny == 0x1p-126 && model.rounding.div == 1.0);
+    assert_true(model.open && !model.watertight && model.any_unnamed);
+    assert_int_equal(play("declared", QUERY_ANY, 20000, hit, &model, &reason), STATUS_OK);
+    for (size_t i = 0; i < RAYS; i++) /* does not name its triangles */
+        assert_true(hit[i].prim == 0 || hit[i].prim == ABI_NO_PRIM);
+}
+
+/* Every way to break the protocol, and what is said of it. */
+static const struct hostile {
+    const char *what;
+    enum status status;
+    const char *said;
+} hostile[] = {
+    {"nothing", STATUS_DEVICE, "it ended with exit code 0 at a request without rays"},
+    {"dies", STATUS_DEVICE, "it was ended by signal 9 after the answer to ray 16"},
+    {"crashes", STATUS_DEVICE, "it was ended by signal 6 before the answer to ray 0"},
+    {"exits", STATUS_DEVICE, "it ended with exit code 3 after the answer to ray 16"},
+    {"closes", STATUS_DEVICE, "it closed its output after the answer to ray 16"},
+    {"hangs", STATUS_DEVICE, "late: not done within 0.3 s, after the answer to ray 16"},
+    {"sleeps", STATUS_DEVICE, "late: not done within 0.3 s, at a request without rays"},
+    {"deaf", STATUS_DEVICE, "late: not done within 0.3 s, at a request without rays"},
+    {"short", STATUS_DEVICE, "its answer is about 199 rays, not 200, from ray 0 on"},
+    {"long", STATUS_DEVICE, "its answer is longer than 200 rays"},
+    {"chatty", STATUS_DEVICE, "wrote more than the answer before was long"},
+    {"endless", STATUS_DEVICE, "its answer begins with 'yes?', not with 'RDRA'"},
+    {"endless_hits", STATUS_DEVICE, "its answer is longer than 200 rays"},
+    {"text", STATUS_DEVICE, "its answer begins with 'Hell', not with 'RDRA'"},
+    {"version", STATUS_DEVICE, "its answer is of version 7, not 1"},
+    {"neither", STATUS_DEVICE, "neither given (0) nor refused (1) but 5"},
+    {"range", STATUS_DEVICE, "its answer to ray 17 names triangle 2048 of 2048"},
+    {"nan_id", STATUS_DEVICE, "its answer to ray 17 names triangle 2143289344 of 2048"},
+    {"stderr", STATUS_DEVICE, "must not write to its standard error; its standard error: oops"},
+    {"stderr_dies", STATUS_DEVICE,
+     "exit code 2 before the answer to ray 0; its standard error: no"},
+    {"stderr_endless", STATUS_DEVICE, "its standard error: xxxxxx"},
+    {"refuses", STATUS_REFUSED, "refused: only teapots"},
+    {"refuses_long", STATUS_DEVICE, "refuses in more than 256 bytes"},
+    {"formula", STATUS_DEVICE, "says of itself: formula 99 is not one of 0 to 6"},
+    {"rounding", STATUS_DEVICE, "says of itself: rounding 5 is not one of 0 to 4"},
+    {"flags", STATUS_DEVICE, "says of itself: flags 0x10 have more than"},
+    {"fickle", STATUS_DEVICE, "says of itself now another formula, rounding or flags"},
+};
+
+static void whatever_a_peer_does_is_said_and_ends_only_the_peer(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < ARRAY_COUNT(hostile); i++) {
+        const struct hostile *one = &hostile[i];
+        struct hit hit[RAYS];
+        struct reason reason = {""};
+        bool late = strncmp(one->said, "late", 4) == 0;
+        enum status status = play(one->what, QUERY_CLOSEST, late ? 300 : 20000, hit, NULL, &reason);
+        if (status != one->status || !strstr(reason.text, one->said) || strchr(reason.text, '\n'))
+            fail_msg("%s: status %s, '%s'; not '%s'", one->what, status_text(status), reason.text,
+                     one->said);
+        must_have_no_children();
+    }
+    struct hit hit[RAYS]; /* and the next one is an engine as before */
+    struct reason reason = {""};
+    assert_int_equal(play("honest", QUERY_CLOSEST, 20000, hit, NULL, &reason), STATUS_OK);
+}
+
+/* t, u and v are for the judge: he has names for what is wrong with them. */
+static void numbers_that_are_none_are_answers(void **state)
+{
+    (void)state;
+    struct hit hit[RAYS];
+    struct reason reason = {""};
+    assert_int_equal(play("nan_t", QUERY_CLOSEST, 20000, hit, NULL, &reason), STATUS_OK);
+    assert_int_equal(hit[17].prim, 0);
+    assert_false(float_is_finite(hit[17].t));
+    assert_int_equal(hit[16].prim, ABI_NO_PRIM); /* a miss with numbers in it */
+    assert_true(hit[16].t == 0.0f && hit[16].u == 0.0f && hit[16].v == 0.0f);
+}
+
+static void a_peer_that_died_is_started_again(void **state)
+{
+    (void)state;
+    const struct engine *engine = peer_engine("dies");
+    struct engine_options options = {.peer_ms = 20000, .peer_mb = UINT32_MAX};
+    struct job job = job_of(QUERY_CLOSEST);
+    struct trace_report report;
+    struct reason reason = {""};
+    struct hit hit[RAYS];
+    void *self;
+    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
+    assert_int_equal(engine->trace(self, rays, RAYS, hit, &report, &reason), STATUS_DEVICE);
+    assert_int_equal(setenv("PEER", "honest", 1), 0);
+    assert_int_equal(engine->trace(self, rays, RAYS, hit, &report, &reason), STATUS_OK);
+    assert_int_equal(engine->trace(self, rays, 0, hit, &report, &reason), STATUS_OK);
+    engine->close(self);
+    must_have_no_children();
+}
+
+/* A grandchild goes with its group: it would hold the pipe open for good. */
+static void the_whole_group_is_killed(void **state)
+{
+    (void)state;
+    struct hit hit[RAYS];
+    struct reason reason = {""};
+    char path[] = "/tmp/test_pipe_XXXXXX", line[32] = "";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    assert_int_equal(setenv("PEER_FILE", path, 1), 0);
+    assert_int_equal(play("forks", QUERY_CLOSEST, 300, hit, NULL, &reason), STATUS_DEVICE);
+    assert_true(read(file, line, sizeof line - 1) > 0);
+    pid_t grandchild = (pid_t)atol(line);
+    assert_true(grandchild > 1);
+    int tries = 0; /* whoever adopts it must reap it first */
+    while (kill(grandchild, 0) == 0 && tries++ < 200) {
+        char stat[64], text[256] = "";
+        snprintf(stat, sizeof stat, "/proc/%ld/stat", (long)grandchild);
+        FILE *from = fopen(stat, "r");
+        if (from && fgets(text, sizeof text, from) && strstr(text, ") Z"))
+            tries = 1000;
+        if (from)
+            fclose(from);
+        usleep(10000);
+    }
+    assert_true(tries != 201);
+    close(file);
+    unlink(path);
+    must_have_no_children();
+}
+
+static void sigpipe_stays_as_it_was(void **state)
+{
+    (void)state;
+    struct sigaction action;
+    sigset_t blocked, pending;
+    struct hit hit[RAYS];
+    struct reason reason = {""};
+    assert_int_equal(play("nothing", QUERY_CLOSEST, 20000, hit, NULL, &reason), STATUS_DEVICE);
+    assert_int_equal(sigaction(SIGPIPE, NULL, &action), 0);
+    assert_true(action.sa_handler == SIG_DFL);
+    assert_int_equal(sigprocmask(SIG_SETMASK, NULL, &blocked), 0);
+    assert_int_equal(sigpending(&pending), 0);
+    assert_false(sigismember(&blocked, SIGPIPE));
+    assert_false(sigismember(&pending, SIGPIPE));
+}
+
+static void commands_that_are_not_there_cannot_run_here(void **state)
+{
+    (void)state;
+    const struct engine *engine;
+    struct reason reason = {""};
+    void *self;
+    assert_int_equal(pipe_engine("pipe:no-such-tracer-here", &engine, &reason), STATUS_OK);
+    assert_int_equal(engine->open(&(struct engine_options){0}, &self, &reason), STATUS_UNSUPPORTED);
+    assert_non_null(strstr(reason.text, "exit code 127"));
+    assert_non_null(strstr(reason.text, "not found"));
+    assert_null(self);
+    must_have_no_children();
+}
+
+static void memory_is_limited(void **state)
+{
+    (void)state;
+    const struct engine *engine;
+    struct reason reason = {""};
+    void *self;
+    /* tail keeps its last line, and all of this is one */
+    assert_int_equal(pipe_engine("pipe:head -c 999999999 /dev/zero | tail", &engine, &reason),
+                     STATUS_OK);
+    struct engine_options options = {.peer_ms = 60000, .peer_mb = 64};
+    assert_int_equal(engine->open(&options, &self, &reason), STATUS_DEVICE);
+    assert_non_null(strstr(reason.text, "memory"));
+}
+
+static void names_are_checked_and_places_counted(void **state)
+{
+    (void)state;
+    const struct engine *engine, *same;
+    struct reason reason;
+    char name[PIPE_NAME_MOST + 8];
+    memset(name, 'x', sizeof name);
+    memcpy(name, PIPE_PREFIX, strlen(PIPE_PREFIX));
+    name[PIPE_NAME_MOST] = '\0';
+    assert_int_equal(pipe_engine(name, &engine, &reason), STATUS_INPUT);
+    assert_null(engine);
+    assert_int_equal(pipe_engine("pipe:", &engine, &reason), STATUS_INPUT);
+    assert_int_equal(pipe_engine("pip:x", &engine, &reason), STATUS_INPUT);
+    name[PIPE_NAME_MOST - 1] = '\0';
+    assert_int_equal(pipe_engine(name, &engine, &reason), STATUS_OK); /* the fourth */
+    assert_int_equal(pipe_engine(name, &same, &reason), STATUS_OK);
+    assert_ptr_equal(engine, same);
+    assert_ptr_equal(engine_find(name), engine);
+    assert_int_equal(pipe_engine("pipe:fifth", &engine, &reason), STATUS_LIMIT);
+    assert_int_equal(pipe_engine("cpu", &engine, &reason), STATUS_OK);
+}
+
+static int make_scene(void **state)
+{
+    (void)state;
+    struct reason reason;
+    if (scene_open("sphere", 1, &scene, &reason))
+        return -1;
+    return ray_sets[0]->make(&scene, 1, RAYS, rays, &reason) ? -1 : 0;
+}
+
+static int free_scene(void **state)
+{
+    (void)state;
+    scene_free(&scene);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 3 && strcmp(argv[1], "--peer") == 0)
+        return peer_main(argv[2]);
+    program = argv[0];
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_honest_peer_gives_the_bits_of_its_formula),
+        cmocka_unit_test(what_a_peer_says_of_itself_is_its_model),
+        cmocka_unit_test(whatever_a_peer_does_is_said_and_ends_only_the_peer),
+        cmocka_unit_test(numbers_that_are_none_are_answers),
+        cmocka_unit_test(a_peer_that_died_is_started_again),
+        cmocka_unit_test(the_whole_group_is_killed),
+        cmocka_unit_test(sigpipe_stays_as_it_was),
+        cmocka_unit_test(commands_that_are_not_there_cannot_run_here),
+        cmocka_unit_test(memory_is_limited),
+        cmocka_unit_test(names_are_checked_and_places_counted),
+    };
+    return cmocka_run_group_tests(tests, make_scene, free_scene);
+}

@@ -1,0 +1,63 @@
+#!/bin/sh
+# Everybody against everybody: sh tests/scripts/agree.sh BUILD quick|full OUTPUT
+# Every generated scene and three real meshes (what is not fetched is said and left out), all three
+# queries, all triangle tests: layouts f32 and rf16 with the box tests robust and watertight; the
+# published box test on scenes up to 4k triangles. Writes OUTPUT.txt and OUTPUT-*.json; fails if any check fails.
+set -u
+raydiff=$1/raydiff
+case $2 in
+full)
+    rays=300000 lists=50000 published=10000 brute=100000 engines=cpu,vulkan,embree,embree_robust
+    slow=$engines
+    ;;
+quick)
+    rays=3000 lists=600 published=600 brute=3000 engines=all
+    # The published box test enters so many boxes that those without a stack would take a third of
+    # all the time; conform holds them to cpu's bits on it. An engine named here must be there, so
+    # rayquery, which not every driver has, is left to `all` above.
+    slow=cpu,vulkan,fast,brute,vulkan_brute,embree,embree_robust
+    ;;
+*)
+    echo "usage: tests/scripts/agree.sh BUILD quick|full OUTPUT" >&2
+    exit 2
+    ;;
+esac
+out=$3
+mkdir -p "$(dirname "$out")"
+
+generated=$("$raydiff" list scenes | awk 'NR > 1 {print $1}')
+real=
+for mesh in scenes/fetched/assimp-wuson.obj scenes/fetched/utah-teapot.obj \
+    scenes/fetched/dragon-11k.ply.gz scenes/fetched/glmark2-bunny.obj; do
+    if [ "$(echo $real | wc -w)" -ge 3 ]; then
+        break
+    elif [ -r "$mesh" ]; then
+        real="$real $mesh"
+    else
+        echo "SKIP $mesh: not fetched (make scenes)"
+    fi
+done
+[ -n "$generated" ] || exit 4
+
+code=0
+# name, options...: one raydiff check over scenes.
+part() {
+    name=$1
+    shift
+    "$raydiff" check "$@" --tri mt,woop,mt_rtrs --repeat 1 --json "$out-$name.json" >>"$out.tmp" 2>&1
+    result=$?
+    echo "$name: exit code $result"
+    [ "$result" -eq 0 ] || code=1
+}
+: >"$out.tmp"
+# The oracle decides all rays by its tree and `brute` of them by brute force too, in scenes up to 16k
+# triangles; in larger ones fewer.
+part robust $generated $real --engine $engines --box robust,watertight --query closest,any --count $rays --brute $((brute * 16384)) --brute-rays $brute
+part lists $generated $real --engine $engines --box robust,watertight --query all --count $lists --brute $((lists / 10 * 16384)) --brute-rays $((lists / 10))
+part published $generated --engine $slow --box rtrs --query closest,any,all --count $published --brute $((published * 4096)) --brute-rays $published
+mv "$out.tmp" "$out.txt"
+grep -hE 'bit for bit against cpu|answers WRONG|^  allowed:' "$out.txt" | sort | uniq -c
+if [ "$code" -ne 0 ]; then
+    grep -hE '^WRONG|^BITS|failed|vacuous' "$out.txt" | head -n 20
+fi
+exit "$code"

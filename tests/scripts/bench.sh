@@ -1,0 +1,172 @@
+#!/bin/sh
+# What raydiff bench matrix and bench fast print, number by number: against what raydiff check says of
+# the same scene, against each other, and tables against rows. No speed is expected, only that ratios,
+# means and the front are those of the speeds that stand there.
+#   sh tests/scripts/bench.sh RAYDIFF
+set -u
+raydiff=$1
+[ -x "$raydiff" ] || { echo "$raydiff: not built"; exit 4; }
+. tests/scripts/expect.sh
+
+# Rows of FILE.csv by the names of their columns: c["bytes"] is the place of one, near(a, b, by) says
+# whether two numbers are that close, and wrong(TEXT) that something is not as it should be.
+rows() { # file, awk program, variables...
+    file=$1 program=$2
+    shift 2
+    awk -F, "$@" '
+        function near(a, b, by) { return a - b <= by && b - a <= by }
+        function wrong(text) { print "FAILED  " FILENAME ": " $0 ": " text; bad = 1 }
+        FNR == 1 { for (i = 1; i <= NF; i++) c[$i] = i; next }
+        '"$program"'
+        END { exit bad }' "$file" || failed=$((failed + 1))
+}
+json() { sed -n "s/^ *\"$1\": \([0-9]*\),*$/\1/p" "$2" | head -n 1; }
+
+# A square of two triangles fills its box: a ray that hits reads a node, and of each triangle an item,
+# an index and three vertices, 11 lines; others read nothing.
+printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n' >"$dir/square.obj"
+expect 0 . bench matrix --scene "$dir/square.obj" --rounds 1 --count 500 --threads 1 --engine cpu --layout f32 \
+    --csv "$dir/square.csv"
+for kind in primary random; do
+    expect 0 . check "$dir/square.obj" --builder sah_binned --layout f32 --engine cpu --rays $kind --count 500 \
+        --repeat 1 --brute 0 --json "$dir/$kind.json"
+done
+rows "$dir/square.csv" '$c["engine"] == "cpu" {
+    if (!near($c["prim_line_bytes"] * 500, 64 * 11 * hits_prim, 1)) wrong("prim_line_bytes")
+    if (!near($c["rand_line_bytes"] * 500, 64 * 11 * hits_rand, 1)) wrong("rand_line_bytes")
+    if ($c["node_bytes"] != 32 || $c["item_bytes"] != 8 || $c["scene_bytes"] != 72) wrong("bytes")
+    if ($c["asked"] != 1000 || $c["leak_rays"] != 0) wrong("rays asked") }' \
+    -v hits_prim="$(json hits "$dir/primary.json")" -v hits_rand="$(json hits "$dir/random.json")"
+
+# The front anew, and the fastest of ours that lose nothing.
+front='{
+    count++
+    size[count] = $c["bytes_per_triangle"]; speed[count] = $c["mean_ratio"]; line[count] = $0
+    error[count] = ($c["lost"] + $c["leaks"]) / ($c["asked"] + $c["leak_rays"])
+    front[count] = $c["front"] == "true"; ours[count] = $c["layout"] != "-" && error[count] == 0
+    fastest[count] = $c["worth"] == "fastest"
+}
+END {
+    for (i = 1; i <= count; i++) {
+        on = 1; first = ours[i]; $0 = line[i]
+        for (k = 1; k <= count; k++) {
+            if (size[k] <= size[i] && speed[k] >= speed[i] && error[k] <= error[i] &&
+                (size[k] < size[i] || speed[k] > speed[i] || error[k] < error[i])) on = 0
+            if (ours[k] && speed[k] > speed[i]) first = 0
+        }
+        if (on != front[i]) wrong("front")
+        if (first != fastest[i]) wrong("fastest")
+    }
+}'
+
+# A closed mesh, everybody who takes part.
+scene=sphere:n=4
+expect 0 . bench matrix --scene $scene --rounds 3 --count 500 --threads 1 --csv "$dir/m.csv"
+cp "$dir/out" "$dir/m.txt"
+rows "$dir/m.csv" '{
+    n = split("prim rand diff o-shad o-rand", kind, " ")
+    product = 1
+    for (k = 1; k <= n; k++) {
+        ratio = $c[kind[k] "_ratio"]
+        if (!(ratio >= $c[kind[k] "_ratio_min"] && ratio <= $c[kind[k] "_ratio_max"])) wrong(kind[k] " spread")
+        if ($c["name"] == "embree" && ratio != 1) wrong(kind[k] " ratio to itself")
+        product *= k <= 4 ? ratio : 1
+    }
+    if (!near($c["mean_ratio"] ^ 4 / product, 1, 1e-5)) wrong("mean of the first four")
+    bytes = $c["node_bytes"] + $c["item_bytes"] + $c["scene_bytes"]
+    if (!near($c["bytes_per_triangle"] * $c["triangles"], bytes, 1e-3)) wrong("bytes per triangle")
+    if ($c["rays"] != ($c["engine"] == "cpu" ? 63 : 500)) wrong("rays")
+    if ($c["asked"] != 1000 || $c["leak_rays"] != 1000) wrong("rays asked")
+    if ($c["layout"] != "-" && ($c["lost"] > 0 || $c["wrong"] > 0 || $c["leaks"] > 0)) wrong("errors")
+    if ($c["engine"] == "fast" && $c["held_bytes"] != bytes) wrong("bytes of fast")
+    if ($c["name"] == "cpu f32" && $c["mean_ratio"] > 1) wrong("every eighth ray is counted eight times")
+    for (k = 1; k <= 3 && $c["layout"] != "-"; k++)
+        if (!($c[kind[k] "_line_bytes"] > $c[kind[k] "_beyond_l1"] &&
+              $c[kind[k] "_beyond_l1"] >= $c[kind[k] "_beyond_l2"])) wrong("lines of " kind[k])
+}'"$front"'
+END { if (count < 15) wrong("too few rows") }'
+
+# Of two of one size the slower is on the front, since it loses less.
+expect 0 . bench matrix --scene $scene --rounds 3 --count 500 --threads 1 --engine embree_robust --csv "$dir/robust.csv"
+rows "$dir/robust.csv" "$front"'END { if (count != 2 || !(error[1] > error[2])) wrong("errors of two") }'
+
+# The bytes are those of raydiff check.
+expect 0 . check $scene --builder sah_binned --layout f32 --store compact --engine cpu --count 100 --repeat 1 \
+    --brute 0 --json "$dir/compact.json"
+rows "$dir/m.csv" '$c["name"] == "cpu f32 compact" {
+    if ($c["node_bytes"] != nodes || $c["item_bytes"] != items || $c["scene_bytes"] != 0) wrong("not as check says")
+    found = 1 }
+    END { if (!found) wrong("no row of compact") }' \
+    -v nodes="$(json node_bytes "$dir/compact.json")" -v items="$(json item_bytes "$dir/compact.json")"
+
+# Tables say what the rows say: the name is in columns 3 to 32.
+awk -F, '
+    function near(a, b, by) { return a - b <= by && b - a <= by }
+    function name_of(line) { line = substr(line, 3, 30); sub(/ *$/, "", line); return line }
+    function same(is, what, by) { if (!near(is, value[name, what], by)) { print "FAILED  " $0 ": " what; bad = 1 } }
+    function part(is, what) { if (is != "-") same(is * value[name, "triangles"], what, 0.06 * value[name, "triangles"]) }
+    FNR == NR { if (FNR == 1) split($0, head, ","); else for (i = 1; i <= NF; i++) value[$5, head[i]] = $i; next }
+    / speed, least-most/ { sizes = 0 } /^  bytes per triangle/ { sizes = 1 }
+    { name = name_of($0) }
+    !((name, "triangles") in value) { next }
+    {
+        n = split("prim rand diff o-shad o-rand", kind, " ")
+        rest = substr($0, 33)
+        gsub(/[()]/, " ", rest); if (!sizes) gsub(/-/, " ", rest); gsub(/ of /, " ", rest)
+        split(rest, f, " ")
+        told++
+    }
+    !sizes {
+        for (k = 1; k <= n; k++) {
+            same(f[3 * k - 2], kind[k] "_ratio", 0.006)
+            same(f[3 * k - 1], kind[k] "_ratio_min", 0.006)
+            same(f[3 * k], kind[k] "_ratio_max", 0.006)
+        }
+        same(f[16], "mean_ratio", 0.006); same(f[17], "prim_mrays", 0.0006)
+    }
+    sizes {
+        part(f[1], "node_bytes"); part(f[2], "item_bytes"); part(f[3], "scene_bytes")
+        same(f[4], "bytes_per_triangle", 0.06)
+        for (k = 1; k <= 3 && value[name, "layout"] != "-"; k++) {
+            same(f[3 * k + 2], kind[k] "_line_bytes", 0.6)
+            same(f[3 * k + 3], kind[k] "_beyond_l1", 0.6)
+            same(f[3 * k + 4], kind[k] "_beyond_l2", 0.6)
+        }
+        at = value[name, "layout"] != "-" ? 14 : 8
+        same(f[at], "lost", 0); same(f[at + 1], "asked", 0); same(f[at + 2], "wrong", 0)
+        same(f[at + 4], "leaks", 0); same(f[at + 5], "leak_rays", 0)
+    }
+    END { if (told < 30) { print "FAILED  tables of bench matrix have " told + 0 " rows"; bad = 1 } exit bad }
+' "$dir/m.csv" "$dir/m.txt" || failed=$((failed + 1))
+
+# bench fast: spreads, means, what all agree on, and the same bytes as in the matrix.
+expect 0 . bench fast --scene "$dir/square.obj" --rounds 3 --count 500 --csv "$dir/f.csv"
+rows "$dir/f.csv" '{
+    if (!($c["ratio"] >= $c["ratio_least"] && $c["ratio"] <= $c["ratio_most"])) wrong("spread")
+    if ($c["rays"] == "primary" && $c["missed"] != 0) wrong("missed")
+    if ($c["engine"] == "embree" && $c["ratio"] != 1) wrong("ratio to itself") }'
+awk -F, '
+    function near(a, b, by) { return a - b <= by && b - a <= by }
+    function same(is, what, by) { if (!near(is, value[key, what], by)) { print "FAILED  " $0 ": " what; bad = 1 } }
+    FNR == NR {
+        if (FNR == 1) split($0, head, ","); else for (i = 1; i <= NF; i++) value[$3 "/" $4, head[i]] = $i
+        if (FNR > 1) mean[$4] = (mean[$4] ? mean[$4] : 1) * $8
+        next
+    }
+    { rays = substr($0, 3, 8); engine = substr($0, 12, 14); sub(/ *$/, "", rays); sub(/ *$/, "", engine)
+      key = rays "/" engine; rest = substr($0, 26); gsub(/[()-]/, " ", rest); split(rest, f, " ") }
+    rays == "mean" { told++; if (!near(f[1] ^ 4 / mean[engine], 1, 0.01)) { print "FAILED  " $0; bad = 1 } }
+    (key, "ratio") in value {
+        told++
+        same(f[1], "mrays", 0.0006); same(f[2], "ratio", 0.0006)
+        same(f[3], "ratio_least", 0.0006); same(f[4], "ratio_most", 0.0006)
+        same(f[5], "bytes_per_triangle", 0.06); same(f[6], "missed", 0)
+    }
+    END { if (told < 15) { print "FAILED  bench fast has " told + 0 " rows"; bad = 1 } exit bad }
+' "$dir/f.csv" "$dir/out" || failed=$((failed + 1))
+expect 0 . bench fast --scene $scene --rounds 1 --count 500 --csv "$dir/f.csv"
+rows "$dir/f.csv" '$c["engine"] == "fast" { if (!near($c["bytes_per_triangle"], bytes, 1e-6)) wrong("bytes per triangle") }' \
+    -v bytes="$(awk -F, '$5 == "fast sah_sweep" { print ($34 + $35 + $36) / $3 }' "$dir/m.csv")"
+
+echo "bench: $failed failed"
+[ "$failed" -eq 0 ]

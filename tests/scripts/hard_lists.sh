@@ -1,0 +1,58 @@
+#!/bin/sh
+# The hard cases are played on what --layout, --builder, --box and --tri name, one from outside too, and
+# on nothing else; options that they do not use are refused.
+#   sh tests/scripts/hard_lists.sh BUILD/raydiff
+set -u
+raydiff=$1
+. tests/scripts/expect.sh
+hard='hard.0[1-9]-*'
+
+# A layout that lies about its boxes passes nothing.
+cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I. -DLIE=1 -o "$dir/liar.so" tests/peers/plugin_liar.c || bad "the liar is compiled"
+expect 1 . conform "$hard" --engine cpu --layout "$dir/liar.so"
+grep -q '^0 passed' "$dir/out" || bad "conform: hard cases pass on a layout that lies"
+cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I. -o "$dir/mine.so" fuzz/samples/layout/mine.c || bad "mine is compiled"
+expect 0 . conform "$hard" --engine cpu --layout "$dir/mine.so"
+grep -q '^0 passed' "$dir/out" && bad "conform: no hard case is played on a layout from outside"
+
+# Each list is all that is played.
+only() { # field, value, option
+    expect 0 . conform "$hard" --list --engine cpu "$3" "$2"
+    [ -s "$dir/out" ] || bad "conform $3 $2: nothing is played"
+    sed 's/^hard\.[0-9]*-[a-z0-9-]*\.//' "$dir/out" | cut -d . -f "$1" | grep -qvxF "$2" &&
+        bad "conform $3 $2: others are played"
+}
+only 3 tiny8 --layout
+only 4 sah_binned --builder
+only 5 watertight --box
+only 6 baldwin_webber --tri
+expect 2 'no hard case matches' conform 'hard.nothing' --engine cpu --layout tiny8
+
+# All layouts at once: a matrix of so many columns is written.
+expect 0 . conform 'hard.03-*' --engine cpu --layout every --builder median --tri every --quick --markdown "$dir/wide.md"
+[ "$(grep '^| 03 ' "$dir/wide.md" | tr -cd '|' | wc -c)" -gt 64 ] || bad "conform --markdown: not every layout has its columns"
+
+# By default every layout is played but the one outside the product that is as published, and every
+# builder; --list says so.
+names() { "$raydiff" list "$1" | sed -n 's/^  \([a-z][a-z0-9_]*\) .*/\1/p' | sort; }
+expect 0 . conform --hard --list --engine cpu
+for table in layouts:5 builders:6; do
+    cut -d . -f "${table#*:}" "$dir/out" | sort -u >"$dir/met"
+    names "${table%:*}" >"$dir/all"
+    comm -13 "$dir/met" "$dir/all"
+done >"$dir/missed"
+[ "$(cat "$dir/missed")" = amd64_g0 ] || bad "conform --hard: not played by default: $(tr '\n' ' ' <"$dir/missed")"
+of_layouts=$(names layouts | wc -l) of_builders=$(names builders | wc -l)
+grep -qx "$(wc -l <"$dir/out") trials of [0-9]* hard cases: $((of_layouts - 1)) of $of_layouts layouts, $of_builders of $of_builders builders" "$dir/err" ||
+    bad "conform --hard --list does not say how much of the tables is played"
+
+# Vertices that are not finite end no builder.
+expect 0 . conform 'hard.44-*' --engine cpu --layout f32 --builder all --box robust --tri mt
+
+for option in '--count 5' '--brute 7' --all '--store compact'; do
+    expect 2 "^raydiff conform: ${option%% *}: not used by the hard cases" conform --hard $option
+done
+expect 2 '^raydiff conform: --all: ' conform 'closest.cpu.*' --all
+
+echo "hard_lists: $failed failed"
+[ "$failed" -eq 0 ]

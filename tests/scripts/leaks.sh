@@ -1,0 +1,42 @@
+#!/bin/sh
+# Leaks of closed meshes on every driver that needs no GPU:
+#   sh tests/scripts/leaks.sh BUILD OUTPUT [RAYS [LAYOUTS]]
+# Three meshes, triangle test woop with box test watertight, on cpu and vulkan; a driver or mesh that
+# is not here is said and left out (generated ones stand in for meshes). Writes OUTPUT.txt and OUTPUT-DRIVER.json; fails if any
+# ray leaks, if vulkan differs from cpu in a bit, or if nothing could be run.
+set -u
+raydiff=$1/raydiff out=$2 rays=${3:-1000000} layouts=${4:-rf16}
+mkdir -p "$(dirname "$out")"
+scenes=sphere:n=16
+for mesh in scenes/fetched/bunny.obj scenes/fetched/dragon-11k.ply.gz; do
+    if [ -r "$mesh" ]; then
+        scenes="$scenes $mesh"
+    else
+        echo "SKIP $mesh: not fetched (make scenes)"
+    fi
+done
+for made in flake platonic; do
+    [ "$(echo "$scenes" | wc -w)" -ge 3 ] || scenes="$scenes $made"
+done
+code=0 ran=0
+rm -f "$out.tmp"
+for driver in stock mesa25 swiftshader; do
+    # shellcheck disable=SC2086 # scene names have no spaces
+    "$raydiff" leaks $scenes --engine cpu,vulkan --layout $layouts --tri woop --box watertight \
+        --driver $driver --count "$rays" --json "$out-$driver.json" >"$out.part" 2>"$out.err"
+    result=$?
+    echo "driver $driver: exit code $result" | tee -a "$out.tmp"
+    cat "$out.part" >>"$out.tmp"
+    case $result in
+    0) ran=$((ran + 1)) ;;
+    77) tail -n 1 "$out.err" ;;
+    *)
+        tail -n 3 "$out.err"
+        code=1
+        ;;
+    esac
+done
+rm -f "$out.part" "$out.err"
+mv "$out.tmp" "$out.txt"
+[ $ran -gt 0 ] || { echo "leaks: no driver could be run" && exit 77; }
+exit $code

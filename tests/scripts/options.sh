@@ -1,0 +1,186 @@
+#!/bin/sh
+# Every command with every option that any command knows: what a run uses it takes, and its output
+# shows so; all else is refused by one line that names the option, before anything is played.
+#   sh tests/scripts/options.sh BUILD/raydiff [COMMAND]     only the walks of one command
+set -u
+raydiff=$1
+walked=${2-}
+. tests/scripts/expect.sh
+files=$dir/files
+mkdir "$files"
+runs=0 pairs=0 done= input=/dev/null
+
+commands='check explain fuzz merge min replay export conform judge gen verify bench construct report precompute diff
+    render scene leaks list doctor'
+for command in $commands; do
+    "$raydiff" $command --help >"$dir/help"
+    [ $command != diff ] || "$raydiff" diff a.png --help >>"$dir/help"
+    grep -oE -- '--[a-z][a-z-]*[a-z]' "$dir/help" | sed 's/^--//' | sort -u |
+        grep -vx 'help\|matrix\|self-test' | tr '\n' ' ' | sed 's/^/ /' >"$dir/knows.$command"
+done
+every=$(cat "$dir"/knows.* | tr ' ' '\n' | sort -u)
+
+# A value that the option would take; "" for those without.
+value_of() {
+    case $1 in
+    all | as-expected | brief | camera-fixed | camera-orbit | decimal | faithful | feedback | fill-normals | force | \
+        general | handler-* | hard | list | no-shrink | quick | summary | verbose | waves | window | shaders) value= ;;
+    engine | require) value=cpu ;;
+    layout) value=f32 ;; builder) value=median ;; box) value=robust ;; tri) value=mt ;; store) value=compact ;;
+    query) value=any ;; rays) value=random ;; profile) value=rtrs ;; optimize) value=reinsert ;; handler) value=bvh ;;
+    show) value=t ;; form) value=text ;; plan) value=steps ;; parts) value=machine ;; size) value=8x8 ;;
+    pixel) value=1,1 ;; shard) value=1/2 ;; show-range) value=0:1 ;; triangles) value=8-16 ;; driver) value=stock ;;
+    ray) value='0,0,0 1,0,0' ;; cause) value=sentinel ;; scene) value=soup:n=9 ;; path) value=soup:n=9 ;;
+    baseline) value=fuzz/baseline.txt ;;
+    bvh | shader | waivers | check | bench | benchmark | doctor | findings | corpus | verify | picture)
+        value=$dir/nothing ;;
+    out | json | csv | svg | junit | jsonl | tap | markdown | html | log | paths | to | dir | benchmark-out)
+        value=$files/x.$1 ;;
+    *) value=3 ;;
+    esac
+}
+
+# What a run says and writes, without the digits of times; a file that it made is part of it.
+look() { # name, command line
+    rm -rf "$files"
+    mkdir "$files"
+    "$raydiff" "$@" >"$dir/out" 2>"$dir/err" <"$input"
+    code=$?
+    runs=$((runs + 1))
+    { echo "$code"; cat "$dir/out" "$dir/err"; cd "$files" && find . -type f -size +0 && cat tree* 2>/dev/null | cksum; } |
+        sed -E 's/[0-9]+\.[0-9]+(e[+-]?[0-9]+)?/#/g' >"$dir/seen"
+}
+
+# The last run was refused by one line that names the option.
+is_refused() { # option
+    [ "$code" -eq 2 ] || return 1
+    { IFS= read -r said && ! read -r more; } <"$dir/err" || return 1
+    case "$said " in *"--$1"[!a-z-]* | *"--handler ${1#handler-} "*) return 0 ;; esac
+    return 1
+}
+
+# walk 'COMMAND WORDS' 'OPTION=VALUE ...': these are used, all others that any command knows refused. A
+# '~' before an option: nothing of the output can show it. '@' as value: a file that it writes.
+walk() {
+    base=$1
+    command=${base%% *}
+    case ${walked:-$command} in "$command") ;; *) return ;; esac
+    uses=" $(echo $2) "
+    look $base
+    mv "$dir/seen" "$dir/plain"
+    for use in $uses; do
+        name=${use#\~}
+        option=${name%%=*}
+        given=${name#*=}
+        pairs=$((pairs + 1))
+        case "$(cat "$dir/knows.$command") " in *" $option "*) ;; *) bad "$command --help has no --$option" ;; esac
+        [ "$given" != @ ] || given=$files/y.$option
+        [ "$given" != "$files/y.out" ] || given=$files/y.png
+        if [ "$given" = "$name" ]; then
+            look $base --$option
+        else
+            look $base --$option "$given"
+        fi
+        if is_refused "$option" && grep -q 'not used' "$dir/err"; then
+            bad "raydiff $base --$option: refused"
+        elif [ "$code" -gt 1 ] && [ "$code" -ne 77 ]; then
+            bad "raydiff $base --$option $given: exit $code"
+        elif [ "${use#\~}" = "$use" ] && cmp -s "$dir/seen" "$dir/plain"; then
+            bad "raydiff $base --$option $given: is taken, and changes nothing"
+        fi
+    done
+    for option in $every; do
+        case $uses in *" $option "* | *" ~$option "* | *" $option="* | *" ~$option="*) continue ;; esac
+        # What the command knows nothing of is tried once.
+        case " $done $(cat "$dir/knows.$command") " in *" $command "*" $option "*) ;; *" $command "*) continue ;; esac
+        pairs=$((pairs + 1))
+        value_of "$option"
+        case $option,$command in tap,conform | benchmark,render) value= ;; esac
+        "$raydiff" $base --$option ${value:+"$value"} >"$dir/out" 2>"$dir/err" <"$input"
+        code=$?
+        is_refused "$option" || bad "raydiff $base --$option $value: exit $code, and it is not used"
+    done
+    done="$done $command"
+}
+
+"$raydiff" precompute --scene soup:n=40,seed=2 --out "$dir/soup.json" 2>/dev/null
+"$raydiff" precompute --scene rtrs --out "$dir/rtrs.json" 2>/dev/null
+echo "closest.* it is known https://example.org" >"$dir/waivers"
+
+# What trees are played on, and by whom.
+walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine cpu --rays primary' \
+    "layout=f32 store=compact engine=fast builder=sah_sweep leaf=1 ~bvh=$dir/soup.json optimize=reinsert move=0.1 box=watertight
+    tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
+    json=@ ~threads=1"
+walk 'check soup:n=40 --count 64 --repeat 1 --engine brute' \
+    'engine=cpu tri=woop move=0.1 query=any rays=random count=70 seed=3 ~repeat=2 brute=300 brute-rays=3
+    ~require=watertight json=@ ~threads=1'
+walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
+    'rays=random count=70 index=4 seed=3 engine=fast layout=rf16 store=compact builder=lbvh leaf=1 ~radius=1
+    optimize=reinsert box=watertight tri=woop query=any json=@ ~threads=1'
+walk 'leaks sphere:n=4 --count 100 --engine cpu --builder sah_binned' \
+    'layout=f32 store=compact engine=fast ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
+    ~seed=3 profile=dxr json=@ ~threads=1'
+# Files and formats.
+walk 'gen soup:n=9 --count 5' 'rays=vertices count=6 seed=3 query=any decimal out=@'
+"$raydiff" gen sphere:n=2 --count 5 >"$dir/rays"
+{ echo 'formula unknown ieee'; for i in 1 2 3 4 5; do echo m; done; } >"$dir/hits"
+walk "judge sphere:n=2 $dir/rays $dir/hits" 'brute=1 ~displacement=3 ~require=watertight json=@'
+walk "precompute --scene soup:n=40 --builder median --out $files/tree" 'scene=sphere:n=2 out=@ layout=f32 builder=lbvh
+    item-count=1 seed=3 ~optimize=reinsert'
+walk 'scene list' ''
+walk 'scene info soup:n=9' 'json seed=3'
+walk 'list builders' ''
+trial=fuzz/corpus/slot-not-read.trial
+walk "export $trial --form text" 'to=@ ~form=text engine=embree ~ray=0'
+walk "replay $trial --engine cpu" 'engine=brute layout=f32 ~time=9 brief as-expected json=@ ~threads=1'
+walk "min $trial --asks 5 --out $files/m.trial" \
+    'out=@ ~force asks=6 ~time=9 ~trial-time=9 ~memory=999 ~engine=cpu json=@ ~threads=1'
+# Suites, campaigns, measurements, pictures.
+walk 'conform closest.cpu.f32.median.robust.mt.soup.random.1' "list count=70 ~brute=300 ~waivers=$dir/waivers ~require=cpu verbose tap junit=@
+    ~threads=1"
+walk 'conform hard.01-* --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list ~hard
+    ~quick'
+walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2'
+walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
+    layout=f32,rf16'
+walk 'bench oracle --scene soup:n=40 --count 64 --rounds 1' 'scene=soup:n=41 count=70 ~rounds=2 csv=@ ~seed=3 json=@'
+walk "render --path rtrs -w 8 -h 8 --engine cpu --out $files/tree.png" \
+    "out=@ frames=2 ~camera-orbit json=@ show=t path=cornell width=9 height=9 ~workgroup-size=4 profile=rtrs bounces=0
+    ~ambience=0.5 ~camera-light-strength=0.5 ~camera-fixed handler=bvh-rf ~handler-naive ~handler-bvh handler-bvh-rf
+    ~handler-blank engine=brute layout=rf16 ~builder=ploc ~box=watertight ~tri=woop ~leaf=1 ~waves ~optimize=reinsert
+    ~threads=1 ~paths=$files/y.csv ~window ~bvh=$dir/rtrs.json"
+
+# Whole answers, machines, made scenes, pictures that differ, campaigns, reports.
+"$raydiff" gen sphere:n=2 --count 5 --decimal | awk -f fuzz/samples/tracer.awk >"$dir/answers"
+input=$dir/answers
+walk verify 'brute=1 ~displacement=3 ~require=watertight json=@'
+input=/dev/null
+walk 'doctor --driver stock' '~driver=stock ~device=0 json=@ ~threads=1 ~workgroup=32'
+walk "construct --out $files/made.json --model soup:n=9 0 --camera-pos 0 1 -8 0 0 0 --camera-fixed" \
+    '~seed=3 json ~fill-normals ~camera-fixed ~scale=2'
+"$raydiff" precompute --scene cornell --out "$dir/cornell.json" 2>/dev/null
+walk 'diff --path cornell --engine cpu,fast -w 24 -h 18' "pixel=3,3 angle=30 ~list=1 out=@ json=@ path=sphere:n=4
+    width=25 height=19
+    ~workgroup-size=3 profile=rtrs bounces=0 ~ambience=0.5 camera-light-strength=0.5 engine=cpu,brute ~threads=1
+    ~layout=rf16 leaf=1 builder=ploc box=watertight ~tri=woop optimize=reinsert ~waves ~bvh=$dir/cornell.json
+    handler=bvh-rf handler-bvh-rf ~handler-bvh handler-blank ~camera-orbit ~camera-fixed"
+walk "fuzz --trials 20 --jobs 1 --engine cpu --layout f32 --corpus none --dir $files/d" 'trials=40 ~time=60 ~until=1 seed=3
+    ~jobs=2 ~shard=1/1 engine=cpu,fast layout=f32,rf16 builder=ploc faithful rays=9 triangles=4-8 ~feedback pairs=1
+    ~no-shrink ~trial-time=9 ~memory=999 json=@ junit=@ tap=@ jsonl=@ dir=@ ~baseline=fuzz/baseline.txt'
+"$raydiff" check soup:n=40 --count 64 --repeat 1 --engine cpu --layout f32 --json "$dir/check.json" >/dev/null
+"$raydiff" bench builders --scene soup:n=40 --rounds 1 --threads 1 --json "$dir/bench.json" >/dev/null 2>&1
+"$raydiff" doctor --driver stock --json "$dir/doctor.json" >/dev/null
+"$raydiff" render --path rtrs -w 8 -h 8 --engine cpu --out "$dir/p.png" >/dev/null 2>&1
+"$raydiff" render --path rtrs -w 8 -h 8 --engine cpu --benchmark --benchmark-frames 2 \
+    --benchmark-out "$dir/benchmark" >/dev/null 2>&1
+"$raydiff" fuzz --trials 2 --jobs 1 --engine cpu --layout f32 --corpus none --dir "$dir/found" >/dev/null 2>&1
+walk "report soup:n=40 --out $files/r.html --parts machine" "~title=T parts=check ~threads=1 json=@ out=@ ~driver=stock
+    ~device=0 ~workgroup=32 ~time=99 check=$dir/check.json bench=$dir/bench.json benchmark=$dir/benchmark.json
+    ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found"
+walk "report --findings $dir/found --out $files/r.html" "~title=T ~peer-memory=999 ~peer-time=9 ~parts=machine json=@ out=@
+    ~driver=stock ~device=0 ~workgroup=32 ~threads=1 ~time=99 check=$dir/check.json bench=$dir/bench.json benchmark=$dir/benchmark.json
+    ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found ~baseline=fuzz/baseline.txt"
+
+echo "options: $pairs pairs of run and option, $runs runs, $failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,62 @@
+# Programs of unit tests, sample tracers, and what they are linked with.
+TEST_SRC := $(wildcard tests/*/test_*.c)
+TESTS    := $(addprefix $(B)/tests/,$(notdir $(TEST_SRC:.c=)))
+SAMPLES  := $(addprefix $(B)/samples/,tracer tracer_bug1 tracer_bug2 refuser)
+TEST_OBJ := $(TEST_SRC:%.c=$(B)/obj/%.o)
+
+tests: $(TESTS) $(SAMPLES)
+.PHONY: tests truth
+
+# Programs lie in one folder, whatever room their source is in.
+$(foreach object,$(TEST_OBJ),$(eval $(B)/tests/$(basename $(notdir $(object))): $(object)))
+$(TESTS): $(B)/libraydiff.a
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)
+
+$(TEST_OBJ): | test_libs
+.PHONY: test_libs
+test_libs:
+	@$(if $(TEST_LIBS_MISSING),echo "make: missing to build the tests: $(TEST_LIBS_MISSING)" >&2; exit 2,:)
+
+# Sample tracers for `--engine pipe:`, compiled as a stranger would: with nothing of raydiff. The
+# planted bugs must be found.
+$(B)/samples/%: fuzz/samples/tracer.c
+	@mkdir -p $(@D)
+	$(call warned,$(CC) -std=c17 -O2 $(WARN) $(if $(findstring _bug,$*),-DBUG=$(lastword $(subst _bug, ,$*))) -o $@ $<)
+
+# A tracer that tests nothing, which must be noticed.
+$(B)/samples/refuser: tests/peers/refuser.c
+	@mkdir -p $(@D)
+	$(CC) -std=c17 -O2 $(WARN) -o $@ $<
+
+# The oracle is checked by a second road, GMP rationals, which only tests have.
+ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
+$(ORACLE_TESTS): $(B)/obj/tests/exact/exact_gmp.o $(B)/obj/tests/exact/exact_gmp_bounds.o \
+    $(B)/obj/tests/exact/exact_gmp_bounds_baldwin.o $(B)/obj/tests/exact/exact_gmp_redecide.o \
+    $(B)/obj/tests/exact/exact_gmp_replay.o $(B)/obj/tests/exact/oracle_cases.o
+$(ORACLE_TESTS): TEST_LIBS += $(GMP_LIBS)
+BOUNDS_TESTS := $(filter $(B)/tests/test_bounds% $(B)/tests/test_judge_noise $(B)/tests/test_judge_range $(B)/tests/test_judge_unnamed,$(TESTS))
+TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact
+$(TRIAL_TESTS): $(addprefix $(B)/obj/tests/exact/,trials.o legal.o exact_gmp.o oracle_cases.o)
+$(TRIAL_TESTS): TEST_LIBS += $(GMP_LIBS)
+
+# Published triangle tests, compiled as their users do.
+$(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/judge/,honest_plain.o honest_fast.o)
+$(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),-mfma)
+
+$(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
+
+# Their allocations are told to fail, or weighed.
+$(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
+    -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
+
+# The campaign of truth; needs GMP, so it is no part of the program.
+TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact/exact_gmp*.c) \
+               cmd/common/cmd_tables.c cmd/common/cmd_options.c)
+$(B)/truth: $(TRUTH_OBJ) $(B)/libraydiff.a
+	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(GMP_LIBS)
+truth:
+	@sh .ci/deps.sh check
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/truth
+	@mkdir -p $(B)/truth-found
+	$(B)/truth --out $(B)/truth-found $(ARGS)

@@ -1,0 +1,117 @@
+/* Traversal without a stack: the same hits in the same order as with it, in C and on the device. */
+#include "ref/packed/packed_walk.h"
+#include "tests/support/all_hits.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define RAYS 400
+
+static bool is_binary_tree(const struct stand *s, uint32_t **parent)
+{
+    struct reason reason;
+    return packed_links(&s->packed, parent, &reason) == STATUS_OK;
+}
+
+/* Every layout, box test and query: bits of hits, and of the lists, which tell the order. */
+static void finds_what_the_stack_finds(void **state)
+{
+    static const char *const scenes[] = {"soup:n=300", "sphere:n=9", "stack", "needles"};
+    uint32_t compared = 0, more_boxes = 0;
+    (void)state;
+    for (size_t n = 0; n < ARRAY_COUNT(scenes); n++)
+        for (size_t l = 0; layouts[l]; l++) {
+            if (layout_is_wide(layouts[l]))
+                continue;
+            struct stand s = stand_make(scenes[n], "mixed", RAYS, layouts[l]->name, 4);
+            uint32_t *parent = NULL;
+            bool tree = is_binary_tree(&s, &parent);
+            for (size_t b = 0; box_tests[b] && tree; b++)
+                for (size_t i = 0; i < RAYS; i++) {
+                    struct trace_counts with = {0, 0}, without = {0, 0};
+                    struct hit a[64], c[64];
+                    uint32_t found_a, found_c;
+                    for (enum query q = QUERY_CLOSEST; q <= QUERY_ANY; q++) {
+                        assert_int_equal(trace_ray(&s.packed, &s.scene, box_tests[b], tri_tests[0],
+                                                   q, &s.ray[i], a, &with),
+                                         STATUS_OK);
+                        assert_int_equal(trace_ray_linked(&s.packed, parent, &s.scene, box_tests[b],
+                                                          tri_tests[0], q, &s.ray[i], c, &without),
+                                         STATUS_OK);
+                        assert_memory_equal(a, c, sizeof *a);
+                    }
+                    assert_int_equal(with.tris, without.tris);
+                    assert_true(with.boxes <= without.boxes);
+                    more_boxes += with.boxes < without.boxes;
+                    memset(a, 0, sizeof a);
+                    memset(c, 0, sizeof c);
+                    assert_int_equal(trace_ray_all(&s.packed, &s.scene, box_tests[b], tri_tests[0],
+                                                   &s.ray[i], 64, a, &found_a, NULL),
+                                     STATUS_OK);
+                    assert_int_equal(trace_ray_all_linked(&s.packed, parent, &s.scene, box_tests[b],
+                                                          tri_tests[0], &s.ray[i], 64, c, &found_c,
+                                                          NULL),
+                                     STATUS_OK);
+                    assert_int_equal(found_a, found_c);
+                    assert_memory_equal(a, c, sizeof a);
+                    compared++;
+                }
+            free(parent);
+            stand_free(&s);
+        }
+    assert_true(compared > 4 * 2 * 3 * RAYS - 1); /* f32 and rf16 at least */
+    assert_true(more_boxes > compared / 10);
+}
+
+static void the_device_has_the_same_bits(void **state)
+{
+    const struct engine *cpu = engine_find("cpu_stackless"), *gpu = engine_find("vulkan_stackless");
+    struct hit a[RAYS], b[RAYS];
+    struct trace_report report;
+    struct reason reason;
+    (void)state;
+    void *self_b = stand_open(gpu), *self_a = stand_open(cpu);
+    for (size_t l = 0; layouts[l]; l++) {
+        struct stand s = stand_make("soup:n=300", "mixed", RAYS, layouts[l]->name, 4);
+        struct job job = stand_job(&s, "robust", "mt", QUERY_CLOSEST);
+        enum status status = cpu->prepare(self_a, &job, &reason);
+        assert_int_equal(gpu->prepare(self_b, &job, &reason), status);
+        if (!status && gpu->model(self_b, tri_tests[0]).bits) {
+            assert_int_equal(cpu->trace(self_a, s.ray, RAYS, a, &report, &reason), STATUS_OK);
+            assert_int_equal(gpu->trace(self_b, s.ray, RAYS, b, &report, &reason), STATUS_OK);
+            assert_memory_equal(a, b, sizeof a);
+        }
+        stand_free(&s);
+    }
+    gpu->close(self_b);
+    cpu->close(self_a);
+}
+
+/* What is decoded of a cut tree is none. */
+static void what_is_no_tree_is_refused(void **state)
+{
+    struct stand s = stand_make("soup:n=300", "mixed", 1, "f32", 4);
+    struct reason reason;
+    uint32_t *parent;
+    (void)state;
+    s.packed.word[3] = 1; /* the root's second child is its first */
+    assert_int_equal(packed_links(&s.packed, &parent, &reason), STATUS_LIMIT);
+    assert_null(parent);
+    assert_non_null(strstr(reason.text, "f32: record 1 is reached more than once"));
+    s.packed.word[3] = UINT32_MAX;
+    assert_int_equal(packed_links(&s.packed, &parent, &reason), STATUS_LIMIT);
+    assert_non_null(strstr(reason.text, "f32: record 0 lacks a child"));
+    stand_free(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(finds_what_the_stack_finds),
+        cmocka_unit_test(the_device_has_the_same_bits),
+        cmocka_unit_test(what_is_no_tree_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

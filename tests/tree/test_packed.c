@@ -1,0 +1,439 @@
+/* Laws of packed_make, packed_make_auto and packed_check. */
+#include "ref/layout.h"
+#include "ref/base/rng.h"
+#include "tests/support/trees.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+/* 16 triangles, 8 leaves of two, balanced: 15 nodes, 23 records where leaves take two. Nodes 0
+ * (1, 8), 1 (2, 5), 2 (3, 4), ... leaves 3, 4, 6, 7, 10, 11, 13, 14. */
+struct fixture {
+    struct scene scene;
+    struct bvh bvh;
+    struct packed packed;
+    struct packed_faults faults;
+    struct reason reason;
+};
+
+static void fixture_make(struct fixture *f, const char *layout)
+{
+    *f = (struct fixture){.scene = trees_grid(16)};
+    f->bvh = trees_make(&f->scene, 2, TREES_BALANCED);
+    if (packed_make(layout_find(layout), &f->bvh, &f->scene, &f->packed, &f->reason))
+        fail_msg("%s", f->reason.text);
+}
+
+static enum status fixture_check(struct fixture *f)
+{
+    f->reason.text[0] = 0;
+    return packed_check(&f->packed, &f->scene, &f->faults, &f->reason);
+}
+
+static void fixture_free(struct fixture *f)
+{
+    packed_free(&f->packed);
+    bvh_free(&f->bvh);
+    scene_free(&f->scene);
+}
+
+static const struct packed_faults no_faults;
+
+static void packed_check_finds_nothing_in_good_trees(void **state)
+{
+    (void)state;
+    static const char *const good[] = {"f32", "rf16"};
+    for (size_t i = 0; i < ARRAY_COUNT(good); i++) {
+        struct fixture f;
+        fixture_make(&f, good[i]);
+        assert_int_equal(fixture_check(&f), STATUS_OK);
+        assert_memory_equal(&f.faults, &no_faults, sizeof no_faults);
+        assert_int_equal(f.packed.stack_need, 3);
+        fixture_free(&f);
+    }
+}
+
+/* Bounds that are no halves: rounded any other way than outward, some would be found loose. */
+static void packed_check_finds_nothing_in_outward_rounded_bounds(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(8, 0);
+    for (int round = 0; round < 40; round++) {
+        struct scene scene = trees_grid(200);
+        float size = ldexpf(1, 15 - round); /* 2^15 down to where halves are subnormal */
+        for (int i = 0; i < 9 * 200; i++)
+            scene.vertex[i] = rng_range(&rng, -size, size);
+        struct bvh bvh = trees_make(&scene, 3, TREES_BALANCED);
+        struct packed packed;
+        struct reason reason = {""};
+        assert_int_equal(packed_make(layout_find("rf16"), &bvh, &scene, &packed, &reason), 0);
+        if (packed_check(&packed, &scene, NULL, &reason))
+            fail_msg("size %a: %s", (double)size, reason.text);
+        packed_free(&packed);
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
+}
+
+static void packed_check_finds_a_bound_one_step_too_tight(void **state)
+{
+    (void)state;
+    for (uint32_t node = 0; node < 15; node++)
+        for (uint32_t k = 0; k < 6; k++) {
+            struct fixture f;
+            fixture_make(&f, "f32");
+            uint32_t *word = &f.packed.word[8 * node + (k < 3 ? k : k + 1)];
+            float x = float_from_bits(*word);
+            *word = float_bits(nextafterf(x, k < 3 ? 1e9f : -1e9f));
+            assert_int_equal(fixture_check(&f), STATUS_INPUT);
+            assert_int_equal(f.faults.loose_boxes, 1);
+            assert_int_equal(f.faults.first, PACKED_BOUND);
+            f.faults.loose_boxes = 0;
+            f.faults.first = PACKED_SOUND;
+            assert_memory_equal(&f.faults, &no_faults, sizeof no_faults);
+            assert_non_null(strstr(f.reason.text, " bounds ["));
+            fixture_free(&f);
+        }
+}
+
+static void packed_check_takes_nan_bounds_for_loose(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_make(&f, "rf16");
+    f.packed.word[1] |= 0x7E00; /* y of the root */
+    assert_int_equal(fixture_check(&f), STATUS_INPUT);
+    assert_int_equal(f.faults.loose_boxes, 1);
+    assert_int_equal(f.faults.first, PACKED_BOUND);
+    fixture_free(&f);
+}
+
+/* One word changed, and the faults that must be counted. */
+struct spoilt {
+    const char *layout;
+    uint32_t word, value;
+    struct packed_faults faults;
+    const char *reason;
+};
+
+/* f32: node n's words begin at 8 n; 3 is first, 7 count. rf16: records 0, 1, 2 inner, leaves 3
+ * (triangles 0, 1), 5 (2, 3), inner 7, leaves 8, 10, inner 12. */
+static const struct spoilt spoilt[] = {
+    {"f32",
+     3,
+     15,
+     {.first = PACKED_REFERENCE, .bad_refs = 1, .lost_prims = 8},
+     "record 0: a child"},
+    {"f32",
+     3,
+     UINT32_MAX,
+     {.first = PACKED_REFERENCE, .bad_refs = 1, .lost_prims = 8},
+     "record 0: a child"},
+    {"f32",
+     3,
+     0,
+     {.first = PACKED_REFERENCE, .cycles = 1, .lost_prims = 8},
+     "record 0 is reached more than once"},
+    {"f32", 3, 5, {.first = PACKED_REFERENCE, .cycles = 1, .lost_prims = 8}, "record 5"},
+    {"f32",
+     8 * 14 + 3,
+     12,
+     {.first = PACKED_TWICE, .lost_prims = 2, .double_prims = 2, .loose_boxes = 1},
+     "second time"},
+    {"f32", 8 * 14 + 7, 1, {.first = PACKED_LOST, .lost_prims = 1}, "triangle 15 is in no leaf"},
+    {"f32",
+     8 * 14 + 7,
+     0,
+     {.first = PACKED_REFERENCE, .bad_refs = 1, .cycles = 1, .lost_prims = 2},
+     "record 14"},
+    {"f32",
+     8 * 14 + 7,
+     UINT32_MAX,
+     {.first = PACKED_ITEM, .bad_prims = 1, .lost_prims = 2},
+     "a leaf of 4294967295"},
+    {"rf16",
+     3,
+     0x0001FFFF,
+     {.first = PACKED_REFERENCE, .bad_refs = 1, .lost_prims = 8},
+     "record 0: a child"},
+    {"rf16",
+     3,
+     0x00010000,
+     {.first = PACKED_REFERENCE, .cycles = 1, .lost_prims = 8},
+     "record 0 is reached more than once"},
+    {"rf16",
+     4 * 4,
+     0x00000000,
+     {.first = PACKED_TWICE, .double_prims = 1, .lost_prims = 1},
+     "triangle 0 a second time"},
+    {"rf16",
+     4 * 4,
+     0x00100001,
+     {.first = PACKED_ITEM, .bad_prims = 1, .lost_prims = 1},
+     "names triangle 16 of 16"},
+    {"rf16",
+     3 * 4 + 3,
+     0x80000001,
+     {.first = PACKED_LOST, .lost_prims = 1},
+     "triangle 1 is in no leaf"},
+    {"rf16",
+     3 * 4 + 3,
+     0x80000003,
+     {.first = PACKED_TWICE, .double_prims = 1},
+     "triangle 0 a second time"},
+    {"rf16",
+     3 * 4 + 3,
+     0x80000000,
+     {.first = PACKED_REFERENCE, .bad_refs = 2, .lost_prims = 2},
+     "record 3: a child"},
+};
+
+static void packed_check_counts_each_kind_of_fault(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < ARRAY_COUNT(spoilt); i++) {
+        const struct spoilt *s = &spoilt[i];
+        struct fixture f;
+        fixture_make(&f, s->layout);
+        f.packed.word[s->word] = s->value;
+        enum status status = fixture_check(&f);
+        struct packed_faults *got = &f.faults;
+        if (status != STATUS_INPUT || memcmp(got, &s->faults, sizeof *got) != 0 ||
+            !strstr(f.reason.text, s->reason))
+            fail_msg("%s word %u: status %d, loose %u refs %u cycles %u lost %u double %u bad %u "
+                     "deep %u, '%s'",
+                     s->layout, s->word, status, got->loose_boxes, got->bad_refs, got->cycles,
+                     got->lost_prims, got->double_prims, got->bad_prims, got->too_deep,
+                     f.reason.text);
+        fixture_free(&f);
+    }
+}
+
+static void packed_check_measures_the_stack(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_make(&f, "rf16");
+    f.packed.stack_need = 2;
+    assert_int_equal(fixture_check(&f), STATUS_INPUT);
+    assert_int_equal(f.faults.too_deep, 1);
+    assert_int_equal(f.faults.first, PACKED_STACK);
+    assert_string_equal(f.reason.text,
+                        "rf16: a path needs 3 stack entries, the packed tree says 2");
+    fixture_free(&f);
+}
+
+static void packed_check_finds_a_root_out_of_range(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_make(&f, "f32");
+    f.packed.root = 15;
+    assert_int_equal(fixture_check(&f), STATUS_INPUT);
+    assert_int_equal(f.faults.bad_refs, 1);
+    assert_int_equal(f.faults.lost_prims, 16);
+    fixture_free(&f);
+}
+
+/* Ends, without reading outside anything, on any words. */
+static void packed_check_survives_garbage(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(4, 0);
+    for (size_t l = 0; layouts[l]; l++)
+        for (int round = 0; round < 300; round++) {
+            struct fixture f;
+            fixture_make(&f, layouts[l]->name);
+            uint32_t mask = round % 2 ? UINT32_MAX : 0x801F001F;
+            for (uint32_t i = 0; i < f.packed.word_count; i++)
+                if (round % 3 || rng_below(&rng, 8) == 0)
+                    f.packed.word[i] = (uint32_t)rng_u64(&rng) & mask;
+            assert_int_equal(fixture_check(&f), STATUS_INPUT);
+            fixture_free(&f);
+        }
+}
+
+/* 16 triangles in leaves of two. rtrs_direct tests 0 - 1 .. 14: triangle 15 is lost, and every box
+ * but the root's misses the shifted triangle. rtrs_rf and the paper lose one triangle as well. */
+static void packed_check_sees_the_seeds_numbering(void **state)
+{
+    (void)state;
+    static const char *const lost[][2] = {{"rtrs_direct", "triangle 15 is in no leaf"},
+                                          {"rtrs_rf", "triangle 15 is in no leaf"},
+                                          {"rtrs_rf_paper", "triangle 0 is in no leaf"}};
+    for (size_t i = 0; i < ARRAY_COUNT(lost); i++) {
+        struct fixture f;
+        fixture_make(&f, lost[i][0]);
+        assert_int_equal(fixture_check(&f), STATUS_INPUT);
+        assert_int_equal(f.faults.lost_prims, 1);
+        assert_int_equal(f.faults.double_prims + f.faults.bad_prims + f.faults.cycles, 0);
+        assert_non_null(strstr(f.reason.text, lost[i][1]));
+        if (i < 2)
+            assert_true(f.faults.loose_boxes > 8);
+        else
+            assert_int_equal(f.faults.loose_boxes, 0); /* all bounds here are halves */
+        fixture_free(&f);
+    }
+}
+
+static void packed_make_packs_an_empty_scene_in_every_layout(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct bvh bvh = {0};
+    assert_int_equal(scene_make(0, 0, &scene), STATUS_OK);
+    for (size_t l = 0; layouts[l]; l++) {
+        struct packed packed;
+        assert_int_equal(packed_make(layouts[l], &bvh, &scene, &packed, NULL), STATUS_OK);
+        assert_int_equal(packed.node_count, 0);
+        assert_ptr_equal(packed.layout, layouts[l]);
+        assert_int_equal(packed_check(&packed, &scene, NULL, NULL), STATUS_OK);
+        packed_free(&packed);
+    }
+    scene_free(&scene);
+}
+
+static void packed_make_packs_a_single_leaf_in_every_layout(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(3);
+    struct bvh bvh = trees_make(&scene, 4, TREES_BALANCED);
+    for (size_t l = 0; layouts[l]; l++) {
+        struct packed packed;
+        assert_int_equal(packed_make(layouts[l], &bvh, &scene, &packed, NULL), STATUS_OK);
+        assert_int_equal(packed.stack_need, 0);
+        assert_int_equal(packed_check(&packed, &scene, NULL, NULL),
+                         layouts[l]->faithful ? STATUS_INPUT : STATUS_OK);
+        packed_free(&packed);
+    }
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
+static void packed_make_refuses_the_tree_of_another_scene(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(3), other = trees_grid(4);
+    struct bvh bvh = trees_make(&scene, 4, TREES_BALANCED), empty = {0};
+    struct packed packed;
+    assert_int_equal(packed_make(layouts[0], &bvh, &other, &packed, NULL), STATUS_INPUT);
+    assert_int_equal(packed_make(layouts[0], &empty, &scene, &packed, NULL), STATUS_INPUT);
+    assert_int_equal(packed_make_auto(&bvh, &other, &packed, NULL, 0, NULL), STATUS_INPUT);
+    bvh_free(&bvh);
+    scene_free(&scene);
+    scene_free(&other);
+}
+
+static void auto_takes_the_smallest_layout_that_holds_the_scene(void **state)
+{
+    (void)state;
+    struct packed packed;
+    struct reason reason;
+    char refused[400] = "old";
+    struct scene scene = trees_grid(40);
+    struct bvh bvh = trees_make(&scene, 8, TREES_BALANCED);
+    assert_int_equal(packed_make_auto(&bvh, &scene, &packed, refused, sizeof refused, &reason),
+                     STATUS_OK);
+    assert_string_equal(packed.layout->name, "rf16");
+    assert_string_equal(refused, "");
+    packed_free(&packed);
+    bvh_free(&bvh);
+
+    bvh = trees_make(&scene, 9, TREES_BALANCED);
+    assert_int_equal(packed_make_auto(&bvh, &scene, &packed, refused, sizeof refused, &reason),
+                     STATUS_OK);
+    assert_string_equal(packed.layout->name, "cwbvh80");
+    assert_string_equal(refused, "rf16: a leaf holds at most 8 items, this tree has one of 9; use "
+                                 "--leaf 8 or less, or --layout auto");
+    packed_free(&packed);
+    char small[10], none[1] = "x";
+    assert_int_equal(packed_make_auto(&bvh, &scene, &packed, small, sizeof small, &reason),
+                     STATUS_OK);
+    assert_string_equal(small, "rf16: a l");
+    packed_free(&packed);
+    assert_int_equal(packed_make_auto(&bvh, &scene, &packed, none, 0, &reason), STATUS_OK);
+    assert_int_equal(none[0], 'x');
+    packed_free(&packed);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
+/* The last record that 15 bits name, and the one after; then a bound beyond compact nodes. */
+static void auto_takes_wider_indices_and_ranges_where_they_are_needed(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t triangles; /* three records each but the first */
+        float scale;
+        const char *layout;
+    } border[] = {
+        {10923, 1, "rf16"},       {10924, 1, "cwbvh80"}, {70000, 1, "cwbvh80"},
+        {64, 0x1p7f, "rf16"},     {64, 0x1p10f, "rf16"}, {512, 0x1p11f, "cwbvh80"},
+        {64, 0x1p95f, "cwbvh80"}, {64, 0x1p101f, "f32"},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(border); i++) {
+        struct scene scene = trees_grid(border[i].triangles);
+        for (size_t k = 0; k < 9 * (size_t)border[i].triangles; k++)
+            scene.vertex[k] *= border[i].scale;
+        struct bvh bvh = trees_make(&scene, 1, TREES_BALANCED);
+        struct packed packed;
+        struct reason reason = {""};
+        if (packed_make_auto(&bvh, &scene, &packed, NULL, 0, &reason))
+            fail_msg("%u: %s", border[i].triangles, reason.text);
+        assert_string_equal(packed.layout->name, border[i].layout);
+        if (packed_check(&packed, &scene, NULL, &reason))
+            fail_msg("%u: %s", border[i].triangles, reason.text);
+        packed_free(&packed);
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
+}
+
+static void auto_refuses_what_no_layout_can_hold(void **state)
+{
+    (void)state;
+    struct packed packed;
+    struct reason reason;
+    char refused[800];
+    struct scene scene = trees_grid(66);
+    for (size_t k = 0; k < 9 * 66; k++)
+        scene.vertex[k] *= 0x1p110f;
+    struct bvh bvh = trees_make(&scene, 1, TREES_RIGHT);
+    assert_int_equal(packed_make_auto(&bvh, &scene, &packed, refused, sizeof refused, &reason),
+                     STATUS_LIMIT);
+    assert_null(packed.word);
+    assert_non_null(strstr(refused, "rf16: a bound is at most 65504"));
+    assert_non_null(strstr(refused, "\ncwbvh80: a bound is at most 1.2676506e+30"));
+    assert_non_null(strstr(refused, "\nf32: the traversal stack holds 64 entries"));
+    assert_non_null(strstr(reason.text, "no layout can hold this scene: f32: the traversal"));
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(packed_check_finds_nothing_in_good_trees),
+        cmocka_unit_test(packed_check_finds_nothing_in_outward_rounded_bounds),
+        cmocka_unit_test(packed_check_finds_a_bound_one_step_too_tight),
+        cmocka_unit_test(packed_check_takes_nan_bounds_for_loose),
+        cmocka_unit_test(packed_check_counts_each_kind_of_fault),
+        cmocka_unit_test(packed_check_measures_the_stack),
+        cmocka_unit_test(packed_check_finds_a_root_out_of_range),
+        cmocka_unit_test(packed_check_survives_garbage),
+        cmocka_unit_test(packed_check_sees_the_seeds_numbering),
+        cmocka_unit_test(packed_make_packs_an_empty_scene_in_every_layout),
+        cmocka_unit_test(packed_make_packs_a_single_leaf_in_every_layout),
+        cmocka_unit_test(packed_make_refuses_the_tree_of_another_scene),
+        cmocka_unit_test(auto_takes_the_smallest_layout_that_holds_the_scene),
+        cmocka_unit_test(auto_takes_wider_indices_and_ranges_where_they_are_needed),
+        cmocka_unit_test(auto_refuses_what_no_layout_can_hold),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
