@@ -20,7 +20,7 @@ test_libs:
 
 # Sample tracers for `--engine pipe:`, compiled as a stranger would: with nothing of raydiff. The
 # planted bugs must be found.
-$(B)/samples/%: fuzz/samples/tracer.c
+$(B)/samples/%: fuzz/samples/sample_tracer.c
 	@mkdir -p $(@D)
 	$(call warned,$(CC) -std=c17 -O2 $(WARN) $(if $(findstring _bug,$*),-DBUG=$(lastword $(subst _bug, ,$*))) -o $@ $<)
 

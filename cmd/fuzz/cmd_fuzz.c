@@ -4,7 +4,7 @@
 #include "cmd/fuzz/cmd_selftest.h"
 
 #include "ref/outside/plugin_guard.h"
-#include "fuzz/findings/report.h"
+#include "fuzz/findings/findings_report.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 
@@ -261,7 +261,7 @@ static enum status make_campaign(struct fuzz_command *c, struct reason *reason)
     o->stop = &stop;
     c->signalled = &signalled;
     enum status status = make_rules(c, reason);
-    o->meetings = c->meetings;
+    o->pair_coverage = c->pair_coverage;
     return status;
 }
 
@@ -367,7 +367,7 @@ static int finish(struct fuzz_command *c, enum status status, const struct reaso
         fprintf(stderr, "raydiff fuzz: %s\n", reason->text);
     findings_close(c->findings);
     feedback_list_free(&c->corpus_trials);
-    meetings_close(c->meetings);
+    pair_coverage_close(c->pair_coverage);
     baseline_close(&c->baseline);
     return status ? exit_of_status(status) : c->code;
 }

@@ -4,7 +4,7 @@
 
 #include "fuzz/findings/baseline.h"
 #include "fuzz/campaign/campaign.h"
-#include "fuzz/findings/report.h"
+#include "fuzz/findings/findings_report.h"
 #include "cmd/common/cmd_options.h"
 #include "cmd/common/cmd_tables.h"
 
@@ -47,7 +47,7 @@ struct fuzz_command {
     /* Made of these. */
     char identity[FINDINGS_STATE_MOST];
     struct feedback_list corpus_trials;
-    struct meetings *meetings;
+    struct pair_coverage *pair_coverage;
     struct baseline baseline;
     char today[BASELINE_DAY];
     struct findings *findings;

@@ -8,7 +8,7 @@
 #define RAREST_SHOWN 5u
 #define RAREST_TOLD  50u /* in JSON */
 
-static void add(struct meeting_tables *tables, enum meeting_factor factor, const void *member)
+static void add(struct pair_tables *tables, enum pair_factor factor, const void *member)
 {
     if (tables->count[factor] < MEET_MOST)
         tables->member[factor][tables->count[factor]++] = member;
@@ -17,7 +17,7 @@ static void add(struct meeting_tables *tables, enum meeting_factor factor, const
 /* Members of tables that can be drawn or generated: as published with --faithful, and layouts that
  * are named; the same for a folder that is gone on with, which has the names and not who gave
  * them. */
-static void fill(const struct fuzz_command *c, struct meeting_tables *t)
+static void fill(const struct fuzz_command *c, struct pair_tables *t)
 {
     const struct fuzz_field *field = &c->campaign.rules.field;
     bool all = c->faithful, drawn = c->pairs > 0;
@@ -47,27 +47,28 @@ static void fill(const struct fuzz_command *c, struct meeting_tables *t)
 
 enum status fuzz_pairs_make(struct fuzz_command *c, struct reason *reason)
 {
-    struct meeting_tables tables = {.count = {0}};
+    struct pair_tables tables = {.count = {0}};
     fill(c, &tables);
-    return meetings_open(&tables, &c->meetings, reason);
+    return pair_coverage_open(&tables, &c->pair_coverage, reason);
 }
 
 uint32_t fuzz_pairs_short(const struct fuzz_command *c)
 {
     if (c->pairs == 0)
         return 0;
-    struct meetings_summary sum = meetings_summarize(c->meetings, c->pairs);
+    struct pair_coverage_summary sum = pair_coverage_summarize(c->pair_coverage, c->pairs);
     return sum.possible > 0 ? sum.below : 1;
 }
 
 void fuzz_pairs_print(const struct fuzz_command *c, const struct campaign_view *view)
 {
-    struct meetings_summary sum = meetings_summarize(c->meetings, c->pairs);
-    char name[MEETING_NAME_MOST];
+    struct pair_coverage_summary sum = pair_coverage_summarize(c->pair_coverage, c->pairs);
+    char name[PAIR_NAME_MOST];
     uint64_t count;
     printf("pairs      %u of members can meet, %u met; trials of a pair: least %llu, median %llu\n",
            sum.possible, sum.met, (unsigned long long)sum.least, (unsigned long long)sum.median);
-    for (uint32_t i = 0; i < RAREST_SHOWN && meetings_rarest(c->meetings, i, name, &count); i++)
+    for (uint32_t i = 0;
+         i < RAREST_SHOWN && pair_coverage_rarest(c->pair_coverage, i, name, &count); i++)
         printf("           %s %llu\n", name, (unsigned long long)count);
     if (view->refitted + view->rebuilt > 0)
         printf("moved      %llu trees refitted, %llu rebuilt\n", (unsigned long long)view->refitted,
@@ -81,11 +82,12 @@ void fuzz_pairs_print(const struct fuzz_command *c, const struct campaign_view *
 
 struct json_t *fuzz_pairs_json(const struct fuzz_command *c, const struct campaign_view *view)
 {
-    struct meetings_summary sum = meetings_summarize(c->meetings, c->pairs);
-    char name[MEETING_NAME_MOST];
+    struct pair_coverage_summary sum = pair_coverage_summarize(c->pair_coverage, c->pairs);
+    char name[PAIR_NAME_MOST];
     uint64_t count;
     json_t *rarest = json_array();
-    for (uint32_t i = 0; i < RAREST_TOLD && meetings_rarest(c->meetings, i, name, &count); i++)
+    for (uint32_t i = 0; i < RAREST_TOLD && pair_coverage_rarest(c->pair_coverage, i, name, &count);
+         i++)
         json_array_append_new(rarest,
                               json_pack("{s:s, s:I}", "pair", name, "trials", (json_int_t)count));
     json_t *out = json_pack("{s:I, s:I, s:I, s:I}", "possible", (json_int_t)sum.possible,

@@ -4,7 +4,7 @@
 #include "cmd/fuzz/cmd_replay.h"
 #include "fuzz/play/coverage.h"
 #include "ref/outside/pipe.h"
-#include "fuzz/findings/report.h"
+#include "fuzz/findings/findings_report.h"
 #include "fuzz/campaign/worker.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/command.h"

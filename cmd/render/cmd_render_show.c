@@ -2,7 +2,7 @@
 #include "cmd/render/cmd_render_show.h"
 
 #include "ref/base/command.h"
-#include "ref/look/decoded.h"
+#include "ref/look/look_decoded.h"
 #include "cmd/render/cmd_render_out.h"
 
 #include <math.h>

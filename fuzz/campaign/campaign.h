@@ -7,7 +7,7 @@
 
 #include "fuzz/feedback/feedback.h"
 #include "fuzz/findings/findings.h"
-#include "fuzz/feedback/meetings.h"
+#include "fuzz/feedback/pair_coverage.h"
 #include "fuzz/campaign/worker.h"
 
 #include <signal.h>
@@ -38,7 +38,7 @@ struct campaign_options {
     bool mutate;            /* stream mut, too: half of the blocks */
     /* Which pairs of members met, counted here, or NULL. Members of a drawn field are drawn from
      * it, a block's at a time; there is then stream gen alone, and one shard. */
-    struct meetings *meetings;
+    struct pair_coverage *pair_coverage;
     enum campaign_shrinking shrink;
     uint32_t until;        /* end after so many findings that are not known; 0: no end */
     uint32_t trial_ms;     /* the longest that an engine may take for a trial */

@@ -19,7 +19,7 @@ struct block {
     uint32_t count;
     const struct fuzz_trial *base; /* of stream mut; the feedback's */
     struct work_draw draw;
-    struct meeting meeting; /* what was drawn */
+    struct combination combination; /* what was drawn */
     bool done;
     struct work_trial trial[FUZZ_BATCH];
     struct work_finding *finding;
@@ -42,7 +42,7 @@ struct block {
 /* What was drawn for a block and did not meet. */
 struct missed {
     uint64_t block; /* its number and 1; 0: none */
-    struct meeting meeting;
+    struct combination combination;
     uint32_t refused, rebuilt;
 };
 

@@ -11,24 +11,23 @@
 /* One query for a block, and the same whenever a driver has what was compiled for these members. */
 static enum query choose_query(const struct campaign *c, const struct block *block)
 {
-    static const enum meeting_factor of[] = {MEET_ENGINE, MEET_LAYOUT, MEET_STORE, MEET_TRI,
-                                             MEET_BOX};
+    static const enum pair_factor of[] = {MEET_ENGINE, MEET_LAYOUT, MEET_STORE, MEET_TRI, MEET_BOX};
     const struct engine *engine = c->rules.field.who[block->draw.contestant].engine;
     struct rng rng = rng_make(c->rules.seed, 0x71756572u);
     if (engine->compiles)
         for (size_t i = 0; i < ARRAY_COUNT(of); i++)
-            rng = rng_make(rng_u64(&rng), block->meeting.member[of[i]]);
+            rng = rng_make(rng_u64(&rng), block->combination.member[of[i]]);
     else
         rng = rng_make(rng_u64(&rng), block->first / FUZZ_BATCH);
     return rng_below(&rng, 4) == 0 ? QUERY_ANY : QUERY_CLOSEST;
 }
 
-static struct work_draw draw_of(const struct campaign *c, const struct meeting *meeting)
+static struct work_draw draw_of(const struct campaign *c, const struct combination *combination)
 {
-    const struct meeting_tables *t = meetings_tables(c->options->meetings);
+    const struct pair_tables *t = pair_coverage_tables(c->options->pair_coverage);
     const void *member[MEET_FACTORS];
-    for (enum meeting_factor f = 0; f < MEET_FACTORS; f++)
-        member[f] = t->member[f][meeting->member[f]];
+    for (enum pair_factor f = 0; f < MEET_FACTORS; f++)
+        member[f] = t->member[f][combination->member[f]];
     const struct engine *engine = member[MEET_ENGINE];
     struct work_draw draw = {.on = true,
                              .layout = engine->needs_packed ? member[MEET_LAYOUT] : NULL,
@@ -36,8 +35,8 @@ static struct work_draw draw_of(const struct campaign *c, const struct meeting *
                              .store = member[MEET_STORE],
                              .tri = member[MEET_TRI],
                              .box = member[MEET_BOX],
-                             .optimized = meeting->member[MEET_OPTIMIZE] > 0,
-                             .moved = meeting->member[MEET_MOTION] > 0};
+                             .optimized = combination->member[MEET_OPTIMIZE] > 0,
+                             .moved = combination->member[MEET_MOTION] > 0};
     while (draw.contestant + 1 < c->rules.field.count &&
            c->rules.field.who[draw.contestant].engine != engine)
         draw.contestant++;
@@ -46,14 +45,14 @@ static struct work_draw draw_of(const struct campaign *c, const struct meeting *
 
 void campaign_pairs_draw(struct campaign *c, struct block *block)
 {
-    struct meetings *meetings = c->options->meetings;
+    struct pair_coverage *pair_coverage = c->options->pair_coverage;
     uint64_t number = block->first / FUZZ_BATCH;
     struct missed *missed = &c->missed[number % CAMPAIGN_BEHIND];
     if (missed->block > 0)
-        meetings_missed(meetings, &missed->meeting, missed->refused, missed->rebuilt);
+        pair_coverage_missed(pair_coverage, &missed->combination, missed->refused, missed->rebuilt);
     *missed = (struct missed){0};
-    meetings_draw(meetings, c->rules.seed, number, block->count, &block->meeting);
-    block->draw = draw_of(c, &block->meeting);
+    pair_coverage_draw(pair_coverage, c->rules.seed, number, block->count, &block->combination);
+    block->draw = draw_of(c, &block->combination);
     block->draw.query = choose_query(c, block);
 }
 
@@ -64,12 +63,12 @@ static void count_trial(struct campaign *c, const struct work_trial *one)
         uint32_t bit = 1u << i;
         if (!(one->players & bit))
             continue;
-        struct meeting met = meetings_of(c->options->meetings, field->who[i].engine,
-                                         field->who[i].layout, one->builder, one->store, one->tri,
-                                         one->box, one->optimized, one->refitted & bit);
+        struct combination met = pair_coverage_of(
+            c->options->pair_coverage, field->who[i].engine, field->who[i].layout, one->builder,
+            one->store, one->tri, one->box, one->optimized, one->refitted & bit);
         if (one->rebuilt & bit)
             met.member[MEET_MOTION] = MEET_NONE;
-        meetings_add(c->options->meetings, &met);
+        pair_coverage_add(c->options->pair_coverage, &met);
     }
 }
 
@@ -77,7 +76,7 @@ static void count_trial(struct campaign *c, const struct work_trial *one)
 static void count_drawn(struct campaign *c, const struct block *block)
 {
     uint32_t bit = 1u << block->draw.contestant;
-    struct missed missed = {block->first / FUZZ_BATCH + 1, block->meeting, 0, 0};
+    struct missed missed = {block->first / FUZZ_BATCH + 1, block->combination, 0, 0};
     const struct engine *engine = c->rules.field.who[block->draw.contestant].engine;
     for (uint32_t i = 0; i < block->count; i++) {
         const struct work_trial *one = &block->trial[i];
@@ -86,12 +85,12 @@ static void count_drawn(struct campaign *c, const struct block *block)
         missed.rebuilt += played && rebuilt;
         if (!played)
             continue;
-        struct meeting met =
-            meetings_of(c->options->meetings, engine, block->draw.layout, one->builder, one->store,
-                        one->tri, one->box, one->optimized, one->refitted & bit);
+        struct combination met =
+            pair_coverage_of(c->options->pair_coverage, engine, block->draw.layout, one->builder,
+                             one->store, one->tri, one->box, one->optimized, one->refitted & bit);
         if (rebuilt && MUTANT != MUTANT_PAIR_OF_REBUILT)
             met.member[MEET_MOTION] = MEET_NONE;
-        meetings_add(c->options->meetings, &met);
+        pair_coverage_add(c->options->pair_coverage, &met);
     }
     c->missed[(missed.block - 1) % CAMPAIGN_BEHIND] = missed;
 }
@@ -100,7 +99,7 @@ void campaign_pairs_count(struct campaign *c, const struct block *block)
 {
     if (block->draw.on)
         count_drawn(c, block);
-    else if (c->options->meetings && block->stream != WORK_KEPT)
+    else if (c->options->pair_coverage && block->stream != WORK_KEPT)
         for (uint32_t i = 0; i < block->count; i++)
             count_trial(c, &block->trial[i]);
 }
@@ -109,12 +108,14 @@ enum status campaign_pairs_read(struct campaign *c, struct reason *reason)
 {
     if (!c->options->rules.field.drawn)
         return STATUS_OK;
-    return meetings_read(c->options->meetings, findings_folder(c->findings), PAIRS_FILE, reason);
+    return pair_coverage_read(c->options->pair_coverage, findings_folder(c->findings), PAIRS_FILE,
+                              reason);
 }
 
 enum status campaign_pairs_write(const struct campaign *c, struct reason *reason)
 {
     if (!c->options->rules.field.drawn)
         return STATUS_OK;
-    return meetings_write(c->options->meetings, findings_folder(c->findings), PAIRS_FILE, reason);
+    return pair_coverage_write(c->options->pair_coverage, findings_folder(c->findings), PAIRS_FILE,
+                               reason);
 }

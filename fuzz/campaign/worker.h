@@ -21,7 +21,7 @@ enum work_stream {
     WORK_GIVEN   /* the order's base itself */
 };
 
-/* Members that were drawn for the trials of an order (fuzz/feedback/meetings.h); `on` if there are any. */
+/* Members that were drawn for the trials of an order (fuzz/feedback/pair_coverage.h); `on` if there are any. */
 struct work_draw {
     bool on;
     uint32_t contestant;

@@ -1,5 +1,5 @@
 #include "fuzz/findings/ci.h"
-#include "fuzz/findings/report.h"
+#include "fuzz/findings/findings_report.h"
 
 #include <stdio.h>
 

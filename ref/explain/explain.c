@@ -1,7 +1,7 @@
 #include "ref/explain/explain.h"
 
 #include "ref/explain/imitate.h"
-#include "ref/explain/way.h"
+#include "ref/explain/path.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -153,7 +153,7 @@ enum status explain_make(const struct explain_case *the, const struct explain_an
     }
     out->prim = out->opinion.expected;
     if (!status)
-        status = explain_way(the, out);
+        status = explain_path(the, out);
     if (status) {
         explain_free(out);
         return fail(reason, status, "no memory to explain a ray");

@@ -10,7 +10,7 @@
 
 #define FAST_WIDTH 8u
 #define FAST_STACK 256u /* entries of the traversal's stack */
-#define FAST_PAIRS 8u   /* MB; larger trees are traced in pairs of rays (ref/fast/pair.h) */
+#define FAST_PAIRS 8u   /* MB; larger trees are traced in pairs of rays (ref/fast/fast_pair.h) */
 
 /* A node. Those of a tree are aligned to their size. Bound q of axis k is lo[k] + step[k] * q of
  * the tree. Absent children have reference 0, lower bounds 65535 and upper bounds 0. */

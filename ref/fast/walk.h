@@ -306,7 +306,7 @@ INLINE void walk(const struct fast_tree *tree, const struct ray *ray, bool any, 
     write_hit(&best, hit);
 }
 
-#include "ref/fast/pair.h"
+#include "ref/fast/fast_pair.h"
 
 INLINE void walk_many(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
                       struct hit *hit)

@@ -1,7 +1,7 @@
 /* Answers that no bound of t judges: those of a determinant whose sign is open, and those at the
  * ends of a range. */
 #include "ref/judge/judge_inner.h"
-#include "ref/twin/replay.h"
+#include "ref/twin/twin_replay.h"
 
 #include <math.h>
 

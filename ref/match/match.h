@@ -179,15 +179,15 @@ struct match {
     struct oracle *oracle;
     struct oracle_answer *truth; /* exact nearest hits of closed ranges */
     struct oracle_stats work;    /* what they took */
-    size_t brute_count;   /* the first this many were decided by brute force and by the tree */
-    struct packed packed; /* of the layout last packed */
-    struct hit *cpu;      /* engine cpu's hits on packed, or NULL if not yet traced */
-    struct hit *answer;   /* of the engine last run */
-    struct hit *again;    /* the same asked once more */
-    unsigned char *moody; /* per ray: the two differ */
-    struct {              /* the last closest hits, for any-hit to be compared with */
-        struct hit *hit;  /* room for all rays */
-        size_t count;     /* 0: none */
+    size_t brute_count;      /* the first this many were decided by brute force and by the tree */
+    struct packed packed;    /* of the layout last packed */
+    struct hit *cpu;         /* engine cpu's hits on packed, or NULL if not yet traced */
+    struct hit *answer;      /* of the engine last run */
+    struct hit *again;       /* the same asked once more */
+    unsigned char *unstable; /* per ray: the two differ */
+    struct {                 /* the last closest hits, for any-hit to be compared with */
+        struct hit *hit;     /* room for all rays */
+        size_t count;        /* 0: none */
         const struct engine *engine;
         const struct box_test *box;
     } closest;

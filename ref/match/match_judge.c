@@ -56,7 +56,7 @@ static enum status judge_one(const struct judging *j, size_t i, struct judgement
         status = judge_answer(j->fans, ray, &match->truth[i], any, &fan);
         out->fan = out->fan || fan.fan;
     }
-    if (match->moody[i]) { /* whatever the ray */
+    if (match->unstable[i]) { /* whatever the ray */
         out->verdict = VERDICT_WRONG;
         out->wrong = WRONG_NOT_REPEATABLE;
     }

@@ -13,7 +13,7 @@
 struct said {
     struct list_judgement list;
     struct list_mesh mesh;
-    bool moody, failed;
+    bool unstable, failed;
     bool bits; /* other bits than engine cpu's, first where: */
     struct hit got, expected;
 };
@@ -69,7 +69,7 @@ static void say(const struct playing *p, size_t at, size_t i, bool closed, struc
     const struct hit *hit = p->hits.hit + p->hits.first[i];
     size_t count = p->hits.first[i + 1] - p->hits.first[i];
     struct hit one, other;
-    *out = (struct said){.moody = differ(&p->hits, &p->again, i, &one, &other)};
+    *out = (struct said){.unstable = differ(&p->hits, &p->again, i, &one, &other)};
     enum status status = judge_list(p->judge, ray, hit, count, &out->list);
     struct judgement *judgement = &out->list.judgement;
     if (!status && judgement->verdict != VERDICT_OUT_OF_CONTRACT && ray_in_contract(ray))
@@ -77,7 +77,7 @@ static void say(const struct playing *p, size_t at, size_t i, bool closed, struc
             judge_list_mesh(p->match->oracle, &p->topology, closed, ray, hit, count, &out->mesh);
     if (judgement->verdict == VERDICT_BORDER) /* which side of an end a wall is on is chance */
         out->mesh.parity = out->mesh.parity_off = false;
-    if (out->moody) { /* whatever the ray */
+    if (out->unstable) { /* whatever the ray */
         judgement->verdict = VERDICT_WRONG;
         judgement->wrong = WRONG_NOT_REPEATABLE;
         out->list.at_fault = one;

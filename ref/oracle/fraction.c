@@ -1,6 +1,6 @@
 #include "ref/oracle/fraction.h"
 
-#include "ref/oracle/grid.h"
+#include "ref/oracle/oracle_grid.h"
 
 #include <assert.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 
 #include "ref/oracle/early.h"
 #include "ref/oracle/oracle.h"
-#include "ref/oracle/tree.h"
+#include "ref/oracle/oracle_tree.h"
 
 struct oracle {
     const struct scene *scene;

@@ -5,7 +5,7 @@
 #include <math.h>
 
 /* Every enclosure of a t in range is at most this wide, relatively, or else made anew from
- * integers: the tree relies on it (ref/oracle/tree.h). */
+ * integers: the tree relies on it (ref/oracle/oracle_tree.h). */
 #define NARROW 0x1p-40
 /* So that the margin of a hit is known to about 2^-18 of itself, its w and D are known better. */
 #define KNOWN 0x1p-20

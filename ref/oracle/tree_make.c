@@ -1,4 +1,4 @@
-#include "ref/oracle/tree.h"
+#include "ref/oracle/oracle_tree.h"
 
 #include "ref/oracle/early.h"
 

@@ -4,7 +4,7 @@
 #define ORACLE_TREE_WALK_H
 
 #include "ref/abi.h"
-#include "ref/oracle/tree.h"
+#include "ref/oracle/oracle_tree.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* Quotients with one divisor: are there a divisor and numerators out of their scatters that give
- * what was answered? For the replays (ref/twin/replay.h). */
+ * what was answered? For the replays (ref/twin/twin_replay.h). */
 #ifndef QUOTIENTS_H
 #define QUOTIENTS_H
 

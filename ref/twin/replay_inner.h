@@ -3,7 +3,7 @@
 #define REPLAY_INNER_H
 
 #include "ref/twin/quotients.h"
-#include "ref/twin/replay.h"
+#include "ref/twin/twin_replay.h"
 
 /* One replay. */
 struct replay {

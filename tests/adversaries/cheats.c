@@ -291,7 +291,7 @@ void loses_thin_slabs(const struct lie *lie, size_t i, struct hit *hit)
         }
 }
 
-void is_moody(const struct lie *lie, size_t i, struct hit *hit)
+void is_unstable(const struct lie *lie, size_t i, struct hit *hit)
 {
     if (lie->calls % 2 == 0 && i % 50 == 0 && is_hit(hit))
         hit->u = nextafterf(hit->u, 1);

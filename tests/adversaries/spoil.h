@@ -12,7 +12,7 @@ extern spoil_fn drops_the_band, drops_by_class, drops_all_but_a_few, drops_all, 
     steps_past_the_end, steps_before_the_begin, shifts_u, swaps_u_and_v, negates_zeros,
     takes_the_other_of_a_tie, sees_phantoms, takes_the_next, sees_the_degenerate, says_hit,
     says_triangle_0, answers_nonsense_out_of_contract, slides_in_the_plane, loses_thin_slabs,
-    is_moody, differs_in_batches, is_right_at_first, knows_some_directions, copies_its_neighbour,
+    is_unstable, differs_in_batches, is_right_at_first, knows_some_directions, copies_its_neighbour,
     says_the_truth;
 /* outsiders.c */
 extern spoil_fn drops_what_is_excused, sees_what_is_excused, claims_the_degenerate, stretches_t,

@@ -1,6 +1,6 @@
 /* What f32 and rf16 can hold, at both sides of every border, and how deep any tree may be. */
 #include "ref/trace/trace.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
 /* How the faithful layouts wrap, garble or refuse at the borders that test_limits.c holds. */
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

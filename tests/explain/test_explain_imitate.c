@@ -22,7 +22,7 @@ struct black_box {
     struct replay_change change;
     bool no_triangle_3; /* no known defect: triangle 3 is never hit */
     uint32_t asked;
-    bool moody; /* every second answer is a miss */
+    bool unstable; /* every second answer is a miss */
 };
 
 static bool ask(void *user, const struct ray *ray, size_t count, struct hit *out)
@@ -33,7 +33,7 @@ static bool ask(void *user, const struct ray *ray, size_t count, struct hit *out
         struct explain_case the = case_of(engine->suspect, &ray[i]);
         enum replay_end end = replay_run(&the.replay, &engine->change, &ray[i], &out[i], NULL);
         finished = finished && end == REPLAY_DONE;
-        if ((engine->no_triangle_3 && out[i].prim == 3) || (engine->moody && engine->asked % 2))
+        if ((engine->no_triangle_3 && out[i].prim == 3) || (engine->unstable && engine->asked % 2))
             out[i] = (struct hit){.prim = ABI_NO_PRIM};
     }
     engine->asked++;
@@ -250,7 +250,7 @@ static void two_answers_to_one_ray_are_told(void **state)
     (void)state;
     struct stage s = stage_of("soup:n=40", "rf16", 4, "random");
     stage_set(&s);
-    struct black_box engine = {.suspect = &s.suspect, .moody = true};
+    struct black_box engine = {.suspect = &s.suspect, .unstable = true};
     size_t told = 0;
     for (size_t i = 0; i < RAYS && told < 6; i++) {
         if (answer_of(&s.suspect, &s.ray[i]).hit.prim == ABI_NO_PRIM)

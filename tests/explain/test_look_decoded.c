@@ -1,5 +1,5 @@
 /* A tree that is only there packed: decoded it is the tree it was made from, or refused. */
-#include "ref/look/decoded.h"
+#include "ref/look/look_decoded.h"
 #include "ref/base/rng.h"
 
 #include <stdarg.h>
@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "tests/support/faults.h"
-#include "tests/support/traced.h"
+#include "tests/support/trace_fixture.h"
 
 static void a_packed_tree_decodes_to_the_tree_it_was_made_from(void **state)
 {

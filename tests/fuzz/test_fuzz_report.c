@@ -2,7 +2,7 @@
  * xmllint and prove where these are. */
 #define _GNU_SOURCE /* mkdtemp */
 #include "fuzz/findings/ci.h"
-#include "fuzz/findings/report.h"
+#include "fuzz/findings/findings_report.h"
 #include "ref/files/file.h"
 
 #include <jansson.h>

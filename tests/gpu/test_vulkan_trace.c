@@ -5,7 +5,7 @@
 #include "scenes/scenes.h"
 
 #include "tests/support/gpu.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <math.h>
 

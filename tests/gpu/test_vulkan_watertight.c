@@ -4,7 +4,7 @@
 
 #include "tests/support/gpu.h"
 #include "tests/support/corridor.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #define RAYS 60000
 

@@ -1,6 +1,6 @@
 #include "tests/hard/run.h"
 
-#include "tests/hard/crossings.h"
+#include "tests/hard/hard_crossings.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -43,8 +43,8 @@ plant ref/base/rng.h 'float f(struct rng *rng) { return ldexpf(rng_float(rng), (
 plant ref/base/mutant.h '#define MUTANT_NOBODY 999'
 plant ref/base/mutant.h '#define MUTANT_LOST_SLOT 1'
 plant ref/base/mutant.h '#define MUTANT_LOST_SLOT /* 2 */'
-plant tests/support/trees.h '/* ../shared/design/house.md */'
-plant tests/support/trees.h 'static const char *f = "shared/scenes/a.json";'
+plant tests/support/tree_fixture.h '/* ../shared/design/house.md */'
+plant tests/support/tree_fixture.h 'static const char *f = "shared/scenes/a.json";'
 mkdir ref/attic && echo '#include "ref/base/base.h"' >ref/attic/new.h && git add ref/attic
 plant ref/attic/new.h ''
 git rm -qf ref/attic/new.h

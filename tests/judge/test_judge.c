@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 
 #include <math.h>
 
@@ -17,34 +17,34 @@
 static void the_nearest_triangle_and_a_true_miss_are_right(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++)
         for (int query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
-            court_seat(c, &subjects[s], (enum query)query);
-            court_ask(c, along_z(0.5f, -0.25f));
+            judge_fixture_seat(c, &subjects[s], (enum query)query);
+            judge_fixture_ask(c, along_z(0.5f, -0.25f));
             must_be(c, right_answer(c, 0), VERDICT_RIGHT);
             assert_int_equal(c->judgement.expected, 0);
             assert_true(c->judgement.t_lo <= 1.0 && c->judgement.t_hi >= 1.0);
-            court_ask(c, along_z(5, 5));
+            judge_fixture_ask(c, along_z(5, 5));
             must_be(c, a_miss(), VERDICT_RIGHT);
             assert_int_equal(c->judgement.expected, ABI_NO_PRIM);
         }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void any_triangle_in_range_is_right_for_any_hit(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ANY);
+        judge_fixture_seat(c, &subjects[s], QUERY_ANY);
         must_be(c, right_answer(c, 2), VERDICT_RIGHT);
         if (subjects[s].model.any_unnamed)
             must_be(c, (struct hit){.prim = 0}, VERDICT_RIGHT); /* all that Embree says */
         else
             must_be_wrong(c, (struct hit){.t = 0, .prim = 0}, WRONG_DISTANCE);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* --- wrong ----------------------------------------------------------------------------------- */
@@ -52,59 +52,59 @@ static void any_triangle_in_range_is_right_for_any_hit(void **state)
 static void a_lost_hit_is_wrong(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++)
         for (int query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
-            court_seat(c, &subjects[s], (enum query)query);
+            judge_fixture_seat(c, &subjects[s], (enum query)query);
             must_be_wrong(c, a_miss(), WRONG_MISSED);
             assert_int_equal(c->judgement.expected, 0);
             if (query == QUERY_CLOSEST)
                 must_be_wrong(c, right_answer(c, 2), WRONG_MISSED);
         }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void a_triangle_that_is_not_hit_is_wrong(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++)
         for (int query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
             if (query == QUERY_ANY && subjects[s].model.any_unnamed)
                 continue;
-            court_seat(c, &subjects[s], (enum query)query);
-            court_ask(c, along_z(0.5f, -0.25f));
+            judge_fixture_seat(c, &subjects[s], (enum query)query);
+            judge_fixture_ask(c, along_z(0.5f, -0.25f));
             must_be_wrong(c, right_answer(c, 1), WRONG_TRIANGLE); /* the other half of the quad */
             must_be_wrong(c, (struct hit){1, 0.25f, 0.25f, 3}, WRONG_TRIANGLE);
             must_be_wrong(c, (struct hit){1, 0.25f, 0.25f, 77}, WRONG_PHANTOM);
-            court_ask(c, along_z(5, 5));
+            judge_fixture_ask(c, along_z(5, 5));
             must_be_wrong(c, (struct hit){1, 0.25f, 0.25f, 1}, WRONG_PHANTOM);
         }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void an_unnamed_phantom_is_wrong(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++)
         if (subjects[s].model.any_unnamed) {
-            court_seat(c, &subjects[s], QUERY_ANY);
-            court_ask(c, along_z(5, 5));
+            judge_fixture_seat(c, &subjects[s], QUERY_ANY);
+            judge_fixture_ask(c, along_z(5, 5));
             must_be_wrong(c, (struct hit){.prim = 0}, WRONG_PHANTOM);
-            court_ask(c, along_z(nextafterf(1, 2), 0.25f));
+            judge_fixture_ask(c, along_z(nextafterf(1, 2), 0.25f));
             must_be(c, (struct hit){.prim = 0}, VERDICT_BOUNDARY);
         }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void a_wrong_distance_is_wrong(void **state)
 {
     (void)state;
     static const float factors[] = {0.5f, 0.999f, 1.001f, 2.0f, 1e9f};
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_CLOSEST);
+        judge_fixture_seat(c, &subjects[s], QUERY_CLOSEST);
         for (size_t i = 0; i < ARRAY_COUNT(factors); i++) {
             struct hit hit = right_answer(c, 0);
             hit.t *= factors[i];
@@ -116,16 +116,16 @@ static void a_wrong_distance_is_wrong(void **state)
         hit.t *= 1.00001f; /* 170 u: beyond every formula's bound here */
         must_be_wrong(c, hit, WRONG_DISTANCE);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void wrong_barycentrics_are_wrong(void **state)
 {
     (void)state;
-    struct court *c = inside();
-    court_ask(c, along_z(0.75f, -0.5f));
+    struct judge_fixture *c = inside();
+    judge_fixture_ask(c, along_z(0.75f, -0.5f));
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_CLOSEST);
+        judge_fixture_seat(c, &subjects[s], QUERY_CLOSEST);
         struct hit right = right_answer(c, 0), off = right,
                    swapped = {right.t, right.v, right.u, 0};
         off.u += 0.001f;
@@ -138,23 +138,23 @@ static void wrong_barycentrics_are_wrong(void **state)
         off.u = nextafterf(off.u, 1);
         must_be(c, off, VERDICT_RIGHT);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void what_is_not_finite_is_wrong(void **state)
 {
     (void)state;
     static const float bad[] = {NAN, INFINITY, -INFINITY};
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++)
         for (size_t i = 0; i < ARRAY_COUNT(bad); i++)
             for (int field = 0; field < 3; field++) {
-                court_seat(c, &subjects[s], QUERY_CLOSEST);
+                judge_fixture_seat(c, &subjects[s], QUERY_CLOSEST);
                 struct hit hit = right_answer(c, 0);
                 *(field == 0 ? &hit.t : field == 1 ? &hit.u : &hit.v) = bad[i];
                 must_be_wrong(c, hit, WRONG_NOT_FINITE);
             }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* --- the rest of the interface --------------------------------------------------------------- */
@@ -162,16 +162,16 @@ static void what_is_not_finite_is_wrong(void **state)
 static void any_and_closest_must_agree(void **state)
 {
     (void)state;
-    struct court *c = inside();
-    court_ask(c, along_z(1, 0.25f)); /* on the rim */
+    struct judge_fixture *c = inside();
+    judge_fixture_ask(c, along_z(1, 0.25f)); /* on the rim */
     struct hit miss = a_miss(), hit = right_answer(c, 0);
     for (size_t s = 0; s < SUBJECTS; s++) {
         struct judgement closest, any;
         bool own = twin_is_own(subjects[s].model.formula);
-        court_seat(c, &subjects[s], QUERY_CLOSEST);
+        judge_fixture_seat(c, &subjects[s], QUERY_CLOSEST);
         must_be(c, hit, VERDICT_RIGHT);
         closest = c->judgement;
-        court_seat(c, &subjects[s], QUERY_ANY);
+        judge_fixture_seat(c, &subjects[s], QUERY_ANY);
         must_be(c, miss, VERDICT_BOUNDARY);
         any = c->judgement;
         judge_any_against_closest(c->judge, &c->ray, &hit, &closest, &hit, &any);
@@ -188,7 +188,7 @@ static void any_and_closest_must_agree(void **state)
         judge_any_against_closest(c->judge, &still, &hit, &closest, &miss, &any);
         assert_int_equal(any.wrong, WRONG_NOT); /* out of contract */
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void bits_are_compared_as_bits(void **state)

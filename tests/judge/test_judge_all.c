@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 
 #include <math.h>
 
@@ -22,7 +22,7 @@ struct list {
 };
 
 /* The right answers of these triangles, in this order. */
-static struct list list_of(const struct court *c, size_t count, const uint32_t *prim)
+static struct list list_of(const struct judge_fixture *c, size_t count, const uint32_t *prim)
 {
     struct list list = {.count = count};
     assert_true(count <= MOST);
@@ -36,7 +36,7 @@ static struct list list_of(const struct court *c, size_t count, const uint32_t *
 
 static const struct list empty;
 
-static enum verdict judge(struct court *c, struct list *list)
+static enum verdict judge(struct judge_fixture *c, struct list *list)
 {
     assert_int_equal(
         judge_list(c->judge, &c->ray, list->count ? list->hit : NULL, list->count, &list->judged),
@@ -46,7 +46,7 @@ static enum verdict judge(struct court *c, struct list *list)
     return j->verdict;
 }
 
-static struct list must(struct court *c, struct list list, enum verdict expected)
+static struct list must(struct judge_fixture *c, struct list list, enum verdict expected)
 {
     if (judge(c, &list) != expected)
         fail_msg("%s: %s (%s), not %s", c->subject->name,
@@ -58,8 +58,8 @@ static struct list must(struct court *c, struct list list, enum verdict expected
 }
 
 /* WRONG of this kind; `at_fault` is the hit that is, `expected` the triangle that is not there. */
-static struct list must_wrong(struct court *c, struct list list, enum wrong kind, uint32_t at_fault,
-                              uint32_t expected)
+static struct list must_wrong(struct judge_fixture *c, struct list list, enum wrong kind,
+                              uint32_t at_fault, uint32_t expected)
 {
     list = must(c, list, VERDICT_WRONG);
     const struct judgement *j = &list.judged.judgement;
@@ -72,67 +72,67 @@ static struct list must_wrong(struct court *c, struct list list, enum wrong kind
 static void exactly_the_hits_are_right(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
-        court_ask(c, along_z(0.5f, -0.25f));
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_ask(c, along_z(0.5f, -0.25f));
         must(c, LIST(c, 0, 2), VERDICT_RIGHT);
-        court_ask(c, along_z(5, 5));
+        judge_fixture_ask(c, along_z(5, 5));
         must(c, empty, VERDICT_RIGHT);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void a_lost_hit_is_wrong(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must_wrong(c, empty, WRONG_MISSED, ABI_NO_PRIM, 0);
         must_wrong(c, LIST(c, 2), WRONG_MISSED, ABI_NO_PRIM, 0);
         struct list last = must_wrong(c, LIST(c, 0), WRONG_MISSED, ABI_NO_PRIM, 2);
         assert_true(last.judged.judgement.t_lo <= 2.0 && last.judged.judgement.t_hi >= 2.0);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void a_repeated_hit_is_wrong(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must_wrong(c, LIST(c, 0, 0, 2), WRONG_TWICE, 0, 0);
         must_wrong(c, LIST(c, 0, 2, 2), WRONG_TWICE, 2, 2);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void a_triangle_that_is_not_hit_is_wrong(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
-        court_ask(c, along_z(0.5f, -0.25f));
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_ask(c, along_z(0.5f, -0.25f));
         must_wrong(c, LIST(c, 0, 1, 2), WRONG_PHANTOM, 1, ABI_NO_PRIM);
         struct list none = LIST(c, 0, 2);
         none.hit[none.count++] = (struct hit){3, 0.25f, 0.25f, 77}; /* no such triangle */
         must_wrong(c, none, WRONG_PHANTOM, 77, ABI_NO_PRIM);
-        court_ask(c, along_z(5, 5));
+        judge_fixture_ask(c, along_z(5, 5));
         must_wrong(c, LIST(c, 2), WRONG_PHANTOM, 2, ABI_NO_PRIM);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void wrong_numbers_are_wrong(void **state)
 {
     (void)state;
     static const float bad[] = {NAN, INFINITY, -INFINITY};
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         struct list list = LIST(c, 0, 2);
         list.hit[1].t *= 1.001f;
         list = must_wrong(c, list, WRONG_DISTANCE, 2, ABI_NO_PRIM);
@@ -154,18 +154,18 @@ static void wrong_numbers_are_wrong(void **state)
         const struct judgement *j = &list.judged.judgement;
         assert_true(is_unknown(&subjects[s]) ? j->displacement > 0 : j->over > 0 && j->over <= 1);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void order_counts(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must_wrong(c, LIST(c, 2, 0), WRONG_ORDER, 2, 0);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* Two layers an ulp apart whose t are the same in float32. */
@@ -176,41 +176,41 @@ static void an_order_within_the_errors_is_a_near_tie(void **state)
     scene.tri_count = 4;
     for (int i = 4; i < 8; i++)
         scene.vertex[3 * i + 2] = nextafterf(1, 2);
-    struct court *c = court_of(scene);
-    court_ask(c, along_z(0.5f, -0.25f));
+    struct judge_fixture *c = judge_fixture_of(scene);
+    judge_fixture_ask(c, along_z(0.5f, -0.25f));
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         struct list list = LIST(c, 2, 0);
         must(c, LIST(c, 0, 2), VERDICT_RIGHT);
         list.hit[0].t = list.hit[1].t = 1;
         must(c, list, VERDICT_NEAR_TIE);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void ties_stand_in_any_order(void **state)
 {
     (void)state;
-    struct court *c = court_of(layers()); /* triangle 4 lies on triangle 0 */
-    court_ask(c, along_z(0.5f, -0.25f));
+    struct judge_fixture *c = judge_fixture_of(layers()); /* triangle 4 lies on triangle 0 */
+    judge_fixture_ask(c, along_z(0.5f, -0.25f));
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must(c, LIST(c, 0, 4, 2), VERDICT_RIGHT);
         must(c, LIST(c, 4, 0, 2), VERDICT_RIGHT);
         must_wrong(c, LIST(c, 0, 2), WRONG_MISSED, ABI_NO_PRIM, 4);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* On the diagonal of both quads each half is hit by chance, but of a watertight test one is. */
 static void an_edge_is_chance_but_not_a_gap(void **state)
 {
     (void)state;
-    struct court *c = inside();
-    court_ask(c, along_z(0.25f, 0.25f));
+    struct judge_fixture *c = inside();
+    judge_fixture_ask(c, along_z(0.25f, 0.25f));
     for (size_t s = 0; s < SUBJECTS; s++) {
         bool watertight = subjects[s].model.watertight;
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must(c, LIST(c, 0, 1, 2, 3), VERDICT_RIGHT);
         must(c, LIST(c, 0, 2), VERDICT_BOUNDARY);
         must(c, LIST(c, 1, 2), VERDICT_BOUNDARY);
@@ -226,34 +226,34 @@ static void an_edge_is_chance_but_not_a_gap(void **state)
             assert_false(list.judged.judgement.fan);
         }
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void an_end_of_the_range_is_chance(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     struct ray ray = along_z(0.5f, -0.25f);
     ray.tmax = 2;
-    court_ask(c, ray);
+    judge_fixture_ask(c, ray);
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must(c, LIST(c, 0), VERDICT_BORDER);
         if (subjects[s].model.open)
             must_wrong(c, LIST(c, 0, 2), WRONG_DISTANCE, 2, ABI_NO_PRIM);
         else
             must(c, LIST(c, 0, 2), VERDICT_RIGHT);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void a_plane_may_be_listed_or_not(void **state)
 {
     (void)state;
-    struct court *c = inside();
-    court_ask(c, (struct ray){{-5, -0.5f, 1}, 0, {1, 0, 0}, 1e30f});
+    struct judge_fixture *c = inside();
+    judge_fixture_ask(c, (struct ray){{-5, -0.5f, 1}, 0, {1, 0, 0}, 1e30f});
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must(c, empty, VERDICT_RIGHT);
         struct list list = {.hit = {{5, 0.25f, 0.25f, 0}}, .count = 1};
         if (is_unknown(&subjects[s])) { /* at x 0, y -0.5: that is v 0.25, u 0.25 */
@@ -262,23 +262,23 @@ static void a_plane_may_be_listed_or_not(void **state)
             must_wrong(c, list, WRONG_PHANTOM, 0, ABI_NO_PRIM);
         }
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void out_of_contract_says_nothing(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     c->ray = (struct ray){{0, 0, 0}, 0, {0, 0, 0}, 1};
     struct list list = {.hit = {{NAN, 0, 0, 1}}, .count = 1}, beyond = list;
     beyond.hit[0].prim = 77;
     for (size_t s = 0; s < SUBJECTS; s++) {
-        court_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must(c, empty, VERDICT_OUT_OF_CONTRACT);
         must(c, list, VERDICT_OUT_OF_CONTRACT);
         must_wrong(c, beyond, WRONG_PHANTOM, 77, ABI_NO_PRIM);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* --- meshes ----------------------------------------------------------------------------------- */
@@ -299,16 +299,16 @@ static struct scene closed_box(void)
     return scene;
 }
 
-/* A court of a mesh, and what its topology says. */
+/* A fixture of a mesh, and what its topology says. */
 struct mesh {
-    struct court *c;
+    struct judge_fixture *c;
     struct topology topology;
     bool closed;
 };
 
 static struct mesh mesh_of(struct scene scene)
 {
-    struct mesh mesh = {.c = court_of(scene)};
+    struct mesh mesh = {.c = judge_fixture_of(scene)};
     assert_int_equal(topology_make(&mesh.c->scene, &mesh.topology, NULL), STATUS_OK);
     mesh.closed = topology_open_edge(&mesh.topology) == TOPOLOGY_NONE;
     return mesh;
@@ -336,7 +336,7 @@ static void must_say(struct mesh *mesh, struct list list, bool doubled, bool off
 static void mesh_free(struct mesh *mesh)
 {
     topology_free(&mesh->topology);
-    court_close(mesh->c);
+    judge_fixture_close(mesh->c);
 }
 
 static struct ray up(float x, float y, float z)
@@ -349,7 +349,7 @@ static void double_hits_and_parity_are_seen(void **state)
 {
     (void)state;
     struct mesh mesh = mesh_of(closed_box());
-    struct court *c = mesh.c;
+    struct judge_fixture *c = mesh.c;
     assert_true(mesh.closed);
     c->ray = up(0.5f, 0.25f, -5); /* from outside, through interiors */
     must_say(&mesh, LIST(c, 0, 2), false, false);

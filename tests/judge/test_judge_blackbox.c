@@ -11,7 +11,7 @@
 
 #include "tests/judge/honest.h"
 #include "tests/judge/honest_count.h"
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 
 #include <math.h>
 
@@ -42,7 +42,8 @@ static const struct honest *honest_at(size_t i)
     return i < HONEST_PLAIN ? &honest_plain[i] : &honest_fast[i - HONEST_PLAIN];
 }
 
-static void show(const struct court *c, const struct hit *hit, const char *test, const char *spec)
+static void show(const struct judge_fixture *c, const struct hit *hit, const char *test,
+                 const char *spec)
 {
     char line[400];
     judge_line(&c->ray, &c->judgement, hit, line, sizeof line);
@@ -64,13 +65,13 @@ static void published_tests_are_never_wrong(void **state)
         struct honest_count honest = honest_begun();
         size_t answers = 0, count[VERDICT_COUNT] = {0};
         for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-            struct court *c = court_open(specs[s], 7);
-            court_seat(c, unknown, QUERY_CLOSEST);
+            struct judge_fixture *c = judge_fixture_open(specs[s], 7);
+            judge_fixture_seat(c, unknown, QUERY_CLOSEST);
             assert_int_equal(ray_sets[0]->make(&c->scene, 8 + s, each, ray, NULL), STATUS_OK);
             for (size_t k = 0; k < each; k++) {
                 if (!ray_in_contract(&ray[k]))
                     continue;
-                court_ask(c, ray[k]);
+                judge_fixture_ask(c, ray[k]);
                 struct hit hit = nearest(test, &c->scene, &ray[k]);
                 count[verdict(c, hit)]++;
                 honest_counted(&honest, c->judgement.verdict == VERDICT_WRONG);
@@ -80,7 +81,7 @@ static void published_tests_are_never_wrong(void **state)
                 most = fmax(most, c->judgement.displacement);
                 share = fmax(share, c->judgement.share);
             }
-            court_close(c);
+            judge_fixture_close(c);
         }
         print_message(
             "%-22s %zu answers, %zu boundary, %zu noise, largest displacement %.3g uM, of "
@@ -129,14 +130,14 @@ static void grazing_answers_are_never_wrong(void **state)
     struct rng rng = rng_make(11, 0);
     size_t tests = HONEST_PLAIN + (honest_fast_runs() ? HONEST_FAST : 0), far = 0;
     for (size_t s = 0; s < ARRAY_COUNT(meshes); s++) {
-        struct court *c = court_open(meshes[s], 7);
-        court_seat(c, unknown, QUERY_ANY);
+        struct judge_fixture *c = judge_fixture_open(meshes[s], 7);
+        judge_fixture_seat(c, unknown, QUERY_ANY);
         for (size_t k = 0; k < 3000; k++) {
             uint32_t prim = rng_below(&rng, c->scene.tri_count);
             struct ray ray = grazing(&rng, &c->scene, prim);
             if (!ray_in_contract(&ray))
                 continue;
-            court_ask(c, ray);
+            judge_fixture_ask(c, ray);
             for (size_t i = 0; i < tests; i++) {
                 float v[3][3];
                 struct hit hit = {.prim = prim};
@@ -150,7 +151,7 @@ static void grazing_answers_are_never_wrong(void **state)
                 far += u * r.across[1] / fabs(r.det) > 1e-3;
             }
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
     assert_true(far > 20); /* errors that no displacement of the point at t would excuse */
 }
@@ -159,13 +160,14 @@ static void grazing_answers_are_never_wrong(void **state)
 static void a_point_beside_the_triangle_is_not_weighed(void **state)
 {
     (void)state;
-    struct court *c = inside();
-    court_seat(c, unknown, QUERY_CLOSEST);
-    court_ask(c, (struct ray){{-3, -0.25f, 1}, 0, {1, 0, 0}, RAY_TMAX}); /* in the near layer */
+    struct judge_fixture *c = inside();
+    judge_fixture_seat(c, unknown, QUERY_CLOSEST);
+    judge_fixture_ask(
+        c, (struct ray){{-3, -0.25f, 1}, 0, {1, 0, 0}, RAY_TMAX}); /* in the near layer */
     must_be(c, (struct hit){3.0f, 0.125f, 0.375f, 0}, VERDICT_IN_PLANE);
     must_be_wrong(c, (struct hit){3.0f, 2.125f, 0.375f, 0}, WRONG_BARYCENTRIC);
     must_be_wrong(c, (struct hit){3.0f, -40.0f, 0.375f, 0}, WRONG_BARYCENTRIC);
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 int main(void)

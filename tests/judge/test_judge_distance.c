@@ -12,7 +12,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 
 #include <math.h>
 
@@ -43,7 +43,7 @@ static bool meets(const struct ray *ray, double p[3][3], double *t, double *u, d
 
 /* What is right after each vertex of each triangle moved by up to `most` units of u times the
  * largest |vertex - origin|, along each axis. */
-static struct hit displaced(struct rng *rng, const struct court *c, const struct ray *ray,
+static struct hit displaced(struct rng *rng, const struct judge_fixture *c, const struct ray *ray,
                             float most)
 {
     struct hit best = {.prim = ABI_NO_PRIM};
@@ -80,15 +80,15 @@ static void displaced_vertices_need_no_more_than_they_were_moved(void **state)
     static struct ray ray[RAYS];
     struct rng rng = rng_make(5, 0);
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct court *c = court_open(specs[s], 7);
-        court_seat(c, unknown, QUERY_CLOSEST);
+        struct judge_fixture *c = judge_fixture_open(specs[s], 7);
+        judge_fixture_seat(c, unknown, QUERY_CLOSEST);
         assert_int_equal(ray_sets[0]->make(&c->scene, 8, RAYS, ray, NULL), STATUS_OK);
         for (size_t m = 0; m < ARRAY_COUNT(mosts); m++) {
             double worst = 0, bound = (double)mosts[m] * sqrt(3) + 2; /* 2: rounding of t */
             for (size_t i = 0; i < RAYS; i++) {
                 if (!ray_in_contract(&ray[i]))
                     continue;
-                court_ask(c, ray[i]);
+                judge_fixture_ask(c, ray[i]);
                 struct hit hit = displaced(&rng, c, &ray[i], mosts[m]);
                 if (verdict(c, hit) == VERDICT_WRONG)
                     must_be(c, hit, VERDICT_RIGHT);
@@ -97,7 +97,7 @@ static void displaced_vertices_need_no_more_than_they_were_moved(void **state)
             if (!(worst <= bound && worst > 0.3 * (double)mosts[m]))
                 fail_msg("%s moved by %g: %g", specs[s], (double)mosts[m], worst);
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
 }
 
@@ -109,13 +109,13 @@ static void large_displacements_are_wrong(void **state)
     struct rng rng = rng_make(6, 0);
     size_t kinds[WRONG_COUNT] = {0}, answers = 0;
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct court *c = court_open(specs[s], 7);
-        court_seat(c, unknown, QUERY_CLOSEST);
+        struct judge_fixture *c = judge_fixture_open(specs[s], 7);
+        judge_fixture_seat(c, unknown, QUERY_CLOSEST);
         assert_int_equal(ray_sets[0]->make(&c->scene, 9, RAYS, ray, NULL), STATUS_OK);
         for (size_t i = 0; i < RAYS / 8; i++) {
             if (!ray_in_contract(&ray[i]))
                 continue;
-            court_ask(c, ray[i]);
+            judge_fixture_ask(c, ray[i]);
             struct hit hit = displaced(&rng, c, &ray[i], 0x1p18f);
             if (hit.prim == ABI_NO_PRIM && c->truth.prim == ABI_NO_PRIM)
                 continue;
@@ -125,7 +125,7 @@ static void large_displacements_are_wrong(void **state)
             else
                 assert_true(c->judgement.share <= 1);
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
     size_t wrong = 0;
     for (int w = WRONG_MISSED; w < WRONG_COUNT; w++)
@@ -137,41 +137,41 @@ static void large_displacements_are_wrong(void **state)
 
 /* --- the measure itself ---------------------------------------------------------------------- */
 
-static struct court *before(void)
+static struct judge_fixture *before(void)
 {
-    struct court *c = inside();
-    court_seat(c, unknown, QUERY_CLOSEST);
+    struct judge_fixture *c = inside();
+    judge_fixture_seat(c, unknown, QUERY_CLOSEST);
     return c;
 }
 
 static void a_hit_needs_its_distance_to_the_triangle(void **state)
 {
     (void)state;
-    struct court *c = before();
+    struct judge_fixture *c = before();
     static const int moves[] = {1, 4, 256, 2048};
     for (size_t i = 0; i < ARRAY_COUNT(moves); i++) {
         int units = moves[i];
-        court_ask(c, along_z(0.5f, -0.25f));
+        judge_fixture_ask(c, along_z(0.5f, -0.25f));
         struct hit hit = right_answer(c, 0);
         hit.t += (float)units * 0x1p-24f * 2;
         must_be(c, hit, units <= 4 ? VERDICT_RIGHT : VERDICT_WRONG);
         assert_true(fabs(c->judgement.displacement - 2 * units / 1.5) < 1e-3);
         /* Beside the rim: the ray must be brought back. */
         float beside = 1 + (float)units * 0x1p-23f;
-        court_ask(c, along_z(beside, 0.25f));
+        judge_fixture_ask(c, along_z(beside, 0.25f));
         must_be(c, right_answer(c, 0), units <= 4 ? VERDICT_BOUNDARY : VERDICT_WRONG);
         double most = (double)beside + 1; /* the other side is farthest from the origin */
         assert_true(fabs(c->judgement.displacement - 2 * units / most) < 1e-3);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void a_lost_hit_needs_its_nearest_way_out(void **state)
 {
     (void)state;
-    struct court *c = before();
+    struct judge_fixture *c = before();
     /* Out of the triangle: 40 * 2^-24 from the rim; vertices are up to 2 away. */
-    court_ask(c, along_z(1 - 40 * 0x1p-24f, 0.25f));
+    judge_fixture_ask(c, along_z(1 - 40 * 0x1p-24f, 0.25f));
     must_be(c, a_miss(), VERDICT_BOUNDARY);
     assert_true(fabs(c->judgement.displacement - 20) < 0.1);
     /* Behind what was answered: the far layer 16 * 2^-23 behind; that is 32 of the units. */
@@ -179,32 +179,32 @@ static void a_lost_hit_needs_its_nearest_way_out(void **state)
     scene.tri_count = 4;
     for (int i = 4; i < 8; i++)
         scene.vertex[3 * i + 2] = 1 + 16 * 0x1p-23f;
-    struct court *close = court_of(scene);
-    court_seat(close, unknown, QUERY_CLOSEST);
-    court_ask(close, along_z(0.5f, -0.25f));
+    struct judge_fixture *close = judge_fixture_of(scene);
+    judge_fixture_seat(close, unknown, QUERY_CLOSEST);
+    judge_fixture_ask(close, along_z(0.5f, -0.25f));
     must_be(close, right_answer(close, 2), VERDICT_NEAR_TIE);
     assert_true(fabs(close->judgement.displacement - 32 / 1.5) < 0.1);
-    court_close(close);
+    judge_fixture_close(close);
     /* Out of the range: its end is 16 * 2^-23 behind the triangle. */
     struct ray ray = along_z(0.5f, -0.25f);
     ray.tmax = 1 + 16 * 0x1p-23f;
-    court_ask(c, ray);
+    judge_fixture_ask(c, ray);
     must_be(c, a_miss(), VERDICT_BORDER);
     assert_true(fabs(c->judgement.displacement - 32 / 1.5) < 0.1);
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void the_worst_of_several_needs_counts(void **state)
 {
     (void)state;
-    struct court *c = before();
+    struct judge_fixture *c = before();
     /* On the rim of the near layer, inside the far one: a miss loses both. */
-    court_ask(c, (struct ray){{1.5f, 0.25f, 0}, 0, {-0.5f, 0, 1}, 1e30f});
+    judge_fixture_ask(c, (struct ray){{1.5f, 0.25f, 0}, 0, {-0.5f, 0, 1}, 1e30f});
     must_be_wrong(c, a_miss(), WRONG_MISSED);
     assert_int_equal(c->judgement.expected, c->truth.prim);
     assert_true(c->judgement.behind && c->judgement.lost == 2);
     assert_true(c->judgement.displacement > 1e6);
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* A triangle about the world's origin, seen from afar: whatever its size, it can be lost by no less
@@ -228,9 +228,9 @@ static void small_triangles_far_away_are_lost_for_less_than_their_size(void **st
                 ray.org[k] = rng_range(&rng, 2, 8);
                 ray.dir[k] = -ray.org[k];
             }
-            struct court *c = court_of(scene);
-            court_seat(c, unknown, QUERY_CLOSEST);
-            court_ask(c, ray);
+            struct judge_fixture *c = judge_fixture_of(scene);
+            judge_fixture_seat(c, unknown, QUERY_CLOSEST);
+            judge_fixture_ask(c, ray);
             if (c->truth.prim == 0) {
                 hits++;
                 enum verdict lost = verdict(c, a_miss());
@@ -238,7 +238,7 @@ static void small_triangles_far_away_are_lost_for_less_than_their_size(void **st
                 if (exponent < -22) /* 32 u of 3.4 and more are above 2^-18 */
                     assert_int_equal(lost, VERDICT_BOUNDARY);
             }
-            court_close(c);
+            judge_fixture_close(c);
         }
     assert_true(hits > 1000);
 }

@@ -1,7 +1,7 @@
 /* The answer that is exactly right, rounded to float32, is accepted from every formula with a bound
  * and from a black box. The judge's truth is the oracle's; the numbers of the
  * answer are those of rational arithmetic (GMP). */
-#include "ref/twin/replay.h"
+#include "ref/twin/twin_replay.h"
 #include "ref/twin/twin.h"
 #include "tests/judge/degenerate.h"
 #include "tests/exact/trials.h"
@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "tests/judge/honest_count.h"
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 
 static const char *const specs[] = {"soup:n=60", "sphere:n=2",   "grid:n=5,height=0",
                                     "cornell",   "needles:n=60", "stack:n=12",
@@ -31,7 +31,7 @@ static struct amount amount(void)
 
 /* A judge for each kind of engine, all of the same scene. */
 struct bench {
-    struct court *court[SUBJECTS];
+    struct judge_fixture *fixture[SUBJECTS];
     struct honest_count honest[SUBJECTS];
     uint64_t hits[SUBJECTS];
     clock_t spent[SUBJECTS];
@@ -39,7 +39,7 @@ struct bench {
 };
 
 /* The answer; false: this subject may not or need not give it. */
-static bool exact_answer(const struct court *c, const struct trial *trial, struct hit *out)
+static bool exact_answer(const struct judge_fixture *c, const struct trial *trial, struct hit *out)
 {
     const struct model *model = &c->subject->model;
     *out = a_miss();
@@ -61,7 +61,7 @@ static bool exact_answer(const struct court *c, const struct trial *trial, struc
 
 static void must_be_believed(struct bench *b, size_t s, const struct trial *trial)
 {
-    struct court *c = b->court[s];
+    struct judge_fixture *c = b->fixture[s];
     struct hit answer;
     char line[400];
     clock_t begun = clock();
@@ -81,15 +81,15 @@ static void must_be_believed(struct bench *b, size_t s, const struct trial *tria
 static void ask_all(struct bench *b, const struct ray *ray)
 {
     struct trial trial = {.ray = *ray};
-    struct court *first = b->court[0];
-    court_ask(first, *ray);
+    struct judge_fixture *first = b->fixture[0];
+    judge_fixture_ask(first, *ray);
     if (first->truth.prim != ABI_NO_PRIM) {
         scene_tri(&first->scene, first->truth.prim, trial.v);
         trial_truth(&b->pair, &trial);
     }
     for (size_t s = 0; s < SUBJECTS; s++) {
-        b->court[s]->ray = *ray;
-        b->court[s]->truth = first->truth;
+        b->fixture[s]->ray = *ray;
+        b->fixture[s]->truth = first->truth;
         must_be_believed(b, s, &trial);
     }
 }
@@ -103,19 +103,19 @@ static struct scene copy_of(const struct scene *scene)
     return copy;
 }
 
-/* Each subject gets a court of its own; the bench takes the scene. */
+/* Each subject gets a fixture of its own; the bench takes the scene. */
 static void open_all(struct bench *b, struct scene scene)
 {
     for (size_t s = SUBJECTS; s-- > 0;) {
-        b->court[s] = court_of(s ? copy_of(&scene) : scene);
-        court_seat(b->court[s], &subjects[s], QUERY_CLOSEST);
+        b->fixture[s] = judge_fixture_of(s ? copy_of(&scene) : scene);
+        judge_fixture_seat(b->fixture[s], &subjects[s], QUERY_CLOSEST);
     }
 }
 
 static void close_all(struct bench *b)
 {
     for (size_t s = 0; s < SUBJECTS; s++)
-        court_close(b->court[s]);
+        judge_fixture_close(b->fixture[s]);
 }
 
 static void ask_of_scenes(struct bench *b, size_t each)
@@ -128,7 +128,7 @@ static void ask_of_scenes(struct bench *b, size_t each)
         if (scene_open(specs[i], 7, &scene, &reason))
             fail_msg("%s", reason.text);
         open_all(b, scene);
-        assert_int_equal(ray_sets[0]->make(&b->court[0]->scene, 40 + i, each, ray, NULL),
+        assert_int_equal(ray_sets[0]->make(&b->fixture[0]->scene, 40 + i, each, ray, NULL),
                          STATUS_OK);
         for (size_t k = 0; k < each; k++)
             if (ray_in_contract(&ray[k]))

@@ -10,8 +10,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/judge/judged.h"
-#include "tests/support/traced.h"
+#include "tests/judge/judge_fixture.h"
+#include "tests/support/trace_fixture.h"
 
 #include "bench/measure/leak_rays.h"
 
@@ -24,16 +24,17 @@ static const struct subject *const woop = &subjects[2];
 static const struct subject *const unknown = &subjects[SUBJECTS - 1];
 
 /* From inside a closed mesh at its edges or vertices: how many misses are excused? */
-static size_t excused(struct court *c, const struct subject *subject, enum leak_target target)
+static size_t excused(struct judge_fixture *c, const struct subject *subject,
+                      enum leak_target target)
 {
     static struct ray ray[RAYS];
     struct reason reason = {""};
     size_t count = 0;
     if (leak_rays_make(c->oracle, &c->scene, target, 3, RAYS, ray, &reason))
         fail_msg("%s", reason.text);
-    court_seat(c, subject, QUERY_CLOSEST);
+    judge_fixture_seat(c, subject, QUERY_CLOSEST);
     for (size_t i = 0; i < RAYS; i++) {
-        court_ask(c, ray[i]);
+        judge_fixture_ask(c, ray[i]);
         assert_int_not_equal(c->truth.prim, ABI_NO_PRIM);
         if (verdict(c, a_miss()) == VERDICT_WRONG)
             assert_int_equal(c->judgement.wrong, WRONG_MISSED);
@@ -48,11 +49,11 @@ static void nothing_is_missed_from_inside_a_closed_mesh(void **state)
     (void)state;
     static const char *const specs[] = {"sphere:n=4", "sphere:n=16", "platonic"};
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct court *c = court_open(specs[s], 1);
+        struct judge_fixture *c = judge_fixture_open(specs[s], 1);
         for (enum leak_target target = LEAK_EDGE; target <= LEAK_VERTEX; target++) {
             assert_int_equal(excused(c, woop, target), 0);
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
 }
 
@@ -60,7 +61,7 @@ static void nothing_is_missed_from_inside_a_closed_mesh(void **state)
 static void shared_positions_are_shared_vertices(void **state)
 {
     (void)state;
-    struct court *shared = court_open("sphere:n=4", 1);
+    struct judge_fixture *shared = judge_fixture_open("sphere:n=4", 1);
     struct scene scene;
     assert_int_equal(scene_make(3 * shared->scene.tri_count, shared->scene.tri_count, &scene),
                      STATUS_OK);
@@ -72,11 +73,11 @@ static void shared_positions_are_shared_vertices(void **state)
             scene.vertex[3 * i + (uint32_t)k] = x == 0 && rng_below(&rng, 2) ? -0.0f : x;
         }
     }
-    court_close(shared);
-    struct court *c = court_of(scene);
+    judge_fixture_close(shared);
+    struct judge_fixture *c = judge_fixture_of(scene);
     for (enum leak_target target = LEAK_EDGE; target <= LEAK_VERTEX; target++)
         assert_int_equal(excused(c, woop, target), 0);
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* --- a pyramid's tip by hand ----------------------------------------------------------------- */
@@ -105,13 +106,13 @@ static struct ray at_tip(bool edge)
 
 static void missing_the_tip_is(struct scene scene, bool edge, enum verdict expected)
 {
-    struct court *c = court_of(scene);
-    court_seat(c, woop, QUERY_CLOSEST);
-    court_ask(c, at_tip(edge));
+    struct judge_fixture *c = judge_fixture_of(scene);
+    judge_fixture_seat(c, woop, QUERY_CLOSEST);
+    judge_fixture_ask(c, at_tip(edge));
     must_be(c, a_miss(), expected);
-    court_seat(c, mt, QUERY_CLOSEST);
+    judge_fixture_seat(c, mt, QUERY_CLOSEST);
     must_be(c, a_miss(), VERDICT_BOUNDARY);
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 static void a_closed_tip_cannot_be_missed(void **state)
@@ -144,11 +145,11 @@ static void a_closed_tip_may_be_missed_where_rounding_is_not_to_nearest(void **s
         subject.model.rounding = loose[i];
         assert_false(rounding_is_nearest(loose[i]));
         for (int edge = 0; edge < 2; edge++) {
-            struct court *c = court_of(tip());
-            court_seat(c, &subject, QUERY_CLOSEST);
-            court_ask(c, at_tip(edge));
+            struct judge_fixture *c = judge_fixture_of(tip());
+            judge_fixture_seat(c, &subject, QUERY_CLOSEST);
+            judge_fixture_ask(c, at_tip(edge));
             must_be(c, a_miss(), VERDICT_BOUNDARY);
-            court_close(c);
+            judge_fixture_close(c);
         }
     }
 }
@@ -217,19 +218,19 @@ static void what_was_answered_counts_against_the_whole_fan(void **state)
     scene.vertex = vertex;
     scene.vertex_count = 9;
     scene.index[12] = 6, scene.index[13] = 7, scene.index[14] = 8;
-    struct court *c = court_of(scene);
-    court_seat(c, woop, QUERY_CLOSEST);
+    struct judge_fixture *c = judge_fixture_of(scene);
+    judge_fixture_seat(c, woop, QUERY_CLOSEST);
     for (int edge = 0; edge < 2; edge++) {
-        court_ask(c, at_tip(edge));
+        judge_fixture_ask(c, at_tip(edge));
         must_be_wrong(c, right_answer(c, 4), WRONG_MISSED);
         assert_int_not_equal(c->judgement.expected, 4);
         must_be(c, right_answer(c, 0), VERDICT_TIE);
         struct ray ray = at_tip(edge);
         ray.tmin = edge ? 1.125f : 1; /* the range begins on the fan */
-        court_ask(c, ray);
+        judge_fixture_ask(c, ray);
         must_be(c, right_answer(c, 4), VERDICT_BOUNDARY);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* --- trees that are not watertight ----------------------------------------------------------- */
@@ -251,7 +252,7 @@ static struct scene corridor(float length)
     return scene;
 }
 
-static size_t leaks(struct court *c, const struct packed *packed, const char *box)
+static size_t leaks(struct judge_fixture *c, const struct packed *packed, const char *box)
 {
     struct rng rng = rng_make(2, 0);
     size_t wrong = 0;
@@ -268,7 +269,7 @@ static size_t leaks(struct court *c, const struct packed *packed, const char *bo
         assert_int_equal(trace_ray(packed, &c->scene, box_test_find(box), tri_test_find("woop"),
                                    QUERY_CLOSEST, &ray, &hit, NULL),
                          STATUS_OK);
-        court_ask(c, ray);
+        judge_fixture_ask(c, ray);
         wrong += verdict(c, hit) == VERDICT_WRONG;
     }
     return wrong;
@@ -279,15 +280,15 @@ static size_t leaks(struct court *c, const struct packed *packed, const char *bo
 static void a_leak_through_the_tree_is_caught(void **state)
 {
     (void)state;
-    struct court *c = court_of(corridor(1000));
+    struct judge_fixture *c = judge_fixture_of(corridor(1000));
     struct bvh bvh = median(&c->scene, 1);
     struct packed packed = pack("f32", &bvh, &c->scene);
-    court_seat(c, woop, QUERY_CLOSEST);
+    judge_fixture_seat(c, woop, QUERY_CLOSEST);
     assert_true(leaks(c, &packed, "robust") > 10);
     assert_int_equal(leaks(c, &packed, "watertight"), 0);
     packed_free(&packed);
     bvh_free(&bvh);
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* --- unknown formula ------------------------------------------------------------------------- */
@@ -298,27 +299,27 @@ static void an_unknown_formula_is_told_of_its_leaks(void **state)
     struct subject promise = *unknown;
     promise.model.watertight = true;
     for (int edge = 0; edge < 2; edge++) {
-        struct court *c = court_of(tip());
-        court_seat(c, unknown, QUERY_CLOSEST);
-        court_ask(c, at_tip(edge));
+        struct judge_fixture *c = judge_fixture_of(tip());
+        judge_fixture_seat(c, unknown, QUERY_CLOSEST);
+        judge_fixture_ask(c, at_tip(edge));
         must_be(c, a_miss(), VERDICT_BOUNDARY);
         assert_true(c->judgement.fan); /* counted apart, as "should" */
-        court_seat(c, &promise, QUERY_CLOSEST);
+        judge_fixture_seat(c, &promise, QUERY_CLOSEST);
         must_be_wrong(c, a_miss(), WRONG_MISSED);
-        court_close(c);
+        judge_fixture_close(c);
         struct scene scene = tip();
         scene.tri_count = 3;
-        c = court_of(scene);
-        court_seat(c, &promise, QUERY_CLOSEST);
-        court_ask(c, at_tip(edge));
+        c = judge_fixture_of(scene);
+        judge_fixture_seat(c, &promise, QUERY_CLOSEST);
+        judge_fixture_ask(c, at_tip(edge));
         must_be(c, a_miss(), VERDICT_BOUNDARY);
         assert_false(c->judgement.fan);
-        court_close(c);
+        judge_fixture_close(c);
     }
-    struct court *c = court_open("sphere:n=16", 1);
+    struct judge_fixture *c = judge_fixture_open("sphere:n=16", 1);
     assert_int_equal(excused(c, &promise, LEAK_EDGE), 0);
     assert_int_equal(excused(c, &promise, LEAK_VERTEX), 0);
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 int main(void)

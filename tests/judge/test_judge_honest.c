@@ -11,7 +11,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -213,7 +213,7 @@ static bool dice_woop(struct dice *d, const struct ray *ray, float v[3][3], stru
 }
 
 /* What such an engine answers, over all triangles. */
-static struct hit dice_answer(struct dice *d, const struct court *c, const struct ray *ray)
+static struct hit dice_answer(struct dice *d, const struct judge_fixture *c, const struct ray *ray)
 {
     struct hit best = {.prim = ABI_NO_PRIM}, hit;
     for (uint32_t prim = 0; prim < c->scene.tri_count; prim++) {
@@ -239,17 +239,17 @@ static void every_liberty_of_vulkan_is_within_the_bounds(void **state)
     struct dice dice = {rng_make(11, 0)};
     static struct ray ray[RAYS];
     for (size_t i = 0; i < ARRAY_COUNT(specs); i++) {
-        struct court *c = court_open(specs[i], 5);
+        struct judge_fixture *c = judge_fixture_open(specs[i], 5);
         size_t kept[VERDICT_COUNT] = {0};
         double worst = 0;
         assert_int_equal(ray_sets[0]->make(&c->scene, 6, RAYS, ray, NULL), STATUS_OK);
         for (size_t s = 3; s <= 4; s++)
             for (int again = 0; again < 6; again++) {
-                court_seat(c, &subjects[s], QUERY_CLOSEST);
+                judge_fixture_seat(c, &subjects[s], QUERY_CLOSEST);
                 for (size_t k = (size_t)again % 3; k < RAYS; k += 3) {
                     if (!ray_in_contract(&ray[k]))
                         continue;
-                    court_ask(c, ray[k]);
+                    judge_fixture_ask(c, ray[k]);
                     struct hit hit = dice_answer(&dice, c, &ray[k]);
                     if (verdict(c, hit) == VERDICT_WRONG)
                         must_be(c, hit, VERDICT_RIGHT);
@@ -260,7 +260,7 @@ static void every_liberty_of_vulkan_is_within_the_bounds(void **state)
         assert_true(kept[VERDICT_RIGHT] > 20000);
         assert_true(kept[VERDICT_BOUNDARY] > 0);
         assert_true(worst > 0.05 && worst <= 1.0);
-        court_close(c);
+        judge_fixture_close(c);
     }
 }
 

@@ -1,7 +1,7 @@
 /* Judging many answers at a time, with twins computed together, is judging each alone: answers of
  * the triangle tests, and those bent in every way. */
 #include "tests/support/fuzz_trials.h"
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 
 #include "fuzz/gen/gen.h"
 #include "ref/trace/trace.h"

@@ -1,6 +1,6 @@
 /* What a formula can come to is allowed, and so is what is exactly right; of triangles whose
  * determinant may be 0 nothing else. */
-#include "ref/twin/replay.h"
+#include "ref/twin/twin_replay.h"
 #include "ref/base/rng.h"
 #include "tests/judge/degenerate.h"
 #include "tests/exact/trials.h"
@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "tests/judge/honest_count.h"
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 #include "tests/support/stand.h"
 
 #include <math.h>
@@ -42,20 +42,21 @@ struct tally {
 };
 
 /* The triangle alone, before the judge of an engine with this formula and rounding. */
-static struct court *court_alone(const struct trial *trial, const struct subject *subject)
+static struct judge_fixture *judge_fixture_alone(const struct trial *trial,
+                                                 const struct subject *subject)
 {
     struct scene scene;
     assert_int_equal(scene_make(3, 1, &scene), STATUS_OK);
     for (uint32_t c = 0; c < 3; c++)
         scene.index[c] = c;
     memcpy(scene.vertex, trial->v, sizeof trial->v);
-    struct court *c = court_of(scene);
-    court_seat(c, subject, QUERY_CLOSEST);
-    court_ask(c, trial->ray);
+    struct judge_fixture *c = judge_fixture_of(scene);
+    judge_fixture_seat(c, subject, QUERY_CLOSEST);
+    judge_fixture_ask(c, trial->ray);
     return c;
 }
 
-static void must_be_believed(struct court *c, struct hit answer, struct tally *tally)
+static void must_be_believed(struct judge_fixture *c, struct hit answer, struct tally *tally)
 {
     char line[400];
     bool refused = verdict(c, answer) == VERDICT_WRONG;
@@ -69,7 +70,7 @@ static void must_be_believed(struct court *c, struct hit answer, struct tally *t
 
 /* The answer that is exactly right, but for its float32. False: an open range ends there, or the
  * line meets the plane in more than a point. */
-static bool exact_answer(const struct court *c, const struct truth *truth, struct hit *out)
+static bool exact_answer(const struct judge_fixture *c, const struct truth *truth, struct hit *out)
 {
     *out = a_miss();
     if (c->truth.prim == ABI_NO_PRIM)
@@ -118,7 +119,7 @@ static void check(struct trial *trial, uint64_t index, size_t f, size_t r, const
                                .rounding = liberty.rounding,
                                .bits = !liberty.fuses,
                                .open = formula == TWIN_MT_RTRS}};
-    struct court *c = court_alone(trial, &subject);
+    struct judge_fixture *c = judge_fixture_alone(trial, &subject);
     struct legal legal = {.rounding = liberty.rounding, .fuses = liberty.fuses};
     struct twin twin = twin_eval(formula, liberty.rounding, &trial->ray, trial->v);
     struct hit exact;
@@ -141,7 +142,7 @@ static void check(struct trial *trial, uint64_t index, size_t f, size_t r, const
         must_be_believed(c, (struct hit){e.t, e.u, e.v, 0}, tally);
         must_be_possible(trial, f, &liberty, &e, what, tally);
     }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 typedef void draw_fn(int kind, uint64_t index, struct gmp_pair *pair, struct trial *out);
@@ -216,7 +217,7 @@ static struct scene wall_with(float v[3][3])
 
 /* Does the judge take some answer of triangle 2 that hides the wall, at the triangle or elsewhere?
  */
-static bool hides(struct court *c, bool at_triangle)
+static bool hides(struct judge_fixture *c, bool at_triangle)
 {
     static const double share[] = {0.5, 0.01, 0.3, 0.77, 0.999};
     static const float weight[][2] = {{0.25f, 0.25f}, {0, 0},       {1, 0},
@@ -266,19 +267,19 @@ static size_t hidden(const struct subject *subject, enum degenerate kind, bool a
         struct rng rng = rng_make(i, (uint64_t)kind + 100);
         float v[3][3];
         degenerate_triangle(kind, &rng, v);
-        struct court *c = court_of(wall_with(v));
-        court_seat(c, subject, QUERY_CLOSEST);
+        struct judge_fixture *c = judge_fixture_of(wall_with(v));
+        judge_fixture_seat(c, subject, QUERY_CLOSEST);
         for (int k = 0; k < 20; k++) {
             struct ray ray = wall_ray(kind, aimed, &rng, v);
             if (!ray_in_contract(&ray))
                 continue;
-            court_ask(c, ray);
+            judge_fixture_ask(c, ray);
             if (c->truth.prim == ABI_NO_PRIM || c->truth.prim == 2)
                 continue;
             ++*rays;
             count += hides(c, !aimed); /* an aimed ray is at it, exactly or nearly */
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
     return count;
 }
@@ -332,9 +333,9 @@ static void noise_does_not_excuse_a_certain_hit_before_it(void **state)
             if (!subjects[s].model.bits || !ray_in_contract(&ray) ||
                 !tri_test_run(tri_test_find(subjects[s].tri)->id, &ready, v, &hit))
                 continue;
-            struct court *c = court_of(wall_with(v));
-            court_seat(c, &subjects[s], QUERY_CLOSEST);
-            court_ask(c, ray);
+            struct judge_fixture *c = judge_fixture_of(wall_with(v));
+            judge_fixture_seat(c, &subjects[s], QUERY_CLOSEST);
+            judge_fixture_ask(c, ray);
             bool lost = c->truth.prim < 2 && (double)hit.t > c->truth.t_hi * 1.001 &&
                         c->truth.margin > 0.01f;
             if (verdict(c, hit) == VERDICT_WRONG && c->judgement.wrong != WRONG_MISSED)
@@ -343,7 +344,7 @@ static void noise_does_not_excuse_a_certain_hit_before_it(void **state)
                 must_be_wrong(c, hit, WRONG_MISSED);
             missed += lost;
             kept[c->judgement.verdict]++;
-            court_close(c);
+            judge_fixture_close(c);
         }
     print_message("noise %zu, in_plane %zu, boundary %zu, a wall before it %zu\n",
                   kept[VERDICT_NOISE], kept[VERDICT_IN_PLANE], kept[VERDICT_BOUNDARY], missed);
@@ -362,9 +363,9 @@ static void the_exact_hit_of_a_sliver_is_not_wrong(void **state)
             enum degenerate kind = i % 2 ? SLIVER : NEAR_LINE;
             float v[3][3];
             degenerate_triangle(kind, &rng, v);
-            struct court *c = court_of(wall_with(v));
-            court_seat(c, &subjects[s], QUERY_CLOSEST);
-            court_ask(c, degenerate_ray(kind, &rng, v));
+            struct judge_fixture *c = judge_fixture_of(wall_with(v));
+            judge_fixture_seat(c, &subjects[s], QUERY_CLOSEST);
+            judge_fixture_ask(c, degenerate_ray(kind, &rng, v));
             struct twin twin =
                 twin_eval(subjects[s].model.formula, subjects[s].model.rounding, &c->ray, v);
             if (!is_unknown(&subjects[s]) && ray_in_contract(&c->ray) && c->truth.prim == 2 &&
@@ -374,7 +375,7 @@ static void the_exact_hit_of_a_sliver_is_not_wrong(void **state)
                     must_be(c, hit, VERDICT_BOUNDARY);
                 open++;
             }
-            court_close(c);
+            judge_fixture_close(c);
         }
     print_message("%zu slivers hit with an open determinant\n", open);
     assert_true(open > 20);

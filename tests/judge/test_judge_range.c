@@ -10,7 +10,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -63,18 +63,18 @@ static void an_answer_beyond_the_range_is_wrong(void **state)
             struct rng rng = rng_make(i, 1);
             struct ray ray;
             struct scene scene = grazed(&rng, &ray);
-            struct court *c = court_of(scene);
+            struct judge_fixture *c = judge_fixture_of(scene);
             const struct subject *subject = subject_of(names[n]);
             bool early = subject->model.formula == TWIN_EMBREE;
-            court_seat(c, subject, QUERY_CLOSEST);
-            court_ask(c, ray);
+            judge_fixture_seat(c, subject, QUERY_CLOSEST);
+            judge_fixture_ask(c, ray);
             if (c->truth.prim == 0 && ray_in_contract(&ray)) {
                 struct hit hit = right_answer(c, 0);
                 float t = hit.t;
                 for (int end = 0; end < 2; end++) {
                     ray.tmax = end ? t : 0x1p60f;
                     ray.tmin = end ? 0 : t;
-                    court_ask(c, ray);
+                    judge_fixture_ask(c, ray);
                     hit.t = beyond(t, end ? 1e6 : -1e6);
                     must_be(c, hit, VERDICT_WRONG);
                     hit.t = beyond(t, (end ? 1 : -1) * (early ? 8.0 : 0.5));
@@ -84,7 +84,7 @@ static void an_answer_beyond_the_range_is_wrong(void **state)
                         loose++;
                 }
             }
-            court_close(c);
+            judge_fixture_close(c);
         }
     assert_true(loose > 100); /* what Embree may do is not WRONG */
 }
@@ -101,10 +101,10 @@ static void what_is_compared_before_the_division_may_be_answered(void **state)
     for (uint64_t i = 0; i < tries; i++) {
         struct rng rng = rng_make(i, 2);
         struct ray ray;
-        struct court *c = court_of(grazed(&rng, &ray));
+        struct judge_fixture *c = judge_fixture_of(grazed(&rng, &ray));
         float v[3][3], range = ray.tmax;
         scene_tri(&c->scene, 0, v);
-        court_seat(c, subject, QUERY_CLOSEST);
+        judge_fixture_seat(c, subject, QUERY_CLOSEST);
         for (int k = 0; k < 12; k++) {
             legal.style = (enum legal_style)(k % LEGAL_ALIKE);
             legal.rng = rng_make(i, 3);
@@ -121,7 +121,7 @@ static void what_is_compared_before_the_division_may_be_answered(void **state)
             struct evaluation e = legal_evaluate(&legal, TWIN_EMBREE, &ray, v);
             if (!e.accepted || !ray_in_contract(&ray))
                 continue;
-            court_ask(c, ray);
+            judge_fixture_ask(c, ray);
             struct hit hit = {e.t, e.u, e.v, 0};
             if (verdict(c, hit) == VERDICT_WRONG)
                 must_be(c, hit, VERDICT_BORDER);
@@ -130,7 +130,7 @@ static void what_is_compared_before_the_division_may_be_answered(void **state)
             outside += off > 0;
             worst = fmax(worst, off / U);
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
     print_message("%zu answers at an end, %zu outside, by up to %.2f u of 7.5\n", answers, outside,
                   worst);

@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/judge/judged.h"
+#include "tests/judge/judge_fixture.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@ static const struct subject mt_unnamed = {
 static const char *const specs[] = {"soup:n=200",   "sphere:n=8", "grid:n=8,height=0",
                                     "needles:n=60", "cornell",    "stack"};
 
-static struct ray some_ray(const struct court *c, struct rng *rng)
+static struct ray some_ray(const struct judge_fixture *c, struct rng *rng)
 {
     struct box box = scene_bounds(&c->scene);
     struct ray ray = {.tmax = 0x1p60f};
@@ -50,10 +50,10 @@ static void a_tracer_that_always_says_hit_is_wrong(void **state)
     for (size_t w = 0; w < ARRAY_COUNT(who); w++)
         for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
             size_t misses = 0, taken = 0;
-            struct court *c = court_open(specs[s], 1);
+            struct judge_fixture *c = judge_fixture_open(specs[s], 1);
             struct box box = scene_bounds(&c->scene);
             struct rng rng = rng_make(s, 1);
-            court_seat(c, who[w], QUERY_ANY);
+            judge_fixture_seat(c, who[w], QUERY_ANY);
             for (int i = 0; i < 2000; i++) {
                 struct ray ray = {.tmax = 0x1p60f};
                 for (int k = 0; k < 3; k++) {
@@ -61,7 +61,7 @@ static void a_tracer_that_always_says_hit_is_wrong(void **state)
                     ray.org[k] = rng_range(&rng, box.lo[k] - side, box.hi[k] + side);
                     ray.dir[k] = rng_range(&rng, -1, 1);
                 }
-                court_ask(c, ray);
+                judge_fixture_ask(c, ray);
                 if (c->truth.prim != ABI_NO_PRIM)
                     continue;
                 misses++;
@@ -73,7 +73,7 @@ static void a_tracer_that_always_says_hit_is_wrong(void **state)
             if (taken * 500 > misses)
                 fail_msg("%s: %s: %zu of %zu misses may be called hits", who[w]->name, specs[s],
                          taken, misses);
-            court_close(c);
+            judge_fixture_close(c);
         }
 }
 
@@ -85,17 +85,18 @@ static void a_triangle_without_area_excuses_no_hit(void **state)
         struct scene scene = layers();
         scene.tri_count = 2;
         scene.index[3] = scene.index[4] = scene.index[5] = 2;
-        struct court *c = court_of(scene);
+        struct judge_fixture *c = judge_fixture_of(scene);
         struct subject subject = subjects[s];
         subject.model.any_unnamed = true;
-        court_seat(c, &subject, QUERY_ANY);
+        judge_fixture_seat(c, &subject, QUERY_ANY);
         for (int i = 0; i < 50; i++) {
-            court_ask(c, along_z(2.0f + (float)i, 0.3f));
+            judge_fixture_ask(c, along_z(2.0f + (float)i, 0.3f));
             must_be_wrong(c, a_hit, WRONG_PHANTOM);
-            court_ask(c, (struct ray){{0.3f, 3, -4}, 0, {0.01f * (float)i, 0.1f, 1}, 1e30f});
+            judge_fixture_ask(c,
+                              (struct ray){{0.3f, 3, -4}, 0, {0.01f * (float)i, 0.1f, 1}, 1e30f});
             must_be_wrong(c, a_hit, WRONG_PHANTOM);
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
 }
 
@@ -105,11 +106,11 @@ static void the_first_look_drops_nothing(void **state)
     (void)state;
     size_t possible = 0, misses = 0;
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct court *c = court_open(specs[s], 2);
+        struct judge_fixture *c = judge_fixture_open(specs[s], 2);
         struct rng rng = rng_make(s, 3);
-        court_seat(c, &black_box, QUERY_ANY);
+        judge_fixture_seat(c, &black_box, QUERY_ANY);
         for (int i = 0; i < 4000; i++) {
-            court_ask(c, some_ray(c, &rng));
+            judge_fixture_ask(c, some_ray(c, &rng));
             if (!ray_in_contract(&c->ray) || c->truth.prim != ABI_NO_PRIM)
                 continue;
             bool any = false;
@@ -119,7 +120,7 @@ static void the_first_look_drops_nothing(void **state)
             misses++;
             possible += any;
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
     print_message("%zu misses, %zu may be called hits\n", misses, possible);
     assert_true(misses > 4000 && possible > 400);
@@ -132,13 +133,13 @@ static void nor_of_named_formulas(void **state)
     static const enum twin_formula formulas[] = {TWIN_MT, TWIN_EMBREE, TWIN_PLUECKER, TWIN_WOOP};
     size_t possible = 0, misses = 0;
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct court *c = court_open(specs[s], 6);
+        struct judge_fixture *c = judge_fixture_open(specs[s], 6);
         struct rng rng = rng_make(s, 7);
         for (int i = 0; i < 2000; i++) {
             struct subject subject = mt_unnamed;
             subject.model.formula = formulas[i % 4];
             subject.model.rounding = ROUNDING_VULKAN;
-            court_ask(c, some_ray(c, &rng));
+            judge_fixture_ask(c, some_ray(c, &rng));
             if (!ray_in_contract(&c->ray) || c->truth.prim != ABI_NO_PRIM)
                 continue;
             bool any = false;
@@ -149,13 +150,13 @@ static void nor_of_named_formulas(void **state)
                     twin_eval(subject.model.formula, subject.model.rounding, &c->ray, v);
                 any = twin.possible && isfinite(twin.t_err);
             }
-            court_seat(c, &subject, QUERY_ANY);
+            judge_fixture_seat(c, &subject, QUERY_ANY);
             if (any)
                 must_be(c, a_hit, VERDICT_BOUNDARY);
             misses++;
             possible += any;
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
     assert_true(misses > 2000 && possible > 100);
 }
@@ -168,7 +169,7 @@ static void honest_hits_are_not_wrong(void **state)
     size_t phantoms = 0, lost = 0;
     int tries = getenv("RAYDIFF_SLOW") ? 20000 : 1500;
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct court *c = court_open(specs[s], 4);
+        struct judge_fixture *c = judge_fixture_open(specs[s], 4);
         struct rng rng = rng_make(s, 5);
         for (int i = 0; i < tries; i++) {
             size_t f = (size_t)i % ARRAY_COUNT(formulas);
@@ -179,7 +180,7 @@ static void honest_hits_are_not_wrong(void **state)
             struct subject named = mt_unnamed;
             named.model.formula = formulas[f];
             named.model.rounding = legal.rounding;
-            court_ask(c, some_ray(c, &rng));
+            judge_fixture_ask(c, some_ray(c, &rng));
             if (!ray_in_contract(&c->ray))
                 continue;
             struct hit answer = a_miss();
@@ -192,14 +193,14 @@ static void honest_hits_are_not_wrong(void **state)
             }
             const struct subject *who[] = {&black_box, &named};
             for (size_t w = 0; w < ARRAY_COUNT(who); w++) {
-                court_seat(c, who[w], QUERY_ANY);
+                judge_fixture_seat(c, who[w], QUERY_ANY);
                 if (verdict(c, answer) == VERDICT_WRONG)
                     must_be(c, answer, VERDICT_BOUNDARY);
             }
             phantoms += answer.prim != ABI_NO_PRIM && c->truth.prim == ABI_NO_PRIM;
             lost += answer.prim == ABI_NO_PRIM && c->truth.prim != ABI_NO_PRIM;
         }
-        court_close(c);
+        judge_fixture_close(c);
     }
     print_message("%zu hits where nothing is, %zu misses where something is\n", phantoms, lost);
     assert_true(phantoms > 20 && lost > 20);
@@ -209,26 +210,26 @@ static void honest_hits_are_not_wrong(void **state)
 static void a_miss_of_a_black_box_is_judged_by_displacement(void **state)
 {
     (void)state;
-    struct court *c = inside();
-    court_seat(c, &black_box, QUERY_ANY);
+    struct judge_fixture *c = inside();
+    judge_fixture_seat(c, &black_box, QUERY_ANY);
     must_be_wrong(c, a_miss(), WRONG_MISSED);
     assert_true(c->judgement.displacement > 1000);
-    court_ask(c, along_z(1, 0.25f));
+    judge_fixture_ask(c, along_z(1, 0.25f));
     must_be(c, a_miss(), VERDICT_BOUNDARY);
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 /* Two codes of one engine may differ where it is open whether something is hit, nowhere else. */
 static void only_an_open_hit_excuses_any_from_closest(void **state)
 {
     (void)state;
-    struct court *c = inside();
+    struct judge_fixture *c = inside();
     struct judgement hit = {.expected = 0}, miss = {.expected = 0};
     const struct hit triangle = {1, 0.25f, 0.25f, 0};
     for (size_t s = 0; s < SUBJECTS; s++)
         for (int v = 0; v < VERDICT_OUT_OF_CONTRACT; v++) {
             bool open = v != VERDICT_RIGHT && v != VERDICT_TIE && v != VERDICT_NEAR_TIE;
-            court_seat(c, &subjects[s], QUERY_ANY);
+            judge_fixture_seat(c, &subjects[s], QUERY_ANY);
             bool excused = open && !twin_is_own(subjects[s].model.formula);
             for (int any = 0; any < 2; any++) {
                 const struct hit none = a_miss();
@@ -241,7 +242,7 @@ static void only_an_open_hit_excuses_any_from_closest(void **state)
                 assert_int_equal(judged.wrong, excused ? WRONG_NOT : WRONG_ANY_DISAGREES);
             }
         }
-    court_close(c);
+    judge_fixture_close(c);
 }
 
 int main(void)

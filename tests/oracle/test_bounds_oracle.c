@@ -5,7 +5,7 @@
 #include "ref/oracle/early.h"
 #include "ref/oracle/filter.h"
 #include "ref/oracle/pair.c" /* for its own functions */
-#include "ref/oracle/tree.h"
+#include "ref/oracle/oracle_tree.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "tests/exact/exact_gmp_bounds.h"
 #include "tests/exact/exact_gmp_redecide.h"
 #include "tests/exact/oracle_batch.h"
-#include "tests/support/rays.h"
+#include "tests/support/ray_fixture.h"
 
 #include <math.h>
 #include <stdio.h>

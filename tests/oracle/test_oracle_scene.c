@@ -2,7 +2,7 @@
 #include "ref/oracle/internal.h"
 #include "tests/exact/exact_gmp.h"
 #include "tests/exact/oracle_batch.h"
-#include "tests/support/rays.h"
+#include "tests/support/ray_fixture.h"
 
 #include <math.h>
 #include <stdio.h>

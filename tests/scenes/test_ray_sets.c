@@ -1,5 +1,5 @@
 /* What each ray set aims at. */
-#include "tests/support/rays.h"
+#include "tests/support/ray_fixture.h"
 
 #include <float.h>
 #include <math.h>

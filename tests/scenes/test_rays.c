@@ -1,5 +1,5 @@
 /* Laws that hold for every ray set. */
-#include "tests/support/rays.h"
+#include "tests/support/ray_fixture.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #include "scenes/rays/rays_inside.h"
 #include "ref/primitives/primitives.h"
 #include "scenes/rays/rays.h"
-#include "tests/support/all_hits.h"
+#include "tests/support/all_hits_fixture.h"
 
 #include <math.h>
 

@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "tests/support/faults.h"
-#include "tests/support/traced.h"
+#include "tests/support/trace_fixture.h"
 
 #include <math.h>
 

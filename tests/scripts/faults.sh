@@ -1,6 +1,6 @@
 #!/bin/sh
 # System calls of campaigns, merges, shrinkings, checks and reports fail, one at a time
-# (tests/faults/main.c). Without more arguments a sample: of each call in each process every 30th, in each
+# (tests/faults/faults_main.c). Without more arguments a sample: of each call in each process every 30th, in each
 # of its ways, and little of the reports that take longest.
 #   sh tests/scripts/faults.sh PROGRAM [COMMAND | OPTION...]     COMMAND: of the sample only these; -s 1: all of them
 set -u

@@ -144,7 +144,7 @@ has out '^new      pipe:dd_.*\.-\.hang'
 has out '^trials     64 '
 
 # A tracer with a constant that does not scale: the page says the cause that the finding has.
-sed 's/size > 0\.0f/size > 1e-3f/' fuzz/samples/tracer.c >"$dir/flat.c"
+sed 's/size > 0\.0f/size > 1e-3f/' fuzz/samples/sample_tracer.c >"$dir/flat.c"
 cc -O2 -o "$dir/flat" "$dir/flat.c" || bad "the tracer is compiled"
 cat >"$dir/flat.trial" <<'END'
 raydiff trial 1

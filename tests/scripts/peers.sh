@@ -5,7 +5,7 @@
 set -u
 raydiff=$1
 . tests/scripts/expect.sh
-cc -O1 -o "$dir/forks" tests/peers/peer_forks.c && cc -O1 -o "$dir/tracer" fuzz/samples/tracer.c || exit 4
+cc -O1 -o "$dir/forks" tests/peers/peer_forks.c && cc -O1 -o "$dir/tracer" fuzz/samples/sample_tracer.c || exit 4
 case $dir in /*) ;; *) dir=$(pwd)/$dir ;; esac
 mkdir "$dir/tmp"
 export TMPDIR="$dir/tmp"

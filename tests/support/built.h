@@ -3,7 +3,7 @@
 #define TESTS_BUILT_H
 
 #include "ref/base/rng.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <math.h>
 #include <string.h>

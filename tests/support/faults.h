@@ -5,7 +5,7 @@
 
 #include "ref/trace/trace.h"
 #include "scenes/scenes.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdio.h>
 #include <string.h>

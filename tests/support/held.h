@@ -2,7 +2,7 @@
 #ifndef TESTS_HELD_H
 #define TESTS_HELD_H
 
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* The all-hits query: trace_ray_all and trace_brute_all against their definitions, and what
  * ref/trace/all_hits.c promises. Engines are in test_all_engines.c. */
-#include "tests/support/all_hits.h"
+#include "tests/support/all_hits_fixture.h"
 
 #include "ref/oracle/oracle.h"
 

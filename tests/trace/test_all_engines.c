@@ -1,6 +1,6 @@
 /* The all-hits query of every engine: vulkan against cpu in every bit and in order, brute and both
  * Embrees against exact crossings. */
-#include "tests/support/all_hits.h"
+#include "tests/support/all_hits_fixture.h"
 
 #include "gpu/trace/tracer.h"
 #include "ref/oracle/oracle.h"

@@ -6,7 +6,7 @@
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -4,8 +4,8 @@
 #include "ref/fast/fast.h"
 #include "ref/layout.h"
 #include "ref/base/rng.h"
-#include "tests/support/rays.h"
-#include "tests/support/trees.h"
+#include "tests/support/ray_fixture.h"
+#include "tests/support/tree_fixture.h"
 
 #include <math.h>
 #include <string.h>

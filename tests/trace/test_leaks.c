@@ -2,7 +2,7 @@
  * whose leaks are known. */
 #include "ref/judge/leaks.h"
 #include "scenes/rays/rays_inside.h"
-#include "tests/support/all_hits.h"
+#include "tests/support/all_hits_fixture.h"
 
 #include <math.h>
 

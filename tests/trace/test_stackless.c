@@ -1,6 +1,6 @@
 /* Traversal without a stack: the same hits in the same order as with it, in C and on the device. */
 #include "ref/packed/packed_walk.h"
-#include "tests/support/all_hits.h"
+#include "tests/support/all_hits_fixture.h"
 
 #include <stdlib.h>
 #include <string.h>

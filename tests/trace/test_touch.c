@@ -3,7 +3,7 @@
 #include "bench/measure/shadow_rays.h"
 #include "bench/measure/touch.h"
 #include "scenes/rays/rays.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,7 +11,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/support/traced.h"
+#include "tests/support/trace_fixture.h"
 
 #include <math.h>
 

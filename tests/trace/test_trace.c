@@ -11,7 +11,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/support/traced.h"
+#include "tests/support/trace_fixture.h"
 
 #include <math.h>
 

@@ -15,7 +15,7 @@
 #include <cmocka.h>
 
 #include "tests/support/corridor.h"
-#include "tests/support/traced.h"
+#include "tests/support/trace_fixture.h"
 
 /* Is woop's t certain to lie in range? Where it is not, brute force is no better than a tree. */
 static bool range_is_certain(const struct scene *scene, const struct ray *ray, const struct hit *h)

@@ -1,6 +1,6 @@
 /* Laws of ref/tree/bvh.h. */
 #include "ref/tree/bvh.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
 #include "ref/tree/bvh_json.h"
 #include "ref/base/rng.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

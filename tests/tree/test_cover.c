@@ -4,7 +4,7 @@
 #include "ref/tree/cover_exact.h"
 #include "ref/tree/bvh.h"
 #include "ref/base/rng.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -4,7 +4,7 @@
 
 #include "ref/base/rng.h"
 #include "ref/trace/trace.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

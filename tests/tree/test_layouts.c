@@ -2,7 +2,7 @@
  */
 #include "ref/base/half.h"
 #include "ref/layout.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -3,7 +3,7 @@
 #include "ref/layout.h"
 #include "scenes/scenes.h"
 #include "tests/support/published.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

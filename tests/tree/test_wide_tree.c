@@ -1,7 +1,7 @@
 /* Laws of ref/tree/wide_tree.h. */
 #include "ref/tree/wide_tree.h"
 #include "scenes/scenes.h"
-#include "tests/support/trees.h"
+#include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* What the tests of the all-hits query share: a scene with its rays, packed, and engines on it.
  * Includes cmocka.h, whose macros must come last. */
-#ifndef TESTS_ALL_HITS_H
-#define TESTS_ALL_HITS_H
+#ifndef SUPPORT_ALL_HITS_FIXTURE_H
+#define SUPPORT_ALL_HITS_FIXTURE_H
 
 #include "ref/trace/all_hits.h"
 #include "ref/trace/trace.h"

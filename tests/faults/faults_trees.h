@@ -24,4 +24,15 @@ bool tree_is_whole(const char *path, bool tidy, char why[TREES_WHY_MOST]);
 /* Whether each line of a finding in the first folder's log is in the second's. */
 bool tree_keeps(const char *before, const char *after, char why[TREES_WHY_MOST]);
 
+/* Size of a file, -1: there is none; whether there is one. */
+long tree_file_size(const char *folder, const char *name);
+bool tree_has(const char *folder, const char *name);
+
+/* Whether the first 8 KiB of a file hold a text. */
+bool tree_file_holds(const char *folder, const char *name, const char *text);
+
+/* Whether nothing is in a folder, and whether files can be made in it without a name. */
+bool tree_is_empty(const char *folder);
+bool tree_takes_nameless(const char *folder);
+
 #endif

@@ -1,6 +1,6 @@
 /* What the tests of the traversal share. Include after cmocka.h. */
-#ifndef TESTS_TRACED_H
-#define TESTS_TRACED_H
+#ifndef SUPPORT_TRACE_FIXTURE_H
+#define SUPPORT_TRACE_FIXTURE_H
 
 #include "ref/trace/trace.h"
 #include "scenes/scenes.h"

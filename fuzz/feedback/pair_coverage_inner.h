@@ -1,8 +1,8 @@
-/* What the files of fuzz/feedback/meetings*.c share. */
-#ifndef FUZZ_MEETINGS_INNER_H
-#define FUZZ_MEETINGS_INNER_H
+/* What the files of fuzz/feedback/pair_coverage*.c share. */
+#ifndef FEEDBACK_PAIR_COVERAGE_INNER_H
+#define FEEDBACK_PAIR_COVERAGE_INNER_H
 
-#include "fuzz/feedback/meetings.h"
+#include "fuzz/feedback/pair_coverage.h"
 
 struct pair {
     uint64_t met;           /* trials */
@@ -16,16 +16,16 @@ struct program {
     uint32_t left;
 };
 
-struct meetings {
-    struct meeting_tables tables;
+struct pair_coverage {
+    struct pair_tables tables;
     struct pair *pair; /* of factors a < b: members i and j at place[a][b] + i * count[b] + j */
     struct program *program; /* of engine i and layout j: i * layouts + j */
     size_t pairs, place[MEET_FACTORS][MEET_FACTORS];
 };
 
-struct pair *meetings_pair(const struct meetings *m, enum meeting_factor a, uint32_t i,
-                           enum meeting_factor b, uint32_t j);
+struct pair *pair_coverage_of_pair(const struct pair_coverage *m, enum pair_factor a, uint32_t i,
+                                   enum pair_factor b, uint32_t j);
 /* True if that engine meets members of the factor. */
-bool meetings_meets(const struct engine *engine, enum meeting_factor factor);
+bool pair_coverage_meets(const struct engine *engine, enum pair_factor factor);
 
 #endif

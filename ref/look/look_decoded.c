@@ -1,4 +1,4 @@
-#include "ref/look/decoded.h"
+#include "ref/look/look_decoded.h"
 
 #include "ref/base/mutant.h"
 #include "ref/packed/packed_unpack.h"

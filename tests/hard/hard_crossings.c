@@ -1,5 +1,5 @@
 /* Crossings of a closed mesh: an even number, and every engine lists those that are clear. */
-#include "tests/hard/crossings.h"
+#include "tests/hard/hard_crossings.h"
 
 #include "ref/trace/all_hits.h"
 

@@ -2,7 +2,7 @@
 #ifndef HARD_CROSSINGS_H
 #define HARD_CROSSINGS_H
 
-#include "tests/hard/check.h"
+#include "tests/hard/hard_check.h"
 
 /* Lists all hits of every ray and compares them with the oracle's, where these are clear: an even
  * number, each listed once, nothing else. Errors: STATUS_UNSUPPORTED the engine cannot list;

@@ -1,5 +1,5 @@
 #define _GNU_SOURCE
-#include "tests/faults/trees.h"
+#include "tests/faults/faults_trees.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -256,4 +256,41 @@ bool tree_keeps(const char *before, const char *after, char why[TREES_WHY_MOST])
     free(x);
     free(y);
     return kept;
+}
+
+long tree_file_size(const char *folder, const char *name)
+{
+    char path[TREES_PATH_MOST];
+    struct stat about;
+    join(path, folder, name);
+    return stat(path, &about) == 0 ? (long)about.st_size : -1;
+}
+
+bool tree_has(const char *folder, const char *name)
+{
+    return tree_file_size(folder, name) >= 0;
+}
+
+bool tree_file_holds(const char *logs, const char *name, const char *what)
+{
+    char path[TREES_PATH_MOST], text[8192];
+    join(path, logs, name);
+    FILE *file = fopen(path, "r");
+    text[file ? fread(text, 1, sizeof text - 1, file) : 0] = '\0';
+    if (file)
+        fclose(file);
+    return strstr(text, what) != NULL;
+}
+
+bool tree_is_empty(const char *folder)
+{
+    return rmdir(folder) == 0 && mkdir(folder, 0777) == 0;
+}
+
+bool tree_takes_nameless(const char *folder)
+{
+    int file = open(folder, O_TMPFILE | O_WRONLY, 0600);
+    if (file >= 0)
+        close(file);
+    return file >= 0;
 }

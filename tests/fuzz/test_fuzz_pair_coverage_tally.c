@@ -1,7 +1,7 @@
 /* What the tally of pairs comes to: by hand, from its file, and against what a campaign played. */
 #define _GNU_SOURCE /* mkdtemp */
 #include "fuzz/campaign/campaign.h"
-#include "fuzz/feedback/meetings.h"
+#include "fuzz/feedback/pair_coverage.h"
 #include "fuzz/campaign/worker.h"
 
 #include <setjmp.h>
@@ -14,14 +14,14 @@
 #include <unistd.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
-#include "tests/fuzz/meetings.h"
+#include "tests/fuzz/pair_fixture.h"
 
 /* Two builders, one of them as published, a layout, a test each; engine cpu and brute. */
-static struct meetings *open_few(uint32_t motions)
+static struct pair_coverage *open_few(uint32_t motions)
 {
-    static struct meeting_tables tables;
-    struct meetings *m;
-    tables = (struct meeting_tables){.count = {[MEET_OPTIMIZE] = 2, [MEET_MOTION] = motions}};
+    static struct pair_tables tables;
+    struct pair_coverage *m;
+    tables = (struct pair_tables){.count = {[MEET_OPTIMIZE] = 2, [MEET_MOTION] = motions}};
     add(&tables, MEET_ENGINE, engine_find("cpu"));
     add(&tables, MEET_ENGINE, engine_find("brute"));
     add(&tables, MEET_LAYOUT, layout_find("f32"));
@@ -31,25 +31,25 @@ static struct meetings *open_few(uint32_t motions)
     add(&tables, MEET_STORE, tri_stores[0]);
     add(&tables, MEET_TRI, tri_test_find("mt"));
     add(&tables, MEET_BOX, box_test_find("robust"));
-    if (meetings_open(&tables, &m, &reason))
+    if (pair_coverage_open(&tables, &m, &reason))
         fail_msg("%s", reason.text);
     return m;
 }
 
-static void meet(struct meetings *m, const char *engine, const char *layout, const char *builder,
-                 bool optimized, bool moved, uint32_t times)
+static void meet(struct pair_coverage *m, const char *engine, const char *layout,
+                 const char *builder, bool optimized, bool moved, uint32_t times)
 {
-    struct meeting met =
-        meetings_of(m, engine_find(engine), layout_find(layout), builder_find(builder),
-                    tri_stores[0], tri_test_find("mt"), box_test_find("robust"), optimized, moved);
+    struct combination met = pair_coverage_of(
+        m, engine_find(engine), layout_find(layout), builder_find(builder), tri_stores[0],
+        tri_test_find("mt"), box_test_find("robust"), optimized, moved);
     for (uint32_t i = 0; i < times; i++)
-        meetings_add(m, &met);
+        pair_coverage_add(m, &met);
 }
 
-static bool possible(const struct meetings *m, enum meeting_factor a, const char *x,
-                     enum meeting_factor b, const char *y)
+static bool possible(const struct pair_coverage *m, enum pair_factor a, const char *x,
+                     enum pair_factor b, const char *y)
 {
-    return meetings_possible(m, a, named(m, a, x), b, named(m, b, y));
+    return pair_coverage_possible(m, a, named(m, a, x), b, named(m, b, y));
 }
 
 /* Of 73 pairs engine brute meets the triangle test's alone and not 10 others, and what is as
@@ -57,37 +57,37 @@ static bool possible(const struct meetings *m, enum meeting_factor a, const char
 static void summaries_by_hand(void **state)
 {
     (void)state;
-    struct meetings *m = open_few(2);
-    char name[MEETING_NAME_MOST], before[MEETING_NAME_MOST] = "";
+    struct pair_coverage *m = open_few(2);
+    char name[PAIR_NAME_MOST], before[PAIR_NAME_MOST] = "";
     uint64_t count, least = 0, sum = 0;
     assert_false(possible(m, MEET_BUILDER, "rtrs", MEET_OPTIMIZE, "reinsert"));
     assert_true(possible(m, MEET_BUILDER, "rtrs", MEET_OPTIMIZE, "plain"));
     assert_true(possible(m, MEET_BUILDER, "median", MEET_OPTIMIZE, "reinsert"));
     assert_false(possible(m, MEET_LAYOUT, "rtrs_direct", MEET_MOTION, "moved"));
     assert_true(possible(m, MEET_LAYOUT, "rtrs_direct", MEET_MOTION, "still"));
-    struct meetings_summary none = meetings_summarize(m, 1);
+    struct pair_coverage_summary none = pair_coverage_summarize(m, 1);
     assert_int_equal(none.possible + none.impossible, 73);
     assert_int_equal(none.impossible, 10 + 2);
     assert_int_equal(none.met, 0);
     assert_int_equal(none.below, none.possible);
     assert_true(none.least == 0 && none.median == 0);
     meet(m, "cpu", "f32", "median", true, true, 9);
-    struct meetings_summary some = meetings_summarize(m, 9);
+    struct pair_coverage_summary some = pair_coverage_summarize(m, 9);
     assert_int_equal(some.met, 28);
     assert_int_equal(some.below, some.possible - 28);
     assert_true(some.least == 0);
-    assert_int_equal(meetings_summarize(m, 10).below, some.possible);
+    assert_int_equal(pair_coverage_summarize(m, 10).below, some.possible);
     meet(m, "cpu", "rtrs_direct", "rtrs", false, false, 3);
     meet(m, "cpu", "f32", "rtrs", false, true, 2);
     meet(m, "cpu", "rtrs_direct", "median", false, false, 2);
     meet(m, "cpu", "rtrs_direct", "median", true, false, 2);
     meet(m, "cpu", "f32", "median", true, false, 2);
     meet(m, "brute", "f32", "median", true, true, 5);
-    assert_int_equal(meetings_summarize(m, 1).below, 0);
-    assert_true(meetings_summarize(m, 1).least == 2);
-    const uint64_t median = meetings_summarize(m, 1).median;
+    assert_int_equal(pair_coverage_summarize(m, 1).below, 0);
+    assert_true(pair_coverage_summarize(m, 1).least == 2);
+    const uint64_t median = pair_coverage_summarize(m, 1).median;
     for (uint32_t i = 0; i < some.possible; i++) { /* each pair once, the rarest first */
-        assert_true(meetings_rarest(m, i, name, &count));
+        assert_true(pair_coverage_rarest(m, i, name, &count));
         assert_string_not_equal(name, before);
         assert_true(count >= least);
         strcpy(before, name);
@@ -99,33 +99,33 @@ static void summaries_by_hand(void **state)
     assert_true(median > 2 && median < 20);
     assert_int_equal(sum, 28 * (9 + 3 + 2 + 2 + 2 + 2) + 5);
     assert_string_equal(name, "tri.mt box.robust"); /* the last that met in all 20 */
-    assert_false(meetings_rarest(m, some.possible, name, &count));
-    meetings_close(m);
+    assert_false(pair_coverage_rarest(m, some.possible, name, &count));
+    pair_coverage_close(m);
 }
 
 /* Of a file in the folder of temporary files. */
-static enum status read_tally(struct meetings *m, const char *path)
+static enum status read_tally(struct pair_coverage *m, const char *path)
 {
     struct folder folder;
     assert_int_equal(folder_open("/tmp", false, &folder, &reason), STATUS_OK);
-    enum status status = meetings_read(m, &folder, strrchr(path, '/') + 1, &reason);
+    enum status status = pair_coverage_read(m, &folder, strrchr(path, '/') + 1, &reason);
     folder_close(&folder);
     return status;
 }
 
-static void write_tally(const struct meetings *m, const char *path)
+static void write_tally(const struct pair_coverage *m, const char *path)
 {
     struct folder folder;
     assert_int_equal(folder_open("/tmp", false, &folder, &reason), STATUS_OK);
-    assert_int_equal(meetings_write(m, &folder, strrchr(path, '/') + 1, &reason), STATUS_OK);
+    assert_int_equal(pair_coverage_write(m, &folder, strrchr(path, '/') + 1, &reason), STATUS_OK);
     folder_close(&folder);
 }
 
 static void tallies_come_back_from_their_file(void **state)
 {
     (void)state;
-    char path[] = "/tmp/meetings.XXXXXX", name[MEETING_NAME_MOST];
-    struct meetings *m = open_all(), *again = open_all();
+    char path[] = "/tmp/pair_coverage.XXXXXX", name[PAIR_NAME_MOST];
+    struct pair_coverage *m = open_all(), *again = open_all();
     uint64_t count;
     int made = mkstemp(path);
     assert_true(made >= 0);
@@ -133,19 +133,20 @@ static void tallies_come_back_from_their_file(void **state)
     unlink(path);
     assert_int_equal(read_tally(again, path), STATUS_OK); /* there is none */
     for (uint32_t turn = 0; turn < 700; turn++) {
-        struct meeting drawn;
-        meetings_draw(m, 5, turn, 64, &drawn);
-        meetings_add(m, &drawn);
+        struct combination drawn;
+        pair_coverage_draw(m, 5, turn, 64, &drawn);
+        pair_coverage_add(m, &drawn);
     }
     write_tally(m, path);
     assert_int_equal(read_tally(again, path), STATUS_OK);
-    struct meetings_summary x = meetings_summarize(m, 2), y = meetings_summarize(again, 2);
+    struct pair_coverage_summary x = pair_coverage_summarize(m, 2),
+                                 y = pair_coverage_summarize(again, 2);
     assert_memory_equal(&x, &y, sizeof x);
     for (uint32_t i = 0; i < 20; i++) {
-        char other[MEETING_NAME_MOST];
+        char other[PAIR_NAME_MOST];
         uint64_t other_count;
-        assert_true(meetings_rarest(m, i, name, &count));
-        assert_true(meetings_rarest(again, i, other, &other_count));
+        assert_true(pair_coverage_rarest(m, i, name, &count));
+        assert_true(pair_coverage_rarest(again, i, other, &other_count));
         assert_string_equal(name, other);
         assert_int_equal(count, other_count);
     }
@@ -159,17 +160,17 @@ static void tallies_come_back_from_their_file(void **state)
         assert_non_null(strstr(reason.text, ":2:"));
     }
     unlink(path);
-    meetings_close(m);
-    meetings_close(again);
+    pair_coverage_close(m);
+    pair_coverage_close(again);
 }
 
 /* What an earlier run has played is not drawn again before all others. */
 static void draws_go_on_from_the_file(void **state)
 {
     (void)state;
-    char path[] = "/tmp/meetings.XXXXXX";
-    struct meetings *m = open_few(1);
-    struct meeting drawn;
+    char path[] = "/tmp/pair_coverage.XXXXXX";
+    struct pair_coverage *m = open_few(1);
+    struct combination drawn;
     int file = mkstemp(path);
     assert_true(file >= 0);
     static const char *const with[] = {
@@ -183,14 +184,14 @@ static void draws_go_on_from_the_file(void **state)
     uint32_t other = named(m, MEET_LAYOUT, "rtrs_direct"), cpu = named(m, MEET_ENGINE, "cpu"),
              trees = 0;
     for (uint32_t turn = 0; turn < 20; turn++) {
-        meetings_draw(m, 1, turn, 8, &drawn);
+        pair_coverage_draw(m, 1, turn, 8, &drawn);
         if (drawn.member[MEET_ENGINE] != cpu) /* brute: no layout takes part */
             continue;
         assert_int_equal(drawn.member[MEET_LAYOUT], other);
         trees++;
     }
     assert_true(trees > 5);
-    meetings_close(m);
+    pair_coverage_close(m);
 }
 
 static const struct work_rules rules = {
@@ -202,9 +203,9 @@ struct tally {
     uint64_t still, moved; /* by layouts */
 };
 
-static struct tally tally_of(const struct meetings *m)
+static struct tally tally_of(const struct pair_coverage *m)
 {
-    char path[] = "/tmp/meetings.XXXXXX", first[MEETING_NAME_MOST], second[MEETING_NAME_MOST];
+    char path[] = "/tmp/pair_coverage.XXXXXX", first[PAIR_NAME_MOST], second[PAIR_NAME_MOST];
     struct tally tally = {.still = 0};
     unsigned long long count;
     int made = mkstemp(path);
@@ -215,9 +216,9 @@ static struct tally tally_of(const struct meetings *m)
     assert_non_null(file);
     while (fscanf(file, "%119s %119s %llu", first, second, &count) == 3) {
         for (size_t e = 0; e < ARRAY_COUNT(engine_names); e++)
-            for (enum meeting_factor f = 0; f < MEET_FACTORS; f++)
+            for (enum pair_factor f = 0; f < MEET_FACTORS; f++)
                 if (strncmp(first, "engine.", 7) == 0 && strcmp(first + 7, engine_names[e]) == 0 &&
-                    strncmp(second, meeting_factor_name(f), strcspn(second, ".")) == 0)
+                    strncmp(second, pair_factor_name(f), strcspn(second, ".")) == 0)
                     tally.engine[e][f] += count;
         bool layout = strncmp(first, "layout.", 7) == 0;
         tally.still += layout && strcmp(second, "motion.still") == 0 ? count : 0;
@@ -232,7 +233,7 @@ static struct tally tally_of(const struct meetings *m)
  * is in no pair of motion. */
 static void tally_is_of_what_was_played(void *user, const struct campaign_view *view)
 {
-    const struct tally tally = tally_of(view->options->meetings);
+    const struct tally tally = tally_of(view->options->pair_coverage);
     uint64_t on_trees = 0, refused = 0;
     for (size_t e = 0; e < ARRAY_COUNT(engine_names); e++) {
         const struct engine *engine = engine_find(engine_names[e]);
@@ -259,7 +260,7 @@ static void tallies_are_those_of_any_number_of_workers(void **state)
     (void)state;
     static char text[2][200000];
     for (uint32_t jobs = 1; jobs <= 2; jobs++) {
-        char folder[] = "/tmp/meetings.XXXXXX", path[64], command[100];
+        char folder[] = "/tmp/pair_coverage.XXXXXX", path[64], command[100];
         const struct engine *engine[ARRAY_COUNT(engine_names)];
         struct campaign_options options = {.trials = 8 * FUZZ_BATCH,
                                            .shard = 1,
@@ -274,7 +275,7 @@ static void tallies_are_those_of_any_number_of_workers(void **state)
             engine[i] = engine_find(engine_names[i]);
         assert_non_null(mkdtemp(folder));
         options.folder = folder;
-        options.meetings = open_all();
+        options.pair_coverage = open_all();
         assert_int_equal(fuzz_field_draw(engine, ARRAY_COUNT(engine), &engines_of,
                                          &options.rules.field, &reason),
                          0);
@@ -286,8 +287,8 @@ static void tallies_are_those_of_any_number_of_workers(void **state)
         assert_true(ended);
         assert_int_equal(findings_count(findings), 0);
         findings_close(findings);
-        assert_true(meetings_summarize(options.meetings, 1).met > 100);
-        meetings_close(options.meetings);
+        assert_true(pair_coverage_summarize(options.pair_coverage, 1).met > 100);
+        pair_coverage_close(options.pair_coverage);
         snprintf(path, sizeof path, "%s/pairs.txt", folder);
         FILE *file = fopen(path, "r");
         assert_non_null(file);

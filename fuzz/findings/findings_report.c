@@ -1,4 +1,4 @@
-#include "fuzz/findings/report.h"
+#include "fuzz/findings/findings_report.h"
 
 #include "fuzz/findings/ci.h"
 #include "ref/base/mutant.h"

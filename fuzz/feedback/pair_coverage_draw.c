@@ -1,5 +1,5 @@
 /* Who is to meet next. */
-#include "fuzz/feedback/meetings_inner.h"
+#include "fuzz/feedback/pair_coverage_inner.h"
 
 #include "ref/base/mutant.h"
 #include "ref/base/rng.h"
@@ -19,13 +19,13 @@ static uint64_t had(const struct pair *pair)
 }
 
 /* One of the rarest; false: there is no pair that can meet. */
-static bool choose_pair(struct meetings *m, struct rng *rng, enum meeting_factor *a, uint32_t *i,
-                        enum meeting_factor *b, uint32_t *j)
+static bool choose_pair(struct pair_coverage *m, struct rng *rng, enum pair_factor *a, uint32_t *i,
+                        enum pair_factor *b, uint32_t *j)
 {
     uint64_t least = UINT64_MAX;
     uint32_t alike = 0;
-    for (enum meeting_factor x = 0; x < MEET_FACTORS; x++)
-        for (enum meeting_factor y = x + 1; y < MEET_FACTORS; y++)
+    for (enum pair_factor x = 0; x < MEET_FACTORS; x++)
+        for (enum pair_factor y = x + 1; y < MEET_FACTORS; y++)
             for (uint32_t k = 0; k < m->tables.count[x] * m->tables.count[y]; k++) {
                 const struct pair *pair = &m->pair[m->place[x][y] + k];
                 uint64_t count = had(pair);
@@ -45,38 +45,39 @@ static bool choose_pair(struct meetings *m, struct rng *rng, enum meeting_factor
 
 /* A row being filled. */
 struct row {
-    struct meeting meeting;
+    struct combination combination;
     const struct engine *engine; /* NULL: not chosen yet */
     bool free;                   /* storage and tests are not those that the row began with */
 };
 
-static bool is_of_program(enum meeting_factor factor)
+static bool is_of_program(enum pair_factor factor)
 {
     return factor == MEET_STORE || factor == MEET_TRI || factor == MEET_BOX;
 }
 
-static bool is_met(const struct row *row, enum meeting_factor factor)
+static bool is_met(const struct row *row, enum pair_factor factor)
 {
-    return !row->engine || meetings_meets(row->engine, factor);
+    return !row->engine || pair_coverage_meets(row->engine, factor);
 }
 
-static void set(const struct meetings *m, struct row *row, enum meeting_factor factor, uint32_t i)
+static void set(const struct pair_coverage *m, struct row *row, enum pair_factor factor, uint32_t i)
 {
-    row->meeting.member[factor] = (uint16_t)i;
+    row->combination.member[factor] = (uint16_t)i;
     if (factor == MEET_ENGINE)
         row->engine = m->tables.member[MEET_ENGINE][i];
 }
 
 /* How much member i would bring to those in the row: 1 for each that it never met, less the more
  * often it did; below 0: it cannot meet one of them. */
-static double worth(const struct meetings *m, const struct row *row, enum meeting_factor factor,
+static double worth(const struct pair_coverage *m, const struct row *row, enum pair_factor factor,
                     uint32_t i, double unit)
 {
     double sum = 0;
-    for (enum meeting_factor f = 0; f < MEET_FACTORS; f++) {
-        if (row->meeting.member[f] == MEET_NONE || !is_met(row, f))
+    for (enum pair_factor f = 0; f < MEET_FACTORS; f++) {
+        if (row->combination.member[f] == MEET_NONE || !is_met(row, f))
             continue;
-        const struct pair *pair = meetings_pair(m, factor, i, f, row->meeting.member[f]);
+        const struct pair *pair =
+            pair_coverage_of_pair(m, factor, i, f, row->combination.member[f]);
         if (!pair->possible)
             return -1;
         sum += unit / (unit + (double)had(pair));
@@ -85,14 +86,14 @@ static double worth(const struct meetings *m, const struct row *row, enum meetin
 }
 
 /* An engine that compiles plays where it must. */
-static bool is_dear(const struct meetings *m, enum meeting_factor factor, uint32_t i)
+static bool is_dear(const struct pair_coverage *m, enum pair_factor factor, uint32_t i)
 {
     return factor == MEET_ENGINE &&
            ((const struct engine *)m->tables.member[MEET_ENGINE][i])->compiles;
 }
 
 /* The member that brings most, one of those alike; false: none can meet the row. */
-static bool choose_member(const struct meetings *m, struct row *row, enum meeting_factor factor,
+static bool choose_member(const struct pair_coverage *m, struct row *row, enum pair_factor factor,
                           double unit, struct rng *rng, bool dear)
 {
     double most = -1;
@@ -113,9 +114,10 @@ static bool choose_member(const struct meetings *m, struct row *row, enum meetin
     return alike > 0;
 }
 
-static struct program *program_of(const struct meetings *m, const struct row *row)
+static struct program *program_of(const struct pair_coverage *m, const struct row *row)
 {
-    uint16_t engine = row->meeting.member[MEET_ENGINE], layout = row->meeting.member[MEET_LAYOUT];
+    uint16_t engine = row->combination.member[MEET_ENGINE],
+             layout = row->combination.member[MEET_LAYOUT];
     bool known = engine != MEET_NONE && layout != MEET_NONE;
     return known && row->engine->compiles
                ? &m->program[(size_t)engine * m->tables.count[MEET_LAYOUT] + layout]
@@ -124,17 +126,17 @@ static struct program *program_of(const struct meetings *m, const struct row *ro
 
 /* Storage and tests that the engine has compiled for this layout, if the row is free to have them.
  */
-static void take_program(const struct meetings *m, struct row *row)
+static void take_program(const struct pair_coverage *m, struct row *row)
 {
     struct program *program = program_of(m, row);
     if (!program || !row->free || program->left == 0)
         return;
     row->free = false;
     struct row taken = *row;
-    for (enum meeting_factor f = 0; f < MEET_FACTORS; f++) /* those that the row has go */
+    for (enum pair_factor f = 0; f < MEET_FACTORS; f++) /* those that the row has go */
         if (is_of_program(f))
-            taken.meeting.member[f] = MEET_NONE;
-    for (enum meeting_factor f = 0; f < MEET_FACTORS; f++) {
+            taken.combination.member[f] = MEET_NONE;
+    for (enum pair_factor f = 0; f < MEET_FACTORS; f++) {
         if (!is_of_program(f))
             continue;
         if (worth(m, &taken, f, program->member[f], 1) < 0)
@@ -145,65 +147,66 @@ static void take_program(const struct meetings *m, struct row *row)
     *row = taken;
 }
 
-static void keep_program(const struct meetings *m, const struct row *row)
+static void keep_program(const struct pair_coverage *m, const struct row *row)
 {
     struct program *program = program_of(m, row);
     if (!program || !row->free) /* not what was just taken */
         return;
-    memcpy(program->member, row->meeting.member, sizeof program->member);
+    memcpy(program->member, row->combination.member, sizeof program->member);
     program->left = PROGRAM_BLOCKS - 1;
 }
 
 /* The largest factor that has no member yet and that the engine meets; MEET_FACTORS: none. */
-static enum meeting_factor next_factor(const struct meetings *m, const struct row *row)
+static enum pair_factor next_factor(const struct pair_coverage *m, const struct row *row)
 {
-    enum meeting_factor largest = MEET_FACTORS;
-    for (enum meeting_factor f = 0; f < MEET_FACTORS; f++)
-        if (row->meeting.member[f] == MEET_NONE && is_met(row, f) &&
+    enum pair_factor largest = MEET_FACTORS;
+    for (enum pair_factor f = 0; f < MEET_FACTORS; f++)
+        if (row->combination.member[f] == MEET_NONE && is_met(row, f) &&
             (largest == MEET_FACTORS || m->tables.count[f] > m->tables.count[largest]))
             largest = f;
     return largest;
 }
 
 /* What the engine does not meet: the first that can be traced with the rest. */
-static void fill(const struct meetings *m, struct row *row)
+static void fill(const struct pair_coverage *m, struct row *row)
 {
-    for (enum meeting_factor f = MEET_FACTORS; f-- > 0;) {
-        if (row->meeting.member[f] != MEET_NONE)
+    for (enum pair_factor f = MEET_FACTORS; f-- > 0;) {
+        if (row->combination.member[f] != MEET_NONE)
             continue;
         uint32_t i = 0;
-        uint16_t store = row->meeting.member[MEET_STORE];
+        uint16_t store = row->combination.member[MEET_STORE];
         while (f == MEET_TRI && store != MEET_NONE && i + 1 < m->tables.count[f] &&
-               !meetings_pair(m, MEET_STORE, store, MEET_TRI, i)->possible)
+               !pair_coverage_of_pair(m, MEET_STORE, store, MEET_TRI, i)->possible)
             i++;
-        row->meeting.member[f] = (uint16_t)i;
+        row->combination.member[f] = (uint16_t)i;
     }
 }
 
 /* Of pairs of motion alone `rebuilt` more were missed. */
-static void count_drawn(struct meetings *m, const struct meeting *drawn, uint64_t trials,
+static void count_drawn(struct pair_coverage *m, const struct combination *drawn, uint64_t trials,
                         uint64_t missed, uint64_t rebuilt)
 {
     const struct engine *engine = m->tables.member[MEET_ENGINE][drawn->member[MEET_ENGINE]];
-    for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
-        for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
-            if (meetings_meets(engine, a) && meetings_meets(engine, b)) {
-                struct pair *pair = meetings_pair(m, a, drawn->member[a], b, drawn->member[b]);
+    for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
+        for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
+            if (pair_coverage_meets(engine, a) && pair_coverage_meets(engine, b)) {
+                struct pair *pair =
+                    pair_coverage_of_pair(m, a, drawn->member[a], b, drawn->member[b]);
                 pair->drawn += trials;
                 pair->missed += missed + (b == MEET_MOTION ? rebuilt : 0);
             }
 }
 
-void meetings_draw(struct meetings *m, uint64_t seed, uint64_t turn, uint32_t trials,
-                   struct meeting *out)
+void pair_coverage_draw(struct pair_coverage *m, uint64_t seed, uint64_t turn, uint32_t trials,
+                        struct combination *out)
 {
     struct rng of_seed = rng_make(seed, 0x6D656574u), rng = rng_make(rng_u64(&of_seed), turn);
     for (;;) {
-        enum meeting_factor a = 0, b = 1, f;
+        enum pair_factor a = 0, b = 1, f;
         uint32_t i = 0, j = 0;
         struct row row = {.free = true};
-        for (enum meeting_factor k = 0; k < MEET_FACTORS; k++)
-            row.meeting.member[k] = MEET_NONE;
+        for (enum pair_factor k = 0; k < MEET_FACTORS; k++)
+            row.combination.member[k] = MEET_NONE;
         bool any = choose_pair(m, &rng, &a, &i, &b, &j), full = true;
         if (any && MUTANT != MUTANT_PAIRS_BY_CHANCE) {
             set(m, &row, a, i);
@@ -215,19 +218,19 @@ void meetings_draw(struct meetings *m, uint64_t seed, uint64_t turn, uint32_t tr
             take_program(m, &row);
         }
         if (any && !full) { /* nobody who takes part can trace these two */
-            meetings_pair(m, a, i, b, j)->possible = false;
+            pair_coverage_of_pair(m, a, i, b, j)->possible = false;
             continue;
         }
         keep_program(m, &row);
         fill(m, &row);
-        *out = row.meeting;
+        *out = row.combination;
         count_drawn(m, out, trials, 0, 0);
         return;
     }
 }
 
-void meetings_missed(struct meetings *m, const struct meeting *drawn, uint32_t refused,
-                     uint32_t rebuilt)
+void pair_coverage_missed(struct pair_coverage *m, const struct combination *drawn,
+                          uint32_t refused, uint32_t rebuilt)
 {
     count_drawn(m, drawn, 0, refused, rebuilt);
 }

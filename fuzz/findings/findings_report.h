@@ -2,8 +2,8 @@
  * trials were played at all, one per contestant that it was, and one per finding what it is: it
  * fails if the finding counts. So the number of failures is the number of findings outside the
  * baseline, and a campaign that tested nothing fails. */
-#ifndef FUZZ_REPORT_H
-#define FUZZ_REPORT_H
+#ifndef FINDINGS_REPORT_H
+#define FINDINGS_REPORT_H
 
 #include "ref/base/base.h"
 

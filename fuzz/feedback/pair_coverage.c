@@ -1,23 +1,23 @@
 /* Which pairs can meet, and how often they did. */
-#include "fuzz/feedback/meetings_inner.h"
+#include "fuzz/feedback/pair_coverage_inner.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-const char *meeting_factor_name(enum meeting_factor factor)
+const char *pair_factor_name(enum pair_factor factor)
 {
     static const char *const names[MEET_FACTORS] = {"engine", "layout", "builder",  "store",
                                                     "tri",    "box",    "optimize", "motion"};
     return names[factor];
 }
 
-const struct meeting_tables *meetings_tables(const struct meetings *m)
+const struct pair_tables *pair_coverage_tables(const struct pair_coverage *m)
 {
     return &m->tables;
 }
 
-const char *meetings_name(const struct meetings *m, enum meeting_factor factor, uint32_t i)
+const char *pair_coverage_name(const struct pair_coverage *m, enum pair_factor factor, uint32_t i)
 {
     static const char *const optimize[] = {"plain", "reinsert"}, *const motion[] = {"still",
                                                                                     "moved"};
@@ -42,24 +42,24 @@ const char *meetings_name(const struct meetings *m, enum meeting_factor factor, 
     }
 }
 
-struct pair *meetings_pair(const struct meetings *m, enum meeting_factor a, uint32_t i,
-                           enum meeting_factor b, uint32_t j)
+struct pair *pair_coverage_of_pair(const struct pair_coverage *m, enum pair_factor a, uint32_t i,
+                                   enum pair_factor b, uint32_t j)
 {
     assert(a != b); /* a factor is in no pair with itself */
     if (a > b)
-        return meetings_pair(m, b, j, a, i);
+        return pair_coverage_of_pair(m, b, j, a, i);
     return &m->pair[m->place[a][b] + (size_t)i * m->tables.count[b] + j];
 }
 
-bool meetings_possible(const struct meetings *m, enum meeting_factor a, uint32_t i,
-                       enum meeting_factor b, uint32_t j)
+bool pair_coverage_possible(const struct pair_coverage *m, enum pair_factor a, uint32_t i,
+                            enum pair_factor b, uint32_t j)
 {
-    return meetings_pair(m, a, i, b, j)->possible;
+    return pair_coverage_of_pair(m, a, i, b, j)->possible;
 }
 
 /* --- what can meet --------------------------------------------------------------------------- */
 
-bool meetings_meets(const struct engine *engine, enum meeting_factor factor)
+bool pair_coverage_meets(const struct engine *engine, enum pair_factor factor)
 {
     bool tests = factor == MEET_TRI || factor == MEET_BOX;
     if (factor == MEET_ENGINE)
@@ -107,14 +107,14 @@ static enum status layout_takes(const struct layout *layout, const struct tri_st
 }
 
 /* a < b. Pairs of the same factor of the product that no rule refuses are possible. */
-static enum status can_meet(const struct meeting_tables *t, enum meeting_factor a, uint32_t i,
-                            enum meeting_factor b, uint32_t j, bool *can, struct reason *reason)
+static enum status can_meet(const struct pair_tables *t, enum pair_factor a, uint32_t i,
+                            enum pair_factor b, uint32_t j, bool *can, struct reason *reason)
 {
     const void *x = t->member[a][i], *y = t->member[b][j];
     *can = true;
     if (a == MEET_ENGINE) {
         const struct engine *engine = x;
-        *can = meetings_meets(engine, b);
+        *can = pair_coverage_meets(engine, b);
         if (b == MEET_LAYOUT && engine->needs_packed)
             *can = engine_takes(engine, y);
     } else if (a == MEET_LAYOUT && b == MEET_STORE) {
@@ -131,33 +131,33 @@ static enum status can_meet(const struct meeting_tables *t, enum meeting_factor 
     return STATUS_OK;
 }
 
-static enum status find_possible(struct meetings *m, struct reason *reason)
+static enum status find_possible(struct pair_coverage *m, struct reason *reason)
 {
-    const struct meeting_tables *t = &m->tables;
+    const struct pair_tables *t = &m->tables;
     enum status status = STATUS_OK;
-    for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
-        for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
+    for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
+        for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
             for (uint32_t i = 0; i < t->count[a]; i++)
                 for (uint32_t j = 0; j < t->count[b] && !status; j++)
-                    status =
-                        can_meet(t, a, i, b, j, &meetings_pair(m, a, i, b, j)->possible, reason);
+                    status = can_meet(t, a, i, b, j,
+                                      &pair_coverage_of_pair(m, a, i, b, j)->possible, reason);
     return status;
 }
 
-enum status meetings_open(const struct meeting_tables *tables, struct meetings **out,
-                          struct reason *reason)
+enum status pair_coverage_open(const struct pair_tables *tables, struct pair_coverage **out,
+                               struct reason *reason)
 {
-    struct meetings *m = alloc_zeroed(1, sizeof *m);
+    struct pair_coverage *m = alloc_zeroed(1, sizeof *m);
     *out = NULL;
     if (!m)
         return fail(reason, STATUS_MEMORY, "no memory to count pairs");
     m->tables = *tables;
-    for (enum meeting_factor a = 0; a < MEET_FACTORS; a++) {
+    for (enum pair_factor a = 0; a < MEET_FACTORS; a++) {
         if (tables->count[a] == 0) {
             free(m);
-            return fail(reason, STATUS_INPUT, "pairs: there is no %s", meeting_factor_name(a));
+            return fail(reason, STATUS_INPUT, "pairs: there is no %s", pair_factor_name(a));
         }
-        for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++) {
+        for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++) {
             m->place[a][b] = m->pairs;
             m->pairs += (size_t)tables->count[a] * tables->count[b];
         }
@@ -169,13 +169,13 @@ enum status meetings_open(const struct meeting_tables *tables, struct meetings *
                              ? find_possible(m, reason)
                              : fail(reason, STATUS_MEMORY, "no memory to count pairs");
     if (status)
-        meetings_close(m);
+        pair_coverage_close(m);
     else
         *out = m;
     return status;
 }
 
-void meetings_close(struct meetings *m)
+void pair_coverage_close(struct pair_coverage *m)
 {
     if (m) {
         free(m->pair);
@@ -186,8 +186,7 @@ void meetings_close(struct meetings *m)
 
 /* --- how often they did ---------------------------------------------------------------------- */
 
-static uint16_t place_of(const struct meeting_tables *t, enum meeting_factor factor,
-                         const void *member)
+static uint16_t place_of(const struct pair_tables *t, enum pair_factor factor, const void *member)
 {
     for (uint32_t i = 0; i < t->count[factor]; i++)
         if (t->member[factor][i] == member)
@@ -195,28 +194,28 @@ static uint16_t place_of(const struct meeting_tables *t, enum meeting_factor fac
     return MEET_NONE;
 }
 
-struct meeting meetings_of(const struct meetings *m, const struct engine *engine,
-                           const struct layout *layout, const struct builder *builder,
-                           const struct tri_store *store, const struct tri_test *tri,
-                           const struct box_test *box, bool optimized, bool moved)
+struct combination pair_coverage_of(const struct pair_coverage *m, const struct engine *engine,
+                                    const struct layout *layout, const struct builder *builder,
+                                    const struct tri_store *store, const struct tri_test *tri,
+                                    const struct box_test *box, bool optimized, bool moved)
 {
-    const struct meeting_tables *t = &m->tables;
+    const struct pair_tables *t = &m->tables;
     const void *const member[] = {engine, layout, builder, store, tri, box};
-    struct meeting out;
-    for (enum meeting_factor f = 0; f < MEET_OPTIMIZE; f++)
+    struct combination out;
+    for (enum pair_factor f = 0; f < MEET_OPTIMIZE; f++)
         out.member[f] = place_of(t, f, member[f]);
     out.member[MEET_OPTIMIZE] = optimized < t->count[MEET_OPTIMIZE] ? optimized : MEET_NONE;
     out.member[MEET_MOTION] = moved < t->count[MEET_MOTION] ? moved : MEET_NONE;
-    for (enum meeting_factor f = 0; f < MEET_FACTORS; f++)
-        if (!meetings_meets(engine, f))
+    for (enum pair_factor f = 0; f < MEET_FACTORS; f++)
+        if (!pair_coverage_meets(engine, f))
             out.member[f] = MEET_NONE;
     return out;
 }
 
-void meetings_add(struct meetings *m, const struct meeting *met)
+void pair_coverage_add(struct pair_coverage *m, const struct combination *met)
 {
-    for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
-        for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
+    for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
+        for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
             if (met->member[a] != MEET_NONE && met->member[b] != MEET_NONE)
-                meetings_pair(m, a, met->member[a], b, met->member[b])->met++;
+                pair_coverage_of_pair(m, a, met->member[a], b, met->member[b])->met++;
 }

@@ -1,5 +1,5 @@
 /* Who meets whom: which pairs can, that the rarest are drawn, and what the drawn trials are. */
-#include "fuzz/feedback/meetings.h"
+#include "fuzz/feedback/pair_coverage.h"
 
 #include "fuzz/play/trial_tree.h"
 #include "fuzz/campaign/worker.h"
@@ -13,20 +13,20 @@
 #include <string.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
-#include "tests/fuzz/meetings.h"
+#include "tests/fuzz/pair_fixture.h"
 
-static bool can(const struct meetings *m, enum meeting_factor a, const char *x,
-                enum meeting_factor b, const char *y)
+static bool can(const struct pair_coverage *m, enum pair_factor a, const char *x,
+                enum pair_factor b, const char *y)
 {
-    bool possible = meetings_possible(m, a, named(m, a, x), b, named(m, b, y));
-    assert_int_equal(possible, meetings_possible(m, b, named(m, b, y), a, named(m, a, x)));
+    bool possible = pair_coverage_possible(m, a, named(m, a, x), b, named(m, b, y));
+    assert_int_equal(possible, pair_coverage_possible(m, b, named(m, b, y), a, named(m, a, x)));
     return possible;
 }
 
 static void what_rules_refuse_cannot_meet(void **state)
 {
     (void)state;
-    struct meetings *m = open_all();
+    struct pair_coverage *m = open_all();
     assert_true(can(m, MEET_ENGINE, "cpu", MEET_LAYOUT, "bvh8_u8_node"));
     assert_true(can(m, MEET_ENGINE, "cpu_stackless", MEET_LAYOUT, "f32"));
     assert_false(can(m, MEET_ENGINE, "cpu_stackless", MEET_LAYOUT, "bvh8_u8_node"));
@@ -42,59 +42,59 @@ static void what_rules_refuse_cannot_meet(void **state)
     assert_true(can(m, MEET_STORE, "edges", MEET_TRI, "mt"));
     assert_false(can(m, MEET_STORE, "quantised", MEET_MOTION, "moved"));
     assert_true(can(m, MEET_STORE, "compact", MEET_MOTION, "moved"));
-    meetings_close(m);
+    pair_coverage_close(m);
 }
 
 /* What is drawn can be traced, and every pair that is possible comes up equally often. */
 static void rarest_pairs_are_drawn(void **state)
 {
     (void)state;
-    struct meetings *m = open_all();
-    const struct meeting_tables *t = meetings_tables(m);
+    struct pair_coverage *m = open_all();
+    const struct pair_tables *t = pair_coverage_tables(m);
     const uint32_t trials = 64, wanted = 4 * trials;
     uint32_t turns = 0;
-    for (; turns < 4000 && meetings_summarize(m, wanted).below > 0; turns++) {
-        struct meeting drawn;
-        meetings_draw(m, 7, turns, trials, &drawn);
+    for (; turns < 4000 && pair_coverage_summarize(m, wanted).below > 0; turns++) {
+        struct combination drawn;
+        pair_coverage_draw(m, 7, turns, trials, &drawn);
         const struct engine *engine = t->member[MEET_ENGINE][drawn.member[MEET_ENGINE]];
-        struct meeting met =
-            meetings_of(m, engine, t->member[MEET_LAYOUT][drawn.member[MEET_LAYOUT]],
-                        t->member[MEET_BUILDER][drawn.member[MEET_BUILDER]],
-                        t->member[MEET_STORE][drawn.member[MEET_STORE]],
-                        t->member[MEET_TRI][drawn.member[MEET_TRI]],
-                        t->member[MEET_BOX][drawn.member[MEET_BOX]],
-                        drawn.member[MEET_OPTIMIZE] > 0, drawn.member[MEET_MOTION] > 0);
-        for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
-            for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
+        struct combination met =
+            pair_coverage_of(m, engine, t->member[MEET_LAYOUT][drawn.member[MEET_LAYOUT]],
+                             t->member[MEET_BUILDER][drawn.member[MEET_BUILDER]],
+                             t->member[MEET_STORE][drawn.member[MEET_STORE]],
+                             t->member[MEET_TRI][drawn.member[MEET_TRI]],
+                             t->member[MEET_BOX][drawn.member[MEET_BOX]],
+                             drawn.member[MEET_OPTIMIZE] > 0, drawn.member[MEET_MOTION] > 0);
+        for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
+            for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
                 if (met.member[a] != MEET_NONE && met.member[b] != MEET_NONE)
-                    assert_true(meetings_possible(m, a, met.member[a], b, met.member[b]));
+                    assert_true(pair_coverage_possible(m, a, met.member[a], b, met.member[b]));
         for (uint32_t i = 0; i < trials; i++)
-            meetings_add(m, &met);
+            pair_coverage_add(m, &met);
     }
-    struct meetings_summary sum = meetings_summarize(m, wanted);
+    struct pair_coverage_summary sum = pair_coverage_summarize(m, wanted);
     assert_true(sum.possible > 1000 && sum.met == sum.possible && sum.below == 0);
     /* 330 pairs of layout and builder are the most of two factors; chance takes four times that. */
     assert_true(turns <= 4 * 330 * 5 / 4);
-    meetings_close(m);
+    pair_coverage_close(m);
 }
 
 static void draws_are_of_seed_turn_and_tally(void **state)
 {
     (void)state;
-    struct meetings *a = open_all(), *b = open_all(), *c = open_all();
+    struct pair_coverage *a = open_all(), *b = open_all(), *c = open_all();
     uint32_t unlike = 0;
     for (uint32_t turn = 0; turn < 50; turn++) {
-        struct meeting x, y, z;
-        meetings_draw(a, 1, turn, 64, &x);
-        meetings_draw(b, 1, turn, 64, &y);
-        meetings_draw(c, 2, turn, 64, &z);
+        struct combination x, y, z;
+        pair_coverage_draw(a, 1, turn, 64, &x);
+        pair_coverage_draw(b, 1, turn, 64, &y);
+        pair_coverage_draw(c, 2, turn, 64, &z);
         assert_memory_equal(&x, &y, sizeof x);
         unlike += memcmp(&x, &z, sizeof x) != 0;
     }
     assert_true(unlike > 40);
-    meetings_close(a);
-    meetings_close(b);
-    meetings_close(c);
+    pair_coverage_close(a);
+    pair_coverage_close(b);
+    pair_coverage_close(c);
 }
 
 /* Where engines are few they are chosen last: the row has storage and tests already when it meets
@@ -102,42 +102,42 @@ static void draws_are_of_seed_turn_and_tally(void **state)
 static void what_was_compiled_can_be_traced(void **state)
 {
     (void)state;
-    static struct meeting_tables tables;
-    struct meetings *m;
+    static struct pair_tables tables;
+    struct pair_coverage *m;
     tables = all_tables();
     tables.count[MEET_ENGINE] = 1;
     tables.member[MEET_ENGINE][0] = engine_find("vulkan");
-    assert_int_equal(meetings_open(&tables, &m, &reason), STATUS_OK);
+    assert_int_equal(pair_coverage_open(&tables, &m, &reason), STATUS_OK);
     for (uint32_t turn = 0; turn < 2000; turn++) {
-        struct meeting x;
-        meetings_draw(m, 3, turn, 64, &x);
-        for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
-            for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++)
-                assert_true(meetings_possible(m, a, x.member[a], b, x.member[b]));
+        struct combination x;
+        pair_coverage_draw(m, 3, turn, 64, &x);
+        for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
+            for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
+                assert_true(pair_coverage_possible(m, a, x.member[a], b, x.member[b]));
     }
-    meetings_close(m);
+    pair_coverage_close(m);
 }
 
 /* A pair that is always refused comes up again, but does not starve the others. */
 static void refused_pairs_do_not_starve_others(void **state)
 {
     (void)state;
-    struct meetings *m = open_all();
+    struct pair_coverage *m = open_all();
     const uint32_t refused = named(m, MEET_LAYOUT, "tiny8");
     uint32_t again = 0;
     for (uint32_t turn = 0; turn < 3000; turn++) {
-        struct meeting drawn;
-        meetings_draw(m, 3, turn, 64, &drawn);
+        struct combination drawn;
+        pair_coverage_draw(m, 3, turn, 64, &drawn);
         bool bad = drawn.member[MEET_LAYOUT] == refused;
         again += bad;
         if (bad)
-            meetings_missed(m, &drawn, 64, 0);
+            pair_coverage_missed(m, &drawn, 64, 0);
         else
-            meetings_add(m, &drawn);
+            pair_coverage_add(m, &drawn);
     }
     /* One of 56 layouts would have come up 54 times. */
     assert_true(again > 100 && again < 1200);
-    meetings_close(m);
+    pair_coverage_close(m);
 }
 
 /* --- what is drawn, as trials ------------------------------------------------------------------

@@ -1,6 +1,6 @@
 /* What the tests of ray sets share. */
-#ifndef TESTS_RAYS_H
-#define TESTS_RAYS_H
+#ifndef SUPPORT_RAY_FIXTURE_H
+#define SUPPORT_RAY_FIXTURE_H
 
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays.h"

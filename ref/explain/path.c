@@ -1,4 +1,4 @@
-#include "ref/explain/way.h"
+#include "ref/explain/path.h"
 
 #include "ref/explain/steps.h"
 
@@ -161,7 +161,7 @@ static void find_end(struct explanation *out)
     out->end = triangle_end(out, true);
 }
 
-enum status explain_way(const struct explain_case *the, struct explanation *out)
+enum status explain_path(const struct explain_case *the, struct explanation *out)
 {
     const struct explain_tree *tree = the->replay.tree;
     struct replay_change plain = {0};

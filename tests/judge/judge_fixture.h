@@ -1,6 +1,6 @@
 /* Answers before the judge. Include after cmocka.h. */
-#ifndef TESTS_JUDGED_H
-#define TESTS_JUDGED_H
+#ifndef JUDGE_FIXTURE_H
+#define JUDGE_FIXTURE_H
 
 #include "ref/judge/judge.h"
 #include "scenes/rays/rays.h"
@@ -61,7 +61,7 @@ static inline bool is_unknown(const struct subject *subject)
 }
 
 /* A scene, its oracle, and the judge of one subject. */
-struct court {
+struct judge_fixture {
     struct scene scene;
     struct oracle *oracle;
     struct judge *judge;
@@ -71,7 +71,8 @@ struct court {
     struct judgement judgement; /* the last */
 };
 
-static inline void court_seat(struct court *c, const struct subject *subject, enum query query)
+static inline void judge_fixture_seat(struct judge_fixture *c, const struct subject *subject,
+                                      enum query query)
 {
     struct reason reason = {""};
     judge_free(c->judge);
@@ -81,11 +82,11 @@ static inline void court_seat(struct court *c, const struct subject *subject, en
         fail_msg("%s", reason.text);
 }
 
-/* The court takes the scene. */
-static inline struct court *court_of(struct scene scene)
+/* The fixture takes the scene. */
+static inline struct judge_fixture *judge_fixture_of(struct scene scene)
 {
     struct reason reason = {""};
-    struct court *c = calloc(1, sizeof *c);
+    struct judge_fixture *c = calloc(1, sizeof *c);
     assert_non_null(c);
     c->scene = scene;
     if (oracle_make(&c->scene, &c->oracle, &reason))
@@ -93,16 +94,16 @@ static inline struct court *court_of(struct scene scene)
     return c;
 }
 
-static inline struct court *court_open(const char *spec, uint64_t seed)
+static inline struct judge_fixture *judge_fixture_open(const char *spec, uint64_t seed)
 {
     struct scene scene;
     struct reason reason = {""};
     if (scene_open(spec, seed, &scene, &reason))
         fail_msg("%s", reason.text);
-    return court_of(scene);
+    return judge_fixture_of(scene);
 }
 
-static inline void court_close(struct court *c)
+static inline void judge_fixture_close(struct judge_fixture *c)
 {
     judge_free(c->judge);
     oracle_free(c->oracle);
@@ -110,7 +111,7 @@ static inline void court_close(struct court *c)
     free(c);
 }
 
-static inline void court_ask(struct court *c, struct ray ray)
+static inline void judge_fixture_ask(struct judge_fixture *c, struct ray ray)
 {
     struct reason reason = {""};
     c->ray = ray;
@@ -119,14 +120,14 @@ static inline void court_ask(struct court *c, struct ray ray)
         fail_msg("%s", reason.text);
 }
 
-static inline enum verdict verdict(struct court *c, struct hit answer)
+static inline enum verdict verdict(struct judge_fixture *c, struct hit answer)
 {
     assert_int_equal(judge_answer(c->judge, &c->ray, &c->truth, &answer, &c->judgement), STATUS_OK);
     assert_int_equal(c->judgement.verdict == VERDICT_WRONG, c->judgement.wrong != WRONG_NOT);
     return c->judgement.verdict;
 }
 
-static inline void must_be(struct court *c, struct hit answer, enum verdict expected)
+static inline void must_be(struct judge_fixture *c, struct hit answer, enum verdict expected)
 {
     char line[400];
     if (verdict(c, answer) == expected)
@@ -136,7 +137,7 @@ static inline void must_be(struct court *c, struct hit answer, enum verdict expe
              wrong_name(c->judgement.wrong), verdict_name(expected), line);
 }
 
-static inline void must_be_wrong(struct court *c, struct hit answer, enum wrong expected)
+static inline void must_be_wrong(struct judge_fixture *c, struct hit answer, enum wrong expected)
 {
     must_be(c, answer, VERDICT_WRONG);
     if (c->judgement.wrong != expected)
@@ -150,7 +151,7 @@ static inline struct hit a_miss(void)
 }
 
 /* The right answer for triangle `prim`, from the same numbers in double. */
-static inline struct hit right_answer(const struct court *c, uint32_t prim)
+static inline struct hit right_answer(const struct judge_fixture *c, uint32_t prim)
 {
     float v[3][3];
     double p[3][3], n[3][3], w[3], side = 0;
@@ -191,12 +192,12 @@ static inline struct ray along_z(float x, float y)
 }
 
 /* The layers without the duplicate, before a ray through the inside of triangles 0 and 2. */
-static inline struct court *inside(void)
+static inline struct judge_fixture *inside(void)
 {
     struct scene scene = layers();
     scene.tri_count = 4;
-    struct court *c = court_of(scene);
-    court_ask(c, along_z(0.5f, -0.25f));
+    struct judge_fixture *c = judge_fixture_of(scene);
+    judge_fixture_ask(c, along_z(0.5f, -0.25f));
     assert_int_equal(c->truth.prim, 0);
     return c;
 }

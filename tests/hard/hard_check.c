@@ -1,4 +1,4 @@
-#include "tests/hard/check.h"
+#include "tests/hard/hard_check.h"
 
 #include "ref/trace/all_hits.h"
 #include "ref/base/float_mode.h"

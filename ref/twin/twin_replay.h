@@ -1,6 +1,6 @@
 /* Formulas replayed in scatters (ref/twin/scatter.h): which answers can some evaluation give? */
-#ifndef REPLAY_H
-#define REPLAY_H
+#ifndef TWIN_REPLAY_H
+#define TWIN_REPLAY_H
 
 #include "ref/primitives/primitives.h"
 #include "ref/twin/scatter.h"

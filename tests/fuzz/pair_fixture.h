@@ -1,14 +1,14 @@
 /* Tables of all members for tests of pairs. Include after cmocka.h. */
-#ifndef TESTS_MEETINGS_H
-#define TESTS_MEETINGS_H
+#ifndef FUZZ_PAIR_FIXTURE_H
+#define FUZZ_PAIR_FIXTURE_H
 
-#include "fuzz/feedback/meetings.h"
+#include "fuzz/feedback/pair_coverage.h"
 
 #include <string.h>
 
 static struct reason reason;
 
-static inline void add(struct meeting_tables *t, enum meeting_factor factor, const void *member)
+static inline void add(struct pair_tables *t, enum pair_factor factor, const void *member)
 {
     t->member[factor][t->count[factor]++] = member;
 }
@@ -17,9 +17,9 @@ static const char *const engine_names[] = {"cpu", "fast", "cpu_stackless", "brut
                                            "embree_robust"};
 
 /* Every member that is not as published. */
-static inline struct meeting_tables all_tables(void)
+static inline struct pair_tables all_tables(void)
 {
-    struct meeting_tables t = {.count = {[MEET_OPTIMIZE] = 2, [MEET_MOTION] = 2}};
+    struct pair_tables t = {.count = {[MEET_OPTIMIZE] = 2, [MEET_MOTION] = 2}};
     for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
         add(&t, MEET_ENGINE, engine_find(engine_names[i]));
     for (size_t i = 0; layouts_all[i]; i++)
@@ -39,24 +39,25 @@ static inline struct meeting_tables all_tables(void)
     return t;
 }
 
-static inline struct meetings *open_all(void)
+static inline struct pair_coverage *open_all(void)
 {
-    static struct meeting_tables tables;
-    struct meetings *m;
+    static struct pair_tables tables;
+    struct pair_coverage *m;
     tables = all_tables();
-    if (meetings_open(&tables, &m, &reason))
+    if (pair_coverage_open(&tables, &m, &reason))
         fail_msg("%s", reason.text);
     return m;
 }
 
 /* The member of that name. */
-static inline uint32_t named(const struct meetings *m, enum meeting_factor factor, const char *name)
+static inline uint32_t named(const struct pair_coverage *m, enum pair_factor factor,
+                             const char *name)
 {
-    const struct meeting_tables *t = meetings_tables(m);
+    const struct pair_tables *t = pair_coverage_tables(m);
     for (uint32_t i = 0; i < t->count[factor]; i++)
-        if (strcmp(meetings_name(m, factor, i), name) == 0)
+        if (strcmp(pair_coverage_name(m, factor, i), name) == 0)
             return i;
-    fail_msg("no %s %s", meeting_factor_name(factor), name);
+    fail_msg("no %s %s", pair_factor_name(factor), name);
     return 0;
 }
 

@@ -1,5 +1,5 @@
 #define _GNU_SOURCE
-#include "tests/faults/traced.h"
+#include "tests/faults/faults_traced.h"
 
 #include <elf.h>
 #include <errno.h>

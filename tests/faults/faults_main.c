@@ -3,8 +3,8 @@
  * nothing had been. CONTRIBUTING.md, "Faults", has what is checked. */
 #define _GNU_SOURCE
 #include "tests/faults/scenarios.h"
-#include "tests/faults/traced.h"
-#include "tests/faults/trees.h"
+#include "tests/faults/faults_traced.h"
+#include "tests/faults/faults_trees.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -70,36 +70,10 @@ static struct traced_result run(const char *program, const char *line, const cha
                       SECONDS, each, user);
 }
 
-/* Size of a file, -1: there is none. */
-static long size_of(const char *folder, const char *name)
-{
-    char path[TREES_PATH_MOST];
-    struct stat about;
-    path_in(path, folder, name);
-    return stat(path, &about) == 0 ? (long)about.st_size : -1;
-}
-
-static bool exists(const char *folder, const char *name)
-{
-    return size_of(folder, name) >= 0;
-}
-
 /* Codes that the commands document. */
 static bool is_documented(int code, int kind)
 {
     return (code >= 0 && code <= 4) || code == 77 || (kind == FAULT_KILL && code == 128 + 9);
-}
-
-/* Whether what it printed, "out" or "err", has this in it. */
-static bool says(const char *logs, const char *name, const char *what)
-{
-    char path[TREES_PATH_MOST], text[8192];
-    path_in(path, logs, name);
-    FILE *file = fopen(path, "r");
-    text[file ? fread(text, 1, sizeof text - 1, file) : 0] = '\0';
-    if (file)
-        fclose(file);
-    return strstr(text, what) != NULL;
 }
 
 /* Whether a temporary file may be left: by who is killed, until the command is run again. Who is
@@ -110,11 +84,6 @@ static bool may_leave(const struct job *job, const struct task *task)
     return task->kind == FAULT_KILL &&
            (!job->nameless || (job->scenario->goal && !job->scenario->page) ||
             traced_calls[task->place.call].number == SYS_renameat);
-}
-
-static bool is_empty(const char *folder)
-{
-    return rmdir(folder) == 0 && mkdir(folder, 0777) == 0;
 }
 
 /* Plays one fault in `work`, a copy of what the command starts from. NULL: nothing is wrong. */
@@ -141,8 +110,8 @@ static const char *play(const struct job *job, const struct task *task, const ch
         snprintf(why, TREES_WHY_MOST, "exit code %d", result.code);
         return "no documented exit code";
     }
-    if (result.code >= 2 && result.code < 128 && size_of(logs, "err") <= 0 &&
-        !says(logs, "out", "failed: ") && !(s->page && exists(work, s->goal)))
+    if (result.code >= 2 && result.code < 128 && tree_file_size(logs, "err") <= 0 &&
+        !tree_file_holds(logs, "out", "failed: ") && !(s->page && tree_has(work, s->goal)))
         return "it fails and does not say why";
     if ((task->kind == FAULT_SHORT || task->kind == EINTR) && result.code != job->wanted) {
         snprintf(why, TREES_WHY_MOST, "exit code %d", result.code);
@@ -152,15 +121,16 @@ static const char *play(const struct job *job, const struct task *task, const ch
         return "a file is torn";
     if (!may_leave(job, task) && !tree_is_whole(work, true, why))
         return "a temporary file is left";
-    if (task->kind != FAULT_KILL && !is_empty(getenv("TMPDIR")) &&
-        !says(logs, "err", "cannot be removed"))
+    if (task->kind != FAULT_KILL && !tree_is_empty(getenv("TMPDIR")) &&
+        !tree_file_holds(logs, "err", "cannot be removed"))
         return "something is left in the folder for temporary files";
-    if (result.code == job->wanted && !(s->page && says(logs, "err", " is not known: ")) &&
+    if (result.code == job->wanted &&
+        !(s->page && tree_file_holds(logs, "err", " is not known: ")) &&
         !tree_same(wanted, work, why))
         return "it says that all went well";
     if (!tree_remove(after) || !tree_copy(work, after))
         return "no room to check";
-    if (!s->goal || !exists(work, s->goal) || s->page) {
+    if (!s->goal || !tree_has(work, s->goal) || s->page) {
         result = run(job->program, s->command, work, logs, NULL, NULL, NULL);
         if (result.code != job->wanted) {
             snprintf(why, TREES_WHY_MOST, "exit code %d", result.code);
@@ -171,7 +141,7 @@ static const char *play(const struct job *job, const struct task *task, const ch
         return "lost";
     if (!tree_is_whole(work, true, why))
         return "run again, it leaves a temporary file";
-    if (!is_empty(getenv("TMPDIR")))
+    if (!tree_is_empty(getenv("TMPDIR")))
         return "run again, it leaves something in the folder for temporary files";
     return tree_same(wanted, work, why) ? NULL : "run again, it ends otherwise";
 }
@@ -228,15 +198,6 @@ struct listing {
     unsigned count, calls;
     int processes;
 };
-
-/* Whether files can be made without a name in a folder. */
-static bool has_nameless(const char *folder)
-{
-    int file = open(folder, O_TMPFILE | O_WRONLY, 0600);
-    if (file >= 0)
-        close(file);
-    return file >= 0;
-}
 
 static void list(void *user, const struct traced_place *place)
 {
@@ -354,8 +315,10 @@ static bool play_scenario(const struct options *o, const struct scenario *scenar
     const unsigned every = sampled ? 6 : all && scenario->every ? scenario->every : o->step;
     struct listing l = {.task = calloc(FAULTS_MOST, sizeof *l.task),
                         .processes = scenario->processes};
-    struct job job = {
-        .scenario = scenario, .program = o->program, .root = own, .nameless = has_nameless(root)};
+    struct job job = {.scenario = scenario,
+                      .program = o->program,
+                      .root = own,
+                      .nameless = tree_takes_nameless(root)};
     path_in(own, root, scenario->name);
     mkdir(own, 0777);
     job.tally =

@@ -1,6 +1,6 @@
 /* Scenes and hand-made trees for tests of trees and layouts. */
-#ifndef TESTS_TREES_H
-#define TESTS_TREES_H
+#ifndef SUPPORT_TREE_FIXTURE_H
+#define SUPPORT_TREE_FIXTURE_H
 
 #include "ref/layout.h"
 

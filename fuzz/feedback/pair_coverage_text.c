@@ -1,5 +1,5 @@
 /* What the tally comes to, and its file. */
-#include "fuzz/feedback/meetings_inner.h"
+#include "fuzz/feedback/pair_coverage_inner.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,9 +13,9 @@ static int by_count(const void *x, const void *y)
     return (a > b) - (a < b);
 }
 
-struct meetings_summary meetings_summarize(const struct meetings *m, uint64_t wanted)
+struct pair_coverage_summary pair_coverage_summarize(const struct pair_coverage *m, uint64_t wanted)
 {
-    struct meetings_summary out = {.possible = 0};
+    struct pair_coverage_summary out = {.possible = 0};
     uint64_t *count = alloc_zeroed(m->pairs, sizeof *count);
     for (size_t i = 0; i < m->pairs; i++) {
         const struct pair *pair = &m->pair[i];
@@ -38,23 +38,23 @@ struct meetings_summary meetings_summarize(const struct meetings *m, uint64_t wa
     return out;
 }
 
-static void name_pair(const struct meetings *m, size_t at, char name[MEETING_NAME_MOST])
+static void name_pair(const struct pair_coverage *m, size_t at, char name[PAIR_NAME_MOST])
 {
-    for (enum meeting_factor a = 0; a < MEET_FACTORS; a++)
-        for (enum meeting_factor b = a + 1; b < MEET_FACTORS; b++) {
+    for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
+        for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++) {
             const uint32_t *count = m->tables.count;
             size_t first = m->place[a][b];
             if (at < first || at >= first + (size_t)count[a] * count[b])
                 continue;
             uint32_t k = (uint32_t)(at - first);
-            snprintf(name, MEETING_NAME_MOST, "%s.%.40s %s.%.40s", meeting_factor_name(a),
-                     meetings_name(m, a, k / count[b]), meeting_factor_name(b),
-                     meetings_name(m, b, k % count[b]));
+            snprintf(name, PAIR_NAME_MOST, "%s.%.40s %s.%.40s", pair_factor_name(a),
+                     pair_coverage_name(m, a, k / count[b]), pair_factor_name(b),
+                     pair_coverage_name(m, b, k % count[b]));
         }
 }
 
-bool meetings_rarest(const struct meetings *m, uint32_t at, char name[MEETING_NAME_MOST],
-                     uint64_t *count)
+bool pair_coverage_rarest(const struct pair_coverage *m, uint32_t at, char name[PAIR_NAME_MOST],
+                          uint64_t *count)
 {
     const struct pair *last = NULL;
     for (uint32_t k = 0; k <= at; k++) { /* the next rarest, of equal ones the next in order */
@@ -74,15 +74,15 @@ bool meetings_rarest(const struct meetings *m, uint32_t at, char name[MEETING_NA
     return true;
 }
 
-enum status meetings_write(const struct meetings *m, const struct folder *folder, const char *name,
-                           struct reason *reason)
+enum status pair_coverage_write(const struct pair_coverage *m, const struct folder *folder,
+                                const char *name, struct reason *reason)
 {
     struct file_out out;
     enum status status = folder_put(folder, name, &out, reason);
     if (status)
         return status;
     for (size_t i = 0; i < m->pairs; i++) {
-        char pair[MEETING_NAME_MOST];
+        char pair[PAIR_NAME_MOST];
         if (!m->pair[i].possible || m->pair[i].met == 0)
             continue;
         name_pair(m, i, pair);
@@ -92,16 +92,16 @@ enum status meetings_write(const struct meetings *m, const struct folder *folder
 }
 
 /* The factor and member of "FACTOR.MEMBER"; false: it takes no part. */
-static bool find(const struct meetings *m, const char *word, enum meeting_factor *factor,
+static bool find(const struct pair_coverage *m, const char *word, enum pair_factor *factor,
                  uint32_t *member)
 {
     const char *dot = strchr(word, '.');
-    for (enum meeting_factor f = 0; dot && f < MEET_FACTORS; f++) {
-        const char *name = meeting_factor_name(f);
+    for (enum pair_factor f = 0; dot && f < MEET_FACTORS; f++) {
+        const char *name = pair_factor_name(f);
         if (strlen(name) != (size_t)(dot - word) || strncmp(name, word, strlen(name)) != 0)
             continue;
         for (uint32_t i = 0; i < m->tables.count[f]; i++)
-            if (strcmp(meetings_name(m, f, i), dot + 1) == 0) {
+            if (strcmp(pair_coverage_name(m, f, i), dot + 1) == 0) {
                 *factor = f;
                 *member = i;
                 return true;
@@ -110,11 +110,11 @@ static bool find(const struct meetings *m, const char *word, enum meeting_factor
     return false;
 }
 
-static enum status take_line(struct meetings *m, const char *line, const char *path, size_t number,
-                             struct reason *reason)
+static enum status take_line(struct pair_coverage *m, const char *line, const char *path,
+                             size_t number, struct reason *reason)
 {
-    char first[MEETING_NAME_MOST], second[MEETING_NAME_MOST], rest;
-    enum meeting_factor a, b;
+    char first[PAIR_NAME_MOST], second[PAIR_NAME_MOST], rest;
+    enum pair_factor a, b;
     uint32_t i, j;
     unsigned long long count;
     if (sscanf(line, "%119s %119s %llu %c", first, second, &count, &rest) != 3)
@@ -122,14 +122,14 @@ static enum status take_line(struct meetings *m, const char *line, const char *p
                     file_label(path), number);
     if (!find(m, first, &a, &i) || !find(m, second, &b, &j) || a == b)
         return STATUS_OK;
-    struct pair *pair = meetings_pair(m, a, i, b, j);
+    struct pair *pair = pair_coverage_of_pair(m, a, i, b, j);
     if (pair->possible)
         pair->met = pair->drawn = count;
     return STATUS_OK;
 }
 
-enum status meetings_read(struct meetings *m, const struct folder *folder, const char *name,
-                          struct reason *reason)
+enum status pair_coverage_read(struct pair_coverage *m, const struct folder *folder,
+                               const char *name, struct reason *reason)
 {
     char *bytes = NULL, *next, path[FOLDER_PATH_MOST];
     size_t size, number = 0;

@@ -1,0 +1,114 @@
+/* Trees of a match: built, packed, and refitted to where the scene has moved. */
+#include "ref/match/match_trees.h"
+
+#include "ref/packed/refit.h"
+#include "ref/tree/tree_quality.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void match_unpack(struct match *match)
+{
+    packed_free(&match->packed);
+    free(match->cpu);
+    match->cpu = NULL;
+    match->closest.count = 0;
+}
+
+/* The scene that trees are built of. */
+static const struct scene *scene_of_trees(const struct match *match)
+{
+    return match->options.rest ? match->options.rest : match->scene;
+}
+
+/* What the motion makes of the tree, which itself stays as it was built. */
+static enum status measure_motion(struct match *match)
+{
+    struct bvh moved = match->bvh;
+    match->refit.sah_before = tree_sah(&match->bvh);
+    moved.node = alloc_zeroed(moved.node_count, sizeof *moved.node);
+    if (!moved.node)
+        return STATUS_MEMORY;
+    if (moved.node_count > 0)
+        memcpy(moved.node, match->bvh.node, moved.node_count * sizeof *moved.node);
+    enum status status = bvh_refit(&moved, match->scene, NULL);
+    if (!status)
+        match->refit.sah_after = tree_sah(&moved);
+    free(moved.node);
+    return status == STATUS_LIMIT ? STATUS_OK : status;
+}
+
+/* Refits what match_pack packed of the scene at rest, since `start`. */
+static enum status refit_packed(struct match *match, uint64_t start, struct reason *reason)
+{
+    if (!match->options.rest)
+        return STATUS_OK;
+    uint64_t packed = time_ns();
+    enum status status = packed_refit(&match->packed, match->scene, reason);
+    match->refit.pack_ns = packed - start;
+    match->refit.refit_ns = time_ns() - packed;
+    if (status)
+        match_unpack(match);
+    return status;
+}
+
+enum status match_rebuild(struct match *match, const struct builder *builder,
+                          const struct build_options *build, const struct tri_test *tri,
+                          struct reason *reason)
+{
+    match_unpack(match);
+    bvh_free(&match->bvh);
+    match->options.builder = builder;
+    match->options.build = *build;
+    match->options.tri = tri;
+    const struct tree_file *tree = match->options.tree;
+    enum status status = STATUS_OK;
+    if (tree)
+        match->stats = tree->stats;
+    if (tree && tree_file_is_packed(tree))
+        return status; /* match->bvh stays empty: nothing but match_pack asks for it */
+    const struct scene *scene = scene_of_trees(match);
+    uint64_t start = time_ns();
+    status = tree ? tree_file_bvh(tree, scene, &match->bvh, reason)
+                  : bvh_build(builder, scene, build, &match->bvh, reason);
+    match->refit = (struct match_refit){.build_ns = tree ? 0 : time_ns() - start};
+    if (status == STATUS_OK && !tree)
+        match->stats = bvh_stats(&match->bvh, scene);
+    if (status == STATUS_OK && match->options.rest && measure_motion(match))
+        status = fail(reason, STATUS_MEMORY, "no memory to refit a tree");
+    return status;
+}
+
+enum status match_pack(struct match *match, const struct layout *layout, struct reason *reason)
+{
+    const struct tri_store *store = match->options.store ? match->options.store : tri_stores[0];
+    match_unpack(match);
+    if (match->options.tree && store != tri_stores[0])
+        return fail(reason, STATUS_LIMIT,
+                    "%s: a tree from a file has its own items, not storage %s", layout->name,
+                    store->name);
+    const struct scene *scene = scene_of_trees(match);
+    uint64_t start = time_ns();
+    enum status status =
+        match->options.tree
+            ? tree_file_pack(match->options.tree, layout, scene, &match->packed, reason)
+            : packed_make_stored(layout, store, &match->bvh, scene, &match->packed, reason);
+    return status ? status : refit_packed(match, start, reason);
+}
+
+enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
+                            struct reason *reason)
+{
+    const struct tree_file *tree = match->options.tree;
+    if (match->options.store && match->options.store != tri_stores[0])
+        return fail(reason, STATUS_INPUT,
+                    "--layout auto packs storage indexed: name a layout for storage %s",
+                    match->options.store->name);
+    if (tree && tree_file_is_packed(tree))
+        return match_pack(match, tree->packed.layout, reason);
+    match_unpack(match);
+    uint64_t start = time_ns();
+    enum status status = packed_make_auto(&match->bvh, scene_of_trees(match), &match->packed,
+                                          refused, refused_bytes, reason);
+    return status ? status : refit_packed(match, start, reason);
+}

@@ -1,0 +1,10 @@
+/* What ref/match/match.c needs of its trees; match_rebuild and match_pack are in ref/match/match.h. */
+#ifndef MATCH_TREES_H
+#define MATCH_TREES_H
+
+#include "ref/match/match.h"
+
+/* Frees the packed tree and the answers of engine cpu on it; match->bvh stays. */
+void match_unpack(struct match *match);
+
+#endif
