@@ -4,9 +4,9 @@
 #   sh tests/house/other.sh
 set -u
 . tests/house/systems_played.sh
-mkdir -p "$dir/repository/.ci" "$dir/repository/tests" "$dir/notes" "$dir/work"
+mkdir -p "$dir/repository/.ci" "$dir/repository/tests/house" "$dir/notes" "$dir/work"
 cp .ci/other.sh .ci/systems.sh .ci/apt_sources.sh "$dir/repository/.ci"
-cp tests/house/arm.sh tests/house/compilers.sh "$dir/repository/tests"
+cp tests/house/arm.sh tests/house/compilers.sh "$dir/repository/tests/house"
 commit() { git -C "$dir/repository" -c user.name=a -c user.email=b commit -qam c; }
 git -C "$dir/repository" init -q
 git -C "$dir/repository" add .
