@@ -1,5 +1,5 @@
 # make check and its slower sisters.
-.PHONY: check agree conform-all deep slow sanitize-check tsan-check validate-check validate-gpu-check drivers \
+.PHONY: check rooms-graph agree conform-all deep slow sanitize-check tsan-check validate-check validate-gpu-check drivers \
         mutants lint fuzz-files fuzz-afl fuzz-oss fire-engine honest leaks bounds parallel-check slurm-check \
         report-check selftest selftest-quick fresh-check arm-check warnings-check adversaries
 
@@ -72,6 +72,11 @@ selftest-quick:
 mutants: all tests
 	@CC_CMD='$(subst ',,$(CC) $(CPPFLAGS) $(CFLAGS))' LIBS='$(LDLIBS) $(PROGRAM_LIBS)' TOOL_SRC='$(TOOL_SRC)' \
 	    sh tests/house/mutants.sh $(B) $(ONLY)
+
+# The picture of docs/rooms.txt; exit code 77: Graphviz is not here.
+rooms-graph:
+	@command -v dot >/dev/null || { echo "SKIPPED $@: apt-get install graphviz"; exit 77; }
+	@sh docs/rooms_graph.sh | dot -Tsvg >docs/rooms.svg
 
 lint:
 	@sh tests/house/rules.sh

@@ -118,7 +118,16 @@ perl -0777 -ne '
 git grep -nE '\.\./shared/|(^|[^a-z./])shared/(scenes|design|notes)' -- . ':!tests/house/rules.sh' ':!tests/house/rules_planted.sh' &&
     breach "what is not part of the project is named by an option or a variable"
 
+# The picture of the rooms.
+sh docs/rooms_graph.sh edges | sort >"$scratch"
+sed -n 's|^<title>\(.*\)&#45;&gt;\(.*\)</title>$|\1 \2|p' docs/rooms.svg | sort | diff "$scratch" - ||
+    breach "docs/rooms.svg is not docs/rooms.txt: make rooms-graph"
+
+# One name, one source.
+git ls-files '*.c' '*.h' '*.glsl' '*.comp' | sed 's|.*/||' | sort | uniq -d | grep . && breach "two sources have the same name"
+
 # Small rooms.
+[ "$(wc -l <Makefile)" -le 200 ] || breach "Makefile: over 200 lines; its parts stand in the rooms that they build"
 for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
     lines=$(wc -l <"$file")
     [ "$lines" -le 450 ] || breach "$file: $lines lines; one concept a file, at most 450"

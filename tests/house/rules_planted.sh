@@ -3,7 +3,7 @@
 set -u
 copy=$(mktemp -d) || exit 4
 trap 'rm -rf "$copy"' EXIT
-git ls-files -z -- ref gpu scenes fuzz tests bench cmd shaders docs CONTRIBUTING.md raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
+git ls-files -z -- ref gpu scenes fuzz tests bench cmd shaders docs CONTRIBUTING.md Makefile raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
 cd "$copy" && git init -q . && git add -A || exit 4
 sh tests/house/rules.sh >log 2>&1 || { cat log; echo "the copy breaks a rule before anything is planted"; exit 1; }
 failed=0
@@ -48,6 +48,11 @@ plant tests/support/tree_fixture.h 'static const char *f = "shared/scenes/a.json
 mkdir ref/attic && echo '#include "ref/base/base.h"' >ref/attic/new.h && git add ref/attic
 plant ref/attic/new.h ''
 git rm -qf ref/attic/new.h
+plant docs/rooms.svg '<title>ref/base&#45;&gt;cmd/fuzz</title>'
+echo >gpu/vk/half.c && git add gpu/vk/half.c
+plant gpu/vk/half.c ''
+git rm -qf gpu/vk/half.c
+plant Makefile "$(awk 'BEGIN { for (i = 0; i < 200; i++) print "#" }')"
 plant ref/base/half.c "$(awk 'BEGIN { for (i = 0; i < 460; i++) print "/* */" }')"
 [ "$failed" -eq 0 ] && echo "rules: every planted breach caught"
 exit "$failed"
