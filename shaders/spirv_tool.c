@@ -13,22 +13,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct module {
+struct tool_module {
     const char *file;
     uint32_t *word;
     size_t count;
 };
 
 /* Prints one line and returns false, so that checks can end with it. */
-static bool complain(const struct module *m, const char *what)
+static bool complain(const struct tool_module *m, const char *what)
 {
     fprintf(stderr, "%s: %s\n", m->file, what);
     return false;
 }
 
-static bool read_module(const char *file, struct module *m)
+static bool read_module(const char *file, struct tool_module *m)
 {
-    *m = (struct module){.file = file};
+    *m = (struct tool_module){.file = file};
     FILE *in = fopen(file, "rb");
     if (!in) {
         perror(file);
@@ -97,7 +97,7 @@ static bool write_words(const char *to, const uint32_t *word, size_t count)
 
 static bool fix(const char *from, const char *to)
 {
-    struct module m;
+    struct tool_module m;
     struct reason reason;
     const struct spirv_rules rules = rules_of(from);
     uint32_t *word = NULL;
@@ -131,7 +131,7 @@ static bool stem(const char *file, char name[64])
 
 static bool embed_words(FILE *out, const char *file)
 {
-    struct module m;
+    struct tool_module m;
     char name[64];
     bool ok = stem(file, name) && read_module(file, &m);
     if (!ok)

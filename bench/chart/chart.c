@@ -101,7 +101,7 @@ static void put_axes(const struct canvas *canvas, const struct chart *chart,
  * pixel, each pixel's least and most stand for its values, so that no outlier is lost. */
 #define POINTS_MOST (2 * PLOT_W)
 
-struct run {
+struct chart_run {
     const struct canvas *canvas;
     const struct axes *axes;
     const double *value;
@@ -113,7 +113,7 @@ struct run {
     size_t pixel, least, most;
 };
 
-static void add_point(struct run *run, size_t i)
+static void add_point(struct chart_run *run, size_t i)
 {
     assert(run->count < POINTS_MOST);
     run->point[run->count][0] = x_of(run->axes, (double)i);
@@ -121,7 +121,7 @@ static void add_point(struct run *run, size_t i)
     run->count++;
 }
 
-static void end_pixel(struct run *run)
+static void end_pixel(struct chart_run *run)
 {
     if (!run->begun)
         return;
@@ -131,7 +131,7 @@ static void end_pixel(struct run *run)
         add_point(run, run->least < run->most ? run->most : run->least);
 }
 
-static void end_run(struct run *run)
+static void end_run(struct chart_run *run)
 {
     end_pixel(run);
     canvas_lines(run->canvas, run->point, run->count, run->width, run->colour);
@@ -149,11 +149,11 @@ static void put_series(const struct canvas *canvas, const struct chart *chart, s
 {
     const struct chart_series *series = &chart->series[index];
     const size_t frames = (size_t)axes->x_hi + 1;
-    struct run run = {.canvas = canvas,
-                      .axes = axes,
-                      .value = series->value,
-                      .width = width_of(index),
-                      .colour = colour_of_class(index)};
+    struct chart_run run = {.canvas = canvas,
+                            .axes = axes,
+                            .value = series->value,
+                            .width = width_of(index),
+                            .colour = colour_of_class(index)};
     for (size_t i = 0; i < series->count; i++) {
         if (!isfinite(series->value[i])) {
 #if MUTANT != MUTANT_GAPS_CLOSED

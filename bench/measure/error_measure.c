@@ -9,16 +9,17 @@
 
 /* The triangle relative to the ray's origin, in double: differences of floats within 2^29 of each
  * other are exact. */
-struct frame {
+struct measure_frame {
     double v[3][3];
     double d[3];
     double size;      /* M: largest |v - o| */
     double direction; /* |d|max */
 };
 
-static struct frame frame_make(const struct scene *scene, const struct ray *ray, uint32_t prim)
+static struct measure_frame frame_make(const struct scene *scene, const struct ray *ray,
+                                       uint32_t prim)
 {
-    struct frame f = {.size = 0};
+    struct measure_frame f = {.size = 0};
     float v[3][3];
     scene_tri(scene, prim, v);
     for (int k = 0; k < 3; k++) {
@@ -32,7 +33,7 @@ static struct frame frame_make(const struct scene *scene, const struct ray *ray,
     return f;
 }
 
-static double plane_error(const struct frame *f, double t)
+static double plane_error(const struct measure_frame *f, double t)
 {
     double n[3], square = 0, off = 0;
     for (int k = 0; k < 3; k++) {
@@ -48,7 +49,7 @@ static double plane_error(const struct frame *f, double t)
     return fabs(off) / (sqrt(square) * ERROR_UNIT * f->size);
 }
 
-static double point_error(const struct frame *f, const struct hit *answer)
+static double point_error(const struct measure_frame *f, const struct hit *answer)
 {
     double most = 0;
     for (int k = 0; k < 3; k++) {
@@ -101,7 +102,7 @@ struct error_one error_measure(const struct oracle *oracle, const struct scene *
     out.kind = kind_of(oracle, ray, truth, answer, &pair);
     if (answer->prim == ABI_NO_PRIM)
         return out;
-    struct frame frame = frame_make(scene, ray, answer->prim);
+    struct measure_frame frame = frame_make(scene, ray, answer->prim);
     if (!float_is_finite(answer->t) || !float_is_finite(answer->u) || !float_is_finite(answer->v)) {
         out.forward = out.plane = out.point = INFINITY;
         return out;

@@ -10,7 +10,7 @@
 #define MOST         32
 
 /* One way to build. */
-struct contestant {
+struct builders_contestant {
     const struct builder *builder;
     uint32_t passes, threads;
     double ns[BENCH_ROUNDS];
@@ -19,17 +19,17 @@ struct contestant {
     struct reason refused; /* "" unless it was */
 };
 
-static void add(struct contestant *list, size_t *count, const char *name, uint32_t passes,
+static void add(struct builders_contestant *list, size_t *count, const char *name, uint32_t passes,
                 uint32_t threads)
 {
     if (*count < MOST)
-        list[(*count)++] = (struct contestant){
+        list[(*count)++] = (struct builders_contestant){
             .builder = builder_find(name), .passes = passes, .threads = threads};
 }
 
 /* All builders, and reinsertion after the fast ones, with one thread and with two; or with the
  * user's number. */
-static size_t contestants(const struct bench *bench, struct contestant list[MOST])
+static size_t contestants(const struct bench *bench, struct builders_contestant list[MOST])
 {
     static const char *const optimized[] = {"sah_binned", "lbvh", "ploc"};
     uint32_t first = bench->engines.threads ? bench->engines.threads : 1;
@@ -45,8 +45,8 @@ static size_t contestants(const struct bench *bench, struct contestant list[MOST
 }
 
 /* Builds once; with `look` the tree is judged. */
-static enum status build_once(struct contestant *c, const struct scene *scene, size_t round,
-                              bool look, struct reason *reason)
+static enum status build_once(struct builders_contestant *c, const struct scene *scene,
+                              size_t round, bool look, struct reason *reason)
 {
     const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT,
                                           .eps = BUILD_EPS_DEFAULT,
@@ -71,7 +71,7 @@ static enum status build_once(struct contestant *c, const struct scene *scene, s
 }
 
 static void print_row(struct bench *bench, const char *spec, const struct scene *scene,
-                      struct contestant *c)
+                      struct builders_contestant *c)
 {
     char name[64];
     int used = snprintf(name, sizeof name, "%s", c->builder->name);
@@ -109,7 +109,7 @@ static void print_row(struct bench *bench, const char *spec, const struct scene 
 
 static int bench_scene(struct bench *bench, const char *spec, const struct scene *scene)
 {
-    static struct contestant list[MOST];
+    static struct builders_contestant list[MOST];
     size_t count = contestants(bench, list);
     for (size_t round = 0; round < bench->rounds; round++)
         for (size_t i = 0; i < count; i++) {

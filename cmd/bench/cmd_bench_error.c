@@ -26,7 +26,7 @@ struct known_rays {
 };
 
 /* One scene being measured. */
-struct field {
+struct error_field {
     struct bench *bench;
     const struct scene *scene;
     struct oracle *oracle;
@@ -54,7 +54,7 @@ static enum status known_alloc(size_t count, struct known_rays *out, struct reas
     return fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
 }
 
-static enum status decide(const struct field *field, struct known_rays *known,
+static enum status decide(const struct error_field *field, struct known_rays *known,
                           struct reason *reason)
 {
     bool few = (uint64_t)known->count * field->scene->tri_count < BRUTE_PAIRS;
@@ -72,7 +72,7 @@ static size_t hits_of(const struct known_rays *known)
 }
 
 /* Rays that must hit, if the mesh is closed; none and the reason in *page if it is not. */
-static enum status make_leak_rays(struct field *field, size_t count, struct error_page *page,
+static enum status make_leak_rays(struct error_field *field, size_t count, struct error_page *page,
                                   struct reason *reason)
 {
     for (int target = 0; target < LEAK_TARGETS; target++) {
@@ -99,7 +99,7 @@ static enum status make_leak_rays(struct field *field, size_t count, struct erro
     return STATUS_OK;
 }
 
-static enum status trace(const struct field *field, const struct contestant *c,
+static enum status trace(const struct error_field *field, const struct contestant *c,
                          const struct known_rays *known, struct reason *reason)
 {
     struct trace_report report = {0};
@@ -107,7 +107,7 @@ static enum status trace(const struct field *field, const struct contestant *c,
 }
 
 /* Judges the answers to `known` and adds them to the row. Errors: STATUS_MEMORY. */
-static enum status judge_rays(const struct field *field, const struct contestant *c,
+static enum status judge_rays(const struct error_field *field, const struct contestant *c,
                               const struct known_rays *known, struct error_row *row,
                               struct reason *reason)
 {
@@ -141,7 +141,7 @@ static enum status judge_rays(const struct field *field, const struct contestant
 }
 
 /* Leaks and errors of one contestant. */
-static enum status measure(const struct field *field, const struct contestant *c,
+static enum status measure(const struct error_field *field, const struct contestant *c,
                            const struct known_rays *known, struct error_row *row,
                            struct reason *reason)
 {
@@ -180,7 +180,7 @@ static struct error_row row_of(const struct contestant *c)
     return row;
 }
 
-static void take_speeds(const struct field *field, struct error_page *page)
+static void take_speeds(const struct error_field *field, struct error_page *page)
 {
     size_t rounds = (size_t)field->bench->rounds;
     for (size_t i = 0; i < page->row_count; i++) {
@@ -210,8 +210,8 @@ static void take_speeds(const struct field *field, struct error_page *page)
 }
 
 /* Fills one page: errors first, then the race. */
-static enum status play(struct field *field, const struct ray_set *set, struct error_page *page,
-                        struct reason *reason)
+static enum status play(struct error_field *field, const struct ray_set *set,
+                        struct error_page *page, struct reason *reason)
 {
     struct known_rays known;
     char label[96];
@@ -270,8 +270,8 @@ struct pages {
     size_t count, capacity;
 };
 
-static enum status play_sets(struct field *field, const char *spec, struct pages *pages, int *code,
-                             struct reason *reason)
+static enum status play_sets(struct error_field *field, const char *spec, struct pages *pages,
+                             int *code, struct reason *reason)
 {
     struct bench *bench = field->bench;
     size_t count = bench_rays_count(bench, OWN_RAYS);
@@ -308,7 +308,7 @@ static enum status play_scene(struct bench *bench, const char *spec, struct page
     enum status status = scene_open(spec, bench->seed, &scene, reason);
     if (status)
         return status;
-    struct field *field = alloc_zeroed(1, sizeof *field);
+    struct error_field *field = alloc_zeroed(1, sizeof *field);
     if (!field) {
         scene_free(&scene);
         return fail(reason, STATUS_MEMORY, "no memory");

@@ -40,12 +40,12 @@ struct contest {
 };
 
 /* How an engine is opened. */
-struct entry {
+struct fast_entry {
     const char *name, *engine;
     bool compact, avx512, alone;
 };
 
-static const struct entry entries[RIVALS] = {
+static const struct fast_entry entries[RIVALS] = {
     {"embree", "embree", false, false, false},
     {"embree avx512", "embree", false, true, false},
     {"embree robust", "embree_robust", false, false, false},

@@ -20,7 +20,7 @@ static const char about[] =
     "other work on the machine takes cores away.\n";
 
 /* One setting, a value per round. */
-struct setting {
+struct bench_setting {
     size_t workers;
     double trials[BENCH_ROUNDS], judged[BENCH_ROUNDS]; /* per second, all workers */
     double share[BENCH_ROUNDS];                        /* of the harness */
@@ -33,7 +33,7 @@ struct setting {
 static const char *const part_name[4] = {"generate", "build", "truth", "judge"};
 
 /* Adds up one round. All workers began at once; each is as fast as its own clock says. */
-static void take_round(struct setting *setting, const struct fuzz_field *field, size_t round,
+static void take_round(struct bench_setting *setting, const struct fuzz_field *field, size_t round,
                        const struct crew_report *report)
 {
     double asked = 0, harness = 0, core = 0, trials = 0, part[4] = {0};
@@ -70,7 +70,7 @@ static void take_round(struct setting *setting, const struct fuzz_field *field, 
 }
 
 static void report_setting(struct bench *bench, const struct fuzz_field *field,
-                           struct setting *setting)
+                           struct bench_setting *setting)
 {
     size_t rounds = (size_t)bench->rounds;
     struct spread trials = spread_of(setting->trials, rounds);
@@ -143,7 +143,7 @@ static enum status make_field(const struct bench *bench, struct fuzz_field *out,
 }
 
 static enum status measure(struct bench *bench, const struct fuzz_field *field, struct crew *crew,
-                           struct setting *setting, size_t settings, struct reason *reason)
+                           struct bench_setting *setting, size_t settings, struct reason *reason)
 {
     static struct crew_report report[CREW_MOST];
     uint64_t trials = bench_rays_count(bench, TRIALS), first = 0;
@@ -162,7 +162,7 @@ static enum status measure(struct bench *bench, const struct fuzz_field *field, 
 
 static int run(struct bench *bench)
 {
-    static struct setting setting[2];
+    static struct bench_setting setting[2];
     struct fuzz_field field;
     struct crew crew = {.count = 0};
     struct reason reason = {""};

@@ -13,7 +13,7 @@
 #define WARM_RAYS   8u
 
 /* A worker's orders: the first trial and how many. */
-struct order {
+struct crew_order {
     uint64_t first, trials;
 };
 
@@ -53,8 +53,8 @@ static enum status play_some(struct fuzz_player *player, uint64_t seed, uint64_t
     return status;
 }
 
-static struct crew_report play_turn(struct fuzz_player *player, uint64_t seed, struct order order,
-                                    uint32_t rays)
+static struct crew_report play_turn(struct fuzz_player *player, uint64_t seed,
+                                    struct crew_order order, uint32_t rays)
 {
     struct crew_report report = {0};
     uint64_t start = time_ns(), core = core_ns();
@@ -69,7 +69,7 @@ static struct crew_report play_turn(struct fuzz_player *player, uint64_t seed, s
 }
 
 /* What a worker needs to know; the child has a copy. */
-struct work {
+struct crew_work {
     const struct fuzz_field *field;
     uint64_t seed;
 };
@@ -77,10 +77,10 @@ struct work {
 /* The life of a worker. */
 static void work(struct child *parent, void *user)
 {
-    const struct work *of = user;
+    const struct crew_work *of = user;
     struct fuzz_player *player = NULL;
     struct crew_report report = {0};
-    struct order order = {0, WARM_TRIALS};
+    struct crew_order order = {0, WARM_TRIALS};
     /* A core for each worker: the driver's own threads would only wait for each other. */
     setenv("LP_NUM_THREADS", "0", 0);
     report.status = fuzz_player_open(of->field, &player, &report.reason);
@@ -108,7 +108,7 @@ static enum status hear(struct crew *crew, size_t i, struct crew_report *report,
 enum status crew_start(const struct fuzz_field *field, uint64_t seed, size_t count,
                        struct crew *out, struct reason *reason)
 {
-    struct work of = {field, seed};
+    struct crew_work of = {field, seed};
     enum status status = STATUS_OK;
     *out = (struct crew){.count = 0};
     for (; out->count < count && !status; out->count += status == STATUS_OK)
@@ -125,7 +125,7 @@ enum status crew_play(struct crew *crew, size_t workers, uint64_t first, uint64_
 {
     enum status status = STATUS_OK;
     for (size_t i = 0; i < workers; i++) {
-        const struct order order = {first + i * trials, trials};
+        const struct crew_order order = {first + i * trials, trials};
         if (!child_send(&crew->worker[i], &order, sizeof order, 10000))
             return fail(reason, STATUS_DEVICE, "a worker died");
     }

@@ -15,7 +15,7 @@
 #define OWN_RAYS     262144
 
 /* One engine with one layout, prepared and kept while the others run. */
-struct contestant {
+struct layouts_contestant {
     const struct engine *engine;
     const struct layout *layout; /* NULL: none needed */
     struct packed packed;
@@ -29,7 +29,7 @@ struct contestant {
 
 #define CONTESTANTS 16
 
-struct field {
+struct layouts_field {
     struct bench *bench;
     const char *spec, *rays;
     const struct scene *scene;
@@ -38,18 +38,18 @@ struct field {
     size_t ray_count;
     struct hit *hit;
     struct match match;
-    struct contestant contestant[CONTESTANTS];
+    struct layouts_contestant contestant[CONTESTANTS];
     size_t count;
 };
 
 /* Adds an engine (on a layout) if it can run here and the layout can hold the scene. */
-static enum status enter(struct field *field, const struct engine *engine,
+static enum status enter(struct layouts_field *field, const struct engine *engine,
                          const struct layout *layout, struct reason *reason)
 {
     if (field->count == CONTESTANTS)
         return fail(reason, STATUS_LIMIT, "more than %d contestants", CONTESTANTS);
-    struct contestant *c = &field->contestant[field->count];
-    *c = (struct contestant){.engine = engine, .layout = layout};
+    struct layouts_contestant *c = &field->contestant[field->count];
+    *c = (struct layouts_contestant){.engine = engine, .layout = layout};
     enum status status = STATUS_OK;
     if (layout)
         status = packed_make(layout, &field->match.bvh, field->scene, &c->packed, reason);
@@ -74,7 +74,7 @@ static enum status enter(struct field *field, const struct engine *engine,
     return status;
 }
 
-static void enter_all(struct field *field)
+static void enter_all(struct layouts_field *field)
 {
     for (size_t e = 0; engines[e]; e++) {
         bool tree = engines[e]->needs_packed;
@@ -91,7 +91,7 @@ static void enter_all(struct field *field)
     }
 }
 
-static void leave_all(struct field *field)
+static void leave_all(struct layouts_field *field)
 {
     for (size_t i = 0; i < field->count; i++) {
         field->contestant[i].engine->close(field->contestant[i].self);
@@ -101,11 +101,11 @@ static void leave_all(struct field *field)
 }
 
 /* Errors of every contestant, from the match's judge. */
-static int judge_all(struct field *field)
+static int judge_all(struct layouts_field *field)
 {
     int code = EXIT_AGREE;
     for (size_t i = 0; i < field->count; i++) {
-        struct contestant *c = &field->contestant[i];
+        struct layouts_contestant *c = &field->contestant[i];
         struct reason reason;
         if (c->layout && match_pack(&field->match, c->layout, &reason))
             continue;
@@ -119,11 +119,11 @@ static int judge_all(struct field *field)
 }
 
 /* Against what a contestant's speed is a ratio: Vulkan to itself on f32; the rest to Embree. */
-static size_t base_of(const struct field *field, size_t i)
+static size_t base_of(const struct layouts_field *field, size_t i)
 {
-    const struct contestant *c = &field->contestant[i];
+    const struct layouts_contestant *c = &field->contestant[i];
     for (size_t k = 0; k < field->count; k++) {
-        const struct contestant *b = &field->contestant[k];
+        const struct layouts_contestant *b = &field->contestant[k];
         bool vulkan = strcmp(c->engine->name, "vulkan") == 0;
         if (vulkan && b->engine == c->engine && strcmp(b->layout->name, "f32") == 0)
             return k;
@@ -133,7 +133,7 @@ static size_t base_of(const struct field *field, size_t i)
     return i;
 }
 
-static enum status race(struct field *field, struct reason *reason)
+static enum status race(struct layouts_field *field, struct reason *reason)
 {
     size_t rays = field->ray_count, order[ARRAY_COUNT(field->contestant)];
     struct rng rng = rng_make(field->bench->seed, rays);
@@ -142,7 +142,7 @@ static enum status race(struct field *field, struct reason *reason)
     for (size_t round = 0; round <= field->bench->rounds; round++) {
         turns_next(&rng, order, field->count);
         for (size_t i = 0; i < field->count; i++) {
-            struct contestant *c = &field->contestant[order[i]];
+            struct layouts_contestant *c = &field->contestant[order[i]];
             struct trace_report report = {0};
             progress_step(&field->bench->progress, "%s, %s rays, round %zu of %llu", field->spec,
                           field->rays, round, (unsigned long long)field->bench->rounds);
@@ -157,7 +157,7 @@ static enum status race(struct field *field, struct reason *reason)
         }
     }
     for (size_t i = 0; i < field->count; i++) {
-        struct contestant *c = &field->contestant[i];
+        struct layouts_contestant *c = &field->contestant[i];
         c->base = base_of(field, i);
         for (size_t round = 0; round < field->bench->rounds; round++)
             c->ratio[round] = c->mrays[round] / field->contestant[c->base].mrays[round];
@@ -165,11 +165,11 @@ static enum status race(struct field *field, struct reason *reason)
     return STATUS_OK;
 }
 
-static void write_row(struct field *field, const struct contestant *c, const struct spread *speed,
-                      const struct spread *ratio, size_t allowed)
+static void write_row(struct layouts_field *field, const struct layouts_contestant *c,
+                      const struct spread *speed, const struct spread *ratio, size_t allowed)
 {
     const struct row *row = &c->row;
-    const struct contestant *base = &field->contestant[c->base];
+    const struct layouts_contestant *base = &field->contestant[c->base];
     json_t *out =
         json_pack("{s:s, s:I, s:s, s:s, s:s, s:I, s:I}", "scene", field->spec, "triangles",
                   (json_int_t)field->scene->tri_count, "rays", field->rays, "engine",
@@ -195,11 +195,11 @@ static void write_row(struct field *field, const struct contestant *c, const str
     bench_row(field->bench, &bench_layouts, out);
 }
 
-static void print_contestant(struct field *field, struct contestant *c)
+static void print_contestant(struct layouts_field *field, struct layouts_contestant *c)
 {
     size_t rounds = (size_t)field->bench->rounds;
     const struct row *row = &c->row;
-    const struct contestant *base = &field->contestant[c->base];
+    const struct layouts_contestant *base = &field->contestant[c->base];
     double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
     struct spread speed = spread_of(c->mrays, rounds), ratio = spread_of(c->ratio, rounds);
     size_t allowed = row->rays - row->count[VERDICT_RIGHT] - row->count[VERDICT_WRONG];
@@ -217,7 +217,7 @@ static void print_contestant(struct field *field, struct contestant *c)
     write_row(field, c, &speed, &ratio, allowed);
 }
 
-static int bench_rays(struct field *field, const struct ray_set *set)
+static int bench_rays(struct layouts_field *field, const struct ray_set *set)
 {
     struct reason reason = {""};
     struct match_options options = {
@@ -296,7 +296,7 @@ static int run(struct bench *bench)
                "Mray/s (least-most)", "ratio (least-most)", "B/tri", "+items", "mem/tri", "wrong",
                "named");
         for (size_t s = 0; s < ARRAY_COUNT(sets); s++) {
-            struct field *field = alloc_zeroed(1, sizeof *field);
+            struct layouts_field *field = alloc_zeroed(1, sizeof *field);
             if (!field)
                 return EXIT_INTERNAL;
             field->bench = bench;

@@ -25,12 +25,12 @@ static const char about[] =
     "all rays: brute on two threads, and by the oracle's own tree on one.\n";
 
 /* What the filter says of pairs. */
-struct tally {
+struct oracle_tally {
     uint64_t pairs, missed, inside, undecided;
 };
 
 static void filter_one(const struct scene *scene, const struct ray *ray, uint32_t prim,
-                       struct tally *tally)
+                       struct oracle_tally *tally)
 {
     float v[3][3];
     struct filter filter;
@@ -49,9 +49,10 @@ static void filter_one(const struct scene *scene, const struct ray *ray, uint32_
         tally->undecided++;
 }
 
-static struct tally filter_scalar(const struct oracle *oracle, const struct ray *ray, size_t count)
+static struct oracle_tally filter_scalar(const struct oracle *oracle, const struct ray *ray,
+                                         size_t count)
 {
-    struct tally tally = {0};
+    struct oracle_tally tally = {0};
     for (size_t i = 0; i < count; i++)
         for (uint32_t prim = 0; prim < oracle->scene->tri_count; prim++)
             filter_one(oracle->scene, &ray[i], prim, &tally);
@@ -70,10 +71,11 @@ static double largest_in(const struct box *box, const struct early_ray *ray)
     return largest;
 }
 
-static struct tally filter_vector(const struct oracle *oracle, const struct early_kernel *kernel,
-                                  const struct ray *ray, size_t count)
+static struct oracle_tally filter_vector(const struct oracle *oracle,
+                                         const struct early_kernel *kernel, const struct ray *ray,
+                                         size_t count)
 {
-    struct tally tally = {0};
+    struct oracle_tally tally = {0};
     uint32_t tris = oracle->scene->tri_count;
     for (size_t i = 0; i < count; i++) {
         struct early_ray early = early_ray_make(&ray[i]);
@@ -103,7 +105,7 @@ struct measured {
     struct ray *ray;
     struct oracle_answer *brute, *tree;
     size_t count, filtered; /* rays: of answers, of the filter */
-    struct tally scalar, vector;
+    struct oracle_tally scalar, vector;
 };
 
 static enum status closest(const struct measured *it, enum oracle_path path, unsigned threads,
@@ -136,7 +138,7 @@ static enum status one_round(struct measured *it, size_t round, struct times *ti
         if (!early_kernels[k].runs())
             continue;
         start = core_ns();
-        struct tally tally = filter_vector(oracle, &early_kernels[k], it->ray, it->filtered);
+        struct oracle_tally tally = filter_vector(oracle, &early_kernels[k], it->ray, it->filtered);
         times->kernel[k][round] = (double)(core_ns() - start) / pairs;
         if (&early_kernels[k] == oracle->kernel) {
             it->vector = tally;

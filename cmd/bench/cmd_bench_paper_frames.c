@@ -13,7 +13,7 @@
 #define TILE        16u
 
 /* What a line is made of, by names. */
-static const struct recipe {
+static const struct frames_recipe {
     const char *name, *engine, *layout, *builder;
     uint32_t leaf;
     const char *box, *tri;
@@ -81,7 +81,7 @@ bool paper_line_published(enum paper_line_id id)
 
 struct painter_plan paper_plan(const struct paper_table *table, enum paper_line_id id)
 {
-    const struct recipe *recipe = &recipes[id];
+    const struct frames_recipe *recipe = &recipes[id];
     return (struct painter_plan){
         .handler = recipe->name,
         .engine = engine_find(recipe->engine),

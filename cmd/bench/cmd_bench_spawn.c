@@ -13,12 +13,12 @@
 /* Pairs that brute force may decide per row; above, the oracle's own tree is faster. */
 #define BRUTE_PAIRS 200000000u
 
-static const struct place {
+static const struct spawn_place {
     double scale, far;
 } places[] = {{1e-3, 0}, {1, 0}, {1e3, 0}, {1e6, 0}, {1, 1e3}, {1, 1e6}};
 
 /* One block being measured. */
-struct field {
+struct spawn_field {
     struct bench *bench;
     const struct scene *scene;
     struct oracle *oracle;
@@ -35,7 +35,7 @@ struct field {
     size_t hit_count;
 };
 
-static float (*origins_of(const struct field *field, size_t row))[3]
+static float (*origins_of(const struct spawn_field *field, size_t row))[3]
 {
     return field->origin + row * field->hit_count;
 }
@@ -44,7 +44,7 @@ static const double constants[SPAWN_RULES] = {
     [RULE_NONE] = 0, [RULE_CONST_5] = 1e-5, [RULE_CONST_4] = 1e-4, [RULE_CONST_3] = 1e-3};
 
 /* All origins of one hit, and how far the farthest is. */
-static double move_origins(const struct field *field, size_t i)
+static double move_origins(const struct spawn_field *field, size_t i)
 {
     const struct spawn_hit *hit = &field->hit[i];
     double reach = 0;
@@ -77,7 +77,7 @@ static void add_fate(struct spawn_count *count, const struct spawn_fate *fate)
 }
 
 /* What the rays of one row exactly do; the rays are made on the way. */
-static enum status exact_row(const struct field *field, size_t index, struct spawn_row *row,
+static enum status exact_row(const struct spawn_field *field, size_t index, struct spawn_row *row,
                              struct reason *reason)
 {
     float(*origin)[3] = origins_of(field, index);
@@ -97,7 +97,7 @@ static enum status exact_row(const struct field *field, size_t index, struct spa
     return status;
 }
 
-static enum status engine_row(const struct field *field, size_t index, size_t judge,
+static enum status engine_row(const struct spawn_field *field, size_t index, size_t judge,
                               struct spawn_row *row, struct reason *reason)
 {
     const struct contestant *c = &field->race.contestant[judge];
@@ -115,7 +115,7 @@ static enum status engine_row(const struct field *field, size_t index, size_t ju
 }
 
 /* Quantiles of one row's offsets and steps. Errors: STATUS_MEMORY. */
-static enum status take_sizes(const struct field *field, size_t index, struct spawn_row *row,
+static enum status take_sizes(const struct spawn_field *field, size_t index, struct spawn_row *row,
                               struct reason *reason)
 {
     float(*origin)[3] = origins_of(field, index);
@@ -137,7 +137,7 @@ static enum status take_sizes(const struct field *field, size_t index, struct sp
 }
 
 /* Hits of `count` rays of a set; fewer than rays. */
-static enum status make_hits(struct field *field, const struct ray_set *set, size_t count,
+static enum status make_hits(struct spawn_field *field, const struct ray_set *set, size_t count,
                              struct reason *reason)
 {
     const struct tri_test *tri = tri_tests[0];
@@ -164,7 +164,7 @@ static enum status make_hits(struct field *field, const struct ray_set *set, siz
 }
 
 /* Origins of all rules, and what is near. */
-static enum status make_origins(struct field *field, size_t *undecided, struct reason *reason)
+static enum status make_origins(struct spawn_field *field, size_t *undecided, struct reason *reason)
 {
     size_t count = field->hit_count, open = 0;
     field->near = alloc_zeroed(count, sizeof *field->near);
@@ -189,7 +189,8 @@ static enum status make_origins(struct field *field, size_t *undecided, struct r
     return STATUS_OK;
 }
 
-static enum status play_rows(struct field *field, struct spawn_block *block, struct reason *reason)
+static enum status play_rows(struct spawn_field *field, struct spawn_block *block,
+                             struct reason *reason)
 {
     for (size_t i = 0; i < (size_t)SPAWN_POINTS * SPAWN_RULES; i++) {
         struct spawn_row *row = &block->row[i];
@@ -208,7 +209,7 @@ static enum status play_rows(struct field *field, struct spawn_block *block, str
     return STATUS_OK;
 }
 
-static void field_free(struct field *field)
+static void field_free(struct spawn_field *field)
 {
     race_leave(&field->race);
     for (int point = 0; point < SPAWN_POINTS; point++)
@@ -240,7 +241,7 @@ static int play_block(struct bench *bench, const struct scene *scene, const stru
     const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
     struct reason reason = {""};
     int code = EXIT_AGREE;
-    struct field *field = alloc_zeroed(1, sizeof *field);
+    struct spawn_field *field = alloc_zeroed(1, sizeof *field);
     if (!field)
         return EXIT_INTERNAL;
     field->bench = bench;
@@ -285,7 +286,7 @@ static int play_block(struct bench *bench, const struct scene *scene, const stru
 
 /* The scene `from`, scaled, then moved by `far` times its new size along all axes, as a user's file
  * at that place would hold it: rounded to float32. */
-static enum status place_scene(const struct scene *from, const struct place *place,
+static enum status place_scene(const struct scene *from, const struct spawn_place *place,
                                struct scene *out, struct reason *reason)
 {
     struct box box = scene_bounds(from);

@@ -52,7 +52,7 @@ static const struct {
 };
 
 /* A scene, and the pairs drawn of it. */
-struct field {
+struct tightness_field {
     struct bench *bench;
     const char *spec;
     struct scene scene;
@@ -62,7 +62,7 @@ struct field {
     size_t count;
 };
 
-static enum status draw_all(struct field *field, struct reason *reason)
+static enum status draw_all(struct tightness_field *field, struct reason *reason)
 {
     struct box bounds = scene_bounds(&field->scene);
     struct rng rng = rng_make(field->bench->seed, 0);
@@ -77,7 +77,7 @@ static enum status draw_all(struct field *field, struct reason *reason)
     return STATUS_OK;
 }
 
-static void report(const struct field *field, size_t m, const struct tightness *sum)
+static void report(const struct tightness_field *field, size_t m, const struct tightness *sum)
 {
     printf("  %-14s %-10s %6.2f %7.2f %8.3g %8.3g %8.3g %7.1f %6.1f %6.1f %6.1f %6zu %8zu\n",
            models[m].name, models[m].rounding_name, sum->real_p50, sum->real_p999, sum->real_most,
@@ -104,7 +104,8 @@ static void report(const struct field *field, size_t m, const struct tightness *
     bench_row(field->bench, &bench_tightness, row);
 }
 
-static enum status measure(struct field *field, size_t m, int *code, struct reason *reason)
+static enum status measure(struct tightness_field *field, size_t m, int *code,
+                           struct reason *reason)
 {
     const struct model model = {.formula = models[m].formula, .rounding = models[m].rounding};
     struct judge *judge;
@@ -129,7 +130,7 @@ static enum status measure(struct field *field, size_t m, int *code, struct reas
     return STATUS_OK;
 }
 
-static enum status play(struct field *field, int *code, struct reason *reason)
+static enum status play(struct tightness_field *field, int *code, struct reason *reason)
 {
     if (field->scene.tri_count == 0)
         return fail(reason, STATUS_INPUT, "no triangles");
@@ -160,7 +161,7 @@ static int run(struct bench *bench)
     puts("\ntightness");
     for (size_t i = 0; i < count; i++) {
         struct reason reason = {""};
-        struct field field = {
+        struct tightness_field field = {
             .bench = bench, .spec = spec[i], .count = bench_rays_count(bench, PAIRS)};
         enum status status = scene_open(spec[i], bench->seed, &field.scene, &reason);
         if (status == STATUS_OK) {

@@ -148,7 +148,7 @@ static bool store_is_of_grids(const struct check_options *o, size_t i)
 }
 
 /* What one run of the command holds. */
-struct check {
+struct check_run {
     struct check_options options;
     struct pool pool;
     struct progress progress;
@@ -158,7 +158,7 @@ struct check {
 };
 
 /* Rows of one engine over all box tests and queries; engines without a tree have no box test. */
-static enum status play_engine(struct check *check, struct match *match,
+static enum status play_engine(struct check_run *check, struct match *match,
                                const struct engine *engine, struct check_scene *result)
 {
     const struct check_options *o = &check->options;
@@ -179,7 +179,7 @@ static enum status play_engine(struct check *check, struct match *match,
     return STATUS_OK;
 }
 
-static enum status play_engines(struct check *check, struct match *match, bool packed,
+static enum status play_engines(struct check_run *check, struct match *match, bool packed,
                                 struct check_scene *result)
 {
     const struct check_options *o = &check->options;
@@ -190,7 +190,7 @@ static enum status play_engines(struct check *check, struct match *match, bool p
     return status;
 }
 
-static enum status play_layouts(struct check *check, struct match *match,
+static enum status play_layouts(struct check_run *check, struct match *match,
                                 struct check_scene *result, struct reason *reason)
 {
     const struct check_options *o = &check->options;
@@ -222,7 +222,7 @@ static enum status play_layouts(struct check *check, struct match *match,
 
 /* All layouts and engines on the match's tree; engines without a tree with the first builder only,
  * to which they are the same. */
-static enum status play_match(struct check *check, struct match *match, bool first_builder,
+static enum status play_match(struct check_run *check, struct match *match, bool first_builder,
                               struct check_scene *result, struct reason *reason)
 {
     enum status status = play_layouts(check, match, result, reason);
@@ -231,7 +231,7 @@ static enum status play_match(struct check *check, struct match *match, bool fir
     return status;
 }
 
-static enum status play_scene(struct check *check, const struct scene *scene,
+static enum status play_scene(struct check_run *check, const struct scene *scene,
                               const struct scene *rest, const struct ray *rays,
                               struct check_scene *result, struct reason *reason)
 {
@@ -271,7 +271,7 @@ static enum status play_scene(struct check *check, const struct scene *scene,
 }
 
 /* The storages of grids, on the scene that they decode to. */
-static enum status play_decoded(struct check *check, const struct scene *scene,
+static enum status play_decoded(struct check_run *check, const struct scene *scene,
                                 const struct ray *rays, struct check_scene *result,
                                 struct reason *reason)
 {
@@ -291,7 +291,7 @@ static enum status play_decoded(struct check *check, const struct scene *scene,
     return status;
 }
 
-static enum status play_both(struct check *check, const struct scene *scene,
+static enum status play_both(struct check_run *check, const struct scene *scene,
                              const struct scene *rest, const struct ray *rays,
                              struct check_scene *result, struct reason *reason)
 {
@@ -307,7 +307,7 @@ static enum status play_both(struct check *check, const struct scene *scene,
     return status || !grids ? status : play_decoded(check, scene, rays, result, reason);
 }
 
-static enum status check_one(struct check *check, const char *spec, struct check_scene *result,
+static enum status check_one(struct check_run *check, const char *spec, struct check_scene *result,
                              struct reason *reason)
 {
     const struct check_options *o = &check->options;
@@ -343,7 +343,7 @@ static enum status check_one(struct check *check, const char *spec, struct check
     return status;
 }
 
-static int check_all(struct check *check, char *const *spec, size_t count)
+static int check_all(struct check_run *check, char *const *spec, size_t count)
 {
     int code = EXIT_AGREE;
     struct reason reason = {""};
@@ -401,7 +401,8 @@ static int check_use(const struct check_options *o, char *const *spec, size_t co
 
 int cmd_check(int argc, char **argv)
 {
-    struct check check = {.options = check_options_default(), .progress = progress_make("check")};
+    struct check_run check = {.options = check_options_default(),
+                              .progress = progress_make("check")};
     int first, code = options_take("check", check_help, long_options, take_option, &check.options,
                                    argc, argv, &first);
     if (code >= 0)

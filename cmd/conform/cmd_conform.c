@@ -30,7 +30,8 @@ static const char help[] =
     "  --all           every combination of members once, scenes and ray sets by turns\n"
     "  --require E,..  engines whose skips are failures; watertight: a trial fails\n"
     "                  if it loses a hit inside a closed fan\n"
-    "  --displacement U  how far vertices may have to move to make an answer of an unknown formula\n"
+    "  --displacement U  how far vertices may have to move to make an answer of an unknown "
+    "formula\n"
     "                  right, in 2^-24 of their distance                  [32]\n"
     "  --hard          the hard cases, on the layouts f32, rf16 and the seed's and the builders\n"
     "                  median and rtrs, all others by turns; or on those of --layout, --builder,\n"
@@ -131,8 +132,8 @@ static enum status take_require(struct conform_options *o, const char *text, str
     if (status || strcmp(text, word) == 0)
         return status;
     const size_t before = (size_t)(at - text), last = at[length] == '\0';
-    if (snprintf(rest, sizeof rest, "%.*s%s", (int)(before - last), text,
-                 at + length + !last) >= (int)sizeof rest)
+    if (snprintf(rest, sizeof rest, "%.*s%s", (int)(before - last), text, at + length + !last) >=
+        (int)sizeof rest)
         return fail(reason, STATUS_INPUT, "--require: longer than %zu characters", sizeof rest - 1);
     return table_parse(TABLE_ENGINES, "--require", rest, &o->require, reason);
 }
@@ -213,10 +214,10 @@ struct use_of {
 static void run_suite(const struct conform_options *o, const struct suite *suite, size_t first,
                       struct conform_report *report, bool *ran, struct use_of *use)
 {
-    struct stage stage = {.pool = {.options = o->engines},
-                          .ray_count = (size_t)o->count,
-                          .brute_budget = o->brute,
-                          .demands = o->demands};
+    struct trial_stage stage = {.pool = {.options = o->engines},
+                                .ray_count = (size_t)o->count,
+                                .brute_budget = o->brute,
+                                .demands = o->demands};
     struct progress progress = progress_make("conform");
     for (size_t i = first; i < suite->count; i++) {
         char name[TRIAL_NAME_MOST];
@@ -385,9 +386,11 @@ static int check_use(const struct conform_options *o, bool hard)
     const struct option_use modes[] = {
         {.by = "the hard cases", .never = hard ? "count brute all store displacement" : ""},
         {.by = "--list",
-         .never = o->list_only ? "count brute require displacement waivers verbose tap junit summary markdown "
-                                 "html threads driver device workgroup peer-time peer-memory"
-                               : ""},
+         .never =
+             o->list_only
+                 ? "count brute require displacement waivers verbose tap junit summary markdown "
+                   "html threads driver device workgroup peer-time peer-memory"
+                 : ""},
         {.by = "a PATTERN, whose trials are all played", .never = o->pattern ? "all" : ""},
         {.by = "--tap, which has a line per trial", .never = o->tap ? "verbose summary" : ""},
         {.engine = o->list[TABLE_ENGINES].count ? &o->list[TABLE_ENGINES] : &engine,

@@ -15,7 +15,7 @@ struct one {
     struct hard_member member;
 };
 
-struct suite {
+struct hard_suite {
     struct one *one;
     size_t count, capacity;
     const char *pattern; /* NULL: take all */
@@ -28,7 +28,7 @@ struct suite {
 
 static void suite_add(void *user, const struct hard_case *hard, const struct hard_member *member)
 {
-    struct suite *suite = user;
+    struct hard_suite *suite = user;
     char name[HARD_NAME_MOST];
     if (suite->engine.count && !list_names(&suite->engine, member->engine))
         return;
@@ -48,7 +48,7 @@ static void suite_add(void *user, const struct hard_case *hard, const struct har
     suite->one[suite->count++] = (struct one){hard, *member};
 }
 
-static enum status suite_make(struct suite *suite, struct reason *reason)
+static enum status suite_make(struct hard_suite *suite, struct reason *reason)
 {
     for (size_t i = 0; hard_cases[i]; i++)
         hard_each_member(hard_cases[i], &suite->tables, suite_add, suite);
@@ -61,14 +61,14 @@ static enum status suite_make(struct suite *suite, struct reason *reason)
 }
 
 /* A member that may be excused by one of the waivers. */
-struct counting {
+struct hard_counting {
     struct waivers *waivers;
     bool core; /* of core members alone */
 };
 
 static void count_name(void *user, const struct hard_case *hard, const struct hard_member *member)
 {
-    const struct counting *counting = user;
+    const struct hard_counting *counting = user;
     char name[HARD_NAME_MOST];
     if (counting->core && !member->tri->core)
         return;
@@ -77,17 +77,17 @@ static void count_name(void *user, const struct hard_case *hard, const struct ha
 }
 
 /* What belongs to a run. */
-struct run {
+struct hard_run {
     const struct conform_hard_options *options;
     struct hard_stage stage;
     struct conform_report *report;
-    struct matrix *matrix;
+    struct hard_matrix *matrix;
     const char *driver;  /* that `versions` are of */
     char versions[8192]; /* what the engines say of themselves; "": not asked yet */
 };
 
 /* True if the engines here are said to have the defect. */
-static bool is_expected(struct run *run, const struct hard_defect *defect)
+static bool is_expected(struct hard_run *run, const struct hard_defect *defect)
 {
     const struct engine_options *options = &run->stage.pool.options;
     if (!defect->version)
@@ -99,16 +99,17 @@ static bool is_expected(struct run *run, const struct hard_defect *defect)
 }
 
 /* True if the member is there to show a defect: that it does so otherwise is not excused. */
-static bool is_defect(struct run *run, const struct one *one)
+static bool is_defect(struct hard_run *run, const struct one *one)
 {
     const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
     return defect && is_expected(run, defect);
 }
 
 /* A member that is to show a defect broke the case: for the cause that is known? */
-static enum status confirm(struct run *run, const struct one *one, const struct hard_result *result,
-                           const struct hard_defect *defect, enum outcome *outcome, char *why,
-                           size_t why_bytes, struct reason *reason)
+static enum status confirm(struct hard_run *run, const struct one *one,
+                           const struct hard_result *result, const struct hard_defect *defect,
+                           enum matrix_outcome *outcome, char *why, size_t why_bytes,
+                           struct reason *reason)
 {
     struct hard_causes causes;
     *outcome = OUTCOME_KNOWN;
@@ -143,14 +144,14 @@ static bool shows(const struct hard_result *result, const struct hard_defect *de
 }
 
 /* What a result means for a member that is to show a defect, or for any other. */
-static enum status outcome_of(struct run *run, const struct one *one,
-                              const struct hard_result *result, enum outcome *outcome, char *why,
-                              size_t why_bytes, struct reason *reason)
+static enum status outcome_of(struct hard_run *run, const struct one *one,
+                              const struct hard_result *result, enum matrix_outcome *outcome,
+                              char *why, size_t why_bytes, struct reason *reason)
 {
-    static const enum outcome plain[] = {[HARD_PASSED] = OUTCOME_PASSED,
-                                         [HARD_FAILED] = OUTCOME_FAILED,
-                                         [HARD_REFUSED] = OUTCOME_REFUSED,
-                                         [HARD_SKIPPED] = OUTCOME_SKIPPED};
+    static const enum matrix_outcome plain[] = {[HARD_PASSED] = OUTCOME_PASSED,
+                                                [HARD_FAILED] = OUTCOME_FAILED,
+                                                [HARD_REFUSED] = OUTCOME_REFUSED,
+                                                [HARD_SKIPPED] = OUTCOME_SKIPPED};
     const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
     hard_result_print(result, why, why_bytes);
     *outcome = plain[result->outcome];
@@ -198,7 +199,7 @@ static void count_turnout(struct turnout *turnout, const struct hard_member *mem
 }
 
 /* Adds one result to the report and the matrix. */
-static enum status add_result(struct run *run, const struct one *one,
+static enum status add_result(struct hard_run *run, const struct one *one,
                               const struct hard_result *result, double seconds,
                               struct reason *reason)
 {
@@ -213,7 +214,7 @@ static enum status add_result(struct run *run, const struct one *one,
     entry.code = result->unfinished ? EXIT_ENGINE : EXIT_MISMATCH;
     entry.plain =
         entry.outcome == OUTCOME_FAILED && result->outcome != HARD_SKIPPED && is_defect(run, one);
-    enum outcome outcome = conform_report_put(report, &entry, &waiver);
+    enum matrix_outcome outcome = conform_report_put(report, &entry, &waiver);
     report->absent += outcome == OUTCOME_SKIPPED && result->absent;
     count_turnout(&report->turnout, &one->member, result);
     if (waiver)
@@ -225,7 +226,8 @@ static enum status add_result(struct run *run, const struct one *one,
     return matrix_add(run->matrix, one->hard, &one->member, outcome, result->rays, why, reason);
 }
 
-static enum status run_suite(struct run *run, const struct suite *suite, struct reason *reason)
+static enum status run_suite(struct hard_run *run, const struct hard_suite *suite,
+                             struct reason *reason)
 {
     struct progress progress = progress_make("conform");
     enum status status = STATUS_OK;
@@ -246,10 +248,10 @@ static enum status run_suite(struct run *run, const struct suite *suite, struct 
     return status;
 }
 
-typedef void write_fn(const struct matrix *matrix, const char *versions, FILE *out);
+typedef void write_fn(const struct hard_matrix *matrix, const char *versions, FILE *out);
 
 /* Writes a document whole or not at all. */
-static enum status write_file(const char *path, write_fn *write, const struct matrix *matrix,
+static enum status write_file(const char *path, write_fn *write, const struct hard_matrix *matrix,
                               const char *versions, struct reason *reason)
 {
     struct file_out file;
@@ -263,7 +265,7 @@ static enum status write_file(const char *path, write_fn *write, const struct ma
 }
 
 static enum status write_documents(const struct conform_hard_options *o,
-                                   const struct matrix *matrix, struct reason *reason)
+                                   const struct hard_matrix *matrix, struct reason *reason)
 {
     char versions[8192] = "";
     if (o->summary && !o->tap)
@@ -274,10 +276,10 @@ static enum status write_documents(const struct conform_hard_options *o,
     return status ? status : write_file(o->html, matrix_html, matrix, versions, reason);
 }
 
-static int play(const struct conform_hard_options *o, const struct suite *suite)
+static int play(const struct conform_hard_options *o, const struct hard_suite *suite)
 {
     struct conform_report report;
-    struct matrix matrix = {.apart = suite->tables.chosen};
+    struct hard_matrix matrix = {.apart = suite->tables.chosen};
     struct reason reason = {""};
     bool complete =
         o->pattern == NULL && !o->quick && o->engine.count == 0 && !suite->tables.chosen;
@@ -290,7 +292,7 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
         return exit_of_status(status);
     }
     const struct hard_tables everything = hard_tables_all();
-    struct counting counting = {&report.waivers, o->pattern == NULL};
+    struct hard_counting counting = {&report.waivers, o->pattern == NULL};
     for (size_t i = 0; !complete && hard_cases[i]; i++)
         hard_each_member(hard_cases[i], &everything, count_name, &counting);
     conform_report_expect(&report, o->named);
@@ -298,7 +300,7 @@ static int play(const struct conform_hard_options *o, const struct suite *suite)
     report.tap = o->tap;
     report.quiet = true;
     report.options = o->engines;
-    struct run run = {
+    struct hard_run run = {
         .options = o, .stage = hard_stage_make(&o->engines), .report = &report, .matrix = &matrix};
     status = run_suite(&run, suite, &reason);
     hard_stage_free(&run.stage);
@@ -343,7 +345,7 @@ static struct hard_tables choose(const struct conform_hard_options *o, struct ch
 }
 
 /* Whether one of the suite's members has this layout and this builder; NULL: any. */
-static bool is_met(const struct suite *suite, const struct layout *layout,
+static bool is_met(const struct hard_suite *suite, const struct layout *layout,
                    const struct builder *builder)
 {
     for (size_t i = 0; i < suite->count; i++) {
@@ -355,7 +357,7 @@ static bool is_met(const struct suite *suite, const struct layout *layout,
 }
 
 /* The names on standard output; on standard error how much of the tables they are. */
-static void list_suite(const struct suite *suite)
+static void list_suite(const struct hard_suite *suite)
 {
     size_t cases = 0, l, b, of_layouts = 0, of_builders = 0;
     for (size_t i = 0; i < suite->count; i++) {
@@ -375,11 +377,11 @@ static void list_suite(const struct suite *suite)
 int conform_hard(const struct conform_hard_options *o)
 {
     static struct chosen chosen;
-    struct suite suite = {.pattern = o->pattern,
-                          .quick = o->quick,
-                          .engine = o->engine,
-                          .tables = choose(o, &chosen),
-                          .tri_named = o->list_of[TABLE_TRI_TESTS].count > 0};
+    struct hard_suite suite = {.pattern = o->pattern,
+                               .quick = o->quick,
+                               .engine = o->engine,
+                               .tables = choose(o, &chosen),
+                               .tri_named = o->list_of[TABLE_TRI_TESTS].count > 0};
     struct reason reason = {""};
     enum status status = suite_make(&suite, &reason);
     int code = EXIT_AGREE;

@@ -44,13 +44,13 @@ void conform_report_expect(struct conform_report *report, const struct list list
     report->expected += report->expected ? report->turnout.count : 0;
 }
 
-static bool counts_as_passed(enum outcome outcome)
+static bool counts_as_passed(enum matrix_outcome outcome)
 {
     return outcome == OUTCOME_PASSED || outcome == OUTCOME_KNOWN;
 }
 
 /* In TAP and JUnit alike. */
-static struct ci_case case_of(const struct conform_entry *entry, enum outcome outcome,
+static struct ci_case case_of(const struct conform_entry *entry, enum matrix_outcome outcome,
                               const char *why)
 {
     bool plain = counts_as_passed(outcome);
@@ -65,7 +65,7 @@ static struct ci_case case_of(const struct conform_entry *entry, enum outcome ou
 }
 
 static void print_entry(const struct conform_report *report, const struct ci_case *one,
-                        enum outcome outcome, const char *why)
+                        enum matrix_outcome outcome, const char *why)
 {
     static const char *const words[OUTCOME_COUNT] = {"SKIPPED", "REFUSED", "PASSED",
                                                      "KNOWN",   "WAIVED",  "FAILED"};
@@ -81,7 +81,7 @@ static void print_entry(const struct conform_report *report, const struct ci_cas
     }
 }
 
-static enum waiver_event event_of(enum outcome outcome)
+static enum waiver_event event_of(enum matrix_outcome outcome)
 {
     if (outcome == OUTCOME_FAILED)
         return WAIVER_FAILED;
@@ -95,10 +95,11 @@ static void ask_versions(struct conform_report *report)
         conform_versions(&report->options, report->versions, sizeof report->versions);
 }
 
-enum outcome conform_report_put(struct conform_report *report, const struct conform_entry *entry,
-                                const struct waiver **waiver)
+enum matrix_outcome conform_report_put(struct conform_report *report,
+                                       const struct conform_entry *entry,
+                                       const struct waiver **waiver)
 {
-    enum outcome outcome = entry->outcome;
+    enum matrix_outcome outcome = entry->outcome;
     char why[512];
     if (outcome == OUTCOME_FAILED && waivers_name_version(&report->waivers, entry->name))
         ask_versions(report);
@@ -125,8 +126,9 @@ enum outcome conform_report_put(struct conform_report *report, const struct conf
 }
 
 /* What became of the trial, and one line that says why. */
-static enum outcome decide(enum status status, const struct row *row, const struct reason *reason,
-                           bool required, char *why, size_t why_bytes)
+static enum matrix_outcome decide(enum status status, const struct row *row,
+                                  const struct reason *reason, bool required, char *why,
+                                  size_t why_bytes)
 {
     if (status || row->status == ROW_FAILED) {
         snprintf(why, why_bytes, "%s", status ? reason->text : row->reason.text);
@@ -197,7 +199,7 @@ void conform_report_add(struct conform_report *report, const char *name, enum st
     bool engine_failed = status == STATUS_OK && row->status == ROW_FAILED;
     entry.outcome = decide(status, row, reason, required, why, sizeof why);
     entry.code = status ? exit_of_status(status) : engine_failed ? EXIT_ENGINE : EXIT_MISMATCH;
-    enum outcome outcome = conform_report_put(report, &entry, NULL);
+    enum matrix_outcome outcome = conform_report_put(report, &entry, NULL);
     report->absent += outcome == OUTCOME_SKIPPED && row->absent;
     if (status == STATUS_OK)
         count_turnout(&report->turnout, row);

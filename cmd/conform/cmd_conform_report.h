@@ -29,7 +29,7 @@ struct conform_report {
 /* What became of one trial or hard case. */
 struct conform_entry {
     const char *name;
-    enum outcome outcome; /* a waiver turns OUTCOME_FAILED into OUTCOME_WAIVED */
+    enum matrix_outcome outcome; /* a waiver turns OUTCOME_FAILED into OUTCOME_WAIVED */
     const char *why;
     int code;   /* of a failure */
     bool plain; /* a failure that no waiver may excuse */
@@ -52,8 +52,9 @@ void conform_report_expect(struct conform_report *report, const struct list list
 
 /* Counts and prints an entry; returns what it is under the waivers, and the waiver that excuses it
  * in *waiver (may be NULL). */
-enum outcome conform_report_put(struct conform_report *report, const struct conform_entry *entry,
-                                const struct waiver **waiver);
+enum matrix_outcome conform_report_put(struct conform_report *report,
+                                       const struct conform_entry *entry,
+                                       const struct waiver **waiver);
 
 /* Adds the outcome of one trial: `status` and `reason` of stage_run, and its row. */
 void conform_report_add(struct conform_report *report, const char *name, enum status status,

@@ -23,11 +23,11 @@ static const enum table without_tree[] = {TABLE_ENGINES, TABLE_TRI_TESTS, TABLE_
                                           TABLE_GENERATORS, TABLE_RAY_SETS};
 
 /* Member indices of a trial, by table. */
-struct choice {
+struct suite_choice {
     size_t index[TABLE_COUNT];
 };
 
-static struct trial trial_of(const struct choice *c)
+static struct trial trial_of(const struct suite_choice *c)
 {
     struct trial trial = {.query = (enum query)c->index[TABLE_QUERIES],
                           .engine = engines[c->index[TABLE_ENGINES]],
@@ -183,7 +183,7 @@ static enum status add_covering(struct suite *suite, bool tree, struct reason *r
     }
     enum status status = covering_make(members, tables, &covering, reason);
     for (uint32_t r = 0; r < covering.rows && !status; r++) {
-        struct choice choice = {{0}};
+        struct suite_choice choice = {{0}};
         for (uint32_t t = 0; t < tables; t++)
             choice.index[table[t]] = list[t].index[covering.member[r * tables + t]];
         struct trial trial = trial_of(&choice);
@@ -207,7 +207,7 @@ static enum status add_product(struct suite *suite, bool tree, bool everywhere)
             return STATUS_OK;
     }
     for (uint32_t t = 0; t < combined;) {
-        struct choice choice = {{0}};
+        struct suite_choice choice = {{0}};
         if (!everywhere) {
             /* Engines, the first table, share scene and rays. */
             size_t turn = serial++ / list[0].count;
@@ -369,7 +369,7 @@ static bool is_of_trees(enum table table)
 /* The pair among the first members that take part of all other tables. */
 static enum status add_pair(const struct suite *suite, const struct met *met, struct suite *more)
 {
-    struct choice choice = {{0}};
+    struct suite_choice choice = {{0}};
     bool tree = is_of_trees(met->a) || is_of_trees(met->b) ||
                 members_of(suite, TABLE_ENGINES, true).count > 0;
     for (enum table t = 0; t < TABLE_COUNT; t++) {

@@ -118,14 +118,14 @@ enum status trial_parse(const char *name, struct trial *out, struct reason *reas
     return parse_fields(field, out, reason);
 }
 
-static void drop_match(struct stage *stage)
+static void drop_match(struct trial_stage *stage)
 {
     if (stage->has_match)
         match_free(&stage->match);
     stage->has_match = false;
 }
 
-static void drop_scene(struct stage *stage)
+static void drop_scene(struct trial_stage *stage)
 {
     drop_match(stage);
     if (stage->has_scene)
@@ -135,13 +135,14 @@ static void drop_scene(struct stage *stage)
     stage->has_scene = false;
 }
 
-void trial_stage_free(struct stage *stage)
+void trial_stage_free(struct trial_stage *stage)
 {
     drop_scene(stage);
     pool_free(&stage->pool);
 }
 
-static enum status set_scene(struct stage *stage, const struct trial *trial, struct reason *reason)
+static enum status set_scene(struct trial_stage *stage, const struct trial *trial,
+                             struct reason *reason)
 {
     if (stage->has_scene && stage->seed == trial->seed && stage->rays == trial->rays &&
         strcmp(stage->scene_spec, trial->scene) == 0)
@@ -166,7 +167,8 @@ static enum status set_scene(struct stage *stage, const struct trial *trial, str
 }
 
 /* The match of the stage's scene and rays, with the trial's builder and triangle test. */
-static enum status set_match(struct stage *stage, const struct trial *trial, struct reason *reason)
+static enum status set_match(struct trial_stage *stage, const struct trial *trial,
+                             struct reason *reason)
 {
     const struct builder *builder = trial->builder ? trial->builder : builders[0];
     const struct box_test *box = trial->box ? trial->box : box_tests[0];
@@ -197,7 +199,7 @@ static enum status set_match(struct stage *stage, const struct trial *trial, str
     return status;
 }
 
-enum status trial_stage_run(struct stage *stage, const struct trial *trial, struct row *row,
+enum status trial_stage_run(struct trial_stage *stage, const struct trial *trial, struct row *row,
                             struct reason *reason)
 {
     *row = (struct row){.engine = trial->engine, .layout = trial->layout};

@@ -33,7 +33,7 @@ void trial_print(const struct trial *trial, char name[TRIAL_NAME_MOST]);
 enum status trial_parse(const char *name, struct trial *out, struct reason *reason) MUST_USE;
 
 /* Where trials run: keeps the last scene, rays, tree and packed layout for the next trial. */
-struct stage {
+struct trial_stage {
     struct pool pool;
     size_t ray_count;
     uint64_t brute_budget;
@@ -50,9 +50,9 @@ struct stage {
 
 /* Runs one trial. Errors: those of reading the scene, making rays or the reference; everything
  * else is in *row. A builder that would never end and a layout that refuses are ROW_REFUSED. */
-enum status trial_stage_run(struct stage *stage, const struct trial *trial, struct row *row,
+enum status trial_stage_run(struct trial_stage *stage, const struct trial *trial, struct row *row,
                             struct reason *reason) MUST_USE;
 
-void trial_stage_free(struct stage *stage);
+void trial_stage_free(struct trial_stage *stage);
 
 #endif

@@ -30,7 +30,7 @@ struct diff_member {
     struct reason reason;
     struct side side;
     struct pair pair;      /* with the first engine that runs; of that one empty */
-    struct walk walk;      /* of --pixel */
+    struct diff_walk walk; /* of --pixel */
     enum path_field field; /* of --pixel: in which a renderer of its own leaves that walk */
     uint32_t segment;      /* there */
 };

@@ -200,7 +200,7 @@ static enum status print_member(struct page *page, size_t i, uint32_t segment,
 {
     const struct diff_run *run = page->run;
     const struct diff_member *member = &run->member[i];
-    const struct walk *walk = &member->walk;
+    const struct diff_walk *walk = &member->walk;
     struct first_bit first = walk_first_bit(&run->member[run->reference].walk, walk, 0);
     bool at = first.differs && first.segment == segment;
     if (segment >= walk->length[0]) {

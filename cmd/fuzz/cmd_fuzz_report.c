@@ -15,8 +15,9 @@
 
 #define NAME_MOST 64
 
-enum report_state fuzz_state_of(const struct fuzz_command *c, const struct campaign_view *view,
-                                size_t i, struct baseline_answer *answer)
+enum findings_report_state fuzz_state_of(const struct fuzz_command *c,
+                                         const struct campaign_view *view, size_t i,
+                                         struct baseline_answer *answer)
 {
     const struct findings_entry *entry = findings_entry(view->findings, i);
     struct baseline baseline = c->baseline; /* asking notes what was used; the list is shared */
@@ -86,7 +87,7 @@ static json_t *finding_json(const struct fuzz_command *c, const struct campaign_
     if (!whole)
         return row;
     struct baseline_answer answer;
-    enum report_state state = fuzz_state_of(c, view, i, &answer);
+    enum findings_report_state state = fuzz_state_of(c, view, i, &answer);
     char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
     findings_path(view->findings, &entry->signature, "smallest.trial", smallest, sizeof smallest);
     findings_path(view->findings, &entry->signature, "first.trial", first, sizeof first);
@@ -207,7 +208,7 @@ enum status fuzz_stats(const struct fuzz_command *c, const struct campaign_view 
 
 #define NOTES_MOST 32
 
-/* What struct report borrows. */
+/* What struct findings_report borrows. */
 struct report_room {
     struct report_finding *finding;
     char (*text)[6][FUZZ_PATH_MOST]; /* signature, reason, first, smallest, replay, none */
@@ -223,7 +224,7 @@ static void fill_finding(const struct fuzz_command *c, const struct campaign_vie
     const struct findings_entry *entry = findings_entry(view->findings, i);
     char(*text)[FUZZ_PATH_MOST] = room->text[i];
     struct baseline_answer answer;
-    enum report_state state = fuzz_state_of(c, view, i, &answer);
+    enum findings_report_state state = fuzz_state_of(c, view, i, &answer);
     fuzz_signature_print(&entry->signature, text[0]);
     snprintf(text[1], FUZZ_PATH_MOST, "%s", answer.text);
     findings_path(view->findings, &entry->signature, "first.trial", text[2], FUZZ_PATH_MOST);
@@ -282,16 +283,16 @@ static enum status write_ci(const struct fuzz_command *c, const struct campaign_
     if (!room || !room->finding || !room->text) {
         status = fail(reason, STATUS_MEMORY, "no memory for a report");
     } else {
-        struct report report = {.seed = c->seed,
-                                .trials = view->trials + view->before,
-                                .judged = view->judged,
-                                .seconds = seconds(view->ns),
-                                .harness_share = campaign_harness_share(view, NULL),
-                                .contestant = room->contestant,
-                                .contestants = view->options->rules.field.count,
-                                .finding = room->finding,
-                                .findings = count,
-                                .note = room->note};
+        struct findings_report report = {.seed = c->seed,
+                                         .trials = view->trials + view->before,
+                                         .judged = view->judged,
+                                         .seconds = seconds(view->ns),
+                                         .harness_share = campaign_harness_share(view, NULL),
+                                         .contestant = room->contestant,
+                                         .contestants = view->options->rules.field.count,
+                                         .finding = room->finding,
+                                         .findings = count,
+                                         .note = room->note};
         fill_contestants(view, room);
         for (size_t i = 0; i < count; i++)
             fill_finding(c, view, i, room);
@@ -319,7 +320,7 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
     char signature[FUZZ_SIGNATURE_MOST], path[FUZZ_PATH_MOST];
     char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
     struct baseline_answer answer;
-    enum report_state state = fuzz_state_of(c, view, i, &answer);
+    enum findings_report_state state = fuzz_state_of(c, view, i, &answer);
     fuzz_signature_print(&entry->signature, signature);
     findings_path(view->findings, &entry->signature, "smallest.trial", path, sizeof path);
     printf("%-7s  %s  %llu time%s, smallest: %u triangle%s, %u ray%s\n", report_state_name(state),

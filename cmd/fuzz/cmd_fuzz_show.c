@@ -74,20 +74,20 @@ static void left_text(const struct campaign_view *view, char text[40])
 }
 
 /* Items of a list, as many rows as they need. */
-struct items {
+struct show_items {
     struct fuzz_command *command;
     const char *label;
     char text[ROW_MOST];
 };
 
-static void end_row(struct items *items)
+static void end_row(struct show_items *items)
 {
     row(items->command, "%-9s %s", items->label, items->text);
     items->label = "";
     items->text[0] = '\0';
 }
 
-static void add_share(struct items *items, const char *name, double share)
+static void add_share(struct show_items *items, const char *name, double share)
 {
     char one[ROW_MOST];
     size_t used = strlen(items->text), room = room_of();
@@ -104,7 +104,7 @@ static void add_share(struct items *items, const char *name, double share)
 static void show_shares(struct fuzz_command *c, const struct campaign_view *view)
 {
     const struct fuzz_field *field = &view->options->rules.field;
-    struct items items = {.command = c, .label = "time"};
+    struct show_items items = {.command = c, .label = "time"};
     double all = 0, harness = campaign_harness_share(view, NULL);
     for (size_t i = 0; i < field->count; i++)
         all += (double)view->time.engine[i];
@@ -125,7 +125,7 @@ static void show_shares(struct fuzz_command *c, const struct campaign_view *view
 
 static void show_verdicts(struct fuzz_command *c, const struct campaign_view *view)
 {
-    struct items items = {.command = c, .label = "verdicts"};
+    struct show_items items = {.command = c, .label = "verdicts"};
     uint64_t all = 0;
     for (size_t v = 0; v < VERDICT_COUNT; v++)
         all += view->count[v];

@@ -75,7 +75,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
 }
 
 /* What is judged. Owns all but the names. */
-struct judging {
+struct judge_run {
     const char *command;
     const struct judge_options *options;
     const char *spec, *ray_name; /* as a user names scene and rays */
@@ -85,7 +85,7 @@ struct judging {
     struct pipe_text answer;
 };
 
-static void judging_free(struct judging *j)
+static void judging_free(struct judge_run *j)
 {
     scene_free(&j->scene);
     pipe_text_free(&j->request);
@@ -112,8 +112,8 @@ static enum status read_all(const char *path, char **bytes, size_t *size, struct
 }
 
 /* The hits of a file, one for each ray. */
-static enum status parse_answer(struct judging *j, const char *name, const char *bytes, size_t size,
-                                struct reason *reason)
+static enum status parse_answer(struct judge_run *j, const char *name, const char *bytes,
+                                size_t size, struct reason *reason)
 {
     struct pipe_limits limits = {j->request.ray_count, j->scene.tri_count};
     enum status status = pipe_text_parse(name, bytes, size, &limits, &j->answer, reason);
@@ -130,7 +130,7 @@ static enum status parse_answer(struct judging *j, const char *name, const char 
     return STATUS_OK;
 }
 
-static enum status read_answer(struct judging *j, const char *path, struct reason *reason)
+static enum status read_answer(struct judge_run *j, const char *path, struct reason *reason)
 {
     char *bytes;
     size_t size;
@@ -143,7 +143,7 @@ static enum status read_answer(struct judging *j, const char *path, struct reaso
 }
 
 /* The rays of a file. A request holds a scene, too: it must be the one that was named. */
-static enum status read_rays(struct judging *j, const char *path, struct reason *reason)
+static enum status read_rays(struct judge_run *j, const char *path, struct reason *reason)
 {
     const struct pipe_limits limits = {SIZE_MAX, UINT32_MAX};
     const char *name = name_of(path);
@@ -167,7 +167,7 @@ static enum status read_rays(struct judging *j, const char *path, struct reason 
     return STATUS_OK;
 }
 
-static enum status play(struct judging *j, struct row *row, struct reason *reason)
+static enum status play(struct judge_run *j, struct row *row, struct reason *reason)
 {
     const struct pipe_text *a = &j->answer;
     struct recorded recorded = {.ray = j->request.ray,
@@ -204,7 +204,7 @@ static enum status play(struct judging *j, struct row *row, struct reason *reaso
 }
 
 /* Judges and prints; returns the exit code. */
-static int judge_all(struct judging *j)
+static int judge_all(struct judge_run *j)
 {
     struct row row;
     struct reason reason = {""};
@@ -233,7 +233,7 @@ static int judge_all(struct judging *j)
 }
 
 /* Everything read: judges; else says why not. */
-static int finish(struct judging *j, enum status status, const struct reason *reason)
+static int finish(struct judge_run *j, enum status status, const struct reason *reason)
 {
     int code = exit_of_status(status);
     if (status)
@@ -267,11 +267,11 @@ int cmd_judge(int argc, char **argv)
     code = options_refused("judge", &use);
     if (code >= 0)
         return code;
-    struct judging j = {.command = "judge",
-                        .options = &o,
-                        .spec = argv[first],
-                        .ray_name = argv[first + 1],
-                        .seed = o.seed};
+    struct judge_run j = {.command = "judge",
+                          .options = &o,
+                          .spec = argv[first],
+                          .ray_name = argv[first + 1],
+                          .seed = o.seed};
     enum status status = scene_open(j.spec, o.seed, &j.scene, &reason);
     if (!status)
         status = read_rays(&j, rays, &reason);
@@ -281,7 +281,7 @@ int cmd_judge(int argc, char **argv)
 }
 
 /* Makes scene and rays again from what the answer says of its request. */
-static enum status make_again(struct judging *j, const struct pipe_text *look,
+static enum status make_again(struct judge_run *j, const struct pipe_text *look,
                               struct reason *reason)
 {
     const struct pipe_from *from = &look->from;
@@ -321,7 +321,7 @@ static enum status make_again(struct judging *j, const struct pipe_text *look,
                          from->spec);
 }
 
-static enum status read_piped(struct judging *j, struct pipe_text *look, struct reason *reason)
+static enum status read_piped(struct judge_run *j, struct pipe_text *look, struct reason *reason)
 {
     const struct pipe_limits limits = {SIZE_MAX, UINT32_MAX};
     char *bytes;
@@ -358,7 +358,7 @@ int cmd_verify(int argc, char **argv)
     code = options_refused("verify", &(struct option_use){.by = "verify", .never = "seed"});
     if (code >= 0)
         return code;
-    struct judging j = {.command = "verify", .options = &o};
+    struct judge_run j = {.command = "verify", .options = &o};
     struct pipe_text look = {0};
     enum status status = read_piped(&j, &look, &reason);
     code = finish(&j, status, &reason);

@@ -12,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum task { TASK_PLAY, TASK_PAGE, TASK_VERSIONS };
+enum worker_task { TASK_PLAY, TASK_PAGE, TASK_VERSIONS };
 
 struct request {
-    enum task task;
+    enum worker_task task;
     size_t file;
     struct fuzz_contestant who;
     uint32_t ray;
@@ -23,7 +23,7 @@ struct request {
     size_t engine_count;
 };
 
-struct reply {
+struct worker_reply {
     enum replay_fate fate;
     struct reason reason;
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
@@ -116,7 +116,7 @@ static enum status look_behind(struct troupe *troupe, struct open_player *open,
     return status;
 }
 
-static void play(struct troupe *troupe, const struct request *request, struct reply *reply)
+static void play(struct troupe *troupe, const struct request *request, struct worker_reply *reply)
 {
     const struct finding_file *file = &troupe->files[request->file].file;
     struct open_player *open = get_player(troupe, &request->who);
@@ -213,7 +213,8 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
     return STATUS_OK;
 }
 
-static void print_page(struct troupe *troupe, const struct request *request, struct reply *reply)
+static void print_page(struct troupe *troupe, const struct request *request,
+                       struct worker_reply *reply)
 {
     struct page_parts parts = {0};
     reply->printed = make_page(troupe, request, &parts, &reply->reason) == STATUS_OK;
@@ -231,7 +232,7 @@ static void serve(struct child *parent, void *user)
     struct request request;
     troupe.pool.options = worker->options->engines;
     while (child_receive_into(parent, &request, sizeof request, CHILD_FOREVER)) {
-        struct reply *reply = alloc_zeroed(1, sizeof *reply);
+        struct worker_reply *reply = alloc_zeroed(1, sizeof *reply);
         if (!reply)
             return;
         if (request.task == TASK_PLAY)
@@ -255,13 +256,14 @@ static void serve(struct child *parent, void *user)
 
 /* --- the parent ------------------------------------------------------------------------------ */
 
-static void ask(struct replay_worker *worker, const struct request *request, struct reply *reply)
+static void ask(struct replay_worker *worker, const struct request *request,
+                struct worker_reply *reply)
 {
     struct child *child = &worker->child;
     struct child_fate fate;
     const void *bytes;
     size_t size;
-    *reply = (struct reply){.fate = REPLAY_FAILED};
+    *reply = (struct worker_reply){.fate = REPLAY_FAILED};
     if (!child->pid && child_start(serve, worker, child, &reply->reason))
         return;
     enum child_got got = CHILD_GONE;
@@ -282,7 +284,7 @@ static void ask(struct replay_worker *worker, const struct request *request, str
 void replay_play(struct replay_worker *worker, size_t i, struct replay_played *played)
 {
     const struct request request = {.task = TASK_PLAY, .file = i, .who = played->who};
-    struct reply reply;
+    struct worker_reply reply;
     ask(worker, &request, &reply);
     played->fate = reply.fate;
     played->finding_count = reply.finding_count;
@@ -294,7 +296,7 @@ bool replay_page(struct replay_worker *worker, size_t i, const struct fuzz_conte
                  uint32_t ray)
 {
     const struct request request = {.task = TASK_PAGE, .file = i, .who = *who, .ray = ray};
-    struct reply reply;
+    struct worker_reply reply;
     if (ray >= worker->files[i].file.trial.ray_count)
         return false;
     ask(worker, &request, &reply);
@@ -305,7 +307,7 @@ void replay_versions(struct replay_worker *worker, size_t i)
 {
     struct replay_file *file = &worker->files[i];
     struct request request = {.task = TASK_VERSIONS, .file = i};
-    struct reply reply;
+    struct worker_reply reply;
     for (size_t k = 0; k < file->played_count; k++) {
         const struct engine *engine = file->played[k].who.engine;
         size_t seen = 0;

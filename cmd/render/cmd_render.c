@@ -138,22 +138,22 @@ static enum status take_option(void *user, int option, char *text, struct reason
 }
 
 /* What pictures are drawn into. */
-struct canvas {
+struct render_canvas {
     struct image image;
     struct segment *segment; /* or NULL */
     struct frame frame;
 };
 
-static void canvas_free(struct canvas *canvas)
+static void canvas_free(struct render_canvas *canvas)
 {
     image_free(&canvas->image);
     free(canvas->segment);
 }
 
 static enum status canvas_make(const struct render *r, const struct render_stage *stage,
-                               struct canvas *out, struct reason *reason)
+                               struct render_canvas *out, struct reason *reason)
 {
-    *out = (struct canvas){.segment = NULL};
+    *out = (struct render_canvas){.segment = NULL};
     const struct frame_job *job = &stage->job;
     enum status status = image_make(job->width, job->height, &out->image, reason);
     if (status)
@@ -173,7 +173,7 @@ static void show_progress(void *user, double share)
 }
 
 static enum status draw_one(const struct render *r, const struct render_stage *stage,
-                            struct renderer *renderer, struct canvas *canvas, uint32_t i,
+                            struct renderer *renderer, struct render_canvas *canvas, uint32_t i,
                             struct frame_record *record, struct reason *reason)
 {
     const struct frame_job *job = &stage->job;
@@ -215,7 +215,7 @@ static void print_one(const struct render_stage *stage, const struct frame_recor
 
 /* *done counts the pictures that are whole. */
 static enum status draw_all(const struct render *r, const struct render_stage *stage,
-                            struct renderer *renderer, struct canvas *canvas,
+                            struct renderer *renderer, struct render_canvas *canvas,
                             struct paths_out *paths, struct frame_record *record, uint32_t *done,
                             struct reason *reason)
 {
@@ -252,7 +252,7 @@ static enum status draw_all(const struct render *r, const struct render_stage *s
 static enum status render(const struct render *r, const struct render_stage *stage,
                           struct renderer *renderer, struct reason *reason)
 {
-    struct canvas canvas;
+    struct render_canvas canvas;
     struct paths_out paths = {.json = false};
     uint32_t done = 0;
     struct frame_record *record = alloc_zeroed(r->frames, sizeof *record);

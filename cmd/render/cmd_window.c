@@ -50,7 +50,7 @@ static enum status take_option(void *user, int option, char *text, struct reason
 }
 
 /* What is on the screen. */
-struct showing {
+struct window_showing {
     const struct render_settings *settings;
     struct render_stage stage;
     struct renderer *renderer;
@@ -68,7 +68,7 @@ struct showing {
 static volatile sig_atomic_t caught;
 
 /* Draws the picture as seen now, at its size. */
-static enum status draw(struct showing *s, struct reason *reason)
+static enum status draw(struct window_showing *s, struct reason *reason)
 {
     struct view view = render_stage_view(&s->stage, s->angle);
     struct frame frame = {.pixel = s->image.pixel};
@@ -93,7 +93,8 @@ static enum status draw(struct showing *s, struct reason *reason)
 }
 
 /* Makes the picture that large. */
-static enum status resize(struct showing *s, uint32_t width, uint32_t height, struct reason *reason)
+static enum status resize(struct window_showing *s, uint32_t width, uint32_t height,
+                          struct reason *reason)
 {
     image_free(&s->image);
     s->stage.job.width = width;
@@ -106,7 +107,7 @@ static enum status resize(struct showing *s, uint32_t width, uint32_t height, st
 }
 
 /* Turns by the keys, as far as time has come. A stall is one frame long, as pacing says. */
-static void turn(struct showing *s, double moved_ms)
+static void turn(struct window_showing *s, double moved_ms)
 {
     if (moved_ms <= 0 || s->turn_ms == 0)
         return;
@@ -118,7 +119,7 @@ static void turn(struct showing *s, double moved_ms)
     pacing_touch(&s->pacing);
 }
 
-static bool is_over(const struct showing *s)
+static bool is_over(const struct window_showing *s)
 {
     double seconds = 1e-9 * (double)(time_ns() - s->start_ns);
     return (asked.pictures && s->pictures >= asked.pictures) ||
@@ -126,7 +127,7 @@ static bool is_over(const struct showing *s)
 }
 
 /* How long to wait for something to happen. */
-static unsigned wait_ms(const struct showing *s, bool turning)
+static unsigned wait_ms(const struct window_showing *s, bool turning)
 {
     if (!turning && s->turn_ms == 0 && !s->pacing.stale)
         return LOOK_MS;
@@ -134,7 +135,7 @@ static unsigned wait_ms(const struct showing *s, bool turning)
     return ms < LOOK_MS ? (unsigned)ms : LOOK_MS;
 }
 
-static enum status loop(struct showing *s, struct reason *reason)
+static enum status loop(struct window_showing *s, struct reason *reason)
 {
     struct window_news news = {0};
     enum status status = STATUS_OK;
@@ -158,7 +159,7 @@ static enum status loop(struct showing *s, struct reason *reason)
 }
 
 /* Everything but the window. */
-static enum status open_all(struct showing *s, struct reason *reason)
+static enum status open_all(struct window_showing *s, struct reason *reason)
 {
     const struct render_settings *settings = s->settings;
     enum status status = STATUS_OK;
@@ -179,7 +180,7 @@ static enum status open_all(struct showing *s, struct reason *reason)
 }
 
 /* Without a display a picture can still be drawn where one was asked for. */
-static enum status open_window(struct showing *s, struct reason *reason)
+static enum status open_window(struct window_showing *s, struct reason *reason)
 {
     struct reason why;
     process_signals_caught(&caught);
@@ -195,7 +196,7 @@ static enum status open_window(struct showing *s, struct reason *reason)
     return STATUS_OK;
 }
 
-static enum status close_files(struct showing *s, struct reason *reason)
+static enum status close_files(struct window_showing *s, struct reason *reason)
 {
     enum status status = STATUS_OK;
     if (s->settings->out_given && s->pictures > 0)
@@ -208,7 +209,7 @@ static enum status close_files(struct showing *s, struct reason *reason)
 static int run(const struct render_settings *settings, const char *value)
 {
     (void)value;
-    struct showing s = {.settings = settings};
+    struct window_showing s = {.settings = settings};
     struct reason reason = {""};
     enum status status = open_all(&s, &reason);
     if (!status)

@@ -105,7 +105,7 @@ void runner_close(struct runner *runner)
 
 /* --- a child ------------------------------------------------------------------------------ */
 
-struct order {
+struct run_order {
     command_fn *command;
     const struct line *line;
     char out[PATH_MOST], err[PATH_MOST];
@@ -126,7 +126,7 @@ static bool stand_in(const char *path, int flags, int standard)
 
 static void obey(struct child *parent, void *user)
 {
-    struct order *order = user;
+    struct run_order *order = user;
     int code = EXIT_INTERNAL;
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
@@ -195,7 +195,7 @@ static void attend(struct runner *runner, struct child *child, const struct line
 enum status runner_run(struct runner *runner, command_fn *command, const struct line *line,
                        struct run *run, struct reason *reason)
 {
-    struct order order = {.command = command, .line = line};
+    struct run_order order = {.command = command, .line = line};
     struct child child;
     *run = (struct run){.code = EXIT_INTERNAL};
     runner->parts++;

@@ -214,9 +214,9 @@ static enum status go_on(struct campaign *c, struct reason *reason)
 
 static void close_all(struct campaign *c)
 {
-    struct block *next;
+    struct campaign_block *next;
     campaign_crew_end(c, 2000);
-    for (struct block *block = c->first; block; block = next) {
+    for (struct campaign_block *block = c->first; block; block = next) {
         next = block->next;
         campaign_block_free(block);
     }

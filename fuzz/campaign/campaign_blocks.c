@@ -9,10 +9,10 @@
 
 /* --- which comes next ------------------------------------------------------------------------ */
 
-static struct block *make(struct campaign *c, enum work_stream stream, uint64_t first,
-                          uint64_t count)
+static struct campaign_block *make(struct campaign *c, enum work_stream stream, uint64_t first,
+                                   uint64_t count)
 {
-    struct block *block = alloc_zeroed(1, sizeof *block);
+    struct campaign_block *block = alloc_zeroed(1, sizeof *block);
     if (!block)
         return NULL;
     block->stream = stream;
@@ -35,10 +35,10 @@ static uint64_t mutants_of(const struct campaign *c, const struct fuzz_trial *ba
     return count < 1 ? 1 : count < FUZZ_BATCH ? count : FUZZ_BATCH;
 }
 
-static struct block *make_mutants(struct campaign *c)
+static struct campaign_block *make_mutants(struct campaign *c)
 {
     const struct fuzz_trial *base = feedback_choose(c->feedback, &c->rng);
-    struct block *block =
+    struct campaign_block *block =
         base ? make(c, WORK_MUT, c->mut_next * FUZZ_BATCH, mutants_of(c, base)) : NULL;
     if (block) {
         block->base = base;
@@ -76,13 +76,13 @@ static bool has_next(struct campaign *c)
 }
 
 /* From c->next to the end of its block, or of the campaign. */
-static struct block *make_next(struct campaign *c)
+static struct campaign_block *make_next(struct campaign *c)
 {
     const struct campaign_options *o = c->options;
     uint64_t count = FUZZ_BATCH - c->next % FUZZ_BATCH;
     if (o->trials > 0 && o->trials - c->next < count)
         count = o->trials - c->next;
-    struct block *block = make(c, WORK_GEN, c->next, count);
+    struct campaign_block *block = make(c, WORK_GEN, c->next, count);
     if (block && o->rules.field.drawn)
         campaign_pairs_draw(c, block);
     c->next += block ? count : 0;
@@ -95,10 +95,10 @@ bool campaign_blocks_left(const struct campaign *c)
     return own_trial(c->options, c->applied) < c->options->trials;
 }
 
-struct block *campaign_block_next(struct campaign *c, enum status *status)
+struct campaign_block *campaign_block_next(struct campaign *c, enum status *status)
 {
     const struct campaign_options *o = c->options;
-    struct block *block = NULL;
+    struct campaign_block *block = NULL;
     bool wanted = true;
     *status = STATUS_OK;
     if (c->ending || c->waiting >= CAMPAIGN_WAITING + o->jobs)
@@ -121,14 +121,14 @@ struct block *campaign_block_next(struct campaign *c, enum status *status)
     return block;
 }
 
-void campaign_block_free(struct block *block)
+void campaign_block_free(struct campaign_block *block)
 {
     if (block)
         free(block->finding);
     free(block);
 }
 
-struct work_order campaign_block_order(const struct block *block)
+struct work_order campaign_block_order(const struct campaign_block *block)
 {
     struct work_order order = {
         .stream = block->stream, .first = block->first, .count = block->count, .draw = block->draw};
@@ -155,7 +155,7 @@ static void add_times(struct campaign *c, const struct work_report *report)
     c->view.explain_ns += report->explain_ns;
 }
 
-static enum status keep(struct block *block, const struct work_finding *finding)
+static enum status keep(struct campaign_block *block, const struct work_finding *finding)
 {
     void *array = block->finding;
     if (array_reserve(&array, &block->finding_capacity, block->findings + 1,
@@ -167,7 +167,7 @@ static enum status keep(struct block *block, const struct work_finding *finding)
 }
 
 /* The next trial that is played alone. */
-static void go_on_alone(struct block *block, uint32_t at)
+static void go_on_alone(struct campaign_block *block, uint32_t at)
 {
     block->at = at;
     block->left_out = MUTANT == MUTANT_STILL_LEFT_OUT ? block->left_out : 0;
@@ -176,7 +176,7 @@ static void go_on_alone(struct block *block, uint32_t at)
 
 /* A finding that only the parent has seen. `contestant` of FUZZ_CONTESTANTS_MOST: it was none of
  * them, so it is us. */
-static enum status keep_death(struct campaign *c, struct block *block, uint32_t trial,
+static enum status keep_death(struct campaign *c, struct campaign_block *block, uint32_t trial,
                               const struct death *death, enum cause cause)
 {
     const struct fuzz_field *field = &c->options->rules.field;
@@ -197,7 +197,7 @@ static enum status keep_death(struct campaign *c, struct block *block, uint32_t 
 }
 
 /* What ended the worker did not do it again: it is kept with the first trial that was at risk. */
-static enum status end_alone(struct campaign *c, struct block *block)
+static enum status end_alone(struct campaign *c, struct campaign_block *block)
 {
     uint32_t first = block->death.trial < block->count ? (uint32_t)block->death.trial : 0;
     block->done = true;
@@ -205,7 +205,7 @@ static enum status end_alone(struct campaign *c, struct block *block)
                              : keep_death(c, block, first, &block->death, CAUSE_NOT_REPEATABLE);
 }
 
-enum status campaign_block_take(struct campaign *c, struct block *block,
+enum status campaign_block_take(struct campaign *c, struct campaign_block *block,
                                 const struct work_parts *parts)
 {
     uint32_t from = block->alone ? block->at : 0;
@@ -226,7 +226,8 @@ enum status campaign_block_take(struct campaign *c, struct block *block,
     return status;
 }
 
-enum status campaign_block_died(struct campaign *c, struct block *block, const struct death *death)
+enum status campaign_block_died(struct campaign *c, struct campaign_block *block,
+                                const struct death *death)
 {
     enum status status = STATUS_OK;
     if (!block->alone && MUTANT == MUTANT_BLAMED_TOGETHER) {
@@ -260,7 +261,8 @@ enum status campaign_block_died(struct campaign *c, struct block *block, const s
 
 /* --- what becomes of it ----------------------------------------------------------------------- */
 
-static void count_trial(struct campaign *c, const struct block *block, const struct work_trial *one)
+static void count_trial(struct campaign *c, const struct campaign_block *block,
+                        const struct work_trial *one)
 {
     struct campaign_view *view = &c->view;
     uint32_t most = CAMPAIGN_TRIANGLES - 1;
@@ -310,7 +312,7 @@ static enum status add_finding(struct campaign *c, const struct work_finding *on
 
 /* The trial's findings, and its place in the feedback; it is made anew only if somebody needs it.
  */
-static enum status apply_trial(struct campaign *c, const struct block *block, uint32_t i,
+static enum status apply_trial(struct campaign *c, const struct campaign_block *block, uint32_t i,
                                struct reason *reason)
 {
     const uint64_t *coverage = block->trial[i].coverage;
@@ -334,7 +336,8 @@ static enum status apply_trial(struct campaign *c, const struct block *block, ui
     return status;
 }
 
-enum status campaign_block_apply(struct campaign *c, struct block *block, struct reason *reason)
+enum status campaign_block_apply(struct campaign *c, struct campaign_block *block,
+                                 struct reason *reason)
 {
     enum status status = STATUS_OK;
     for (uint32_t i = 0; i < block->count && !status; i++) {
@@ -361,7 +364,7 @@ enum status campaign_blocks_apply(struct campaign *c, struct reason *reason)
     enum status status = STATUS_OK;
     const struct campaign_options *o = c->options;
     while (c->first && c->first->done && !status) {
-        struct block *block = c->first;
+        struct campaign_block *block = c->first;
         c->first = block->next;
         c->last = c->first ? c->last : &c->first;
         c->waiting--;

@@ -131,7 +131,7 @@ enum status campaign_crew_order(struct campaign *c, struct reason *reason)
 static enum status after_block(struct campaign *c, struct slot *slot, enum status status,
                                struct reason *reason)
 {
-    struct block *block = slot->block;
+    struct campaign_block *block = slot->block;
     if (status)
         return fail(reason, status, "no memory for what workers report");
     if (!block->done) {

@@ -13,7 +13,7 @@ struct death {
 };
 
 /* Trials that are played together, and what came of them. */
-struct block {
+struct campaign_block {
     enum work_stream stream;
     uint64_t first;
     uint32_t count;
@@ -31,7 +31,7 @@ struct block {
     bool unexplained;  /* the worker died of explaining */
     bool died_alone;   /* one of them did */
     struct death death;
-    struct block *next; /* in the order of applying */
+    struct campaign_block *next; /* in the order of applying */
 };
 
 /* Blocks that wait for an earlier one to be applied, beyond those that workers have. */
@@ -52,7 +52,7 @@ struct slot {
     struct child child;
     struct work_watch *watch; /* shared */
     enum slot_task task;
-    struct block *block;
+    struct campaign_block *block;
     size_t entry;                  /* of SLOT_SHRINK and SLOT_AGAIN */
     uint32_t failures;             /* starts in a row that failed */
     uint32_t stops;                /* workers in a row that were stopped for too long */
@@ -84,7 +84,7 @@ struct campaign {
     uint64_t mut_next;                     /* block of stream mut */
     uint64_t ordered, mutated;             /* blocks of this run */
     uint64_t mut_triangles, gen_triangles; /* of those blocks, those of gen about */
-    struct block *first, **last;           /* corpus and gen, in order */
+    struct campaign_block *first, **last;  /* corpus and gen, in order */
     size_t waiting;                        /* blocks in that list */
     struct feedback *feedback;
     struct rng rng; /* of choosing whom to mutate */
@@ -120,20 +120,20 @@ bool campaign_is_played(const struct campaign *c);
 /* --- campaign_blocks.c --- */
 
 /* The next block to play; NULL: there is none now (or no memory: *status). */
-struct block *campaign_block_next(struct campaign *c, enum status *status);
+struct campaign_block *campaign_block_next(struct campaign *c, enum status *status);
 /* True if trials that options->trials asks for have not been applied, whatever stopped them. */
 bool campaign_blocks_left(const struct campaign *c);
-void campaign_block_free(struct block *block);
+void campaign_block_free(struct campaign_block *block);
 /* Takes a worker's report into the block; true if the block is done. Errors: STATUS_MEMORY. */
-enum status campaign_block_take(struct campaign *c, struct block *block,
+enum status campaign_block_take(struct campaign *c, struct campaign_block *block,
                                 const struct work_parts *parts) MUST_USE;
 /* Takes a worker's death while it played the block. Errors: STATUS_MEMORY. */
-enum status campaign_block_died(struct campaign *c, struct block *block,
+enum status campaign_block_died(struct campaign *c, struct campaign_block *block,
                                 const struct death *death) MUST_USE;
 /* The order of what is left of a block. */
-struct work_order campaign_block_order(const struct block *block);
+struct work_order campaign_block_order(const struct campaign_block *block);
 /* Applies a block of stream mut, and frees it. */
-enum status campaign_block_apply(struct campaign *c, struct block *block,
+enum status campaign_block_apply(struct campaign *c, struct campaign_block *block,
                                  struct reason *reason) MUST_USE;
 /* Applies and frees all blocks whose turn it is. */
 enum status campaign_blocks_apply(struct campaign *c, struct reason *reason) MUST_USE;
@@ -141,9 +141,9 @@ enum status campaign_blocks_apply(struct campaign *c, struct reason *reason) MUS
 /* --- campaign_pairs.c --- */
 
 /* Draws the members of a block of a drawn field. */
-void campaign_pairs_draw(struct campaign *c, struct block *block);
+void campaign_pairs_draw(struct campaign *c, struct campaign_block *block);
 /* Counts who met in its trials. */
-void campaign_pairs_count(struct campaign *c, const struct block *block);
+void campaign_pairs_count(struct campaign *c, const struct campaign_block *block);
 /* The tally of a drawn field is in the folder: pairs.txt. */
 enum status campaign_pairs_read(struct campaign *c, struct reason *reason) MUST_USE;
 enum status campaign_pairs_write(const struct campaign *c, struct reason *reason) MUST_USE;

@@ -9,7 +9,7 @@
 #define PAIRS_FILE "pairs.txt"
 
 /* One query for a block, and the same whenever a driver has what was compiled for these members. */
-static enum query choose_query(const struct campaign *c, const struct block *block)
+static enum query choose_query(const struct campaign *c, const struct campaign_block *block)
 {
     static const enum pair_factor of[] = {MEET_ENGINE, MEET_LAYOUT, MEET_STORE, MEET_TRI, MEET_BOX};
     const struct engine *engine = c->rules.field.who[block->draw.contestant].engine;
@@ -43,7 +43,7 @@ static struct work_draw draw_of(const struct campaign *c, const struct combinati
     return draw;
 }
 
-void campaign_pairs_draw(struct campaign *c, struct block *block)
+void campaign_pairs_draw(struct campaign *c, struct campaign_block *block)
 {
     struct pair_coverage *pair_coverage = c->options->pair_coverage;
     uint64_t number = block->first / FUZZ_BATCH;
@@ -73,7 +73,7 @@ static void count_trial(struct campaign *c, const struct work_trial *one)
 }
 
 /* As drawn: the members that the engine does not meet are in no pair. */
-static void count_drawn(struct campaign *c, const struct block *block)
+static void count_drawn(struct campaign *c, const struct campaign_block *block)
 {
     uint32_t bit = 1u << block->draw.contestant;
     struct missed missed = {block->first / FUZZ_BATCH + 1, block->combination, 0, 0};
@@ -95,7 +95,7 @@ static void count_drawn(struct campaign *c, const struct block *block)
     c->missed[(missed.block - 1) % CAMPAIGN_BEHIND] = missed;
 }
 
-void campaign_pairs_count(struct campaign *c, const struct block *block)
+void campaign_pairs_count(struct campaign *c, const struct campaign_block *block)
 {
     if (block->draw.on)
         count_drawn(c, block);

@@ -3,24 +3,24 @@
 #include <string.h>
 
 /* The file itself, with pointers that mean nothing, then these arrays of it. */
-struct part {
+struct worker_part {
     void *at;
     size_t bytes;
 };
 
 #define PARTS 3
 
-static void parts_of(const struct fuzz_trial *trial, struct part part[PARTS])
+static void parts_of(const struct fuzz_trial *trial, struct worker_part part[PARTS])
 {
     const struct scene *scene = &trial->scene;
-    part[0] = (struct part){scene->vertex, 3 * sizeof(float) * scene->vertex_count};
-    part[1] = (struct part){scene->index, 3 * sizeof(uint32_t) * scene->tri_count};
-    part[2] = (struct part){trial->ray, sizeof *trial->ray * trial->ray_count};
+    part[0] = (struct worker_part){scene->vertex, 3 * sizeof(float) * scene->vertex_count};
+    part[1] = (struct worker_part){scene->index, 3 * sizeof(uint32_t) * scene->tri_count};
+    part[2] = (struct worker_part){trial->ray, sizeof *trial->ray * trial->ray_count};
 }
 
 size_t worker_base_bytes(const struct finding_file *file)
 {
-    struct part part[PARTS];
+    struct worker_part part[PARTS];
     size_t bytes = sizeof *file;
     parts_of(&file->trial, part);
     for (size_t i = 0; i < PARTS; i++)
@@ -30,7 +30,7 @@ size_t worker_base_bytes(const struct finding_file *file)
 
 void worker_base_put(const struct finding_file *file, void *bytes)
 {
-    struct part part[PARTS];
+    struct worker_part part[PARTS];
     char *at = bytes;
     parts_of(&file->trial, part);
     memcpy(at, file, sizeof *file);
@@ -45,7 +45,7 @@ enum status worker_base_get(const void *bytes, size_t size, struct finding_file 
 {
     struct finding_file file;
     struct fuzz_trial made;
-    struct part part[PARTS];
+    struct worker_part part[PARTS];
     const char *at = bytes;
     *out = (struct finding_file){.has_signature = false};
     if (size < sizeof file)

@@ -169,13 +169,13 @@ static enum status add_around(struct export_case *the, struct asking *asking, ui
 
 /* Where the line of the ray and the edge from a to b are nearest: multiples of the direction and of
  * the edge, and the square of their distance there. */
-struct nearest {
+struct right_nearest {
     double t, s, square;
 };
 
-static struct nearest nearest_of(const struct ray *ray, const float a[3], const float b[3])
+static struct right_nearest nearest_of(const struct ray *ray, const float a[3], const float b[3])
 {
-    struct nearest out = {0};
+    struct right_nearest out = {0};
     double d[3], edge[3], to[3], at[3];
     for (int k = 0; k < 3; k++) {
         d[k] = (double)ray->dir[k];
@@ -202,7 +202,8 @@ static void follow_line(struct asking *asking, const struct twin *twin, double e
     bool inside = u >= 0 && v >= 0 && u + v <= 1;
     for (int c = 0; c < 3; c++) {
         double weight[3] = {0, 0, 0};
-        struct nearest nearest = nearest_of(asking->ray, asking->v[c], asking->v[(c + 1) % 3]);
+        struct right_nearest nearest =
+            nearest_of(asking->ray, asking->v[c], asking->v[(c + 1) % 3]);
         weight[c] = 1 - nearest.s;
         weight[(c + 1) % 3] = nearest.s;
         edge_t[c] = nearest.t;

@@ -6,7 +6,7 @@
 #define NAME_MOST  64
 
 /* A level of #if: one of ours, which is not written itself, or one of the program's own. */
-struct level {
+struct template_level {
     bool ours, taken;
 };
 
@@ -15,7 +15,7 @@ struct writing {
     export_data_fn *data;
     const void *user;
     FILE *to;
-    struct level level[DEPTH_MOST];
+    struct template_level level[DEPTH_MOST];
     int depth;
 };
 
@@ -47,12 +47,12 @@ static bool resolve(struct writing *w, const char *line)
 {
     const char *name = after(line, "#if EXPORT_");
     if (name || after(line, "#if")) {
-        struct level *level = &w->level[w->depth < DEPTH_MOST - 1 ? w->depth++ : w->depth];
+        struct template_level *level = &w->level[w->depth < DEPTH_MOST - 1 ? w->depth++ : w->depth];
         level->ours = name != NULL;
         level->taken = name && is_defined(w, name, strcspn(name, " \n"));
         return level->ours;
     }
-    struct level *top = w->depth ? &w->level[w->depth - 1] : NULL;
+    struct template_level *top = w->depth ? &w->level[w->depth - 1] : NULL;
     if (after(line, "#else") && top && top->ours) {
         top->taken = !top->taken;
         return true;

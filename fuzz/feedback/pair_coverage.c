@@ -42,8 +42,8 @@ const char *pair_coverage_name(const struct pair_coverage *m, enum pair_factor f
     }
 }
 
-struct pair *pair_coverage_of_pair(const struct pair_coverage *m, enum pair_factor a, uint32_t i,
-                                   enum pair_factor b, uint32_t j)
+struct coverage_pair *pair_coverage_of_pair(const struct pair_coverage *m, enum pair_factor a,
+                                            uint32_t i, enum pair_factor b, uint32_t j)
 {
     assert(a != b); /* a factor is in no pair with itself */
     if (a > b)

@@ -12,7 +12,7 @@
 #define PROGRAM_BLOCKS 4u
 
 /* Trials in which the pair has met, or is being played. */
-static uint64_t had(const struct pair *pair)
+static uint64_t had(const struct coverage_pair *pair)
 {
     uint64_t due = pair->drawn - pair->missed, tried = pair->drawn / PATIENCE;
     return due > tried ? due : tried;
@@ -27,7 +27,7 @@ static bool choose_pair(struct pair_coverage *m, struct rng *rng, enum pair_fact
     for (enum pair_factor x = 0; x < MEET_FACTORS; x++)
         for (enum pair_factor y = x + 1; y < MEET_FACTORS; y++)
             for (uint32_t k = 0; k < m->tables.count[x] * m->tables.count[y]; k++) {
-                const struct pair *pair = &m->pair[m->place[x][y] + k];
+                const struct coverage_pair *pair = &m->pair[m->place[x][y] + k];
                 uint64_t count = had(pair);
                 if (!pair->possible || count > least)
                     continue;
@@ -44,7 +44,7 @@ static bool choose_pair(struct pair_coverage *m, struct rng *rng, enum pair_fact
 }
 
 /* A row being filled. */
-struct row {
+struct draw_row {
     struct combination combination;
     const struct engine *engine; /* NULL: not chosen yet */
     bool free;                   /* storage and tests are not those that the row began with */
@@ -55,12 +55,13 @@ static bool is_of_program(enum pair_factor factor)
     return factor == MEET_STORE || factor == MEET_TRI || factor == MEET_BOX;
 }
 
-static bool is_met(const struct row *row, enum pair_factor factor)
+static bool is_met(const struct draw_row *row, enum pair_factor factor)
 {
     return !row->engine || pair_coverage_meets(row->engine, factor);
 }
 
-static void set(const struct pair_coverage *m, struct row *row, enum pair_factor factor, uint32_t i)
+static void set(const struct pair_coverage *m, struct draw_row *row, enum pair_factor factor,
+                uint32_t i)
 {
     row->combination.member[factor] = (uint16_t)i;
     if (factor == MEET_ENGINE)
@@ -69,14 +70,14 @@ static void set(const struct pair_coverage *m, struct row *row, enum pair_factor
 
 /* How much member i would bring to those in the row: 1 for each that it never met, less the more
  * often it did; below 0: it cannot meet one of them. */
-static double worth(const struct pair_coverage *m, const struct row *row, enum pair_factor factor,
-                    uint32_t i, double unit)
+static double worth(const struct pair_coverage *m, const struct draw_row *row,
+                    enum pair_factor factor, uint32_t i, double unit)
 {
     double sum = 0;
     for (enum pair_factor f = 0; f < MEET_FACTORS; f++) {
         if (row->combination.member[f] == MEET_NONE || !is_met(row, f))
             continue;
-        const struct pair *pair =
+        const struct coverage_pair *pair =
             pair_coverage_of_pair(m, factor, i, f, row->combination.member[f]);
         if (!pair->possible)
             return -1;
@@ -93,8 +94,8 @@ static bool is_dear(const struct pair_coverage *m, enum pair_factor factor, uint
 }
 
 /* The member that brings most, one of those alike; false: none can meet the row. */
-static bool choose_member(const struct pair_coverage *m, struct row *row, enum pair_factor factor,
-                          double unit, struct rng *rng, bool dear)
+static bool choose_member(const struct pair_coverage *m, struct draw_row *row,
+                          enum pair_factor factor, double unit, struct rng *rng, bool dear)
 {
     double most = -1;
     uint32_t best = 0, alike = 0;
@@ -114,7 +115,7 @@ static bool choose_member(const struct pair_coverage *m, struct row *row, enum p
     return alike > 0;
 }
 
-static struct program *program_of(const struct pair_coverage *m, const struct row *row)
+static struct program *program_of(const struct pair_coverage *m, const struct draw_row *row)
 {
     uint16_t engine = row->combination.member[MEET_ENGINE],
              layout = row->combination.member[MEET_LAYOUT];
@@ -126,13 +127,13 @@ static struct program *program_of(const struct pair_coverage *m, const struct ro
 
 /* Storage and tests that the engine has compiled for this layout, if the row is free to have them.
  */
-static void take_program(const struct pair_coverage *m, struct row *row)
+static void take_program(const struct pair_coverage *m, struct draw_row *row)
 {
     struct program *program = program_of(m, row);
     if (!program || !row->free || program->left == 0)
         return;
     row->free = false;
-    struct row taken = *row;
+    struct draw_row taken = *row;
     for (enum pair_factor f = 0; f < MEET_FACTORS; f++) /* those that the row has go */
         if (is_of_program(f))
             taken.combination.member[f] = MEET_NONE;
@@ -147,7 +148,7 @@ static void take_program(const struct pair_coverage *m, struct row *row)
     *row = taken;
 }
 
-static void keep_program(const struct pair_coverage *m, const struct row *row)
+static void keep_program(const struct pair_coverage *m, const struct draw_row *row)
 {
     struct program *program = program_of(m, row);
     if (!program || !row->free) /* not what was just taken */
@@ -157,7 +158,7 @@ static void keep_program(const struct pair_coverage *m, const struct row *row)
 }
 
 /* The largest factor that has no member yet and that the engine meets; MEET_FACTORS: none. */
-static enum pair_factor next_factor(const struct pair_coverage *m, const struct row *row)
+static enum pair_factor next_factor(const struct pair_coverage *m, const struct draw_row *row)
 {
     enum pair_factor largest = MEET_FACTORS;
     for (enum pair_factor f = 0; f < MEET_FACTORS; f++)
@@ -168,7 +169,7 @@ static enum pair_factor next_factor(const struct pair_coverage *m, const struct 
 }
 
 /* What the engine does not meet: the first that can be traced with the rest. */
-static void fill(const struct pair_coverage *m, struct row *row)
+static void fill(const struct pair_coverage *m, struct draw_row *row)
 {
     for (enum pair_factor f = MEET_FACTORS; f-- > 0;) {
         if (row->combination.member[f] != MEET_NONE)
@@ -190,7 +191,7 @@ static void count_drawn(struct pair_coverage *m, const struct combination *drawn
     for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
         for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
             if (pair_coverage_meets(engine, a) && pair_coverage_meets(engine, b)) {
-                struct pair *pair =
+                struct coverage_pair *pair =
                     pair_coverage_of_pair(m, a, drawn->member[a], b, drawn->member[b]);
                 pair->drawn += trials;
                 pair->missed += missed + (b == MEET_MOTION ? rebuilt : 0);
@@ -204,7 +205,7 @@ void pair_coverage_draw(struct pair_coverage *m, uint64_t seed, uint64_t turn, u
     for (;;) {
         enum pair_factor a = 0, b = 1, f;
         uint32_t i = 0, j = 0;
-        struct row row = {.free = true};
+        struct draw_row row = {.free = true};
         for (enum pair_factor k = 0; k < MEET_FACTORS; k++)
             row.combination.member[k] = MEET_NONE;
         bool any = choose_pair(m, &rng, &a, &i, &b, &j), full = true;

@@ -18,7 +18,7 @@ struct pair_coverage_summary pair_coverage_summarize(const struct pair_coverage 
     struct pair_coverage_summary out = {.possible = 0};
     uint64_t *count = alloc_zeroed(m->pairs, sizeof *count);
     for (size_t i = 0; i < m->pairs; i++) {
-        const struct pair *pair = &m->pair[i];
+        const struct coverage_pair *pair = &m->pair[i];
         out.impossible += !pair->possible;
         if (!pair->possible)
             continue;
@@ -56,11 +56,11 @@ static void name_pair(const struct pair_coverage *m, size_t at, char name[PAIR_N
 bool pair_coverage_rarest(const struct pair_coverage *m, uint32_t at, char name[PAIR_NAME_MOST],
                           uint64_t *count)
 {
-    const struct pair *last = NULL;
+    const struct coverage_pair *last = NULL;
     for (uint32_t k = 0; k <= at; k++) { /* the next rarest, of equal ones the next in order */
-        const struct pair *best = NULL;
+        const struct coverage_pair *best = NULL;
         for (size_t i = 0; i < m->pairs; i++) {
-            const struct pair *pair = &m->pair[i];
+            const struct coverage_pair *pair = &m->pair[i];
             bool later = !last || pair->met > last->met || (pair->met == last->met && pair > last);
             if (pair->possible && later && (!best || pair->met < best->met))
                 best = pair;
@@ -122,7 +122,7 @@ static enum status take_line(struct pair_coverage *m, const char *line, const ch
                     file_label(path), number);
     if (!find(m, first, &a, &i) || !find(m, second, &b, &j) || a == b)
         return STATUS_OK;
-    struct pair *pair = pair_coverage_of_pair(m, a, i, b, j);
+    struct coverage_pair *pair = pair_coverage_of_pair(m, a, i, b, j);
     if (pair->possible)
         pair->met = pair->drawn = count;
     return STATUS_OK;

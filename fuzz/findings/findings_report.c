@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *report_state_name(enum report_state state)
+const char *report_state_name(enum findings_report_state state)
 {
     static const char *const name[] = {"new", "known", "expired", "flaky"};
     return name[state];
@@ -26,7 +26,7 @@ struct written {
 /* Called for each test case in order. */
 typedef void case_fn(void *user, const struct ci_case *one);
 
-static void case_of_campaign(const struct report *report, struct written *out)
+static void case_of_campaign(const struct findings_report *report, struct written *out)
 {
     out->one =
         (struct ci_case){.group = "raydiff.fuzz",
@@ -107,12 +107,12 @@ static void case_of_finding(const struct report_finding *finding, struct written
     add_line(out, "first", finding->first);
 }
 
-static size_t case_count(const struct report *report)
+static size_t case_count(const struct findings_report *report)
 {
     return 1 + report->contestants + report->findings;
 }
 
-static void each_case(const struct report *report, case_fn *fn, void *user)
+static void each_case(const struct findings_report *report, case_fn *fn, void *user)
 {
     struct written written;
     case_of_campaign(report, &written);
@@ -133,7 +133,7 @@ static void count_failure(void *user, const struct ci_case *one)
     *failures += one->state == CI_FAILED;
 }
 
-size_t report_failures(const struct report *report)
+size_t report_failures(const struct findings_report *report)
 {
     size_t failures = 0;
     each_case(report, count_failure, &failures);
@@ -145,7 +145,8 @@ static void add_junit(void *user, const struct ci_case *one)
     ci_junit_add(user, one);
 }
 
-enum status report_junit(const struct report *report, const char *path, struct reason *reason)
+enum status report_junit(const struct findings_report *report, const char *path,
+                         struct reason *reason)
 {
     struct ci_junit junit;
     enum status status = ci_junit_open(path, &junit, reason);
@@ -166,7 +167,8 @@ static void add_tap(void *user, const struct ci_case *one)
     ci_tap_case(tap->to, ++tap->number, one);
 }
 
-enum status report_tap(const struct report *report, const char *path, struct reason *reason)
+enum status report_tap(const struct findings_report *report, const char *path,
+                       struct reason *reason)
 {
     struct file_out out;
     enum status status = file_out_open(path, &out, reason);

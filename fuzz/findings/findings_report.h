@@ -7,7 +7,7 @@
 
 #include "ref/base/base.h"
 
-enum report_state {
+enum findings_report_state {
     REPORT_NEW,
     REPORT_KNOWN,   /* in the baseline: does not count */
     REPORT_EXPIRED, /* was in the baseline: counts */
@@ -15,13 +15,13 @@ enum report_state {
 };
 
 /* "new", "known", "expired", "flaky". */
-const char *report_state_name(enum report_state state);
+const char *report_state_name(enum findings_report_state state);
 
 /* Strings are borrowed; NULL and "" stand for none. */
 struct report_finding {
     const char *signature;
     uint64_t count; /* how often it was found */
-    enum report_state state;
+    enum findings_report_state state;
     const char *reason;                 /* of known, expired and flaky ones, one line */
     const char *cause;                  /* what its cause means, one line */
     const char *opinion;                /* what was seen of the first, one line */
@@ -39,7 +39,7 @@ struct report_contestant {
                             was not asked */
 };
 
-struct report {
+struct findings_report {
     uint64_t seed, trials, judged; /* judged: rays with a verdict of all that played */
     double seconds, harness_share; /* on the clock; of the time, what was not the engines' */
     const struct report_contestant *contestant;
@@ -54,15 +54,15 @@ struct report {
 bool report_counts(const struct report_finding *finding);
 
 /* How many test cases fail; 0 is exit code 0. */
-size_t report_failures(const struct report *report);
+size_t report_failures(const struct findings_report *report);
 
 /* Each writes `path` whole or not at all. Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
-enum status report_junit(const struct report *report, const char *path,
+enum status report_junit(const struct findings_report *report, const char *path,
                          struct reason *reason) MUST_USE;
-enum status report_tap(const struct report *report, const char *path,
+enum status report_tap(const struct findings_report *report, const char *path,
                        struct reason *reason) MUST_USE;
 /* One object a line: {"type": "campaign" | "contestant" | "finding" | "note", ...}. */
-enum status report_jsonl(const struct report *report, const char *path,
+enum status report_jsonl(const struct findings_report *report, const char *path,
                          struct reason *reason) MUST_USE;
 
 #endif

@@ -30,7 +30,7 @@ static void put_real(FILE *to, const char *name, double number)
     fprintf(to, "%.9g", number);
 }
 
-static void put_campaign(FILE *to, const struct report *report)
+static void put_campaign(FILE *to, const struct findings_report *report)
 {
     double seconds = report->seconds > 0 ? report->seconds : 1e-9;
     char seed[32]; /* as text: readers of JSON have no numbers of 64 bits */
@@ -67,7 +67,8 @@ static void put_finding(FILE *to, const struct report_finding *finding)
     fputs("}\n", to);
 }
 
-enum status report_jsonl(const struct report *report, const char *path, struct reason *reason)
+enum status report_jsonl(const struct findings_report *report, const char *path,
+                         struct reason *reason)
 {
     struct file_out out;
     enum status status = file_out_open(path, &out, reason);

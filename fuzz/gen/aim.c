@@ -100,7 +100,7 @@ static void target_half(const struct aim *aim, struct rng *rng, struct target *o
 }
 
 /* What the rays of a run have in common: branches that a processor can predict halve the time. */
-struct plan {
+struct aim_plan {
     enum aim_kind kind;
     enum approach approach;
     uint32_t between; /* AIM_CORNER: 0 corners, 1 edges; AIM_FACE: 2 */
@@ -197,10 +197,10 @@ static uint32_t choose(const uint8_t *end, uint32_t at)
     return i;
 }
 
-static struct plan plan_run(struct rng *rng)
+static struct aim_plan plan_run(struct rng *rng)
 {
     uint64_t bits = rng_u64(rng);
-    struct plan plan = {.kind = (enum aim_kind)choose(kind_end, bits & 63)};
+    struct aim_plan plan = {.kind = (enum aim_kind)choose(kind_end, bits & 63)};
     bool bounds = plan.kind == AIM_CORNER || plan.kind == AIM_FACE || plan.kind == AIM_HALF;
     plan.approach = (enum approach)choose(bounds ? to_bounds : to_points, bits >> 8 & 15);
     plan.between = plan.kind == AIM_FACE ? 2 : bits >> 16 & 1;
@@ -209,7 +209,7 @@ static struct plan plan_run(struct rng *rng)
     return plan;
 }
 
-static void aim_planned(const struct aim *aim, struct rng *rng, const struct plan *plan,
+static void aim_planned(const struct aim *aim, struct rng *rng, const struct aim_plan *plan,
                         struct ray *out, struct target *to)
 {
     if (plan->kind == AIM_VERTEX)
@@ -228,7 +228,7 @@ static void aim_planned(const struct aim *aim, struct rng *rng, const struct pla
     limit(rng, plan->range, t, out);
 }
 
-static void make_ray(const struct aim *aim, struct rng *rng, const struct plan *plan,
+static void make_ray(const struct aim *aim, struct rng *rng, const struct aim_plan *plan,
                      struct ray *out, float target[3])
 {
     struct target to = {.axis = (int)rng_below(rng, 3)};
@@ -246,7 +246,7 @@ static void make_ray(const struct aim *aim, struct rng *rng, const struct plan *
 
 enum aim_kind aim_ray(const struct aim *aim, struct rng *rng, struct ray *out, float target[3])
 {
-    struct plan plan = plan_run(rng);
+    struct aim_plan plan = plan_run(rng);
     make_ray(aim, rng, &plan, out, target);
     return plan.kind;
 }
@@ -254,7 +254,7 @@ enum aim_kind aim_ray(const struct aim *aim, struct rng *rng, struct ray *out, f
 void aim_rays(const struct aim *aim, struct rng *rng, struct ray *out, uint32_t count)
 {
     for (uint32_t first = 0; first < count; first += RUN) {
-        struct plan plan = plan_run(rng);
+        struct aim_plan plan = plan_run(rng);
         float target[3];
         for (uint32_t i = first; i < first + RUN && i < count; i++)
             make_ray(aim, rng, &plan, &out[i], target);

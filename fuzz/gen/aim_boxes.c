@@ -9,17 +9,17 @@
 #define REACH 0x1p37f
 
 /* A range of triangles still to be split. */
-struct range {
+struct boxes_range {
     uint32_t first, count;
 };
 
-struct split {
+struct boxes_split {
     float centroid[AIM_SPLIT_MOST][3];
     struct box box[AIM_SPLIT_MOST];
     uint8_t prim[AIM_SPLIT_MOST];
 };
 
-static struct box box_of_range(const struct split *split, struct range range)
+static struct box box_of_range(const struct boxes_split *split, struct boxes_range range)
 {
     struct box box = box_empty();
     for (uint32_t i = 0; i < range.count; i++)
@@ -38,7 +38,8 @@ static int longest_axis(const struct box *box)
 
 /* Moves the triangles whose centroids are below `middle`, and the first `ties` of those on it, to
  * the front; both sides keep their order. Returns how many. */
-static uint32_t part(struct split *split, struct range range, int axis, float middle, uint32_t ties)
+static uint32_t part(struct boxes_split *split, struct boxes_range range, int axis, float middle,
+                     uint32_t ties)
 {
     uint8_t *prim = split->prim + range.first, back[AIM_SPLIT_MOST];
     uint32_t front = 0, rest = 0;
@@ -56,7 +57,7 @@ static uint32_t part(struct split *split, struct range range, int axis, float mi
 }
 
 /* Moves the half with the smaller centroids to the front. */
-static uint32_t halve(struct split *split, struct range range, int axis)
+static uint32_t halve(struct boxes_split *split, struct boxes_range range, int axis)
 {
     float sorted[AIM_SPLIT_MOST];
     uint32_t half = range.count / 2, below = 0;
@@ -73,7 +74,8 @@ static uint32_t halve(struct split *split, struct range range, int axis)
 }
 
 /* Splits at the middle of the longest axis, in halves if that separates nothing. */
-static uint32_t split_range(struct split *split, struct range range, const struct box *box)
+static uint32_t split_range(struct boxes_split *split, struct boxes_range range,
+                            const struct box *box)
 {
     int axis = longest_axis(box);
     float middle = 0.5f * box->lo[axis] + 0.5f * box->hi[axis];
@@ -83,10 +85,10 @@ static uint32_t split_range(struct split *split, struct range range, const struc
 
 static void add_split_boxes(uint32_t leaf, struct aim *aim)
 {
-    struct split split;
-    struct range todo[AIM_SPLIT_MOST];
+    struct boxes_split split;
+    struct boxes_range todo[AIM_SPLIT_MOST];
     uint32_t waiting = 1;
-    todo[0] = (struct range){0, aim->scene->tri_count};
+    todo[0] = (struct boxes_range){0, aim->scene->tri_count};
     for (uint32_t i = 0; i < todo[0].count; i++) {
         float v[3][3];
         scene_tri(aim->scene, i, v);
@@ -99,14 +101,14 @@ static void add_split_boxes(uint32_t leaf, struct aim *aim)
                 (float)(((double)v[0][k] + (double)v[1][k] + (double)v[2][k]) / 3);
     }
     while (waiting > 0 && aim->box_count < AIM_BOXES_MOST) {
-        struct range range = todo[--waiting];
+        struct boxes_range range = todo[--waiting];
         struct box box = box_of_range(&split, range);
         aim->box[aim->box_count++] = box;
         if (range.count <= leaf)
             continue;
         uint32_t front = split_range(&split, range, &box);
-        todo[waiting++] = (struct range){range.first, front};
-        todo[waiting++] = (struct range){range.first + front, range.count - front};
+        todo[waiting++] = (struct boxes_range){range.first, front};
+        todo[waiting++] = (struct boxes_range){range.first + front, range.count - front};
     }
 }
 

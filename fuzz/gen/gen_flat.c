@@ -2,7 +2,7 @@
 #include "fuzz/gen/gen_recipes.h"
 
 /* A lattice in a plane of constant height, or with random heights. */
-struct sheet {
+struct flat_sheet {
     float origin[3], step, height; /* step along both axes, height up to which it may rise */
     int up;                        /* axis */
 };
@@ -10,7 +10,7 @@ struct sheet {
 static void lattice_point(struct sketch *sketch, uint32_t i, uint32_t j, float out[3],
                           const void *how)
 {
-    const struct sheet *sheet = how;
+    const struct flat_sheet *sheet = how;
     int a = (sheet->up + 1) % 3, b = (sheet->up + 2) % 3;
     out[a] = sheet->origin[a] + sheet->step * (float)i;
     out[b] = sheet->origin[b] + sheet->step * (float)j;
@@ -19,9 +19,9 @@ static void lattice_point(struct sketch *sketch, uint32_t i, uint32_t j, float o
         out[sheet->up] += sheet->height * sketch_signed(sketch);
 }
 
-static struct sheet sheet_around_origin(struct sketch *sketch, uint32_t n, uint32_t m)
+static struct flat_sheet sheet_around_origin(struct sketch *sketch, uint32_t n, uint32_t m)
 {
-    struct sheet sheet = {.step = power_of_two((int)rng_below(sketch->rng, 6) - 3)};
+    struct flat_sheet sheet = {.step = power_of_two((int)rng_below(sketch->rng, 6) - 3)};
     sheet.up = (int)rng_below(sketch->rng, 3);
     sheet.origin[(sheet.up + 1) % 3] = -0.5f * sheet.step * (float)n;
     sheet.origin[(sheet.up + 2) % 3] = -0.5f * sheet.step * (float)m;
@@ -33,7 +33,7 @@ void draw_grid(struct sketch *sketch)
 {
     uint32_t n, m;
     sketch_sheet_size(sketch, &n, &m);
-    struct sheet sheet = sheet_around_origin(sketch, n, m);
+    struct flat_sheet sheet = sheet_around_origin(sketch, n, m);
     if (rng_below(sketch->rng, 2)) /* tenths: the plane is no float16, nor its centroids in it */
         sheet.origin[sheet.up] = 0.1f * (float)((int)rng_below(sketch->rng, 200) - 100);
     if (n > 0)
@@ -44,7 +44,7 @@ void draw_terrain(struct sketch *sketch)
 {
     uint32_t n, m;
     sketch_sheet_size(sketch, &n, &m);
-    struct sheet sheet = sheet_around_origin(sketch, n, m);
+    struct flat_sheet sheet = sheet_around_origin(sketch, n, m);
     sheet.height = sheet.step * power_of_two(-(int)rng_below(sketch->rng, 10));
     if (n > 0)
         sketch_sheet(sketch, n, m, lattice_point, &sheet);
@@ -71,7 +71,7 @@ void draw_sheets(struct sketch *sketch)
     bool steps = rng_below(sketch->rng, 2);
     float height = sketch_signed(sketch);
     while (sketch_room(sketch) >= 2) {
-        struct sheet sheet = {.step = 2.0f, .up = up};
+        struct flat_sheet sheet = {.step = 2.0f, .up = up};
         for (int k = 0; k < 3; k++)
             sheet.origin[k] = k == up ? height : -1.0f;
         sketch_sheet(sketch, 1, 1, lattice_point, &sheet);
@@ -86,7 +86,7 @@ void draw_walls(struct sketch *sketch)
 {
     float reach = power_of_two((int)rng_below(sketch->rng, 15));
     while (sketch_room(sketch) >= 2) {
-        struct sheet sheet = {.up = (int)rng_below(sketch->rng, 3)};
+        struct flat_sheet sheet = {.up = (int)rng_below(sketch->rng, 3)};
         sheet.step = reach * (0.0625f + rng_float(sketch->rng));
         for (int k = 0; k < 3; k++)
             sheet.origin[k] = reach * sketch_signed(sketch);

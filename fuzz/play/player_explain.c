@@ -103,16 +103,16 @@ static enum cause box_cause(const struct explain_tree *tree)
 }
 
 /* The seat's engine prepared with a stage, and what its answers are compared with. */
-struct asked {
+struct explain_asked {
     struct job job;
     struct judged judged;
     bool possible; /* else the engine will not be asked, and `judged` is zero */
 };
 
-static enum status ask_anew(const struct seat *seat, const struct stage *stage, struct asked *out,
-                            struct reason *reason)
+static enum status ask_anew(const struct seat *seat, const struct play_stage *stage,
+                            struct explain_asked *out, struct reason *reason)
 {
-    *out = (struct asked){.job = stage_job(stage, seat)};
+    *out = (struct explain_asked){.job = stage_job(stage, seat)};
     enum status status = seat->engine->prepare(seat->self, &out->job, reason);
     if (status)
         return status == STATUS_MEMORY ? status : STATUS_OK;
@@ -214,10 +214,10 @@ static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_tria
                               struct reason *reason)
 {
     const struct seat *seat = &player->seat[finding->contestant];
-    struct stage *stage = &player->stage[0];
+    struct play_stage *stage = &player->stage[0];
     struct fuzz_trial scaled;
     struct judged_ray answer;
-    struct asked asked = {.possible = false};
+    struct explain_asked asked = {.possible = false};
     bool possible;
     int power;
     *was_asked = *cured = false;
@@ -266,10 +266,10 @@ static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_tr
     return status;
 }
 
-static enum status find_cause(struct fuzz_player *player, struct stage *stage,
+static enum status find_cause(struct fuzz_player *player, struct play_stage *stage,
                               struct fuzz_finding *finding, struct reason *reason)
 {
-    struct asked asked;
+    struct explain_asked asked;
     enum status status = ask_anew(&player->seat[finding->contestant], stage, &asked, reason);
     if (status || !asked.possible)
         return status;
@@ -305,7 +305,7 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
                          struct fuzz_finding *finding, struct reason *reason)
 {
     const struct seat *seat = &player->seat[finding->contestant];
-    struct stage *stage = &player->stage[0];
+    struct play_stage *stage = &player->stage[0];
     switch (finding->signature.kind) {
     case FUZZ_KIND_CRASH:
     case FUZZ_KIND_HANG:

@@ -72,7 +72,7 @@ static void fared_by_status(const struct seat *who, struct answers *answers, enu
 }
 
 /* The rays one by one, after some of them were not finished. */
-static enum status ask_singly(struct fuzz_player *player, size_t seat, struct stage *stage,
+static enum status ask_singly(struct fuzz_player *player, size_t seat, struct play_stage *stage,
                               struct reason *reason)
 {
     const struct seat *who = &player->seat[seat];
@@ -105,7 +105,8 @@ static enum status ask_singly(struct fuzz_player *player, size_t seat, struct st
 }
 
 /* Of an engine in a process of its own, which the next call starts again; false: it is none. */
-static bool peer_failed(const struct seat *who, const struct stage *stage, struct answers *answers)
+static bool peer_failed(const struct seat *who, const struct play_stage *stage,
+                        struct answers *answers)
 {
     static const enum fuzz_kind kinds[] = {[ENGINE_FINE] = FUZZ_KIND_PROTOCOL,
                                            [ENGINE_ENDED] = FUZZ_KIND_CRASH,
@@ -120,7 +121,7 @@ static bool peer_failed(const struct seat *who, const struct stage *stage, struc
 }
 
 /* One stage by prepare and trace. */
-static enum status ask_alone(struct fuzz_player *player, size_t seat, struct stage *stage,
+static enum status ask_alone(struct fuzz_player *player, size_t seat, struct play_stage *stage,
                              struct reason *reason)
 {
     const struct seat *who = &player->seat[seat];
@@ -160,7 +161,7 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct sta
 }
 
 /* True if the seat has something to ask with; else says why not. */
-static bool can_ask(const struct seat *seat, struct stage *stage, struct answers *answers)
+static bool can_ask(const struct seat *seat, struct play_stage *stage, struct answers *answers)
 {
     answers->fared = FARED_NOT;
     answers->declined = false;
@@ -172,7 +173,7 @@ static bool can_ask(const struct seat *seat, struct stage *stage, struct answers
 
 /* What the rays took engine cpu on the same tree, if it was asked before; it decides the order in
  * which they are traced, no answer. */
-static const uint32_t *expected_work(const struct stage *stage, const struct seat *seat)
+static const uint32_t *expected_work(const struct play_stage *stage, const struct seat *seat)
 {
     if (seat->reference >= SEATS_MOST || !stage->answers[seat->reference].has_work)
         return NULL;
@@ -185,7 +186,7 @@ static enum status ask_together(struct fuzz_player *player, size_t seat, size_t 
     const struct seat *who = &player->seat[seat];
     size_t tasks = 0;
     for (size_t i = 0; i < count; i++) {
-        struct stage *stage = &player->stage[i];
+        struct play_stage *stage = &player->stage[i];
         struct answers *answers = &stage->answers[seat];
         if (!can_ask(who, stage, answers))
             continue;

@@ -18,7 +18,7 @@ static size_t padded(size_t bytes)
 }
 
 /* Cuts the arrays of the stage out of its room. */
-static enum status make_room(struct stage *stage, size_t seats, size_t rays)
+static enum status make_room(struct play_stage *stage, size_t seats, size_t rays)
 {
     size_t truth = padded(rays * sizeof *stage->truth);
     size_t hits = padded(rays * sizeof(struct hit)), flags = padded(rays * sizeof(uint32_t));
@@ -42,13 +42,13 @@ static enum status make_room(struct stage *stage, size_t seats, size_t rays)
     return STATUS_OK;
 }
 
-static void say(struct stage *stage, size_t i, const struct reason *reason)
+static void say(struct play_stage *stage, size_t i, const struct reason *reason)
 {
     snprintf(stage->said[i], FUZZ_SAID_MOST, "%.*s", FUZZ_SAID_MOST - 1, reason->text);
 }
 
 /* A layout's bytes are at fault only if the tree that they were made from was none. */
-static bool is_broken(struct stage *stage, size_t i, enum status *status)
+static bool is_broken(struct play_stage *stage, size_t i, enum status *status)
 {
     const struct scene *scene = &stage->trial->scene;
     struct packed_faults faults;
@@ -74,7 +74,7 @@ static enum fuzz_kind outside_fault(enum status status)
 }
 
 /* A tree that moves is made anew for each layout: one is refitted, the next may be rebuilt. */
-static enum status pack(struct stage *stage, const struct layout *layout, size_t i,
+static enum status pack(struct play_stage *stage, const struct layout *layout, size_t i,
                         struct reason *reason)
 {
     const struct fuzz_trial *trial = stage->trial;
@@ -85,7 +85,7 @@ static enum status pack(struct stage *stage, const struct layout *layout, size_t
     return fuzz_trial_pack(trial, layout, &stage->bvh, &stage->packed[i], reason);
 }
 
-static enum status pack_all(struct stage *stage, const struct fuzz_player *player,
+static enum status pack_all(struct play_stage *stage, const struct fuzz_player *player,
                             struct reason *reason)
 {
     for (size_t i = 0; i < player->layout_count; i++) {
@@ -117,7 +117,7 @@ static enum status pack_all(struct stage *stage, const struct fuzz_player *playe
     return STATUS_OK;
 }
 
-static enum status find_truth(struct stage *stage, struct reason *reason)
+static enum status find_truth(struct play_stage *stage, struct reason *reason)
 {
     const struct fuzz_trial *trial = stage->trial;
     enum status status = oracle_make(&trial->scene, &stage->oracle, reason);
@@ -130,7 +130,7 @@ static enum status find_truth(struct stage *stage, struct reason *reason)
                           stage->truth, NULL, reason);
 }
 
-enum status stage_set(struct stage *stage, const struct fuzz_player *player,
+enum status stage_set(struct play_stage *stage, const struct fuzz_player *player,
                       const struct fuzz_trial *trial, struct fuzz_time *time, struct reason *reason)
 {
     uint64_t start = time_ns();
@@ -153,7 +153,7 @@ enum status stage_set(struct stage *stage, const struct fuzz_player *player,
     return status;
 }
 
-void stage_clear(struct stage *stage)
+void stage_clear(struct play_stage *stage)
 {
     for (size_t i = 0; i < LAYOUTS_MOST; i++) {
         packed_free(&stage->packed[i]);
@@ -165,14 +165,14 @@ void stage_clear(struct stage *stage)
     stage->trial = NULL;
 }
 
-void stage_close(struct stage *stage)
+void stage_close(struct play_stage *stage)
 {
     stage_clear(stage);
     free(stage->room);
-    *stage = (struct stage){0};
+    *stage = (struct play_stage){0};
 }
 
-struct job stage_job(const struct stage *stage, const struct seat *seat)
+struct job stage_job(const struct play_stage *stage, const struct seat *seat)
 {
     const struct fuzz_trial *trial = stage->trial;
     return (struct job){.scene = &trial->scene,

@@ -29,7 +29,7 @@ struct fuzz_player {
     uint32_t left_out;              /* contestants that are not asked */
     struct fuzz_mark *mark;         /* of the call of fuzz_play, or NULL */
     size_t mark_first;              /* the batch's first trial in that call */
-    struct stage *stage;            /* FUZZ_BATCH of them */
+    struct play_stage *stage;       /* FUZZ_BATCH of them */
     struct engine_task *task;       /* FUZZ_BATCH */
 };
 
@@ -53,7 +53,7 @@ struct answers {
 };
 
 /* Arrays are kept from trial to trial. */
-struct stage {
+struct play_stage {
     const struct fuzz_trial *trial;
     struct bvh bvh; /* of a trial that moves: of its scene at rest */
     bool has_tree;
@@ -74,27 +74,27 @@ struct stage {
 };
 
 /* Builds and packs. Times go to *time (may be NULL). Errors: STATUS_MEMORY; STATUS_INTERNAL. */
-enum status stage_set(struct stage *stage, const struct fuzz_player *player,
+enum status stage_set(struct play_stage *stage, const struct fuzz_player *player,
                       const struct fuzz_trial *trial, struct fuzz_time *time,
                       struct reason *reason) MUST_USE;
 
 /* Frees what belongs to the trial; arrays are kept. */
-void stage_clear(struct stage *stage);
+void stage_clear(struct play_stage *stage);
 
 /* Frees everything. */
-void stage_close(struct stage *stage);
+void stage_close(struct play_stage *stage);
 
 /* The tree that packed[layout] was made of. */
-static inline const struct bvh *stage_tree(const struct stage *stage, size_t layout)
+static inline const struct bvh *stage_tree(const struct play_stage *stage, size_t layout)
 {
     return stage->trial->move > 0 ? &stage->moved[layout] : &stage->bvh;
 }
 
 /* The job of a seat on a stage. */
-struct job stage_job(const struct stage *stage, const struct seat *seat);
+struct job stage_job(const struct play_stage *stage, const struct seat *seat);
 
 /* Judges all answers of a stage. Errors: STATUS_MEMORY. */
-enum status stage_judge(const struct stage *stage, const struct fuzz_player *player,
+enum status stage_judge(const struct play_stage *stage, const struct fuzz_player *player,
                         struct fuzz_result *out, struct reason *reason) MUST_USE;
 
 /* Asks the seat about `count` stages: in one call if the engine can, else one by one. Nothing an

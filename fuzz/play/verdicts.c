@@ -11,8 +11,8 @@
 #define PART 32u /* rays that are judged together */
 
 /* A trial being judged. */
-struct judging {
-    const struct stage *stage;
+struct verdicts_judging {
+    const struct play_stage *stage;
     const struct fuzz_player *player;
     struct fuzz_result *out;
     struct judge *judge[FUZZ_CONTESTANTS_MOST]; /* owned by the first seat of a kind */
@@ -36,7 +36,7 @@ static bool same_model(const struct model *a, const struct model *b)
            a->any_unnamed == b->any_unnamed;
 }
 
-static void keep(struct judging *j, size_t seat, enum fuzz_kind kind, uint32_t ray,
+static void keep(struct verdicts_judging *j, size_t seat, enum fuzz_kind kind, uint32_t ray,
                  const struct judgement *judgement)
 {
     const struct seat *who = &j->player->seat[seat];
@@ -64,9 +64,9 @@ static void keep(struct judging *j, size_t seat, enum fuzz_kind kind, uint32_t r
 }
 
 /* One judge for all seats that are judged alike. */
-static enum status make_judges(struct judging *j, struct reason *reason)
+static enum status make_judges(struct verdicts_judging *j, struct reason *reason)
 {
-    const struct stage *stage = j->stage;
+    const struct play_stage *stage = j->stage;
     const struct fuzz_trial *trial = stage->trial;
     struct model model[FUZZ_CONTESTANTS_MOST];
     for (size_t i = 0; i < j->player->contestants; i++) {
@@ -92,10 +92,10 @@ static enum status make_judges(struct judging *j, struct reason *reason)
     return STATUS_OK;
 }
 
-static void compare_bits(struct judging *j, size_t seat, uint32_t i,
+static void compare_bits(struct verdicts_judging *j, size_t seat, uint32_t i,
                          const struct judgement *judgement)
 {
-    const struct stage *stage = j->stage;
+    const struct play_stage *stage = j->stage;
     size_t reference = j->player->seat[seat].reference;
     if (!j->bits[seat] || reference >= SEATS_MOST || reference == seat)
         return;
@@ -109,7 +109,7 @@ static void compare_bits(struct judging *j, size_t seat, uint32_t i,
 
 /* A judge is a function of ray and answer: who is judged alike and has the same bits has the same
  * verdict. */
-static bool is_copy(const struct judging *j, size_t seat, uint32_t i)
+static bool is_copy(const struct verdicts_judging *j, size_t seat, uint32_t i)
 {
     const struct answers *answers = &j->stage->answers[seat];
     const struct answers *first = &j->stage->answers[j->alike[seat]];
@@ -118,9 +118,10 @@ static bool is_copy(const struct judging *j, size_t seat, uint32_t i)
 }
 
 /* Judges what one seat answered to the rays from `first` on. */
-static enum status judge_seat(struct judging *j, size_t seat, uint32_t first, uint32_t count)
+static enum status judge_seat(struct verdicts_judging *j, size_t seat, uint32_t first,
+                              uint32_t count)
 {
-    const struct stage *stage = j->stage;
+    const struct play_stage *stage = j->stage;
     const struct answers *answers = &stage->answers[seat];
     struct judge_question question[PART];
     struct judgement judgement[PART];
@@ -142,9 +143,9 @@ static enum status judge_seat(struct judging *j, size_t seat, uint32_t first, ui
 }
 
 /* Counts all answers to ray i, which is ray k of the part. */
-static void count_ray(struct judging *j, uint32_t i, uint32_t k)
+static void count_ray(struct verdicts_judging *j, uint32_t i, uint32_t k)
 {
-    const struct stage *stage = j->stage;
+    const struct play_stage *stage = j->stage;
     const enum query query = stage->trial->query;
     uint32_t verdicts = 0;
     bool all = true;
@@ -177,7 +178,7 @@ static void count_ray(struct judging *j, uint32_t i, uint32_t k)
     coverage_add_verdicts(j->out->coverage, verdicts);
 }
 
-static enum status judge_rays(struct judging *j)
+static enum status judge_rays(struct verdicts_judging *j)
 {
     uint32_t rays = j->stage->trial->ray_count;
     for (uint32_t first = 0; first < rays; first += PART) {
@@ -196,7 +197,7 @@ static enum status judge_rays(struct judging *j)
 }
 
 /* True if the layout could not be made because the program that it reproduces ends there. */
-static bool ends(const struct stage *stage, const struct seat *seat)
+static bool ends(const struct play_stage *stage, const struct seat *seat)
 {
     return stage->has_tree && !stage->has_packed[seat->layout_index] && seat->layout->end &&
            seat->layout->end(&stage->bvh, NULL) != LAYOUT_GOES_ON;
@@ -204,7 +205,7 @@ static bool ends(const struct stage *stage, const struct seat *seat)
 
 /* What is not about a single ray: refusals, faults, and, once a layout, bytes that are no tree or
  * an end in their place. */
-static void judge_seats(struct judging *j)
+static void judge_seats(struct verdicts_judging *j)
 {
     bool told[LAYOUTS_MOST] = {false};
     for (size_t s = 0; s < j->player->contestants; s++) {
@@ -236,9 +237,9 @@ static void judge_seats(struct judging *j)
 }
 
 /* States that tree, bytes and truth reached. */
-static void cover(const struct judging *j)
+static void cover(const struct verdicts_judging *j)
 {
-    const struct stage *stage = j->stage;
+    const struct play_stage *stage = j->stage;
     const struct fuzz_trial *trial = stage->trial;
     const struct box empty = box_empty();
     const struct box *root = stage->bvh.node_count ? &stage->bvh.node[0].bounds : &empty;
@@ -258,10 +259,10 @@ static void cover(const struct judging *j)
             coverage_add_refusal(map, j->player->layout[i], trial, &stage->bvh);
 }
 
-enum status stage_judge(const struct stage *stage, const struct fuzz_player *player,
+enum status stage_judge(const struct play_stage *stage, const struct fuzz_player *player,
                         struct fuzz_result *out, struct reason *reason)
 {
-    struct judging j; /* large, and filled where it is used */
+    struct verdicts_judging j; /* large, and filled where it is used */
     j.stage = stage;
     j.player = player;
     j.out = out;

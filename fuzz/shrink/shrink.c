@@ -17,7 +17,7 @@
 #define LEVEL_SHARE 4u
 
 /* Where in a pass. */
-struct place {
+struct shrink_place {
     uint32_t chunk, first, variant;
 };
 
@@ -32,7 +32,7 @@ struct shrinker {
     uint64_t *seen; /* hashes of trials that did not show it; 0: free */
     size_t seen_count, seen_capacity;
     struct fuzz_trial candidate[SHRINK_BATCH];
-    struct place place[SHRINK_BATCH]; /* of each */
+    struct shrink_place place[SHRINK_BATCH]; /* of each */
     uint64_t hash[SHRINK_BATCH];
     size_t count, patience; /* candidates, and how many there may be */
     bool over, left_out;    /* left_out: in this round, something that was too dear */
@@ -101,7 +101,7 @@ static bool affordable(struct shrinker *s, const struct shrink_pass *pass, uint3
 
 /* The place after, or false. */
 static bool step(struct shrinker *s, const struct shrink_pass *pass, uint32_t things,
-                 struct place *at)
+                 struct shrink_place *at)
 {
     if (at->variant + 1 < pass->variants && at->first < things) {
         at->variant++;
@@ -148,7 +148,7 @@ static bool worth_asking(struct shrinker *s, const struct fuzz_trial *trial)
 /* Makes candidates from place *at on, which moves behind the last one; *more says whether there is
  * anything behind. */
 static enum status gather(struct shrinker *s, const struct shrink_pass *pass, uint32_t things,
-                          struct place *at, bool *more, struct reason *reason)
+                          struct shrink_place *at, bool *more, struct reason *reason)
 {
     uint32_t most = BATCH_TRIANGLES / (s->best.scene.tri_count + 1) + 1;
     size_t wanted = s->patience < most ? s->patience : most;
@@ -222,7 +222,7 @@ static enum status run_pass(struct shrinker *s, const struct shrink_pass *pass,
                             struct reason *reason)
 {
     uint32_t things = pass->things(&s->best);
-    struct place at = {.chunk = pass->way == SHRINK_SINGLY ? 1 : things};
+    struct shrink_place at = {.chunk = pass->way == SHRINK_SINGLY ? 1 : things};
     bool more = things > 0 && affordable(s, pass, things, at.chunk);
     enum status status = STATUS_OK;
     while (more && !s->over && !status) {

@@ -97,13 +97,13 @@ static void live(struct child *parent, void *user)
 /* --- the parent ------------------------------------------------------------------------------ */
 
 /* How a question went. */
-enum fared { ANSWERED, DIED, HUNG };
+enum apart_fared { ANSWERED, DIED, HUNG };
 
 /* Waits for a message of `size` bytes. A child that died or hung is ended. */
-static enum fared hear(struct apart *apart, void *to, size_t size, uint64_t ms)
+static enum apart_fared hear(struct apart *apart, void *to, size_t size, uint64_t ms)
 {
     uint64_t start = time_ns(), most = apart->how->memory;
-    enum fared fared = ANSWERED;
+    enum apart_fared fared = ANSWERED;
     for (;;) {
         const void *bytes;
         size_t got_size;
@@ -124,7 +124,7 @@ static enum fared hear(struct apart *apart, void *to, size_t size, uint64_t ms)
 }
 
 /* Makes the child, if there is none; *fared says how its opening the engine went. */
-static enum status begin(struct apart *apart, enum fared *fared, struct reason *reason)
+static enum status begin(struct apart *apart, enum apart_fared *fared, struct reason *reason)
 {
     struct hello hello;
     *fared = ANSWERED;
@@ -166,7 +166,7 @@ static enum status put(const struct fuzz_trial *trial, char **bytes, size_t *siz
 
 /* Asks about candidates in one go, at least one of them: *asked is how many. */
 static enum status ask_some(struct apart *apart, const struct fuzz_trial *candidate, size_t count,
-                            size_t *asked, struct reply *reply, enum fared *fared,
+                            size_t *asked, struct reply *reply, enum apart_fared *fared,
                             struct reason *reason)
 {
     char *bytes = NULL;
@@ -193,7 +193,7 @@ static enum status ask_one(struct apart *apart, const struct fuzz_trial *candida
                            struct reason *reason)
 {
     struct reply reply;
-    enum fared fared;
+    enum apart_fared fared;
     size_t asked;
     enum status status = ask_some(apart, candidate, 1, &asked, &reply, &fared, reason);
     enum fuzz_kind kind = apart->file->signature.kind;
@@ -224,7 +224,7 @@ static enum status ask_apart(void *user, const struct fuzz_trial *candidate, siz
     size_t done = 0;
     while (done < count && !singly && !status) {
         struct reply reply;
-        enum fared fared;
+        enum apart_fared fared;
         size_t asked;
         status = ask_some(apart, candidate + done, count - done, &asked, &reply, &fared, reason);
         if (status || fared != ANSWERED)

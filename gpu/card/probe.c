@@ -17,7 +17,7 @@
 
 static const char *const names[PROBE_OPS] = {"a+b", "a-b", "a*b", "a/b", "1/b", "a*b+c", "a<b?a:b"};
 
-struct triple {
+struct probe_triple {
     float a, b, c;
 };
 
@@ -35,11 +35,11 @@ static float special(struct rng *rng)
     return float_from_bits(bits[rng_below(rng, ARRAY_COUNT(bits))]);
 }
 
-static void make_triples(struct triple *triple)
+static void make_triples(struct probe_triple *triple)
 {
     struct rng rng = rng_make(1, 0);
     for (uint32_t i = 0; i < TRIPLES; i++) {
-        triple[i] = (struct triple){ordinary(&rng), ordinary(&rng), ordinary(&rng)};
+        triple[i] = (struct probe_triple){ordinary(&rng), ordinary(&rng), ordinary(&rng)};
         if (!IS_SPECIAL(i))
             continue;
         triple[i].a = special(&rng);
@@ -62,7 +62,7 @@ static float zero_if(bool flush, float x)
 }
 
 /* The same operations, compiled without contraction. */
-static void evaluate(const struct triple *t, struct flush flush, float out[PROBE_OPS])
+static void evaluate(const struct probe_triple *t, struct flush flush, float out[PROBE_OPS])
 {
     const float a = zero_if(flush.in, t->a), b = zero_if(flush.in, t->b);
     const float c = zero_if(flush.in, t->c);
@@ -100,7 +100,7 @@ static void judge_ordinary(struct probe_op *op, float want, float got)
 }
 
 /* A subnormal that became zero may have either sign. */
-static bool is_flushed(const struct triple *t, uint32_t op, float got)
+static bool is_flushed(const struct probe_triple *t, uint32_t op, float got)
 {
     for (size_t i = 0; i < ARRAY_COUNT(flushes); i++) {
         float want[PROBE_OPS];
@@ -111,7 +111,8 @@ static bool is_flushed(const struct triple *t, uint32_t op, float got)
     return false;
 }
 
-static void compare(const struct triple *triple, const float *got, struct probe_op out[PROBE_OPS])
+static void compare(const struct probe_triple *triple, const float *got,
+                    struct probe_op out[PROBE_OPS])
 {
     for (uint32_t k = 0; k < PROBE_OPS; k++)
         out[k] = (struct probe_op){.name = names[k]};
@@ -136,7 +137,7 @@ static void compare(const struct triple *triple, const float *got, struct probe_
 enum status probe_run_shader(struct vk *vk, const struct shader *shader,
                              struct probe_op out[PROBE_OPS], struct reason *reason)
 {
-    struct triple *triple = alloc_zeroed(TRIPLES, sizeof *triple);
+    struct probe_triple *triple = alloc_zeroed(TRIPLES, sizeof *triple);
     float *got = alloc_zeroed(TRIPLES, PROBE_OPS * sizeof *got);
     enum status status = STATUS_OK;
     memset(out, 0, PROBE_OPS * sizeof *out);

@@ -22,7 +22,7 @@ struct rayquery {
 };
 
 /* Where the answers of a call go. */
-struct answers {
+struct rayquery_answers {
     struct hit *hit;
     uint32_t *found; /* QUERY_ALL, else NULL */
     uint32_t capacity;
@@ -109,7 +109,7 @@ static enum status prepare(void *self, const struct job *job, struct reason *rea
 }
 
 static enum status trace_batch(struct rayquery *r, struct batch *batch, const struct ray *ray,
-                               size_t first, uint32_t count, const struct answers *to,
+                               size_t first, uint32_t count, const struct rayquery_answers *to,
                                struct trace_report *report, struct reason *reason)
 {
     const struct push push = {.ray_count = count, .capacity = batch->capacity};
@@ -131,7 +131,7 @@ static enum status trace_batch(struct rayquery *r, struct batch *batch, const st
                       to->found ? to->found + first : NULL, reason);
 }
 
-static void answer_nothing(const struct answers *to, size_t ray_count)
+static void answer_nothing(const struct rayquery_answers *to, size_t ray_count)
 {
     for (size_t i = 0; i < ray_count; i++) {
         if (to->found)
@@ -142,7 +142,7 @@ static void answer_nothing(const struct answers *to, size_t ray_count)
 }
 
 static enum status trace_rays(struct rayquery *r, const struct ray *ray, size_t ray_count,
-                              const struct answers *to, struct trace_report *report,
+                              const struct rayquery_answers *to, struct trace_report *report,
                               struct reason *reason)
 {
     *report = (struct trace_report){.device_clock = true};
@@ -170,14 +170,14 @@ static enum status trace_rays(struct rayquery *r, const struct ray *ray, size_t 
 static enum status trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                          struct trace_report *report, struct reason *reason)
 {
-    const struct answers to = {hit, NULL, 1};
+    const struct rayquery_answers to = {hit, NULL, 1};
     return trace_rays(self, ray, ray_count, &to, report, reason);
 }
 
 static enum status trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason)
 {
-    const struct answers to = {hit, hit_count, capacity};
+    const struct rayquery_answers to = {hit, hit_count, capacity};
     struct trace_report unused;
     return trace_rays(self, ray, ray_count, &to, &unused, reason);
 }

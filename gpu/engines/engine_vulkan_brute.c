@@ -36,7 +36,7 @@ struct brute {
 };
 
 /* Where the answers of a call go. */
-struct answers {
+struct brute_answers {
     struct hit *hit;
     uint32_t *found; /* QUERY_ALL, else NULL */
     uint32_t capacity;
@@ -120,7 +120,7 @@ static enum status run_part(struct brute *b, struct batch *batch, const struct p
 
 /* All triangles for `count` rays, which begin at ray `first`. */
 static enum status trace_batch(struct brute *b, struct batch *batch, const struct ray *ray,
-                               size_t first, uint32_t count, const struct answers *to,
+                               size_t first, uint32_t count, const struct brute_answers *to,
                                struct trace_report *report, struct reason *reason)
 {
     int turn = 1;
@@ -150,7 +150,7 @@ static enum status trace_batch(struct brute *b, struct batch *batch, const struc
 }
 
 static enum status trace_rays(struct brute *b, const struct ray *ray, size_t ray_count,
-                              const struct answers *to, struct trace_report *report,
+                              const struct brute_answers *to, struct trace_report *report,
                               struct reason *reason)
 {
     *report = (struct trace_report){.device_clock = true};
@@ -180,14 +180,14 @@ static enum status trace_rays(struct brute *b, const struct ray *ray, size_t ray
 static enum status trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                          struct trace_report *report, struct reason *reason)
 {
-    const struct answers to = {hit, NULL, 1};
+    const struct brute_answers to = {hit, NULL, 1};
     return trace_rays(self, ray, ray_count, &to, report, reason);
 }
 
 static enum status trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason)
 {
-    const struct answers to = {hit, hit_count, capacity};
+    const struct brute_answers to = {hit, hit_count, capacity};
     struct trace_report unused;
     return trace_rays(self, ray, ray_count, &to, &unused, reason);
 }

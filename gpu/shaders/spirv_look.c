@@ -27,23 +27,23 @@ enum {
 enum { IS_FLOAT = 1, IS_PINNED = 2 };
 
 /* An instruction; words beyond its end read as 0, and so do ids beyond the module's bound. */
-struct instruction {
+struct look_instruction {
     const uint32_t *word;
     uint32_t op, count;
 };
 
-static uint32_t word_at(const struct instruction *i, uint32_t at)
+static uint32_t word_at(const struct look_instruction *i, uint32_t at)
 {
     return at < i->count ? i->word[at] : 0;
 }
 
-static uint32_t id_at(const struct instruction *i, uint32_t at, uint32_t bound)
+static uint32_t id_at(const struct look_instruction *i, uint32_t at, uint32_t bound)
 {
     uint32_t id = word_at(i, at);
     return id < bound ? id : 0;
 }
 
-static void mark(const struct instruction *i, uint8_t *id, uint32_t bound)
+static void mark(const struct look_instruction *i, uint8_t *id, uint32_t bound)
 {
     if (i->op == OP_TYPE_FLOAT ||
         ((i->op == OP_TYPE_VECTOR || i->op == OP_TYPE_MATRIX) && id[id_at(i, 2, bound)] & IS_FLOAT))
@@ -52,7 +52,7 @@ static void mark(const struct instruction *i, uint8_t *id, uint32_t bound)
         id[id_at(i, 1, bound)] |= IS_PINNED;
 }
 
-static void judge(const struct instruction *i, const uint8_t *id, uint32_t bound,
+static void judge(const struct look_instruction *i, const uint8_t *id, uint32_t bound,
                   struct spirv_found *out)
 {
     if (i->op >= OP_FIRST_ARITHMETIC && i->op <= OP_LAST_ARITHMETIC &&
@@ -80,7 +80,7 @@ enum status spirv_look(const uint32_t *word, uint32_t count, struct spirv_found 
     enum status status = STATUS_OK;
     for (int pass = 0; pass < 2 && !status; pass++) /* decorations come before what they decorate */
         for (uint32_t at = HEADER_WORDS; at < count && !status;) {
-            struct instruction i = {word + at, word[at] & 0xFFFFu, word[at] >> 16};
+            struct look_instruction i = {word + at, word[at] & 0xFFFFu, word[at] >> 16};
             if (i.count == 0 || i.count > count - at)
                 status = fail(reason, STATUS_INPUT, "word %u: no SPIR-V instruction", at);
             else if (pass == 0)

@@ -15,7 +15,7 @@
 #define BINDINGS (ABI_BIND_ASKED + 1)
 
 /* A record, and which of its slots; and what the shader says of it. As in shaders/decode.glsl. */
-struct question {
+struct decode_question {
     uint32_t ref, what;
 };
 struct answer {
@@ -25,9 +25,9 @@ struct answer {
 };
 enum { MORE_CHILD_SUM = 1, MORE_RECORD_SUM = 2, MORE_CHILD_WORD = 3 };
 
-struct comparing {
+struct decode_comparing {
     const struct packed *packed;
-    struct question *asked;
+    struct decode_question *asked;
     struct answer *answer;
     size_t count, capacity;
     size_t *first; /* of each reference: its first question */
@@ -42,13 +42,13 @@ static bool is_wide(const struct packed *packed)
     return layout_is_wide(packed->layout);
 }
 
-static enum status put(struct comparing *c, uint32_t ref, uint32_t what)
+static enum status put(struct decode_comparing *c, uint32_t ref, uint32_t what)
 {
     void *array = c->asked;
     if (array_reserve(&array, &c->capacity, c->count + 1, sizeof *c->asked))
         return STATUS_MEMORY;
     c->asked = array;
-    c->asked[c->count++] = (struct question){ref, what};
+    c->asked[c->count++] = (struct decode_question){ref, what};
     return STATUS_OK;
 }
 
@@ -58,7 +58,7 @@ static uint32_t slot_of(const struct packed *packed, uint32_t child)
 }
 
 /* Every slot of the record, then the further items of its leaves. */
-static enum status put_wide(struct comparing *c, uint32_t ref, const struct wide *record)
+static enum status put_wide(struct decode_comparing *c, uint32_t ref, const struct wide *record)
 {
     const uint32_t width = c->packed->layout->width;
     enum status status = STATUS_OK;
@@ -75,7 +75,7 @@ static enum status put_wide(struct comparing *c, uint32_t ref, const struct wide
     return status;
 }
 
-static enum status put_all(struct comparing *c)
+static enum status put_all(struct decode_comparing *c)
 {
     const struct packed *packed = c->packed;
     uint32_t end = is_wide(packed) ? packed->node_count : packed->ref_count;
@@ -101,8 +101,8 @@ static enum status put_all(struct comparing *c)
 
 /* --- the shader ------------------------------------------------------------------------------ */
 
-static enum status fill(struct vk *vk, struct comparing *c, struct vk_buffer *buffer[BINDINGS],
-                        struct reason *reason)
+static enum status fill(struct vk *vk, struct decode_comparing *c,
+                        struct vk_buffer *buffer[BINDINGS], struct reason *reason)
 {
     const struct packed *packed = c->packed;
     const uint64_t bytes[BINDINGS] = {[ABI_BIND_HITS] = c->count * sizeof *c->answer,
@@ -122,7 +122,7 @@ static enum status fill(struct vk *vk, struct comparing *c, struct vk_buffer *bu
 }
 
 /* What the shader says to every question. */
-static enum status ask(struct vk *vk, const struct shader *shader, struct comparing *c,
+static enum status ask(struct vk *vk, const struct shader *shader, struct decode_comparing *c,
                        struct reason *reason)
 {
     const struct packed *packed = c->packed;
@@ -163,7 +163,7 @@ static enum status ask(struct vk *vk, const struct shader *shader, struct compar
 /* --- the comparison -------------------------------------------------------------------------- */
 
 /* Says what differs of the first record. Returns false. */
-static bool differs(struct comparing *c, uint32_t ref, const char *field, const char *mine,
+static bool differs(struct decode_comparing *c, uint32_t ref, const char *field, const char *mine,
                     const char *theirs)
 {
     if (!c->out->first[0])
@@ -172,7 +172,7 @@ static bool differs(struct comparing *c, uint32_t ref, const char *field, const 
     return false;
 }
 
-static bool same_number(struct comparing *c, uint32_t ref, const char *field, uint32_t mine,
+static bool same_number(struct decode_comparing *c, uint32_t ref, const char *field, uint32_t mine,
                         uint32_t theirs)
 {
     char text[2][32];
@@ -185,7 +185,7 @@ static bool same_number(struct comparing *c, uint32_t ref, const char *field, ui
     return differs(c, ref, field, text[0], text[1]);
 }
 
-static bool same_box(struct comparing *c, uint32_t ref, const struct box *box,
+static bool same_box(struct decode_comparing *c, uint32_t ref, const struct box *box,
                      const struct answer *answer)
 {
     for (int k = 0; k < 6; k++) {
@@ -208,7 +208,7 @@ static const char *kind_name(uint32_t kind)
     return kind < ARRAY_COUNT(names) ? names[kind] : "nonsense";
 }
 
-static bool same_kind(struct comparing *c, uint32_t ref, uint32_t mine, uint32_t theirs)
+static bool same_kind(struct decode_comparing *c, uint32_t ref, uint32_t mine, uint32_t theirs)
 {
     return mine == theirs || differs(c, ref, "kind", kind_name(mine), kind_name(theirs));
 }
@@ -220,7 +220,7 @@ static uint32_t compared(uint32_t count)
 }
 
 /* The items of a leaf whose first is answered at `answer`, the next ones from `more` on. */
-static bool same_leaf(struct comparing *c, uint32_t ref, const struct wide *leaf,
+static bool same_leaf(struct decode_comparing *c, uint32_t ref, const struct wide *leaf,
                       const struct answer *answer, const struct answer *more)
 {
     if (!same_number(c, ref, "items", leaf->item_count, answer->count))
@@ -235,7 +235,7 @@ static bool same_leaf(struct comparing *c, uint32_t ref, const struct wide *leaf
     return true;
 }
 
-static bool same_binary(struct comparing *c, uint32_t ref)
+static bool same_binary(struct decode_comparing *c, uint32_t ref)
 {
     const struct answer *answer = &c->answer[c->first[ref]];
     struct box box = c->packed->layout->box(c->packed, ref);
@@ -251,7 +251,7 @@ static bool same_binary(struct comparing *c, uint32_t ref)
 }
 
 /* The slots of C's children: those of leaves are their references', the others come in order. */
-static bool match_slots(struct comparing *c, uint32_t ref, const struct wide *record,
+static bool match_slots(struct decode_comparing *c, uint32_t ref, const struct wide *record,
                         uint32_t slot[WIDE_MAX])
 {
     const struct packed *packed = c->packed;
@@ -280,7 +280,7 @@ static bool match_slots(struct comparing *c, uint32_t ref, const struct wide *re
 }
 
 /* Whether GLSL goes from the slot to where C's reference leads, by its own decoding of both. */
-static bool same_child(struct comparing *c, uint32_t ref, uint32_t slot, uint32_t child)
+static bool same_child(struct decode_comparing *c, uint32_t ref, uint32_t slot, uint32_t child)
 {
     const struct answer *answer = &c->answer[c->first[ref] + slot];
     const struct answer *there = &c->answer[c->first[child]];
@@ -293,7 +293,7 @@ static bool same_child(struct comparing *c, uint32_t ref, uint32_t slot, uint32_
     return differs(c, ref, field, mine, theirs);
 }
 
-static bool same_wide(struct comparing *c, uint32_t ref)
+static bool same_wide(struct decode_comparing *c, uint32_t ref)
 {
     const struct packed *packed = c->packed;
     const struct answer *more = &c->answer[c->first[ref] + packed->layout->width];
@@ -321,7 +321,7 @@ static bool same_wide(struct comparing *c, uint32_t ref)
     return true;
 }
 
-static void compare(struct comparing *c)
+static void compare(struct decode_comparing *c)
 {
     const struct packed *packed = c->packed;
     uint32_t end = is_wide(packed) ? packed->node_count : packed->ref_count;
@@ -334,7 +334,7 @@ static void compare(struct comparing *c)
 
 /* --- all ------------------------------------------------------------------------------------- */
 
-static enum status prepare(struct comparing *c, struct reason *reason)
+static enum status prepare(struct decode_comparing *c, struct reason *reason)
 {
     struct packed_walk walk;
     enum status status = packed_walk_make(c->packed, &walk);
@@ -360,7 +360,7 @@ enum status decode_compare(const struct packed *packed, const struct engine_opti
                            struct decoded *out, struct reason *reason)
 {
     const struct vk_options how = vulkan_options(options);
-    struct comparing c = {.packed = packed, .out = out};
+    struct decode_comparing c = {.packed = packed, .out = out};
     struct vk *vk = NULL;
     char name[64];
     *out = (struct decoded){.records = 0};

@@ -16,7 +16,7 @@
 #define LIST_MOST (1u << 22)
 
 /* Where the answers go. */
-struct answers {
+struct tracer_answers {
     struct hit *hit;
     uint32_t capacity; /* hits a ray: 1 unless QUERY_ALL */
     uint32_t *found;   /* QUERY_ALL: hits of each ray; else NULL */
@@ -223,7 +223,7 @@ static enum status check_flags(struct tracer *tracer, size_t first, uint32_t cou
 
 /* Copies the answers of `count` rays, the first of which is ray `first`. */
 static enum status read_answers(struct tracer *tracer, size_t first, uint32_t count,
-                                const struct answers *to, struct reason *reason)
+                                const struct tracer_answers *to, struct reason *reason)
 {
     const size_t hits = (size_t)count * to->capacity;
     enum status status = STATUS_OK;
@@ -238,8 +238,8 @@ static enum status read_answers(struct tracer *tracer, size_t first, uint32_t co
 
 /* Traces `count` rays from `ray` on, which is ray `first`. */
 static enum status trace_batch(struct tracer *tracer, const struct ray *ray, size_t first,
-                               uint32_t count, const struct answers *to, struct vk_time *time,
-                               struct reason *reason)
+                               uint32_t count, const struct tracer_answers *to,
+                               struct vk_time *time, struct reason *reason)
 {
     struct vk_buffer *flags = tracer->buffer[ABI_BIND_FLAGS];
     const uint64_t flag_bytes = (uint64_t)count * sizeof *tracer->flag;
@@ -263,7 +263,7 @@ static enum status trace_batch(struct tracer *tracer, const struct ray *ray, siz
 }
 
 static enum status trace_rays(struct tracer *tracer, const struct ray *ray, size_t ray_count,
-                              const struct answers *to, struct trace_report *report,
+                              const struct tracer_answers *to, struct trace_report *report,
                               struct reason *reason)
 {
     *report = (struct trace_report){.device_clock = true};
@@ -300,7 +300,7 @@ static enum status trace_rays(struct tracer *tracer, const struct ray *ray, size
 enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ray_count,
                          struct hit *hit, struct trace_report *report, struct reason *reason)
 {
-    const struct answers to = {hit, 1, NULL};
+    const struct tracer_answers to = {hit, 1, NULL};
     return trace_rays(tracer, ray, ray_count, &to, report, reason);
 }
 
@@ -308,7 +308,7 @@ enum status tracer_trace_all(struct tracer *tracer, const struct ray *ray, size_
                              uint32_t capacity, struct hit *hit, uint32_t *hit_count,
                              struct reason *reason)
 {
-    const struct answers to = {hit, capacity, hit_count};
+    const struct tracer_answers to = {hit, capacity, hit_count};
     struct trace_report unused;
     return trace_rays(tracer, ray, ray_count, &to, &unused, reason);
 }

@@ -21,7 +21,7 @@ struct arena {
 };
 
 /* A task of the submission being made. */
-struct entry {
+struct tasks_entry {
     struct engine_task *task;
     struct push push;
     size_t order; /* where in tasks.order; ray i of the dispatch is the task's order[i] */
@@ -33,7 +33,7 @@ struct tracer_tasks {
     struct vk_buffer *buffer[DISPATCH_BINDINGS];
     struct arena arena[DISPATCH_BINDINGS];
     struct vk_work work[GROUP_MOST];
-    struct entry entry[GROUP_MOST];
+    struct tasks_entry entry[GROUP_MOST];
     struct arena order; /* of all entries; not for the device */
     uint32_t count;
     uint64_t visits; /* that they can make at most */
@@ -94,7 +94,7 @@ static bool put(struct tracer *tracer, struct vk_work *work, uint32_t binding, c
 }
 
 /* The order of the entry's rays, if it has one. */
-static const uint32_t *order_of(const struct tracer_tasks *tasks, const struct entry *entry)
+static const uint32_t *order_of(const struct tracer_tasks *tasks, const struct tasks_entry *entry)
 {
     return entry->ordered ? (const uint32_t *)(const void *)(tasks->order.byte + entry->order)
                           : NULL;
@@ -102,7 +102,7 @@ static const uint32_t *order_of(const struct tracer_tasks *tasks, const struct e
 
 /* Orders the rays by what they may take. */
 static bool make_order(struct tracer_tasks *tasks, const struct engine_task *task,
-                       struct entry *entry)
+                       struct tasks_entry *entry)
 {
     size_t bytes = task->ray_count * sizeof(uint32_t);
     entry->ordered = task->expected && task->ray_count > 0;
@@ -119,7 +119,7 @@ static bool make_order(struct tracer_tasks *tasks, const struct engine_task *tas
     return true;
 }
 
-static bool put_rays(struct tracer *tracer, struct vk_work *work, const struct entry *entry)
+static bool put_rays(struct tracer *tracer, struct vk_work *work, const struct tasks_entry *entry)
 {
     const struct engine_task *task = entry->task;
     const uint32_t *order = order_of(tracer->tasks, entry);
@@ -153,7 +153,7 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
     struct tracer_tasks *tasks = tracer->tasks;
     const struct packed *packed = task->job.packed;
     struct vk_work *work = &tasks->work[tasks->count];
-    struct entry *entry = &tasks->entry[tasks->count];
+    struct tasks_entry *entry = &tasks->entry[tasks->count];
     struct dispatch dispatch;
     task->status = dispatch_tree(&task->job, tracer->workgroup, &dispatch, &task->reason);
     if (!task->status)
@@ -222,7 +222,7 @@ static void check_flags(struct tracer *tracer, struct engine_task *task)
 }
 
 /* Hands the answers out in the task's own order. */
-static void take_answers(const struct entry *entry, const uint32_t *order, const void *hits,
+static void take_answers(const struct tasks_entry *entry, const uint32_t *order, const void *hits,
                          const void *flags)
 {
     const struct hit *hit = hits;

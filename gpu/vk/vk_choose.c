@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* The answers of one device, chained for vkGetPhysicalDeviceProperties2. */
-struct answers {
+struct choose_answers {
     VkPhysicalDeviceProperties2 base;
     VkPhysicalDeviceMaintenance3Properties allocation;
     VkPhysicalDeviceDriverProperties driver;
@@ -33,9 +33,9 @@ bool vk_has_extension(struct vk *vk, VkPhysicalDevice device, const char *name)
 
 /* Asks only for what the device's version or extensions define: an unknown struct in the chain
  * would be left unanswered. */
-static void ask(struct vk *vk, VkPhysicalDevice device, struct answers *out)
+static void ask(struct vk *vk, VkPhysicalDevice device, struct choose_answers *out)
 {
-    *out = (struct answers){
+    *out = (struct choose_answers){
         .base.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
         .allocation.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
         .driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
@@ -87,7 +87,7 @@ static bool is_shared(const VkPhysicalDeviceProperties *properties)
            properties->deviceType == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU;
 }
 
-static struct vk_limits limits_of(const struct answers *answers, uint32_t timestamp_bits)
+static struct vk_limits limits_of(const struct choose_answers *answers, uint32_t timestamp_bits)
 {
     const VkPhysicalDeviceProperties *base = &answers->base.properties;
     struct vk_limits limits = {
@@ -174,7 +174,7 @@ enum status vk_choose(struct vk *vk, struct reason *reason)
     const char *driver = vk->options.driver;
     bool found = false;
     for (uint32_t i = 0; i < count && !status && !found; i++) {
-        struct answers answers;
+        struct choose_answers answers;
         uint32_t bits;
         ask(vk, device[i], &answers);
         bool can = find_family(vk, device[i], &vk->family, &bits);
@@ -232,7 +232,7 @@ void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes)
         return;
     }
     for (uint32_t i = 0; i < count; i++) {
-        struct answers answers;
+        struct choose_answers answers;
         uint32_t family, bits;
         ask(vk, device[i], &answers);
         bool can = find_family(vk, device[i], &family, &bits);

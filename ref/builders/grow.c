@@ -10,7 +10,7 @@
 #define PIECE_LEAST 2048u
 
 /* A node of the top of the tree, in pre-order, or a piece below it. */
-struct part {
+struct grow_part {
     struct grow_range range;
     struct lane_box bounds;
     uint32_t snd;   /* its second child; 0: a piece */
@@ -23,7 +23,7 @@ struct grower {
     void *user;
     uint32_t *prim;
     struct bvh_node *node; /* of pieces: a piece of items i .. begins at 2 i */
-    struct part *part;
+    struct grow_part *part;
     size_t part_count, part_capacity;
     uint32_t threads;
 };
@@ -94,7 +94,7 @@ static enum status part_add(struct grower *g, const struct grow_range *range)
         array_reserve(&array, &g->part_capacity, g->part_count + 1, sizeof *g->part);
     g->part = array;
     if (!status)
-        g->part[g->part_count++] = (struct part){.range = *range};
+        g->part[g->part_count++] = (struct grow_part){.range = *range};
     return status;
 }
 
@@ -116,12 +116,12 @@ static uint32_t top_finish(struct grower *g)
 {
     uint32_t count = 0;
     for (size_t i = 0; i < g->part_count; i++) {
-        struct part *part = &g->part[i];
+        struct grow_part *part = &g->part[i];
         part->at = count;
         count += part->snd ? 1 : part->nodes;
     }
     for (size_t i = g->part_count; i-- > 0;) {
-        struct part *part = &g->part[i];
+        struct grow_part *part = &g->part[i];
         if (!part->snd)
             continue;
         part->bounds = g->part[i + 1].bounds;
@@ -132,7 +132,7 @@ static uint32_t top_finish(struct grower *g)
 
 static void part_move(const struct grower *g, size_t i, struct bvh_node *out)
 {
-    const struct part *part = &g->part[i];
+    const struct grow_part *part = &g->part[i];
     const struct bvh_node *from = g->node + 2 * (size_t)part->range.first;
     if (part->snd) {
         out[part->at] = (struct bvh_node){lane_box_store(&part->bounds), part->at + 1,
@@ -156,7 +156,7 @@ static enum status grow_all(struct grower *g, const struct grow_range *root, str
         return status;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(g->threads) if (g->threads > 1)
     for (size_t i = 0; i < g->part_count; i++) {
-        struct part *part = &g->part[i];
+        struct grow_part *part = &g->part[i];
         if (!part->snd)
             part->bounds =
                 piece_grow(g, &part->range, g->node + 2 * (size_t)part->range.first, &part->nodes);

@@ -37,29 +37,30 @@ static uint32_t divide_part(struct ref *ref, uint32_t count, const struct ref_cu
 
 /* Parts of a range: part i is ref[begin[i] .. begin[i + 1]), the first left[i] of it on its first
  * side. */
-struct parts {
+struct swap_parts {
     uint32_t begin[PARTS + 1], left[PARTS];
     struct lane_box fst[PARTS], snd[PARTS];
 };
 
 /* A run of references on the wrong side of the middle. */
-struct run {
+struct swap_run {
     uint32_t first, count;
 };
 
 /* Runs of second-side references before `middle`, and of first-side ones behind it. */
-static void runs_of(const struct parts *parts, uint32_t middle, struct run *early, struct run *late)
+static void runs_of(const struct swap_parts *parts, uint32_t middle, struct swap_run *early,
+                    struct swap_run *late)
 {
     for (uint32_t i = 0; i < PARTS; i++) {
         uint32_t begin = parts->begin[i], cut = begin + parts->left[i], end = parts->begin[i + 1];
         uint32_t stop = end < middle ? end : middle, start = begin > middle ? begin : middle;
-        early[i] = (struct run){cut, stop > cut ? stop - cut : 0};
-        late[i] = (struct run){start, cut > start ? cut - start : 0};
+        early[i] = (struct swap_run){cut, stop > cut ? stop - cut : 0};
+        late[i] = (struct swap_run){start, cut > start ? cut - start : 0};
     }
 }
 
 /* Changes the runs' references over, one by one in order. */
-static void swap_runs(struct ref *ref, struct run *early, struct run *late)
+static void swap_runs(struct ref *ref, struct swap_run *early, struct swap_run *late)
 {
     uint32_t a = 0, b = 0;
     for (;;) {
@@ -75,16 +76,16 @@ static void swap_runs(struct ref *ref, struct run *early, struct run *late)
             ref[early[a].first + i] = ref[late[b].first + i];
             ref[late[b].first + i] = swap;
         }
-        early[a] = (struct run){early[a].first + n, early[a].count - n};
-        late[b] = (struct run){late[b].first + n, late[b].count - n};
+        early[a] = (struct swap_run){early[a].first + n, early[a].count - n};
+        late[b] = (struct swap_run){late[b].first + n, late[b].count - n};
     }
 }
 
 static uint32_t divide_parts(struct ref *ref, uint32_t count, const struct ref_cut *cut,
                              uint32_t threads, struct lane_box *fst, struct lane_box *snd)
 {
-    struct parts parts;
-    struct run early[PARTS], late[PARTS];
+    struct swap_parts parts;
+    struct swap_run early[PARTS], late[PARTS];
     uint32_t middle = 0;
     for (uint32_t i = 0; i <= PARTS; i++)
         parts.begin[i] = (uint32_t)((uint64_t)count * i / PARTS);

@@ -15,7 +15,7 @@ struct task {
 #define NO_PARENT UINT32_MAX
 
 /* Nodes made so far, and nodes that wait; the last of `task` is next. */
-struct progress {
+struct top_down_progress {
     struct bvh_node *node;
     struct task *task;
     size_t node_count, node_capacity;
@@ -39,7 +39,7 @@ static struct box range_bounds(const struct build *build, uint32_t first, uint32
     return all;
 }
 
-static enum status push(struct progress *progress, const struct task *task)
+static enum status push(struct top_down_progress *progress, const struct task *task)
 {
     void *array = progress->task;
     enum status status = array_reserve(&array, &progress->task_capacity, progress->task_count + 1,
@@ -51,7 +51,7 @@ static enum status push(struct progress *progress, const struct task *task)
 }
 
 /* Appends the node of `task` and links it to its parent. */
-static enum status emit(struct progress *progress, const struct task *task, bool leaf)
+static enum status emit(struct top_down_progress *progress, const struct task *task, bool leaf)
 {
     void *array = progress->node;
     enum status status = array_reserve(&array, &progress->node_capacity, progress->node_count + 1,
@@ -73,7 +73,7 @@ static enum status emit(struct progress *progress, const struct task *task, bool
 /* Splits one waiting node. Its triangles keep their place in prim: as nodes are done in pre-order,
  * a node's first triangle is also the number of items before it. */
 static enum status step(const struct build_rule *rule, struct build *build,
-                        struct progress *progress, struct reason *reason)
+                        struct top_down_progress *progress, struct reason *reason)
 {
     struct task task = progress->task[--progress->task_count];
     uint32_t left = 0;
@@ -120,7 +120,7 @@ static enum status build_start(const struct build_rule *rule, struct build *buil
 }
 
 static enum status build_all(const struct build_rule *rule, struct build *build,
-                             struct progress *progress, struct reason *reason)
+                             struct top_down_progress *progress, struct reason *reason)
 {
     enum status status = build_start(rule, build);
     if (status)
@@ -143,7 +143,7 @@ enum status build_top_down(const struct build_rule *rule, const struct scene *sc
     if (status || scene->tri_count == 0)
         return status;
     struct build build = {.scene = scene, .options = options};
-    struct progress progress = {0};
+    struct top_down_progress progress = {0};
     status = build_all(rule, &build, &progress, reason);
     if (status == STATUS_MEMORY)
         (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);

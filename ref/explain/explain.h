@@ -20,7 +20,8 @@ typedef bool ask_fn(void *user, const struct ray *ray, size_t count, struct hit 
 
 /* What is to be explained; everything borrowed. */
 struct explain_case {
-    struct replay replay; /* how C answers on the same bytes; tree NULL: engines without one */
+    struct explain_replay
+        replay; /* how C answers on the same bytes; tree NULL: engines without one */
     struct ray ray;
     opinion_fn *judge;
     const void *judge_user;

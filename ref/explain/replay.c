@@ -10,7 +10,7 @@
 #define STACK_WITHOUT_END 4096u
 
 struct state {
-    const struct replay *replay;
+    const struct explain_replay *replay;
     const struct replay_change *change;
     struct slab_rule rule;
     struct slab_ray slab;
@@ -329,7 +329,7 @@ static void all(struct state *s)
     }
 }
 
-enum replay_end replay_run(const struct replay *replay, const struct replay_change *change,
+enum replay_end replay_run(const struct explain_replay *replay, const struct replay_change *change,
                            const struct ray *ray, struct hit *out, struct replay_notes *notes)
 {
     struct state s;

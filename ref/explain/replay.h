@@ -11,7 +11,7 @@
 typedef bool exact_fn(const void *user, const struct ray *ray, uint32_t prim, struct hit *out);
 
 /* What is replayed. */
-struct replay {
+struct explain_replay {
     const struct scene *scene;
     const struct explain_tree *tree; /* NULL: every triangle in index order, as engine brute */
     uint32_t box_id, tri_id;
@@ -61,7 +61,7 @@ struct replay_notes {
 
 /* Answers one ray. *out is a miss unless REPLAY_DONE. `notes` may be NULL.
  * With no change it gives the bits of trace_ray, or of trace_brute without a tree. */
-enum replay_end replay_run(const struct replay *replay, const struct replay_change *change,
+enum replay_end replay_run(const struct explain_replay *replay, const struct replay_change *change,
                            const struct ray *ray, struct hit *out, struct replay_notes *notes);
 
 #endif

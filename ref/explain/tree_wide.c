@@ -7,11 +7,11 @@
 #include <stdlib.h>
 
 /* Places in the binary tree's item array: those below a node of it follow each other. */
-struct range {
+struct wide_range {
     uint32_t first, last, count; /* count 0: nothing */
 };
 
-static void range_add(struct range *range, const struct range *more)
+static void range_add(struct wide_range *range, const struct wide_range *more)
 {
     if (more->count == 0)
         return;
@@ -24,13 +24,13 @@ static void range_add(struct range *range, const struct range *more)
 
 /* Where in the tree's items each triangle is: the last place, and of each place of a split tree the
  * one before it and its leaf. */
-struct places {
+struct wide_places {
     uint32_t *last;   /* per triangle */
     uint32_t *before; /* per place, or EXPLAIN_NONE */
     uint32_t *leaf;   /* per place */
 };
 
-static bool make_places(const struct explain_tree *tree, struct places *out)
+static bool make_places(const struct explain_tree *tree, struct wide_places *out)
 {
     const struct bvh *bvh = tree->bvh;
     out->last = alloc_zeroed(tree->scene->tri_count, sizeof *out->last);
@@ -50,7 +50,7 @@ static bool make_places(const struct explain_tree *tree, struct places *out)
     return true;
 }
 
-static void free_places(struct places *places)
+static void free_places(struct wide_places *places)
 {
     free(places->last);
     free(places->before);
@@ -59,7 +59,7 @@ static void free_places(struct places *places)
 
 /* The triangle's place that is meant by a leaf of that box: the last whose own leaf has its middle
  * in it, or the last of all. */
-static uint32_t place_of(const struct explain_tree *tree, const struct places *places,
+static uint32_t place_of(const struct explain_tree *tree, const struct wide_places *places,
                          uint32_t prim, const struct box *box)
 {
     for (uint32_t at = places->last[prim]; at != EXPLAIN_NONE; at = places->before[at]) {
@@ -77,7 +77,7 @@ static uint32_t place_of(const struct explain_tree *tree, const struct places *p
 
 /* What every visit of the packed tree has below it, children after their parents. */
 static void find_ranges(const struct explain_tree *tree, const struct packed_walk *walk,
-                        const struct places *places, struct range *range)
+                        const struct wide_places *places, struct wide_range *range)
 {
     const struct packed *packed = tree->packed;
     for (uint32_t v = walk->visit_count; v-- > 0;) {
@@ -88,7 +88,7 @@ static void find_ranges(const struct explain_tree *tree, const struct packed_wal
             if (prim >= tree->scene->tri_count)
                 continue;
             uint32_t place = place_of(tree, places, prim, &walk->visit[v].box);
-            const struct range one = {place, place, 1};
+            const struct wide_range one = {place, place, 1};
             range_add(&range[v], &one);
         }
         if (v > 0)
@@ -98,7 +98,8 @@ static void find_ranges(const struct explain_tree *tree, const struct packed_wal
 
 /* The node of the binary tree with these items, from the root down, or EXPLAIN_NONE. `end` has the
  * place behind the last item of each node. */
-static uint32_t node_of_range(const struct bvh *bvh, const uint32_t *end, const struct range *range)
+static uint32_t node_of_range(const struct bvh *bvh, const uint32_t *end,
+                              const struct wide_range *range)
 {
     uint32_t node = 0, first = 0;
     if (range->count == 0 || range->last - range->first + 1 != range->count)
@@ -122,10 +123,10 @@ enum status explain_map_wide(struct explain_tree *tree)
     const struct bvh *bvh = tree->bvh;
     struct packed_walk walk;
     enum status status = packed_walk_make(tree->packed, &walk);
-    struct places places = {0};
+    struct wide_places places = {0};
     bool placed = make_places(tree, &places);
     uint32_t *end = alloc_zeroed(bvh->node_count, sizeof *end);
-    struct range *range = alloc_zeroed(walk.visit_count, sizeof *range);
+    struct wide_range *range = alloc_zeroed(walk.visit_count, sizeof *range);
     tree->box = alloc_zeroed(bvh->node_count, sizeof *tree->box);
     if (!status && (!placed || !end || !range || !tree->box))
         status = STATUS_MEMORY;

@@ -8,7 +8,7 @@
 #define FAR 0.0625f
 
 /* How a witness is aimed; they take turns. */
-enum aim {
+enum witness_aim {
     AIM_FROM_RAY, /* at a place of a triangle, from where the ray starts */
     AIM_MIRRORED, /* from the other side of that place */
     AIM_OUTSIDE,  /* from outside the scene */
@@ -56,7 +56,7 @@ static float larger_of(const float x[3])
 }
 
 /* The ray itself, a little different. */
-static void aim_beside(enum aim aim, struct rng *rng, struct ray *ray)
+static void aim_beside(enum witness_aim aim, struct rng *rng, struct ray *ray)
 {
     float most = larger_of(ray->dir), turn = rng_scaled(rng, 0.5f, 1, -22, 23) * most;
     for (int k = 0; k < 3; k++) {
@@ -70,7 +70,7 @@ static void aim_beside(enum aim aim, struct rng *rng, struct ray *ray)
 }
 
 /* A ray at a place, or through two. */
-static void aim_at(const struct explain_case *the, enum aim aim, const struct box *bounds,
+static void aim_at(const struct explain_case *the, enum witness_aim aim, const struct box *bounds,
                    uint32_t prim, uint32_t turn, struct rng *rng, struct ray *ray)
 {
     const struct scene *scene = the->replay.scene;
@@ -142,7 +142,7 @@ void witnesses_make(const struct explain_case *the, uint32_t round, enum witness
     uint32_t prim = 0;
     w->count = EXPLAIN_WITNESSES;
     for (uint32_t i = 0; i < w->count; i++) {
-        enum aim aim = (enum aim)(i % AIM_COUNT);
+        enum witness_aim aim = (enum witness_aim)(i % AIM_COUNT);
         if (aim == 0) /* at random: neighbours in order are neighbours in slots */
             prim = rng_below(&rng, scene->tri_count);
         w->ray[i] = the->ray;

@@ -23,14 +23,14 @@
 #define PER_UNIT 3.47
 #define LOST     0x1p-119
 
-struct look {
+struct unnamed_look {
     double p[3][3][TOGETHER]; /* vertex - origin */
     double edge[3][TOGETHER];
     double most[TOGETHER], size[TOGETHER], length[TOGETHER];
 };
 
 static void take(const struct judge *judge, const struct ray *ray, uint32_t first, uint32_t count,
-                 struct look *look)
+                 struct unnamed_look *look)
 {
     for (uint32_t i = 0; i < TOGETHER; i++) {
         float v[3][3];
@@ -46,7 +46,7 @@ static inline double larger(double a, double b)
     return a > b ? a : b;
 }
 
-static void measure(const struct ray *ray, struct look *look)
+static void measure(const struct ray *ray, struct unnamed_look *look)
 {
     const double x = (double)ray->dir[0], y = (double)ray->dir[1], z = (double)ray->dir[2];
     for (uint32_t i = 0; i < TOGETHER; i++)
@@ -65,7 +65,7 @@ static void measure(const struct ray *ray, struct look *look)
 }
 
 /* Which of them no two edge functions of surely opposite signs turn away. */
-static uint64_t kept(const struct judge *judge, const struct ray *ray, struct look *look)
+static uint64_t kept(const struct judge *judge, const struct ray *ray, struct unnamed_look *look)
 {
     double d =
         fmax(fabs((double)ray->dir[0]), fmax(fabs((double)ray->dir[1]), fabs((double)ray->dir[2])));
@@ -110,7 +110,7 @@ static bool has_look(const struct judge *judge)
 static bool possible_by_twin(const struct judge *judge, const struct ray *ray, uint32_t first,
                              uint32_t count)
 {
-    struct look look;
+    struct unnamed_look look;
     struct twin_pair pair[TOGETHER];
     struct twin twin[TOGETHER];
     bool possible = false;
@@ -144,7 +144,7 @@ static double displacement_of(const struct judge *judge, const struct ray *ray, 
 static bool possible_by_distance(const struct judge *judge, const struct ray *ray, uint32_t first,
                                  uint32_t count, double *least)
 {
-    struct look look;
+    struct unnamed_look look;
     bool possible = false;
     take(judge, ray, first, count, &look);
     for (uint64_t left = kept(judge, ray, &look); left; left &= left - 1) {

@@ -11,7 +11,7 @@
 #define SLOT_ITEMS 5 /* where the bits of a leaf's number of items begin */
 
 /* What a member is. */
-struct grid {
+struct layouts_grid {
     struct wide_form form; /* to read with */
     const struct number_format *format;
     uint32_t frame; /* ABI_FRAME_* */
@@ -21,12 +21,12 @@ struct grid {
 #define HEAD_WORDS(width, frame) (2 + ((width) + 3) / 4 + ((frame) == ABI_FRAME_NODE ? 4 : 0))
 #define CODE_WORDS(width, bits)  ((bits) == 10 ? 2 * (width) : (6 * (width) * (bits) + 31) / 32)
 
-static uint32_t head_words(const struct grid *grid, uint32_t width)
+static uint32_t head_words(const struct layouts_grid *grid, uint32_t width)
 {
     return HEAD_WORDS(width, grid->frame);
 }
 
-static const struct grid *grid_of(const struct layout *layout)
+static const struct layouts_grid *grid_of(const struct layout *layout)
 {
     return layout->family;
 }
@@ -89,7 +89,7 @@ static uint32_t words_of(const struct layout *layout)
 /* A tree being packed. */
 struct packing {
     const struct layout *layout;
-    const struct grid *grid;
+    const struct layouts_grid *grid;
     const struct bvh *bvh;
     const struct wide_tree *tree;
     struct number_frame frame;              /* of the scene, if there is one */
@@ -258,7 +258,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-static void decode_box(const struct grid *grid, const struct number_frame *frame,
+static void decode_box(const struct layouts_grid *grid, const struct number_frame *frame,
                        const uint32_t *codes, uint32_t slot, struct box *out)
 {
     for (uint32_t k = 0; k < 3; k++) {
@@ -271,7 +271,7 @@ static void decode_box(const struct grid *grid, const struct number_frame *frame
 
 static void decode(const struct packed *packed, uint32_t record, struct wide_slot *out)
 {
-    const struct grid *grid = grid_of(packed->layout);
+    const struct layouts_grid *grid = grid_of(packed->layout);
     uint32_t width = packed->layout->width;
     const uint32_t *word = packed->word + (size_t)record * words_of(packed->layout);
     const uint32_t *codes = word + head_words(grid, width);
@@ -339,7 +339,8 @@ static enum status rebound(struct packed *packed, uint32_t ref, const struct box
         .slots = true,                                                                             \
         .order = VISIT_NEAR,                                                                       \
         .shader = "grid" #children,                                                                \
-        .family = &(const struct grid){{.decode = decode}, &number_##format_, ABI_FRAME_##FRAME},  \
+        .family = &(                                                                               \
+            const struct layouts_grid){{.decode = decode}, &number_##format_, ABI_FRAME_##FRAME},  \
         .constant = {ABI_NUMBER_##FORMAT, ABI_FRAME_##FRAME},                                      \
         .pack = pack,                                                                              \
         .load = wide_form_load,                                                                    \

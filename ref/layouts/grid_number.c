@@ -99,26 +99,26 @@ static uint32_t code_of(const struct number_format *format, int64_t rank)
 
 /* Exactly what stands at a rank: the sum of two doubles, of which the first is the rounded sum
  * (Knuth 1969, two-sum; nothing overflows). */
-struct exact {
+struct number_exact {
     double sum, rest;
 };
 
-static struct exact exact_at(const struct number_format *format, const struct number_frame *frame,
-                             int axis, int64_t rank)
+static struct number_exact exact_at(const struct number_format *format,
+                                    const struct number_frame *frame, int axis, int64_t rank)
 {
     double x = (double)format->number(code_of(format, rank));
     if (!frame)
-        return (struct exact){x, 0};
+        return (struct number_exact){x, 0};
     x *= (double)scale_of(frame, axis);
     double a = (double)frame->origin[axis], sum = a + x;
     double b = sum - a;
-    return (struct exact){sum, (a - (sum - b)) + (x - b)};
+    return (struct number_exact){sum, (a - (sum - b)) + (x - b)};
 }
 
-static bool is_at_least(struct exact value, double bound, bool equal_too)
+static bool is_at_least(struct number_exact value, double bound, bool equal_too)
 {
 #if MUTANT == MUTANT_GRID_SUM_ROUNDED
-    value = (struct exact){(double)(float)value.sum, 0};
+    value = (struct number_exact){(double)(float)value.sum, 0};
 #endif
     if (value.sum != bound)
         return value.sum > bound;

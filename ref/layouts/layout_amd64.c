@@ -96,7 +96,7 @@ static bool stored_box(const struct amd *amd, bool f32, const struct box *box, s
 
 /* --- nodes ------------------------------------------------------------------------------------ */
 
-struct packing {
+struct amd64_packing {
     const struct amd *amd;
     const struct wide_tree *tree;
     uint32_t *pointer; /* of each node: its first record and type */
@@ -104,7 +104,7 @@ struct packing {
 };
 
 /* Whether node `n` is of float32; *fits = false if it can be neither. */
-static bool wants_f32(const struct packing *p, uint32_t n, bool *fits)
+static bool wants_f32(const struct amd64_packing *p, uint32_t n, bool *fits)
 {
     const struct wide_node *node = &p->tree->node[n];
     bool fits16 = true, fits32 = true;
@@ -124,7 +124,7 @@ static bool wants_f32(const struct packing *p, uint32_t n, bool *fits)
 }
 
 /* Nodes follow each other in the order of the tree. */
-static enum status place_nodes(const char *name, struct packing *p, struct reason *reason)
+static enum status place_nodes(const char *name, struct amd64_packing *p, struct reason *reason)
 {
     for (uint32_t n = 0; n < p->tree->node_count; n++) {
         bool fits;
@@ -156,7 +156,7 @@ static void pack_box(const struct amd *amd, bool f32, const struct box *box, uin
     }
 }
 
-static void pack_node(const struct packing *p, uint32_t n, uint32_t *words)
+static void pack_node(const struct amd64_packing *p, uint32_t n, uint32_t *words)
 {
     const struct wide_node *node = &p->tree->node[n];
     uint32_t *word = words + (size_t)WORDS * (p->pointer[n] >> 3);
@@ -175,7 +175,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
                         struct packed *out, struct reason *reason)
 {
     struct wide_tree tree = {0};
-    struct packing p = {.amd = self->family, .tree = &tree};
+    struct amd64_packing p = {.amd = self->family, .tree = &tree};
     enum status status = STATUS_OK;
     if (bvh->prim_count > POINTERS)
         status = fail(reason, STATUS_LIMIT, "%s: holds at most 2^29 items, this tree has %u",
@@ -207,22 +207,23 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
 
 /* Record r is reference r as a node of float16 and node_count + r as one of float32; its slots are
  * references 2 node_count + 4 r + s, and 4 node_count more. */
-struct place {
+struct amd64_place {
     uint32_t record;
     uint32_t slot; /* WIDTH: the node itself */
     bool f32;
 };
 
-static struct place place_of(const struct packed *packed, uint32_t ref)
+static struct amd64_place place_of(const struct packed *packed, uint32_t ref)
 {
     uint32_t records = packed->node_count;
     if (ref < 2 * records)
-        return (struct place){ref % records, WIDTH, ref >= records};
+        return (struct amd64_place){ref % records, WIDTH, ref >= records};
     ref -= 2 * records;
-    return (struct place){ref / WIDTH % records, ref % WIDTH, ref >= WIDTH * records};
+    return (struct amd64_place){ref / WIDTH % records, ref % WIDTH, ref >= WIDTH * records};
 }
 
-static void decode(const struct packed *packed, const struct place *place, struct wide_slot *slot)
+static void decode(const struct packed *packed, const struct amd64_place *place,
+                   struct wide_slot *slot)
 {
     const uint32_t *word = packed->word + (size_t)WORDS * place->record;
     bool cut = place->f32 && place->record + 1 >= packed->node_count;
@@ -246,7 +247,7 @@ static void decode(const struct packed *packed, const struct place *place, struc
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 {
     struct wide_slot slot[WIDTH];
-    struct place place = place_of(packed, ref);
+    struct amd64_place place = place_of(packed, ref);
     uint32_t records = packed->node_count;
     decode(packed, &place, slot);
     if (place.slot == WIDTH) {
@@ -263,7 +264,7 @@ static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 static struct box box(const struct packed *packed, uint32_t ref)
 {
     struct wide_slot slot[WIDTH];
-    struct place place = place_of(packed, ref);
+    struct amd64_place place = place_of(packed, ref);
     decode(packed, &place, slot);
     return place.slot == WIDTH ? wide_nodes_union(packed, slot) : slot[place.slot].box;
 }
@@ -273,7 +274,7 @@ static enum status rebound(struct packed *packed, uint32_t ref, const struct box
 {
     (void)own;
     const struct amd *amd = packed->layout->family;
-    struct place place = place_of(packed, ref);
+    struct amd64_place place = place_of(packed, ref);
     uint32_t *word = packed->word + (size_t)WORDS * place.record;
     struct wide_slot slot[WIDTH];
     const struct box *box[WIDE_MAX];

@@ -6,14 +6,14 @@
 #include <stdlib.h>
 
 /* One node; its children stand one after the other. */
-struct place {
+struct around_place {
     struct box box;
     uint32_t parent; /* the root's is 0 */
     uint32_t first, count;
 };
 
 struct around {
-    struct place *place;
+    struct around_place *place;
     uint32_t count;
 };
 
@@ -25,7 +25,7 @@ enum status around_make(const struct packed *packed, struct around **out)
     if (status)
         return status;
     struct around *around = alloc_zeroed(1, sizeof *around);
-    struct place *place = alloc_zeroed(walk.visit_count, sizeof *place);
+    struct around_place *place = alloc_zeroed(walk.visit_count, sizeof *place);
     if (!around || !place) {
         free(around);
         free(place);
@@ -67,7 +67,7 @@ static bool contains(const struct box *box, const double p[3])
 /* Without a stack, since references that wrap can be chained to any depth. */
 void around_count(const struct around *around, const double p[3], uint32_t *boxes, uint32_t *leaves)
 {
-    const struct place *place = around->place;
+    const struct around_place *place = around->place;
     *boxes = *leaves = 0;
     for (uint32_t i = 0; around->count > 0;) {
         if (contains(&place[i].box, p)) {

@@ -6,21 +6,21 @@
 #include <stdlib.h>
 
 /* Nodes that wait to be decoded. */
-struct waiting {
+struct look_waiting {
     uint32_t ref, parent;
     struct box box;
 };
 
-struct decoding {
+struct look_decoding {
     const struct packed *packed;
     struct bvh bvh;
-    struct waiting stack[ABI_STACK_MAX + 2];
+    struct look_waiting stack[ABI_STACK_MAX + 2];
     uint32_t depth;
     uint32_t node_most, prim_most, tri_count;
 };
 
 /* False if it has more than there can be. */
-static bool add_items(struct decoding *d, const struct wide *wide, struct bvh_node *node)
+static bool add_items(struct look_decoding *d, const struct wide *wide, struct bvh_node *node)
 {
     if (wide->item_count > (d->tri_count < 8 ? 8 : d->tri_count)) /* slots can be empty */
         return false;
@@ -37,9 +37,9 @@ static bool add_items(struct decoding *d, const struct wide *wide, struct bvh_no
 }
 
 /* The next node in pre-order. */
-static bool add_node(struct decoding *d)
+static bool add_node(struct look_decoding *d)
 {
-    struct waiting now = d->stack[--d->depth];
+    struct look_waiting now = d->stack[--d->depth];
     struct wide wide;
     uint32_t index = d->bvh.node_count;
     if (index == d->node_most || !packed_ref_valid(d->packed, now.ref))
@@ -57,9 +57,9 @@ static bool add_node(struct decoding *d)
     node->fst = index + 1;
     for (int c = 1; c >= 0; c--)
 #if MUTANT == MUTANT_DECODED_TURNED
-        d->stack[d->depth++] = (struct waiting){wide.child[1 - c], index, wide.box[1 - c]};
+        d->stack[d->depth++] = (struct look_waiting){wide.child[1 - c], index, wide.box[1 - c]};
 #else
-        d->stack[d->depth++] = (struct waiting){wide.child[c], index, wide.box[c]};
+        d->stack[d->depth++] = (struct look_waiting){wide.child[c], index, wide.box[c]};
 #endif
     return true;
 }
@@ -67,11 +67,11 @@ static bool add_node(struct decoding *d)
 enum status decoded_tree(const struct packed *packed, const struct scene *scene, struct bvh *out,
                          struct reason *reason)
 {
-    struct decoding d = {.packed = packed,
-                         .bvh.tri_count = scene->tri_count,
-                         .node_most = packed->node_count,
-                         .prim_most = packed_prims_most(packed),
-                         .tri_count = scene->tri_count};
+    struct look_decoding d = {.packed = packed,
+                              .bvh.tri_count = scene->tri_count,
+                              .node_most = packed->node_count,
+                              .prim_most = packed_prims_most(packed),
+                              .tri_count = scene->tri_count};
     *out = (struct bvh){0};
     d.bvh.node = alloc_zeroed(d.node_most, sizeof *d.bvh.node);
     d.bvh.prim = alloc_zeroed(d.prim_most, sizeof *d.bvh.prim);
@@ -81,7 +81,7 @@ enum status decoded_tree(const struct packed *packed, const struct scene *scene,
     }
     if (packed->node_count > 0 && packed_ref_valid(packed, packed->root))
         d.stack[d.depth++] =
-            (struct waiting){packed->root, 0, packed->layout->box(packed, packed->root)};
+            (struct look_waiting){packed->root, 0, packed->layout->box(packed, packed->root)};
     bool sound = true;
     while (d.depth > 0 && sound)
         sound = add_node(&d);

@@ -9,7 +9,7 @@
 
 struct numbers {
     struct explain_tree tree;
-    struct replay replay;
+    struct explain_replay replay;
     struct around *around;
     double *growth; /* of each record's box; NAN where there is none */
 };
@@ -74,11 +74,11 @@ enum status numbers_make(const struct scene *scene, const struct bvh *bvh,
         return fail(reason, STATUS_MEMORY, "no memory to look at %u records", packed->node_count);
     }
     measure_growth(numbers);
-    numbers->replay = (struct replay){.scene = scene,
-                                      .tree = &numbers->tree,
-                                      .box_id = box->id,
-                                      .tri_id = tri->id,
-                                      .query = QUERY_CLOSEST};
+    numbers->replay = (struct explain_replay){.scene = scene,
+                                              .tree = &numbers->tree,
+                                              .box_id = box->id,
+                                              .tri_id = tri->id,
+                                              .query = QUERY_CLOSEST};
     *out = numbers;
     return STATUS_OK;
 }

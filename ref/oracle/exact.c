@@ -7,12 +7,12 @@
 #include <math.h>
 
 /* Units as in ref/oracle/small.h. */
-struct input {
-    struct grid place, way;
+struct exact_input {
+    struct oracle_grid place, way;
     struct odd o[3], d[3], v[3][3];
 };
 
-static void read_input(const struct ray *ray, float v[3][3], struct input *in)
+static void read_input(const struct ray *ray, float v[3][3], struct exact_input *in)
 {
     struct odd all[12];
     for (int k = 0; k < 3; k++) {
@@ -27,7 +27,7 @@ static void read_input(const struct ray *ray, float v[3][3], struct input *in)
 
 /* Values that both kinds of integer end in. */
 struct products {
-    struct wide w[3], det, t;
+    struct oracle_wide w[3], det, t;
     int scale;
 };
 
@@ -35,22 +35,23 @@ struct products {
  */
 
 /* x * y - z * u */
-static void cross_term(const struct wide *x, const struct wide *y, const struct wide *z,
-                       const struct wide *u, struct wide *out)
+static void cross_term(const struct oracle_wide *x, const struct oracle_wide *y,
+                       const struct oracle_wide *z, const struct oracle_wide *u,
+                       struct oracle_wide *out)
 {
-    struct wide left, right;
+    struct oracle_wide left, right;
     wide_mul(x, y, &left);
     wide_mul(z, u, &right);
     wide_sub(&left, &right, out);
 }
 
-static void wide_triple(const struct wide x[3], const struct wide y[3], const struct wide z[3],
-                        struct wide *out)
+static void wide_triple(const struct oracle_wide x[3], const struct oracle_wide y[3],
+                        const struct oracle_wide z[3], struct oracle_wide *out)
 {
     wide_set(0, out);
     for (int k = 0; k < 3; k++) {
         int i = (k + 1) % 3, j = (k + 2) % 3;
-        struct wide minor, term;
+        struct oracle_wide minor, term;
         cross_term(&y[i], &z[j], &y[j], &z[i], &minor);
         wide_mul(&x[k], &minor, &term);
         wide_add(out, &term, out);
@@ -64,7 +65,7 @@ static int bits_of(unsigned __int128 x)
 }
 
 /* The same numbers for medium; returns false if they take too many bits. */
-static bool medium_input(const struct input *in, struct medium_input *out)
+static bool medium_input(const struct exact_input *in, struct medium_input *out)
 {
     unsigned __int128 place = 0, way = 0;
     if (in->place.bits > 120 || in->way.bits > 120)
@@ -85,10 +86,11 @@ static bool medium_input(const struct input *in, struct medium_input *out)
 }
 
 /* Vertices relative to the origin, and the direction, all as wide. */
-static void wide_input(const struct input *in, struct wide a[3][3], struct wide d[3])
+static void wide_input(const struct exact_input *in, struct oracle_wide a[3][3],
+                       struct oracle_wide d[3])
 {
     for (int k = 0; k < 3; k++) {
-        struct wide o;
+        struct oracle_wide o;
         grid_wide(in->place, in->o[k], &o);
         grid_wide(in->way, in->d[k], &d[k]);
         for (int c = 0; c < 3; c++) {
@@ -100,8 +102,8 @@ static void wide_input(const struct input *in, struct wide a[3][3], struct wide 
 
 static void wide_products(const struct ray *ray, float v[3][3], struct products *out)
 {
-    struct input in;
-    struct wide a[3][3], d[3];
+    struct exact_input in;
+    struct oracle_wide a[3][3], d[3];
     struct medium_input medium;
     struct medium_products product;
     read_input(ray, v, &in);
@@ -125,7 +127,7 @@ static void wide_products(const struct ray *ray, float v[3][3], struct products 
 /* --- a pair ------------------------------------------------------------------------------------
  */
 
-static double share(const struct wide *w, const struct wide *det)
+static double share(const struct oracle_wide *w, const struct oracle_wide *det)
 {
     uint64_t w_top, det_top;
     int w_exponent, det_exponent;
@@ -209,9 +211,9 @@ void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *o
 /* --- in the plane ------------------------------------------------------------------------------
  */
 
-static void normal_of(const struct wide a[3][3], struct wide n[3])
+static void normal_of(const struct oracle_wide a[3][3], struct oracle_wide n[3])
 {
-    struct wide e1[3], e2[3];
+    struct oracle_wide e1[3], e2[3];
     for (int k = 0; k < 3; k++) {
         wide_sub(&a[1][k], &a[0][k], &e1[k]);
         wide_sub(&a[2][k], &a[0][k], &e2[k]);
@@ -234,9 +236,9 @@ static void include(const struct fraction *t, bool *any, struct fraction *in, st
 
 bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, struct fraction *out)
 {
-    struct input input;
+    struct exact_input input;
     struct small small;
-    struct wide a[3][3], d[3], n[3], side[3];
+    struct oracle_wide a[3][3], d[3], n[3], side[3];
     bool any = false;
     if (small_make(ray, v, &small) && small_in_plane(&small, &any, in, out))
         return any;
@@ -258,7 +260,7 @@ bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, s
             include(&t, &any, in, out);
         } else if (side[c].sign == -side[e].sign) {
             /* The edge crosses it, where a_c + (a_e - a_c) * side_c / (side_c - side_e) is. */
-            struct wide span;
+            struct oracle_wide span;
             cross_term(&a[e][measure], &side[c], &a[c][measure], &side[e], &t.num);
             wide_sub(&side[c], &side[e], &span);
             wide_mul(&span, &d[measure], &t.den);
@@ -271,8 +273,8 @@ bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, s
 bool exact_no_area(float v[3][3])
 {
     struct ray at_origin = {.tmax = 0};
-    struct input in;
-    struct wide a[3][3], d[3], n[3];
+    struct exact_input in;
+    struct oracle_wide a[3][3], d[3], n[3];
     read_input(&at_origin, v, &in);
     wide_input(&in, a, d);
     normal_of(a, n);

@@ -14,7 +14,7 @@ static int sign_of(const struct fraction *a)
 
 /* Sign of |a| * 2^shift - |b|. The sizes are compared first, so that no shift can overflow: when it
  * is done, the shifted number is as long as the other. */
-static int compare_shifted(struct wide *a, struct wide *b, int shift)
+static int compare_shifted(struct oracle_wide *a, struct oracle_wide *b, int shift)
 {
     if (a->sign == 0 || b->sign == 0)
         return (a->sign != 0) - (b->sign != 0);
@@ -33,7 +33,7 @@ int fraction_compare(const struct fraction *a, const struct fraction *b)
     int sign = sign_of(a);
     if (sign != sign_of(b))
         return sign > sign_of(b) ? 1 : -1;
-    struct wide left, right;
+    struct oracle_wide left, right;
     wide_mul(&a->num, &b->den, &left);
     wide_mul(&b->num, &a->den, &right);
     return sign * compare_shifted(&left, &right, a->scale - b->scale);
@@ -50,7 +50,7 @@ int fraction_compare_double(const struct fraction *a, double x)
         return 0;
     int exponent;
     double mantissa = frexp(fabs(x), &exponent); /* in [1/2, 1) */
-    struct wide left = a->num, right, whole;
+    struct oracle_wide left = a->num, right, whole;
     wide_set((__int128)ldexp(mantissa, 53), &whole);
     wide_mul(&whole, &a->den, &right);
     return sign * compare_shifted(&left, &right, a->scale - (exponent - 53));
@@ -90,24 +90,24 @@ void fraction_enclose(const struct fraction *a, double *lo, double *hi)
 }
 
 /* Greatest common divisor of two odd positive numbers, by Stein's method; destroys both. */
-static void greatest_common(struct wide *a, struct wide *b)
+static void greatest_common(struct oracle_wide *a, struct oracle_wide *b)
 {
     int order;
     while ((order = wide_compare_size(a, b)) != 0) {
-        struct wide *larger = order > 0 ? a : b, *smaller = order > 0 ? b : a;
+        struct oracle_wide *larger = order > 0 ? a : b, *smaller = order > 0 ? b : a;
         wide_sub(larger, smaller, larger);
         wide_shift_right(larger, wide_trailing(larger));
     }
 }
 
 /* a / by, exactly, both odd and positive: by long division in binary. */
-static void divide_exact(struct wide *a, const struct wide *by)
+static void divide_exact(struct oracle_wide *a, const struct oracle_wide *by)
 {
-    struct wide quotient, one;
+    struct oracle_wide quotient, one;
     wide_set(0, &quotient);
     while (a->sign != 0) {
         unsigned shift = wide_bits(a) - wide_bits(by);
-        struct wide part = *by;
+        struct oracle_wide part = *by;
         wide_shift_left(&part, shift);
         if (wide_compare_size(&part, a) > 0) {
             part = *by;
@@ -122,11 +122,11 @@ static void divide_exact(struct wide *a, const struct wide *by)
 }
 
 /* Appends |a| in decimal; false if it does not fit. */
-static bool append(const struct wide *a, char *text, size_t text_bytes)
+static bool append(const struct oracle_wide *a, char *text, size_t text_bytes)
 {
     char digits[20 * WIDE_LIMBS + 1];
     size_t at = sizeof digits - 1, used = strlen(text);
-    struct wide rest = *a;
+    struct oracle_wide rest = *a;
     digits[at] = 0;
     do
         digits[--at] = (char)('0' + wide_divide_small(&rest, 10));
@@ -154,9 +154,9 @@ bool fraction_text(const struct fraction *a, char *text, size_t text_bytes)
         wide_shift_right(&f.den, d_zeros);
         power = f.scale + (int)n_zeros - (int)d_zeros;
         f.num.sign = f.den.sign = 1;
-        struct wide x = f.num, y = f.den;
+        struct oracle_wide x = f.num, y = f.den;
         greatest_common(&x, &y);
-        struct wide common = x;
+        struct oracle_wide common = x;
         divide_exact(&f.num, &common);
         divide_exact(&f.den, &common);
         if (power > 60 || power < -60)

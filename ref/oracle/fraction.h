@@ -9,7 +9,7 @@
 
 /* den is not 0, of either sign. num and den have at most 839 bits. */
 struct fraction {
-    struct wide num, den;
+    struct oracle_wide num, den;
     int scale;
 };
 

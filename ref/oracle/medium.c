@@ -5,7 +5,7 @@
 typedef unsigned __int128 u128;
 
 /* A product of two __int128. */
-struct pair {
+struct medium_pair {
     uint64_t limb[4];
 };
 
@@ -16,7 +16,7 @@ static inline uint64_t high(u128 x)
 
 /* The product of the bits as if they had no sign is too large by 2^128 times one factor where the
  * other is negative. */
-static inline struct pair multiply(__int128 x, __int128 y)
+static inline struct medium_pair multiply(__int128 x, __int128 y)
 {
     uint64_t x0 = (uint64_t)x, x1 = high((u128)x), y0 = (uint64_t)y, y1 = high((u128)y);
     u128 low = (u128)x0 * y0, one = (u128)x0 * y1, two = (u128)x1 * y0, top = (u128)x1 * y1;
@@ -27,11 +27,11 @@ static inline struct pair multiply(__int128 x, __int128 y)
 #if MUTANT != MUTANT_MEDIUM_SIGN
     top -= y < 0 ? (u128)x : 0;
 #endif
-    return (struct pair){{(uint64_t)low, (uint64_t)rest, (uint64_t)top, high(top)}};
+    return (struct medium_pair){{(uint64_t)low, (uint64_t)rest, (uint64_t)top, high(top)}};
 }
 
 /* a -= b */
-static inline void pair_subtract(struct pair *a, const struct pair *b)
+static inline void pair_subtract(struct medium_pair *a, const struct medium_pair *b)
 {
     uint64_t borrow = 0;
     for (int i = 0; i < 4; i++) {
@@ -63,7 +63,7 @@ static inline struct medium negative(const struct medium *a)
 }
 
 /* sum += x * y, all modulo 2^320. */
-static inline void add_product(struct medium *sum, __int128 x, const struct pair *y)
+static inline void add_product(struct medium *sum, __int128 x, const struct medium_pair *y)
 {
     u128 size = x < 0 ? -(u128)x : (u128)x;
     const uint64_t factor[2] = {(uint64_t)size, high(size)};
@@ -85,7 +85,7 @@ static inline void add_product(struct medium *sum, __int128 x, const struct pair
     add(sum, &product);
 }
 
-static struct medium dot(const __int128 x[3], const struct pair y[3])
+static struct medium dot(const __int128 x[3], const struct medium_pair y[3])
 {
     struct medium sum = {{0}};
     for (int k = 0; k < 3; k++)
@@ -99,12 +99,12 @@ bool medium_multiply(const struct medium_input *in, struct medium_products *out)
 {
     if (in->way_bits + 2 * in->place_bits > 314 || 3 * in->place_bits > 314)
         return false;
-    struct pair n[3];
+    struct medium_pair n[3];
     for (int c = 2; c >= 0; c--) {
         const __int128 *x = in->a[(c + 1) % 3], *y = in->a[(c + 2) % 3];
         for (int k = 0; k < 3; k++) {
             int i = (k + 1) % 3, j = (k + 2) % 3;
-            struct pair right = multiply(x[j], y[i]);
+            struct medium_pair right = multiply(x[j], y[i]);
             n[k] = multiply(x[i], y[j]);
             pair_subtract(&n[k], &right);
         }
@@ -125,7 +125,7 @@ int medium_sign(const struct medium *a)
     return a->limb[MEDIUM_LIMBS - 1] >> 63 ? -1 : any != 0;
 }
 
-void medium_wide(const struct medium *a, struct wide *out)
+void medium_wide(const struct medium *a, struct oracle_wide *out)
 {
     int sign = medium_sign(a), count = MEDIUM_LIMBS;
     struct medium size = sign < 0 ? negative(a) : *a;

@@ -29,6 +29,6 @@ struct medium_products {
 bool medium_multiply(const struct medium_input *in, struct medium_products *out);
 
 int medium_sign(const struct medium *a);
-void medium_wide(const struct medium *a, struct wide *out);
+void medium_wide(const struct medium *a, struct oracle_wide *out);
 
 #endif

@@ -12,7 +12,7 @@ struct odd odd_of(float x)
     return (struct odd){bits >> 31 ? -size : size, (int)(field ? field : 1) - 150 + zeros};
 }
 
-struct grid grid_of(const struct odd *x, int count)
+struct oracle_grid grid_of(const struct odd *x, int count)
 {
     int low = 0, high = 0;
     bool any = false;
@@ -25,15 +25,15 @@ struct grid grid_of(const struct odd *x, int count)
         high = !any || top > high ? top : high;
         any = true;
     }
-    return (struct grid){low, high - low};
+    return (struct oracle_grid){low, high - low};
 }
 
-__int128 grid_int(struct grid grid, struct odd x)
+__int128 grid_int(struct oracle_grid grid, struct odd x)
 {
     return x.m ? x.m * ((__int128)1 << (x.exponent - grid.exponent)) : 0;
 }
 
-void grid_wide(struct grid grid, struct odd x, struct wide *out)
+void grid_wide(struct oracle_grid grid, struct odd x, struct oracle_wide *out)
 {
     wide_set(x.m, out);
     if (x.m)

@@ -33,15 +33,15 @@ struct odd odd_of(float x);
 
 /* The grid of `count` numbers: the largest power of two of which all are multiples, and the bits
  * that the largest of them then has. */
-struct grid {
+struct oracle_grid {
     int exponent;
     int bits; /* |x| < 2^(exponent + bits); 0 if all are 0 */
 };
 
-struct grid grid_of(const struct odd *x, int count);
+struct oracle_grid grid_of(const struct odd *x, int count);
 
 /* x in units of the grid; the first needs grid.bits <= 126. */
-__int128 grid_int(struct grid grid, struct odd x);
-void grid_wide(struct grid grid, struct odd x, struct wide *out);
+__int128 grid_int(struct oracle_grid grid, struct odd x);
+void grid_wide(struct oracle_grid grid, struct odd x, struct oracle_wide *out);
 
 #endif

@@ -26,13 +26,13 @@ static inline void ends_add(struct ends *ends, float x)
 }
 
 /* As grid_of. */
-static inline struct grid ends_grid(const struct ends *ends)
+static inline struct oracle_grid ends_grid(const struct ends *ends)
 {
     uint32_t field = ends->most >> 23;
     if (ends->most == 0)
-        return (struct grid){0, 0};
+        return (struct oracle_grid){0, 0};
     int high = field ? (int)field - 126 : 32 - __builtin_clz(ends->most) - 149;
-    return (struct grid){ends->low, high - ends->low};
+    return (struct oracle_grid){ends->low, high - ends->low};
 }
 
 /* A multiple of 2^-exponent of fewer than 62 bits, in these units. */
@@ -60,7 +60,7 @@ bool small_make(const struct ray *ray, float v[3][3], struct small *out)
         for (int c = 0; c < 3; c++)
             ends_add(&place_ends, v[c][k]);
     }
-    struct grid place = ends_grid(&place_ends), way = ends_grid(&way_ends);
+    struct oracle_grid place = ends_grid(&place_ends), way = ends_grid(&way_ends);
     if (place.bits > 60 || way.bits > 60)
         return false;
     double place_units = power_of_two(-place.exponent), way_units = power_of_two(-way.exponent);

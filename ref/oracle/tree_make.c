@@ -10,33 +10,33 @@
 #define DEEP (TREE_DEPTH - 36)
 
 /* What is known of a triangle while building. */
-struct part {
+struct oracle_part {
     struct box box;
     float middle[3]; /* of the box, rounded anyhow: it only decides where a triangle goes */
     uint32_t prim;
 };
 
-struct build {
-    struct part *part;
+struct oracle_build {
+    struct oracle_part *part;
     struct tree *tree;
     uint32_t leaf; /* triangles of one, at most */
 };
 
-struct split {
+struct oracle_split {
     int axis; /* -1: none */
     double origin, scale;
     int bin; /* bins up to this one go left */
 };
 
-static int bin_of(const struct split *split, const struct part *part)
+static int bin_of(const struct oracle_split *split, const struct oracle_part *part)
 {
     double at = ((double)part->middle[split->axis] - split->origin) * split->scale;
     return at < 0 ? 0 : at >= BINS ? BINS - 1 : (int)at;
 }
 
 /* Cheapest split of one axis; leaves *best alone if there is none cheaper than *cost. */
-static void try_axis(const struct part *part, uint32_t count, struct split split, double *cost,
-                     struct split *best)
+static void try_axis(const struct oracle_part *part, uint32_t count, struct oracle_split split,
+                     double *cost, struct oracle_split *best)
 {
     struct box box[BINS], below = box_empty(), above = box_empty();
     uint32_t size[BINS] = {0}, left = 0, right = 0;
@@ -65,16 +65,16 @@ static void try_axis(const struct part *part, uint32_t count, struct split split
     }
 }
 
-static struct split find_split(const struct part *part, uint32_t count)
+static struct oracle_split find_split(const struct oracle_part *part, uint32_t count)
 {
     struct box middles = box_empty();
-    struct split best = {.axis = -1};
+    struct oracle_split best = {.axis = -1};
     double cost = INFINITY;
     for (uint32_t i = 0; i < count; i++)
         box_add_point(&middles, part[i].middle);
     for (int k = 0; k < 3; k++) {
         double extent = (double)middles.hi[k] - (double)middles.lo[k];
-        struct split split = {k, (double)middles.lo[k], BINS / extent, 0};
+        struct oracle_split split = {k, (double)middles.lo[k], BINS / extent, 0};
         if (extent > 0)
             try_axis(part, count, split, &cost, &best);
     }
@@ -82,9 +82,9 @@ static struct split find_split(const struct part *part, uint32_t count)
 }
 
 /* Puts what goes left first; returns how many. Halves the list where no split tells them apart. */
-static uint32_t partition(struct part *part, uint32_t count, unsigned depth)
+static uint32_t partition(struct oracle_part *part, uint32_t count, unsigned depth)
 {
-    struct split split = {.axis = -1};
+    struct oracle_split split = {.axis = -1};
     if (depth < DEEP)
         split = find_split(part, count);
     if (split.axis < 0)
@@ -92,18 +92,18 @@ static uint32_t partition(struct part *part, uint32_t count, unsigned depth)
     uint32_t left = 0;
     for (uint32_t i = 0; i < count; i++)
         if (bin_of(&split, &part[i]) <= split.bin) {
-            struct part swap = part[i];
+            struct oracle_part swap = part[i];
             part[i] = part[left];
             part[left++] = swap;
         }
     return left;
 }
 
-static void make_node(const struct build *build, uint32_t at, uint32_t first, uint32_t count,
+static void make_node(const struct oracle_build *build, uint32_t at, uint32_t first, uint32_t count,
                       unsigned depth);
 
 /* Fills in one child of node `at`. */
-static void make_child(const struct build *build, uint32_t at, int side, uint32_t first,
+static void make_child(const struct oracle_build *build, uint32_t at, int side, uint32_t first,
                        uint32_t count, unsigned depth)
 {
     struct box box = box_empty();
@@ -121,7 +121,7 @@ static void make_child(const struct build *build, uint32_t at, int side, uint32_
         make_node(build, tree->node_count++, first, count, depth + 1);
 }
 
-static void make_node(const struct build *build, uint32_t at, uint32_t first, uint32_t count,
+static void make_node(const struct oracle_build *build, uint32_t at, uint32_t first, uint32_t count,
                       unsigned depth)
 {
     uint32_t left = count <= build->leaf ? count : partition(build->part + first, count, depth);
@@ -134,7 +134,7 @@ enum status tree_make(const struct scene *scene, struct tree *out, struct reason
     uint32_t count = scene->tri_count;
     /* So few are looked at in less time than a tree of them is made in. */
     uint32_t leaf = count <= EARLY_MOST ? EARLY_MOST : TREE_LEAF;
-    struct build build = {alloc_zeroed(count, sizeof *build.part), out, leaf};
+    struct oracle_build build = {alloc_zeroed(count, sizeof *build.part), out, leaf};
     /* Inner nodes are one fewer than leaves, and each node but the root has two leaves or more
      * below it. */
     *out = (struct tree){.node = alloc_zeroed((size_t)count + 1, sizeof *out->node),

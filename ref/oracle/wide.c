@@ -6,7 +6,7 @@
 #include <stdbool.h>
 
 /* Drops leading zero limbs; no limb left means zero. */
-static void trim(struct wide *a, int sign, int count)
+static void trim(struct oracle_wide *a, int sign, int count)
 {
     while (count > 0 && a->limb[count - 1] == 0)
         count--;
@@ -14,7 +14,7 @@ static void trim(struct wide *a, int sign, int count)
     a->sign = count ? sign : 0;
 }
 
-void wide_set(__int128 value, struct wide *out)
+void wide_set(__int128 value, struct oracle_wide *out)
 {
     unsigned __int128 size = value < 0 ? -(unsigned __int128)value : (unsigned __int128)value;
     out->limb[0] = (uint64_t)size;
@@ -22,7 +22,7 @@ void wide_set(__int128 value, struct wide *out)
     trim(out, value < 0 ? -1 : 1, 2);
 }
 
-int wide_compare_size(const struct wide *a, const struct wide *b)
+int wide_compare_size(const struct oracle_wide *a, const struct oracle_wide *b)
 {
     if (a->count != b->count)
         return a->count > b->count ? 1 : -1;
@@ -32,17 +32,18 @@ int wide_compare_size(const struct wide *a, const struct wide *b)
     return 0;
 }
 
-int wide_compare(const struct wide *a, const struct wide *b)
+int wide_compare(const struct oracle_wide *a, const struct oracle_wide *b)
 {
     if (a->sign != b->sign)
         return a->sign > b->sign ? 1 : -1;
     return a->sign * wide_compare_size(a, b);
 }
 
-static void add_sizes(const struct wide *a, const struct wide *b, int sign, struct wide *out)
+static void add_sizes(const struct oracle_wide *a, const struct oracle_wide *b, int sign,
+                      struct oracle_wide *out)
 {
     if (a->count < b->count) {
-        const struct wide *swap = a;
+        const struct oracle_wide *swap = a;
         a = b;
         b = swap;
     }
@@ -65,7 +66,8 @@ static void add_sizes(const struct wide *a, const struct wide *b, int sign, stru
 }
 
 /* |a| >= |b| */
-static void sub_sizes(const struct wide *a, const struct wide *b, int sign, struct wide *out)
+static void sub_sizes(const struct oracle_wide *a, const struct oracle_wide *b, int sign,
+                      struct oracle_wide *out)
 {
     uint64_t borrow = 0;
     int count = a->count;
@@ -77,7 +79,8 @@ static void sub_sizes(const struct wide *a, const struct wide *b, int sign, stru
     trim(out, sign, count);
 }
 
-static void add_signed(const struct wide *a, const struct wide *b, int b_sign, struct wide *out)
+static void add_signed(const struct oracle_wide *a, const struct oracle_wide *b, int b_sign,
+                       struct oracle_wide *out)
 {
     if (a->sign == b_sign || a->sign == 0 || b_sign == 0)
         add_sizes(a, b, a->sign ? a->sign : b_sign, out);
@@ -87,17 +90,17 @@ static void add_signed(const struct wide *a, const struct wide *b, int b_sign, s
         sub_sizes(b, a, b_sign, out);
 }
 
-void wide_add(const struct wide *a, const struct wide *b, struct wide *out)
+void wide_add(const struct oracle_wide *a, const struct oracle_wide *b, struct oracle_wide *out)
 {
     add_signed(a, b, b->sign, out);
 }
 
-void wide_sub(const struct wide *a, const struct wide *b, struct wide *out)
+void wide_sub(const struct oracle_wide *a, const struct oracle_wide *b, struct oracle_wide *out)
 {
     add_signed(a, b, -b->sign, out);
 }
 
-void wide_mul(const struct wide *a, const struct wide *b, struct wide *out)
+void wide_mul(const struct oracle_wide *a, const struct oracle_wide *b, struct oracle_wide *out)
 {
     int count = a->count + b->count;
     assert(out != a && out != b);
@@ -120,7 +123,7 @@ void wide_mul(const struct wide *a, const struct wide *b, struct wide *out)
     trim(out, a->sign * b->sign, count);
 }
 
-void wide_shift_left(struct wide *a, unsigned bits)
+void wide_shift_left(struct oracle_wide *a, unsigned bits)
 {
     int limbs = (int)(bits / 64);
     unsigned rest = bits % 64;
@@ -140,7 +143,7 @@ void wide_shift_left(struct wide *a, unsigned bits)
     a->count = count;
 }
 
-void wide_shift_right(struct wide *a, unsigned bits)
+void wide_shift_right(struct oracle_wide *a, unsigned bits)
 {
     int limbs = (int)(bits / 64);
     unsigned rest = bits % 64;
@@ -152,13 +155,13 @@ void wide_shift_right(struct wide *a, unsigned bits)
     trim(a, a->sign, count > 0 ? count : 0);
 }
 
-unsigned wide_bits(const struct wide *a)
+unsigned wide_bits(const struct oracle_wide *a)
 {
     return a->count ? 64u * (unsigned)a->count - (unsigned)__builtin_clzll(a->limb[a->count - 1])
                     : 0;
 }
 
-unsigned wide_trailing(const struct wide *a)
+unsigned wide_trailing(const struct oracle_wide *a)
 {
     for (int i = 0; i < a->count; i++)
         if (a->limb[i])
@@ -166,7 +169,7 @@ unsigned wide_trailing(const struct wide *a)
     return 0;
 }
 
-int wide_top(const struct wide *a, uint64_t *top, int *exponent)
+int wide_top(const struct oracle_wide *a, uint64_t *top, int *exponent)
 {
     int at = a->count - 1, zeros = __builtin_clzll(a->limb[at]);
     uint64_t below = at > 0 ? a->limb[at - 1] : 0;
@@ -178,7 +181,7 @@ int wide_top(const struct wide *a, uint64_t *top, int *exponent)
     return whole;
 }
 
-uint64_t wide_divide_small(struct wide *a, uint64_t by)
+uint64_t wide_divide_small(struct oracle_wide *a, uint64_t by)
 {
     unsigned __int128 rest = 0;
     for (int i = a->count - 1; i >= 0; i--) {

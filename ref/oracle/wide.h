@@ -10,16 +10,16 @@
 
 /* Sign and magnitude. Only the lowest `count` limbs are defined; the highest of them is not 0, and
  * sign is 0 exactly when count is. */
-struct wide {
+struct oracle_wide {
     int sign;
     int count;
     uint64_t limb[WIDE_LIMBS];
 };
 
-void wide_set(__int128 value, struct wide *out);
+void wide_set(__int128 value, struct oracle_wide *out);
 
 /* Copies the limbs that are defined. */
-static inline void wide_copy(const struct wide *a, struct wide *out)
+static inline void wide_copy(const struct oracle_wide *a, struct oracle_wide *out)
 {
     out->sign = a->sign;
     out->count = a->count;
@@ -28,27 +28,27 @@ static inline void wide_copy(const struct wide *a, struct wide *out)
 }
 
 /* out = a + b, a - b, a * b. `out` may be one of the operands, but not of a product. */
-void wide_add(const struct wide *a, const struct wide *b, struct wide *out);
-void wide_sub(const struct wide *a, const struct wide *b, struct wide *out);
-void wide_mul(const struct wide *a, const struct wide *b, struct wide *out);
+void wide_add(const struct oracle_wide *a, const struct oracle_wide *b, struct oracle_wide *out);
+void wide_sub(const struct oracle_wide *a, const struct oracle_wide *b, struct oracle_wide *out);
+void wide_mul(const struct oracle_wide *a, const struct oracle_wide *b, struct oracle_wide *out);
 
 /* Multiplies by 2^bits, or divides exactly: the bits shifted out must be 0. In place. */
-void wide_shift_left(struct wide *a, unsigned bits);
-void wide_shift_right(struct wide *a, unsigned bits);
+void wide_shift_left(struct oracle_wide *a, unsigned bits);
+void wide_shift_right(struct oracle_wide *a, unsigned bits);
 
 /* Sign of a - b; the second ignores the signs. */
-int wide_compare(const struct wide *a, const struct wide *b);
-int wide_compare_size(const struct wide *a, const struct wide *b);
+int wide_compare(const struct oracle_wide *a, const struct oracle_wide *b);
+int wide_compare_size(const struct oracle_wide *a, const struct oracle_wide *b);
 
 /* Bits of |a|, 0 for 0; and the number of trailing zero bits, 0 for 0. */
-unsigned wide_bits(const struct wide *a);
-unsigned wide_trailing(const struct wide *a);
+unsigned wide_bits(const struct oracle_wide *a);
+unsigned wide_trailing(const struct oracle_wide *a);
 
 /* The 64 highest bits of |a| != 0, of which the topmost is 1: |a| is at least *top * 2^*exponent
  * and less than (*top + 1) * 2^*exponent. Returns whether it is exactly the former. */
-int wide_top(const struct wide *a, uint64_t *top, int *exponent);
+int wide_top(const struct oracle_wide *a, uint64_t *top, int *exponent);
 
 /* |a| / by rounded down, in place; returns the remainder. by != 0. */
-uint64_t wide_divide_small(struct wide *a, uint64_t by);
+uint64_t wide_divide_small(struct oracle_wide *a, uint64_t by);
 
 #endif

@@ -23,7 +23,7 @@
 #define FILES_MOST 4096
 
 /* What a message begins with. */
-struct head {
+struct child_head {
     uint64_t size;
 };
 
@@ -98,7 +98,7 @@ static bool would_block(void)
 /* Head and body in one go where that is possible: a small message is seen whole or not at all. */
 bool child_send(struct child *end, const void *bytes, size_t size, uint32_t ms)
 {
-    struct head head = {size};
+    struct child_head head = {size};
     uint64_t start = time_ns();
     for (size_t done = 0; done < sizeof head + size;) {
         size_t of_head = done < sizeof head ? done : sizeof head, of_body = done - of_head;
@@ -132,7 +132,7 @@ static enum child_got take(struct child *end, size_t want)
 /* The same of a whole message: first its head, which says how much follows. */
 static enum child_got take_message(struct child *end, size_t most, size_t *size)
 {
-    struct head head;
+    struct child_head head;
     void *array = end->bytes;
     if (array_reserve(&array, &end->capacity, sizeof head, 1))
         return CHILD_TOO_LONG;
@@ -158,7 +158,7 @@ enum child_got child_receive(struct child *end, size_t most, uint32_t ms, const 
     for (;;) {
         enum child_got got = take_message(end, most, size);
         if (got == CHILD_GOT) {
-            *bytes = end->bytes + sizeof(struct head);
+            *bytes = end->bytes + sizeof(struct child_head);
             end->got = 0;
         }
         if (got != CHILD_LATE || !wait_for(end->file, POLLIN, ms, start))

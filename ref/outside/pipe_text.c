@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* A file being read. */
-struct reading {
+struct pipe_reading {
     struct scan scan;
     const struct pipe_limits *limits;
     struct mesh mesh;
@@ -29,12 +29,12 @@ void pipe_text_free(struct pipe_text *text)
     *text = (struct pipe_text){0};
 }
 
-static enum status no_memory(struct reading *r)
+static enum status no_memory(struct pipe_reading *r)
 {
     return fail(r->reason, STATUS_MEMORY, "%s: no memory", r->scan.name);
 }
 
-static enum status read_float(struct reading *r, const char *what, float *out)
+static enum status read_float(struct pipe_reading *r, const char *what, float *out)
 {
     char shown[SCAN_SHOWN];
     scan_blanks(&r->scan);
@@ -49,7 +49,8 @@ static enum status read_float(struct reading *r, const char *what, float *out)
                      scan_show(&r->scan, shown));
 }
 
-static enum status read_floats(struct reading *r, const char *const *what, float *out, int count)
+static enum status read_floats(struct pipe_reading *r, const char *const *what, float *out,
+                               int count)
 {
     enum status status = STATUS_OK;
     for (int i = 0; i < count && !status; i++)
@@ -57,7 +58,7 @@ static enum status read_floats(struct reading *r, const char *const *what, float
     return status;
 }
 
-static enum status read_vertex(struct reading *r)
+static enum status read_vertex(struct pipe_reading *r)
 {
     static const char *const what[] = {"x", "y", "z"};
     float position[3];
@@ -70,7 +71,7 @@ static enum status read_vertex(struct reading *r)
     return mesh_vertex(&r->mesh, position) ? no_memory(r) : STATUS_OK;
 }
 
-static enum status read_triangle(struct reading *r)
+static enum status read_triangle(struct pipe_reading *r)
 {
     mesh_polygon(&r->mesh);
     for (int c = 0; c < 3; c++) {
@@ -88,7 +89,7 @@ static enum status read_triangle(struct reading *r)
     return STATUS_OK;
 }
 
-static enum status read_ray(struct reading *r)
+static enum status read_ray(struct pipe_reading *r)
 {
     static const char *const what[] = {"origin x",    "origin y",    "origin z",    "tmin",
                                        "direction x", "direction y", "direction z", "tmax"};
@@ -105,7 +106,7 @@ static enum status read_ray(struct reading *r)
     return STATUS_OK;
 }
 
-static enum status add_hit(struct reading *r, struct hit hit)
+static enum status add_hit(struct pipe_reading *r, struct hit hit)
 {
     void *array = r->out->hit;
     if (r->out->hit_count == r->limits->rays)
@@ -118,7 +119,7 @@ static enum status add_hit(struct reading *r, struct hit hit)
     return STATUS_OK;
 }
 
-static enum status read_hit(struct reading *r)
+static enum status read_hit(struct pipe_reading *r)
 {
     static const char *const what[] = {"t", "u", "v"};
     float n[3];
@@ -135,7 +136,7 @@ static enum status read_hit(struct reading *r)
     return add_hit(r, (struct hit){n[0], n[1], n[2], (uint32_t)prim});
 }
 
-static enum status read_miss(struct reading *r)
+static enum status read_miss(struct pipe_reading *r)
 {
     return add_hit(r, (struct hit){.prim = ABI_NO_PRIM});
 }
@@ -146,7 +147,7 @@ static bool word_is(const char *word, size_t length, const char *name)
 }
 
 /* The next word is one of a table; else its index is the table's length. */
-static uint32_t read_word(struct reading *r, const char *(*name)(uint32_t))
+static uint32_t read_word(struct pipe_reading *r, const char *(*name)(uint32_t))
 {
     const char *word;
     size_t length = scan_word(&r->scan, &word);
@@ -156,7 +157,7 @@ static uint32_t read_word(struct reading *r, const char *(*name)(uint32_t))
     return i;
 }
 
-static enum status read_formula(struct reading *r)
+static enum status read_formula(struct pipe_reading *r)
 {
     r->out->formula = read_word(r, pipe_formula_name);
     if (!pipe_formula_name(r->out->formula))
@@ -179,7 +180,7 @@ static const char *flag_name(uint32_t i)
     return i < ARRAY_COUNT(names) ? names[i] : NULL;
 }
 
-static enum status read_flags(struct reading *r)
+static enum status read_flags(struct pipe_reading *r)
 {
     for (scan_blanks(&r->scan); !scan_line_done(&r->scan); scan_blanks(&r->scan)) {
         uint32_t flag = read_word(r, flag_name);
@@ -191,7 +192,7 @@ static enum status read_flags(struct reading *r)
 }
 
 /* The rest of the line, without what follows its last word. */
-static void read_rest(struct reading *r, char *text, size_t text_bytes)
+static void read_rest(struct pipe_reading *r, char *text, size_t text_bytes)
 {
     scan_blanks(&r->scan);
     size_t length = 0;
@@ -203,7 +204,7 @@ static void read_rest(struct reading *r, char *text, size_t text_bytes)
     text[length] = '\0';
 }
 
-static enum status read_refused(struct reading *r)
+static enum status read_refused(struct pipe_reading *r)
 {
     read_rest(r, r->out->refused, sizeof r->out->refused);
     if (r->out->refused[0] == '\0')
@@ -211,7 +212,7 @@ static enum status read_refused(struct reading *r)
     return STATUS_OK;
 }
 
-static enum status read_from(struct reading *r)
+static enum status read_from(struct pipe_reading *r)
 {
     struct pipe_from *from = &r->out->from;
     const char *word, *rest;
@@ -235,7 +236,7 @@ static enum status read_from(struct reading *r)
     return STATUS_OK;
 }
 
-static enum status read_query(struct reading *r)
+static enum status read_query(struct pipe_reading *r)
 {
     const char *word;
     size_t length = scan_word(&r->scan, &word);
@@ -245,7 +246,7 @@ static enum status read_query(struct reading *r)
     return STATUS_OK;
 }
 
-static enum status read_version(struct reading *r)
+static enum status read_version(struct pipe_reading *r)
 {
     int64_t version;
     enum status status = scan_whole(&r->scan, "version", &version, r->reason);
@@ -254,17 +255,17 @@ static enum status read_version(struct reading *r)
     return status;
 }
 
-static enum status read_end(struct reading *r)
+static enum status read_end(struct pipe_reading *r)
 {
     r->ended = true;
     return STATUS_OK;
 }
 
-static enum status read_line(struct reading *r)
+static enum status read_line(struct pipe_reading *r)
 {
     static const struct {
         const char *name;
-        enum status (*read)(struct reading *r);
+        enum status (*read)(struct pipe_reading *r);
     } lines[] = {{"v", read_vertex},        {"t", read_triangle},      {"r", read_ray},
                  {"h", read_hit},           {"m", read_miss},          {"query", read_query},
                  {"formula", read_formula}, {"flags", read_flags},     {"refused", read_refused},
@@ -299,7 +300,7 @@ enum status pipe_text_parse(const char *name, const char *bytes, size_t size,
                             struct reason *reason)
 {
     *out = (struct pipe_text){0};
-    struct reading r = {
+    struct pipe_reading r = {
         .scan = scan_make(name, bytes, size), .limits = limits, .out = out, .reason = reason};
     enum status status = STATUS_OK;
     r.scan.comment = '#';

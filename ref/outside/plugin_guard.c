@@ -61,7 +61,7 @@ struct told {
     uint32_t word_count, item_count, node_count, ref_count, root;
 };
 
-struct packing {
+struct guard_packing {
     const struct layout *layout;
     const struct bvh *bvh;
     const struct scene *scene;
@@ -69,7 +69,7 @@ struct packing {
 
 static void pack_in_child(struct child *parent, void *user)
 {
-    const struct packing *what = user;
+    const struct guard_packing *what = user;
     struct told told = {.status = STATUS_OK};
     struct packed packed = {.store = tri_stores[0]};
     limit_memory();
@@ -173,7 +173,7 @@ enum status plugin_pack_guarded(const struct layout *layout, const struct bvh *b
                                 const struct scene *scene, struct packed *out,
                                 enum packed_rule *rule, struct reason *reason)
 {
-    struct packing what = {layout, bvh, scene};
+    struct guard_packing what = {layout, bvh, scene};
     struct child child;
     struct told told;
     uint64_t start = time_ns();

@@ -17,7 +17,7 @@ _Static_assert(sizeof(struct raydiff_node) == sizeof(struct bvh_node) &&
                "a plugin sees our nodes as they are");
 
 /* What a plugin is given to fill, and what it was really given. */
-struct packing {
+struct pack_packing {
     struct raydiff_out out; /* first: a plugin hands it back */
     struct raydiff_packed given;
     uint32_t node_words;
@@ -27,7 +27,7 @@ struct packing {
 
 static bool give(struct raydiff_out *out, uint32_t records, uint32_t items)
 {
-    struct packing *p = (struct packing *)out;
+    struct pack_packing *p = (struct pack_packing *)out;
     uint64_t words = (uint64_t)records * p->node_words;
     if (p->asked)
         return false;
@@ -51,7 +51,8 @@ static bool give(struct raydiff_out *out, uint32_t records, uint32_t items)
 }
 
 /* What the plugin left in place of what it was given. */
-static enum status check_given(const char *name, const struct packing *p, struct reason *reason)
+static enum status check_given(const char *name, const struct pack_packing *p,
+                               struct reason *reason)
 {
     const struct raydiff_packed *has = &p->out.packed, *given = &p->given;
     if (!given->word)
@@ -79,7 +80,7 @@ static enum status call(const struct layout *layout, const struct bvh *bvh,
                                          .index = scene->index,
                                          .vertex_count = scene->vertex_count,
                                          .tri_count = scene->tri_count};
-    struct packing p = {.node_words = plugin->node_bytes / 4};
+    struct pack_packing p = {.node_words = plugin->node_bytes / 4};
     p.out.alloc = give;
     p.out.reason = p.reason;
     p.out.reason_bytes = sizeof p.reason;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* A check in progress; `exact` has the bounds of the triangles below each visit. */
-struct check {
+struct packed_check {
     const struct packed *packed;
     const struct scene *scene;
     struct packed_walk walk;
@@ -18,7 +18,7 @@ struct check {
 };
 
 /* True for the first fault, which is the one to be described. */
-static bool first_fault(struct check *check, enum packed_rule rule)
+static bool first_fault(struct packed_check *check, enum packed_rule rule)
 {
     bool first = check->status == STATUS_OK;
     if (first)
@@ -27,12 +27,12 @@ static bool first_fault(struct check *check, enum packed_rule rule)
     return first;
 }
 
-static struct packed_name visit_name(const struct check *check, uint32_t i)
+static struct packed_name visit_name(const struct packed_check *check, uint32_t i)
 {
     return packed_name(check->packed, check->walk.visit[i].ref);
 }
 
-static void check_walk(struct check *check)
+static void check_walk(struct packed_check *check)
 {
     const struct packed_walk *walk = &check->walk;
     const char *name = check->packed->layout->name;
@@ -54,7 +54,7 @@ static void check_walk(struct check *check)
 
 /* Whether a split tree finds every part of every triangle. The items are copied as they decode, so
  * that leaves which share theirs must not ask for more than the tree has bytes for. */
-static enum status check_cover(struct check *check)
+static enum status check_cover(struct packed_check *check)
 {
     const struct packed *packed = check->packed;
     uint32_t visits = check->walk.visit_count, most = packed_prims_most(packed), items = 0;
@@ -95,8 +95,8 @@ static enum status check_cover(struct check *check)
 }
 
 /* A storage that has vertices has the scene's. */
-static void check_stored(struct check *check, uint32_t i, const struct wide *leaf, uint32_t s,
-                         uint32_t prim)
+static void check_stored(struct packed_check *check, uint32_t i, const struct wide *leaf,
+                         uint32_t s, uint32_t prim)
 {
     const struct packed *packed = check->packed;
     float stored[3][3], own[3][3];
@@ -114,7 +114,7 @@ static void check_stored(struct check *check, uint32_t i, const struct wide *lea
 }
 
 /* Marks the triangle of one item slot and adds it to the bounds of visit `i`. */
-static void check_item(struct check *check, uint32_t i, const struct wide *leaf, uint32_t s)
+static void check_item(struct packed_check *check, uint32_t i, const struct wide *leaf, uint32_t s)
 {
     const struct packed *packed = check->packed;
     const uint32_t slot = leaf->item_first + s, prim = packed_item(packed, leaf, s);
@@ -143,7 +143,7 @@ static void check_item(struct check *check, uint32_t i, const struct wide *leaf,
 
 /* How many slots of a leaf to look at: hostile words can claim 2^32 - 1. Fixed-size leaves have up
  * to 8 for fewer triangles. */
-static uint32_t leaf_slots(struct check *check, uint32_t i, const struct wide *node)
+static uint32_t leaf_slots(struct packed_check *check, uint32_t i, const struct wide *node)
 {
     uint32_t most = check->scene->tri_count < 8 ? 8 : check->scene->tri_count;
     if (node->item_count <= most)
@@ -156,7 +156,7 @@ static uint32_t leaf_slots(struct check *check, uint32_t i, const struct wide *n
     return 0;
 }
 
-static void check_items(struct check *check)
+static void check_items(struct packed_check *check)
 {
     for (uint32_t i = 0; i < check->walk.visit_count; i++) {
         struct wide node;
@@ -179,7 +179,7 @@ static void check_items(struct check *check)
 }
 
 /* From the last visit to the first, so that a node's bounds are complete before its parent's. */
-static void check_boxes(struct check *check)
+static void check_boxes(struct packed_check *check)
 {
     for (uint32_t i = check->walk.visit_count; i-- > 0;) {
         const struct packed_visit *visit = &check->walk.visit[i];
@@ -205,7 +205,7 @@ static void check_boxes(struct check *check)
 enum status packed_check(const struct packed *packed, const struct scene *scene,
                          struct packed_faults *faults, struct reason *reason)
 {
-    struct check check = {.packed = packed, .scene = scene, .reason = reason};
+    struct packed_check check = {.packed = packed, .scene = scene, .reason = reason};
     if (faults)
         *faults = (struct packed_faults){0};
     enum status status = packed_walk_make(packed, &check.walk);

@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* A vertex by its position: bit patterns, with -0 as +0, so that equal numbers are equal keys. */
-struct place {
+struct topology_place {
     uint32_t key[3];
     uint32_t vertex;
 };
@@ -24,7 +24,7 @@ static int compare(uint32_t x, uint32_t y)
 
 static int by_place(const void *left, const void *right)
 {
-    const struct place *x = left, *y = right;
+    const struct topology_place *x = left, *y = right;
     for (int k = 0; k < 3; k++)
         if (x->key[k] != y->key[k])
             return compare(x->key[k], y->key[k]);
@@ -46,7 +46,7 @@ static int by_edge(const void *left, const void *right)
 /* Numbers the points by their first vertex. */
 static enum status weld(const struct scene *scene, struct topology *out)
 {
-    struct place *place = alloc_zeroed(out->vertex_count, sizeof *place);
+    struct topology_place *place = alloc_zeroed(out->vertex_count, sizeof *place);
     if (!place)
         return STATUS_MEMORY;
     for (uint32_t i = 0; i < out->vertex_count; i++) {

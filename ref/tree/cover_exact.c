@@ -37,7 +37,7 @@ static double diff_double(struct diff d)
 }
 
 /* x times 2^149, which is whole for every finite float. */
-static void float_wide(float x, struct wide *out)
+static void float_wide(float x, struct oracle_wide *out)
 {
     uint32_t bits = float_bits(x), exponent = bits >> 23 & 0xFFu;
     int64_t digits = (int64_t)(bits & 0x7FFFFFu) | (exponent ? 0x800000 : 0);
@@ -46,9 +46,9 @@ static void float_wide(float x, struct wide *out)
         wide_shift_left(out, exponent ? exponent - 1 : 0);
 }
 
-static void diff_wide(struct diff d, struct wide *out)
+static void diff_wide(struct diff d, struct oracle_wide *out)
 {
-    struct wide to, from;
+    struct oracle_wide to, from;
     float_wide(d.to, &to);
     float_wide(d.from, &from);
     wide_sub(&to, &from, out);
@@ -60,9 +60,10 @@ static int sign_of(double x)
 }
 
 /* a b - c d */
-static void minor_wide(struct diff a, struct diff b, struct diff c, struct diff d, struct wide *out)
+static void minor_wide(struct diff a, struct diff b, struct diff c, struct diff d,
+                       struct oracle_wide *out)
 {
-    struct wide x, y, left, right;
+    struct oracle_wide x, y, left, right;
     diff_wide(a, &x);
     diff_wide(b, &y);
     wide_mul(&x, &y, &left);
@@ -79,7 +80,7 @@ static int sign_minor(struct diff a, struct diff b, struct diff c, struct diff d
         return sign_of(left - right);
     if (left == 0 && right == 0) /* products of floats' differences do not underflow */
         return 0;
-    struct wide exact;
+    struct oracle_wide exact;
     integers++;
     minor_wide(a, b, c, d, &exact);
     return exact.sign;
@@ -100,7 +101,7 @@ static int sign_triple(const struct diff x[3], const struct diff y[3], const str
         return sign_of(sum);
     if (size == 0)
         return 0;
-    struct wide exact, factor, minor, term;
+    struct oracle_wide exact, factor, minor, term;
     integers++;
     wide_set(0, &exact);
     for (int k = 0; k < 3; k++) {

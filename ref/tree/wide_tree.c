@@ -9,7 +9,7 @@
 #define LEAST_AREA 0x1p-20f /* of the root's */
 
 /* A node of the binary tree, taken apart to single items; in pre-order. */
-struct part {
+struct tree_part {
     struct box bounds;
     uint32_t snd; /* fst is the next one */
     uint32_t first, count;
@@ -20,7 +20,7 @@ struct collapse {
     const struct bvh *bvh;
     const struct scene *scene;
     const struct wide_rule *rule;
-    struct part *part;
+    struct tree_part *part;
     uint32_t part_count;
     float *cost; /* rule->width for each part: as at most 1, 2 .. roots */
     uint32_t *todo;
@@ -76,8 +76,8 @@ static uint32_t halve(struct collapse *c, uint32_t first, uint32_t count, const 
                       bool whole)
 {
     uint32_t at = c->part_count++;
-    struct part *part = &c->part[at];
-    *part = (struct part){.first = first, .count = count};
+    struct tree_part *part = &c->part[at];
+    *part = (struct tree_part){.first = first, .count = count};
     part->bounds = whole ? *leaf : items_bounds(c, first, count, leaf);
     if (count > 1) {
         halve(c, first, count / 2, leaf, false);
@@ -102,13 +102,13 @@ static enum status take_apart(struct collapse *c)
         if (node->item_count)
             halve(c, node->item_first, node->item_count, &node->bounds, true);
         else
-            c->part[c->part_count++] = (struct part){.bounds = node->bounds};
+            c->part[c->part_count++] = (struct tree_part){.bounds = node->bounds};
     }
     for (uint32_t i = bvh->node_count; i-- > 0;) {
         const struct bvh_node *node = &bvh->node[i];
         if (node->item_count)
             continue;
-        struct part *part = &c->part[place[i]];
+        struct tree_part *part = &c->part[place[i]];
         part->snd = place[node->snd];
         part->first = c->part[place[i] + 1].first;
         part->count = c->part[place[i] + 1].count + c->part[part->snd].count;
@@ -141,7 +141,7 @@ static float divide(const struct collapse *c, uint32_t at, uint32_t budget, uint
     return best;
 }
 
-static float leaf_cost(const struct collapse *c, const struct part *part)
+static float leaf_cost(const struct collapse *c, const struct tree_part *part)
 {
     const struct wide_rule *rule = c->rule;
     if (part->count > rule->leaf_most ||
@@ -156,7 +156,7 @@ static void find_costs(struct collapse *c)
     uint32_t width = c->rule->width, to_fst;
     double root = box_half_area(&c->part[0].bounds);
     for (uint32_t at = c->part_count; at-- > 0;) {
-        struct part *part = &c->part[at];
+        struct tree_part *part = &c->part[at];
         float *cost = c->cost + (size_t)at * width - 1;
         float area = (root > 0 ? (float)(box_half_area(&part->bounds) / root) : 0) + LEAST_AREA;
         float own = leaf_cost(c, part);
@@ -229,7 +229,7 @@ static enum status add_children(struct collapse *c, struct wide_tree *tree, uint
     tree->child = array;
     tree->node[index] = (struct wide_node){tree->child_count, count};
     for (uint32_t i = 0; i < count && !status; i++) {
-        const struct part *part = &c->part[root[i]];
+        const struct tree_part *part = &c->part[root[i]];
         struct wide_child *child = &tree->child[tree->child_count++];
         *child = (struct wide_child){part->bounds, part->first, part->leaf ? part->count : 0};
         if (part->leaf)

@@ -27,12 +27,12 @@ static void keep(struct left *left, double slope, double bound)
         left->hi = -INFINITY;
 }
 
-static double lowest(const struct quotients *s, const struct part *part)
+static double lowest(const struct quotients *s, const struct quotients_part *part)
 {
     return part->lo - s->share * fabs(part->lo) - s->tiny;
 }
 
-static double highest(const struct quotients *s, const struct part *part)
+static double highest(const struct quotients *s, const struct quotients_part *part)
 {
     return part->hi + s->share * fabs(part->hi) + s->tiny;
 }
@@ -40,7 +40,7 @@ static double highest(const struct quotients *s, const struct part *part)
 static void bound(const struct quotients *s, struct left *left)
 {
     for (int i = 0; i < s->parts; i++) {
-        const struct part *part = &s->part[i];
+        const struct quotients_part *part = &s->part[i];
         keep(left, lowest(s, part), part->number.hi);
         keep(left, -highest(s, part), -part->number.lo);
     }
@@ -49,7 +49,7 @@ static void bound(const struct quotients *s, struct left *left)
 }
 
 /* Is there such a numerator? */
-static bool part_fits(const struct quotients *s, const struct part *part, double divisor)
+static bool part_fits(const struct quotients *s, const struct quotients_part *part, double divisor)
 {
     double lo = lowest(s, part) * divisor, hi = highest(s, part) * divisor;
     const struct scatter *n = &part->number;

@@ -6,7 +6,7 @@
 #include "ref/twin/scatter.h"
 
 /* A numerator and the quotients that it was answered with. */
-struct part {
+struct quotients_part {
     struct scatter number;
     double lo, hi;
 };
@@ -14,7 +14,7 @@ struct part {
 /* A divisor with what it divides. */
 struct quotients {
     struct scatter divisor;
-    struct part part[3];
+    struct quotients_part part[3];
     int parts;
     bool estimated; /* divisions are promised for some divisors only */
     double share;   /* relative error of a quotient */

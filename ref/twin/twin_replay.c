@@ -77,7 +77,8 @@ struct quotients replay_quotients(const struct replay *w, struct scatter divisor
 
 void replay_part(const struct replay *w, struct quotients *s, struct scatter number, int which)
 {
-    s->part[s->parts++] = (struct part){number, w->answer->lo[which], w->answer->hi[which]};
+    s->part[s->parts++] =
+        (struct quotients_part){number, w->answer->lo[which], w->answer->hi[which]};
 }
 
 bool replay_weights(const struct replay *w, const struct scatter *divisor, double band)

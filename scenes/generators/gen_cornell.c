@@ -28,18 +28,18 @@ static const struct quad room[] = {
 
 /* A block that stands on the floor: x and z edges turned by an angle with rational sine and
  * cosine, so that no library function is needed. */
-struct block {
+struct cornell_block {
     double x, z; /* centre */
     double half, height;
     double cosine, sine;
 };
 
-static const struct block blocks[] = {
+static const struct cornell_block blocks[] = {
     {-0.375, -0.375, 0.3125, 1.25, 24.0 / 25.0, 7.0 / 25.0},
     {0.375, 0.25, 0.3125, 0.625, 12.0 / 13.0, -5.0 / 13.0},
 };
 
-static void draw_block(struct pen *pen, const struct block *b, uint32_t n)
+static void draw_block(struct pen *pen, const struct cornell_block *b, uint32_t n)
 {
     double ex[3] = {2 * b->half * b->cosine, 0, -2 * b->half * b->sine};
     double ez[3] = {2 * b->half * b->sine, 0, 2 * b->half * b->cosine};

@@ -6,19 +6,19 @@ enum { K, ROUGHNESS, HEIGHT };
 extern const struct generator gen_terrain;
 
 /* Heights being filled in, (n + 1) x (n + 1), kept where they end up: in the scene's vertices. */
-struct field {
+struct terrain_field {
     struct scene *scene;
     int n;
 };
 
-static float *height_at(const struct field *field, int x, int z)
+static float *height_at(const struct terrain_field *field, int x, int z)
 {
     return &field->scene->vertex[3 * ((size_t)z * ((size_t)field->n + 1) + (size_t)x) + 1];
 }
 
 /* Mean of those of four points at distance `half` that lie in the field: along the axes, or along
  * the diagonals. */
-static float mean_around(const struct field *field, int x, int z, int half, bool diagonal)
+static float mean_around(const struct terrain_field *field, int x, int z, int half, bool diagonal)
 {
     static const int8_t step[2][4][2] = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}},
                                          {{-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
@@ -35,7 +35,7 @@ static float mean_around(const struct field *field, int x, int z, int half, bool
 }
 
 /* Diamond-square: the middles of the squares first, then the middles of their sides. */
-static void raise_field(const struct field *field, float roughness, float amplitude,
+static void raise_field(const struct terrain_field *field, float roughness, float amplitude,
                         struct rng *rng)
 {
     int n = field->n;
@@ -69,7 +69,8 @@ static enum status make(const double *value, uint64_t seed, struct scene *out,
     pen_quad(&pen, (const double[3]){-0.5, 0, 0.5}, (const double[3]){1, 0, 0},
              (const double[3]){0, 0, -1}, n);
     struct rng rng = rng_make(seed, 0);
-    raise_field(&(struct field){out, (int)n}, (float)value[ROUGHNESS], (float)value[HEIGHT], &rng);
+    raise_field(&(struct terrain_field){out, (int)n}, (float)value[ROUGHNESS], (float)value[HEIGHT],
+                &rng);
     return STATUS_OK;
 }
 

@@ -22,7 +22,7 @@
 #define PAPER image_rgb(255, 255, 255)
 
 /* Everything that a picture is put together from. */
-struct sheet {
+struct picture_sheet {
     const struct colour_scale *scale;
     int text;               /* enlargement of text, bar and swatches */
     int left, top;          /* of the values */
@@ -33,14 +33,14 @@ struct sheet {
 };
 
 /* A line of text at x, or nothing while measuring. */
-static void put(const struct sheet *sheet, int x, const char *text)
+static void put(const struct picture_sheet *sheet, int x, const char *text)
 {
     if (sheet->image)
         draw_text(sheet->image, x, sheet->y, (unsigned)sheet->text, INK, text);
 }
 
 /* As much of a line as fits between the margins; "..." stands for the rest. */
-static void put_cut(struct sheet *sheet, const char *text)
+static void put_cut(struct picture_sheet *sheet, const char *text)
 {
     char line[400];
     snprintf(line, sizeof line, "%s", text);
@@ -53,7 +53,7 @@ static void put_cut(struct sheet *sheet, const char *text)
 }
 
 /* A swatch and what it means; a new line where this one is full. */
-static void put_swatch(struct sheet *sheet, int *x, uint32_t colour, const char *name)
+static void put_swatch(struct picture_sheet *sheet, int *x, uint32_t colour, const char *name)
 {
     const int side = SWATCH * sheet->text;
     const int width = side + 4 * sheet->text + (int)draw_text_width(name, (unsigned)sheet->text);
@@ -69,7 +69,7 @@ static void put_swatch(struct sheet *sheet, int *x, uint32_t colour, const char 
     *x += width + 12 * sheet->text;
 }
 
-static void put_legend(struct sheet *sheet)
+static void put_legend(struct picture_sheet *sheet)
 {
     const struct colour_scale *scale = sheet->scale;
     int x = MARGIN;
@@ -99,7 +99,7 @@ static double part_of(const struct colour_scale *scale, double value)
 }
 
 /* Ticks with their numbers; one that would touch the last is left out. */
-static void put_ticks(const struct sheet *sheet, int width)
+static void put_ticks(const struct picture_sheet *sheet, int width)
 {
     double lo, hi, step = 0.0, tick[TICKS_MOST];
     char text[40];
@@ -126,7 +126,7 @@ static void put_ticks(const struct sheet *sheet, int width)
     }
 }
 
-static void put_bar(struct sheet *sheet)
+static void put_bar(struct picture_sheet *sheet)
 {
     const struct colour_scale *scale = sheet->scale;
     const int most = BAR_MOST * sheet->text;
@@ -145,7 +145,7 @@ static void put_bar(struct sheet *sheet)
 }
 
 /* "boxes visited, 3 to 187" */
-static void put_unit(struct sheet *sheet)
+static void put_unit(struct picture_sheet *sheet)
 {
     const struct colour_scale *scale = sheet->scale;
     const char *unit = scale->unit ? scale->unit : "";
@@ -165,7 +165,7 @@ static void put_unit(struct sheet *sheet)
 }
 
 /* All that is said around the values; ends with sheet->y behind the last line. */
-static void put_words(struct sheet *sheet)
+static void put_words(struct picture_sheet *sheet)
 {
     sheet->y = MARGIN;
     if (sheet->scale->title)
@@ -190,10 +190,10 @@ enum status colour_picture_of(const struct colour_scale *scale, const uint32_t *
         return fail(reason, STATUS_INPUT,
                     "picture: %u x %u values %u times enlarged: sides are 1 to %u", width, height,
                     zoom, IMAGE_SIDE_MOST);
-    struct sheet sheet = {.scale = scale,
-                          .text = wide >= LARGE_FROM ? 2 : 1,
-                          .values_w = (int)wide,
-                          .values_h = (int)high};
+    struct picture_sheet sheet = {.scale = scale,
+                                  .text = wide >= LARGE_FROM ? 2 : 1,
+                                  .values_w = (int)wide,
+                                  .values_h = (int)high};
     const int least = BAR_LEAST * sheet.text;
     sheet.inner = sheet.values_w > least ? sheet.values_w : least;
     put_words(&sheet);

@@ -108,14 +108,14 @@ static enum status make_primary(const struct scene *scene, uint64_t seed, size_t
 }
 
 /* A point that a camera ray hit, and the face's unit normal on the camera's side. */
-struct spot {
+struct camera_spot {
     float p[3];
     double normal[3];
 };
 
 /* Returns false if the face has no normal. */
 static bool spot_make(const struct scene *scene, const struct ray *ray, const struct hit *hit,
-                      struct spot *out)
+                      struct camera_spot *out)
 {
     float v[3][3];
     double e1[3], e2[3], facing = 0;
@@ -138,7 +138,7 @@ static bool spot_make(const struct scene *scene, const struct ray *ray, const st
 /* Traces `count` rays of the camera and keeps what they hit. */
 static enum status find_spots(const struct packed *packed, const struct scene *scene,
                               const struct camera *camera, size_t count, struct ray *ray,
-                              struct spot *spot, size_t *spot_count, struct reason *reason)
+                              struct camera_spot *spot, size_t *spot_count, struct reason *reason)
 {
     struct pinhole pinhole = pinhole_make(camera);
     const struct box_test *box = box_test_find("robust");
@@ -172,7 +172,7 @@ static enum status make_tree(const struct scene *scene, struct packed *out, stru
 
 /* Leaves spot i: half of the rays exactly at the computed point, half lifted off the face. The sum
  * of the normal and a uniform unit vector is distributed by the cosine. */
-static void bounce_ray(const struct stage *stage, const struct spot *spot, size_t i,
+static void bounce_ray(const struct stage *stage, const struct camera_spot *spot, size_t i,
                        struct ray *out)
 {
     struct rng rng = stage_rng(stage, i);
@@ -193,7 +193,8 @@ static void bounce_ray(const struct stage *stage, const struct spot *spot, size_
 
 /* Finds the spots of the scene's camera; if that sees nothing, of one that sees the whole scene. */
 static enum status spots_of_scene(const struct scene *scene, size_t count, struct ray *ray,
-                                  struct spot *spot, size_t *spot_count, struct reason *reason)
+                                  struct camera_spot *spot, size_t *spot_count,
+                                  struct reason *reason)
 {
     struct packed packed;
     enum status status = make_tree(scene, &packed, reason);
@@ -227,7 +228,7 @@ static enum status make_bounce(const struct scene *scene, uint64_t seed, size_t 
     primary_count = primary_count > PRIMARY_MOST ? PRIMARY_MOST : primary_count;
     size_t spot_count = 0;
     struct ray *ray = alloc_zeroed(primary_count, sizeof *ray);
-    struct spot *spot = alloc_zeroed(primary_count, sizeof *spot);
+    struct camera_spot *spot = alloc_zeroed(primary_count, sizeof *spot);
     if (ray && spot)
         status = spots_of_scene(scene, primary_count, ray, spot, &spot_count, reason);
     else

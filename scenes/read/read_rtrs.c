@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Where a value stands: "vertices[3]", "camera" or the whole file, for reasons. */
-struct place {
+struct rtrs_place {
     const char *name; /* of the file */
     const char *list; /* or NULL */
     size_t index;     /* NO_INDEX: `list` is no list */
@@ -17,7 +17,8 @@ struct place {
 #define NO_INDEX SIZE_MAX
 
 /* "FILE: vertices[3].normal[1]: " and the rule; key NULL and element < 0 leave their part out. */
-static enum status refuse(const struct place *place, const char *key, int element, const char *rule)
+static enum status refuse(const struct rtrs_place *place, const char *key, int element,
+                          const char *rule)
 {
     char index[32] = "", inner[16] = "";
     if (place->index != NO_INDEX)
@@ -30,7 +31,7 @@ static enum status refuse(const struct place *place, const char *key, int elemen
 }
 
 /* The member `key` of an object. */
-static enum status get(const struct place *place, const json_t *object, const char *key,
+static enum status get(const struct rtrs_place *place, const json_t *object, const char *key,
                        const json_t **out)
 {
     *out = NULL;
@@ -40,7 +41,7 @@ static enum status get(const struct place *place, const json_t *object, const ch
     return *out ? STATUS_OK : refuse(place, key, -1, "is missing");
 }
 
-static enum status to_float(const struct place *place, const char *key, int element,
+static enum status to_float(const struct rtrs_place *place, const char *key, int element,
                             const json_t *value, float *out)
 {
     /* From here on a double rounds to 2^128: halfway between FLT_MAX and that. */
@@ -60,7 +61,7 @@ static enum status to_float(const struct place *place, const char *key, int elem
     return STATUS_OK;
 }
 
-static enum status get_float(const struct place *place, const json_t *object, const char *key,
+static enum status get_float(const struct rtrs_place *place, const json_t *object, const char *key,
                              float *out)
 {
     const json_t *value;
@@ -69,7 +70,7 @@ static enum status get_float(const struct place *place, const json_t *object, co
 }
 
 /* The member `key`, an array of exactly three elements. */
-static enum status get_three(const struct place *place, const json_t *object, const char *key,
+static enum status get_three(const struct rtrs_place *place, const json_t *object, const char *key,
                              const json_t **out)
 {
     enum status status = get(place, object, key, out);
@@ -80,7 +81,7 @@ static enum status get_three(const struct place *place, const json_t *object, co
     return STATUS_OK;
 }
 
-static enum status get_float3(const struct place *place, const json_t *object, const char *key,
+static enum status get_float3(const struct rtrs_place *place, const json_t *object, const char *key,
                               float out[3])
 {
     const json_t *three;
@@ -100,14 +101,14 @@ struct prim {
     int32_t material;
 };
 
-static enum status take_vertex(const struct place *place, const json_t *json, void *out)
+static enum status take_vertex(const struct rtrs_place *place, const json_t *json, void *out)
 {
     struct vertex *vertex = out;
     enum status status = get_float3(place, json, "pos", vertex->pos);
     return status == STATUS_OK ? get_float3(place, json, "normal", vertex->normal) : status;
 }
 
-static enum status take_prim(const struct place *place, const json_t *json, void *out)
+static enum status take_prim(const struct rtrs_place *place, const json_t *json, void *out)
 {
     struct prim *prim = out;
     const json_t *indices, *material;
@@ -131,14 +132,14 @@ static enum status take_prim(const struct place *place, const json_t *json, void
     return STATUS_OK;
 }
 
-static enum status take_light(const struct place *place, const json_t *json, void *out)
+static enum status take_light(const struct rtrs_place *place, const json_t *json, void *out)
 {
     struct light *light = out;
     enum status status = get_float3(place, json, "pos", light->pos);
     return status == STATUS_OK ? get_float(place, json, "strength", &light->strength) : status;
 }
 
-static enum status take_material(const struct place *place, const json_t *json, void *out)
+static enum status take_material(const struct rtrs_place *place, const json_t *json, void *out)
 {
     struct material *material = out;
     enum status status = get_float3(place, json, "color", material->color);
@@ -148,10 +149,10 @@ static enum status take_material(const struct place *place, const json_t *json, 
 }
 
 /* A list of the file, growing while it is read. */
-struct list {
+struct rtrs_list {
     const char *key;
     size_t size; /* of an element */
-    enum status (*take)(const struct place *place, const json_t *json, void *element);
+    enum status (*take)(const struct rtrs_place *place, const json_t *json, void *element);
     bool seen;
     void *items;
     size_t count, capacity;
@@ -162,12 +163,12 @@ enum { PRIMS, VERTICES, LIGHTS, MATERIALS, LISTS };
 /* The file while it is read. */
 struct rtrs {
     struct json_walk walk;
-    struct list list[LISTS];
+    struct rtrs_list list[LISTS];
     struct camera camera;
     bool has_camera, has_controller;
 };
 
-static enum status read_list(struct json_walk *walk, struct list *list)
+static enum status read_list(struct json_walk *walk, struct rtrs_list *list)
 {
     bool more;
     enum status status = json_walk_open(walk, '[');
@@ -176,7 +177,7 @@ static enum status read_list(struct json_walk *walk, struct list *list)
         status = json_walk_more(walk, ']', &more);
         if (status != STATUS_OK || !more || (status = json_walk_value(walk, &json)) != STATUS_OK)
             break;
-        const struct place place = {walk->name, list->key, list->count, walk->reason};
+        const struct rtrs_place place = {walk->name, list->key, list->count, walk->reason};
         if (list->count == UINT32_MAX - 1)
             status = refuse(&place, NULL, -1, "is one more than 4294967294");
         else if (array_reserve(&list->items, &list->capacity, list->count + 1, list->size))
@@ -191,14 +192,14 @@ static enum status read_list(struct json_walk *walk, struct list *list)
 
 static enum status read_camera(struct rtrs *rtrs, const json_t *json)
 {
-    const struct place place = {rtrs->walk.name, "camera", NO_INDEX, rtrs->walk.reason};
+    const struct rtrs_place place = {rtrs->walk.name, "camera", NO_INDEX, rtrs->walk.reason};
     enum status status = get_float3(&place, json, "pos", rtrs->camera.pos);
     return status == STATUS_OK ? get_float3(&place, json, "at", rtrs->camera.at) : status;
 }
 
 static enum status read_controller(struct rtrs *rtrs, const json_t *json)
 {
-    const struct place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
+    const struct rtrs_place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
     const char *word = json_string_value(json);
     if (!word || (strcmp(word, "Orbit") != 0 && strcmp(word, "Fixed") != 0))
         return refuse(&root, "camera_controller", -1, "must be \"Orbit\" or \"Fixed\"");
@@ -212,13 +213,13 @@ static enum status read_member(struct rtrs *rtrs, const char *key)
     bool is_camera = strcmp(key, "camera") == 0;
     bool is_controller = strcmp(key, "camera_controller") == 0;
     bool *seen = is_camera ? &rtrs->has_camera : is_controller ? &rtrs->has_controller : NULL;
-    struct list *list = NULL;
+    struct rtrs_list *list = NULL;
     for (int i = 0; i < LISTS; i++)
         if (strcmp(key, rtrs->list[i].key) == 0)
             list = &rtrs->list[i];
     if (list)
         seen = &list->seen;
-    const struct place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
+    const struct rtrs_place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
     if (seen && *seen)
         return refuse(&root, key, -1, "is there twice");
     if (seen)
@@ -249,7 +250,7 @@ static enum status read_file(struct rtrs *rtrs)
     }
     if (status == STATUS_OK)
         status = json_walk_end(&rtrs->walk);
-    const struct place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
+    const struct rtrs_place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
     if (status == STATUS_OK && !rtrs->has_camera)
         status = refuse(&root, "camera", -1, "is missing");
     if (status == STATUS_OK && !rtrs->has_controller)
@@ -269,7 +270,7 @@ static enum status check_names(const struct rtrs *rtrs)
     const struct prim *prim = rtrs->list[PRIMS].items;
     size_t materials = rtrs->list[MATERIALS].count;
     for (size_t i = 0; i < rtrs->list[PRIMS].count; i++) {
-        const struct place place = {rtrs->walk.name, "prims", i, rtrs->walk.reason};
+        const struct rtrs_place place = {rtrs->walk.name, "prims", i, rtrs->walk.reason};
         for (int k = 0; k < 3; k++)
             if (prim[i].index[k] >= rtrs->list[VERTICES].count)
                 return refuse(&place, "indices", k, "names a vertex that does not exist");
@@ -280,7 +281,7 @@ static enum status check_names(const struct rtrs *rtrs)
 }
 
 /* Gives a list that is an array of the scene to it; NULL where it is empty. */
-static void *hand_over(struct list *list, uint32_t *count)
+static void *hand_over(struct rtrs_list *list, uint32_t *count)
 {
     void *items = list->items;
     *count = (uint32_t)list->count;

@@ -72,10 +72,10 @@ static enum status ask(void *user, enum query query, const struct ray *ray, size
 }
 
 enum status side_walk(struct side *side, const struct view *view, const size_t *pixel, size_t count,
-                      struct walk *out, struct reason *reason)
+                      struct diff_walk *out, struct reason *reason)
 {
     enum status status = STATUS_OK;
-    *out = (struct walk){0};
+    *out = (struct diff_walk){0};
     if (!side->by_waves && renderer_by_waves(side->renderer)) {
         side->by_waves = side->renderer;
     } else if (!side->by_waves) {
@@ -162,7 +162,7 @@ static void count_pixel(struct pair *pair, const struct pixel_why *found)
 }
 
 /* One pixel: are the pictures what the walks say, and if so, why do these part? */
-static enum status explain_pixel(const struct side *const side[2], const struct walk walk[2],
+static enum status explain_pixel(const struct side *const side[2], const struct diff_walk walk[2],
                                  const struct why_judges *judges, size_t index,
                                  struct pixel_why *out, struct reason *reason)
 {
@@ -183,7 +183,7 @@ static enum status explain_pixel(const struct side *const side[2], const struct 
     return status;
 }
 
-static enum status explain_walks(const struct side *const side[2], const struct walk walk[2],
+static enum status explain_walks(const struct side *const side[2], const struct diff_walk walk[2],
                                  const struct why_judges *judges, const size_t *pixel, size_t count,
                                  struct pair *pair, struct reason *reason)
 {
@@ -208,7 +208,7 @@ enum status pair_explain(struct side *a, struct side *b, const struct view *view
                          const struct oracle *oracle, const size_t *pixel, size_t count,
                          struct pair *pair, struct reason *reason)
 {
-    struct walk walk[2] = {{0}, {0}};
+    struct diff_walk walk[2] = {{0}, {0}};
     struct why_judges judges = {0};
     const struct side *const side[2] = {a, b};
     const struct model model[2] = {a->model, b->model};

@@ -35,7 +35,7 @@ enum status side_draw(struct side *side, const struct view *view, struct reason 
 /* Walks the paths of some pixels. Errors: as walk_make; those of opening and preparing the engine.
  */
 enum status side_walk(struct side *side, const struct view *view, const size_t *pixel, size_t count,
-                      struct walk *out, struct reason *reason) MUST_USE;
+                      struct diff_walk *out, struct reason *reason) MUST_USE;
 
 void side_close(struct side *side);
 

@@ -98,7 +98,7 @@ static void compare_colours(struct comparing *c, const struct walk_step *a,
     compare_vec(c, total, a->total, b->total);
 }
 
-struct first_bit walk_first_bit(const struct walk *a, const struct walk *b, size_t index)
+struct first_bit walk_first_bit(const struct diff_walk *a, const struct diff_walk *b, size_t index)
 {
     struct first_bit out = {.light = NO_LIGHT};
     struct comparing c = {.out = &out, .light = NO_LIGHT};

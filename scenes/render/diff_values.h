@@ -19,6 +19,6 @@ struct first_bit {
 
 /* Compares path `index` of two walks of the same job. What any-hit shadow rays met is not compared:
  * whichever triangle it is, the light is blocked. */
-struct first_bit walk_first_bit(const struct walk *a, const struct walk *b, size_t index);
+struct first_bit walk_first_bit(const struct diff_walk *a, const struct diff_walk *b, size_t index);
 
 #endif

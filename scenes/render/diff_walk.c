@@ -17,7 +17,7 @@ struct wave {
     size_t count;
 };
 
-void walk_free(struct walk *walk)
+void walk_free(struct diff_walk *walk)
 {
     free(walk->length);
     free(walk->step);
@@ -25,7 +25,7 @@ void walk_free(struct walk *walk)
     free(walk->pixel);
     free(walk->color);
     free(walk->bound);
-    *walk = (struct walk){0};
+    *walk = (struct diff_walk){0};
 }
 
 static void wave_free(struct wave *wave)
@@ -44,7 +44,7 @@ size_t walk_bytes(const struct frame_job *job)
            job->look.bounces * step;
 }
 
-static enum status make_room(const struct frame_job *job, size_t count, struct walk *walk,
+static enum status make_room(const struct frame_job *job, size_t count, struct diff_walk *walk,
                              struct wave *wave)
 {
     size_t steps = count * job->look.bounces;
@@ -78,7 +78,7 @@ static enum status ask(struct wave *wave, enum query query, struct reason *reaso
 }
 
 /* The closest hits of segment `index` of all paths that have one. */
-static enum status walk_hits(struct walk *walk, struct wave *wave, uint32_t index,
+static enum status walk_hits(struct diff_walk *walk, struct wave *wave, uint32_t index,
                              struct reason *reason)
 {
     wave->count = 0;
@@ -106,7 +106,7 @@ static enum status walk_hits(struct walk *walk, struct wave *wave, uint32_t inde
     return status;
 }
 
-static enum status walk_shadows(struct walk *walk, struct wave *wave, uint32_t index,
+static enum status walk_shadows(struct diff_walk *walk, struct wave *wave, uint32_t index,
                                 uint32_t light, struct reason *reason)
 {
     wave->count = 0;
@@ -132,7 +132,7 @@ static enum status walk_shadows(struct walk *walk, struct wave *wave, uint32_t i
     return status;
 }
 
-static enum status walk_segment(struct walk *walk, struct wave *wave, uint32_t index,
+static enum status walk_segment(struct diff_walk *walk, struct wave *wave, uint32_t index,
                                 struct reason *reason)
 {
     enum status status = walk_hits(walk, wave, index, reason);
@@ -152,7 +152,7 @@ static enum status walk_segment(struct walk *walk, struct wave *wave, uint32_t i
     return status;
 }
 
-static void begin(struct walk *walk, struct wave *wave, const size_t *pixel)
+static void begin(struct diff_walk *walk, struct wave *wave, const size_t *pixel)
 {
     for (size_t i = 0; i < walk->count; i++) {
         shade_begin(wave->job, wave->view, (uint32_t)(pixel[i] % wave->job->width),
@@ -163,15 +163,15 @@ static void begin(struct walk *walk, struct wave *wave, const size_t *pixel)
 }
 
 enum status walk_make(const struct frame_job *job, const struct view *view, const size_t *pixel,
-                      size_t count, walk_ask_fn *ask_rays, void *user, struct walk *out,
+                      size_t count, walk_ask_fn *ask_rays, void *user, struct diff_walk *out,
                       struct reason *reason)
 {
     struct wave wave = {.job = job, .view = view, .ask = ask_rays, .user = user};
-    *out = (struct walk){.count = count,
-                         .bounces = job->look.bounces,
-                         .lights = job->light_count,
-                         .shadow_query =
-                             job->look.profile == PROFILE_RTRS ? QUERY_CLOSEST : QUERY_ANY};
+    *out = (struct diff_walk){.count = count,
+                              .bounces = job->look.bounces,
+                              .lights = job->light_count,
+                              .shadow_query =
+                                  job->look.profile == PROFILE_RTRS ? QUERY_CLOSEST : QUERY_ANY};
     enum status status = make_room(job, count, out, &wave);
     if (status)
         fail(reason, status, "no memory for the paths of %zu pixels", count);
@@ -190,7 +190,7 @@ enum status walk_make(const struct frame_job *job, const struct view *view, cons
     return status;
 }
 
-void walk_segments(const struct walk *walk, size_t path, struct segment *out)
+void walk_segments(const struct diff_walk *walk, size_t path, struct segment *out)
 {
     for (uint32_t i = 0; i < walk->bounces; i++) {
         out[i] = (struct segment){.prim = ABI_NO_SEGMENT};

@@ -30,7 +30,7 @@ struct walk_step {
 };
 
 /* Paths of `count` pixels. Owns its arrays (walk_free). */
-struct walk {
+struct diff_walk {
     size_t count;
     uint32_t bounces, lights; /* of the job */
     enum query shadow_query;  /* what shadow rays were asked for */
@@ -45,27 +45,27 @@ struct walk {
 /* Walks the paths of the pixels `pixel[0 .. count - 1]` (row * width + column) of a job.
  * Errors: STATUS_MEMORY; those of `ask`. On error *out is zero. */
 enum status walk_make(const struct frame_job *job, const struct view *view, const size_t *pixel,
-                      size_t count, walk_ask_fn *ask, void *user, struct walk *out,
+                      size_t count, walk_ask_fn *ask, void *user, struct diff_walk *out,
                       struct reason *reason) MUST_USE;
 
 /* Bytes that the walk of one pixel of the job takes. */
 size_t walk_bytes(const struct frame_job *job);
 
-void walk_free(struct walk *walk);
+void walk_free(struct diff_walk *walk);
 
-static inline const struct walk_step *walk_step_of(const struct walk *walk, size_t path,
+static inline const struct walk_step *walk_step_of(const struct diff_walk *walk, size_t path,
                                                    uint32_t step)
 {
     return &walk->step[path * walk->bounces + step];
 }
 
-static inline const struct walk_light *walk_light_of(const struct walk *walk, size_t path,
+static inline const struct walk_light *walk_light_of(const struct diff_walk *walk, size_t path,
                                                      uint32_t step, uint32_t light)
 {
     return &walk->light[(path * walk->bounces + step) * walk->lights + light];
 }
 
 /* Writes the `bounces` segments of path `path` as a frame has them. */
-void walk_segments(const struct walk *walk, size_t path, struct segment *out);
+void walk_segments(const struct diff_walk *walk, size_t path, struct segment *out);
 
 #endif

@@ -169,8 +169,9 @@ static bool follow_hit(struct following *f, const struct walk_step *a, const str
     return true;
 }
 
-enum status why_paths(const struct why_judges *judges, const struct walk *a, const struct walk *b,
-                      size_t index, struct path_why *out, struct reason *reason)
+enum status why_paths(const struct why_judges *judges, const struct diff_walk *a,
+                      const struct diff_walk *b, size_t index, struct path_why *out,
+                      struct reason *reason)
 {
     struct following f = {.judges = judges, .out = out, .reason = reason};
     enum status status = STATUS_OK;
@@ -195,7 +196,7 @@ enum status why_paths(const struct why_judges *judges, const struct walk *a, con
     return STATUS_OK;
 }
 
-bool why_walk_is_frame(const struct walk *walk, size_t index, const struct segment *segment,
+bool why_walk_is_frame(const struct diff_walk *walk, size_t index, const struct segment *segment,
                        uint32_t pixel, bool by_waves)
 {
     struct segment path[FRAME_BOUNCES_MOST];

@@ -73,13 +73,14 @@ enum status why_judge(const struct why_judges *judges, unsigned side, bool shado
 
 /* Why path `index` of walk a and that of walk b part, or what differs on them. Safe from several
  * threads. Errors: STATUS_MEMORY. */
-enum status why_paths(const struct why_judges *judges, const struct walk *a, const struct walk *b,
-                      size_t index, struct path_why *out, struct reason *reason) MUST_USE;
+enum status why_paths(const struct why_judges *judges, const struct diff_walk *a,
+                      const struct diff_walk *b, size_t index, struct path_why *out,
+                      struct reason *reason) MUST_USE;
 
 /* Whether an engine's picture is what the walk of its own rays gives: the same segments to the bit,
  * and the value within the bound of the walk's colour (the same value if `by_waves`: the same code
  * drew it). */
-bool why_walk_is_frame(const struct walk *walk, size_t index, const struct segment *segment,
+bool why_walk_is_frame(const struct diff_walk *walk, size_t index, const struct segment *segment,
                        uint32_t pixel, bool by_waves);
 
 #endif

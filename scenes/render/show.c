@@ -44,7 +44,7 @@ const struct show *show_find(const char *name)
 }
 
 /* Some pixels at work. */
-struct part {
+struct show_part {
     const struct show_source *source;
     size_t count;
     struct shade_path *path;
@@ -54,7 +54,7 @@ struct part {
     struct judgement *judgement;
 };
 
-static void part_free(struct part *part)
+static void part_free(struct show_part *part)
 {
     free(part->path);
     free(part->ray);
@@ -64,9 +64,9 @@ static void part_free(struct part *part)
 }
 
 static enum status part_make(const struct show_source *source, size_t first, size_t count,
-                             struct part *part, struct reason *reason)
+                             struct show_part *part, struct reason *reason)
 {
-    *part = (struct part){.source = source, .count = count};
+    *part = (struct show_part){.source = source, .count = count};
     part->path = alloc_zeroed(count, sizeof *part->path);
     part->ray = alloc_zeroed(count, sizeof *part->ray);
     part->hit = alloc_zeroed(count, sizeof *part->hit);
@@ -85,7 +85,8 @@ static enum status part_make(const struct show_source *source, size_t first, siz
 }
 
 /* Counts every ray, and holds hits and sums against what the engine said. */
-static enum status walk(struct part *part, const struct trace_report *report, struct reason *reason)
+static enum status walk(struct show_part *part, const struct trace_report *report,
+                        struct reason *reason)
 {
     const struct show_source *source = part->source;
     uint64_t boxes = 0, tris = 0;
@@ -117,7 +118,7 @@ static double hit_or_none(const struct hit *hit, double value)
 }
 
 /* Of one plane. */
-static double value_of(const struct part *part, size_t i)
+static double value_of(const struct show_part *part, size_t i)
 {
     const struct hit *hit = &part->hit[i];
     const struct ray_numbers *numbers = &part->numbers[i];
@@ -149,7 +150,7 @@ static double value_of(const struct part *part, size_t i)
     return (double)NAN;
 }
 
-static void normal_of(struct part *part, size_t i, double value[3])
+static void normal_of(struct show_part *part, size_t i, double value[3])
 {
     struct shade_path *path = &part->path[i];
     bool hit =
@@ -162,7 +163,7 @@ static void normal_of(struct part *part, size_t i, double value[3])
 enum status show_values(const struct show_source *source, size_t first, size_t count, double *value,
                         struct trace_counts *counts, struct reason *reason)
 {
-    struct part part;
+    struct show_part part;
     struct trace_report report = {0};
     enum status status = part_make(source, first, count, &part, reason);
     if (!status)

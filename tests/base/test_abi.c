@@ -5,7 +5,7 @@
 #include "tests/support/gpu.h"
 
 /* What the probe wrote; the structs' own offsets decide where C looks. */
-struct seen {
+struct abi_seen {
     struct ray ray[2];
     struct hit hit[2];
     struct node_f32 f32[2];
@@ -20,11 +20,11 @@ static const struct push told = {.ray_count = 60000,
                                  .item_count = 60300,
                                  .tri_count = 60400};
 
-static struct seen *seen_on_device(void)
+static struct abi_seen *seen_on_device(void)
 {
     struct vk_options options = gpu_options();
     struct vk *vk = gpu_open(&options);
-    struct seen *seen = calloc(1, sizeof *seen);
+    struct abi_seen *seen = calloc(1, sizeof *seen);
     assert_non_null(seen);
     gpu_run(vk, "probe_abi", (const uint32_t[]){32}, 1, &told, sizeof told, 1, 6,
             (const uint64_t[]){sizeof seen->ray, sizeof seen->hit, sizeof seen->f32,
@@ -42,7 +42,7 @@ static void is(float value, uint32_t name)
 static void abi_ray_and_hit_lie_where_c_has_them(void **state)
 {
     (void)state;
-    struct seen *seen = seen_on_device();
+    struct abi_seen *seen = seen_on_device();
     for (uint32_t e = 0; e < 2; e++) {
         for (uint32_t k = 0; k < 3; k++) {
             is(seen->ray[e].org[k], 10000 + 100 * e + k);
@@ -61,7 +61,7 @@ static void abi_ray_and_hit_lie_where_c_has_them(void **state)
 static void abi_nodes_lie_where_c_has_them(void **state)
 {
     (void)state;
-    struct seen *seen = seen_on_device();
+    struct abi_seen *seen = seen_on_device();
     for (uint32_t e = 0; e < 2; e++) {
         for (uint32_t k = 0; k < 3; k++) {
             is(seen->f32[e].lo[k], 30000 + 100 * e + k);
@@ -86,7 +86,7 @@ static void abi_nodes_lie_where_c_has_them(void **state)
 static void abi_push_constants_arrive_in_order(void **state)
 {
     (void)state;
-    struct seen *seen = seen_on_device();
+    struct abi_seen *seen = seen_on_device();
     for (uint32_t e = 0; e < 2; e++) {
         assert_int_equal(seen->push[e].ray_count, told.ray_count + e);
         assert_int_equal(seen->push[e].root, told.root + e);

@@ -48,7 +48,7 @@ static struct ray ray_of(const struct bad_class *class, uint32_t i)
 }
 
 /* An engine, or one made to be wrong. */
-struct asked {
+struct input_asked {
     const struct engine *engine;
     bool unguarded;
     enum query query;
@@ -74,7 +74,7 @@ static enum fate judge_answers(const struct bad_class *class, const struct scene
     return FATE_FINE;
 }
 
-static enum fate ask(const struct asked *asked, void *self, const struct bad_class *class)
+static enum fate ask(const struct input_asked *asked, void *self, const struct bad_class *class)
 {
     struct scene scene = grid(class);
     struct ray ray[BAD_RAYS];
@@ -113,7 +113,7 @@ static enum fate ask(const struct asked *asked, void *self, const struct bad_cla
 
 static void play(void *user, size_t first, int to)
 {
-    const struct asked *asked = user;
+    const struct input_asked *asked = user;
     const struct engine_options options = {
         .threads = 2, .device = -1, .driver = asked->driver, .unguarded = asked->unguarded};
     struct reason reason = {""};
@@ -150,13 +150,13 @@ static void print_row(const char *name, enum query query, const enum fate fate[]
 
 /* Lavapipe's ray query loses every triangle of a tree with an infinite vertex: readers and
  * scene_check refuse such scenes, so this is said and not held against it. */
-static bool is_known(const struct asked *asked, const struct bad_class *class, enum fate fate)
+static bool is_known(const struct input_asked *asked, const struct bad_class *class, enum fate fate)
 {
     return fate == FATE_NEIGHBOUR && asked->engine == engine_find("rayquery") && class->slot >= 9 &&
            !float_is_finite(class->value);
 }
 
-static void must_be_fine(const struct asked *asked)
+static void must_be_fine(const struct input_asked *asked)
 {
     enum fate fate[BAD_CLASSES];
     char name[40];
@@ -174,7 +174,7 @@ static void no_engine_minds(void **state)
     (void)state;
     for (size_t e = 0; engines[e]; e++)
         for (enum query q = QUERY_CLOSEST; q <= QUERY_ANY; q++)
-            must_be_fine(&(struct asked){.engine = engines[e], .query = q});
+            must_be_fine(&(struct input_asked){.engine = engines[e], .query = q});
 }
 
 static void no_driver_minds(void **state)
@@ -185,7 +185,7 @@ static void no_driver_minds(void **state)
     for (size_t d = 0; d < 2; d++)
         for (size_t n = 0; n < 3; n++)
             for (enum query q = QUERY_CLOSEST; q <= QUERY_ANY; q++)
-                must_be_fine(&(struct asked){
+                must_be_fine(&(struct input_asked){
                     .engine = engine_find(names[n]), .query = q, .driver = drivers[d]});
 }
 
@@ -196,7 +196,8 @@ static void embree_unguarded_takes_nothing_down(void **state)
     (void)state;
     for (size_t n = 0; n < 2; n++)
         for (enum query q = QUERY_CLOSEST; q <= QUERY_ANY; q++) {
-            struct asked asked = {.engine = engine_find(names[n]), .unguarded = true, .query = q};
+            struct input_asked asked = {
+                .engine = engine_find(names[n]), .unguarded = true, .query = q};
             enum fate fate[BAD_CLASSES];
             char name[40];
             bad_play(play, &asked, HANG_MS, fate);

@@ -25,39 +25,39 @@ static __int128 fixed(float x, int bits)
 }
 
 /* t = n / q, q > 0, in units of 2^-8. */
-struct ratio {
+struct boxes_ratio {
     __int128 n, q;
 };
 
-static struct ratio crossing(float plane, float org, float dir)
+static struct boxes_ratio crossing(float plane, float org, float dir)
 {
-    struct ratio t = {fixed(plane, 48) - fixed(org, 48), fixed(dir, 40)};
+    struct boxes_ratio t = {fixed(plane, 48) - fixed(org, 48), fixed(dir, 40)};
     if (t.q < 0)
-        t = (struct ratio){-t.n, -t.q};
+        t = (struct boxes_ratio){-t.n, -t.q};
     return t;
 }
 
-static bool at_most(struct ratio a, struct ratio b)
+static bool at_most(struct boxes_ratio a, struct boxes_ratio b)
 {
     return a.n * b.q <= b.n * a.q;
 }
 
 /* t as 2^40 t / 2^40, so that its units are those of crossing. */
-static struct ratio ratio_of(float t)
+static struct boxes_ratio ratio_of(float t)
 {
-    return (struct ratio){fixed(t, 40), (__int128)1 << 32};
+    return (struct boxes_ratio){fixed(t, 40), (__int128)1 << 32};
 }
 
 /* Where the exact ray is inside the slabs of all axes, if it is anywhere. */
-struct exact {
+struct boxes_exact {
     bool outside; /* of the slab of an axis that it is parallel to */
     int count;
-    struct ratio near[3], far[3];
+    struct boxes_ratio near[3], far[3];
 };
 
-static struct exact exact_make(const struct ray *ray, const struct box *box)
+static struct boxes_exact exact_make(const struct ray *ray, const struct box *box)
 {
-    struct exact e = {0};
+    struct boxes_exact e = {0};
     for (int k = 0; k < 3; k++) {
         float d = ray->dir[k];
         if (d == 0) {
@@ -72,7 +72,7 @@ static struct exact exact_make(const struct ray *ray, const struct box *box)
 
 static bool exact_meets(const struct ray *ray, const struct box *box)
 {
-    struct exact e = exact_make(ray, box);
+    struct boxes_exact e = exact_make(ray, box);
     for (int i = 0; i < e.count; i++) {
         for (int j = 0; j < e.count; j++)
             if (!at_most(e.near[i], e.far[j]))
@@ -85,7 +85,7 @@ static bool exact_meets(const struct ray *ray, const struct box *box)
     return !e.outside;
 }
 
-static double as_double(struct ratio t)
+static double as_double(struct boxes_ratio t)
 {
     return ldexp((double)t.n / (double)t.q, -8);
 }
@@ -93,7 +93,7 @@ static double as_double(struct ratio t)
 /* Is the box missed by more than one part in 2^16? */
 static bool clearly_missed(const struct ray *ray, const struct box *box)
 {
-    struct exact e = exact_make(ray, box);
+    struct boxes_exact e = exact_make(ray, box);
     double near = (double)ray->tmin, far = (double)ray->tmax;
     for (int i = 0; i < e.count; i++) {
         near = fmax(near, as_double(e.near[i]));

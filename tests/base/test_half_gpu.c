@@ -8,16 +8,16 @@
 #define CODES 65536u
 
 /* Bits of near x, near y, far x, far y, by half_bounds and by half_bounds_any. */
-struct decoded {
+struct half_decoded {
     uint32_t normal[4];
     uint32_t any[4];
 };
 
-static struct decoded *decode(void)
+static struct half_decoded *decode(void)
 {
     struct vk_options options = gpu_options();
     struct vk *vk = gpu_open(&options);
-    struct decoded *out = calloc(CODES, sizeof *out);
+    struct half_decoded *out = calloc(CODES, sizeof *out);
     uint32_t none[4];
     assert_non_null(out);
     struct push push = {.ray_count = CODES};
@@ -46,7 +46,7 @@ static bool is_normal_or_zero(uint32_t code)
 static void half_decodes_every_code_the_same(void **state)
 {
     (void)state;
-    struct decoded *decoded = decode();
+    struct half_decoded *decoded = decode();
     for (uint32_t code = 0; code < CODES; code++)
         for (int plane = 0; plane < 4; plane++)
             if (decoded[code].any[plane] != expected(code, plane))
@@ -58,7 +58,7 @@ static void half_decodes_every_code_the_same(void **state)
 static void half_unpacks_zeros_and_normals_the_same(void **state)
 {
     (void)state;
-    struct decoded *decoded = decode();
+    struct half_decoded *decoded = decode();
     uint32_t checked = 0, subnormal_kept = 0;
     for (uint32_t code = 0; code < CODES; code++)
         for (int plane = 0; plane < 4; plane++) {

@@ -27,7 +27,7 @@
 /* --- work that is done without one of its allocations ----------------------------------------- */
 
 /* What is to be done; it frees what it makes. */
-struct work {
+struct memory_work {
     const char *name;
     const struct scene *scene;
     const struct scene *moved; /* the same triangles, elsewhere */
@@ -41,10 +41,10 @@ struct work {
     bool silent; /* has no reason to give */
 };
 
-typedef enum status work_fn(const struct work *work, struct reason *reason);
+typedef enum status work_fn(const struct memory_work *work, struct reason *reason);
 
 /* Fails allocations 0, step, 2 step ... until there is none to fail; returns how many there are. */
-static long fail_each(work_fn *fn, const struct work *work, long step)
+static long fail_each(work_fn *fn, const struct memory_work *work, long step)
 {
     for (long n = 0; n < TIMES_MOST; n += step) {
         struct reason reason = {""};
@@ -70,7 +70,7 @@ static long fail_each(work_fn *fn, const struct work *work, long step)
     return 0;
 }
 
-static enum status do_build(const struct work *work, struct reason *reason)
+static enum status do_build(const struct memory_work *work, struct reason *reason)
 {
     const struct build_options options = {
         .leaf = 2, .eps = BUILD_EPS_DEFAULT, .passes = work->passes, .threads = work->threads};
@@ -82,7 +82,7 @@ static enum status do_build(const struct work *work, struct reason *reason)
     return status;
 }
 
-static enum status do_pack(const struct work *work, struct reason *reason)
+static enum status do_pack(const struct memory_work *work, struct reason *reason)
 {
     struct packed packed = {.node_count = 7};
     enum status status =
@@ -93,7 +93,7 @@ static enum status do_pack(const struct work *work, struct reason *reason)
     return status;
 }
 
-static enum status do_pack_auto(const struct work *work, struct reason *reason)
+static enum status do_pack_auto(const struct memory_work *work, struct reason *reason)
 {
     struct packed packed = {.node_count = 7};
     char refused[400];
@@ -103,12 +103,12 @@ static enum status do_pack_auto(const struct work *work, struct reason *reason)
     return status;
 }
 
-static enum status do_check(const struct work *work, struct reason *reason)
+static enum status do_check(const struct memory_work *work, struct reason *reason)
 {
     return packed_check(work->packed, work->scene, NULL, reason);
 }
 
-static enum status do_unpack(const struct work *work, struct reason *reason)
+static enum status do_unpack(const struct memory_work *work, struct reason *reason)
 {
     struct bvh bvh;
     enum status status = packed_unpack(work->packed, work->scene, &bvh, reason);
@@ -116,7 +116,7 @@ static enum status do_unpack(const struct work *work, struct reason *reason)
     return status;
 }
 
-static enum status do_links(const struct work *work, struct reason *reason)
+static enum status do_links(const struct memory_work *work, struct reason *reason)
 {
     uint32_t *parent;
     enum status status = packed_links(work->packed, &parent, reason);
@@ -125,7 +125,7 @@ static enum status do_links(const struct work *work, struct reason *reason)
 }
 
 /* To other vertices and back. */
-static enum status do_refit(const struct work *work, struct reason *reason)
+static enum status do_refit(const struct memory_work *work, struct reason *reason)
 {
     enum status status = packed_refit(work->packed, work->moved, reason);
     bool is_moved = !status;
@@ -141,25 +141,25 @@ static enum status do_refit(const struct work *work, struct reason *reason)
     return status;
 }
 
-static enum status do_tree_refit(const struct work *work, struct reason *reason)
+static enum status do_tree_refit(const struct memory_work *work, struct reason *reason)
 {
     struct bvh copy = *work->bvh;
     return bvh_refit(&copy, work->scene, reason);
 }
 
-static enum status do_tree_check(const struct work *work, struct reason *reason)
+static enum status do_tree_check(const struct memory_work *work, struct reason *reason)
 {
     return bvh_check(work->bvh, work->scene, reason);
 }
 
-static enum status do_overlap(const struct work *work, struct reason *reason)
+static enum status do_overlap(const struct memory_work *work, struct reason *reason)
 {
     double overlap;
     (void)reason;
     return tree_overlap(work->bvh, work->scene, 0, &overlap);
 }
 
-static enum status do_quantise(const struct work *work, struct reason *reason)
+static enum status do_quantise(const struct memory_work *work, struct reason *reason)
 {
     struct scene out;
     struct quantised moved;
@@ -168,7 +168,7 @@ static enum status do_quantise(const struct work *work, struct reason *reason)
     return status;
 }
 
-static enum status do_fast(const struct work *work, struct reason *reason)
+static enum status do_fast(const struct memory_work *work, struct reason *reason)
 {
     struct fast_tree tree;
     enum status status = fast_make(work->bvh, work->scene, &tree, reason);
@@ -180,7 +180,7 @@ static enum status do_fast(const struct work *work, struct reason *reason)
 
 #define RAYS 3u
 
-static enum status do_engine(const struct work *work, struct reason *reason)
+static enum status do_engine(const struct memory_work *work, struct reason *reason)
 {
     const struct engine_options options = {.threads = 1, .device = -1};
     const struct ray ray[RAYS] = {{.dir = {0, 0, 1}, .tmax = 1e30f},
@@ -226,11 +226,11 @@ static void every_builder(void **state)
     for (size_t b = 0; builders_all[b]; b++)
         for (uint32_t passes = 0; passes <= (builders_all[b]->faithful ? 0u : 2u); passes += 2)
             for (uint32_t threads = 1; threads <= 2; threads++) {
-                struct work work = {.name = builders_all[b]->name,
-                                    .scene = &scene,
-                                    .builder = builders_all[b],
-                                    .passes = passes,
-                                    .threads = threads};
+                struct memory_work work = {.name = builders_all[b]->name,
+                                           .scene = &scene,
+                                           .builder = builders_all[b],
+                                           .passes = passes,
+                                           .threads = threads};
                 assert_true(fail_each(do_build, &work, 1) >= 3);
             }
     scene_free(&scene);
@@ -242,10 +242,10 @@ static void every_builder_of_many_triangles(void **state)
     (void)state;
     struct scene scene = built_soup(20000, 1);
     for (size_t b = 0; builders_all[b]; b++) {
-        struct work work = {.name = builders_all[b]->name,
-                            .scene = &scene,
-                            .builder = builders_all[b],
-                            .threads = 2};
+        struct memory_work work = {.name = builders_all[b]->name,
+                                   .scene = &scene,
+                                   .builder = builders_all[b],
+                                   .threads = 2};
         fail_each(do_build, &work, 5);
     }
     scene_free(&scene);
@@ -257,14 +257,14 @@ static void every_layout(void **state)
     struct scene scene = trees_grid(120); /* the same as an item of the seed's */
     struct bvh bvh = tree_of(&scene, "median");
     for (size_t l = 0; layouts_all[l]; l++) {
-        struct work work = {.name = layouts_all[l]->name,
-                            .scene = &scene,
-                            .bvh = &bvh,
-                            .layout = layouts_all[l],
-                            .store = tri_stores[0]};
+        struct memory_work work = {.name = layouts_all[l]->name,
+                                   .scene = &scene,
+                                   .bvh = &bvh,
+                                   .layout = layouts_all[l],
+                                   .store = tri_stores[0]};
         assert_true(fail_each(do_pack, &work, 1) >= 2);
     }
-    struct work any = {.name = "auto", .scene = &scene, .bvh = &bvh};
+    struct memory_work any = {.name = "auto", .scene = &scene, .bvh = &bvh};
     fail_each(do_pack_auto, &any, 1);
     bvh_free(&bvh);
     scene_free(&scene);
@@ -278,11 +278,11 @@ static void every_storage(void **state)
     uint32_t played = 0;
     for (size_t s = 0; tri_stores[s]; s++)
         for (size_t l = 0; layouts_all[l]; l++) {
-            struct work work = {.name = tri_stores[s]->name,
-                                .scene = &scene,
-                                .bvh = &bvh,
-                                .layout = layouts_all[l],
-                                .store = tri_stores[s]};
+            struct memory_work work = {.name = tri_stores[s]->name,
+                                       .scene = &scene,
+                                       .bvh = &bvh,
+                                       .layout = layouts_all[l],
+                                       .store = tri_stores[s]};
             if (work.layout->item)
                 continue;
             assert_true(fail_each(do_pack, &work, 1) >= 2);
@@ -301,7 +301,7 @@ static void what_looks_at_trees(void **state)
     struct scene scene = built_soup(60, 5);
     for (size_t b = 0; b < ARRAY_COUNT(name); b++) {
         struct bvh bvh = tree_of(&scene, name[b]);
-        struct work work = {.name = name[b], .scene = &scene, .bvh = &bvh};
+        struct memory_work work = {.name = name[b], .scene = &scene, .bvh = &bvh};
         assert_true(fail_each(do_tree_check, &work, 1) > 0);
         assert_true(fail_each(do_fast, &work, 1) > 4);
         if (!bvh_is_split(&bvh))
@@ -310,7 +310,7 @@ static void what_looks_at_trees(void **state)
         assert_true(fail_each(do_overlap, &work, 1) > 0);
         bvh_free(&bvh);
     }
-    struct work work = {.name = "quantise", .scene = &scene};
+    struct memory_work work = {.name = "quantise", .scene = &scene};
     assert_true(fail_each(do_quantise, &work, 1) > 1);
     scene_free(&scene);
 }
@@ -326,7 +326,8 @@ static void what_looks_at_packed_trees(void **state)
     for (size_t l = 0; l < ARRAY_COUNT(name); l++) {
         struct packed packed;
         assert_int_equal(packed_make(layout_find(name[l]), &bvh, &scene, &packed, NULL), STATUS_OK);
-        struct work work = {.name = name[l], .scene = &scene, .moved = &moved, .packed = &packed};
+        struct memory_work work = {
+            .name = name[l], .scene = &scene, .moved = &moved, .packed = &packed};
         assert_true(fail_each(do_check, &work, 1) > 1);
         assert_true(fail_each(do_refit, &work, 1) > 1);
         if (!layout_is_wide(packed.layout)) {
@@ -349,7 +350,7 @@ static void engines_on_the_processor(void **state)
     struct packed packed;
     assert_int_equal(packed_make(layouts[0], &bvh, &scene, &packed, NULL), STATUS_OK);
     for (size_t e = 0; e < ARRAY_COUNT(name); e++) {
-        struct work work = {
+        struct memory_work work = {
             .name = name[e], .scene = &scene, .packed = &packed, .engine = engine_find(name[e])};
         assert_true(fail_each(do_engine, &work, 1) > 0);
     }

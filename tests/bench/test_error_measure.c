@@ -15,19 +15,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct field {
+struct measure_field {
     struct scene scene;
     struct oracle *oracle;
 };
 
-static void field_make(struct field *f)
+static void field_make(struct measure_field *f)
 {
     struct reason reason = {""};
     if (oracle_make(&f->scene, &f->oracle, &reason))
         fail_msg("%s", reason.text);
 }
 
-static void field_free(struct field *f)
+static void field_free(struct measure_field *f)
 {
     oracle_free(f->oracle);
     scene_free(&f->scene);
@@ -36,12 +36,12 @@ static void field_free(struct field *f)
 
 /* Right triangles of legs 1 in the planes z = 1, 1 (the same triangle) and 2, and one standing in
  * the plane y = 0.25, all times `scale`. */
-static struct field *stack(float scale)
+static struct measure_field *stack(float scale)
 {
     static const float vertex[12][3] = {
         {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0, 0, 1},         {1, 0, 1},        {0, 1, 1},
         {0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {-1, 0.25f, 0.5f}, {1, 0.25f, 0.5f}, {0, 0.25f, 3}};
-    struct field *f = calloc(1, sizeof *f);
+    struct measure_field *f = calloc(1, sizeof *f);
     assert_non_null(f);
     assert_int_equal(scene_make(12, 4, &f->scene), STATUS_OK);
     for (uint32_t i = 0; i < 12; i++) {
@@ -59,7 +59,8 @@ static struct ray down(float x, float y, float scale, float length)
     return (struct ray){{scale * x, scale * y, 0}, 0, {0, 0, length}, 1e30f};
 }
 
-static struct error_one measured(const struct field *f, const struct ray *ray, struct hit answer)
+static struct error_one measured(const struct measure_field *f, const struct ray *ray,
+                                 struct hit answer)
 {
     struct oracle_answer truth;
     struct reason reason = {""};
@@ -74,7 +75,7 @@ static void t_off_by_ulps_is_off_by_twice_as_many_units(void **state)
     /* M is 1 and so is t, whose ulp is 2 u; whatever the scale and the length of the direction. */
     for (int scaling = -20; scaling <= 20; scaling += 10) {
         float scale = ldexpf(1, scaling), length = ldexpf(1, scaling / 10);
-        struct field *f = stack(scale);
+        struct measure_field *f = stack(scale);
         struct ray ray = down(0.25f, 0.125f, scale, length);
         for (int ulps = 0; ulps < 50; ulps += 7) {
             struct hit hit = {(1 + (float)ulps * 0x1p-23f) * scale / length, 0.25f, 0.125f, 0};
@@ -91,7 +92,7 @@ static void t_off_by_ulps_is_off_by_twice_as_many_units(void **state)
 static void wrong_barycentrics_are_a_distance(void **state)
 {
     (void)state;
-    struct field *f = stack(1);
+    struct measure_field *f = stack(1);
     struct ray ray = down(0.25f, 0.125f, 1, 1);
     struct error_one one = measured(f, &ray, (struct hit){1, 0.25f + 0x1p-20f, 0.125f, 0});
     assert_true(fabs(one.point - (16)) <= 1e-3);
@@ -103,7 +104,7 @@ static void wrong_barycentrics_are_a_distance(void **state)
 static void every_kind_is_told_from_the_others(void **state)
 {
     (void)state;
-    struct field *f = stack(1);
+    struct measure_field *f = stack(1);
     const struct hit miss = {0, 0, 0, ABI_NO_PRIM};
     struct ray through = down(0.25f, 0.125f, 1, 1), outside = down(5, 5, 1, 1);
     struct ray inside_plane = down(0.25f, 0.25f, 1, 1), nan = through, past = through;
@@ -187,7 +188,7 @@ struct played {
 };
 
 /* Truth and the answers of a triangle test on every triangle. */
-static struct played *play(const struct field *f, const char *set, const char *tri)
+static struct played *play(const struct measure_field *f, const char *set, const char *tri)
 {
     struct played *p = calloc(1, sizeof *p);
     struct reason reason = {""};
@@ -201,7 +202,7 @@ static struct played *play(const struct field *f, const char *set, const char *t
     return p;
 }
 
-static struct error_sum sum_of(const struct field *f, const struct played *p)
+static struct error_sum sum_of(const struct measure_field *f, const struct played *p)
 {
     struct error_sum sum;
     struct reason reason = {""};
@@ -210,9 +211,9 @@ static struct error_sum sum_of(const struct field *f, const struct played *p)
     return sum;
 }
 
-static struct field *opened(const char *spec)
+static struct measure_field *opened(const char *spec)
 {
-    struct field *f = calloc(1, sizeof *f);
+    struct measure_field *f = calloc(1, sizeof *f);
     struct reason reason = {""};
     assert_non_null(f);
     if (scene_open(spec, 1, &f->scene, &reason))
@@ -224,7 +225,7 @@ static struct field *opened(const char *spec)
 static void planted_errors_are_counted(void **state)
 {
     (void)state;
-    struct field *f = opened("soup:n=300,size=0.5");
+    struct measure_field *f = opened("soup:n=300,size=0.5");
     struct played *p = play(f, "random", "woop");
     struct error_sum before = sum_of(f, p);
     size_t lost = 0, phantom = 0, wrong = 0;
@@ -261,7 +262,7 @@ static void planted_errors_are_counted(void **state)
 static void far_answers_raise_the_quantiles(void **state)
 {
     (void)state;
-    struct field *f = opened("sphere:n=6");
+    struct measure_field *f = opened("sphere:n=6");
     struct played *p = play(f, "random", "mt");
     struct error_sum before = sum_of(f, p);
     assert_true(before.forward.p99 > 0.1 && before.forward.p99 < 100);
@@ -276,7 +277,8 @@ static void far_answers_raise_the_quantiles(void **state)
     field_free(f);
 }
 
-static size_t leaks(const struct field *f, const struct ray *ray, size_t count, const char *tri)
+static size_t leaks(const struct measure_field *f, const struct ray *ray, size_t count,
+                    const char *tri)
 {
     size_t leaked = 0;
     for (size_t i = 0; i < count; i++) {
@@ -292,7 +294,7 @@ static void rays_from_inside_all_hit_and_only_watertight_tests_see_it(void **sta
     (void)state;
     static const char *const specs[] = {"sphere:n=6", "flake:depth=1", "platonic"};
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct field *f = opened(specs[s]);
+        struct measure_field *f = opened(specs[s]);
         struct played *p = calloc(1, sizeof *p);
         assert_non_null(p);
         for (int target = LEAK_EDGE; target <= LEAK_VERTEX; target++) {
@@ -317,7 +319,7 @@ static void rays_from_inside_all_hit_and_only_watertight_tests_see_it(void **sta
 static void an_open_mesh_has_no_inside(void **state)
 {
     (void)state;
-    struct field *f = opened("sphere:n=6");
+    struct measure_field *f = opened("sphere:n=6");
     struct ray ray[8];
     struct reason reason = {""};
     f->scene.tri_count--;

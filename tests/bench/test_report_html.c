@@ -15,20 +15,20 @@
 #include "tests/readers/well_formed.h"
 
 /* A page in memory. */
-struct sheet {
+struct html_sheet {
     struct html html;
     char *text;
     size_t size;
 };
 
-static void begin(struct sheet *sheet)
+static void begin(struct html_sheet *sheet)
 {
-    *sheet = (struct sheet){.text = NULL};
+    *sheet = (struct html_sheet){.text = NULL};
     sheet->html.out = open_memstream(&sheet->text, &sheet->size);
     assert_non_null(sheet->html.out);
 }
 
-static const char *end(struct sheet *sheet)
+static const char *end(struct html_sheet *sheet)
 {
     assert_int_equal(sheet->html.depth, 0);
     assert_int_equal(fclose(sheet->html.out), 0);
@@ -49,7 +49,7 @@ static void text_never_becomes_markup(void **state)
                                           "]]>",
                                           "%s%n"};
     for (size_t i = 0; i < ARRAY_COUNT(hostile); i++) {
-        struct sheet sheet;
+        struct html_sheet sheet;
         begin(&sheet);
         html_begin(&sheet.html, "p", "title", hostile[i], NULL);
         html_text(&sheet.html, hostile[i]);
@@ -69,7 +69,7 @@ static void text_never_becomes_markup(void **state)
 static void elements_are_closed(void **state)
 {
     (void)state;
-    struct sheet sheet;
+    struct html_sheet sheet;
     begin(&sheet);
     html_begin(&sheet.html, "table", NULL);
     html_begin(&sheet.html, "tr", "class", NULL, NULL);
@@ -88,7 +88,7 @@ static void a_long_text_is_whole(void **state)
     char text[3000];
     memset(text, 'x', sizeof text - 1);
     text[sizeof text - 1] = '\0';
-    struct sheet sheet;
+    struct html_sheet sheet;
     begin(&sheet);
     html_element_format(&sheet.html, "p", NULL, "<%s", text);
     const char *page = end(&sheet);
@@ -108,7 +108,7 @@ static void base64_is_that_of_the_rfc(void **state)
                                           {"fooba", "Zm9vYmE="},
                                           {"foobar", "Zm9vYmFy"}};
     for (size_t i = 0; i < ARRAY_COUNT(pair); i++) {
-        struct sheet sheet;
+        struct html_sheet sheet;
         begin(&sheet);
         html_base64(sheet.html.out, pair[i][0], strlen(pair[i][0]));
         assert_string_equal(end(&sheet), pair[i][1]);
@@ -125,7 +125,7 @@ static void base64_keeps_every_byte(void **state)
     for (size_t i = 0; i < sizeof bytes; i++)
         bytes[i] = (unsigned char)(i * 167);
     for (size_t skip = 0; skip < 3; skip++) {
-        struct sheet sheet;
+        struct html_sheet sheet;
         size_t size = sizeof bytes - skip, got = 0;
         begin(&sheet);
         html_base64(sheet.html.out, bytes + skip, size);

@@ -94,14 +94,14 @@ static size_t place_of(const struct layout *layout, const struct layout *const *
     return 0;
 }
 
-struct tally {
+struct hard_tally {
     size_t count, of_tree, all, by_turns;
     bool engine[POOL_MOST];
 };
 
 static void count_member(void *user, const struct hard_case *one, const struct hard_member *m)
 {
-    struct tally *tally = user;
+    struct hard_tally *tally = user;
     (void)one;
     tally->count++;
     const bool by_turns = place_of(m->layout, layouts_all) && !place_of(m->layout, layouts);
@@ -133,7 +133,7 @@ static void members_are_all_combinations(void **state)
         with_trees += engines[e]->needs_packed;
     const struct hard_tables tables = hard_tables_all();
     for (size_t i = 0; hard_cases[i]; i++) {
-        struct tally tally = {0};
+        struct hard_tally tally = {0};
         if (hard_cases[i]->probe)
             continue;
         size_t queries = hard_cases[i]->flags & HARD_PARITY ? 3 : 2, made = 0;

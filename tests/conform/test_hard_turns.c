@@ -13,13 +13,13 @@
 
 /* Who meets a case on engine cpu, by places in layouts_all[] and builders_all[]; and on which
  * builder, and with which box test, triangle test and query together. */
-struct met {
+struct turns_met {
     bool layout[MOST], builder[MOST], with[MOST][MOST], on[MOST][8];
 };
 
 static void meet(void *user, const struct hard_case *one, const struct hard_member *m)
 {
-    struct met *met = user;
+    struct turns_met *met = user;
     (void)one;
     if (strcmp(m->engine->name, "cpu") != 0 || m->query == QUERY_ALL)
         return;
@@ -57,8 +57,8 @@ static void everybody_meets_hard_cases(void **state)
     size_t cases = 0, since[MOST] = {0};
     (void)state;
     for (size_t i = 0; hard_cases[i]; i++) {
-        static struct met met;
-        met = (struct met){.layout = {false}};
+        static struct turns_met met;
+        met = (struct turns_met){.layout = {false}};
         if (hard_cases[i]->probe || hard_cases[i]->flags & HARD_NO_TREES)
             continue;
         cases++;
@@ -81,7 +81,7 @@ static void everybody_meets_hard_cases(void **state)
  * every combination of box test, triangle test and query. */
 static void every_layout_meets_every_builder(void **state)
 {
-    static struct met all;
+    static struct turns_met all;
     const struct hard_tables tables = hard_tables_all();
     (void)state;
     for (size_t i = 0; hard_cases[i]; i++)

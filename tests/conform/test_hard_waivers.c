@@ -101,7 +101,8 @@ static void versions_are_parts_or_ranges(void **state)
             fail_msg("'%s' of '%s'", cases[i].version, cases[i].said);
     struct waivers w;
     struct reason reason = {""};
-    assert_int_equal(read_text("*.a.* @Embree_3..4.3.3 why https://a.b/c\n", &w, &reason), STATUS_OK);
+    assert_int_equal(read_text("*.a.* @Embree_3..4.3.3 why https://a.b/c\n", &w, &reason),
+                     STATUS_OK);
     assert_non_null(waivers_note(&w, "x.a.y", WAIVER_FAILED, "Embree 4.3.3, 2 threads"));
     assert_null(waivers_note(&w, "x.a.y", WAIVER_FAILED, "Embree 4.4.0, 2 threads"));
     waivers_free(&w);
@@ -165,8 +166,8 @@ static struct hard_member member(const char *engine, const char *layout, const c
                                 .tri = tri_test_find(tri)};
 }
 
-static void put(struct matrix *m, size_t row, const struct hard_member *who, enum outcome outcome,
-                const char *why)
+static void put(struct hard_matrix *m, size_t row, const struct hard_member *who,
+                enum matrix_outcome outcome, const char *why)
 {
     struct reason reason = {""};
     if (matrix_add(m, hard_cases[row], who, outcome, 10, why, &reason))
@@ -174,9 +175,9 @@ static void put(struct matrix *m, size_t row, const struct hard_member *who, enu
 }
 
 /* One of each outcome; the cell of two shows the worse. */
-static struct matrix filled(void)
+static struct hard_matrix filled(void)
 {
-    struct matrix m = {.row_count = 0};
+    struct hard_matrix m = {.row_count = 0};
     struct hard_member cpu = member("cpu", "f32", "mt"), woop = member("cpu", "f32", "woop"),
                        seed = member("cpu", "rtrs_rf", "mt"), gpu = member("vulkan", "f32", "mt");
     put(&m, 0, &cpu, OUTCOME_PASSED, "");
@@ -191,7 +192,7 @@ static struct matrix filled(void)
 
 static void matrix_counts(void **state)
 {
-    struct matrix m = filled();
+    struct hard_matrix m = filled();
     (void)state;
     assert_int_equal(m.row_count, 2);
     assert_int_equal(m.column_count, 4);
@@ -208,7 +209,7 @@ static void matrix_counts(void **state)
 /* Every layout with every triangle test: as many columns as that are, and every result in its own. */
 static void matrix_is_as_wide_as_it_has_to_be(void **state)
 {
-    struct matrix m = {.apart = true};
+    struct hard_matrix m = {.apart = true};
     size_t wide = 0;
     (void)state;
     for (size_t row = 0; row < 3; row++)
@@ -232,15 +233,15 @@ static void matrix_is_as_wide_as_it_has_to_be(void **state)
     matrix_free(&m);
 }
 
-typedef void writer(const struct matrix *matrix, const char *versions, FILE *out);
+typedef void writer(const struct hard_matrix *matrix, const char *versions, FILE *out);
 
-static void written_text(const struct matrix *matrix, const char *versions, FILE *out)
+static void written_text(const struct hard_matrix *matrix, const char *versions, FILE *out)
 {
     (void)versions;
     matrix_text(matrix, out);
 }
 
-static char *written(writer *write, const struct matrix *m)
+static char *written(writer *write, const struct hard_matrix *m)
 {
     char *text = NULL;
     size_t bytes = 0;
@@ -254,7 +255,7 @@ static char *written(writer *write, const struct matrix *m)
 /* Every row and every failure with its reproduction is shown; what is markup is escaped. */
 static void matrix_is_shown(void **state)
 {
-    struct matrix m = filled();
+    struct hard_matrix m = filled();
     const char *name = "raydiff conform 'hard.01-axis.closest.cpu.f32.median.robust.mt'";
     char *text = written(written_text, &m), *page = written(matrix_html, &m),
          *markdown = written(matrix_markdown, &m);

@@ -38,7 +38,7 @@ static bool far_off(const struct ray *ray, float v[3][3])
     return positive && negative;
 }
 
-struct work {
+struct redecide_work {
     const struct scene *scene;
     const struct ray *ray;
     const struct model *model;
@@ -52,7 +52,7 @@ struct work {
 };
 
 /* Loads triangle `prim`. */
-static void look_at(struct work *work, uint32_t prim)
+static void look_at(struct redecide_work *work, uint32_t prim)
 {
     float v[3][3];
     scene_tri(work->scene, prim, v);
@@ -64,7 +64,7 @@ static void look_at(struct work *work, uint32_t prim)
 }
 
 /* Whether the formula must accept the triangle at hand: by replay it does, or by bounds. */
-static bool must_accept(const struct work *work)
+static bool must_accept(const struct redecide_work *work)
 {
     return work->replayed
                ? exact_gmp_replay_hits(&work->replay, work->ray, work->ends == ORACLE_OPEN)
@@ -80,7 +80,7 @@ static bool rounds_to(const mpq_t x, float value)
 }
 
 /* A replay has one answer only. */
-static enum gmp_proof against_replay(const struct work *work)
+static enum gmp_proof against_replay(const struct redecide_work *work)
 {
     const struct hit *answer = work->answer;
     const struct gmp_replay *replay = &work->replay;
@@ -96,7 +96,7 @@ static enum gmp_proof against_replay(const struct work *work)
 }
 
 /* What the named triangle alone proves against the answer. */
-static enum gmp_proof against_named(struct work *work)
+static enum gmp_proof against_named(struct redecide_work *work)
 {
     const struct hit *answer = work->answer;
     look_at(work, answer->prim);
@@ -121,7 +121,7 @@ static enum gmp_proof against_named(struct work *work)
  * (CONTRIBUTING, "Where the constants come from"), and the entry is before the exact t; so with a
  * replay both t are compared as they are. Else a box is entered within 32 u of the exact t, and the
  * formula's own t is off by E, as the answer's may be. */
-static bool surely_nearer(const struct work *work)
+static bool surely_nearer(const struct redecide_work *work)
 {
     const struct gmp_bounds *bounds = &work->bounds;
     if (work->replayed)
@@ -154,14 +154,14 @@ static bool share_a_corner(const struct scene *scene, uint32_t a, uint32_t b)
 }
 
 /* The triangle at hand must be accepted, and its absence or the answer's being farther is wrong. */
-static bool should_be_there(const struct work *work)
+static bool should_be_there(const struct redecide_work *work)
 {
     return must_accept(work) && (work->answer->prim == ABI_NO_PRIM || surely_nearer(work));
 }
 
 /* A watertight formula may reject the triangle that is hit, if the ray is within a rounding of its
  * border, but then accepts another at that border: one that shares a corner. */
-static bool neighbour_should_be_there(struct work *work, uint32_t of, uint32_t *prim)
+static bool neighbour_should_be_there(struct redecide_work *work, uint32_t of, uint32_t *prim)
 {
     for (uint32_t i = 0; i < work->scene->tri_count; i++) {
         if (i == of || !share_a_corner(work->scene, of, i))
@@ -176,7 +176,7 @@ static bool neighbour_should_be_there(struct work *work, uint32_t of, uint32_t *
 }
 
 /* What the other triangles prove against it: one that must have been found instead. */
-static enum gmp_proof against_others(struct work *work, uint32_t *prim)
+static enum gmp_proof against_others(struct redecide_work *work, uint32_t *prim)
 {
     enum gmp_proof proof = work->answer->prim == ABI_NO_PRIM ? GMP_PROOF_MISSED : GMP_PROOF_NEARER;
     for (uint32_t i = 0; i < work->scene->tri_count; i++) {
@@ -200,7 +200,7 @@ static enum gmp_proof against_others(struct work *work, uint32_t *prim)
 
 /* Nothing exact is hit by a miss; or the named triangle is one of the nearest, or any for an
  * any-hit query, and every number the exact one rounded. */
-static bool is_right(struct work *work, bool any)
+static bool is_right(struct redecide_work *work, bool any)
 {
     const struct hit *answer = work->answer;
     mpq_t nearest;
@@ -233,7 +233,7 @@ static bool is_right(struct work *work, bool any)
     return right;
 }
 
-static bool any_possible(struct work *work)
+static bool any_possible(struct redecide_work *work)
 {
     for (uint32_t i = 0; i < work->scene->tri_count; i++) {
         float v[3][3];
@@ -247,7 +247,7 @@ static bool any_possible(struct work *work)
     return false;
 }
 
-static enum gmp_proof find_proof(struct work *work, bool any, uint32_t *prim)
+static enum gmp_proof find_proof(struct redecide_work *work, bool any, uint32_t *prim)
 {
     uint32_t named = work->answer->prim;
     *prim = named;
@@ -263,7 +263,7 @@ static enum gmp_proof find_proof(struct work *work, bool any, uint32_t *prim)
 
 /* A miss is excused if every triangle was replayed and the formula rejects all that are hit, with
  * their neighbours if it promises to be watertight. */
-static bool is_excused(const struct work *work)
+static bool is_excused(const struct redecide_work *work)
 {
     return work->answer->prim == ABI_NO_PRIM && work->all_replayed;
 }
@@ -272,12 +272,12 @@ struct gmp_second exact_gmp_redecide(const struct scene *scene, const struct ray
                                      const struct model *model, bool any, const struct hit *answer)
 {
     struct gmp_second second = {GMP_OPEN, GMP_PROOF_NONE, ABI_NO_PRIM};
-    struct work work = {.scene = scene,
-                        .ray = ray,
-                        .model = model,
-                        .answer = answer,
-                        .all_replayed = model->formula != TWIN_UNKNOWN,
-                        .ends = model->open ? ORACLE_OPEN : ORACLE_CLOSED};
+    struct redecide_work work = {.scene = scene,
+                                 .ray = ray,
+                                 .model = model,
+                                 .answer = answer,
+                                 .all_replayed = model->formula != TWIN_UNKNOWN,
+                                 .ends = model->open ? ORACLE_OPEN : ORACLE_CLOSED};
     bool no_triangle = answer->prim != ABI_NO_PRIM && answer->prim >= scene->tri_count;
     exact_gmp_init(&work.pair);
     gmp_bounds_init(&work.bounds);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Operations on exact float32 values, kept as doubles; `lost` once one of them is not finite. */
-struct replay {
+struct exact_gmp_replay_replay {
     mpq_t x, y;
     bool lost;
 };
@@ -67,14 +67,14 @@ float exact_gmp_round(const mpq_t x)
     return (float)(mpq_sgn(x) < 0 ? -value : value); /* exact: it is a float32 */
 }
 
-static double settle(struct replay *r)
+static double settle(struct exact_gmp_replay_replay *r)
 {
     float value = exact_gmp_round(r->x);
     r->lost |= !float_is_finite(value);
     return r->lost ? 0 : (double)value;
 }
 
-static double sum(struct replay *r, double a, double b)
+static double sum(struct exact_gmp_replay_replay *r, double a, double b)
 {
     mpq_set_d(r->x, a);
     mpq_set_d(r->y, b);
@@ -82,12 +82,12 @@ static double sum(struct replay *r, double a, double b)
     return settle(r);
 }
 
-static double difference(struct replay *r, double a, double b)
+static double difference(struct exact_gmp_replay_replay *r, double a, double b)
 {
     return sum(r, a, -b);
 }
 
-static double product(struct replay *r, double a, double b)
+static double product(struct exact_gmp_replay_replay *r, double a, double b)
 {
     mpq_set_d(r->x, a);
     mpq_set_d(r->y, b);
@@ -95,7 +95,7 @@ static double product(struct replay *r, double a, double b)
     return settle(r);
 }
 
-static double quotient(struct replay *r, double a, double b)
+static double quotient(struct exact_gmp_replay_replay *r, double a, double b)
 {
     if (b == 0) {
         r->lost = true;
@@ -108,26 +108,27 @@ static double quotient(struct replay *r, double a, double b)
 }
 
 /* a b - c d */
-static double minor_of(struct replay *r, double a, double b, double c, double d)
+static double minor_of(struct exact_gmp_replay_replay *r, double a, double b, double c, double d)
 {
     double first = product(r, a, b);
     return difference(r, first, product(r, c, d));
 }
 
-static void cross(struct replay *r, const double a[3], const double b[3], double out[3])
+static void cross(struct exact_gmp_replay_replay *r, const double a[3], const double b[3],
+                  double out[3])
 {
     out[0] = minor_of(r, a[1], b[2], a[2], b[1]);
     out[1] = minor_of(r, a[2], b[0], a[0], b[2]);
     out[2] = minor_of(r, a[0], b[1], a[1], b[0]);
 }
 
-static double dot(struct replay *r, const double a[3], const double b[3])
+static double dot(struct exact_gmp_replay_replay *r, const double a[3], const double b[3])
 {
     double x = product(r, a[0], b[0]), y = product(r, a[1], b[1]), z = product(r, a[2], b[2]);
     return sum(r, sum(r, x, y), z);
 }
 
-static void divide(struct replay *r, double t, double u, double v, double by,
+static void divide(struct exact_gmp_replay_replay *r, double t, double u, double v, double by,
                    struct gmp_replay *out)
 {
     out->accepted = true;
@@ -136,8 +137,8 @@ static void divide(struct replay *r, double t, double u, double v, double by,
     out->v = (float)quotient(r, v, by);
 }
 
-static void moeller_trumbore(struct replay *r, const struct ray *ray, float v[3][3], double eps,
-                             struct gmp_replay *out)
+static void moeller_trumbore(struct exact_gmp_replay_replay *r, const struct ray *ray,
+                             float v[3][3], double eps, struct gmp_replay *out)
 {
     double d[3], e1[3], e2[3], s[3], p[3], q[3];
     for (int k = 0; k < 3; k++) {
@@ -155,7 +156,8 @@ static void moeller_trumbore(struct replay *r, const struct ray *ray, float v[3]
         divide(r, t, u, w, det, out);
 }
 
-static void woop(struct replay *r, const struct ray *ray, float v[3][3], struct gmp_replay *out)
+static void woop(struct exact_gmp_replay_replay *r, const struct ray *ray, float v[3][3],
+                 struct gmp_replay *out)
 {
     struct tri_ray axes = tri_ray_make(ray); /* for kx, ky and kz alone */
     double d[3], x[3], y[3], z[3];
@@ -184,7 +186,8 @@ static void woop(struct replay *r, const struct ray *ray, float v[3][3], struct 
         divide(r, dot(r, w, z), w[1], w[2], det, out);
 }
 
-static void pluecker(struct replay *r, const struct ray *ray, float v[3][3], struct gmp_replay *out)
+static void pluecker(struct exact_gmp_replay_replay *r, const struct ray *ray, float v[3][3],
+                     struct gmp_replay *out)
 {
     double a[3][3], e[3][3], w[3], n[3], d[3];
     for (int k = 0; k < 3; k++) {
@@ -216,20 +219,21 @@ static void pluecker(struct replay *r, const struct ray *ray, float v[3][3], str
 }
 
 /* m[0] x + m[1] y, then m[2] */
-static double row_at(struct replay *r, const double m[3], double x, double y)
+static double row_at(struct exact_gmp_replay_replay *r, const double m[3], double x, double y)
 {
     double first = product(r, m[0], x);
     return sum(r, sum(r, first, product(r, m[1], y)), m[2]);
 }
 
 /* (z + m[0] x) + m[1] y */
-static double climb_of(struct replay *r, const double m[3], double x, double y, double z)
+static double climb_of(struct exact_gmp_replay_replay *r, const double m[3], double x, double y,
+                       double z)
 {
     double first = sum(r, z, product(r, m[0], x));
     return sum(r, first, product(r, m[1], y));
 }
 
-static void baldwin_webber(struct replay *r, const struct ray *ray, float v[3][3],
+static void baldwin_webber(struct exact_gmp_replay_replay *r, const struct ray *ray, float v[3][3],
                            struct gmp_replay *out)
 {
     double e1[3], e2[3], n[3], v0[3], o[3], d[3], row[3][3];
@@ -275,7 +279,7 @@ bool exact_gmp_replay(const struct model *model, const struct ray *ray, float v[
         return false;
     if (!twin_is_own(model->formula))
         return false;
-    struct replay r = {.lost = false};
+    struct exact_gmp_replay_replay r = {.lost = false};
     mpq_inits(r.x, r.y, NULL);
     if (model->formula == TWIN_WOOP)
         woop(&r, ray, v, out);

@@ -9,7 +9,7 @@
 
 #define BATCH 16 /* triangles of a scene, and rays aimed at them */
 
-struct batch {
+struct oracle_batch {
     struct scene scene;
     struct oracle *oracle;
     struct ray ray[BATCH];
@@ -23,7 +23,8 @@ static inline struct rng far_rng(uint64_t seed)
     return (struct rng){rng_u64(&start)};
 }
 
-static inline void batch_make(const struct oracle_case *kind, uint64_t seed, struct batch *out)
+static inline void batch_make(const struct oracle_case *kind, uint64_t seed,
+                              struct oracle_batch *out)
 {
     struct rng rng = far_rng(seed);
     struct reason reason = {""};
@@ -42,7 +43,7 @@ static inline void batch_make(const struct oracle_case *kind, uint64_t seed, str
         abort();
 }
 
-static inline void batch_free(struct batch *batch)
+static inline void batch_free(struct oracle_batch *batch)
 {
     oracle_free(batch->oracle);
     scene_free(&batch->scene);

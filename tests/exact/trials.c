@@ -130,13 +130,13 @@ static struct truth truth_of(const struct ray *ray, const struct gmp_pair *pair)
     return truth;
 }
 
-void trial_truth(struct gmp_pair *pair, struct trial *trial)
+void trial_truth(struct gmp_pair *pair, struct trials_trial *trial)
 {
     exact_gmp_pair(&trial->ray, trial->v, pair);
     trial->truth = truth_of(&trial->ray, pair);
 }
 
-void trial_make(int kind, uint64_t index, struct gmp_pair *pair, struct trial *out)
+void trial_make(int kind, uint64_t index, struct gmp_pair *pair, struct trials_trial *out)
 {
     struct rng rng = rng_make(index, (uint64_t)kind + 1);
     if (kind < ORACLE_CASES) {
@@ -173,7 +173,7 @@ static bool has_edge(enum twin_formula formula, int c)
            formula == TWIN_EMBREE_ROBUST;
 }
 
-static const char *signs_broken(const struct trial *trial, enum twin_formula formula,
+static const char *signs_broken(const struct trials_trial *trial, enum twin_formula formula,
                                 const struct twin *twin, const struct evaluation *evaluation)
 {
     const struct truth *truth = &trial->truth;
@@ -188,7 +188,7 @@ static const char *signs_broken(const struct trial *trial, enum twin_formula for
     return NULL;
 }
 
-const char *trial_broken(const struct trial *trial, enum twin_formula formula,
+const char *trial_broken(const struct trials_trial *trial, enum twin_formula formula,
                          const struct twin *twin, const struct evaluation *evaluation,
                          struct nearness *near)
 {
@@ -225,7 +225,7 @@ static double worst(const struct nearness *near)
     return fmax(near->t, fmax(near->u, near->v));
 }
 
-const char *trial_worsen(const struct trial *trial, enum twin_formula formula,
+const char *trial_worsen(const struct trials_trial *trial, enum twin_formula formula,
                          const struct twin *twin, struct legal *legal, struct nearness *near)
 {
     static const uint8_t other[] = {LEGAL_LOW, LEGAL_HIGH, LEGAL_LOW | LEGAL_FUSE, LEGAL_FLUSH};

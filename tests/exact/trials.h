@@ -18,7 +18,7 @@ struct truth {
     int from_tmin, to_tmax; /* signs of t - tmin and t - tmax */
 };
 
-struct trial {
+struct trials_trial {
     struct ray ray;
     float v[3][3];
     struct truth truth;
@@ -33,20 +33,20 @@ struct nearness {
 const char *trial_kind(int kind);
 
 /* Draws pair `index` of a kind. `pair` is scratch. */
-void trial_make(int kind, uint64_t index, struct gmp_pair *pair, struct trial *out);
+void trial_make(int kind, uint64_t index, struct gmp_pair *pair, struct trials_trial *out);
 
 /* Fills in the truth of a ray and triangle made elsewhere. */
-void trial_truth(struct gmp_pair *pair, struct trial *trial);
+void trial_truth(struct gmp_pair *pair, struct trials_trial *trial);
 
 /* Whether everything that `twin` says holds of the exact truth and of `evaluation`. Returns NULL,
  * or what does not hold. `near` is set in either case. */
-const char *trial_broken(const struct trial *trial, enum twin_formula formula,
+const char *trial_broken(const struct trials_trial *trial, enum twin_formula formula,
                          const struct twin *twin, const struct evaluation *evaluation,
                          struct nearness *near);
 
 /* Looks for the worst evaluation: starts from the choices in `legal` and keeps each change of one
  * operation that brings t or u nearer to its bound. Returns what broke, or NULL. */
-const char *trial_worsen(const struct trial *trial, enum twin_formula formula,
+const char *trial_worsen(const struct trials_trial *trial, enum twin_formula formula,
                          const struct twin *twin, struct legal *legal, struct nearness *near);
 
 #endif

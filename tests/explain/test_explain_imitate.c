@@ -86,16 +86,17 @@ static size_t explain_wrong(struct black_box *engine, const struct ray *ray, siz
 
 #define RAYS 20000
 
-struct stage {
+struct imitate_stage {
     struct scene scene;
     struct subject subject;
     struct suspect suspect;
     struct ray *ray;
 };
 
-static struct stage stage_of(const char *spec, const char *layout, uint32_t leaf, const char *rays)
+static struct imitate_stage stage_of(const char *spec, const char *layout, uint32_t leaf,
+                                     const char *rays)
 {
-    struct stage s;
+    struct imitate_stage s;
     assert_int_equal(scene_open(spec, 1, &s.scene, NULL), STATUS_OK);
     s.ray = calloc(RAYS, sizeof *s.ray);
     assert_non_null(s.ray);
@@ -107,13 +108,13 @@ static struct stage stage_of(const char *spec, const char *layout, uint32_t leaf
 }
 
 /* The suspect points into the stage, which must not move afterwards. */
-static void stage_set(struct stage *s)
+static void stage_set(struct imitate_stage *s)
 {
     s->subject.scene = &s->scene;
     s->suspect = suspect_make(&s->scene, &s->subject.bvh, &s->subject.packed, "robust", "mt");
 }
 
-static void stage_end(struct stage *s)
+static void stage_end(struct imitate_stage *s)
 {
     suspect_free(&s->suspect);
     subject_free(&s->subject);
@@ -125,7 +126,7 @@ static void stage_end(struct stage *s)
 static void found_again(const char *spec, const char *layout, uint32_t leaf, const char *rays,
                         enum defect defect, uint32_t parameter, size_t least)
 {
-    struct stage s = stage_of(spec, layout, leaf, rays);
+    struct imitate_stage s = stage_of(spec, layout, leaf, rays);
     stage_set(&s);
     struct black_box engine = {.suspect = &s.suspect, .change = {0, defect, parameter}};
     size_t found = explain_wrong(&engine, s.ray, RAYS, 10, defect, defect_cause(defect));
@@ -165,7 +166,7 @@ static void defects_of_the_box_test_are_found(void **state)
 static void an_unpadded_far_plane_is_found(void **state)
 {
     (void)state;
-    struct stage s = stage_of("soup", "f32", 1, "corners");
+    struct imitate_stage s = stage_of("soup", "f32", 1, "corners");
     stage_set(&s);
     struct black_box engine = {.suspect = &s.suspect, .change = {0, DEFECT_NOT_PADDED, 0}};
     size_t found = 0;
@@ -217,7 +218,7 @@ static void what_the_watertight_box_test_is_for_is_found(void **state)
 static void what_no_defect_imitates_is_the_shader_or_the_driver(void **state)
 {
     (void)state;
-    struct stage s = stage_of("soup:n=40", "rf16", 4, "random");
+    struct imitate_stage s = stage_of("soup:n=40", "rf16", 4, "random");
     stage_set(&s);
     struct black_box engine = {.suspect = &s.suspect, .no_triangle_3 = true};
     size_t found = explain_wrong(&engine, s.ray, RAYS, 5, DEFECT_NONE, CAUSE_SHADER);
@@ -248,7 +249,7 @@ static void what_no_defect_imitates_is_the_shader_or_the_driver(void **state)
 static void two_answers_to_one_ray_are_told(void **state)
 {
     (void)state;
-    struct stage s = stage_of("soup:n=40", "rf16", 4, "random");
+    struct imitate_stage s = stage_of("soup:n=40", "rf16", 4, "random");
     stage_set(&s);
     struct black_box engine = {.suspect = &s.suspect, .unstable = true};
     size_t told = 0;
@@ -276,7 +277,7 @@ static void an_unfinished_ray_is_explained_by_its_flags(void **state)
                  {ABI_FLAG_DONE | ABI_FLAG_EXHAUSTED | ABI_FLAG_LOOP, CAUSE_LOOP_CAP},
                  {ABI_FLAG_DONE | ABI_FLAG_EXHAUSTED | ABI_FLAG_VISITS, CAUSE_SHADER},
                  {0, CAUSE_SHADER}};
-    struct stage s = stage_of("soup:n=40", "rf16", 4, "random");
+    struct imitate_stage s = stage_of("soup:n=40", "rf16", 4, "random");
     stage_set(&s);
     for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
         struct explain_case the = case_of(&s.suspect, &s.ray[0]);

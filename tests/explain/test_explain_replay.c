@@ -40,11 +40,11 @@ static void same_as_trace_ray(const struct subject *s, const struct ray *ray)
         for (size_t t = 0; tri_tests[t]; t++)
             for (int q = 0; q <= QUERY_ANY && (b == 0 || tri_tests[t]->core); q++)
                 for (size_t i = 0; i < RAYS; i++) {
-                    struct replay replay = {.scene = s->scene,
-                                            .tree = &tree,
-                                            .box_id = box_tests[b]->id,
-                                            .tri_id = tri_tests[t]->id,
-                                            .query = (enum query)q};
+                    struct explain_replay replay = {.scene = s->scene,
+                                                    .tree = &tree,
+                                                    .box_id = box_tests[b]->id,
+                                                    .tri_id = tri_tests[t]->id,
+                                                    .query = (enum query)q};
                     struct hit hit, expected;
                     enum status status = trace_ray(&s->packed, s->scene, box_tests[b], tri_tests[t],
                                                    (enum query)q, &ray[i], &expected, NULL);
@@ -146,7 +146,7 @@ static void without_a_tree_it_is_brute_force(void **state)
     for (size_t t = 0; tri_tests[t]; t++)
         for (int q = 0; q <= QUERY_ANY; q++)
             for (size_t i = 0; i < RAYS; i++) {
-                struct replay replay = {
+                struct explain_replay replay = {
                     .scene = &scene, .tri_id = tri_tests[t]->id, .query = (enum query)q};
                 struct hit hit, expected;
                 trace_brute(&scene, tri_tests[t], (enum query)q, &ray[i], &expected);
@@ -263,7 +263,7 @@ static void notes_follow_the_path(void **state)
 static size_t count_differences(const struct explain_tree *tree, const struct packed *packed,
                                 const struct tri_test *tri, uint32_t repairs, const struct ray *ray)
 {
-    const struct replay replay = {
+    const struct explain_replay replay = {
         .scene = tree->scene, .tree = tree, .box_id = box_tests[0]->id, .tri_id = tri->id};
     const struct replay_change change = {.repairs = repairs};
     size_t differences = 0;

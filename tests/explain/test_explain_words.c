@@ -19,14 +19,14 @@
 #define TRIANGLES 64u
 
 /* A healthy tree whose words a test then spoils. */
-struct spoilt {
+struct words_spoilt {
     struct scene scene;
     struct subject subject;
     struct suspect suspect;
     struct ray ray[TRIANGLES];
 };
 
-static void spoilt_make(struct spoilt *s, const char *layout, const char *box)
+static void spoilt_make(struct words_spoilt *s, const char *layout, const char *box)
 {
     s->scene = trees_grid(TRIANGLES);
     s->subject = subject_make(&s->scene, "median", 4, SEED_EPS, layout);
@@ -37,7 +37,7 @@ static void spoilt_make(struct spoilt *s, const char *layout, const char *box)
     assert_cause(&s->suspect, s->ray, TRIANGLES, CAUSE_NONE, 0);
 }
 
-static void spoilt_free(struct spoilt *s)
+static void spoilt_free(struct words_spoilt *s)
 {
     suspect_free(&s->suspect);
     subject_free(&s->subject);
@@ -45,14 +45,14 @@ static void spoilt_free(struct spoilt *s)
 }
 
 /* The words of the record of tree node `node`. */
-static uint32_t *words_of(struct spoilt *s, uint32_t node)
+static uint32_t *words_of(struct words_spoilt *s, uint32_t node)
 {
     struct packed *packed = &s->subject.packed;
     return packed->word + (size_t)s->suspect.tree.record[node] * packed->layout->node_bytes / 4;
 }
 
 /* After the words have changed: whole-tree facts are found again. */
-static void spoilt_again(struct spoilt *s)
+static void spoilt_again(struct words_spoilt *s)
 {
     suspect_free(&s->suspect);
     s->suspect = suspect_make(&s->scene, &s->subject.bvh, &s->subject.packed, "robust", "mt");
@@ -61,7 +61,7 @@ static void spoilt_again(struct spoilt *s)
 static void swapped_children_are_a_child_reference(void **state)
 {
     (void)state;
-    struct spoilt s;
+    struct words_spoilt s;
     spoilt_make(&s, "rf16", "robust");
     uint32_t *root = words_of(&s, 0), right = s.subject.bvh.node[0].snd;
     /* Both children are the second: the first one's triangles are gone. */
@@ -84,7 +84,7 @@ static void swapped_children_are_a_child_reference(void **state)
 static void a_leaf_read_as_an_inner_node_is_a_child_reference(void **state)
 {
     (void)state;
-    struct spoilt s;
+    struct words_spoilt s;
     spoilt_make(&s, "rf16", "robust");
     uint32_t leaf = s.suspect.tree.leaf[20];
     words_of(&s, leaf)[3] &= 0x7FFFFFFFu;
@@ -126,7 +126,7 @@ static void cut_numbers_are_truncated(void **state)
 }
 
 /* Replaces both halves of word `axis` of a leaf's record. */
-static void set_halves(struct spoilt *s, uint32_t prim, int axis, uint16_t lo, uint16_t hi)
+static void set_halves(struct words_spoilt *s, uint32_t prim, int axis, uint16_t lo, uint16_t hi)
 {
     words_of(s, s->suspect.tree.leaf[prim])[axis] = lo | (uint32_t)hi << 16;
     spoilt_again(s);
@@ -135,7 +135,7 @@ static void set_halves(struct spoilt *s, uint32_t prim, int axis, uint16_t lo, u
 static void an_infinite_half_is_an_overflow(void **state)
 {
     (void)state;
-    struct spoilt s;
+    struct words_spoilt s;
     spoilt_make(&s, "rf16", "robust");
     set_halves(&s, 7, 0, 0x7C00, 0x7C00);
     struct explanation out = explained(&s.suspect, &s.ray[7]);
@@ -148,7 +148,7 @@ static void an_infinite_half_is_an_overflow(void **state)
 }
 
 /* The ray at a triangle passes through a box one half step too small only if it is aimed there. */
-static struct ray ray_at_upper_x(const struct spoilt *s, uint32_t prim)
+static struct ray ray_at_upper_x(const struct words_spoilt *s, uint32_t prim)
 {
     uint32_t leaf = s->suspect.tree.leaf[prim];
     float x = s->suspect.tree.exact[leaf].hi[0];
@@ -165,7 +165,7 @@ static struct ray ray_at_upper_x(const struct spoilt *s, uint32_t prim)
 static void bounds_inside_are_rounded_or_another_box(void **state)
 {
     (void)state;
-    struct spoilt s;
+    struct words_spoilt s;
     spoilt_make(&s, "rf16", "robust");
     uint32_t leaf = s.suspect.tree.leaf[30];
     struct ray ray = ray_at_upper_x(&s, 30);
@@ -186,7 +186,7 @@ static void bounds_inside_are_rounded_or_another_box(void **state)
 static void a_box_cut_in_the_words_is_a_stored_box_and_in_the_tree_a_cut_one(void **state)
 {
     (void)state;
-    struct spoilt s;
+    struct words_spoilt s;
     spoilt_make(&s, "f32", "robust");
     uint32_t leaf = s.suspect.tree.leaf[40];
     float lo = s.subject.bvh.node[leaf].bounds.lo[1], hi = s.subject.bvh.node[leaf].bounds.hi[1];
@@ -217,7 +217,7 @@ static void a_flushed_subnormal_is_named(void **state)
 static void a_cleared_slot_is_a_sentinel(void **state)
 {
     (void)state;
-    struct spoilt s;
+    struct words_spoilt s;
     spoilt_make(&s, "rf16", "robust");
     uint32_t leaf = s.suspect.tree.leaf[50];
     uint32_t prim = s.subject.bvh.prim[s.subject.bvh.node[leaf].item_first];
@@ -235,7 +235,7 @@ static void a_cleared_slot_is_a_sentinel(void **state)
 static void a_wrong_item_is_named(void **state)
 {
     (void)state;
-    struct spoilt s;
+    struct words_spoilt s;
     spoilt_make(&s, "f32", "robust");
     uint32_t lost = s.subject.packed.item[9];
     s.subject.packed.item[9] = (lost + 11) % TRIANGLES;
@@ -248,7 +248,7 @@ static void a_wrong_item_is_named(void **state)
 static void an_uncounted_slot_is_not_read(void **state)
 {
     (void)state;
-    struct spoilt s;
+    struct words_spoilt s;
     spoilt_make(&s, "rf16", "robust");
     uint32_t leaf = s.suspect.tree.leaf[33];
     const struct bvh_node *node = &s.subject.bvh.node[leaf];
@@ -289,7 +289,7 @@ static void a_short_stack_and_a_cycle_are_named(void **state)
 static void two_faults_are_told_together(void **state)
 {
     (void)state;
-    struct spoilt s;
+    struct words_spoilt s;
     spoilt_make(&s, "f32", "robust");
     uint32_t leaf = s.suspect.tree.leaf[40];
     const struct bvh_node *node = &s.subject.bvh.node[leaf];

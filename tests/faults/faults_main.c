@@ -26,22 +26,22 @@
 #define CODES_MOST  256
 #define SHOWN_MOST  20
 
-struct task {
+struct faults_task {
     struct traced_place place;
     int kind;
 };
 
 /* What a worker found, shared. */
-struct tally {
+struct faults_tally {
     atomic_uint next, played, missed, lost, code[CODES_MOST];
 };
 
-struct job {
+struct faults_job {
     const struct scenario *scenario;
     const char *program, *root;
-    struct task *task;
+    struct faults_task *task;
     unsigned count;
-    struct tally *tally;
+    struct faults_tally *tally;
     int wanted;    /* the exit code without a fault */
     bool nameless; /* where this plays, files need no name before they are whole */
 };
@@ -53,7 +53,7 @@ static void path_in(char *path, const char *root, const char *name)
 
 /* Runs a command line in a folder. */
 static struct traced_result run(const char *program, const char *line, const char *in,
-                                const char *logs, const struct task *task, traced_fn *each,
+                                const char *logs, const struct faults_task *task, traced_fn *each,
                                 void *user)
 {
     char words[1024], out[TREES_PATH_MOST], err[TREES_PATH_MOST], *argv[WORDS_MOST], *rest;
@@ -79,7 +79,7 @@ static bool is_documented(int code, int kind)
 /* Whether a temporary file may be left: by who is killed, until the command is run again. Who is
  * killed while what it makes has a temporary name: where a file is about to take the place of
  * another, and a merge all the time. */
-static bool may_leave(const struct job *job, const struct task *task)
+static bool may_leave(const struct faults_job *job, const struct faults_task *task)
 {
     return task->kind == FAULT_KILL &&
            (!job->nameless || (job->scenario->goal && !job->scenario->page) ||
@@ -87,8 +87,8 @@ static bool may_leave(const struct job *job, const struct task *task)
 }
 
 /* Plays one fault in `work`, a copy of what the command starts from. NULL: nothing is wrong. */
-static const char *play(const struct job *job, const struct task *task, const char *work,
-                        const char *logs, char why[TREES_WHY_MOST])
+static const char *play(const struct faults_job *job, const struct faults_task *task,
+                        const char *work, const char *logs, char why[TREES_WHY_MOST])
 {
     const struct scenario *s = job->scenario;
     char wanted[TREES_PATH_MOST], after[TREES_PATH_MOST], found[TREES_PATH_MOST];
@@ -146,8 +146,8 @@ static const char *play(const struct job *job, const struct task *task, const ch
     return tree_same(wanted, work, why) ? NULL : "run again, it ends otherwise";
 }
 
-static void tell(const struct job *job, const struct task *task, const char *what, const char *why,
-                 const char *logs)
+static void tell(const struct faults_job *job, const struct faults_task *task, const char *what,
+                 const char *why, const char *logs)
 {
     char path[TREES_PATH_MOST], said[400] = "";
     path_in(path, logs, "err");
@@ -164,7 +164,7 @@ static void tell(const struct job *job, const struct task *task, const char *wha
 }
 
 /* One of those who play the faults. */
-static void work(const struct job *job, unsigned number)
+static void work(const struct faults_job *job, unsigned number)
 {
     char own[TREES_PATH_MOST], folder[TREES_PATH_MOST], start[TREES_PATH_MOST];
     char temporary[TREES_PATH_MOST], name[32], why[TREES_WHY_MOST];
@@ -179,7 +179,7 @@ static void work(const struct job *job, unsigned number)
         unsigned at = atomic_fetch_add(&job->tally->next, 1);
         if (at >= job->count)
             return;
-        const struct task *task = &job->task[at];
+        const struct faults_task *task = &job->task[at];
         const char *what = "no room to play";
         why[0] = '\0';
         if (tree_remove(folder) && tree_remove(temporary) && mkdir(temporary, 0777) == 0 &&
@@ -193,15 +193,15 @@ static void work(const struct job *job, unsigned number)
 
 /* --- which faults there are ------------------------------------------------------------------- */
 
-struct listing {
-    struct task *task;
+struct faults_listing {
+    struct faults_task *task;
     unsigned count, calls;
     int processes;
 };
 
 static void list(void *user, const struct traced_place *place)
 {
-    struct listing *l = user;
+    struct faults_listing *l = user;
     if (l->processes && place->process >= l->processes)
         return;
     const struct traced_call *call = &traced_calls[place->call];
@@ -209,18 +209,18 @@ static void list(void *user, const struct traced_place *place)
     for (int i = 0; i < FAULT_KINDS_MOST && call->kinds[i]; i++)
         if (l->count < FAULTS_MOST && (call->kinds[i] != FAULT_SHORT || place->counts) &&
             (call->kinds[i] != EINTR || call->number != SYS_write || !place->standard))
-            l->task[l->count++] = (struct task){*place, call->kinds[i]};
+            l->task[l->count++] = (struct faults_task){*place, call->kinds[i]};
     if (place->process == 0 && l->count < FAULTS_MOST)
-        l->task[l->count++] = (struct task){*place, FAULT_KILL};
+        l->task[l->count++] = (struct faults_task){*place, FAULT_KILL};
 }
 
 /* Of each kind of call in each process the first and every `step`-th, in each of its ways; of these
  * those whose names, "PROCESS:CALL:OCCURRENCE:KIND", match the pattern, if there is one. */
-static void choose(struct listing *l, const char *pattern, unsigned step)
+static void choose(struct faults_listing *l, const char *pattern, unsigned step)
 {
     unsigned kept = 0;
     for (unsigned i = 0; i < l->count; i++) {
-        const struct task *task = &l->task[i];
+        const struct faults_task *task = &l->task[i];
         char name[100];
         snprintf(name, sizeof name, "%d:%s:%u:%s", task->place.process,
                  traced_calls[task->place.call].name, task->place.occurrence,
@@ -231,7 +231,7 @@ static void choose(struct listing *l, const char *pattern, unsigned step)
     l->count = kept;
 }
 
-static bool prepare(struct job *job, struct listing *l)
+static bool prepare(struct faults_job *job, struct faults_listing *l)
 {
     char start[TREES_PATH_MOST], wanted[TREES_PATH_MOST], counted[TREES_PATH_MOST];
     path_in(start, job->root, "start");
@@ -263,7 +263,7 @@ static bool prepare(struct job *job, struct listing *l)
     return true;
 }
 
-static void print_row(const struct job *job, const struct listing *l, unsigned every,
+static void print_row(const struct faults_job *job, const struct faults_listing *l, unsigned every,
                       unsigned *faults, unsigned *lost)
 {
     unsigned missed = atomic_load(&job->tally->missed);
@@ -313,12 +313,12 @@ static bool play_scenario(const struct options *o, const struct scenario *scenar
     const bool sampled = o->quick && scenario->sample;
     const bool all = o->step == 1 && !o->only;
     const unsigned every = sampled ? 6 : all && scenario->every ? scenario->every : o->step;
-    struct listing l = {.task = calloc(FAULTS_MOST, sizeof *l.task),
-                        .processes = scenario->processes};
-    struct job job = {.scenario = scenario,
-                      .program = o->program,
-                      .root = own,
-                      .nameless = tree_takes_nameless(root)};
+    struct faults_listing l = {.task = calloc(FAULTS_MOST, sizeof *l.task),
+                               .processes = scenario->processes};
+    struct faults_job job = {.scenario = scenario,
+                             .program = o->program,
+                             .root = own,
+                             .nameless = tree_takes_nameless(root)};
     path_in(own, root, scenario->name);
     mkdir(own, 0777);
     job.tally =

@@ -100,7 +100,7 @@ struct process {
     unsigned *seen;
 };
 
-struct tracer {
+struct traced_tracer {
     struct process process[PROCESSES_MOST];
     int count, made;
     const struct traced_place *fault;
@@ -119,7 +119,7 @@ static void on_alarm(int number)
     late = 1;
 }
 
-static struct process *process_of(struct tracer *t, pid_t pid)
+static struct process *process_of(struct traced_tracer *t, pid_t pid)
 {
     for (int i = 0; i < t->count; i++)
         if (t->process[i].pid == pid)
@@ -132,7 +132,7 @@ static struct process *process_of(struct tracer *t, pid_t pid)
     return made;
 }
 
-static void forget(struct tracer *t, pid_t pid)
+static void forget(struct traced_tracer *t, pid_t pid)
 {
     for (int i = 0; i < t->count; i++)
         if (t->process[i].pid == pid) {
@@ -177,7 +177,7 @@ static bool run_to_entry(pid_t pid)
     return ptrace(PTRACE_SETREGS, pid, NULL, &regs) == 0;
 }
 
-static void inject(struct tracer *t, struct process *p, struct user_regs_struct *regs)
+static void inject(struct traced_tracer *t, struct process *p, struct user_regs_struct *regs)
 {
     long number = (long)regs->orig_rax;
     t->done = t->result->reached = true;
@@ -195,7 +195,7 @@ static void inject(struct tracer *t, struct process *p, struct user_regs_struct 
     ptrace(PTRACE_SETREGS, p->pid, NULL, regs);
 }
 
-static void at_call(struct tracer *t, struct process *p)
+static void at_call(struct traced_tracer *t, struct process *p)
 {
     struct user_regs_struct regs;
     struct __ptrace_syscall_info info;
@@ -227,7 +227,7 @@ static void at_call(struct tracer *t, struct process *p)
 }
 
 /* Serves one stop. */
-static void at_stop(struct tracer *t, pid_t pid, int status)
+static void at_stop(struct traced_tracer *t, pid_t pid, int status)
 {
     struct process *p = process_of(t, pid);
     int signal = WSTOPSIG(status), event = status >> 16;
@@ -248,7 +248,7 @@ static int code_of(int status)
 }
 
 /* Serves all processes until none is left, orphans included. */
-static void attend(struct tracer *t, pid_t first)
+static void attend(struct traced_tracer *t, pid_t first)
 {
     bool ended = false, killed = false;
     int status;
@@ -273,7 +273,7 @@ static void attend(struct tracer *t, pid_t first)
     }
 }
 
-static bool trace(struct tracer *t, pid_t first)
+static bool trace(struct traced_tracer *t, pid_t first)
 {
     const long how = PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACEFORK | PTRACE_O_TRACEVFORK |
                      PTRACE_O_TRACECLONE | PTRACE_O_TRACEEXEC | PTRACE_O_EXITKILL;
@@ -300,7 +300,7 @@ struct traced_result traced_run(char *const argv[], const char *in, const char *
                                 unsigned seconds, traced_fn *each, void *user)
 {
     struct traced_result result = {.code = -1};
-    struct tracer tracer = {
+    struct traced_tracer tracer = {
         .fault = kind ? fault : NULL, .kind = kind, .result = &result, .each = each, .user = user};
     const struct sigaction action = {.sa_handler = on_alarm};
     const bool traced = tracer.fault || each;

@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum plan {
+enum causes_plan {
     PLAN_RIGHT,
     PLAN_THRESHOLD,    /* an absolute threshold of the determinant */
     PLAN_LOSES,        /* always a miss */
@@ -26,7 +26,7 @@ enum plan {
 };
 
 static struct {
-    enum plan plan;
+    enum causes_plan plan;
     struct job job;
     uint32_t asked;
     float share;
@@ -122,7 +122,7 @@ static struct fuzz_trial one_triangle(float size)
 }
 
 /* What a triangle of that size comes to: "" or kind.cause. */
-static void play(enum plan plan, float size, char text[FUZZ_SIGNATURE_MOST])
+static void play(enum causes_plan plan, float size, char text[FUZZ_SIGNATURE_MOST])
 {
     const struct engine *engine = &planned_engine;
     const struct engine_options options = {.threads = 1};
@@ -151,7 +151,7 @@ static void a_cause_is_found_by_asking_again(void **state)
 {
     (void)state;
     static const struct {
-        enum plan plan;
+        enum causes_plan plan;
         float size;
         const char *signature;
     } expected[] = {

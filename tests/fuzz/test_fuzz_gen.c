@@ -207,13 +207,13 @@ static void members_as_published_take_part_if_asked_for(void **state)
 /* --- hits --------------------------------------------------------------------------------------
  */
 
-struct share {
+struct fuzz_share {
     uint32_t rays, hits, contract;
 };
 
-static struct share share_of(const struct fuzz_trial *trial)
+static struct fuzz_share share_of(const struct fuzz_trial *trial)
 {
-    struct share share = {.rays = trial->ray_count};
+    struct fuzz_share share = {.rays = trial->ray_count};
     struct oracle *oracle;
     struct reason reason;
     struct oracle_answer *answer = calloc(trial->ray_count, sizeof *answer);
@@ -234,14 +234,14 @@ static struct share share_of(const struct fuzz_trial *trial)
 static void trials_are_not_vacuous(void **state)
 {
     (void)state;
-    struct share sum[64] = {{0}}, all = {0};
+    struct fuzz_share sum[64] = {{0}}, all = {0};
     uint32_t trials = getenv("RAYDIFF_SLOW") ? 4000 : 800;
     for (uint32_t i = 0; i < trials; i++) {
         struct fuzz_trial trial = trial_of(11, i, &ordinary);
         uint32_t r = 0;
         while (!is_recipe(&trial, recipes[r]->name))
             r++;
-        struct share share = share_of(&trial);
+        struct fuzz_share share = share_of(&trial);
         sum[r].rays += share.rays;
         sum[r].hits += share.hits;
         all.rays += share.rays;

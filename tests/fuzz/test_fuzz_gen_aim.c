@@ -105,15 +105,15 @@ static double size_of(const struct aim *aim, const struct ray *ray)
 typedef enum aim_kind aim_fn(const struct aim *aim, struct rng *rng, struct ray *out,
                              float target[3]);
 
-struct tally {
+struct aim_tally {
     uint32_t kind[AIM_KINDS], exact, off, astray, out_of_contract;
 };
 
 /* Counts rays by kind; `off`: the target is farther from its feature than a displacement may be,
  * `astray`: the line misses its target. */
-static struct tally tally_of(aim_fn *make, uint32_t trials)
+static struct aim_tally tally_of(aim_fn *make, uint32_t trials)
 {
-    struct tally tally = {.exact = 0};
+    struct aim_tally tally = {.exact = 0};
     static const struct gen_options no_rays = {16, 64, 0, false};
     for (uint32_t t = 0; t < trials; t++) {
         struct fuzz_trial trial = trial_of(17, t, &no_rays);
@@ -143,7 +143,7 @@ static struct tally tally_of(aim_fn *make, uint32_t trials)
     return tally;
 }
 
-static uint32_t aimed_of(const struct tally *tally, uint32_t *all)
+static uint32_t aimed_of(const struct aim_tally *tally, uint32_t *all)
 {
     uint32_t aimed = 0;
     *all = 0;
@@ -160,7 +160,7 @@ static void three_rays_of_four_are_aimed_at_features(void **state)
     static const char *const name[AIM_KINDS] = {"vertex",  "edge",      "corner", "face",
                                                 "float16", "inside",    "random", "axis",
                                                 "grazing", "degenerate"};
-    struct tally tally = tally_of(aim_ray, TRIALS);
+    struct aim_tally tally = tally_of(aim_ray, TRIALS);
     uint32_t all, aimed = aimed_of(&tally, &all);
     for (uint32_t k = 0; k < AIM_KINDS; k++) {
         print_message("%-10s %5.1f %%\n", name[k], 100.0 * tally.kind[k] / all);
@@ -201,7 +201,7 @@ static enum aim_kind lazy(const struct aim *aim, struct rng *rng, struct ray *ou
 static void rays_that_are_not_aimed_are_caught(void **state)
 {
     (void)state;
-    struct tally tally = tally_of(pretend, 20);
+    struct aim_tally tally = tally_of(pretend, 20);
     assert_true(tally.astray > 1000);
     tally = tally_of(lazy, 20);
     assert_true(tally.off > 1000);

@@ -198,15 +198,15 @@ static const struct work_rules rules = {
     .seed = 11, .gen = {.triangles_least = 8, .triangles_most = 30, .rays = 40}};
 
 /* Trials by pairs of factors, of engines by each. */
-struct tally {
+struct coverage_tally {
     uint64_t engine[ARRAY_COUNT(engine_names)][MEET_FACTORS];
     uint64_t still, moved; /* by layouts */
 };
 
-static struct tally tally_of(const struct pair_coverage *m)
+static struct coverage_tally tally_of(const struct pair_coverage *m)
 {
     char path[] = "/tmp/pair_coverage.XXXXXX", first[PAIR_NAME_MOST], second[PAIR_NAME_MOST];
-    struct tally tally = {.still = 0};
+    struct coverage_tally tally = {.still = 0};
     unsigned long long count;
     int made = mkstemp(path);
     assert_true(made >= 0);
@@ -233,7 +233,7 @@ static struct tally tally_of(const struct pair_coverage *m)
  * is in no pair of motion. */
 static void tally_is_of_what_was_played(void *user, const struct campaign_view *view)
 {
-    const struct tally tally = tally_of(view->options->pair_coverage);
+    const struct coverage_tally tally = tally_of(view->options->pair_coverage);
     uint64_t on_trees = 0, refused = 0;
     for (size_t e = 0; e < ARRAY_COUNT(engine_names); e++) {
         const struct engine *engine = engine_find(engine_names[e]);

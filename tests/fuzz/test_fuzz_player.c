@@ -112,8 +112,8 @@ static void many_at_once_have_the_verdicts_of_matches(void **state)
 
 /* --- engines made to be wrong --- */
 
-enum plan { PLAN_MISS, PLAN_BITS, PLAN_UNFINISHED, PLAN_DEAD, PLAN_REFUSES, PLAN_NONSENSE };
-static enum plan plan;
+enum player_plan { PLAN_MISS, PLAN_BITS, PLAN_UNFINISHED, PLAN_DEAD, PLAN_REFUSES, PLAN_NONSENSE };
+static enum player_plan plan;
 static bool dead;
 static struct job planned;
 static size_t opened;
@@ -188,7 +188,7 @@ static const struct engine planned_engine = {.name = "planned",
                                              .close = planned_close};
 
 /* Plays three trials, the second of which has the ray at which it happens; returns its result. */
-static struct fuzz_result play_planned(enum plan what, struct fuzz_finding *explained)
+static struct fuzz_result play_planned(enum player_plan what, struct fuzz_finding *explained)
 {
     const struct engine *engine[] = {&planned_engine};
     struct fuzz_field field;
@@ -232,7 +232,7 @@ static void every_kind_of_fault_is_found(void **state)
 {
     (void)state;
     static const struct {
-        enum plan plan;
+        enum player_plan plan;
         enum fuzz_kind kind;
         size_t findings, judged, opened;
         enum cause cause;

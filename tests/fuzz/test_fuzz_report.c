@@ -63,24 +63,25 @@ static const struct report_finding found[] = {
 
 static const char *const note[] = {"list:3: excused nothing"};
 
-static struct report made_up(void)
+static struct findings_report made_up(void)
 {
-    return (struct report){.seed = UINT64_MAX,
-                           .trials = 100,
-                           .judged = 50000,
-                           .seconds = 2.5,
-                           .harness_share = 0.125,
-                           .contestant = who,
-                           .contestants = ARRAY_COUNT(who),
-                           .finding = found,
-                           .findings = ARRAY_COUNT(found),
-                           .note = note,
-                           .notes = ARRAY_COUNT(note)};
+    return (struct findings_report){.seed = UINT64_MAX,
+                                    .trials = 100,
+                                    .judged = 50000,
+                                    .seconds = 2.5,
+                                    .harness_share = 0.125,
+                                    .contestant = who,
+                                    .contestants = ARRAY_COUNT(who),
+                                    .finding = found,
+                                    .findings = ARRAY_COUNT(found),
+                                    .note = note,
+                                    .notes = ARRAY_COUNT(note)};
 }
 
-typedef enum status writer(const struct report *report, const char *to, struct reason *why);
+typedef enum status writer(const struct findings_report *report, const char *to,
+                           struct reason *why);
 
-static char *written(writer *write, const struct report *report, const char *name)
+static char *written(writer *write, const struct findings_report *report, const char *name)
 {
     char *text = NULL;
     size_t size = 0;
@@ -190,7 +191,7 @@ static bool xml_next(struct xml *xml, char name[24], const char *wanted, char *v
 static void junit_is_read_back(void **state)
 {
     (void)state;
-    const struct report report = made_up();
+    const struct findings_report report = made_up();
     char *file = written(report_junit, &report, "junit.xml"), name[24], value[4096], text[4096];
     char last[4096] = "";
     size_t cases = 0, failures = 0, skipped = 0;
@@ -234,7 +235,7 @@ static void junit_is_read_back(void **state)
 static void tap_is_read_back(void **state)
 {
     (void)state;
-    struct report report = made_up();
+    struct findings_report report = made_up();
     char *file = written(report_tap, &report, "a.tap");
     assert_int_equal(strncmp(file, "TAP version 13\n1..8\nok 1 - trials\n", 33), 0);
     static const char *const lines[] = {
@@ -281,7 +282,7 @@ static const char *text_of(const json_t *object, const char *name)
 static void json_lines_are_read_back(void **state)
 {
     (void)state;
-    const struct report report = made_up();
+    const struct findings_report report = made_up();
     char *file = written(report_jsonl, &report, "a.jsonl");
     json_t *one = line_of(file, "campaign", 0);
     assert_string_equal(text_of(one, "seed"), "18446744073709551615");
@@ -315,7 +316,7 @@ static void json_lines_are_read_back(void **state)
 static void what_was_tested_is_told(void **state)
 {
     (void)state;
-    struct report report = {.trials = 5, .contestant = who, .contestants = 1};
+    struct findings_report report = {.trials = 5, .contestant = who, .contestants = 1};
     assert_int_equal(report_failures(&report), 0);
     char *file = written(report_tap, &report, "c.tap");
     assert_string_equal(file, "TAP version 13\n1..2\nok 1 - trials\n"
@@ -338,7 +339,7 @@ static void files_that_cannot_be_written_are_told(void **state)
 {
     static writer *const write[] = {report_junit, report_tap, report_jsonl};
     (void)state;
-    const struct report report = made_up();
+    const struct findings_report report = made_up();
     for (size_t i = 0; i < ARRAY_COUNT(write); i++) {
         assert_int_equal(write[i](&report, root, &reason), STATUS_INPUT);
         assert_non_null(strstr(reason.text, "is a directory"));

@@ -17,12 +17,12 @@
 #define SEED 5u
 #define MOST 3072u /* trials in which all must have been seen */
 
-struct known {
+struct seed_known {
     const char *fault, *signature;
 };
 
 /* README, "The seed's faults", is this table. */
-static const struct known required[] = {
+static const struct seed_known required[] = {
     {"F2", "cpu.rtrs_rf.missed.index_shifted"},
     {"F3", "cpu.rtrs_direct.missed.wrong_item"},
     {"F5", "cpu.rtrs_rf.missed.cut_box"},
@@ -43,7 +43,7 @@ static const struct known required[] = {
  * of the direct layout, and with hardly any triangles nothing tells a shift from an empty slot. F3
  * where the tree keeps the order: only the shift is left; where the tree is split it has more slots
  * than the seed has triangles. F10 needs 65537 triangles. */
-static const struct known other[] = {
+static const struct seed_known other[] = {
     {"F2", "cpu.rtrs_rf.tree.index_shifted"},        {"F2", "cpu.rtrs_rf.tree.sentinel"},
     {"F2", "cpu.rtrs_rf.missed.sentinel"},           {"F2", "cpu.rtrs_direct.tree.sentinel"},
     {"F2", "cpu.rtrs_direct.missed.sentinel"},       {"F2", "cpu.rtrs_direct.tree.index_shifted"},
@@ -52,7 +52,7 @@ static const struct known other[] = {
     {"F15", "cpu.rtrs_direct.missed.parallel_axis"}, {"F3", "cpu.rtrs_direct.missed.slot_not_read"},
 };
 
-static size_t find(const struct known *known, size_t count, const char *signature)
+static size_t find(const struct seed_known *known, size_t count, const char *signature)
 {
     size_t i = 0;
     while (i < count && strcmp(known[i].signature, signature) != 0)
@@ -60,7 +60,7 @@ static size_t find(const struct known *known, size_t count, const char *signatur
     return i;
 }
 
-struct campaign {
+struct seed_campaign {
     struct fuzz_player *player;
     struct gen_options options;
     struct fuzz_trial trial[FUZZ_BATCH];
@@ -69,14 +69,14 @@ struct campaign {
     size_t left, findings;
 };
 
-static void campaign_open(struct campaign *c, const char *a, const char *b, bool faithful)
+static void campaign_open(struct seed_campaign *c, const char *a, const char *b, bool faithful)
 {
     const struct engine *engine = engine_find("cpu");
     const struct layout *layout[] = {layout_find(a), layout_find(b)};
     const struct engine_options options = {.threads = 1};
     struct fuzz_field field;
     struct reason reason;
-    *c = (struct campaign){
+    *c = (struct seed_campaign){
         .options = {.triangles_least = 16, .triangles_most = 64, .rays = 500, .faithful = faithful},
         .left = ARRAY_COUNT(required)};
     if (fuzz_field_make(&engine, 1, layout, 2, &options, &field, &reason) ||
@@ -84,7 +84,8 @@ static void campaign_open(struct campaign *c, const char *a, const char *b, bool
         fail_msg("%s", reason.text);
 }
 
-static void take(struct campaign *c, const struct fuzz_trial *trial, struct fuzz_finding *finding)
+static void take(struct seed_campaign *c, const struct fuzz_trial *trial,
+                 struct fuzz_finding *finding)
 {
     struct reason reason;
     char signature[FUZZ_SIGNATURE_MOST];
@@ -102,7 +103,7 @@ static void take(struct campaign *c, const struct fuzz_trial *trial, struct fuzz
     }
 }
 
-static void play(struct campaign *c, uint64_t first)
+static void play(struct seed_campaign *c, uint64_t first)
 {
     struct reason reason;
     for (size_t i = 0; i < FUZZ_BATCH; i++)
@@ -117,12 +118,12 @@ static void play(struct campaign *c, uint64_t first)
     }
 }
 
-static struct campaign campaign;
+static struct seed_campaign campaign;
 
 static void each_fault_is_a_signature_with_its_cause(void **state)
 {
     (void)state;
-    struct campaign *c = &campaign;
+    struct seed_campaign *c = &campaign;
     campaign_open(c, "rtrs_rf", "rtrs_direct", true);
     for (uint64_t first = 0; first < MOST && c->left > 0; first += FUZZ_BATCH)
         play(c, first);
@@ -138,7 +139,7 @@ static void each_fault_is_a_signature_with_its_cause(void **state)
 static void repaired_ones_have_none(void **state)
 {
     (void)state;
-    struct campaign *c = &campaign;
+    struct seed_campaign *c = &campaign;
     campaign_open(c, "f32", "rf16", false);
     for (uint64_t first = 0; first < 128; first += FUZZ_BATCH)
         play(c, first);
@@ -150,7 +151,7 @@ static void repaired_ones_have_none(void **state)
 static void an_end_is_a_finding_only_of_the_layout_that_has_it(void **state)
 {
     (void)state;
-    struct campaign *c = &campaign;
+    struct seed_campaign *c = &campaign;
     size_t refused = 0;
     campaign_open(c, "rf16", "rtrs_rf_paper", true);
     struct reason reason;

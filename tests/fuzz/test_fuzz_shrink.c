@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* A question, and what was asked. */
-struct question {
+struct shrink_question {
     bool (*holds)(const struct fuzz_trial *trial);
     size_t calls, candidates;
     size_t fails_after;           /* calls; 0: never */
@@ -22,7 +22,7 @@ struct question {
 static enum status answer(void *user, const struct fuzz_trial *candidate, size_t count,
                           size_t *first, struct reason *reason)
 {
-    struct question *question = user;
+    struct shrink_question *question = user;
     question->calls++;
     assert_true(count >= 1 && count <= SHRINK_BATCH);
     if (question->calls == question->fails_after)
@@ -57,7 +57,7 @@ static struct fuzz_trial shrink(const struct fuzz_trial *from,
                                 bool (*holds)(const struct fuzz_trial *), uint64_t asks,
                                 struct shrink_stats *stats)
 {
-    struct question question = {.holds = holds};
+    struct shrink_question question = {.holds = holds};
     const struct shrink_options options = {.asks = asks};
     struct fuzz_trial out;
     struct reason reason;
@@ -199,7 +199,7 @@ static void time_ends_it_and_is_said(void **state)
 {
     (void)state;
     struct fuzz_trial trial = generated(3, 30, 50), out;
-    struct question question = {.holds = far_right};
+    struct shrink_question question = {.holds = far_right};
     const struct shrink_options options = {.ns = 1};
     struct shrink_stats stats;
     struct reason reason;
@@ -231,7 +231,7 @@ static void an_error_ends_it(void **state)
     struct fuzz_trial trial = generated(3, 300, 50);
     const struct shrink_options options = {0};
     for (size_t call = 1; call < 40; call += 7) {
-        struct question question = {.holds = many, .fails_after = call};
+        struct shrink_question question = {.holds = many, .fails_after = call};
         struct fuzz_trial out;
         struct shrink_stats stats;
         struct reason reason;

@@ -17,7 +17,7 @@
 #define MIB ((size_t)1 << 20)
 
 /* What the engine does with a trial of two or more triangles and a ray downwards. */
-static enum plan { PLAN_DIE, PLAN_EXIT, PLAN_HANG, PLAN_EAT, PLAN_MISS } plan;
+static enum apart_plan { PLAN_DIE, PLAN_EXIT, PLAN_HANG, PLAN_EAT, PLAN_MISS } plan;
 static bool openable = true;
 static struct job planned;
 
@@ -142,7 +142,7 @@ static struct finding_file shrink(const struct shrink_apart *how, const struct f
 static void what_kills_an_engine_is_shrunk(void **state)
 {
     (void)state;
-    static const enum plan plans[] = {PLAN_DIE, PLAN_EXIT};
+    static const enum apart_plan plans[] = {PLAN_DIE, PLAN_EXIT};
     const struct shrink_apart how = {.who = {&planned_engine, NULL}, .ms = 20000};
     for (size_t i = 0; i < ARRAY_COUNT(plans); i++) {
         struct finding_file file = file_of("crash.unexplained");
@@ -171,7 +171,7 @@ static void hanging_and_taking_all_memory_are_shrunk(void **state)
 {
     (void)state;
     static const struct {
-        enum plan plan;
+        enum apart_plan plan;
         const char *expected;
         uint32_t ms;
         uint64_t memory;

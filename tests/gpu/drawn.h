@@ -14,13 +14,13 @@ static const struct look repaired = {PROFILE_REPAIRED, 4, 0.125f, 0.5f};
 static const struct look rtrs = {PROFILE_RTRS, 4, 0.1f, 0};
 
 /* A device and what draws on it. */
-struct stand {
+struct drawn_stand {
     struct vk *vk;
     struct framer *framer;
 };
 
 /* False, with the reason printed, where `driver` is not. */
-static inline bool stand_open(const char *driver, bool brute, struct stand *out)
+static inline bool stand_open(const char *driver, bool brute, struct drawn_stand *out)
 {
     struct vk_options options = gpu_options();
     struct reason reason = {""};
@@ -36,15 +36,15 @@ static inline bool stand_open(const char *driver, bool brute, struct stand *out)
     return true;
 }
 
-static inline struct stand stand_or_skip(bool brute)
+static inline struct drawn_stand stand_or_skip(bool brute)
 {
-    struct stand stand;
+    struct drawn_stand stand;
     if (!stand_open(NULL, brute, &stand))
         skip();
     return stand;
 }
 
-static inline void stand_close(struct stand *stand)
+static inline void stand_close(struct drawn_stand *stand)
 {
     framer_free(stand->framer);
     gpu_close(stand->vk);
@@ -70,7 +70,7 @@ static inline void frame_free(struct frame *frame)
     free(frame->segment);
 }
 
-static inline void draw(const struct stand *stand, struct picture *p, struct frame *out)
+static inline void draw(const struct drawn_stand *stand, struct picture *p, struct frame *out)
 {
     struct reason reason = {""};
     picture_settle(p);

@@ -128,14 +128,14 @@ static void spirv_exists_for_every_layout(void **state)
 /* --- the tool, run on modules that were broken by hand --------------------------------------- */
 
 /* A folder for its files, and the tool beside this program's folder; NULL if it is not there. */
-struct bench {
+struct spirv_bench {
     char folder[32];
     char tool[4096];
 };
 
 static int make_bench(void **state)
 {
-    struct bench *bench = calloc(1, sizeof *bench);
+    struct spirv_bench *bench = calloc(1, sizeof *bench);
     if (!bench)
         return -1;
     *state = bench;
@@ -150,21 +150,21 @@ static int make_bench(void **state)
 
 static int free_bench(void **state)
 {
-    struct bench *bench = *state;
+    struct spirv_bench *bench = *state;
     int left = rmdir(bench->folder);
     free(bench);
     return left;
 }
 
-static void path_in(const struct bench *bench, const char *file, char path[64])
+static void path_in(const struct spirv_bench *bench, const char *file, char path[64])
 {
     (void)snprintf(path, 64, "%s/%s", bench->folder, file);
 }
 
 /* Runs `spirv_tool fix` on the words under the name of a tracing shader. Returns its exit code; its
  * message, and the fixed module if `fixed` is not NULL (*count words). */
-static int run_tool(const struct bench *bench, const uint32_t *word, size_t *count, char said[512],
-                    uint32_t *fixed)
+static int run_tool(const struct spirv_bench *bench, const uint32_t *word, size_t *count,
+                    char said[512], uint32_t *fixed)
 {
     char in[64], out[64], command[4096 + 256];
     path_in(bench, "trace_broken.spv", in);
@@ -190,7 +190,7 @@ static int run_tool(const struct bench *bench, const uint32_t *word, size_t *cou
     return WEXITSTATUS(code);
 }
 
-static const struct shader *subject(const struct bench *bench)
+static const struct shader *subject(const struct spirv_bench *bench)
 {
     if (access(bench->tool, X_OK) != 0) {
         print_message("no %s beside this program: skipped\n", bench->tool);

@@ -144,7 +144,7 @@ static const struct {
 };
 
 /* Pipelines cost drivers 0.2 s each; `raydiff conform --driver` has all combinations. */
-static void compare_all(const char *driver, void *self, struct view *view)
+static void compare_all(const char *driver, void *self, struct drivers_view *view)
 {
     for (size_t m = 0; m < ARRAY_COUNT(mixes); m++) {
         view_pack(view, mixes[m].layout);
@@ -176,7 +176,7 @@ static void drivers_trace_the_bits_of_c(void **state)
         if (!self)
             continue;
         for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-            struct view view = view_make(specs[s], "vertices", 2000);
+            struct drivers_view view = view_make(specs[s], "vertices", 2000);
             compare_all(cpu_drivers[d], self, &view);
             jobs++;
             view_free(&view);
@@ -188,7 +188,7 @@ static void drivers_trace_the_bits_of_c(void **state)
 }
 
 /* Closest, any and all hits of engines `brute` and `vulkan_brute`. */
-static void compare_brute(const char *driver, void *self, void *c, struct view *view)
+static void compare_brute(const char *driver, void *self, void *c, struct drivers_view *view)
 {
     enum { CAPACITY = 3 };
     const struct engine *brute = engine_find("brute"), *vulkan = engine_find("vulkan_brute");
@@ -258,7 +258,7 @@ static void drivers_brute_force_has_the_bits_of_c(void **state)
         if (!self)
             continue;
         for (size_t s = 0; s < ARRAY_COUNT(scenes); s++) {
-            struct view view = view_make(scenes[s].spec, "mixed", scenes[s].rays);
+            struct drivers_view view = view_make(scenes[s].spec, "mixed", scenes[s].rays);
             compare_brute(cpu_drivers[d], self, c, &view);
             view_free(&view);
         }

@@ -8,7 +8,7 @@
 #define BUFFERS_MOST 16
 
 /* What a script says, read by the documented grammar, as far as it is used. */
-struct script {
+struct amber_script {
     uint32_t *shader;
     size_t shader_words;
     struct {
@@ -25,7 +25,7 @@ struct script {
     char last[200];  /* the last one of these */
 };
 
-static size_t buffer_of(const struct script *script, const char *name)
+static size_t buffer_of(const struct amber_script *script, const char *name)
 {
     size_t i = 0;
     while (i < script->buffer_count && strcmp(script->buffer[i].name, name) != 0)
@@ -36,7 +36,7 @@ static size_t buffer_of(const struct script *script, const char *name)
 
 /* Reads as Amber does: what lies before END, by strtol, byte after byte, until every character is
  * used; one that is no digit would be read for ever. */
-static const char *read_shader(struct script *script, const char *at)
+static const char *read_shader(struct amber_script *script, const char *at)
 {
     const char *end = strstr(at, "END");
     assert_non_null(end);
@@ -58,7 +58,7 @@ static const char *read_shader(struct script *script, const char *at)
     return end + 4;
 }
 
-static const char *read_buffer(struct script *script, const char *at)
+static const char *read_buffer(struct amber_script *script, const char *at)
 {
     size_t i = script->buffer_count++;
     unsigned size;
@@ -98,7 +98,7 @@ static const char *read_buffer(struct script *script, const char *at)
     }
 }
 
-static const char *read_pipeline(struct script *script, const char *at)
+static const char *read_pipeline(struct amber_script *script, const char *at)
 {
     char name[32];
     unsigned a, b;
@@ -139,7 +139,7 @@ static bool holds(const char *comparator, uint32_t a, uint32_t b)
 }
 
 /* Looks at what is in the buffers, which the caller has answered. */
-static void read_expectation(struct script *script, const char *line)
+static void read_expectation(struct amber_script *script, const char *line)
 {
     char name[32], comparator[8];
     const char *whole = line;
@@ -165,9 +165,9 @@ static void read_expectation(struct script *script, const char *line)
     }
 }
 
-static struct script read_script(const char *text, const struct hit *hit, size_t rays)
+static struct amber_script read_script(const char *text, const struct hit *hit, size_t rays)
 {
-    struct script script = {0};
+    struct amber_script script = {0};
     assert_int_equal(strncmp(text, "#!amber\n", 8), 0);
     for (const char *at = text; *at;) {
         unsigned groups;
@@ -199,20 +199,20 @@ static struct script read_script(const char *text, const struct hit *hit, size_t
     return script;
 }
 
-static void free_script(struct script *script)
+static void free_script(struct amber_script *script)
 {
     free(script->shader);
     for (size_t i = 0; i < script->buffer_count; i++)
         free(script->buffer[i].word);
 }
 
-static struct script amber_of(const struct finding_file *file, const char *engine,
-                              const char *layout, const struct hit *hit)
+static struct amber_script amber_of(const struct finding_file *file, const char *engine,
+                                    const char *layout, const struct hit *hit)
 {
     struct export_options options = options_of(EXPORT_AMBER, engine, layout);
     options.engines.driver = NO_DRIVER;
     char *text = exported(file, &options, NULL);
-    struct script script = read_script(text, hit, file->trial.ray_count);
+    struct amber_script script = read_script(text, hit, file->trial.ray_count);
     free(text);
     return script;
 }
@@ -224,7 +224,7 @@ static void a_script_has_the_bytes_of_the_engine(void **state)
     for (size_t e = 0; e < 2; e++) {
         struct finding_file file = generated_file(3 + e, 70, QUERY_CLOSEST);
         struct export_case the = make_case(&file, names[e], "f32");
-        struct script script = amber_of(&file, names[e], "f32", the.reference);
+        struct amber_script script = amber_of(&file, names[e], "f32", the.reference);
         struct export_buffer buffer[DISPATCH_BINDINGS];
         const void *data[DISPATCH_BINDINGS] = {[ABI_BIND_RAYS] = file.trial.ray,
                                                [ABI_BIND_NODES] = the.packed.word,
@@ -275,7 +275,7 @@ static void a_script_fails_while_the_bug_shows(void **state)
             struct finding_file file = corpus_file(found[i]);
             const char *layout = repaired ? "rf16" : NULL;
             struct export_case the = make_case(&file, "vulkan", layout);
-            struct script script = amber_of(&file, "vulkan", layout, the.reference);
+            struct amber_script script = amber_of(&file, "vulkan", layout, the.reference);
             assert_true(script.expected >= 2);
             assert_int_equal(script.failed == 0, repaired);
             free_script(&script);
@@ -285,7 +285,7 @@ static void a_script_fails_while_the_bug_shows(void **state)
     for (uint64_t index = 0; index < 30; index++) {
         struct finding_file file = generated_file(index, 60, index % 2 ? QUERY_ANY : QUERY_CLOSEST);
         struct export_case the = make_case(&file, "vulkan_brute", NULL);
-        struct script script = amber_of(&file, "vulkan_brute", NULL, the.reference);
+        struct amber_script script = amber_of(&file, "vulkan_brute", NULL, the.reference);
         assert_true(script.expected >= 60);
         if (script.failed)
             fail_msg("trial %u: %s", (unsigned)index, script.last);
@@ -304,7 +304,7 @@ static void a_script_of_bits_asks_for_bits(void **state)
         .layout = layout_find("f32"), .kind = FUZZ_KIND_BITS, .cause = CAUSE_SHADER};
     fuzz_signature_set_engine(&file.signature, "vulkan");
     struct export_case the = make_case(&file, NULL, NULL);
-    struct script script = amber_of(&file, NULL, NULL, the.reference);
+    struct amber_script script = amber_of(&file, NULL, NULL, the.reference);
     assert_int_equal(script.failed, 0);
     free_script(&script);
     uint32_t i = 0;

@@ -13,7 +13,7 @@ static void paths_have_the_bits_of_c(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(picture); i++)
         assert_true(picture_draw(&picture[i], "cpu", 1, true, &picture[i].frame));
     for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
-        struct stand stand;
+        struct drawn_stand stand;
         if (!stand_open(cpu_drivers[d], false, &stand))
             continue;
         for (size_t i = 0; i < ARRAY_COUNT(picture); i++) {
@@ -42,7 +42,7 @@ static void all_plans_have_the_same_bits(void **state)
     } other[] = {{FRAME_STEPS, false, "steps"},
                  {FRAME_WHOLE, true, "general"},
                  {FRAME_STEPS, true, "general steps"}};
-    struct stand stand = stand_or_skip(false);
+    struct drawn_stand stand = stand_or_skip(false);
     for (size_t i = 0; i < 2; i++) {
         const bool published = i == 1;
         /* Without lights, and without anything that mirrors or shines, code is left out. */
@@ -80,7 +80,7 @@ static void brute_force_has_the_bits_of_c(void **state)
 {
     (void)state;
     static const char *const specs[] = {"rtrs", "soup:n=20000"};
-    struct stand stand = stand_or_skip(true);
+    struct drawn_stand stand = stand_or_skip(true);
     for (size_t i = 0; i < 2; i++) {
         const uint32_t side = i ? 6 : 19;
         struct look look = i ? rtrs : repaired;
@@ -107,7 +107,7 @@ static void tiles_of_any_side_cover_the_picture(void **state)
 {
     (void)state;
     static const uint32_t tile[] = {1, 3, 8, 16, 5};
-    struct stand stand = stand_or_skip(false);
+    struct drawn_stand stand = stand_or_skip(false);
     struct picture p = picture_make("rtrs", repaired, 37, 19);
     struct frame got = frame_make(&p);
     struct reason reason = {""};
@@ -127,7 +127,7 @@ static void tiles_of_any_side_cover_the_picture(void **state)
 static void empty_jobs_are_black(void **state)
 {
     (void)state;
-    struct stand stand = stand_or_skip(false);
+    struct drawn_stand stand = stand_or_skip(false);
     for (int i = 0; i < 3; i++) { /* no tree, no segment, no light */
         struct look look = repaired;
         look.ambience = i == 2 ? 0 : 0.5f;
@@ -155,7 +155,7 @@ static void empty_jobs_are_black(void **state)
 static void as_many_lights_and_bounces_as_there_may_be(void **state)
 {
     (void)state;
-    struct stand stand = stand_or_skip(false);
+    struct drawn_stand stand = stand_or_skip(false);
     struct reason reason = {""};
     struct look look = repaired;
     look.bounces = FRAME_BOUNCES_MOST;
@@ -184,7 +184,7 @@ static void as_many_lights_and_bounces_as_there_may_be(void **state)
 static void views_need_no_new_pipelines(void **state)
 {
     (void)state;
-    struct stand stand = stand_or_skip(false);
+    struct drawn_stand stand = stand_or_skip(false);
     struct reason reason = {""};
     struct picture p = picture_make("rtrs", repaired, 20, 20);
     struct frame got = frame_make(&p);

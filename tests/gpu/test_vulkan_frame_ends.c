@@ -7,7 +7,7 @@ static void large_pictures_are_drawn_in_slabs(void **state)
 {
     (void)state;
     enum { WIDTH = 600, HEIGHT = 300 };
-    struct stand stand = stand_or_skip(false);
+    struct drawn_stand stand = stand_or_skip(false);
     struct reason reason = {""};
     struct look look = repaired;
     look.bounces = FRAME_BOUNCES_MOST;
@@ -47,7 +47,8 @@ static void large_pictures_are_drawn_in_slabs(void **state)
 
 /* --- paths that are not finished -------------------------------------------------------------- */
 
-static void broken(struct stand *stand, struct picture *p, enum frame_plan plan, const char *text)
+static void broken(struct drawn_stand *stand, struct picture *p, enum frame_plan plan,
+                   const char *text)
 {
     struct reason reason = {""};
     struct frame got = frame_make(p);
@@ -82,7 +83,7 @@ static void make_chain(struct picture *p, uint32_t depth)
 static void broken_trees_are_named(void **state)
 {
     (void)state;
-    struct stand stand = stand_or_skip(false);
+    struct drawn_stand stand = stand_or_skip(false);
     struct look look = repaired;
     look.bounces = 1;
     struct picture p = picture_make("sphere", look, 17, 17);
@@ -108,7 +109,7 @@ static void loops_that_a_driver_ends_lead_to_steps(void **state)
 {
     (void)state;
     enum { SHEETS = 3000 };
-    struct stand stand = stand_or_skip(false);
+    struct drawn_stand stand = stand_or_skip(false);
     float(*corner)[3] = calloc(3 * SHEETS, sizeof *corner);
     struct material *material = calloc(SHEETS, sizeof *material);
     assert_true(corner && material);

@@ -53,7 +53,7 @@ static void rayquery_names_every_triangle(void **state)
     void *self = open_any();
     if (!self)
         skip();
-    struct view view = view_make("grid:height=0", "random", 1);
+    struct drivers_view view = view_make("grid:height=0", "random", 1);
     const uint32_t count = view.scene.tri_count;
     struct ray *ray = calloc(count, sizeof *ray);
     struct hit *hit = calloc(count, sizeof *hit);
@@ -214,7 +214,7 @@ static void rayquery_agrees_with_c_away_from_edges(void **state)
     void *self = open_any();
     if (!self)
         skip();
-    struct view view = view_make("terrain:k=7", "primary", 4000);
+    struct drivers_view view = view_make("terrain:k=7", "primary", 4000);
     const struct job job = {.scene = &view.scene,
                             .packed = NULL,
                             .box = box_tests[0],

@@ -8,7 +8,7 @@
 
 #define RAYS 256u
 
-struct stage {
+struct stores_stage {
     struct scene scene;
     struct bvh bvh;
     struct ray ray[RAYS];
@@ -16,7 +16,7 @@ struct stage {
     uint32_t flag[RAYS];
 };
 
-static void stage_make(const char *spec, uint32_t bits, struct stage *s)
+static void stage_make(const char *spec, uint32_t bits, struct stores_stage *s)
 {
     struct reason reason = {""};
     struct build_options options = {.leaf = 4, .eps = BUILD_EPS_DEFAULT};
@@ -33,13 +33,13 @@ static void stage_make(const char *spec, uint32_t bits, struct stage *s)
     gpu_must(ray_sets[0]->make(&s->scene, 3, RAYS, s->ray, &reason), &reason);
 }
 
-static void stage_free(struct stage *s)
+static void stage_free(struct stores_stage *s)
 {
     bvh_free(&s->bvh);
     scene_free(&s->scene);
 }
 
-static void assert_answers(struct stage *s, struct tracer *tracer, const struct job *job)
+static void assert_answers(struct stores_stage *s, struct tracer *tracer, const struct job *job)
 {
     struct trace_report report;
     struct reason reason = {""};
@@ -65,7 +65,7 @@ static void every_storage_has_the_bits_of_c(void **state)
     static const uint32_t bits[] = {0, 16, 21};
     const struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
-    static struct stage s;
+    static struct stores_stage s;
     for (size_t w = 0; w < 3; w++) {
         stage_make(specs[w], bits[w], &s);
         for (size_t i = 0; tri_stores[i]; i++) {
@@ -106,7 +106,7 @@ static void hostile_words_are_answered_as_in_c(void **state)
     const struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
     struct rng rng = rng_make(4, 1);
-    static struct stage s;
+    static struct stores_stage s;
     stage_make("soup:n=150", QUANTISE_BITS_MOST, &s);
     for (size_t i = 0; tri_stores[i]; i++) {
         struct packed packed;

@@ -12,7 +12,7 @@
 #define RAYS 3000
 
 /* A scene, its tree in one layout, rays, and C's answers. */
-struct fixture {
+struct gpu_case {
     struct scene scene;
     struct bvh bvh;
     struct packed packed;
@@ -34,9 +34,9 @@ static struct scene soup(double count)
     return scene;
 }
 
-static struct fixture pack(struct scene scene, struct bvh bvh, const char *layout, size_t rays)
+static struct gpu_case pack(struct scene scene, struct bvh bvh, const char *layout, size_t rays)
 {
-    struct fixture f = {.scene = scene, .bvh = bvh, .ray_count = rays};
+    struct gpu_case f = {.scene = scene, .bvh = bvh, .ray_count = rays};
     struct reason reason = {""};
     gpu_must(packed_make(layout_find(layout), &f.bvh, &f.scene, &f.packed, &reason), &reason);
     f.ray = calloc(rays + 1, sizeof *f.ray);
@@ -48,7 +48,7 @@ static struct fixture pack(struct scene scene, struct bvh bvh, const char *layou
     return f;
 }
 
-static struct fixture fixture(const char *layout, uint32_t leaf, size_t rays)
+static struct gpu_case fixture(const char *layout, uint32_t leaf, size_t rays)
 {
     struct scene scene = soup(300);
     struct bvh bvh;
@@ -58,7 +58,7 @@ static struct fixture fixture(const char *layout, uint32_t leaf, size_t rays)
     return pack(scene, bvh, layout, rays);
 }
 
-static void release(struct fixture *f)
+static void release(struct gpu_case *f)
 {
     packed_free(&f->packed);
     bvh_free(&f->bvh);
@@ -68,7 +68,7 @@ static void release(struct fixture *f)
     free(f->got);
 }
 
-static struct job job_of(const struct fixture *f, const char *box, const char *tri,
+static struct job job_of(const struct gpu_case *f, const char *box, const char *tri,
                          enum query query)
 {
     return (struct job){.scene = &f->scene,
@@ -78,7 +78,7 @@ static struct job job_of(const struct fixture *f, const char *box, const char *t
                         .query = query};
 }
 
-static void expect(struct fixture *f, const struct job *job)
+static void expect(struct gpu_case *f, const struct job *job)
 {
     for (size_t i = 0; i < f->ray_count; i++)
         assert_int_equal(trace_ray(&f->packed, &f->scene, job->box, job->tri, job->query,
@@ -87,7 +87,7 @@ static void expect(struct fixture *f, const struct job *job)
 }
 
 /* Traces all rays; the bits must be C's, and what lies behind the last hit untouched. */
-static size_t must_agree(struct tracer *tracer, struct fixture *f, const struct job *job)
+static size_t must_agree(struct tracer *tracer, struct gpu_case *f, const struct job *job)
 {
     struct reason reason = {""};
     struct trace_report report;
@@ -127,7 +127,7 @@ static void trace_agrees_with_c_in_every_layout(void **state)
     struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
     for (size_t l = 0; layouts[l]; l++) {
-        struct fixture f = fixture(layouts[l]->name, 4, RAYS);
+        struct gpu_case f = fixture(layouts[l]->name, 4, RAYS);
         size_t least = layouts[l]->faithful ? 10 : RAYS / 20; /* the seed's lose most */
         for (size_t m = 0; m < ARRAY_COUNT(mixes); m++) {
             struct job job = job_of(&f, mixes[m].box, mixes[m].tri, mixes[m].query);
@@ -143,7 +143,7 @@ static void trace_agrees_with_c_on_full_leaves(void **state)
     (void)state;
     struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
-    struct fixture f = fixture("rf16", 8, RAYS);
+    struct gpu_case f = fixture("rf16", 8, RAYS);
     struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
     assert_true(must_agree(tracer, &f, &job) > RAYS / 20);
     release(&f);
@@ -156,7 +156,7 @@ static void trace_agrees_with_c_on_parallel_axes(void **state)
     (void)state;
     struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
-    struct fixture f = fixture("f32", 4, RAYS);
+    struct gpu_case f = fixture("f32", 4, RAYS);
     static const float component[] = {0.0f, -0.0f, 1.0f, -1.0f, 0x1p-61f, 0x1p-59f, -0x1p-60f};
     const size_t kinds = ARRAY_COUNT(component);
     for (size_t i = 0; i < f.ray_count; i++) {
@@ -186,7 +186,7 @@ static void trace_ends_on_random_bits(void **state)
     bool ieee = gpu_is_lavapipe(vk);
     gpu_close(vk);
     struct tracer *tracer = gpu_tracer(&options, 0);
-    struct fixture f = fixture("f32", 4, RAYS);
+    struct gpu_case f = fixture("f32", 4, RAYS);
     uint32_t word = 1;
     for (size_t i = 0; i < f.ray_count; i++)
         for (int k = 0; k < 8; k++) {
@@ -215,7 +215,7 @@ static void trace_answers_any_number_of_rays(void **state)
     static const uint32_t workgroups[] = {0, 1, 100};
     for (size_t w = 0; w < ARRAY_COUNT(workgroups); w++) {
         struct tracer *tracer = gpu_tracer(&options, workgroups[w]);
-        struct fixture f = fixture("rf16", 4, 20000);
+        struct gpu_case f = fixture("rf16", 4, 20000);
         struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
         for (size_t i = 0; i < ARRAY_COUNT(counts); i++) {
             f.ray_count = counts[i];
@@ -233,7 +233,7 @@ static void trace_through_staging_agrees(void **state)
     struct vk_options options = gpu_options();
     options.staging = true;
     struct tracer *tracer = gpu_tracer(&options, 0);
-    struct fixture f = fixture("f32", 4, RAYS);
+    struct gpu_case f = fixture("f32", 4, RAYS);
     struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
     assert_true(must_agree(tracer, &f, &job) > RAYS / 20);
     release(&f);
@@ -248,7 +248,7 @@ static void trace_under_validation_says_nothing(void **state)
     for (int staging = 0; staging < 2; staging++) {
         options.staging = staging;
         struct tracer *tracer = gpu_tracer(&options, 0);
-        struct fixture f = fixture("rf16", 4, 200);
+        struct gpu_case f = fixture("rf16", 4, 200);
         struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
         (void)must_agree(tracer, &f, &job);
         release(&f);
@@ -263,7 +263,7 @@ static void trace_of_an_empty_scene_misses(void **state)
     struct tracer *tracer = gpu_tracer(&options, 0);
     struct scene scene;
     assert_int_equal(scene_make(0, 0, &scene), STATUS_OK);
-    struct fixture f = pack(scene, (struct bvh){0}, "f32", 1);
+    struct gpu_case f = pack(scene, (struct bvh){0}, "f32", 1);
     f.ray[0] = (struct ray){{0, 0, 0}, 0, {1, 0, 0}, 1};
     struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
     assert_int_equal(must_agree(tracer, &f, &job), 0);
@@ -288,11 +288,11 @@ static void trace_without_prepare_fails(void **state)
 }
 
 /* Copies of one triangle in a chain of `depth` inner nodes, all of whose boxes every ray hits. */
-static struct fixture chain(const char *layout, uint32_t depth)
+static struct gpu_case chain(const char *layout, uint32_t depth)
 {
     static const float v[3][3] = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
     struct scene scene = trees_copies(depth + 1, v);
-    struct fixture f = pack(scene, trees_make(&scene, 1, TREES_LEFT), layout, 70);
+    struct gpu_case f = pack(scene, trees_make(&scene, 1, TREES_LEFT), layout, 70);
     for (size_t i = 0; i < f.ray_count; i++)
         f.ray[i] = (struct ray){{0.001f * (float)i, 0, -1}, 0, {0, 0, 1}, 10};
     return f;
@@ -306,7 +306,7 @@ static void trace_takes_the_smallest_stack_that_is_enough(void **state)
     struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
     for (size_t i = 0; i < ARRAY_COUNT(depths); i++) {
-        struct fixture f = chain("f32", depths[i]);
+        struct gpu_case f = chain("f32", depths[i]);
         struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
         assert_int_equal(f.packed.stack_need, depths[i]);
         assert_int_equal(must_agree(tracer, &f, &job), f.ray_count);
@@ -317,7 +317,7 @@ static void trace_takes_the_smallest_stack_that_is_enough(void **state)
 }
 
 /* Traces and expects STATUS_DEVICE with `text`. */
-static void must_fail(struct tracer *tracer, const struct fixture *f, const struct job *job,
+static void must_fail(struct tracer *tracer, const struct gpu_case *f, const struct job *job,
                       const char *text)
 {
     struct reason reason = {""};
@@ -334,7 +334,7 @@ static void trace_fails_when_the_stack_overruns(void **state)
     (void)state;
     struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
-    struct fixture f = chain("f32", 17);
+    struct gpu_case f = chain("f32", 17);
     struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
     f.packed.stack_need = 16; /* a lie */
     must_fail(tracer, &f, &job, "stack overran");
@@ -347,7 +347,7 @@ static void trace_fails_on_a_cycle(void **state)
     (void)state;
     struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
-    struct fixture f = chain("rf16", 8);
+    struct gpu_case f = chain("rf16", 8);
     struct job job = job_of(&f, "rtrs", "mt", QUERY_CLOSEST); /* it prunes nothing */
     for (size_t i = 0; i < f.ray_count; i++)
         f.ray[i].dir[0] = 0.001f;
@@ -364,7 +364,7 @@ static void trace_drops_references_out_of_range(void **state)
     (void)state;
     struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
-    struct fixture f = fixture("f32", 4, RAYS);
+    struct gpu_case f = fixture("f32", 4, RAYS);
     struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
     for (uint32_t i = 0; i < f.packed.node_count; i += 5)
         if (f.packed.word[8 * i + 7] == 0)
@@ -391,7 +391,7 @@ static void trace_notices_a_loop_cut_short(void **state)
     struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
     struct scene scene = trees_grid(40000);
-    struct fixture f = pack(scene, trees_make(&scene, 1, TREES_BALANCED), "f32", 3);
+    struct gpu_case f = pack(scene, trees_make(&scene, 1, TREES_BALANCED), "f32", 3);
     struct job job = job_of(&f, "rtrs", "mt", QUERY_CLOSEST);
     struct reason reason = {""};
     struct trace_report report;
@@ -415,7 +415,7 @@ static void trace_refuses_what_is_too_deep(void **state)
     (void)state;
     struct vk_options options = gpu_options();
     struct tracer *tracer = gpu_tracer(&options, 0);
-    struct fixture f = chain("f32", 8);
+    struct gpu_case f = chain("f32", 8);
     struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
     struct reason reason = {""};
     f.packed.stack_need = ABI_STACK_MAX + 1;

@@ -38,7 +38,7 @@ static enum status explain_rays(struct judged *judged, const struct hard_part *p
 }
 
 /* A tree must hit something where the same triangle test on every triangle does. */
-struct brute {
+struct causes_brute {
     const struct scene *scene;
     const struct tri_test *tri;
 };
@@ -46,7 +46,7 @@ struct brute {
 static void brute_opinion(const void *user, const struct ray *ray, const struct hit *answer,
                           struct opinion *out)
 {
-    const struct brute *brute = user;
+    const struct causes_brute *brute = user;
     struct hit hit;
     trace_brute(brute->scene, brute->tri, QUERY_CLOSEST, ray, &hit);
     bool lost = hit.prim != ABI_NO_PRIM && answer->prim == ABI_NO_PRIM;
@@ -66,7 +66,7 @@ static enum status explain_culled(struct judged_job *from, const struct judged *
                                   struct reason *reason)
 {
     const struct job *job = from->job;
-    struct brute brute = {job->scene, job->tri};
+    struct causes_brute brute = {job->scene, job->tri};
     struct explain_case the = {
         .replay = {.scene = job->scene,
                    .tree = &judged->tree,

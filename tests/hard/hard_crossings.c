@@ -9,13 +9,13 @@
 #define CLEAR 0x1p-10
 
 /* What is exact about one ray. */
-struct exact {
+struct crossings_exact {
     struct oracle_crossing *list;
     size_t capacity, count;
     bool clear; /* all crossings are inside their triangles, by CLEAR */
 };
 
-static enum status exact_of(const struct hard_play *play, size_t i, struct exact *out)
+static enum status exact_of(const struct hard_play *play, size_t i, struct crossings_exact *out)
 {
     enum status status =
         oracle_crossings(play->cache->oracle, &play->part->ray[i], (double)play->part->ray[i].tmax,
@@ -26,7 +26,8 @@ static enum status exact_of(const struct hard_play *play, size_t i, struct exact
     return status;
 }
 
-static bool listed(const struct exact *exact, const struct hit *hit, size_t count, size_t *twice)
+static bool listed(const struct crossings_exact *exact, const struct hit *hit, size_t count,
+                   size_t *twice)
 {
     for (size_t k = 0; k < exact->count; k++) {
         size_t times = 0;
@@ -39,7 +40,7 @@ static bool listed(const struct exact *exact, const struct hit *hit, size_t coun
     return true;
 }
 
-static enum status check_ray(struct hard_play *play, size_t i, struct exact *exact,
+static enum status check_ray(struct hard_play *play, size_t i, struct crossings_exact *exact,
                              const struct hit *hit, size_t count)
 {
     size_t twice = 0;
@@ -59,7 +60,7 @@ enum status play_crossings(struct hard_play *play)
 {
     const struct hard_part *part = play->part;
     struct all_hits all = {.once = play->job.packed && play->job.packed->split};
-    struct exact exact = {0};
+    struct crossings_exact exact = {0};
     enum status status = STATUS_OK;
     for (size_t done = 0; done < part->ray_count && status == STATUS_OK; done += all.done) {
         status = all_hits_next(play->member->engine, play->self, part->ray + done,

@@ -102,7 +102,7 @@ const struct layout layout_rtrs_rf_unshifted = {
 /* --- engines ---------------------------------------------------------------------------------- */
 
 /* One walk; the two engines differ in what they do in it. */
-struct walk {
+struct made_walk {
     const struct job *job;
     struct tri_ray tri;
     struct slab_ray slab;
@@ -113,7 +113,7 @@ struct walk {
     struct trace_counts *counts;
 };
 
-static void walk_leaf(struct walk *w, const struct wide *leaf)
+static void walk_leaf(struct made_walk *w, const struct wide *leaf)
 {
     const struct packed *packed = w->job->packed;
     float before = w->t;
@@ -135,7 +135,7 @@ static void walk_leaf(struct walk *w, const struct wide *leaf)
 }
 
 /* Children in the order of their entries. As deep as the tree, at most ABI_STACK_MAX. */
-static void walk_node(struct walk *w, uint32_t ref)
+static void walk_node(struct made_walk *w, uint32_t ref)
 {
     struct wide node;
     float entry[2] = {0, 0};
@@ -156,7 +156,7 @@ static void walk_node(struct walk *w, uint32_t ref)
         walk_node(w, node.child[1 - first]);
 }
 
-static void walk_root(struct walk *w)
+static void walk_root(struct made_walk *w)
 {
     const struct packed *packed = w->job->packed;
     if (packed->node_count == 0)
@@ -169,23 +169,23 @@ static void walk_root(struct walk *w)
         walk_node(w, packed->root);
 }
 
-static struct walk walk_make(const struct job *job, const struct ray *ray, struct hit *hit,
-                             struct trace_counts *counts)
+static struct made_walk walk_make(const struct job *job, const struct ray *ray, struct hit *hit,
+                                  struct trace_counts *counts)
 {
     *hit = (struct hit){.prim = ABI_NO_PRIM};
-    return (struct walk){.job = job,
-                         .tri = tri_ray_make(ray),
-                         .slab = slab_ray_make(ray),
-                         .rule = slab_rule_of(job->box->id),
-                         .best = hit,
-                         .t = ray->tmax,
-                         .counts = counts};
+    return (struct made_walk){.job = job,
+                              .tri = tri_ray_make(ray),
+                              .slab = slab_ray_make(ray),
+                              .rule = slab_rule_of(job->box->id),
+                              .best = hit,
+                              .t = ray->tmax,
+                              .counts = counts};
 }
 
 static enum status ray_last_wins(const struct job *job, const struct ray *ray, struct hit *hit,
                                  struct trace_counts *counts)
 {
-    struct walk w = walk_make(job, ray, hit, counts);
+    struct made_walk w = walk_make(job, ray, hit, counts);
     w.last_wins = true;
     walk_root(&w);
     return STATUS_OK;
@@ -194,7 +194,7 @@ static enum status ray_last_wins(const struct job *job, const struct ray *ray, s
 static enum status ray_padded_4u(const struct job *job, const struct ray *ray, struct hit *hit,
                                  struct trace_counts *counts)
 {
-    struct walk w = walk_make(job, ray, hit, counts);
+    struct made_walk w = walk_make(job, ray, hit, counts);
     w.rule = slab_rule_of(ABI_BOX_ROBUST);
     w.rule.plain = false;
     w.rule.far = 1.00000024f;

@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *outcome_name(enum outcome outcome)
+const char *outcome_name(enum matrix_outcome outcome)
 {
     static const char *const names[OUTCOME_COUNT] = {"skipped", "refused", "passed",
                                                      "known",   "waived",  "failed"};
     return (size_t)outcome < OUTCOME_COUNT ? names[outcome] : "unknown";
 }
 
-const char *outcome_meaning(enum outcome outcome)
+const char *outcome_meaning(enum matrix_outcome outcome)
 {
     static const char *const meanings[OUTCOME_COUNT] = {
         "skipped: the engine cannot run here",
@@ -41,7 +41,8 @@ static bool is_engine(const struct engine *engine)
     return false;
 }
 
-static struct matrix_column column_made_of(const struct matrix *matrix, const struct hard_member *m)
+static struct matrix_column column_made_of(const struct hard_matrix *matrix,
+                                           const struct hard_member *m)
 {
     struct matrix_column c = {.engine = m->engine, .layout = m->layout};
     c.published = hard_member_published(m) > 0;
@@ -55,7 +56,8 @@ static struct matrix_column column_made_of(const struct matrix *matrix, const st
     return c;
 }
 
-static enum status column_of(struct matrix *matrix, const struct hard_member *m, size_t *column)
+static enum status column_of(struct hard_matrix *matrix, const struct hard_member *m,
+                             size_t *column)
 {
     const struct matrix_column c = column_made_of(matrix, m);
     for (*column = 0; *column < matrix->column_count; ++*column) {
@@ -74,7 +76,7 @@ static enum status column_of(struct matrix *matrix, const struct hard_member *m,
     return status;
 }
 
-static enum status row_of(struct matrix *matrix, const struct hard_case *one, size_t *row)
+static enum status row_of(struct hard_matrix *matrix, const struct hard_case *one, size_t *row)
 {
     for (*row = 0; *row < matrix->row_count; ++*row)
         if (matrix->row[*row] == one)
@@ -107,8 +109,9 @@ static char *copy(const char *text)
     return out ? strcpy(out, text) : NULL;
 }
 
-static enum status note(struct matrix *matrix, const struct hard_case *one,
-                        const struct hard_member *member, enum outcome outcome, const char *why)
+static enum status note(struct hard_matrix *matrix, const struct hard_case *one,
+                        const struct hard_member *member, enum matrix_outcome outcome,
+                        const char *why)
 {
     for (size_t i = 0; i < matrix->note_count && outcome != OUTCOME_FAILED; i++)
         if (matrix->note[i].outcome == outcome && strcmp(matrix->note[i].why, why) == 0) {
@@ -128,8 +131,8 @@ static enum status note(struct matrix *matrix, const struct hard_case *one,
     return made.name && made.why ? STATUS_OK : STATUS_MEMORY;
 }
 
-enum status matrix_add(struct matrix *matrix, const struct hard_case *one,
-                       const struct hard_member *member, enum outcome outcome, size_t rays,
+enum status matrix_add(struct hard_matrix *matrix, const struct hard_case *one,
+                       const struct hard_member *member, enum matrix_outcome outcome, size_t rays,
                        const char *why, struct reason *reason)
 {
     size_t row, column;
@@ -149,7 +152,7 @@ enum status matrix_add(struct matrix *matrix, const struct hard_case *one,
     return STATUS_OK;
 }
 
-void matrix_free(struct matrix *matrix)
+void matrix_free(struct hard_matrix *matrix)
 {
     for (size_t i = 0; i < matrix->note_count; i++) {
         free(matrix->note[i].name);
@@ -160,21 +163,21 @@ void matrix_free(struct matrix *matrix)
     free(matrix->note);
     free(matrix->row);
     free(matrix->column);
-    *matrix = (struct matrix){0};
+    *matrix = (struct hard_matrix){0};
 }
 
-const struct matrix_cell *matrix_at(const struct matrix *matrix, size_t row, size_t column)
+const struct matrix_cell *matrix_at(const struct hard_matrix *matrix, size_t row, size_t column)
 {
     static const struct matrix_cell none = {.count = {0}};
     const struct matrix_column *c = &matrix->column[column];
     return row < c->cell_room ? &c->cell[row] : &none;
 }
 
-enum outcome matrix_worst(const struct matrix_cell *cell)
+enum matrix_outcome matrix_worst(const struct matrix_cell *cell)
 {
     for (int o = OUTCOME_COUNT - 1; o >= 0; o--)
         if (cell->count[o] > 0)
-            return (enum outcome)o;
+            return (enum matrix_outcome)o;
     return OUTCOME_COUNT;
 }
 
@@ -186,13 +189,13 @@ const char *matrix_table_title(size_t table)
     return titles[table];
 }
 
-bool matrix_in_table(const struct matrix *matrix, size_t column, size_t table)
+bool matrix_in_table(const struct hard_matrix *matrix, size_t column, size_t table)
 {
     const struct matrix_column *c = &matrix->column[column];
     return table == (c->made ? 2 : c->published ? 1 : 0);
 }
 
-bool matrix_table_is_empty(const struct matrix *matrix, size_t table)
+bool matrix_table_is_empty(const struct hard_matrix *matrix, size_t table)
 {
     for (size_t c = 0; c < matrix->column_count; c++)
         if (matrix_in_table(matrix, c, table))

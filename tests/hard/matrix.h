@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 /* What becomes of a trial, the worst last. */
-enum outcome {
+enum matrix_outcome {
     OUTCOME_SKIPPED, /* an engine cannot run here */
     OUTCOME_REFUSED, /* a builder, layout or engine says why it will not */
     OUTCOME_PASSED,
@@ -19,9 +19,9 @@ enum outcome {
 };
 
 /* "skipped", "refused", "passed", "known", "waived", "failed". */
-const char *outcome_name(enum outcome outcome);
+const char *outcome_name(enum matrix_outcome outcome);
 /* One line: what it means. */
-const char *outcome_meaning(enum outcome outcome);
+const char *outcome_meaning(enum matrix_outcome outcome);
 
 struct matrix_cell {
     size_t count[OUTCOME_COUNT];
@@ -44,13 +44,13 @@ struct matrix_column {
 struct matrix_note {
     char *name; /* the reproduction; of several the first */
     char *why;  /* of a failure what is broken, of others the excuse */
-    enum outcome outcome;
+    enum matrix_outcome outcome;
     size_t count; /* 1 of a failure */
 };
 
 /* Owns its arrays; zero is empty. */
-struct matrix {
-    bool apart; /* layouts outside layouts[] have columns of their own */
+struct hard_matrix {
+    bool apart;                   /* layouts outside layouts[] have columns of their own */
     struct matrix_column *column; /* in order of their first result, as rows are */
     size_t column_count, column_room;
     const struct hard_case **row;
@@ -62,29 +62,29 @@ struct matrix {
 };
 
 /* Adds a result. `why` is one line: what is broken, or the excuse. Errors: STATUS_MEMORY. */
-enum status matrix_add(struct matrix *matrix, const struct hard_case *one,
-                       const struct hard_member *member, enum outcome outcome, size_t rays,
+enum status matrix_add(struct hard_matrix *matrix, const struct hard_case *one,
+                       const struct hard_member *member, enum matrix_outcome outcome, size_t rays,
                        const char *why, struct reason *reason) MUST_USE;
-void matrix_free(struct matrix *matrix);
+void matrix_free(struct hard_matrix *matrix);
 
 /* A cell without results is all zero. */
-const struct matrix_cell *matrix_at(const struct matrix *matrix, size_t row, size_t column);
+const struct matrix_cell *matrix_at(const struct hard_matrix *matrix, size_t row, size_t column);
 /* The worst of a cell's outcomes; OUTCOME_COUNT if it has none. */
-enum outcome matrix_worst(const struct matrix_cell *cell);
+enum matrix_outcome matrix_worst(const struct matrix_cell *cell);
 
 /* The matrix is shown in tables: repaired members, those as published, those made to be wrong. */
 #define MATRIX_TABLES 3
 const char *matrix_table_title(size_t table);
-bool matrix_in_table(const struct matrix *matrix, size_t column, size_t table);
-bool matrix_table_is_empty(const struct matrix *matrix, size_t table);
+bool matrix_in_table(const struct hard_matrix *matrix, size_t column, size_t table);
+bool matrix_table_is_empty(const struct hard_matrix *matrix, size_t table);
 /* "-" without a tree; "others": by turns. */
 const char *matrix_layout_name(const struct matrix_column *column);
 /* "own": the engine's; "all": of several. */
 const char *matrix_tri_name(const struct matrix_column *column);
 
 /* Writers; errors of the stream are the caller's to see. `versions` is a line for each engine. */
-void matrix_text(const struct matrix *matrix, FILE *out);
-void matrix_markdown(const struct matrix *matrix, const char *versions, FILE *out);
-void matrix_html(const struct matrix *matrix, const char *versions, FILE *out);
+void matrix_text(const struct hard_matrix *matrix, FILE *out);
+void matrix_markdown(const struct hard_matrix *matrix, const char *versions, FILE *out);
+void matrix_html(const struct hard_matrix *matrix, const char *versions, FILE *out);
 
 #endif

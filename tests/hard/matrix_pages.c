@@ -83,12 +83,12 @@ static void put_cell(const struct style *style, const char *text, FILE *out)
 /* "2 passed, 1 waived" */
 static void put_counts(const struct style *style, const struct matrix_cell *cell, FILE *out)
 {
-    enum outcome bad = matrix_worst(cell);
+    enum matrix_outcome bad = matrix_worst(cell);
     if (style->html)
         fprintf(out, "<td class=\"%s\" title=\"", bad == OUTCOME_COUNT ? "" : outcome_name(bad));
     for (int o = OUTCOME_COUNT - 1; o >= 0 && style->html; o--)
         if (cell->count[o])
-            fprintf(out, "%zu %s ", cell->count[o], outcome_name((enum outcome)o));
+            fprintf(out, "%zu %s ", cell->count[o], outcome_name((enum matrix_outcome)o));
     fputs(style->html ? "\">" : style->cell, out);
     fputs(bad == OUTCOME_COUNT ? "" : bad == OUTCOME_FAILED ? "FAILED" : outcome_name(bad), out);
     fputs(style->cell_end, out);
@@ -102,7 +102,7 @@ static void put_rule(const struct style *style, size_t columns, FILE *out)
     fputs(style->html ? "" : "\n", out);
 }
 
-static void put_table(const struct style *style, const struct matrix *matrix, size_t table,
+static void put_table(const struct style *style, const struct hard_matrix *matrix, size_t table,
                       FILE *out)
 {
     size_t columns = 1;
@@ -134,7 +134,7 @@ static void put_table(const struct style *style, const struct matrix *matrix, si
     fputs(style->table_end, out);
 }
 
-static void put_recipes(const struct style *style, const struct matrix *matrix, FILE *out)
+static void put_recipes(const struct style *style, const struct hard_matrix *matrix, FILE *out)
 {
     fprintf(out, "%sThe cases%s%s%s", style->title, style->title_end, style->table, style->row);
     put_cell(style, "case", out);
@@ -157,8 +157,8 @@ static void put_recipes(const struct style *style, const struct matrix *matrix, 
     fputs(style->table_end, out);
 }
 
-static void put_notes(const struct style *style, const struct matrix *matrix, enum outcome outcome,
-                      FILE *out)
+static void put_notes(const struct style *style, const struct hard_matrix *matrix,
+                      enum matrix_outcome outcome, FILE *out)
 {
     bool first = true;
     for (size_t i = 0; i < matrix->note_count; i++) {
@@ -178,18 +178,20 @@ static void put_notes(const struct style *style, const struct matrix *matrix, en
     }
 }
 
-static void put_document(const struct style *style, const struct matrix *matrix,
+static void put_document(const struct style *style, const struct hard_matrix *matrix,
                          const char *versions, FILE *out)
 {
     fputs(style->html ? style->head : "# Hard cases\n\n", out);
     fputs(style->paragraph, out);
     fprintf(out, "%zu cases, %zu rays:", matrix->row_count, matrix->rays);
     for (int o = OUTCOME_COUNT - 1; o >= 0; o--)
-        fprintf(out, " %zu %s%s", matrix->total[o], outcome_name((enum outcome)o), o ? "," : ".");
+        fprintf(out, " %zu %s%s", matrix->total[o], outcome_name((enum matrix_outcome)o),
+                o ? "," : ".");
     fputs(" A cell shows the worst of its trials.", out);
     fputs(style->paragraph_end, out);
     for (size_t o = 0; o < OUTCOME_COUNT; o++)
-        fprintf(out, "%s%s%s", style->html ? "<br>" : "- ", outcome_meaning((enum outcome)o), "\n");
+        fprintf(out, "%s%s%s", style->html ? "<br>" : "- ", outcome_meaning((enum matrix_outcome)o),
+                "\n");
     fprintf(out, "%s%s", style->title, "Played by");
     fputs(style->title_end, out);
     fputs(style->html ? "<pre>" : "```\n", out);
@@ -205,12 +207,12 @@ static void put_document(const struct style *style, const struct matrix *matrix,
     fputs(style->foot, out);
 }
 
-void matrix_markdown(const struct matrix *matrix, const char *versions, FILE *out)
+void matrix_markdown(const struct hard_matrix *matrix, const char *versions, FILE *out)
 {
     put_document(&markdown, matrix, versions, out);
 }
 
-void matrix_html(const struct matrix *matrix, const char *versions, FILE *out)
+void matrix_html(const struct hard_matrix *matrix, const char *versions, FILE *out)
 {
     put_document(&page, matrix, versions, out);
 }

@@ -8,7 +8,7 @@ static const char *const glyphs[OUTCOME_COUNT + 1] = {"s", "r", ".", "k", "w", "
 #define COLUMN_WIDTH 7
 
 /* One line of a heading; a name that the column before has too is not repeated. */
-static void text_heading(const struct matrix *matrix, size_t table, int level, FILE *out)
+static void text_heading(const struct hard_matrix *matrix, size_t table, int level, FILE *out)
 {
     static const char *const words[] = {"engine", "layout", "triangle test"};
     const char *last = "";
@@ -30,7 +30,7 @@ static void text_heading(const struct matrix *matrix, size_t table, int level, F
     fputc('\n', out);
 }
 
-static void text_table(const struct matrix *matrix, size_t table, FILE *out)
+static void text_table(const struct hard_matrix *matrix, size_t table, FILE *out)
 {
     fprintf(out, "\n%s\n", matrix_table_title(table));
     for (int level = 0; level < 3; level++)
@@ -52,7 +52,7 @@ static void text_table(const struct matrix *matrix, size_t table, FILE *out)
     }
 }
 
-static void text_notes(const struct matrix *matrix, enum outcome outcome, FILE *out)
+static void text_notes(const struct hard_matrix *matrix, enum matrix_outcome outcome, FILE *out)
 {
     bool first = true;
     for (size_t i = 0; i < matrix->note_count; i++) {
@@ -69,18 +69,19 @@ static void text_notes(const struct matrix *matrix, enum outcome outcome, FILE *
     }
 }
 
-static void text_totals(const struct matrix *matrix, FILE *out)
+static void text_totals(const struct hard_matrix *matrix, FILE *out)
 {
     fprintf(out, "\n%zu hard cases, %zu rays:", matrix->row_count, matrix->rays);
     for (int o = OUTCOME_COUNT - 1; o >= 0; o--)
-        fprintf(out, " %zu %s%s", matrix->total[o], outcome_name((enum outcome)o), o ? "," : "\n");
+        fprintf(out, " %zu %s%s", matrix->total[o], outcome_name((enum matrix_outcome)o),
+                o ? "," : "\n");
 }
 
-void matrix_text(const struct matrix *matrix, FILE *out)
+void matrix_text(const struct hard_matrix *matrix, FILE *out)
 {
     fputs("legend, the worst of a cell's trials:", out);
     for (size_t o = 0; o < OUTCOME_COUNT; o++)
-        fprintf(out, "\n  %s  %s", glyphs[o], outcome_meaning((enum outcome)o));
+        fprintf(out, "\n  %s  %s", glyphs[o], outcome_meaning((enum matrix_outcome)o));
     fputc('\n', out);
     for (size_t t = 0; t < MATRIX_TABLES; t++)
         if (!matrix_table_is_empty(matrix, t))

@@ -5,12 +5,12 @@
 #include <string.h>
 
 /* Text that grows as long as it fits. */
-struct line {
+struct result_line {
     char *text;
     size_t used, room;
 };
 
-static void PRINTF_LIKE(2, 3) add(struct line *line, const char *format, ...)
+static void PRINTF_LIKE(2, 3) add(struct result_line *line, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -21,7 +21,7 @@ static void PRINTF_LIKE(2, 3) add(struct line *line, const char *format, ...)
     va_end(args);
 }
 
-static void add_counts(struct line *line, const struct hard_result *result)
+static void add_counts(struct result_line *line, const struct hard_result *result)
 {
     add(line, "%zu parts, %zu rays, %zu hits", result->played, result->rays, result->hits);
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
@@ -39,7 +39,7 @@ static void add_counts(struct line *line, const struct hard_result *result)
 
 void hard_result_print(const struct hard_result *result, char *text, size_t text_bytes)
 {
-    struct line line = {text, 0, text_bytes};
+    struct result_line line = {text, 0, text_bytes};
     text[0] = '\0';
     if (result->outcome == HARD_REFUSED || result->outcome == HARD_SKIPPED) {
         add(&line, "%s", result->reason.text);

@@ -126,6 +126,10 @@ sed -n 's|^<title>\(.*\)&#45;&gt;\(.*\)</title>$|\1 \2|p' docs/rooms.svg | sort 
 # One name, one source.
 git ls-files '*.c' '*.h' '*.glsl' '*.comp' | sed 's|.*/||' | sort | uniq -d | grep . && breach "two sources have the same name"
 
+# One tag, one type, but in programs that are written for others.
+grep -hoE '^(typedef )?(struct|enum|union) [a-z_0-9]+ \{' $(git ls-files '*.c' '*.h' | grep -vE '^(fuzz/(samples|templates)|tests/peers)/') |
+    awk '{print $(NF - 1)}' | sort | uniq -d | grep . && breach "two types have the same tag"
+
 # Small rooms.
 [ "$(wc -l <Makefile)" -le 200 ] || breach "Makefile: over 200 lines; its parts stand in the rooms that they build"
 for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do

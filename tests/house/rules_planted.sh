@@ -52,6 +52,7 @@ plant docs/rooms.svg '<title>ref/base&#45;&gt;cmd/fuzz</title>'
 echo >gpu/vk/half.c && git add gpu/vk/half.c
 plant gpu/vk/half.c ''
 git rm -qf gpu/vk/half.c
+plant ref/base/half.c 'enum bvh { RED };'
 plant Makefile "$(awk 'BEGIN { for (i = 0; i < 200; i++) print "#" }')"
 plant ref/base/half.c "$(awk 'BEGIN { for (i = 0; i < 460; i++) print "/* */" }')"
 [ "$failed" -eq 0 ] && echo "rules: every planted breach caught"

@@ -10,13 +10,13 @@
 #include <string.h>
 
 /* Every kind of engine that can be judged. */
-struct subject {
+struct fixture_subject {
     const char *name;
     const char *tri; /* what it runs, or is asked to */
     struct model model;
 };
 
-static const struct subject subjects[] = {
+static const struct fixture_subject subjects[] = {
     {"mt", "mt", {.formula = TWIN_MT, .rounding = {1, 1, 1, 0x1p-149}, .bits = true}},
     {"mt_rtrs",
      "mt_rtrs",
@@ -46,7 +46,7 @@ static const struct subject subjects[] = {
 #define SUBJECTS ARRAY_COUNT(subjects)
 
 /* The subject of that name. */
-static inline const struct subject *subject_of(const char *name)
+static inline const struct fixture_subject *subject_of(const char *name)
 {
     for (size_t s = 0; s < SUBJECTS; s++)
         if (strcmp(subjects[s].name, name) == 0)
@@ -55,7 +55,7 @@ static inline const struct subject *subject_of(const char *name)
     return NULL;
 }
 
-static inline bool is_unknown(const struct subject *subject)
+static inline bool is_unknown(const struct fixture_subject *subject)
 {
     return subject->model.formula == TWIN_UNKNOWN;
 }
@@ -65,14 +65,14 @@ struct judge_fixture {
     struct scene scene;
     struct oracle *oracle;
     struct judge *judge;
-    const struct subject *subject;
+    const struct fixture_subject *subject;
     struct ray ray;
     struct oracle_answer truth;
     struct judgement judgement; /* the last */
 };
 
-static inline void judge_fixture_seat(struct judge_fixture *c, const struct subject *subject,
-                                      enum query query)
+static inline void judge_fixture_seat(struct judge_fixture *c,
+                                      const struct fixture_subject *subject, enum query query)
 {
     struct reason reason = {""};
     judge_free(c->judge);

@@ -15,16 +15,16 @@
 #define MOST 8
 
 /* A list in the making. */
-struct list {
+struct judged_list {
     struct hit hit[MOST];
     size_t count;
     struct list_judgement judged;
 };
 
 /* The right answers of these triangles, in this order. */
-static struct list list_of(const struct judge_fixture *c, size_t count, const uint32_t *prim)
+static struct judged_list list_of(const struct judge_fixture *c, size_t count, const uint32_t *prim)
 {
-    struct list list = {.count = count};
+    struct judged_list list = {.count = count};
     assert_true(count <= MOST);
     for (size_t i = 0; i < count; i++)
         list.hit[i] = right_answer(c, prim[i]);
@@ -34,9 +34,9 @@ static struct list list_of(const struct judge_fixture *c, size_t count, const ui
 #define LIST(c, ...)                                                                               \
     list_of((c), sizeof((uint32_t[]){__VA_ARGS__}) / sizeof(uint32_t), (uint32_t[]){__VA_ARGS__})
 
-static const struct list empty;
+static const struct judged_list empty;
 
-static enum verdict judge(struct judge_fixture *c, struct list *list)
+static enum verdict judge(struct judge_fixture *c, struct judged_list *list)
 {
     assert_int_equal(
         judge_list(c->judge, &c->ray, list->count ? list->hit : NULL, list->count, &list->judged),
@@ -46,7 +46,8 @@ static enum verdict judge(struct judge_fixture *c, struct list *list)
     return j->verdict;
 }
 
-static struct list must(struct judge_fixture *c, struct list list, enum verdict expected)
+static struct judged_list must(struct judge_fixture *c, struct judged_list list,
+                               enum verdict expected)
 {
     if (judge(c, &list) != expected)
         fail_msg("%s: %s (%s), not %s", c->subject->name,
@@ -58,8 +59,8 @@ static struct list must(struct judge_fixture *c, struct list list, enum verdict 
 }
 
 /* WRONG of this kind; `at_fault` is the hit that is, `expected` the triangle that is not there. */
-static struct list must_wrong(struct judge_fixture *c, struct list list, enum wrong kind,
-                              uint32_t at_fault, uint32_t expected)
+static struct judged_list must_wrong(struct judge_fixture *c, struct judged_list list,
+                                     enum wrong kind, uint32_t at_fault, uint32_t expected)
 {
     list = must(c, list, VERDICT_WRONG);
     const struct judgement *j = &list.judged.judgement;
@@ -91,7 +92,7 @@ static void a_lost_hit_is_wrong(void **state)
         judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must_wrong(c, empty, WRONG_MISSED, ABI_NO_PRIM, 0);
         must_wrong(c, LIST(c, 2), WRONG_MISSED, ABI_NO_PRIM, 0);
-        struct list last = must_wrong(c, LIST(c, 0), WRONG_MISSED, ABI_NO_PRIM, 2);
+        struct judged_list last = must_wrong(c, LIST(c, 0), WRONG_MISSED, ABI_NO_PRIM, 2);
         assert_true(last.judged.judgement.t_lo <= 2.0 && last.judged.judgement.t_hi >= 2.0);
     }
     judge_fixture_close(c);
@@ -117,7 +118,7 @@ static void a_triangle_that_is_not_hit_is_wrong(void **state)
         judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         judge_fixture_ask(c, along_z(0.5f, -0.25f));
         must_wrong(c, LIST(c, 0, 1, 2), WRONG_PHANTOM, 1, ABI_NO_PRIM);
-        struct list none = LIST(c, 0, 2);
+        struct judged_list none = LIST(c, 0, 2);
         none.hit[none.count++] = (struct hit){3, 0.25f, 0.25f, 77}; /* no such triangle */
         must_wrong(c, none, WRONG_PHANTOM, 77, ABI_NO_PRIM);
         judge_fixture_ask(c, along_z(5, 5));
@@ -133,7 +134,7 @@ static void wrong_numbers_are_wrong(void **state)
     struct judge_fixture *c = inside();
     for (size_t s = 0; s < SUBJECTS; s++) {
         judge_fixture_seat(c, &subjects[s], QUERY_ALL);
-        struct list list = LIST(c, 0, 2);
+        struct judged_list list = LIST(c, 0, 2);
         list.hit[1].t *= 1.001f;
         list = must_wrong(c, list, WRONG_DISTANCE, 2, ABI_NO_PRIM);
         if (!is_unknown(&subjects[s]))
@@ -180,7 +181,7 @@ static void an_order_within_the_errors_is_a_near_tie(void **state)
     judge_fixture_ask(c, along_z(0.5f, -0.25f));
     for (size_t s = 0; s < SUBJECTS; s++) {
         judge_fixture_seat(c, &subjects[s], QUERY_ALL);
-        struct list list = LIST(c, 2, 0);
+        struct judged_list list = LIST(c, 2, 0);
         must(c, LIST(c, 0, 2), VERDICT_RIGHT);
         list.hit[0].t = list.hit[1].t = 1;
         must(c, list, VERDICT_NEAR_TIE);
@@ -220,7 +221,7 @@ static void an_edge_is_chance_but_not_a_gap(void **state)
             must_wrong(c, LIST(c, 2, 3), WRONG_MISSED, ABI_NO_PRIM, 0);
             must_wrong(c, LIST(c, 1), WRONG_MISSED, ABI_NO_PRIM, 2);
         } else {
-            struct list list = must(c, LIST(c, 2), VERDICT_BOUNDARY);
+            struct judged_list list = must(c, LIST(c, 2), VERDICT_BOUNDARY);
             assert_int_equal(list.judged.judgement.fan, is_unknown(&subjects[s]));
             list = must(c, LIST(c, 1, 2), VERDICT_BOUNDARY);
             assert_false(list.judged.judgement.fan);
@@ -255,7 +256,7 @@ static void a_plane_may_be_listed_or_not(void **state)
     for (size_t s = 0; s < SUBJECTS; s++) {
         judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         must(c, empty, VERDICT_RIGHT);
-        struct list list = {.hit = {{5, 0.25f, 0.25f, 0}}, .count = 1};
+        struct judged_list list = {.hit = {{5, 0.25f, 0.25f, 0}}, .count = 1};
         if (is_unknown(&subjects[s])) { /* at x 0, y -0.5: that is v 0.25, u 0.25 */
             must(c, list, VERDICT_IN_PLANE);
         } else { /* along an axis every determinant is exactly 0 */
@@ -270,7 +271,7 @@ static void out_of_contract_says_nothing(void **state)
     (void)state;
     struct judge_fixture *c = inside();
     c->ray = (struct ray){{0, 0, 0}, 0, {0, 0, 0}, 1};
-    struct list list = {.hit = {{NAN, 0, 0, 1}}, .count = 1}, beyond = list;
+    struct judged_list list = {.hit = {{NAN, 0, 0, 1}}, .count = 1}, beyond = list;
     beyond.hit[0].prim = 77;
     for (size_t s = 0; s < SUBJECTS; s++) {
         judge_fixture_seat(c, &subjects[s], QUERY_ALL);
@@ -300,21 +301,21 @@ static struct scene closed_box(void)
 }
 
 /* A fixture of a mesh, and what its topology says. */
-struct mesh {
+struct all_mesh {
     struct judge_fixture *c;
     struct topology topology;
     bool closed;
 };
 
-static struct mesh mesh_of(struct scene scene)
+static struct all_mesh mesh_of(struct scene scene)
 {
-    struct mesh mesh = {.c = judge_fixture_of(scene)};
+    struct all_mesh mesh = {.c = judge_fixture_of(scene)};
     assert_int_equal(topology_make(&mesh.c->scene, &mesh.topology, NULL), STATUS_OK);
     mesh.closed = topology_open_edge(&mesh.topology) == TOPOLOGY_NONE;
     return mesh;
 }
 
-static struct list_mesh said_of(struct mesh *mesh, const struct list *list)
+static struct list_mesh said_of(struct all_mesh *mesh, const struct judged_list *list)
 {
     struct list_mesh said;
     assert_int_equal(judge_list_mesh(mesh->c->oracle, &mesh->topology, mesh->closed, &mesh->c->ray,
@@ -323,7 +324,7 @@ static struct list_mesh said_of(struct mesh *mesh, const struct list *list)
     return said;
 }
 
-static void must_say(struct mesh *mesh, struct list list, bool doubled, bool off)
+static void must_say(struct all_mesh *mesh, struct judged_list list, bool doubled, bool off)
 {
     struct list_mesh said = said_of(mesh, &list);
     assert_int_equal(said.parity, mesh->closed);
@@ -333,7 +334,7 @@ static void must_say(struct mesh *mesh, struct list list, bool doubled, bool off
         assert_true(said.pair[0] != said.pair[1] && said.pair[0] < 4 && said.pair[1] < 4);
 }
 
-static void mesh_free(struct mesh *mesh)
+static void mesh_free(struct all_mesh *mesh)
 {
     topology_free(&mesh->topology);
     judge_fixture_close(mesh->c);
@@ -348,7 +349,7 @@ static struct ray up(float x, float y, float z)
 static void double_hits_and_parity_are_seen(void **state)
 {
     (void)state;
-    struct mesh mesh = mesh_of(closed_box());
+    struct all_mesh mesh = mesh_of(closed_box());
     struct judge_fixture *c = mesh.c;
     assert_true(mesh.closed);
     c->ray = up(0.5f, 0.25f, -5); /* from outside, through interiors */
@@ -378,8 +379,8 @@ static void double_hits_and_parity_are_seen(void **state)
 static void parity_is_silent_where_it_is_not_known(void **state)
 {
     (void)state;
-    struct mesh mesh = mesh_of(closed_box());
-    struct list none = empty;
+    struct all_mesh mesh = mesh_of(closed_box());
+    struct judged_list none = empty;
     mesh.c->ray = up(0.25f, 0.25f, -1); /* on the wall */
     assert_false(said_of(&mesh, &none).parity);
     mesh.c->ray = up(0.25f, 0.25f, -5);

@@ -15,7 +15,7 @@
 
 #include <math.h>
 
-static const struct subject *const unknown = &subjects[SUBJECTS - 1];
+static const struct fixture_subject *const unknown = &subjects[SUBJECTS - 1];
 
 static struct hit nearest(const struct honest *test, const struct scene *scene,
                           const struct ray *ray)

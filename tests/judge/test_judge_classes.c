@@ -180,7 +180,8 @@ static void triangles_without_area_are_never_certain(void **state)
 static void the_slab_test_of_embree_loses_what_it_cannot_see(void **state)
 {
     (void)state;
-    const struct subject *embree = subject_of("embree"), *robust = subject_of("embree_robust");
+    const struct fixture_subject *embree = subject_of("embree"),
+                                 *robust = subject_of("embree_robust");
     assert_string_equal(embree->name, "embree");
     struct scene scene = layers();
     scene.tri_count = 4;

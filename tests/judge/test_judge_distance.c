@@ -18,7 +18,7 @@
 
 #define RAYS 25000
 
-static const struct subject *const unknown = &subjects[SUBJECTS - 1];
+static const struct fixture_subject *const unknown = &subjects[SUBJECTS - 1];
 
 /* Exact but for 2^-50: does the ray hit vertices p (relative to its origin)? */
 static bool meets(const struct ray *ray, double p[3][3], double *t, double *u, double *v)

@@ -30,7 +30,7 @@ static struct amount amount(void)
 }
 
 /* A judge for each kind of engine, all of the same scene. */
-struct bench {
+struct exact_bench {
     struct judge_fixture *fixture[SUBJECTS];
     struct honest_count honest[SUBJECTS];
     uint64_t hits[SUBJECTS];
@@ -39,7 +39,8 @@ struct bench {
 };
 
 /* The answer; false: this subject may not or need not give it. */
-static bool exact_answer(const struct judge_fixture *c, const struct trial *trial, struct hit *out)
+static bool exact_answer(const struct judge_fixture *c, const struct trials_trial *trial,
+                         struct hit *out)
 {
     const struct model *model = &c->subject->model;
     *out = a_miss();
@@ -59,7 +60,7 @@ static bool exact_answer(const struct judge_fixture *c, const struct trial *tria
     return twin_eval(model->formula, model->rounding, &c->ray, v).possible;
 }
 
-static void must_be_believed(struct bench *b, size_t s, const struct trial *trial)
+static void must_be_believed(struct exact_bench *b, size_t s, const struct trials_trial *trial)
 {
     struct judge_fixture *c = b->fixture[s];
     struct hit answer;
@@ -78,9 +79,9 @@ static void must_be_believed(struct bench *b, size_t s, const struct trial *tria
     b->spent[s] += clock() - begun;
 }
 
-static void ask_all(struct bench *b, const struct ray *ray)
+static void ask_all(struct exact_bench *b, const struct ray *ray)
 {
-    struct trial trial = {.ray = *ray};
+    struct trials_trial trial = {.ray = *ray};
     struct judge_fixture *first = b->fixture[0];
     judge_fixture_ask(first, *ray);
     if (first->truth.prim != ABI_NO_PRIM) {
@@ -104,7 +105,7 @@ static struct scene copy_of(const struct scene *scene)
 }
 
 /* Each subject gets a fixture of its own; the bench takes the scene. */
-static void open_all(struct bench *b, struct scene scene)
+static void open_all(struct exact_bench *b, struct scene scene)
 {
     for (size_t s = SUBJECTS; s-- > 0;) {
         b->fixture[s] = judge_fixture_of(s ? copy_of(&scene) : scene);
@@ -112,13 +113,13 @@ static void open_all(struct bench *b, struct scene scene)
     }
 }
 
-static void close_all(struct bench *b)
+static void close_all(struct exact_bench *b)
 {
     for (size_t s = 0; s < SUBJECTS; s++)
         judge_fixture_close(b->fixture[s]);
 }
 
-static void ask_of_scenes(struct bench *b, size_t each)
+static void ask_of_scenes(struct exact_bench *b, size_t each)
 {
     struct ray *ray = calloc(each, sizeof *ray);
     struct reason reason = {""};
@@ -138,7 +139,7 @@ static void ask_of_scenes(struct bench *b, size_t each)
     free(ray);
 }
 
-static void ask_of_pair(struct bench *b, const struct ray *ray, const float v[3][3])
+static void ask_of_pair(struct exact_bench *b, const struct ray *ray, const float v[3][3])
 {
     struct scene scene;
     for (int i = 0; i < 9; i++)
@@ -155,11 +156,11 @@ static void ask_of_pair(struct bench *b, const struct ray *ray, const float v[3]
     close_all(b);
 }
 
-static void ask_of_pairs(struct bench *b, size_t each)
+static void ask_of_pairs(struct exact_bench *b, size_t each)
 {
     for (int kind = 0; kind < TRIAL_KINDS; kind++)
         for (uint64_t i = 0; i < each; i++) {
-            struct trial trial;
+            struct trials_trial trial;
             trial_make(kind, 1000000 + i, &b->pair, &trial);
             ask_of_pair(b, &trial.ray, (const float(*)[3])trial.v);
         }
@@ -176,7 +177,7 @@ static void ask_of_pairs(struct bench *b, size_t each)
 static void what_is_exactly_right_is_believed(void **state)
 {
     (void)state;
-    static struct bench b;
+    static struct exact_bench b;
     const struct amount how = amount();
     uint64_t refused = 0;
     exact_gmp_init(&b.pair);

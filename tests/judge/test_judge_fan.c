@@ -19,12 +19,12 @@
 
 #define RAYS 4000
 
-static const struct subject *const mt = &subjects[0];
-static const struct subject *const woop = &subjects[2];
-static const struct subject *const unknown = &subjects[SUBJECTS - 1];
+static const struct fixture_subject *const mt = &subjects[0];
+static const struct fixture_subject *const woop = &subjects[2];
+static const struct fixture_subject *const unknown = &subjects[SUBJECTS - 1];
 
 /* From inside a closed mesh at its edges or vertices: how many misses are excused? */
-static size_t excused(struct judge_fixture *c, const struct subject *subject,
+static size_t excused(struct judge_fixture *c, const struct fixture_subject *subject,
                       enum leak_target target)
 {
     static struct ray ray[RAYS];
@@ -141,7 +141,7 @@ static void a_closed_tip_may_be_missed_where_rounding_is_not_to_nearest(void **s
     assert_true(rounding_is_nearest(ROUNDING_IEEE) && rounding_is_nearest(ROUNDING_FLUSHED));
     assert_true(rounding_is_nearest(ROUNDING_VULKAN_RTE) && rounding_is_nearest(ROUNDING_EMBREE));
     for (size_t i = 0; i < ARRAY_COUNT(loose); i++) {
-        struct subject subject = *woop;
+        struct fixture_subject subject = *woop;
         subject.model.rounding = loose[i];
         assert_false(rounding_is_nearest(loose[i]));
         for (int edge = 0; edge < 2; edge++) {
@@ -296,7 +296,7 @@ static void a_leak_through_the_tree_is_caught(void **state)
 static void an_unknown_formula_is_told_of_its_leaks(void **state)
 {
     (void)state;
-    struct subject promise = *unknown;
+    struct fixture_subject promise = *unknown;
     promise.model.watertight = true;
     for (int edge = 0; edge < 2; edge++) {
         struct judge_fixture *c = judge_fixture_of(tip());

@@ -36,14 +36,14 @@ static uint64_t tries(uint64_t quick)
     return getenv("RAYDIFF_SLOW") ? 20 * quick : quick;
 }
 
-struct tally {
+struct noise_tally {
     uint64_t evaluations, exact, accepted, open;
     struct honest_count honest;
 };
 
 /* The triangle alone, before the judge of an engine with this formula and rounding. */
-static struct judge_fixture *judge_fixture_alone(const struct trial *trial,
-                                                 const struct subject *subject)
+static struct judge_fixture *judge_fixture_alone(const struct trials_trial *trial,
+                                                 const struct fixture_subject *subject)
 {
     struct scene scene;
     assert_int_equal(scene_make(3, 1, &scene), STATUS_OK);
@@ -56,7 +56,7 @@ static struct judge_fixture *judge_fixture_alone(const struct trial *trial,
     return c;
 }
 
-static void must_be_believed(struct judge_fixture *c, struct hit answer, struct tally *tally)
+static void must_be_believed(struct judge_fixture *c, struct hit answer, struct noise_tally *tally)
 {
     char line[400];
     bool refused = verdict(c, answer) == VERDICT_WRONG;
@@ -87,8 +87,9 @@ static bool is_answer(const struct evaluation *e)
 }
 
 /* The replay comes to what was answered. */
-static void must_be_possible(const struct trial *trial, size_t f, const struct liberty *liberty,
-                             const struct evaluation *e, const char *what, struct tally *tally)
+static void must_be_possible(const struct trials_trial *trial, size_t f,
+                             const struct liberty *liberty, const struct evaluation *e,
+                             const char *what, struct noise_tally *tally)
 {
     const struct ray *ray = &trial->ray;
     struct replay_answer a = answer_of(e);
@@ -106,19 +107,19 @@ static void must_be_possible(const struct trial *trial, size_t f, const struct l
 }
 
 /* What is exactly right, and what the roundings make of it. */
-static void check(struct trial *trial, uint64_t index, size_t f, size_t r, const char *what,
-                  struct tally *tally)
+static void check(struct trials_trial *trial, uint64_t index, size_t f, size_t r, const char *what,
+                  struct noise_tally *tally)
 {
     static const enum legal_style styles[] = {LEGAL_ALL_NEAREST, LEGAL_ALL_LOW, LEGAL_ALL_HIGH,
                                               LEGAL_ALIKE, LEGAL_ALIKE};
     enum twin_formula formula = formulas[f].formula;
     struct liberty liberty = {liberties[r].rounding, liberties[r].fuses};
-    struct subject subject = {formulas[f].name,
-                              twin_is_own(formula) ? formulas[f].name : "mt",
-                              {.formula = formula,
-                               .rounding = liberty.rounding,
-                               .bits = !liberty.fuses,
-                               .open = formula == TWIN_MT_RTRS}};
+    struct fixture_subject subject = {formulas[f].name,
+                                      twin_is_own(formula) ? formulas[f].name : "mt",
+                                      {.formula = formula,
+                                       .rounding = liberty.rounding,
+                                       .bits = !liberty.fuses,
+                                       .open = formula == TWIN_MT_RTRS}};
     struct judge_fixture *c = judge_fixture_alone(trial, &subject);
     struct legal legal = {.rounding = liberty.rounding, .fuses = liberty.fuses};
     struct twin twin = twin_eval(formula, liberty.rounding, &trial->ray, trial->v);
@@ -145,9 +146,10 @@ static void check(struct trial *trial, uint64_t index, size_t f, size_t r, const
     judge_fixture_close(c);
 }
 
-typedef void draw_fn(int kind, uint64_t index, struct gmp_pair *pair, struct trial *out);
+typedef void draw_fn(int kind, uint64_t index, struct gmp_pair *pair, struct trials_trial *out);
 
-static void draw_degenerate(int kind, uint64_t index, struct gmp_pair *pair, struct trial *out)
+static void draw_degenerate(int kind, uint64_t index, struct gmp_pair *pair,
+                            struct trials_trial *out)
 {
     struct rng rng = rng_make(index, (uint64_t)kind);
     degenerate_triangle((enum degenerate)kind, &rng, out->v);
@@ -168,10 +170,10 @@ static void check_all(draw_fn *draw, const char *(*name)(int), int kinds, uint64
     exact_gmp_init(&pair);
     for (size_t f = 0; f < ARRAY_COUNT(formulas); f++)
         for (size_t r = 0; r < ARRAY_COUNT(liberties); r++) {
-            struct tally tally = {.honest = honest_begun()};
+            struct noise_tally tally = {.honest = honest_begun()};
             for (int kind = 0; kind < kinds; kind++)
                 for (uint64_t i = 0; i < each; i++) {
-                    struct trial trial;
+                    struct trials_trial trial;
                     draw(kind, i, &pair, &trial);
                     if (pair_in_contract(&trial.ray, trial.v))
                         check(&trial, i, f, r, name(kind), &tally);
@@ -259,7 +261,8 @@ static struct ray wall_ray(enum degenerate kind, bool aimed, struct rng *rng, fl
                         0x1p60f};
 }
 
-static size_t hidden(const struct subject *subject, enum degenerate kind, bool aimed, size_t *rays)
+static size_t hidden(const struct fixture_subject *subject, enum degenerate kind, bool aimed,
+                     size_t *rays)
 {
     size_t count = 0;
     *rays = 0;

@@ -64,7 +64,7 @@ static void an_answer_beyond_the_range_is_wrong(void **state)
             struct ray ray;
             struct scene scene = grazed(&rng, &ray);
             struct judge_fixture *c = judge_fixture_of(scene);
-            const struct subject *subject = subject_of(names[n]);
+            const struct fixture_subject *subject = subject_of(names[n]);
             bool early = subject->model.formula == TWIN_EMBREE;
             judge_fixture_seat(c, subject, QUERY_CLOSEST);
             judge_fixture_ask(c, ray);
@@ -95,7 +95,7 @@ static void what_is_compared_before_the_division_may_be_answered(void **state)
     (void)state;
     size_t answers = 0, outside = 0;
     double worst = 0;
-    const struct subject *subject = subject_of("embree");
+    const struct fixture_subject *subject = subject_of("embree");
     struct legal legal = {.rounding = subject->model.rounding, .fuses = true};
     uint64_t tries = getenv("RAYDIFF_SLOW") ? 40000 : 2000;
     for (uint64_t i = 0; i < tries; i++) {

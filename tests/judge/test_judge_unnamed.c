@@ -16,9 +16,9 @@
 
 static const struct hit a_hit = {.prim = 0};
 
-static const struct subject black_box = {
+static const struct fixture_subject black_box = {
     "black box, unnamed", "mt", {.formula = TWIN_UNKNOWN, .any_unnamed = true}};
-static const struct subject mt_unnamed = {
+static const struct fixture_subject mt_unnamed = {
     "mt, unnamed", "mt", {.formula = TWIN_MT, .rounding = ROUNDING_IEEE, .any_unnamed = true}};
 
 static const char *const specs[] = {"soup:n=200",   "sphere:n=8", "grid:n=8,height=0",
@@ -46,7 +46,7 @@ static struct ray some_ray(const struct judge_fixture *c, struct rng *rng)
 static void a_tracer_that_always_says_hit_is_wrong(void **state)
 {
     (void)state;
-    const struct subject *who[] = {&black_box, &mt_unnamed};
+    const struct fixture_subject *who[] = {&black_box, &mt_unnamed};
     for (size_t w = 0; w < ARRAY_COUNT(who); w++)
         for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
             size_t misses = 0, taken = 0;
@@ -86,7 +86,7 @@ static void a_triangle_without_area_excuses_no_hit(void **state)
         scene.tri_count = 2;
         scene.index[3] = scene.index[4] = scene.index[5] = 2;
         struct judge_fixture *c = judge_fixture_of(scene);
-        struct subject subject = subjects[s];
+        struct fixture_subject subject = subjects[s];
         subject.model.any_unnamed = true;
         judge_fixture_seat(c, &subject, QUERY_ANY);
         for (int i = 0; i < 50; i++) {
@@ -136,7 +136,7 @@ static void nor_of_named_formulas(void **state)
         struct judge_fixture *c = judge_fixture_open(specs[s], 6);
         struct rng rng = rng_make(s, 7);
         for (int i = 0; i < 2000; i++) {
-            struct subject subject = mt_unnamed;
+            struct fixture_subject subject = mt_unnamed;
             subject.model.formula = formulas[i % 4];
             subject.model.rounding = ROUNDING_VULKAN;
             judge_fixture_ask(c, some_ray(c, &rng));
@@ -177,7 +177,7 @@ static void honest_hits_are_not_wrong(void **state)
                                   .style = LEGAL_ALIKE,
                                   .seed = (uint64_t)i,
                                   .fuses = i % 3 == 0};
-            struct subject named = mt_unnamed;
+            struct fixture_subject named = mt_unnamed;
             named.model.formula = formulas[f];
             named.model.rounding = legal.rounding;
             judge_fixture_ask(c, some_ray(c, &rng));
@@ -191,7 +191,7 @@ static void honest_hits_are_not_wrong(void **state)
                 if (legal_evaluate(&legal, formulas[f], &c->ray, v).accepted)
                     answer = a_hit;
             }
-            const struct subject *who[] = {&black_box, &named};
+            const struct fixture_subject *who[] = {&black_box, &named};
             for (size_t w = 0; w < ARRAY_COUNT(who); w++) {
                 judge_fixture_seat(c, who[w], QUERY_ANY);
                 if (verdict(c, answer) == VERDICT_WRONG)

@@ -20,7 +20,8 @@ static uint64_t pairs_each(void)
     return getenv("RAYDIFF_SLOW") ? 20000 : 300;
 }
 
-static void must_hold(const char *broken, const struct trial *trial, size_t f, size_t r, int kind)
+static void must_hold(const char *broken, const struct trials_trial *trial, size_t f, size_t r,
+                      int kind)
 {
     if (!broken)
         return;
@@ -36,12 +37,12 @@ static const char *box_entry_broken(const struct twin *twin, struct rounding rou
     return twin->t_err < least ? "E covers the entry of a box" : NULL; /* NaN: infinite, too */
 }
 
-struct tally {
+struct bounds_tally {
     struct nearness most;
     uint64_t evaluations, bounded, certain;
 };
 
-static void count(struct tally *tally, const struct twin *twin, const struct nearness *near)
+static void count(struct bounds_tally *tally, const struct twin *twin, const struct nearness *near)
 {
     tally->evaluations++;
     tally->bounded += isfinite(twin->t_err) ? 1 : 0;
@@ -51,8 +52,8 @@ static void count(struct tally *tally, const struct twin *twin, const struct nea
     tally->most.v = fmax(tally->most.v, near->v);
 }
 
-static void check_pair(const struct trial *trial, size_t f, size_t r, int kind, uint64_t index,
-                       struct tally *tally)
+static void check_pair(const struct trials_trial *trial, size_t f, size_t r, int kind,
+                       uint64_t index, struct bounds_tally *tally)
 {
     static const enum legal_style styles[] = {LEGAL_ALL_NEAREST, LEGAL_ALL_LOW, LEGAL_ALL_HIGH,
                                               LEGAL_RANDOM, LEGAL_RANDOM};
@@ -81,12 +82,12 @@ static void check_pair(const struct trial *trial, size_t f, size_t r, int kind, 
 static void bounds_hold_for_every_legal_evaluation(void **state)
 {
     (void)state;
-    static struct tally tally[ARRAY_COUNT(roundings)][ARRAY_COUNT(formulas)];
+    static struct bounds_tally tally[ARRAY_COUNT(roundings)][ARRAY_COUNT(formulas)];
     struct gmp_pair pair;
     exact_gmp_init(&pair);
     for (int kind = 0; kind < TRIAL_KINDS; kind++)
         for (uint64_t i = 0; i < pairs_each(); i++) {
-            struct trial trial;
+            struct trials_trial trial;
             trial_make(kind, i, &pair, &trial);
             for (size_t r = 0; r < ARRAY_COUNT(roundings); r++)
                 for (size_t f = 0; f < ARRAY_COUNT(formulas); f++)
@@ -99,7 +100,7 @@ static void bounds_hold_for_every_legal_evaluation(void **state)
                   "evaluations", "bounded", "certain");
     for (size_t r = 0; r < ARRAY_COUNT(roundings); r++)
         for (size_t f = 0; f < ARRAY_COUNT(formulas); f++) {
-            const struct tally *n = &tally[r][f];
+            const struct bounds_tally *n = &tally[r][f];
             print_message("%-11s %-14s %6.3f %6.3f %6.3f %12llu %9llu %9llu\n", roundings[r].name,
                           formulas[f].name, n->most.t, n->most.u, n->most.v,
                           (unsigned long long)n->evaluations, (unsigned long long)n->bounded,

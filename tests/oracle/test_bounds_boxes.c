@@ -44,7 +44,7 @@ static uint64_t trials(void)
 }
 
 /* A constant and the step, from `proven` down, at which it broke. */
-struct row {
+struct boxes_row {
     const char *name, *rounding;
     int proven, needed; /* needed: what the proof asks for, rounded up */
     int broken;         /* largest value that broke, -1: none */
@@ -57,7 +57,7 @@ static void print_head(void)
                   "proof", "held", "broke", "trials");
 }
 
-static void print_row(const struct row *row)
+static void print_row(const struct boxes_row *row)
 {
     char broke[16] = "-";
     if (row->broken >= 0)
@@ -71,7 +71,7 @@ static void print_row(const struct row *row)
 /* --- the slab test, computed legally ---------------------------------------------------------- */
 
 /* One axis: its planes as the ray meets them, and which of them is to be computed too far away. */
-struct axis {
+struct boxes_axis {
     float o, d, nearer, farther;
     bool enters; /* the entry is pushed back, else the exit is pulled forward */
 };
@@ -81,8 +81,8 @@ static float plane_distance(struct legal *l, float plane, float o, float inverse
     return legal_mul(l, legal_add(l, plane, -o), inverse);
 }
 
-static bool slab_accepts(struct legal *l, const struct axis axis[3], float behind, float tbest,
-                         struct padding pad)
+static bool slab_accepts(struct legal *l, const struct boxes_axis axis[3], float behind,
+                         float tbest, struct padding pad)
 {
     float tn = 0, tf = tbest;
     for (int k = 0; k < 3; k++) {
@@ -112,7 +112,7 @@ static bool at_most(double a, double b, double c, double d)
     return fma(a, d, -left) <= fma(c, b, -right);
 }
 
-static bool corner_is_met(const struct axis axis[3])
+static bool corner_is_met(const struct boxes_axis axis[3])
 {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -132,9 +132,9 @@ static float binade(struct rng *rng, int least, int most)
 /* An axis that the ray enters, or leaves, at t but for a rounding that keeps the corner met: of
  * `CANDIDATES` the one whose computed distance is farthest off. */
 #define CANDIDATES 20000
-static struct axis worst_axis(struct rng *rng, struct legal *l, double t, bool enters)
+static struct boxes_axis worst_axis(struct rng *rng, struct legal *l, double t, bool enters)
 {
-    struct axis worst = {0};
+    struct boxes_axis worst = {0};
     float most = enters ? 0 : INFINITY;
     l->style = enters ? LEGAL_ALL_HIGH : LEGAL_ALL_LOW;
     for (int n = 0; n < CANDIDATES; n++) {
@@ -144,20 +144,20 @@ static struct axis worst_axis(struct rng *rng, struct legal *l, double t, bool e
         float computed = plane_distance(l, at, o, legal_div(l, 1, d));
         if (enters ? computed > most : computed < most) {
             most = computed;
-            worst = (struct axis){o, d, enters ? at : at - 1, enters ? at + 1 : at, enters};
+            worst = (struct boxes_axis){o, d, enters ? at : at - 1, enters ? at + 1 : at, enters};
         }
     }
     return worst;
 }
 
-static void draw_corner(struct rng *rng, struct legal *l, struct axis axis[3])
+static void draw_corner(struct rng *rng, struct legal *l, struct boxes_axis axis[3])
 {
     /* Just above a power of two rounding is largest; 28 bits lie between the float32s, and times 24
      * they are exact in double. */
     double t = 1 + floor((double)rng_float(rng) * 0x1p25) * 0x1p-28;
     axis[0] = worst_axis(rng, l, t, true);
     axis[1] = worst_axis(rng, l, t, false);
-    axis[2] = (struct axis){0, 1, -8, 8, true};
+    axis[2] = (struct boxes_axis){0, 1, -8, 8, true};
 }
 
 static void far_plane_has_this_much_slack(void **state)
@@ -166,11 +166,11 @@ static void far_plane_has_this_much_slack(void **state)
     print_head();
     for (size_t r = 0; r < ARRAY_COUNT(roundings); r++) {
         static const int needed[] = {6, 14, 18};
-        struct row row = {"robust: far", roundings[r].name, 32, needed[r], -1, 0};
+        struct boxes_row row = {"robust: far", roundings[r].name, 32, needed[r], -1, 0};
         struct rng rng = rng_make(17, r);
         struct legal legal = {.rounding = roundings[r].rounding};
         for (uint64_t n = 0; n < trials() / 3000; n++) {
-            struct axis axis[3];
+            struct boxes_axis axis[3];
             draw_corner(&rng, &legal, axis);
             if (!corner_is_met(axis))
                 continue;
@@ -190,14 +190,14 @@ static void far_plane_has_this_much_slack(void **state)
 
 /* --- woop's triangles and their boxes --------------------------------------------------------- */
 
-struct pair {
+struct boxes_pair {
     struct ray ray;
     float v[3][3];
 };
 
 /* A triangle with an edge in a face of its box, often long and often reaching behind the origin,
  * and a ray that passes that edge outside of the box by about woop's error. */
-static void draw_beside(struct rng *rng, struct pair *pair)
+static void draw_beside(struct rng *rng, struct boxes_pair *pair)
 {
     int main = (int)rng_below(rng, 3), side = (main + 1 + (int)rng_below(rng, 2)) % 3;
     int third = 3 - main - side;
@@ -240,8 +240,8 @@ static void draw_beside(struct rng *rng, struct pair *pair)
 
 /* Whether 0 lies strictly inside the triangle of the computed places, so that woop accepts it and
  * no luck of rounding is needed; *t is where the ray meets it then, as close as double tells. */
-static bool computed_inside(const struct pair *pair, const struct tri_ray *r, const float x[3],
-                            const float y[3], double *t)
+static bool computed_inside(const struct boxes_pair *pair, const struct tri_ray *r,
+                            const float x[3], const float y[3], double *t)
 {
     double w[3], sum = 0;
     int side = 0;
@@ -261,7 +261,7 @@ static bool computed_inside(const struct pair *pair, const struct tri_ray *r, co
     return *t > 0x1p-20;
 }
 
-static void axes_of(const struct pair *pair, struct rng *rng, struct axis axis[3])
+static void axes_of(const struct boxes_pair *pair, struct rng *rng, struct boxes_axis axis[3])
 {
     for (int k = 0; k < 3; k++) {
         float lo = pair->v[0][k], hi = lo, d = pair->ray.dir[k];
@@ -269,23 +269,23 @@ static void axes_of(const struct pair *pair, struct rng *rng, struct axis axis[3
             lo = fminf(lo, pair->v[c][k]);
             hi = fmaxf(hi, pair->v[c][k]);
         }
-        axis[k] = (struct axis){pair->ray.org[k], d, d < 0 ? hi : lo, d < 0 ? lo : hi,
-                                rng_below(rng, 2) != 0};
+        axis[k] = (struct boxes_axis){pair->ray.org[k], d, d < 0 ? hi : lo, d < 0 ? lo : hi,
+                                      rng_below(rng, 2) != 0};
     }
 }
 
 /* The scene is the triangle alone, which reaches behind the origin least. */
-static float reach_behind(const struct axis *main)
+static float reach_behind(const struct boxes_axis *main)
 {
     float t = (main->nearer - main->o) * (1 / main->d);
     return t < 0 ? -t : 0;
 }
 
 /* Draws until woop accepts the triangle; false if this one is of no use. */
-static bool draw_accepted(struct rng *rng, struct legal *l, struct axis axis[3], float *reach,
+static bool draw_accepted(struct rng *rng, struct legal *l, struct boxes_axis axis[3], float *reach,
                           float *tbest)
 {
-    struct pair pair;
+    struct boxes_pair pair;
     float x[3], y[3], z[3];
     double t;
     draw_beside(rng, &pair);
@@ -304,8 +304,8 @@ static bool draw_accepted(struct rng *rng, struct legal *l, struct axis axis[3],
 }
 
 /* Raises row->broken while the box is turned away with that value. */
-static void try_padding(struct row *row, struct legal *l, const struct axis axis[3], float reach,
-                        float tbest, bool of_near)
+static void try_padding(struct boxes_row *row, struct legal *l, const struct boxes_axis axis[3],
+                        float reach, float tbest, bool of_near)
 {
     row->trials++;
     while (row->broken < row->proven) {
@@ -324,14 +324,14 @@ static void entry_has_this_much_slack(void **state)
     print_head();
     for (size_t r = 0; r < ARRAY_COUNT(roundings); r++) {
         static const int needed[2][3] = {{18, 34, 47}, {9, 9, 17}}; /* rounded up */
-        struct row row[2] = {
+        struct boxes_row row[2] = {
             {"watertight: near", roundings[r].name, 64, needed[0][r], -1, 0},
             {"watertight: behind", roundings[r].name, 32, needed[1][r], -1, 0},
         };
         struct rng rng = rng_make(18, r);
         struct legal legal = {.rounding = roundings[r].rounding, .rng = rng_make(19, r)};
         for (uint64_t n = 0; n < trials(); n++) {
-            struct axis axis[3];
+            struct boxes_axis axis[3];
             float reach, tbest;
             if (!draw_accepted(&rng, &legal, axis, &reach, &tbest))
                 continue;

@@ -83,13 +83,13 @@ static void sign_of_an_edge_is_never_wrong(void **state)
 #define SPOKES_MOST 9
 
 /* Triangles around a vertex, which lies at `centre`. */
-struct fan {
+struct bounds_fan {
     struct ray ray;
     uint32_t count;
     float centre[3], rim[SPOKES_MOST][3];
 };
 
-static void fan_triangle(const struct fan *fan, uint32_t i, float v[3][3])
+static void fan_triangle(const struct bounds_fan *fan, uint32_t i, float v[3][3])
 {
     memcpy(v[i % 3], fan->centre, sizeof fan->centre); /* any corner can be the centre */
     memcpy(v[(i + 1) % 3], fan->rim[i], sizeof fan->centre);
@@ -97,7 +97,7 @@ static void fan_triangle(const struct fan *fan, uint32_t i, float v[3][3])
 }
 
 /* A crooked umbrella, and a ray at its middle or past one of its spokes by about rounding. */
-static void draw(struct rng *rng, struct fan *fan)
+static void draw(struct rng *rng, struct bounds_fan *fan)
 {
     double turn = 6.283185307179586 * (double)rng_float(rng), at[3];
     int axis = (int)rng_below(rng, 3);
@@ -130,7 +130,7 @@ static void draw(struct rng *rng, struct fan *fan)
 }
 
 /* All determinants proven of one sign, all rim edges proven of that sign, all t in range. */
-static bool proven(const struct fan *fan, struct rounding rounding)
+static bool proven(const struct bounds_fan *fan, struct rounding rounding)
 {
     int det = 0;
     for (uint32_t i = 0; i < fan->count; i++) {
@@ -146,7 +146,7 @@ static bool proven(const struct fan *fan, struct rounding rounding)
     return true;
 }
 
-static bool contracted_accepts(struct legal *l, const struct fan *fan, float v[3][3])
+static bool contracted_accepts(struct legal *l, const struct bounds_fan *fan, float v[3][3])
 {
     struct tri_ray r = tri_ray_make(&fan->ray);
     float x[3], y[3], z[3];
@@ -162,11 +162,11 @@ static bool contracted_accepts(struct legal *l, const struct fan *fan, float v[3
     return !(positive && negative);
 }
 
-struct leaks {
+struct fan_leaks {
     uint64_t fans, shared, missed, contracted;
 };
 
-static void count(struct legal *l, const struct fan *fan, struct leaks *leaks)
+static void count(struct legal *l, const struct bounds_fan *fan, struct fan_leaks *leaks)
 {
     uint32_t accepted = 0, contracted = 0;
     for (uint32_t i = 0; i < fan->count; i++) {
@@ -194,12 +194,12 @@ static void closed_fan_is_hit(void **state)
         {"vulkan rte", ROUNDING_VULKAN_RTE, 0},
     };
     for (size_t n = 0; n < ARRAY_COUNT(roundings); n++) {
-        struct leaks leaks = {0};
+        struct fan_leaks leaks = {0};
         struct rng rng = rng_make(32, n);
         struct legal legal = {.rounding = roundings[n].rounding, .style = LEGAL_CHOSEN};
         memset(legal.choice, roundings[n].always, sizeof legal.choice);
         for (uint64_t i = 0; i < trials() / 4; i++) {
-            struct fan fan;
+            struct bounds_fan fan;
             draw(&rng, &fan);
             if (!proven(&fan, roundings[n].rounding))
                 continue;

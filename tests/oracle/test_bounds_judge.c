@@ -21,7 +21,7 @@ static uint64_t trials(void)
 }
 
 /* Small triangles far from the origin, where differences of large products cancel. */
-static void draw_far(struct rng *rng, struct gmp_pair *pair, struct trial *out)
+static void draw_far(struct rng *rng, struct gmp_pair *pair, struct trials_trial *out)
 {
     double target[3];
     float size = ldexpf(1, -(int)rng_below(rng, 24));
@@ -50,7 +50,7 @@ struct most {
     uint64_t count;
 };
 
-static void take(const struct trial *trial, enum twin_formula formula, struct most *most)
+static void take(const struct trials_trial *trial, enum twin_formula formula, struct most *most)
 {
     float v[3][3];
     memcpy(v, trial->v, sizeof v);
@@ -82,7 +82,7 @@ static void near_values_have_this_much_slack(void **state)
     struct rng rng = rng_make(71, 0);
     exact_gmp_init(&pair);
     for (uint64_t n = 0; n < trials(); n++) {
-        struct trial trial;
+        struct trials_trial trial;
         if (n % 2)
             draw_far(&rng, &pair, &trial);
         else
@@ -116,7 +116,7 @@ static void honest_answers_are_not_wrong(void **state)
     struct rng rng = rng_make(73, 0);
     exact_gmp_init(&pair);
     for (uint64_t n = 0; n < trials(); n++) {
-        struct trial trial;
+        struct trials_trial trial;
         draw_far(&rng, &pair, &trial);
         float vertex[9];
         uint32_t index[3] = {0, 1, 2};
@@ -162,7 +162,7 @@ static const struct {
     {"ieee", ROUNDING_IEEE}, {"vulkan rte", ROUNDING_VULKAN_RTE}, {"vulkan", ROUNDING_VULKAN}};
 
 /* Largest distance in u * max |v - o| of the computed places across the ray from the exact ones. */
-static double moved(struct legal *l, const struct trial *trial)
+static double moved(struct legal *l, const struct trials_trial *trial)
 {
     float v[3][3], x[3], y[3], z[3];
     double most = 0, size = 0;
@@ -184,7 +184,7 @@ static double moved(struct legal *l, const struct trial *trial)
 
 /* Vertices and directions just above powers of two, where rounding is largest; the line is nearly
  * diagonal, so that the shear is near 1. */
-static void draw_diagonal(struct rng *rng, struct trial *out)
+static void draw_diagonal(struct rng *rng, struct trials_trial *out)
 {
     for (int k = 0; k < 3; k++) {
         out->ray.org[k] = rng_range(rng, -0x1p-20f, 0x1p-20f);
@@ -205,7 +205,7 @@ static void woop_moves_vertices_this_far(void **state)
         struct rng rng = rng_make(72, n);
         struct legal legal = {.rounding = *k, .style = LEGAL_CHOSEN};
         for (uint64_t i = 0; i < 20 * trials(); i++) {
-            struct trial trial;
+            struct trials_trial trial;
             draw_diagonal(&rng, &trial);
             legal.count = 0;
             for (int c = 0; c < 32; c++)

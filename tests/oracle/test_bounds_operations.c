@@ -40,13 +40,13 @@ static uint64_t trials(void)
 
 enum operation { OP_ADD, OP_MUL, OP_DIV, OPERATIONS };
 
-struct sample {
+struct operations_sample {
     enum operation op;
     float a, b;
     uint32_t choice;
 };
 
-static struct bounded bound_of(const struct rounding *k, const struct sample *s)
+static struct bounded bound_of(const struct rounding *k, const struct operations_sample *s)
 {
     const struct rules rules = rules_of(k);
     struct bounded a = exact(s->a), b = exact(s->b);
@@ -55,7 +55,7 @@ static struct bounded bound_of(const struct rounding *k, const struct sample *s)
                              : divide(&rules, a, b);
 }
 
-static float legally(const struct rounding *k, const struct sample *s)
+static float legally(const struct rounding *k, const struct operations_sample *s)
 {
     struct legal l = {.rounding = *k, .style = LEGAL_CHOSEN};
     l.choice[0] = (uint8_t)s->choice;
@@ -67,7 +67,7 @@ static float legally(const struct rounding *k, const struct sample *s)
 /* |result - exact|. Sums and products of the samples are exact in double; of a quotient the rest
  * is.
  */
-static double error_of(const struct sample *s, float result)
+static double error_of(const struct operations_sample *s, float result)
 {
     double a = (double)s->a, b = (double)s->b, r = (double)result;
     if (s->op == OP_DIV)
@@ -77,7 +77,7 @@ static double error_of(const struct sample *s, float result)
 
 /* Leaves the result its bound? */
 static bool broken(const struct rounding *legal, const struct rounding *bound,
-                   const struct sample *s)
+                   const struct operations_sample *s)
 {
     double e = bound_of(bound, s).e;
     float result = legally(legal, s);
@@ -91,9 +91,9 @@ static float significand(struct rng *rng)
     return 1 + (float)rng_below(rng, 1u << bits) * 0x1p-23f;
 }
 
-static struct sample draw(struct rng *rng, enum operation op)
+static struct operations_sample draw(struct rng *rng, enum operation op)
 {
-    struct sample s = {.op = op, .a = significand(rng), .b = significand(rng)};
+    struct operations_sample s = {.op = op, .a = significand(rng), .b = significand(rng)};
     if (op == OP_ADD)
         s.b = ldexpf(s.b, -(int)rng_below(rng, 27));
     s.choice = rng_below(rng, 3);
@@ -142,7 +142,7 @@ static void relative_constants_have_this_much_slack(void **state)
             int steps = STEPS; /* fewest that broke, of STEPS that would leave nothing */
             struct rng rng = rng_make(50 + (uint64_t)op, r);
             for (uint64_t n = 0; n < trials() / 8; n++) {
-                struct sample s = draw(&rng, op);
+                struct operations_sample s = draw(&rng, op);
                 for (; steps >= 0; steps--) {
                     double factor = 1 - (double)(steps - 1) / STEPS;
                     struct rounding tight = shrunk(*k, op, factor);
@@ -159,9 +159,9 @@ static void relative_constants_have_this_much_slack(void **state)
 }
 
 /* Results and operands around the least normal number, many of them subnormal. */
-static struct sample draw_tiny(struct rng *rng, bool operands)
+static struct operations_sample draw_tiny(struct rng *rng, bool operands)
 {
-    struct sample s = draw(rng, operands ? (enum operation)rng_below(rng, 2) : OP_MUL);
+    struct operations_sample s = draw(rng, operands ? (enum operation)rng_below(rng, 2) : OP_MUL);
     s.a = ldexpf(s.a, operands ? -126 - (int)rng_below(rng, 3) : -100);
     s.b = ldexpf(s.b, operands ? (s.op == OP_ADD ? -126 : 30) : -26 - (int)rng_below(rng, 24));
     s.choice = rng_below(rng, 32);
@@ -178,7 +178,7 @@ static void constants_near_zero_have_this_much_slack(void **state)
     for (int f = 0; f < 2; f++) {
         int steps = STEPS;
         for (uint64_t n = 0; n < trials(); n++) {
-            struct sample s = draw_tiny(&rng, false);
+            struct operations_sample s = draw_tiny(&rng, false);
             for (; steps >= 0; steps--) {
                 struct rounding tight = *both[f];
                 tight.tiny *= 1 - (double)(steps - 1) / STEPS;
@@ -193,7 +193,7 @@ static void constants_near_zero_have_this_much_slack(void **state)
     }
     double broke = 0, held = turned.normal;
     for (uint64_t n = 0; n < trials(); n++) {
-        struct sample s = draw_tiny(&rng, true);
+        struct operations_sample s = draw_tiny(&rng, true);
         turn_back();
         assert_false(broken(&flushed, &flushed, &s));
         turned.normal = fmax(fabs((double)s.a), broke); /* not below it: taken for normal */
@@ -221,7 +221,7 @@ static void largest_has_this_much_slack(void **state)
     struct rng rng = rng_make(61, 0);
     for (uint64_t n = 0; n < trials(); n++) {
         size_t r = rng_below(&rng, ARRAY_COUNT(roundings));
-        struct sample s = draw(&rng, (enum operation)rng_below(&rng, 3));
+        struct operations_sample s = draw(&rng, (enum operation)rng_below(&rng, 3));
         if (s.op == OP_ADD) {
             s.a = FLT_MAX;
             s.b = ldexpf(s.b, 103 - (int)rng_below(&rng, 4));
@@ -261,7 +261,7 @@ static void divisors_have_this_much_slack(void **state)
     struct rng rng = rng_make(62, 0);
     for (uint64_t n = 0; n < trials(); n++) {
         bool low = rng_below(&rng, 2);
-        struct sample s = draw(&rng, OP_DIV);
+        struct operations_sample s = draw(&rng, OP_DIV);
         s.b = ldexpf(s.b, low ? -130 + (int)rng_below(&rng, 6) : 123 + (int)rng_below(&rng, 5));
         s.a = ldexpf(s.a, low ? -40 : 60);
         float result = by_reciprocal(s.a, s.b);
@@ -295,9 +295,9 @@ static void slack_has_this_much_slack(void **state)
     struct rng rng = rng_make(63, 0);
     for (uint64_t n = 0; n < trials(); n++) {
         size_t r = rng_below(&rng, ARRAY_COUNT(roundings));
-        struct sample s = draw(&rng, (enum operation)rng_below(&rng, 3));
+        struct operations_sample s = draw(&rng, (enum operation)rng_below(&rng, 3));
         if (s.op == OP_DIV && rng_below(&rng, 2)) /* a sum that attains its bound but for u^2 */
-            s = (struct sample){OP_ADD, 1, ldexpf(1 - 0x1p-24f, -23), LEGAL_LOW};
+            s = (struct operations_sample){OP_ADD, 1, ldexpf(1 - 0x1p-24f, -23), LEGAL_LOW};
         const struct rounding *k = &roundings[r].rounding;
         turn_back();
         assert_false(broken(k, k, &s));

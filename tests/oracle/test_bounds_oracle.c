@@ -57,7 +57,7 @@ static void difference(struct rationals *q, mpq_t out, float a, float b)
     mpq_sub(out, out, q->left);
 }
 
-static void fill(struct rationals *q, const struct trial *trial)
+static void fill(struct rationals *q, const struct trials_trial *trial)
 {
     for (int k = 0; k < 3; k++) {
         mpq_set_d(q->d[k], (double)trial->ray.dir[k]);
@@ -95,7 +95,7 @@ static void filter_has_this_much_slack(void **state)
     exact_gmp_init(&pair);
     for (int kind = 0; kind < TRIAL_KINDS; kind++)
         for (uint64_t n = 0; n < pairs_each(); n++) {
-            struct trial trial;
+            struct trials_trial trial;
             struct filter f;
             trial_make(kind, n, &pair, &trial);
             filter_edges(&trial.ray, trial.v, &f);
@@ -119,7 +119,7 @@ static void filter_has_this_much_slack(void **state)
 /* --- areas and enclosures --------------------------------------------------------------------- */
 
 /* Error of a component of the normal over what filter_has_area allows it. */
-static double area_share(struct rationals *q, const struct trial *trial, int k)
+static double area_share(struct rationals *q, const struct trials_trial *trial, int k)
 {
     int i = (k + 1) % 3, j = (k + 2) % 3;
     double e1[2], e2[2];
@@ -173,7 +173,7 @@ static void enclosures_have_this_much_slack(void **state)
     exact_gmp_init(&pair);
     for (int kind = 0; kind < TRIAL_KINDS; kind++)
         for (uint64_t n = 0; n < pairs_each(); n++) {
-            struct trial trial;
+            struct trials_trial trial;
             struct filter f;
             double lo, hi;
             trial_make(kind, n, &pair, &trial);
@@ -206,7 +206,7 @@ static void enclosures_have_this_much_slack(void **state)
 
 /* --- the first look --------------------------------------------------------------------------- */
 
-static double largest_of(const struct trial *trial)
+static double largest_of(const struct trials_trial *trial)
 {
     double most = 0;
     for (int c = 0; c < 3; c++)
@@ -217,7 +217,7 @@ static double largest_of(const struct trial *trial)
 
 /* Does the first look drop the triangle, with its bound of products times `factor`, and that of
  * places times its root? */
-static bool dropped(const struct trial *trial, double factor)
+static bool dropped(const struct trials_trial *trial, double factor)
 {
     double v[3][3][1 + EARLY_PAD] = {0};
     struct early_soup soup;
@@ -231,7 +231,7 @@ static bool dropped(const struct trial *trial, double factor)
 }
 
 /* A ray that meets an edge or a vertex exactly, though its shear and products are rounded. */
-static void draw_exact(struct rng *rng, struct trial *out)
+static void draw_exact(struct rng *rng, struct trials_trial *out)
 {
     int feature = (int)rng_below(rng, 3), bits = 4 + (int)rng_below(rng, 8);
     float stretch = (float)(1 + 2 * rng_below(rng, 512));
@@ -255,7 +255,7 @@ static void first_look_has_this_much_slack(void **state)
     uint64_t trials = 0;
     struct rng rng = rng_make(41, 0);
     for (uint64_t n = 0; n < 200 * pairs_each(); n++) {
-        struct trial trial;
+        struct trials_trial trial;
         draw_exact(&rng, &trial);
         if (trial.ray.dir[0] == 0 && trial.ray.dir[1] == 0 && trial.ray.dir[2] == 0)
             continue;

@@ -28,7 +28,7 @@ static const char *const constant_name[] = {"add",  "mul",          "div",
 
 #define STEPS 20 /* of 1/20 of the constant */
 
-struct row {
+struct slack_row {
     const char *rounding_name;
     struct rounding rounding;
     bool fuses;
@@ -40,7 +40,7 @@ struct row {
 };
 
 #define ROWS 18
-static void fill(struct row row[ROWS])
+static void fill(struct slack_row row[ROWS])
 {
     static const struct {
         const char *name;
@@ -52,22 +52,23 @@ static void fill(struct row row[ROWS])
     int n = 0;
     for (size_t r = 0; r < ARRAY_COUNT(roundings); r++)
         for (int c = ADD; c <= ALL; c++)
-            row[n++] = (struct row){roundings[r].name,
-                                    roundings[r].rounding,
-                                    roundings[r].fuses,
-                                    (enum constant)c,
-                                    STEPS + 1,
-                                    "",
-                                    0,
-                                    0};
-    row[n++] = (struct row){"vulkan rte", ROUNDING_VULKAN_RTE, false, DIV, STEPS + 1, "", 0, 0};
-    row[n++] = (struct row){"flushed", ROUNDING_FLUSHED, false, TINY, STEPS + 1, "", 0, 0};
-    row[n++] = (struct row){"embree", ROUNDING_EMBREE, true, BAND, STEPS + 1, "", 0, 0};
+            row[n++] = (struct slack_row){roundings[r].name,
+                                          roundings[r].rounding,
+                                          roundings[r].fuses,
+                                          (enum constant)c,
+                                          STEPS + 1,
+                                          "",
+                                          0,
+                                          0};
+    row[n++] =
+        (struct slack_row){"vulkan rte", ROUNDING_VULKAN_RTE, false, DIV, STEPS + 1, "", 0, 0};
+    row[n++] = (struct slack_row){"flushed", ROUNDING_FLUSHED, false, TINY, STEPS + 1, "", 0, 0};
+    row[n++] = (struct slack_row){"embree", ROUNDING_EMBREE, true, BAND, STEPS + 1, "", 0, 0};
     assert_int_equal(n, ROWS);
 }
 
 /* The rounding with the row's constant tightened. The others stay as they are. */
-static struct rounding tightened(const struct row *row, int steps)
+static struct rounding tightened(const struct slack_row *row, int steps)
 {
     struct rounding k = row->rounding;
     double factor = 1.0 - (double)steps / STEPS;
@@ -82,8 +83,8 @@ static struct rounding tightened(const struct row *row, int steps)
     return k;
 }
 
-static const char *broken_at(const struct row *row, int steps, size_t f, const struct trial *trial,
-                             struct legal *legal, bool search)
+static const char *broken_at(const struct slack_row *row, int steps, size_t f,
+                             const struct trials_trial *trial, struct legal *legal, bool search)
 {
     struct rounding k = tightened(row, steps);
     band = row->constant == BAND ? 0x1p-23 * (1.0 - (double)steps / STEPS) : 0x1p-23;
@@ -97,8 +98,8 @@ static const char *broken_at(const struct row *row, int steps, size_t f, const s
 }
 
 /* One evaluation, or a search for the worst, with ever less tightening while it breaks. */
-static void tighten(struct row *row, size_t f, const struct trial *trial, uint64_t seed,
-                    enum legal_style style, bool search)
+static void tighten(struct slack_row *row, size_t f, const struct trials_trial *trial,
+                    uint64_t seed, enum legal_style style, bool search)
 {
     row->trials++;
     while (row->broken > 0) {
@@ -124,7 +125,7 @@ static uint64_t pairs_each(void)
     return getenv("RAYDIFF_SLOW") ? 6000 : 300;
 }
 
-static void try_all(struct row row[ROWS], const struct trial *trial, uint64_t seed)
+static void try_all(struct slack_row row[ROWS], const struct trials_trial *trial, uint64_t seed)
 {
     static const enum legal_style styles[] = {LEGAL_ALL_LOW, LEGAL_ALL_HIGH, LEGAL_RANDOM};
     for (int n = 0; n < ROWS; n++)
@@ -139,13 +140,13 @@ static void try_all(struct row row[ROWS], const struct trial *trial, uint64_t se
 static void constants_have_this_much_slack(void **state)
 {
     (void)state;
-    static struct row row[ROWS];
+    static struct slack_row row[ROWS];
     struct gmp_pair pair;
     fill(row);
     exact_gmp_init(&pair);
     for (int kind = 0; kind < TRIAL_KINDS; kind++)
         for (uint64_t i = 0; i < pairs_each(); i++) {
-            struct trial trial;
+            struct trials_trial trial;
             trial_make(kind, i, &pair, &trial);
             try_all(row, &trial, i);
         }
@@ -153,7 +154,7 @@ static void constants_have_this_much_slack(void **state)
     print_message("%-11s %-13s %10s %10s %10s %10s  %s\n", "rounding", "constant", "proven", "held",
                   "broke", "trials", "broken first: what, in which formula");
     for (int n = 0; n < ROWS; n++) {
-        const struct row *r = &row[n];
+        const struct slack_row *r = &row[n];
         const double value[] = {
             r->rounding.add, r->rounding.mul, r->rounding.div, r->rounding.tiny, 1.0, 0x1p-23};
         double proven = value[r->constant], step = proven / STEPS;

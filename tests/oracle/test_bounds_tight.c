@@ -26,7 +26,7 @@ static uint64_t pairs_each(void)
 
 /* Triangles at most 2^-size across at a distance of about 1, of any slope and shape, some of them
  * with the ray along an axis or from the world's origin. */
-static void draw(struct rng *rng, uint32_t size, struct gmp_pair *pair, struct trial *out)
+static void draw(struct rng *rng, uint32_t size, struct gmp_pair *pair, struct trials_trial *out)
 {
     double target[3], a = (double)rng_float(rng), b = (1 - a) * (double)rng_float(rng);
     float length = ldexpf(1, -(int)size);
@@ -48,14 +48,14 @@ static void draw(struct rng *rng, uint32_t size, struct gmp_pair *pair, struct t
     trial_truth(pair, out);
 }
 
-struct row {
+struct tight_row {
     double most;
     uint32_t size; /* of the triangle */
     uint64_t evaluations, bounded;
 };
 
-static double over_of(const struct trial *trial, enum twin_formula formula, const struct twin *twin,
-                      struct legal *legal, struct row *row)
+static double over_of(const struct trials_trial *trial, enum twin_formula formula,
+                      const struct twin *twin, struct legal *legal, struct tight_row *row)
 {
     struct nearness near;
     struct evaluation evaluation =
@@ -71,8 +71,9 @@ static double over_of(const struct trial *trial, enum twin_formula formula, cons
 
 /* From the choices that the last evaluation made, keeps each change of one operation that takes t
  * farther off. */
-static double climb(const struct trial *trial, enum twin_formula formula, const struct twin *twin,
-                    struct legal *legal, double most, struct row *row)
+static double climb(const struct trials_trial *trial, enum twin_formula formula,
+                    const struct twin *twin, struct legal *legal, double most,
+                    struct tight_row *row)
 {
     static const uint8_t other[] = {LEGAL_LOW, LEGAL_HIGH, LEGAL_FUSE};
     uint32_t count = legal->count < LEGAL_MOST ? legal->count : LEGAL_MOST;
@@ -90,8 +91,8 @@ static double climb(const struct trial *trial, enum twin_formula formula, const 
     return most;
 }
 
-static void try_pair(const struct trial *trial, uint32_t size, size_t f, size_t r, uint64_t index,
-                     struct row *row)
+static void try_pair(const struct trials_trial *trial, uint32_t size, size_t f, size_t r,
+                     uint64_t index, struct tight_row *row)
 {
     static const enum legal_style styles[] = {LEGAL_ALL_NEAREST, LEGAL_ALL_LOW, LEGAL_ALL_HIGH,
                                               LEGAL_RANDOM};
@@ -116,12 +117,12 @@ static void try_pair(const struct trial *trial, uint32_t size, size_t f, size_t 
 static void small_triangles_from_afar(void **state)
 {
     (void)state;
-    static struct row row[ARRAY_COUNT(roundings)][ARRAY_COUNT(formulas)];
+    static struct tight_row row[ARRAY_COUNT(roundings)][ARRAY_COUNT(formulas)];
     struct gmp_pair pair;
     struct rng rng = rng_make(131, 0);
     exact_gmp_init(&pair);
     for (uint64_t i = 0; i < pairs_each() * SIZES; i++) {
-        struct trial trial;
+        struct trials_trial trial;
         uint32_t size = (uint32_t)(i / 8 % SIZES);
         draw(&rng, size, &pair, &trial);
         for (size_t r = 0; r < ARRAY_COUNT(roundings); r++)

@@ -70,13 +70,13 @@ static const char *pair_fault(const struct ray *ray, const struct oracle_pair *g
     return NULL;
 }
 
-struct tally {
+struct pairs_tally {
     size_t faults, pairs, class[ORACLE_CLASS_COUNT], exact;
 };
 
 /* Ray i against its own triangle and the next one, which some kinds relate to it. */
-static void check_batch(const struct oracle_case *kind, const struct batch *batch,
-                        struct tally *tally)
+static void check_batch(const struct oracle_case *kind, const struct oracle_batch *batch,
+                        struct pairs_tally *tally)
 {
     struct gmp_pair want;
     exact_gmp_init(&want);
@@ -105,11 +105,11 @@ static void oracle_pair_agrees_with_rationals(void **state)
     for (int k = 0; k < ORACLE_CASES; k++) {
         const struct oracle_case *kind = &oracle_cases[k];
         size_t batches = count_per_kind(4000) / (2 * BATCH);
-        struct tally all = {0};
+        struct pairs_tally all = {0};
 #pragma omp parallel for schedule(dynamic, 8)
         for (size_t b = 0; b < batches; b++) {
-            struct batch batch;
-            struct tally tally = {0};
+            struct oracle_batch batch;
+            struct pairs_tally tally = {0};
             batch_make(kind, b, &batch);
             check_batch(kind, &batch, &tally);
             batch_free(&batch);
@@ -137,7 +137,7 @@ static void oracle_pair_agrees_with_rationals(void **state)
 }
 
 /* Sign of t_a - t_b over all pairs of hits of a ray. */
-static size_t compare_faults(const struct batch *batch, size_t *ties)
+static size_t compare_faults(const struct oracle_batch *batch, size_t *ties)
 {
     struct gmp_pair want[BATCH];
     size_t faults = 0;
@@ -177,7 +177,7 @@ static void oracle_compare_agrees_with_rationals(void **state)
     for (int k = 0; k < ORACLE_CASES; k++)
 #pragma omp parallel for schedule(dynamic, 2) reduction(+ : faults, ties)
         for (size_t b = 0; b < batches; b++) {
-            struct batch batch;
+            struct oracle_batch batch;
             batch_make(&oracle_cases[k], 1000 + b, &batch);
             faults += compare_faults(&batch, &ties);
             batch_free(&batch);
@@ -194,7 +194,7 @@ static void oracle_rational_is_t_in_lowest_terms(void **state)
     size_t written = 0;
     for (int k = 0; k < ORACLE_CASES; k++)
         for (uint64_t b = 0; b < 20; b++) {
-            struct batch batch;
+            struct oracle_batch batch;
             struct gmp_pair want;
             batch_make(&oracle_cases[k], 2000 + b, &batch);
             exact_gmp_init(&want);

@@ -16,7 +16,7 @@
 
 #define CASES 60000u
 
-struct overlap {
+struct plane_overlap {
     bool any;
     mpq_t in, out;
 };
@@ -40,7 +40,7 @@ static void set_side(mpz_t out, const int64_t a[3], const int64_t b[3], int i, i
     mpz_clears(left, right, NULL);
 }
 
-static void take(struct overlap *overlap, const mpq_t t)
+static void take(struct plane_overlap *overlap, const mpq_t t)
 {
     if (!overlap->any || mpq_cmp(t, overlap->in) < 0)
         mpq_set(overlap->in, t);
@@ -51,7 +51,7 @@ static void take(struct overlap *overlap, const mpq_t t)
 
 /* The line's ends in the triangle: where it crosses an edge, at a share of the way from one vertex
  * to the other, and vertices that it meets. */
-static void find_overlap(const struct small *small, int i, int j, struct overlap *out)
+static void find_overlap(const struct small *small, int i, int j, struct plane_overlap *out)
 {
     mpz_t side[3], whole, way;
     mpq_t share, t, edge;
@@ -86,7 +86,7 @@ static void find_overlap(const struct small *small, int i, int j, struct overlap
     mpq_clears(share, t, edge, NULL);
 }
 
-static void set_wide(mpz_t out, const struct wide *wide)
+static void set_wide(mpz_t out, const struct oracle_wide *wide)
 {
     mpz_import(out, (size_t)wide->count, -1, sizeof wide->limb[0], 0, 0, wide->limb);
     if (wide->sign < 0)
@@ -192,7 +192,7 @@ static void the_overlap_is_exact(void **state)
     (void)state;
     size_t overlaps[2] = {0}, none = 0, refused = 0;
     struct rng rng = rng_make(41, 0);
-    struct overlap want;
+    struct plane_overlap want;
     mpq_inits(want.in, want.out, NULL);
     for (uint32_t n = 0; n < CASES; n++) {
         int i = (int)rng_below(&rng, 3), j = (i + 1 + (int)rng_below(&rng, 2)) % 3;

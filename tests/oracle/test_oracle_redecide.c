@@ -39,7 +39,7 @@ static void bounds_hold_for_the_tests_of_c(void **state)
     for (int k = 0; k < ORACLE_CASES; k++)
 #pragma omp parallel for schedule(dynamic, 4) reduction(+ : certain, impossible, accepted, faults)
         for (uint64_t b = 0; b < count_per_kind(1600) / (3 * BATCH); b++) {
-            struct batch batch;
+            struct oracle_batch batch;
             struct gmp_bounds bounds;
             struct gmp_pair pair;
             batch_make(&oracle_cases[k], 40000 + b, &batch);

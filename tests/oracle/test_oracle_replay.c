@@ -58,7 +58,7 @@ static void replays_the_bits_of_c(void **state)
     for (int k = 0; k < ORACLE_CASES; k++)
 #pragma omp parallel for schedule(dynamic, 4) reduction(+ : same, faults, unsaid, accepted)
         for (uint64_t b = 0; b < count_per_kind(3200) / BATCH; b++) {
-            struct batch batch;
+            struct oracle_batch batch;
             batch_make(&oracle_cases[k], 70000 + b, &batch);
             for (uint32_t i = 0; i < BATCH; i++)
                 for (size_t f = 0; f < ARRAY_COUNT(tests_of); f++) {

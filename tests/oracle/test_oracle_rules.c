@@ -15,14 +15,13 @@
 
 #include <cmocka.h> /* last: it defines fail() as a macro */
 
-
 /* One triangle, (0,0,1) (1,0,1) (0,1,1), and its oracle. */
-struct one {
+struct rules_one {
     struct scene scene;
     struct oracle *oracle;
 };
 
-static void one_make(struct one *one)
+static void one_make(struct rules_one *one)
 {
     static const float v[9] = {0, 0, 1, 1, 0, 1, 0, 1, 1};
     struct reason reason = {""};
@@ -33,13 +32,13 @@ static void one_make(struct one *one)
     assert_int_equal(oracle_make(&one->scene, &one->oracle, &reason), STATUS_OK);
 }
 
-static void one_free(struct one *one)
+static void one_free(struct rules_one *one)
 {
     oracle_free(one->oracle);
     scene_free(&one->scene);
 }
 
-static struct oracle_answer ask(const struct one *one, enum oracle_ends ends, struct ray ray)
+static struct oracle_answer ask(const struct rules_one *one, enum oracle_ends ends, struct ray ray)
 {
     struct oracle_answer answer;
     struct reason reason = {""};
@@ -54,7 +53,7 @@ static const struct ray straight = {{0.25f, 0.25f, 0}, 0, {0, 0, 1}, 2};
 static void signs_are_those_of_the_definition(void **state)
 {
     (void)state;
-    struct one one;
+    struct rules_one one;
     one_make(&one);
     struct oracle_pair pair;
     oracle_pair(one.oracle, &straight, 0, &pair);
@@ -82,7 +81,7 @@ static void signs_are_those_of_the_definition(void **state)
 static void ends_are_open_or_closed(void **state)
 {
     (void)state;
-    struct one one;
+    struct rules_one one;
     one_make(&one);
     static const struct {
         float tmin, tmax;
@@ -117,7 +116,7 @@ static void ends_are_open_or_closed(void **state)
 static void rays_that_are_no_rays_miss(void **state)
 {
     (void)state;
-    struct one one;
+    struct rules_one one;
     one_make(&one);
     float bad[] = {NAN, INFINITY, -INFINITY};
     for (size_t b = 0; b < ARRAY_COUNT(bad); b++)
@@ -150,13 +149,19 @@ static void rays_that_are_no_rays_miss(void **state)
 static void the_environment_is_checked_and_made_right(void **state)
 {
     (void)state;
-    static const unsigned long modes[] = {FLOAT_FLUSH, FLOAT_DOWN, FLOAT_UP, FLOAT_DOWN | FLOAT_UP,
+    static const unsigned long modes[] = {
+        FLOAT_FLUSH,
+        FLOAT_DOWN,
+        FLOAT_UP,
+        FLOAT_DOWN | FLOAT_UP,
 #if defined(__SSE2__)
-                                          0x8000, 0x0040, /* FTZ and DAZ one by one */
+        0x8000,
+        0x0040, /* FTZ and DAZ one by one */
 #endif
-                                          FLOAT_FLUSH | FLOAT_UP};
+        FLOAT_FLUSH | FLOAT_UP
+    };
     const struct oracle_case *denormal = &oracle_cases[13];
-    struct batch batch;
+    struct oracle_batch batch;
     struct oracle_answer want[BATCH], got[BATCH];
     struct reason reason = {""};
     assert_string_equal(denormal->name, "denormal");
@@ -168,7 +173,8 @@ static void the_environment_is_checked_and_made_right(void **state)
                                         1, want, NULL, &reason),
                          STATUS_OK);
         for (size_t m = 0; m < ARRAY_COUNT(modes); m++) {
-            unsigned long saved = float_mode(), set = (saved & ~(unsigned long)FLOAT_MODES) | modes[m];
+            unsigned long saved = float_mode(),
+                          set = (saved & ~(unsigned long)FLOAT_MODES) | modes[m];
             float_mode_set(set);
             enum status environment = oracle_environment(&reason);
             enum status closest = oracle_closest(batch.oracle, ORACLE_TREE, ORACLE_CLOSED,
@@ -196,7 +202,7 @@ static void kernels_drop_misses_only(void **state)
     size_t dropped = 0, kept = 0;
     for (int k = 0; k < ORACLE_CASES; k++)
         for (uint64_t b = 0; b < 40; b++) {
-            struct batch batch;
+            struct oracle_batch batch;
             batch_make(&oracle_cases[k], 9000 + b, &batch);
             const struct oracle *oracle = batch.oracle;
             for (int i = 0; i < BATCH; i++) {
@@ -238,7 +244,7 @@ static void crossings_are_complete_and_sorted(void **state)
     size_t capacity = 0, met = 0, planes = 0;
     for (int k = 0; k < ORACLE_CASES; k++)
         for (uint64_t b = 0; b < 20; b++) {
-            struct batch batch;
+            struct oracle_batch batch;
             struct gmp_pair pair[BATCH];
             batch_make(&oracle_cases[k], 7000 + b, &batch);
             for (int p = 0; p < BATCH; p++)

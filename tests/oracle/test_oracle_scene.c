@@ -48,7 +48,8 @@ static const char *answer_fault(const struct oracle_answer *got, const struct gm
     return NULL;
 }
 
-static void check_batch(const struct oracle_case *kind, const struct batch *batch, size_t *hits)
+static void check_batch(const struct oracle_case *kind, const struct oracle_batch *batch,
+                        size_t *hits)
 {
     static const enum oracle_path paths[] = {ORACLE_BRUTE, ORACLE_TREE};
     struct gmp_nearest want;
@@ -92,7 +93,7 @@ static void closest_agrees_with_rationals(void **state)
         size_t hits = 0;
 #pragma omp parallel for schedule(dynamic, 1) reduction(+ : hits)
         for (size_t b = 0; b < batches; b++) {
-            struct batch batch;
+            struct oracle_batch batch;
             batch_make(&oracle_cases[k], 5000 + b, &batch);
             check_batch(&oracle_cases[k], &batch, &hits);
             batch_free(&batch);

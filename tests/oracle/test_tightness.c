@@ -12,7 +12,7 @@
 
 #include <cmocka.h> /* last: it defines fail() as a macro */
 
-struct stand {
+struct tightness_stand {
     struct scene scene;
     struct oracle *oracle;
     struct judge *judge;
@@ -20,9 +20,9 @@ struct stand {
 };
 
 /* A right triangle of legs 1 in the plane z = depth, its corner at x = y = side. */
-static void stand_make(struct stand *s, enum twin_formula judged, float side, float depth)
+static void stand_make(struct tightness_stand *s, enum twin_formula judged, float side, float depth)
 {
-    *s = (struct stand){.model = {.formula = judged, .rounding = ROUNDING_IEEE}};
+    *s = (struct tightness_stand){.model = {.formula = judged, .rounding = ROUNDING_IEEE}};
     struct reason reason = {""};
     assert_int_equal(scene_make(3, 1, &s->scene), STATUS_OK);
     for (uint32_t c = 0; c < 3; c++) {
@@ -37,14 +37,14 @@ static void stand_make(struct stand *s, enum twin_formula judged, float side, fl
         STATUS_OK);
 }
 
-static void stand_free(struct stand *s)
+static void stand_free(struct tightness_stand *s)
 {
     judge_free(s->judge);
     oracle_free(s->oracle);
     scene_free(&s->scene);
 }
 
-static bool wrong(const struct stand *s, const struct ray *ray, float t)
+static bool wrong(const struct tightness_stand *s, const struct ray *ray, float t)
 {
     const struct oracle_answer nothing = {.prim = ABI_NO_PRIM};
     const struct hit answer = {t, 0.25f, 0.25f, 0};
@@ -62,7 +62,7 @@ static void a_third_is_off_by_a_third(void **state)
     static const enum twin_formula formulas[] = {
         TWIN_MT, TWIN_WOOP, TWIN_PLUECKER, TWIN_BALDWIN_WEBBER, TWIN_EMBREE, TWIN_EMBREE_ROBUST};
     for (size_t f = 0; f < ARRAY_COUNT(formulas); f++) {
-        struct stand s;
+        struct tightness_stand s;
         stand_make(&s, formulas[f], 0, 1);
         struct tightness_pair pair = {{{0.25f, 0.25f, 0}, 0, {0, 0, 3}, 1e30f}, 0, 1.0 / 3};
         struct tightness_one one = tightness_measure(s.judge, &s.scene, &s.model, &pair);
@@ -84,7 +84,7 @@ static void a_third_is_off_by_a_third(void **state)
 static void what_another_formula_computes_is_an_alarm(void **state)
 {
     (void)state;
-    struct stand s;
+    struct tightness_stand s;
     stand_make(&s, TWIN_MT, 1000.3f, 1000.7f);
     struct tightness_pair pair = {
         {{1000.5f, 1000.6f, 999.9f}, 0, {0.07f, -0.03f, 1.1f}, 1e30f}, 0, 0};
@@ -154,7 +154,7 @@ static void no_bound_is_twenty_times_too_wide(void **state)
     enum { PAIRS = 2000 };
     static struct tightness_pair pair[PAIRS];
     static struct tightness_one one[PAIRS];
-    struct stand s = {.oracle = NULL};
+    struct tightness_stand s = {.oracle = NULL};
     struct reason reason = {""};
     struct rng rng = rng_make(5, 0);
     assert_int_equal(scene_open("sphere:n=35", 1, &s.scene, &reason), STATUS_OK);

@@ -13,7 +13,7 @@
 #define BOUNCES 3u
 
 /* A picture whose arrays are its own. */
-struct made {
+struct frames_made {
     uint32_t pixel[PIXELS];
     float color[3 * PIXELS], bound[PIXELS];
     struct segment segment[PIXELS * BOUNCES];
@@ -22,7 +22,7 @@ struct made {
 
 /* Every path hits triangle 7 + i at i + 1, is asked by two lights and shadowed to the second, then
  * leaves the scene; every pixel is 100 grey, 0.25 of a step above the border below it. */
-static void make(struct made *out)
+static void make(struct frames_made *out)
 {
     memset(out, 0, sizeof *out);
     out->frame = (struct frame){out->pixel, out->color, out->bound, out->segment};
@@ -37,7 +37,7 @@ static void make(struct made *out)
     }
 }
 
-static struct made a, b;
+static struct frames_made a, b;
 
 static struct frame_diff compare(void)
 {

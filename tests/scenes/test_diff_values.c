@@ -10,14 +10,14 @@
 #define LIGHTS  2u
 
 /* A walk of one path whose arrays are its own. */
-struct made {
-    struct walk walk;
+struct values_made {
+    struct diff_walk walk;
     uint32_t length, pixel;
     struct walk_step step[BOUNCES];
     struct walk_light light[BOUNCES * LIGHTS];
 };
 
-static struct made a, b;
+static struct values_made a, b;
 
 /* Every number is another. */
 static void number_all(void *values, size_t size)
@@ -28,17 +28,17 @@ static void number_all(void *values, size_t size)
         at[i] = next += 0.5f;
 }
 
-static void make(struct made *out)
+static void make(struct values_made *out)
 {
     out->length = 2;
-    out->walk = (struct walk){.count = 1,
-                              .bounces = BOUNCES,
-                              .lights = LIGHTS,
-                              .shadow_query = QUERY_ANY,
-                              .length = &out->length,
-                              .step = out->step,
-                              .light = out->light,
-                              .pixel = &out->pixel};
+    out->walk = (struct diff_walk){.count = 1,
+                                   .bounces = BOUNCES,
+                                   .lights = LIGHTS,
+                                   .shadow_query = QUERY_ANY,
+                                   .length = &out->length,
+                                   .step = out->step,
+                                   .light = out->light,
+                                   .pixel = &out->pixel};
 }
 
 static int both(void **state)

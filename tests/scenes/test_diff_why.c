@@ -17,7 +17,7 @@
 static struct reason reason;
 
 /* What is wrong with the answers of the second tracer. */
-enum lie {
+enum why_lie {
     NONE,
     ULP,         /* t and u one float on */
     FAR_OFF,     /* t a thousandth on */
@@ -38,7 +38,7 @@ static struct {
     struct oracle *oracle;
     struct side cpu;
     struct why_judges judges;
-    enum lie lie;
+    enum why_lie lie;
     uint32_t at; /* the wave in which it is told, counted from 0 */
     uint32_t wave;
 } s;
@@ -50,7 +50,7 @@ static enum status honest(void *user, enum query query, const struct ray *ray, s
     return renderer_ask(s.cpu.renderer, query, ray, count, hit, why);
 }
 
-static void tell(enum lie lie, enum query query, struct hit *hit)
+static void tell(enum why_lie lie, enum query query, struct hit *hit)
 {
     bool shadow = query == QUERY_ANY;
     if (lie == LOST_SHADOW || lie == MADE_SHADOW) {
@@ -85,7 +85,7 @@ static enum status lying(void *user, enum query query, const struct ray *ray, si
 
 static size_t every[WIDTH * HEIGHT];
 
-static void walk(walk_ask_fn *ask, struct walk *out)
+static void walk(walk_ask_fn *ask, struct diff_walk *out)
 {
     s.wave = 0;
     for (size_t i = 0; i < ARRAY_COUNT(every); i++)
@@ -95,9 +95,9 @@ static void walk(walk_ask_fn *ask, struct walk *out)
 }
 
 /* Walks both and counts why they part. */
-static void count_whys(enum lie lie, uint32_t from_wave, size_t why[WHY_COUNT])
+static void count_whys(enum why_lie lie, uint32_t from_wave, size_t why[WHY_COUNT])
 {
-    struct walk a, b;
+    struct diff_walk a, b;
     memset(why, 0, WHY_COUNT * sizeof *why);
     s.lie = lie;
     s.at = from_wave;
@@ -209,7 +209,7 @@ static int end(void **state)
 static void a_walk_is_the_picture(void **state)
 {
     (void)state;
-    struct walk paths;
+    struct diff_walk paths;
     size_t shadows = 0, bounced = 0;
     assert_int_equal(side_draw(&s.cpu, &s.view, &reason), STATUS_OK);
     assert_int_equal(side_walk(&s.cpu, &s.view, every, 0, &paths, &reason), STATUS_OK);
@@ -253,7 +253,7 @@ static void an_ulp_is_rounding_or_drift(void **state)
 static void lies_are_wrong(void **state)
 {
     (void)state;
-    static const enum lie lies[] = {FAR_OFF, OTHER_PRIM, LOST_HIT};
+    static const enum why_lie lies[] = {FAR_OFF, OTHER_PRIM, LOST_HIT};
     for (size_t i = 0; i < ARRAY_COUNT(lies); i++)
         for (uint32_t wave = 0; wave < 3; wave += 2) { /* of the first segment, and the second */
             size_t why[WHY_COUNT];
@@ -296,7 +296,7 @@ static void shadows_are_judged(void **state)
 static void what_nobody_caused_is_unexplained(void **state)
 {
     (void)state;
-    struct walk a, b;
+    struct diff_walk a, b;
     struct path_why found;
     size_t cut = 0, lit = 0;
     walk(honest, &a);

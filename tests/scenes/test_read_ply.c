@@ -11,30 +11,30 @@
 static struct reason reason;
 
 /* A file made piece by piece; numbers in either byte order. */
-struct bytes {
+struct ply_bytes {
     char at[4096];
     size_t size;
     bool big;
 };
 
-static void add_text(struct bytes *file, const char *text)
+static void add_text(struct ply_bytes *file, const char *text)
 {
     memcpy(file->at + file->size, text, strlen(text));
     file->size += strlen(text);
 }
 
-static void add_word(struct bytes *file, uint64_t word, size_t size)
+static void add_word(struct ply_bytes *file, uint64_t word, size_t size)
 {
     for (size_t i = 0; i < size; i++)
         file->at[file->size++] = (char)(word >> 8 * (file->big ? size - 1 - i : i));
 }
 
-static void add_float(struct bytes *file, float x)
+static void add_float(struct ply_bytes *file, float x)
 {
     add_word(file, float_bits(x), 4);
 }
 
-static void add_double(struct bytes *file, double x)
+static void add_double(struct ply_bytes *file, double x)
 {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -62,7 +62,7 @@ static enum status read_bytes(const char *bytes, size_t size, struct scene *out)
     return status;
 }
 
-static void expect_refused_bytes(const struct bytes *file, const char *rule)
+static void expect_refused_bytes(const struct ply_bytes *file, const char *rule)
 {
     struct scene scene;
     enum status status = read_bytes(file->at, file->size, &scene);
@@ -75,13 +75,13 @@ static void expect_refused_bytes(const struct bytes *file, const char *rule)
 
 static void expect_refused(const char *text, const char *rule)
 {
-    struct bytes file = {.size = 0};
+    struct ply_bytes file = {.size = 0};
     add_text(&file, text);
     expect_refused_bytes(&file, rule);
 }
 
-static void expect_triangles(const struct bytes *file, const float *vertex, uint32_t vertex_count,
-                             const uint32_t *index, uint32_t tri_count)
+static void expect_triangles(const struct ply_bytes *file, const float *vertex,
+                             uint32_t vertex_count, const uint32_t *index, uint32_t tri_count)
 {
     struct scene scene;
     enum status status = read_bytes(file->at, file->size, &scene);
@@ -105,12 +105,12 @@ static const uint32_t fan[] = {0, 1, 2, 0, 2, 3, 3, 1, 0};
 static void ply_reads_ascii(void **state)
 {
     (void)state;
-    struct bytes file = {.size = 0};
+    struct ply_bytes file = {.size = 0};
     add_text(&file, "ply\nformat ascii 1.0\ncomment by hand\nobj_info x\nelement vertex 4\n" XYZ
                     "element face 2\n" FACE "end_header\n"
                     "0 0 0\n0.1 0 -0\n\n1 1 0 \n 0 .001 2\n4 0 1 2 3\n3 3 1 0\n \n");
     expect_triangles(&file, square, 4, fan, 3);
-    struct bytes windows = {.size = 0};
+    struct ply_bytes windows = {.size = 0};
     add_text(&windows, "ply\r\nformat ascii 1.0  \r\nelement vertex 4\r\n"
                        "property float32 x\r\nproperty float64 y\r\nproperty float z\r\n"
                        "element face 2\r\nproperty list uint8 uint32 vertex_index\r\n"
@@ -121,7 +121,7 @@ static void ply_reads_ascii(void **state)
 
 /* The same mesh with every type of the standard somewhere, things to skip before, between and
  * behind, and elements in another order. */
-static void add_mixed(struct bytes *file)
+static void add_mixed(struct ply_bytes *file)
 {
     add_text(file, "element camera 1\nproperty double focus\nproperty list ushort short marks\n"
                    "element face 2\nproperty char flag\n"
@@ -156,11 +156,11 @@ static void add_mixed(struct bytes *file)
 static void ply_reads_binary_of_both_orders(void **state)
 {
     (void)state;
-    struct bytes little = {.big = false};
+    struct ply_bytes little = {.big = false};
     add_text(&little, "ply\nformat binary_little_endian 1.0\n");
     add_mixed(&little);
     expect_triangles(&little, square, 4, fan, 3);
-    struct bytes big = {.big = true};
+    struct ply_bytes big = {.big = true};
     add_text(&big, "ply\nformat binary_big_endian 1.0\n");
     add_mixed(&big);
     expect_triangles(&big, square, 4, fan, 3);
@@ -185,7 +185,7 @@ static void ply_reads_every_scalar_type(void **state)
     static const uint32_t index[] = {0, 1, 2};
     for (size_t t = 0; t < ARRAY_COUNT(types); t++) {
         for (int big = 0; big < 2; big++) {
-            struct bytes file = {.big = big};
+            struct ply_bytes file = {.big = big};
             char header[400];
             const char *n = types[t].name;
             snprintf(header, sizeof header,
@@ -212,7 +212,7 @@ static void ply_reads_every_scalar_type(void **state)
 static void ply_of_bare_returns_keeps_a_newline_in_the_data(void **state)
 {
     (void)state;
-    struct bytes file = {.size = 0};
+    struct ply_bytes file = {.size = 0};
     add_text(&file, "ply\rformat binary_little_endian 1.0\relement vertex 3\rproperty uchar x\r"
                     "property uchar y\rproperty uchar z\relement face 1\r"
                     "property list uchar uchar vertex_indices\rend_header\r");
@@ -319,7 +319,7 @@ static void ply_names_byte_and_rule_of_binary_data(void **state)
         {0xFF800000, 3, 2, "byte 169: x is not a finite"},
     };
     for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
-        struct bytes file = {.size = 0};
+        struct ply_bytes file = {.size = 0};
         add_text(&file, header);
         assert_int_equal(file.size, 169);
         for (int k = 0; k < 9; k++)
@@ -330,11 +330,11 @@ static void ply_names_byte_and_rule_of_binary_data(void **state)
         add_word(&file, bad[i].index, 4);
         expect_refused_bytes(&file, bad[i].rule);
     }
-    struct bytes file = {.size = 0};
+    struct ply_bytes file = {.size = 0};
     add_text(&file,
              BINARY "element vertex 99999999999\n" XYZ "element face 1\n" FACE "end_header\nabc");
     expect_refused_bytes(&file, "99999999999 elements of at least 12 bytes do not fit into the 3");
-    struct bytes large = {.size = 0};
+    struct ply_bytes large = {.size = 0};
     add_text(&large, BINARY "element vertex 1\nproperty double x\nproperty float y\n"
                             "property float z\nelement face 1\n" FACE "end_header\n");
     add_double(&large, 3.4028235677973366e38); /* halfway to 2^128 */
@@ -365,7 +365,7 @@ static void ply_refuses_endless_headers_fast(void **state)
     free(text);
 }
 
-static void survive(const struct bytes *file)
+static void survive(const struct ply_bytes *file)
 {
     uint32_t read = 0;
     for (size_t size = 0; size <= file->size; size++) {
@@ -374,7 +374,7 @@ static void survive(const struct bytes *file)
         scene_free(&scene);
     }
     assert_true(read >= 1 && read < 4); /* whole, and without the last line end */
-    struct bytes damaged = *file;
+    struct ply_bytes damaged = *file;
     for (size_t i = 0; i < file->size; i++) {
         for (int bit = 0; bit < 10; bit++) {
             int byte = bit == 8 ? 0 : bit == 9 ? 0xFF : file->at[i] ^ 1 << bit;
@@ -391,14 +391,14 @@ static void survive(const struct bytes *file)
 static void ply_survives_every_prefix_and_damaged_byte(void **state)
 {
     (void)state;
-    struct bytes ascii = {.size = 0};
+    struct ply_bytes ascii = {.size = 0};
     add_text(&ascii, TWO "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     survive(&ascii);
-    struct bytes little = {.size = 0};
+    struct ply_bytes little = {.size = 0};
     add_text(&little, "ply\nformat binary_little_endian 1.0\n");
     add_mixed(&little);
     survive(&little);
-    struct bytes big = {.big = true};
+    struct ply_bytes big = {.big = true};
     add_text(&big, "ply\nformat binary_big_endian 1.0\n");
     add_mixed(&big);
     survive(&big);
@@ -409,7 +409,7 @@ static void ply_survives_noise_behind_a_header(void **state)
     (void)state;
     struct rng rng = rng_make(11, 0);
     for (int run = 0; run < 2000; run++) {
-        struct bytes file = {.size = 0};
+        struct ply_bytes file = {.size = 0};
         add_text(&file, run % 2 ? BINARY : ASCII);
         add_text(&file, "element face 2\n" FACE "element vertex 2\n" XYZ "end_header\n");
         while (file.size < 300)

@@ -22,7 +22,7 @@
 #define PIXELS (WIDTH * HEIGHT)
 
 /* A picture of a scene by engine cpu. */
-struct stand {
+struct show_stand {
     struct scene scene;
     struct subject subject;
     struct shading shading;
@@ -34,10 +34,10 @@ struct stand {
     struct judge *judge;
 };
 
-static void stand_make(struct stand *s, const char *spec, const char *layout)
+static void stand_make(struct show_stand *s, const char *spec, const char *layout)
 {
     struct reason reason = {""};
-    *s = (struct stand){.scene = generated(spec)};
+    *s = (struct show_stand){.scene = generated(spec)};
     s->subject = subject_make(&s->scene, "median", 4, SEED_EPS, layout);
     struct camera camera = scene_camera(&s->scene);
     s->job = (struct frame_job){.job = {.scene = &s->scene,
@@ -65,7 +65,7 @@ static void stand_make(struct stand *s, const char *spec, const char *layout)
         STATUS_OK);
 }
 
-static void stand_free(struct stand *s)
+static void stand_free(struct show_stand *s)
 {
     judge_free(s->judge);
     oracle_free(s->oracle);
@@ -76,7 +76,7 @@ static void stand_free(struct stand *s)
     scene_free(&s->scene);
 }
 
-static struct show_source source_of(const struct stand *s, const char *show)
+static struct show_source source_of(const struct show_stand *s, const char *show)
 {
     struct show_source source = {.show = show_find(show),
                                  .job = &s->job,
@@ -106,7 +106,7 @@ static struct trace_counts values_of(const struct show_source *source, size_t st
     return counts;
 }
 
-static struct ray ray_of(const struct stand *s, size_t pixel)
+static struct ray ray_of(const struct show_stand *s, size_t pixel)
 {
     struct shade_path path;
     shade_begin(&s->job, &s->view, (uint32_t)(pixel % WIDTH), (uint32_t)(pixel / WIDTH), &path);
@@ -137,7 +137,7 @@ static void answers_and_work_are_the_traversals(void **state)
     (void)state;
     static double t[PIXELS], prim[PIXELS], boxes[PIXELS], tris[PIXELS], normal[3 * PIXELS];
     for (size_t l = 0; l < ARRAY_COUNT(repaired); l++) {
-        struct stand s;
+        struct show_stand s;
         stand_make(&s, "terrain:k=4", repaired[l]);
         struct show_source source = source_of(&s, "t");
         values_of(&source, PIXELS, t);
@@ -186,7 +186,7 @@ static void parts_of_any_size_make_the_same_picture(void **state)
 {
     (void)state;
     static double whole[3 * PIXELS], parts[3 * PIXELS];
-    struct stand s;
+    struct show_stand s;
     stand_make(&s, "sphere:n=8", "rf16");
     for (const struct show *show = shows; show->name; show++) {
         struct show_source source = source_of(&s, show->name);
@@ -204,7 +204,7 @@ static void the_numbers_of_a_sphere_are_plausible(void **state)
 {
     (void)state;
     static double value[PIXELS];
-    struct stand s;
+    struct show_stand s;
     stand_make(&s, "sphere:n=8", "rf16");
     struct show_source source = source_of(&s, "depth");
     values_of(&source, PIXELS, value);
@@ -230,7 +230,7 @@ static void a_walk_that_the_engine_did_not_take_is_refused(void **state)
 {
     (void)state;
     static double value[PIXELS];
-    struct stand s, other;
+    struct show_stand s, other;
     struct reason reason = {""};
     stand_make(&s, "sphere:n=8", "rf16");
     stand_make(&other, "sphere:n=8", "f32");
@@ -275,7 +275,7 @@ static void what_is_right_is_within_its_bound_and_what_is_not_is_not(void **stat
     (void)state;
     static double error[PIXELS], class[PIXELS], prim[PIXELS], off_error[PIXELS], off_class[PIXELS];
     const struct engine off = {.name = "off", .trace = off_trace};
-    struct stand s;
+    struct show_stand s;
     stand_make(&s, "terrain:k=4", "f32");
     inner = s.self;
     struct show_source source = source_of(&s, "prim");
@@ -318,7 +318,7 @@ static void errors_are_the_judges(void **state)
     static struct hit hit[PIXELS];
     struct trace_report report;
     struct reason reason;
-    struct stand s;
+    struct show_stand s;
     size_t some = 0;
     stand_make(&s, "terrain:k=4", "f32");
     struct show_source source = source_of(&s, "error");

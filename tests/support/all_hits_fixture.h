@@ -18,7 +18,7 @@
 #include <string.h>
 
 /* A scene, rays and one packed tree. */
-struct stand {
+struct fixture_stand {
     struct scene scene;
     struct bvh bvh;
     struct packed packed;
@@ -32,10 +32,10 @@ static inline void stand_must(enum status status, const struct reason *reason)
         fail_msg("%s", reason->text);
 }
 
-static inline struct stand stand_make(const char *spec, const char *rays, size_t ray_count,
-                                      const char *layout, uint32_t leaf)
+static inline struct fixture_stand stand_make(const char *spec, const char *rays, size_t ray_count,
+                                              const char *layout, uint32_t leaf)
 {
-    struct stand stand = {.ray_count = ray_count};
+    struct fixture_stand stand = {.ray_count = ray_count};
     struct reason reason = {""};
     struct build_options build = {.leaf = leaf, .eps = BUILD_EPS_DEFAULT};
     stand_must(scene_open(spec, 1, &stand.scene, &reason), &reason);
@@ -48,7 +48,7 @@ static inline struct stand stand_make(const char *spec, const char *rays, size_t
     return stand;
 }
 
-static inline void stand_free(struct stand *stand)
+static inline void stand_free(struct fixture_stand *stand)
 {
     free(stand->ray);
     packed_free(&stand->packed);
@@ -56,8 +56,8 @@ static inline void stand_free(struct stand *stand)
     scene_free(&stand->scene);
 }
 
-static inline struct job stand_job(const struct stand *stand, const char *box, const char *tri,
-                                   enum query query)
+static inline struct job stand_job(const struct fixture_stand *stand, const char *box,
+                                   const char *tri, enum query query)
 {
     return (struct job){.scene = &stand->scene,
                         .packed = &stand->packed,
@@ -89,7 +89,7 @@ struct lists {
 };
 
 static inline struct lists stand_lists(const struct engine *engine, void *self,
-                                       const struct stand *stand, const struct job *job)
+                                       const struct fixture_stand *stand, const struct job *job)
 {
     struct lists lists = {.first = calloc(stand->ray_count + 1, sizeof *lists.first)};
     struct all_hits all = {0};

@@ -12,7 +12,7 @@
 #include <math.h>
 
 /* A scene, rays, and its tree in one layout. */
-struct view {
+struct drivers_view {
     struct scene scene;
     struct bvh bvh;
     struct packed packed;
@@ -21,9 +21,9 @@ struct view {
     size_t ray_count;
 };
 
-static inline struct view view_make(const char *spec, const char *rays, size_t ray_count)
+static inline struct drivers_view view_make(const char *spec, const char *rays, size_t ray_count)
 {
-    struct view view = {.ray_count = ray_count};
+    struct drivers_view view = {.ray_count = ray_count};
     struct reason reason = {""};
     const struct build_options build = {.leaf = 4, .eps = BUILD_EPS_DEFAULT};
     gpu_must(scene_open(spec, 5, &view.scene, &reason), &reason);
@@ -36,7 +36,7 @@ static inline struct view view_make(const char *spec, const char *rays, size_t r
     return view;
 }
 
-static inline void view_pack(struct view *view, const char *layout)
+static inline void view_pack(struct drivers_view *view, const char *layout)
 {
     struct reason reason = {""};
     packed_free(&view->packed);
@@ -44,7 +44,7 @@ static inline void view_pack(struct view *view, const char *layout)
              &reason);
 }
 
-static inline void view_free(struct view *view)
+static inline void view_free(struct drivers_view *view)
 {
     packed_free(&view->packed);
     bvh_free(&view->bvh);
@@ -55,7 +55,7 @@ static inline void view_free(struct view *view)
 }
 
 /* Answers all rays; returns the number of hits. */
-static inline size_t driver_trace(const char *engine, void *self, const struct view *view,
+static inline size_t driver_trace(const char *engine, void *self, const struct drivers_view *view,
                                   const struct job *job, struct hit *hit)
 {
     struct reason reason = {""};
@@ -70,7 +70,7 @@ static inline size_t driver_trace(const char *engine, void *self, const struct v
 }
 
 /* Answers that differ in a bit. */
-static inline size_t view_differs(const struct view *view)
+static inline size_t view_differs(const struct drivers_view *view)
 {
     size_t differs = 0;
     for (size_t i = 0; i < view->ray_count; i++)

@@ -28,7 +28,7 @@ static bool listed(const struct hit *hit, size_t count, uint32_t prim)
 static void brute_lists_what_the_test_accepts(void **state)
 {
     (void)state;
-    struct stand s = stand_make("soup:n=200,size=0.5", "mixed", 500, "f32", 4);
+    struct fixture_stand s = stand_make("soup:n=200,size=0.5", "mixed", 500, "f32", 4);
     size_t total = 0;
     for (size_t t = 0; tri_tests[t]; t++)
         for (size_t i = 0; i < s.ray_count; i++) {
@@ -60,7 +60,7 @@ static void a_tree_leaves_out_no_exact_hit(void **state)
     (void)state;
     static const char *const specs[] = {"soup:n=300,size=0.5", "flake", "cornell", "stack"};
     for (size_t k = 0; k < ARRAY_COUNT(specs); k++) {
-        struct stand s = stand_make(specs[k], "mixed", RAYS, k % 2 ? "rf16" : "f32", 8);
+        struct fixture_stand s = stand_make(specs[k], "mixed", RAYS, k % 2 ? "rf16" : "f32", 8);
         struct oracle *oracle = oracle_of(&s.scene);
         struct hit *all = calloc(s.scene.tri_count, sizeof *all);
         struct hit *got = calloc(s.scene.tri_count, sizeof *got);
@@ -109,7 +109,7 @@ static void a_tree_leaves_out_no_exact_hit(void **state)
 static void the_nearest_of_all_is_the_closest(void **state)
 {
     (void)state;
-    struct stand s = stand_make("soup:n=300,size=0.5", "random", RAYS, "f32", 4);
+    struct fixture_stand s = stand_make("soup:n=300,size=0.5", "random", RAYS, "f32", 4);
     size_t hits = 0;
     for (size_t i = 0; i < s.ray_count; i++) {
         struct hit all[300], closest;
@@ -134,7 +134,7 @@ static void the_nearest_of_all_is_the_closest(void **state)
 static void room_cuts_the_list_not_the_count(void **state)
 {
     (void)state;
-    struct stand s = stand_make("stack:n=12", "primary", 400, "f32", 4);
+    struct fixture_stand s = stand_make("stack:n=12", "primary", 400, "f32", 4);
     size_t cut = 0;
     for (size_t i = 0; i < s.ray_count; i++) {
         struct hit all[512], got[512];
@@ -167,7 +167,7 @@ static void room_cuts_the_list_not_the_count(void **state)
 static void a_cycle_ends_with_no_count(void **state)
 {
     (void)state;
-    struct stand s = stand_make("soup:n=64,size=0.5", "primary", 64, "f32", 4);
+    struct fixture_stand s = stand_make("soup:n=64,size=0.5", "primary", 64, "f32", 4);
     struct node_f32 *node = (struct node_f32 *)s.packed.word;
     struct trace_counts counts = {0, 0};
     size_t limits = 0;
@@ -197,7 +197,7 @@ static void sorting_is_by_distance_then_index(void **state)
 }
 
 /* A made-up engine: ray i has as many hits as its tmin says, the k-th is triangle k. */
-struct counting {
+struct all_counting {
     size_t most_at_once, traced;
     bool forgets; /* the second time one hit less */
 };
@@ -206,7 +206,7 @@ static enum status counting_all(void *self, const struct ray *ray, size_t ray_co
                                 uint32_t capacity, struct hit *hit, uint32_t *hit_count,
                                 struct reason *reason)
 {
-    struct counting *c = self;
+    struct all_counting *c = self;
     (void)reason;
     if (ray_count * capacity > c->most_at_once)
         c->most_at_once = ray_count * capacity;
@@ -224,7 +224,7 @@ static const struct engine counting_engine = {.name = "counting", .trace_all = c
 static void lists_are_whole_and_memory_is_bounded(void **state)
 {
     (void)state;
-    struct counting c = {0, 0, false};
+    struct all_counting c = {0, 0, false};
     struct all_hits all = {0};
     struct reason reason = {""};
     enum { COUNT = 40000 };

@@ -9,7 +9,7 @@
 
 #define RAYS 3000
 
-static void same_lists(const struct lists *a, const struct lists *b, const struct stand *s,
+static void same_lists(const struct lists *a, const struct lists *b, const struct fixture_stand *s,
                        const char *what)
 {
     for (size_t i = 0; i < s->ray_count; i++) {
@@ -33,8 +33,8 @@ static void vulkan_lists_what_cpu_lists_in_order(void **state)
     for (size_t l = 0; layouts[l]; l++)
         for (size_t m = 0; m < ARRAY_COUNT(mix); m++) {
             const char *spec = m == 1 ? "stack:n=30" : "soup:n=400,size=0.5";
-            struct stand s = stand_make(spec, m == 1 ? "primary" : "mixed", RAYS, layouts[l]->name,
-                                        layouts[l]->faithful ? 4 : 8);
+            struct fixture_stand s = stand_make(spec, m == 1 ? "primary" : "mixed", RAYS,
+                                                layouts[l]->name, layouts[l]->faithful ? 4 : 8);
             struct job job = stand_job(&s, mix[m][0], mix[m][1], QUERY_ALL);
             struct lists a = stand_lists(cpu, on_cpu, &s, &job);
             struct lists b = stand_lists(vulkan, on_gpu, &s, &job);
@@ -59,7 +59,7 @@ static void vulkan_cuts_the_list_not_the_count(void **state)
     (void)state;
     const struct engine *vulkan = engine_find("vulkan"), *cpu = engine_find("cpu");
     void *on_gpu = stand_open(vulkan), *on_cpu = stand_open(cpu);
-    struct stand s = stand_make("stack:n=30", "primary", 500, "rf16", 8);
+    struct fixture_stand s = stand_make("stack:n=30", "primary", 500, "rf16", 8);
     struct job job = stand_job(&s, "robust", "mt", QUERY_ALL);
     struct reason reason = {""};
     stand_must(vulkan->prepare(on_gpu, &job, &reason), &reason);
@@ -102,7 +102,7 @@ static void vulkan_keeps_the_queries_apart(void **state)
     (void)state;
     const struct engine *vulkan = engine_find("vulkan");
     void *self = stand_open(vulkan);
-    struct stand s = stand_make("soup:n=10", "primary", 2, "f32", 4);
+    struct fixture_stand s = stand_make("soup:n=10", "primary", 2, "f32", 4);
     struct reason reason = {""};
     struct trace_report report;
     struct hit hit[2];
@@ -132,7 +132,7 @@ static void vulkan_refuses_room_beyond_its_buffers(void **state)
     if (status == STATUS_UNSUPPORTED)
         skip();
     stand_must(status, &reason);
-    struct stand s = stand_make("soup:n=10", "primary", 2, "f32", 4);
+    struct fixture_stand s = stand_make("soup:n=10", "primary", 2, "f32", 4);
     struct job job = stand_job(&s, "robust", "mt", QUERY_ALL);
     uint32_t count[2];
     stand_must(tracer_prepare(tracer, &job, &reason), &reason);
@@ -149,7 +149,7 @@ static void must_list_crossings(const char *name, const char *spec, const char *
 {
     const struct engine *engine = engine_find(name);
     void *self = stand_open(engine);
-    struct stand s = stand_make(spec, rays, RAYS, "f32", 4);
+    struct fixture_stand s = stand_make(spec, rays, RAYS, "f32", 4);
     struct job job = stand_job(&s, "robust", "mt", QUERY_ALL);
     struct lists lists = stand_lists(engine, self, &s, &job);
     struct oracle *oracle;
@@ -222,7 +222,7 @@ static void embree_forgets_the_filter(void **state)
     (void)state;
     const struct engine *engine = engine_find("embree");
     void *self = stand_open(engine);
-    struct stand s = stand_make("soup:n=200,size=0.5", "random", RAYS, "f32", 4);
+    struct fixture_stand s = stand_make("soup:n=200,size=0.5", "random", RAYS, "f32", 4);
     struct trace_report report;
     struct reason reason = {""};
     struct hit *before = calloc(RAYS, sizeof *before), *after = calloc(RAYS, sizeof *after);

@@ -27,14 +27,14 @@ static void need_embree(void)
         skip();
 }
 
-struct question {
+struct known_question {
     float vertex[5][3][3];
     uint32_t triangles;
     struct ray ray;
     enum query query;
 };
 
-static struct fuzz_trial trial_of(const struct question *q)
+static struct fuzz_trial trial_of(const struct known_question *q)
 {
     struct fuzz_trial trial;
     struct reason reason;
@@ -49,7 +49,7 @@ static struct fuzz_trial trial_of(const struct question *q)
 }
 
 /* What the engine does wrong, and what the baseline says of it: "" or the signature. */
-static void play(const char *name, const struct question *q, char text[FUZZ_SIGNATURE_MOST])
+static void play(const char *name, const struct known_question *q, char text[FUZZ_SIGNATURE_MOST])
 {
     const struct engine *engine = engine_find(name);
     const struct engine_options options = {.threads = 1};
@@ -90,9 +90,9 @@ static void play(const char *name, const struct question *q, char text[FUZZ_SIGN
 
 /* More than four triangles, so that Embree makes boxes. The ray runs along z at x = 0; triangle 0
  * reaches from x = -SIZE to `margin`, and is hit at z = t. The others lie aside. */
-static struct question beside_a_border(float margin, float t)
+static struct known_question beside_a_border(float margin, float t)
 {
-    struct question q = {.triangles = 5, .ray = {.dir = {0, 0, 1}, .tmax = 1e30f}};
+    struct known_question q = {.triangles = 5, .ray = {.dir = {0, 0, 1}, .tmax = 1e30f}};
     const float first[3][3] = {{-SIZE, -SIZE, t}, {-SIZE, SIZE, t}, {margin, 0, t}};
     memcpy(q.vertex[0], first, sizeof first);
     for (int i = 1; i < 5; i++)
@@ -115,7 +115,7 @@ static void a_direction_of_0_moves_the_ray_by_1e_18_t(void **state)
                  {0.5e-18f, 0.25f, false}};
     for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
         char text[FUZZ_SIGNATURE_MOST];
-        struct question q = beside_a_border(cases[i].margin, cases[i].t);
+        struct known_question q = beside_a_border(cases[i].margin, cases[i].t);
         play("embree_robust", &q, text);
         if (strcmp(text, cases[i].lost ? "embree_robust.-.missed.scale" : "") != 0)
             fail_msg("margin %g, t %g: '%s'", (double)cases[i].margin, (double)cases[i].t, text);
@@ -134,7 +134,7 @@ static void the_sign_of_a_small_direction_is_lost(void **state)
     (void)state;
     need_embree();
     char text[FUZZ_SIGNATURE_MOST];
-    struct question q = beside_a_border(0.5e-18f, 1);
+    struct known_question q = beside_a_border(0.5e-18f, 1);
     q.ray.dir[0] = -0x1p-60f; /* -8.7e-19 */
     play("embree_robust", &q, text);
     assert_string_equal(text, "embree_robust.-.missed.scale");
@@ -150,8 +150,8 @@ static void an_axis_of_tiny_numbers_is_scaled_by_itself(void **state)
     (void)state;
     need_embree();
     char text[FUZZ_SIGNATURE_MOST];
-    struct question q = {.triangles = 5,
-                         .ray = {.org = {0x1p-119f, 1, 0}, .dir = {0, -1, 0}, .tmax = INFINITY}};
+    struct known_question q = {
+        .triangles = 5, .ray = {.org = {0x1p-119f, 1, 0}, .dir = {0, -1, 0}, .tmax = INFINITY}};
     static const float thin[3][3] = {{0, 0, 1}, {0x1p-117f, 0, -1}, {0, 0, 0}};
     static const float line[3][3] = {{0, 0, 1}, {0, 0, 1}, {0, 1, 0}};
     for (int i = 0; i < 5; i++)
@@ -167,7 +167,7 @@ static void a_subnormal_determinant_gives_nan(void **state)
     for (int e = -44; e <= -38; e++) {
         char text[FUZZ_SIGNATURE_MOST];
         float a = ldexpf(1.0f, e), d = ldexpf(1.0f, -40);
-        struct question q = {
+        struct known_question q = {
             .triangles = 1,
             .vertex = {{{0, 0, 0}, {a, 0, 0}, {0, a, 0}}},
             .ray = {.org = {0.25f * a, 0.25f * a, -d}, .dir = {0, 0, d}, .tmax = 1e30f}};
@@ -185,7 +185,7 @@ static void what_cures_need_not_be_the_nearest_hit(void **state)
     need_embree();
     for (int nearer = 0; nearer < 2; nearer++) {
         char text[FUZZ_SIGNATURE_MOST];
-        struct question q = beside_a_border(0.5e-18f, 1);
+        struct known_question q = beside_a_border(0.5e-18f, 1);
         memcpy(q.vertex[1], q.vertex[0], sizeof q.vertex[1]);
         for (int c = 0; c < 3; c++)
             q.vertex[nearer][c][2] = 0.875f;
@@ -193,12 +193,13 @@ static void what_cures_need_not_be_the_nearest_hit(void **state)
         play("embree_robust", &q, text);
         assert_string_equal(text, "embree_robust.-.missed.scale");
     }
-    struct question q = {.triangles = 2,
-                         .vertex = {{{0x1p-51f, 0, 0}, {0, 0, -0x1p-46f}, {0x1p-45f, 0x1.8p-45f, 0}},
-                                    {{0x1p-51f, 0, 0}, {0, 0, -0x1p-46f}, {0, 0, -0x1.4p-46f}}},
-                         .ray = {.org = {0x1p-45f, 0x1.8p-45f, 0},
-                                 .dir = {-0x1p-30f, -0x1.8p-30f, -0x1.4p-31f},
-                                 .tmax = INFINITY}};
+    struct known_question q = {
+        .triangles = 2,
+        .vertex = {{{0x1p-51f, 0, 0}, {0, 0, -0x1p-46f}, {0x1p-45f, 0x1.8p-45f, 0}},
+                   {{0x1p-51f, 0, 0}, {0, 0, -0x1p-46f}, {0, 0, -0x1.4p-46f}}},
+        .ray = {.org = {0x1p-45f, 0x1.8p-45f, 0},
+                .dir = {-0x1p-30f, -0x1.8p-30f, -0x1.4p-31f},
+                .tmax = INFINITY}};
     char text[FUZZ_SIGNATURE_MOST];
     play("embree", &q, text);
     assert_string_equal(text, "embree.-.not_finite.scale");

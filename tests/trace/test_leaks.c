@@ -9,7 +9,7 @@
 #define RAYS 8000
 
 /* A closed mesh with its rays. */
-struct mesh {
+struct leaks_mesh {
     struct scene scene;
     struct topology topology;
     struct oracle *oracle;
@@ -20,9 +20,9 @@ struct mesh {
 };
 
 /* What is made borrows the scene: a mesh must not move. */
-static struct mesh *mesh_new(size_t count)
+static struct leaks_mesh *mesh_new(size_t count)
 {
-    struct mesh *m = calloc(1, sizeof *m);
+    struct leaks_mesh *m = calloc(1, sizeof *m);
     assert_non_null(m);
     m->ray = calloc(count, sizeof *m->ray);
     m->aim = calloc(count, 1);
@@ -33,7 +33,7 @@ static struct mesh *mesh_new(size_t count)
 }
 
 /* Its topology and oracle. */
-static void mesh_study(struct mesh *m)
+static void mesh_study(struct leaks_mesh *m)
 {
     struct reason reason = {""};
     stand_must(topology_make(&m->scene, &m->topology, &reason), &reason);
@@ -42,9 +42,9 @@ static void mesh_study(struct mesh *m)
     m->rays.oracle = m->oracle;
 }
 
-static struct mesh *mesh_make(const char *spec, size_t count)
+static struct leaks_mesh *mesh_make(const char *spec, size_t count)
 {
-    struct mesh *m = mesh_new(count);
+    struct leaks_mesh *m = mesh_new(count);
     struct reason reason = {""};
     stand_must(scene_open(spec, 1, &m->scene, &reason), &reason);
     mesh_study(m);
@@ -54,7 +54,7 @@ static struct mesh *mesh_make(const char *spec, size_t count)
     return m;
 }
 
-static void mesh_free(struct mesh *m)
+static void mesh_free(struct leaks_mesh *m)
 {
     free(m->ray);
     free(m->aim);
@@ -64,7 +64,8 @@ static void mesh_free(struct mesh *m)
     free(m);
 }
 
-static struct leaks played(struct mesh *m, const char *engine, const char *tri, uint64_t *digest)
+static struct leaks played(struct leaks_mesh *m, const char *engine, const char *tri,
+                           uint64_t *digest)
 {
     const struct engine *brute = engine_find(engine);
     struct job job = {.scene = &m->scene, .box = box_tests[0], .tri = tri_test_find(tri)};
@@ -82,7 +83,7 @@ static void mt_leaks_and_woop_does_not(void **state)
     (void)state;
     static const char *const specs[] = {"sphere", "platonic", "flake:depth=1"};
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct mesh *m = mesh_make(specs[s], RAYS);
+        struct leaks_mesh *m = mesh_make(specs[s], RAYS);
         struct leaks mt = played(m, "brute", "mt", NULL);
         struct leaks woop = played(m, "brute", "woop", NULL);
         struct leak_tally total = leaks_total(&woop);
@@ -110,7 +111,7 @@ static void mt_leaks_and_woop_does_not(void **state)
 static void the_digest_knows_every_bit(void **state)
 {
     (void)state;
-    struct mesh *m = mesh_make("platonic", 1000);
+    struct leaks_mesh *m = mesh_make("platonic", 1000);
     uint64_t digest[3][1000];
     (void)played(m, "brute", "woop", digest[0]);
     (void)played(m, "brute", "woop", digest[1]);
@@ -132,9 +133,9 @@ static const float cube_at[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 
 static const uint32_t cube_index[36] = {0, 3, 1, 0, 2, 3, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
                                         2, 7, 3, 2, 6, 7, 0, 6, 2, 0, 4, 6, 1, 3, 7, 1, 7, 5};
 
-static struct mesh *cube(size_t count)
+static struct leaks_mesh *cube(size_t count)
 {
-    struct mesh *m = mesh_new(count);
+    struct leaks_mesh *m = mesh_new(count);
     assert_int_equal(scene_make(8, 12, &m->scene), STATUS_OK);
     memcpy(m->scene.vertex, cube_at, sizeof cube_at);
     memcpy(m->scene.index, cube_index, sizeof cube_index);
@@ -147,7 +148,7 @@ static struct mesh *cube(size_t count)
     return m;
 }
 
-static size_t extra_of(struct mesh *m, struct ray ray, const uint32_t *prim, size_t count,
+static size_t extra_of(struct leaks_mesh *m, struct ray ray, const uint32_t *prim, size_t count,
                        uint32_t pair[2])
 {
     uint32_t group[12];
@@ -162,7 +163,7 @@ static size_t extra_of(struct mesh *m, struct ray ray, const uint32_t *prim, siz
 static void triangles_of_one_side_exclude_each_other(void **state)
 {
     (void)state;
-    struct mesh *m = cube(1);
+    struct leaks_mesh *m = cube(1);
     uint32_t pair[2] = {77, 77};
     const struct ray down = {{0, 0, 0}, 0, {0, 0, -1}, 1e30f};     /* through a diagonal */
     const struct ray corner = {{0, 0, 0}, 0, {-1, -1, -1}, 1e30f}; /* through corner 0 */
@@ -187,7 +188,7 @@ static void triangles_of_one_side_exclude_each_other(void **state)
 }
 
 /* What the made-up engine answers to ray i. */
-struct script {
+struct leaks_script {
     bool miss;
     uint32_t list[6], count;
 };
@@ -195,7 +196,7 @@ struct script {
 static enum status script_trace(void *self, const struct ray *ray, size_t ray_count,
                                 struct hit *hit, struct trace_report *report, struct reason *reason)
 {
-    const struct script *script = self;
+    const struct leaks_script *script = self;
     (void)ray, (void)reason;
     *report = (struct trace_report){.ns = 1};
     for (size_t i = 0; i < ray_count; i++)
@@ -207,7 +208,7 @@ static enum status script_all(void *self, const struct ray *ray, size_t ray_coun
                               uint32_t capacity, struct hit *hit, uint32_t *hit_count,
                               struct reason *reason)
 {
-    const struct script *script = self;
+    const struct leaks_script *script = self;
     (void)ray, (void)reason;
     for (size_t i = 0; i < ray_count; i++) {
         hit_count[i] = script[i].count;
@@ -232,11 +233,11 @@ static void each_fault_has_its_count(void **state)
     /* Rays 0 to 3 leave through triangle 0's inside, but are answered: right; missed; two
      * neighbours; another wall beside. Ray 4 too, the wall twice; ray 5 nothing listed; ray 6
      * through the diagonal, both; ray 7 a triangle that is not there. */
-    struct script script[8] = {
+    struct leaks_script script[8] = {
         {false, {0}, 1},    {true, {0}, 1},  {false, {0, 1}, 2}, {false, {0, 7}, 2},
         {false, {0, 0}, 2}, {false, {0}, 0}, {false, {1, 0}, 2}, {false, {12345}, 1},
     };
-    struct mesh *m = cube(8);
+    struct leaks_mesh *m = cube(8);
     struct reason reason = {""};
     struct leaks leaks;
     struct job job = {.scene = &m->scene, .box = box_tests[0], .tri = tri_tests[0]};
@@ -265,9 +266,10 @@ static void each_fault_has_its_count(void **state)
 static void an_engine_without_lists_is_counted(void **state)
 {
     (void)state;
-    struct script script[4] = {{true, {0}, 0}, {false, {0}, 0}, {true, {0}, 0}, {true, {0}, 0}};
+    struct leaks_script script[4] = {
+        {true, {0}, 0}, {false, {0}, 0}, {true, {0}, 0}, {true, {0}, 0}};
     struct engine silent = scripted;
-    struct mesh *m = cube(4);
+    struct leaks_mesh *m = cube(4);
     struct leaks leaks;
     struct reason reason = {""};
     struct job job = {.scene = &m->scene, .box = box_tests[0], .tri = tri_tests[0]};

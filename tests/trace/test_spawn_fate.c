@@ -35,14 +35,14 @@ static void rounding_to_float32_and_back_is_not_left_out(void **state)
     with_rounded(&hit, assert_rounded, NULL);
 }
 
-struct tally {
+struct fate_tally {
     const struct field *field;
     size_t met, missed, open;
 };
 
 static void compare_with_oracle(const struct spawn_hit *hit, const float org[3], void *user)
 {
-    struct tally *tally = user;
+    struct fate_tally *tally = user;
     const struct field *f = tally->field;
     struct ray ray = spawn_ray(hit, org);
     for (uint32_t prim = 0; prim < f->scene.tri_count; prim++) {
@@ -66,7 +66,7 @@ static void what_is_met_from_an_exact_point_is_what_the_oracle_says(void **state
 {
     (void)state;
     struct field *f = opened("soup:n=60,size=0.7", 1, 0);
-    struct tally tally = {.field = f};
+    struct fate_tally tally = {.field = f};
     shoot(f, "random", "mt");
     for (size_t i = 0; i < f->count; i++)
         with_rounded(&f->hit[i], compare_with_oracle, &tally);

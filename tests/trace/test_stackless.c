@@ -9,7 +9,7 @@
 
 #define RAYS 400
 
-static bool is_binary_tree(const struct stand *s, uint32_t **parent)
+static bool is_binary_tree(const struct fixture_stand *s, uint32_t **parent)
 {
     struct reason reason;
     return packed_links(&s->packed, parent, &reason) == STATUS_OK;
@@ -25,7 +25,7 @@ static void finds_what_the_stack_finds(void **state)
         for (size_t l = 0; layouts[l]; l++) {
             if (layout_is_wide(layouts[l]))
                 continue;
-            struct stand s = stand_make(scenes[n], "mixed", RAYS, layouts[l]->name, 4);
+            struct fixture_stand s = stand_make(scenes[n], "mixed", RAYS, layouts[l]->name, 4);
             uint32_t *parent = NULL;
             bool tree = is_binary_tree(&s, &parent);
             for (size_t b = 0; box_tests[b] && tree; b++)
@@ -74,7 +74,7 @@ static void the_device_has_the_same_bits(void **state)
     (void)state;
     void *self_b = stand_open(gpu), *self_a = stand_open(cpu);
     for (size_t l = 0; layouts[l]; l++) {
-        struct stand s = stand_make("soup:n=300", "mixed", RAYS, layouts[l]->name, 4);
+        struct fixture_stand s = stand_make("soup:n=300", "mixed", RAYS, layouts[l]->name, 4);
         struct job job = stand_job(&s, "robust", "mt", QUERY_CLOSEST);
         enum status status = cpu->prepare(self_a, &job, &reason);
         assert_int_equal(gpu->prepare(self_b, &job, &reason), status);
@@ -92,7 +92,7 @@ static void the_device_has_the_same_bits(void **state)
 /* What is decoded of a cut tree is none. */
 static void what_is_no_tree_is_refused(void **state)
 {
-    struct stand s = stand_make("soup:n=300", "mixed", 1, "f32", 4);
+    struct fixture_stand s = stand_make("soup:n=300", "mixed", 1, "f32", 4);
     struct reason reason;
     uint32_t *parent;
     (void)state;

@@ -20,7 +20,7 @@ static const enum twin_formula formulas[] = {TWIN_MT,           TWIN_MT_RTRS,   
 
 /* Exact to far below float32: edge products, determinant and t of Moeller-Trumbore in long double,
  * whose inputs are floats, so that the differences are exact. */
-struct truth {
+struct twin_truth {
     long double edge[3], det, t;
 };
 
@@ -35,10 +35,10 @@ static long double dot_l(const long double a[3], const long double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static struct truth truth_of(const struct ray *ray, float v[3][3])
+static struct twin_truth truth_of(const struct ray *ray, float v[3][3])
 {
     long double a[3][3], d[3], n[3];
-    struct truth out;
+    struct twin_truth out;
     for (int i = 0; i < 3; i++) {
         d[i] = ray->dir[i];
         for (int c = 0; c < 3; c++)
@@ -88,7 +88,7 @@ static void twin_bounds_the_distance(void **state)
         struct ray ray;
         float v[3][3];
         random_pair(&rng, n % 3, &ray, v);
-        struct truth truth = truth_of(&ray, v);
+        struct twin_truth truth = truth_of(&ray, v);
         for (size_t f = 0; f < ARRAY_COUNT(formulas); f++) {
             struct twin twin = twin_eval(formulas[f], ROUNDING_IEEE, &ray, v);
             if (!isfinite(twin.t_err))
@@ -115,7 +115,7 @@ static void twin_is_certain_only_of_true_hits(void **state)
         struct ray ray;
         float v[3][3];
         random_pair(&rng, n % 3, &ray, v);
-        struct truth truth = truth_of(&ray, v);
+        struct twin_truth truth = truth_of(&ray, v);
         bool positive = true, negative = true;
         for (int c = 0; c < 3; c++) {
             positive = positive && truth.edge[c] > 0;

@@ -27,9 +27,9 @@ static const struct rounding roundings[] = {{1, 1, 1, 0x1p-149},
                                             {2, 2, 5, 0x1p-126},
                                             {1, 1, 5, 0x1p-126}};
 
-enum kind { KIND_PLAIN, KIND_LATTICE, KIND_SCALED, KIND_TINY, KIND_HUGE, KINDS };
+enum many_kind { KIND_PLAIN, KIND_LATTICE, KIND_SCALED, KIND_TINY, KIND_HUGE, KINDS };
 
-static float draw(struct rng *rng, enum kind kind)
+static float draw(struct rng *rng, enum many_kind kind)
 {
     float x = rng_range(rng, -4, 4);
     switch (kind) {
@@ -48,7 +48,7 @@ static float draw(struct rng *rng, enum kind kind)
     return x;
 }
 
-static void draw_all(struct rng *rng, enum kind kind, struct scene *scene, struct ray *ray,
+static void draw_all(struct rng *rng, enum many_kind kind, struct scene *scene, struct ray *ray,
                      struct twin_pair *pair)
 {
     for (uint32_t i = 0; i < 3 * scene->vertex_count; i++)
@@ -113,7 +113,7 @@ static void vectors_give_the_same_twins(void **state)
     size_t seen = 0;
     assert_int_equal(scene_make(24, 16, &scene), STATUS_OK);
     for (uint32_t n = 0; n < ROUNDS * KINDS; n++) {
-        draw_all(&rng, (enum kind)(n % KINDS), &scene, ray, pair);
+        draw_all(&rng, (enum many_kind)(n % KINDS), &scene, ray, pair);
         for (size_t f = 0; f < ARRAY_COUNT(formulas); f++)
             for (size_t r = 0; r < ARRAY_COUNT(roundings); r++)
                 for (size_t k = 0; k < ARRAY_COUNT(kernels); k++) {

@@ -26,13 +26,13 @@ static bool range_is_certain(const struct scene *scene, const struct ray *ray, c
     return (double)h->t - twin.t_err > (double)ray->tmin;
 }
 
-struct leaks {
+struct watertight_leaks {
     size_t rays, hits, robust, watertight;
 };
 
 /* Every ray is inside a closed mesh: a miss is a leak. */
 static void count(const struct scene *scene, const struct packed *packed, const struct ray *ray,
-                  struct leaks *leaks)
+                  struct watertight_leaks *leaks)
 {
     const struct tri_test *woop = tri_test_find("woop");
     struct hit all, hit;
@@ -62,7 +62,7 @@ static void long_corridors_leak_through_robust_boxes_only(void **state)
 {
     (void)state;
     for (float half = 10.0f; half <= 1000.0f; half *= 10.0f) {
-        struct leaks leaks = {0};
+        struct watertight_leaks leaks = {0};
         for (int axis = 0; axis < 3; axis++) {
             struct scene scene = corridor_scene(axis, half);
             struct bvh bvh = median(&scene, 1);
@@ -101,7 +101,7 @@ static void kept_leak(void **state)
     struct scene scene = corridor_scene(2, 1000.0f);
     struct bvh bvh = median(&scene, 1);
     struct packed packed = pack("f32", &bvh, &scene);
-    struct leaks leaks = {0};
+    struct watertight_leaks leaks = {0};
     count(&scene, &packed, &ray, &leaks);
     assert_int_equal(leaks.hits, 1);
     assert_int_equal(leaks.robust, 1);

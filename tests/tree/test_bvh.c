@@ -44,7 +44,7 @@ static void bvh_accepts_an_empty_tree_of_an_empty_scene_only(void **state)
 
 /* One way to spoil the balanced tree of 10 triangles, leaf 2: nodes 0 .. 8, leaf nodes 2, 3, 5, 7
  * and 8. `where` is the offset of the uint32_t that is replaced in node `node`, or in prim. */
-struct spoilt {
+struct bvh_spoilt {
     const char *what;
     uint32_t node;
     size_t where;
@@ -54,7 +54,7 @@ struct spoilt {
 
 #define IN_PRIM UINT32_MAX
 
-static const struct spoilt spoilt[] = {
+static const struct bvh_spoilt spoilt[] = {
     {"child out of range", 0, offsetof(struct bvh_node, snd), 9, "node 0: second child is 9"},
     {"child far out of range", 4, offsetof(struct bvh_node, fst), 0xFFFFFFFF, "node 4: first"},
     {"cycle to the root", 6, offsetof(struct bvh_node, snd), 0, "node 6: second child is 0"},
@@ -77,7 +77,7 @@ static void bvh_refuses_every_malformed_tree(void **state)
 {
     (void)state;
     for (size_t i = 0; i < ARRAY_COUNT(spoilt); i++) {
-        const struct spoilt *s = &spoilt[i];
+        const struct bvh_spoilt *s = &spoilt[i];
         struct scene scene = trees_grid(10);
         struct bvh bvh = trees_make(&scene, 2, TREES_BALANCED);
         struct reason reason = {""};

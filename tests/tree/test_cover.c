@@ -22,12 +22,12 @@
 /* Small whole coordinates, so that clipping is exact in fractions of 64-bit integers. */
 #define RANGE 4
 
-struct fraction {
+struct cover_fraction {
     __int128 num, den; /* den > 0 */
 };
 
 struct corner {
-    struct fraction x[3];
+    struct cover_fraction x[3];
 };
 
 static __int128 gcd(__int128 a, __int128 b)
@@ -41,14 +41,14 @@ static __int128 gcd(__int128 a, __int128 b)
     return a ? a : 1;
 }
 
-static struct fraction reduced(__int128 num, __int128 den)
+static struct cover_fraction reduced(__int128 num, __int128 den)
 {
     __int128 by = gcd(num, den);
-    return (struct fraction){num / by, den / by};
+    return (struct cover_fraction){num / by, den / by};
 }
 
 /* Sign of x - side. */
-static int against(struct fraction x, int side)
+static int against(struct cover_fraction x, int side)
 {
     __int128 d = x.num - side * x.den;
     return (d > 0) - (d < 0);
@@ -65,11 +65,11 @@ static struct corner crossing(const struct corner *a, const struct corner *b, in
         n = -n;
         d = -d;
     }
-    struct fraction s = reduced(n, d);
+    struct cover_fraction s = reduced(n, d);
     for (int i = 0; i < 3; i++) {
-        struct fraction p = a->x[i], q = b->x[i];
-        struct fraction way = reduced(q.num * p.den - p.num * q.den, p.den * q.den);
-        struct fraction step = reduced(way.num * s.num, way.den * s.den);
+        struct cover_fraction p = a->x[i], q = b->x[i];
+        struct cover_fraction way = reduced(q.num * p.den - p.num * q.den, p.den * q.den);
+        struct cover_fraction step = reduced(way.num * s.num, way.den * s.den);
         out.x[i] = reduced(p.num * step.den + step.num * p.den, p.den * step.den);
     }
     return out;
@@ -98,7 +98,7 @@ static bool meets_by_clipping(const int v[3][3], const int lo[3], const int hi[3
     int count = 3, now = 0;
     for (int c = 0; c < 3; c++)
         for (int k = 0; k < 3; k++)
-            polygon[0][c].x[k] = (struct fraction){v[c][k], 1};
+            polygon[0][c].x[k] = (struct cover_fraction){v[c][k], 1};
     for (int k = 0; k < 3; k++)
         for (int high = 0; high < 2; high++) {
             count =
@@ -212,14 +212,14 @@ static void cover_meets_is_never_misled_by_rounding(void **state)
  */
 
 /* A triangle cut at x = 1 into two leaves whose boxes are as small as they may be, and another. */
-struct cut {
+struct cover_cut {
     struct scene scene;
     struct bvh_node node[5];
     uint32_t prim[3];
     struct bvh bvh;
 };
 
-static void cut_make(struct cut *cut)
+static void cut_make(struct cover_cut *cut)
 {
     const float v[6][3] = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {5, 5, 1}, {6, 5, 1}, {5, 6, 1}};
     assert_int_equal(scene_make(6, 2, &cut->scene), STATUS_OK);
@@ -240,7 +240,7 @@ static void cut_make(struct cut *cut)
 static void cover_accepts_a_triangle_that_is_cut(void **state)
 {
     (void)state;
-    struct cut cut;
+    struct cover_cut cut;
     struct reason reason = {""};
     cut_make(&cut);
     if (bvh_check(&cut.bvh, &cut.scene, &reason))
@@ -258,7 +258,7 @@ static void cover_finds_every_box_that_is_one_ulp_too_small(void **state)
     (void)state;
     for (uint32_t n = 0; n < 4; n++)
         for (int k = 0; k < 6; k++) {
-            struct cut cut;
+            struct cover_cut cut;
             struct reason reason = {""};
             cut_make(&cut);
             struct box *box = &cut.node[n].bounds;
@@ -278,7 +278,7 @@ static void cover_finds_every_box_that_is_one_ulp_too_small(void **state)
 static void cover_names_the_node_above_the_gap(void **state)
 {
     (void)state;
-    struct cut cut;
+    struct cover_cut cut;
     struct reason reason = {""};
     cut_make(&cut);
     cut.node[3].bounds.lo[0] = nextafterf(1, 2);
@@ -291,7 +291,7 @@ static void cover_names_the_node_above_the_gap(void **state)
 static void cover_finds_a_reference_that_is_dropped(void **state)
 {
     (void)state;
-    struct cut cut;
+    struct cover_cut cut;
     struct reason reason = {""};
     cut_make(&cut);
     cut.prim[1] = 1; /* the second part's leaf has the other triangle */
@@ -306,7 +306,7 @@ static void cover_finds_a_reference_that_is_dropped(void **state)
 static void cover_refuses_a_triangle_twice_in_a_leaf(void **state)
 {
     (void)state;
-    struct cut cut;
+    struct cover_cut cut;
     struct reason reason = {""};
     cut_make(&cut);
     cut.node[1] = (struct bvh_node){cut.node[1].bounds, 0, 0, 0, 2};
@@ -324,7 +324,7 @@ static void cover_of_a_nan_box_is_nothing(void **state)
     (void)state;
     for (uint32_t n = 0; n < 4; n++)
         for (int k = 0; k < 6; k++) {
-            struct cut cut;
+            struct cover_cut cut;
             cut_make(&cut);
             struct box *box = &cut.node[n].bounds;
             *(k < 3 ? &box->lo[k] : &box->hi[k - 3]) = NAN;

@@ -71,7 +71,7 @@ static void aim(const struct scene *scene, struct ray ray[RAYS])
     }
 }
 
-struct asked {
+struct degenerate_asked {
     int kind;
     const struct builder *builder;
     const struct layout *layout;
@@ -86,21 +86,22 @@ struct asked {
 static const char *const engine_name[ENGINES] = {"cpu", "cpu_stackless", "fast"};
 
 /* Whether what it packs loses nothing. */
-static bool is_lossless(const struct asked *a)
+static bool is_lossless(const struct degenerate_asked *a)
 {
     return !a->builder->faithful && !a->layout->faithful &&
            strncmp(a->layout->name, "amd64_g", 7) != 0;
 }
 
 /* One line that begins with who says it. */
-static void must_be_a_line(const struct asked *a, const char *who, const struct reason *reason)
+static void must_be_a_line(const struct degenerate_asked *a, const char *who,
+                           const struct reason *reason)
 {
     if (!reason->text[0] || strchr(reason->text, '\n') || strchr(reason->text, '?'))
         fail_msg("%s, %s, %s: %s says \"%s\"", kind_name[a->kind], a->builder->name,
                  a->layout->name, who, reason->text);
 }
 
-static void must_agree(const struct asked *a, const char *engine, const struct hit *hit)
+static void must_agree(const struct degenerate_asked *a, const char *engine, const struct hit *hit)
 {
     for (uint32_t i = 0; i < RAYS; i++) {
         if (hit[i].prim != ABI_NO_PRIM)
@@ -117,7 +118,7 @@ static void must_agree(const struct asked *a, const char *engine, const struct h
 }
 
 /* Returns how many engines traced it. */
-static uint32_t trace_it(struct asked *a)
+static uint32_t trace_it(struct degenerate_asked *a)
 {
     const struct job job = {.scene = &a->scene,
                             .packed = &a->packed,
@@ -147,7 +148,7 @@ static uint32_t trace_it(struct asked *a)
 }
 
 /* Returns whether the layout takes the tree. */
-static bool pack_it(struct asked *a, uint32_t *traced)
+static bool pack_it(struct degenerate_asked *a, uint32_t *traced)
 {
     struct reason reason = {""};
     enum status status = packed_make(a->layout, &a->bvh, &a->scene, &a->packed, &reason);
@@ -167,7 +168,7 @@ static bool pack_it(struct asked *a, uint32_t *traced)
     return true;
 }
 
-static void engines_open(struct asked *a)
+static void engines_open(struct degenerate_asked *a)
 {
     const struct engine_options options = {.threads = 1, .device = -1};
     for (size_t e = 0; e < ENGINES; e++)
@@ -178,7 +179,7 @@ static void engines_open(struct asked *a)
 static void scenes_that_are_hardly_any(void **state)
 {
     (void)state;
-    struct asked a = {.kind = 0};
+    struct degenerate_asked a = {.kind = 0};
     const struct build_options options = {.leaf = 3, .eps = BUILD_EPS_DEFAULT};
     engines_open(&a);
     for (; a.kind < KINDS; a.kind++) {

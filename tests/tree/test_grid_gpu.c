@@ -182,7 +182,7 @@ static void every_member_has_the_bits_of_c(void **state)
         skip();
     }
     gpu_must(status, &reason);
-    struct view view = view_make("soup:n=150", "vertices", 400);
+    struct drivers_view view = view_make("soup:n=150", "vertices", 400);
     size_t members = 0;
     for (size_t l = 0; layouts_all[l]; l++) {
         if (strncmp(layout_shader(layouts_all[l]), "grid", 4) != 0)

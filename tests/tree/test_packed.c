@@ -14,7 +14,7 @@
 
 /* 16 triangles, 8 leaves of two, balanced: 15 nodes, 23 records where leaves take two. Nodes 0
  * (1, 8), 1 (2, 5), 2 (3, 4), ... leaves 3, 4, 6, 7, 10, 11, 13, 14. */
-struct fixture {
+struct packed_fixture {
     struct scene scene;
     struct bvh bvh;
     struct packed packed;
@@ -22,21 +22,21 @@ struct fixture {
     struct reason reason;
 };
 
-static void fixture_make(struct fixture *f, const char *layout)
+static void fixture_make(struct packed_fixture *f, const char *layout)
 {
-    *f = (struct fixture){.scene = trees_grid(16)};
+    *f = (struct packed_fixture){.scene = trees_grid(16)};
     f->bvh = trees_make(&f->scene, 2, TREES_BALANCED);
     if (packed_make(layout_find(layout), &f->bvh, &f->scene, &f->packed, &f->reason))
         fail_msg("%s", f->reason.text);
 }
 
-static enum status fixture_check(struct fixture *f)
+static enum status fixture_check(struct packed_fixture *f)
 {
     f->reason.text[0] = 0;
     return packed_check(&f->packed, &f->scene, &f->faults, &f->reason);
 }
 
-static void fixture_free(struct fixture *f)
+static void fixture_free(struct packed_fixture *f)
 {
     packed_free(&f->packed);
     bvh_free(&f->bvh);
@@ -50,7 +50,7 @@ static void packed_check_finds_nothing_in_good_trees(void **state)
     (void)state;
     static const char *const good[] = {"f32", "rf16"};
     for (size_t i = 0; i < ARRAY_COUNT(good); i++) {
-        struct fixture f;
+        struct packed_fixture f;
         fixture_make(&f, good[i]);
         assert_int_equal(fixture_check(&f), STATUS_OK);
         assert_memory_equal(&f.faults, &no_faults, sizeof no_faults);
@@ -86,7 +86,7 @@ static void packed_check_finds_a_bound_one_step_too_tight(void **state)
     (void)state;
     for (uint32_t node = 0; node < 15; node++)
         for (uint32_t k = 0; k < 6; k++) {
-            struct fixture f;
+            struct packed_fixture f;
             fixture_make(&f, "f32");
             uint32_t *word = &f.packed.word[8 * node + (k < 3 ? k : k + 1)];
             float x = float_from_bits(*word);
@@ -105,7 +105,7 @@ static void packed_check_finds_a_bound_one_step_too_tight(void **state)
 static void packed_check_takes_nan_bounds_for_loose(void **state)
 {
     (void)state;
-    struct fixture f;
+    struct packed_fixture f;
     fixture_make(&f, "rf16");
     f.packed.word[1] |= 0x7E00; /* y of the root */
     assert_int_equal(fixture_check(&f), STATUS_INPUT);
@@ -115,7 +115,7 @@ static void packed_check_takes_nan_bounds_for_loose(void **state)
 }
 
 /* One word changed, and the faults that must be counted. */
-struct spoilt {
+struct packed_spoilt {
     const char *layout;
     uint32_t word, value;
     struct packed_faults faults;
@@ -124,7 +124,7 @@ struct spoilt {
 
 /* f32: node n's words begin at 8 n; 3 is first, 7 count. rf16: records 0, 1, 2 inner, leaves 3
  * (triangles 0, 1), 5 (2, 3), inner 7, leaves 8, 10, inner 12. */
-static const struct spoilt spoilt[] = {
+static const struct packed_spoilt spoilt[] = {
     {"f32",
      3,
      15,
@@ -198,8 +198,8 @@ static void packed_check_counts_each_kind_of_fault(void **state)
 {
     (void)state;
     for (size_t i = 0; i < ARRAY_COUNT(spoilt); i++) {
-        const struct spoilt *s = &spoilt[i];
-        struct fixture f;
+        const struct packed_spoilt *s = &spoilt[i];
+        struct packed_fixture f;
         fixture_make(&f, s->layout);
         f.packed.word[s->word] = s->value;
         enum status status = fixture_check(&f);
@@ -218,7 +218,7 @@ static void packed_check_counts_each_kind_of_fault(void **state)
 static void packed_check_measures_the_stack(void **state)
 {
     (void)state;
-    struct fixture f;
+    struct packed_fixture f;
     fixture_make(&f, "rf16");
     f.packed.stack_need = 2;
     assert_int_equal(fixture_check(&f), STATUS_INPUT);
@@ -232,7 +232,7 @@ static void packed_check_measures_the_stack(void **state)
 static void packed_check_finds_a_root_out_of_range(void **state)
 {
     (void)state;
-    struct fixture f;
+    struct packed_fixture f;
     fixture_make(&f, "f32");
     f.packed.root = 15;
     assert_int_equal(fixture_check(&f), STATUS_INPUT);
@@ -248,7 +248,7 @@ static void packed_check_survives_garbage(void **state)
     struct rng rng = rng_make(4, 0);
     for (size_t l = 0; layouts[l]; l++)
         for (int round = 0; round < 300; round++) {
-            struct fixture f;
+            struct packed_fixture f;
             fixture_make(&f, layouts[l]->name);
             uint32_t mask = round % 2 ? UINT32_MAX : 0x801F001F;
             for (uint32_t i = 0; i < f.packed.word_count; i++)
@@ -268,7 +268,7 @@ static void packed_check_sees_the_seeds_numbering(void **state)
                                           {"rtrs_rf", "triangle 15 is in no leaf"},
                                           {"rtrs_rf_paper", "triangle 0 is in no leaf"}};
     for (size_t i = 0; i < ARRAY_COUNT(lost); i++) {
-        struct fixture f;
+        struct packed_fixture f;
         fixture_make(&f, lost[i][0]);
         assert_int_equal(fixture_check(&f), STATUS_INPUT);
         assert_int_equal(f.faults.lost_prims, 1);

@@ -60,10 +60,10 @@ static void check_hits(const struct packed *packed, const struct scene *scene)
     assert_true(hits > scene->tri_count / 6);
 }
 
-enum fate { HOLDS, REFUSES, EITHER };
+enum refit_fate { HOLDS, REFUSES, EITHER };
 
 /* What a layout must say to a motion of a soup of about 20 units. */
-static enum fate fate_of(const struct layout *layout, enum motion motion)
+static enum refit_fate fate_of(const struct layout *layout, enum motion motion)
 {
     const char *name = layout->name;
     bool away = motion == EXPLODED || motion == FAR || motion == BEYOND_HALVES;
@@ -88,7 +88,7 @@ static void refit_one(struct packed *packed, const struct scene *scene, enum mot
 {
     struct snapshot before = snapshot(packed);
     struct reason reason = {""};
-    enum fate fate = fate_of(packed->layout, motion);
+    enum refit_fate fate = fate_of(packed->layout, motion);
     enum status status = packed_refit(packed, scene, &reason);
     if (status) {
         assert_int_equal(status, STATUS_LIMIT);

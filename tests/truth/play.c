@@ -3,12 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-void stand_free(struct stand *stand)
+void stand_free(struct play_stand *stand)
 {
     if (stand->has_judged)
         judged_free(&stand->judged);
     packed_free(&stand->packed);
-    *stand = (struct stand){0};
+    *stand = (struct play_stand){0};
 }
 
 enum status stand_tree(const struct scene *scene, struct bvh *out, struct reason *reason)
@@ -17,11 +17,11 @@ enum status stand_tree(const struct scene *scene, struct bvh *out, struct reason
     return builders[0]->build(scene, &build, out, reason);
 }
 
-bool stand_make(const struct contestant *who, void *self, const struct scene *scene,
-                const struct bvh *bvh, const struct oracle *oracle, struct stand *out,
+bool stand_make(const struct tally_contestant *who, void *self, const struct scene *scene,
+                const struct bvh *bvh, const struct oracle *oracle, struct play_stand *out,
                 struct reason *reason)
 {
-    *out = (struct stand){.who = who, .scene = scene, .bvh = bvh, .oracle = oracle};
+    *out = (struct play_stand){.who = who, .scene = scene, .bvh = bvh, .oracle = oracle};
     out->job =
         (struct job){.scene = scene, .box = who->box, .tri = who->tri, .query = QUERY_CLOSEST};
     enum status status = STATUS_OK;
@@ -40,7 +40,7 @@ bool stand_make(const struct contestant *who, void *self, const struct scene *sc
     return status == STATUS_OK;
 }
 
-static struct wrong_answer wrong_at(const struct ground *ground, const struct contestant *who,
+static struct wrong_answer wrong_at(const struct ground *ground, const struct tally_contestant *who,
                                     size_t i)
 {
     struct wrong_answer wrong = {.who = *who,
@@ -69,8 +69,8 @@ static void redecide(const struct ground *ground, const struct model *model, con
 }
 
 /* Decides the wrong answers again, explains the first of them, cuts each new kind down. */
-static enum status follow_up(const struct ground *ground, const struct contestant *who,
-                             struct stand *stand, void *self, struct tally *tally)
+static enum status follow_up(const struct ground *ground, const struct tally_contestant *who,
+                             struct play_stand *stand, void *self, struct tally *tally)
 {
     size_t count = 0, known = tally->count;
     uint32_t *at = malloc(ground->count * sizeof *at);
@@ -99,12 +99,12 @@ static enum status follow_up(const struct ground *ground, const struct contestan
     return done ? STATUS_OK : STATUS_MEMORY;
 }
 
-enum status play(const struct ground *ground, const struct contestant *who, struct pool *pool,
+enum status play(const struct ground *ground, const struct tally_contestant *who, struct pool *pool,
                  struct tally *tally, struct play_result *out, struct reason *reason)
 {
     enum status status = STATUS_OK;
     struct trace_report report;
-    struct stand stand = {0};
+    struct play_stand stand = {0};
     *out = (struct play_result){0};
     void *self = pool_get(pool, who->engine, &status, reason);
     if (status ||

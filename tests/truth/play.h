@@ -31,13 +31,13 @@ struct play_result {
 /* Traces and judges all rays; every WRONG is decided again and added to the tally, with its cause
  * (of the first WRONG_EXPLAINED of each play; what is beyond keeps CAUSE_UNEXPLAINED) and its
  * smallest scene. Errors: STATUS_DEVICE the engine failed; STATUS_MEMORY. */
-enum status play(const struct ground *ground, const struct contestant *who, struct pool *pool,
+enum status play(const struct ground *ground, const struct tally_contestant *who, struct pool *pool,
                  struct tally *tally, struct play_result *out, struct reason *reason) MUST_USE;
 #define WRONG_EXPLAINED 1000u
 
 /* An engine on a packed scene, ready to be asked and judged. */
-struct stand {
-    const struct contestant *who;
+struct play_stand {
+    const struct tally_contestant *who;
     const struct scene *scene;
     const struct bvh *bvh;
     const struct oracle *oracle;
@@ -49,10 +49,10 @@ struct stand {
 
 /* Packs and prepares `who` (opened as `self`) on a scene with its tree and oracle, all borrowed;
  * false if it cannot. Freed by stand_free. */
-bool stand_make(const struct contestant *who, void *self, const struct scene *scene,
-                const struct bvh *bvh, const struct oracle *oracle, struct stand *out,
+bool stand_make(const struct tally_contestant *who, void *self, const struct scene *scene,
+                const struct bvh *bvh, const struct oracle *oracle, struct play_stand *out,
                 struct reason *reason);
-void stand_free(struct stand *stand);
+void stand_free(struct play_stand *stand);
 
 /* The tree that all contestants of a scene stand on. Errors: as the builder's. */
 enum status stand_tree(const struct scene *scene, struct bvh *out, struct reason *reason) MUST_USE;

@@ -26,7 +26,7 @@ static bool subset(const struct scene *scene, const uint32_t *keep, uint32_t cou
 static bool still_wrong(const struct wrong_answer *wrong, const struct scene *scene, void *self,
                         struct wrong_answer *out)
 {
-    struct stand stand = {0};
+    struct play_stand stand = {0};
     struct bvh bvh = {0};
     struct oracle *oracle = NULL;
     struct reason reason;

@@ -35,7 +35,7 @@ struct signature *tally_add(struct tally *tally, const struct wrong_answer *wron
 
 void signature_name(const struct signature *signature, char *text, size_t text_bytes)
 {
-    const struct contestant *who = &signature->first.who;
+    const struct tally_contestant *who = &signature->first.who;
     snprintf(text, text_bytes, "%s.%s.%s.%s.%s.%s", who->engine->name,
              who->layout ? who->layout->name : "-", who->layout ? who->box->name : "-",
              who->tri->name, wrong_name(signature->first.judgement.wrong),
@@ -61,7 +61,7 @@ static void write_answer(const struct wrong_answer *answer, FILE *stream)
 
 static void write_command(const struct wrong_answer *answer, const char *scene, FILE *stream)
 {
-    const struct contestant *who = &answer->who;
+    const struct tally_contestant *who = &answer->who;
     const struct ray *ray = &answer->ray;
     fprintf(stream, "  raydiff explain %s --engine %s", scene, who->engine->name);
     if (!who->engine->own_tri)

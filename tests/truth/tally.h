@@ -10,7 +10,7 @@
 #include <stdio.h>
 
 /* Who answers. */
-struct contestant {
+struct tally_contestant {
     const struct engine *engine;
     const struct layout *layout; /* NULL: the engine has no tree of ours */
     const struct box_test *box;
@@ -19,7 +19,7 @@ struct contestant {
 
 /* One answer that the judge calls wrong. */
 struct wrong_answer {
-    struct contestant who;
+    struct tally_contestant who;
     enum cause cause;
     char scene[80];
     const char *rays;

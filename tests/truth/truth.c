@@ -42,7 +42,7 @@ static const char *const ray_names[] = {"random", "vertices", "edges", "corners"
 #define BATCH           250000u
 #define PUBLISHED_SHARE 500u
 
-struct options {
+struct truth_options {
     uint64_t rays, seed;
     const char *out;
     struct engine_options engines;
@@ -54,8 +54,8 @@ enum { GROUP_MT, GROUP_WOOP, GROUP_EMBREE, GROUP_PUBLISHED, GROUP_COUNT };
 static const char *const group_names[GROUP_COUNT] = {"cpu, vulkan: mt", "cpu, vulkan: woop",
                                                      "embree_robust", "as published"};
 
-struct campaign {
-    struct options options;
+struct truth_campaign {
+    struct truth_options options;
     struct pool pool;
     struct tally tally;
     struct progress progress;
@@ -64,8 +64,8 @@ struct campaign {
     int code;
 };
 
-static void play_one(struct campaign *c, const struct ground *ground, const struct contestant *who,
-                     int group)
+static void play_one(struct truth_campaign *c, const struct ground *ground,
+                     const struct tally_contestant *who, int group)
 {
     struct play_result result;
     struct reason reason = {""};
@@ -93,7 +93,7 @@ static void play_one(struct campaign *c, const struct ground *ground, const stru
         sum->worst_over = result.worst_over;
 }
 
-static void play_all(struct campaign *c, struct ground *ground)
+static void play_all(struct truth_campaign *c, struct ground *ground)
 {
     static const char *const pairs[][2] = {{"mt", "robust"}, {"woop", "watertight"}};
     static const char *const own[] = {"cpu", "vulkan"};
@@ -101,22 +101,23 @@ static void play_all(struct campaign *c, struct ground *ground)
     for (size_t t = 0; t < ARRAY_COUNT(pairs); t++)
         for (size_t e = 0; e < ARRAY_COUNT(own); e++)
             for (size_t l = 0; layouts[l]; l++) {
-                struct contestant who = {.engine = engine_find(own[e]),
-                                         .layout = layouts[l],
-                                         .box = box_test_find(pairs[t][1]),
-                                         .tri = tri_test_find(pairs[t][0])};
+                struct tally_contestant who = {.engine = engine_find(own[e]),
+                                               .layout = layouts[l],
+                                               .box = box_test_find(pairs[t][1]),
+                                               .tri = tri_test_find(pairs[t][0])};
                 ground->count = layouts[l]->faithful ? count / PUBLISHED_SHARE : count;
                 if (ground->count > 0)
                     play_one(c, ground, &who, layouts[l]->faithful ? GROUP_PUBLISHED : (int)t);
                 ground->count = count;
             }
-    struct contestant embree = {
+    struct tally_contestant embree = {
         .engine = engine_find("embree_robust"), .box = box_tests[0], .tri = tri_test_find("mt")};
     play_one(c, ground, &embree, GROUP_EMBREE);
 }
 
-static enum status play_rays(struct campaign *c, struct ground *ground, const struct ray_set *set,
-                             size_t count, uint64_t seed, struct reason *reason)
+static enum status play_rays(struct truth_campaign *c, struct ground *ground,
+                             const struct ray_set *set, size_t count, uint64_t seed,
+                             struct reason *reason)
 {
     ground->rays = set->name;
     ground->seed = seed;
@@ -130,7 +131,7 @@ static enum status play_rays(struct campaign *c, struct ground *ground, const st
     return status;
 }
 
-static enum status play_scene(struct campaign *c, const char *spec, struct reason *reason)
+static enum status play_scene(struct truth_campaign *c, const char *spec, struct reason *reason)
 {
     struct ground ground = {.spec = spec};
     enum status status = scene_open(spec, 1, &ground.scene, reason);
@@ -163,7 +164,7 @@ static enum status play_scene(struct campaign *c, const char *spec, struct reaso
     return status;
 }
 
-static void print_groups(const struct campaign *c)
+static void print_groups(const struct truth_campaign *c)
 {
     printf("%-18s %11s %11s", "answers of", "judged", "hits");
     for (enum verdict v = VERDICT_TIE; v < VERDICT_COUNT; v++)
@@ -182,7 +183,7 @@ static void print_groups(const struct campaign *c)
 }
 
 /* Prints the result; returns the exit code. */
-static int print_result(const struct campaign *c)
+static int print_result(const struct truth_campaign *c)
 {
     size_t wrong = 0, opinion[GMP_OPINION_COUNT] = {0}, own = 0;
     print_groups(c);
@@ -221,7 +222,7 @@ static const struct option long_options[] = {{"rays", 1, NULL, OPT_RAYS},
 
 static enum status take_option(void *user, int option, char *text, struct reason *reason)
 {
-    struct options *o = user;
+    struct truth_options *o = user;
     if (option == OPT_RAYS)
         return parse_count("--rays", text, 100, 1u << 30, &o->rays, reason);
     if (option == OPT_SEED)
@@ -242,8 +243,9 @@ static void print_help(void)
 
 int main(int argc, char **argv)
 {
-    static struct campaign c;
-    c.options = (struct options){.rays = 650000, .seed = 1, .engines = engine_options_default()};
+    static struct truth_campaign c;
+    c.options =
+        (struct truth_options){.rays = 650000, .seed = 1, .engines = engine_options_default()};
     c.progress = progress_make("truth");
     int first, code = options_take("truth", print_help, long_options, take_option, &c.options, argc,
                                    argv, &first);
