@@ -137,6 +137,10 @@ for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
     [ "$lines" -le 450 ] || breach "$file: $lines lines; one concept a file, at most 450"
 done
 
+# Results are read by people: tables and texts, and no more than that.
+git ls-files bench/results | grep -vE '\.(csv|txt|md)$' && breach "bench/results: CSV and text only"
+[ "$(git ls-files -z bench/results | xargs -0 cat | wc -l)" -le 3000 ] || breach "bench/results: over 3,000 lines"
+
 # A planted bug has a number of its own, beside its name, and something must find it.
 defines() { awk '$1 == "#define" && $2 ~ /^MUTANT_/ && $2 != "MUTANT_H" {print $2, $3}' ref/base/mutant.h; }
 defines | awk '{sub("MUTANT_", "", $1); print $1}' | while read -r name; do

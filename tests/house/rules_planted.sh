@@ -54,6 +54,10 @@ plant gpu/vk/half.c ''
 git rm -qf gpu/vk/half.c
 plant ref/base/half.c 'enum bvh { RED };'
 plant Makefile "$(awk 'BEGIN { for (i = 0; i < 200; i++) print "#" }')"
+plant bench/results/lavapipe-22.3.6/hour.txt "$(awk 'BEGIN { for (i = 0; i < 3000; i++) print "1" }')"
+echo '{}' >bench/results/new.json && git add bench/results/new.json
+plant bench/results/new.json ''
+git rm -qf bench/results/new.json
 plant ref/base/half.c "$(awk 'BEGIN { for (i = 0; i < 460; i++) print "/* */" }')"
 [ "$failed" -eq 0 ] && echo "rules: every planted breach caught"
 exit "$failed"

@@ -2,7 +2,7 @@
 # Leaks of closed meshes on every driver that needs no GPU:
 #   sh tests/scripts/leaks.sh BUILD OUTPUT [RAYS [LAYOUTS]]
 # Three meshes, triangle test woop with box test watertight, on cpu and vulkan; a driver or mesh that
-# is not here is said and left out (generated ones stand in for meshes). Writes OUTPUT.txt and OUTPUT-DRIVER.json; fails if any
+# is not here is said and left out (generated ones stand in for meshes). Writes OUTPUT.txt; fails if any
 # ray leaks, if vulkan differs from cpu in a bit, or if nothing could be run.
 set -u
 raydiff=$1/raydiff out=$2 rays=${3:-1000000} layouts=${4:-rf16}
@@ -23,7 +23,7 @@ rm -f "$out.tmp"
 for driver in stock mesa25 swiftshader; do
     # shellcheck disable=SC2086 # scene names have no spaces
     "$raydiff" leaks $scenes --engine cpu,vulkan --layout $layouts --tri woop --box watertight \
-        --driver $driver --count "$rays" --json "$out-$driver.json" >"$out.part" 2>"$out.err"
+        --driver $driver --count "$rays" >"$out.part" 2>"$out.err"
     result=$?
     echo "driver $driver: exit code $result" | tee -a "$out.tmp"
     cat "$out.part" >>"$out.tmp"
