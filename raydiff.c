@@ -1,6 +1,7 @@
 /* The front door: names, summaries and functions of the sub-commands, and how the program ends. */
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
+#include "cmd/common/cmd_nearest.h"
 #include "cmd/common/cmd_process.h"
 
 #include <string.h>
@@ -81,7 +82,11 @@ int main(int argc, char **argv)
         if (strcmp(argv[1], command->name) == 0)
             return printed(argv[1], command->run(argc - 1, argv + 1));
     const bool of_seed = strcmp(argv[1], "load") == 0 || strcmp(argv[1], "demo") == 0;
-    fprintf(stderr, "raydiff: unknown command '%s' (see raydiff %s--help)\n", argv[1],
-            of_seed ? "render " : "");
+    struct nearest nearest = nearest_make(argv[1], strlen(argv[1]));
+    for (const struct command *command = commands; command->name; command++)
+        nearest_try(&nearest, command->name);
+    fprintf(stderr, "raydiff: unknown command '%s' (see raydiff %s--help)%s%s%s\n", argv[1],
+            of_seed ? "render " : "", nearest.name ? "; did you mean " : "",
+            nearest.name ? nearest.name : "", nearest.name ? "?" : "");
     return EXIT_USAGE;
 }

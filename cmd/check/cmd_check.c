@@ -12,135 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    OPT_LAYOUT = 256,
-    OPT_STORE,
-    OPT_BITS,
-    OPT_ENGINE,
-    OPT_BUILDER,
-    OPT_LEAF,
-    OPT_EPS,
-    OPT_MOVE,
-    OPT_BOX,
-    OPT_TRI,
-    OPT_QUERY,
-    OPT_RAYS,
-    OPT_COUNT,
-    OPT_SEED,
-    OPT_REPEAT,
-    OPT_BRUTE,
-    OPT_BRUTE_RAYS,
-    OPT_JSON
-};
-
-static const struct option long_options[] = {{"layout", 1, NULL, OPT_LAYOUT},
-                                             {"store", 1, NULL, OPT_STORE},
-                                             {"bits", 1, NULL, OPT_BITS},
-                                             {"engine", 1, NULL, OPT_ENGINE},
-                                             {"builder", 1, NULL, OPT_BUILDER},
-                                             {"leaf", 1, NULL, OPT_LEAF},
-                                             {"eps", 1, NULL, OPT_EPS},
-                                             {"move", 1, NULL, OPT_MOVE},
-                                             {"box", 1, NULL, OPT_BOX},
-                                             {"tri", 1, NULL, OPT_TRI},
-                                             {"query", 1, NULL, OPT_QUERY},
-                                             {"rays", 1, NULL, OPT_RAYS},
-                                             {"count", 1, NULL, OPT_COUNT},
-                                             {"seed", 1, NULL, OPT_SEED},
-                                             {"repeat", 1, NULL, OPT_REPEAT},
-                                             {"brute", 1, NULL, OPT_BRUTE},
-                                             {"brute-rays", 1, NULL, OPT_BRUTE_RAYS},
-                                             DEMAND_OPTIONS,
-                                             {"json", 1, NULL, OPT_JSON},
-                                             BUILD_OPTIONS,
-                                             TREE_OPTION,
-                                             ENGINE_OPTIONS};
-
-static enum status take_layouts(struct check_options *o, const char *text, struct reason *reason)
-{
-    o->layout_named = true;
-    o->layout_auto = strcmp(text, "auto") == 0;
-    return o->layout_auto ? STATUS_OK
-                          : table_parse(TABLE_LAYOUTS, "--layout", text, &o->layout, reason);
-}
-
-static enum status take_number(struct check_options *o, int option, const char *text,
-                               struct reason *reason)
-{
-    uint64_t n = 0;
-    enum status status;
-    switch (option) {
-    case OPT_LEAF:
-        o->build_flag = "--leaf";
-        status = parse_count("--leaf", text, 1, 1u << 20, &n, reason);
-        o->build.leaf = (uint32_t)n;
-        return status;
-    case OPT_COUNT:
-        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
-    case OPT_BITS:
-        return parse_count("--bits", text, QUANTISE_BITS_LEAST, QUANTISE_BITS_MOST, &o->bits,
-                           reason);
-    case OPT_SEED:
-        return parse_count("--seed", text, 0, UINT64_MAX, &o->seed, reason);
-    case OPT_REPEAT:
-        return parse_count("--repeat", text, 1, REPEAT_MOST, &o->repeats, reason);
-    case OPT_BRUTE_RAYS:
-        return parse_count("--brute-rays", text, 0, UINT64_MAX, &o->brute_rays, reason);
-    case OPT_BRUTE:
-        return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
-    default:
-        return engine_option_take(option, text, &o->engines, reason);
-    }
-}
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct check_options *o = user;
-    switch (option) {
-    case OPT_LAYOUT:
-        return take_layouts(o, text, reason);
-    case OPT_STORE:
-        o->build_flag = "--store";
-        return table_parse(TABLE_STORES, "--store", text, &o->store, reason);
-    case OPT_ENGINE:
-        o->engine_named = strcmp(text, "all") != 0;
-        return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
-    case OPT_BUILDER:
-        o->build_flag = "--builder";
-        return table_parse(TABLE_BUILDERS, "--builder", text, &o->builder, reason);
-    case OPT_BOX:
-        return table_parse(TABLE_BOX_TESTS, "--box", text, &o->box, reason);
-    case OPT_TRI:
-        return table_parse(TABLE_TRI_TESTS, "--tri", text, &o->tri, reason);
-    case OPT_QUERY:
-        return table_parse(TABLE_QUERIES, "--query", text, &o->query, reason);
-    case OPT_RAYS:
-        return table_parse_one(TABLE_RAY_SETS, "--rays", text, &o->rays, reason);
-    case OPT_BVH:
-        o->bvh = text;
-        return STATUS_OK;
-    case OPT_EPS:
-        o->build_flag = "--eps";
-        return parse_float("--eps", text, &o->build.eps, reason);
-    case OPT_MOVE:
-        return check_take_move(text, &o->move, reason);
-    case OPT_BINS:
-    case OPT_RADIUS:
-    case OPT_SPLIT_BUDGET:
-    case OPT_SPLIT_ALPHA:
-    case OPT_OPTIMIZE:
-        return build_option_take(option, text, &o->build, &o->build_flag, reason);
-    case OPT_DISPLACEMENT:
-    case OPT_DEMAND:
-        return demand_take(option, text, &o->demands, reason);
-    case OPT_JSON:
-        o->json = text;
-        return STATUS_OK;
-    default:
-        return take_number(o, option, text, reason);
-    }
-}
-
 /* Such are played on the decoded scene, the others on the scene as it is. */
 static bool store_is_of_grids(const struct check_options *o, size_t i)
 {
@@ -401,17 +272,19 @@ static int check_use(const struct check_options *o, char *const *spec, size_t co
 
 int cmd_check(int argc, char **argv)
 {
-    struct check_run check = {.options = check_options_default(),
-                              .progress = progress_make("check")};
-    int first, code = options_take("check", check_help, long_options, take_option, &check.options,
-                                   argc, argv, &first);
+    struct check_run check = {
+        .options = {.engine = table_all(TABLE_ENGINES),
+                    .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+                    .engines = engine_options_default()},
+        .progress = progress_make("check")};
+    int first, code = options_read(&check_set, &check.options, argc, argv, &first);
     if (code >= 0)
         return code;
+    check.options.layout_named = option_was_given("layout");
     if (first == argc)
         return usage_error("check", "no scene given");
     struct reason reason;
-    if (tree_check_options(check.options.bvh, check.options.build_flag, (size_t)(argc - first),
-                           &reason))
+    if (tree_check_options(check.options.bvh, (size_t)(argc - first), &reason))
         return usage_error("check", "%s", reason.text);
     if (check.options.demands.watertight && list_has(&check.options.query, QUERY_ALL))
         return usage_error("check", "--require watertight is of closest and any hits, not all");

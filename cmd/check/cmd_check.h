@@ -2,7 +2,7 @@
 #ifndef CMD_CHECK_H
 #define CMD_CHECK_H
 
-#include "cmd/common/cmd_tables.h"
+#include "cmd/common/cmd_rows.h"
 #include "ref/match/match.h"
 #include "ref/scene/quantise.h"
 #include "ref/match/turnout.h"
@@ -22,14 +22,11 @@ struct check_scene {
     char refused[1024]; /* --layout auto: why smaller layouts could not, one per line */
 };
 
-/* Prints what --help says. */
-void check_help(void);
+/* The options, of struct check_options. */
+extern const struct option_set check_set;
 
 /* Prints the table of a scene, what was refused or skipped and why, and what it means. */
 void check_print(const struct check_scene *scene);
-
-/* Takes the value of --move. Errors: STATUS_INPUT. */
-enum status check_take_move(const char *text, float *move, struct reason *reason) MUST_USE;
 
 /* What the motion of --move did to trees and packed trees; nothing without one. */
 void check_print_moved(const struct check_scene *scene);
@@ -52,7 +49,7 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
 /* What the user asked for. */
 struct check_options {
     struct list layout, store, engine, builder, box, tri, query;
-    bool layout_auto, layout_named, engine_named;
+    bool layout_auto, layout_named, engine_named; /* engine: and not as all */
     struct build_options build;
     size_t rays;
     uint64_t count, seed, repeats, brute, brute_rays, bits; /* bits 0: not named */
@@ -60,11 +57,7 @@ struct check_options {
     float move;
     struct match_demands demands;
     const char *json;
-    const char *bvh;        /* of --bvh, or NULL */
-    const char *build_flag; /* the last option given that says how to build, or NULL */
+    const char *bvh; /* of --bvh, or NULL */
 };
-
-/* Where the user asks for nothing. */
-struct check_options check_options_default(void);
 
 #endif

@@ -36,14 +36,6 @@ static void print_cost(const struct check_scene *scene, const struct row *row)
                (double)(r->build_ns + r->pack_ns) / (double)r->refit_ns);
 }
 
-enum status check_take_move(const char *text, float *move, struct reason *reason)
-{
-    if (parse_float("--move", text, move, reason))
-        return STATUS_INPUT;
-    return *move >= 0 ? STATUS_OK
-                      : fail(reason, STATUS_INPUT, "--move %s: how far is at least 0", text);
-}
-
 void check_print_moved(const struct check_scene *scene)
 {
     const struct row *tree = NULL, *packed = NULL;

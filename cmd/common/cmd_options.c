@@ -12,11 +12,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-struct engine_options engine_options_default(void)
-{
-    return (struct engine_options){.device = -1};
-}
-
 enum status engine_option_take(int option, const char *text, struct engine_options *out,
                                struct reason *reason)
 {
@@ -128,16 +123,16 @@ enum status build_option_take(int option, const char *text, struct build_options
 /* What was the standard output, once an option has asked for it. */
 static FILE *aside;
 
-/* From here on what is printed goes to the standard error output. */
-static bool set_aside(struct reason *reason)
+enum status output_aside(struct reason *reason)
 {
+    if (aside)
+        return fail(reason, STATUS_INPUT, "--csv and --json cannot both be '-'");
     fflush(stdout);
     int kept = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
     aside = kept < 0 ? NULL : fdopen(kept, "w");
     if (aside && dup2(STDERR_FILENO, STDOUT_FILENO) >= 0)
-        return true;
-    (void)fail(reason, STATUS_INPUT, "-: cannot write to the standard output");
-    return false;
+        return STATUS_OK;
+    return fail(reason, STATUS_INPUT, "-: cannot write to the standard output");
 }
 
 /* An option's value is "-". False: it may not be. */
@@ -150,9 +145,7 @@ static bool take_dash(const char *name, struct reason *reason)
             return !fail(reason, STATUS_INPUT, "--%s: needs a file, not '-'", name);
     if (strcmp(name, "json") != 0 && strcmp(name, "csv") != 0)
         return true; /* the command says what it is */
-    if (aside)
-        return !fail(reason, STATUS_INPUT, "--csv and --json cannot both be '-'");
-    return set_aside(reason);
+    return output_aside(reason) == STATUS_OK;
 }
 
 enum status options_out(const char *path, struct file_out *out, struct reason *reason)
@@ -175,7 +168,7 @@ static bool is_output(const char *name)
                                         "tap",  "jsonl", "markdown", "html"};
     for (size_t i = 0; i < ARRAY_COUNT(names); i++)
         if (strcmp(name, names[i]) == 0)
-            return MUTANT != MUTANT_OUTPUT_LATE;
+            return true;
     return false;
 }
 
@@ -191,44 +184,59 @@ enum status output_try(const char *path, struct reason *reason)
     return status;
 }
 
-#define GIVEN_MOST 128 /* more than any table has */
+#define GIVEN_MOST   128 /* more than any table has */
+#define OUTPUTS_MOST 16
 
 /* Names of a table, which outlives the command. */
 static const char *given[GIVEN_MOST];
 static size_t given_count;
+
+/* The outputs that were named, tried when all options are known to be right. */
+static const char *outputs[OUTPUTS_MOST];
+static size_t output_count;
+
+void options_begin(void)
+{
+    given_count = output_count = 0;
+}
 
 const char *option_given(size_t i)
 {
     return i < given_count ? given[i] : NULL;
 }
 
-static void note_given(const char *name)
+bool option_was_given(const char *name)
 {
     for (size_t i = 0; i < given_count; i++)
         if (strcmp(given[i], name) == 0)
-            return;
-    if (given_count < GIVEN_MOST)
-        given[given_count++] = name;
+            return true;
+    return false;
 }
 
-#define OUTPUTS_MOST 16
+enum status option_note(const char *name, bool repeats, bool last, struct reason *reason)
+{
+    if (option_was_given(name))
+        return repeats ? STATUS_OK : fail(reason, STATUS_INPUT, "--%s: is given twice", name);
+    if (given_count < GIVEN_MOST && !(MUTANT == MUTANT_OPTION_UNNAMED && last))
+        given[given_count++] = name;
+    return STATUS_OK;
+}
 
-/* The outputs that were named, tried when all options are known to be right. */
-struct outputs {
-    const char *path[OUTPUTS_MOST];
-    size_t count;
-};
+void output_note(const char *path)
+{
+    if (path && output_count < OUTPUTS_MOST && MUTANT != MUTANT_OUTPUT_LATE)
+        outputs[output_count++] = path;
+}
 
-static enum status outputs_try(const struct outputs *outputs, struct reason *reason)
+enum status outputs_try(struct reason *reason)
 {
     enum status status = STATUS_OK;
-    for (size_t i = 0; i < outputs->count && !status; i++)
-        status = output_try(outputs->path[i], reason);
+    for (size_t i = 0; i < output_count && !status; i++)
+        status = output_try(outputs[i], reason);
     return status;
 }
 
-/* An option was wrong, or what it names did not survive being tried. */
-static int option_error(const char *command, enum status status, const struct reason *reason)
+int option_error(const char *command, enum status status, const struct reason *reason)
 {
     int code = usage_error(command, "%s", reason->text);
     return status == STATUS_DEVICE ? EXIT_ENGINE : code;
@@ -248,9 +256,8 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
                  option_fn *take, void *user, int argc, char **argv, int *first)
 {
     struct reason reason;
-    struct outputs outputs = {.count = 0};
     int option, index = 0;
-    given_count = 0;
+    options_begin();
     opterr = 0; /* the message is ours */
     optind = 1;
     while ((option = getopt_long(argc, argv, "h", table, &index)) != -1) {
@@ -266,17 +273,17 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
                                table[index].name);
         if (optarg && strcmp(optarg, "-") == 0 && !take_dash(table[index].name, &reason))
             return usage_error(command, "%s", reason.text);
-        if (MUTANT != MUTANT_OPTION_UNNAMED || optind < argc)
-            note_given(table[index].name);
-        enum status status = take(user, option, optarg, &reason);
+        enum status status = option_note(table[index].name, true, optind == argc, &reason);
+        if (!status)
+            status = take(user, option, optarg, &reason);
         if (status)
             return option_error(command, status, &reason);
-        if (optarg && is_output(table[index].name) && outputs.count < OUTPUTS_MOST)
-            outputs.path[outputs.count++] = optarg;
+        if (optarg && is_output(table[index].name))
+            output_note(optarg);
     }
     *first = optind;
     enum status status = plugin_shader_settle(&reason);
     if (!status && strcmp(command, "fuzz") != 0) /* which makes the folder that they may be in */
-        status = outputs_try(&outputs, &reason);
+        status = outputs_try(&reason);
     return status ? option_error(command, status, &reason) : -1;
 }

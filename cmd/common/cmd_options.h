@@ -112,6 +112,20 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
  * past the end. */
 const char *option_given(size_t i);
 
+/* Whether that option was given. */
+bool option_was_given(const char *name);
+
+/* For those that read command lines: forgets what was given; notes that an option was, which is an
+ * error the second time unless it repeats (`last`: nothing follows it); notes an output, and tries
+ * all that were noted; puts what is printed on the standard error output from here on, for "-"; and
+ * prints why an option is wrong, and returns the exit code. */
+void options_begin(void);
+enum status option_note(const char *name, bool repeats, bool last, struct reason *reason) MUST_USE;
+void output_note(const char *path);
+enum status outputs_try(struct reason *reason) MUST_USE;
+enum status output_aside(struct reason *reason) MUST_USE;
+int option_error(const char *command, enum status status, const struct reason *reason);
+
 /* Proves that a file can be written, before work is done for it: what is there stays as it is, and
  * nothing is left behind. What is no regular file is not opened. Errors: as file_out_open. */
 enum status output_try(const char *path, struct reason *reason) MUST_USE;

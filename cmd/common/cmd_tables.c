@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/common/cmd_tables.h"
 
+#include "cmd/common/cmd_nearest.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/plugin_guard.h"
 #include "ref/outside/plugin_shader.h"
@@ -58,10 +59,11 @@ static const char *kind_of(enum table table)
         if (!(table)[i])                                                                           \
             return NULL;                                                                           \
         *text = (table)[i]->summary;                                                               \
+        *at = (table)[i];                                                                          \
         return (table)[i]->name;                                                                   \
     } while (0)
 
-static const char *member(enum table table, size_t i, const char **text)
+static const char *member(enum table table, size_t i, const char **text, const void **at)
 {
     switch (table) {
     case TABLE_BUILDERS:
@@ -94,10 +96,18 @@ static const char *member(enum table table, size_t i, const char **text)
 const char *table_member(enum table table, size_t i, const char **summary)
 {
     const char *text = NULL;
-    const char *name = member(table, i, &text);
+    const void *at = NULL;
+    const char *name = member(table, i, &text, &at);
     if (summary)
         *summary = text;
     return name;
+}
+
+const void *table_pointer(enum table table, size_t i)
+{
+    const char *text = NULL;
+    const void *at = NULL;
+    return member(table, i, &text, &at) ? at : NULL;
 }
 
 struct list table_all(enum table table)
@@ -133,11 +143,16 @@ static enum status unknown(enum table table, const char *flag, const char *name,
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one);
     if (one)
         snprintf(known + used, sizeof known - used, ", ... (raydiff list %s)", table_name(table));
-    return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s%s", flag,
+    struct nearest nearest = nearest_make(name, length);
+    for (i = 0; (one = table_member(table, i, NULL)); i++)
+        nearest_try(&nearest, one);
+    return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s%s%s%s%s", flag,
                 (int)(length > 60 ? 60 : length), name, table_name(table), known,
                 table == TABLE_ENGINES   ? ", pipe:COMMAND"
                 : table == TABLE_LAYOUTS ? ", ./FILE.so"
-                                         : "");
+                                         : "",
+                nearest.name ? "; did you mean " : "", nearest.name ? nearest.name : "",
+                nearest.name ? "?" : "");
 }
 
 void list_expect(enum table table, const struct list *list, struct turnout *turnout)

@@ -42,6 +42,9 @@ const char *table_name(enum table table);
 /* Name of member `i`, or NULL past the end; *summary (may be NULL) is what it is. */
 const char *table_member(enum table table, size_t i, const char **summary);
 
+/* Member `i` itself; NULL past the end, and of queries. */
+const void *table_pointer(enum table table, size_t i);
+
 /* The members that products run over: of layouts those of layouts[], of the others all. */
 struct list table_all(enum table table);
 

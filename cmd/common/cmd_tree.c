@@ -1,14 +1,19 @@
 #include "cmd/common/cmd_tree.h"
 
+#include "cmd/common/cmd_use.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
-enum status tree_check_options(const char *path, const char *build_flag, size_t scene_count,
-                               struct reason *reason)
+enum status tree_check_options(const char *path, size_t scene_count, struct reason *reason)
 {
-    if (path && build_flag)
-        return fail(reason, STATUS_INPUT, "--bvh: the tree is built already: it goes without %s",
-                    build_flag);
+    static const char builds[] =
+        "builder store leaf eps bins radius split-budget split-alpha optimize";
+    const char *name;
+    for (size_t i = 0; path && (name = option_given(i)) != NULL; i++)
+        if (option_among(builds, name))
+            return fail(reason, STATUS_INPUT,
+                        "--bvh: the tree is built already: it goes without --%s", name);
     if (path && scene_count > 1)
         return fail(reason, STATUS_INPUT, "--bvh: a tree is of one scene, not of %zu", scene_count);
     return STATUS_OK;

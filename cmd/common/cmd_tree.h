@@ -18,9 +18,8 @@
     "                  (of that layout), in place of a builder's\n"
 
 /* Refuses what --bvh `path` (NULL: not given, all is well) does not go with: a flag that says how
- * to build (`build_flag`, NULL if none was given) and more scenes than one. Errors: STATUS_INPUT.
- */
-enum status tree_check_options(const char *path, const char *build_flag, size_t scene_count,
+ * to build, of those that were given, and more scenes than one. Errors: STATUS_INPUT. */
+enum status tree_check_options(const char *path, size_t scene_count,
                                struct reason *reason) MUST_USE;
 
 /* Reads the tree of a scene and prints its doubt, if any, as a warning. `path` is borrowed by

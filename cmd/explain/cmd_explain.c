@@ -421,7 +421,7 @@ int cmd_explain(int argc, char **argv)
     if (argc - first != 1)
         return usage_error("explain", argc == first ? "no scene given" : "one scene at a time");
     struct explaining e = {.options = &options};
-    if (tree_check_options(options.of.tree, options.build_flag, 1, &reason) ||
+    if (tree_check_options(options.of.tree, 1, &reason) ||
         explain_take_subject(&options, argv[first], &e.file, &reason))
         return usage_error("explain", "%s", reason.text);
     code = explain_check_use(&options, argv + first);

@@ -212,7 +212,7 @@ int cmd_leaks(int argc, char **argv)
     if (first == argc)
         return usage_error("leaks", "no scene given");
     struct reason reason;
-    if (tree_check_options(options.bvh, options.build_flag, (size_t)(argc - first), &reason))
+    if (tree_check_options(options.bvh, (size_t)(argc - first), &reason))
         return usage_error("leaks", "%s", reason.text);
     const struct option_use use = {.engine = &options.engine,
                                    .layout = &options.layout,

@@ -337,8 +337,7 @@ enum status render_settings_finish(const char *command, struct render_settings *
         status = take_handler("bvh", s, reason);
     if (status)
         return status;
-    const char *build_flag = s->builder ? "--builder" : s->build.leaf ? "--leaf" : s->build_flag;
-    status = tree_check_options(s->bvh, build_flag, 1, reason);
+    status = tree_check_options(s->bvh, 1, reason);
     if (status)
         return status;
     size_t i = s->look.profile;

@@ -1,5 +1,6 @@
 /* raydiff scene: what a scene is, from one format to another, and which there are. */
 #define _GNU_SOURCE /* scandir */
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/base/decimal.h"
@@ -13,23 +14,6 @@
 #include <sys/stat.h>
 
 #define FETCHED "scenes/fetched"
-
-static const char help[] =
-    "usage: raydiff scene info SCENE... [--json] [--seed S]\n"
-    "       raydiff scene convert SCENE FILE [--seed S]\n"
-    "       raydiff scene list\n"
-    "A SCENE is a mesh file (.json as RTRS writes it, .obj, .ply; each also .gz) or a generator\n"
-    "with parameters, such as soup:n=1000,seed=7.\n\n"
-    "  info      triangles, vertices, bounds, zero-area and duplicate triangles, lights and more\n"
-    "  convert   reads SCENE and writes FILE, by its ending: .json, .obj or .ply (binary);\n"
-    "            coordinates keep every bit, triangles their order\n"
-    "  list      the generators with their parameters, and the meshes that `make scenes` "
-    "fetched\n\n"
-    "  --json    info as one JSON object, {\"scenes\": [...]}\n"
-    "  --seed S  of generators whose text gives none [1]\n\n"
-    "exit codes: 0, 2 bad input, 4 no memory\n"
-    "example: raydiff scene info scenes/fetched/glmark2-bunny.obj soup:n=1000\n"
-    "example: raydiff scene convert terrain:k=6 terrain.ply\n";
 
 struct scene_options {
     uint64_t seed;
@@ -222,26 +206,32 @@ static const struct {
                {"convert", scene_convert, "seed"},
                {"list", scene_list, ""}};
 
-enum { OPT_JSON = 256, OPT_SEED };
+static const struct option_row rows[] = {
+    {"json", NULL, "info as one JSON object, {\"scenes\": [...]}",
+     OF_FLAG(struct scene_options, json)},
+    {"seed", "S", "of generators whose text gives none",
+     OF_COUNT(struct scene_options, seed, 0, UINT64_MAX), .value = "1"},
+    {.name = NULL},
+};
 
-static const struct option long_options[] = {{"json", 0, NULL, OPT_JSON},
-                                             {"seed", 1, NULL, OPT_SEED},
-                                             {"help", 0, NULL, OPT_HELP},
-                                             {NULL, 0, NULL, 0}};
-
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct scene_options *options = user;
-    if (option == OPT_SEED)
-        return parse_count("--seed", text, 0, UINT64_MAX, &options->seed, reason);
-    options->json = true;
-    return STATUS_OK;
-}
+static const struct option_set set = {
+    .command = "scene",
+    .usage = "scene info SCENE... [--json] [--seed S]\n"
+             "scene convert SCENE FILE [--seed S]\n"
+             "scene list",
+    .about = "A SCENE is a mesh file (.json as RTRS writes it, .obj, .ply; each also .gz) or a "
+             "generator with parameters, such as soup:n=1000,seed=7.\n\n"
+             "  info      triangles, vertices, bounds, zero-area and duplicate triangles,\n"
+             "            lights and more\n"
+             "  convert   reads SCENE and writes FILE, by its ending: .json, .obj or .ply\n"
+             "            (binary); coordinates keep every bit, triangles their order\n"
+             "  list      the generators with their parameters, and the meshes that\n"
+             "            `make scenes` fetched",
+    .group = {{rows}},
+    .codes = "0, 2 bad input, 4 no memory",
+    .example = "scene info scenes/fetched/glmark2-bunny.obj soup:n=1000\n"
+               "scene convert terrain:k=6 terrain.ply",
+};
 
 static int run_action(size_t i, const struct scene_options *options)
 {
@@ -260,9 +250,8 @@ static int run_action(size_t i, const struct scene_options *options)
 
 int cmd_scene(int argc, char **argv)
 {
-    struct scene_options options = {.seed = 1};
-    int first, code = options_take("scene", print_help, long_options, take_option, &options, argc,
-                                   argv, &first);
+    struct scene_options options = {.argument_count = 0};
+    int first, code = options_read(&set, &options, argc, argv, &first);
     if (code >= 0)
         return code;
     if (first == argc)

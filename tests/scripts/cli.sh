@@ -23,7 +23,13 @@ expect 0 . --version
 
 # Usage.
 expect 2 . 
-expect 2 "unknown command 'chekc'" chekc
+expect 2 "unknown command 'chekc' .*; did you mean check\?$" chekc
+expect 2 "unknown option: '--cuont'; did you mean --count?" check soup --cuont 3
+expect 2 "unknown option: '--coun'; did you mean --count?" check soup --coun 3
+expect 2 "unknown name 'vulcan'.*; did you mean vulkan?" check soup --engine vulcan
+expect 2 "unknown name 'sah_swep'.*; did you mean sah_sweep?" check soup --builder sah_swep
+expect 2 "unknown option: '--frobnicate' .see" check soup --frobnicate
+expect 2 'count: is given twice' check soup --count 3 --count 4
 expect 2 "unknown command 'load' .see raydiff render --help" load
 expect 2 'no scene given' check
 expect 2 'unknown option' check soup --frobnicate
@@ -181,7 +187,7 @@ awk '/"sah_before"/ { before = $2 + 0 } /"sah_after"/ { after = $2 + 0 }
     "$dir/moved.json" "$dir/out" || bad "--move: costs and times do not belong together"
 expect 2 . check sphere $small --move 0.5 --layout bvh2_u8_scene
 grep -q 'rebuild: bvh2_u8_scene: a box' "$dir/out" || bad "--move says what is to be built anew"
-expect 2 'how far is at least 0' check sphere $small --move -1
+expect 2 'is below 0' check sphere $small --move -1
 # Every allowed class and every kind of WRONG has a counter, also of 0, and is told of in the README.
 expect 0 'parity off in [0-9]* of [0-9]*$' check sphere $small --query closest,any,all --json "$dir/rows.json"
 for key in right tie near_tie boundary border in_plane slab noise out_of_contract; do
@@ -479,7 +485,7 @@ expect 2 'no-such-folder' leaks sphere:n=4 $few --json "$dir/no-such-folder/x"
 expect 2 'info, convert or list' scene
 expect 2 "unknown action 'inform'" scene inform
 expect 2 'no scene given' scene info
-expect 2 "unknown option or missing value: '--jsonn'" scene info soup --jsonn
+expect 2 "unknown option: '--jsonn'; did you mean --json?" scene info soup --jsonn
 expect 2 'one scene and one file are needed' scene convert soup
 expect 2 "unknown scene 'suop'" scene info suop
 expect 2 "soup: 'm' is no parameter; known are n, size, offset, seed" scene info soup:m=3

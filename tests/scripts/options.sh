@@ -76,10 +76,12 @@ walk() {
         case "$(cat "$dir/knows.$command") " in *" $option "*) ;; *) bad "$command --help has no --$option" ;; esac
         [ "$given" != @ ] || given=$files/y.$option
         [ "$given" != "$files/y.out" ] || given=$files/y.png
+        # No option is given twice: the base has its own value.
+        others=$(echo " $base " | sed -E "s# --$option( [^- ][^ ]*)? # #")
         if [ "$given" = "$name" ]; then
-            look $base --$option
+            look $others --$option
         else
-            look $base --$option "$given"
+            look $others --$option "$given"
         fi
         if is_refused "$option" && grep -q 'not used' "$dir/err"; then
             bad "raydiff $base --$option: refused"
@@ -145,7 +147,7 @@ walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 
 walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'
 walk 'bench oracle --scene soup:n=40 --count 64 --rounds 1' 'scene=soup:n=41 count=70 ~rounds=2 csv=@ ~seed=3 json=@'
-walk "render --path rtrs -w 8 -h 8 --engine cpu --out $files/tree.png" \
+walk "render --path rtrs --width 8 --height 8 --engine cpu --out $files/tree.png" \
     "out=@ frames=2 ~camera-orbit json=@ show=t path=cornell width=9 height=9 ~workgroup-size=4 profile=rtrs bounces=0
     ~ambience=0.5 ~camera-light-strength=0.5 ~camera-fixed handler=bvh-rf ~handler-naive ~handler-bvh handler-bvh-rf
     ~handler-blank engine=brute layout=rf16 ~builder=ploc ~box=watertight ~tri=woop ~leaf=1 ~waves ~optimize=reinsert
@@ -160,7 +162,7 @@ walk 'doctor --driver stock' '~driver=stock ~device=0 json=@ ~threads=1 ~workgro
 walk "construct --out $files/made.json --model soup:n=9 0 --camera-pos 0 1 -8 0 0 0 --camera-fixed" \
     '~seed=3 json ~fill-normals ~camera-fixed ~scale=2'
 "$raydiff" precompute --scene cornell --out "$dir/cornell.json" 2>/dev/null
-walk 'diff --path cornell --engine cpu,fast -w 24 -h 18' "pixel=3,3 angle=30 ~list=1 out=@ json=@ path=sphere:n=4
+walk 'diff --path cornell --engine cpu,fast --width 24 --height 18' "pixel=3,3 angle=30 ~list=1 out=@ json=@ path=sphere:n=4
     width=25 height=19
     ~workgroup-size=3 profile=rtrs bounces=0 ~ambience=0.5 camera-light-strength=0.5 engine=cpu,brute ~threads=1
     ~layout=rf16 leaf=1 builder=ploc box=watertight ~tri=woop optimize=reinsert ~waves ~bvh=$dir/cornell.json

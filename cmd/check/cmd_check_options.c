@@ -1,0 +1,93 @@
+/* The options of raydiff check. */
+#include "cmd/check/cmd_check.h"
+
+#include "ref/base/command.h"
+
+#include <math.h>
+#include <string.h>
+
+static enum status take_layouts(void *options, const struct option_value *given,
+                                struct reason *reason)
+{
+    struct check_options *o = options;
+    o->layout_auto = strcmp(given->text, "auto") == 0;
+    return o->layout_auto ? STATUS_OK
+                          : table_parse(TABLE_LAYOUTS, "--layout", given->text, &o->layout, reason);
+}
+
+static enum status take_engines(void *options, const struct option_value *given,
+                                struct reason *reason)
+{
+    struct check_options *o = options;
+    o->engine_named = strcmp(given->text, "all") != 0;
+    return table_parse(TABLE_ENGINES, "--engine", given->text, &o->engine, reason);
+}
+
+static const struct option_row rows[] = {
+    {"layout", "L,..",
+     "layouts, or patterns such as 'bvh8_*'; 'all' that products run over, 'every' one, or 'auto' "
+     "(the first that fits)",
+     OF_OWN(take_layouts), .table = 1 + TABLE_LAYOUTS, .value = "f32,rf16"},
+    {"engine", "E,..",
+     "engines, or 'all'; pipe:COMMAND, as the last, is a tracer of your own (README)",
+     OF_OWN(take_engines), .table = 1 + TABLE_ENGINES, .shown = "every engine that can run here"},
+    {"store", "S,..", "triangle storages, see raydiff list storages",
+     OF_LIST(struct check_options, store, TABLE_STORES), .value = "indexed"},
+    {"bits", "N", "store quantised: bits an axis of the grid",
+     OF_COUNT(struct check_options, bits, QUANTISE_BITS_LEAST, QUANTISE_BITS_MOST),
+     .standard = QUANTISE_BITS_DEFAULT},
+    {"builder", "B,..", "builders", OF_LIST(struct check_options, builder, TABLE_BUILDERS),
+     .value = "median"},
+    {"leaf", "N", "items per leaf, 1 or more",
+     OF_COUNT(struct check_options, build.leaf, 1, 1u << 20), .standard = BUILD_LEAF_DEFAULT},
+    {"eps", "E", "builder rtrs: smallest box that is split",
+     OF_REAL(struct check_options, build.eps, -INFINITY, INFINITY), .standard = BUILD_EPS_DEFAULT},
+    {"move", "AMOUNT",
+     "after packing, moves vertices by up to so many extents of the scene, from the seed, and "
+     "refits the packed trees to where they are",
+     OF_REAL(struct check_options, move, 0, INFINITY), .value = "0"},
+    {"box", "B,..", "box tests", OF_LIST(struct check_options, box, TABLE_BOX_TESTS),
+     .value = "robust"},
+    {"tri", "T,..", "triangle tests", OF_LIST(struct check_options, tri, TABLE_TRI_TESTS),
+     .value = "mt"},
+    {"query", "Q,..", "closest, any, all (every triangle along the ray)",
+     OF_LIST(struct check_options, query, TABLE_QUERIES), .value = "closest"},
+    {"rays", "SET", "ray set", OF_ONE(struct check_options, rays, TABLE_RAY_SETS),
+     .value = "mixed"},
+    {"count", "N", "rays, 1 or more; 1e6 is accepted",
+     OF_COUNT(struct check_options, count, 1, 1u << 30), .value = "100000"},
+    {"seed", "S", "of rays and generators", OF_COUNT(struct check_options, seed, 0, UINT64_MAX),
+     .value = "1"},
+    {"repeat", "N", "timed runs per engine: median, least, most",
+     OF_COUNT(struct check_options, repeats, 1, REPEAT_MOST), .value = "3"},
+    {"brute", "N", "ray-triangle pairs that brute force may decide",
+     OF_COUNT(struct check_options, brute, 0, UINT64_MAX), .value = "2e8"},
+    {"brute-rays", "N", "the most rays it decides, 0 is all it can afford",
+     OF_COUNT(struct check_options, brute_rays, 0, UINT64_MAX), .value = "0"},
+    TREE_ROW(struct check_options, bvh),
+    {"json", "FILE", "all rows, for machines", OF_DATA(struct check_options, json)},
+    {.name = NULL},
+};
+
+const struct option_set check_set = {
+    .command = "check",
+    .usage = "check SCENE... [OPTIONS]",
+    .about = "Runs engines and node layouts on every SCENE and compares them: who agrees, who "
+             "differs, how fast each is and how many bytes each needs. A SCENE is a mesh file "
+             "(.json .obj .ply, also .gz) or a generator such as soup:n=1000, see raydiff list "
+             "scenes.",
+    .group = {{rows},
+              {build_rows, offsetof(struct check_options, build)},
+              {demand_rows, offsetof(struct check_options, demands)},
+              {engine_rows, offsetof(struct check_options, engines)},
+              {outside_rows, offsetof(struct check_options, engines)}},
+    .notes =
+        "Columns: hits, then answers in each allowed class (tie, near tie, boundary, border, in "
+        "plane, slab, noise, out of contract: README, \"Allowed differences\"), the largest error "
+        "over its proven bound, what is WRONG, and bits that differ from engine cpu.\n"
+        "A named layout that refuses the scene, or must be built anew after a motion, exits with "
+        "2, a named engine that cannot run with 77. A run that could play nothing, or nothing of "
+        "a named storage, exits with 2.",
+    .codes = "0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped",
+    .example = "check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices",
+};

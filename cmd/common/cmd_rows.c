@@ -1,0 +1,269 @@
+/* Options from rows: the command line, flag by flag. */
+#include "cmd/common/cmd_rows.h"
+
+#include "cmd/common/cmd_nearest.h"
+#include "ref/outside/plugin_shader.h"
+#include "ref/base/command.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- the value of a flag ------------------------------------------------------------------ */
+
+static enum status take_count(const struct option_row *row, const char *flag, const char *text,
+                              void *to, struct reason *reason)
+{
+    uint64_t n = 0;
+    enum status status = parse_count(flag, text, row->least, row->most, &n, reason);
+    const uint32_t narrow = (uint32_t)n;
+    if (!status)
+        memcpy(to, row->size == sizeof n ? (const void *)&n : &narrow, row->size);
+    return status;
+}
+
+static enum status take_real(const struct option_row *row, const char *flag, const char *text,
+                             float *to, struct reason *reason)
+{
+    float x = 0;
+    enum status status = parse_float(flag, text, &x, reason);
+    const bool above = row->low == 0 && signbit(row->low), most = isfinite(row->high);
+    if (status || ((above ? x > 0 : (double)x >= row->low) && (double)x <= row->high)) {
+        *to = x;
+        return status;
+    }
+    if (above)
+        return fail(reason, STATUS_INPUT, "%s: '%.60s' is not above 0", flag, text);
+    if (most)
+        return fail(reason, STATUS_INPUT, "%s: '%.60s' is not a number from %g to %g", flag, text,
+                    row->low, row->high);
+    return fail(reason, STATUS_INPUT, "%s: '%.60s' is below %g", flag, text, row->low);
+}
+
+/* "a, b or c" */
+static void name_choices(const char *const *choice, char *text, size_t text_bytes)
+{
+    size_t used = 0;
+    for (size_t i = 0; choice[i] && used < text_bytes; i++)
+        used += (size_t)snprintf(text + used, text_bytes - used, "%s%s",
+                                 i == 0          ? ""
+                                 : choice[i + 1] ? ", "
+                                                 : " or ",
+                                 choice[i]);
+}
+
+static enum status take_place(const struct option_row *row, const char *flag, const char *text,
+                              void *to, struct reason *reason)
+{
+    size_t i = 0;
+    enum status status = STATUS_OK;
+    if (row->type == OPTION_CHOICE) {
+        char known[160];
+        while (row->choice[i] && strcmp(row->choice[i], text) != 0)
+            i++;
+        name_choices(row->choice, known, sizeof known);
+        if (!row->choice[i])
+            return fail(reason, STATUS_INPUT, "%s: '%.60s' is not %s", flag, text, known);
+    } else {
+        status = table_parse_one((enum table)(row->table - 1), flag, text, &i, reason);
+    }
+    const void *member = NULL;
+    const unsigned narrow = (unsigned)i;
+    if (row->type == OPTION_MEMBER && !status)
+        member = table_pointer((enum table)(row->table - 1), i);
+    memcpy(to,
+           row->type == OPTION_MEMBER ? (const void *)&member
+           : row->size == sizeof i    ? (const void *)&i
+                                      : &narrow,
+           row->size);
+    return status;
+}
+
+/* Puts a value, or a flag's being there, where the row says. */
+static enum status take(void *owner, const struct option_value *given, struct reason *reason)
+{
+    const struct option_row *row = given->row;
+    char flag[40];
+    void *to = (char *)owner + row->place;
+    snprintf(flag, sizeof flag, "--%s", row->name);
+    switch (row->type) {
+    case OPTION_FLAG:
+        *(bool *)to = true;
+        return STATUS_OK;
+    case OPTION_COUNT:
+        return take_count(row, flag, given->text, to, reason);
+    case OPTION_REAL:
+        return take_real(row, flag, given->text, to, reason);
+    case OPTION_LIST:
+        return table_parse((enum table)(row->table - 1), flag, given->text, to, reason);
+    case OPTION_CHOICE:
+    case OPTION_ONE:
+    case OPTION_MEMBER:
+        return take_place(row, flag, given->text, to, reason);
+    case OPTION_OWN:
+    case OPTION_ACT:
+        return row->take(owner, given, reason);
+    default:
+        memcpy(to, &given->text, sizeof given->text);
+        return STATUS_OK;
+    }
+}
+
+/* --- the command line --------------------------------------------------------------------- */
+
+const struct option_row *option_find(const struct option_set *set, const char *name, void *options,
+                                     void **owner)
+{
+    for (const struct option_group *group = set->group; group->row; group++)
+        for (const struct option_row *row = group->row; row->name; row++)
+            if (strcmp(row->name, name) == 0 ||
+                (row->letter && name[0] == row->letter && !name[1])) {
+                if (owner)
+                    *owner = group->at ? group->at : (char *)options + group->place;
+                return row;
+            }
+    return NULL;
+}
+
+static void take_defaults(const struct option_set *set, void *options)
+{
+    struct reason reason;
+    for (const struct option_group *group = set->group; group->row; group++)
+        for (const struct option_row *row = group->row; row->name; row++) {
+            void *owner;
+            char text[64];
+            if (!row->value || option_find(set, row->name, options, &owner) != row)
+                continue;
+            snprintf(text, sizeof text, "%s", row->value);
+            if (take(owner, &(struct option_value){.row = row, .text = text}, &reason))
+                abort(); /* a default that its row refuses is our bug */
+        }
+}
+
+/* The command line as it is read. */
+struct reading {
+    const struct option_set *set;
+    void *options;
+    int argc, at; /* the word that is next */
+    char **argv;
+    int first; /* what is before it are options and their values */
+};
+
+static bool is_flag(const struct reading *r, const char *word)
+{
+    return r->set->words ? strncmp(word, "--", 2) == 0 : word[0] == '-' && word[1];
+}
+
+static int unknown_option(const struct reading *r, const char *name, size_t length)
+{
+    struct nearest nearest = nearest_make(name, length);
+    for (const struct option_group *group = r->set->group; group->row; group++)
+        for (const struct option_row *row = group->row; row->name; row++)
+            nearest_try(&nearest, row->name);
+    return usage_error(r->set->command, "unknown option: '--%.*s'%s%s%s",
+                       (int)(length > 60 ? 60 : length), name,
+                       nearest.name ? "; did you mean --" : "", nearest.name ? nearest.name : "",
+                       nearest.name ? "?" : "");
+}
+
+/* The value's words; those up to r->at are the option's. */
+static enum status find_value(struct reading *r, char *text, struct option_value *value,
+                              struct reason *reason)
+{
+    const struct option_row *row = value->row;
+    const bool none = row->type == OPTION_FLAG || row->type == OPTION_ACT;
+    value->text = text;
+    value->word = text ? (char *const *)&value->text : r->argv + r->at;
+    value->count = text != NULL;
+    while (r->at < r->argc && !text && !none &&
+           (r->set->words ? !is_flag(r, r->argv[r->at])
+                          : value->count == 0 && !(row->optional && is_flag(r, r->argv[r->at])))) {
+        value->text = value->text ? value->text : r->argv[r->at];
+        value->count++;
+        r->at++;
+    }
+    if (r->set->words)
+        return STATUS_OK;
+    if (none && text)
+        return fail(reason, STATUS_INPUT, "--%s: takes no value", row->name);
+    if (!none && !row->optional && !value->text)
+        return fail(reason, STATUS_INPUT, "unknown option or missing value: '--%s'", row->name);
+    if (value->text && strcmp(value->text, "-") == 0) {
+        if (row->type == OPTION_OUTPUT || row->type == OPTION_WRITTEN)
+            return fail(reason, STATUS_INPUT, "--%s: needs a file, not '-'", row->name);
+        return row->type == OPTION_DATA ? output_aside(reason) : STATUS_OK;
+    }
+    return STATUS_OK;
+}
+
+/* Puts a word before the arguments that stood before it. */
+static void put_first(struct reading *r, int i)
+{
+    char *word = r->argv[i];
+    memmove(r->argv + r->first + 1, r->argv + r->first, (size_t)(i - r->first) * sizeof *r->argv);
+    r->argv[r->first++] = word;
+}
+
+/* Takes the option that stands at r->at. -1, or the exit code. */
+static int read_option(struct reading *r)
+{
+    const int start = r->at++;
+    char *name = r->argv[start] + 1 + (r->argv[start][1] == '-'), *equals = strchr(name, '=');
+    char known[64];
+    struct option_value value = {0};
+    struct reason reason;
+    void *owner = NULL;
+    const size_t length = equals ? (size_t)(equals - name) : strlen(name);
+    snprintf(known, sizeof known, "%.*s", (int)(length < sizeof known ? length : 0), name);
+    value.row = option_find(r->set, known, r->options, &owner);
+    const bool short_of = r->argv[start][1] != '-';
+    if (value.row && short_of != (value.row->letter && known[0] == value.row->letter && !known[1]))
+        value.row = NULL;
+    if ((strcmp(known, "help") == 0 && !equals) ||
+        (short_of && strcmp(known, "h") == 0 &&
+         (!value.row || r->at == r->argc || is_flag(r, r->argv[r->at])))) {
+        options_print(r->set);
+        return EXIT_AGREE;
+    }
+    if (!value.row)
+        return short_of ? usage_error(r->set->command, "unknown option or missing value: '%.60s'",
+                                      r->argv[start])
+                        : unknown_option(r, name, length);
+    enum status status = find_value(r, equals ? equals + 1 : NULL, &value, &reason);
+    if (!status)
+        status = option_note(value.row->name, value.row->repeats, r->at == r->argc, &reason);
+    if (!status)
+        status = take(owner, &value, &reason);
+    if (!status && (value.row->type == OPTION_DATA || value.row->type == OPTION_WRITTEN))
+        output_note(value.text);
+    if (status)
+        return option_error(r->set->command, status, &reason);
+    for (int i = start; i < r->at; i++)
+        put_first(r, i);
+    return -1;
+}
+
+int options_read(const struct option_set *set, void *options, int argc, char **argv, int *first)
+{
+    struct reading r = {
+        .set = set, .options = options, .argc = argc, .at = 1, .argv = argv, .first = 1};
+    struct reason reason;
+    int code = -1;
+    options_begin();
+    take_defaults(set, options);
+    while (r.at < argc && code < 0) {
+        if (strcmp(argv[r.at], "--") == 0) {
+            put_first(&r, r.at);
+            break;
+        }
+        if (is_flag(&r, argv[r.at]))
+            code = read_option(&r);
+        else
+            r.at++;
+    }
+    *first = r.first;
+    enum status status = code < 0 ? plugin_shader_settle(&reason) : STATUS_OK;
+    if (!status && code < 0 && !set->makes_folder)
+        status = outputs_try(&reason);
+    return status ? option_error(set->command, status, &reason) : code;
+}

@@ -1,0 +1,137 @@
+/* Options that several commands take alike. */
+#include "cmd/common/cmd_rows.h"
+
+#include "ref/outside/plugin_guard.h"
+#include "ref/outside/plugin_shader.h"
+#include "ref/base/command.h"
+
+#include <math.h>
+#include <string.h>
+
+struct engine_options engine_options_default(void)
+{
+    return (struct engine_options){.device = -1};
+}
+
+const struct option_row engine_rows[] = {
+    {"threads", "N", "CPU threads, 0 is all", OF_COUNT(struct engine_options, threads, 0, 4096),
+     .value = "0"},
+    {"driver", "NAME",
+     "Vulkan: stock, mesa25, swiftshader (make drivers), hardware, a driver's JSON file, or part "
+     "of "
+     "a driver's or device's name",
+     OF_TEXT(struct engine_options, driver)},
+    {"device", "N", "Vulkan: device by the number that raydiff doctor gives",
+     OF_COUNT(struct engine_options, device, 0, 255)},
+    {"workgroup", "N", "Vulkan: rays per workgroup",
+     OF_COUNT(struct engine_options, workgroup, 1, 1024), .standard = ABI_WORKGROUP},
+    {.name = NULL},
+};
+
+static enum status take_peer(void *options, const struct option_value *given, struct reason *reason)
+{
+    struct engine_options *o = options;
+    const bool time = strcmp(given->row->name, "peer-time") == 0;
+    uint64_t n = 0;
+    enum status status = parse_count(time ? "--peer-time" : "--peer-memory", given->text, time,
+                                     time ? 86400 : 1u << 24, &n, reason);
+    if (time)
+        o->peer_ms = (uint32_t)(1000 * n);
+    else
+        o->peer_mb = n ? (uint32_t)n : UINT32_MAX;
+    plugin_limits(o->peer_ms, o->peer_mb);
+    return status;
+}
+
+static enum status take_shader(void *options, const struct option_value *given,
+                               struct reason *reason)
+{
+    (void)options;
+    return plugin_shader_take(given->text, reason);
+}
+
+const struct option_row outside_rows[] = {
+    {"peer-time", "S",
+     "seconds that pipe:COMMAND may take for a request, and a layout FILE.so for packing a tree",
+     OF_OWN(take_peer), .standard = PLUGIN_MS / 1e3},
+    {"peer-memory", "M", "their address space in MB, 0 is no limit", OF_OWN(take_peer),
+     .standard = PLUGIN_MB},
+    {"shader", "FILE", "GLSL of a layout from outside, --layout FILE.so, for engine vulkan",
+     OF_OWN(take_shader), .file = true, .repeats = true},
+    {.name = NULL},
+};
+
+/* 0 is none, which the options have as a number below 0, since their 0 is the default. */
+static enum status take_share(void *options, const struct option_value *given,
+                              struct reason *reason)
+{
+    struct build_options *o = options;
+    const bool alpha = strcmp(given->row->name, "split-alpha") == 0;
+    const char *flag = alpha ? "--split-alpha" : "--split-budget";
+    const float most = alpha ? 1 : BUILD_SPLIT_BUDGET_MOST;
+    float x = 0;
+    enum status status = parse_float(flag, given->text, &x, reason);
+    if (!status && !(x >= 0 && x <= most))
+        status = fail(reason, STATUS_INPUT, "%s: '%.60s' is not a number from 0 to %g", flag,
+                      given->text, (double)most);
+    *(alpha ? &o->split_alpha : &o->split_budget) = x > 0 ? x : -1;
+    return status;
+}
+
+static enum status take_optimize(void *options, const struct option_value *given,
+                                 struct reason *reason)
+{
+    static const char name[] = "reinsert";
+    const char *text = given->text;
+    uint64_t n = BUILD_PASSES_DEFAULT;
+    enum status status = STATUS_OK;
+    if (strncmp(text, name, sizeof name - 1) != 0 || !strchr("=", text[sizeof name - 1]))
+        return fail(reason, STATUS_INPUT, "--optimize: '%.60s' is not reinsert or reinsert=N",
+                    text);
+    if (text[sizeof name - 1] == '=')
+        status = parse_count("--optimize", text + sizeof name, 1, 1000, &n, reason);
+    ((struct build_options *)options)->passes = (uint32_t)n;
+    return status;
+}
+
+const struct option_row build_rows[] = {
+    {"bins", "N", "builder sah_binned: bins per axis",
+     OF_COUNT(struct build_options, bins, 2, BUILD_BINS_MOST), .standard = BUILD_BINS_DEFAULT},
+    {"radius", "N", "builder ploc: neighbours on either side",
+     OF_COUNT(struct build_options, radius, 1, BUILD_RADIUS_MOST),
+     .standard = BUILD_RADIUS_DEFAULT},
+    {"split-budget", "X",
+     "builder sbvh: items beyond one a triangle, at most, in parts of the triangles",
+     OF_OWN(take_share), .standard = BUILD_SPLIT_BUDGET_DEFAULT},
+    {"split-alpha", "X",
+     "builder sbvh: planes are tried where children overlap in at least this part of the root's "
+     "area",
+     OF_OWN(take_share), .standard = BUILD_SPLIT_ALPHA_DEFAULT},
+    {"optimize", "O",
+     "reinsert or reinsert=N: moves subtrees of what a builder made to where they cost less, N (4) "
+     "times over the tree",
+     OF_OWN(take_optimize)},
+    {.name = NULL},
+};
+
+static enum status take_require(void *options, const struct option_value *given,
+                                struct reason *reason)
+{
+    ((struct match_demands *)options)->watertight = true;
+    return strcmp(given->text, "watertight") == 0
+               ? STATUS_OK
+               : fail(reason, STATUS_INPUT, "--require: '%.60s' is not watertight", given->text);
+}
+
+const struct option_row demand_rows[] = {
+    {"displacement", "U",
+     "how far vertices may have to move to make an answer of an unknown formula right, in 2^-24 of "
+     "their distance",
+     OF_REAL(struct match_demands, displacement, ABOVE_0, INFINITY),
+     .standard = JUDGE_DISPLACEMENT_MOST},
+    {"require", "watertight",
+     "no hit inside a closed fan may be lost, by any engine; without it only by those that promise "
+     "so. Of closest and any hits",
+     OF_OWN(take_require)},
+    {.name = NULL},
+};
