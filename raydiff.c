@@ -82,7 +82,7 @@ int main(int argc, char **argv)
         if (strcmp(argv[1], command->name) == 0)
             return printed(argv[1], command->run(argc - 1, argv + 1));
     const bool of_seed = strcmp(argv[1], "load") == 0 || strcmp(argv[1], "demo") == 0;
-    struct nearest nearest = nearest_make(argv[1], strlen(argv[1]));
+    struct nearest_name nearest = nearest_make(argv[1], strlen(argv[1]));
     for (const struct command *command = commands; command->name; command++)
         nearest_try(&nearest, command->name);
     fprintf(stderr, "raydiff: unknown command '%s' (see raydiff %s--help)%s%s%s\n", argv[1],

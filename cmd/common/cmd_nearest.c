@@ -4,9 +4,9 @@
 
 #define WORD_MOST 40
 
-struct nearest nearest_make(const char *word, size_t length)
+struct nearest_name nearest_make(const char *word, size_t length)
 {
-    return (struct nearest){.word = word, .length = length, .distance = 1 + length / 4};
+    return (struct nearest_name){.word = word, .length = length, .distance = 1 + length / 4};
 }
 
 /* Characters inserted, deleted, replaced, or swapped with the next. */
@@ -31,7 +31,7 @@ static size_t distance_of(const char *a, size_t a_length, const char *b, size_t 
     return row[a_length % 3][b_length];
 }
 
-void nearest_try(struct nearest *nearest, const char *name)
+void nearest_try(struct nearest_name *nearest, const char *name)
 {
     const size_t length = strlen(name);
     if (length > WORD_MOST || nearest->length > WORD_MOST || nearest->length == 0)

@@ -141,7 +141,7 @@ static void take_defaults(const struct option_set *set, void *options)
 }
 
 /* The command line as it is read. */
-struct reading {
+struct option_reading {
     const struct option_set *set;
     void *options;
     int argc, at; /* the word that is next */
@@ -149,14 +149,14 @@ struct reading {
     int first; /* what is before it are options and their values */
 };
 
-static bool is_flag(const struct reading *r, const char *word)
+static bool is_flag(const struct option_reading *r, const char *word)
 {
     return r->set->words ? strncmp(word, "--", 2) == 0 : word[0] == '-' && word[1];
 }
 
-static int unknown_option(const struct reading *r, const char *name, size_t length)
+static int unknown_option(const struct option_reading *r, const char *name, size_t length)
 {
-    struct nearest nearest = nearest_make(name, length);
+    struct nearest_name nearest = nearest_make(name, length);
     for (const struct option_group *group = r->set->group; group->row; group++)
         for (const struct option_row *row = group->row; row->name; row++)
             nearest_try(&nearest, row->name);
@@ -167,7 +167,7 @@ static int unknown_option(const struct reading *r, const char *name, size_t leng
 }
 
 /* The value's words; those up to r->at are the option's. */
-static enum status find_value(struct reading *r, char *text, struct option_value *value,
+static enum status find_value(struct option_reading *r, char *text, struct option_value *value,
                               struct reason *reason)
 {
     const struct option_row *row = value->row;
@@ -197,7 +197,7 @@ static enum status find_value(struct reading *r, char *text, struct option_value
 }
 
 /* Puts a word before the arguments that stood before it. */
-static void put_first(struct reading *r, int i)
+static void put_first(struct option_reading *r, int i)
 {
     char *word = r->argv[i];
     memmove(r->argv + r->first + 1, r->argv + r->first, (size_t)(i - r->first) * sizeof *r->argv);
@@ -205,7 +205,7 @@ static void put_first(struct reading *r, int i)
 }
 
 /* Takes the option that stands at r->at. -1, or the exit code. */
-static int read_option(struct reading *r)
+static int read_option(struct option_reading *r)
 {
     const int start = r->at++;
     char *name = r->argv[start] + 1 + (r->argv[start][1] == '-'), *equals = strchr(name, '=');
@@ -245,7 +245,7 @@ static int read_option(struct reading *r)
 
 int options_read(const struct option_set *set, void *options, int argc, char **argv, int *first)
 {
-    struct reading r = {
+    struct option_reading r = {
         .set = set, .options = options, .argc = argc, .at = 1, .argv = argv, .first = 1};
     struct reason reason;
     int code = -1;

@@ -143,7 +143,7 @@ static enum status unknown(enum table table, const char *flag, const char *name,
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one);
     if (one)
         snprintf(known + used, sizeof known - used, ", ... (raydiff list %s)", table_name(table));
-    struct nearest nearest = nearest_make(name, length);
+    struct nearest_name nearest = nearest_make(name, length);
     for (i = 0; (one = table_member(table, i, NULL)); i++)
         nearest_try(&nearest, one);
     return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s%s%s%s%s", flag,
