@@ -119,7 +119,7 @@ $(B)/gen/baseline.c $(B)/gen/waivers.c:
 include fuzz/export/templates.mk  # $(B)/gen/templates.c
 include tests/tests.mk            # $(TESTS), $(SAMPLES), and the suites that they need
 include tests/checks.mk           # check and its slower sisters
-include mutants.mk                # planted, planted-quick
+include tests/planted/planted.mk  # planted, planted-quick
 include tests/readers/fire.mk     # files under fire
 
 # --- what people type -------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 #include "scenes/construct.h"
 
-#include "ref/base/mutant.h"
 #include "scenes/read/formats.h"
 #include "scenes/read/normals.h"
 #include "scenes/scenes.h"
@@ -134,7 +133,7 @@ static void add_triangles(struct growing *growing, uint32_t i, const struct scen
 {
     const struct construct_model *model = &growing->from->model[i];
     struct scene *scene = &growing->scene;
-    bool turned = model->transform.mirrors && MUTANT != MUTANT_WINDING_KEPT;
+    bool turned = model->transform.mirrors;
     uint32_t material = model->material == CONSTRUCT_DEFAULT ? growing->red : model->material;
     for (uint32_t t = 0; t < mesh->tri_count; t++) {
         const uint32_t *from = mesh->index + 3 * (size_t)t;
@@ -142,8 +141,7 @@ static void add_triangles(struct growing *growing, uint32_t i, const struct scen
         to[0] = base + from[0];
         to[1] = base + from[turned ? 2 : 1];
         to[2] = base + from[turned ? 1 : 2];
-        scene->material_of[scene->tri_count++] =
-            (int32_t)material + (MUTANT == MUTANT_MATERIAL_NEXT);
+        scene->material_of[scene->tri_count++] = (int32_t)material;
     }
 }
 
@@ -156,7 +154,7 @@ static enum status add_model(struct growing *growing, uint32_t i, struct reason 
     enum status status = scene_open(model->spec, growing->from->seed, &mesh, reason);
     if (status)
         return status;
-    uint32_t base = MUTANT == MUTANT_OWN_VERTICES ? 0 : growing->scene.vertex_count;
+    uint32_t base = growing->scene.vertex_count;
     status = reserve(growing, i, &mesh, reason);
     if (!status)
         status = add_vertices(growing, i, &mesh, reason);
@@ -198,7 +196,7 @@ static enum status add_normals(struct growing *growing, struct construct_notes *
     for (uint32_t t = 0; t < scene->tri_count && !status; t++)
         for (int c = 0; c < 3 && !status; c++) {
             uint32_t vertex = scene->index[3 * (size_t)t + (size_t)c];
-            notes->filled += none[vertex] && (!used[vertex] || MUTANT == MUTANT_COUNTED_AGAIN);
+            notes->filled += none[vertex] && !used[vertex];
             used[vertex] = 1;
             if (none[vertex] && !growing->from->fill_normals)
                 status = refuse_normal(growing, vertex, t, reason);

@@ -1,7 +1,5 @@
 #include "scenes/transform.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 
 #define PI 3.14159265358979323846
@@ -13,11 +11,6 @@ struct transform transform_identity(void)
 
 struct transform transform_then(const struct transform *first, const struct transform *second)
 {
-#if MUTANT == MUTANT_STEPS_SWAPPED
-    const struct transform *swap = first;
-    first = second;
-    second = swap;
-#endif
     if (!first->any || !second->any)
         return first->any ? *first : *second;
     struct transform both = {.mirrors = first->mirrors != second->mirrors, .any = true};

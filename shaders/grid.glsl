@@ -66,11 +66,7 @@ wide wide_load(node n)
         uvec3 origin = uvec3(node_word[frame], node_word[frame + 1u], node_word[frame + 2u]);
         uint scale = node_word[frame + 3u];
         w.origin = uintBitsToFloat(origin);
-#if MUTANT == MUTANT_GRID_SCALE_OF_X
-        w.scale = uintBitsToFloat(uvec3(scale & 255u) << 23);
-#else
         w.scale = uintBitsToFloat((uvec3(scale, scale >> 8, scale >> 16) & 255u) << 23);
-#endif
     }
     return w;
 }
@@ -94,9 +90,6 @@ uvec2 grid_codes(uint codes, uint slot, uint axis)
         uint bit = pair * 24u & 31u, word = codes + (pair * 24u >> 5);
         uint low = node_word[word] >> bit;
         uint high = node_word[word + (bit > 8u ? 1u : 0u)] << (32u - bit & 31u);
-#if MUTANT == MUTANT_GRID_STRADDLE
-        high = 0u;
-#endif
         low |= bit > 8u ? high : 0u;
         found = uvec2(low, low >> 12) & 0xFFFu;
     } else {

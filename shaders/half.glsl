@@ -21,9 +21,6 @@ float half_any(uint code)
 /* The half in bits 0-15 if it is zero or normal, for which Vulkan's conversion is exact. */
 float half_normal(uint code)
 {
-#if MUTANT == MUTANT_HALF_SIGN
-    code &= 0x7FFFu;
-#endif
     return unpackHalf2x16(code).x;
 }
 

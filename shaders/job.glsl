@@ -5,7 +5,6 @@
 #define JOB_GLSL
 
 #include "ref/abi.h"
-#include "ref/base/mutant.h"
 
 #include "pick.glsl"
 

@@ -19,11 +19,7 @@ node node_of(uint ref)
 
 wide wide_load(node n)
 {
-#if MUTANT == MUTANT_WIDTH_UNREAD
-    return wide(node_quad[4u * n.a], 4u * n.a, false);
-#else
     return wide(node_quad[4u * n.a], 4u * n.a, n.b != 0u);
-#endif
 }
 
 /* Words `skip` to `skip` + 3 of the eight. */

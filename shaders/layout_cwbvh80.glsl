@@ -36,9 +36,6 @@ node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther
     uint meta = (pick(low, w.base.z, w.base.w) >> shift) & 0xFFu;
     uint inner = w.head.w >> 24;
     uint before = uint(bitCount(inner & ((1u << slot) - 1u)));
-#if MUTANT == MUTANT_CHILD_ORDER
-    before = uint(bitCount(inner >> (slot + 1u)));
-#endif
     bool is_inner = ((inner >> slot) & 1u) != 0u;
     uint items = ((meta >> 5) & 1u) + ((meta >> 6) & 1u) + (meta >> 7);
     return node(pick(is_inner, w.base.x + before, NODE_LEAF | items),

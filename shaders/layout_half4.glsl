@@ -24,9 +24,6 @@ node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther
 {
     bool low = slot < 2u;
     uint shift = (slot & 1u) << 4;
-#if MUTANT == MUTANT_HALVES_SWAPPED
-    shift = 16u - shift;
-#endif
     vec3 lo = vec3(half_normal((pick(low, w.min_xy.x, w.min_xy.y) >> shift) & 0xFFFFu),
                    half_normal((pick(low, w.min_xy.z, w.min_xy.w) >> shift) & 0xFFFFu),
                    half_normal((pick(low, w.min_z_max_x.x, w.min_z_max_x.y) >> shift) & 0xFFFFu));

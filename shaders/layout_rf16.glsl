@@ -28,11 +28,7 @@ uint node_fst(node n)
 
 uint node_snd(node n)
 {
-#if MUTANT == MUTANT_RECORD_CUT
-    return n.a & 0x3FFFu;
-#else
     return n.a & 0xFFFFu;
-#endif
 }
 
 struct leaf {
@@ -42,28 +38,13 @@ struct leaf {
 
 leaf leaf_load(node n)
 {
-#if MUTANT == MUTANT_EIGHT_IS_NONE
-    return leaf(node_quad[(n.a & ~NODE_LEAF) >> 4], n.a & 7u);
-#else
     return leaf(node_quad[(n.a & ~NODE_LEAF) >> 4], n.a & 15u);
-#endif
 }
 
 uint leaf_item(leaf l, uint slot)
 {
-#if MUTANT == MUTANT_LOST_SLOT
-    if (slot == 7u)
-        return ABI_NO_PRIM;
-#endif
     uint word = pick(slot < 4u, pick(slot < 2u, l.items.x, l.items.y),
                      pick(slot < 6u, l.items.z, l.items.w));
     uint prim = pick((slot & 1u) == 0u, word & 0xFFFFu, word >> 16);
-#if MUTANT == MUTANT_ITEM_CUT
-    prim &= 0x7FFFu;
-#endif
-#if MUTANT == MUTANT_ZERO_IS_EMPTY
-    if (prim == 0u)
-        return ABI_NO_PRIM;
-#endif
     return prim;
 }

@@ -48,9 +48,6 @@ node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther
     uint before = w.base.z & ((1u << (slot << 2)) - 1u);
     uint nodes = full_nibbles(before);
     uint items = sum_nibbles(before & ~(nodes * 15u));
-#if MUTANT == MUTANT_ITEMS_BEFORE
-    items = sum_nibbles(before);
-#endif
     bool inner = kind == 15u;
     return node(pick(inner, w.base.x + uint(bitCount(nodes)), NODE_LEAF | kind),
                 pick(inner, 0u, w.base.y + items));

@@ -4,7 +4,6 @@
  * from an estimate that is worse than the driver's by so many ulp;
  * tests/gpu/test_vulkan_sqrt.c compares with C's. */
 #include "ref/abi.h"
-#include "ref/base/mutant.h"
 #include "sqrt.glsl"
 
 layout(local_size_x_id = ABI_SPEC_WORKGROUP) in;

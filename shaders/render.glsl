@@ -46,9 +46,6 @@ void path_take(uint slot, inout path p, vec3 tuv, uint prim)
     p.t = tuv.x;
     p.l = LIT_NONE;
     p.light = 0u;
-#if MUTANT == MUTANT_LIGHT_LOST
-    p.light = light_count() > 1u ? 1u : 0u;
-#endif
     if (p.more) {
         p.s = surface_of(p.org, p.dir, tuv, prim);
     } else {

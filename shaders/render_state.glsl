@@ -74,11 +74,7 @@ uint queue_at(uint ray, uint i)
 void queue_add(uint slot)
 {
     uint next = job.ray + 1u, i = atomicAdd(state_quad[next].w, 1u);
-#if MUTANT == MUTANT_GROUP_LATE
-    if (i % (TILE * TILE) == 1u)
-#else
     if (i % (TILE * TILE) == 0u)
-#endif
         atomicAdd(state_quad[next].x, 1u);
     state_quad[queue_at(next, i)].w = slot;
 }

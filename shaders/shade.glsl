@@ -25,9 +25,6 @@ bool is_zero(vec3 v)
 /* Moves a point off its surface: to the other side of n where `back`. */
 vec3 moved(vec3 p, vec3 n, bool back)
 {
-#if MUTANT == MUTANT_OFFSET_SIGN
-    back = !back;
-#endif
     precise vec3 by = n * job.offset;
     precise vec3 there = p + by;
     precise vec3 behind = p - by;
@@ -171,11 +168,7 @@ void light_add(surface s, vec3 along, vec3 dir, float far, uint light, float t, 
                inout lit l)
 {
     l.asked |= 1u << light;
-#if MUTANT == MUTANT_SHADOW_BEHIND
-    bool shadowed = prim != ABI_NO_PRIM;
-#else
     bool shadowed = both(prim != ABI_NO_PRIM, any(bvec2(repaired(), t < far)));
-#endif
     l.shadowed |= pick(shadowed, 1u << light, 0u);
     float strength = shade_quad[light].w, nl = tri_sum(s.n, dir);
     precise float diffuse = l.diffuse + strength * pick(nl > 0.0, nl, 0.0);
@@ -216,9 +209,7 @@ bool path_next(surface s, material m, inout vec3 dir, inout float weight, out ve
     if (repaired()) {
         precise float less = weight * m.reflective;
         more = less > 0.0;
-#if MUTANT != MUTANT_WEIGHT_KEPT
         weight = less;
-#endif
     }
     precise vec3 mirrored = dir - s.n * (2.0 * tri_sum(s.n, dir));
     dir = unit(mirrored);

@@ -10,15 +10,13 @@ SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv) $(RENDERED:%=$(B)/spv/%.spv
 
 GLSLANG ?= glslangValidator
 HOSTCC  ?= cc
-# Number of a planted bug (ref/base/mutant.h); 0 in everything that is shipped.
-MUTANT  ?= 0
 
 TOOL := $(B)/spirv_tool
 
 TOOL_SRC := shaders/spirv_tool.c gpu/shaders/spirv_fix.c ref/base/base.c ref/base/memory.c
-$(TOOL): $(TOOL_SRC) gpu/shaders/spirv_fix.h ref/base/base.h ref/base/mutant.h
+$(TOOL): $(TOOL_SRC) gpu/shaders/spirv_fix.h ref/base/base.h
 	@mkdir -p $(@D)
-	$(call warned,$(HOSTCC) -I. -std=c17 -O1 $(WARN) -DMUTANT=$(MUTANT) -o $@ $(TOOL_SRC))
+	$(call warned,$(HOSTCC) -I. -std=c17 -O1 $(WARN) -o $@ $(TOOL_SRC))
 
 # A layout's renderer is made of its file alone: $(RENDERED).
 $(RENDERED:%=$(B)/gen/%.comp): $(B)/gen/render_%.comp: shaders/shaders.mk
@@ -36,7 +34,7 @@ $(STACKLESS:%=$(B)/gen/%.comp): $(B)/gen/stackless_%.comp: shaders/shaders.mk
 # Ray queries need SPIR-V 1.4, so they are of Vulkan 1.2.
 $(B)/spv/raw/query_%.spv: TARGET := vulkan1.2
 TARGET := vulkan1.1
-compile = @mkdir -p $(@D); $(GLSLANG) --quiet -V --target-env $(TARGET) -g0 -DMUTANT=$(MUTANT) -I. \
+compile = @mkdir -p $(@D); $(GLSLANG) --quiet -V --target-env $(TARGET) -g0 -I. \
     -Ishaders --depfile $(@:.spv=.d) -o $@ $<
 $(B)/spv/raw/%.spv: shaders/%.comp
 	$(compile)
@@ -60,7 +58,7 @@ shaders/%.glsl: ;
 -include $(wildcard $(B)/spv/raw/*.d)
 
 # The text of our shaders, for those that are compiled at run time.
-GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl)) ref/abi.h ref/base/mutant.h
+GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl)) ref/abi.h
 $(B)/gen/glsl_sources.c: $(GLSL_TEXTS) Makefile
 	@mkdir -p $(@D)
 	@{ echo '#include "gpu/shaders/glsl_text.h"'; echo 'const struct glsl_source glsl_sources[] = {'; \

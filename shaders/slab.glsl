@@ -8,17 +8,9 @@
 #include "job.glsl"
 
 #define SLAB_PARALLEL 8.67361737988403547e-19 /* 2^-60 */
-#if MUTANT == MUTANT_FAR_NOT_PADDED
-#define SLAB_FAR 1.0
-#else
 #define SLAB_FAR 1.0000019073486328125 /* 1 + 2^-19 */
-#endif
 #define SLAB_NEAR 0.999996185302734375 /* 1 - 2^-18 */
-#if MUTANT == MUTANT_BEHIND_FORGOT
-#define SLAB_BEHIND 0.0
-#else
 #define SLAB_BEHIND 0.0000019073486328125 /* 2^-19 */
-#endif
 #define SLAB_RTRS_EPS 0.000002
 #define SLAB_RTRS_INF 274877906944.0 /* 2^38 */
 
@@ -75,10 +67,6 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     r.o = o;
     r.d = d;
     r.inv = slab_select(crossing, inv, vec3(1.0));
-#if MUTANT == MUTANT_PARALLEL_DIVIDED
-    crossing = bvec3(true);
-    r.inv = inv;
-#endif
     r.o_near = slab_select(crossing, o, vec3(SLAB_AWAY));
     r.o_far = slab_select(crossing, o, vec3(-SLAB_AWAY));
     r.pad = slab_select(crossing, vec3(SLAB_FAR), vec3(SLAB_AWAY_PAD));
@@ -105,11 +93,7 @@ void slab_ray_place(inout slab_ray r, vec3 nearer)
 bool slab_robust(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float entry)
 {
     precise vec3 a = (nearer - r.o_near) * r.inv;
-#if MUTANT == MUTANT_SLAB_REARRANGED
-    precise vec3 b = farther * r.inv - r.o_far * r.inv;
-#else
     precise vec3 b = (farther - r.o_far) * r.inv;
-#endif
     precise vec3 bp = b * r.pad;
     float tn = r.tmin, tf = tbest;
     tn = pick(a.x > tn, a.x, tn);
@@ -119,17 +103,9 @@ bool slab_robust(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float e
     tn = pick(a.z > tn, a.z, tn);
     tf = pick(bp.z < tf, bp.z, tf);
     entry = tn;
-#if MUTANT == MUTANT_PARALLEL_STRICT
-    bool inside = both(all(lessThan(nearer, r.at_most)), all(lessThan(r.at_least, farther)));
-#else
     bool inside = both(all(lessThanEqual(nearer, r.at_most)),
                        all(lessThanEqual(r.at_least, farther)));
-#endif
-#if MUTANT == MUTANT_SLAB_STRICT
-    return both(inside, tn < tf);
-#else
     return both(inside, tn <= tf);
-#endif
 }
 
 bool slab_watertight(slab_ray r, vec3 nearer, vec3 farther, float tbest, out float entry)

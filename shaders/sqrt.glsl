@@ -27,11 +27,9 @@ float sqrt_from(float x, int worse)
     float scaled = uintBitsToFloat((128u - odd) << 23 | (mantissa & 0x7FFFFFu));
     precise float estimate = sqrt(scaled) * 8388608.0;
     uint m = uint(int(estimate) + worse);
-#if MUTANT != MUTANT_SQRT_OF_DRIVER
     precise float off = float(int(n - m * m)) / float(2u * m);
     m += uint(int(off)); /* now within one */
     m = sqrt_step(n, sqrt_step(n, m));
-#endif
     uint half_exponent = uint(exponent + 126 + int(odd)) >> 1; /* (e - 150 - 24 + odd) / 2 + 150 */
     uint root = half_exponent << 23 | (m & 0x7FFFFFu);
     /* 0, infinity and NaN are their own roots, and nothing else with a sign has one. */

@@ -67,11 +67,7 @@ uint leaf_item(leaf l, uint slot)
         uint prim = quantised_bits(l.first, q.number_at + q.number * slot, q.number);
         return pick(q.there, prim, ABI_NO_PRIM);
     }
-#if MUTANT == MUTANT_SLOTS_WRAPPED
-    uint at = l.first + (slot & 1u);
-#else
     uint at = l.first + slot;
-#endif
     uint mask = 0xFFFFFFFFu;
     if (STORE == ABI_STORE_COMPACT) {
         at = l.first + 3u + 3u * block_vertices(l.first) + slot;

@@ -28,9 +28,6 @@ quantised quantised_of(uint first, uint slot)
     q.tris = (sizes & 7u) + 1u;
     q.vertices = ((sizes >> 3) & 15u) + 1u;
     q.width = uvec3(sizes >> 7, sizes >> 12, sizes >> 17) & 31u;
-#if MUTANT == MUTANT_GRID_AXIS
-    q.width.z = q.width.y;
-#endif
     q.code = widths & 31u;
     q.number = (widths >> 5) & 31u;
     q.corner_at = 22u + 3u * q.code;

@@ -5,19 +5,13 @@
 void main()
 {
     uint id = gl_GlobalInvocationID.x;
-#if MUTANT != MUTANT_PAST_LAST_RAY
     if (id >= job.ray_count)
         return;
-#endif
     vec4 org = ray_quad[2u * id], dir = ray_quad[2u * id + 1u];
     slab_ray slab = slab_ray_make(org.xyz, dir.xyz, org.w);
     found_at = id * job.capacity;
     vec3 best = vec3(0.0);
-#if MUTANT == MUTANT_MISS_IS_ZERO
-    uint prim = 0u;
-#else
     uint prim = ABI_NO_PRIM;
-#endif
     float tbest = dir.w;
     if (job.node_count > 0u) {
         vec3 nearer, farther;

@@ -31,9 +31,7 @@ tri_ray tri_ray_make(vec3 o, vec3 d, float tmin, float tmax)
     precise vec3 minus = -d;
     vec3 a = slab_select(lessThan(d, vec3(0.0)), minus, d);
     uint kz = a.y > a.x ? 1u : 0u;
-#if MUTANT != MUTANT_THIRD_AXIS
     kz = pick(a.z > tri_pick(a, kz), 2u, kz);
-#endif
     uint kx = pick(kz == 2u, 0u, kz + 1u);
     uint ky = pick(kx == 2u, 0u, kx + 1u);
     float dz = tri_pick(d, kz);
@@ -65,27 +63,11 @@ bool tri_moeller_trumbore_edges(tri_ray r, vec3 v0, vec3 e1, vec3 e2, float eps,
     float u = tri_sum(s, p);
     float w = tri_sum(r.d, q);
     float t = tri_sum(e2, q);
-#if MUTANT == MUTANT_BACK_CULLED
-    float size = det;
-#else
     precise float size = pick(det < 0.0, -det, det);
-#endif
     precise float us = pick(det < 0.0, -u, u);
-#if MUTANT == MUTANT_SIGN_KEPT
-    float ws = w;
-#else
     precise float ws = pick(det < 0.0, -w, w);
-#endif
-#if MUTANT == MUTANT_PARALLELOGRAM
-    float sum = ws;
-#else
     precise float sum = us + ws;
-#endif
-#if MUTANT == MUTANT_UV_SWAPPED
-    precise vec3 quotient = vec3(t, w, u) / det;
-#else
     precise vec3 quotient = vec3(t, u, w) / det;
-#endif
     tuv = quotient;
     return both(size > eps, both(us >= 0.0, us <= size), both(ws >= 0.0, sum <= size));
 }
@@ -116,9 +98,6 @@ bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
     float t = tri_sum(w, z);
     precise vec3 quotient = vec3(t, w.y, w.z) / det;
     tuv = quotient;
-#if MUTANT == MUTANT_OPEN_EDGES
-    negative = negative || w.x == 0.0 || w.y == 0.0 || w.z == 0.0;
-#endif
     return both(!both(negative, positive), any(bvec2(det > 0.0, det < 0.0)));
 }
 
@@ -129,15 +108,6 @@ bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 bool tri_in_range(uint id, tri_ray r, float t)
 {
     bool open = both(t > r.tmin, t < r.tmax), closed = both(t >= r.tmin, t <= r.tmax);
-#if MUTANT == MUTANT_TMIN_OPEN
-    closed = id == ABI_TRI_WOOP ? closed : both(t > r.tmin, t <= r.tmax);
-#elif MUTANT == MUTANT_TMIN_UNREAD
-    closed = id == ABI_TRI_WOOP ? closed : both(t >= 0.0, t <= r.tmax);
-#elif MUTANT == MUTANT_TMAX_OPEN
-    closed = id == ABI_TRI_WOOP ? closed : both(t >= r.tmin, t < r.tmax);
-#elif MUTANT == MUTANT_TMAX_UNREAD
-    closed = id == ABI_TRI_WOOP ? closed : t >= r.tmin;
-#endif
     return id == ABI_TRI_MT_RTRS ? open : closed;
 }
 

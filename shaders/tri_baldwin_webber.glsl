@@ -15,12 +15,8 @@ uint baldwin_webber_transform(vec3 v0, vec3 v1, vec3 v2, out vec3 u, out vec3 w,
     precise vec3 e1 = v1 - v0;
     precise vec3 e2 = v2 - v0;
     vec3 n = tri_cross(e1, e2);
-#if MUTANT == MUTANT_AXIS_SIGNED
-    vec3 size = n;
-#else
     precise vec3 minus = -n;
     vec3 size = slab_select(lessThan(n, vec3(0.0)), minus, n);
-#endif
     uint c = pick(size.y > size.x, 1u, 0u);
     c = pick(size.z > tri_pick(size, c), 2u, c);
     vec3 along = tri_turned(n, c), first = tri_turned(e1, c), second = tri_turned(e2, c);
@@ -48,17 +44,9 @@ bool baldwin_webber_hit(tri_ray r, vec3 u, vec3 w, vec3 h, uint c, out vec3 tuv)
     precise vec2 p = o.xy + t * d.xy;
     precise float at_u = (u.x * p.x + u.y * p.y) + u.z;
     precise float at_w = (w.x * p.x + w.y * p.y) + w.z;
-#if MUTANT == MUTANT_SUM_UNASKED
-    bool within = both(at_u <= 1.0, at_w <= 1.0);
-#else
     precise float sum = at_u + at_w;
     bool within = sum <= 1.0;
-#endif
-#if MUTANT == MUTANT_WEIGHTS_SWAPPED
-    tuv = vec3(t, at_w, at_u);
-#else
     tuv = vec3(t, at_u, at_w);
-#endif
     return both(any(bvec2(climb < 0.0, climb > 0.0)), both(at_u >= 0.0, at_w >= 0.0), within);
 }
 

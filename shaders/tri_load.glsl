@@ -12,11 +12,7 @@ void tri_load(uint prim, out vec3 v0, out vec3 v1, out vec3 v2)
     bool two = (at & 2u) != 0u, one = (at & 1u) != 0u;
     vec4 d = pick(two, vec4(a.zw, b.xy), a);
     vec4 e = pick(two, vec4(b.zw, c.xy), b);
-#if MUTANT == MUTANT_WORD_LATE
-    vec2 f = pick(two, c.yz, c.xy);
-#else
     vec2 f = pick(two, c.zw, c.xy);
-#endif
     v0 = pick(one, d.yzw, d.xyz);
     v1 = pick(one, e.xyz, vec3(d.w, e.xy));
     v2 = pick(one, vec3(e.w, f), vec3(e.zw, f.x));

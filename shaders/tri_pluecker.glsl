@@ -19,25 +19,13 @@ bool tri_pluecker(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
     precise vec3 ca = v0 - v2;
     precise vec3 ab = v1 - v0;
     vec3 w = vec3(tri_side(r.d, b, c, bc), tri_side(r.d, c, a, ca), tri_side(r.d, a, b, ab));
-#if MUTANT == MUTANT_EDGE_TURNED
-    precise float turned = -w.z;
-    w.z = turned;
-#endif
     vec3 n = tri_cross(ca, ab);
     float det = tri_sum(r.d, n);
     precise float all_sides = (w.x + w.y) + w.z;
-#if MUTANT == MUTANT_BACK_LOST
-    bool back = false;
-#else
     bool back = both(det < 0.0, all(lessThanEqual(w, vec3(0.0))), all_sides < 0.0);
-#endif
     bool front = both(det > 0.0, all(greaterThanEqual(w, vec3(0.0))), all_sides > 0.0);
     float height = tri_sum(a, n);
-#if MUTANT == MUTANT_T_HALVED
-    precise vec3 quotient = vec3(height, w.y, w.z) / vec3(all_sides);
-#else
     precise vec3 quotient = vec3(height, w.y, w.z) / vec3(det, all_sides, all_sides);
-#endif
     tuv = quotient;
     return any(bvec2(front, back));
 }

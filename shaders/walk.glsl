@@ -62,38 +62,18 @@ bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_p
     bool answered = false;
     while (both(slot < l.count, !answered)) {
         uint prim = leaf_item(l, slot);
-#if MUTANT == MUTANT_LAST_IS_EMPTY
-        prim = prim + 1u == job.tri_count ? ABI_NO_PRIM : prim;
-#endif
         if (prim < job.tri_count) {
             vec3 tuv;
             bool hit = leaf_test(l, slot, prim, r, tuv);
             if (query == ABI_QUERY_ALL) {
                 if (hit)
                     list(tuv, prim);
-#if MUTANT == MUTANT_CULLED_ALL
-                if (hit && tuv.x < tbest)
-                    tbest = tuv.x;
-#endif
-#if MUTANT == MUTANT_FIRST_HIT_KEPT
-            } else if (hit && best_prim == ABI_NO_PRIM) {
-#elif MUTANT == MUTANT_LATER_WINS
-            } else if (hit && (best_prim == ABI_NO_PRIM || tuv.x <= tbest)) {
-#else
             } else if (both(hit, any(bvec2(best_prim == ABI_NO_PRIM, tuv.x < tbest)))) {
-#endif
-#if MUTANT == MUTANT_NUMBERS_KEPT
-                best = best_prim == ABI_NO_PRIM ? tuv : best;
-#else
                 best = tuv;
-#endif
                 best_prim = prim;
                 tbest = tuv.x;
                 answered = query == ABI_QUERY_ANY;
             }
-#if MUTANT == MUTANT_ANY_TOO_EARLY
-            answered = query == ABI_QUERY_ANY;
-#endif
         }
         slot++;
     }

@@ -9,18 +9,10 @@ uint stack_count = 0u;
 
 void stack_push(node n, float entry)
 {
-#if MUTANT == MUTANT_SHORT_STACK
-    if (stack_count >= STACK - 1u) {
-#else
     if (stack_count >= STACK) {
-#endif
         trouble |= ABI_FLAG_STACK;
     } else {
-#if MUTANT == MUTANT_STACK_WRAPPED
-        stack_node[stack_count & 3u] = n;
-#else
         stack_node[stack_count] = n;
-#endif
         stack_entry[stack_count] = entry;
         stack_count++;
     }
@@ -30,24 +22,13 @@ void stack_push(node n, float entry)
 node stack_pop(float tbest)
 {
     bool found = false;
-#if MUTANT == MUTANT_BOTTOM_UNREAD
-    stack_count -= stack_count == 1u ? 1u : 0u;
-#endif
     while (both(stack_count > 0u, !found)) {
         stack_count--;
-#if MUTANT == MUTANT_POP_STRICT
-        found = any(bvec2(BOX_TEST == ABI_BOX_RTRS, stack_entry[stack_count] < tbest));
-#else
         found = any(bvec2(BOX_TEST == ABI_BOX_RTRS, stack_entry[stack_count] <= tbest));
-#endif
     }
     node next = NODE_DONE;
     if (found) {
-#if MUTANT == MUTANT_STACK_WRAPPED
-        next = stack_node[stack_count & 3u];
-#else
         next = stack_node[stack_count];
-#endif
     } else if (stack_count > 0u) {
         trouble |= ABI_FLAG_LOOP;
     }
@@ -70,9 +51,6 @@ void stack_insert(uint base, node n, float entry)
         }
         if (both(at > base, stack_entry[pick(at > 0u, at - 1u, 0u)] <= entry))
             trouble |= ABI_FLAG_LOOP;
-#if MUTANT == MUTANT_WIDE_UNSORTED
-        at = stack_count;
-#endif
         stack_node[at] = n;
         stack_entry[at] = entry;
         stack_count++;
@@ -95,9 +73,6 @@ node step_inner(slab_ray slab, node n, float tbest)
     }
     if (slot < WIDE)
         trouble |= ABI_FLAG_LOOP;
-#if MUTANT == MUTANT_WIDE_ONE_LOST
-    stack_count -= stack_count - base == 5u ? 1u : 0u;
-#endif
     return stack_pop(tbest);
 }
 #else
@@ -112,9 +87,6 @@ node step_inner(slab_ray slab, node n, float tbest)
         next = t.child1;
         other = t.child0;
     }
-#if MUTANT == MUTANT_SWAPPED_CHILD
-    other = next;
-#endif
     if (both(t.hit0, t.hit1))
         stack_push(other, t.second ? t.entry0 : t.entry1);
     if (both(!t.hit0, !t.hit1))

@@ -62,9 +62,6 @@ node step_inner(slab_ray slab, node n, float tbest)
         trouble |= ABI_FLAG_STACK;
     } else {
         bool waits = both(t.hit0, t.hit1);
-#if MUTANT == MUTANT_TRAIL_LOST
-        waits = both(waits, level != 2u);
-#endif
         trail = uvec2(trail.x << 1 | pick(waits, 1u, 0u), trail.y << 1 | trail.x >> 31);
         level++;
         at = pick(t.second, t.ref1, t.ref0);

@@ -20,12 +20,7 @@ two two_test(slab_ray slab, node n, float tbest)
     t.child1 = node_load(slab, t.ref1, near1, far1);
     t.hit0 = both(slab_test(slab, near0, far0, tbest, t.entry0), t.ref0 < job.node_count);
     t.hit1 = both(slab_test(slab, near1, far1, tbest, t.entry1), t.ref1 < job.node_count);
-#if MUTANT == MUTANT_EQUAL_ENTRY_LOST
-    t.hit1 = t.hit1 && (!t.hit0 || t.entry0 != t.entry1);
-#endif
-#if MUTANT == MUTANT_FAR_FIRST
-    t.second = t.hit1 && (!t.hit0 || t.entry1 > t.entry0);
-#elif defined(ORDER_NEAR)
+#if defined(ORDER_NEAR)
     t.second = both(t.hit1, any(bvec2(!t.hit0, t.entry1 < t.entry0)));
 #elif defined(ORDER_SND)
     t.second = t.hit1;

@@ -71,7 +71,7 @@ selftest-quick:
 
 mutants: all tests
 	@CC_CMD='$(subst ',,$(CC) $(CPPFLAGS) $(CFLAGS))' LIBS='$(LDLIBS) $(PROGRAM_LIBS)' TOOL_SRC='$(TOOL_SRC)' \
-	    sh tests/house/mutants.sh $(B) $(ONLY)
+	    sh tests/planted/run.sh $(B) $(ONLY)
 
 # The picture of docs/rooms.txt; exit code 77: Graphviz is not here.
 rooms-graph:

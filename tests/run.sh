@@ -92,7 +92,7 @@ plain)
     suite runner sh tests/house/runner.sh
     suite other sh tests/house/other.sh
     alone mutants make -s mutants
-    suite mutants_none sh tests/house/mutants_none.sh "$build"
+    suite planted sh tests/planted/selftest.sh "$build"
     alone selftest make -s selftest-quick
     suite install sh tests/house/install.sh
     suite tutorial sh tests/house/tutorial.sh "$build"

@@ -2,7 +2,6 @@
 
 #include "bench/chart/canvas.h"
 #include "bench/chart/svg.h"
-#include "ref/base/mutant.h"
 #include "scenes/picture/colour.h"
 #include "scenes/picture/draw.h"
 #include "ref/files/file.h"
@@ -57,9 +56,7 @@ static struct axes axes_of(const struct chart *chart)
                 hi = fmax(hi, series->value[i]);
             }
     }
-#if MUTANT != MUTANT_FLAT_RANGE
     ticks_range(&lo, &hi);
-#endif
     double air = 0.05 * (hi - lo);
     bool from_zero = lo >= 0.0 && lo < 0.4 * hi;
     return (struct axes){0.0, frames > 2 ? (double)(frames - 1) : 1.0, from_zero ? 0.0 : lo - air,
@@ -156,9 +153,7 @@ static void put_series(const struct canvas *canvas, const struct chart *chart, s
                             .colour = colour_of_class(index)};
     for (size_t i = 0; i < series->count; i++) {
         if (!isfinite(series->value[i])) {
-#if MUTANT != MUTANT_GAPS_CLOSED
             end_run(&run);
-#endif
             continue;
         }
         size_t pixel = frames > POINTS_MOST ? i * PLOT_W / frames : i;

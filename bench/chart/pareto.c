@@ -1,7 +1,5 @@
 #include "bench/chart/pareto.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 
 static bool counts(const struct pareto_point *p)
@@ -13,12 +11,8 @@ static bool counts(const struct pareto_point *p)
 /* At least as good in all, better in one. */
 static bool beats(const struct pareto_point *a, const struct pareto_point *b)
 {
-#if MUTANT == MUTANT_FRONT_OF_TWO
-    return a->size <= b->size && a->speed >= b->speed && (a->size < b->size || a->speed > b->speed);
-#else
     return a->size <= b->size && a->speed >= b->speed && a->error <= b->error &&
            (a->size < b->size || a->speed > b->speed || a->error < b->error);
-#endif
 }
 
 size_t pareto_front(const struct pareto_point *point, size_t count, bool *on)

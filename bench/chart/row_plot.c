@@ -3,7 +3,6 @@
 #include "bench/chart/json_value.h"
 #include "ref/engine.h"
 #include "ref/layout.h"
-#include "ref/base/mutant.h"
 #include "ref/primitives/primitives.h"
 
 #include <math.h>
@@ -227,7 +226,7 @@ enum status row_plots_error(const json_t *rows, const char *driver, struct row_p
 static double bytes_of(const json_t *row, bool memory)
 {
     size_t tris = value_count(row, "triangles");
-    size_t items = MUTANT == MUTANT_ITEMS_UNCOUNTED ? 0 : value_count(row, "item_bytes");
+    size_t items = value_count(row, "item_bytes");
     size_t bytes =
         memory ? value_count(row, "memory_bytes") : value_count(row, "node_bytes") + items;
     return tris && bytes ? (double)bytes / (double)tris : NAN;

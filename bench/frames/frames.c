@@ -1,7 +1,5 @@
 #include "bench/frames/frames.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,9 +72,6 @@ static enum status draw_frames(struct frames_run *run, frames_draw *draw, frames
 {
     enum status status = STATUS_OK;
     int64_t warm_up = (int64_t)run->settings.warm_up;
-#if MUTANT == MUTANT_WARM_UP_KEPT
-    warm_up = 0;
-#endif
     for (int64_t frame = -warm_up; frame < (int64_t)run->settings.frames && !status; frame++) {
         bool drawn;
         status = draw_all(run, frame, draw, user, &drawn, reason);

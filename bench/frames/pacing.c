@@ -1,7 +1,5 @@
 #include "bench/frames/pacing.h"
 
-#include "ref/base/mutant.h"
-
 struct pacing pacing_make(double fps, uint64_t now_ns)
 {
     if (!(fps > 0.0))
@@ -19,10 +17,8 @@ double pacing_tick(struct pacing *pacing, uint64_t now_ns)
     if (pacing->owed_ns < pacing->period_ns)
         return 0.0;
     double given = pacing->owed_ns;
-#if MUTANT != MUTANT_DEATH_SPIRAL
     if (given > PACING_BEHIND_MOST * pacing->period_ns)
         given = pacing->period_ns;
-#endif
     pacing->owed_ns = 0.0;
     return 1e-6 * given;
 }
@@ -34,13 +30,8 @@ void pacing_touch(struct pacing *pacing)
 
 bool pacing_begin(struct pacing *pacing)
 {
-#if MUTANT == MUTANT_TWO_IN_FLIGHT
-    if (!pacing->stale)
-        return false;
-#else
     if (!pacing->stale || pacing->in_flight)
         return false;
-#endif
     pacing->stale = false;
     pacing->in_flight = true;
     pacing->frames++;

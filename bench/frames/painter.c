@@ -1,6 +1,5 @@
 #include "bench/frames/painter.h"
 
-#include "ref/base/mutant.h"
 #include "scenes/render/diff_frames.h"
 
 #include <math.h>
@@ -87,9 +86,6 @@ static enum status draw(struct painter *painter, double angle, struct frame *fra
     enum status status = renderer_frame(painter->renderer, &view, frame, &report, reason);
     *out =
         (struct frames_sample){.ms = 1e-6 * (double)report.ns, .device_clock = report.device_clock};
-#if MUTANT == MUTANT_MICROSECONDS
-    out->ms *= 1e3;
-#endif
     return status;
 }
 
@@ -143,9 +139,6 @@ size_t sheet_pixels_apart(const struct sheet *a, const struct sheet *b)
 bool sheet_equal(const struct sheet *a, const struct sheet *b)
 {
     size_t pixels = (size_t)a->width * a->height;
-#if MUTANT == MUTANT_PIXELS_ALONE
-    return memcmp(a->frame.pixel, b->frame.pixel, pixels * sizeof *a->frame.pixel) == 0;
-#endif
     for (size_t i = 0; i < pixels; i++) {
         uint32_t segment;
         if (path_first(a->frame.segment + i * a->bounces, b->frame.segment + i * b->bounces,

@@ -1,7 +1,6 @@
 #include "bench/frames/paper.h"
 
 #include "ref/layout.h"
-#include "ref/base/mutant.h"
 
 const struct paper_figure paper_figures[PAPER_FIGURES] = {
     [PAPER_DEFAULT] = {"default", 40, 24, 680, 2448, 656, 6.168, 5.069},
@@ -42,9 +41,6 @@ enum status paper_tree(const struct scene *scene, uint32_t leaf, struct paper_tr
     struct bvh bvh;
     uint64_t none;
     *out = (struct paper_tree){.leaf = leaf};
-#if MUTANT == MUTANT_SAME_TREE
-    options.leaf = PAPER_LEAF_RF;
-#endif
     enum status status = builder_find("rtrs")->build(scene, &options, &bvh, reason);
     if (status)
         return status;

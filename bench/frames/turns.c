@@ -1,7 +1,5 @@
 #include "bench/frames/turns.h"
 
-#include "ref/base/mutant.h"
-
 static void swap(size_t *a, size_t *b)
 {
     size_t kept = *a;
@@ -22,11 +20,6 @@ void turns_next(struct rng *rng, size_t *order, size_t count)
     size_t last = order[count - 1];
     for (size_t i = count - 1; i > 0; i--)
         swap(&order[i], &order[rng_below(rng, (uint32_t)i + 1)]);
-#if MUTANT != MUTANT_TURN_TWICE
     if (order[0] == last)
-        swap(&order[0],
-             &order[1 + (MUTANT == MUTANT_TURN_SECOND ? 0 : rng_below(rng, (uint32_t)count - 1))]);
-#else
-    (void)last;
-#endif
+        swap(&order[0], &order[1 + rng_below(rng, (uint32_t)count - 1)]);
 }

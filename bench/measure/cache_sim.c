@@ -1,7 +1,5 @@
 #include "bench/measure/cache_sim.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,10 +35,6 @@ static bool find(struct cache_sim *cache, int level, uint64_t line)
     while (at < ways && set[at] != line + 1)
         at++;
     bool found = at < ways;
-#if MUTANT == MUTANT_CACHE_FIFO
-    if (found)
-        return true;
-#endif
     memmove(set + 1, set, (found ? at : ways - 1) * sizeof *set);
     set[0] = line + 1;
     return found;

@@ -1,7 +1,5 @@
 #include "bench/measure/shadow_rays.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 
 #define LIFTED 1e-4 /* of the scene's size */
@@ -34,11 +32,7 @@ enum status shadow_rays_make(const struct scene *scene, const struct ray *ray,
             continue;
         for (int k = 0; k < 3; k++)
             length += (double)ray[i].dir[k] * (double)ray[i].dir[k];
-#if MUTANT == MUTANT_SHADOW_BEHIND_HIT
-        double t = (double)hit[i].t + LIFTED * size / sqrt(length);
-#else
         double t = (double)hit[i].t - LIFTED * size / sqrt(length);
-#endif
         *to = (struct ray){.tmax = 1};
         for (int k = 0; k < 3; k++) {
             to->org[k] = (float)((double)ray[i].org[k] + t * (double)ray[i].dir[k]);

@@ -1,6 +1,5 @@
 #include "bench/measure/touch.h"
 
-#include "ref/base/mutant.h"
 #include "ref/trace/trace.h"
 
 #include <stdlib.h>
@@ -111,8 +110,7 @@ static uint32_t store_item(const struct packed *packed, uint32_t first, uint32_t
         return prim;
     }
     cache_sim_read(touch->cache, place(ITEMS, 4 * ((uint64_t)first + slot)), 4);
-    if (MUTANT != MUTANT_TOUCH_ONCE || slot == 0)
-        read_vertices(touch, prim);
+    read_vertices(touch, prim);
     return prim;
 }
 

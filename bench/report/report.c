@@ -3,7 +3,6 @@
 
 #include "ref/base/command.h"
 #include "ref/base/json_text.h"
-#include "ref/base/mutant.h"
 #include "ref/files/file.h"
 
 #include <stdlib.h>
@@ -123,8 +122,7 @@ enum status report_read(const char *path, enum report_kind kind, json_t **out,
 bool report_part_known(const struct report_part *part)
 {
     return part->kind == REPORT_FINDING && part->code == EXIT_MISMATCH &&
-           part->state == REPORT_RAN && part->known && part->known[0] &&
-           MUTANT != MUTANT_KNOWN_FAILS;
+           part->state == REPORT_RAN && part->known && part->known[0];
 }
 
 int report_part_code(const struct report_part *part)
@@ -133,10 +131,7 @@ int report_part_code(const struct report_part *part)
         return EXIT_AGREE;
     if (part->kind == REPORT_MACHINE && part->code == EXIT_SKIPPED && part->json)
         return EXIT_AGREE;
-    if (part->state == REPORT_FAILED && MUTANT == MUTANT_PART_EXCUSED)
-        return EXIT_AGREE;
-    if (part->state == REPORT_FAILED &&
-        (part->code == EXIT_AGREE || (part->code == EXIT_MISMATCH && MUTANT != MUTANT_PART_UNREAD)))
+    if (part->state == REPORT_FAILED && (part->code == EXIT_AGREE || part->code == EXIT_MISMATCH))
         return EXIT_INTERNAL; /* it ran to its end, and what it wrote cannot be read */
     if (part->state == REPORT_SKIPPED && part->code == EXIT_AGREE)
         return EXIT_SKIPPED;
@@ -147,8 +142,7 @@ int report_code(const struct report *report)
 {
     int code = EXIT_AGREE;
     for (size_t i = 0; i < report->part_count; i++)
-        code = exit_worse(MUTANT == MUTANT_LAST_CODE ? EXIT_AGREE : code,
-                          report_part_code(&report->part[i]));
+        code = exit_worse(code, report_part_code(&report->part[i]));
     return code;
 }
 

@@ -2,8 +2,6 @@
  * that check met. */
 #include "bench/report/report_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <string.h>
 
 #define MISMATCHES_MOST 60u /* shown */
@@ -52,8 +50,7 @@ static void put_finding(struct html *html, const struct report_part *part, bool 
         html_element(html, "p", "note bad", part->why[0] ? part->why : "it could not be played");
     if (cause[0])
         html_element(html, "p", NULL, cause);
-    if (MUTANT != MUTANT_REPLAY_FORGOTTEN)
-        html_element(html, "pre", "line", part->command);
+    html_element(html, "pre", "line", part->command);
     if (part->text && part->text[0]) {
         html_begin(html, "details", "open", open ? "open" : NULL, NULL);
         html_element(html, "summary", NULL, "explanation");

@@ -1,7 +1,6 @@
 #include "bench/report/report_html.h"
 
 #include "fuzz/findings/ci.h"
-#include "ref/base/mutant.h"
 
 #include <assert.h>
 #include <stdarg.h>
@@ -49,8 +48,6 @@ void html_end(struct html *html, const char *tag)
 {
     assert(html->depth > 0 && strcmp(html->open[html->depth - 1], tag) == 0);
     html->depth--;
-    if (MUTANT == MUTANT_HTML_LEFT_OPEN && strcmp(tag, "td") == 0)
-        return;
     fprintf(html->out, "</%s>", tag);
     if (html->depth > 0 && is_block(html->open[html->depth - 1]))
         fputc('\n', html->out);
@@ -69,10 +66,7 @@ void html_void(struct html *html, const char *tag, ...)
 
 void html_text(struct html *html, const char *text)
 {
-    if (MUTANT == MUTANT_HTML_UNESCAPED)
-        ci_plain(html->out, text);
-    else
-        ci_xml(html->out, text);
+    ci_xml(html->out, text);
 }
 
 static void put_format(struct html *html, const char *format, va_list args)
@@ -123,8 +117,6 @@ void html_base64(FILE *out, const void *bytes, size_t size)
         size_t left = size - i;
         uint32_t three = (uint32_t)from[i] << 16 | (left > 1 ? (uint32_t)from[i + 1] << 8 : 0) |
                          (left > 2 ? (uint32_t)from[i + 2] : 0);
-        if (MUTANT == MUTANT_BASE64_TAIL && left < 3)
-            three = 0;
         fputc(digit[three >> 18], out);
         fputc(digit[three >> 12 & 63], out);
         fputc(left > 1 ? digit[three >> 6 & 63] : '=', out);

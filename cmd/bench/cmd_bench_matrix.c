@@ -4,7 +4,6 @@
 
 #include "bench/measure/shadow_rays.h"
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
@@ -152,7 +151,7 @@ static void take_speeds(struct matrix *m, int kind, struct matrix_row **row)
         row[i]->mrays[kind] = spread_of(c->mrays, rounds);
         row[i]->ratio[kind] = spread_of(c->ratio, rounds);
         row[i]->rays = c->few ? m->race.few_count : m->count;
-        if (kind < MATRIX_MEAN + (MUTANT == MUTANT_MEAN_OF_FIVE))
+        if (kind < MATRIX_MEAN)
             row[i]->mean *= pow(row[i]->ratio[kind].median, 1.0 / MATRIX_MEAN);
     }
 }

@@ -4,7 +4,6 @@
 #include "ref/outside/plugin_guard.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -213,18 +212,18 @@ bool option_was_given(const char *name)
     return false;
 }
 
-enum status option_note(const char *name, bool repeats, bool last, struct reason *reason)
+enum status option_note(const char *name, bool repeats, struct reason *reason)
 {
     if (option_was_given(name))
         return repeats ? STATUS_OK : fail(reason, STATUS_INPUT, "--%s: is given twice", name);
-    if (given_count < GIVEN_MOST && !(MUTANT == MUTANT_OPTION_UNNAMED && last))
+    if (given_count < GIVEN_MOST)
         given[given_count++] = name;
     return STATUS_OK;
 }
 
 void output_note(const char *path)
 {
-    if (path && output_count < OUTPUTS_MOST && MUTANT != MUTANT_OUTPUT_LATE)
+    if (path && output_count < OUTPUTS_MOST)
         outputs[output_count++] = path;
 }
 
@@ -273,7 +272,7 @@ int options_take(const char *command, void (*print_help)(void), const struct opt
                                table[index].name);
         if (optarg && strcmp(optarg, "-") == 0 && !take_dash(table[index].name, &reason))
             return usage_error(command, "%s", reason.text);
-        enum status status = option_note(table[index].name, true, optind == argc, &reason);
+        enum status status = option_note(table[index].name, true, &reason);
         if (!status)
             status = take(user, option, optarg, &reason);
         if (status)

@@ -116,11 +116,11 @@ const char *option_given(size_t i);
 bool option_was_given(const char *name);
 
 /* For those that read command lines: forgets what was given; notes that an option was, which is an
- * error the second time unless it repeats (`last`: nothing follows it); notes an output, and tries
+ * error the second time unless it repeats; notes an output, and tries
  * all that were noted; puts what is printed on the standard error output from here on, for "-"; and
  * prints why an option is wrong, and returns the exit code. */
 void options_begin(void);
-enum status option_note(const char *name, bool repeats, bool last, struct reason *reason) MUST_USE;
+enum status option_note(const char *name, bool repeats, struct reason *reason) MUST_USE;
 void output_note(const char *path);
 enum status outputs_try(struct reason *reason) MUST_USE;
 enum status output_aside(struct reason *reason) MUST_USE;

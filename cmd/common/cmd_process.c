@@ -1,7 +1,6 @@
 #define _POSIX_C_SOURCE 200809L /* sigaction, timer_create */
 #include "cmd/common/cmd_process.h"
 
-#include "ref/base/mutant.h"
 #include "ref/files/file.h"
 
 #include <fcntl.h>
@@ -13,7 +12,7 @@ static const int ends[] = {SIGINT, SIGTERM, SIGHUP};
 bool process_standard_files(void)
 {
     static const int flags[] = {O_WRONLY, O_RDONLY, O_RDONLY};
-    for (int file = 0; file < (int)ARRAY_COUNT(flags) && MUTANT != MUTANT_STANDARD_CLOSED; file++)
+    for (int file = 0; file < (int)ARRAY_COUNT(flags); file++)
         if (fcntl(file, F_GETFD) < 0 && open("/dev/null", flags[file]) != file)
             return false;
     return true;
@@ -55,8 +54,7 @@ static void on_caught(int number)
         end_by(number);
     caught_first = number;
     *caught_flag = number;
-    if (MUTANT != MUTANT_ENDS_WHEN_DONE)
-        set_grace(0, PROCESS_GRACE_MS * 1000000L);
+    set_grace(0, PROCESS_GRACE_MS * 1000000L);
 }
 
 /* What was ignored at the start stays so: under nohup, and in the background of a script. Commands

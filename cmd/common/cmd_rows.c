@@ -231,7 +231,7 @@ static int read_option(struct option_reading *r)
                         : unknown_option(r, name, length);
     enum status status = find_value(r, equals ? equals + 1 : NULL, &value, &reason);
     if (!status)
-        status = option_note(value.row->name, value.row->repeats, r->at == r->argc, &reason);
+        status = option_note(value.row->name, value.row->repeats, &reason);
     if (!status)
         status = take(owner, &value, &reason);
     if (!status && (value.row->type == OPTION_DATA || value.row->type == OPTION_WRITTEN))

@@ -2,7 +2,6 @@
 
 #include "ref/outside/pipe.h"
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
@@ -127,7 +126,7 @@ static bool by_builder(const struct option_use *use, const char *option)
         const char *takes = builders_all[use->builder->index[i]]->takes;
         any = any || (takes && option_among(takes, option));
     }
-    return any || MUTANT == MUTANT_OPTION_SWALLOWED;
+    return any;
 }
 
 static bool of_grids(const struct option_use *use, const char *option)

@@ -1,7 +1,6 @@
 #include "cmd/conform/cmd_conform_hard.h"
 
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 #include "cmd/conform/cmd_conform_report.h"
 #include "tests/hard/causes.h"
 #include "tests/hard/members.h"
@@ -285,7 +284,7 @@ static int play(const struct conform_hard_options *o, const struct hard_suite *s
         o->pattern == NULL && !o->quick && o->engine.count == 0 && !suite->tables.chosen;
     enum status status =
         conform_report_open(&report, suite->count, complete, o->waivers, o->junit, &reason);
-    if (!status && !o->waivers && MUTANT != MUTANT_WAIVERS_LEFT)
+    if (!status && !o->waivers)
         status = waivers_shipped_read(&report.waivers, &reason);
     if (status) {
         fprintf(stderr, "raydiff conform: %s\n", reason.text);
@@ -339,8 +338,6 @@ static struct hard_tables choose(const struct conform_hard_options *o, struct ch
     tables.box = box->count ? chosen->box : tables.box;
     tables.tri = tri->count ? chosen->tri : tables.tri;
     tables.chosen = layout->count + builder->count + box->count + tri->count > 0;
-    if (MUTANT == MUTANT_HARD_LISTS)
-        tables = hard_tables_all();
     return tables;
 }
 

@@ -1,7 +1,6 @@
 #include "cmd/conform/cmd_conform_suite.h"
 
 #include "fuzz/gen/covering.h"
-#include "ref/base/mutant.h"
 #include "scenes/scenes.h"
 
 #include <fnmatch.h>
@@ -355,7 +354,7 @@ static size_t stand_in(const struct suite *suite, bool tree)
     struct list list = members_of(suite, TABLE_ENGINES, tree);
     size_t cpu = index_of(TABLE_ENGINES, "cpu");
     for (size_t i = 0; i < list.count; i++)
-        if (list.index[i] == cpu || MUTANT == MUTANT_CPU_STANDS_IN)
+        if (list.index[i] == cpu)
             return cpu;
     return list.count ? list.index[0] : cpu;
 }

@@ -1,7 +1,6 @@
 #include "cmd/conform/cmd_trial.h"
 
 #include "ref/outside/pipe.h"
-#include "ref/base/mutant.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>
@@ -191,7 +190,7 @@ static enum status set_match(struct trial_stage *stage, const struct trial *tria
         .query = trial->query,
         .repeats = 1,
         .brute_budget = stage->brute_budget,
-        .demands = MUTANT == MUTANT_CONFORM_LENIENT ? (struct match_demands){0} : stage->demands,
+        .demands = stage->demands,
     };
     status = match_make(&stage->scene, stage->ray, stage->ray_count, &options, &stage->pool,
                         &stage->match, reason);

@@ -3,7 +3,6 @@
 
 #include "ref/explain/outside.h"
 #include "ref/base/ray_text.h"
-#include "ref/base/mutant.h"
 #include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
 
@@ -183,7 +182,7 @@ enum status explain_write_none(const struct explain_options *o, size_t count,
                                const struct explain_decode *decode, int exit_code,
                                struct reason *reason)
 {
-    if (!o->json || MUTANT == MUTANT_EXPLAIN_SILENT)
+    if (!o->json)
         return STATUS_OK;
     const struct explain_page page = {.of = &o->of, .rays = o->has_file ? NULL : o->rays->name};
     json_t *subject = subject_json(&page), *out = json_object();

@@ -7,7 +7,6 @@
 #include "fuzz/play/trial_tree.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -75,8 +74,7 @@ static void print_page(const struct explain_options *o, const struct fuzz_trial 
     if (finding->signature.kind == FUZZ_KIND_COUNT) {
         puts("verdict   its bytes are the tree that was built");
     } else {
-        printf("verdict   WRONG: %s\n",
-               MUTANT == MUTANT_EXPLAIN_NO_RECORD ? "no tree" : finding->said);
+        printf("verdict   WRONG: %s\n", finding->said);
         printf("cause     %s: %s\n", cause_name(cause), cause_text(cause));
     }
     printf("again     %s\n", again);

@@ -5,7 +5,6 @@
 #include "ref/outside/pipe.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 
 #include <signal.h>
 #include <stdlib.h>
@@ -86,7 +85,7 @@ static enum status take_layouts(struct min_options *o, const char *text, struct 
 enum status min_check_layouts(const struct min_options *options, const char *path,
                               min_is_on_fn *is_on, const void *user, struct reason *reason)
 {
-    for (size_t i = 0; i < options->layout_count && MUTANT != MUTANT_MIN_LAYOUT_UNUSED; i++)
+    for (size_t i = 0; i < options->layout_count; i++)
         if (!is_on(user, options->layout[i]))
             return fail(reason, STATUS_INPUT, "--layout: no finding of %.200s is on %s", path,
                         options->layout[i]->name);

@@ -1,6 +1,5 @@
 /* How raydiff leaks plays one scene: every engine on every tree and test that was asked for. */
 #include "cmd/leaks/cmd_leaks.h"
-#include "ref/base/mutant.h"
 #include "cmd/common/cmd_tree.h"
 #include "ref/twin/twin.h"
 #include "scenes/scenes.h"
@@ -87,10 +86,6 @@ void leak_row_judge(struct leak_row *row, const struct leak_profile *profile)
     size_t used = 0, room = sizeof row->broken;
     row->broken[0] = '\0';
     bool misses = row->promises || profile->misses_must, doubles = profile->doubles_must;
-#if MUTANT == MUTANT_SHOULD_FOR_MUST
-    misses = row->promises;
-    doubles = row->promises && doubles;
-#endif
     const struct {
         bool is;
         size_t count;

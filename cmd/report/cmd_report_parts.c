@@ -7,7 +7,6 @@
 #include "ref/outside/plugin_guard.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 #include "ref/files/file.h"
 
 #include <errno.h>
@@ -46,7 +45,7 @@ void report_layout(struct line *line, const char *name)
 {
     const char *shader = plugin_shader_of(name);
     report_option(line, "--layout", name);
-    if (shader && MUTANT != MUTANT_REPORT_NO_SHADER)
+    if (shader)
         report_option(line, "--shader", shader);
 }
 

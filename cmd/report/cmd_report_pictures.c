@@ -5,7 +5,6 @@
 
 #include "bench/chart/json_value.h"
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 #include "ref/files/file.h"
 
 #include <stdlib.h>
@@ -75,8 +74,7 @@ static void unread(struct gallery *gallery, const char *who, const char *said, e
                    const struct reason *why)
 {
     complain(gallery, who, said[0] ? said : why->text);
-    if (MUTANT != MUTANT_UNREAD_IS_WELL)
-        gallery->code = exit_worse(gallery->code, exit_of_status(status));
+    gallery->code = exit_worse(gallery->code, exit_of_status(status));
 }
 
 /* Adds the picture that a command has made. */

@@ -5,7 +5,6 @@
 
 #include "ref/outside/child.h"
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 #include "ref/files/file.h"
 #include "ref/files/temporary.h"
 
@@ -135,7 +134,7 @@ static void obey(struct child *parent, void *user)
         stand_in(order->out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO) &&
         stand_in(order->err, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO))
         code = order->command(order->line->argc, (char **)(uintptr_t)order->line->argv);
-    if ((fflush(stdout) != 0 || ferror(stdout)) && MUTANT != MUTANT_PRINTED_LOST) {
+    if (fflush(stdout) != 0 || ferror(stdout)) {
         fprintf(stderr, "raydiff report: cannot write what it prints: %s\n", strerror(errno));
         code = exit_worse(code, EXIT_USAGE);
     }

@@ -1,6 +1,5 @@
 #include "fuzz/campaign/campaign_inner.h"
 
-#include "ref/base/mutant.h"
 #include "ref/match/turnout.h"
 
 #include <stdio.h>
@@ -61,7 +60,7 @@ size_t campaign_news(const struct campaign_view *view, size_t *flaky)
 const char *campaign_vacuous(const struct campaign_view *view, size_t i)
 {
     const struct campaign_turnout *turnout = &view->turnout[i];
-    if (MUTANT == MUTANT_FUZZ_REFUSERS || view->turnout_unknown || view->trials + view->before == 0)
+    if (view->turnout_unknown || view->trials + view->before == 0)
         return NULL;
     if (turnout->played == 0)
         return "it answered no trial";
@@ -87,8 +86,6 @@ static int stop_of(const struct campaign *c)
 bool campaign_is_played(const struct campaign *c)
 {
     const struct campaign_options *o = c->options;
-    if (MUTANT == MUTANT_SHRUNK_EARLY)
-        return c->ending;
     return c->ending && !stop_of(c) && !campaign_has_blocks(c) &&
            (!campaign_blocks_left(c) || (o->until > 0 && campaign_counted(c) >= o->until));
 }

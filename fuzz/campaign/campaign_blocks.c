@@ -1,8 +1,6 @@
 /* Blocks of trials: which comes next, what workers report of them, and what becomes of that. */
 #include "fuzz/campaign/campaign_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,7 +59,7 @@ static bool may_mutate(const struct campaign *c)
 /* The first trial of our shard from trial `at` of stream gen on. */
 static uint64_t own_trial(const struct campaign_options *o, uint64_t at)
 {
-    uint32_t shard = MUTANT == MUTANT_SHARDS_OVERLAP && o->shard > 1 ? o->shard - 2 : o->shard - 1;
+    uint32_t shard = o->shard - 1;
     while (at / FUZZ_BATCH % o->shards != shard)
         at = (at / FUZZ_BATCH + 1) * FUZZ_BATCH;
     return at;
@@ -170,7 +168,7 @@ static enum status keep(struct campaign_block *block, const struct work_finding 
 static void go_on_alone(struct campaign_block *block, uint32_t at)
 {
     block->at = at;
-    block->left_out = MUTANT == MUTANT_STILL_LEFT_OUT ? block->left_out : 0;
+    block->left_out = 0;
     block->unexplained = false;
 }
 
@@ -230,10 +228,6 @@ enum status campaign_block_died(struct campaign *c, struct campaign_block *block
                                 const struct death *death)
 {
     enum status status = STATUS_OK;
-    if (!block->alone && MUTANT == MUTANT_BLAMED_TOGETHER) {
-        block->died_alone = block->done = true;
-        return keep_death(c, block, (uint32_t)death->trial, death, CAUSE_UNEXPLAINED);
-    }
     if (!block->alone) { /* together: nobody knows yet which trial it was */
         block->alone = true;
         block->death = *death;
@@ -282,7 +276,7 @@ static void count_trial(struct campaign *c, const struct campaign_block *block,
         view->turnout[i].played += one->players >> i & 1u;
         view->turnout[i].declined += one->decliners >> i & 1u;
         view->turnout[i].proved += one->provers >> i & 1u;
-        for (size_t e = 0; e < MATCH_EDGES && MUTANT != MUTANT_FUZZ_EDGES; e++) {
+        for (size_t e = 0; e < MATCH_EDGES; e++) {
             view->turnout[i].edges[e].hits += one->edges[i][e].hits;
             view->turnout[i].edges[e].lost += one->edges[i][e].lost;
         }

@@ -1,6 +1,5 @@
 /* The workers of a campaign: who has what to do, who died, hangs or holds too much. */
 #include "fuzz/campaign/campaign_inner.h"
-#include "ref/base/mutant.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -274,7 +273,7 @@ static void count_time(struct slot *slot, uint64_t now)
  * does not count, but for an eighth. */
 static bool is_late(const struct campaign *c, const struct slot *slot)
 {
-    uint64_t busy = slot->busy_ns, waited = MUTANT == MUTANT_QUEUE_COUNTS ? 0 : slot->waited_ns;
+    uint64_t busy = slot->busy_ns, waited = slot->waited_ns;
     uint64_t counted = waited < busy - busy / 8 ? busy - waited : busy / 8;
     return counted > limit_ms(c, slot) * 1000000u;
 }
@@ -338,9 +337,8 @@ static enum status watch(struct campaign *c, struct slot *slot, bool memory, str
                  (double)c->options->trial_ms * 1e-3);
         return end_worker(c, slot, true, why, reason);
     }
-    if (slot->stopped_ns > limit_ms(c, slot) * 1000000u && MUTANT != MUTANT_STOPPED_FOR_EVER)
-        return MUTANT == MUTANT_STOPPED_IS_HUNG ? end_worker(c, slot, true, "is stopped", reason)
-                                                : replace_stopped(c, slot, reason);
+    if (slot->stopped_ns > limit_ms(c, slot) * 1000000u)
+        return replace_stopped(c, slot, reason);
     if (memory && most > 0 && child_memory(&slot->child) > most) {
         snprintf(why, sizeof why, "held more than %llu MiB of memory",
                  (unsigned long long)(most >> 20));

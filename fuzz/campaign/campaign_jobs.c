@@ -1,8 +1,6 @@
 /* Work on findings: shrinking them, and playing again what did not show twice. */
 #include "fuzz/campaign/campaign_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -102,7 +100,7 @@ static enum status send_job(struct campaign *c, struct slot *slot, size_t i, enu
     enum status status =
         findings_get(c->findings, &entry->signature, "smallest.trial", &file, reason);
     if (status)
-        return MUTANT == MUTANT_UNREAD_IS_SMALL ? STATUS_OK : status;
+        return status;
     if (task == SLOT_SHRINK) {
         bool soon = c->options->shrink == CAMPAIGN_SHRINK_SOON;
         order.shrink = true;

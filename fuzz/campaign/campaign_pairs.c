@@ -1,7 +1,6 @@
 /* Which members play together, and who met. */
 #include "fuzz/campaign/campaign_inner.h"
 
-#include "ref/base/mutant.h"
 #include "ref/base/rng.h"
 
 #include <string.h>
@@ -88,7 +87,7 @@ static void count_drawn(struct campaign *c, const struct campaign_block *block)
         struct combination met =
             pair_coverage_of(c->options->pair_coverage, engine, block->draw.layout, one->builder,
                              one->store, one->tri, one->box, one->optimized, one->refitted & bit);
-        if (rebuilt && MUTANT != MUTANT_PAIR_OF_REBUILT)
+        if (rebuilt)
             met.member[MEET_MOTION] = MEET_NONE;
         pair_coverage_add(c->options->pair_coverage, &met);
     }

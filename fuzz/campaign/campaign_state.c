@@ -1,8 +1,6 @@
 /* What a campaign says of itself in its folder's log, to go on from there. */
 #include "fuzz/campaign/campaign_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -117,7 +115,7 @@ static void read_turnout(struct campaign *c, const char *state)
     const char *at = text;
     (void)campaign_state_get(state, "turnout", text, sizeof text);
     c->view.turnout_unknown = text[0] == '\0' && !campaign_state_is_unplayed(state);
-    for (size_t i = 0; i < c->rules.field.count && MUTANT != MUTANT_TURNOUT_FORGOT; i++) {
+    for (size_t i = 0; i < c->rules.field.count; i++) {
         unsigned long long played, declined, proved;
         if (sscanf(at, "%llu,%llu,%llu", &played, &declined, &proved) != 3)
             break;
@@ -145,8 +143,7 @@ static bool put_edges(const struct campaign *c, char *state)
             used += (size_t)snprintf(text + used, sizeof text - used, "%zu.%zu,%zu,%zu:", i, e,
                                      edges[e].hits, edges[e].lost);
     }
-    return !used || MUTANT == MUTANT_EDGES_FORGOT ||
-           campaign_state_put(state, FINDINGS_STATE_MOST, "edges", text);
+    return !used || campaign_state_put(state, FINDINGS_STATE_MOST, "edges", text);
 }
 
 static void read_edges(struct campaign *c, const char *state)
@@ -214,8 +211,8 @@ enum status campaign_state_write(struct campaign *c, struct reason *reason)
     if (strlen(c->options->identity) < sizeof state / 2)
         strcpy(state, c->options->identity);
     if (!state[0] || !put_number(state, "corpus_done", c->corpus_done) ||
-        !put_number(state, "next", MUTANT == MUTANT_STATE_AHEAD ? c->next : c->applied) ||
-        !put_number(state, "mut", c->mut_next) || !put_number(state, "trials", c->trials_done) ||
+        !put_number(state, "next", c->applied) || !put_number(state, "mut", c->mut_next) ||
+        !put_number(state, "trials", c->trials_done) ||
         !campaign_state_put(state, sizeof state, "coverage", coverage) || !put_turnout(c, state) ||
         !put_edges(c, state) || !put_shrunk(c, state) || !put_offered(c, state))
         return fail(reason, STATUS_INPUT, "the options of a campaign are too long to be kept");

@@ -3,8 +3,6 @@
  * all of them have in common. */
 #include "fuzz/export/export_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <string.h>
 
 /* --- the shader and the buffers --- */
@@ -16,9 +14,6 @@ static void put_shader(const struct shader *shader, FILE *to)
     fputs("SHADER compute trace SPIRV-HEX TARGET_ENV vulkan1.1\n", to);
     for (uint32_t i = 0; i < shader->word_count; i++) {
         uint32_t word = shader->word[i];
-#if MUTANT == MUTANT_EXPORT_ENDIAN
-        word = word << 24 | (word & 0xFF00u) << 8 | (word >> 8 & 0xFF00u) | word >> 24;
-#endif
         if (i)
             fputs(i % 4 ? " " : "\n", to);
         fprintf(to, "0x%02x 0x%02x 0x%02x 0x%02x", (unsigned)(word & 0xFFu),

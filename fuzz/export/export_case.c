@@ -5,7 +5,6 @@
 #include "fuzz/play/trial_tree.h"
 #include "fuzz/findings/versions.h"
 #include "gpu/trace/gather.h"
-#include "ref/base/mutant.h"
 #include "ref/trace/trace.h"
 
 #include <stdio.h>
@@ -179,9 +178,6 @@ static enum status describe(struct export_case *the, const struct export_options
     else if (the->subject == SUBJECT_QUERY)
         the->dispatch = dispatch_query(&the->job, workgroup);
     the->dispatch.push.ray_count = the->ray_count;
-#if MUTANT == MUTANT_EXPORT_NO_RAYS
-    the->dispatch.push.ray_count = 0;
-#endif
     if (the->subject == SUBJECT_BRUTE && the->trial->scene.tri_count > DISPATCH_PART)
         status = fail(reason, STATUS_LIMIT,
                       "vulkan_brute takes more than %u triangles in several dispatches: shrink the "

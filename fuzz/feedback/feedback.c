@@ -1,7 +1,5 @@
 #include "fuzz/feedback/feedback_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <assert.h>
 #include <stdlib.h>
 
@@ -66,8 +64,7 @@ enum status feedback_add(struct feedback *feedback, const struct fuzz_trial *tri
         if (status)
             return status;
         coverage_merge(entry->coverage, coverage);
-        if (MUTANT != MUTANT_HELD_FORGOTTEN)
-            coverage_merge(feedback->held, coverage);
+        coverage_merge(feedback->held, coverage);
         feedback->bytes += feedback_bytes(trial);
         feedback->count++;
         news->kept = true;
@@ -86,7 +83,7 @@ static uint64_t rarest(const struct feedback *feedback, const struct feedback_en
             uint64_t times = feedback->reached[64 * w + (uint32_t)__builtin_ctzll(bits)];
             least = times < least ? times : least;
         }
-    return MUTANT == MUTANT_ALL_AS_RARE ? 1 : least;
+    return least;
 }
 
 const struct fuzz_trial *feedback_choose(struct feedback *feedback, struct rng *rng)

@@ -1,7 +1,6 @@
 /* Who is to meet next. */
 #include "fuzz/feedback/pair_coverage_inner.h"
 
-#include "ref/base/mutant.h"
 #include "ref/base/rng.h"
 
 #include <string.h>
@@ -209,7 +208,7 @@ void pair_coverage_draw(struct pair_coverage *m, uint64_t seed, uint64_t turn, u
         for (enum pair_factor k = 0; k < MEET_FACTORS; k++)
             row.combination.member[k] = MEET_NONE;
         bool any = choose_pair(m, &rng, &a, &i, &b, &j), full = true;
-        if (any && MUTANT != MUTANT_PAIRS_BY_CHANCE) {
+        if (any) {
             set(m, &row, a, i);
             set(m, &row, b, j);
             row.free = !is_of_program(a) && !is_of_program(b);

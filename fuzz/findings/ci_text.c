@@ -1,7 +1,5 @@
 #include "fuzz/findings/ci.h"
 
-#include "ref/base/mutant.h"
-
 /* The length of the character of well-formed UTF-8 (RFC 3629) that `text` starts with, 0 if there
  * is none; *code: which. */
 static size_t character(const char *text, uint32_t *code)
@@ -62,7 +60,7 @@ static void put(FILE *to, const char *text, const struct escape *escape, size_t 
         text = next(text, &from, &length, &code);
         while (e < escapes && escape[e].code != code)
             e++;
-        if (e < escapes && MUTANT != MUTANT_NOT_ESCAPED)
+        if (e < escapes)
             fputs(escape[e].as, to);
         else
             fwrite(from, 1, length, to);

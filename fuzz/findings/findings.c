@@ -1,7 +1,5 @@
 #include "fuzz/findings/findings_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -114,7 +112,7 @@ static enum status open_folder(const char *folder, bool writable, struct finding
     enum status status = findings_folder_open(folder, writable, out, reason);
     if (!status)
         status = findings_read(*out, NULL, NULL, reason);
-    if (!status && writable && MUTANT != MUTANT_COUNTS_LEFT) /* of a writer that was killed */
+    if (!status && writable) /* of a writer that was killed */
         status = findings_folder_counts(*out, reason);
     if (status) {
         if (*out && (*out)->made) /* the lock is still ours */
@@ -223,8 +221,7 @@ static enum status put_first(struct findings *findings, struct findings_member *
                              struct reason *reason)
 {
     struct findings_order order = findings_order(&file->trial);
-    if (MUTANT != MUTANT_LAST_IS_FIRST && member->entry.has_first &&
-        findings_order_compare(&order, &member->entry.first) >= 0)
+    if (member->entry.has_first && findings_order_compare(&order, &member->entry.first) >= 0)
         return STATUS_OK;
     enum status status = findings_folder_put(findings, file, "first.trial", reason);
     if (status)
@@ -251,8 +248,7 @@ enum status findings_add(struct findings *findings, const struct finding_file *f
         return fail(reason, STATUS_MEMORY, "no memory for %zu signatures", before + 1);
     bool logged = member->entry.lines < FINDINGS_LINES_MOST;
     struct findings_order order = findings_order(&file->trial);
-    if (MUTANT != MUTANT_COUNTED_TWICE &&
-        findings_is_known(findings, &file->signature, &order, ray)) {
+    if (findings_is_known(findings, &file->signature, &order, ray)) {
         news->repeated = true;
         return STATUS_OK;
     }

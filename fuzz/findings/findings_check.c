@@ -1,15 +1,12 @@
 /* Whether the parts of a folder of findings fit together. */
 #include "fuzz/findings/findings_inner.h"
 
-#include "ref/base/mutant.h"
-
 static enum status check_files(const struct findings *findings,
                                const struct findings_member *member, struct reason *reason)
 {
     const struct findings_entry *entry = &member->entry;
     char signature[FUZZ_SIGNATURE_MOST];
-    if (entry->count == 0 || (entry->has_first && entry->has_smallest) ||
-        MUTANT == MUTANT_FILES_UNMISSED)
+    if (entry->count == 0 || (entry->has_first && entry->has_smallest))
         return STATUS_OK;
     findings_member_name(findings, &entry->signature, signature);
     return fail(reason, STATUS_INPUT, "%.120s/findings.jsonl:%llu: a finding whose %s/%s is gone",
@@ -21,7 +18,7 @@ static enum status check_count(const struct findings *findings,
                                const struct findings_member *member, struct reason *reason)
 {
     char path[FINDINGS_PATH_MOST];
-    if (member->counted <= member->entry.count || MUTANT == MUTANT_LOSS_UNSEEN)
+    if (member->counted <= member->entry.count)
         return STATUS_OK;
     findings_path(findings, &member->entry.signature, "count", path, sizeof path);
     return fail(reason, STATUS_INPUT, "%s: %llu, but findings.jsonl has %llu: lines of it are lost",
@@ -40,7 +37,7 @@ static enum status check_log(const struct findings *findings, struct reason *rea
         if (status)
             return status;
         folder_path(&findings->folder, later[i], path, sizeof path);
-        if (there && MUTANT != MUTANT_LOSS_UNSEEN)
+        if (there)
             return fail(reason, STATUS_INPUT,
                         "%s: is there, but findings.jsonl has no checkpoint: it was lost",
                         file_label(path));

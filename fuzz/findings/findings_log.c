@@ -5,7 +5,6 @@
 
 #include "ref/base/ray_text.h"
 #include "ref/base/json_text.h"
-#include "ref/base/mutant.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -28,7 +27,7 @@ static enum status append(struct findings *findings, const char *bytes, size_t s
     size_t done = 0;
     while (done < size) {
         ssize_t wrote = write(findings->log, bytes + done, size - done);
-        if (wrote < 0 && errno == EINTR && MUTANT != MUTANT_INTERRUPTED)
+        if (wrote < 0 && errno == EINTR)
             continue;
         if (wrote <= 0) {
             enum status status = cannot(findings, reason);
@@ -201,8 +200,7 @@ static enum status read_finding(const struct log_line *line, const json_t *root,
     out->ray = FINDINGS_NO_RAY;
     if (json_object_get(root, "ray") && !take_u32(root, "ray", &out->ray))
         return bad(line, "ray is no number");
-    if (MUTANT != MUTANT_LINE_TWICE &&
-        findings_is_known(line->findings, &out->signature, &out->order, out->ray))
+    if (findings_is_known(line->findings, &out->signature, &out->order, out->ray))
         return bad(line, "the finding of an earlier line once more: the log was changed");
     struct findings_member *member = findings_member_of(line->findings, &out->signature);
     if (!member || !findings_know(line->findings, &out->signature, &out->order, out->ray))
@@ -236,8 +234,7 @@ static enum status read_checkpoint(const struct log_line *line, const json_t *ro
     uint64_t said = 0;
     if (json_object_get(root, "findings") && !take_number(root, "findings", 10, &said))
         return bad(line, "'findings' is no number");
-    if (json_object_get(root, "findings") && said != total(line->findings) &&
-        MUTANT != MUTANT_TOTAL_UNREAD)
+    if (json_object_get(root, "findings") && said != total(line->findings))
         return bad(line, "the lines before it have not as many findings as it says: "
                          "the log was changed");
     line->findings->checkpoints++;

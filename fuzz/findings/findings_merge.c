@@ -1,8 +1,6 @@
 #define _GNU_SOURCE /* realpath */
 #include "fuzz/findings/findings_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -122,7 +120,7 @@ static enum status put_lines(struct merging *m, struct reason *reason)
         struct findings_member *member = findings_member_of(m->to, &m->kept[i].signature);
         if (!member)
             continue;
-        if (i > 0 && is_same(&m->kept[i - 1], &m->kept[i]) && MUTANT != MUTANT_MERGED_TWICE) {
+        if (i > 0 && is_same(&m->kept[i - 1], &m->kept[i])) {
             member->entry.count--;
             member->pending--;
             continue;

@@ -2,8 +2,6 @@
 #define _GNU_SOURCE /* kill */
 #include "fuzz/findings/findings_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
@@ -66,8 +64,7 @@ static enum status remove_one(void *user, const char *name, struct reason *reaso
     if (strcmp(end, ".tmp") != 0 || kill((pid_t)pid, 0) == 0 || errno != ESRCH ||
         snprintf(path, sizeof path, "%s/%s", k->parent, name) >= (int)sizeof path)
         return STATUS_OK;
-    if (MUTANT == MUTANT_MERGE_LEFT ||
-        findings_folder_open(path, true, &findings, NULL) != STATUS_OK)
+    if (findings_folder_open(path, true, &findings, NULL) != STATUS_OK)
         return STATUS_OK;
     findings_close(findings);
     findings_remove(path);

@@ -2,7 +2,6 @@
 #include "fuzz/play/scaled.h"
 #include "fuzz/play/stage.h"
 #include "ref/explain/judged.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -79,7 +78,7 @@ static enum cause rule_cause(enum packed_rule rule)
         [PACKED_LOST] = CAUSE_TRIANGLE_LOST,      [PACKED_BOUND] = CAUSE_BOUND_TOO_SMALL,
         [PACKED_RECORD] = CAUSE_RECORD_MALFORMED, [PACKED_RESULT] = CAUSE_PACK_RESULT,
     };
-    return MUTANT == MUTANT_RULE_UNTOLD ? CAUSE_UNEXPLAINED : causes[rule];
+    return causes[rule];
 }
 
 /* The same of boxes. */
@@ -187,20 +186,14 @@ static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray
     enum fuzz_kind kind = finding->signature.kind;
     if (!answer->answer.finished || !answer->why.opinion.allowed)
         return false;
-    if (MUTANT == MUTANT_SCALE_BY_VERDICT)
-        return true;
     if (kind == FUZZ_KIND_UNFINISHED)
         return true;
     if (fuzz_hit_is_scaled(&finding->answer, &answer->answer.hit, power))
         return false;
-#if MUTANT != MUTANT_CURE_IS_NEAREST
     if (kind == fuzz_kind_of_wrong(WRONG_NOT_FINITE))
         return true;
     if (any && kind == fuzz_kind_of_wrong(WRONG_MISSED))
         return answer->answer.hit.prim != ABI_NO_PRIM && answer->judgement.verdict == VERDICT_RIGHT;
-#else
-    (void)any;
-#endif
     double was = error_of(&finding->answer, before->expected, before->t_lo, before->t_hi);
     double is = error_of(&answer->answer.hit, truth->prim, truth->t_lo, truth->t_hi);
     return isfinite(is) && (kind == fuzz_kind_of_wrong(WRONG_BARYCENTRIC) || is <= 0.25 * was);
@@ -258,7 +251,7 @@ static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_tr
             again = again || (asked && !cured && once);
             once = once || (asked && cured);
         }
-        if (!status && last && (!again || MUTANT == MUTANT_SCALE_ONCE)) {
+        if (!status && last && !again) {
             finding->signature.cause = CAUSE_SCALE;
             return STATUS_OK;
         }

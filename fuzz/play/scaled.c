@@ -1,7 +1,5 @@
 #include "fuzz/play/scaled.h"
 
-#include "ref/base/mutant.h"
-
 #include <limits.h>
 #include <math.h>
 
@@ -123,8 +121,7 @@ bool fuzz_trial_is_uneven(const struct fuzz_trial *trial, uint32_t ray)
         turn = larger(turn, one->dir[k]);
     }
     return is_uneven(trial->scene.vertex, 3 * (size_t)trial->scene.vertex_count, place) ||
-           is_uneven(one->org, 3, place) || is_uneven(one->dir, 3, turn) ||
-           MUTANT == MUTANT_SCALE_BY_SHAPE;
+           is_uneven(one->org, 3, place) || is_uneven(one->dir, 3, turn);
 }
 
 bool fuzz_hit_is_scaled(const struct hit *hit, const struct hit *scaled, int power)

@@ -1,7 +1,6 @@
 #include "fuzz/play/signature.h"
 
 #include "ref/outside/pipe.h"
-#include "ref/base/mutant.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -64,8 +63,6 @@ void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *nam
     strcpy(signature->engine, PIPE_PREFIX);
     for (const char *at = name + strlen(PIPE_PREFIX); *(at += strspn(at, blanks)); first = false) {
         const char *end = at + strcspn(at, blanks);
-        if (!first && MUTANT == MUTANT_INTERPRETER)
-            return;
         if (!first)
             put_byte(signature, '_');
         put_word(signature, at, end);
@@ -83,8 +80,7 @@ static void change_bytes(char *text, char from, char to)
 void fuzz_signature_folder(const struct fuzz_signature *signature, char text[FUZZ_SIGNATURE_MOST])
 {
     fuzz_signature_print(signature, text);
-    if (MUTANT != MUTANT_NAME_WITH_COLON)
-        change_bytes(text, ':', '=');
+    change_bytes(text, ':', '=');
 }
 
 enum status fuzz_signature_of_folder(const char *name, struct fuzz_signature *out,

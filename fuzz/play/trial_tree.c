@@ -1,6 +1,5 @@
 #include "fuzz/play/trial_tree.h"
 
-#include "ref/base/mutant.h"
 #include "ref/packed/refit.h"
 #include "scenes/move.h"
 
@@ -71,8 +70,6 @@ static enum status build_anew(const struct fuzz_trial *trial, const struct layou
 static enum status refit(const struct fuzz_trial *trial, struct bvh *bvh, struct packed *out,
                          struct reason *reason)
 {
-    if (MUTANT == MUTANT_TRIAL_NOT_REFITTED)
-        return STATUS_OK;
     enum status status = packed_refit(out, &trial->scene, reason);
     if (!status)
         status = bvh_refit(bvh, &trial->scene, reason);

@@ -2,7 +2,6 @@
 #include "fuzz/play/coverage.h"
 #include "fuzz/play/stage.h"
 #include "ref/match/match_edges.h"
-#include "ref/base/mutant.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,7 +58,7 @@ static void keep(struct verdicts_judging *j, size_t seat, enum fuzz_kind kind, u
         finding->answer = answers->hit[ray];
     if (judgement)
         finding->judgement = *judgement;
-    if (who->layout && j->stage->fault[who->layout_index] == kind && MUTANT != MUTANT_RECORD_UNSAID)
+    if (who->layout && j->stage->fault[who->layout_index] == kind)
         memcpy(finding->said, j->stage->said[who->layout_index], sizeof finding->said);
 }
 

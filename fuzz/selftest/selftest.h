@@ -11,7 +11,7 @@
 
 /* A line of the table. */
 struct selftest_bug {
-    char bug[32];     /* MUTANT_bug of ref/base/mutant.h */
+    char bug[32];     /* a record of tests/planted */
     char unit[48];    /* the C unit or the shader that is compiled with it */
     char engines[48]; /* who plays, as raydiff fuzz has it; "spirv": shaders are only checked;
                          "pairs:ENGINE,...": members are drawn, with --pairs */

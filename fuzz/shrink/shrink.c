@@ -4,7 +4,6 @@
 #include "fuzz/shrink/shrink.h"
 
 #include "fuzz/shrink/shrink_inner.h"
-#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -189,15 +188,14 @@ static enum status ask(struct shrinker *s, size_t *first, struct reason *reason)
         stop(s, SHRINK_OUT_OF_TIME);
         return STATUS_OK;
     }
-    while (paid < s->count &&
-           (MUTANT == MUTANT_UNPAID || asks + cost(&s->candidate[paid]) <= s->most))
+    while (paid < s->count && asks + cost(&s->candidate[paid]) <= s->most)
         asks += cost(&s->candidate[paid++]);
     enum status status = paid ? s->ask(s->user, s->candidate, paid, &shown, reason) : STATUS_OK;
     for (size_t i = 0; i < paid && !status; i++) {
         s->stats->asks += cost(&s->candidate[i]);
         s->stats->tried++;
         if (i == shown) {
-            *first = MUTANT == MUTANT_NOT_ASKED && i > 0 ? i - 1 : i;
+            *first = i;
             return STATUS_OK;
         }
         if ((status = note_seen(s, s->hash[i])))
@@ -258,7 +256,7 @@ static enum status run_rounds(struct shrinker *s, struct reason *reason)
         s->left_out = false;
         for (size_t i = 0; shrink_passes[i] && !s->over && !status; i++)
             status = run_pass(s, shrink_passes[i], reason);
-    } while (!status && !s->over && s->stats->accepted > before && MUTANT != MUTANT_ONE_ROUND);
+    } while (!status && !s->over && s->stats->accepted > before);
     if (!s->over && s->left_out)
         s->stats->end = SHRINK_OUT_OF_ASKS;
     return status;

@@ -1,7 +1,6 @@
 /* What the shrinker asks of engines: whether a trial still shows the finding. */
 #include "fuzz/shrink/shrink_inner.h"
 #include "fuzz/play/stage.h"
-#include "ref/base/mutant.h"
 
 #include <string.h>
 
@@ -33,7 +32,7 @@ static enum status shows(struct shrink_asking *asking, const struct fuzz_trial *
         enum status status = fuzz_explain(asking->player, &rest, &finding, reason);
         if (status)
             return status;
-        if (fuzz_signature_same(&finding.signature, asking->wanted) || MUTANT == MUTANT_ANY_CAUSE) {
+        if (fuzz_signature_same(&finding.signature, asking->wanted)) {
             finding.ray += skipped;
             asking->finding = finding;
             *out = true;

@@ -1,7 +1,6 @@
 #include "gpu/frame/frame_dispatch.h"
 
 #include "gpu/trace/dispatch.h"
-#include "ref/base/mutant.h"
 
 #include <stdio.h>
 
@@ -64,9 +63,6 @@ static enum status make_general(const struct frame_job *job, struct frame_dispat
     out->constant[ABI_SPEC_LIGHTS] = FRAME_GENERAL_LIGHTS;
     out->constant[ABI_SPEC_LOOK] =
         ABI_LOOK_EYE | ABI_LOOK_AMBIENCE | ABI_LOOK_SPECULAR | ABI_LOOK_REFLECT | ABI_LOOK_GENERAL;
-#if MUTANT == MUTANT_GENERAL_DULL
-    out->constant[ABI_SPEC_LOOK] &= ~(uint32_t)ABI_LOOK_REFLECT;
-#endif
     return STATUS_OK;
 }
 

@@ -1,7 +1,5 @@
 #include "gpu/shaders/glsl_text.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -136,7 +134,7 @@ static enum status expand(struct making *m, const char *name, const char *text)
         size_t length = strcspn(at, "\n");
         if (is_include(at, length, included)) {
             status = include(m, included, name, line);
-            if (!status && MUTANT != MUTANT_GLSL_LINES_LOST)
+            if (!status)
                 status = append_line(m, "#line %zu %zu\n", line + 1, number);
         } else {
             status = append(m, at, length);
@@ -161,7 +159,7 @@ enum status glsl_text_make(const char *path, enum glsl_use use, glsl_read_fn *re
     enum status status = read(path, &bytes, &size, reason);
     /* As what the build compiles begins; the order of visits is the one that C has. */
     if (!status)
-        status = append_line(&m, "#version 450\n#define MUTANT 0\n#define ORDER_NEAR\n%s",
+        status = append_line(&m, "#version 450\n#define ORDER_NEAR\n%s",
                              use == GLSL_RENDER ? "#define RENDERING\n" : "");
     if (!status)
         status = expand(&m, path, bytes);

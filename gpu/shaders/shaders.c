@@ -2,7 +2,6 @@
 
 #include "gpu/shaders/spirv_fix.h"
 #include "gpu/shaders/spirv_look.h"
-#include "ref/base/mutant.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,8 +49,7 @@ enum status shader_add(const char *layout, enum glsl_use use, const char *file,
     static const char *const prefix[GLSL_USES] = {
         [GLSL_TRACE] = "trace", [GLSL_RENDER] = "render", [GLSL_DECODE] = "decode"};
     const bool render = use == GLSL_RENDER;
-    const struct spirv_rules rules = {
-        .tracing = !render, .render = render, .free = MUTANT == MUTANT_GLSL_NOT_PINNED};
+    const struct spirv_rules rules = {.tracing = !render, .render = render};
     uint32_t *fixed;
     size_t fixed_count;
     if (added_count == SHADERS_ADDED_MOST)

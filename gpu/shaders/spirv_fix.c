@@ -1,7 +1,5 @@
 #include "gpu/shaders/spirv_fix.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -198,11 +196,7 @@ static void put_decorations(const struct module *m, struct sink *out)
 {
     struct instruction i;
     bool ok = true;
-#if MUTANT == MUTANT_NO_PRECISE
-    bool drop = m->rules.tracing;
-#else
     bool drop = false;
-#endif
     for (size_t at = HEADER_WORDS; next(m, &at, &i, &ok);) {
         if (!find(decorated, ARRAY_COUNT(decorated), i.op) || i.count < 3)
             continue;

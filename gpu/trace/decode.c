@@ -4,7 +4,6 @@
 #include "gpu/trace/vulkan_options.h"
 #include "ref/abi.h"
 #include "ref/base/float_word.h"
-#include "ref/base/mutant.h"
 #include "ref/packed/packed_walk.h"
 
 #include <stdio.h>
@@ -216,7 +215,7 @@ static bool same_kind(struct decode_comparing *c, uint32_t ref, uint32_t mine, u
 /* How many slots of `count` are compared. */
 static uint32_t compared(uint32_t count)
 {
-    return MUTANT == MUTANT_DECODE_SLOT && count > 1 ? count - 1 : count;
+    return count;
 }
 
 /* The items of a leaf whose first is answered at `answer`, the next ones from `more` on. */
@@ -325,8 +324,6 @@ static void compare(struct decode_comparing *c)
 {
     const struct packed *packed = c->packed;
     uint32_t end = is_wide(packed) ? packed->node_count : packed->ref_count;
-    if (MUTANT == MUTANT_DECODE_LAST)
-        end--;
     for (uint32_t ref = 0; ref < end; ref++)
         if (c->reached[ref])
             c->out->differ += !(is_wide(packed) ? same_wide(c, ref) : same_binary(c, ref));

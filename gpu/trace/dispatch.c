@@ -1,7 +1,5 @@
 #include "gpu/trace/dispatch.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdio.h>
 
 /* The smallest stack class that is enough. */
@@ -36,11 +34,7 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
                      [ABI_SPEC_LAYOUT_1] = layout->constant[1]},
         .push = {.root = packed->root,
                  .node_count = packed->ref_count,
-#if MUTANT == MUTANT_ITEMS_SHORT
-                 .item_count = packed->item_count - 1,
-#else
                  .item_count = packed->item_count,
-#endif
                  .tri_count = job->scene->tri_count,
                  .capacity = 1},
     };

@@ -3,8 +3,6 @@
 #include "gpu/trace/ray_order.h"
 #include "gpu/trace/tracer_private.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -171,17 +169,10 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
         !put(tracer, work, ABI_BIND_ITEMS, packed->item, packed_item_bytes(packed)) ||
         !put_triangles(tracer, work, &task->job) || !take(tracer, work, ABI_BIND_FOUND, 0))
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for many jobs");
-#if MUTANT == MUTANT_NEIGHBOUR
-    work->part[ABI_BIND_NODES] = tasks->work[0].part[ABI_BIND_NODES];
-#endif
     entry->push = dispatch.push;
     entry->push.ray_count = (uint32_t)rays;
     work->push = &entry->push;
-#if MUTANT == MUTANT_GROUPS_CUT
-    work->groups = (uint32_t)(rays / tracer->workgroup);
-#else
     work->groups = dispatch_groups(&dispatch, (uint32_t)rays);
-#endif
     tasks->visits += visits_of(task);
     tasks->count++;
     return STATUS_OK;
@@ -210,10 +201,6 @@ static enum status upload(struct tracer *tracer, struct reason *reason)
 static void check_flags(struct tracer *tracer, struct engine_task *task)
 {
     task->status = STATUS_OK;
-#if MUTANT == MUTANT_FLAGS_UNREAD
-    for (size_t i = 0; i < task->ray_count; i++)
-        task->flag[i] = ABI_FLAG_DONE;
-#endif
     for (size_t i = 0; i < task->ray_count && !task->status; i++)
         if (task->flag[i] != ABI_FLAG_DONE)
             task->status =
@@ -228,9 +215,6 @@ static void take_answers(const struct tasks_entry *entry, const uint32_t *order,
     const struct hit *hit = hits;
     const uint32_t *flag = flags;
     struct engine_task *task = entry->task;
-#if MUTANT == MUTANT_ORDER_KEPT
-    order = NULL;
-#endif
     if (!order) {
         memcpy(task->hit, hit, task->ray_count * sizeof *hit);
         memcpy(task->flag, flag, task->ray_count * sizeof *flag);

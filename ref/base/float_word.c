@@ -1,7 +1,6 @@
 #include "ref/base/float_word.h"
 
 #include "ref/base/decimal.h"
-#include "ref/base/mutant.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -14,7 +13,7 @@ size_t float_word_write(float x, char text[FLOAT_WORD_MOST])
 {
     uint32_t bits = float_bits(x), fraction = bits & FRACTION;
     int exponent = (int)(bits >> 23 & 0xFF) - 127;
-    const char *sign = bits & SIGN && (MUTANT != MUTANT_SIGN_OF_ZERO || bits != SIGN) ? "-" : "";
+    const char *sign = bits & SIGN ? "-" : "";
     if (exponent == 128 && fraction)
         return (size_t)snprintf(text, FLOAT_WORD_MOST, "nan:0x%08x", bits);
     if (exponent == 128)

@@ -1,7 +1,6 @@
 #include "ref/base/half.h"
 
 #include "ref/base/base.h"
-#include "ref/base/mutant.h"
 
 #include <stdbool.h>
 
@@ -72,11 +71,6 @@ static struct half round_toward(float x, bool up)
         return quiet_nan(sign, magnitude);
     struct cut cut = cut_magnitude(magnitude);
     bool away = up == (sign == 0) && cut.rest != REST_ZERO;
-#if MUTANT == MUTANT_HALF_NO_CARRY
-    away = away && (cut.bits & 0x3FFu) != 0x3FFu;
-#elif MUTANT == MUTANT_HALF_ABOVE_ONLY
-    away = away && cut.rest != REST_BELOW_HALF;
-#endif
     return (struct half){(uint16_t)(sign | (cut.bits + (away ? 1u : 0u)))};
 }
 
@@ -105,21 +99,11 @@ static struct half bound_toward(float x, bool up)
 {
     if (is_nan(float_bits(x) & 0x7FFFFFFFu))
         return (struct half){(uint16_t)(up ? INFINITE : SIGN | INFINITE)};
-#if MUTANT == MUTANT_HALF_NEAREST
-    struct half h = half_nearest(x);
-#elif MUTANT == MUTANT_HALF_TRUNCATED
-    struct half h = round_toward(x, float_bits(x) >> 31);
-#else
     struct half h = round_toward(x, up);
-#endif
     uint32_t magnitude = h.bits & 0x7FFFu;
     if (magnitude >= MIN_NORMAL)
         return h;
-#if MUTANT == MUTANT_HALF_FLUSHED
-    bool away = false;
-#else
     bool away = magnitude != 0 && up == ((h.bits & SIGN) == 0);
-#endif
     return (struct half){(uint16_t)(away ? (h.bits & SIGN) | MIN_NORMAL : 0)};
 }
 

@@ -1,8 +1,6 @@
 #define _DEFAULT_SOURCE /* RLIMIT_AS */
 #include "ref/base/memory.h"
 
-#include "ref/base/mutant.h"
-
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -88,9 +86,6 @@ static uint64_t space_left(void)
 
 uint64_t memory_left(void)
 {
-#if MUTANT == MUTANT_MEMORY_BELIEVED
-    return UINT64_MAX;
-#endif
     uint64_t left = system_left(), group = group_left(), space = space_left();
     left = group < left ? group : left;
     return space < left ? space : left;

@@ -6,7 +6,6 @@
 #include "ref/builders/grow.h"
 #include "ref/builders/morton.h"
 #include "ref/builders/room.h"
-#include "ref/base/mutant.h"
 
 struct lbvh {
     const struct ref *ref;

@@ -5,8 +5,6 @@
 #include "ref/builders/grow.h"
 #include "ref/builders/top_down.h"
 
-#include "ref/base/mutant.h"
-
 /* In double, where the sum of three floats cannot overflow. */
 static void centroid(float v[3][3], float out[3])
 {
@@ -76,9 +74,6 @@ static uint32_t partition(struct build *build, const struct build_node *node, si
         else
             build->spare[right++] = prim[i];
     }
-#if MUTANT == MUTANT_SPLIT_LOSES
-    right -= right > 1;
-#endif
     for (uint32_t i = 0; i < right; i++)
         prim[left + i] = build->spare[i];
     return left;

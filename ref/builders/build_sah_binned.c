@@ -7,7 +7,6 @@
 #include "ref/builders/grow.h"
 #include "ref/builders/room.h"
 #include "ref/builders/swap.h"
-#include "ref/base/mutant.h"
 
 struct binned {
     struct ref *ref;
@@ -36,11 +35,7 @@ static void bin_range(const struct binned *b, const struct grow_range *range,
             bins_add(&mine, map, ref + first, rest < ALONE ? rest : ALONE);
         }
         /* Sums, least and most: the order does not matter. */
-#if MUTANT == MUTANT_BIN_UNSHARED
-#pragma omp single
-#else
 #pragma omp critical(bins)
-#endif
         bins_merge(bins, &mine, map->count);
     }
 }

@@ -7,7 +7,6 @@
 #include "ref/builders/grow.h"
 #include "ref/builders/room.h"
 #include "ref/builders/split.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <omp.h>
@@ -124,11 +123,7 @@ static int cut(const struct sbvh *s, const struct part *part, int axis, float at
     float v[3][3];
     scene_tri(s->scene, part->prim, v);
     piece[0] = piece[1] = *part;
-#if MUTANT == MUTANT_PLANE_NUDGED
-    piece[0].box.hi[axis] = nextafterf(at, -INFINITY);
-#else
     piece[0].box.hi[axis] = at;
-#endif
     piece[1].box.lo[axis] = at;
     clip_inside(v, &piece[0].box);
     clip_inside(v, &piece[1].box);
@@ -162,10 +157,6 @@ static void put_cut(const struct sbvh *s, const struct part *part, const struct 
         else if (second < both)
             sides = 5;
     }
-#if MUTANT == MUTANT_PIECE_DROPPED
-    if (sides == 3 && part->prim % 64 == 0)
-        sides = 1;
-#endif
     for (int side = 0; side < 2; side++) {
         bool whole = sides == 4 + side, here = whole || (sides < 4 && (sides >> side & 1));
         const struct part *put_this = whole ? part : &piece[side];

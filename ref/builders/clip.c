@@ -1,7 +1,5 @@
 #include "ref/builders/clip.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 
 #define CLIP_ERROR 0x1p-50
@@ -25,11 +23,7 @@ static void add_crossing(const float p[3], const float q[3], int axis, float s, 
     for (int k = 0; k < 3; k++) {
         double from = (double)p[k], to = (double)q[k];
         double at = from + (to - from) * t, error = CLIP_ERROR * (fabs(from) + fabs(to));
-#if MUTANT == MUTANT_CLIP_INWARD
-        float lo = float_above(at - error), hi = float_below(at + error);
-#else
         float lo = float_below(at - error), hi = float_above(at + error);
-#endif
         if (k == axis)
             lo = hi = s;
         if (lo < bounds->lo[k])

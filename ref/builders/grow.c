@@ -1,7 +1,6 @@
 #include "ref/builders/grow.h"
 
 #include "ref/builders/room.h"
-#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 
@@ -52,12 +51,8 @@ static bool divide(const struct grower *g, const struct grow_range *range,
     if (left == 0)
         return false;
     uint32_t larger = left > range->count - left ? left : range->count - left;
-#if MUTANT != MUTANT_GROW_DEPTH
     if (range->depth + 1 + log2_ceil(larger) > GROW_DEPTH_MOST)
         left = g->rule->halve(g->user, range, child);
-#else
-    (void)larger;
-#endif
     child[0].first = range->first;
     child[0].count = left;
     child[1].first = range->first + left;
@@ -81,8 +76,7 @@ static struct lane_box piece_grow(const struct grower *g, const struct grow_rang
     struct lane_box bounds = piece_grow(g, &child[0], node, count);
     uint32_t snd = *count;
     struct lane_box other = piece_grow(g, &child[1], node, count);
-    if (MUTANT != MUTANT_GROW_BOUNDS)
-        lane_box_add(&bounds, &other);
+    lane_box_add(&bounds, &other);
     *out = (struct bvh_node){lane_box_store(&bounds), mine + 1, snd, range->first, 0};
     return bounds;
 }

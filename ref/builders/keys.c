@@ -1,7 +1,6 @@
 #include "ref/builders/keys.h"
 
 #include "ref/builders/room.h"
-#include "ref/base/mutant.h"
 
 #include <string.h>
 
@@ -14,11 +13,7 @@ static void places_sum(uint32_t *place, uint32_t threads)
     uint32_t sum = 0;
     for (uint32_t d = 0; d < DIGITS; d++)
         for (uint32_t t = 0; t < threads; t++) {
-#if MUTANT == MUTANT_SORT_BACKWARDS
-            size_t at = (size_t)(threads - 1 - t) * DIGITS + d;
-#else
             size_t at = (size_t)t * DIGITS + d;
-#endif
             uint32_t n = place[at];
             place[at] = sum;
             sum += n;

@@ -2,7 +2,6 @@
 
 #include "ref/builders/grow.h"
 #include "ref/builders/room.h"
-#include "ref/base/mutant.h"
 #include "ref/tree/tree_quality.h"
 
 /* A tree that is being written. */
@@ -69,7 +68,7 @@ static struct lane_box write_node(struct writer *w, uint32_t from, uint32_t dept
     if (child[0] == LINKS_NONE)
         return write_leaf(w, from);
     uint32_t larger = leaves[child[0]] > leaves[child[1]] ? leaves[child[0]] : leaves[child[1]];
-    if (MUTANT != MUTANT_LINKS_DEEP && depth + 1 + log2_ceil(larger) > GROW_DEPTH_MOST) {
+    if (depth + 1 + log2_ceil(larger) > GROW_DEPTH_MOST) {
         list_leaves(w, from);
         return write_halves(w, w->list, leaves[from]);
     }
@@ -97,9 +96,7 @@ enum status links_write(const struct links *links, struct bvh *out)
                             .prim_count = w.prim_count,
                             .tri_count = links->tris};
     } else {
-#if MUTANT != MUTANT_ROOM_KEPT
         room_free(w.node);
-#endif
         room_free(w.prim);
     }
     room_free(w.list);
@@ -119,8 +116,7 @@ static void collapse_mark(const struct bvh *bvh, uint32_t leaf, double *cost, ui
             continue;
         }
         uint32_t all = items[node->fst] + items[node->snd];
-        bool may = items[node->fst] && items[node->snd] &&
-                   all <= leaf + (MUTANT == MUTANT_COLLAPSE_OVER) &&
+        bool may = items[node->fst] && items[node->snd] && all <= leaf &&
                    bvh_items_differ(bvh, node->item_first, all);
         double split = area * QUALITY_NODE + cost[node->fst] + cost[node->snd];
         double whole = area * QUALITY_TRIANGLE * all;

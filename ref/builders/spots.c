@@ -2,7 +2,6 @@
 
 #include "ref/builders/links.h"
 #include "ref/builders/room.h"
-#include "ref/base/mutant.h"
 
 #include <string.h>
 
@@ -184,7 +183,7 @@ double spots_move(struct spots *spots, uint32_t node, uint32_t target)
         if (at == node)
             return 0;
     double rise = move(spot, node, target);
-    if (rise < 0 || MUTANT == MUTANT_MOVE_KEPT)
+    if (rise < 0)
         return -rise;
     (void)move(spot, node, other);
     return 0;

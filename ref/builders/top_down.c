@@ -1,7 +1,6 @@
 #include "ref/builders/top_down.h"
 
 #include "ref/builders/grow.h"
-#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 
@@ -25,17 +24,8 @@ struct top_down_progress {
 static struct box range_bounds(const struct build *build, uint32_t first, uint32_t count)
 {
     struct box all = box_empty();
-#if MUTANT == MUTANT_BOUNDS_ONE_SHORT
-    count -= count > 1;
-#endif
     for (uint32_t i = 0; i < count; i++)
         box_add_box(&all, &build->tri_box[build->prim[first + i]]);
-#if MUTANT == MUTANT_BOUNDS_BY_EXTENT
-    for (int k = 0; k < 3; k++) {
-        float extent = all.hi[k] - all.lo[k];
-        all.hi[k] = all.lo[k] + extent;
-    }
-#endif
     return all;
 }
 
@@ -108,11 +98,6 @@ static enum status build_start(const struct build_rule *rule, struct build *buil
         float v[3][3];
         scene_tri(build->scene, i, v);
         build->tri_box[i] = scene_tri_bounds(build->scene, i);
-#if MUTANT == MUTANT_BOUNDS_TWO_VERTICES
-        build->tri_box[i] = box_empty();
-        box_add_point(&build->tri_box[i], v[0]);
-        box_add_point(&build->tri_box[i], v[1]);
-#endif
         rule->centroid(v, build->centroid + 3 * (size_t)i);
         build->prim[i] = i;
     }

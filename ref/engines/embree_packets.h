@@ -58,11 +58,7 @@ static void embree_packet(const struct embree *embree, const struct ray *ray, ui
         bool any = embree->query == QUERY_ANY;
         bool found =
             any ? packet.ray.tfar[i] < 0.0f : packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-#if MUTANT == MUTANT_PACKET_LANE
-        found = found || !valid[i];
-#else
         found = found && valid[i];
-#endif
         hit[i] = (struct hit){.prim = ABI_NO_PRIM};
         if (found && any)
             hit[i].prim = 0;

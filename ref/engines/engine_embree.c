@@ -4,7 +4,6 @@
 
 #include "ref/engine.h"
 #include "ref/engines/cpu_rays.h"
-#include "ref/base/mutant.h"
 
 #include <stdio.h>
 
@@ -191,7 +190,7 @@ static enum status embree_prepare(void *self, const struct job *job, struct reas
 
 static bool embree_takes(const struct embree *embree, const struct ray *ray)
 {
-    if (embree->unguarded || MUTANT == MUTANT_UNGUARDED)
+    if (embree->unguarded)
         return true;
     for (int k = 0; k < 3; k++)
         if (!(ray->org[k] < EMBREE_MOST && ray->org[k] > -EMBREE_MOST) ||

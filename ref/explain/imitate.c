@@ -1,7 +1,6 @@
 #include "ref/explain/imitate.h"
 
 #include "ref/explain/witness.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -70,8 +69,7 @@ static void hear(const struct explain_case *the, const struct witnesses *w,
     one->asked += w->count;
     one->refuted = one->asked - one->witnesses > stray_of(the, one->asked) ||
                    one->telling - one->told > stray_of(the, one->telling) ||
-                   (one->far_telling - one->far_told > stray_of(the, one->far_telling) &&
-                    MUTANT != MUTANT_NEAR_IS_ENOUGH);
+                   one->far_telling - one->far_told > stray_of(the, one->far_telling);
 }
 
 static void try_defect(const struct explain_case *the, const struct explain_answer *answer,
@@ -205,8 +203,6 @@ static enum cause cause_left(const struct explain_case *the, const struct explan
 
 bool explain_is_shown(const struct explain_imitation *one)
 {
-    if (MUTANT == MUTANT_CAUSE_UNTOLD)
-        return is_alive(one);
     bool holds_nothing = one->defect == DEFECT_FAR_DROPPED && one->parameter == 0;
     return is_alive(one) && one->telling >= EXPLAIN_TELLING && one->kept >= EXPLAIN_TELLING &&
            !holds_nothing;

@@ -1,7 +1,5 @@
 #include "ref/fast/block.h"
 
-#include "ref/base/mutant.h"
-
 #include <string.h>
 
 /* The place of vertex `v` in the block, added if it is new; BLOCK_VERTICES if there is no room. */
@@ -29,9 +27,6 @@ bool block_make(const struct scene *scene, const uint32_t *prim, uint32_t count,
             uint32_t place = vertex_place(out, v[c]);
             if (place == BLOCK_VERTICES)
                 return false;
-#if MUTANT == MUTANT_BLOCK_CORNER
-            place &= 7u;
-#endif
             out->corner[c] |= place << 4 * i;
         }
     }

@@ -3,7 +3,6 @@
 
 #include "ref/fast/block.h"
 #include "ref/base/memory.h"
-#include "ref/base/mutant.h"
 #include "ref/tree/wide_tree.h"
 
 #include <math.h>
@@ -65,12 +64,8 @@ static uint16_t code_up(const struct fast_tree *tree, int k, float b)
         return 0;
     double code = ceil(((double)b - lo) / step);
     code = code < 0 ? 0 : code > CODE_MOST ? CODE_MOST : code;
-#if MUTANT != MUTANT_CODE_NEAREST
     while (code < CODE_MOST && lo + code * step < (double)b)
         code++;
-#else
-    code = code > 0 ? code - 1 : code;
-#endif
     return (uint16_t)code;
 }
 

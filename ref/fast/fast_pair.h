@@ -82,10 +82,8 @@ INLINE void walk_pairs(const struct fast_tree *tree, const struct ray *ray, size
             }
     for (int i = 0; i < 2; i++)
         if (pair[i].hit) {
-#if MUTANT != MUTANT_FAST_LAST_LEFT
             while (step(&pair[i], tree, any)) {
             }
-#endif
             write_hit(&pair[i].best, pair[i].hit);
         }
 }

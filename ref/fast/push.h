@@ -3,8 +3,6 @@
 #ifndef FAST_PUSH_H
 #define FAST_PUSH_H
 
-#include "ref/base/mutant.h"
-
 /* Sorts the children in `mask`, farthest first, by the bits of their entries, which are at least 0;
  * the lowest three bits of a key are the child's number. Returns how many there are. */
 INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32_t mask,
@@ -15,7 +13,7 @@ INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32
     for (; mask; mask &= mask - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(mask), at = count++;
         uint32_t k = (bits[i] & ~7u) | i;
-        for (; at > 0 && (key[at - 1] < k) != (MUTANT == MUTANT_FAST_FAR_FIRST); at--)
+        for (; at > 0 && key[at - 1] < k; at--)
             key[at] = key[at - 1];
         key[at] = k;
     }

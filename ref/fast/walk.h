@@ -11,17 +11,12 @@
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
-#include "ref/base/mutant.h"
 
 #include <string.h>
 
 /* Half width of the bounds' padding, of the farthest that anything is from the origin in any axis:
  * CONTRIBUTING, "Boxes". */
-#if MUTANT == MUTANT_FAST_UNPADDED
-#define FAST_PAD 0.0f
-#else
 #define FAST_PAD 0x1p-19f
-#endif
 
 /* Axes that woop calls x, y, z, by the main axis and whether the ray goes down it. */
 static const int32_t axes_of[6][4] __attribute__((aligned(16))) = {
@@ -205,11 +200,7 @@ INLINE bool test_leaf(const struct walk_ray *r, const struct fast_tree *tree, ui
     codes8 c0 = codes(block[0]), c1 = codes(block[1]), c2 = codes(block[2]);
     float8 x0 = corners(x, c0, n), x1 = corners(x, c1, n), x2 = corners(x, c2, n);
     float8 y0 = corners(y, c0, n), y1 = corners(y, c1, n), y2 = corners(y, c2, n);
-#if MUTANT == MUTANT_FAST_CONTRACTED
-    float8 w0 = fma8(x2, y1, -(y2 * x1));
-#else
     float8 w0 = x2 * y1 - y2 * x1;
-#endif
     float8 w1 = x0 * y2 - y0 * x2;
     float8 w2 = x1 * y0 - y1 * x0;
     float8 det = (w0 + w1) + w2, zero = all8(0);

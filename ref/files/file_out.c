@@ -2,7 +2,6 @@
 #define _GNU_SOURCE /* realpath, fopencookie */
 #include "ref/files/file.h"
 
-#include "ref/base/mutant.h"
 #include "ref/files/temporary.h"
 
 #include <errno.h>
@@ -61,11 +60,11 @@ static ssize_t put_all(void *cookie, const char *bytes, size_t size)
     size_t done = 0;
     while (done < size) {
         ssize_t wrote = write(file, bytes + done, size - done);
-        if (wrote < 0 && errno == EINTR && MUTANT != MUTANT_INTERRUPTED)
+        if (wrote < 0 && errno == EINTR)
             continue;
         if (wrote <= 0)
-            return MUTANT == MUTANT_WRITE_UNCHECKED ? (ssize_t)size : 0;
-        done += MUTANT == MUTANT_SHORT_IS_WHOLE ? size : (size_t)wrote;
+            return 0;
+        done += (size_t)wrote;
     }
     return (ssize_t)size;
 }
@@ -97,7 +96,7 @@ static FILE *stream_of(int file)
 static void open_temporary(int folder, const char *name, struct file_out *out)
 {
     temporary_sweep(folder, name);
-    out->file = MUTANT == MUTANT_NAMED_AT_ONCE ? -1 : temporary_nameless(folder, name);
+    out->file = temporary_nameless(folder, name);
     out->nameless = out->file >= 0;
     if (!out->nameless)
         out->file = temporary_named(folder, name, &out->temporary);
@@ -205,7 +204,7 @@ enum status file_out_commit(struct file_out *out, struct reason *reason)
         why = errno;
     }
     out->stream = NULL;
-    if (good && out->held && !take_goal(out) && MUTANT != MUTANT_RENAME_UNCHECKED) {
+    if (good && out->held && !take_goal(out)) {
         good = false;
         why = errno;
     }

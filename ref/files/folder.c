@@ -1,7 +1,6 @@
 #define _GNU_SOURCE /* O_NOFOLLOW, O_DIRECTORY, strdup */
 #include "ref/files/folder.h"
 
-#include "ref/base/mutant.h"
 #include "ref/files/temporary.h"
 
 #include <dirent.h>
@@ -14,9 +13,8 @@
 #include <unistd.h>
 
 /* A named pipe is not waited for, a terminal does not become ours; both are refused once open. */
-#define FOLLOWED   (MUTANT == MUTANT_LINK_FOLLOWED)
-#define CAREFULLY  ((FOLLOWED ? 0 : O_NOFOLLOW) | O_NONBLOCK | O_NOCTTY)
-#define STAT_FLAGS (FOLLOWED ? 0 : AT_SYMLINK_NOFOLLOW)
+#define CAREFULLY  (O_NOFOLLOW | O_NONBLOCK | O_NOCTTY)
+#define STAT_FLAGS AT_SYMLINK_NOFOLLOW
 
 static enum status system_fail(const char *path, int why, struct reason *reason)
 {
@@ -59,7 +57,7 @@ static enum status look(const struct folder *folder, const char *name, mode_t wa
     *there = fstatat(folder->file, name, &about, STAT_FLAGS) == 0;
     if (!*there)
         return errno == ENOENT ? STATUS_OK : system_fail(path, errno, reason);
-    if ((about.st_mode & S_IFMT) == want || MUTANT == MUTANT_ANY_KIND)
+    if ((about.st_mode & S_IFMT) == want)
         return STATUS_OK;
     return fail(reason, STATUS_INPUT, "%s: is %s, where %s belongs: it is left alone",
                 file_label(path), kind_name(about.st_mode), kind_name(want));
@@ -129,10 +127,10 @@ static enum status check_file(int file, const char *path, bool append, struct re
     struct stat about;
     if (fstat(file, &about) != 0)
         return system_fail(path, errno, reason);
-    if (!S_ISREG(about.st_mode) && MUTANT != MUTANT_ANY_KIND)
+    if (!S_ISREG(about.st_mode))
         return fail(reason, STATUS_INPUT, "%s: is %s, where a file belongs: it is left alone",
                     file_label(path), kind_name(about.st_mode));
-    if (append && about.st_nlink > 1 && MUTANT != MUTANT_HARD_LINK_WRITTEN)
+    if (append && about.st_nlink > 1)
         return fail(reason, STATUS_INPUT,
                     "%s: has %lu names (hard links), and would change under all of them: copy it",
                     file_label(path), (unsigned long)about.st_nlink);
@@ -179,14 +177,11 @@ enum status folder_read(const struct folder *folder, const char *name, size_t mo
 enum status folder_put(const struct folder *folder, const char *name, struct file_out *out,
                        struct reason *reason)
 {
-    struct place place;
     bool there;
     *out = (struct file_out){0};
     enum status status = folder_has(folder, name, &there, reason);
     if (status)
         return status;
-    if (FOLLOWED)
-        return file_out_open(place_of(folder, name, &place), out, reason);
     return file_out_within(folder->file, folder->path, name, out, reason);
 }
 

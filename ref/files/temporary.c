@@ -1,7 +1,6 @@
 #define _GNU_SOURCE /* O_TMPFILE, asprintf, mkdtemp */
 #include "ref/files/temporary.h"
 
-#include "ref/base/mutant.h"
 #include "ref/files/file.h"
 
 #include <dirent.h>
@@ -39,13 +38,13 @@ static bool hold(int file)
 static int take_left(int folder, const char *name, mode_t kind)
 {
     struct stat about, open;
-    if (MUTANT == MUTANT_LEFT_STAYS || fstatat(folder, name, &about, AT_SYMLINK_NOFOLLOW) != 0 ||
+    if (fstatat(folder, name, &about, AT_SYMLINK_NOFOLLOW) != 0 ||
         (about.st_mode & S_IFMT) != kind || about.st_uid != geteuid())
         return -1;
     int file = file_open_again(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK);
-    if (file >= 0 && (flock(file, LOCK_EX | LOCK_NB) == 0 || MUTANT == MUTANT_HELD_REMOVED) &&
-        fstat(file, &open) == 0 && fstatat(folder, name, &about, AT_SYMLINK_NOFOLLOW) == 0 &&
-        open.st_dev == about.st_dev && open.st_ino == about.st_ino)
+    if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) == 0 && fstat(file, &open) == 0 &&
+        fstatat(folder, name, &about, AT_SYMLINK_NOFOLLOW) == 0 && open.st_dev == about.st_dev &&
+        open.st_ino == about.st_ino)
         return file;
     if (file >= 0)
         close(file);

@@ -40,15 +40,9 @@ enum status judge_make(const struct oracle *oracle, const struct scene *scene,
     judge->query = query;
     judge->own = twin_is_own(model->formula);
     judge->displacement = model->displacement > 0.0 ? model->displacement : JUDGE_DISPLACEMENT_MOST;
-#if MUTANT == MUTANT_BAND_OF_BEFORE
-    judge->displacement = 1024.0;
-#endif
     /* The proof in judge_fan.c needs the same rounding of the same product wherever it is made. */
     judge->fans =
         model->watertight && model->formula == TWIN_WOOP && rounding_is_nearest(model->rounding);
-#if MUTANT == MUTANT_FAN_OFF
-    judge->fans = false;
-#endif
     judge->in_contract = true;
     struct box box = scene_bounds(scene);
     for (int k = 0; k < 3 && scene->tri_count > 0; k++) {
@@ -82,13 +76,10 @@ struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_
 {
     float v[3][3];
     for (size_t i = 0; known && i < known->count; i++)
-        if (known->prim[i] == prim || MUTANT == MUTANT_OTHER_TWIN)
+        if (known->prim[i] == prim)
             return known->twin[i];
     scene_tri(judge->scene, prim, v);
     struct twin twin = twin_eval(judge->model.formula, judge->model.rounding, ray, v);
-#if MUTANT == MUTANT_HUGE_BOUND
-    twin.t_err *= 1e6;
-#endif
     return twin;
 }
 
@@ -237,9 +228,6 @@ enum status judge_answer(const struct judge *judge, const struct ray *ray,
 /* Of a class that leaves open whether something is hit. */
 static bool is_open(enum verdict verdict)
 {
-#if MUTANT == MUTANT_ANY_EXCUSED
-    return verdict != VERDICT_RIGHT;
-#endif
     return verdict == VERDICT_BOUNDARY || verdict == VERDICT_BORDER ||
            verdict == VERDICT_IN_PLANE || verdict == VERDICT_SLAB || verdict == VERDICT_NOISE;
 }

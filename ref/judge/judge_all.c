@@ -1,7 +1,6 @@
 #include "ref/judge/judge_all.h"
 
 #include "ref/judge/judge_inner.h"
-#include "ref/base/mutant.h"
 #include "ref/base/rng.h"
 
 #include <math.h>
@@ -134,13 +133,13 @@ static void note_one(struct listing *l)
         hits += is_hit(&l->crossing[i]);
     if (hits == 0)
         return;
-    uint32_t at = MUTANT == MUTANT_LISTS_NEAREST ? 0 : (uint32_t)(seed % hits);
+    uint32_t at = (uint32_t)(seed % hits);
     for (size_t i = 0; i < l->crossings && !crossing; i++)
         if (is_hit(&l->crossing[i]) && at-- == 0)
             crossing = &l->crossing[i];
     sum->margin = judge_margin_of(l->judge, l->ray, crossing->prim);
-    sum->edge_lost = !judge_find(&l->found, crossing->prim) &&
-                     (MUTANT == MUTANT_LISTS_AT_ENDS || beside_edge(l, crossing, (double)INFINITY));
+    sum->edge_lost =
+        !judge_find(&l->found, crossing->prim) && beside_edge(l, crossing, (double)INFINITY);
     for (size_t i = 0; i < l->count && sum->edge_lost; i++)
         sum->edge_lost = beside_edge(l, crossing, (double)l->hit[i].t);
 }

@@ -20,15 +20,10 @@
  * ray's point at t^ to the triangle's plane, whatever angle they meet at and though D may be 0.
  * Likewise |u^ D - U| bounds u^. */
 #include "ref/judge/judge_inner.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 
-#if MUTANT == MUTANT_NO_SHAPE
-#define STEPS 0.0
-#else
-#define STEPS 16.0
-#endif
+#define STEPS   16.0
 #define DIVIDED 10.0
 /* A product, sum or operand that is subnormal may be flushed. */
 #define FLUSHED 0x1p-126
@@ -172,9 +167,6 @@ bool judge_may_accept(const struct judge *judge, const struct judge_rounding *r)
     /* Else it is 0 in every evaluation, as of three equal vertices. That of two equal ones, or of
      * three in a line, may come to any sign by rounding. */
     bool det = fabs(r->det) + r->det_most > 0.0;
-#if MUTANT == MUTANT_LINE_REFUSED
-    det = det && r->area > 0.0;
-#endif
     return det && (may_have_sign(judge, r, 1.0) || may_have_sign(judge, r, -1.0));
 }
 

@@ -16,7 +16,6 @@
  * Published tests are not all backward stable, so that of slivers, and near the plane, more is
  * allowed: what ref/judge/judge_allowed.c proves of the worst of them at that triangle. */
 #include "ref/judge/judge_inner.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -246,14 +245,6 @@ static bool weights_fit(const struct judge *judge, const struct hit *answer,
     for (int k = 0; k < 3; k++)
         p[k] = (1.0 - u - w) * tri->v[0][k] + u * tri->v[1][k] + w * tri->v[2][k];
     double most = judge->displacement * tri->unit;
-#if MUTANT == MUTANT_WEIGHTS_AT_T
-    for (int k = 0; k < 3; k++)
-        p[k] -= (double)answer->t * tri->d[k];
-    return sqrt(dot(p, p)) <= most;
-#endif
-#if MUTANT == MUTANT_WEIGHTS_ALONG
-    return beside_ray(p, tri) <= most;
-#endif
     if (beside_ray(p, tri) <= most && to_triangle(p, tri) <= most)
         return true;
     /* No test accepts weights below 0; Embree's takes them for 0 from -2^-23 on. */

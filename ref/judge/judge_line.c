@@ -1,19 +1,12 @@
 /* Judgements as text. */
 #include "ref/base/decimal.h"
 #include "ref/judge/judge.h"
-#include "ref/base/mutant.h"
 
 #include <stdio.h>
 
 void judge_set_lost(struct judgement *out, uint32_t prim, double t_lo, double t_hi)
 {
     out->behind = prim != out->expected;
-#if MUTANT == MUTANT_LOST_IS_NEAREST
-    out->expected = prim;
-    out->t_lo = t_lo;
-    out->t_hi = t_hi;
-    out->behind = false;
-#endif
     out->lost = prim;
     out->lost_lo = t_lo;
     out->lost_hi = t_hi;

@@ -22,12 +22,7 @@ static bool slab_may_miss(const struct judge *judge, const struct ray *ray, uint
 {
     struct box box = scene_tri_bounds(judge->scene, prim);
     double enter[3], leave[3], error[3];
-#if MUTANT == MUTANT_SLAB_EXACT
-    return false;
-#endif
-#if MUTANT != MUTANT_SLAB_TO_REACH
     reach = fmin(reach, (double)ray->tmax);
-#endif
     for (int k = 0; k < 3; k++) {
         double d = (double)ray->dir[k], o = (double)ray->org[k];
         if (fabs(d) < EMBREE_LEAST_DIR)
@@ -85,9 +80,6 @@ enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, 
         if (!closed)
             return STATUS_OK;
     }
-#if MUTANT == MUTANT_NOT_CERTAIN
-    return STATUS_OK;
-#endif
     *lost = reach > limit && !(judge->model.slab && slab_may_miss(judge, ray, prim, reach));
     return STATUS_OK;
 }

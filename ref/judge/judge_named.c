@@ -76,9 +76,6 @@ static bool says_little(const struct twin *twin)
 /* One unit of the last place of a float32, at its largest. */
 static double last_place(double value)
 {
-#if MUTANT == MUTANT_SUBNORMAL_EXACT
-    return 2.0 * JUDGE_UNIT * fabs(value);
-#endif
     return 2.0 * JUDGE_UNIT * fabs(value) + ROUNDING_IEEE.tiny;
 }
 
@@ -93,9 +90,6 @@ static bool is_hit(const struct oracle_pair *pair)
 {
     bool inside =
         pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE || pair->class == ORACLE_VERTEX;
-#if MUTANT == MUTANT_ENDS_REPLAYED
-    return inside && pair->range == ORACLE_WITHIN;
-#endif
     return inside && (pair->range == ORACLE_WITHIN || pair->range == ORACLE_AT_TMIN ||
                       pair->range == ORACLE_AT_TMAX);
 }
@@ -105,9 +99,6 @@ static bool is_hit(const struct oracle_pair *pair)
 static bool is_exact(const struct oracle_pair *pair, const struct twin *twin,
                      const struct hit *answer)
 {
-#if MUTANT == MUTANT_EXACT_REPLAYED
-    return false;
-#endif
     double t = (double)answer->t, u = (double)answer->u, v = (double)answer->v;
     if (!is_hit(pair))
         return false;

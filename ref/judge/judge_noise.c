@@ -21,9 +21,6 @@ bool judge_can_answer(const struct judge *judge, const struct ray *ray, float v[
         return judge_can_hit(judge, ray, v);
     for (int i = 0; i < 3; i++)
         range.lo[i] = range.hi[i] = number[i];
-#if MUTANT == MUTANT_NOISE_BELIEVED
-    return true;
-#endif
     return replay_can_answer(judge->model.formula, &liberty, ray, v, &range);
 }
 
@@ -57,14 +54,7 @@ static bool within_compared(const struct judge *judge, const struct ray *ray, fl
 
 bool judge_may_keep(const struct judge *judge, const struct ray *ray, float v[3][3], float t)
 {
-#if MUTANT == MUTANT_RANGE_UNASKED
-    if (!judge->own)
-        return true;
-#endif
     if (judge_in_range(judge, ray, t))
         return true;
-#if MUTANT == MUTANT_RANGE_EXACT
-    return false;
-#endif
     return judge->model.formula == TWIN_EMBREE && within_compared(judge, ray, v, (double)t);
 }

@@ -2,7 +2,6 @@
  * must be one that the formula may take for hit. All are looked at, since rounding may find one
  * that the ray passes far beside: in the plane of a triangle every sign is open. */
 #include "ref/judge/judge_inner.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 
@@ -75,9 +74,6 @@ static uint64_t kept(const struct judge *judge, const struct ray *ray, struct un
     for (uint32_t i = 0; i < TOGETHER; i++) {
         double s = 1.0 + larger(d, larger(look->size[i], look->length[i]));
         double most = share * look->size[i] * d * look->length[i] + LOST * s * s;
-#if MUTANT == MUTANT_UNNAMED_LOOK
-        most = 0.0;
-#endif
         bool below =
             look->edge[0][i] < -most || look->edge[1][i] < -most || look->edge[2][i] < -most;
         bool above = look->edge[0][i] > most || look->edge[1][i] > most || look->edge[2][i] > most;
@@ -164,9 +160,6 @@ void judge_unnamed_hit(const struct judge *judge, const struct ray *ray,
     double least = INFINITY;
     if (truth->prim != ABI_NO_PRIM)
         return;
-#if MUTANT == MUTANT_UNNAMED_BELIEVED
-    possible = unknown;
-#endif
     for (uint32_t first = 0; first < judge->scene->tri_count && !possible; first += TOGETHER) {
         uint32_t left = judge->scene->tri_count - first, count = left < TOGETHER ? left : TOGETHER;
         possible = unknown ? possible_by_distance(judge, ray, first, count, &least)

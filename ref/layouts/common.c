@@ -1,7 +1,5 @@
 #include "ref/layouts/common.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdlib.h>
 
 enum status layout_check_finite(const char *layout, const struct bvh *bvh,
@@ -37,9 +35,7 @@ enum status layout_alloc(const char *layout, uint64_t record_count, uint32_t rec
     uint32_t *word = alloc_zeroed(words, sizeof *word);
     uint32_t *item = item_count ? alloc_zeroed(item_count, sizeof *item) : NULL;
     if (!word || (item_count && !item)) {
-#if MUTANT != MUTANT_WORDS_KEPT
         free(word);
-#endif
         free(item);
         return fail(reason, STATUS_MEMORY, "%s: no memory for %llu bytes", layout,
                     4 * ((unsigned long long)words + item_count));

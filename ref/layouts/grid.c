@@ -1,7 +1,6 @@
 #include "ref/layouts/grid.h"
 
 #include "ref/layouts/wide_nodes.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <string.h>
@@ -132,9 +131,6 @@ static enum status put_box(const struct layout *layout, const struct number_fram
         if (!number_encode(format, frame, (int)k, box->lo[k], false, &lo) ||
             !number_encode(format, frame, (int)k, box->hi[k], true, &hi)) {
             enum status status = refuse_bounds(layout, box, reason);
-#if MUTANT == MUTANT_REFIT_BEYOND
-            status = STATUS_OK, lo = 0, hi = format->last;
-#endif
             if (status)
                 return status;
         }
@@ -178,9 +174,6 @@ static uint32_t put_child(struct packing *p, const struct wide_child *child, uin
     memcpy(p->out->item + p->item_count, p->bvh->prim + child->first,
            child->count * sizeof *p->out->item);
     p->item_count += child->count;
-#if MUTANT == MUTANT_GRID_ITEM_BASE
-    first = 0;
-#endif
     return (child->count - 1) << SLOT_ITEMS | first;
 }
 

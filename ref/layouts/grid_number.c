@@ -2,7 +2,6 @@
 
 #include "ref/abi.h"
 #include "ref/base/half.h"
-#include "ref/base/mutant.h"
 
 #include <float.h>
 #include <math.h>
@@ -117,9 +116,6 @@ static struct number_exact exact_at(const struct number_format *format,
 
 static bool is_at_least(struct number_exact value, double bound, bool equal_too)
 {
-#if MUTANT == MUTANT_GRID_SUM_ROUNDED
-    value = (struct number_exact){(double)(float)value.sum, 0};
-#endif
     if (value.sum != bound)
         return value.sum > bound;
     return equal_too ? value.rest >= 0 : value.rest > 0;
@@ -187,14 +183,8 @@ bool number_encode(const struct number_format *format, const struct number_frame
         rank -= up ? 0 : 1;
         if (rank < least_rank(format) || rank > most_rank(format))
             return false;
-#if MUTANT == MUTANT_GRID_INWARD
-        rank -= rank > 1 ? (up ? 1 : -1) : 0;
-#endif
         double value = exact_at(format, frame, axis, rank).sum;
         *code = code_of(format, rank);
-#if MUTANT == MUTANT_GRID_SUBNORMAL
-        return true;
-#endif
         if (!is_subnormal(value))
             return true;
         if (up)

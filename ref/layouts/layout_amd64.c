@@ -24,7 +24,6 @@
  * since the neighbour of the nearest number lies beyond what was rounded. The others round outward.
  */
 #include "ref/layouts/wide_nodes.h"
-#include "ref/base/mutant.h"
 
 #include <float.h>
 #include <math.h>
@@ -55,9 +54,6 @@ static uint32_t step_outward(uint32_t bits, int sign, uint32_t ulps, bool up)
     uint32_t mask = ((uint32_t)1 << sign) - 1;
     int64_t magnitude = bits & mask;
     int64_t place = bits >> sign & 1 ? -magnitude : magnitude;
-#if MUTANT == MUTANT_GROWN_INWARD
-    up = !up;
-#endif
     place += up ? (int64_t)ulps : -(int64_t)ulps;
     return place < 0 ? (uint32_t)-place | (uint32_t)1 << sign : (uint32_t)place;
 }

@@ -15,7 +15,6 @@
  * is not exactly a float32 (ref/layouts/wide_nodes.h), so far from the origin boxes are a little
  * larger. Its limits are kept: 3 items in a leaf, 24 in a node. */
 #include "ref/layouts/wide_nodes.h"
-#include "ref/base/mutant.h"
 
 #include <string.h>
 
@@ -40,9 +39,6 @@ static void put_planes(const struct node_axis *axis, uint32_t k, uint32_t s,
                        const struct box *bounds, uint32_t *word)
 {
     uint32_t lo = node_axis_down(axis, bounds->lo[k]), hi = node_axis_up(axis, bounds->hi[k]);
-#if MUTANT == MUTANT_PLANE_INWARD
-    hi -= hi > lo;
-#endif
     put_byte(word + 8, WIDTH * k + s, lo);
     put_byte(word + 14, WIDTH * k + s, hi);
 }
@@ -55,11 +51,7 @@ static void put_boxes(const struct box *const box[WIDTH], uint32_t *word)
     for (uint32_t k = 0; k < 3; k++) {
         axis[k] = node_axis_make(all.lo[k], all.hi[k], PLANES);
         word[k] = float_bits(axis[k].origin);
-#if MUTANT == MUTANT_EXPONENT_SHORT
-        put_byte(word + 3, k, (uint32_t)(axis[k].exponent + 126));
-#else
         put_byte(word + 3, k, (uint32_t)(axis[k].exponent + 127));
-#endif
     }
     for (uint32_t s = 0; s < WIDTH; s++)
         for (uint32_t k = 0; k < 3 && box[s]; k++)

@@ -1,7 +1,6 @@
 /* Layout `f32`: struct node_f32 in pre-order, 32 bytes, and the item array prim of the tree. The
  * baseline: any leaf size, bounds unchanged. */
 #include "ref/layouts/common.h"
-#include "ref/base/mutant.h"
 
 #include <string.h>
 
@@ -28,11 +27,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
             status = store_put(scene, bvh->prim + from->item_first, from->item_count, out,
                                &node.first, reason);
         memcpy(node.lo, from->bounds.lo, sizeof node.lo);
-#if MUTANT == MUTANT_HI_CUT
-        memcpy(node.hi, from->bounds.hi, sizeof node.hi - sizeof node.hi[0]);
-#else
         memcpy(node.hi, from->bounds.hi, sizeof node.hi);
-#endif
         memcpy(out->word + (size_t)i * WORDS, &node, sizeof node);
     }
     return status;

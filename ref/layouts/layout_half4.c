@@ -11,7 +11,6 @@
  * in 21 bits. As there, coordinates end at 65504, leaves have up to 8 triangles, and children are
  * visited by distance. */
 #include "ref/layouts/wide_nodes.h"
-#include "ref/base/mutant.h"
 
 #include <string.h>
 

@@ -11,7 +11,6 @@
  * reached only through record 0, so its tag is never read as a tag, and the count in record 0 says
  * which slots are in use, so that triangle 0 needs no reserved value. */
 #include "ref/layouts/common.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -100,25 +99,14 @@ static void pack_node(const struct bvh *bvh, uint32_t i, const uint32_t *before,
     struct node_rf record[2] = {0};
     layout_pack_bounds(&node->bounds, half_bound_down, half_bound_up, record[0].bounds);
     if (node->item_count == 0) {
-#if MUTANT == MUTANT_SND_OFFSET
-        record[0].tag = (node->snd + before[i]) | (node->fst + before[node->fst]) << 16;
-#elif MUTANT == MUTANT_RECORD_CUT
-        record[0].tag =
-            ((node->snd + before[node->snd]) & 0x3FFFu) | (node->fst + before[node->fst]) << 16;
-#else
         record[0].tag = (node->snd + before[node->snd]) | (node->fst + before[node->fst]) << 16;
-#endif
         memcpy(word, record, sizeof record[0]);
         return;
     }
     record[0].tag = LEAF | node->item_count;
     uint32_t packed_items[4] = {0};
     for (uint32_t s = 0; s < node->item_count; s++)
-#if MUTANT == MUTANT_ITEM_CUT
-        packed_items[s / 2] |= (bvh->prim[node->item_first + s] & 0x7FFFu) << (s % 2 * 16);
-#else
         packed_items[s / 2] |= bvh->prim[node->item_first + s] << (s % 2 * 16);
-#endif
     memcpy(&record[1], packed_items, sizeof record[1]);
     memcpy(word, record, sizeof record);
 }
@@ -148,11 +136,7 @@ static void load(const struct packed *packed, uint32_t ref, struct wide *out)
     out->item_first = (ref + 1) * SLOTS;
     out->item_count = 0;
     if (tag & LEAF) {
-#if MUTANT == MUTANT_EIGHT_IS_NONE
-        out->item_count = tag & 7u;
-#else
         out->item_count = tag & 15u;
-#endif
         return;
     }
     layout_add_child(packed, high_half(tag), out);
@@ -168,16 +152,8 @@ static uint32_t item(const struct packed *packed, uint32_t slot)
 {
     if (slot / 2 >= packed->word_count)
         return ABI_NO_PRIM;
-#if MUTANT == MUTANT_LOST_SLOT
-    if (slot % SLOTS == 7)
-        return ABI_NO_PRIM;
-#endif
     uint32_t word = packed->word[slot / 2];
     uint32_t prim = slot % 2 ? high_half(word) : low_half(word);
-#if MUTANT == MUTANT_ZERO_IS_EMPTY
-    if (prim == 0)
-        return ABI_NO_PRIM;
-#endif
     return prim;
 }
 

@@ -10,7 +10,6 @@
  * Members differ in the leaves that they want: the cost of a node in tests of a triangle says how
  * many nodes are worth a smaller leaf. Smaller leaves: faster, and more nodes. */
 #include "ref/layouts/wide_nodes.h"
-#include "ref/base/mutant.h"
 
 #include <string.h>
 
@@ -27,9 +26,6 @@ static void put_box(const struct node_axis axis[3], const struct box *box, uint3
         lo[k] = node_axis_down(&axis[k], box->lo[k]);
         hi[k] = node_axis_up(&axis[k], box->hi[k]);
     }
-#if MUTANT == MUTANT_TOP_BITS_CUT
-    hi[2] &= 31u;
-#endif
     word[7 + s] = lo[0] | lo[1] << 6 | lo[2] << 12 | hi[0] << 18 | hi[1] << 24 | hi[2] << 30;
     word[15] |= hi[2] >> 2 << 4 * s;
 }

@@ -1,7 +1,5 @@
 #include "ref/layouts/wide_nodes.h"
 
-#include "ref/base/mutant.h"
-
 #include <float.h>
 #include <math.h>
 
@@ -248,7 +246,7 @@ uint32_t node_axis_up(const struct node_axis *axis, float x)
 {
     double steps = ceil(steps_to(axis, x));
     uint32_t q = (uint32_t)steps;
-    while (node_axis_plane(axis, q) < x && MUTANT != MUTANT_PLANE_BY_DOUBLE)
+    while (node_axis_plane(axis, q) < x)
         q++;
     return q;
 }

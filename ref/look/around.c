@@ -1,6 +1,5 @@
 #include "ref/look/around.h"
 
-#include "ref/base/mutant.h"
 #include "ref/packed/packed_walk.h"
 
 #include <stdlib.h>
@@ -55,11 +54,7 @@ void around_free(struct around *around)
 static bool contains(const struct box *box, const double p[3])
 {
     for (int k = 0; k < 3; k++)
-#if MUTANT == MUTANT_AROUND_OPEN
-        if (!((double)box->lo[k] < p[k] && p[k] <= (double)box->hi[k]))
-#else
         if (!((double)box->lo[k] <= p[k] && p[k] <= (double)box->hi[k]))
-#endif
             return false;
     return true;
 }

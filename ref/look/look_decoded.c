@@ -1,6 +1,5 @@
 #include "ref/look/look_decoded.h"
 
-#include "ref/base/mutant.h"
 #include "ref/packed/packed_unpack.h"
 
 #include <stdlib.h>
@@ -56,11 +55,7 @@ static bool add_node(struct look_decoding *d)
         return false;
     node->fst = index + 1;
     for (int c = 1; c >= 0; c--)
-#if MUTANT == MUTANT_DECODED_TURNED
-        d->stack[d->depth++] = (struct look_waiting){wide.child[1 - c], index, wide.box[1 - c]};
-#else
         d->stack[d->depth++] = (struct look_waiting){wide.child[c], index, wide.box[c]};
-#endif
     return true;
 }
 

@@ -2,7 +2,6 @@
 
 #include "ref/explain/replay.h"
 #include "ref/look/around.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -96,10 +95,6 @@ void numbers_free(struct numbers *numbers)
 static void count_box(void *user, uint32_t ref)
 {
     struct counting *counting = user;
-#if MUTANT == MUTANT_BOX_UNCOUNTED
-    if (ref == counting->numbers->tree.packed->root)
-        return;
-#endif
     double growth = counting->numbers->growth[ref];
     counting->out->boxes++;
     if (isnan(growth))
@@ -118,11 +113,7 @@ static void count_tri(void *user, uint32_t prim)
 static void count_push(void *user, uint32_t depth)
 {
     struct ray_numbers *out = ((struct counting *)user)->out;
-#if MUTANT == MUTANT_DEPTH_LAST
-    out->depth = depth;
-#else
     out->depth = depth > out->depth ? depth : out->depth;
-#endif
 }
 
 /* The point of a hit, in the bounds of its triangle. */

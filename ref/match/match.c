@@ -3,7 +3,6 @@
 #include "ref/match/match_judge.h"
 #include "ref/match/match_lists.h"
 #include "ref/match/match_trees.h"
-#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -265,8 +264,7 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
     row->bits = model.bits;
     struct trace_report own = {0};
     if (engine->own_tree &&
-        engine->trace(self, match->ray, 0, NULL, &own, &row->reason) == STATUS_OK &&
-        MUTANT != MUTANT_FAST_IS_MT) {
+        engine->trace(self, match->ray, 0, NULL, &own, &row->reason) == STATUS_OK) {
         row->node_bytes = own.node_bytes;
         row->item_bytes = own.item_bytes;
     }

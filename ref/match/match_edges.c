@@ -10,7 +10,6 @@
  * 1/64, and three standard deviations of so many independent losses and MATCH_EDGES_FEW. A formula
  * that its owner names is judged by that formula instead. */
 #include "ref/match/match_edges.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -39,8 +38,7 @@ uint8_t match_edges_note(const struct judgement *judgement)
 double match_edges_limit(size_t class, size_t hits)
 {
     double expected = classes[class].share * (double)hits;
-    return expected * (MUTANT == MUTANT_EDGES_WIDER ? 1.5 : 1.0) + 3.0 * sqrt(expected) +
-           MATCH_EDGES_FEW;
+    return expected + 3.0 * sqrt(expected) + MATCH_EDGES_FEW;
 }
 
 void match_edges_text(const struct edges_lost edges[MATCH_EDGES], char text[MATCH_EDGES_TEXT])
@@ -81,7 +79,7 @@ enum status match_edges_add(const struct ray *ray, const uint8_t *note, size_t r
     qsort(list, count, sizeof *list, by_ray);
     for (size_t i = 0; i < count; i++) {
         size_t class = (list[i].note & ~LOST) - 1u;
-        if (i > 0 && by_ray(&list[i - 1], &list[i]) == 0 && MUTANT != MUTANT_EDGES_REPEATED)
+        if (i > 0 && by_ray(&list[i - 1], &list[i]) == 0)
             continue;
         edges[class].hits++;
         edges[class].lost += (list[i].note & LOST) != 0;
@@ -95,7 +93,7 @@ size_t match_edges_beyond(const struct edges_lost edges[MATCH_EDGES])
     size_t beyond = 0;
     for (size_t class = 0; class < MATCH_EDGES; class ++) {
         double limit = match_edges_limit(class, edges[class].hits);
-        if ((double)edges[class].lost > limit && MUTANT != MUTANT_EDGES_UNCOUNTED)
+        if ((double)edges[class].lost > limit)
             beyond += edges[class].lost - (size_t)limit;
     }
     return beyond;

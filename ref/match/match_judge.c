@@ -1,7 +1,6 @@
 #include "ref/match/match_judge.h"
 
 #include "ref/match/match_edges.h"
-#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -78,8 +77,7 @@ static void count_one(struct judging *j, size_t i, const struct judgement *judge
     if (j->note)
         j->note[i] = match_edges_note(judgement);
     row->displacement.fan_lost += judgement->fan;
-    row->fans_lost +=
-        judgement->fan && row->options.demands.watertight && MUTANT != MUTANT_FANS_FORGIVEN;
+    row->fans_lost += judgement->fan && row->options.demands.watertight;
     if (judgement->verdict == VERDICT_WRONG && row->judged)
         keep_finding(row, j->match, i, judgement);
 }
@@ -97,8 +95,7 @@ void match_displacements(double *displacement, struct row *row)
         return;
     qsort(displacement, count, sizeof *displacement, by_size);
     row->displacement.p50 = displacement[(count - 1) / 2];
-    row->displacement.p99 =
-        displacement[(count - 1) * (MUTANT == MUTANT_P99_IS_P90 ? 90 : 99) / 100];
+    row->displacement.p99 = displacement[(count - 1) * 99 / 100];
     row->displacement.most = displacement[count - 1];
 }
 

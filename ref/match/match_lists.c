@@ -4,7 +4,6 @@
 #include "ref/judge/judge_all.h"
 #include "ref/match/match_edges.h"
 #include "ref/match/match_judge.h"
-#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -121,7 +120,7 @@ static void count_one(struct playing *p, size_t at, size_t i)
         (count > 0 || judgement->displacement > 0.0))
         p->displacement[row->displacement.count++] = judgement->displacement;
     row->displacement.fan_lost += judgement->fan;
-    if (p->note && MUTANT != MUTANT_LISTS_BESIDE)
+    if (p->note)
         p->note[at + i] = match_edges_note(judgement);
     if (said->bits) {
         row->bit_differences++;

@@ -1,8 +1,6 @@
 /* What a row of a match is called, and whether it fails. */
 #include "ref/match/match.h"
 
-#include "ref/base/mutant.h"
-
 const char *row_status_name(enum row_status status)
 {
     static const char *const names[] = {"ok", "refused", "skipped", "failed", "vacuous"};
@@ -11,7 +9,7 @@ const char *row_status_name(enum row_status status)
 
 const char *row_box_name(const struct row *row)
 {
-    if (row->engine && row->engine->own_tree && MUTANT != MUTANT_FAST_IS_MT)
+    if (row->engine && row->engine->own_tree)
         return "own";
     return row->layout ? row->options.box->name : "-";
 }
@@ -26,9 +24,9 @@ const char *row_formula_name(enum twin_formula formula)
 
 const char *row_tri_name(const struct row *row)
 {
-    if (row->engine && row->engine->tri_name && MUTANT != MUTANT_FAST_IS_MT)
+    if (row->engine && row->engine->tri_name)
         return row->engine->tri_name;
-    if (row->engine && row->engine->own_tri && MUTANT != MUTANT_OWN_IS_MT)
+    if (row->engine && row->engine->own_tri)
         return row->formula ? row->formula : "own";
     return row->options.tri->name;
 }

@@ -1,6 +1,5 @@
 #include "ref/match/original.h"
 
-#include "ref/base/mutant.h"
 #include "ref/trace/trace.h"
 
 #include <float.h>
@@ -48,7 +47,7 @@ static void count_kind(const struct original *original, const struct ray *ray,
                        const struct oracle_answer *truth, const struct hit *hit, struct row *row)
 {
     bool hits = truth->prim != ABI_NO_PRIM, answers = hit->prim != ABI_NO_PRIM;
-    row->original.lost += hits && !answers && MUTANT != MUTANT_LOST_NOT_COUNTED;
+    row->original.lost += hits && !answers;
     row->original.phantom += !hits && answers;
     if (!hits || !answers || hit->prim == truth->prim || row->options.query != QUERY_CLOSEST)
         return;
@@ -95,9 +94,6 @@ enum status original_judge(const struct original *original, const struct match *
         for (int k = 0; k < 3; k++)
             far = fmax(far, fabs((double)ray->org[k]));
         double most = original->quantised.distance + decoded + SLACK * DBL_EPSILON * far;
-#if MUTANT == MUTANT_NEED_WITHOUT
-        most = INFINITY;
-#endif
         row->original.judged++;
         row->original.most = fmax(row->original.most, need);
         row->original.most_decoded = fmax(row->original.most_decoded, decoded);

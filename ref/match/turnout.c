@@ -1,7 +1,6 @@
 #include "ref/match/turnout.h"
 
 #include "ref/base/command.h"
-#include "ref/base/mutant.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -91,15 +90,12 @@ size_t turnout_asked(const struct turnout_one *one)
 static bool answered_little(const struct turnout_one *one)
 {
     const size_t answered = one->end[TURNOUT_ANSWERED], refused = one->end[TURNOUT_REFUSED];
-    return MUTANT != MUTANT_ONE_ANSWER_DOES && one->declines && answered > 0 &&
-           TURNOUT_ONE_IN * answered < answered + refused;
+    return one->declines && answered > 0 && TURNOUT_ONE_IN * answered < answered + refused;
 }
 
 int turnout_code(const struct turnout_one *one)
 {
     size_t asked = turnout_asked(one);
-    if (MUTANT == MUTANT_REFUSERS_PASS)
-        return EXIT_AGREE;
     if (one->end[TURNOUT_ANSWERED] > 0)
         return answered_little(one) ? EXIT_MISMATCH : EXIT_AGREE;
     return asked > 0 && one->end[TURNOUT_ABSENT] == asked ? EXIT_SKIPPED : EXIT_MISMATCH;

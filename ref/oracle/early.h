@@ -17,22 +17,13 @@
 #define ORACLE_EARLY_H
 
 #include "ref/abi.h"
-#include "ref/base/mutant.h"
 
 #include <stdbool.h>
 
-#if MUTANT == MUTANT_EARLY_BOUND
-#define EARLY_BOUND (0.125 * 0x1p-53)
-#else
-#define EARLY_BOUND (72 * 0x1p-53)
-#endif
-#if MUTANT == MUTANT_EARLY_BESIDE
-#define EARLY_BESIDE (0.125 * 0x1p-53)
-#else
+#define EARLY_BOUND  (72 * 0x1p-53)
 #define EARLY_BESIDE (8 * 0x1p-53)
-#endif
-#define EARLY_MOST 64u /* triangles looked at in one call */
-#define EARLY_PAD  8u  /* elements that each array has behind its last */
+#define EARLY_MOST   64u /* triangles looked at in one call */
+#define EARLY_PAD    8u  /* elements that each array has behind its last */
 
 /* Coordinates of triangles, one array per vertex and axis. */
 struct early_soup {

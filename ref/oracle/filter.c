@@ -1,15 +1,9 @@
 #include "ref/oracle/filter.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 
-#define EPS 0x1p-53
-#if MUTANT == MUTANT_FILTER_BOUND
-#define CUBIC (0.125 * EPS)
-#else
+#define EPS   0x1p-53
 #define CUBIC (9 * EPS)
-#endif
 
 /* [x, y, z], and its perm. */
 static double triple(const double x[3], const double y[3], const double z[3], double *perm)

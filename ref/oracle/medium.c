@@ -1,7 +1,5 @@
 #include "ref/oracle/medium.h"
 
-#include "ref/base/mutant.h"
-
 typedef unsigned __int128 u128;
 
 /* A product of two __int128. */
@@ -24,9 +22,7 @@ static inline struct medium_pair multiply(__int128 x, __int128 y)
     top += high(middle);
     top += high(rest);
     top -= x < 0 ? (u128)y : 0;
-#if MUTANT != MUTANT_MEDIUM_SIGN
     top -= y < 0 ? (u128)x : 0;
-#endif
     return (struct medium_pair){{(uint64_t)low, (uint64_t)rest, (uint64_t)top, high(top)}};
 }
 

@@ -13,14 +13,9 @@
 #ifndef ORACLE_TREE_H
 #define ORACLE_TREE_H
 
-#include "ref/base/mutant.h"
 #include "ref/scene/scene.h"
 
-#if MUTANT == MUTANT_TREE_UNPADDED
-#define TREE_PAD 0.0
-#else
 #define TREE_PAD 0x1p-49
-#endif
 
 #define TREE_LEAF  4u  /* triangles of a leaf, at most, unless the tree gets too deep */
 #define TREE_DEPTH 96u /* levels, at most */

@@ -211,13 +211,8 @@ bool pair_same_place(const struct scene *scene, uint32_t a, const struct oracle_
         for (int j = 0; j < 3 && !shared; j++)
             shared = at_b->edge[j] != 0 && v[i][0] == w[j][0] && v[i][1] == w[j][1] &&
                      v[i][2] == w[j][2];
-#if MUTANT == MUTANT_FACE_FORGOT
-        if (shared && at_a->edge[i] != 0)
-            return true;
-#else
         if (!shared)
             return false;
-#endif
     }
     return true;
 }

@@ -3,7 +3,6 @@
 #ifndef ORACLE_PAIR_H
 #define ORACLE_PAIR_H
 
-#include "ref/base/mutant.h"
 #include "ref/oracle/exact.h"
 #include "ref/oracle/oracle.h"
 
@@ -47,9 +46,6 @@ static inline bool pair_is_hit(const struct oracle_pair *pair)
 /* Whether a hit, or an interval in the plane, counts under `ends`. */
 static inline bool pair_in_range(const struct oracle_pair *pair, enum oracle_ends ends)
 {
-#if MUTANT == MUTANT_ENDS_SWAPPED
-    ends = ends == ORACLE_OPEN ? ORACLE_CLOSED : ORACLE_OPEN;
-#endif
     return pair->range == ORACLE_WITHIN ||
            (ends == ORACLE_CLOSED &&
             (pair->range == ORACLE_AT_TMIN || pair->range == ORACLE_AT_TMAX));

@@ -1,6 +1,5 @@
 /* An exact t as a person reads it. */
 #include "ref/base/decimal.h"
-#include "ref/base/mutant.h"
 #include "ref/oracle/oracle.h"
 
 #include <math.h>
@@ -39,10 +38,6 @@ void oracle_t_text(const struct oracle *oracle, const struct ray *ray, uint32_t 
     bool is_short = oracle_rational(oracle, ray, prim, fraction, sizeof fraction);
     oracle_pair(oracle, ray, prim, &pair);
     decimal_within(pair.t_lo, pair.t_hi, about);
-#if MUTANT == MUTANT_T_OF_A_DOUBLE
-    is_short = false;
-    snprintf(about, sizeof about, "%.17g", 0.5 * (pair.t_lo + pair.t_hi));
-#endif
     if (!isfinite(pair.t_lo))
         snprintf(text, ORACLE_T_TEXT, "is none");
     else if (!is_short)

@@ -1,8 +1,6 @@
 #define _GNU_SOURCE /* close_range, SOCK_CLOEXEC, MAP_ANONYMOUS */
 #include "ref/outside/child.h"
 
-#include "ref/base/mutant.h"
-
 #include <dirent.h>
 #include <errno.h>
 #include <poll.h>
@@ -49,8 +47,7 @@ static _Noreturn void live(child_fn *run, void *user, int file, pid_t parent)
     if (getppid() != parent)
         _exit(0); /* it was gone before that took effect */
     setrlimit(RLIMIT_CORE, &none);
-    if (MUTANT != MUTANT_SIBLINGS_HELD)
-        close_others(file);
+    close_others(file);
     run(&end, user);
     fflush(stdout);
     _exit(0);
@@ -123,7 +120,7 @@ static enum child_got take(struct child *end, size_t want)
         if (got < 0 && would_block())
             return CHILD_LATE;
         if (got <= 0)
-            return MUTANT == MUTANT_HALF_MESSAGE && end->got ? CHILD_GOT : CHILD_GONE;
+            return CHILD_GONE;
         end->got += (size_t)got;
     }
     return CHILD_GOT;

@@ -1,8 +1,6 @@
 #define _GNU_SOURCE /* getdents64, ppoll, prctl */
 #include "ref/outside/guardian.h"
 
-#include "ref/base/mutant.h"
-
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -98,10 +96,7 @@ static void end_all(pid_t command, bool ended, int line)
     if (!ended) /* its number is still its own */
         kill(-command, SIGKILL);
     while (reap(command, &ended, line) && (time_ns() - start) / 1000000u < KILL_MS) {
-        if (MUTANT != MUTANT_GROUP_ONLY)
-            kill_children();
-        else if (time_ns() - start > 1000000000u)
-            return;
+        kill_children();
         poll(NULL, 0, 2);
     }
 }
@@ -145,13 +140,12 @@ static _Noreturn void guard(guardian_fn *run, const void *user, int line)
     sigfillset(&all);
     sigprocmask(SIG_SETMASK, &all, NULL);
     sigaction(SIGCHLD, &wake, NULL);
-    prctl(PR_SET_CHILD_SUBREAPER, MUTANT == MUTANT_GROUP_ONLY ? 0 : 1);
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
     pid_t self = getpid(), pid = fork();
     if (pid == 0)
         command(run, user, self);
     int why = pid < 0 ? errno : 0;
-    if (MUTANT != MUTANT_LINE_HELD)
-        close_all_but(line);
+    close_all_but(line);
     bool told = send(line, &why, sizeof why, MSG_NOSIGNAL) == sizeof why;
     if (pid > 0) {
         setpgid(pid, pid); /* both sides do it: it must be done before the group is killed */

@@ -2,7 +2,6 @@
 #include "ref/outside/plugin_guard.h"
 
 #include "ref/outside/child.h"
-#include "ref/base/mutant.h"
 #include "ref/files/file.h"
 
 #include <dlfcn.h>
@@ -140,8 +139,6 @@ static enum status blame_after(const char *name, const char *doing, struct child
     bool late = (time_ns() - start) / 1000000u >= most;
     hung = late;
     child_end(child, late ? 0 : FATE_MS, &fate);
-    if (MUTANT == MUTANT_PLUGIN_DEATH_UNSEEN)
-        return fail(reason, STATUS_MEMORY, "%.120s: no memory while %s", name, doing);
     if (late)
         return fail(reason, STATUS_DEVICE, "%.120s: hung while %s: no end after %u ms", name, doing,
                     most);
@@ -219,7 +216,7 @@ static uint32_t open_ms(void)
 static enum status check_file(const char *path, struct reason *reason)
 {
     struct stat what;
-    if (MUTANT != MUTANT_PLUGIN_ANY_FILE && stat(path, &what) == 0 && !S_ISREG(what.st_mode))
+    if (stat(path, &what) == 0 && !S_ISREG(what.st_mode))
         return fail(reason, STATUS_INPUT, "%.120s: is no regular file, so no shared object", path);
     return STATUS_OK;
 }

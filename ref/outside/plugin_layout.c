@@ -1,8 +1,6 @@
 #define _POSIX_C_SOURCE 200809L /* strnlen */
 #include "ref/outside/plugin_layout.h"
 
-#include "ref/base/mutant.h"
-
 #include <ctype.h>
 #include <string.h>
 
@@ -39,7 +37,7 @@ static void load(const struct packed *packed, uint32_t ref, struct wide *out)
     plugin->load(&as_theirs, ref, &from);
     if (from.child_count > packed->layout->width)
         return;
-    for (uint32_t i = 0; i < from.child_count && MUTANT != MUTANT_PLUGIN_REFS_RAW; i++)
+    for (uint32_t i = 0; i < from.child_count; i++)
         if (!packed_ref_valid(packed, from.child[i]))
             return;
     out->child_count = from.child_count;
@@ -127,8 +125,7 @@ enum status plugin_check(const char *name, const struct raydiff_plugin *plugin,
 {
     if (!plugin)
         return fail(reason, STATUS_INPUT, "%.120s: raydiff_plugin() returns NULL", name);
-    if (MUTANT != MUTANT_PLUGIN_ANY_VERSION &&
-        (plugin->version != RAYDIFF_PLUGIN_VERSION || plugin->bytes != sizeof *plugin))
+    if (plugin->version != RAYDIFF_PLUGIN_VERSION || plugin->bytes != sizeof *plugin)
         return fail(reason, STATUS_INPUT,
                     "%.120s: version %u of %u bytes, this raydiff has %u of %zu: compile it with "
                     "its ref/plugin.h",

@@ -1,7 +1,6 @@
 /* Packing by a plugin, and the check of what came out. */
 #include "ref/outside/plugin_layout.h"
 
-#include "ref/base/mutant.h"
 #include "ref/packed/packed_walk.h"
 
 #include <stdlib.h>
@@ -57,9 +56,8 @@ static enum status check_given(const char *name, const struct pack_packing *p,
     const struct raydiff_packed *has = &p->out.packed, *given = &p->given;
     if (!given->word)
         return fail(reason, STATUS_INPUT, "%s: pack() asked for no records", name);
-    if (MUTANT != MUTANT_PLUGIN_SIZES &&
-        (has->word != given->word || has->item != given->item || has->records != given->records ||
-         has->items != given->items))
+    if (has->word != given->word || has->item != given->item || has->records != given->records ||
+        has->items != given->items)
         return fail(reason, STATUS_INPUT,
                     "%s: pack() was given %u records and %u items, and says %u and %u%s", name,
                     given->records, given->items, has->records, has->items,
@@ -138,11 +136,10 @@ static enum status check_node(const struct packed *packed, uint32_t ref, enum pa
     if (node.child_count == 1 && !wide)
         return fail(reason, STATUS_INPUT, "%s: %s: one child, not two", layout->name,
                     packed_name(packed, ref).text);
-    if (node.child_count == 0 && node.item_count == 0 && MUTANT != MUTANT_PLUGIN_EMPTY_LEAF)
+    if (node.child_count == 0 && node.item_count == 0)
         return fail(reason, STATUS_INPUT, "%s: %s: a leaf without items", layout->name,
                     packed_name(packed, ref).text);
-    if (wide && (node.child_count == 0) != (ref >= packed->node_count) &&
-        MUTANT != MUTANT_PLUGIN_LEAF_RECORD)
+    if (wide && (node.child_count == 0) != (ref >= packed->node_count))
         return fail(reason, STATUS_INPUT, "%s: %s: %s", layout->name, packed_name(packed, ref).text,
                     node.child_count ? "a child slot has children" : "a leaf, not a child slot");
     *rule = PACKED_REFERENCE;
@@ -152,7 +149,7 @@ static enum status check_node(const struct packed *packed, uint32_t ref, enum pa
             return fail(reason, STATUS_INPUT, "%s: %s: child %u is reference %u of %u",
                         layout->name, packed_name(packed, ref).text, i, child, packed->ref_count);
         if (wide && child >= packed->node_count &&
-            (child - packed->node_count) / plugin->width != ref && MUTANT != MUTANT_PLUGIN_ANY_SLOT)
+            (child - packed->node_count) / plugin->width != ref)
             return fail(reason, STATUS_INPUT, "%s: %s: child %u is %s", layout->name,
                         packed_name(packed, ref).text, i, packed_name(packed, child).text);
     }
@@ -172,7 +169,7 @@ static enum status check_nodes(struct packed *packed, enum packed_rule *rule, st
         return fail(reason, status, "%s: no memory to check %u records", packed->layout->name,
                     packed->node_count);
     packed->stack_need = walk.stack_most;
-    for (uint32_t i = 0; i < walk.visit_count && !status && MUTANT != MUTANT_PLUGIN_BELIEVED; i++)
+    for (uint32_t i = 0; i < walk.visit_count && !status; i++)
         status = check_node(packed, walk.visit[i].ref, rule, reason);
     packed_walk_free(&walk);
     return status;
@@ -187,8 +184,7 @@ static bool is_excused(const struct bvh *bvh, const struct scene *scene,
     others.loose_boxes = 0;
     others.first = PACKED_SOUND;
     static const struct packed_faults none;
-    return memcmp(&others, &none, sizeof none) == 0 &&
-           (MUTANT == MUTANT_PLUGIN_EXCUSED || bvh_check(bvh, scene, &unused));
+    return memcmp(&others, &none, sizeof none) == 0 && bvh_check(bvh, scene, &unused);
 }
 
 enum status plugin_pack(const struct layout *layout, const struct bvh *bvh,
@@ -199,7 +195,7 @@ enum status plugin_pack(const struct layout *layout, const struct bvh *bvh,
     *rule = PACKED_RESULT;
     if (!status)
         status = check_nodes(out, rule, reason);
-    if (!status && MUTANT != MUTANT_PLUGIN_UNCHECKED) {
+    if (!status) {
         struct packed_faults faults;
         status = packed_check(out, scene, &faults, reason);
         *rule = faults.first;

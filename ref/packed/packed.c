@@ -1,6 +1,5 @@
 #include "ref/layout.h"
 
-#include "ref/base/mutant.h"
 #include "ref/packed/packed_walk.h"
 
 #include "counts.h"
@@ -58,10 +57,6 @@ static enum status find_stack_need(const struct bvh *bvh, struct packed *packed,
     if (status)
         return fail(reason, status, "%s: no memory to measure the tree's depth", name);
     packed->stack_need = depth;
-#if MUTANT == MUTANT_SHORT_STACK
-    if (packed->stack_need > 0)
-        packed->stack_need--;
-#endif
     return STATUS_OK;
 }
 

@@ -1,7 +1,5 @@
 #include "ref/packed/packed_file.h"
 
-#include "ref/base/mutant.h"
-
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -96,9 +94,6 @@ static bool copy_words(const char *bytes, uint32_t count, uint32_t **out)
 
 static bool is_unsafe(const struct packed_faults *faults)
 {
-#if MUTANT == MUTANT_BLOB_BELIEVED
-    return faults->bad_prims > UINT32_MAX / 2;
-#endif
     return faults->bad_refs || faults->cycles || faults->bad_prims || faults->too_deep;
 }
 

@@ -1,4 +1,3 @@
-#include "ref/base/mutant.h"
 #include "ref/packed/packed_walk.h"
 #include "ref/packed/refit.h"
 
@@ -60,7 +59,7 @@ static enum status add_triangle(struct refit *refit, uint32_t ref, uint32_t prim
                     packed_name(refit->from, ref).text, prim, refit->scene->tri_count);
     scene_tri(refit->scene, prim, v);
     for (int c = 0; c < 3; c++) {
-        for (int k = 0; k < (MUTANT == MUTANT_NAN_IN_Z ? 2 : 3); k++)
+        for (int k = 0; k < 3; k++)
             finite = finite & float_is_finite(v[c][k]);
         box_add_point(box, v[c]);
     }
@@ -87,9 +86,6 @@ static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items l
             return status;
         found += prim != ABI_NO_PRIM;
     }
-#if MUTANT == MUTANT_REFIT_ULP
-    box->hi[0] = nextafterf(box->hi[0], box->lo[0]);
-#endif
     if (found == 0)
         return fail(refit->reason, STATUS_INPUT, "%s: %s is a leaf without triangles", name,
                     packed_name(refit->from, ref).text);
@@ -163,10 +159,7 @@ static void give_box(struct open *open, const struct box *box)
 static void leave(struct refit *refit)
 {
     const struct open *open = &refit->open[--refit->open_count];
-#if MUTANT == MUTANT_REFIT_LEVEL
-    if (refit->open_count != 1)
-#endif
-        write_node(refit, open->ref, &open->own, &open->node);
+    write_node(refit, open->ref, &open->own, &open->node);
     if (refit->open_count > 0)
         give_box(&refit->open[refit->open_count - 1], &open->own);
 }
@@ -224,9 +217,7 @@ static enum status write_leaf(struct refit *refit, struct items leaf, uint32_t e
         return fail(refit->reason, STATUS_LIMIT,
                     "rebuild: storage %s: the leaf of triangle %u needs %llu words, it has %u",
                     store->name, refit->prim[0], (unsigned long long)words, room);
-#if MUTANT != MUTANT_REFIT_VERTICES_OLD
     store->write(&refit->to, refit->scene, refit->prim, count, refit->to.item + leaf.first);
-#endif
     return STATUS_OK;
 }
 
@@ -300,11 +291,7 @@ enum status packed_refit(struct packed *packed, const struct scene *scene, struc
     if (status == STATUS_MEMORY)
         (void)fail(reason, status, "%s: no memory to refit %u records", packed->layout->name,
                    packed->node_count);
-#if MUTANT == MUTANT_REFIT_HALF
-    if (!status || (status == STATUS_LIMIT && refit.to.word)) {
-#else
     if (!status) {
-#endif
         free(packed->word);
         packed->word = refit.to.word;
         refit.to.word = NULL;

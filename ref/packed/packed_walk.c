@@ -1,7 +1,5 @@
 #include "ref/packed/packed_walk.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -76,9 +74,6 @@ enum status packed_walk_make(const struct packed *packed, struct packed_walk *ou
     if (!seen || !out->visit) {
         free(seen);
         packed_walk_free(out);
-#if MUTANT == MUTANT_WALK_OF_NOTHING
-        return STATUS_OK;
-#endif
         return STATUS_MEMORY;
     }
     struct packed_visit root = {.ref = packed->root,

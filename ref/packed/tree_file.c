@@ -1,7 +1,6 @@
 #include "ref/packed/tree_file.h"
 
 #include "ref/tree/bvh_json.h"
-#include "ref/base/mutant.h"
 #include "ref/packed/packed_file.h"
 #include "ref/packed/packed_unpack.h"
 #include "ref/packed/packed_walk.h"
@@ -64,7 +63,7 @@ static void fit_item(struct fit *fit, uint32_t prim, const struct box *box)
 
 static enum status check_fit(const char *name, const struct fit *fit, struct reason *reason)
 {
-    if (2 * fit->astray <= fit->items || MUTANT == MUTANT_ANY_TREE_FITS)
+    if (2 * fit->astray <= fit->items)
         return STATUS_OK;
     return fail(reason, STATUS_INPUT,
                 "%s: is the tree of another scene: %llu of %llu triangles have their centre "
@@ -103,7 +102,7 @@ static enum status read_json(const char *bytes, size_t size, const struct scene 
     }
     status = check_fit(file->name, &fit, reason);
     struct reason first;
-    if (!status && MUTANT != MUTANT_NO_DOUBT && bvh_check(&file->bvh, scene, &first))
+    if (!status && bvh_check(&file->bvh, scene, &first))
         (void)fail(&file->doubt, STATUS_OK, "%s: %llu of %u %s; the first: %s", file->name,
                    (unsigned long long)small, split ? scene->tri_count : file->bvh.node_count,
                    split ? "triangles have parts in no leaf's box"

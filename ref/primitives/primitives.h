@@ -47,17 +47,7 @@ static inline bool tri_in_range(uint32_t id, const struct tri_ray *r, float t)
 {
     if (id == ABI_TRI_MT_RTRS)
         return t > r->tmin && t < r->tmax;
-#if MUTANT == MUTANT_TMIN_OPEN
-    return t > r->tmin && t <= r->tmax;
-#elif MUTANT == MUTANT_TMIN_UNREAD
-    return t >= 0.0f && t <= r->tmax;
-#elif MUTANT == MUTANT_TMAX_OPEN
-    return t >= r->tmin && t < r->tmax;
-#elif MUTANT == MUTANT_TMAX_UNREAD
-    return t >= r->tmin;
-#else
     return t >= r->tmin && t <= r->tmax;
-#endif
 }
 
 /* Runs the triangle test `id` (ABI_TRI_*) on one triangle: true iff it hits and its t lies in

@@ -5,7 +5,6 @@
 
 #include "ref/abi.h"
 #include "ref/base/geom.h"
-#include "ref/base/mutant.h"
 
 /* A non-zero direction component below this fraction of the largest one is treated as parallel and
  * is out of contract; see ray_in_contract. */
@@ -13,24 +12,12 @@
 
 /* Far plane factor of the robust test, 1 + 2^-19: more than every rounding that Vulkan's default
  * precision allows in (b - o) * (1 / d) twice; numerics of the proof in README, "Box tests". */
-#if MUTANT == MUTANT_FAR_NOT_PADDED
-#define SLAB_FAR 1.0f
-#else
 #define SLAB_FAR 0x1.00002p0f
-#endif
 
 /* What the watertight test takes off the near plane: a factor, and a share of how far the scene
  * reaches behind the origin. See slab_watertight. */
-#if MUTANT == MUTANT_NEAR_KEPT
-#define SLAB_NEAR 1.0f
-#else
-#define SLAB_NEAR (1.0f - 0x1p-18f)
-#endif
-#if MUTANT == MUTANT_BEHIND_FORGOT
-#define SLAB_BEHIND 0.0f
-#else
+#define SLAB_NEAR   (1.0f - 0x1p-18f)
 #define SLAB_BEHIND 0x1p-19f
-#endif
 
 /* Half width by which the published test widens a box, and its idea of infinity, 2^38. */
 #define SLAB_RTRS_EPS 0.000002f
@@ -61,11 +48,7 @@ static inline struct slab_ray slab_ray_make(const struct ray *ray)
         float a = ray->dir[k] < 0.0f ? -ray->dir[k] : ray->dir[k];
         r.o[k] = ray->org[k];
         r.d[k] = ray->dir[k];
-#if MUTANT == MUTANT_PARALLEL_DIVIDED
-        r.parallel[k] = a > 0.0f && a < least;
-#else
         r.parallel[k] = !(a > 0.0f) || a < least; /* NaN is parallel, and lies in no box */
-#endif
         r.inv[k] = r.parallel[k] ? 0.0f : 1.0f / ray->dir[k];
     }
     return r;
@@ -81,29 +64,17 @@ static inline bool slab_robust(const struct slab_ray *r, const struct box *box, 
     bool ok = true;
     for (int k = 0; k < 3; k++) {
         if (r->parallel[k]) {
-#if MUTANT == MUTANT_PARALLEL_STRICT
-            ok = ok && box->lo[k] < r->o[k] && r->o[k] < box->hi[k];
-#else
             ok = ok && box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
-#endif
         } else {
             float a = ((r->d[k] < 0.0f ? box->hi[k] : box->lo[k]) - r->o[k]) * r->inv[k];
-#if MUTANT == MUTANT_SLAB_REARRANGED
-            float b = (r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) * r->inv[k] - r->o[k] * r->inv[k];
-#else
             float b = ((r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) - r->o[k]) * r->inv[k];
-#endif
             float bp = b * SLAB_FAR;
             tn = a > tn ? a : tn;
             tf = bp < tf ? bp : tf;
         }
     }
     *entry = tn;
-#if MUTANT == MUTANT_SLAB_STRICT
-    return ok && tn < tf;
-#else
     return ok && tn <= tf; /* flat boxes have tn == tf */
-#endif
 }
 
 /* Tells a ray how far the scene reaches behind its origin, in t along its main axis; `bounds` holds

@@ -4,12 +4,8 @@
 #define TRI_H
 
 #include "ref/abi.h"
-#include "ref/base/mutant.h"
 
 #include <stdbool.h>
-#if MUTANT == MUTANT_CONTRACTED_EDGE || MUTANT == MUTANT_CONTRACTED_CROSS
-#include <math.h>
-#endif
 
 /* mt_rtrs: |determinant| at or below this is a miss, whatever the scale (F16). */
 #define TRI_RTRS_EPS 1e-7f
@@ -33,9 +29,7 @@ static inline struct tri_ray tri_ray_make(const struct ray *ray)
         a[k] = r.d[k] < 0.0f ? -r.d[k] : r.d[k];
     }
     r.kz = a[1] > a[0] ? 1 : 0;
-#if MUTANT != MUTANT_THIRD_AXIS
     r.kz = a[2] > a[r.kz] ? 2 : r.kz;
-#endif
     r.kx = r.kz == 2 ? 0 : r.kz + 1;
     r.ky = r.kx == 2 ? 0 : r.kx + 1;
     if (r.d[r.kz] < 0.0f) {
@@ -61,11 +55,7 @@ static inline bool tri_moeller_trumbore_edges(const struct tri_ray *r, const flo
         s[k] = r->o[k] - v0[k];
     p[0] = r->d[1] * e2[2] - r->d[2] * e2[1];
     p[1] = r->d[2] * e2[0] - r->d[0] * e2[2];
-#if MUTANT == MUTANT_CONTRACTED_CROSS
-    p[2] = fmaf(r->d[0], e2[1], -(r->d[1] * e2[0]));
-#else
     p[2] = r->d[0] * e2[1] - r->d[1] * e2[0];
-#endif
     q[0] = s[1] * e1[2] - s[2] * e1[1];
     q[1] = s[2] * e1[0] - s[0] * e1[2];
     q[2] = s[0] * e1[1] - s[1] * e1[0];
@@ -73,24 +63,12 @@ static inline bool tri_moeller_trumbore_edges(const struct tri_ray *r, const flo
     float u = (s[0] * p[0] + s[1] * p[1]) + s[2] * p[2];
     float w = (r->d[0] * q[0] + r->d[1] * q[1]) + r->d[2] * q[2];
     float t = (e2[0] * q[0] + e2[1] * q[1]) + e2[2] * q[2];
-#if MUTANT == MUTANT_BACK_CULLED
-    float size = det;
-#else
     float size = det < 0.0f ? -det : det;
-#endif
     if (!(size > eps))
         return false;
     float us = det < 0.0f ? -u : u;
-#if MUTANT == MUTANT_SIGN_KEPT
-    float ws = w;
-#else
     float ws = det < 0.0f ? -w : w;
-#endif
-#if MUTANT == MUTANT_PARALLELOGRAM
-    if (!(us >= 0.0f && us <= size && ws >= 0.0f && ws <= size))
-#else
     if (!(us >= 0.0f && us <= size && ws >= 0.0f && us + ws <= size))
-#endif
         return false;
     out->t = t / det;
     out->u = u / det;
@@ -123,19 +101,11 @@ static inline bool tri_woop(const struct tri_ray *r, float v[3][3], struct hit *
         y[c] = ay - r->sy * az;
         z[c] = r->sz * az;
     }
-#if MUTANT == MUTANT_CONTRACTED_EDGE
-    float w0 = fmaf(x[2], y[1], -(y[2] * x[1]));
-#else
     float w0 = x[2] * y[1] - y[2] * x[1];
-#endif
     float w1 = x[0] * y[2] - y[0] * x[2];
     float w2 = x[1] * y[0] - y[1] * x[0];
     if ((w0 < 0.0f || w1 < 0.0f || w2 < 0.0f) && (w0 > 0.0f || w1 > 0.0f || w2 > 0.0f))
         return false;
-#if MUTANT == MUTANT_OPEN_EDGES
-    if (w0 == 0.0f || w1 == 0.0f || w2 == 0.0f)
-        return false;
-#endif
     float det = (w0 + w1) + w2;
     if (!(det > 0.0f || det < 0.0f)) /* zero and NaN */
         return false;

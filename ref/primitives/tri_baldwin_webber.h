@@ -27,11 +27,7 @@ static inline int baldwin_webber_transform(float v[3][3], float m[9])
     }
     tri_cross(e1, e2, n);
     for (int k = 0; k < 3; k++)
-#if MUTANT == MUTANT_AXIS_SIGNED
-        size[k] = n[k];
-#else
         size[k] = n[k] < 0.0f ? -n[k] : n[k];
-#endif
     int c = size[1] > size[0] ? 1 : 0;
     c = size[2] > size[c] ? 2 : c;
     if (!(n[c] < 0.0f || n[c] > 0.0f)) {
@@ -68,20 +64,11 @@ static inline bool baldwin_webber_hit(const struct tri_ray *r, const float m[9],
     float w = (m[3] * pa + m[4] * pb) + m[5];
     if (!(climb < 0.0f || climb > 0.0f))
         return false;
-#if MUTANT == MUTANT_SUM_UNASKED
-    if (!(u >= 0.0f && w >= 0.0f && u <= 1.0f && w <= 1.0f))
-#else
     if (!(u >= 0.0f && w >= 0.0f && u + w <= 1.0f))
-#endif
         return false;
     out->t = t;
-#if MUTANT == MUTANT_WEIGHTS_SWAPPED
-    out->u = w;
-    out->v = u;
-#else
     out->u = u;
     out->v = w;
-#endif
     return true;
 }
 

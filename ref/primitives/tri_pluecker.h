@@ -49,24 +49,13 @@ static inline bool tri_pluecker(const struct tri_ray *r, float v[3][3], struct h
         tri_cross(sum, e[c], side);
         w[c] = tri_dot(r->d, side);
     }
-#if MUTANT == MUTANT_EDGE_TURNED
-    w[2] = -w[2];
-#endif
     tri_cross(e[1], e[2], n);
     float det = tri_dot(r->d, n), all = (w[0] + w[1]) + w[2];
-#if MUTANT == MUTANT_BACK_LOST
-    bool back = false;
-#else
     bool back = det < 0.0f && w[0] <= 0.0f && w[1] <= 0.0f && w[2] <= 0.0f && all < 0.0f;
-#endif
     bool front = det > 0.0f && w[0] >= 0.0f && w[1] >= 0.0f && w[2] >= 0.0f && all > 0.0f;
     if (!(front || back))
         return false;
-#if MUTANT == MUTANT_T_HALVED
-    out->t = tri_dot(a[0], n) / all;
-#else
     out->t = tri_dot(a[0], n) / det;
-#endif
     out->u = w[1] / all;
     out->v = w[2] / all;
     return true;

@@ -1,7 +1,5 @@
 #include "ref/scene/quantise.h"
 
-#include "ref/base/mutant.h"
-
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -38,9 +36,6 @@ static enum status check_vertices(const struct scene *scene, struct reason *reas
  * the point; where the sum is rounded, x is tiny and n is 0 either way. */
 static double nearest(double x, double step)
 {
-#if MUTANT == MUTANT_GRID_BELOW
-    return floor(x / step);
-#endif
     return floor(x / step + 0.5);
 }
 
@@ -90,9 +85,6 @@ static void move_vertices(const struct scene *scene, struct scene *out, struct q
     }
     /* Two sums, three squares and the root are off by less than 2^-51 of it. */
     q->distance = sqrt(farthest) * (1.0 + 4.0 * DBL_EPSILON);
-#if MUTANT == MUTANT_MOVED_HALVED
-    q->distance /= 2;
-#endif
 }
 
 /* A copy of `count` elements; NULL if there are none, or no memory. */

@@ -3,7 +3,6 @@
  * the last vertex. */
 #include "ref/fast/block.h"
 #include "ref/layout.h"
-#include "ref/base/mutant.h"
 
 static enum status measure(const struct packed *packed, const struct scene *scene,
                            const uint32_t *prim, uint32_t count, uint64_t *words,
@@ -32,11 +31,6 @@ static void write(const struct packed *packed, const struct scene *scene, const 
     struct block block;
     if (!block_make(scene, prim, count, &block))
         return; /* measure() refused it */
-#if MUTANT == MUTANT_CORNER_SWAPPED
-    uint32_t corner = block.corner[1];
-    block.corner[1] = (block.corner[1] & ~0xFu) | (block.corner[2] & 0xFu);
-    block.corner[2] = (block.corner[2] & ~0xFu) | (corner & 0xFu);
-#endif
     block_write(&block, word);
 }
 
@@ -57,9 +51,6 @@ static uint32_t vertices_of(const struct packed *packed, uint32_t first, uint32_
 static uint32_t item(const struct packed *packed, uint32_t first, uint32_t slot)
 {
     uint32_t vertices = vertices_of(packed, first, slot);
-#if MUTANT == MUTANT_BLOCK_PRIM_LATE
-    slot ^= vertices > 3 && slot < 2 ? 1u : 0u;
-#endif
     return vertices ? block_prim(packed->item + first, vertices, slot) : ABI_NO_PRIM;
 }
 

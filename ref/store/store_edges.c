@@ -1,6 +1,5 @@
 /* Storage `edges`: ten words an item: vertex 0, vertex 1 - vertex 0, vertex 2 - vertex 0, as the
  * test by Moeller and Trumbore rounds them, and the triangle's number. */
-#include "ref/base/mutant.h"
 #include "ref/primitives/primitives.h"
 #include "ref/store/rows.h"
 
@@ -10,11 +9,7 @@ static uint32_t row_of(float v[3][3])
 {
     for (int k = 0; k < 3; k++) {
         v[1][k] = v[1][k] - v[0][k];
-#if MUTANT == MUTANT_EDGE_SIGN
-        v[2][k] = v[0][k] - v[2][k];
-#else
         v[2][k] = v[2][k] - v[0][k];
-#endif
     }
     return 0;
 }

@@ -14,7 +14,6 @@
  *     widths each    the vertices: x, y, z */
 #include "ref/fast/block.h"
 #include "ref/layout.h"
-#include "ref/base/mutant.h"
 #include "ref/scene/quantise.h"
 #include "ref/store/bits.h"
 
@@ -161,9 +160,6 @@ static bool leaf_of(const struct packed *packed, uint32_t first, uint32_t slot, 
     *p = (struct places){.tris = (word[0] & 7u) + 1, .vertices = (word[0] >> 3 & 15u) + 1};
     for (uint32_t k = 0; k < 3; k++)
         p->width[k] = word[0] >> (SIZES + 5 * k) & 31u;
-#if MUTANT == MUTANT_GRID_AXIS
-    p->width[2] = p->width[1];
-#endif
     places_find(p, packed->item[4]);
     return slot < p->tris && (p->end + 31) / 32 <= packed->item_count - first;
 }

@@ -1,5 +1,4 @@
 #include "ref/layout.h"
-#include "ref/base/mutant.h"
 
 #include "counts.h"
 
@@ -71,9 +70,5 @@ enum status store_put(const struct scene *scene, const uint32_t *prim, uint32_t 
     *first = out->item_count;
     out->item_count += (uint32_t)words;
     store->write(out, scene, prim, count, out->item + *first);
-#if MUTANT == MUTANT_ITEMS_UNSORTED
-    for (uint32_t i = 0; i < count && store->id == ABI_STORE_INDEXED; i++)
-        out->item[*first + i] = *first + i;
-#endif
     return STATUS_OK;
 }

@@ -1,7 +1,5 @@
 #include "ref/trace/all_hits.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -97,11 +95,7 @@ static void remove_repeats(struct all_hits *all)
         all_hits_sort(hit, count);
         all->first[i] = kept;
         for (size_t k = 0; k < count; k++) {
-#if MUTANT == MUTANT_REPEATS_KEPT
-            bool repeat = false;
-#else
             bool repeat = k > 0 && memcmp(&all->hit[kept - 1], &hit[k], sizeof *hit) == 0;
-#endif
             if (!repeat)
                 all->hit[kept++] = hit[k];
         }

@@ -68,11 +68,6 @@ static enum status walk_with(struct walk *w, const struct box_test *box, const s
 static void walk_start(struct walk *w, const struct packed *packed, const struct wide *decoded,
                        const struct scene *scene, enum query query, const struct ray *ray)
 {
-#if MUTANT == MUTANT_TRACER_DIES || MUTANT == MUTANT_TRACER_HANGS
-    for (volatile int again = 1; again && ray->tmax != ray->tmax;)
-        if (MUTANT == MUTANT_TRACER_DIES)
-            __builtin_trap();
-#endif
     w->packed = packed;
     w->store = packed->store;
     w->stored = packed->node_count > 0 && !tri_store_reads_scene(packed->store);

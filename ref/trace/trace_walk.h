@@ -57,21 +57,10 @@ static inline bool walk_triangle(struct walk *w, uint32_t tri_id, const struct w
         if (w->found < w->capacity)
             w->list[w->found] = hit;
         w->found++;
-#if MUTANT == MUTANT_CULLED_ALL
-        w->tbest = hit.t < w->tbest ? hit.t : w->tbest;
-#endif
         return true;
     }
-#if MUTANT == MUTANT_FIRST_HIT_KEPT
-    if (w->best.prim != ABI_NO_PRIM)
-        return false;
-#elif MUTANT == MUTANT_LATER_WINS
-    if (w->best.prim != ABI_NO_PRIM && !(hit.t <= w->best.t))
-        return false;
-#else
     if (w->best.prim != ABI_NO_PRIM && !(hit.t < w->best.t))
         return false;
-#endif
     w->best = hit;
     w->tbest = hit.t;
     return true;
@@ -92,20 +81,9 @@ static inline bool walk_leaf(struct walk *w, uint32_t tri_id, const struct wide 
 {
     for (uint32_t i = 0; i < node->item_count; i++) {
         uint32_t prim = walk_item(w, node, i);
-#if MUTANT == MUTANT_LAST_IS_EMPTY
-        if (prim + 1 == w->scene->tri_count)
-            continue;
-#endif
         if (prim < w->scene->tri_count && walk_triangle(w, tri_id, node, i, prim) &&
             w->query == QUERY_ANY)
             return true;
-#if MUTANT == MUTANT_ANY_FIRST_ITEM
-        if (w->query == QUERY_ANY)
-            return false;
-#elif MUTANT == MUTANT_ANY_TOO_EARLY
-        if (w->query == QUERY_ANY)
-            return true;
-#endif
     }
     return false;
 }
@@ -157,9 +135,6 @@ static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide
         hit[i] = box_test_run(box_id, &w->slab, &node->box[i], w->tbest, &entry[i]);
         w->counts.boxes++;
     }
-#if MUTANT == MUTANT_EQUAL_ENTRY_LOST
-    hit[1] = hit[1] && (!hit[0] || entry[0] != entry[1]);
-#endif
     *any = hit[0] || hit[1];
     if (!(hit[0] && hit[1])) {
         *next = node->child[hit[1] ? 1 : 0];
@@ -172,17 +147,11 @@ static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide
         first = 1;
     if (w->parent) {
         *next = node->child[first];
-        return walk_down(w, MUTANT != MUTANT_TRAIL_LOST || w->depth != 2);
+        return walk_down(w, true);
     }
     if (w->depth >= w->packed->stack_need || w->depth >= ABI_STACK_MAX)
         return false;
-#if MUTANT == MUTANT_SWAPPED_CHILD
-    w->ref[w->depth] = node->child[first];
-#elif MUTANT == MUTANT_STACK_WRAPPED
-    w->ref[w->depth % 4] = node->child[1 - first];
-#else
     w->ref[w->depth] = node->child[1 - first];
-#endif
     w->entry[w->depth++] = entry[1 - first];
     *next = node->child[first];
     return true;
@@ -205,38 +174,19 @@ static inline bool walk_wide(struct walk *w, uint32_t box_id, const struct wide 
             w->entry[at] = w->entry[at - 1];
             w->ref[at] = w->ref[at - 1];
         }
-#if MUTANT == MUTANT_WIDE_UNSORTED
-        at = w->depth - 1;
-#endif
         w->entry[at] = entry;
         w->ref[at] = node->child[i];
     }
-#if MUTANT == MUTANT_WIDE_ONE_LOST
-    if (w->depth - base == 5)
-        w->depth--;
-#endif
     return true;
 }
 
 /* Pops the next node that can still hold something nearer. */
 static inline bool walk_pop(struct walk *w, uint32_t box_id, uint32_t *next)
 {
-#if MUTANT == MUTANT_BOTTOM_UNREAD
-    while (w->depth > 1) {
-#else
     while (w->depth > 0) {
-#endif
         w->depth--;
-#if MUTANT == MUTANT_STACK_WRAPPED
-        *next = w->ref[w->depth % 4];
-#else
         *next = w->ref[w->depth];
-#endif
-#if MUTANT == MUTANT_POP_STRICT
-        if (box_id == ABI_BOX_RTRS || w->entry[w->depth] < w->tbest)
-#else
         if (box_id == ABI_BOX_RTRS || w->entry[w->depth] <= w->tbest)
-#endif
             return true;
     }
     return false;

@@ -1,7 +1,6 @@
 #include "ref/tree/cover_exact.h"
 
 #include "ref/base/base.h"
-#include "ref/base/mutant.h"
 #include "ref/oracle/wide.h"
 
 #include <math.h>
@@ -11,13 +10,8 @@
  * term of a 2x2 determinant goes through 2 + 1 + 1 roundings, one of a 3x3 determinant through 3 +
  * 2
  * + 3, and the sum of magnitudes through as many: 6 e and 17 e of the computed sum are enough. */
-#if MUTANT == MUTANT_COVER_FILTER
-#define ERROR_2 0.0
-#define ERROR_3 0.0
-#else
 #define ERROR_2 0x1p-50
 #define ERROR_3 0x1p-48
-#endif
 
 static _Thread_local unsigned long long integers;
 

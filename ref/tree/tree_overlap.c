@@ -1,8 +1,6 @@
 /* End-point overlap: triangles are cut by the boxes of nodes that are not theirs. */
 #include "ref/tree/tree_quality.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,7 +87,7 @@ static double overlap_below(const struct overlap *o, uint32_t index, uint32_t pr
     cut_box(part, &node->bounds, &inside);
     if (inside.count < 3)
         return 0;
-    if (MUTANT == MUTANT_OVERLAP_OWN || !owns(o, index, prim))
+    if (!owns(o, index, prim))
         sum = area_of(&inside) *
               (node->item_count ? QUALITY_TRIANGLE * node->item_count : QUALITY_NODE);
     if (node->item_count)

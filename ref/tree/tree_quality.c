@@ -1,14 +1,8 @@
 #include "ref/tree/tree_quality.h"
 
-#include "ref/base/mutant.h"
-
 static uint32_t items_of(const struct bvh_node *node)
 {
-#if MUTANT == MUTANT_COST_OF_LEAF
-    return node->item_count > 0;
-#else
     return node->item_count;
-#endif
 }
 
 double tree_sah(const struct bvh *bvh)

@@ -1,7 +1,5 @@
 #include "ref/tree/wide_tree.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 #include <stdlib.h>
 
@@ -165,7 +163,7 @@ static void find_costs(struct collapse *c)
         if (part->count > 1) {
             float inner = divide(c, at, width, &to_fst) + c->rule->node_cost * area;
             /* Decoded boxes may be so much larger than the root's that both are infinite. */
-            part->leaf = (own < INFINITY || MUTANT == MUTANT_INFINITE_LEAF) && cost[1] <= inner;
+            part->leaf = own < INFINITY && cost[1] <= inner;
             cost[1] = part->leaf ? cost[1] : inner;
         }
         for (uint32_t roots = 2; roots <= width; roots++) {
@@ -220,9 +218,6 @@ static enum status add_children(struct collapse *c, struct wide_tree *tree, uint
     uint32_t root[WIDE_TREE_MOST] = {at};
     uint32_t inner[WIDE_TREE_MOST], inner_count = 0;
     uint32_t count = c->part[at].leaf ? 1 : find_roots(c, at, root);
-#if MUTANT == MUTANT_ROOT_WITHOUT_LEAF
-    count -= c->part[at].leaf;
-#endif
     void *array = tree->child;
     enum status status = array_reserve(&array, &c->child_capacity,
                                        (size_t)tree->child_count + count, sizeof *tree->child);

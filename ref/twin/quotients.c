@@ -1,7 +1,5 @@
 #include "ref/twin/quotients.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 
 /* Of bounds that are computed in double. */
@@ -53,9 +51,6 @@ static bool part_fits(const struct quotients *s, const struct quotients_part *pa
 {
     double lo = lowest(s, part) * divisor, hi = highest(s, part) * divisor;
     const struct scatter *n = &part->number;
-#if MUTANT == MUTANT_GRID_UNREAD
-    return true;
-#endif
     lo -= fabs(lo) * 0x1p-40;
     hi += fabs(hi) * 0x1p-40;
     for (int i = 0; i < n->count; i++)

@@ -1,7 +1,5 @@
 #include "ref/twin/scatter.h"
 
-#include "ref/base/mutant.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -236,11 +234,7 @@ struct scatter scatter_add(const struct liberty *k, const struct scatter *p,
                            const struct scatter *q)
 {
     struct scatter a = seen(k, p), b = seen(k, q), out = {.count = -1};
-#if MUTANT == MUTANT_SUM_TO_NEAREST
-    double relative = 1.0;
-#else
     double relative = k->rounding.add;
-#endif
     if (is_unknown(&a) || is_unknown(&b))
         return unknown();
     out.lo = a.lo + b.lo;

@@ -1,7 +1,6 @@
 #include "ref/twin/twin.h"
 
 #include "ref/base/base.h"
-#include "ref/base/mutant.h"
 #include "ref/twin/twin_lanes.h"
 
 #include <assert.h>
@@ -84,12 +83,6 @@ static struct twin conclude(enum twin_formula formula, const struct ray *ray, st
         .u_near = out.u.x,
         .v_near = out.v.x,
     };
-#if MUTANT == MUTANT_NEAR_IS_EXACT
-    twin.t_off = 0.0;
-#endif
-#if MUTANT == MUTANT_NEAR_ROUNDED
-    twin.t_near = (double)out.t.v;
-#endif
     int inside = 0;
     for (int c = 0; c < 3; c++) {
         twin.edge[c] = sign_of(out.edge[c]);
@@ -178,7 +171,7 @@ static struct twin take_lane(enum twin_formula formula, const struct ray *ray,
 /* The pair whose numbers are in a lane. */
 static inline size_t own(int lane)
 {
-    return MUTANT == MUTANT_LANE_SLIPPED ? 0 : (size_t)lane;
+    return (size_t)lane;
 }
 
 void twin_eval_by(const struct twin_kernel *kernel, enum twin_formula formula,

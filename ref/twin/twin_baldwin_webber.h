@@ -20,10 +20,6 @@ STEP void transform_row(const struct rules *k, struct bounded by_a, struct bound
     row[0] = divide(k, by_a, divisor);
     row[1] = divide(k, by_b, divisor);
     row[2] = negate(add(k, mul(k, row[0], va), mul(k, row[1], vb)));
-#if MUTANT == MUTANT_TRANSFORM_EXACT
-    for (int i = 0; i < 3; i++)
-        row[i].e = ALL(0.0);
-#endif
 }
 
 /* (row[0] a + row[1] b) + row[2] */
@@ -116,11 +112,7 @@ FORMULA struct outcome eval_baldwin_webber(const struct rules *k, const struct i
         least = SELECT(LESS(least, SIZE(n[c].x) - n[c].e), SIZE(n[c].x) - n[c].e, least);
     for (int c = 0; c < 3; c++) {
         mask chosen = is_chosen(n, c);
-#if MUTANT == MUTANT_AXIS_TRUSTED
-        mask take = chosen;
-#else
         mask take = NOT_ABOVE(least, SIZE(n[c].x) + n[c].e);
-#endif
         if (!ANY(take))
             continue;
         const struct outcome one = along_axis(k, in, e1, e2, n, c);

@@ -79,10 +79,6 @@ STEP real reach_of(struct bounded c, struct bounded d, struct bounded t)
 /* The tighter of the running bound of t and `e`, which leaves out how far t.x is off. */
 STEP struct bounded tighter(struct bounded t, real e)
 {
-#if MUTANT == MUTANT_RUNNING_KEPT
-    (void)e;
-    return t;
-#endif
     e = (e + NEAR_SHARE * t.e) * SLACK;
     mask better = LESS(e, t.e) & LESS(t.e, ALL(INFINITY));
     t.e = SELECT(better, e, t.e);
@@ -124,9 +120,6 @@ STEP real plane_residual(const struct bounded n[3], const struct bounded c[3],
     real residual = own_top + size_of_t(t) * own_bottom;
     for (int i = 0; i < 3; i++) {
         real reach = reach_of(c[i], negate(d[i]), t);
-#if MUTANT == MUTANT_NORMAL_EXACT
-        reach = reach * 0.0;
-#endif
         residual = residual + n[i].e * reach + most(n[i]) * c[i].e;
     }
     return residual;
@@ -151,9 +144,7 @@ STEP real mt_residual(const struct mt_parts *mt, struct bounded t)
         real off = SIZE(e1[j].x) * e2[l].e + most(e2[l]) * e1[j].e + SIZE(e1[l].x) * e2[j].e +
                    most(e2[j]) * e1[l].e; /* of computed edges' normal from the exact one */
         residual = residual + off * reach_of(mt->s[i], mt->d[i], t) + mt->s[i].e * (n + off);
-#if MUTANT != MUTANT_OWN_FORGOTTEN
         residual = residual + most(e2[i]) * mt->own_q[i] + size * most(e1[i]) * mt->own_p[i];
-#endif
     }
     return residual;
 }
@@ -184,9 +175,6 @@ STEP real woop_residual(const struct woop_parts *w, struct bounded t)
         int a = (c + 2) % 3, b = (c + 1) % 3;
         const struct bounded *x = w->x, *y = w->y;
         real by_x = f[b] * y[a].x - f[a] * y[b].x, by_y = x[b].x * f[a] - x[a].x * f[b];
-#if MUTANT == MUTANT_SHEAR_EXACT
-        by_x = by_y = ALL(0.0);
-#endif
         real deep = w->depth[c].e, along = w->sz.x * w->edge[c].x - w->sx.x * by_x - w->sy.x * by_y;
         residual = residual + deep * SIZE(along) + SIZE(by_x) * (x[c].e - SIZE(w->sx.x) * deep) +
                    SIZE(by_y) * (y[c].e - SIZE(w->sy.x) * deep) +

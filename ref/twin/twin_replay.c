@@ -1,7 +1,5 @@
 #include "ref/twin/replay_inner.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 
 #define UNIT 0x1p-24 /* u */
@@ -287,7 +285,7 @@ static void fill(struct replay *w, enum twin_formula formula, float v[3][3])
         w->d[i] = scatter_of(w->ray->dir[axis[i]]);
         for (int c = 0; c < 3; c++)
             w->v[c][i] = scatter_of(v[c][axis[i]]);
-        w->same[i] = equal(v, (i + 1) % 3, (i + 2) % 3) && MUTANT != MUTANT_EQUAL_APART;
+        w->same[i] = equal(v, (i + 1) % 3, (i + 2) % 3);
     }
 }
 

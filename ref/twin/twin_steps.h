@@ -14,7 +14,6 @@
 #define TWIN_STEPS_H
 
 #include "ref/twin/model.h"
-#include "ref/base/mutant.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -75,9 +74,6 @@ STEP struct bounded exact(single v)
 
 STEP struct bounded settle(single v, real x, real e)
 {
-#if MUTANT == MUTANT_BAD_TWIN
-    e *= 1e-4;
-#endif
     e = SELECT(LESS(SIZE(x) + e, ALL(LARGEST)), e, ALL(INFINITY)); /* NaN, too */
     return (struct bounded){v, x, e * SLACK};
 }
@@ -85,10 +81,6 @@ STEP struct bounded settle(single v, real x, real e)
 /* An operand as the operation sees it: a subnormal one may be flushed. */
 STEP real operand_error(const struct rules *k, struct bounded a)
 {
-#if MUTANT == MUTANT_OPERAND_KEPT
-    (void)k;
-    return a.e;
-#endif
     if (k->flush == 0.0)
         return a.e;
     mask zero = EQUAL(a.x, ALL(0.0)) & EQUAL(a.e, ALL(0.0));

@@ -1,7 +1,5 @@
 #include "scenes/picture/colour.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 #include <stdio.h>
 
@@ -123,11 +121,7 @@ uint32_t colour_of(const struct colour_scale *scale, float value)
         return COLOUR_NO_DATA;
     switch (scale->kind) {
     case COLOUR_DIVERGING:
-#if MUTANT == MUTANT_ZERO_COLOURED
-        return colour_diverging(v / scale->hi + 1.0 / STEPS);
-#else
         return colour_diverging(v / scale->hi);
-#endif
     case COLOUR_IDS:
         return v >= 0.0 && v < 4294967296.0 ? colour_of_id((uint32_t)v) : COLOUR_NO_DATA;
     case COLOUR_CLASSES:

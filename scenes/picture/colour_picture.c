@@ -1,6 +1,5 @@
 #include "scenes/picture/colour_picture.h"
 
-#include "ref/base/mutant.h"
 #include "scenes/picture/draw.h"
 #include "scenes/picture/ticks.h"
 
@@ -110,9 +109,6 @@ static void put_ticks(const struct picture_sheet *sheet, int width)
     int free_from = 0;
     for (size_t i = 0; i < count; i++) {
         int x = MARGIN + (int)(part_of(sheet->scale, tick[i]) * (width - 1) + 0.5);
-#if MUTANT == MUTANT_TICKS_EVEN
-        x = MARGIN + (int)i * (width - 1) / (int)count;
-#endif
         tick_text(tick[i], step, text, sizeof text);
         int text_w = (int)draw_text_width(text, (unsigned)sheet->text);
         int from = x - text_w / 2;

@@ -1,7 +1,5 @@
 #include "scenes/picture/draw.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 
 /* `cover` of 255 parts of the colour over what is there. */
@@ -95,9 +93,6 @@ static void draw_column(struct image *image, const struct stroke *stroke, int64_
         return;
     for (int64_t v = (int64_t)lo; (double)v < hi; v++) {
         double cover = stroke->radius + 0.5; /* the edge lies in the middle of its smooth part */
-#if MUTANT == MUTANT_LINE_THIN
-        cover -= 0.5;
-#endif
         cover -= distance_to(stroke, (double)u + 0.5, (double)v + 0.5);
         if (!(cover > 0.0))
             continue;

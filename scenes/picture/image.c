@@ -1,6 +1,5 @@
 #include "scenes/picture/image.h"
 
-#include "ref/base/mutant.h"
 #include "ref/files/file.h"
 
 #include <png.h>
@@ -119,9 +118,6 @@ static enum status make_room(const struct passage *passage, size_t file_size, co
         return status;
     uint64_t bits = (uint64_t)png_get_channels(passage->png, passage->info) *
                     png_get_bit_depth(passage->png, passage->info);
-#if MUTANT == MUTANT_SIDES_BELIEVED
-    file_size = UINT32_MAX;
-#endif
     if (bits * width * height / 8 > (uint64_t)DEFLATED_MOST * file_size)
         return fail(reason, STATUS_INPUT, "%s: is cut short: %zu bytes cannot hold %u x %u pixels",
                     label, file_size, width, height);

@@ -1,7 +1,5 @@
 #include "scenes/picture/image_diff.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 #include <stdlib.h>
 
@@ -70,11 +68,7 @@ enum status image_diff(const struct image *a, const struct image *b, struct imag
     for (uint32_t y = 0; y < a->height; y++)
         for (uint32_t x = 0; x < a->width; x++) {
             const size_t i = (size_t)y * a->width + x;
-#if MUTANT == MUTANT_ALPHA_UNREAD
-            if ((a->pixel[i] ^ b->pixel[i]) << 8 != 0)
-#else
             if (a->pixel[i] != b->pixel[i])
-#endif
                 take(out, x, y, a->pixel[i], b->pixel[i]);
         }
     return STATUS_OK;

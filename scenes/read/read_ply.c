@@ -1,4 +1,3 @@
-#include "ref/base/mutant.h"
 #include "scenes/read/formats.h"
 #include "ref/scene/mesh.h"
 #include "scenes/read/ply_header.h"
@@ -205,12 +204,6 @@ static enum status read_element(struct ply *ply, const struct ply_element *eleme
     /* The last value of an ascii file needs no blank behind it. */
     size_t left = (size_t)(ply->scan.end - ply->scan.at) + (ply->header.encoding == PLY_ASCII);
     size_t least = least_size(ply, element);
-#if MUTANT == MUTANT_COUNT_BELIEVED
-    void *room = ply->mesh.vertex;
-    if (array_reserve(&room, &ply->mesh.vertex_capacity, 3 * (size_t)element->count, 4))
-        return scan_fail(&ply->scan, ply->reason, "no room");
-    ply->mesh.vertex = room;
-#endif
     if (element->count > left / least)
         return scan_fail(&ply->scan, ply->reason,
                          "%llu elements of at least %zu bytes do not fit into the %zu bytes left",

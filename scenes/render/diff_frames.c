@@ -1,6 +1,5 @@
 #include "scenes/render/diff_frames.h"
 
-#include "ref/base/mutant.h"
 #include "scenes/picture/image_diff.h"
 
 #include <math.h>
@@ -13,9 +12,6 @@ const char *path_field_name(enum path_field field)
 
 static bool same_t(float a, float b)
 {
-#if MUTANT == MUTANT_T_BY_VALUE
-    return !(a < b) && !(b < a);
-#endif
     return float_bits(a) == float_bits(b);
 }
 
@@ -29,7 +25,7 @@ static unsigned apart(const struct segment *a, const struct segment *b)
         fields |= 1u << PATH_T;
     if (a->asked != b->asked)
         fields |= 1u << PATH_ASKED;
-    if (a->shadowed != b->shadowed && MUTANT != MUTANT_SHADOWS_UNSEEN)
+    if (a->shadowed != b->shadowed)
         fields |= 1u << PATH_SHADOWED;
     return fields;
 }
@@ -122,9 +118,6 @@ void frame_compare_pixel(const struct frame *a, const struct frame *b, size_t pi
     const float *color = known ? known->color + 3 * pixel : NULL;
     bool within = known && pixel_within(color, known->bound[pixel], a->pixel[pixel]) &&
                   pixel_within(color, known->bound[pixel], b->pixel[pixel]);
-#if MUTANT == MUTANT_BORDER_ANYWHERE
-    within = known && difference <= 1;
-#endif
     diff->allowed += within;
     diff->excess += !within;
 }

@@ -1,6 +1,5 @@
 #include "scenes/render/diff_why.h"
 
-#include "ref/base/mutant.h"
 #include "scenes/render/diff_frames.h"
 
 #include <stdlib.h>
@@ -93,7 +92,7 @@ static bool judge_both(struct following *f, uint32_t segment, uint32_t light,
         if (answer->judgement.over > out->over)
             out->over = answer->judgement.over;
     }
-    for (unsigned side = 0; side < 2 && !*status && MUTANT != MUTANT_NOBODY_WRONG; side++) {
+    for (unsigned side = 0; side < 2 && !*status; side++) {
         bool published = f->judges->published[side];
         if (out->answer[side].judgement.verdict != VERDICT_WRONG ||
             (published && out->why == WHY_WRONG))
@@ -137,7 +136,7 @@ static bool follow_light(struct following *f, const struct walk_light *a,
         return true;
     bool rays_differ = !same_ray(&a->ray, &b->ray) || float_bits(a->far) != float_bits(b->far);
     f->apart = f->apart || rays_differ;
-    if (a->shadowed == b->shadowed || MUTANT == MUTANT_SHADOW_FOLLOWED)
+    if (a->shadowed == b->shadowed)
         return false;
     /* The published profile asks for the closest hit and compares its t with the light's distance:
      * two right answers to one ray can lie on both sides of it. */
@@ -201,9 +200,6 @@ bool why_walk_is_frame(const struct diff_walk *walk, size_t index, const struct 
 {
     struct segment path[FRAME_BOUNCES_MOST];
     uint32_t at;
-#if MUTANT == MUTANT_PICTURE_TRUSTED
-    return true;
-#endif
     walk_segments(walk, index, path);
     if (path_first(path, segment, walk->bounces, &at) != PATH_SAME)
         return false;

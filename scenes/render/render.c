@@ -1,7 +1,6 @@
 #include "scenes/render/render.h"
 
 #include "ref/engines/cpu_rays.h"
-#include "ref/base/mutant.h"
 #include "scenes/render/shade.h"
 
 #include <stdlib.h>
@@ -81,9 +80,6 @@ static void strip_begin(struct strip *strip, size_t first, bool bounded)
 #pragma omp parallel for num_threads(strip->threads)
     for (long long j = 0; j < (long long)strip->live_count; j++) {
         size_t pixel = first + (size_t)j;
-#if MUTANT == MUTANT_STRIP_FORGOT
-        pixel = (size_t)j;
-#endif
         strip->live[j] = (uint32_t)j;
         shade_begin(strip->job, strip->view, (uint32_t)(pixel % strip->job->width),
                     (uint32_t)(pixel / strip->job->width), &strip->path[j]);
@@ -165,9 +161,6 @@ static enum status wave_light(struct renderer *renderer, struct strip *strip, ui
             strip->of[strip->ray_count] = strip->live[j];
             strip->ray[strip->ray_count++] = strip->ray[j];
         }
-#if MUTANT == MUTANT_LIGHT_SLIPPED
-    memcpy(strip->of, strip->live, strip->ray_count * sizeof *strip->of);
-#endif
     bool any = strip->job->look.profile == PROFILE_REPAIRED;
     enum status status =
         ask(renderer, any ? renderer->any : renderer->closest, strip, report, reason);

@@ -1,7 +1,5 @@
 #include "scenes/render/shade.h"
 
-#include "ref/base/mutant.h"
-
 #include <math.h>
 
 static struct vec3 vec(const float v[3])
@@ -108,9 +106,6 @@ bool shade_ask(const struct frame_job *job, const struct view *view, uint32_t li
 {
     bool rtrs = job->look.profile == PROFILE_RTRS;
     bool eye = light == 0 && job->look.camera_light > 0;
-#if MUTANT == MUTANT_EYE_UNLIT
-    eye = false;
-#endif
     struct vec3 lamp = vec(eye ? view->pos : job->light[light].pos);
     struct vec3 way = vec3_sub(lamp, path->p);
     struct vec3 to = shade_unit(way);
@@ -125,9 +120,6 @@ bool shade_ask(const struct frame_job *job, const struct view *view, uint32_t li
     struct vec3 org = behind ? vec3_sub(path->p, lift) : vec3_add(path->p, lift);
     *out = (struct ray){
         {org.x, org.y, org.z}, job->tmin, {to.x, to.y, to.z}, rtrs ? job->tmax : path->far};
-#if MUTANT == MUTANT_SHADOW_BEYOND
-    out->tmax = job->tmax;
-#endif
     path->segment.asked |= 1u << light;
     return true;
 }
@@ -253,9 +245,6 @@ bool shade_next(const struct frame_job *job, uint32_t index, struct shade_path *
         return false;
     if (!rtrs) {
         const struct shade_tri *tri = &job->shade[path->segment.prim];
-#if MUTANT == MUTANT_WEIGHT_ALONE
-        path->weight = 1;
-#endif
         path->weight = path->weight * job->material[tri->material].reflective;
         if (!(path->weight > 0 && vec3_dot(dir, path->g) > 0))
             return false;
@@ -281,9 +270,6 @@ uint32_t shade_pixel(struct vec3 total)
 
 float shade_bound(const struct shade_path *path)
 {
-#if MUTANT == MUTANT_POW_IS_EXACT
-    return 0.0f;
-#endif
     if (path->error == 0)
         return 0.0f;
     /* 255 times a channel and the sum with 0.5 are each below 256, so that each is rounded by up to

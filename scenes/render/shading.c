@@ -1,4 +1,3 @@
-#include "ref/base/mutant.h"
 #include "scenes/read/normals.h"
 #include "scenes/rays/rays.h"
 #include "scenes/render/render.h"
@@ -193,7 +192,7 @@ void frame_job_fill(const struct shading *shading, const struct camera *camera,
     if (job->look.profile == PROFILE_RTRS) {
         job->tmin = 0.01f;
         job->tmax = 1000;
-        job->offset = MUTANT == MUTANT_OTHER_OFFSET ? 0.0001f : 0.001f;
+        job->offset = 0.001f;
         return;
     }
     job->tmin = 0;

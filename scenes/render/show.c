@@ -1,6 +1,5 @@
 #include "scenes/render/show.h"
 
-#include "ref/base/mutant.h"
 #include "scenes/render/shade.h"
 
 #include <math.h>
@@ -140,8 +139,7 @@ static double value_of(const struct show_part *part, size_t i)
     case SHOW_INFLATION:
         return numbers->inflation;
     case SHOW_ERROR:
-        return verdict_error(&part->judgement[i], hit, part->source->unknown) *
-               (MUTANT == MUTANT_ERROR_HALVED ? 0.5 : 1.0);
+        return verdict_error(&part->judgement[i], hit, part->source->unknown);
     case SHOW_CLASS:
         return (double)part->judgement[i].verdict;
     case SHOW_NORMAL:
@@ -173,7 +171,7 @@ enum status show_values(const struct show_source *source, size_t first, size_t c
     if (!status && source->judge)
         status = verdicts_make(source->oracle, source->judge, part.ray, part.hit, count,
                                part.judgement, reason);
-    for (size_t i = MUTANT == MUTANT_PIXEL_LOST; i < count && !status; i++) {
+    for (size_t i = 0; i < count && !status; i++) {
         if (source->show->id == SHOW_NORMAL)
             normal_of(&part, i, value + 3 * i);
         else
@@ -224,11 +222,7 @@ void show_difference(const struct show *show, const double *first, const double 
         else if (planes == 3)
             out[i] = degrees_between(a, b);
         else
-#if MUTANT == MUTANT_SHOW_BACKWARDS
-            out[i] = *a - *b;
-#else
             out[i] = *b - *a;
-#endif
     }
     if (alone)
         *alone = count;

@@ -1,6 +1,5 @@
 #include "scenes/render/show_picture.h"
 
-#include "ref/base/mutant.h"
 #include "scenes/picture/draw.h"
 
 #include <math.h>
@@ -15,11 +14,7 @@
 /* Which colour a verdict has: of the ten the rarest three that excuse share one. */
 enum { CLASS_OTHER = 6, CLASS_NAMES = COLOUR_CLASS_COUNT };
 static const size_t class_of[VERDICT_COUNT] = {
-#if MUTANT == MUTANT_WRONG_IS_BLUE
-    [VERDICT_WRONG] = 0,
-#else
     [VERDICT_WRONG] = 1,
-#endif
     [VERDICT_RIGHT] = 0,
     [VERDICT_TIE] = 2,
     [VERDICT_NEAR_TIE] = 3,
@@ -145,7 +140,7 @@ static void count_classes(const double *value, size_t count, struct legend *lege
     for (size_t i = 0; i < count; i++)
         classes[class_of[(size_t)value[i]]]++;
     for (size_t i = 0; i < CLASS_NAMES; i++) {
-        const char *called = name[MUTANT == MUTANT_NAMES_SWAPPED && i < 2 ? 1 - i : i];
+        const char *called = name[i];
         snprintf(legend->text[i], sizeof legend->text[i], "%s %zu", called, classes[i]);
         legend->name[i] = legend->text[i];
     }

@@ -3,8 +3,6 @@
 #ifndef TURNING_H
 #define TURNING_H
 
-#include "ref/base/mutant.h"
-
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -34,10 +32,6 @@ static inline void turning_count(struct turning *turning, uint32_t now)
 /* A key went down or up; a key that repeats goes down again, which changes nothing. */
 static inline void turning_key(struct turning *turning, bool left, bool down, uint32_t now)
 {
-#if MUTANT == MUTANT_KEY_IGNORED
-    if (!left)
-        return;
-#endif
     bool *key = left ? &turning->left : &turning->right;
     if (*key == down)
         return;

@@ -3,7 +3,6 @@
 #include "ref/engines/cpu_rays.h"
 #include "ref/explain/slabs.h"
 #include "ref/layouts/common.h"
-#include "ref/base/mutant.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -22,12 +21,8 @@ static enum status pack_nearest(const struct layout *self, const struct bvh *bvh
         packed_free(out);
         return fail(reason, STATUS_MEMORY, "no memory to number %u nodes", bvh->node_count);
     }
-    for (uint32_t i = 0; i < bvh->node_count && MUTANT != MUTANT_DEFECT_CURED; i++) {
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
         struct box box = bvh->node[i].bounds;
-#if MUTANT == MUTANT_OTHER_DEFECT
-        for (int k = 0; k < 3; k++)
-            box.hi[k] -= 0.0625f * (box.hi[k] - box.lo[k]);
-#endif
         layout_pack_bounds(&box, half_nearest, half_nearest,
                            out->word + 4 * (size_t)(i + before[i]));
     }

@@ -1,7 +1,5 @@
 #include "tests/hard/matrix.h"
 
-#include "ref/base/mutant.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -66,8 +64,6 @@ static enum status column_of(struct hard_matrix *matrix, const struct hard_membe
             at->published == c.published && at->others == c.others)
             return STATUS_OK;
     }
-    if (MUTANT == MUTANT_MATRIX_NARROW && *column == 64)
-        return STATUS_LIMIT;
     void *columns = matrix->column;
     enum status status = array_reserve(&columns, &matrix->column_room, *column + 1, sizeof c);
     matrix->column = columns;

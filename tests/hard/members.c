@@ -1,7 +1,5 @@
 #include "tests/hard/members.h"
 
-#include "ref/base/mutant.h"
-
 #include <fnmatch.h>
 #include <string.h>
 
@@ -83,7 +81,7 @@ static struct hard_member covered(uint32_t k, const struct layout *layout)
     struct hard_member m = {.layout = layout, .engine = engine_find("cpu")};
     const uint32_t count = repaired_builders(NULL, 0);
     const uint32_t tests = k + k / count; /* every builder meets all that these say */
-    (void)repaired_builders(&m.builder, MUTANT == MUTANT_HARD_TURNS ? 0 : k % count);
+    (void)repaired_builders(&m.builder, k % count);
     m.box = box_test_find(tests % 2 ? "watertight" : "robust");
     m.tri = tri_test_find(tests / 2 % 2 ? "woop" : "mt");
     m.query = tests / 4 % 2 ? QUERY_ANY : QUERY_CLOSEST;
@@ -110,8 +108,8 @@ static void each_other_layout(const struct hard_case *one, hard_visit *visit, vo
         for (uint32_t l = 0; layouts_all[l]; l++) {
             const struct layout *layout = layouts_all[l];
             const uint32_t s = first + l, k = s / CASES_APART;
-            if (layout->faithful || layout->outside || is_in_product(layout) || s % CASES_APART != 0 ||
-                k % count != turn)
+            if (layout->faithful || layout->outside || is_in_product(layout) ||
+                s % CASES_APART != 0 || k % count != turn)
                 continue;
             struct hard_member member = covered(k, layout);
             visit(user, one, &member);

@@ -40,9 +40,38 @@ plant shaders/slab.glsl 'float f(vec3 a) { return dot(a, a); }'
 plant ref/tree/bvh.c 'void f(void) { printf("x"); }'
 plant gpu/vk/vk.c 'void f(void) { exit (1); }'
 plant ref/base/rng.h 'float f(struct rng *rng) { return ldexpf(rng_float(rng), (int)rng_below(rng, 3)); }'
-plant ref/base/mutant.h '#define MUTANT_NOBODY 999'
-plant ref/base/mutant.h '#define MUTANT_LOST_SLOT 1'
-plant ref/base/mutant.h '#define MUTANT_LOST_SLOT /* 2 */'
+plant ref/base/half.c '#if MUTANT == MUTANT_LOST_SLOT'
+hunk='in ref/base/half.c: half_down
+-    no such line'
+plant tests/planted/ref.base.txt "
+bug NEW: nothing is planted
+caught test ref/base/half.c test_half"
+plant tests/planted/ref.base.txt "
+bug NEW: its old text is gone
+$hunk
+caught test ref/base/half.c test_half"
+plant tests/planted/ref.base.txt "
+bug NEW: many places fit
+in ref/base/half.c
+-}
+caught test ref/base/half.c test_half"
+plant tests/planted/ref.base.txt "
+bug NEW: it changes nothing
+in ref/base/half.c
+ #include \"ref/base/half.h\"
+caught test ref/base/half.c test_half"
+plant tests/planted/ref.base.txt "
+bug NEW: there is no catcher
+in ref/base/half.c
+-#include \"ref/base/half.h\"
++"
+plant tests/planted/ref.base.txt "
+bug LOST_SLOT: of another's name
+in ref/base/half.c
+-#include \"ref/base/half.h\"
++
+caught test ref/base/half.c test_half"
+plant fuzz/selftest.txt 'NOWHERE ref/base/half.c cpu rf16 rounding'
 plant tests/support/tree_fixture.h '/* ../shared/design/house.md */'
 plant tests/support/tree_fixture.h 'static const char *f = "shared/scenes/a.json";'
 mkdir ref/attic && echo '#include "ref/base/base.h"' >ref/attic/new.h && git add ref/attic

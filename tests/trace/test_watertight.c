@@ -1,7 +1,6 @@
 /* A closed mesh is closed on a tree, too: woop with the watertight box test loses no ray that woop
  * over all triangles does not lose. The robust box test does: what it pads shrinks with the
  * distance of the hit, and woop's rounding does not where a triangle reaches behind the origin. */
-#include "ref/base/mutant.h"
 #include "ref/base/rng.h"
 #include "ref/trace/trace.h"
 #include "ref/twin/twin.h"

@@ -5,21 +5,30 @@ SELFTEST := $(B)/mutants
 PLANTED := $(shell awk '!/^#/ && NF {print $$1 ":" $$2}' fuzz/selftest.txt)
 PLANTED_DIRS :=
 
+RECORDS := $(wildcard tests/planted/*.txt) tests/planted/plant.sh
+# The files with the bug in them, before any other place where they are looked for.
+define plant_tree
+$(SELFTEST)/$(1).$(2)/planted: $(RECORDS) $(3)
+	@mkdir -p $$(@D)
+	@sh tests/planted/plant.sh $(1) $$(@D)/tree && touch $$@
+endef
 # $(call plant,BUG,UNIT): of a C unit. It comes before the library, so that the library's is not taken.
 define plant_unit
-$(SELFTEST)/$(1).$(basename $(notdir $(2)))/unit.o: $(2) $(B)/gen/flags
-	@mkdir -p $$(@D)
-	$$(CC) $$(CPPFLAGS) -DMUTANT=MUTANT_$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
+$(call plant_tree,$(1),$(basename $(notdir $(2))),$(2))
+$(SELFTEST)/$(1).$(basename $(notdir $(2)))/unit.o: $(SELFTEST)/$(1).$(basename $(notdir $(2)))/planted $(B)/gen/flags
+	$$(CC) -iquote $$(@D)/tree $$(CPPFLAGS) $$(CFLAGS) -MMD -MP -c -o $$@ $$(or $$(wildcard $$(@D)/tree/$(2)),$(2))
 endef
 # Of a shader: its SPIR-V in the place of the healthy one's. The tool that decorates it can be the bug.
 define plant_shader
-$(SELFTEST)/$(1).$(2)/tool: $(TOOL_SRC) ref/base/mutant.h
+$(call plant_tree,$(1),$(2),$(wildcard shaders/*.glsl shaders/*.comp))
+	@mkdir -p $$(@D)/shaders && cp shaders/*.glsl shaders/*.comp $$(@D)/shaders
+	@! [ -d $$(@D)/tree/shaders ] || cp $$(@D)/tree/shaders/* $$(@D)/shaders
+$(SELFTEST)/$(1).$(2)/tool: $(SELFTEST)/$(1).$(2)/planted $(TOOL_SRC)
+	$$(HOSTCC) -iquote $$(@D)/tree -I. -std=c17 -O1 $$(WARN) -o $$@ \
+	    $$(foreach source,$(TOOL_SRC),$$(or $$(wildcard $$(@D)/tree/$$(source)),$$(source)))
+$(SELFTEST)/$(1).$(2)/raw/$(2).spv: $(SELFTEST)/$(1).$(2)/planted
 	@mkdir -p $$(@D)
-	$$(HOSTCC) -I. -std=c17 -O1 $$(WARN) -DMUTANT=MUTANT_$(1) -o $$@ $(TOOL_SRC)
-$(SELFTEST)/$(1).$(2)/raw/$(2).spv: shaders/$(2).comp
-	@mkdir -p $$(@D)
-	$$(GLSLANG) --quiet -V --target-env vulkan1.1 -g0 -DMUTANT=MUTANT_$(1) -I. -Ishaders \
-	    --depfile $$(@:.spv=.d) -o $$@ $$<
+	$$(GLSLANG) --quiet -V --target-env vulkan1.1 -g0 -I. -I$$(<D)/shaders -o $$@ $$(<D)/shaders/$(2).comp
 $(SELFTEST)/$(1).$(2)/$(2).spv: $(SELFTEST)/$(1).$(2)/raw/$(2).spv $(SELFTEST)/$(1).$(2)/tool
 	$(SELFTEST)/$(1).$(2)/tool fix $$< $$@
 $(SELFTEST)/$(1).$(2)/unit.c: $(SELFTEST)/$(1).$(2)/$(2).spv $(SPV) $(TOOL)
@@ -51,4 +60,4 @@ QUICK := HALF_NEAREST.half BOUNDS_BY_EXTENT.top_down CONTRACTED_EDGE.trace TMAX_
 planted-quick: $(B)/raydiff $(SELFTEST)/selftest.txt $(QUICK:%=$(SELFTEST)/%/raydiff)
 QUICK_NAMES := $(subst $(empty) $(empty),$(comma),$(strip $(QUICK)))
 
--include $(wildcard $(addsuffix /unit.d,$(PLANTED_DIRS)) $(addsuffix /raw/*.d,$(PLANTED_DIRS)))
+-include $(wildcard $(addsuffix /unit.d,$(PLANTED_DIRS)))

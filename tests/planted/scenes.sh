@@ -1,5 +1,5 @@
 #!/bin/sh
-# Scenes that single planted bugs of tests/house/mutants_list.txt need: sh tests/house/mutants_scenes.sh FOLDER
+# Scenes that single planted bugs of tests/planted need: sh tests/planted/scenes.sh FOLDER
 set -eu
 out=$1
 

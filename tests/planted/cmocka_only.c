@@ -1,4 +1,4 @@
-/* Preloaded into a CMocka program (tests/house/mutants_play.sh): of its unit tests only those run whose
+/* Preloaded into a CMocka program (tests/planted/play.sh): of its unit tests only those run whose
  * names match the environment's CMOCKA_ONLY, in which * and ? stand for any text and any letter. */
 #define _DEFAULT_SOURCE
 #include <stdlib.h>

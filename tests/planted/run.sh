@@ -1,18 +1,19 @@
 #!/bin/sh
-# Planted bugs (ref/base/mutant.h): each line of tests/house/mutants_list.txt compiles one into a C unit or a
-# shader, under BUILD/mutants/suite, and something of the suite must turn red. The same command is run
-# without the bug, too, and must be green, so that a broken catcher cannot pass for a catch.
+# Planted bugs (tests/planted/plant.sh): each line `caught` compiles one into a C unit or a shader, under
+# BUILD/mutants/suite, and something of the suite must turn red. The same command is run without the
+# bug, too, and must be green, so that a broken catcher cannot pass for a catch.
 #   make mutants [ONLY='PATTERN...']    the patterns as words of the shell
-#   CC_CMD=... LIBS=... TOOL_SRC=... sh tests/house/mutants.sh BUILD [PATTERN...]
+#   CC_CMD=... LIBS=... TOOL_SRC=... sh tests/planted/run.sh BUILD [PATTERN...]
 # PATTERN: an extended regular expression; lines that match one are played. Exit 2: one matches none.
 set -u
 build=$1
 shift
-list=tests/house/mutants_list.txt
 export CC_CMD LIBS TOOL_SRC
 out=$build/mutants/suite
 rm -rf "$out"
 mkdir -p "$out/healthy"
+list=$out/list
+sh tests/planted/plant.sh --check >/dev/null && sh tests/planted/plant.sh --list >"$list" || exit 2
 
 # Numbers of the lines to play.
 entries() { grep -nE '^[a-z]' "$list"; }
@@ -20,26 +21,26 @@ if [ $# -eq 0 ]; then
     entries
 else
     for pattern in "$@"; do
-        entries | grep -E -- "^[0-9]+:.*($pattern)" || { echo "no planted bug of $list matches '$pattern'" >&2; exit 2; }
+        entries | grep -E -- "^[0-9]+:.*($pattern)" || { echo "no planted bug matches '$pattern'" >&2; exit 2; }
     done | sort -nu
 fi >"$out/chosen" || exit 2
 sed -i 's/:.*//' "$out/chosen"
 [ -s "$out/chosen" ] || exit 2
 
-sh tests/house/mutants_scenes.sh "$out" || exit 4
-$CC_CMD -shared -fPIC -o "$out/cmocka_only.so" tests/house/cmocka_only.c || exit 4
+sh tests/planted/scenes.sh "$out" || exit 4
+$CC_CMD -shared -fPIC -o "$out/cmocka_only.so" tests/planted/cmocka_only.c || exit 4
 
 # As many at a time as there are processors (of which nproc counts OMP_NUM_THREADS at most), each with
 # one thread; told in the order of the list.
 jobs=$(env -u OMP_NUM_THREADS nproc)
 export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
-xargs -P "$jobs" -n 1 sh tests/house/mutants_play.sh "$build" "$list" <"$out/chosen" &
+xargs -P "$jobs" -n 1 sh tests/planted/play.sh "$build" "$list" <"$out/chosen" &
 player=$!
 trap 'kill "$player"; exit 130' INT TERM
 for number in $(cat "$out/chosen"); do
     while [ ! -e "$out/told.$number" ]; do
         if ! kill -0 "$player" 2>/dev/null && [ ! -e "$out/told.$number" ]; then
-            echo "BROKEN  $list:$number: it was not played to its end" >"$out/told.$number"
+            echo "BROKEN  line $number: it was not played to its end" >"$out/told.$number"
         else
             sleep 0.05
         fi

@@ -1,7 +1,18 @@
 #!/bin/sh
-# Plays one line of tests/house/mutants_list.txt, for tests/house/mutants.sh; a line says how it went:
+# Plays one line of `tests/planted/plant.sh --list`, for tests/planted/run.sh; a line says how it went:
 #   caught | MISSED | BROKEN (does not build, or its catcher fails without the bug) | SKIP
-#   CC_CMD=... LIBS=... TOOL_SRC=... sh tests/house/mutants_play.sh BUILD LIST LINE
+#   CC_CMD=... LIBS=... TOOL_SRC=... sh tests/planted/play.sh BUILD LIST LINE
+# Lines are words of the shell; $out is a folder with the scenes of tests/planted/scenes.sh.
+#   program BUG UNIT ARGUMENTS                   raydiff ARGUMENTS must turn red
+#   test    BUG UNIT TEST[:NAME]                 a program of unit tests, or those whose names match NAME
+#   script  BUG UNIT SCRIPT [ARGUMENTS]          so must a script of tests/ that is told of the program
+#   header  BUG TEST[:NAME]                      the bug is in a header that the test includes
+#   fire    BUG UNIT ENTRY                       the seeds of a file under fire must end it
+#   explain BUG UNIT CAUSE CODE ARGUMENTS        raydiff explain must name the cause and exit with the code
+#   told    BUG UNIT CAUSE ARGUMENTS             so must the command that raydiff check prints
+#   watched LINE                                 with the GPU's memory watched
+# UNIT: the C file, or the shaders with commas between, that are compiled with the bug. What they include
+# has it, too.
 set -u
 build=$1 list=$2 line=$3
 out=$build/mutants/suite
@@ -38,30 +49,34 @@ link() { # program, then what it is made of
     $CC_CMD -g0 -Wl,-s -o "$program" "$@" "$build/libraydiff.a" $LIBS
 }
 
-bug() { # sets name, number, unit and the folder of what is made with the bug in that unit
+bug() { # sets name, unit and the folder of what is made with the bug in that unit
     name=$1 unit=$2
-    number=$(awk -v name="MUTANT_$name" '$2 == name {print $3}' ref/base/mutant.h)
-    [ -n "$number" ] || broken "$name has no number in ref/base/mutant.h"
     dir=$out/$name-$(basename "$unit" .c)
     mkdir -p "$dir"
+    made "$dir/plant" sh tests/planted/plant.sh "$name" "$dir/tree"
 }
 made() { # FILE COMMAND...: it is there, or the line is told as broken
     [ "$(once "$@")" -eq 0 ] || broken "$name does not build in $unit: $1.log"
 }
-compile_unit() { compile "-DMUTANT=$number" -c -o "$dir/unit.o" "$unit"; }
+with_bug() { [ -e "$dir/tree/$1" ] && echo "$dir/tree/$1" || echo "$1"; }
+compile_unit() { compile -iquote "$dir/tree" -c -o "$dir/unit.o" "$(with_bug "$unit")"; }
 
-# The shaders named (with commas between) with the bug in them, all others as they are.
+# The shaders named with the bug in them, all others as they are.
 compile_shaders() {
     tool=$build/spirv_tool
     modules=" $(cat "$build/spv/list") "
-    if [ "$name" = NO_PRECISE ]; then # is in the tool
-        tool=$dir/tool
-        ${HOSTCC:-cc} -I. -std=c17 -O1 "-DMUTANT=$number" -o "$tool" $TOOL_SRC || return
-    fi
+    for source in $TOOL_SRC; do
+        [ -e "$dir/tree/$source" ] && tool=$dir/tool
+    done
+    [ "$tool" = "$build/spirv_tool" ] ||
+        ${HOSTCC:-cc} -iquote "$dir/tree" -I. -std=c17 -O1 -o "$tool" $(for source in $TOOL_SRC; do with_bug "$source"; done) || return
+    shaders=$dir/shaders # what a shader includes is looked for beside it first
+    mkdir -p "$shaders" && cp shaders/*.glsl shaders/*.comp "$shaders" || return
+    [ ! -d "$dir/tree/shaders" ] || cp "$dir"/tree/shaders/* "$shaders" || return
     for shader in $(echo "$unit" | tr , ' '); do
-        source=shaders/$shader.comp
+        source=$shaders/$shader.comp
         [ -e "$source" ] || source=$build/gen/$shader.comp
-        ${GLSLANG:-glslangValidator} --quiet -V --target-env vulkan1.1 -g0 "-DMUTANT=$number" -I. -Ishaders \
+        ${GLSLANG:-glslangValidator} --quiet -V --target-env vulkan1.1 -g0 -I. "-I$shaders" \
             -o "$dir/$shader.raw" "$source" && "$tool" fix "$dir/$shader.raw" "$dir/$shader.spv" || return
         cmp -s "$dir/$shader.spv" "$build/spv/$shader.spv" &&
             { echo "the bug changes nothing in $shader"; return 1; }
