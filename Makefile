@@ -63,7 +63,7 @@ COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           ENGINE_FILES=$(words $(wildcard ref/engines/engine_*.c gpu/engines/engine_*.c)) \
           STORE_FILES=$(words $(wildcard ref/store/store_*.c)) \
           GENERATOR_FILES=$(words $(wildcard scenes/generators/gen_*.c)) \
-          TRACE_SHADERS=$(words $(filter-out %/trace_brute.comp,$(wildcard shaders/trace_*.comp)))
+          LAYOUT_SHADERS=$(words $(LAYOUTS))
 
 .PHONY: all lib spv clean run bench format format-check install uninstall scenes
 .DELETE_ON_ERROR:

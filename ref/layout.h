@@ -68,7 +68,7 @@ struct layout {
     bool faithful; /* reproduces the seed or its paper, faults included */
     bool outside;  /* a plugin's (ref/outside/plugin_layout.h): what it packs is as deep as it decodes */
     /* Layouts of a family share their functions and one shader. `shader` is the name of the file
-     * shaders/trace_SHADER.comp, NULL: the layout's own name. */
+     * shaders/layouts/layout_SHADER.glsl, NULL: the layout's own name. */
     const char *shader;
     const void *family;   /* what pack, load and box want to know of this member */
     uint32_t constant[2]; /* specialization constants ABI_SPEC_LAYOUT_0 and _1 of its shader */

@@ -1,7 +1,7 @@
 /* A layout of raydiff from outside: what a shared object has to offer for
  *   raydiff check SCENE --layout ./mine.so --shader mine.glsl
  * Plain C, nothing else of raydiff is needed. The object exports one function, raydiff_plugin; the
- * GLSL file holds what shaders/layout_f32.glsl (two children) or shaders/wide.glsl (4 or 8) says.
+ * GLSL file holds what shaders/layouts/layout_f32.glsl (two children) or shaders/wide.glsl (4 or 8) says.
  *
  *   cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I RAYDIFF -o mine.so mine.c
  *

@@ -1,12 +1,13 @@
-# SPIR-V of every shaders/*.comp, and of a renderer for each layout, checked and decorated by our
-# tool, and its embedding into C.
-SHADERS  := $(wildcard shaders/*.comp)
-RENDERED := $(patsubst shaders/layout_%.glsl,render_%,$(wildcard shaders/layout_*.glsl))
-STACKLESS := $(patsubst shaders/layout_%.glsl,stackless_%,\
-               $(shell grep -L 'define WIDE' shaders/layout_*.glsl)) # of binary layouts
-SPV      := $(SHADERS:shaders/%.comp=$(B)/spv/%.spv) $(RENDERED:%=$(B)/spv/%.spv) \
-            $(STACKLESS:%=$(B)/spv/%.spv)
-
+# SPIR-V of every shader, checked and decorated by our tool, and its embedding into C.
+SHADERS  := $(wildcard shaders/*.comp shaders/probes/*.comp)
+# Made of a layout's file alone: its tracer, its renderer and, of binary layouts, a tracer without a stack.
+LAYOUTS  := $(patsubst shaders/layouts/layout_%.glsl,%,$(wildcard shaders/layouts/layout_*.glsl))
+BINARY   := $(patsubst shaders/layouts/layout_%.glsl,%,$(shell grep -L 'define WIDE' shaders/layouts/layout_*.glsl))
+TRACED   := $(LAYOUTS:%=trace_%)
+RENDERED := $(LAYOUTS:%=render_%)
+STACKLESS := $(BINARY:%=stackless_%)
+MADE     := $(TRACED) $(RENDERED) $(STACKLESS)
+SPV      := $(patsubst %,$(B)/spv/%.spv,$(basename $(notdir $(SHADERS))) $(MADE))
 
 GLSLANG ?= glslangValidator
 HOSTCC  ?= cc
@@ -18,30 +19,31 @@ $(TOOL): $(TOOL_SRC) gpu/shaders/spirv_fix.h ref/base/base.h
 	@mkdir -p $(@D)
 	$(call warned,$(HOSTCC) -I. -std=c17 -O1 $(WARN) -o $@ $(TOOL_SRC))
 
-# A layout's renderer is made of its file alone: $(RENDERED).
+# $(call made,LAYOUT,DEFINE,FILE)
+hash := \#
+made = @mkdir -p $(@D); printf '%s\n' '$(hash)version 450' '$(hash)extension GL_GOOGLE_include_directive : require' \
+    $(if $(2),'$(hash)define $(2)') '$(hash)include "layout_$(1).glsl"' '$(hash)include "$(3).glsl"' >$@
+$(TRACED:%=$(B)/gen/%.comp): $(B)/gen/trace_%.comp: shaders/shaders.mk
+	$(call made,$*,,trace)
 $(RENDERED:%=$(B)/gen/%.comp): $(B)/gen/render_%.comp: shaders/shaders.mk
-	@mkdir -p $(@D)
-	@printf '%s\n' '#version 450' '#extension GL_GOOGLE_include_directive : require' \
-	    '#define RENDERING' '#include "layout_$*.glsl"' '#include "render_tree.glsl"' >$@
-
-# So is its tracer without a stack, if it is binary: $(STACKLESS).
+	$(call made,$*,RENDERING,render_tree)
 $(STACKLESS:%=$(B)/gen/%.comp): $(B)/gen/stackless_%.comp: shaders/shaders.mk
-	@mkdir -p $(@D)
-	@printf '%s\n' '#version 450' '#extension GL_GOOGLE_include_directive : require' \
-	    '#define STACKLESS' '#include "layout_$*.glsl"' '#include "trace.glsl"' >$@
+	$(call made,$*,STACKLESS,trace)
 
 # -g0: names are no use at run time. Includes and abi.h come back through the depfile.
 # Ray queries need SPIR-V 1.4, so they are of Vulkan 1.2.
-$(B)/spv/raw/query_%.spv: TARGET := vulkan1.2
+$(B)/spv/plain/query_%.spv: TARGET := vulkan1.2
 TARGET := vulkan1.1
 compile = @mkdir -p $(@D); $(GLSLANG) --quiet -V --target-env $(TARGET) -g0 -I. \
-    -Ishaders --depfile $(@:.spv=.d) -o $@ $<
-$(B)/spv/raw/%.spv: shaders/%.comp
+    -Ishaders -Ishaders/layouts --depfile $(@:.spv=.d) -o $@ $<
+$(B)/spv/plain/%.spv: shaders/%.comp
 	$(compile)
-$(B)/spv/raw/%.spv: $(B)/gen/%.comp
+$(B)/spv/plain/%.spv: shaders/probes/%.comp
+	$(compile)
+$(B)/spv/plain/%.spv: $(B)/gen/%.comp
 	$(compile)
 
-$(B)/spv/%.spv: $(B)/spv/raw/%.spv $(TOOL)
+$(B)/spv/%.spv: $(B)/spv/plain/%.spv $(TOOL)
 	$(TOOL) fix $< $@
 
 # The set of shaders is a prerequisite too: a shader removed must leave the table.
@@ -55,13 +57,13 @@ $(B)/gen/shaders.c: $(SPV) $(B)/spv/list $(TOOL)
 
 # One that is gone makes what included it anew.
 shaders/%.glsl: ;
--include $(wildcard $(B)/spv/raw/*.d)
+-include $(wildcard $(B)/spv/plain/*.d)
 
 # The text of our shaders, for those that are compiled at run time.
-GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl)) ref/abi.h
+GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl shaders/layouts/*.glsl)) ref/abi.h
 $(B)/gen/glsl_sources.c: $(GLSL_TEXTS) Makefile
 	@mkdir -p $(@D)
 	@{ echo '#include "gpu/shaders/glsl_text.h"'; echo 'const struct glsl_source glsl_sources[] = {'; \
-	  for file in $(GLSL_TEXTS); do printf '{"%s",\n' "$${file#shaders/}"; \
+	  for file in $(GLSL_TEXTS); do printf '{"%s",\n' "$$(echo $$file | sed 's|^shaders/\(.*/\)*||')"; \
 	      sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $$file; echo '},'; done; \
 	  echo '{0, 0}};'; } >$@

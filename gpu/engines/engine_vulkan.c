@@ -1,4 +1,4 @@
-/* Engine `vulkan`: the shaders of shaders/trace_<layout>.comp, and those that render with the same
+/* Engine `vulkan`: the shaders of shaders/layouts/layout_<layout>.glsl, and those that render with the same
  * layouts, on any Vulkan 1.1 device. */
 #include "gpu/frame/framer.h"
 #include "gpu/trace/tracer.h"

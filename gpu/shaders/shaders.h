@@ -1,4 +1,4 @@
-/* The SPIR-V modules that the build embeds: one per shaders/NAME.comp, checked and decorated by
+/* The SPIR-V modules that the build embeds: one per shader, and three or two per layout, checked and decorated by
  * shaders/spirv_tool.c; and those of layouts from outside, by the same rules at run time. */
 #ifndef SHADERS_H
 #define SHADERS_H

@@ -38,8 +38,8 @@ const struct layout *const layouts_auto[] = {&layout_rf16, &layout_cwbvh80, &lay
 #define OWN_COUNT ARRAY_COUNT(((const struct layout *const[]){OWN}))
 _Static_assert(OWN_COUNT - MORE_OF_FAMILIES - GRID_COUNT == LAYOUT_FILES,
                "a ref/layouts/layout_*.c has no entry");
-_Static_assert(TRACE_SHADERS == LAYOUT_FILES + GRID_SHADERS,
-               "a layout has no shaders/trace_*.comp, or one too many");
+_Static_assert(LAYOUT_SHADERS == LAYOUT_FILES + GRID_SHADERS,
+               "a layout has no shaders/layouts/layout_*.glsl, or one too many");
 
 static const struct layout *all[OWN_COUNT + LAYOUTS_ADDED_MOST + 1] = {OWN};
 static size_t added;

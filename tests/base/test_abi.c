@@ -1,4 +1,4 @@
-/* The bytes of ref/abi.h's structs on the running driver: shaders/probe_abi.comp names every field,
+/* The bytes of ref/abi.h's structs on the running driver: shaders/probes/probe_abi.comp names every field,
  * C looks for the names where its own structs have the fields. */
 #include "ref/abi.h"
 

@@ -7,7 +7,6 @@ breach() {
     bad=1
 }
 scratch=${TMPDIR:-/tmp}/rules.$$
-list() { ls $* 2>/dev/null; }
 
 # Who may include whom: docs/rooms.txt, where every room stands below those that include it.
 git ls-files '*.c' '*.h' '*.glsl' '*.comp' | while read -r file; do
@@ -47,7 +46,7 @@ done | awk -v rooms=docs/rooms.txt '
         if (!(target in there)) { # of GLSL, from its own folder
             folder = $1
             sub("[^/]*$", "", folder)
-            target = (folder target in there ? folder : "shaders/") target
+            target = (folder target in there ? folder : "shaders/" target in there ? "shaders/" : "shaders/layouts/") target
             if (!(target in there)) next # made, or of a library
         }
         to = room_of(target)
@@ -70,8 +69,8 @@ grep -lE '#include <embree[34]?/' $(git ls-files '*.c' '*.h') | grep -vE '^(ref/
     breach "one file includes Embree, beside a program that is written out"
 
 # Shaders: nothing whose result may differ between drivers, but in the probes that measure how.
-for file in $(list shaders/*.comp shaders/*.glsl); do # comments may name what the code must not
-    case $file in shaders/probe_card.comp | shaders/probe_pack.comp) continue ;; esac
+for file in $(git ls-files 'shaders/*.comp' 'shaders/*.glsl'); do # comments may name what the code must not
+    case $file in shaders/probes/probe_card.comp | shaders/probes/probe_pack.comp) continue ;; esac
     awk '{
         line = $0
         kept = ""
@@ -130,7 +129,9 @@ git ls-files '*.c' '*.h' '*.glsl' '*.comp' | sed 's|.*/||' | sort | uniq -d | gr
 grep -hoE '^(typedef )?(struct|enum|union) [a-z_0-9]+ \{' $(git ls-files '*.c' '*.h' | grep -vE '^(fuzz/(samples|templates)|tests/peers)/') |
     awk '{print $(NF - 1)}' | sort | uniq -d | grep . && breach "two types have the same tag"
 
-# Small rooms.
+# Small rooms; results are data.
+git ls-files -- ':!bench/results' | sed -n 's|/[^/]*$||p' | sort | uniq -c | awk '$1 > 40 {print $2 ": " $1 " files"; bad = 1} END {exit !bad}' &&
+    breach "a folder has at most 40 files"
 [ "$(wc -l <Makefile)" -le 200 ] || breach "Makefile: over 200 lines; its parts stand in the rooms that they build"
 for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
     lines=$(wc -l <"$file")

@@ -82,6 +82,10 @@ echo >gpu/vk/half.c && git add gpu/vk/half.c
 plant gpu/vk/half.c ''
 git rm -qf gpu/vk/half.c
 plant ref/base/half.c 'enum bvh { RED };'
+for i in $(seq 40); do echo >"docs/$i.txt"; done
+git add docs
+plant docs/1.txt ''
+git rm -qf docs/[0-9]*.txt
 plant Makefile "$(awk 'BEGIN { for (i = 0; i < 200; i++) print "#" }')"
 plant bench/results/lavapipe-22.3.6/hour.txt "$(awk 'BEGIN { for (i = 0; i < 3000; i++) print "1" }')"
 echo '{}' >bench/results/new.json && git add bench/results/new.json

@@ -20,7 +20,7 @@ awk -v out="$copy/steps" '
     END { print block > (out ".count") }
 ' README.md
 count=$(cat steps.count)
-[ "$count" -ge 5 ] || { echo "README.md: found $count tutorial blocks, expected at least 5"; exit 1; }
+[ "$count" -ge 4 ] || { echo "README.md: found $count tutorial blocks, expected at least 4"; exit 1; }
 
 i=1
 while [ "$i" -le "$count" ]; do

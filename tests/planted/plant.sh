@@ -1,5 +1,6 @@
 #!/bin/sh
-# Planted bugs: tests/planted/*.txt, a text for each room, has a record of each. The program holds none of them.
+# Planted bugs: tests/planted/*.txt, a text for each room or some small ones, has a record of each. The program
+# holds none of them.
 #
 #   bug NAME: what is wrong
 #   in FILE: FUNCTION               FILE alone: anywhere in the file

@@ -20,15 +20,14 @@ $(SELFTEST)/$(1).$(basename $(notdir $(2)))/unit.o: $(SELFTEST)/$(1).$(basename 
 endef
 # Of a shader: its SPIR-V in the place of the healthy one's. The tool that decorates it can be the bug.
 define plant_shader
-$(call plant_tree,$(1),$(2),$(wildcard shaders/*.glsl shaders/*.comp))
-	@mkdir -p $$(@D)/shaders && cp shaders/*.glsl shaders/*.comp $$(@D)/shaders
-	@! [ -d $$(@D)/tree/shaders ] || cp $$(@D)/tree/shaders/* $$(@D)/shaders
+$(call plant_tree,$(1),$(2),$(wildcard shaders/*.glsl shaders/*.comp shaders/*/*.glsl))
+	@mkdir -p $$(@D)/shaders && sh tests/planted/shaders.sh $$(@D)/tree $$(@D)/shaders
 $(SELFTEST)/$(1).$(2)/tool: $(SELFTEST)/$(1).$(2)/planted $(TOOL_SRC)
 	$$(HOSTCC) -iquote $$(@D)/tree -I. -std=c17 -O1 $$(WARN) -o $$@ \
 	    $$(foreach source,$(TOOL_SRC),$$(or $$(wildcard $$(@D)/tree/$$(source)),$$(source)))
-$(SELFTEST)/$(1).$(2)/raw/$(2).spv: $(SELFTEST)/$(1).$(2)/planted
+$(SELFTEST)/$(1).$(2)/raw/$(2).spv: $(SELFTEST)/$(1).$(2)/planted $(B)/gen/$(2).comp
 	@mkdir -p $$(@D)
-	$$(GLSLANG) --quiet -V --target-env vulkan1.1 -g0 -I. -I$$(<D)/shaders -o $$@ $$(<D)/shaders/$(2).comp
+	$$(GLSLANG) --quiet -V --target-env vulkan1.1 -g0 -I. -I$$(<D)/shaders -o $$@ $(B)/gen/$(2).comp
 $(SELFTEST)/$(1).$(2)/$(2).spv: $(SELFTEST)/$(1).$(2)/raw/$(2).spv $(SELFTEST)/$(1).$(2)/tool
 	$(SELFTEST)/$(1).$(2)/tool fix $$< $$@
 $(SELFTEST)/$(1).$(2)/unit.c: $(SELFTEST)/$(1).$(2)/$(2).spv $(SPV) $(TOOL)

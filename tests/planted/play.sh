@@ -71,8 +71,7 @@ compile_shaders() {
     [ "$tool" = "$build/spirv_tool" ] ||
         ${HOSTCC:-cc} -iquote "$dir/tree" -I. -std=c17 -O1 -o "$tool" $(for source in $TOOL_SRC; do with_bug "$source"; done) || return
     shaders=$dir/shaders # what a shader includes is looked for beside it first
-    mkdir -p "$shaders" && cp shaders/*.glsl shaders/*.comp "$shaders" || return
-    [ ! -d "$dir/tree/shaders" ] || cp "$dir"/tree/shaders/* "$shaders" || return
+    mkdir -p "$shaders" && sh tests/planted/shaders.sh "$dir/tree" "$shaders" || return
     for shader in $(echo "$unit" | tr , ' '); do
         source=$shaders/$shader.comp
         [ -e "$source" ] || source=$build/gen/$shader.comp

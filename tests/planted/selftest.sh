@@ -32,9 +32,9 @@ while read -r bug unit; do
         ;;
     *)
         [ -d "$tree/shaders" ] || continue # is in the tool that decorates the shader
-        cp -n shaders/*.glsl shaders/*.comp "$tree/shaders"
-        $spirv "-I$tree/shaders" -o "$work/planted" "$tree/shaders/$unit.comp" || fault "$unit does not compile with $bug"
-        cmp -s "$build/spv/raw/$unit.spv" "$work/planted" && fault "$bug changes nothing in $unit"
+        mkdir -p "$tree/flat" && sh tests/planted/shaders.sh "$tree" "$tree/flat"
+        $spirv "-I$tree/flat" -o "$work/planted" "$build/gen/$unit.comp" || fault "$unit does not compile with $bug"
+        cmp -s "$build/spv/plain/$unit.spv" "$work/planted" && fault "$bug changes nothing in $unit"
         ;;
     esac
 done <"$work/table"

@@ -1,4 +1,0 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-#include "layout_rtrs_direct.glsl"
-#include "trace.glsl"
