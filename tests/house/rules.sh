@@ -9,9 +9,7 @@ breach() {
 scratch=${TMPDIR:-/tmp}/rules.$$
 
 # Who may include whom: docs/rooms.txt, where every room stands below those that include it.
-git ls-files '*.c' '*.h' '*.glsl' '*.comp' | while read -r file; do
-    [ -e "$file" ] && awk '/#[ \t]*include "/ {split($0, part, "\""); print FILENAME, FNR, part[2]}' "$file"
-done | awk -v rooms=docs/rooms.txt '
+grep -nE '#[ 	]*include "' $(git ls-files '*.c' '*.h' '*.glsl' '*.comp') | awk -F: '{split($3, part, "\""); print $1, $2, part[2]}' | awk -v rooms=docs/rooms.txt '
     function breach(text) { print text; bad = 1 }
     function room_of(file) {
         if (file in place) return file
@@ -96,10 +94,8 @@ grep -E '\b(cross|dot|normalize|length|distance|mix|min|max) *\(' "$scratch" &&
     breach "write the operations out: these are never decorated NoContraction"
 
 # The library prints nothing and does not exit.
-for file in $(git ls-files 'ref/*.c' 'gpu/*.c' 'scenes/*.c'); do
-    grep -nE '(^|[^a-z_])(printf|puts|perror|exit|abort) *\(' "$file" /dev/null &&
-        breach "$file: the library neither prints nor exits"
-done
+grep -nE '(^|[^a-z_])(printf|puts|perror|exit|abort) *\(' $(git ls-files 'ref/*.c' 'gpu/*.c' 'scenes/*.c') &&
+    breach "the library neither prints nor exits"
 
 # Two draws of a sequence among the arguments of one call come in the order that a compiler likes.
 perl -0777 -ne '
@@ -133,10 +129,8 @@ grep -hoE '^(typedef )?(struct|enum|union) [a-z_0-9]+ \{' $(git ls-files '*.c' '
 git ls-files -- ':!bench/results' | sed -n 's|/[^/]*$||p' | sort | uniq -c | awk '$1 > 40 {print $2 ": " $1 " files"; bad = 1} END {exit !bad}' &&
     breach "a folder has at most 40 files"
 [ "$(wc -l <Makefile)" -le 200 ] || breach "Makefile: over 200 lines; its parts stand in the rooms that they build"
-for file in $(git ls-files '*.c' '*.h' '*.glsl' '*.comp'); do
-    lines=$(wc -l <"$file")
-    [ "$lines" -le 450 ] || breach "$file: $lines lines; one concept a file, at most 450"
-done
+wc -l $(git ls-files '*.c' '*.h' '*.glsl' '*.comp') | awk '$1 > 450 && $2 != "total" {print $2 ": " $1 " lines"; bad = 1} END {exit !bad}' &&
+    breach "one concept a file, at most 450 lines"
 
 # Results are read by people: tables and texts, and no more than that.
 git ls-files bench/results | grep -vE '\.(csv|txt|md)$' && breach "bench/results: CSV and text only"
