@@ -3,7 +3,7 @@
  *
  * Both follow the same paths to the same bits wherever + - * / of floats are IEEE's: what follows
  * is the order of operations of both, each written on its own. Products before sums as written; no
- * contraction. pow is nobody's to the bit, so it touches colours only, never a path.
+ * contraction. pow is the same to the bit nowhere, so it touches colours only, never a path.
  *
  *   dot(a, b) = (ax bx + ay by) + az bz          unit(v) = v / sqrt(dot(v, v)), three divisions;
  * the sqrt is rounded to nearest everywhere        zero vector if the dot is not in (0, inf)
@@ -40,7 +40,7 @@
  * Pixel: floor(255 min(max(total, 0), 1) + 0.5) per channel, where NaN is 0.
  *
  * RTRS is the published shader: picture plane of 1 x 1 whatever the aspect, corners of pixels, tmin
- * 0.01, tmax 1000, offset 0.001, reflections weighted by the surface hit, ambience read by nobody
+ * 0.01, tmax 1000, offset 0.001, reflections weighted by the surface hit, ambience not read
  * (faults F17, F26, F27). Not reproduced: the naive handler's exclusion of the triangle that a
  * shadow ray starts on. */
 #ifndef FRAME_H
@@ -50,7 +50,7 @@
 
 #define FRAME_SIDE_MOST    16384u /* pixels */
 #define FRAME_BOUNCES_MOST 64u
-#define FRAME_TILE_MOST    16u /* the seed's limit: 256 invocations of a workgroup */
+#define FRAME_TILE_MOST    16u /* RTRS's limit: 256 invocations of a workgroup */
 
 enum profile {
     PROFILE_REPAIRED = ABI_PROFILE_REPAIRED,
@@ -98,8 +98,8 @@ struct view {
 
 /* Where the answers of a frame go; the arrays are the caller's, row 0 at the top. */
 struct frame {
-    uint32_t
-        *pixel;   /* width * height, as struct image has them (scenes/picture/image.h): red in bits 0-7 */
+    uint32_t *
+        pixel; /* width * height, as struct image has them (scenes/picture/image.h): red in bits 0-7 */
     float *color; /* NULL, or `total` of each pixel, 3 floats */
     float *bound; /* NULL, or for each pixel how far 255 total of any channel can be from that of
                      another IEEE renderer whose pow is within Vulkan's precision; filled in by

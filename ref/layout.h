@@ -8,8 +8,8 @@
 /* In which order a traversal visits the children it hits. */
 enum visit {
     VISIT_NEAR, /* smaller entry distance first, fst if equal */
-    VISIT_FST,  /* fst first: the seed's reduced-footprint shader */
-    VISIT_SND,  /* snd first: the seed's direct shader */
+    VISIT_FST,  /* fst first: RTRS's reduced-footprint shader */
+    VISIT_SND,  /* snd first: RTRS's direct shader */
 };
 
 /* How the program that a faithful layout reproduces ends on a tree, in place of packing it. */
@@ -41,7 +41,7 @@ struct packed {
 #define WIDE_MAX 8
 
 /* One decoded node. Inner: child_count >= 2 (of a wide layout >= 1), boxes and references of the
- * children; those out of range are dropped (the seed wraps references), so that fewer may be left.
+ * children; those out of range are dropped (RTRS wraps references), so that fewer may be left.
  * Leaf: child_count == 0, item slots 0 .. item_count - 1, to be read with packed_item. */
 struct wide {
     uint32_t child_count;
@@ -65,8 +65,9 @@ struct layout {
     uint32_t refs; /* references for each record, no more than it has words; 0: 1, of a wide layout
                       1 + width */
     enum visit order;
-    bool faithful; /* reproduces the seed or its paper, faults included */
-    bool outside;  /* a plugin's (ref/outside/plugin_layout.h): what it packs is as deep as it decodes */
+    bool faithful; /* reproduces RTRS or its paper, faults included */
+    bool
+        outside; /* a plugin's (ref/outside/plugin_layout.h): what it packs is as deep as it decodes */
     /* Layouts of a family share their functions and one shader. `shader` is the name of the file
      * shaders/layouts/layout_SHADER.glsl, NULL: the layout's own name. */
     const char *shader;

@@ -15,7 +15,7 @@ struct tri_store {
     const char *summary;
     uint32_t id;    /* ABI_STORE_* */
     uint32_t tests; /* a bit 1 << ABI_TRI_* for each triangle test that it can answer; 0: any */
-    /* What stands before the first leaf: `head_words` words, at packed->item. Errors: STATUS_LIMIT,
+    /* What comes before the first leaf: `head_words` words, at packed->item. Errors: STATUS_LIMIT,
      * with the rule. NULL: nothing. */
     uint32_t head_words;
     enum status (*head)(const struct tri_store *self, const struct scene *scene, uint32_t *word,

@@ -1,4 +1,4 @@
-/* A scene made of meshes: what the seed's `construct` does. */
+/* A scene made of meshes: what RTRS's `construct` does. */
 #ifndef CONSTRUCT_H
 #define CONSTRUCT_H
 
@@ -23,7 +23,7 @@ struct construct {
     struct camera camera;
     uint64_t seed;     /* of generators whose spec has none */
     bool fill_normals; /* see construct_scene */
-    /* Called before each model is read; NULL: nobody wants to know. */
+    /* Called before each model is read; NULL: not called. */
     void (*step)(void *user, const char *spec);
     void *user;
 };
@@ -40,12 +40,12 @@ struct construct_notes {
  * them, so that no index moves, and only if a model asks for it or there is no material: then it is
  * 0, and a model may also say 0. A mirrored model's triangles are turned around (corners 1 and 2
  * change places), so that what was outside stays outside.
- * Normals that would be NaN in the seed's files are (0, 1, 0): of vertices of no triangle always,
+ * Normals that would be NaN in RTRS's files are (0, 1, 0): of vertices of no triangle always,
  * of others if fill_normals. Errors, each naming the model: STATUS_INPUT no model, a material out
  * of range, numbers that are not finite, a camera that looks nowhere, what scene_open says,
  * vertices that leave the range of a float, a vertex of a triangle without normal (unless
  * fill_normals); STATUS_LIMIT more than 2^32 - 2 vertices or triangles; STATUS_MEMORY. On error
- * *out is zero. Source: the seed's scene/mod.rs and bin/construct.rs; its indices are off by one.
+ * *out is zero. Source: RTRS's scene/mod.rs and bin/construct.rs; its indices are off by one.
  */
 enum status construct_scene(const struct construct *from, struct scene *out,
                             struct construct_notes *notes, struct reason *reason) MUST_USE;

@@ -169,7 +169,7 @@ static enum status read_params(const struct generator *generator, const char *te
     return STATUS_OK;
 }
 
-/* Runs a generator on what stands behind its name: "" or ":key=value,...". */
+/* Runs a generator on what follows its name: "" or ":key=value,...". */
 static enum status generate(const struct generator *generator, const char *params, uint64_t seed,
                             struct scene *out, struct reason *reason)
 {

@@ -41,7 +41,7 @@ tri_ray tri_ray_make(vec3 o, vec3 d, float tmin, float tmax)
     return r;
 }
 
-/* The order of the sum is pinned; nobody promises that of the built-in product. */
+/* The order of the sum is pinned; that of the built-in product is not promised. */
 float tri_sum(vec3 a, vec3 b)
 {
     precise float sum = (a.x * b.x + a.y * b.y) + a.z * b.z;

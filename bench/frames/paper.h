@@ -25,7 +25,7 @@ struct paper_figure {
 enum { PAPER_DEFAULT, PAPER_TEAPOT, PAPER_FIGURES };
 extern const struct paper_figure paper_figures[PAPER_FIGURES];
 
-/* A tree by the seed's builder, and its bytes by three layouts. */
+/* A tree by RTRS's builder, and its bytes by three layouts. */
 struct paper_tree {
     uint32_t leaf; /* aimed at */
     struct bvh_stats stats;

@@ -9,7 +9,7 @@
  * tests. Engines without a tree have no box test: their cell is as wide as the group. */
 #define BOXES_MOST 8
 
-#define CELLS_MOST 5000u /* of a matrix; more is for nobody to look at */
+#define CELLS_MOST 5000u /* of a matrix; more cannot be read */
 
 struct group {
     const json_t *first;

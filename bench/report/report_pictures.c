@@ -150,7 +150,7 @@ void report_pictures(struct html *html, const struct report *report)
     section_begin(html, "pictures", "4 Pictures");
     section_reasons(html, report, REPORT_PICTURES,
                     "raydiff report SCENE... draws its first scenes; --picture TITLE=FILE.png "
-                    "takes a picture that is there.");
+                    "takes an existing picture.");
     if (report->wanted[REPORT_PICTURES] && report->picture_count == 0)
         html_element(html, "p", "note bad", "There is no picture.");
     put_pairs(html, report);

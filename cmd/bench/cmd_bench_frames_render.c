@@ -74,7 +74,7 @@ static enum status tell(void *user, const struct frames_run *run, struct reason 
     return frames_write(run, &b->about, chosen.base, reason);
 }
 
-/* As the seed's chart names it. */
+/* As RTRS's chart names it. */
 static const char *handler_name(const struct render_settings *settings)
 {
     static const char *const names[][2] = {

@@ -41,7 +41,7 @@ struct race {
 };
 
 /* Who takes part in `bench`'s race: everything the user named, else every engine but brute force
- * (its time is the triangle count's), every layout and triangle test but the seed's (as published
+ * (its time is the triangle count's), every layout and triangle test but RTRS's (as published
  * they test every node), and for each triangle test the box test that suits it. `tri` NULL: the
  * user's or all; else that one. Engines without a tree have no layout; those whose formula is their
  * own take part once. Who cannot is left out with a line and, if the user named it, an exit code:

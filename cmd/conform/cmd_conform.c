@@ -33,7 +33,7 @@ static const char help[] =
     "  --displacement U  how far vertices may have to move to make an answer of an unknown "
     "formula\n"
     "                  right, in 2^-24 of their distance                  [32]\n"
-    "  --hard          the hard cases, on the layouts f32, rf16 and the seed's and the builders\n"
+    "  --hard          the hard cases, on the layouts f32, rf16 and RTRS's and the builders\n"
     "                  median and rtrs, all others by turns; or on those of --layout, --builder,\n"
     "                  --box and --tri alone (one from outside, too): names\n"
     "                  hard.NN-CASE.query.engine.layout.builder.box.tri.\n"

@@ -21,7 +21,7 @@ static const char help[] =
     "Plays random trials on engines and layouts, and keeps what they get wrong: a folder for each\n"
     "distinct finding, with the first and the smallest trial that shows it. A folder that is "
     "there\n"
-    "is gone on with, also after a kill; its campaign's options need not be given again.\n\n"
+    "is resumed, also after a kill; its campaign's options need not be given again.\n\n"
     "  --time S          seconds of this run                    [60; none with --trials]\n"
     "  --trials N        trials of the whole campaign, the same on any number of workers\n"
     "  --until N         end after N distinct findings that the baseline does not know\n"
@@ -284,7 +284,7 @@ static bool names_corpus(const struct fuzz_command *c)
     return c->corpus && strcmp(c->corpus, "none") != 0;
 }
 
-/* Where nobody names a folder there may be none: an installed program has no corpus. */
+/* If no folder is named there may be none: an installed program has no corpus. */
 static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
 {
     const char *folder = c->corpus ? c->corpus : "fuzz/corpus";

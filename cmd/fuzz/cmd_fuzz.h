@@ -77,11 +77,11 @@ enum status fuzz_key_set(struct fuzz_command *command, enum fuzz_key key, const 
  * option that differs, another version of the generators, a folder of something else. */
 enum status fuzz_identify(struct fuzz_command *command, struct reason *reason) MUST_USE;
 
-/* Leaves out what cannot run here of the engines that nobody named; asked in a child. Errors:
+/* Leaves out what cannot run here of the engines that were not named; tried in a child. Errors:
  * STATUS_UNSUPPORTED none can; as child_start. */
 enum status fuzz_default_engines(struct fuzz_command *command, struct reason *reason) MUST_USE;
 
-/* Rules and tally of the pairs that meet. Errors: STATUS_INPUT nobody takes part; STATUS_LIMIT;
+/* Rules and tally of the pairs that meet. Errors: STATUS_INPUT no engine takes part; STATUS_LIMIT;
  * STATUS_MEMORY. */
 enum status fuzz_pairs_make(struct fuzz_command *command, struct reason *reason) MUST_USE;
 /* Pairs that the time did not suffice for, 1 where none can meet; 0 without a number asked for. */

@@ -15,7 +15,7 @@ static void add(struct pair_tables *tables, enum pair_factor factor, const void 
 }
 
 /* Members of tables that can be drawn or generated: as published with --faithful, and layouts that
- * are named; the same for a folder that is gone on with, which has the names and not who gave
+ * are named; the same for a folder that is resumed, which has the names and not who gave
  * them. */
 static void fill(const struct fuzz_command *c, struct pair_tables *t)
 {

@@ -234,7 +234,7 @@ static bool ends_with(const char *text, const char *end)
 }
 
 /* Where the result goes: NAME.min.trial beside NAME.trial, and one that has that name already is
- * gone on with. Errors: STATUS_INPUT too long a name, or something is there. */
+ * resumed. Errors: STATUS_INPUT too long a name, or it exists. */
 static enum status choose_out(const struct min_options *options, const char *path,
                               char out[MIN_PATH_MOST], struct reason *reason)
 {

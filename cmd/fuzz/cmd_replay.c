@@ -18,7 +18,7 @@ static const char help[] =
     "  --engine E,...  these engines; the signature's engine then does not matter  [all]\n"
     "  --layout L,...  these layouts                [the signature's; else f32,rf16]\n"
     "  --time S        seconds that an engine may take for a file                  [60]\n"
-    "  --brief         a line per file, and what nobody expected; no explanation\n"
+    "  --brief         a line per file, and what was not expected; no explanation\n"
     "  --as-expected   succeed if each file shows exactly what it expects\n" ENGINE_OPTIONS_HELP
     "  --json FILE     results, for machines\n\n"
     "exit codes: 0 no file fails any more, 1 one still fails, 2 bad input, 3 an engine crashed or\n"

@@ -1,4 +1,4 @@
-/* raydiff render: pictures of a scene by any engine; the seed's load. */
+/* raydiff render: pictures of a scene by any engine; RTRS's load. */
 #include "cmd/render/cmd_render.h"
 
 #include "cmd/common/cmd_use.h"

@@ -11,7 +11,7 @@
 #include "scenes/render/camera.h"
 #include "scenes/render/render.h"
 
-#define RENDER_SCENE_DEFAULT "rtrs" /* the seed's own */
+#define RENDER_SCENE_DEFAULT "rtrs" /* RTRS's own */
 #define RENDER_WINDOW_WIDTH  800u   /* where only a workgroup size says what is wanted */
 #define RENDER_WINDOW_HEIGHT 600u
 
@@ -20,9 +20,9 @@ enum {
     OPT_RENDER_LAST = 511, /* options of commands and modes follow */
 };
 
-/* What the seed calls an intersection handler: members of our tables, for either profile. */
+/* What RTRS calls an intersection handler: members of our tables, for either profile. */
 struct render_handler {
-    const char *name; /* as in --handler; --handler-NAME is the seed's spelling */
+    const char *name; /* as in --handler; --handler-NAME is RTRS's spelling */
     struct {
         const char *builder, *layout, *box, *tri;
         uint32_t leaf;
@@ -130,7 +130,7 @@ enum status render_option_take(int option, char *text, struct render_settings *o
 int render_options_take(const char *command, void (*print_help)(void), const struct option *table,
                         option_fn *take, void *user, int argc, char **argv, int *first);
 
-/* Fills in what was not named: the resolution by the seed's three forms, and the members of the
+/* Fills in what was not named: the resolution by RTRS's three forms, and the members of the
  * profile's handler. `command` prefixes notes on stderr.
  * Errors: STATUS_INPUT options that contradict each other. */
 enum status render_settings_finish(const char *command, struct render_settings *settings,

@@ -22,7 +22,7 @@ const char render_options_help[] =
     "  --handler H     naive: every triangle; bvh: 32-byte nodes (rtrs: 48); bvh-rf: 16-byte\n"
     "                  nodes; blank: no triangle                                 [bvh]\n"
     "  --handler-naive, --handler-bvh [EPS|FILE], --handler-bvh-rf [EPS|FILE], --handler-blank\n"
-    "                  the seed's spelling, FILE is --bvh\n"
+    "                  RTRS's spelling, FILE is --bvh\n"
     "  --engine E      see raydiff list engines                                  [cpu]\n"
     "  --layout L, --builder B, --box T, --tri T, --leaf N, --eps E   see raydiff list; in place\n"
     "                  of the handler's. --layout auto is the first that fits\n"
@@ -64,7 +64,7 @@ static enum status take_handler(const char *name, struct render_settings *out,
     return fail(reason, STATUS_INPUT, "--handler: '%s' is not naive, bvh, bvh-rf or blank", name);
 }
 
-/* As the seed: what reads as a number is one, whatever files there are. */
+/* As RTRS: what reads as a number is one, whatever files there are. */
 static enum status take_handler_from(const char *handler, char *text, struct render_settings *out,
                                      struct reason *reason)
 {
@@ -285,7 +285,7 @@ static uint32_t common_divisor(uint32_t a, uint32_t b)
     return a;
 }
 
-/* The seed's three forms: a workgroup size alone is a window's size, a picture's size alone gives
+/* RTRS's three forms: a workgroup size alone is a window's size, a picture's size alone gives
  * the workgroup's, or both. A workgroup of more than 256 invocations becomes one of 16 x 16. */
 static enum status finish_size(const char *command, struct render_settings *s,
                                struct reason *reason)

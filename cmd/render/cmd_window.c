@@ -1,4 +1,4 @@
-/* raydiff render --window: the picture on the screen, turned by the seed's keys. */
+/* raydiff render --window: the picture on the screen, turned by RTRS's keys. */
 #include "bench/frames/pacing.h"
 #include "ref/base/command.h"
 #include "cmd/common/cmd_process.h"

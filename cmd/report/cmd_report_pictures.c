@@ -133,7 +133,8 @@ static enum status draw(struct gallery *gallery, const char *engine, bool *there
     if (status || gallery->stopped)
         return status;
     if (how.code == EXIT_SKIPPED && !gallery->named) {
-        complain(gallery, engine, how.said); /* as in check: who was not named may be missing */
+        complain(gallery, engine,
+                 how.said); /* as in check: an engine that was not named may be missing */
         return STATUS_OK;
     }
     gallery->code = exit_worse(gallery->code, how.code);

@@ -1,4 +1,4 @@
-/* raydiff construct: meshes, materials, lights and a camera to a scene, as the seed's construct. */
+/* raydiff construct: meshes, materials, lights and a camera to a scene, as RTRS's construct. */
 #include "cmd/scene/cmd_construct.h"
 
 #include "cmd/common/cmd_tables.h"
@@ -12,9 +12,9 @@
 static const char help[] =
     "usage: raydiff construct --out FILE --model MESH IDX [TRANSFORMS] [--model ...]\n"
     "           --camera-pos X Y Z ATX ATY ATZ --camera-fixed|--camera-orbit [OPTIONS]\n"
-    "Makes a scene of meshes. The options are the seed's; numbers may be negative or have an\n"
+    "Makes a scene of meshes. The options are RTRS's; numbers may be negative or have an\n"
     "exponent (-10, 2.5e-3), options come in any order, but for transforms.\n\n"
-    "  --out FILE          scene JSON as the seed writes it; or .obj, .ply: the triangles only\n"
+    "  --out FILE          scene JSON as RTRS writes it; or .obj, .ply: the triangles only\n"
     "  --model MESH IDX    .obj, .ply or .json, each also .gz, or a generator (soup:n=50); its\n"
     "                      triangles get material IDX, or the default one: 'default'; more\n"
     "                      models by more pairs or more --model\n"
@@ -22,7 +22,7 @@ static const char help[] =
     "  --camera-fixed, --camera-orbit    whether it can turn around what it looks at\n"
     "  --light X Y Z STRENGTH            as many as there are\n"
     "  --material R G B DIFFUSE SPECULAR REFLECTIVE EXPONENT    the first is 0, the next 1, ...\n"
-    "The default material is the seed's red. It comes behind those given, if a model asks for it;\n"
+    "The default material is RTRS's red. It comes behind those given, if a model asks for it;\n"
     "without --material it is 0.\n\n"
     "Transforms of the model named last, one after the other as they stand:\n"
     "  --translate X Y Z\n"

@@ -1,4 +1,4 @@
-/* raydiff precompute: a scene's tree in the seed's file format or packed in a layout; and trees of
+/* raydiff precompute: a scene's tree in RTRS's file format or packed in a layout; and trees of
  * others, checked. */
 #include "ref/tree/bvh_json.h"
 #include "cmd/common/cmd_use.h"
@@ -12,7 +12,7 @@
 static const char help[] =
     "usage: raydiff precompute --scene SCENE --out FILE [OPTIONS]\n"
     "       raydiff precompute --scene SCENE --verify FILE\n"
-    "Builds a scene's tree and writes it as JSON, byte for byte as the seed's precompute does\n"
+    "Builds a scene's tree and writes it as JSON, byte for byte as RTRS's precompute does\n"
     "with builder rtrs; or checks a file that somebody else made.\n\n"
     "  --scene SCENE     a mesh file (.json .obj .ply, also .gz) or a generator such as soup:n=50\n"
     "  --out FILE        written to a temporary name and renamed\n"
@@ -25,7 +25,7 @@ static const char help[] =
     "[0.02]\n" BUILD_OPTIONS_HELP
     "  --seed S          of a generator                                           [1]\n\n"
     "exit codes: 0 written, or verified; 1 a tree, but with too small boxes, or triangles in no\n"
-    "leaf or in several; 2 bad input, no tree, or the seed never ends here; 4 no memory\n"
+    "leaf or in several; 2 bad input, no tree, or RTRS never ends here; 4 no memory\n"
     "example: raydiff precompute --scene default.json --out default.bvh.json --item-count 2\n";
 
 struct precompute {

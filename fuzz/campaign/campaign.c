@@ -168,13 +168,13 @@ static enum status save(struct campaign *c, bool now, struct reason *reason)
     return status || !c->options->mutate ? status : save_kept(c, reason);
 }
 
-/* All trials were ordered: nobody has one, and there is no next. */
+/* All trials were ordered: no worker has one, and there is no next. */
 static bool is_empty(struct campaign *c)
 {
     return campaign_crew_count(c, SLOT_IDLE) == c->slots && !campaign_has_blocks(c);
 }
 
-/* True if nobody waits for the workers any more. */
+/* True if the workers are not waited for any more. */
 static bool is_cut_short(struct campaign *c)
 {
     if (!stop_of(c))
@@ -194,7 +194,7 @@ static enum status go_on(struct campaign *c, struct reason *reason)
         if (!status)
             status = campaign_crew_hear(c, reason);
         c->ending = c->ending || is_over(c);
-        if (!status) /* before files are written, so that nobody waits for the disk */
+        if (!status) /* before files are written, so that no worker waits for the disk */
             status = campaign_crew_order(c, reason);
         if (!status)
             status = campaign_blocks_apply(c, reason);

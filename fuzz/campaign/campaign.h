@@ -43,7 +43,7 @@ struct campaign_options {
     uint32_t until;        /* end after so many findings that are not known; 0: no end */
     uint32_t trial_ms;     /* the longest that an engine may take for a trial */
     uint64_t memory_bytes; /* the most that a worker may hold; 0: any */
-    /* Whether a finding is nobody's news (NULL: none is). */
+    /* Whether a finding is known (NULL: none is). */
     bool (*is_known)(void *user, const struct findings_entry *entry);
     void (*tick)(void *user, const struct campaign_view *view); /* some times a second; or NULL */
     void *user;

@@ -228,7 +228,7 @@ enum status campaign_block_died(struct campaign *c, struct campaign_block *block
                                 const struct death *death)
 {
     enum status status = STATUS_OK;
-    if (!block->alone) { /* together: nobody knows yet which trial it was */
+    if (!block->alone) { /* together: which trial it was is not known yet */
         block->alone = true;
         block->death = *death;
         block->findings = 0;

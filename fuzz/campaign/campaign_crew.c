@@ -1,4 +1,4 @@
-/* The workers of a campaign: who has what to do, who died, hangs or holds too much. */
+/* The workers of a campaign: what each has to do, which died, hang or hold too much. */
 #include "fuzz/campaign/campaign_inner.h"
 
 #include <stdatomic.h>
@@ -305,7 +305,7 @@ static bool is_stuck(const struct campaign *c, struct slot *slot)
     return is_late(c, slot);
 }
 
-/* Who is stopped by a signal for longer than it may be at its work, and we are not, will hardly go
+/* A worker that is stopped by a signal for longer than it may work, while we are not, will hardly go
  * on by itself. It is replaced, and what it was at is begun again: that somebody stopped it says
  * nothing of a trial. */
 static enum status replace_stopped(struct campaign *c, struct slot *slot, struct reason *reason)

@@ -107,7 +107,7 @@ struct work_finding {
     char opinion[WORK_OPINION_MOST];
 };
 
-/* What came of an order; the first one, of an order that nobody gave, is that the engines were
+/* What came of an order; the first one, which no order asked for, is that the engines were
  * opened, and `text` then the versions. */
 struct work_report {
     enum status status; /* STATUS_OK, or nothing but time and reason is there */

@@ -16,7 +16,7 @@ struct export_template {
 /* The last one has the name NULL. */
 extern const struct export_template export_templates[];
 
-/* Writes what stands for #include "finding.h". */
+/* Writes what replaces #include "finding.h". */
 typedef void export_data_fn(const void *user, FILE *to);
 
 /* Writes template `name`.

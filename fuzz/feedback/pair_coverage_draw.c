@@ -1,4 +1,4 @@
-/* Who is to meet next. */
+/* Which members are combined next. */
 #include "fuzz/feedback/pair_coverage_inner.h"
 
 #include "ref/base/rng.h"
@@ -217,7 +217,7 @@ void pair_coverage_draw(struct pair_coverage *m, uint64_t seed, uint64_t turn, u
             full = choose_member(m, &row, f, (double)trials, &rng, false);
             take_program(m, &row);
         }
-        if (any && !full) { /* nobody who takes part can trace these two */
+        if (any && !full) { /* no engine that takes part can trace these two */
             pair_coverage_of_pair(m, a, i, b, j)->possible = false;
             continue;
         }

@@ -58,7 +58,7 @@ struct findings_news {
 enum status findings_open(const char *folder, struct findings **out,
                           struct reason *reason) MUST_USE;
 
-/* The same for reading: changes nothing, and nobody may be writing to it. */
+/* The same for reading: changes nothing; no process may be writing to it. */
 enum status findings_look(const char *folder, struct findings **out,
                           struct reason *reason) MUST_USE;
 

@@ -113,7 +113,7 @@ enum status fuzz_play(struct fuzz_player *player, const struct fuzz_trial *trial
 enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
                          struct fuzz_finding *finding, struct reason *reason) MUST_USE;
 
-/* The same for who has explained an answer of the only contestant himself: a CAUSE_OUTSIDE in
+/* The same if the caller has explained an answer of the only contestant: a CAUSE_OUTSIDE in
  * answer->why becomes CAUSE_SCALE if the engine is right at another scale (fuzz/play/scaled.h).
  * Errors: STATUS_MEMORY. */
 enum status fuzz_explain_scaled(struct fuzz_player *player, const struct fuzz_trial *trial,

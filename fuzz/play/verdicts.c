@@ -106,7 +106,7 @@ static void compare_bits(struct verdicts_judging *j, size_t seat, uint32_t i,
     keep(j, seat, FUZZ_KIND_BITS, i, judgement);
 }
 
-/* A judge is a function of ray and answer: who is judged alike and has the same bits has the same
+/* A judge is a function of ray and answer: engines that are judged alike and have the same bits have the same
  * verdict. */
 static bool is_copy(const struct verdicts_judging *j, size_t seat, uint32_t i)
 {

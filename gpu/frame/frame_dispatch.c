@@ -8,7 +8,7 @@
 #define LOOPS_MOST 65535u
 
 /* Iterations that a ray may take where it visits everything, at most: a node is visited, pushed,
- * popped and, of leaves, looked through slot by slot (8 of them in a leaf of the seed's records,
+ * popped and, of leaves, looked through slot by slot (8 of them in a leaf of RTRS's records,
  * which are three a leaf). Elsewhere box tests cull, and the flags of the shader say the rest. */
 static uint64_t steps_of_ray(const struct frame_job *job, bool brute)
 {

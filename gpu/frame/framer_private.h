@@ -1,4 +1,4 @@
-/* What framer.c and framer_slab.c share; nobody else includes it. */
+/* What framer.c and framer_slab.c share; private to them. */
 #ifndef FRAMER_PRIVATE_H
 #define FRAMER_PRIVATE_H
 

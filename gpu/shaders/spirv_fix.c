@@ -59,7 +59,7 @@ static const struct rule decorated[] = {
     {147, "OpOuterProduct"},
 };
 
-/* Sums whose order nobody promises, and derivatives. */
+/* Sums whose order is not promised, and derivatives. */
 static const struct rule refused[] = {
     {144, "OpVectorTimesMatrix"},
     {145, "OpMatrixTimesVector"},

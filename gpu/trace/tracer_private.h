@@ -1,4 +1,4 @@
-/* What tracer.c and tracer_tasks.c share; nobody else includes it. */
+/* What tracer.c and tracer_tasks.c share; private to them. */
 #ifndef TRACER_PRIVATE_H
 #define TRACER_PRIVATE_H
 

@@ -1,4 +1,4 @@
-/* What the vk_*.c files share; nobody else includes it. */
+/* What the vk_*.c files share; private to them. */
 #ifndef VK_PRIVATE_H
 #define VK_PRIVATE_H
 

@@ -34,7 +34,7 @@ static uint64_t system_left(void)
     return find_number("/proc/meminfo", "MemAvailable:", &kilobytes) ? kilobytes << 10 : UINT64_MAX;
 }
 
-/* What the group has of files that nobody uses is given back when it is needed. */
+/* Cached files of the group that are not in use are freed when memory is needed. */
 static uint64_t one_group_left(const char *group)
 {
     char path[LINE];

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Below it nobody asks. */
+/* Smaller allocations are not checked. */
 #define MEMORY_LARGE ((uint64_t)256 << 20)
 
 /* Bytes that this process can still take: the least of what the system says is available, what its

@@ -1,5 +1,5 @@
 /* The repaired twin of builder `rtrs`: splits at the middle of the longest axis of the exact
- * bounds; only that axis decides (the seed's F4), boxes are never cut (F5), and where the middle
+ * bounds; only that axis decides (RTRS's F4), boxes are never cut (F5), and where the middle
  * separates nothing the triangles are halved instead (F19), so that no leaf exceeds the limit.
  * eps has no meaning here and is ignored. */
 #include "ref/builders/grow.h"

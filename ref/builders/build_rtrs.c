@@ -1,4 +1,4 @@
-/* The seed's builder, bit for bit, faults included (RTRS, file bvh/aabb.rs). What it does
+/* RTRS's builder, bit for bit, faults included (RTRS, file bvh/aabb.rs). What it does
  * wrong on purpose here:
  *   F4   all three axes decide, so flat geometry whose centroid rounds out of its plane is not
  * split F5   where one side is empty the box is cut in half and keeps that shape, so that it need
@@ -72,7 +72,7 @@ static enum status split(struct build *build, struct build_node *node, uint32_t 
         /* The same box with the same triangles takes the same way again. Bits, because of NaN. */
         if (memcmp(&node->bounds, &box, sizeof box) == 0)
             return fail(reason, STATUS_LIMIT,
-                        "rtrs: the seed never ends here: F19 (%u triangles, the first is %u, in a "
+                        "rtrs: RTRS never ends here: F19 (%u triangles, the first is %u, in a "
                         "box whose half %c [%a, %a] is itself; eps %g)",
                         node->count, build->prim[node->first], "xyz"[axis], (double)box.lo[axis],
                         (double)box.hi[axis], (double)build->options->eps);
@@ -90,7 +90,7 @@ static enum status build_rtrs_tree(const struct scene *scene, const struct build
 extern const struct builder build_rtrs;
 const struct builder build_rtrs = {
     .name = "rtrs",
-    .summary = "as the seed builds, cut boxes included; leaves can exceed the limit below eps / 2",
+    .summary = "as RTRS builds, cut boxes included; leaves can exceed the limit below eps / 2",
     .faithful = true,
     .build = build_rtrs_tree,
     .takes = "eps",

@@ -20,7 +20,7 @@ void *room_make(size_t count, size_t size)
     void *room = memory_fits(bytes) ? aligned_alloc(align, bytes) : NULL;
 #ifdef MADV_HUGEPAGE
     if (room && align == PAGE_BYTES)
-        (void)madvise(room, bytes, MADV_HUGEPAGE); /* a wish: nothing depends on it */
+        (void)madvise(room, bytes, MADV_HUGEPAGE); /* a hint: nothing depends on it */
 #endif
     return room;
 }

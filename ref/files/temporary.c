@@ -23,8 +23,8 @@ static char *name_of(const char *goal, unsigned number)
     return asprintf(&name, "%s" MARK "%u" END, goal, number) < 0 ? NULL : name;
 }
 
-/* Takes the lock. False: who removes what is left behind was faster. Where there are no locks
- * nobody removes anything. */
+/* Takes the lock. False: another process, which removes what is left behind, was faster. Without
+ * locks nothing is removed. */
 static bool hold(int file)
 {
     struct stat about;

@@ -1,5 +1,5 @@
 /* What is not whole yet, and what is left of it when its writer is killed. A writer holds a lock
- * (flock) on what it makes until that has its goal's name, or is removed; what nobody holds was
+ * (flock) on what it makes until that has its goal's name, or is removed; what is not locked was
  * left behind, and the next writer of the same goal removes it. Nothing of another user is removed.
  */
 #ifndef TEMPORARY_H

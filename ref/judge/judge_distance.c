@@ -1,4 +1,4 @@
-/* Answers of a formula that nobody published: how far must vertices move to make them right?
+/* Answers of an unpublished formula: how far must vertices move to make them right?
  *
  * Every backward stable test answers exactly for a triangle whose vertices it has moved by a small
  * multiple of u times the size of the coordinates it works on, which is M = max |vertex - origin|.

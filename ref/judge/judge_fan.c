@@ -12,7 +12,7 @@
  * is not proven to be s, the common sign of all determinants, the neighbour joins, and it must run
  * along that edge in the opposite direction. The fan is closed if each such edge has exactly one
  * neighbour, each determinant is proven (so not computed 0 either), each t is proven to lie inside
- * the range, and an edge is left that nobody was asked beyond. Around an edge or a vertex that the
+ * the range, and an edge is left beyond which no triangle was tested. Around an edge or a vertex that the
  * ray nearly meets that is the fan of the edge or the vertex.
  *
  * Claim: the test accepts a triangle of S. Take s = +1, and a point Q near O on no line of an edge.
@@ -43,7 +43,7 @@ struct fan {
     uint32_t prim[FAN_MOST];
     size_t count;
     int sign;     /* of all determinants */
-    bool rim;     /* an edge is left beyond which nobody was asked */
+    bool rim;     /* an edge is left beyond which no triangle was tested */
     double limit; /* largest t that some triangle may answer */
 };
 

@@ -37,7 +37,7 @@
 #define POINTERS  ((uint32_t)1 << 29)
 #define TYPE_16   4u
 #define TYPE_32   5u
-#define NOBODY    0xFFFFFFFFu
+#define NO_CHILD  0xFFFFFFFFu
 
 /* A member: a node is of float16 if that makes its boxes' area at most `inflate` times as large. */
 struct amd {
@@ -159,7 +159,7 @@ static void pack_node(const struct amd64_packing *p, uint32_t n, uint32_t *words
     bool f32 = (p->pointer[n] & 7u) == TYPE_32;
     for (uint32_t s = 0; s < WIDTH; s++) {
         const struct wide_child *child = &p->tree->child[node->first + s];
-        word[s] = NOBODY;
+        word[s] = NO_CHILD;
         if (s >= node->count)
             continue;
         word[s] = child->count ? child->first << 3 | (child->count - 1) : p->pointer[child->first];

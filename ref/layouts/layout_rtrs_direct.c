@@ -1,4 +1,4 @@
-/* Layout `rtrs_direct`: the seed's 48-byte node, as its shader sees it. The seed reorders its
+/* Layout `rtrs_direct`: RTRS's 48-byte node, as its shader sees it. RTRS reorders its
  * triangles after it has uploaded them (F3), behind a null triangle at index 0 (F2): the leaf of
  * items s .. s + c - 1 tests the scene's triangles s - 1 .. s + c - 2, whatever the tree says; slot
  * 0 is the null triangle, and the last triangle is never tested. So there is no item array. */
@@ -63,7 +63,7 @@ static uint32_t item(const struct packed *packed, uint32_t slot)
 extern const struct layout layout_rtrs_direct;
 const struct layout layout_rtrs_direct = {
     .name = "rtrs_direct",
-    .summary = "the seed's 48-byte nodes, its triangle numbering included",
+    .summary = "RTRS's 48-byte nodes, its triangle numbering included",
     .node_bytes = sizeof(struct node_rtrs_direct),
     .width = 2,
     .order = VISIT_SND,

@@ -1,4 +1,4 @@
-/* Layout `rtrs_rf`: the seed's 16-byte records, as its code packs them and its shader reads them.
+/* Layout `rtrs_rf`: RTRS's 16-byte records, as its code packs them and its shader reads them.
  *   record 0    bounds as halves rounded to nearest (F11), infinite from 65520 on (F12)
  *   inner tag   low half record of snd, high half record of fst, cut to 16 bits (F9): a record of
  *               fst from 32768 on sets bit 31, and the node reads as a leaf
@@ -6,7 +6,7 @@
  * The shader reads slots 0 to 5 (F7), skips 0, and takes item k for the scene's triangle k - 1
  * (F2): the last triangle is never tested. Two faults show while packing: the loop that turns node
  * indices into record indices also treats a leaf's record 1 as a node (F6), and a leaf of more than
- * 8 items ends the seed (F8). */
+ * 8 items ends RTRS (F8). */
 #include "ref/layouts/common.h"
 
 #include <stdlib.h>
@@ -34,7 +34,7 @@ static enum layout_end end(const struct bvh *bvh, struct reason *reason)
     for (uint32_t i = 0; i < bvh->node_count; i++)
         if (bvh->node[i].item_count > SLOTS) {
             (void)fail(reason, STATUS_LIMIT,
-                       "rtrs_rf: the seed panics: F8 (%u items in a leaf of 8 slots)",
+                       "rtrs_rf: RTRS panics: F8 (%u items in a leaf of 8 slots)",
                        bvh->node[i].item_count);
             return LAYOUT_END_LEAF;
         }
@@ -44,7 +44,7 @@ static enum layout_end end(const struct bvh *bvh, struct reason *reason)
         leaves++;
         if (item_beyond(bvh, &bvh->node[i], &item)) {
             (void)fail(reason, STATUS_LIMIT,
-                       "rtrs_rf: the seed panics: F6 (record %u holds item %u, taken for one of "
+                       "rtrs_rf: RTRS panics: F6 (record %u holds item %u, taken for one of "
                        "%u nodes)",
                        i + leaves, item, bvh->node_count);
             return LAYOUT_END_ITEM;
@@ -133,7 +133,7 @@ static uint32_t item(const struct packed *packed, uint32_t slot)
 extern const struct layout layout_rtrs_rf;
 const struct layout layout_rtrs_rf = {
     .name = "rtrs_rf",
-    .summary = "the seed's 16-byte records, six slots read, its triangle numbering included",
+    .summary = "RTRS's 16-byte records, six slots read, its triangle numbering included",
     .node_bytes = sizeof(struct node_rf),
     .width = 2,
     .order = VISIT_FST,

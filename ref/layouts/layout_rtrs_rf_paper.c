@@ -1,11 +1,11 @@
 /* Layout `rtrs_rf_paper`: the 16-byte record as the paper's Listing 6 reads it; packed to be read
  * so, since the paper does not print how it is written.
- *   record 0    bounds as halves rounded to nearest, as the seed's code has them
+ *   record 0    bounds as halves rounded to nearest, as RTRS's code has them
  *   inner tag   bits 0-14 record of fst, bits 16-30 record of snd, both cut to 15 bits
  *   leaf tag    0x80000000; record 1: items[0] and [1] in the tag, cut to 15 bits, then items[2] to
  *               [7] in the halves of bounds[0] to bounds[2], cut to 16 bits; unused 0
  * All eight slots are read, 0 means empty, item k names triangle k, so triangle 0 is lost. Figure 7
- * pushes fst, then snd, so snd is visited first. (The seed's code has snd in the low half: with the
+ * pushes fst, then snd, so snd is visited first. (RTRS's code has snd in the low half: with the
  * listing's names it visits its own fst first.) */
 #include "ref/layouts/common.h"
 

@@ -220,7 +220,7 @@ static void keep_closest(struct match *match, const struct engine *engine, size_
     match->closest.box = match->options.box;
 }
 
-/* A row is judged only if nobody in it is as published: of the seed's parts it is known that they
+/* A row is judged only if no member in it is as published: of RTRS's parts it is known that they
  * are wrong, so their wrong answers are counted. */
 static bool is_judged(const struct match *match, const struct engine *engine)
 {

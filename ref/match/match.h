@@ -77,7 +77,7 @@ struct finding {
 
 enum row_status {
     ROW_OK,
-    ROW_REFUSED, /* the layout cannot hold the scene, or the seed panics */
+    ROW_REFUSED, /* the layout cannot hold the scene, or RTRS panics */
     ROW_SKIPPED, /* the engine cannot run here */
     ROW_FAILED,  /* the engine did not finish */
     ROW_VACUOUS, /* too few hits to mean anything */

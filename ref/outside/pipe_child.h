@@ -54,7 +54,7 @@ enum pipe_end {
     PIPE_CLOSED /* its output ended */
 };
 
-/* True if it has written something that nobody waits for; between exchanges. */
+/* True if it has written something that is not waited for; between exchanges. */
 bool pipe_child_is_early(struct pipe_child *child);
 
 /* Sends, and receives `size` bytes, then checks that nothing follows if `last`. Never blocks longer

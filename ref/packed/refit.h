@@ -9,7 +9,7 @@
  * same indices as when the tree was built. The form of the tree has been checked. Errors, after
  * which the tree is as before: STATUS_INPUT another number of triangles than the scene's;
  * STATUS_LIMIT "rebuild: ..." a split tree, whose leaves have boxes of parts of triangles that
- * nobody knows any more; STATUS_MEMORY. */
+ * are not known any more; STATUS_MEMORY. */
 enum status bvh_refit(struct bvh *bvh, const struct scene *scene, struct reason *reason) MUST_USE;
 
 /* Replaces the bounds of a packed tree by the tightest that its layout has for the moved triangles,

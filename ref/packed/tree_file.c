@@ -21,7 +21,7 @@ const struct builder tree_file_builder = {
     "file", "a tree that was read from a file", false, build_nothing, 0, NULL};
 
 /* How far rounding may move a centre out of the box of its leaf, in parts of the largest
- * coordinate: that of the seed's float32 arithmetic, and of bounds in float16 rounded to nearest,
+ * coordinate: that of RTRS's float32 arithmetic, and of bounds in float16 rounded to nearest,
  * which also loses up to 2^-25 below its range. */
 #define SLACK_FLOAT 0x1p-20
 #define SLACK_HALF  0x1p-10
@@ -149,7 +149,7 @@ static enum status measure_packed(struct tree_file *file, struct fit *fit, struc
     return STATUS_OK;
 }
 
-/* The seed's layouts name triangles of other leaves (F2, F3): only the root says where they are. */
+/* RTRS's layouts name triangles of other leaves (F2, F3): only the root says where they are. */
 static void fit_root(struct fit *fit, const struct packed *packed)
 {
     struct box box = packed->layout->box(packed, packed->root);

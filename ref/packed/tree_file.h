@@ -23,12 +23,12 @@ extern const struct builder tree_file_builder;
 /* Reads `size` bytes of either kind and checks that they are a tree of this scene: acyclic, all
  * references in range, each triangle in one leaf (of packed ones see packed_file_read), and most
  * triangles in the box of their leaf. Boxes that are too small for their triangles are taken, with
- * a doubt: the seed's are.
+ * a doubt: RTRS's are.
  *   name   of the file, for reasons
  *   bytes  borrowed
  * Errors: STATUS_INPUT "NAME: place: rule", as bvh_json_read and packed_file_read, or the tree is
  * another scene's: more than half of the triangles have their centre outside the box of their leaf
- * (of the root, in the seed's layouts, whose leaves name other triangles); STATUS_MEMORY. On error
+ * (of the root, in RTRS's layouts, whose leaves name other triangles); STATUS_MEMORY. On error
  * *out is zero. */
 enum status tree_file_read(const char *name, const char *bytes, size_t size,
                            const struct scene *scene, struct tree_file *out,

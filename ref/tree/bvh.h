@@ -5,7 +5,7 @@
 #include "ref/scene/scene.h"
 
 /* A node. Inner: item_count == 0, children fst and snd, item_first = items emitted before it (as
- * the seed's file has it). Leaf: fst == snd == 0, triangles prim[item_first .. +item_count-1]. */
+ * RTRS's file has it). Leaf: fst == snd == 0, triangles prim[item_first .. +item_count-1]. */
 struct bvh_node {
     struct box bounds;
     uint32_t fst;
@@ -71,7 +71,7 @@ bool bvh_items_differ(const struct bvh *bvh, uint32_t first, uint32_t count);
 struct builder {
     const char *name;
     const char *summary;
-    bool faithful; /* reproduces the seed, faults included: its trees may fail bvh_check */
+    bool faithful; /* reproduces RTRS, faults included: its trees may fail bvh_check */
     enum status (*build)(const struct scene *scene, const struct build_options *options,
                          struct bvh *out, struct reason *reason);
     uint32_t tri_bytes; /* that building takes at least for each triangle, the tree included; of

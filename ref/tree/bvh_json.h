@@ -1,4 +1,4 @@
-/* The tree file of the seed's `precompute`. */
+/* The tree file of RTRS's `precompute`. */
 #ifndef BVH_JSON_H
 #define BVH_JSON_H
 
@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-/* Writes the tree as one line of compact JSON, byte for byte as the seed's tool would:
+/* Writes the tree as one line of compact JSON, byte for byte as RTRS's tool would:
  *   {"uniforms":[{"fst":1,"snd":2,"item_idx":0,"item_count":0,"bounds":{"min":[0.0,0.0,0.0],
  *   "max":[1.0,1.0,0.5]}},...],"indices":[0,...]}      (without the line break)
  * Floats are the shortest text that reads back as the same float (see decimal_write_float); what is
@@ -16,7 +16,7 @@ void bvh_json_write(const struct bvh *bvh, FILE *stream);
 /* Reads such a file, in any order of keys and with any white space, and checks it as
  * bvh_check_form: pre-order, acyclic, in range, and every triangle of `scene` in one leaf, or, if
  * there are more items than triangles, in one at least: a split tree. Boxes
- * may be too small for their triangles: the seed's are (see bvh_check).
+ * may be too small for their triangles: RTRS's are (see bvh_check).
  *   name   of the file, for reasons
  *   bytes  `size` bytes of text; borrowed
  * Errors: STATUS_INPUT "NAME: place: rule"; STATUS_MEMORY. On error *out is zero. */

@@ -20,7 +20,7 @@ typedef int64_t mask __attribute__((vector_size(VECTOR_BYTES)));
 #define NOT(m)               (~(m))
 #define ANY(m)               any_lane(m)
 #define SELECT(m, a, b)      ((real)(((mask)(a) & (m)) | ((mask)(b) & ~(m))))
-#define SELECT_EACH(m, a, b) (a) /* looked at by nobody */
+#define SELECT_EACH(m, a, b) (a) /* not read */
 
 KERNEL_TARGET static inline bool any_lane(mask m)
 {

@@ -101,7 +101,7 @@ static enum status make(const double *value, uint64_t seed, struct scene *out,
 
 const struct generator gen_rtrs = {
     .name = "rtrs",
-    .summary = "the seed's default scene: tetrahedron, dodecahedron; furnished; no parameter",
+    .summary = "RTRS's default scene: tetrahedron, dodecahedron; furnished; no parameter",
     .make = make,
     .seedless = true,
 };

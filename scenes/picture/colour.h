@@ -12,7 +12,7 @@ enum colour_kind {
     COLOUR_CLASSES,    /* an index of class_name: colour_of_class */
 };
 
-/* What stands for a value, and what a picture says of it. Texts are borrowed; NULL is none. */
+/* The colour of a value, and what a picture says of it. Texts are borrowed; NULL is none. */
 struct colour_scale {
     enum colour_kind kind;
     bool logarithmic; /* sequential alone: lo > 0, and values below lo look as lo */

@@ -13,7 +13,7 @@
  * STATUS_MEMORY. On error *out is zero. */
 
 /* RTRS scene JSON (rtrs). All six keys are required, unknown keys ignored, duplicate keys refused.
- * A number is rounded to double and then to float, as the seed's reader does: where its double lies
+ * A number is rounded to double and then to float, as RTRS's reader does: where its double lies
  * exactly between two floats that is not always the float nearest to the decimal; for what
  * write_rtrs writes it always is. A vertex index must exist; a material index too, or be 0 where
  * there is no material. */
@@ -41,11 +41,11 @@ enum status read_ply(const char *name, const char *bytes, size_t size, struct sc
  * does (file_out_commit). The scene has passed scene_check.
  * Errors: STATUS_INPUT what the format cannot hold; STATUS_MEMORY. */
 
-/* The seed's default material, a semi-matt red. */
+/* RTRS's default material, a semi-matt red. */
 extern const struct material rtrs_red;
 
-/* RTRS scene JSON, byte for byte as the seed writes it. What the scene lacks is made: normals by
- * scene_normals, the camera by scene_camera, the seed's red material. Numbers other than the
+/* RTRS scene JSON, byte for byte as RTRS writes it. What the scene lacks is made: normals by
+ * scene_normals, the camera by scene_camera, RTRS's red material. Numbers other than the
  * positions must be finite too: STATUS_INPUT. */
 enum status write_rtrs(const struct scene *scene, FILE *stream, struct reason *reason) MUST_USE;
 

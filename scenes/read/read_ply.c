@@ -80,7 +80,7 @@ static enum status take_float(struct ply *ply, enum ply_type type, const char *w
     return scan_fail(&ply->scan, ply->reason, "%s is not a finite 32-bit float", what);
 }
 
-/* Steps over one value that nobody needs. */
+/* Skips one value that is not needed. */
 static enum status skip_value(struct ply *ply, enum ply_type type)
 {
     if (ply->header.encoding != PLY_ASCII) {

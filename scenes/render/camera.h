@@ -14,7 +14,7 @@ struct view camera_view(const struct camera *camera, enum profile profile, uint3
                         uint32_t height);
 
 /* The camera after turning by `angle` radians around the vertical axis through its target, the
- * distance kept: x = at.x + r cos, z = at.z + r sin, angles growing from x to z as the seed's left
+ * distance kept: x = at.x + r cos, z = at.z + r sin, angles growing from x to z as RTRS's left
  * arrow turns. The height stays. Computed from the original each time, in double. */
 struct camera camera_orbit(const struct camera *camera, double angle);
 

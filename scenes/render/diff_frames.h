@@ -27,7 +27,7 @@ struct frame_diff {
 
 /* The first segment and member in which two paths of `bounces` segments differ; PATH_SAME if all
  * bits are equal (t of 0 and -0 are not). A path ends before the first segment whose prim is
- * ABI_NO_SEGMENT; what stands behind it is not read. */
+ * ABI_NO_SEGMENT; what follows it is not read. */
 enum path_field path_first(const struct segment *a, const struct segment *b, uint32_t bounces,
                            uint32_t *segment);
 

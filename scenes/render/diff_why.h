@@ -24,7 +24,7 @@ enum why {
 /* "same", "rounding", "allowed", "drift", "published", "renderer", "wrong", "unexplained". */
 const char *why_name(enum why why);
 
-/* True if it is nobody's right: renderer, wrong, unexplained. */
+/* True if neither is right: renderer, wrong, unexplained. */
 static inline bool why_is_fault(enum why why)
 {
     return why >= WHY_RENDERER;

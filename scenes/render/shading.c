@@ -19,7 +19,7 @@ static enum status check_finite(const char *kind, uint32_t i, const char *what, 
     return STATUS_OK;
 }
 
-/* The seed's, for scenes that name none. */
+/* RTRS's, for scenes that name none. */
 static const struct material red = {.color = {.5f, .1f, .1f}, .albedo = {.9f, .1f, 0}, .spec = 10};
 
 static enum status make_materials(const struct scene *scene, struct shading *out,

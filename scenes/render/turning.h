@@ -1,4 +1,4 @@
-/* The arrow keys of a window as the seed has them: while the left one is held the camera turns one
+/* The arrow keys of a window as RTRS has them: while the left one is held the camera turns one
  * way, else while the right one is, the other; by time, whatever the frames take. */
 #ifndef TURNING_H
 #define TURNING_H
@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Radians a millisecond: the seed's 0.0314 * 0.1. A whole turn takes 2.001 s. */
+/* Radians a millisecond: RTRS's 0.0314 * 0.1. A whole turn takes 2.001 s. */
 #define TURNING_SPEED 0.00314
 /* A key pressed and let go while a frame was drawn was held so many milliseconds at least. */
 #define TURNING_TAP_MS 10u

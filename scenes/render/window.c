@@ -70,7 +70,7 @@ static enum status sdl_load(struct sdl *sdl, struct reason *reason)
     return STATUS_OK;
 }
 
-/* Without a display SDL would open a window that nobody sees, or take the console. */
+/* Without a display SDL would open an invisible window, or take the console. */
 static enum status choose_display(const struct sdl *sdl, struct reason *reason)
 {
     const char *x11 = getenv("DISPLAY"), *wayland = getenv("WAYLAND_DISPLAY");
@@ -207,7 +207,7 @@ enum status window_open(const char *title, uint32_t width, uint32_t height, stru
     return fail(reason, STATUS_UNSUPPORTED, "no window: compiled without SDL2 (libsdl2-dev)");
 }
 
-/* Without a window nobody has one to hand over. */
+/* Without a window none is handed over. */
 void window_wait(struct window *window, unsigned most_ms, struct window_news *out)
 {
     (void)window, (void)most_ms;

@@ -1,4 +1,4 @@
-/* Layout rtrs_direct: the seed's 48-byte nodes, see struct node_rtrs_direct. Item slot s is the
+/* Layout rtrs_direct: RTRS's 48-byte nodes, see struct node_rtrs_direct. Item slot s is the
  * scene's triangle s - 1, slot 0 the null triangle (F2, F3). */
 #include "slab.glsl"
 

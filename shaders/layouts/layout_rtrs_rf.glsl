@@ -1,4 +1,4 @@
-/* Layout rtrs_rf: the seed's 16-byte records as its shader reads them. Bit 31 of the tag is a leaf,
+/* Layout rtrs_rf: RTRS's 16-byte records as its shader reads them. Bit 31 of the tag is a leaf,
  * else the high half is the record of the first child, the low half of the second. The next record
  * holds a leaf's items, of which slots 0 to 5 are read (F7); item k is triangle k - 1 (F2). */
 #include "half.glsl"

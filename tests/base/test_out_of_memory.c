@@ -254,7 +254,7 @@ static void every_builder_of_many_triangles(void **state)
 static void every_layout(void **state)
 {
     (void)state;
-    struct scene scene = trees_grid(120); /* the same as an item of the seed's */
+    struct scene scene = trees_grid(120); /* the same as an item of RTRS's */
     struct bvh bvh = tree_of(&scene, "median");
     for (size_t l = 0; layouts_all[l]; l++) {
         struct memory_work work = {.name = layouts_all[l]->name,

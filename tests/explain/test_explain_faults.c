@@ -1,5 +1,5 @@
-/* The seed's faults that a traversal can show, each explained from its rays alone. F1 and F38 make
- * every ray visit every node and F8 ends the seed: no answer is wrong. F6 garbles slots that F7
+/* RTRS's faults that a traversal can show, each explained from its rays alone. F1 and F38 make
+ * every ray visit every node and F8 ends RTRS: no answer is wrong. F6 garbles slots that F7
  * does not read. F13 is the paper's, in no layout: tests/explain/test_explain_imitate.c. */
 #include "ref/explain/explain.h"
 #include "ref/base/rng.h"

@@ -14,7 +14,7 @@
 
 #include "tests/fuzz/campaigns.h"
 
-/* Killed at random moments and gone on with, a campaign leaves what an undisturbed one leaves. */
+/* Killed at random moments and resumed, a campaign leaves what an undisturbed one leaves. */
 static void a_killed_campaign_loses_and_repeats_nothing(void **state)
 {
     (void)state;

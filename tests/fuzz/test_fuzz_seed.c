@@ -1,4 +1,4 @@
-/* The seed's faults come up in a campaign: of the stream of trials on its layouts each shows as a
+/* RTRS's faults come up in a campaign: of the stream of trials on its layouts each shows as a
  * signature of its own, with its own cause, and nothing is left unexplained. */
 #include "fuzz/gen/gen.h"
 #include "fuzz/play/player.h"
@@ -21,7 +21,7 @@ struct seed_known {
     const char *fault, *signature;
 };
 
-/* README, "The seed's faults", is this table. */
+/* README, "RTRS's faults", is this table. */
 static const struct seed_known required[] = {
     {"F2", "cpu.rtrs_rf.missed.index_shifted"},
     {"F3", "cpu.rtrs_direct.missed.wrong_item"},
@@ -42,7 +42,7 @@ static const struct seed_known required[] = {
 /* Other ways in which they show. F2 on its own: the null triangle that shifts all others is slot 0
  * of the direct layout, and with hardly any triangles nothing tells a shift from an empty slot. F3
  * where the tree keeps the order: only the shift is left; where the tree is split it has more slots
- * than the seed has triangles. F10 needs 65537 triangles. */
+ * than RTRS has triangles. F10 needs 65537 triangles. */
 static const struct seed_known other[] = {
     {"F2", "cpu.rtrs_rf.tree.index_shifted"},        {"F2", "cpu.rtrs_rf.tree.sentinel"},
     {"F2", "cpu.rtrs_rf.missed.sentinel"},           {"F2", "cpu.rtrs_direct.tree.sentinel"},
@@ -98,7 +98,7 @@ static void take(struct seed_campaign *c, const struct fuzz_trial *trial,
         c->left -= !c->seen[at];
         c->seen[at] = true;
     } else if (find(other, ARRAY_COUNT(other), signature) == ARRAY_COUNT(other)) {
-        fail_msg("trial %llu, ray %u: %s is no fault of the seed",
+        fail_msg("trial %llu, ray %u: %s is no fault of RTRS",
                  (unsigned long long)trial->origin.index, finding->ray, signature);
     }
 }

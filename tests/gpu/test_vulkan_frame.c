@@ -102,7 +102,7 @@ static void brute_force_has_the_bits_of_c(void **state)
     stand_close(&stand);
 }
 
-/* And with every layout: the seed's lose triangles, in C too. */
+/* And with every layout: RTRS's lose triangles, in C too. */
 static void tiles_of_any_side_cover_the_picture(void **state)
 {
     (void)state;

@@ -19,7 +19,7 @@ static bool slow; /* RAYDIFF_SLOW is set */
 
 static const char *const cpu_drivers[] = {"stock", "mesa25", "swiftshader"};
 
-/* What is drawn; `rtrs`: the seed's members, too, can hold it. */
+/* What is drawn; `rtrs`: RTRS's members, too, can hold it. */
 static const struct {
     const char *spec;
     bool rtrs;

@@ -128,7 +128,7 @@ static void trace_agrees_with_c_in_every_layout(void **state)
     struct tracer *tracer = gpu_tracer(&options, 0);
     for (size_t l = 0; layouts[l]; l++) {
         struct gpu_case f = fixture(layouts[l]->name, 4, RAYS);
-        size_t least = layouts[l]->faithful ? 10 : RAYS / 20; /* the seed's lose most */
+        size_t least = layouts[l]->faithful ? 10 : RAYS / 20; /* RTRS's lose most */
         for (size_t m = 0; m < ARRAY_COUNT(mixes); m++) {
             struct job job = job_of(&f, mixes[m].box, mixes[m].tri, mixes[m].query);
             assert_true(must_agree(tracer, &f, &job) >= least);

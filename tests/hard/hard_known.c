@@ -41,7 +41,7 @@ const struct hard_case hard_nearest = {
     .name = "nearest-halves",
     .recipe = "rays at points a thousandth beside the vertices of a sphere",
     .expected = "what brute force hits: boxes hold their triangles",
-    .source = "gkjohnson/three-mesh-bvh#169; the seed's F11, rf.rs:87",
+    .source = "gkjohnson/three-mesh-bvh#169; RTRS's F11, rf.rs:87",
     .make = make_nearest,
     .defect = {{.fault = "bounds rounded to the nearest half",
                 .cause = CAUSE_ROUNDED_INWARD,

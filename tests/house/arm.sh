@@ -1,6 +1,6 @@
 #!/bin/sh
 # The program and all suites of unit tests compiled for aarch64; the suites run under qemu-user, since numbers
-# must be the same on another processor. A line a suite; then who is left out, and why; last the sum.
+# must be the same on another processor. A line a suite; then those left out, and why; last the sum.
 #   sh tests/house/arm.sh FOLDER [SUITE...]    (in a system of its own: make arm-check)
 #   sh tests/house/arm.sh --packages           Debian's names of what it needs
 # Exit codes: 0 all pass; 1 a warning, or a suite fails; 2 usage; 77 what it needs is not here.

@@ -150,7 +150,7 @@ awk -v what="$what" -v folder="$folder" -v table=fuzz/selftest.txt '
                     if (!(word[1] in record)) { print table ": there is no bug " word[1] >"/dev/stderr"; bad = 1 }
                 }
             for (name in record) {
-                if (!caught[name]) { print record[name] ": bug " name ": nobody catches it" >"/dev/stderr"; bad = 1 }
+                if (!caught[name]) { print record[name] ": bug " name ": it has no catcher" >"/dev/stderr"; bad = 1 }
                 if (!planted[name]) { print record[name] ": bug " name ": it is planted nowhere" >"/dev/stderr"; bad = 1 }
             }
             if (!bad) {

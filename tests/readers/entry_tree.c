@@ -1,4 +1,4 @@
-/* The tree file of the seed's precompute, for a scene of four triangles. What form lets through is
+/* The tree file of RTRS's precompute, for a scene of four triangles. What form lets through is
  * walked: the file comes again, layouts pack it, and a traversal ends. */
 #define _POSIX_C_SOURCE 200809L
 #include "tests/readers/fire.h"

@@ -1,5 +1,5 @@
 /* Laws of scenes/construct.h: where triangles, vertices, materials and normals of the models end
- * up, and what is refused. The golden scene is the one that the seed's authors published. */
+ * up, and what is refused. The golden scene is the one that RTRS's authors published. */
 #define _GNU_SOURCE /* mkdtemp */
 #include "scenes/construct.h"
 #include "scenes/read/formats.h"
@@ -92,7 +92,7 @@ static const char *part_of(const struct scene *scene, const char *name, uint32_t
     return path;
 }
 
-/* The published scene from its own meshes, materials, lights and camera, of which the seed's tool
+/* The published scene from its own meshes, materials, lights and camera, of which RTRS's tool
  * could not have made it: indices one too high, and no negative number. */
 static void the_published_scene_is_made(void **state)
 {
@@ -129,7 +129,7 @@ static void the_published_scene_is_made(void **state)
     scene_free(&published);
 }
 
-/* Of the file itself, whose normals are the seed's: computed in float32, so that only the last
+/* Of the file itself, whose normals are RTRS's: computed in float32, so that only the last
  * digits may differ. */
 static void its_normals_are_the_seeds(void **state)
 {

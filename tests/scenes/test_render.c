@@ -230,7 +230,7 @@ static void render_is_the_same_on_any_threads(void **state)
     picture_free(&b);
 }
 
-/* The seed shows its default scene without the dodecahedron's last triangle (F2); a naive handler
+/* RTRS shows its default scene without the dodecahedron's last triangle (F2); a naive handler
  * shows it, and so do repaired members. */
 static void render_profiles_differ_by_their_members(void **state)
 {

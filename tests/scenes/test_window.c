@@ -71,7 +71,7 @@ static void a_turn_takes_two_seconds(void **state)
 {
     (void)state;
     double seconds = 2 * 3.14159265358979 / TURNING_SPEED / 1000;
-    assert_true(seconds > 2.0005 && seconds < 2.0015); /* the seed's 2.001 s */
+    assert_true(seconds > 2.0005 && seconds < 2.0015); /* RTRS's 2.001 s */
 }
 
 static void no_display_is_said(void **state)

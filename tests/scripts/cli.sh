@@ -378,18 +378,18 @@ sed 's/^from ./from f/' "$dir/hits" | sed 's/^from ff/from f0/' | "$raydiff" ver
 "$raydiff" verify </dev/null >"$dir/out" 2>"$dir/err"
 [ $? -eq 2 ] && grep -q "standard input: is empty" "$dir/err" || bad "verify: no answer at all"
 
-# The seed's tree file: complete, byte for byte, or not there.
+# RTRS's tree file: complete, byte for byte, or not there.
 expect 2 '--out is missing' precompute --scene "$dir/one.obj"
 expect 2 '--scene is missing' precompute --out "$dir/one.bvh.json"
 expect 2 "'0' is not a whole number from 1" precompute --scene soup --out "$dir/x" --item-count 0
 expect 2 'no-such-folder' precompute --scene soup --out "$dir/no-such-folder/x"
 for i in 1 2 3 4 5; do echo 'f 1 2 3'; done | cat "$dir/one.obj" - >"$dir/copies.obj"
-expect 2 'the seed never ends here: F19' precompute --scene "$dir/copies.obj" --eps 0 --out "$dir/x"
+expect 2 'RTRS never ends here: F19' precompute --scene "$dir/copies.obj" --eps 0 --out "$dir/x"
 [ ! -e "$dir/x" ] || bad "a refused precompute writes nothing"
 expect 0 . precompute --scene "$dir/one.obj" --out "$dir/one.bvh.json" --item-count 4 --eps 0.02
 printf '%s' '{"uniforms":[{"fst":0,"snd":0,"item_idx":0,"item_count":1,"bounds":{"min":[0.0,0.0,0.0],' \
     '"max":[1.0,1.0,0.0]}}],"indices":[0]}' | cmp -s - "$dir/one.bvh.json" ||
-    bad "precompute writes the seed's bytes"
+    bad "precompute writes RTRS's bytes"
 expect 0 . precompute --scene "$dir/copies.obj" --builder median --out "$dir/x"
 
 # Trees of others: packed or JSON, checked, whole or not at all.
@@ -431,7 +431,7 @@ grep -q 'vacuous' "$dir/out" || bad "bench spawn says that a scene without hits 
 expect 2 'no-such-folder' bench error --scene sphere:n=3 --count 10 --rounds 1 --engine cpu --svg "$dir/no-such-folder/x.svg"
 expect 2 . bench error --scene soup:n=100000,size=0.001 --layout rf16 --engine cpu --count 10 --rounds 1
 
-# Who is interrupted leaves nothing half-written.
+# A command that is interrupted leaves nothing half-written.
 timeout -s INT 2 "$raydiff" conform --junit "$dir/ended.xml" >"$dir/out" 2>"$dir/err"
 [ $? -ne 0 ] || bad "conform was not interrupted"
 timeout -s TERM 2 "$raydiff" bench builders --scene sphere:n=100 --rounds 99 --csv "$dir/ended.csv" >"$dir/out" 2>"$dir/err"
@@ -699,7 +699,7 @@ for arguments in 'bench error --svg' 'conform --junit' 'conform --markdown' 'fuz
 done
 [ ! -e ./- ] || bad "a file named - was written"
 
-# The seed's numbers (Figure 8 of its paper), on its scene.
+# RTRS's numbers (Figure 8 of its paper), on its scene.
 expect 0 . check rtrs --builder rtrs --eps 0.02 --leaf 2 --layout rtrs_direct $small --json "$dir/f8.json"
 grep -q '"node_bytes": 2448' "$dir/f8.json" || bad "rtrs_direct at leaf 2 needs 2,448 bytes"
 expect 0 . check rtrs --builder rtrs --eps 0.02 --leaf 4 --layout rtrs_rf $small --json "$dir/f8.json"

@@ -21,7 +21,7 @@ grep -q '12 frames over 5 turns.* 3 frames to warm up, dropped' "$dir/out" || ba
 
 expect 0 . render --benchmark --benchmark-frames 4 --benchmark-turns 1 --benchmark-warm-up 0 \
     --benchmark-out "$dir/one" --handler-bvh-rf -w 24 -h 16
-grep -q '^RF-BVH (cpu rf16),656,.*,3,270,' "$dir/one.csv" || bad "the seed's name of the handler"
+grep -q '^RF-BVH (cpu rf16),656,.*,3,270,' "$dir/one.csv" || bad "RTRS's name of the handler"
 expect 0 . render --benchmark --benchmark-frames 2 --benchmark-out "$dir/one" --handler blank --camera-fixed -w 16 -h 16
 grep -q '^Blank (cpu f32),0,.*,1,0,' "$dir/one.csv" || bad "a fixed camera stands"
 

@@ -37,7 +37,7 @@ expect 0 . render "$dir/scene.json" --handler-bvh "$dir/loose.bvh.json" $small
 grep -q 'warning: .*too small' "$dir/err" || bad "render warns of boxes that are too small"
 expect 2 'belong|another scene|triangles' render rtrs --handler-bvh-rf "$dir/scene.bvh.json" $small
 
-# The seed's three forms of a resolution.
+# RTRS's three forms of a resolution.
 expect 0 . render $small
 [ "$(size_of "$dir/x.png")" = '32 24' ] || bad "-w 32 -h 24 gives $(size_of "$dir/x.png")"
 expect 0 . render --workgroup-size 8 --bounces 1 $out --json "$dir/x.json"

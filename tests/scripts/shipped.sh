@@ -43,7 +43,7 @@ mkdir "$dir/v1" && cp "$samples/tracer" "$dir/v1/tracer"
 expect 2 'both are called pipe:tracer in findings' fuzz $campaign --engine "pipe:$samples/tracer,pipe:$dir/v1/tracer" \
     --dir "$dir/same"
 
-# A folder of an older raydiff is read, and gone on with under its names.
+# A folder of an older raydiff is read, and resumed under its names.
 cp -r "$dir/known" "$dir/old"
 for name in "$dir"/old/pipe=*; do mv "$name" "$dir/old/pipe:${name##*/pipe=}"; done
 expect 0 . merge --to "$dir/merged" "$dir/old"

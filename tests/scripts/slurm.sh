@@ -29,7 +29,7 @@ trap stop EXIT
 trap 'exit 130' INT TERM
 . tests/scripts/shards.sh
 
-# A port that nobody listens on: /proc/net/tcp has those in use, in hexadecimal.
+# A port that is free: /proc/net/tcp has those in use, in hexadecimal.
 free_port() {
     port=$((20000 + ($$ + $1 * 97) % 10000))
     while grep -qi ":$(printf '%04X' "$port") " /proc/net/tcp /proc/net/tcp6 2>/dev/null; do

@@ -25,17 +25,17 @@ for builder in median rtrs; do
     rows "$dir/read"
     [ "$(grep -c '"layout":' "$dir/read.rows")" -eq "$(grep -c '"layout":' "$dir/built.rows")" ] ||
         bad "check --bvh of $builder has other rows"
-    # What the seed's builder makes is only counted, where what a file holds is judged.
+    # What RTRS's builder makes is only counted, where what a file holds is judged.
     if [ $builder = median ] && ! cmp -s "$dir/built.rows" "$dir/read.rows"; then
         diff "$dir/built.rows" "$dir/read.rows" | head -n 6 >"$dir/out"
         bad "check --bvh of $builder answers otherwise"
     fi
 done
-# The seed's tree of its own scene, cut boxes and all: taken, said, and judged.
+# RTRS's tree of its own scene, cut boxes and all: taken, said, and judged.
 expect 0 . precompute --scene rtrs --item-count 2 --out "$dir/seed.json"
 expect 1 . check rtrs --engine cpu --count 2000 --repeat 1 --bvh "$dir/seed.json"
 grep -q 'warning: .*seed.json: 2 of 51 boxes are too small for their triangles' "$dir/err" ||
-    bad "the seed's cut boxes are not warned of"
+    bad "RTRS's cut boxes are not warned of"
 for layout in $("$raydiff" list layouts | awk '/^  /{print $1}'); do
     for builder in median rtrs; do
         expect 0 . precompute --scene $scene --builder $builder --layout "$layout" --out "$dir/packed"
@@ -118,7 +118,7 @@ expect 2 'is packed as rf16; only JSON can be packed as f32' check $scene $small
     --bvh "$dir/tree.rdpk"
 expect 0 . precompute --scene $scene --builder median --layout rtrs_rf --out "$dir/seed.rdpk"
 expect 2 . explain $scene --bvh "$dir/seed.rdpk" # after a warning
-grep -q 'decodes to no tree, which JSON would have: ' "$dir/err" || bad "the seed's triangles decode"
+grep -q 'decodes to no tree, which JSON would have: ' "$dir/err" || bad "RTRS's triangles decode"
 expect 2 'is packed as rf16; only JSON' explain $scene --bvh "$dir/tree.rdpk" --layout f32
 expect 2 'on a tree as JSON' bench layouts --scene $scene --bvh "$dir/tree.rdpk"
 expect 2 'goes without --builder' check $scene --bvh "$dir/median.json" --builder median

@@ -1,4 +1,4 @@
-/* What the tests of the seed's faults share: trees in a layout that can be asked rays. Include
+/* What the tests of RTRS's faults share: trees in a layout that can be asked rays. Include
  * after cmocka.h. */
 #ifndef TESTS_FAULTS_H
 #define TESTS_FAULTS_H
@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The options of the seed's own programs; leaf 2 is for its direct handler. */
+/* The options of RTRS's own programs; leaf 2 is for its direct handler. */
 #define SEED_LEAF 4
 #define SEED_EPS  0.02f
 
@@ -78,7 +78,7 @@ static inline void assert_refused(const struct subject *s, const char *text)
         fail_msg("'%s' does not say '%s'", s->reason.text, text);
 }
 
-/* What a layout that is refused for the seed's tree loses nothing of: `builder`, `layout`. */
+/* What a layout that is refused for RTRS's tree loses nothing of: `builder`, `layout`. */
 static inline struct subject subject_repaired(const struct scene *scene, const char *layout)
 {
     return subject_make(scene, "median", SEED_LEAF, SEED_EPS, layout);
@@ -159,7 +159,7 @@ static inline void compensate_f2(struct bvh *bvh, const struct scene *scene)
     bvh->prim_count = bvh->tri_count = scene->tri_count;
 }
 
-/* The scene that the seed ships: tests/tree/test_seed_figures.c compares it with the published file. */
+/* The scene that RTRS ships: tests/tree/test_seed_figures.c compares it with the published file. */
 static inline struct scene seed_scene(void)
 {
     struct scene scene;

@@ -21,7 +21,7 @@ struct picture {
     struct trace_report report;
 };
 
-/* `rtrs`: the seed's tree, layout and tests, which lose triangles. */
+/* `rtrs`: RTRS's tree, layout and tests, which lose triangles. */
 static inline struct picture picture_of(struct scene scene, struct look look, bool rtrs,
                                         uint32_t width, uint32_t height)
 {

@@ -1,4 +1,4 @@
-/* The file of the scene that the seed publishes, which is not part of this project. */
+/* The file of the scene that RTRS publishes, which is not part of this project. */
 #ifndef TESTS_PUBLISHED_H
 #define TESTS_PUBLISHED_H
 
@@ -14,7 +14,7 @@ static inline const char *published_scene(void)
     const char *path = getenv(PUBLISHED_SCENE);
     if (path && *path)
         return path;
-    printf("SKIP " PUBLISHED_SCENE " names no file: the scene that the seed publishes\n");
+    printf("SKIP " PUBLISHED_SCENE " names no file: the scene that RTRS publishes\n");
     return NULL;
 }
 

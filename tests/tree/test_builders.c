@@ -1,4 +1,4 @@
-/* Laws of ref/builders/: what every builder keeps, what median promises, what the seed does. */
+/* Laws of ref/builders/: what every builder keeps, what median promises, what RTRS does. */
 #include "ref/tree/bvh.h"
 #include "ref/base/rng.h"
 #include "tests/support/built.h"
@@ -246,7 +246,7 @@ static bool rtrs_ends_on(const float v[3][3], float eps)
     enum status status = builder_find("rtrs")->build(&scene, &options, &bvh, &reason);
     if (status) {
         assert_int_equal(status, STATUS_LIMIT);
-        assert_non_null(strstr(reason.text, "the seed never ends here: F19"));
+        assert_non_null(strstr(reason.text, "RTRS never ends here: F19"));
         assert_null(bvh.node);
     }
     bvh_free(&bvh);

@@ -1,4 +1,4 @@
-/* The faults of the seed's box test and triangle test, each from the input that shows it, and that
+/* The faults of RTRS's box test and triangle test, each from the input that shows it, and that
  * the repaired member does not have it. The builder's: test_faults_builder.c; the layouts':
  * test_faults_layout.c and test_faults_bits.c. */
 #include "ref/layout.h"

@@ -1,4 +1,4 @@
-/* The faults of the seed's layouts in numbers that have too few bits, each by rays that it answers
+/* The faults of RTRS's layouts in numbers that have too few bits, each by rays that it answers
  * wrongly, and that a repaired layout answers them right or refuses the scene. What the words look
  * like at each border: test_limits_rtrs.c. */
 #include "ref/layout.h"
@@ -103,7 +103,7 @@ static void f11_a_box_up_to_a_tenth_loses_2_4e_5(void **state)
     scene_free(&scene);
 }
 
-/* Nodes of the seed's scene whose stored box is smaller than the tree's, as leaves and inner. */
+/* Nodes of RTRS's scene whose stored box is smaller than the tree's, as leaves and inner. */
 static void f11_nearly_all_boxes_of_the_seeds_scene_shrink(void **state)
 {
     (void)state;
@@ -197,7 +197,7 @@ static void f11_rays_at_vertices_are_lost(void **state)
     assert_true(lost_by_nearest_rounding(&scene) > 70);
 }
 
-/* The seed's own study: 77 of 19997. */
+/* RTRS's own study: 77 of 19997. */
 static void f11_rays_at_vertices_of_the_seeds_scene_are_lost(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The faults of the seed's builder, each from the input that shows it, and that builder median does
+/* The faults of RTRS's builder, each from the input that shows it, and that builder median does
  * not have it. */
 #include "ref/layout.h"
 #include "ref/base/rng.h"
@@ -32,7 +32,7 @@ static uint32_t hits_lost(const struct subject *s, const char *box, const struct
     return lost;
 }
 
-/* (c + c + c) / 3 in the seed's arithmetic is above 31 of the heights 0.1, 0.2, .. 10.0: then no
+/* (c + c + c) / 3 in RTRS's arithmetic is above 31 of the heights 0.1, 0.2, .. 10.0: then no
  * centroid lies in any half of the flat box. */
 static void f4_floors_at_31_of_100_heights_are_never_split(void **state)
 {
@@ -92,7 +92,7 @@ static void f4_a_floor_at_a_tenth_is_one_leaf_that_the_seed_cannot_pack(void **s
     struct subject s = subject_make(&scene, "rtrs", SEED_LEAF, SEED_EPS, "rtrs_rf");
     assert_int_equal(s.stats.node_count, 1);
     assert_int_equal(s.bvh.node[0].item_count, 18);
-    assert_refused(&s, "the seed panics");
+    assert_refused(&s, "RTRS panics");
     static const float lo[3] = {2.994f, 0.1f, 2.994f}, hi[3] = {3, 0.1f, 3};
     for (int k = 0; k < 3; k++) {
         assert_true(fabsf(s.bvh.node[0].bounds.lo[k] - lo[k]) < 0.0005f);
@@ -104,7 +104,7 @@ static void f4_a_floor_at_a_tenth_is_one_leaf_that_the_seed_cannot_pack(void **s
     scene = flat(2, 1, 0.1f); /* 8 triangles: one more way to panic, F6 */
     s = subject_make(&scene, "rtrs", SEED_LEAF, SEED_EPS, "rtrs_rf");
     assert_int_equal(s.bvh.node[0].item_count, 8);
-    assert_refused(&s, "the seed panics: F6");
+    assert_refused(&s, "RTRS panics: F6");
     subject_free(&s);
     scene_free(&scene);
 }
@@ -155,7 +155,7 @@ static void f5_five_copies_get_a_leaf_box_of_a_128th(void **state)
 
 #define RANDOM_RAYS 20000
 
-/* Cut inner boxes of the seed's scene: 2 of 25 with leaves of 2, none with leaves of 4. */
+/* Cut inner boxes of RTRS's scene: 2 of 25 with leaves of 2, none with leaves of 4. */
 static void f5_cut_inner_boxes_of_the_seeds_scene_lose_hits(void **state)
 {
     (void)state;
@@ -168,7 +168,7 @@ static void f5_cut_inner_boxes_of_the_seeds_scene_lose_hits(void **state)
     assert_int_equal(two.stats.node_count - two.stats.leaf_count, 25);
     assert_int_equal(two.stats.loose_count, 2);
     uint32_t lost = hits_lost(&two, "robust", ray, RANDOM_RAYS, &hits);
-    assert_true(lost > hits / 20 && lost < hits / 5); /* the seed's own study: 703 of 7349 */
+    assert_true(lost > hits / 20 && lost < hits / 5); /* RTRS's own study: 703 of 7349 */
     assert_int_equal(hits_lost(&two, "rtrs", ray, RANDOM_RAYS, &hits), 0); /* F1 hides it */
     struct subject four = subject_make(&scene, "rtrs", 4, SEED_EPS, "f32");
     assert_int_equal(four.stats.loose_count, 0);

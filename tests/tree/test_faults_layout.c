@@ -1,4 +1,4 @@
-/* The faults of the seed's layouts in what a leaf tests, each by rays that it answers wrongly, and
+/* The faults of RTRS's layouts in what a leaf tests, each by rays that it answers wrongly, and
  * that a repaired layout answers them right. Numbers too narrow: test_faults_bits.c. What the words
  * look like at each border: test_limits_rtrs.c. */
 #include "ref/layout.h"
@@ -89,7 +89,7 @@ static uint32_t random_hits_wrong(const struct subject *s, const char *box, cons
     return wrong;
 }
 
-/* The seed's own study of its scene: 157 of 7349 random hits wrong (2.1 %), of RF with a correct
+/* RTRS's own study of its scene: 157 of 7349 random hits wrong (2.1 %), of RF with a correct
  * box test 27 %. */
 static void f2_two_of_a_hundred_hits_in_the_seeds_scene_are_wrong(void **state)
 {
@@ -146,7 +146,7 @@ static void f3_a_direct_leaf_tests_other_triangles_than_its_own(void **state)
     scene_free(&scene);
 }
 
-/* The seed's start view, 384 x 288: only in pixel column 192 is dir.x zero, so that the published
+/* RTRS's start view, 384 x 288: only in pixel column 192 is dir.x zero, so that the published
  * box test culls (F15). */
 static void f3_44_of_55_pixels_of_the_seeds_middle_column_are_black(void **state)
 {
@@ -186,7 +186,7 @@ static void f6_eight_triangles_in_one_leaf_panic(void **state)
     struct scene scene = trees_grid(8);
     struct subject s = subject_make(&scene, "rtrs", SEED_LEAF, 1000, "rtrs_rf");
     assert_int_equal(s.bvh.node[0].item_count, 8);
-    assert_refused(&s, "rtrs_rf: the seed panics: F6");
+    assert_refused(&s, "rtrs_rf: RTRS panics: F6");
     subject_pack(&s, "rf16"); /* the very same tree */
     assert_int_equal(triangles_lost(&s, "robust", 0, 7), 0);
     subject_free(&s);
@@ -213,7 +213,7 @@ static void f6_an_eighth_item_from_32768_on_hides_the_panic(void **state)
         struct scene scene = trees_grid(count);
         struct subject s = subject_of(&scene, tree_with_a_leaf_of_eight(&scene), "rtrs_rf");
         if (!beyond) {
-            assert_refused(&s, "rtrs_rf: the seed panics: F6");
+            assert_refused(&s, "rtrs_rf: RTRS panics: F6");
         } else {
             uint32_t tag = s.packed.word[s.packed.word_count - 1];
             assert_int_equal(s.status, STATUS_OK);
@@ -264,7 +264,7 @@ static void f8_nine_or_thirteen_copies_panic(void **state)
         struct scene scene = trees_copies(n, one);
         struct subject s = subject_make(&scene, "rtrs", SEED_LEAF, SEED_EPS, "rtrs_rf");
         char text[64];
-        snprintf(text, sizeof text, "rtrs_rf: the seed panics: F8 (%u items", n);
+        snprintf(text, sizeof text, "rtrs_rf: RTRS panics: F8 (%u items", n);
         assert_refused(&s, text);
         subject_pack(&s, "rf16");
         assert_refused(&s, "rf16: a leaf holds at most 8 items"); /* cannot, and says why */

@@ -1,4 +1,4 @@
-/* The seed's published figures on its own default scene (the paper's Figure 8 and the statistics of
+/* RTRS's published figures on its own default scene (the paper's Figure 8 and the statistics of
  * the trees behind it), and what becomes of flat floors. */
 #include "ref/layout.h"
 #include "scenes/scenes.h"
@@ -19,7 +19,7 @@ static const struct figures {
     struct bvh_stats tree;
     uint32_t shrunk_leaves, shrunk_inner; /* boxes that lose volume by rounding to nearest */
     uint32_t direct_bytes, rf_bytes;
-    uint32_t peak_stack; /* of the seed's traversal in its reduced-footprint order */
+    uint32_t peak_stack; /* of RTRS's traversal in its reduced-footprint order */
 } figures[] = {
     {2, {51, 26, 7, 2, 2}, 23, 23, 2448, 1232, 7},
     {4, {27, 14, 5, 4, 0}, 13, 13, 1296, 656, 6},
@@ -94,7 +94,7 @@ static void seed_scene_gives_the_published_trees(void **state)
     scene_free(&scene);
 }
 
-/* The seed pops a node and pushes both children, fst on top; its box test culls nothing (F1), so
+/* RTRS pops a node and pushes both children, fst on top; its box test culls nothing (F1), so
  * every ray's stack grows as the whole tree makes it. */
 static uint32_t peak_of_seed_stack(const struct bvh *bvh)
 {
@@ -194,7 +194,7 @@ static void flat_floors_end_the_seed(void **state)
     static const struct {
         uint32_t quads, items;
         const char *reason;
-    } floors[] = {{2, 8, "the seed panics: F6"}, {3, 18, "the seed panics: F8 (18 items"}};
+    } floors[] = {{2, 8, "RTRS panics: F6"}, {3, 18, "RTRS panics: F8 (18 items"}};
     for (size_t i = 0; i < ARRAY_COUNT(floors); i++) {
         struct scene scene = floor_of(floors[i].quads);
         struct bvh bvh = build_rtrs(&scene, 4);

@@ -136,7 +136,7 @@ static void assert_decodes(const struct tree_file *file, const struct scene *sce
     bvh_free(&bvh);
 }
 
-/* Every packed file that precompute can write of these scenes, the seed's layouts included, which
+/* Every packed file that precompute can write of these scenes, RTRS's layouts included, which
  * name other triangles and lose some: that must not be taken for another scene. */
 static void packed_fixes_the_layout(void **state)
 {
@@ -198,7 +198,7 @@ static void packed_fixes_the_layout(void **state)
 }
 
 /* `spec`'s tree for another scene of as many triangles. `apart`: in another place; only then can
- * it be told of the seed's layouts, whose leaves name other triangles than their boxes hold. */
+ * it be told of RTRS's layouts, whose leaves name other triangles than their boxes hold. */
 static void expect_foreign(const char *spec, const char *other_spec, bool apart)
 {
     struct scene scene = open_scene(spec), other = open_scene(other_spec);
@@ -245,7 +245,7 @@ static void a_tree_of_another_scene_is_refused(void **state)
     scene_free(&other);
 }
 
-/* The seed's cut boxes, and one box pulled in by hand: taken, traced as they are, and said. */
+/* RTRS's cut boxes, and one box pulled in by hand: taken, traced as they are, and said. */
 static void too_small_boxes_are_doubted(void **state)
 {
     (void)state;

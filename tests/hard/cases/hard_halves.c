@@ -49,7 +49,7 @@ const struct hard_case hard_middles = {
     .name = "half-middles",
     .recipe = "vertices right between halves and one float32 beside, aimed at just inside them",
     .expected = "a hit: bounds are rounded outward",
-    .source = "gkjohnson/three-mesh-bvh#169: bounds rounded inward on store; the seed's F11",
+    .source = "gkjohnson/three-mesh-bvh#169: bounds rounded inward on store; RTRS's F11",
     .make = make_middles,
 };
 
@@ -87,7 +87,7 @@ const struct hard_case hard_overflow = {
     .name = "half-overflow",
     .recipe = "a grid that ends at 65504, 65505, 65519, 65520, 1e5 and their negatives",
     .expected = "the triangle aimed at; beyond 65504 rf16 refuses",
-    .source = "bulletphysics/bullet3#558: quantised bounds overflow; the seed's F12",
+    .source = "bulletphysics/bullet3#558: quantised bounds overflow; RTRS's F12",
     .make = make_overflow,
 };
 

@@ -73,7 +73,7 @@ const struct hard_case hard_index_zero = {
     .name = "index-zero",
     .recipe = "triangle 0 alone, and as the nearest of 16",
     .expected = "triangle 0",
-    .source = "hankotanks/rt_rs: 0 means empty; the seed's F2",
+    .source = "hankotanks/rt_rs: 0 means empty; RTRS's F2",
     .make = make_index_zero,
 };
 
@@ -96,7 +96,7 @@ const struct hard_case hard_indices = {
     .name = "triangle-numbers",
     .recipe = "65536 and 65537 triangles, aimed at 0, 32767, 32768, 65535, 65536",
     .expected = "the triangle aimed at; beyond 65535 rf16 refuses",
-    .source = "numerics.md 4, 47: numbers cut to 15 or 16 bits; the seed's F10",
+    .source = "numerics.md 4, 47: numbers cut to 15 or 16 bits; RTRS's F10",
     .make = make_indices,
     .defect = {{.fault = "F10: item numbers are cut to 15 and 16 bits",
                 .cause = CAUSE_INDEX_TRUNCATED,
@@ -126,7 +126,7 @@ const struct hard_case hard_nodes = {
     .name = "node-numbers",
     .recipe = "trees of 10923, 10924 and 12000 leaves: 32768, 32771 and 35999 records",
     .expected = "the triangle aimed at; beyond record 32767 rf16 refuses, and does not wrap",
-    .source = "numerics.md 4, 48: the leaf mark, bit 31, collides; the seed's F9",
+    .source = "numerics.md 4, 48: the leaf mark, bit 31, collides; RTRS's F9",
     .make = make_nodes,
     .defect = {{.fault = "F9: record numbers from 32768 on set the leaf bit",
                 .cause = CAUSE_REFERENCE_TRUNCATED,
@@ -167,7 +167,7 @@ const struct hard_case hard_concentric = {
     .name = "concentric",
     .recipe = "2, 7, 8, 9 and 64 triangles of one centroid, each larger than the last",
     .expected = "builds; between two borders one of the larger ones",
-    .source = "hoverinc/ray-tracing-renderer#81: equal centroids recurse for ever; the seed's F19",
+    .source = "hoverinc/ray-tracing-renderer#81: equal centroids recurse for ever; RTRS's F19",
     .make = make_concentric,
 };
 
@@ -218,7 +218,7 @@ const struct hard_case hard_nothing = {
     .name = "empty-scene",
     .recipe = "no triangle at all",
     .expected = "a miss",
-    .source = "gfx-rs/wgpu#6731, #8637: crashes; the seed's F20 reads node 0",
+    .source = "gfx-rs/wgpu#6731, #8637: crashes; RTRS's F20 reads node 0",
     .flags = HARD_NO_HITS,
     .make = make_nothing,
 };
@@ -246,7 +246,7 @@ const struct hard_case hard_one = {
     .name = "one-triangle",
     .recipe = "a single triangle, so that the root is a leaf; aimed at and past it",
     .expected = "triangle 0; past it a miss",
-    .source = "numerics.md 4, 52: the root's own box; the seed's F2: a blank picture",
+    .source = "numerics.md 4, 52: the root's own box; RTRS's F2: a blank picture",
     .make = make_one,
 };
 
@@ -297,6 +297,6 @@ const struct hard_case hard_counts = {
     .name = "ray-counts",
     .recipe = "0, 1, 63, 64, 65, 127 and 1000 rays",
     .expected = "every ray's own triangle, and nothing written behind the last answer",
-    .source = "numerics.md 4, 54: the bound of a dispatch; the seed's F25",
+    .source = "numerics.md 4, 54: the bound of a dispatch; RTRS's F25",
     .make = make_counts,
 };

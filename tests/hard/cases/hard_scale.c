@@ -43,7 +43,7 @@ const struct hard_case hard_powers = {
     .name = "powers-of-ten",
     .recipe = "a 4x4 grid times 1e-38 to 1e37; directions of its scale, and of length 1",
     .expected = "1e-9 to 1e11: the triangle aimed at; beyond: within the proven bounds",
-    .source = "jbikker/tinybvh#283, godotengine/godot#53844: |det| < 1e-6; the seed's F16",
+    .source = "jbikker/tinybvh#283, godotengine/godot#53844: |det| < 1e-6; RTRS's F16",
     .make = make_powers,
 };
 

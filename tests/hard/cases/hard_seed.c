@@ -1,4 +1,4 @@
-/* The seed's faults that a traversal can show, each alone on a small scene. F1 is case 63; F13 is
+/* RTRS's faults that a traversal can show, each alone on a small scene. F1 is case 63; F13 is
  * the paper's and in no layout, F7 stands behind F2: for these a member is made to be wrong. */
 #include "tests/hard/made.h"
 #include "tests/hard/parts.h"
@@ -69,7 +69,7 @@ const struct hard_case hard_seed_floor = {
     .defect = {{.fault = "F4: rounded centroids lie outside, nothing is split, the box is cut",
                 .cause = CAUSE_CUT_BOX,
                 .members = "closest.*.f32.rtrs.robust.mt"},
-               {.fault = "F8: more than 8 items in a leaf end the seed",
+               {.fault = "F8: more than 8 items in a leaf end RTRS",
                 .members = "closest.*.rtrs_rf.rtrs.robust.mt",
                 .refuses = "F8"}},
 };
@@ -142,7 +142,7 @@ const struct hard_case hard_seed_records = {
     .expected = "the triangle aimed at",
     .source = SEED "rf.rs:130 (F6)",
     .make = make_records,
-    .defect = {{.fault = "F6: the items of a leaf are taken for nodes, which ends the seed",
+    .defect = {{.fault = "F6: the items of a leaf are taken for nodes, which ends RTRS",
                 .members = "closest.*.rtrs_rf.median.*",
                 .refuses = "F6"}},
 };

@@ -145,7 +145,7 @@ const struct hard_case hard_duplicates = {
     .name = "duplicates",
     .recipe = "2 to 8 and 2 to 9 copies of a triangle",
     .expected = "any of the copies, t = 1",
-    .source = "numerics.md 4, 31: order, leaves that cannot be split; the seed's F8",
+    .source = "numerics.md 4, 31: order, leaves that cannot be split; RTRS's F8",
     .make = make_duplicates,
 };
 
