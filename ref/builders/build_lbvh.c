@@ -3,9 +3,9 @@
  * changes. The same tree as Karras's, but made from the top down, in pre-order at once, each piece
  * by one thread: then no parents, counters or second order are needed. Equal codes are told apart
  * by the triangle's number. */
-#include "ref/builders/grow.h"
-#include "ref/builders/morton.h"
-#include "ref/builders/room.h"
+#include "ref/build/grow.h"
+#include "ref/build/morton.h"
+#include "ref/build/room.h"
 
 struct lbvh {
     const struct ref *ref;

@@ -2,8 +2,8 @@
  * bounds; only that axis decides (RTRS's F4), boxes are never cut (F5), and where the middle
  * separates nothing the triangles are halved instead (F19), so that no leaf exceeds the limit.
  * eps has no meaning here and is ignored. */
-#include "ref/builders/grow.h"
-#include "ref/builders/top_down.h"
+#include "ref/build/grow.h"
+#include "ref/build/top_down.h"
 
 /* In double, where the sum of three floats cannot overflow. */
 static void centroid(float v[3][3], float out[3])

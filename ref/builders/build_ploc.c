@@ -4,10 +4,10 @@
  * equally near neighbours the one whose place differs in lower bits, so that heaps of equal
  * triangles pair up; and where hardly any chose each other (sizes that fall along the order),
  * neighbours are paired as they stand, so that the number of rounds is logarithmic. */
-#include "ref/builders/grow.h"
-#include "ref/builders/links.h"
-#include "ref/builders/morton.h"
-#include "ref/builders/room.h"
+#include "ref/build/grow.h"
+#include "ref/build/links.h"
+#include "ref/build/morton.h"
+#include "ref/build/room.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
  * split F5   where one side is empty the box is cut in half and keeps that shape, so that it need
  * not contain its triangles any more F19  where the half box equals the box, it would do so for
  * ever: refused, the only difference All operations are in float, each rounded. */
-#include "ref/builders/top_down.h"
+#include "ref/build/top_down.h"
 
 #include <string.h>
 

@@ -2,11 +2,11 @@
  * construction of SAH-based bounding volume hierarchies): all three axes, and up to FEW_MOST
  * triangles every place instead of bins. Ours: areas relative to the node, which holds in scenes of
  * any size, and the bound of the depth. */
-#include "ref/builders/bins.h"
-#include "ref/builders/few.h"
-#include "ref/builders/grow.h"
-#include "ref/builders/room.h"
-#include "ref/builders/swap.h"
+#include "ref/build/bins.h"
+#include "ref/build/few.h"
+#include "ref/build/grow.h"
+#include "ref/build/room.h"
+#include "ref/build/swap.h"
 
 struct binned {
     struct ref *ref;

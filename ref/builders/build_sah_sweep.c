@@ -3,10 +3,10 @@
  * here with centres, so that each triangle stays on one side). The cheapest of all splits between
  * neighbours in one of the three orders; the first of equals. Ours: areas relative to the node, and
  * the bound of the depth. */
-#include "ref/builders/few.h"
-#include "ref/builders/grow.h"
-#include "ref/builders/keys.h"
-#include "ref/builders/room.h"
+#include "ref/build/few.h"
+#include "ref/build/grow.h"
+#include "ref/build/keys.h"
+#include "ref/build/room.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,9 +4,9 @@
  * triangle itself with outward rounding (clip.h), so that ref/tree/cover.h finds nothing lost; and the
  * additional parts are bounded by a budget, which children divide by the area of their parts, so
  * that subtrees are built without knowing of each other, by any number of threads. */
-#include "ref/builders/grow.h"
-#include "ref/builders/room.h"
-#include "ref/builders/split.h"
+#include "ref/build/grow.h"
+#include "ref/build/room.h"
+#include "ref/build/split.h"
 
 #include <math.h>
 #include <omp.h>

@@ -1,4 +1,4 @@
-#include "ref/builders/links.h"
+#include "ref/build/links.h"
 #include "ref/builders/reinsert.h"
 #include "ref/tree/bvh.h"
 #include "ref/base/memory.h"

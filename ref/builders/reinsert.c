@@ -1,9 +1,9 @@
 #include "ref/builders/reinsert.h"
 
-#include "ref/builders/grow.h"
-#include "ref/builders/keys.h"
-#include "ref/builders/links.h"
-#include "ref/builders/room.h"
+#include "ref/build/grow.h"
+#include "ref/build/keys.h"
+#include "ref/build/links.h"
+#include "ref/build/room.h"
 #include "ref/builders/spots.h"
 
 #include <string.h>

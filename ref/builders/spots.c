@@ -1,7 +1,7 @@
 #include "ref/builders/spots.h"
 
-#include "ref/builders/links.h"
-#include "ref/builders/room.h"
+#include "ref/build/links.h"
+#include "ref/build/room.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #define SPOTS_H
 
 #include "ref/base/base.h"
-#include "ref/builders/lanes.h"
+#include "ref/build/lanes.h"
 #include "ref/tree/bvh.h"
 
 struct spot {

@@ -2,7 +2,7 @@
  * it is begun. */
 #include "tests/base/allocations.h"
 
-#include "ref/builders/room.h"
+#include "ref/build/room.h"
 #include "ref/base/memory.h"
 #include "tests/support/built.h"
 

@@ -3,7 +3,7 @@
  * nothing made and nothing kept. */
 #include "tests/base/allocations.h"
 
-#include "ref/builders/links.h"
+#include "ref/build/links.h"
 #include "ref/builders/reinsert.h"
 #include "ref/tree/cover.h"
 #include "ref/engine.h"

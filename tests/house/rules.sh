@@ -140,6 +140,10 @@ wc -l $(git ls-files '*.c' '*.h' '*.glsl' '*.comp') | awk '$1 > 450 && $2 != "to
 git ls-files bench/results | grep -vE '\.(csv|txt|md)$' && breach "bench/results: CSV and text only"
 [ "$(git ls-files -z bench/results | xargs -0 cat | wc -l)" -le 3000 ] || breach "bench/results: over 3,000 lines"
 
+for folder in ref/builders ref/layouts; do
+    [ "$(git ls-files "$folder" | wc -l)" -le 25 ] || breach "$folder: over 25 files, and more members come: tools of theirs have a room of their own"
+done
+
 # Planted bugs lie beside the program, and every record fits.
 git grep -nwE 'MUTANT(_[A-Z0-9_]+)?' -- ref gpu scenes fuzz bench cmd shaders tests/hard raydiff.c && breach "a planted bug is a record in tests/planted"
 sh tests/planted/plant.sh --check >/dev/null || breach "tests/planted: a record does not fit"

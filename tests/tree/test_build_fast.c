@@ -1,6 +1,6 @@
 /* Laws of the builders by cost and by order: form, bounds, limits, and the same tree for any number
  * of threads. */
-#include "ref/builders/links.h"
+#include "ref/build/links.h"
 #include "ref/builders/reinsert.h"
 #include "ref/tree/bvh.h"
 #include "ref/base/rng.h"

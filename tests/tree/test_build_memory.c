@@ -1,7 +1,7 @@
 /* Builders when memory runs out: an error and nothing kept, wherever that happens.
- * ref/builders/room.c is left out of this program; what stands here takes its place. */
-#include "ref/builders/room.h"
-#include "ref/builders/links.h"
+ * ref/build/room.c is left out of this program; what stands here takes its place. */
+#include "ref/build/room.h"
+#include "ref/build/links.h"
 #include "tests/support/built.h"
 
 #include <stdarg.h>

@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
 
 #include "ref/trace/all_hits.h"
-#include "ref/builders/clip.h"
+#include "ref/build/clip.h"
 #include "ref/tree/bvh_json.h"
 #include "ref/match/match.h"
 #include "ref/packed/packed_file.h"

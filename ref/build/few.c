@@ -1,4 +1,4 @@
-#include "ref/builders/few.h"
+#include "ref/build/few.h"
 
 #include <math.h>
 

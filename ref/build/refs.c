@@ -1,6 +1,6 @@
-#include "ref/builders/refs.h"
+#include "ref/build/refs.h"
 
-#include "ref/builders/room.h"
+#include "ref/build/room.h"
 
 #include <omp.h>
 #include <string.h>

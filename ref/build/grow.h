@@ -4,8 +4,8 @@
 #ifndef GROW_H
 #define GROW_H
 
-#include "ref/builders/lanes.h"
-#include "ref/builders/refs.h"
+#include "ref/build/lanes.h"
+#include "ref/build/refs.h"
 #include "ref/tree/bvh.h"
 
 /* No tree is deeper, whatever the input: a range of n at depth d keeps d + ceil(log2(n)) <= this,

@@ -2,7 +2,7 @@
 #ifndef BINS_H
 #define BINS_H
 
-#include "ref/builders/refs.h"
+#include "ref/build/refs.h"
 
 #define BINS_MOST BUILD_BINS_MOST
 

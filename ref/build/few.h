@@ -2,7 +2,7 @@
 #ifndef FEW_H
 #define FEW_H
 
-#include "ref/builders/refs.h"
+#include "ref/build/refs.h"
 
 #define FEW_MOST 8u
 

@@ -1,5 +1,5 @@
 #define _DEFAULT_SOURCE /* madvise */
-#include "ref/builders/room.h"
+#include "ref/build/room.h"
 
 #include "ref/base/memory.h"
 

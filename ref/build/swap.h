@@ -2,7 +2,7 @@
 #ifndef SWAP_H
 #define SWAP_H
 
-#include "ref/builders/bins.h"
+#include "ref/build/bins.h"
 
 /* References whose bin in `axis` is below `bin` are the first side's. */
 struct ref_cut {

@@ -1,6 +1,6 @@
-#include "ref/builders/split.h"
+#include "ref/build/split.h"
 
-#include "ref/builders/refs.h"
+#include "ref/build/refs.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
-#include "ref/builders/top_down.h"
+#include "ref/build/top_down.h"
 
-#include "ref/builders/grow.h"
+#include "ref/build/grow.h"
 
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-#include "ref/builders/swap.h"
+#include "ref/build/swap.h"
 
 #define PARTS 64u
 #define APART 65536u /* more references are divided in PARTS */

@@ -1,7 +1,7 @@
-#include "ref/builders/links.h"
+#include "ref/build/links.h"
 
-#include "ref/builders/grow.h"
-#include "ref/builders/room.h"
+#include "ref/build/grow.h"
+#include "ref/build/room.h"
 #include "ref/tree/tree_quality.h"
 
 /* A tree that is being written. */

@@ -3,7 +3,7 @@
 #ifndef LINKS_H
 #define LINKS_H
 
-#include "ref/builders/lanes.h"
+#include "ref/build/lanes.h"
 #include "ref/tree/bvh.h"
 
 #define LINKS_NONE UINT32_MAX

@@ -1,4 +1,4 @@
-#include "ref/builders/bins.h"
+#include "ref/build/bins.h"
 
 #include <math.h>
 

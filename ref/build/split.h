@@ -2,7 +2,7 @@
 #ifndef SPLIT_H
 #define SPLIT_H
 
-#include "ref/builders/clip.h"
+#include "ref/build/clip.h"
 #include "ref/scene/scene.h"
 
 #define SPLIT_SWEPT 32u /* up to so many parts every place is tried, beyond it bins */

@@ -1,4 +1,4 @@
-#include "ref/builders/clip.h"
+#include "ref/build/clip.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
-#include "ref/builders/morton.h"
+#include "ref/build/morton.h"
 
-#include "ref/builders/grow.h"
-#include "ref/builders/keys.h"
-#include "ref/builders/room.h"
+#include "ref/build/grow.h"
+#include "ref/build/keys.h"
+#include "ref/build/room.h"
 
 /* Bit i to bit 3 i, of 21. */
 static uint64_t spread(uint32_t x)

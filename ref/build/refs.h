@@ -3,7 +3,7 @@
 #define REFS_H
 
 #include "ref/base/base.h"
-#include "ref/builders/lanes.h"
+#include "ref/build/lanes.h"
 #include "ref/tree/bvh.h"
 
 /* The number stands in the fourth lanes, 16 bits in the mantissa of each, so that they are floats

@@ -1,6 +1,6 @@
-#include "ref/builders/grow.h"
+#include "ref/build/grow.h"
 
-#include "ref/builders/room.h"
+#include "ref/build/room.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
-#include "ref/builders/keys.h"
+#include "ref/build/keys.h"
 
-#include "ref/builders/room.h"
+#include "ref/build/room.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #ifndef MORTON_H
 #define MORTON_H
 
-#include "ref/builders/refs.h"
+#include "ref/build/refs.h"
 
 /* The references' places along the Z curve, ascending: the code of the centre, and below it, in
  * `index_bits` bits, the reference's index, so that no two are equal. As many bits of each axis as
