@@ -4,47 +4,11 @@
 #include "bench/frames/frames.h"
 #include "ref/base/command.h"
 #include "cmd/common/cmd_json.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
-#include "ref/frame.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static const char help[] =
-    "usage: raydiff bench [NAME] [OPTIONS]\n"
-    "Measures. Speeds are taken in one run with all contestants interleaved: median of the rounds\n"
-    "with least and most; ratios are medians of per-round ratios. What was wrong stands beside\n"
-    "each speed.\n\n"
-    "  NAME            one benchmark                      [all that need not be named]\n"
-    "  --scene S,..    scenes instead of the benchmark's own, separated by ';'\n"
-    "  --count N       rays per trace, 1 or more                     [the benchmark's own]\n"
-    "  --rounds N      1 to 99                                                   [9]\n"
-    "  --csv FILE      all rows, for machines; '-': the standard output, alone\n"
-    "and where the benchmark says so:\n"
-    "  --engine E,..   engines, or 'all'                  [every engine that can run here]\n"
-    "  --layout L,..   node layouts, or 'all'             [all but RTRS's]\n"
-    "  --store S,..    triangle storages                                     [indexed]\n"
-    "  --tri T,..      triangle tests, or 'all'           [all but RTRS's]\n"
-    "  --box B,..      box tests, or 'all'       [robust; watertight for watertight tests]\n"
-    "  --rays R,..     ray sets, or 'all'                 [the benchmark's own]\n"
-    "  --seed S        of rays and generators                                    [1]\n"
-    "  --json FILE     all rows, for machines; '-' likewise\n"
-    "  --svg FILE      a plot of what was measured\n"
-    "  --bvh FILE      a tree of the one --scene, as JSON, in place of a builder's\n"
-    "  --frames N      frames drawn and measured           [200, or the benchmark's own]\n"
-    "  --size WxH      pixels                                              [384x288]\n"
-    "  --out BASE      names the files: BASE.csv, BASE.json; charts BASE.svg and BASE.png\n"
-    "  --turns N       around the camera's target in all frames                  [5]\n"
-    "  --warm-up N     frames before them, dropped                               [3]\n"
-    "  --bounces N     segments of a path, 0 to 64                               [4]\n"
-    "  --profile P     repaired, or rtrs: as the published shader         [repaired]\n"
-    "  --quick         small pictures, few frames: to see that it works\n" ENGINE_OPTIONS_HELP
-    "\nexit codes: 0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input,\n"
-    "3 engine failed, 77 a named engine cannot run here; 128 + the signal that ended a run of "
-    "frames:\n"
-    "its files hold the frames measured until then\n"
-    "example: raydiff bench layouts --scene 'sphere:n=50;scenes/fetched/bunny.obj'\n"
-    "benchmarks:\n";
 
 static const struct benchmark *const benchmarks[] = {
     &bench_layouts, &bench_error,     &bench_spawn, &bench_builders, &bench_oracle,
@@ -54,58 +18,40 @@ static const struct benchmark *const benchmarks[] = {
 /* "takes --a --b", in lines. */
 static void print_takes(const char *takes)
 {
-    size_t column = (size_t)printf("  %-12s takes", "");
+    size_t column = (size_t)printf("  %-12s  takes", "");
     for (const char *at = takes; *at;) {
         size_t length = strcspn(at, " ");
-        if (column + length + 3 > 96)
-            column = (size_t)printf("\n  %-12s      ", "") - 1;
+        if (column + length + 3 > 79)
+            column = (size_t)printf("\n  %-12s       ", "") - 1;
         column += (size_t)printf(" --%.*s", (int)length, at);
         at += length + strspn(at + length, " ");
     }
     putchar('\n');
 }
 
-static void print_help(void)
+static void print_benchmarks(void)
 {
-    fputs(help, stdout);
+    char line[200];
+    puts("benchmarks:");
     for (size_t i = 0; benchmarks[i]; i++) {
-        printf("  %-12s %s\n", benchmarks[i]->name, benchmarks[i]->summary);
+        snprintf(line, sizeof line, "  %-12s  %s", benchmarks[i]->name, benchmarks[i]->summary);
+        options_text(line, 0);
         print_takes(benchmarks[i]->takes);
         if (benchmarks[i]->alone)
-            printf("  %-12s runs only if it is named\n", "");
+            printf("  %-12s  runs only if it is named\n", "");
     }
     for (size_t i = 0; benchmarks[i]; i++)
-        if (benchmarks[i]->about)
-            printf("\n%s: %s", benchmarks[i]->name, benchmarks[i]->about);
+        if (benchmarks[i]->about) {
+            printf("\n%s: ", benchmarks[i]->name);
+            options_text(benchmarks[i]->about, strlen(benchmarks[i]->name) + 2);
+        }
 }
 
-enum {
-    OPT_SCENE = 256,
-    OPT_COUNT,
-    OPT_ROUNDS,
-    OPT_CSV,
-    OPT_ENGINE,
-    OPT_LAYOUT,
-    OPT_TRI,
-    OPT_BOX,
-    OPT_RAYS,
-    OPT_SEED,
-    OPT_SVG,
-    OPT_JSON,
-    OPT_FRAMES,
-    OPT_SIZE,
-    OPT_OUT,
-    OPT_TURNS,
-    OPT_WARM_UP,
-    OPT_BOUNCES,
-    OPT_PROFILE,
-    OPT_QUICK,
-    OPT_STORE
-};
-
-static enum status take_scenes(struct bench *bench, char *text, struct reason *reason)
+static enum status take_scenes(void *options, const struct option_value *given,
+                               struct reason *reason)
 {
-    for (char *at = strtok(text, ";"); at; at = strtok(NULL, ";")) {
+    struct bench *bench = options;
+    for (char *at = strtok(given->text, ";"); at; at = strtok(NULL, ";")) {
         if (bench->scene_count == BENCH_SCENES)
             return fail(reason, STATUS_INPUT, "--scene: at most %d scenes", BENCH_SCENES);
         bench->scene[bench->scene_count++] = at;
@@ -113,8 +59,10 @@ static enum status take_scenes(struct bench *bench, char *text, struct reason *r
     return STATUS_OK;
 }
 
-static enum status take_size(const char *text, struct bench *bench, struct reason *reason)
+static enum status take_size(void *options, const struct option_value *given, struct reason *reason)
 {
+    struct bench *bench = options;
+    const char *text = given->text;
     const char *by = strchr(text, 'x');
     char width[16];
     if (!by || (size_t)(by - text) >= sizeof width)
@@ -127,78 +75,75 @@ static enum status take_size(const char *text, struct bench *bench, struct reaso
                : parse_count("--size", by + 1, 1, FRAME_SIDE_MOST, &bench->picture.height, reason);
 }
 
-/* Options of measured frames. */
-static enum status take_picture(int option, char *text, struct bench *bench, struct reason *reason)
-{
-    switch (option) {
-    case OPT_FRAMES:
-        return parse_count("--frames", text, 1, FRAMES_MOST, &bench->picture.frames, reason);
-    case OPT_SIZE:
-        return take_size(text, bench, reason);
-    case OPT_TURNS:
-        return parse_count("--turns", text, 0, FRAMES_MOST, &bench->picture.turns, reason);
-    case OPT_WARM_UP:
-        return parse_count("--warm-up", text, 0, FRAMES_MOST, &bench->picture.warm_up, reason);
-    case OPT_BOUNCES:
-        return parse_count("--bounces", text, 0, FRAME_BOUNCES_MOST, &bench->picture.bounces,
-                           reason);
-    case OPT_PROFILE:
-        bench->picture.rtrs = strcmp(text, "rtrs") == 0;
-        if (!bench->picture.rtrs && strcmp(text, "repaired") != 0)
-            return fail(reason, STATUS_INPUT, "--profile: '%.40s' is neither repaired nor rtrs",
-                        text);
-        return STATUS_OK;
-    case OPT_OUT:
-        bench->picture.out = text;
-        return STATUS_OK;
-    default:
-        bench->quick = true;
-        return STATUS_OK;
-    }
-}
+static const char *const profiles[] = {"repaired", "rtrs", NULL};
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct bench *bench = user;
-    if (option >= OPT_FRAMES && option <= OPT_QUICK)
-        return take_picture(option, text, bench, reason);
-    switch (option) {
-    case OPT_SCENE:
-        return take_scenes(bench, text, reason);
-    case OPT_COUNT:
-        return parse_count("--count", text, 1, 1u << 28, &bench->ray_count, reason);
-    case OPT_ROUNDS:
-        return parse_count("--rounds", text, 1, BENCH_ROUNDS, &bench->rounds, reason);
-    case OPT_CSV:
-        bench->csv_path = text;
-        return STATUS_OK;
-    case OPT_ENGINE:
-        return table_parse(TABLE_ENGINES, "--engine", text, &bench->engine, reason);
-    case OPT_LAYOUT:
-        return table_parse(TABLE_LAYOUTS, "--layout", text, &bench->layout, reason);
-    case OPT_STORE:
-        return table_parse(TABLE_STORES, "--store", text, &bench->store, reason);
-    case OPT_TRI:
-        return table_parse(TABLE_TRI_TESTS, "--tri", text, &bench->tri, reason);
-    case OPT_BOX:
-        return table_parse(TABLE_BOX_TESTS, "--box", text, &bench->box, reason);
-    case OPT_RAYS:
-        return table_parse(TABLE_RAY_SETS, "--rays", text, &bench->rays, reason);
-    case OPT_SEED:
-        return parse_count("--seed", text, 0, UINT64_MAX, &bench->seed, reason);
-    case OPT_SVG:
-        bench->svg_path = text;
-        return STATUS_OK;
-    case OPT_JSON:
-        bench->json_path = text;
-        return STATUS_OK;
-    case OPT_BVH:
-        bench->bvh = text;
-        return STATUS_OK;
-    default:
-        return engine_option_take(option, text, &bench->engines, reason);
-    }
-}
+static const struct option_row all_rows[] = {
+    {"scene", "S;..", "scenes instead of the benchmark's own", OF_OWN(take_scenes), .file = true,
+     .repeats = true},
+    {"count", "N", "rays per trace, 1 or more", OF_COUNT(struct bench, ray_count, 1, 1u << 28),
+     .shown = "the benchmark's own"},
+    {"rounds", "N", "measurements of each", OF_COUNT(struct bench, rounds, 1, BENCH_ROUNDS),
+     .value = "9"},
+    {"csv", "FILE", "all rows, for machines; '-': the standard output, alone",
+     OF_DATA(struct bench, csv_path)},
+    {.name = NULL},
+};
+
+static const struct option_row own_rows[] = {
+    {"engine", "E,..", "engines, or 'all'", OF_LIST(struct bench, engine, TABLE_ENGINES),
+     .shown = "every engine that can run here"},
+    {"layout", "L,..", "node layouts, or 'all'", OF_LIST(struct bench, layout, TABLE_LAYOUTS),
+     .shown = "all but those of RTRS"},
+    {"store", "S,..", "triangle storages", OF_LIST(struct bench, store, TABLE_STORES),
+     .shown = "indexed"},
+    {"tri", "T,..", "triangle tests, or 'all'", OF_LIST(struct bench, tri, TABLE_TRI_TESTS),
+     .shown = "all but that of RTRS"},
+    {"box", "B,..", "box tests, or 'all'", OF_LIST(struct bench, box, TABLE_BOX_TESTS),
+     .shown = "robust; watertight for watertight tests"},
+    {"rays", "R,..", "ray sets, or 'all'", OF_LIST(struct bench, rays, TABLE_RAY_SETS),
+     .shown = "the benchmark's own"},
+    {"seed", "S", "of rays and generators", OF_COUNT(struct bench, seed, 0, UINT64_MAX),
+     .value = "1"},
+    {"json", "FILE", "all rows, for machines; '-' likewise", OF_DATA(struct bench, json_path)},
+    {"svg", "FILE", "a plot of what was measured", OF_WRITTEN(struct bench, svg_path)},
+    {"bvh", "FILE", "a tree of the one --scene, as JSON, in place of a builder's",
+     OF_FILE(struct bench, bvh)},
+    {"frames", "N", "frames drawn and measured",
+     OF_COUNT(struct bench, picture.frames, 1, FRAMES_MOST),
+     .shown = "200, or the benchmark's own"},
+    {"size", "WxH", "pixels", OF_OWN(take_size), .shown = "384x288"},
+    {"out", "BASE", "names the files: BASE.csv, BASE.json; charts BASE.svg and BASE.png",
+     OF_OUTPUT(struct bench, picture.out)},
+    {"turns", "N", "around the camera's target in all frames",
+     OF_COUNT(struct bench, picture.turns, 0, FRAMES_MOST), .standard = FRAMES_TURNS},
+    {"warm-up", "N", "frames before them, dropped",
+     OF_COUNT(struct bench, picture.warm_up, 0, FRAMES_MOST), .standard = FRAMES_WARM_UP},
+    {"bounces", "N", "segments of a path",
+     OF_COUNT(struct bench, picture.bounces, 0, FRAME_BOUNCES_MOST), .value = "4"},
+    {"profile", "P", "repaired, or rtrs: as the published shader",
+     OF_CHOICE(struct bench, picture.profile, profiles), .value = "repaired"},
+    {"quick", NULL, "small pictures, few frames: to see that it works",
+     OF_FLAG(struct bench, quick)},
+    {.name = NULL},
+};
+
+static const struct option_set set = {
+    .command = "bench",
+    .usage = "bench [NAME] [OPTIONS]",
+    .about = "Measures. Speeds are taken in one run with all contestants interleaved: median of "
+             "the rounds with least and most; ratios are medians of per-round ratios. What was "
+             "wrong stands beside each speed.\n"
+             "NAME is one benchmark; without it all run that need not be named.",
+    .group = {{all_rows},
+              {own_rows, .title = "and where the benchmark takes them:"},
+              {engine_rows, offsetof(struct bench, engines)},
+              {outside_rows, offsetof(struct bench, engines)}},
+    .codes = "0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input, 3 "
+             "engine failed, 77 a named engine cannot run here; 128 + the signal that ended a run "
+             "of frames: its files hold the frames measured until then",
+    .example = "bench layouts --scene 'sphere:n=50;scenes/fetched/bunny.obj'",
+    .more = print_benchmarks,
+};
 
 static enum status unknown(const char *name, struct reason *reason)
 {
@@ -310,37 +255,10 @@ static int run_benchmarks(struct bench *bench, const char *name)
 
 int cmd_bench(int argc, char **argv)
 {
-    static const struct option long_options[] = {{"scene", 1, NULL, OPT_SCENE},
-                                                 {"count", 1, NULL, OPT_COUNT},
-                                                 {"rounds", 1, NULL, OPT_ROUNDS},
-                                                 {"csv", 1, NULL, OPT_CSV},
-                                                 {"engine", 1, NULL, OPT_ENGINE},
-                                                 {"layout", 1, NULL, OPT_LAYOUT},
-                                                 {"store", 1, NULL, OPT_STORE},
-                                                 {"tri", 1, NULL, OPT_TRI},
-                                                 {"box", 1, NULL, OPT_BOX},
-                                                 {"rays", 1, NULL, OPT_RAYS},
-                                                 {"seed", 1, NULL, OPT_SEED},
-                                                 {"svg", 1, NULL, OPT_SVG},
-                                                 {"json", 1, NULL, OPT_JSON},
-                                                 {"frames", 1, NULL, OPT_FRAMES},
-                                                 {"size", 1, NULL, OPT_SIZE},
-                                                 {"out", 1, NULL, OPT_OUT},
-                                                 {"turns", 1, NULL, OPT_TURNS},
-                                                 {"warm-up", 1, NULL, OPT_WARM_UP},
-                                                 {"bounces", 1, NULL, OPT_BOUNCES},
-                                                 {"profile", 1, NULL, OPT_PROFILE},
-                                                 {"quick", 0, NULL, OPT_QUICK},
-                                                 TREE_OPTION,
-                                                 ENGINE_OPTIONS};
-    struct bench bench = {
-        .rounds = 9,
-        .seed = 1,
-        .picture = {.turns = FRAMES_TURNS, .warm_up = FRAMES_WARM_UP, .bounces = 4},
-        .engines = engine_options_default(),
-        .progress = progress_make("bench")};
-    int first, code = options_take("bench", print_help, long_options, take_option, &bench, argc,
-                                   argv, &first);
+    struct bench bench = {.picture = {.turns = FRAMES_TURNS, .warm_up = FRAMES_WARM_UP},
+                          .engines = engine_options_default(),
+                          .progress = progress_make("bench")};
+    int first, code = options_read(&set, &bench, argc, argv, &first);
     if (code >= 0)
         return code;
     if (argc - first > 1)

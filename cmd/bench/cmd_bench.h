@@ -4,6 +4,7 @@
 
 #include "bench/chart/spread.h"
 #include "cmd/common/cmd_tree.h"
+#include "ref/frame.h"
 #include "ref/match/match.h"
 #include "ref/files/file.h"
 
@@ -29,7 +30,7 @@ struct bench {
     struct {
         uint64_t frames, width, height; /* 0: the benchmark's own */
         uint64_t turns, warm_up, bounces;
-        bool rtrs;                             /* the published look */
+        enum profile profile;
         const char *out;                       /* base path of files; NULL: the benchmark's own */
         char csv[4096], json[4096], svg[4096]; /* of `out`, where rows go there */
     } picture;

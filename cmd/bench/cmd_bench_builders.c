@@ -161,11 +161,10 @@ const struct benchmark bench_builders = {
     .name = "builders",
     .summary = "time per triangle, with one thread and with two, and the tree's quality",
     .takes = "scene rounds csv json threads",
-    .about =
-        "leaf size 4. SAH: expected cost of a line through the scene's box, 1 for a node or a\n"
-        "  triangle; overlap: what a ray pays that ends on a surface in boxes of triangles\n"
-        "  elsewhere, likewise (of 50,000 triangles, if there are more); fill: triangles per\n"
-        "  leaf; loose: inner nodes that do not contain their triangles. --threads N: only so\n"
-        "  many.\n",
+    .about = "leaf size 4. SAH: expected cost of a line through the scene's box, 1 for a node or "
+             "a triangle; overlap: what a ray pays that ends on a surface in boxes of triangles "
+             "elsewhere, likewise (of 50,000 triangles, if there are more); fill: triangles per "
+             "leaf; loose: inner nodes that do not contain their triangles. --threads N: only so "
+             "many.",
     .run = run,
 };

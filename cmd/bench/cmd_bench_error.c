@@ -370,20 +370,20 @@ static int run(struct bench *bench)
 
 static const char about[] =
     "speed beside errors, on the same rays. Truth is exact (ref/oracle).\n"
-    "  lost, phantom, wrong id   answers that differ from the exact truth, without any tolerance,\n"
-    "                            per million rays; <x: none of N, at most 3/N with 95 % "
-    "confidence\n"
-    "  leaks                     misses of rays from inside a closed mesh, aimed at its edges and\n"
-    "                            vertices, per million\n"
-    "  named, WRONG, err/E       answers in an allowed class; answers that no rounding of the\n"
-    "                            engine's own formula explains; the largest error of t over its\n"
-    "                            proven bound; of leak rays, too\n"
-    "  forward                   |t - exact t| |d| / (u M): M is the triangle's size seen from "
-    "the\n"
-    "                            origin, max |v - o|; u = 2^-24\n"
-    "  plane                     distance of the hit point from the triangle's plane / (u M)\n"
-    "  boxes, tris               tests per ray over those of f32 nodes with the same tests\n"
-    "With --svg: speed against wrong answers, leaks and forward error.\n";
+    "  lost, phantom, wrong id  answers that differ from the exact truth, without any "
+    "tolerance, per million rays; <x: none of N, at most 3/N with 95 % confidence\n"
+    "  leaks                    misses of rays from inside a closed mesh, aimed at its "
+    "edges and vertices, per million\n"
+    "  named, WRONG, err/E      answers in an allowed class; answers that no rounding "
+    "of the engine's own formula explains; the largest error of t over its proven "
+    "bound; of leak rays, too\n"
+    "  forward                  |t - exact t| |d| / (u M): M is the triangle's size "
+    "seen from the origin, max |v - o|; u = 2^-24\n"
+    "  plane                    distance of the hit point from the triangle's plane / "
+    "(u M)\n"
+    "  boxes, tris              tests per ray over those of f32 nodes with the same "
+    "tests\n"
+    "With --svg: speed against wrong answers, leaks and forward error.";
 
 const struct benchmark bench_error = {
     .name = "error",

@@ -296,12 +296,11 @@ const struct benchmark bench_fast = {
     .name = "fast",
     .summary = "engine fast against Embree, single rays of four kinds",
     .takes = "scene count rounds csv json seed threads",
-    .about =
-        "--threads 1 unless told otherwise: the core's own time, else time on the wall; the tree\n"
-        "  is sah_sweep's. Shadow rays go from primary hits to a light and ask for any hit.\n"
-        "  fast takes two rays at once in trees over 8 MB; 'fast alone' takes one, always.\n"
-        "  byte/tri: what the engine holds, of fast all that it reads; missed: rays that another\n"
-        "  one hits; mean: geometric, of the ratios.\n",
+    .about = "--threads 1 unless told otherwise: the core's own time, else time on the wall; the "
+             "tree is sah_sweep's. Shadow rays go from primary hits to a light and ask for any "
+             "hit. fast takes two rays at once in trees over 8 MB; 'fast alone' takes one, "
+             "always. byte/tri: what the engine holds, of fast all that it reads; missed: rays "
+             "that another one hits; mean: geometric, of the ratios.",
     .run = run,
     .alone = true,
 };

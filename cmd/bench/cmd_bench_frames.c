@@ -9,14 +9,11 @@
 #include <string.h>
 
 static const char about[] =
-    "an orbiting camera at a fixed angle per frame, every engine and layout drawing the same "
-    "frame\n"
-    "before the next. Engines without a renderer are asked ray by ray: then only the rays are "
-    "timed,\n"
-    "not the shading, and the clock says so. --scene takes one; the files are benchmark.* unless\n"
-    "--out says otherwise, written anew every 10 frames. Without --engine and --layout: vulkan on "
-    "f32\n"
-    "and rf16.\n";
+    "an orbiting camera at a fixed angle per frame, every engine and layout drawing the "
+    "same frame before the next. Engines without a renderer are asked ray by ray: then "
+    "only the rays are timed, not the shading, and the clock says so. --scene takes "
+    "one; the files are benchmark.* unless --out says otherwise, written anew every 10 "
+    "frames. Without --engine and --layout: vulkan on f32 and rf16.";
 
 static const char *const own_layouts[] = {"f32", "rf16"};
 
@@ -72,7 +69,7 @@ static int measure(struct bench *bench, const char *spec, const struct scene *sc
     enum status status = bench_tree_make(bench, scene, &bvh, reason);
     if (status)
         return exit_of_status(status);
-    bool rtrs = bench->picture.rtrs;
+    bool rtrs = bench->picture.profile == PROFILE_RTRS;
     struct painter_plan model = {
         .tree = &bvh,
         .box = bench->box.count ? box_tests[bench->box.index[0]] : box_tests[0],

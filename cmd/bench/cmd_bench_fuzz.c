@@ -12,12 +12,14 @@
 #define TRIALS 512 /* of a worker and turn */
 
 static const char about[] =
-    "generated trials of 16 to 64 triangles and 500 rays, played on cpu, vulkan and embree_robust\n"
-    "and f32 and rf16 unless told otherwise. Each worker is a process with one thread; --count is\n"
-    "trials of a worker and round. A judged ray has a verdict for every contestant. The harness\n"
-    "makes trials, builds and packs trees, decides rays exactly and judges; pipelines were made\n"
-    "before. What it finds is counted only: raydiff fuzz is for that. us of core time: also where\n"
-    "other work on the machine takes cores away.\n";
+    "generated trials of 16 to 64 triangles and 500 rays, played on cpu, vulkan and "
+    "embree_robust and f32 and rf16 unless told otherwise. Each worker is a process "
+    "with one thread; --count is trials of a worker and round. A judged ray has a "
+    "verdict for every contestant. The harness makes trials, builds and packs trees, "
+    "decides rays exactly and judges; pipelines were made before. What it finds is "
+    "counted only: raydiff fuzz is for that. us of core time: also where other work on "
+    "the machine takes cores away.\n"
+    "";
 
 /* One setting, a value per round. */
 struct bench_setting {

@@ -363,20 +363,17 @@ const struct benchmark bench_matrix = {
     .name = "matrix",
     .summary = "builders, layouts, storages, engines: speed, size, lines read, errors",
     .takes = "scene count rounds csv json svg seed engine layout store" BENCH_MACHINE BENCH_OUTSIDE,
-    .about =
-        "rays: prim from a pinhole, rand random, diff bounced off what prim rays hit; o-shad from\n"
-        "  what they hit to a light and o-rand ask for any hit. Speeds are multiples of Embree's "
-        "by\n"
-        "  default (of engine vulkan: of its layout f32), 1 thread by the core's own time and 2 "
-        "by\n"
-        "  the time on the wall, or --threads N; mean: geometric, of the first four. Engine cpu\n"
-        "  traces every eighth ray. Bytes per triangle: all that a traversal reads; of Embree "
-        "what\n"
-        "  it holds without its buffers of vertices and indices, which only compact reads.\n"
-        "  Lines: bytes per ray in lines of 64, looked for and from beyond 48 KiB (12 ways) and\n"
-        "  1 MiB (16 ways), by simulation. lost, wrong: against the exact truth.\n"
-        "  --engine vulkan: every layout that loses nothing, or --layout. With --store and\n"
-        "  without --layout: on f32.\n",
+    .about = "rays: prim from a pinhole, rand random, diff bounced off what prim rays hit; "
+             "o-shad from what they hit to a light and o-rand ask for any hit. Speeds are "
+             "multiples of Embree's by default (of engine vulkan: of its layout f32), 1 thread "
+             "by the core's own time and 2 by the time on the wall, or --threads N; mean: "
+             "geometric, of the first four. Engine cpu traces every eighth ray. Bytes per "
+             "triangle: all that a traversal reads; of Embree what it holds without its buffers "
+             "of vertices and indices, which only compact reads. Lines: bytes per ray in lines "
+             "of 64, looked for and from beyond 48 KiB (12 ways) and 1 MiB (16 ways), by "
+             "simulation. lost, wrong: against the exact truth. --engine vulkan: every layout "
+             "that loses nothing, or --layout. With --store and without --layout: on f32.\n"
+             "",
     .run = run,
     .alone = true,
 };

@@ -18,11 +18,13 @@
 #define THREADS 2 /* of brute force */
 
 static const char about[] =
-    "every ray against every triangle. filter: the first look with the kernel that this machine\n"
-    "gets, and the full double filter on what it leaves, on one core; scalar: the full filter on\n"
-    "every pair, on one core; both in time of that core, so that other work on the machine counts\n"
-    "little; undecided: pairs that need integers. Then the exact nearest hits of\n"
-    "all rays: brute on two threads, and by the oracle's own tree on one.\n";
+    "every ray against every triangle. filter: the first look with the kernel that this "
+    "machine gets, and the full double filter on what it leaves, on one core; scalar: "
+    "the full filter on every pair, on one core; both in time of that core, so that "
+    "other work on the machine counts little; undecided: pairs that need integers. Then "
+    "the exact nearest hits of all rays: brute on two threads, and by the oracle's own "
+    "tree on one.\n"
+    "";
 
 /* What the filter says of pairs. */
 struct oracle_tally {

@@ -10,18 +10,17 @@
 #include <unistd.h>
 
 static const char about[] =
-    "Figure 8 (bytes, and the trees that give them; exit code 1 if those of the default scene are\n"
-    "not the published 680, 2,448 and 656) and the performance table: direct against RF, 384 x "
-    "288,\n"
-    "4 bounces, workgroups of 16 x 16, on the default scene and on a teapot of as many triangles "
-    "as\n"
-    "the paper's. The published shader is drawn with its own look, builder, box test and triangle\n"
-    "test, one ray of each path per invocation and dispatch and its arithmetic unchanged; the\n"
-    "repaired one with layouts f32 and rf16. 200 frames over 5 turns; 9 over one turn where a "
-    "frame\n"
-    "of any line takes over 0.1 s. --driver hardware for a GPU. --out BASE: rows in BASE.csv and\n"
-    "BASE.json, bytes against ms in BASE.svg, direct and RF over the frames in BASE-default and\n"
-    "BASE-teapot .svg and .png.\n";
+    "Figure 8 (bytes, and the trees that give them; exit code 1 if those of the default "
+    "scene are not the published 680, 2,448 and 656) and the performance table: direct "
+    "against RF, 384 x 288, 4 bounces, workgroups of 16 x 16, on the default scene and "
+    "on a teapot of as many triangles as the paper's. The published shader is drawn "
+    "with its own look, builder, box test and triangle test, one ray of each path per "
+    "invocation and dispatch and its arithmetic unchanged; the repaired one with "
+    "layouts f32 and rf16. 200 frames over 5 turns; 9 over one turn where a frame of "
+    "any line takes over 0.1 s. --driver hardware for a GPU. --out BASE: rows in "
+    "BASE.csv and BASE.json, bytes against ms in BASE.svg, direct and RF over the "
+    "frames in BASE-default and BASE-teapot .svg and .png.\n"
+    "";
 
 /* Two lights, the default red with some reflection, and a camera that sees the whole mesh: the
  * paper's teapot scene has as many lights, but where is not in the paper. */

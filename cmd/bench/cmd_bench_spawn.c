@@ -353,27 +353,29 @@ static int run(struct bench *bench)
 }
 
 static const char about[] =
-    "rays leave the points that other rays hit. Points are computed in float32, as o+td\n"
-    "(o + t d) and bary ((1 - u - v) v0 + u v1 + v v2), with t, u, v of the triangle test mt;\n"
-    "then moved along the face's normal n, by one of these rules:\n"
+    "rays leave the points that other rays hit. Points are computed in float32, as o+td "
+    "(o + t d) and bary ((1 - u - v) v0 + u v1 + v v2), with t, u, v of the triangle "
+    "test mt; then moved along the face's normal n, by one of these rules:\n"
     "  none      not at all\n"
     "  1e-5 ..   a constant distance, whatever the scale\n"
-    "  bound     |n| . e with e the proven error of the point, then one float further: pbrt's\n"
-    "            OffsetRayOrigin (Pharr, Jakob, Humphreys: Physically Based Rendering,\n"
-    "            \"Managing Rounding Error\")\n"
-    "  integer   256 n floats per coordinate, n / 65536 below 1/32 (Waechter, Binder: A Fast and\n"
-    "            Robust Method for Avoiding Self-Intersection, Ray Tracing Gems, chapter 6)\n"
-    "  least     the fewest steps along n, each one float of the largest coordinate, that free\n"
-    "            the exact ray from its own triangle; an engine's rounding may need more\n"
-    "Counted per million hits, exactly (ref/oracle) and as engines answer (tmin is 0), by the\n"
-    "first triangle that the moved ray hits:\n"
+    "  bound     |n| . e with e the proven error of the point, then one float further: "
+    "pbrt's OffsetRayOrigin (Pharr, Jakob, Humphreys: Physically Based Rendering, "
+    "\"Managing Rounding Error\")\n"
+    "  integer   256 n floats per coordinate, n / 65536 below 1/32 (Waechter, Binder: A "
+    "Fast and Robust Method for Avoiding Self-Intersection, Ray Tracing Gems, chapter "
+    "6)\n"
+    "  least     the fewest steps along n, each one float of the largest coordinate, "
+    "that free the exact ray from its own triangle; an engine's rounding may need more\n"
+    "Counted per million hits, exactly (ref/oracle) and as engines answer (tmin is 0), "
+    "by the first triangle that the moved ray hits:\n"
     "  self      it is the one that the ray left\n"
     "  beside    it touches that one, and the exact ray from the exact point misses it\n"
-    "  skip      that exact ray meets a surface nearer than the origin was moved, and the moved\n"
-    "            ray first hits neither it nor a triangle that touches it: light leaks in\n"
-    "<x: none of N, at most 3/N with 95 % confidence. The scene is scaled (scale), then moved "
-    "away\n"
-    "from the origin by so many of its sizes (far), and its vertices rounded to float32.\n";
+    "  skip      that exact ray meets a surface nearer than the origin was moved, and "
+    "the moved ray first hits neither it nor a triangle that touches it: light leaks in\n"
+    "<x: none of N, at most 3/N with 95 % confidence. The scene is scaled (scale), then "
+    "moved away from the origin by so many of its sizes (far), and its vertices rounded "
+    "to float32.\n"
+    "";
 
 const struct benchmark bench_spawn = {
     .name = "spawn",

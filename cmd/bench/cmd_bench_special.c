@@ -12,14 +12,14 @@
 #include <string.h>
 
 static const char about[] =
-    "each scene drawn by the pipeline made for it (stack, lights and bounces as its constants, no\n"
-    "more than it needs) and by the general one: the same shader with the same early exits, its\n"
-    "counts read at run time, its constants at their most. Both must draw the same bits (exit code "
-    "1\n"
-    "if not), frame by frame in one run. The ratio is general to special; exit code 1 if its "
-    "median\n"
-    "is below 1 with 95 % confidence. Whether a scene without lights and reflections pays for the\n"
-    "bounces that were asked for is shown by a third contestant, which asks for one.\n";
+    "each scene drawn by the pipeline made for it (stack, lights and bounces as its "
+    "constants, no more than it needs) and by the general one: the same shader with the "
+    "same early exits, its counts read at run time, its constants at their most. Both "
+    "must draw the same bits (exit code 1 if not), frame by frame in one run. The ratio "
+    "is general to special; exit code 1 if its median is below 1 with 95 % confidence. "
+    "Whether a scene without lights and reflections pays for the bounces that were "
+    "asked for is shown by a third contestant, which asks for one.\n"
+    "";
 
 #define CHECKED_ANGLES 5
 #define BOUNCES        4u

@@ -13,19 +13,21 @@
 #define DRAWS_MOST 1000
 
 static const char about[] =
-    "rays at random points of random triangles, which they hit; everything in ulp of the exact t.\n"
-    "  real      error of the formula with every operation rounded to nearest: median, the value\n"
-    "            that one in a thousand exceeds, largest\n"
-    "  rejected  smallest error of t that the judge calls WRONG: median, the value that one in a\n"
-    "            thousand exceeds\n"
+    "rays at random points of random triangles, which they hit; everything in ulp of "
+    "the exact t.\n"
+    "  real      error of the formula with every operation rounded to nearest: median, "
+    "the value that one in a thousand exceeds, largest\n"
+    "  rejected  smallest error of t that the judge calls WRONG: median, the value that "
+    "one in a thousand exceeds\n"
     "  medians   the median of rejected over that of real\n"
     "  times     the median of rejected over the 99.9th percentile of real\n"
-    "  groups    the same for every 1000 pairs of like rejected error: median, and the worst "
-    "group\n"
-    "  alarms    answers that are right and that the judge calls WRONG: what the formula "
-    "computed,\n"
-    "            and the exact t, u and v, each rounded once; exit code 1 if there is any\n"
-    "  no bound  pairs of which any t is accepted\n";
+    "  groups    the same for every 1000 pairs of like rejected error: median, and the "
+    "worst group\n"
+    "  alarms    answers that are right and that the judge calls WRONG: what the "
+    "formula computed, and the exact t, u and v, each rounded once; exit code 1 if "
+    "there is any\n"
+    "  no bound  pairs of which any t is accepted\n"
+    "";
 
 static const struct {
     const char *name, *rounding_name;

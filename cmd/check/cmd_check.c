@@ -281,6 +281,7 @@ int cmd_check(int argc, char **argv)
     if (code >= 0)
         return code;
     check.options.layout_named = option_was_given("layout");
+    check.options.engine_named = option_was_given("engine") && !check.options.engine.all;
     if (first == argc)
         return usage_error("check", "no scene given");
     struct reason reason;

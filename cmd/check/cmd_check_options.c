@@ -15,14 +15,6 @@ static enum status take_layouts(void *options, const struct option_value *given,
                           : table_parse(TABLE_LAYOUTS, "--layout", given->text, &o->layout, reason);
 }
 
-static enum status take_engines(void *options, const struct option_value *given,
-                                struct reason *reason)
-{
-    struct check_options *o = options;
-    o->engine_named = strcmp(given->text, "all") != 0;
-    return table_parse(TABLE_ENGINES, "--engine", given->text, &o->engine, reason);
-}
-
 static const struct option_row rows[] = {
     {"layout", "L,..",
      "layouts, or patterns such as 'bvh8_*'; 'all' that products run over, 'every' one, or 'auto' "
@@ -30,7 +22,8 @@ static const struct option_row rows[] = {
      OF_OWN(take_layouts), .table = 1 + TABLE_LAYOUTS, .value = "f32,rf16"},
     {"engine", "E,..",
      "engines, or 'all'; pipe:COMMAND, as the last, is a tracer of your own (README)",
-     OF_OWN(take_engines), .table = 1 + TABLE_ENGINES, .shown = "every engine that can run here"},
+     OF_LIST(struct check_options, engine, TABLE_ENGINES),
+     .shown = "every engine that can run here"},
     {"store", "S,..", "triangle storages, see raydiff list storages",
      OF_LIST(struct check_options, store, TABLE_STORES), .value = "indexed"},
     {"bits", "N", "store quantised: bits an axis of the grid",
@@ -78,7 +71,8 @@ const struct option_set check_set = {
              "scenes.",
     .group = {{rows},
               {build_rows, offsetof(struct check_options, build)},
-              {demand_rows, offsetof(struct check_options, demands)},
+              {displacement_rows, offsetof(struct check_options, demands)},
+              {watertight_rows, offsetof(struct check_options, demands)},
               {engine_rows, offsetof(struct check_options, engines)},
               {outside_rows, offsetof(struct check_options, engines)}},
     .notes =

@@ -234,6 +234,8 @@ static int read_option(struct option_reading *r)
         status = option_note(value.row->name, value.row->repeats, &reason);
     if (!status)
         status = take(owner, &value, &reason);
+    if (!status && r->set->taken)
+        status = r->set->taken(r->options, &value, &reason);
     if (!status && (value.row->type == OPTION_DATA || value.row->type == OPTION_WRITTEN))
         output_note(value.text);
     if (status)

@@ -102,15 +102,18 @@ struct option_set {
         const char *title;
     } group[8];
     const char *notes;
-    const char *codes;   /* exit codes */
-    const char *example; /* lines: what follows "raydiff" */
+    const char *codes;     /* exit codes */
+    const char *example;   /* lines: what follows "raydiff" */
+    option_take_fn *taken; /* called with each option that was taken; or NULL */
+    void (*more)(void);    /* prints what follows in --help and the man page; or NULL */
     bool words;        /* a value is all words up to the next flag, which begins with two dashes */
     bool makes_folder; /* of its own, in which outputs may be: they are not tried */
 };
 
 /* Rows of several commands: of processors and Vulkan, of tracers and layouts from outside (both of
  * struct engine_options), of trees (struct build_options) and of demands (struct match_demands). */
-extern const struct option_row engine_rows[], outside_rows[], build_rows[], demand_rows[];
+extern const struct option_row engine_rows[], outside_rows[], build_rows[], displacement_rows[],
+    watertight_rows[];
 
 /* A row --bvh of struct OWNER. */
 #define TREE_ROW(owner, member)                                                                    \
@@ -136,6 +139,9 @@ const struct option_row *option_find(const struct option_set *set, const char *n
 /* What --help prints, and what else is made of the rows. */
 enum option_form { FORM_HELP, FORM_MAN, FORM_BASH, FORM_ZSH };
 extern enum option_form option_form;
+
+/* Prints text for `more`, in that form; the first line begins at column `at`. */
+void options_text(const char *text, size_t at);
 
 /* Prints the set in the form that option_form says. */
 void options_print(const struct option_set *set);

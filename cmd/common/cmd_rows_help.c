@@ -15,14 +15,15 @@ enum option_form option_form;
 
 /* --- plain text --------------------------------------------------------------------------- */
 
-/* Fills one line of a text, which begins at column `at`. */
-static void fill_line(const char *text, size_t length, size_t at, size_t indent)
+/* Fills one line of a text, which begins at column `at`; `end` is put where it goes on. */
+static void fill_line(const char *text, size_t length, size_t at, size_t indent, const char *end)
 {
+    const size_t width = WIDTH - strlen(end);
     bool first = true;
     for (size_t i = 0; i < length; i++) {
         const size_t word = strcspn(text + i, " \n");
-        if (!first && at + 1 + word > WIDTH) {
-            printf("\n%*s", (int)indent, "");
+        if (!first && at + 1 + word > width) {
+            printf("%s\n%*s", end, (int)indent, "");
             at = indent;
         } else if (!first) {
             putchar(' ');
@@ -36,14 +37,30 @@ static void fill_line(const char *text, size_t length, size_t at, size_t indent)
     putchar('\n');
 }
 
+/* A line that stays as it is, unless it is too long: then what stands behind its first gap of two
+ * blanks is filled there. */
+static void keep_line(const char *text, size_t length)
+{
+    size_t gap = strspn(text, " ");
+    while (gap < length && !(text[gap - 1] == ' ' && text[gap - 2] == ' ' && text[gap] != ' ' &&
+                             gap > strspn(text, " ")))
+        gap++;
+    if (length <= WIDTH || gap == length) {
+        printf("%.*s\n", (int)length, text);
+        return;
+    }
+    printf("%.*s", (int)gap, text);
+    fill_line(text + gap, length - gap, gap, gap, "");
+}
+
 static void print_lines(const char *text, size_t at, size_t indent)
 {
     for (; text && *text; at = 0) {
         const size_t length = strcspn(text, "\n");
         if (*text == ' ')
-            printf("%.*s\n", (int)length, text);
+            keep_line(text, length);
         else
-            fill_line(text, length, at, indent);
+            fill_line(text, length, at, indent, "");
         text += length + (text[length] == '\n');
     }
 }
@@ -76,7 +93,7 @@ static void help_row(const struct option_row *row, const char *text)
         at += (size_t)printf("%-*s", COLUMN, label) - at;
     else
         at = (size_t)printf("%s  ", label);
-    fill_line(text, strlen(text), at, COLUMN);
+    fill_line(text, strlen(text), at, COLUMN, "");
 }
 
 /* --- roff --------------------------------------------------------------------------------- */
@@ -196,11 +213,28 @@ static void print_rows(const struct option_set *set,
     }
 }
 
+void options_text(const char *text, size_t at)
+{
+    if (option_form == FORM_HELP)
+        print_lines(text, at, 0);
+    else
+        roff_lines(text, "", false);
+}
+
+/* Lines of raydiff, or of what follows it if they begin with a blank. */
+static void print_commands(const char *first, const char *then, const char *end, const char *lines)
+{
+    for (const char *head = first; *lines; head = then) {
+        const size_t length = strcspn(lines, "\n");
+        const size_t at = *lines == ' ' ? 0 : (size_t)printf("%sraydiff ", head);
+        fill_line(lines, length, at, strlen(first) + 4, end);
+        lines += length + (lines[length] == '\n');
+    }
+}
+
 static void print_help(const struct option_set *set)
 {
-    for (const char *line = set->usage; *line; line += strcspn(line, "\n"), line += *line == '\n')
-        printf("%s%.*s\n", line == set->usage ? "usage: raydiff " : "       raydiff ",
-               (int)strcspn(line, "\n"), line);
+    print_commands("usage: ", "       ", "", set->usage);
     print_lines(set->about, 0, 0);
     putchar('\n');
     print_rows(set, help_row);
@@ -208,8 +242,9 @@ static void print_help(const struct option_set *set)
     print_lines(set->notes, 0, 0);
     fputs("exit codes: ", stdout);
     print_lines(set->codes, strlen("exit codes: "), strlen("exit codes: "));
-    for (const char *line = set->example; *line; line += strcspn(line, "\n"), line += *line == '\n')
-        printf("%s%.*s\n", *line == ' ' ? "" : "example: raydiff ", (int)strcspn(line, "\n"), line);
+    print_commands("example: ", "example: ", " \\", set->example);
+    if (set->more)
+        set->more();
 }
 
 static void print_man(const struct option_set *set)
@@ -228,6 +263,11 @@ static void print_man(const struct option_set *set)
     roff_lines(set->codes, "", false);
     puts(".SH EXAMPLES");
     roff_lines(set->example, "raydiff ", true);
+    if (set->more) {
+        puts(".SH MORE\n.nf");
+        set->more();
+        puts(".fi");
+    }
 }
 
 void options_print(const struct option_set *set)

@@ -123,12 +123,16 @@ static enum status take_require(void *options, const struct option_value *given,
                : fail(reason, STATUS_INPUT, "--require: '%.60s' is not watertight", given->text);
 }
 
-const struct option_row demand_rows[] = {
+const struct option_row displacement_rows[] = {
     {"displacement", "U",
      "how far vertices may have to move to make an answer of an unknown formula right, in 2^-24 of "
      "their distance",
      OF_REAL(struct match_demands, displacement, ABOVE_0, INFINITY),
      .standard = JUDGE_DISPLACEMENT_MOST},
+    {.name = NULL},
+};
+
+const struct option_row watertight_rows[] = {
     {"require", "watertight",
      "no hit inside a closed fan may be lost, by any engine; without it only by those that promise "
      "so. Of closest and any hits",

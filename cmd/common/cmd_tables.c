@@ -284,9 +284,11 @@ enum status table_parse(enum table table, const char *flag, const char *text, st
     *out = (struct list){.count = 0};
     if (is_everything(table, text)) {
         *out = table_all(table);
+        out->all = true;
         return STATUS_OK;
     }
-    if (table != TABLE_QUERIES && strcmp(text, "every") == 0)
+    out->every = table != TABLE_QUERIES && strcmp(text, "every") == 0;
+    if (out->every)
         text = "*";
     for (const char *at = text;; at++) {
         size_t length = name_length(table, at);

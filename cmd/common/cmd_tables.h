@@ -28,6 +28,7 @@ enum table {
 struct list {
     size_t index[LIST_MOST];
     size_t count;
+    bool all, every; /* named by that word */
 };
 
 /* Whether a place of a table is in a list. */

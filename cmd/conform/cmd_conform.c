@@ -1,4 +1,5 @@
 /* raydiff conform: the conformance suite, its names made from the tables. */
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "cmd/conform/cmd_conform_hard.h"
@@ -8,117 +9,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "usage: raydiff conform [PATTERN] [OPTIONS]\n"
-    "Runs the conformance suite. Without PATTERN a covering array: few trials such that every two\n"
-    "members of different tables (engine, layout, builder, box test, triangle test, query, scene,\n"
-    "ray set) meet in one; pairs that met only where nothing ran are counted. With PATTERN (shell\n"
-    "wildcards) every trial of the whole product whose name matches; a complete name runs "
-    "whatever\n"
-    "it names, also a mesh file. A pattern without a match fails; one of fewer than nine fields\n"
-    "means layouts beyond the first few only if a field names them.\n\n"
-    "  name            query.engine.layout.builder.box.tri.scene.rays.seed, '-' where an engine\n"
-    "                  has no tree; the name is the reproduction\n"
-    "  --list          print the names, run nothing (not those that stand in for trials refused);\n"
-    "                  of hard cases also how many there are, on standard error\n"
-    "  --count N       rays per trial                        [1000; with --all 200]\n"
-    "  --brute N       ray-triangle tests that brute force may spend      [1e8]\n"
-    "  --engine E,..   only these engines; pipe:COMMAND is one, too       [all]\n"
-    "  --layout L,..   only these layouts; so --builder, --box and --tri  [every]\n"
-    "  --store S,..    triangle storages; others than indexed are named as in f32:compact\n"
-    "                                                                     [indexed]\n"
-    "  --all           every combination of members once, scenes and ray sets by turns\n"
-    "  --require E,..  engines whose skips are failures; watertight: a trial fails\n"
-    "                  if it loses a hit inside a closed fan\n"
-    "  --displacement U  how far vertices may have to move to make an answer of an unknown "
-    "formula\n"
-    "                  right, in 2^-24 of their distance                  [32]\n"
-    "  --hard          the hard cases, on the layouts f32, rf16 and RTRS's and the builders\n"
-    "                  median and rtrs, all others by turns; or on those of --layout, --builder,\n"
-    "                  --box and --tri alone (one from outside, too): names\n"
-    "                  hard.NN-CASE.query.engine.layout.builder.box.tri.\n"
-    "                  A PATTERN that begins with 'hard.' means them too. Not with --count,\n"
-    "                  --brute, --store, --all, --displacement, --require watertight\n"
-    "  --quick         without members of which two parts or more are as published\n"
-    "  --summary       the hard cases as a matrix\n"
-    "  --markdown FILE the matrix as Markdown\n"
-    "  --html FILE     the matrix as a web page\n"
-    "  --waivers FILE  lines 'PATTERN [@VERSION] REASON LINK': failures that are known\n"
-    "                  [none; hard cases: those that are part of raydiff]\n"
-    "  --verbose       a line per trial\n"
-    "  --tap           TAP 13 on standard output\n"
-    "  --junit FILE    JUnit XML\n" ENGINE_OPTIONS_HELP
-    "\nexit codes: 0 passed, 1 a trial failed, 2 usage or nothing matches, 3 engine failed,\n"
-    "            77 everything was skipped\n"
-    "example: raydiff conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'\n";
-
 struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html;
     bool list_only, verbose, tap, hard, summary, quick;
     struct list list[TABLE_COUNT], require;
-    bool everything[TABLE_COUNT]; /* list[] is "all", so that none of it is named */
-    bool all, brute_given;
+    bool all;
     struct match_demands demands;
     uint64_t count, brute;
     struct engine_options engines;
 };
 
-enum {
-    OPT_LIST = 256,
-    OPT_COUNT,
-    OPT_BRUTE,
-    OPT_ENGINE,
-    OPT_LAYOUT,
-    OPT_STORE,
-    OPT_BUILDER,
-    OPT_BOX,
-    OPT_TRI,
-    OPT_ALL,
-    OPT_REQUIRE,
-    OPT_WAIVERS,
-    OPT_VERBOSE,
-    OPT_TAP,
-    OPT_JUNIT,
-    OPT_HARD,
-    OPT_SUMMARY,
-    OPT_QUICK,
-    OPT_MARKDOWN,
-    OPT_HTML
-};
-
-static const struct option long_options[] = {{"list", 0, NULL, OPT_LIST},
-                                             {"count", 1, NULL, OPT_COUNT},
-                                             {"brute", 1, NULL, OPT_BRUTE},
-                                             {"require", 1, NULL, OPT_REQUIRE},
-                                             {"engine", 1, NULL, OPT_ENGINE},
-                                             {"layout", 1, NULL, OPT_LAYOUT},
-                                             {"builder", 1, NULL, OPT_BUILDER},
-                                             {"box", 1, NULL, OPT_BOX},
-                                             {"tri", 1, NULL, OPT_TRI},
-                                             {"all", 0, NULL, OPT_ALL},
-                                             {"waivers", 1, NULL, OPT_WAIVERS},
-                                             {"verbose", 0, NULL, OPT_VERBOSE},
-                                             {"tap", 0, NULL, OPT_TAP},
-                                             {"junit", 1, NULL, OPT_JUNIT},
-                                             {"hard", 0, NULL, OPT_HARD},
-                                             {"summary", 0, NULL, OPT_SUMMARY},
-                                             {"quick", 0, NULL, OPT_QUICK},
-                                             {"markdown", 1, NULL, OPT_MARKDOWN},
-                                             {"html", 1, NULL, OPT_HTML},
-                                             {"store", 1, NULL, OPT_STORE},
-                                             {"displacement", 1, NULL, OPT_DISPLACEMENT},
-                                             ENGINE_OPTIONS};
-
-static enum status take_list(struct conform_options *o, enum table table, const char *flag,
-                             const char *text, struct reason *reason)
-{
-    o->everything[table] = strcmp(text, "all") == 0 || strcmp(text, "every") == 0;
-    return table_parse(table, flag, text, &o->list[table], reason);
-}
-
 /* Engines, and watertight among them, which is no engine. */
-static enum status take_require(struct conform_options *o, const char *text, struct reason *reason)
+static enum status take_require(void *options, const struct option_value *given,
+                                struct reason *reason)
 {
+    struct conform_options *o = options;
+    const char *text = given->text;
     static const char word[] = "watertight";
     static char rest[4096];
     const size_t length = sizeof word - 1;
@@ -128,9 +34,9 @@ static enum status take_require(struct conform_options *o, const char *text, str
         at++;
     if (!at)
         return table_parse(TABLE_ENGINES, "--require", text, &o->require, reason);
-    enum status status = demand_take(OPT_DEMAND, word, &o->demands, reason);
-    if (status || strcmp(text, word) == 0)
-        return status;
+    o->demands.watertight = true;
+    if (strcmp(text, word) == 0)
+        return STATUS_OK;
     const size_t before = (size_t)(at - text), last = at[length] == '\0';
     if (snprintf(rest, sizeof rest, "%.*s%s", (int)(before - last), text, at + length + !last) >=
         (int)sizeof rest)
@@ -138,71 +44,75 @@ static enum status take_require(struct conform_options *o, const char *text, str
     return table_parse(TABLE_ENGINES, "--require", rest, &o->require, reason);
 }
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct conform_options *o = user;
-    switch (option) {
-    case OPT_LIST:
-        o->list_only = true;
-        break;
-    case OPT_COUNT:
-        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
-    case OPT_BRUTE:
-        o->brute_given = true;
-        return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
-    case OPT_ENGINE:
-        return take_list(o, TABLE_ENGINES, "--engine", text, reason);
-    case OPT_LAYOUT:
-        return take_list(o, TABLE_LAYOUTS, "--layout", text, reason);
-    case OPT_STORE:
-        return take_list(o, TABLE_STORES, "--store", text, reason);
-    case OPT_BUILDER:
-        return take_list(o, TABLE_BUILDERS, "--builder", text, reason);
-    case OPT_BOX:
-        return take_list(o, TABLE_BOX_TESTS, "--box", text, reason);
-    case OPT_TRI:
-        return take_list(o, TABLE_TRI_TESTS, "--tri", text, reason);
-    case OPT_ALL:
-        o->all = true;
-        break;
-    case OPT_REQUIRE:
-        return take_require(o, text, reason);
-    case OPT_DISPLACEMENT:
-        return demand_take(option, text, &o->demands, reason);
-    case OPT_WAIVERS:
-        o->waivers = text;
-        break;
-    case OPT_VERBOSE:
-        o->verbose = true;
-        break;
-    case OPT_TAP:
-        o->tap = true;
-        break;
-    case OPT_JUNIT:
-        o->junit = text;
-        break;
-    case OPT_HARD:
-        o->hard = true;
-        break;
-    case OPT_SUMMARY:
-        o->hard = o->summary = true;
-        break;
-    case OPT_QUICK:
-        o->hard = o->quick = true;
-        break;
-    case OPT_MARKDOWN:
-        o->hard = true;
-        o->markdown = text;
-        break;
-    case OPT_HTML:
-        o->hard = true;
-        o->html = text;
-        break;
-    default:
-        return engine_option_take(option, text, &o->engines, reason);
-    }
-    return STATUS_OK;
-}
+static const struct option_row rows[] = {
+    {"list", NULL,
+     "print the names, run nothing (not those that stand in for refused trials); of hard cases "
+     "also how many there are, on standard error",
+     OF_FLAG(struct conform_options, list_only)},
+    {"count", "N", "rays per trial", OF_COUNT(struct conform_options, count, 1, 1u << 30),
+     .shown = "1000; with --all 200"},
+    {"brute", "N", "ray-triangle tests that brute force may spend",
+     OF_COUNT(struct conform_options, brute, 0, UINT64_MAX), .value = "1e8"},
+    {"engine", "E,..", "only these engines; pipe:COMMAND is one, too",
+     OF_LIST(struct conform_options, list[TABLE_ENGINES], TABLE_ENGINES), .shown = "all"},
+    {"layout", "L,..", "only these layouts",
+     OF_LIST(struct conform_options, list[TABLE_LAYOUTS], TABLE_LAYOUTS), .shown = "every"},
+    {"builder", "B,..", "only these builders",
+     OF_LIST(struct conform_options, list[TABLE_BUILDERS], TABLE_BUILDERS), .shown = "every"},
+    {"box", "B,..", "only these box tests",
+     OF_LIST(struct conform_options, list[TABLE_BOX_TESTS], TABLE_BOX_TESTS), .shown = "every"},
+    {"tri", "T,..", "only these triangle tests",
+     OF_LIST(struct conform_options, list[TABLE_TRI_TESTS], TABLE_TRI_TESTS), .shown = "every"},
+    {"store", "S,..", "triangle storages; others than indexed are named as in f32:compact",
+     OF_LIST(struct conform_options, list[TABLE_STORES], TABLE_STORES), .shown = "indexed"},
+    {"all", NULL, "every combination of members once, scenes and ray sets by turns",
+     OF_FLAG(struct conform_options, all)},
+    {"require", "E,..",
+     "engines whose skips are failures; watertight: a trial fails if it loses a hit inside a "
+     "closed fan",
+     OF_OWN(take_require), .table = 1 + TABLE_ENGINES},
+    {"hard", NULL,
+     "the hard cases, on the layouts f32, rf16 and those of RTRS and the builders median and "
+     "rtrs, all others by turns; or on those of --layout, --builder, --box and --tri alone (one "
+     "from outside, too): names hard.NN-CASE.query.engine.layout.builder.box.tri. A PATTERN that "
+     "begins with 'hard.' means them too. Not with --count, --brute, --store, --all, "
+     "--displacement, --require watertight",
+     OF_FLAG(struct conform_options, hard)},
+    {"quick", NULL, "hard cases without members of which two parts or more are as published",
+     OF_FLAG(struct conform_options, quick)},
+    {"summary", NULL, "the hard cases as a matrix", OF_FLAG(struct conform_options, summary)},
+    {"markdown", "FILE", "the matrix as Markdown", OF_WRITTEN(struct conform_options, markdown)},
+    {"html", "FILE", "the matrix as a web page", OF_WRITTEN(struct conform_options, html)},
+    {"waivers", "FILE", "lines 'PATTERN [@VERSION] REASON LINK': failures that are known",
+     OF_FILE(struct conform_options, waivers),
+     .shown = "none; hard cases: those that are part of raydiff"},
+    {"verbose", NULL, "a line per trial", OF_FLAG(struct conform_options, verbose)},
+    {"tap", NULL, "TAP 13 on standard output", OF_FLAG(struct conform_options, tap)},
+    {"junit", "FILE", "JUnit XML", OF_WRITTEN(struct conform_options, junit)},
+    {.name = NULL},
+};
+
+static const struct option_set set = {
+    .command = "conform",
+    .usage = "conform [PATTERN] [OPTIONS]",
+    .about =
+        "Runs the conformance suite. Without PATTERN a covering array: few trials such that every "
+        "two members of different tables (engine, layout, builder, box test, triangle test, "
+        "query, scene, ray set) meet in one; pairs that met only where nothing ran are counted. "
+        "With PATTERN (shell wildcards) every trial of the whole product whose name matches; a "
+        "complete name runs whatever it names, also a mesh file. A pattern without a match fails; "
+        "one of fewer than nine fields means layouts beyond the first few only if a field names "
+        "them.\n"
+        "A name is query.engine.layout.builder.box.tri.scene.rays.seed, with '-' where an engine "
+        "has no tree; it is the reproduction.",
+    .group = {{rows},
+              {displacement_rows, offsetof(struct conform_options, demands)},
+              {engine_rows, offsetof(struct conform_options, engines)},
+              {outside_rows, offsetof(struct conform_options, engines)}},
+    .codes = "0 passed, 1 a trial failed, 2 usage or nothing matches, 3 engine failed, 77 "
+             "everything was skipped",
+    .example = "conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'",
+};
 
 /* Whether a trial was judged, and whether one of an unknown formula was. */
 struct use_of {
@@ -279,7 +189,7 @@ static enum status fill_and_print(const struct conform_options *o, struct suite 
 static void named_of(const struct conform_options *o, struct list named[TABLE_COUNT])
 {
     for (enum table t = 0; t < TABLE_COUNT; t++)
-        named[t] = o->everything[t] ? (struct list){.count = 0} : o->list[t];
+        named[t] = o->list[t].all || o->list[t].every ? (struct list){.count = 0} : o->list[t];
 }
 
 static int run_and_report(const struct conform_options *o, struct suite *suite,
@@ -352,11 +262,6 @@ static int conform(const struct conform_options *o)
     return code;
 }
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
 /* A trial's whole name says who plays; members from outside are brought by options. */
 static int check_name(const struct conform_options *o)
 {
@@ -404,9 +309,8 @@ static int check_use(const struct conform_options *o, bool hard)
 
 int cmd_conform(int argc, char **argv)
 {
-    struct conform_options o = {.brute = 100000000, .engines = engine_options_default()};
-    int first, code = options_take("conform", print_help, long_options, take_option, &o, argc, argv,
-                                   &first);
+    struct conform_options o = {.engines = engine_options_default()};
+    int first, code = options_read(&set, &o, argc, argv, &first);
     if (code >= 0)
         return code;
     if (argc - first > 1)
@@ -417,7 +321,8 @@ int cmd_conform(int argc, char **argv)
         if (o.list[TABLE_ENGINES].count > 0 && !list_names(&o.list[TABLE_ENGINES], engine))
             return usage_error("conform", "--require %s: --engine leaves it out", engine->name);
     }
-    bool hard = o.hard || (o.pattern && strncmp(o.pattern, "hard.", 5) == 0);
+    bool hard = o.hard || o.summary || o.quick || o.markdown || o.html ||
+                (o.pattern && strncmp(o.pattern, "hard.", 5) == 0);
     static struct list named[TABLE_COUNT];
     named_of(&o, named);
     code = check_use(&o, hard);

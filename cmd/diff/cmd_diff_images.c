@@ -1,31 +1,12 @@
 /* raydiff diff A.png B.png: what differs between two pictures, in numbers and as a heat map. */
 #include "cmd/common/cmd_json.h"
-#include "cmd/common/cmd_options.h"
+#include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"
 #include "cmd/diff/cmd_diff.h"
 #include "scenes/picture/image_diff.h"
 
 #include <inttypes.h>
 #include <string.h>
-
-static const char help[] =
-    "usage: raydiff diff A.png B.png [--out HEAT.png] [--json FILE] [--max N]\n"
-    "Compares two pictures of equal size, pixel by pixel, in 8 bits a channel and without any "
-    "gamma:\n"
-    "how many differ, by how much, where.\n\n"
-    "  --out FILE   a heat map with scale bar, as PNG; equal pixels are gray\n"
-    "  --json FILE  the numbers as JSON, - for the standard output\n"
-    "  --max N      0 to 255: exit code 0 also where no channel differs by more [0]\n\n"
-    "exit codes: 0 equal (see --max), 1 different, 2 bad input, 4 no memory\n"
-    "example: raydiff diff cpu.png vulkan.png --out heat.png\n";
-
-enum { OPT_OUT = 256, OPT_JSON, OPT_MAX };
-
-static const struct option long_options[] = {{"out", 1, NULL, OPT_OUT},
-                                             {"json", 1, NULL, OPT_JSON},
-                                             {"max", 1, NULL, OPT_MAX},
-                                             {"help", 0, NULL, OPT_HELP},
-                                             {NULL, 0, NULL, 0}};
 
 static const char *const channel_names[IMAGE_CHANNELS] = {"red", "green", "blue", "alpha"};
 
@@ -37,25 +18,25 @@ struct images_job {
     struct image_diff diff;
 };
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
+static const struct option_row rows[] = {
+    {"out", "FILE", "a heat map with scale bar, as PNG; equal pixels are gray",
+     OF_OUTPUT(struct images_job, out)},
+    {"json", "FILE", "the numbers as JSON, - for the standard output",
+     OF_DATA(struct images_job, json)},
+    {"max", "N", "exit code 0 also where no channel differs by more",
+     OF_COUNT(struct images_job, max, 0, 255), .value = "0"},
+    {.name = NULL},
+};
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct images_job *job = user;
-    switch (option) {
-    case OPT_OUT:
-        job->out = text;
-        return STATUS_OK;
-    case OPT_JSON:
-        job->json = text;
-        return STATUS_OK;
-    default:
-        return parse_count("--max", text, 0, 255, &job->max, reason);
-    }
-}
+static const struct option_set set = {
+    .command = "diff",
+    .usage = "diff A.png B.png [--out HEAT.png] [--json FILE] [--max N]",
+    .about = "Compares two pictures of equal size, pixel by pixel, in 8 bits a channel and without "
+             "any gamma: how many differ, by how much, where.",
+    .group = {{rows}},
+    .codes = "0 equal (see --max), 1 different, 2 bad input, 4 no memory",
+    .example = "diff cpu.png vulkan.png --out heat.png",
+};
 
 static enum status compare(struct images_job *job, struct reason *reason)
 {
@@ -173,8 +154,7 @@ int cmd_diff_images(int argc, char **argv)
 {
     struct images_job job = {.out = NULL};
     struct reason reason = {""};
-    int first, code = options_take("diff", print_help, long_options, take_option, &job, argc, argv,
-                                   &first);
+    int first, code = options_read(&set, &job, argc, argv, &first);
     if (code >= 0)
         return code;
     if (argc - first != 2)

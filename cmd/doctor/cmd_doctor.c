@@ -4,7 +4,7 @@
 
 #include "gpu/vk/vk_driver.h"
 #include "gpu/trace/vulkan_options.h"
-#include "cmd/common/cmd_use.h"
+#include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"
 
 #include <float.h>
@@ -12,20 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-static const char help[] =
-    "usage: raydiff doctor [OPTIONS]\n"
-    "Says for every engine whether it can run here, with versions, devices\n"
-    "and limits, or why it is skipped; prints a card for every Vulkan driver\n"
-    "(or the one of --driver): what its arithmetic, conversions and loops do,\n"
-    "measured; and checks the float environment that the C reference relies on.\n\n"
-    "  --json FILE     the same, written to a temporary name and renamed\n" ENGINE_OPTIONS_HELP
-    "\nexit codes: 0 every engine of the processor runs and a Vulkan driver does (of --driver: "
-    "that\n"
-    "            one), though others may be missing; 77 an engine of the processor, or every "
-    "Vulkan\n"
-    "            driver, cannot run here; 4 the float environment is not IEEE\n"
-    "example: raydiff doctor --driver mesa25\n";
 
 /* Prints each line indented. */
 static void print_lines(char *text)
@@ -102,29 +88,31 @@ static int print_float_environment(void)
     return subnormals && nearest && FLT_EVAL_METHOD == 0 ? EXIT_AGREE : EXIT_INTERNAL;
 }
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
-enum { OPT_JSON = 256 };
-
 struct arguments {
     struct engine_options engine;
     const char *json;
 };
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct arguments *arguments = user;
-    if (option == OPT_JSON) {
-        arguments->json = text;
-        return STATUS_OK;
-    }
-    return engine_option_take(option, text, &arguments->engine, reason);
-}
+static const struct option_row rows[] = {
+    {"json", "FILE", "the same, written to a temporary name and renamed",
+     OF_DATA(struct arguments, json)},
+    {.name = NULL},
+};
 
-/* Everything is printed as soon as it is known: a driver may hang. */
+static const struct option_set set = {
+    .command = "doctor",
+    .usage = "doctor [OPTIONS]",
+    .about = "Prints for every engine whether it can run here, with versions, devices and limits, "
+             "or why it is skipped; prints a card for every Vulkan driver (or the one of "
+             "--driver): what its arithmetic, conversions and loops do, measured; and checks the "
+             "float environment that the C reference relies on.",
+    .group = {{rows}, {engine_rows, offsetof(struct arguments, engine)}},
+    .codes = "0 every engine of the processor runs and a Vulkan driver does (of --driver: that "
+             "one), though others may be missing; 77 an engine of the processor, or every Vulkan "
+             "driver, cannot run here; 4 the float environment is not IEEE",
+    .example = "doctor --driver mesa25",
+};
+
 static int examine(const struct arguments *arguments, struct doctor *doctor)
 {
     int code = print_float_environment();
@@ -147,18 +135,12 @@ static int examine(const struct arguments *arguments, struct doctor *doctor)
 
 int cmd_doctor(int argc, char **argv)
 {
-    static const struct option long_options[] = {{"json", 1, NULL, OPT_JSON}, ENGINE_OPTIONS};
     struct arguments arguments = {.engine = engine_options_default()};
-    int first, code = options_take("doctor", print_help, long_options, take_option, &arguments,
-                                   argc, argv, &first);
+    int first, code = options_read(&set, &arguments, argc, argv, &first);
     if (code >= 0)
         return code;
     if (first < argc)
         return usage_error("doctor", "'%s' is not an option", argv[first]);
-    const struct option_use use = {.by = "doctor", .never = "peer-time peer-memory shader"};
-    code = options_refused("doctor", &use);
-    if (code >= 0)
-        return code;
     printf("raydiff        %s, compiled by %s\n", RAYDIFF_VERSION, __VERSION__);
     printf("processors     %ld\n", sysconf(_SC_NPROCESSORS_ONLN));
     struct doctor *doctor = alloc_zeroed(1, sizeof *doctor);

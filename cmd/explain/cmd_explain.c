@@ -8,219 +8,78 @@
 #include "ref/base/ray_text.h"
 #include "scenes/scenes.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "usage: raydiff explain SCENE --ray 'OX,OY,OZ DX,DY,DZ [TMIN,TMAX]' [OPTIONS]\n"
-    "       raydiff explain SCENE --rays SET [--index I] [OPTIONS]\n"
-    "       raydiff explain TRIAL [--index I] [OPTIONS]     (a name of raydiff conform)\n"
-    "       raydiff explain FILE.trial [--index I] [--engine E] [--layout L]     (a finding)\n"
-    "Says what a ray exactly hits, what the engine answers, and if that is wrong, why: which node\n"
-    "turned the ray away, its bounds in the triangles, in the tree and in the bytes, and the one\n"
-    "thing that, made right, makes the answer right.\n\n"
-    "  --ray R         numbers in decimal or hexadecimal (0x1.8p+1), or inf, nan\n"
-    "  --rays SET      ray set, as raydiff check takes it                        [mixed]\n"
-    "  --count N       its rays                                  [100000; of a trial 1000]\n"
-    "  --index I       which of them             [the first one that is answered wrongly]\n"
-    "  --cause C       look for a ray with this cause, such as rounded_inward    [any]\n"
-    "  --seed S        of rays and generators                                    [1]\n"
-    "  --engine E      engine; pipe:COMMAND is a tracer of your own              [cpu]\n"
-    "  --layout L      layout                                                    [rf16]\n"
-    "  --store S       triangle storage, see raydiff list storages               [indexed]\n"
-    "  --builder B     builder                                                   [median]\n"
-    "  --leaf N        items per leaf                                            [4]\n"
-    "  --eps E         builder rtrs: smallest box that is split                  "
-    "[0.02]\n" BUILD_OPTIONS_HELP TREE_OPTION_HELP
-    "  --box B         box test                                                  [robust]\n"
-    "  --tri T         triangle test                                             [mt]\n"
-    "  --query Q       closest or any                                            "
-    "[closest]\n" ENGINE_OPTIONS_HELP "  --json FILE     the page, for machines\n\n"
-    "Of a layout from outside with --shader it also compares what its C and its GLSL decode, "
-    "record\n"
-    "by record, and names the first that differs. A finding about a tree is explained by the "
-    "record.\n"
-    "Members as published are held to what their repaired forms promise.\n"
-    "exit codes: 0 the answer is allowed, 1 wrong and explained, 2 bad input, 3 the engine did "
-    "not\n"
-    "            finish (explained too), 77 the engine cannot run here\n"
-    "example: raydiff explain soup:n=300 --rays vertices --layout rtrs_rf_paper\n";
-
-enum {
-    OPT_RAY = 256,
-    OPT_RAYS,
-    OPT_COUNT,
-    OPT_INDEX,
-    OPT_CAUSE,
-    OPT_SEED,
-    OPT_ENGINE,
-    OPT_LAYOUT,
-    OPT_STORE,
-    OPT_BUILDER,
-    OPT_LEAF,
-    OPT_EPS,
-    OPT_BOX,
-    OPT_TRI,
-    OPT_QUERY,
-    OPT_JSON
-};
-
-static const struct option long_options[] = {{"ray", 1, NULL, OPT_RAY},
-                                             {"rays", 1, NULL, OPT_RAYS},
-                                             {"count", 1, NULL, OPT_COUNT},
-                                             {"index", 1, NULL, OPT_INDEX},
-                                             {"seed", 1, NULL, OPT_SEED},
-                                             {"engine", 1, NULL, OPT_ENGINE},
-                                             {"layout", 1, NULL, OPT_LAYOUT},
-                                             {"store", 1, NULL, OPT_STORE},
-                                             {"builder", 1, NULL, OPT_BUILDER},
-                                             {"leaf", 1, NULL, OPT_LEAF},
-                                             {"eps", 1, NULL, OPT_EPS},
-                                             {"box", 1, NULL, OPT_BOX},
-                                             {"tri", 1, NULL, OPT_TRI},
-                                             {"query", 1, NULL, OPT_QUERY},
-                                             {"json", 1, NULL, OPT_JSON},
-                                             {"cause", 1, NULL, OPT_CAUSE},
-                                             BUILD_OPTIONS,
-                                             TREE_OPTION,
-                                             ENGINE_OPTIONS};
-
-static struct explain_options default_options(void)
+static enum status take_cause(void *options, const struct option_value *given,
+                              struct reason *reason)
 {
-    return (struct explain_options){
-        .of = {.seed = 1,
-               .engine = engine_find("cpu"),
-               .layout = layout_find("rf16"),
-               .store = tri_stores[0],
-               .builder = builders[0],
-               .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
-               .box = box_tests[0],
-               .tri = tri_tests[0],
-               .query = QUERY_CLOSEST},
-        .rays = ray_sets[0],
-        .count = 100000,
-        .engines = engine_options_default(),
-    };
-}
-
-/* Takes the options that name a member of a table. */
-static enum status take_name(struct explain_options *o, int option, const char *text,
-                             struct reason *reason)
-{
-    static const struct {
-        int option;
-        enum table table;
-        const char *flag;
-    } names[] = {
-        {OPT_RAYS, TABLE_RAY_SETS, "--rays"},    {OPT_ENGINE, TABLE_ENGINES, "--engine"},
-        {OPT_LAYOUT, TABLE_LAYOUTS, "--layout"}, {OPT_BUILDER, TABLE_BUILDERS, "--builder"},
-        {OPT_BOX, TABLE_BOX_TESTS, "--box"},     {OPT_TRI, TABLE_TRI_TESTS, "--tri"},
-        {OPT_QUERY, TABLE_QUERIES, "--query"},   {OPT_STORE, TABLE_STORES, "--store"}};
-    size_t which = 0, index;
-    while (names[which].option != option)
-        which++;
-    enum status status =
-        table_parse_one(names[which].table, names[which].flag, text, &index, reason);
-    if (!status && option == OPT_QUERY && index == QUERY_ALL)
-        status = fail(reason, STATUS_INPUT, "--query: closest or any can be explained, not all");
-    if (status)
-        return status;
-    switch (option) {
-    case OPT_RAYS:
-        o->rays = ray_sets[index];
-        o->has_rays = true;
-        break;
-    case OPT_ENGINE:
-        o->of.engine = engines[index];
-        o->has_engine = true;
-        return STATUS_OK;
-    case OPT_LAYOUT:
-        o->of.layout = layouts_all[index];
-        o->has_layout = true;
-        return STATUS_OK;
-    case OPT_BUILDER:
-        o->of.builder = builders_all[index];
-        o->build_flag = "--builder";
-        break;
-    case OPT_STORE:
-        o->of.store = tri_stores[index];
-        o->build_flag = "--store";
-        break;
-    case OPT_BOX:
-        o->of.box = box_tests[index];
-        break;
-    case OPT_TRI:
-        o->of.tri = tri_tests[index];
-        break;
-    default:
-        o->of.query = (enum query)index;
-        break;
-    }
-    o->test_flag = names[which].flag;
+    struct explain_options *o = options;
+    o->has_cause = cause_find(given->text, &o->cause);
+    if (!o->has_cause || o->cause == CAUSE_NONE)
+        return fail(reason, STATUS_INPUT, "--cause: unknown cause '%.60s'", given->text);
     return STATUS_OK;
 }
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct explain_options *o = user;
-    uint64_t leaf = 0;
-    enum status status = STATUS_OK;
-    switch (option) {
-    case OPT_RAY:
-        o->ray_text = text;
-        o->test_flag = "--ray";
-        return STATUS_OK;
-    case OPT_COUNT:
-        o->has_count = true;
-        o->test_flag = "--count";
-        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
-    case OPT_INDEX:
-        o->has_index = true;
-        return parse_count("--index", text, 0, (1u << 30) - 1, &o->index, reason);
-    case OPT_CAUSE:
-        o->has_cause = cause_find(text, &o->cause);
-        if (!o->has_cause || o->cause == CAUSE_NONE)
-            return fail(reason, STATUS_INPUT, "--cause: unknown cause '%.60s'", text);
-        return STATUS_OK;
-    case OPT_SEED:
-        o->test_flag = "--seed";
-        return parse_count("--seed", text, 0, UINT64_MAX, &o->of.seed, reason);
-    case OPT_LEAF:
-        o->test_flag = o->build_flag = "--leaf";
-        status = parse_count("--leaf", text, 1, 1u << 20, &leaf, reason);
-        o->of.build.leaf = (uint32_t)leaf;
-        return status;
-    case OPT_EPS:
-        o->test_flag = o->build_flag = "--eps";
-        return parse_float("--eps", text, &o->of.build.eps, reason);
-    case OPT_BINS:
-    case OPT_RADIUS:
-    case OPT_SPLIT_BUDGET:
-    case OPT_SPLIT_ALPHA:
-    case OPT_OPTIMIZE:
-        status = build_option_take(option, text, &o->of.build, &o->build_flag, reason);
-        o->test_flag = o->build_flag;
-        return status;
-    case OPT_BVH:
-        o->test_flag = "--bvh";
-        o->of.tree = text;
-        return STATUS_OK;
-    case OPT_JSON:
-        o->json = text;
-        return STATUS_OK;
-    case OPT_RAYS:
-    case OPT_ENGINE:
-    case OPT_LAYOUT:
-    case OPT_STORE:
-    case OPT_BUILDER:
-    case OPT_BOX:
-    case OPT_TRI:
-    case OPT_QUERY:
-        return take_name(o, option, text, reason);
-    default:
-        return engine_option_take(option, text, &o->engines, reason);
-    }
-}
+static const struct option_row rows[] = {
+    {"ray", "R", "numbers in decimal or hexadecimal (0x1.8p+1), or inf, nan",
+     OF_TEXT(struct explain_options, ray_text)},
+    {"rays", "SET", "ray set, as raydiff check takes it",
+     OF_MEMBER(struct explain_options, rays, TABLE_RAY_SETS), .value = "mixed"},
+    {"count", "N", "its rays", OF_COUNT(struct explain_options, count, 1, 1u << 30),
+     .value = "100000", .shown = "100000; of a trial 1000"},
+    {"index", "I", "which of them", OF_COUNT(struct explain_options, index, 0, (1u << 30) - 1),
+     .shown = "the first one with a wrong answer"},
+    {"cause", "C", "look for a ray with this cause, such as rounded_inward", OF_OWN(take_cause),
+     .shown = "any"},
+    {"seed", "S", "of rays and generators",
+     OF_COUNT(struct explain_options, of.seed, 0, UINT64_MAX), .value = "1"},
+    {"engine", "E", "engine; pipe:COMMAND is a tracer of your own",
+     OF_MEMBER(struct explain_options, of.engine, TABLE_ENGINES), .value = "cpu"},
+    {"layout", "L", "layout", OF_MEMBER(struct explain_options, of.layout, TABLE_LAYOUTS),
+     .value = "rf16"},
+    {"store", "S", "triangle storage, see raydiff list storages",
+     OF_MEMBER(struct explain_options, of.store, TABLE_STORES), .value = "indexed"},
+    {"builder", "B", "builder", OF_MEMBER(struct explain_options, of.builder, TABLE_BUILDERS),
+     .value = "median"},
+    {"leaf", "N", "items per leaf", OF_COUNT(struct explain_options, of.build.leaf, 1, 1u << 20),
+     .standard = BUILD_LEAF_DEFAULT},
+    {"eps", "E", "builder rtrs: smallest box that is split",
+     OF_REAL(struct explain_options, of.build.eps, -INFINITY, INFINITY),
+     .standard = BUILD_EPS_DEFAULT},
+    TREE_ROW(struct explain_options, of.tree),
+    {"box", "B", "box test", OF_MEMBER(struct explain_options, of.box, TABLE_BOX_TESTS),
+     .value = "robust"},
+    {"tri", "T", "triangle test", OF_MEMBER(struct explain_options, of.tri, TABLE_TRI_TESTS),
+     .value = "mt"},
+    {"query", "Q", "closest or any", OF_ONE(struct explain_options, of.query, TABLE_QUERIES),
+     .value = "closest"},
+    {"json", "FILE", "the page, for machines", OF_DATA(struct explain_options, json)},
+    {.name = NULL},
+};
+
+static const struct option_set set = {
+    .command = "explain",
+    .usage = "explain SCENE --ray 'OX,OY,OZ DX,DY,DZ [TMIN,TMAX]' [OPTIONS]\n"
+             "explain SCENE --rays SET [--index I] [OPTIONS]\n"
+             "explain TRIAL [--index I] [OPTIONS]     (a name of raydiff conform)\n"
+             "explain FILE.trial [--index I] [--engine E] [--layout L]     (a finding)",
+    .about = "Prints what a ray exactly hits, what the engine answers, and if that is wrong, why: "
+             "which node turned the ray away, its bounds in the triangles, in the tree and in the "
+             "bytes, and the one thing that, made right, makes the answer right.",
+    .group = {{rows},
+              {build_rows, offsetof(struct explain_options, of.build)},
+              {engine_rows, offsetof(struct explain_options, engines)},
+              {outside_rows, offsetof(struct explain_options, engines)}},
+    .notes = "Of a layout from outside with --shader it also compares what its C and its GLSL "
+             "decode, record by record, and names the first that differs. A finding about a tree "
+             "is explained by the record. Members as published are held to what their repaired "
+             "forms promise.",
+    .codes = "0 the answer is allowed, 1 wrong and explained, 2 bad input, 3 the engine did not "
+             "finish (explained too), 77 the engine cannot run here",
+    .example = "explain soup:n=300 --rays vertices --layout rtrs_rf_paper",
+};
 
 /* What one run holds. */
 struct explaining {
@@ -273,7 +132,7 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
     }
     if (of->tree)
         status = tree_open("explain", of->tree, &e->scene, &e->tree, reason);
-    if (!status && tree_file_is_packed(&e->tree) && !e->options->has_layout)
+    if (!status && tree_file_is_packed(&e->tree) && !option_was_given("layout"))
         e->options->of.layout = e->tree.packed.layout;
     if (!status)
         status = of->tree ? tree_file_bvh(&e->tree, &e->scene, &e->bvh, reason)
@@ -405,19 +264,20 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     return status;
 }
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
 int cmd_explain(int argc, char **argv)
 {
     struct reason reason = {""};
-    struct explain_options options = default_options();
-    int first, code = options_take("explain", print_help, long_options, take_option, &options, argc,
-                                   argv, &first);
+    struct explain_options options = {
+        .of.build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+        .engines = engine_options_default(),
+    };
+    int first, code = options_read(&set, &options, argc, argv, &first);
     if (code >= 0)
         return code;
+    options.has_index = option_was_given("index");
+    options.has_engine = option_was_given("engine");
+    if (options.of.query == QUERY_ALL)
+        return usage_error("explain", "--query: closest or any can be explained, not all");
     if (argc - first != 1)
         return usage_error("explain", argc == first ? "no scene given" : "one scene at a time");
     struct explaining e = {.options = &options};

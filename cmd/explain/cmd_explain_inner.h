@@ -5,7 +5,7 @@
 #include "fuzz/findings/finding_file.h"
 #include "gpu/trace/decode.h"
 #include "cmd/explain/cmd_explain.h"
-#include "cmd/common/cmd_tables.h"
+#include "cmd/common/cmd_rows.h"
 #include "scenes/rays/rays.h"
 
 #include <jansson.h>
@@ -14,10 +14,8 @@ struct explain_options {
     struct explain_of of;
     const struct ray_set *rays;
     const char *ray_text, *json;
-    const char *test_flag;  /* the last option given that a finding's file decides, or NULL */
-    const char *build_flag; /* of them, one that says how to build, or NULL */
     uint64_t count, index;
-    bool has_count, has_index, has_rays, has_cause, has_engine, has_layout;
+    bool has_index, has_cause, has_engine;
     bool has_file;    /* scene, rays and test come from a finding's file */
     bool about_tree;  /* of a finding that is on no ray */
     bool has_trial;   /* all of them come from a trial's name */

@@ -42,7 +42,7 @@ static enum status take_trial(struct explain_options *o, const char *text, struc
                                 .query = trial.query};
     o->rays = trial.rays;
     o->has_trial = true;
-    if (!o->has_count)
+    if (!option_was_given("count"))
         o->count = 1000;
     return STATUS_OK;
 }
@@ -75,8 +75,12 @@ static enum status take_engine(struct explain_options *o, const struct fuzz_sign
 static enum status take_file(struct explain_options *o, const char *path, struct finding_file *file,
                              struct reason *reason)
 {
-    if (o->test_flag)
-        return fail(reason, STATUS_INPUT, "%s: %s brings its own", o->test_flag, path);
+    static const char own[] = "ray rays count seed bvh store builder leaf eps bins radius "
+                              "split-budget split-alpha optimize box tri query";
+    const char *flag;
+    for (size_t i = 0; (flag = option_given(i)) != NULL; i++)
+        if (option_among(own, flag))
+            return fail(reason, STATUS_INPUT, "--%s: %s brings its own", flag, path);
     enum status status = finding_file_read(path, file, reason);
     if (status)
         return status;
@@ -100,7 +104,7 @@ static enum status take_file(struct explain_options *o, const char *path, struct
         else if (!status && !o->of.engine->needs_packed)
             status = fail(reason, STATUS_INPUT, "%s: it is about a tree, and engine %s takes none",
                           path, o->of.engine->name);
-        if (!o->has_layout && signature->layout)
+        if (!option_was_given("layout") && signature->layout)
             o->of.layout = signature->layout;
         if (!o->has_cause && !o->has_index && signature->cause != CAUSE_NOT_REPEATABLE) {
             o->has_cause = true;
@@ -148,7 +152,7 @@ enum status explain_take_subject(struct explain_options *o, const char *text,
         o->of.layout = NULL;
         o->of.builder = NULL;
     }
-    if (!status && o->ray_text && (o->has_rays || o->has_index))
+    if (!status && o->ray_text && (option_was_given("rays") || o->has_index))
         status = fail(reason, STATUS_INPUT, "--ray is one ray: it goes without --rays and --index");
     return status;
 }

@@ -1,75 +1,45 @@
 /* raydiff export: a finding as something that runs without raydiff. */
 #include "fuzz/export/export.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/files/file.h"
 
 #include <string.h>
 
-static const char help[] =
-    "usage: raydiff export FILE [OPTIONS]\n"
-    "Writes a finding (a .trial file) as something that a driver's maker can run without raydiff:\n"
-    "the shader, the bytes of the tree, triangles and rays, what is right and with which "
-    "tolerance.\n\n"
-    "  --to OUT        file to write, '-' is the standard output                [-]\n"
-    "  --form F        c: a program; exit code 0 fixed, 1 the bug shows, 2 cannot run here\n"
-    "                  amber: a script of github.com/google/amber (vulkan, vulkan_brute)\n"
-    "                  text: scene, rays and right answers, for any tracer           [c]\n"
-    "  --engine E      for vulkan, vulkan_brute, rayquery, embree or embree_robust\n"
-    "                                                   [the file's; else vulkan]\n"
-    "  --layout L      its tree's layout                [the file's; else f32]\n"
-    "  --ray N         this ray alone                   [all]\n" ENGINE_OPTIONS_HELP
-    "\nexit codes: 0 written, 2 bad input, or nothing that anybody else could run\n"
-    "example: raydiff export fuzz/corpus/rounded-inward.trial --engine vulkan --to finding.c\n"
-    "         cc finding.c -lvulkan -o finding && ./finding\n";
-
-enum { OPT_TO = 256, OPT_FORM, OPT_ENGINE, OPT_LAYOUT, OPT_RAY };
-
-static const struct option long_options[] = {
-    {"to", 1, NULL, OPT_TO},         {"form", 1, NULL, OPT_FORM}, {"engine", 1, NULL, OPT_ENGINE},
-    {"layout", 1, NULL, OPT_LAYOUT}, {"ray", 1, NULL, OPT_RAY},   ENGINE_OPTIONS};
-
 struct taken {
     struct export_options options;
     const char *to;
 };
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
+static const struct option_row rows[] = {
+    {"to", "OUT", "file to write, '-' is the standard output", OF_TEXT(struct taken, to),
+     .value = NULL, .shown = "-", .file = true},
+    {"form", "F",
+     "c: a program; exit code 0 fixed, 1 the bug shows, 2 cannot run here. amber: a script of "
+     "github.com/google/amber (vulkan, vulkan_brute). text: scene, rays and right answers, for "
+     "any tracer",
+     OF_CHOICE(struct taken, options.form, export_form_names), .value = "c"},
+    {"engine", "E", "for vulkan, vulkan_brute, rayquery, embree or embree_robust",
+     OF_MEMBER(struct taken, options.engine, TABLE_ENGINES), .shown = "the file's; else vulkan"},
+    {"layout", "L", "its tree's layout", OF_MEMBER(struct taken, options.layout, TABLE_LAYOUTS),
+     .shown = "the file's; else f32"},
+    {"ray", "N", "this ray alone", OF_COUNT(struct taken, options.ray, 0, FUZZ_RAYS_MOST),
+     .shown = "all"},
+    {.name = NULL},
+};
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct taken *taken = user;
-    struct export_options *o = &taken->options;
-    enum status status = STATUS_OK;
-    uint64_t value = 0;
-    size_t index = 0;
-    switch (option) {
-    case OPT_TO:
-        taken->to = text;
-        return STATUS_OK;
-    case OPT_FORM:
-        if (export_form_find(text, &o->form))
-            return STATUS_OK;
-        return fail(reason, STATUS_INPUT, "--form: '%s' is not c, amber or text", text);
-    case OPT_ENGINE:
-        status = table_parse_one(TABLE_ENGINES, "--engine", text, &index, reason);
-        o->engine = status ? NULL : engines[index];
-        return status;
-    case OPT_LAYOUT:
-        status = table_parse_one(TABLE_LAYOUTS, "--layout", text, &index, reason);
-        o->layout = status ? NULL : layouts_all[index];
-        return status;
-    case OPT_RAY:
-        status = parse_count("--ray", text, 0, FUZZ_RAYS_MOST, &value, reason);
-        o->ray = (uint32_t)value;
-        return status;
-    default:
-        return engine_option_take(option, text, &o->engines, reason);
-    }
-}
+static const struct option_set set = {
+    .command = "export",
+    .usage = "export FILE [OPTIONS]",
+    .about = "Writes a finding (a .trial file) as something that a driver's maker can run without "
+             "raydiff: the shader, the bytes of the tree, triangles and rays, what is right and "
+             "with which tolerance.",
+    .group = {{rows}, {engine_rows, offsetof(struct taken, options.engines)}},
+    .codes = "0 written, 2 bad input, or nothing that anybody else could run",
+    .example = "export fuzz/corpus/rounded-inward.trial --engine vulkan --to x.c\n"
+               "         cc x.c -lvulkan -o x && ./x",
+};
 
 static int complain(const char *path, enum status status, const struct reason *reason)
 {
@@ -128,8 +98,7 @@ static int check_use(const struct export_options *o, const struct finding_file *
                                                         : engine_find("vulkan");
     const struct list list = engine ? list_of_engine(engine)
                                     : (struct list){.count = 0}; /* of a peer that is not here */
-    const struct option_use use = {
-        .by = "export", .never = "peer-time peer-memory shader", .engine = &list};
+    const struct option_use use = {.engine = &list};
     const struct option_use ours = {.by = "an export of no vendor's engine",
                                     .never = is_vendors(engine) ? "" : "layout threads"};
     int code = options_refused("export", &use);
@@ -142,9 +111,7 @@ int cmd_export(int argc, char **argv)
                           .to = "-"};
     struct finding_file file;
     struct reason reason;
-    int first;
-    int code =
-        options_take("export", print_help, long_options, take_option, &taken, argc, argv, &first);
+    int first, code = options_read(&set, &taken, argc, argv, &first);
     if (code >= 0)
         return code;
     if (first + 1 != argc)

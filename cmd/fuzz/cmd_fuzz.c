@@ -5,6 +5,7 @@
 
 #include "ref/outside/plugin_guard.h"
 #include "fuzz/findings/findings_report.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 
@@ -14,180 +15,89 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define DEFAULT_SECONDS 60u
+static enum status take_key(void *options, const struct option_value *given, struct reason *reason)
+{
+    struct fuzz_command *c = options;
+    enum fuzz_key key = 0;
+    while (strcmp(fuzz_key_name(key), given->row->name) != 0)
+        key++;
+    c->given[key] = true;
+    return fuzz_key_set(c, key, given->text ? given->text : "yes", reason);
+}
 
-static const char help[] =
-    "usage: raydiff fuzz [OPTIONS]\n"
-    "Plays random trials on engines and layouts, and keeps what they get wrong: a folder for each\n"
-    "distinct finding, with the first and the smallest trial that shows it. A folder that is "
-    "there\n"
-    "is resumed, also after a kill; its campaign's options need not be given again.\n\n"
-    "  --time S          seconds of this run                    [60; none with --trials]\n"
-    "  --trials N        trials of the whole campaign, the same on any number of workers\n"
-    "  --until N         end after N distinct findings that the baseline does not know\n"
-    "  --dir DIR         where findings are kept                [findings]\n"
-    "  --seed S          of the campaign                        [1]\n"
-    "  --jobs N          worker processes                       [cores]\n"
-    "  --shard I/N       only the blocks of shard I of N; join with raydiff merge\n"
-    "  --engine E,...    engines, also pipe:COMMAND             [cpu,vulkan,embree_robust]\n"
-    "  --layout L,...    layouts                                [f32,rf16]\n"
-    "  --builder B,...   builders                               [as generated]\n"
-    "  --faithful        builders and tests as published take part, too\n"
-    "  --rays N          rays of a trial                        [500]\n"
-    "  --triangles A-B   triangles of an ordinary trial         [16-64]\n"
-    "  --corpus DIR      trials that are played first; none     [fuzz/corpus]\n"
-    "  --feedback        mutate what reached rare states also with --trials or --shard\n"
-    "  --pairs N         draws members anew for each block: those of the pair (of engine, layout,\n"
-    "                    builder, storage, triangle test, box test, reinsertion, motion) that met\n"
-    "                    in the fewest trials; every pair is to meet in N\n"
-    "  --no-shrink       leave findings as they are (raydiff min shrinks them later)\n"
-    "  --baseline FILE   known findings, besides those that are part of raydiff\n"
-    "  --trial-time S    seconds that an engine may take for a trial  [10]\n"
-    "  --memory MIB      that a worker may hold, 0 is no limit  [4096]\n"
-    "  --driver NAME, --device N, --workgroup N, --peer-time S, --peer-memory MB, --shader FILE\n"
-    "                    of engines and layouts from outside, as in raydiff check\n"
-    "  --json FILE, --junit FILE, --tap FILE, --jsonl FILE\n"
-    "                    results, for machines\n"
-    "  --self-test       is every planted bug found? (raydiff fuzz --self-test --help)\n\n"
-    "exit codes: 0 nothing that the baseline does not know, 1 a finding outside it or a pair that\n"
-    "            met in fewer than --pairs, 2 bad input,\n"
-    "            3 an engine cannot be opened, 4 internal error, 77 an engine cannot run here,\n"
-    "            128 + the signal that ended it before all of --trials were played and shrunk;\n"
-    "            run again, the campaign ends as one that nothing interrupted\n"
-    "example: raydiff fuzz --time 60\n"
-    "         raydiff fuzz --time 3600 --pairs 1000\n";
+static enum status take_baseline(void *options, const struct option_value *given,
+                                 struct reason *reason)
+{
+    return baseline_add_file(&((struct fuzz_command *)options)->baseline, given->text, reason);
+}
 
-enum {
-    OPT_TIME = 256,
-    OPT_TRIALS,
-    OPT_UNTIL,
-    OPT_DIR,
-    OPT_JOBS,
-    OPT_CORPUS,
-    OPT_FEEDBACK,
-    OPT_NO_SHRINK,
-    OPT_BASELINE,
-    OPT_TRIAL_TIME,
-    OPT_MEMORY,
-    OPT_JSON,
-    OPT_JUNIT,
-    OPT_TAP,
-    OPT_JSONL,
-    OPT_KEYS, /* + enum fuzz_key */
+static const struct option_row rows[] = {
+    {"time", "S", "seconds of this run", OF_COUNT(struct fuzz_command, seconds, 1, 1000000000),
+     .value = "60", .shown = "60; none with --trials"},
+    {"trials", "N", "trials of the whole campaign, the same on any number of workers",
+     OF_COUNT(struct fuzz_command, trials, 1, (uint64_t)1 << 60)},
+    {"until", "N", "end after N distinct findings that the baseline does not know",
+     OF_COUNT(struct fuzz_command, until, 1, 1000000)},
+    {"dir", "DIR", "where findings are kept", OF_FOLDER(struct fuzz_command, folder),
+     .shown = "findings"},
+    {"seed", "S", "of the campaign", OF_OWN(take_key), .shown = "1"},
+    {"jobs", "N", "worker processes", OF_COUNT(struct fuzz_command, jobs, 1, CAMPAIGN_JOBS_MOST),
+     .shown = "cores"},
+    {"shard", "I/N", "only the blocks of shard I of N; join with raydiff merge", OF_OWN(take_key)},
+    {"engine", "E,..", "engines, also pipe:COMMAND", OF_OWN(take_key), .table = 1 + TABLE_ENGINES,
+     .shown = FUZZ_ENGINES},
+    {"layout", "L,..", "layouts", OF_OWN(take_key), .table = 1 + TABLE_LAYOUTS,
+     .shown = FUZZ_LAYOUTS},
+    {"builder", "B,..", "builders", OF_OWN(take_key), .table = 1 + TABLE_BUILDERS,
+     .shown = "as generated"},
+    {"faithful", NULL, "builders and tests as published take part, too", OF_ACT(take_key)},
+    {"rays", "N", "rays of a trial", OF_OWN(take_key), .shown = "500"},
+    {"triangles", "A-B", "triangles of an ordinary trial", OF_OWN(take_key), .shown = "16-64"},
+    {"corpus", "DIR", "trials that are played first; none", OF_FOLDER(struct fuzz_command, corpus),
+     .shown = "fuzz/corpus"},
+    {"feedback", NULL, "mutate what reached rare states also with --trials or --shard",
+     OF_FLAG(struct fuzz_command, feedback)},
+    {"pairs", "N",
+     "draws members anew for each block: those of the pair (of engine, layout, builder, storage, "
+     "triangle test, box test, reinsertion, motion) that met in the fewest trials; every pair is "
+     "to meet in N",
+     OF_OWN(take_key)},
+    {"no-shrink", NULL, "leave findings as they are (raydiff min shrinks them later)",
+     OF_FLAG(struct fuzz_command, no_shrink)},
+    {"baseline", "FILE", "known findings, besides those that are part of raydiff",
+     OF_OWN(take_baseline), .file = true, .repeats = true},
+    {"trial-time", "S", "seconds that an engine may take for a trial",
+     OF_REAL(struct fuzz_command, trial_s, 0.1, 86400), .value = "10"},
+    {"memory", "MIB", "memory that a worker may hold, 0 is no limit",
+     OF_COUNT(struct fuzz_command, memory_mib, 0, (uint64_t)1 << 30), .value = "4096"},
+    {"driver", "NAME", "Vulkan: as in raydiff check", OF_OWN(take_key)},
+    {"device", "N", "Vulkan: as in raydiff check", OF_OWN(take_key)},
+    {"workgroup", "N", "Vulkan: as in raydiff check", OF_OWN(take_key)},
+    {"json", "FILE", "results, for machines", OF_DATA(struct fuzz_command, json)},
+    {"junit", "FILE", "JUnit XML", OF_WRITTEN(struct fuzz_command, junit)},
+    {"tap", "FILE", "TAP 13", OF_WRITTEN(struct fuzz_command, tap)},
+    {"jsonl", "FILE", "a line of JSON for each finding", OF_WRITTEN(struct fuzz_command, jsonl)},
+    {.name = NULL},
 };
 
-static const struct option long_options[] = {{"time", 1, NULL, OPT_TIME},
-                                             {"trials", 1, NULL, OPT_TRIALS},
-                                             {"until", 1, NULL, OPT_UNTIL},
-                                             {"dir", 1, NULL, OPT_DIR},
-                                             {"jobs", 1, NULL, OPT_JOBS},
-                                             {"corpus", 1, NULL, OPT_CORPUS},
-                                             {"feedback", 0, NULL, OPT_FEEDBACK},
-                                             {"no-shrink", 0, NULL, OPT_NO_SHRINK},
-                                             {"baseline", 1, NULL, OPT_BASELINE},
-                                             {"trial-time", 1, NULL, OPT_TRIAL_TIME},
-                                             {"memory", 1, NULL, OPT_MEMORY},
-                                             {"json", 1, NULL, OPT_JSON},
-                                             {"junit", 1, NULL, OPT_JUNIT},
-                                             {"tap", 1, NULL, OPT_TAP},
-                                             {"jsonl", 1, NULL, OPT_JSONL},
-                                             {"seed", 1, NULL, OPT_KEYS + KEY_SEED},
-                                             {"shard", 1, NULL, OPT_KEYS + KEY_SHARD},
-                                             {"engine", 1, NULL, OPT_KEYS + KEY_ENGINE},
-                                             {"layout", 1, NULL, OPT_KEYS + KEY_LAYOUT},
-                                             {"builder", 1, NULL, OPT_KEYS + KEY_BUILDER},
-                                             {"faithful", 0, NULL, OPT_KEYS + KEY_FAITHFUL},
-                                             {"rays", 1, NULL, OPT_KEYS + KEY_RAYS},
-                                             {"triangles", 1, NULL, OPT_KEYS + KEY_TRIANGLES},
-                                             {"driver", 1, NULL, OPT_KEYS + KEY_DRIVER},
-                                             {"device", 1, NULL, OPT_KEYS + KEY_DEVICE},
-                                             {"workgroup", 1, NULL, OPT_KEYS + KEY_WORKGROUP},
-                                             {"pairs", 1, NULL, OPT_KEYS + KEY_PAIRS},
-                                             {"shader", 1, NULL, OPT_SHADER},
-                                             {"peer-time", 1, NULL, OPT_PEER_TIME},
-                                             {"peer-memory", 1, NULL, OPT_PEER_MEMORY},
-                                             {"help", 0, NULL, OPT_HELP},
-                                             {NULL, 0, NULL, 0}};
-
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
-static enum status take_number(struct fuzz_command *c, int option, const char *text,
-                               struct reason *reason)
-{
-    uint64_t value = 0;
-    float real = 0;
-    enum status status = STATUS_OK;
-    switch (option) {
-    case OPT_TIME:
-        c->seconds_given = true;
-        return parse_count("--time", text, 1, 1000000000, &c->seconds, reason);
-    case OPT_TRIALS:
-        return parse_count("--trials", text, 1, (uint64_t)1 << 60, &c->trials, reason);
-    case OPT_UNTIL:
-        status = parse_count("--until", text, 1, 1000000, &value, reason);
-        c->until = (uint32_t)value;
-        return status;
-    case OPT_JOBS:
-        status = parse_count("--jobs", text, 1, CAMPAIGN_JOBS_MOST, &value, reason);
-        c->jobs = (uint32_t)value;
-        return status;
-    case OPT_MEMORY:
-        return parse_count("--memory", text, 0, (uint64_t)1 << 30, &c->memory_mib, reason);
-    default: /* OPT_TRIAL_TIME */
-        status = parse_float("--trial-time", text, &real, reason);
-        if (!status && !(real >= 0.1f && real <= 86400.0f))
-            status =
-                fail(reason, STATUS_INPUT, "--trial-time: '%.40s' is not in [0.1, 86400]", text);
-        c->trial_s = (double)real;
-        return status;
-    }
-}
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct fuzz_command *c = user;
-    if (option >= OPT_KEYS && option < OPT_KEYS + KEY_COUNT) {
-        c->given[option - OPT_KEYS] = true;
-        return fuzz_key_set(c, (enum fuzz_key)(option - OPT_KEYS), text ? text : "yes", reason);
-    }
-    switch (option) {
-    case OPT_DIR:
-        c->folder = text;
-        return STATUS_OK;
-    case OPT_CORPUS:
-        c->corpus = text;
-        return STATUS_OK;
-    case OPT_FEEDBACK:
-        c->feedback = true;
-        return STATUS_OK;
-    case OPT_NO_SHRINK:
-        c->no_shrink = true;
-        return STATUS_OK;
-    case OPT_BASELINE:
-        return baseline_add_file(&c->baseline, text, reason);
-    case OPT_JSON:
-        c->json = text;
-        return STATUS_OK;
-    case OPT_JUNIT:
-        c->junit = text;
-        return STATUS_OK;
-    case OPT_TAP:
-        c->tap = text;
-        return STATUS_OK;
-    case OPT_JSONL:
-        c->jsonl = text;
-        return STATUS_OK;
-    case OPT_SHADER:
-    case OPT_PEER_TIME:
-    case OPT_PEER_MEMORY:
-        return engine_option_take(option, text, &c->engines, reason);
-    default:
-        return take_number(c, option, text, reason);
-    }
-}
+static const struct option_set set = {
+    .command = "fuzz",
+    .usage = "fuzz [OPTIONS]\n"
+             "fuzz --self-test [OPTIONS]     (raydiff fuzz --self-test --help)",
+    .about = "Plays random trials on engines and layouts, and keeps what they get wrong: a folder "
+             "for each distinct finding, with the first and the smallest trial that shows it. An "
+             "existing folder is resumed, also after a kill; its campaign's options need not be "
+             "given again.",
+    .group = {{rows}, {outside_rows, offsetof(struct fuzz_command, engines)}},
+    .codes = "0 nothing that the baseline does not know, 1 a finding outside it or a pair that met "
+             "in fewer than --pairs, 2 bad input, 3 an engine cannot be opened, 4 internal error, "
+             "77 an engine cannot run here, 128 + the signal that ended it before all of --trials "
+             "were played and shrunk; run again, the campaign ends as one that nothing "
+             "interrupted",
+    .example = "fuzz --time 60\n"
+               "fuzz --time 3600 --pairs 1000",
+    .makes_folder = true,
+};
 
 static volatile sig_atomic_t stop, signalled;
 
@@ -244,7 +154,7 @@ static enum status make_campaign(struct fuzz_command *c, struct reason *reason)
     o->folder = c->folder;
     o->identity = c->identity;
     o->trials = c->trials;
-    o->seconds = c->trials > 0 && !c->seconds_given ? 0 : c->seconds;
+    o->seconds = c->trials > 0 && !option_was_given("time") ? 0 : c->seconds;
     o->shard = sharded ? c->shard : 1;
     o->shards = sharded ? c->shards : 1;
     o->jobs = c->jobs;
@@ -379,14 +289,10 @@ int cmd_fuzz(int argc, char **argv)
     if (argc > 1 && strcmp(argv[1], "--self-test") == 0)
         return cmd_selftest(argc - 1, argv + 1);
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    int first;
     c = (struct fuzz_command){.seed = 1,
                               .rays = 500,
                               .triangles_least = 16,
                               .triangles_most = 64,
-                              .seconds = DEFAULT_SECONDS,
-                              .trial_s = 10,
-                              .memory_mib = 4096,
                               .folder = "findings",
                               .engines = engine_options_default(),
                               .terminal = has_screen()};
@@ -394,7 +300,7 @@ int cmd_fuzz(int argc, char **argv)
     baseline_today(c.today);
     if (baseline_open(&c.baseline, &reason))
         return finish(&c, STATUS_INTERNAL, &reason);
-    int code = options_take("fuzz", print_help, long_options, take_option, &c, argc, argv, &first);
+    int first, code = options_read(&set, &c, argc, argv, &first);
     if (code < 0 && first < argc)
         code = usage_error("fuzz", "'%s': only options are expected", argv[first]);
     if (code >= 0) {

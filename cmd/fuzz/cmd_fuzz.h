@@ -25,6 +25,9 @@ enum fuzz_key {
     KEY_COUNT
 };
 
+#define FUZZ_ENGINES "cpu,vulkan,embree_robust" /* those that can run here, unless some are named */
+#define FUZZ_LAYOUTS "f32,rf16"
+
 #define FUZZ_PATH_MOST  4096
 #define FUZZ_VALUE_MOST 1024
 
@@ -40,9 +43,9 @@ struct fuzz_command {
     uint64_t trials, seconds;
     uint64_t pairs; /* members are drawn until every pair met in so many; 0: they are not drawn */
     uint32_t jobs, until;
-    double trial_s;
+    float trial_s;
     uint64_t memory_mib;
-    bool seconds_given, feedback, no_shrink;
+    bool feedback, no_shrink;
     const char *folder, *corpus, *json, *junit, *tap, *jsonl;
     /* Made of these. */
     char identity[FINDINGS_STATE_MOST];

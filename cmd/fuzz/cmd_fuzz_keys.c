@@ -9,8 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const own_engines = "cpu,vulkan,embree_robust";
-static const char *const own_layouts = "f32,rf16";
 /* Of --pairs. */
 static const char *const pair_engines =
     "cpu,vulkan,fast,cpu_stackless,vulkan_stackless,brute,vulkan_brute";
@@ -169,9 +167,13 @@ enum status fuzz_key_set(struct fuzz_command *c, enum fuzz_key key, const char *
         strcpy(c->driver, text);
         return STATUS_OK;
     case KEY_DEVICE:
-        return engine_option_take(OPT_DEVICE, text, &c->engines, reason);
+        status = parse_count("--device", text, 0, 255, &value, reason);
+        c->engines.device = (int)value;
+        return status;
     case KEY_WORKGROUP:
-        return engine_option_take(OPT_WORKGROUP, text, &c->engines, reason);
+        status = parse_count("--workgroup", text, 1, 1024, &value, reason);
+        c->engines.workgroup = (uint32_t)value;
+        return status;
     default:
         return set_lists(c, key, text, reason);
     }
@@ -211,8 +213,8 @@ enum status fuzz_default_engines(struct fuzz_command *c, struct reason *reason)
     struct probe what = {.options = c->engines};
     struct probed out;
     struct child child;
-    enum status status = table_parse(TABLE_ENGINES, "--engine",
-                                     c->pairs > 0 ? pair_engines : own_engines, &what.list, reason);
+    enum status status = table_parse(
+        TABLE_ENGINES, "--engine", c->pairs > 0 ? pair_engines : FUZZ_ENGINES, &what.list, reason);
     what.options.threads = 1;
     what.options.driver = c->driver[0] ? c->driver : NULL;
     if (!status)
@@ -282,7 +284,7 @@ enum status fuzz_identify(struct fuzz_command *c, struct reason *reason)
         status = fail(reason, STATUS_INPUT,
                       "%.100s: its findings are of no campaign, but of raydiff merge", c->folder);
     if (!status && c->layout.count == 0)
-        status = table_parse(TABLE_LAYOUTS, "--layout", c->pairs > 0 ? pair_layouts : own_layouts,
+        status = table_parse(TABLE_LAYOUTS, "--layout", c->pairs > 0 ? pair_layouts : FUZZ_LAYOUTS,
                              &c->layout, reason);
     if (!status && c->engine.count == 0)
         status = fuzz_default_engines(c, reason);

@@ -1,5 +1,6 @@
 /* raydiff gen: a request in the text form, for a tracer to answer. */
 #include "ref/outside/pipe_text.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/files/file.h"
@@ -9,28 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "usage: raydiff gen SCENE [OPTIONS]\n"
-    "Writes SCENE (a mesh file or a generator) and rays as text, a line each, for a tracer that\n"
-    "answers in the same form; raydiff verify judges the answers. In lines:\n"
-    "  from ...           where it comes from: copy it to the answer\n"
-    "  query closest      or any: whichever triangle is hit\n"
-    "  v X Y Z            a vertex\n"
-    "  t A B C            a triangle of three vertices, numbered from 0\n"
-    "  r OX OY OZ TMIN DX DY DZ TMAX   a ray; t counts in multiples of D, ends belong to it\n"
-    "  end                nothing follows\n"
-    "The answer: the from line, then per ray 'h T U V TRIANGLE' or 'm' (a miss); see raydiff\n"
-    "judge --help.\n\n"
-    "  --rays SET      ray set                                                   [mixed]\n"
-    "  --count N       rays                                                      [1000]\n"
-    "  --seed S        of rays and generators                                    [1]\n"
-    "  --query Q       closest or any                                            [closest]\n"
-    "  --decimal       the shortest decimals that read back as the same bits, for awk and the\n"
-    "                  like; otherwise hexadecimal floats, 0x1.8p+1\n"
-    "  --out FILE      [standard output]\n\n"
-    "exit codes: 0, 2 bad input, 4 no memory\n"
-    "example: raydiff gen sphere:n=8 --decimal | awk -f fuzz/samples/tracer.awk | raydiff verify\n";
-
 struct gen_command {
     const char *out;
     uint64_t seed, count;
@@ -39,40 +18,41 @@ struct gen_command {
     bool decimal;
 };
 
-enum { OPT_RAYS = 256, OPT_COUNT, OPT_SEED, OPT_QUERY, OPT_DECIMAL, OPT_OUT };
+static const struct option_row rows[] = {
+    {"rays", "SET", "ray set", OF_ONE(struct gen_command, rays, TABLE_RAY_SETS), .value = "mixed"},
+    {"count", "N", "rays", OF_COUNT(struct gen_command, count, 1, 1u << 30), .value = "1000"},
+    {"seed", "S", "of rays and generators", OF_COUNT(struct gen_command, seed, 0, INT64_MAX),
+     .value = "1"},
+    {"query", "Q", "closest or any", OF_ONE(struct gen_command, query, TABLE_QUERIES),
+     .value = "closest"},
+    {"decimal", NULL,
+     "the shortest decimals that read back as the same bits, for awk and the like; otherwise "
+     "hexadecimal floats, 0x1.8p+1",
+     OF_FLAG(struct gen_command, decimal)},
+    {"out", "FILE", "where it is written", OF_OUTPUT(struct gen_command, out),
+     .shown = "standard output"},
+    {.name = NULL},
+};
 
-static const struct option long_options[] = {
-    {"rays", 1, NULL, OPT_RAYS},       {"count", 1, NULL, OPT_COUNT},
-    {"seed", 1, NULL, OPT_SEED},       {"query", 1, NULL, OPT_QUERY},
-    {"decimal", 0, NULL, OPT_DECIMAL}, {"out", 1, NULL, OPT_OUT},
-    {"help", 0, NULL, OPT_HELP},       {NULL, 0, NULL, 0}};
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct gen_command *o = user;
-    size_t index;
-    enum status status = STATUS_OK;
-    switch (option) {
-    case OPT_RAYS:
-        return table_parse_one(TABLE_RAY_SETS, "--rays", text, &o->rays, reason);
-    case OPT_COUNT:
-        return parse_count("--count", text, 1, 1u << 30, &o->count, reason);
-    case OPT_SEED:
-        return parse_count("--seed", text, 0, INT64_MAX, &o->seed, reason);
-    case OPT_QUERY:
-        status = table_parse_one(TABLE_QUERIES, "--query", text, &index, reason);
-        o->query = (enum query)index;
-        if (!status && o->query == QUERY_ALL)
-            status = fail(reason, STATUS_INPUT, "--query: closest or any, not all");
-        return status;
-    case OPT_DECIMAL:
-        o->decimal = true;
-        return STATUS_OK;
-    default:
-        o->out = text;
-        return STATUS_OK;
-    }
-}
+static const struct option_set set = {
+    .command = "gen",
+    .usage = "gen SCENE [OPTIONS]",
+    .about = "Writes SCENE (a mesh file or a generator) and rays as text, a line each, for a "
+             "tracer that answers in the same form; raydiff verify judges the answers. In lines:\n"
+             "  from ...           where it comes from: copy it to the answer\n"
+             "  query closest      or any: whichever triangle is hit\n"
+             "  v X Y Z            a vertex\n"
+             "  t A B C            a triangle of three vertices, numbered from 0\n"
+             "  r OX OY OZ TMIN DX DY DZ TMAX   a ray; t counts in multiples of D, ends belong\n"
+             "                     to it\n"
+             "  end                nothing follows\n"
+             "The answer: the from line, then per ray 'h T U V TRIANGLE' or 'm' (a miss); see "
+             "raydiff judge --help.",
+    .group = {{rows}},
+    .codes = "0, 2 bad input, 4 no memory",
+    .example = "gen sphere:n=8 --decimal | awk -f fuzz/samples/tracer.awk |\n"
+               "             raydiff verify",
+};
 
 static enum status write_all(const struct gen_command *o, const struct pipe_from *from,
                              const struct scene *scene, const struct ray *ray,
@@ -118,19 +98,15 @@ static enum status gen(const struct gen_command *o, const char *spec, struct rea
     return status;
 }
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
 int cmd_gen(int argc, char **argv)
 {
-    struct gen_command o = {.seed = 1, .count = 1000, .query = QUERY_CLOSEST};
+    struct gen_command o = {.out = NULL};
     struct reason reason = {""};
-    int first,
-        code = options_take("gen", print_help, long_options, take_option, &o, argc, argv, &first);
+    int first, code = options_read(&set, &o, argc, argv, &first);
     if (code >= 0)
         return code;
+    if (o.query == QUERY_ALL)
+        return usage_error("gen", "--query: closest or any, not all");
     if (argc - first != 1)
         return usage_error("gen", argc == first ? "no scene given" : "one scene at a time");
     const struct list rays = {.index = {o.rays}, .count = 1};

@@ -2,6 +2,7 @@
 #include "ref/outside/pipe_text.h"
 #include "ref/outside/recorded.h"
 #include "cmd/check/cmd_check.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/files/file.h"
@@ -14,65 +15,70 @@
 
 #define STANDARD_INPUT "/dev/stdin"
 
-static const char judge_help[] =
-    "usage: raydiff judge MESH RAYS HITS [OPTIONS]\n"
-    "Judges answers of a tracer that cannot be run here: MESH is a mesh file or a generator; RAYS\n"
-    "and HITS are text files, or '-' for the standard input, with lines\n"
-    "  RAYS  r OX OY OZ TMIN DX DY DZ TMAX   a ray; what raydiff gen writes will do\n"
-    "        query closest                   or any; closest if there is no such line\n"
-    "  HITS  h T U V TRIANGLE                what ray 0, 1, ... hits; triangles count from 0\n"
-    "        m                               or that it hits nothing\n"
-    "        formula mt ieee                 if that is known, before or after the hits: formula\n"
-    "                                        unknown, mt, woop, embree, embree_robust,\n"
-    "                                        pluecker, baldwin_webber; rounding one of\n"
-    "                                        ieee, flushed, vulkan, vulkan_rte, embree\n"
-    "        flags open watertight unnamed   those that hold: ends of the range are no hits; "
-    "closed\n"
-    "                                        meshes stay closed; any-hits name no triangle\n"
-    "Numbers are decimals or hexadecimal floats, 0x1.8p+1; '#' begins a comment. U weighs a\n"
-    "triangle's second vertex, V its third.\n\n";
-static const char verify_help[] =
-    "usage: raydiff gen SCENE ... | TRACER | raydiff verify [OPTIONS]\n"
-    "Judges the answers on its standard input to the rays that raydiff gen wrote. They hold the\n"
-    "'from' line of the request, by which scene and rays are made again, and per ray\n"
-    "'h T U V TRIANGLE' or 'm'; see raydiff judge --help.\n\n";
-static const char options_help[] =
-    "  --seed S        judge: of a generator whose text gives none               [1]\n"
-    "  --brute N       ray-triangle pairs that brute force may decide            [2e8]\n"
-    "  --displacement U  how far, in 2^-24 of their distance                     [32]\n"
-    "  --require watertight  no hit inside a closed fan may be lost\n"
-    "  --json FILE     the row, for machines, as check writes it\n\n"
-    "A formula that is unknown is judged by how far vertices must move to make an answer right.\n"
-    "exit codes: 0 agree, 1 mismatch or vacuous, 2 bad input, 3 the tracer refused, 4 internal\n";
-
 struct judge_options {
     uint64_t seed, brute;
     struct match_demands demands;
     const char *json;
 };
 
-enum { OPT_SEED = 256, OPT_BRUTE, OPT_JSON };
+static const struct option_row seed_rows[] = {
+    {"seed", "S", "of a generator whose text gives none",
+     OF_COUNT(struct judge_options, seed, 0, UINT64_MAX), .value = "1"},
+    {.name = NULL},
+};
 
-static const struct option long_options[] = {
-    {"seed", 1, NULL, OPT_SEED}, {"brute", 1, NULL, OPT_BRUTE}, DEMAND_OPTIONS,
-    {"json", 1, NULL, OPT_JSON}, {"help", 0, NULL, OPT_HELP},   {NULL, 0, NULL, 0}};
+static const struct option_row rows[] = {
+    {"brute", "N", "ray-triangle pairs that brute force may decide",
+     OF_COUNT(struct judge_options, brute, 0, UINT64_MAX), .value = "2e8"},
+    {"json", "FILE", "the row, for machines, as check writes it",
+     OF_DATA(struct judge_options, json)},
+    {.name = NULL},
+};
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct judge_options *o = user;
-    switch (option) {
-    case OPT_SEED:
-        return parse_count("--seed", text, 0, UINT64_MAX, &o->seed, reason);
-    case OPT_BRUTE:
-        return parse_count("--brute", text, 0, UINT64_MAX, &o->brute, reason);
-    case OPT_DISPLACEMENT:
-    case OPT_DEMAND:
-        return demand_take(option, text, &o->demands, reason);
-    default:
-        o->json = text;
-        return STATUS_OK;
-    }
-}
+#define NOTES                                                                                      \
+    "A formula that is unknown is judged by how far vertices must move to make an answer right."
+#define CODES "0 agree, 1 mismatch or vacuous, 2 bad input, 3 the tracer refused, 4 internal"
+
+static const struct option_set judge_set = {
+    .command = "judge",
+    .usage = "judge MESH RAYS HITS [OPTIONS]",
+    .about =
+        "Judges answers of a tracer that cannot be run here: MESH is a mesh file or a generator; "
+        "RAYS and HITS are text files, or '-' for the standard input, with lines\n"
+        "  RAYS  r OX OY OZ TMIN DX DY DZ TMAX   a ray; what raydiff gen writes will do\n"
+        "        query closest    or any; closest if there is no such line\n"
+        "  HITS  h T U V TRIANGLE  what ray 0, 1, ... hits; triangles count from 0\n"
+        "        m                or that it hits nothing\n"
+        "        formula mt ieee  if that is known, before or after the hits: formula unknown, "
+        "mt, woop, embree, embree_robust, pluecker, baldwin_webber; rounding one of ieee, flushed, "
+        "vulkan, vulkan_rte, embree\n"
+        "        flags open watertight unnamed  those that hold: ends of the range are no hits; "
+        "closed meshes stay closed; any-hits name no triangle\n"
+        "Numbers are decimals or hexadecimal floats, 0x1.8p+1; '#' begins a comment. U weighs a "
+        "triangle's second vertex, V its third.",
+    .group = {{seed_rows},
+              {rows},
+              {displacement_rows, offsetof(struct judge_options, demands)},
+              {watertight_rows, offsetof(struct judge_options, demands)}},
+    .notes = NOTES,
+    .codes = CODES,
+    .example = "judge bunny.obj rays.txt hits.txt",
+};
+
+static const struct option_set verify_set = {
+    .command = "verify",
+    .usage = "gen SCENE ... | TRACER | raydiff verify [OPTIONS]",
+    .about = "Judges the answers on its standard input to the rays that raydiff gen wrote. They "
+             "hold the 'from' line of the request, by which scene and rays are made again, and "
+             "per ray 'h T U V TRIANGLE' or 'm'; see raydiff judge --help.",
+    .group = {{rows},
+              {displacement_rows, offsetof(struct judge_options, demands)},
+              {watertight_rows, offsetof(struct judge_options, demands)}},
+    .notes = NOTES,
+    .codes = CODES,
+    .example = "gen sphere:n=8 --decimal | awk -f fuzz/samples/tracer.awk |\n"
+               "             raydiff verify",
+};
 
 /* What is judged. Owns all but the names. */
 struct judge_run {
@@ -244,18 +250,11 @@ static int finish(struct judge_run *j, enum status status, const struct reason *
     return code;
 }
 
-static void print_judge_help(void)
-{
-    printf("%s%s%s", judge_help, options_help,
-           "example: raydiff judge bunny.obj rays.txt hits.txt\n");
-}
-
 int cmd_judge(int argc, char **argv)
 {
-    struct judge_options o = {.seed = 1, .brute = 200000000};
+    struct judge_options o = {.json = NULL};
     struct reason reason = {""};
-    int first, code = options_take("judge", print_judge_help, long_options, take_option, &o, argc,
-                                   argv, &first);
+    int first, code = options_read(&judge_set, &o, argc, argv, &first);
     if (code >= 0)
         return code;
     if (argc - first != 3)
@@ -338,26 +337,15 @@ static enum status read_piped(struct judge_run *j, struct pipe_text *look, struc
     return status;
 }
 
-static void print_verify_help(void)
-{
-    printf("%s%s%s", verify_help, options_help,
-           "example: raydiff gen sphere:n=8 --decimal | awk -f fuzz/samples/tracer.awk | raydiff "
-           "verify\n");
-}
-
 int cmd_verify(int argc, char **argv)
 {
-    struct judge_options o = {.seed = 1, .brute = 200000000};
+    struct judge_options o = {.json = NULL};
     struct reason reason = {""};
-    int first, code = options_take("verify", print_verify_help, long_options, take_option, &o, argc,
-                                   argv, &first);
+    int first, code = options_read(&verify_set, &o, argc, argv, &first);
     if (code >= 0)
         return code;
     if (argc != first)
         return usage_error("verify", "it reads its standard input; '%s' is too much", argv[first]);
-    code = options_refused("verify", &(struct option_use){.by = "verify", .never = "seed"});
-    if (code >= 0)
-        return code;
     struct judge_run j = {.command = "verify", .options = &o};
     struct pipe_text look = {0};
     enum status status = read_piped(&j, &look, &reason);

@@ -1,33 +1,28 @@
 /* raydiff merge: findings of several campaigns, such as shards, in one folder. */
 #include "fuzz/findings/findings.h"
-#include "cmd/common/cmd_options.h"
+#include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"
 
-static const char help[] =
-    "usage: raydiff merge --to DIR DIR...\n"
-    "Joins folders of raydiff fuzz into a new one: of each distinct finding the counts are added,\n"
-    "the first and the smallest trial are kept. Shards of a campaign give what one run gives.\n\n"
-    "  --to DIR   the new folder; it must not exist or be empty\n\n"
-    "exit codes: 0 done, 2 bad input, 4 internal error\n"
-    "example: raydiff merge --to all shard1 shard2 shard3\n";
+struct merge_options {
+    const char *to;
+};
 
-enum { OPT_TO = 256 };
+static const struct option_row rows[] = {
+    {"to", "DIR", "the new folder; it must not exist or be empty",
+     OF_FOLDER(struct merge_options, to)},
+    {.name = NULL},
+};
 
-static const struct option long_options[] = {
-    {"to", 1, NULL, OPT_TO}, {"help", 0, NULL, OPT_HELP}, {NULL, 0, NULL, 0}};
-
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    if (option != OPT_TO)
-        return fail(reason, STATUS_INPUT, "unknown option");
-    *(const char **)user = text;
-    return STATUS_OK;
-}
+static const struct option_set set = {
+    .command = "merge",
+    .usage = "merge --to DIR DIR...",
+    .about = "Joins folders of raydiff fuzz into a new one: of each distinct finding the counts "
+             "are added, the first and the smallest trial are kept. Shards of a campaign give "
+             "what one run gives.",
+    .group = {{rows}},
+    .codes = "0 done, 2 bad input, 4 internal error",
+    .example = "merge --to all shard1 shard2 shard3",
+};
 
 static uint64_t total(const struct findings *findings)
 {
@@ -61,12 +56,12 @@ static enum status print_folder(const char *folder, const char *what, bool list,
 
 int cmd_merge(int argc, char **argv)
 {
-    const char *to = NULL;
+    struct merge_options options = {NULL};
     struct reason reason = {""};
-    int first, code = options_take("merge", print_help, long_options, take_option, &to, argc, argv,
-                                   &first);
+    int first, code = options_read(&set, &options, argc, argv, &first);
     if (code >= 0)
         return code;
+    const char *to = options.to;
     if (!to)
         return usage_error("merge", "--to DIR says where to");
     if (first == argc)

@@ -3,6 +3,7 @@
 #include "cmd/fuzz/cmd_min.h"
 
 #include "ref/outside/pipe.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 
@@ -11,62 +12,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const char help[] =
-    "usage: raydiff min FILE [OPTIONS]\n"
-    "       raydiff min DIR [OPTIONS]\n"
-    "Shrinks a finding (a .trial file) as long as it shows the same: engine, layout, kind and "
-    "cause.\n"
-    "Fewer triangles and rays, then shorter numbers and plainer members; NAME.min.trial beside it\n"
-    "is written. Of a folder of raydiff fuzz the smallest trial of each finding is replaced by a\n"
-    "smaller one. The engine runs in a child process: crashes and hangs are shrunk, too.\n\n"
-    "  --out FILE      of a FILE: write to this one, also if nothing smaller was found\n"
-    "  --force         replace NAME.min.trial if it is there\n"
-    "  --asks N        candidates that are played at most; one of many triangles or rays\n"
-    "                  counts for more                                  [100000]\n"
-    "  --time S        end after so many seconds; then the result is not the same everywhere\n"
-    "  --trial-time S  seconds that the engine may take for a trial     [10]\n"
-    "  --memory MIB    that it may hold, 0 is no limit                  [4096]\n"
-    "  --engine E,...  brings pipe:COMMAND to a finding of pipe:PROGRAM\n"
-    "  --layout L,...  brings FILE.so, a layout from outside, to findings on "
-    "it\n" ENGINE_OPTIONS_HELP "                  (--threads: here 1, since trials are small)\n"
-    "  --json FILE     results, for machines\n\n"
-    "exit codes: 0 done, 1 a finding does not show here and is left as it is, 2 bad input,\n"
-    "            3 an engine cannot be opened, 4 internal error, 77 the engine cannot run here\n"
-    "example: raydiff min fuzz/corpus/slot-not-read.trial --out small.trial\n";
-
-enum {
-    OPT_OUT = 256,
-    OPT_FORCE,
-    OPT_ASKS,
-    OPT_TIME,
-    OPT_TRIAL_TIME,
-    OPT_MEMORY,
-    OPT_ENGINE,
-    OPT_LAYOUT,
-    OPT_JSON
-};
-
-static const struct option long_options[] = {{"out", 1, NULL, OPT_OUT},
-                                             {"force", 0, NULL, OPT_FORCE},
-                                             {"asks", 1, NULL, OPT_ASKS},
-                                             {"time", 1, NULL, OPT_TIME},
-                                             {"trial-time", 1, NULL, OPT_TRIAL_TIME},
-                                             {"memory", 1, NULL, OPT_MEMORY},
-                                             {"engine", 1, NULL, OPT_ENGINE},
-                                             {"layout", 1, NULL, OPT_LAYOUT},
-                                             {"json", 1, NULL, OPT_JSON},
-                                             ENGINE_OPTIONS};
-
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
 /* A finding is on a layout; this can only bring one that raydiff has not got. */
-static enum status take_layouts(struct min_options *o, const char *text, struct reason *reason)
+static enum status take_layouts(void *options, const struct option_value *given,
+                                struct reason *reason)
 {
+    struct min_options *o = options;
     struct list list;
-    enum status status = table_parse(TABLE_LAYOUTS, "--layout", text, &list, reason);
+    enum status status = table_parse(TABLE_LAYOUTS, "--layout", given->text, &list, reason);
     for (size_t i = 0; i < list.count && !status; i++) {
         const struct layout *layout = layouts_all[list.index[i]];
         if (!layout->outside)
@@ -92,35 +44,46 @@ enum status min_check_layouts(const struct min_options *options, const char *pat
     return STATUS_OK;
 }
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct min_options *o = user;
-    switch (option) {
-    case OPT_OUT:
-        o->out = text;
-        return STATUS_OK;
-    case OPT_FORCE:
-        o->force = true;
-        return STATUS_OK;
-    case OPT_ASKS:
-        return parse_count("--asks", text, 1, UINT64_MAX / 2, &o->asks, reason);
-    case OPT_TIME:
-        return parse_count("--time", text, 1, 1000000, &o->seconds, reason);
-    case OPT_TRIAL_TIME:
-        return parse_count("--trial-time", text, 1, 86400, &o->trial_seconds, reason);
-    case OPT_MEMORY:
-        return parse_count("--memory", text, 0, 1u << 30, &o->memory_mib, reason);
-    case OPT_ENGINE:
-        return table_parse(TABLE_ENGINES, "--engine", text, &o->named, reason);
-    case OPT_LAYOUT:
-        return take_layouts(o, text, reason);
-    case OPT_JSON:
-        o->json = text;
-        return STATUS_OK;
-    default:
-        return engine_option_take(option, text, &o->engines, reason);
-    }
-}
+static const struct option_row rows[] = {
+    {"out", "FILE", "of a FILE: write to this one, also if nothing smaller was found",
+     OF_OUTPUT(struct min_options, out)},
+    {"force", NULL, "replace NAME.min.trial if it exists", OF_FLAG(struct min_options, force)},
+    {"asks", "N",
+     "candidates that are played at most; one of many triangles or rays counts for more",
+     OF_COUNT(struct min_options, asks, 1, UINT64_MAX / 2), .shown = "100000"},
+    {"time", "S", "end after so many seconds; then the result is not the same everywhere",
+     OF_COUNT(struct min_options, seconds, 1, 1000000)},
+    {"trial-time", "S", "seconds that the engine may take for a trial",
+     OF_COUNT(struct min_options, trial_seconds, 1, 86400), .value = "10"},
+    {"memory", "MIB", "memory that it may hold, 0 is no limit",
+     OF_COUNT(struct min_options, memory_mib, 0, 1u << 30), .value = "4096"},
+    {"engine", "E,..", "brings pipe:COMMAND to a finding of pipe:PROGRAM",
+     OF_LIST(struct min_options, named, TABLE_ENGINES)},
+    {"layout", "L,..", "brings FILE.so, a layout from outside, to findings on it",
+     OF_OWN(take_layouts), .file = true, .repeats = true},
+    {"threads", "N", "CPU threads, 0 is all; 1, since trials are small",
+     OF_COUNT(struct min_options, engines.threads, 0, 4096), .value = "1"},
+    {"json", "FILE", "results, for machines", OF_DATA(struct min_options, json)},
+    {.name = NULL},
+};
+
+static const struct option_set set = {
+    .command = "min",
+    .usage = "min FILE [OPTIONS]\n"
+             "min DIR [OPTIONS]",
+    .about =
+        "Shrinks a finding (a .trial file) as long as it shows the same: engine, layout, kind and "
+        "cause. Fewer triangles and rays, then shorter numbers and plainer members; the result is "
+        "NAME.min.trial beside it. Of a folder of raydiff fuzz the smallest trial of each finding "
+        "is replaced by a smaller one. The engine runs in a child process: crashes and hangs are "
+        "shrunk, too.",
+    .group = {{rows},
+              {engine_rows, offsetof(struct min_options, engines)},
+              {outside_rows, offsetof(struct min_options, engines)}},
+    .codes = "0 done, 1 a finding does not show here and is left as it is, 2 bad input, 3 an "
+             "engine cannot be opened, 4 internal error, 77 the engine cannot run here",
+    .example = "min fuzz/corpus/slot-not-read.trial --out small.trial",
+};
 
 /* --- one finding ----------------------------------------------------------------------------- */
 
@@ -306,13 +269,9 @@ static int min_file(const struct min_options *options, const char *path)
 
 int cmd_min(int argc, char **argv)
 {
-    struct min_options options = {
-        .engines = engine_options_default(), .trial_seconds = 10, .memory_mib = 4096};
+    struct min_options options = {.engines = engine_options_default()};
     struct stat what;
-    int first;
-    options.engines.threads = 1; /* trials are small */
-    int code =
-        options_take("min", print_help, long_options, take_option, &options, argc, argv, &first);
+    int first, code = options_read(&set, &options, argc, argv, &first);
     if (code >= 0)
         return code;
     if (first + 1 != argc)

@@ -3,81 +3,68 @@
 #include "cmd/fuzz/cmd_replay.h"
 
 #include "ref/outside/pipe.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "usage: raydiff replay FILE... [OPTIONS]\n"
-    "Plays findings (.trial files of raydiff fuzz, or regressions) again, on all engines, and "
-    "says\n"
-    "whether what a file expects is still there: its signature, or of a clean one anything wrong.\n"
-    "Every engine runs in a child process; one that crashes or hangs is reported.\n\n"
-    "  --engine E,...  these engines; the signature's engine then does not matter  [all]\n"
-    "  --layout L,...  these layouts                [the signature's; else f32,rf16]\n"
-    "  --time S        seconds that an engine may take for a file                  [60]\n"
-    "  --brief         a line per file, and what was not expected; no explanation\n"
-    "  --as-expected   succeed if each file shows exactly what it expects\n" ENGINE_OPTIONS_HELP
-    "  --json FILE     results, for machines\n\n"
-    "exit codes: 0 no file fails any more, 1 one still fails, 2 bad input, 3 an engine crashed or\n"
-    "            hung where that was not expected, 77 the file's engine cannot run here\n"
-    "example: raydiff replay fuzz/corpus/rounded-inward.trial\n";
-
-enum { OPT_ENGINE = 256, OPT_LAYOUT, OPT_TIME, OPT_BRIEF, OPT_AS_EXPECTED, OPT_JSON };
-
-static const struct option long_options[] = {{"engine", 1, NULL, OPT_ENGINE},
-                                             {"layout", 1, NULL, OPT_LAYOUT},
-                                             {"time", 1, NULL, OPT_TIME},
-                                             {"brief", 0, NULL, OPT_BRIEF},
-                                             {"as-expected", 0, NULL, OPT_AS_EXPECTED},
-                                             {"json", 1, NULL, OPT_JSON},
-                                             ENGINE_OPTIONS};
-
-static void print_help(void)
+static enum status take_engines(void *options, const struct option_value *given,
+                                struct reason *reason)
 {
-    fputs(help, stdout);
-}
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct replay_options *o = user;
+    struct replay_options *o = options;
     struct list list;
-    uint64_t value = 0;
-    enum status status = STATUS_OK;
-    switch (option) {
-    case OPT_ENGINE:
-        status = table_parse(TABLE_ENGINES, "--engine", text, &list, reason);
-        o->any_engine = true;
-        o->engine_named = strcmp(text, "all") != 0 && strcmp(text, "every") != 0;
-        o->engine_count = status ? 0 : list.count;
-        for (size_t i = 0; i < o->engine_count; i++)
-            o->engine[i] = engines[list.index[i]];
-        return status;
-    case OPT_LAYOUT:
-        status = table_parse(TABLE_LAYOUTS, "--layout", text, &list, reason);
-        o->layout_count = status ? 0 : list.count;
-        for (size_t i = 0; i < o->layout_count; i++)
-            o->layout[i] = layouts_all[list.index[i]];
-        return status;
-    case OPT_TIME:
-        status = parse_count("--time", text, 1, 86400, &value, reason);
-        o->seconds = (unsigned)value;
-        return status;
-    case OPT_BRIEF:
-        o->brief = true;
-        return STATUS_OK;
-    case OPT_AS_EXPECTED:
-        o->as_expected = true;
-        return STATUS_OK;
-    case OPT_JSON:
-        o->json = text;
-        return STATUS_OK;
-    default:
-        return engine_option_take(option, text, &o->engines, reason);
-    }
+    enum status status = table_parse(TABLE_ENGINES, "--engine", given->text, &list, reason);
+    o->any_engine = true;
+    o->engine_named = !list.all && !list.every;
+    o->engine_count = status ? 0 : list.count;
+    for (size_t i = 0; i < o->engine_count; i++)
+        o->engine[i] = engines[list.index[i]];
+    return status;
 }
+
+static enum status take_layouts(void *options, const struct option_value *given,
+                                struct reason *reason)
+{
+    struct replay_options *o = options;
+    struct list list;
+    enum status status = table_parse(TABLE_LAYOUTS, "--layout", given->text, &list, reason);
+    o->layout_count = status ? 0 : list.count;
+    for (size_t i = 0; i < o->layout_count; i++)
+        o->layout[i] = layouts_all[list.index[i]];
+    return status;
+}
+
+static const struct option_row rows[] = {
+    {"engine", "E,..", "these engines; the signature's engine then does not matter",
+     OF_OWN(take_engines), .table = 1 + TABLE_ENGINES, .shown = "all"},
+    {"layout", "L,..", "these layouts", OF_OWN(take_layouts), .table = 1 + TABLE_LAYOUTS,
+     .shown = "the signature's; else f32,rf16"},
+    {"time", "S", "seconds that an engine may take for a file",
+     OF_COUNT(struct replay_options, seconds, 1, 86400), .value = "60"},
+    {"brief", NULL, "a line per file, and what was not expected; no explanation",
+     OF_FLAG(struct replay_options, brief)},
+    {"as-expected", NULL, "succeed if each file shows exactly what it expects",
+     OF_FLAG(struct replay_options, as_expected)},
+    {"json", "FILE", "results, for machines", OF_DATA(struct replay_options, json)},
+    {.name = NULL},
+};
+
+static const struct option_set set = {
+    .command = "replay",
+    .usage = "replay FILE... [OPTIONS]",
+    .about = "Plays findings (.trial files of raydiff fuzz, or regressions) again, on all engines, "
+             "and prints whether what a file expects is still there: its signature, or of a clean "
+             "one anything wrong. Every engine runs in a child process; one that crashes or hangs "
+             "is reported.",
+    .group = {{rows},
+              {engine_rows, offsetof(struct replay_options, engines)},
+              {outside_rows, offsetof(struct replay_options, engines)}},
+    .codes = "0 no file fails any more, 1 one still fails, 2 bad input, 3 an engine crashed or "
+             "hung where that was not expected, 77 the file's engine cannot run here",
+    .example = "replay fuzz/corpus/rounded-inward.trial",
+};
 
 bool replay_is_expected(const struct replay_options *options, const struct finding_file *file,
                         const struct fuzz_signature *found)
@@ -294,13 +281,11 @@ static int check_use(const struct replay_options *options)
 
 int cmd_replay(int argc, char **argv)
 {
-    struct replay_options options = {.engines = engine_options_default(), .seconds = 60};
+    struct replay_options options = {.engines = engine_options_default()};
     struct reason reason;
-    int first;
     for (; engines[options.engine_count]; options.engine_count++)
         options.engine[options.engine_count] = engines[options.engine_count];
-    int code =
-        options_take("replay", print_help, long_options, take_option, &options, argc, argv, &first);
+    int first, code = options_read(&set, &options, argc, argv, &first);
     if (code >= 0)
         return code;
     if (first == argc)

@@ -3,6 +3,7 @@
 #include "cmd/fuzz/cmd_selftest.h"
 
 #include "gpu/shaders/spirv_look.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 
@@ -13,52 +14,16 @@
 
 /* The rarest planted bug shows only in scenes of more than 32,768 triangles. Of seeds 1 to 8 the
  * first such trial is the 659th to the 10,358th; this one, the 2,458th, stands in the middle. */
-#define DEFAULT_SEED 2u
+#define DEFAULT_SEED "2"
 
 /* What a control plays at least. */
 #define CONTROL_TRIALS 1024u
 
-static const char help[] =
-    "usage: raydiff fuzz --self-test [OPTIONS]\n"
-    "Fuzzes programs into each of which one bug was planted, in one C unit or one shader of an\n"
-    "engine, layout or builder, never in the oracle or the judge, and says how many trials and\n"
-    "seconds it took until the bug was found. Then the program without a bug plays the same "
-    "trials\n"
-    "and must find nothing. `make selftest` builds the programs and runs this.\n\n"
-    "  --only B,...     only these: by bug, by bug and unit as in LOST_SLOT.trace_rf16, by kind,\n"
-    "                   or by engines\n"
-    "  --time S         seconds for each                          [60]\n"
-    "  --seed S         of the trials                             [2]\n"
-    "  --jobs N         programs at a time, of one worker each    [cores]\n"
-    "  --programs DIR   where they are           [mutants, beside this program]\n"
-    "  --shaders        only check that this program's own shaders are pinned\n"
-    "  --json FILE      results, for machines\n\n"
-    "exit codes: 0 every bug was found and nothing else, 1 not so, 2 bad input, nothing is built,\n"
-    "            4 internal error\n"
-    "example: raydiff fuzz --self-test --only rounding,LOST_SLOT\n";
-
-enum { OPT_ONLY = 256, OPT_TIME, OPT_SEED, OPT_JOBS, OPT_PROGRAMS, OPT_SHADERS, OPT_JSON };
-
-static const struct option long_options[] = {{"only", 1, NULL, OPT_ONLY},
-                                             {"time", 1, NULL, OPT_TIME},
-                                             {"seed", 1, NULL, OPT_SEED},
-                                             {"jobs", 1, NULL, OPT_JOBS},
-                                             {"programs", 1, NULL, OPT_PROGRAMS},
-                                             {"shaders", 0, NULL, OPT_SHADERS},
-                                             {"json", 1, NULL, OPT_JSON},
-                                             {"help", 0, NULL, OPT_HELP},
-                                             {NULL, 0, NULL, 0}};
-
-static bool shaders_only;
-
-static void print_help(void)
+static enum status take_choices(void *options, const struct option_value *given,
+                                struct reason *reason)
 {
-    fputs(help, stdout);
-}
-
-static enum status take_choices(struct selftest_command *c, char *text, struct reason *reason)
-{
-    for (char *one = strtok(text, ","); one; one = strtok(NULL, ",")) {
+    struct selftest_command *c = options;
+    for (char *one = strtok(given->text, ","); one; one = strtok(NULL, ",")) {
         if (c->choices == SELFTEST_CHOICE_MOST)
             return fail(reason, STATUS_INPUT, "--only: at most %u", SELFTEST_CHOICE_MOST);
         c->choice[c->choices++] = one;
@@ -66,35 +31,38 @@ static enum status take_choices(struct selftest_command *c, char *text, struct r
     return c->choices ? STATUS_OK : fail(reason, STATUS_INPUT, "--only: none is named");
 }
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct selftest_command *c = user;
-    uint64_t value = 0;
-    enum status status = STATUS_OK;
-    switch (option) {
-    case OPT_ONLY:
-        return take_choices(c, text, reason);
-    case OPT_TIME:
-        status = parse_count("--time", text, 1, 86400, &value, reason);
-        c->seconds = (unsigned)value;
-        return status;
-    case OPT_SEED:
-        return parse_count("--seed", text, 0, UINT64_MAX, &c->seed, reason);
-    case OPT_JOBS:
-        status = parse_count("--jobs", text, 1, SELFTEST_JOBS_MOST, &value, reason);
-        c->jobs = (unsigned)value;
-        return status;
-    case OPT_PROGRAMS:
-        c->programs = text;
-        return STATUS_OK;
-    case OPT_SHADERS:
-        shaders_only = true;
-        return STATUS_OK;
-    default: /* OPT_JSON */
-        c->json = text;
-        return STATUS_OK;
-    }
-}
+static const struct option_row rows[] = {
+    {"only", "B,..",
+     "only these: by bug, by bug and unit as in LOST_SLOT.trace_rf16, by kind, or by engines",
+     OF_OWN(take_choices)},
+    {"time", "S", "seconds for each", OF_COUNT(struct selftest_command, seconds, 1, 86400),
+     .value = "60"},
+    {"seed", "S", "of the trials", OF_COUNT(struct selftest_command, seed, 0, UINT64_MAX),
+     .value = DEFAULT_SEED},
+    {"jobs", "N", "programs at a time, of one worker each",
+     OF_COUNT(struct selftest_command, jobs, 1, SELFTEST_JOBS_MOST), .shown = "cores"},
+    {"programs", "DIR", "where they are", OF_FOLDER(struct selftest_command, programs),
+     .shown = "mutants, beside this program"},
+    {"shaders", NULL, "only check that this program's own shaders are pinned",
+     OF_FLAG(struct selftest_command, shaders_only)},
+    {"json", "FILE", "results, for machines", OF_DATA(struct selftest_command, json)},
+    {.name = NULL},
+};
+
+static const struct option_set set = {
+    .command = "fuzz",
+    .usage = "fuzz --self-test [OPTIONS]",
+    .about = "Fuzzes programs into each of which one bug was planted, in one C unit or one shader "
+             "of an engine, layout or builder, never in the oracle or the judge, and prints how "
+             "many trials and seconds it took until the bug was found. Then the program without a "
+             "bug plays the same trials and must find nothing. `make selftest` builds the "
+             "programs and runs this.",
+    .group = {{rows}},
+    .codes = "0 every bug was found and nothing else, 1 not so, 2 bad input, nothing is built, 4 "
+             "internal error",
+    .example = "fuzz --self-test --only rounding,LOST_SLOT",
+    .makes_folder = true,
+};
 
 static bool is_chosen(const struct selftest_command *c, const struct selftest_bug *bug)
 {
@@ -312,22 +280,18 @@ int cmd_selftest(int argc, char **argv)
     struct selftest_sum sum = {0};
     struct reason reason = {""};
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    int first;
-    c = (struct selftest_command){.seed = DEFAULT_SEED,
-                                  .seconds = 60,
-                                  .terminal = isatty(STDERR_FILENO) == 1,
-                                  .start_ns = time_ns()};
+    c = (struct selftest_command){.terminal = isatty(STDERR_FILENO) == 1, .start_ns = time_ns()};
     c.jobs = cores < 1 ? 1 : cores > SELFTEST_JOBS_MOST ? SELFTEST_JOBS_MOST : (unsigned)cores;
-    int code = options_take("fuzz", print_help, long_options, take_option, &c, argc, argv, &first);
+    int first, code = options_read(&set, &c, argc, argv, &first);
     if (code < 0 && first < argc)
         code = usage_error("fuzz", "'%s': only options are expected", argv[first]);
     const struct option_use use = {
-        .by = "--shaders", .never = shaders_only ? "only time seed jobs programs json" : ""};
+        .by = "--shaders", .never = c.shaders_only ? "only time seed jobs programs json" : ""};
     if (code < 0)
         code = options_refused("fuzz", &use);
     if (code >= 0)
         return code;
-    if (shaders_only)
+    if (c.shaders_only)
         return check_shaders();
     enum status status = run(&c, &sum, &reason);
     if (status)

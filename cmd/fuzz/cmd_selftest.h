@@ -23,7 +23,7 @@ struct selftest_command {
     const char *json, *programs;
     const char *choice[SELFTEST_CHOICE_MOST]; /* none: all */
     size_t choices;
-    bool terminal;
+    bool shaders_only, terminal;
     char self[SELFTEST_PATH_MOST], folder[SELFTEST_PATH_MOST];
     struct selftest_bug *bug; /* the table */
     size_t bugs;

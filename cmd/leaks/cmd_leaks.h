@@ -18,8 +18,7 @@ struct leaks_options {
     const struct leak_profile *profile;
     struct engine_options engines;
     const char *json;
-    const char *bvh;        /* of --bvh, or NULL */
-    const char *build_flag; /* the last option given that says how to build, or NULL */
+    const char *bvh; /* of --bvh, or NULL */
 };
 
 /* An engine on a layout, or alone. */

@@ -4,98 +4,13 @@
 
 #include "fuzz/findings/baseline.h"
 #include "cmd/common/cmd_json.h"
-#include "cmd/common/cmd_options.h"
+#include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
-
-static const char help[] =
-    "usage: raydiff report [SCENE...] --out FILE.html [OPTIONS]\n"
-    "Writes one HTML file that needs nothing else: who agrees, speed against error and size,\n"
-    "pictures, findings explained, the machine, and the commands that make each part again.\n"
-    "Plays SCENEs (default: " REPORT_DEFAULT_SCENES_TEXT "), or puts together what is there:\n"
-    "with results given and no SCENE nothing is played but findings.\n\n"
-    "  --out FILE        the report\n"
-    "  --title TEXT      its heading                              [raydiff: SCENE, ...]\n"
-    "  --parts P,...     of check, bench, pictures, machine       [all]\n"
-    "  --quick           fewer members, rays and rounds\n"
-    "  --count N         rays of check and of each benchmark      [10000 and 5000; quick 2000]\n"
-    "  --rounds N        of the benchmarks                        [5; quick 3]\n"
-    "  --time S          seconds that a part may take             [600]\n"
-    "results that are there, each as often as you like:\n"
-    "  --check FILE      what raydiff check --json wrote\n"
-    "  --bench FILE      what raydiff bench --json wrote, of any benchmark\n"
-    "  --benchmark FILE  what raydiff render --benchmark wrote as JSON\n"
-    "  --picture T=FILE  a PNG file with its title\n"
-    "  --doctor FILE     what raydiff doctor --json wrote, once\n"
-    "  --findings DIR    a folder of raydiff fuzz; each finding is played again and explained\n"
-    "  --baseline FILE   known findings, besides those that are part of raydiff\n"
-    "and handed on to the commands that take it:\n"
-    "  --layout L,..  --engine E,..  --tri T,..  --box B,..  --query Q,..  --rays SET  --seed "
-    "S\n" ENGINE_OPTIONS_HELP "  --json FILE       its parts and sums, for machines\n\n"
-    "exit codes: the worst of its parts, which stand in it with their reasons: 0 all agree, 1 a\n"
-    "mismatch, or a finding that is still there and not in the baseline, 2 bad input, 3 an engine "
-    "or a part crashed, hung\n"
-    "or took too long, 4 internal error, 77 a part cannot run here, 128 + the signal that ended "
-    "it\n"
-    "(then nothing is written)\n"
-    "example: raydiff report scenes/fetched/bunny.obj --findings findings --out report.html\n";
-
-enum {
-    OPT_OUT = 256,
-    OPT_TITLE,
-    OPT_PARTS,
-    OPT_QUICK,
-    OPT_COUNT,
-    OPT_ROUNDS,
-    OPT_TIME,
-    OPT_CHECK,
-    OPT_BENCH,
-    OPT_PICTURE,
-    OPT_DOCTOR,
-    OPT_FINDINGS,
-    OPT_BASELINE,
-    OPT_JSON,
-    OPT_LAYOUT,
-    OPT_ENGINE,
-    OPT_TRI,
-    OPT_BOX,
-    OPT_QUERY,
-    OPT_RAYS,
-    OPT_SEED
-};
-
-static const struct option long_options[] = {{"out", 1, NULL, OPT_OUT},
-                                             {"title", 1, NULL, OPT_TITLE},
-                                             {"parts", 1, NULL, OPT_PARTS},
-                                             {"quick", 0, NULL, OPT_QUICK},
-                                             {"count", 1, NULL, OPT_COUNT},
-                                             {"rounds", 1, NULL, OPT_ROUNDS},
-                                             {"time", 1, NULL, OPT_TIME},
-                                             {"check", 1, NULL, OPT_CHECK},
-                                             {"bench", 1, NULL, OPT_BENCH},
-                                             {"benchmark", 1, NULL, OPT_BENCH},
-                                             {"picture", 1, NULL, OPT_PICTURE},
-                                             {"doctor", 1, NULL, OPT_DOCTOR},
-                                             {"findings", 1, NULL, OPT_FINDINGS},
-                                             {"baseline", 1, NULL, OPT_BASELINE},
-                                             {"json", 1, NULL, OPT_JSON},
-                                             {"layout", 1, NULL, OPT_LAYOUT},
-                                             {"engine", 1, NULL, OPT_ENGINE},
-                                             {"tri", 1, NULL, OPT_TRI},
-                                             {"box", 1, NULL, OPT_BOX},
-                                             {"query", 1, NULL, OPT_QUERY},
-                                             {"rays", 1, NULL, OPT_RAYS},
-                                             {"seed", 1, NULL, OPT_SEED},
-                                             ENGINE_OPTIONS};
-
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
 
 /* --- options ------------------------------------------------------------------------------ */
 
@@ -108,60 +23,48 @@ static enum status pass(struct report_options *o, unsigned to, const char *flag,
     return STATUS_OK;
 }
 
-/* An option that other commands read, tried here first. */
-static enum status take_passed(struct report_options *o, int option, const char *text,
+/* Keeps an option that other commands read, after it was tried here. */
+static enum status take_passed(void *options, const struct option_value *given,
                                struct reason *reason)
 {
     static const struct {
-        int option;
-        enum table table;
-        const char *flag;
+        const char *names;
         unsigned to;
-    } lists[] = {{OPT_LAYOUT, TABLE_LAYOUTS, "--layout", TO_CHECK | TO_ERROR},
-                 {OPT_ENGINE, TABLE_ENGINES, "--engine", TO_CHECK | TO_ERROR},
-                 {OPT_TRI, TABLE_TRI_TESTS, "--tri", TO_CHECK | TO_ERROR},
-                 {OPT_BOX, TABLE_BOX_TESTS, "--box", TO_CHECK | TO_ERROR},
-                 {OPT_QUERY, TABLE_QUERIES, "--query", TO_CHECK},
-                 {OPT_RAYS, TABLE_RAY_SETS, "--rays", TO_CHECK | TO_ERROR}};
-    struct engine_options tried;
-    struct list list;
-    uint64_t value;
-    enum status status;
-    for (size_t i = 0; i < ARRAY_COUNT(lists); i++) {
-        if (lists[i].option != option)
-            continue;
-        status = option == OPT_RAYS
-                     ? table_parse_one(lists[i].table, lists[i].flag, text, &list.count, reason)
-                     : table_parse(lists[i].table, lists[i].flag, text, &list, reason);
-        return status ? status : pass(o, lists[i].to, lists[i].flag, text, reason);
-    }
-    if (option == OPT_SEED) {
-        status = parse_count("--seed", text, 0, UINT64_MAX, &value, reason);
-        return status ? status : pass(o, TO_CHECK | TO_ERROR | TO_PICTURES, "--seed", text, reason);
-    }
-    static const struct option known[] = {ENGINE_OPTIONS};
-    const unsigned to = option == OPT_SHADER ? TO_CHECK | TO_ERROR : TO_OTHERS;
-    status = engine_option_take(option, text, &tried, reason);
-    for (size_t i = 0; known[i].name && !status; i++)
-        if (known[i].val == option) {
-            static char flags[ARRAY_COUNT(known)][24];
-            snprintf(flags[i], sizeof flags[i], "--%s", known[i].name);
-            return pass(o, to, flags[i], text, reason);
+    } passed[] = {
+        {"layout engine tri box rays shader", TO_CHECK | TO_ERROR},
+        {"query", TO_CHECK},
+        {"seed", TO_CHECK | TO_ERROR | TO_PICTURES},
+        {"threads driver device workgroup peer-time peer-memory", TO_OTHERS},
+    };
+    static char flags[REPORT_PASSED][16];
+    struct report_options *o = options;
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < ARRAY_COUNT(passed); i++)
+        if (option_among(passed[i].names, given->row->name)) {
+            char *flag = flags[o->passed_count % REPORT_PASSED];
+            snprintf(flag, sizeof flags[0], "--%s", given->row->name);
+            status = pass(o, passed[i].to, flag, given->text, reason);
         }
     return status;
 }
 
-static enum status take_given(const char **list, size_t *count, const char *flag, const char *path,
+static enum status take_given(void *options, const struct option_value *given,
                               struct reason *reason)
 {
+    struct report_options *o = options;
+    const bool check = strcmp(given->row->name, "check") == 0;
+    size_t *count = check ? &o->check_count : &o->bench_count;
     if (*count == FILES_GIVEN)
-        return fail(reason, STATUS_INPUT, "%s: at most %d files", flag, FILES_GIVEN);
-    list[(*count)++] = path;
+        return fail(reason, STATUS_INPUT, "--%s: at most %d files", given->row->name, FILES_GIVEN);
+    (check ? o->check : o->bench)[(*count)++] = given->text;
     return STATUS_OK;
 }
 
-static enum status take_picture(struct report_options *o, char *text, struct reason *reason)
+static enum status take_picture(void *options, const struct option_value *given,
+                                struct reason *reason)
 {
+    struct report_options *o = options;
+    char *text = given->text;
     const char *equals = strchr(text, '=');
     if (!equals || equals == text || !equals[1])
         return fail(reason, STATUS_INPUT, "--picture: '%s' is not TITLE=FILE", text);
@@ -171,8 +74,11 @@ static enum status take_picture(struct report_options *o, char *text, struct rea
     return STATUS_OK;
 }
 
-static enum status take_parts(struct report_options *o, char *text, struct reason *reason)
+static enum status take_parts(void *options, const struct option_value *given,
+                              struct reason *reason)
 {
+    struct report_options *o = options;
+    char *text = given->text;
     static const char *const name[REPORT_KINDS] = {"check", "bench", "pictures", "", "machine"};
     memset(o->wanted, 0, sizeof o->wanted);
     for (char *at = strtok(text, ","); at; at = strtok(NULL, ",")) {
@@ -191,48 +97,78 @@ static enum status take_parts(struct report_options *o, char *text, struct reaso
     return STATUS_OK;
 }
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
+static enum status take_baseline(void *options, const struct option_value *given,
+                                 struct reason *reason)
 {
-    struct report_options *o = user;
-    switch (option) {
-    case OPT_OUT:
-        o->out = text;
-        return STATUS_OK;
-    case OPT_TITLE:
-        o->title = text;
-        return STATUS_OK;
-    case OPT_PARTS:
-        return take_parts(o, text, reason);
-    case OPT_QUICK:
-        o->quick = true;
-        return STATUS_OK;
-    case OPT_COUNT:
-        return parse_count("--count", text, 1, 1u << 28, &o->count, reason);
-    case OPT_ROUNDS:
-        return parse_count("--rounds", text, 1, 99, &o->rounds, reason);
-    case OPT_TIME:
-        return parse_count("--time", text, 1, 86400, &o->seconds, reason);
-    case OPT_CHECK:
-        return take_given(o->check, &o->check_count, "--check", text, reason);
-    case OPT_BENCH:
-        return take_given(o->bench, &o->bench_count, "--bench", text, reason);
-    case OPT_PICTURE:
-        return take_picture(o, text, reason);
-    case OPT_DOCTOR:
-        o->doctor = text;
-        return STATUS_OK;
-    case OPT_FINDINGS:
-        o->findings = text;
-        return STATUS_OK;
-    case OPT_BASELINE:
-        return baseline_add_file(o->baseline, text, reason);
-    case OPT_JSON:
-        o->json = text;
-        return STATUS_OK;
-    default:
-        return take_passed(o, option, text, reason);
-    }
+    return baseline_add_file(((struct report_options *)options)->baseline, given->text, reason);
 }
+
+static const struct option_row rows[] = {
+    {"out", "FILE", "the report", OF_OUTPUT(struct report_options, out)},
+    {"title", "TEXT", "its heading", OF_TEXT(struct report_options, title),
+     .shown = "raydiff: SCENE, ..."},
+    {"parts", "P,..", "of check, bench, pictures, machine", OF_OWN(take_parts), .shown = "all"},
+    {"quick", NULL, "fewer members, rays and rounds", OF_FLAG(struct report_options, quick)},
+    {"count", "N", "rays of check and of each benchmark",
+     OF_COUNT(struct report_options, count, 1, 1u << 28), .shown = "10000 and 5000; quick 2000"},
+    {"rounds", "N", "of the benchmarks", OF_COUNT(struct report_options, rounds, 1, 99),
+     .shown = "5; quick 3"},
+    {"time", "S", "seconds that a part may take",
+     OF_COUNT(struct report_options, seconds, 1, 86400), .value = "600"},
+    {"json", "FILE", "its parts and sums, for machines", OF_DATA(struct report_options, json)},
+    {.name = NULL},
+};
+
+static const struct option_row given_rows[] = {
+    {"check", "FILE", "what raydiff check --json wrote", OF_OWN(take_given), .file = true,
+     .repeats = true},
+    {"bench", "FILE", "what raydiff bench --json wrote, of any benchmark", OF_OWN(take_given),
+     .file = true, .repeats = true},
+    {"benchmark", "FILE", "what raydiff render --benchmark wrote as JSON", OF_OWN(take_given),
+     .file = true, .repeats = true},
+    {"picture", "T=FILE", "a PNG file with its title", OF_OWN(take_picture), .file = true,
+     .repeats = true},
+    {"doctor", "FILE", "what raydiff doctor --json wrote, once",
+     OF_FILE(struct report_options, doctor)},
+    {"findings", "DIR", "a folder of raydiff fuzz; each finding is played again and explained",
+     OF_FOLDER(struct report_options, findings)},
+    {"baseline", "FILE", "known findings, besides those that are part of raydiff",
+     OF_OWN(take_baseline), .file = true, .repeats = true},
+    {.name = NULL},
+};
+
+static const struct option_row passed_rows[] = {
+    {"layout", "L,..", "node layouts", OF_LIST(struct report_options, tried, TABLE_LAYOUTS)},
+    {"engine", "E,..", "engines", OF_LIST(struct report_options, tried, TABLE_ENGINES)},
+    {"tri", "T,..", "triangle tests", OF_LIST(struct report_options, tried, TABLE_TRI_TESTS)},
+    {"box", "B,..", "box tests", OF_LIST(struct report_options, tried, TABLE_BOX_TESTS)},
+    {"query", "Q,..", "queries", OF_LIST(struct report_options, tried, TABLE_QUERIES)},
+    {"rays", "SET", "ray set", OF_ONE(struct report_options, tried.count, TABLE_RAY_SETS)},
+    {"seed", "S", "of rays and generators",
+     OF_COUNT(struct report_options, tried.count, 0, UINT64_MAX)},
+    {.name = NULL},
+};
+
+static const struct option_set set = {
+    .command = "report",
+    .usage = "report [SCENE...] --out FILE.html [OPTIONS]",
+    .about =
+        "Writes one HTML file that needs nothing else: who agrees, speed against error and size, "
+        "pictures, findings explained, the machine, and the commands that make each part again. "
+        "Plays SCENEs (default: " REPORT_DEFAULT_SCENES_TEXT "), or puts results together: with "
+        "results given and no SCENE only findings are played.",
+    .group = {{rows},
+              {given_rows, .title = "results that exist, each as often as you like:"},
+              {passed_rows, .title = "and handed on to the commands that take it:"},
+              {engine_rows, offsetof(struct report_options, engines)},
+              {outside_rows, offsetof(struct report_options, engines)}},
+    .codes = "the worst of its parts, which stand in it with their reasons: 0 all agree, 1 a "
+             "mismatch, or a finding that is still there and not in the baseline, 2 bad input, 3 "
+             "an engine or a part crashed, hung or took too long, 4 internal error, 77 a part "
+             "cannot run here, 128 + the signal that ended it (then nothing is written)",
+    .example = "report bunny.obj --findings findings --out report.html",
+    .taken = take_passed,
+};
 
 /* --- the report --------------------------------------------------------------------------- */
 
@@ -393,7 +329,7 @@ static int run_report(struct report_options *o, struct runner *runner, const cha
 int cmd_report(int argc, char **argv)
 {
     struct baseline baseline = {.count = 0};
-    struct report_options o = {.seconds = 600, .baseline = &baseline};
+    struct report_options o = {.baseline = &baseline, .engines = engine_options_default()};
     struct runner runner = {.progress = progress_make("report")};
     struct reason reason;
     char command[LINE_TEXT_BYTES] = "raydiff report";
@@ -405,8 +341,7 @@ int cmd_report(int argc, char **argv)
         fprintf(stderr, "raydiff report: %s\n", reason.text);
         return EXIT_INTERNAL;
     }
-    int first, code = options_take("report", print_help, long_options, take_option, &o, argc, argv,
-                                   &first);
+    int first, code = options_read(&set, &o, argc, argv, &first);
     if (code < 0) {
         o.scene = argv + first;
         o.scene_count = (size_t)(argc - first);

@@ -3,6 +3,7 @@
 #ifndef CMD_REPORT_PARTS_H
 #define CMD_REPORT_PARTS_H
 
+#include "cmd/common/cmd_rows.h"
 #include "cmd/report/cmd_report.h"
 
 struct baseline; /* fuzz/findings/baseline.h */
@@ -42,6 +43,8 @@ struct report_options {
     char *picture[PICTURES_GIVEN]; /* TITLE=FILE */
     size_t picture_count;
     struct baseline *baseline; /* of findings */
+    struct list tried;         /* what is handed on was read into these, and is a name or number */
+    struct engine_options engines;
 };
 
 /* Adds every part that was asked for. A part that fails is a part of the report; errors are only

@@ -263,20 +263,20 @@ static enum status read_statistics(const char *path, json_t **json, struct reaso
     return *json ? STATUS_OK : fail(reason, STATUS_INPUT, "%s: is no JSON", file_label(path));
 }
 
-/* Draws look `i` of layouts "A" or "A,B". A layout that was not asked for may refuse the scene. */
-static enum status look_at(struct gallery *gallery, size_t i, const char *layouts,
+/* Draws look `i` of a pair "A" or "A,B". A layout that was not asked for may refuse the scene. */
+static enum status look_at(struct gallery *gallery, size_t i, const char *pair,
                            struct reason *reason)
 {
     char name[NAME_BYTES], title[2 * NAME_BYTES], caption[240], path[4096];
     struct run how;
     struct line line;
-    const char *comma = strchr(layouts, ',');
-    snprintf(title, sizeof title, "show-%s-%.30s", looks[i].what, layouts);
+    const char *comma = strchr(pair, ',');
+    snprintf(title, sizeof title, "show-%s-%.30s", looks[i].what, pair);
     file_name(gallery, title, name);
     line_begin(&line, "render");
     line_word(&line, scene_of(gallery));
     report_option(&line, "--show", looks[i].what);
-    report_option(&line, "--layout", layouts);
+    report_option(&line, "--layout", pair);
     report_option(&line, "-w", "256");
     report_option(&line, "-h", "192");
     pass_members(&line, gallery->options, false);
@@ -291,9 +291,9 @@ static enum status look_at(struct gallery *gallery, size_t i, const char *layout
         return status;
     if (comma)
         snprintf(title, sizeof title, "%s, %.30s less %.*s", looks[i].title, comma + 1,
-                 (int)(comma - layouts), layouts);
+                 (int)(comma - pair), pair);
     else
-        snprintf(title, sizeof title, "%s, %.30s", looks[i].title, layouts);
+        snprintf(title, sizeof title, "%s, %.30s", looks[i].title, pair);
     struct reason why;
     json_t *json;
     status = read_statistics(path, &json, &why);

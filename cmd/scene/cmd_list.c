@@ -1,21 +1,23 @@
 /* raydiff list: every member of every table. */
-#include "cmd/common/cmd_options.h"
-#include "cmd/common/cmd_tables.h"
+#include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"
 
 #include <string.h>
 
-static const char help[] =
-    "usage: raydiff list [KIND]\n"
-    "Lists what can be named on the command line: builders, layouts, box tests, triangle tests,\n"
-    "queries, engines, scenes (generators), ray sets and storages (of triangles), each with what "
-    "it\n"
-    "is.\n"
-    "  KIND   only one of them, by a word of its title: builders, layouts, box, triangle, "
-    "queries,\n"
-    "         engines, scenes, ray, storages\n"
-    "example: raydiff list layouts\n"
-    "exit codes: 0, 2 unknown kind\n";
+static const struct option_row rows[] = {{.name = NULL}};
+
+static const struct option_set set = {
+    .command = "list",
+    .usage = "list [KIND]",
+    .about = "Lists what can be named on the command line: builders, layouts, box tests, triangle "
+             "tests, queries, engines, scenes (generators), ray sets and storages (of triangles), "
+             "each with what it is.\n"
+             "KIND is only one of them, by a word of its title: builders, layouts, box, triangle, "
+             "queries, engines, scenes, ray, storages.",
+    .group = {{rows}},
+    .codes = "0, 2 unknown kind",
+    .example = "list layouts",
+};
 
 static void print_table(enum table table)
 {
@@ -35,23 +37,9 @@ static int unknown(const char *kind)
     return usage_error("list", "unknown kind '%.60s'; kinds are: %s", kind, known);
 }
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    (void)user;
-    (void)option;
-    return fail(reason, STATUS_INPUT, "'%s' is not expected", text);
-}
-
 int cmd_list(int argc, char **argv)
 {
-    static const struct option long_options[] = {{"help", 0, NULL, OPT_HELP}, {NULL, 0, NULL, 0}};
-    int first, code = options_take("list", print_help, long_options, take_option, NULL, argc, argv,
-                                   &first);
+    int first, code = options_read(&set, NULL, argc, argv, &first);
     if (code >= 0)
         return code;
     if (argc - first > 1)

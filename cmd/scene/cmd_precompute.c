@@ -1,32 +1,15 @@
 /* raydiff precompute: a scene's tree in RTRS's file format or packed in a layout; and trees of
  * others, checked. */
 #include "ref/tree/bvh_json.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/packed/packed_file.h"
 #include "ref/files/file.h"
 #include "scenes/scenes.h"
 
+#include <math.h>
 #include <stdlib.h>
-
-static const char help[] =
-    "usage: raydiff precompute --scene SCENE --out FILE [OPTIONS]\n"
-    "       raydiff precompute --scene SCENE --verify FILE\n"
-    "Builds a scene's tree and writes it as JSON, byte for byte as RTRS's precompute does\n"
-    "with builder rtrs; or checks a file that somebody else made.\n\n"
-    "  --scene SCENE     a mesh file (.json .obj .ply, also .gz) or a generator such as soup:n=50\n"
-    "  --out FILE        written to a temporary name and renamed\n"
-    "  --layout L        not as JSON, but packed in a layout: see ref/packed/packed_file.h\n"
-    "  --verify FILE     JSON or packed: is it a tree of the scene, and are its boxes large "
-    "enough?\n"
-    "  --builder B       see raydiff list builders                                [rtrs]\n"
-    "  --item-count N    items per leaf: the goal of rtrs, the limit of others    [4]\n"
-    "  --eps E           builder rtrs: a box below half of it is not split        "
-    "[0.02]\n" BUILD_OPTIONS_HELP
-    "  --seed S          of a generator                                           [1]\n\n"
-    "exit codes: 0 written, or verified; 1 a tree, but with too small boxes, or triangles in no\n"
-    "leaf or in several; 2 bad input, no tree, or RTRS never ends here; 4 no memory\n"
-    "example: raydiff precompute --scene default.json --out default.bvh.json --item-count 2\n";
 
 struct precompute {
     char *scene;
@@ -37,73 +20,49 @@ struct precompute {
     uint64_t seed;
 };
 
-enum {
-    OPT_SCENE = 256,
-    OPT_OUT,
-    OPT_LAYOUT,
-    OPT_VERIFY,
-    OPT_BUILDER,
-    OPT_ITEM_COUNT,
-    OPT_EPS,
-    OPT_SEED
-};
-
-static const struct option long_options[] = {{"scene", 1, NULL, OPT_SCENE},
-                                             {"out", 1, NULL, OPT_OUT},
-                                             {"layout", 1, NULL, OPT_LAYOUT},
-                                             {"verify", 1, NULL, OPT_VERIFY},
-                                             {"builder", 1, NULL, OPT_BUILDER},
-                                             {"item-count", 1, NULL, OPT_ITEM_COUNT},
-                                             {"eps", 1, NULL, OPT_EPS},
-                                             {"seed", 1, NULL, OPT_SEED},
-                                             BUILD_OPTIONS,
-                                             {"help", 0, NULL, OPT_HELP},
-                                             {NULL, 0, NULL, 0}};
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
+static enum status take_layout(void *options, const struct option_value *given,
+                               struct reason *reason)
 {
-    struct precompute *p = user;
-    uint64_t n = 0;
-    enum status status = STATUS_OK;
-    switch (option) {
-    case OPT_SCENE:
-        p->scene = text;
-        break;
-    case OPT_OUT:
-        p->out = text;
-        break;
-    case OPT_VERIFY:
-        p->verify = text;
-        break;
-    case OPT_LAYOUT: {
-        size_t which = 0;
-        status = table_parse_one(TABLE_LAYOUTS, "--layout", text, &which, reason);
-        p->layout = status ? NULL : layouts_all[which];
-        if (p->layout && p->layout->outside)
-            return fail(reason, STATUS_INPUT,
-                        "--layout: %s is from outside, and files of packed trees hold none such",
-                        p->layout->name);
-        break;
-    }
-    case OPT_BUILDER:
-        return table_parse_one(TABLE_BUILDERS, "--builder", text, &p->builder, reason);
-    case OPT_ITEM_COUNT:
-        status = parse_count("--item-count", text, 1, UINT32_MAX, &n, reason);
-        p->build.leaf = (uint32_t)n;
-        break;
-    case OPT_EPS:
-        return parse_float("--eps", text, &p->build.eps, reason);
-    case OPT_BINS:
-    case OPT_RADIUS:
-    case OPT_SPLIT_BUDGET:
-    case OPT_SPLIT_ALPHA:
-    case OPT_OPTIMIZE:
-        return build_option_take(option, text, &p->build, NULL, reason);
-    default:
-        return parse_count("--seed", text, 0, UINT64_MAX, &p->seed, reason);
-    }
+    struct precompute *p = options;
+    size_t which = 0;
+    enum status status = table_parse_one(TABLE_LAYOUTS, "--layout", given->text, &which, reason);
+    p->layout = status ? NULL : layouts_all[which];
+    if (p->layout && p->layout->outside)
+        return fail(reason, STATUS_INPUT,
+                    "--layout: %s is from outside, and files of packed trees hold none such",
+                    p->layout->name);
     return status;
 }
+
+static const struct option_row rows[] = {
+    {"scene", "SCENE", "a mesh file (.json .obj .ply, also .gz) or a generator such as soup:n=50",
+     OF_FILE(struct precompute, scene)},
+    {"out", "FILE", "written to a temporary name and renamed", OF_OUTPUT(struct precompute, out)},
+    {"layout", "L", "not as JSON, but packed in a layout: see ref/packed/packed_file.h",
+     OF_OWN(take_layout), .table = 1 + TABLE_LAYOUTS},
+    {"verify", "FILE", "JSON or packed: is it a tree of the scene, and are its boxes large enough?",
+     OF_FILE(struct precompute, verify)},
+    {"builder", "B", "see raydiff list builders",
+     OF_ONE(struct precompute, builder, TABLE_BUILDERS), .value = "rtrs"},
+    {"item-count", "N", "items per leaf: the goal of rtrs, the limit of others",
+     OF_COUNT(struct precompute, build.leaf, 1, UINT32_MAX), .standard = BUILD_LEAF_DEFAULT},
+    {"eps", "E", "builder rtrs: a box below half of it is not split",
+     OF_REAL(struct precompute, build.eps, -INFINITY, INFINITY), .standard = BUILD_EPS_DEFAULT},
+    {"seed", "S", "of a generator", OF_COUNT(struct precompute, seed, 0, UINT64_MAX), .value = "1"},
+    {.name = NULL},
+};
+
+static const struct option_set set = {
+    .command = "precompute",
+    .usage = "precompute --scene SCENE --out FILE [OPTIONS]\n"
+             "precompute --scene SCENE --verify FILE",
+    .about = "Builds a scene's tree and writes it as JSON, byte for byte as the precompute of RTRS "
+             "does with builder rtrs; or checks a file that somebody else made.",
+    .group = {{rows}, {build_rows, offsetof(struct precompute, build)}},
+    .codes = "0 written, or verified; 1 a tree, but with too small boxes, or triangles in no leaf "
+             "or in several; 2 bad input, no tree, or RTRS never ends here; 4 no memory",
+    .example = "precompute --scene default.json --out default.bvh.json --item-count 2",
+};
 
 /* Nothing is left under the output's name unless all of it was written. Packed, unless NULL. */
 static enum status write_tree(const char *path, const struct bvh *bvh, const struct packed *packed,
@@ -208,20 +167,11 @@ static int verify(const struct precompute *p, const struct scene *scene)
     return status ? exit_of_status(status) : sound ? EXIT_AGREE : EXIT_MISMATCH;
 }
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-}
-
 int cmd_precompute(int argc, char **argv)
 {
-    struct precompute p = {.build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
-                           .seed = 1};
+    struct precompute p = {.build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT}};
     struct reason reason = {""};
-    if (table_parse_one(TABLE_BUILDERS, "--builder", "rtrs", &p.builder, &reason))
-        return EXIT_INTERNAL;
-    int first, code = options_take("precompute", print_help, long_options, take_option, &p, argc,
-                                   argv, &first);
+    int first, code = options_read(&set, &p, argc, argv, &first);
     if (code >= 0)
         return code;
     if (first < argc)

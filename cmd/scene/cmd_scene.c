@@ -220,13 +220,14 @@ static const struct option_set set = {
              "scene convert SCENE FILE [--seed S]\n"
              "scene list",
     .about = "A SCENE is a mesh file (.json as RTRS writes it, .obj, .ply; each also .gz) or a "
-             "generator with parameters, such as soup:n=1000,seed=7.\n\n"
-             "  info      triangles, vertices, bounds, zero-area and duplicate triangles,\n"
-             "            lights and more\n"
-             "  convert   reads SCENE and writes FILE, by its ending: .json, .obj or .ply\n"
-             "            (binary); coordinates keep every bit, triangles their order\n"
-             "  list      the generators with their parameters, and the meshes that\n"
-             "            `make scenes` fetched",
+             "generator with parameters, such as soup:n=1000,seed=7.\n"
+             "\n"
+             "  info      triangles, vertices, bounds, zero-area and duplicate triangles, lights "
+             "and more\n"
+             "  convert   reads SCENE and writes FILE, by its ending: .json, .obj or .ply "
+             "(binary); coordinates keep every bit, triangles their order\n"
+             "  list      the generators with their parameters, and the meshes that `make "
+             "scenes` fetched",
     .group = {{rows}},
     .codes = "0, 2 bad input, 4 no memory",
     .example = "scene info scenes/fetched/glmark2-bunny.obj soup:n=1000\n"

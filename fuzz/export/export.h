@@ -17,8 +17,8 @@ enum export_form {
     EXPORT_FORMS
 };
 
-/* "c", "amber", "text"; false: no form has that name. */
-bool export_form_find(const char *name, enum export_form *out);
+/* Their names, of which the last is NULL. */
+extern const char *const export_form_names[EXPORT_FORMS + 1];
 
 #define EXPORT_ALL_RAYS UINT32_MAX
 

@@ -13,16 +13,7 @@
 
 #define WORDS_MOST (1u << 21) /* of what is written; more is no file to send to anybody */
 
-bool export_form_find(const char *name, enum export_form *out)
-{
-    static const char *const names[EXPORT_FORMS] = {"c", "amber", "text"};
-    for (int i = 0; i < EXPORT_FORMS; i++)
-        if (strcmp(name, names[i]) == 0) {
-            *out = (enum export_form)i;
-            return true;
-        }
-    return false;
-}
+const char *const export_form_names[EXPORT_FORMS + 1] = {"c", "amber", "text", NULL};
 
 bool export_is_vulkan(const struct export_case *the)
 {

@@ -16,7 +16,7 @@ expect 2 '--triangles: 9 is more than 8' fuzz --triangles 9-8
 expect 2 '--rays' fuzz --rays 0
 expect 2 '--jobs' fuzz --jobs 0
 expect 2 '--trials' fuzz --trials none
-expect 2 "--trial-time: '0' is not in" fuzz --trial-time 0
+expect 2 "--trial-time: '0' is not a number from" fuzz --trial-time 0
 expect 2 "unknown name 'rf17'" fuzz --layout rf17
 expect 2 "unknown name 'gpu'" fuzz --engine gpu
 expect 2 'no-such-folder/x: No such file' fuzz --dir "$dir/no-such-folder/x"
