@@ -3,10 +3,10 @@
 #include "bench/chart/chart.h"
 #include "bench/chart/csv.h"
 #include "ref/files/file.h"
+#include "ref/base/json_record.h"
 
 #include <jansson.h>
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,12 +36,6 @@ static void put_csv(FILE *stream, const struct frames_run *run)
     }
 }
 
-/* A frame too short for the clock has no ratio. */
-static json_t *number(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 static json_t *handler_json(const struct frames_run *run, size_t i, size_t base)
 {
     const struct frames_contestant *c = &run->contestant[i];
@@ -49,16 +43,15 @@ static json_t *handler_json(const struct frames_run *run, size_t i, size_t base)
     json_t *samples = json_array();
     for (uint32_t frame = 0; frame < run->done; frame++)
         json_array_append_new(samples, json_real(c->ms[frame]));
-    json_t *out = json_pack("{s:s, s:I, s:s, s:f, s:f, s:f, s:f, s:o}", "handler", c->handler,
-                            "bytes", (json_int_t)c->bytes, "clock", frames_clock(c), "average_ms",
-                            stats.average, "min_ms", stats.least, "max_ms", stats.most, "median_ms",
-                            stats.median, "samples_ms", samples);
+    json_t *out = json_record("handler=%s bytes=%zu clock=%s average_ms=%g min_ms=%g max_ms=%g "
+                              "median_ms=%g samples_ms=%p",
+                              c->handler, c->bytes, frames_clock(c), stats.average, stats.least,
+                              stats.most, stats.median, samples);
     if (out && base < run->count && run->done > 0) {
         struct spread ratio = frames_ratio(run, i, base);
-        json_object_set_new(out, "ratio",
-                            json_pack("{s:s, s:o, s:o, s:o}", "to", run->contestant[base].handler,
-                                      "median", number(ratio.median), "min", number(ratio.least),
-                                      "max", number(ratio.most)));
+        json_add(out, "ratio=%p",
+                 json_record("to=%s median=%g min=%g max=%g", run->contestant[base].handler,
+                             ratio.median, ratio.least, ratio.most));
     }
     return out;
 }
@@ -67,14 +60,13 @@ static json_t *run_json(const struct frames_run *run, const struct frames_about 
 {
     json_t *notes = json_object(), *handlers = json_array();
     for (size_t i = 0; i < FRAMES_NOTES && about->note[i].name; i++)
-        json_object_set_new(notes, about->note[i].name, json_string(about->note[i].value));
+        json_add(notes, "%s=%s", about->note[i].name, about->note[i].value);
     for (size_t i = 0; i < run->count; i++)
         json_array_append_new(handlers, handler_json(run, i, about->base));
-    return json_pack("{s:s, s:s, s:o, s:I, s:I, s:I, s:I, s:b, s:o}", "raydiff", RAYDIFF_VERSION,
-                     "title", about->title, "notes", notes, "frames_asked",
-                     (json_int_t)run->settings.frames, "frames", (json_int_t)run->done, "turns",
-                     (json_int_t)run->settings.turns, "warm_up_dropped", (json_int_t)run->dropped,
-                     "stopped", run->stopped, "handlers", handlers);
+    return json_record("raydiff=%s title=%s notes=%p frames_asked=%u frames=%u turns=%u "
+                       "warm_up_dropped=%u stopped=%i handlers=%p",
+                       RAYDIFF_VERSION, about->title, notes, run->settings.frames, run->done,
+                       run->settings.turns, run->dropped, run->stopped, handlers);
 }
 
 static enum status write_csv(const struct frames_run *run, const char *path, struct reason *reason)

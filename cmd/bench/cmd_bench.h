@@ -80,9 +80,6 @@ void bench_complain(const char *spec, const struct reason *reason);
 /* Rays per trace: the user's, or the benchmark's own number. */
 size_t bench_rays_count(const struct bench *bench, size_t own);
 
-/* A JSON number, or null if it is not finite. */
-json_t *bench_number(double value);
-
 /* Takes one flat object of named texts, numbers and nulls as a row of the CSV (its names become the
  * header before the benchmark's first row) and of the JSON; owns `row`. NULL (no memory) is left
  * out. All rows of a benchmark have the same names in the same order. */

@@ -4,6 +4,7 @@
 #include "ref/base/command.h"
 #include "ref/tree/tree_quality.h"
 #include "scenes/scenes.h"
+#include "ref/base/json_record.h"
 
 /* Triangles from which on end-point overlap is estimated. */
 #define OVERLAP_MOST 50000u
@@ -88,22 +89,14 @@ static void print_row(struct bench *bench, const char *spec, const struct scene 
            spread.median / tris, spread.least / tris, spread.most / tris, q->sah, c->overlap,
            q->stats.depth, q->stats.node_count, q->leaf_fill, q->stats.largest_leaf,
            q->stats.loose_count);
-    json_t *row =
-        json_pack("{s:s, s:s, s:i, s:i, s:I, s:I}", "scene", spec, "builder", c->builder->name,
-                  "reinsert", (int)c->passes, "threads", (int)c->threads, "triangles",
-                  (json_int_t)scene->tri_count, "rounds", (json_int_t)bench->rounds);
-    json_object_set_new(row, "ns_per_tri_median", bench_number(spread.median / tris));
-    json_object_set_new(row, "ns_per_tri_min", bench_number(spread.least / tris));
-    json_object_set_new(row, "ns_per_tri_max", bench_number(spread.most / tris));
-    json_object_set_new(row, "sah", bench_number(q->sah));
-    json_object_set_new(row, "overlap", bench_number(c->overlap));
-    json_object_set_new(row, "overlap_exact", json_boolean(scene->tri_count <= OVERLAP_MOST));
-    json_object_set_new(row, "nodes", json_integer(q->stats.node_count));
-    json_object_set_new(row, "leaves", json_integer(q->stats.leaf_count));
-    json_object_set_new(row, "leaf_fill", bench_number(q->leaf_fill));
-    json_object_set_new(row, "depth", json_integer(q->stats.depth));
-    json_object_set_new(row, "largest_leaf", json_integer(q->stats.largest_leaf));
-    json_object_set_new(row, "loose", json_integer(q->stats.loose_count));
+    json_t *row = json_record(
+        "scene=%s builder=%s reinsert=%u threads=%u triangles=%u rounds=%zu ns_per_tri_median=%g "
+        "ns_per_tri_min=%g ns_per_tri_max=%g sah=%g overlap=%g overlap_exact=%i nodes=%u leaves=%u "
+        "leaf_fill=%g depth=%u largest_leaf=%u loose=%u",
+        spec, c->builder->name, c->passes, c->threads, scene->tri_count, bench->rounds,
+        spread.median / tris, spread.least / tris, spread.most / tris, q->sah, c->overlap,
+        scene->tri_count <= OVERLAP_MOST, q->stats.node_count, q->stats.leaf_count, q->leaf_fill,
+        q->stats.depth, q->stats.largest_leaf, q->stats.loose_count);
     bench_row(bench, &bench_builders, row);
 }
 

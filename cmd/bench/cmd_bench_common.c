@@ -2,8 +2,8 @@
 #include "cmd/bench/cmd_bench.h"
 
 #include "bench/chart/csv.h"
+#include "ref/base/json_record.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,11 +75,6 @@ enum status bench_tree_make(const struct bench *bench, const struct scene *scene
     return status;
 }
 
-json_t *bench_number(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 static void csv_value(FILE *stream, const json_t *value)
 {
     if (json_is_string(value))
@@ -113,7 +108,7 @@ void bench_row(struct bench *bench, const struct benchmark *benchmark, json_t *r
         fputc('\n', stream);
     }
     if (row && bench->rows) {
-        json_object_set_new(row, "benchmark", json_string(benchmark->name));
+        json_add(row, "benchmark=%s", benchmark->name);
         json_array_append(bench->rows, row);
     }
     json_decref(row);

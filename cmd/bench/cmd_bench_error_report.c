@@ -1,6 +1,7 @@
 /* What raydiff bench error shows: tables, rows for machines, a plot. */
 #include "cmd/bench/cmd_bench_error.h"
 #include "bench/chart/row_plot.h"
+#include "ref/base/json_record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -89,88 +90,33 @@ static void print_accuracy(const struct error_page *page)
     }
 }
 
-static void set(json_t *row, const char *name, json_t *value)
-{
-    json_object_set_new(row, name, value);
-}
-
-static void set_count(json_t *row, const char *name, uint64_t value)
-{
-    set(row, name, json_integer((json_int_t)value));
-}
-
-/* NAME_a, NAME_b and NAME_c. */
-static void set_three(json_t *row, const char *name, const char *const part[3],
-                      const double value[3])
-{
-    for (int k = 0; k < 3; k++) {
-        char full[48];
-        snprintf(full, sizeof full, "%s_%s", name, part[k]);
-        set(row, full, bench_number(value[k]));
-    }
-}
-
-static void set_spread(json_t *row, const char *name, const struct spread *s)
-{
-    static const char *const part[3] = {"median", "min", "max"};
-    set_three(row, name, part, (const double[3]){s->median, s->least, s->most});
-}
-
-static void set_quantiles(json_t *row, const char *name, const struct quantiles *q)
-{
-    static const char *const part[3] = {"p50", "p99", "max"};
-    set_three(row, name, part, (const double[3]){q->p50, q->p99, q->most});
-}
-
 static json_t *row_json(const struct bench *bench, const struct error_page *page,
                         const struct error_row *row)
 {
     const struct error_sum *sum = &row->sum;
-    json_t *out = json_object();
-    if (!out)
-        return NULL;
-    set(out, "scene", json_string(page->scene));
-    set_count(out, "triangles", page->tri_count);
-    set(out, "rays", json_string(page->rays));
-    set_count(out, "seed", bench->seed);
-    set(out, "engine", json_string(row->engine->name));
-    set(out, "layout", row->layout ? json_string(row->layout->name) : json_null());
-    set(out, "box", row->box ? json_string(row->box->name) : json_null());
-    set(out, "tri", row->tri ? json_string(row->tri->name) : json_null());
-    set_count(out, "count", page->ray_count);
-    set_count(out, "rounds", bench->rounds);
-    set_spread(out, "mrays", &row->mrays);
-    set(out, "base", json_string(row->base));
-    set_spread(out, "ratio", &row->ratio);
-    set_count(out, "exact_hits", page->exact_hits);
-    set_count(out, "compared", sum->rays);
-    set_count(out, "hits", sum->hits);
-    set_count(out, "lost", sum->kind[ERROR_LOST]);
-    set_count(out, "phantom", sum->kind[ERROR_PHANTOM]);
-    set_count(out, "wrong_id", sum->kind[ERROR_WRONG]);
-    set_count(out, "in_plane", sum->kind[ERROR_FREE]);
-    set_count(out, "edge_rays", page->leak_rays[LEAK_EDGE]);
-    set_count(out, "edge_leaks", row->leak[LEAK_EDGE]);
-    set_count(out, "vertex_rays", page->leak_rays[LEAK_VERTEX]);
-    set_count(out, "vertex_leaks", row->leak[LEAK_VERTEX]);
-    set(out, "judged", json_boolean(row->judged));
-    set_count(out, "named", row->named);
-    set_count(out, "wrong", row->wrong);
-    set(out, "err_over_bound", bench_number(row->over));
-    set(out, "displacement", bench_number(row->displacement));
-    set_quantiles(out, "forward", &sum->forward);
-    set_quantiles(out, "plane", &sum->plane);
-    set_quantiles(out, "point", &sum->point);
-    set(out, "boxes_per_ray", bench_number(row->boxes));
-    set(out, "tris_per_ray", bench_number(row->tris));
-    set(out, "boxes_to_f32", bench_number(row->boxes_to_f32));
-    set(out, "tris_to_f32", bench_number(row->tris_to_f32));
-    set(out, "bytes_per_node",
-        row->layout ? json_integer((json_int_t)row->layout->node_bytes) : json_null());
-    set_count(out, "node_bytes", row->node_bytes);
-    set_count(out, "item_bytes", row->item_bytes);
-    set_count(out, "memory_bytes", row->memory_bytes);
-    return out;
+    const struct quantiles *forward = &sum->forward, *plane = &sum->plane, *point = &sum->point;
+    return json_record(
+        "scene=%s triangles=%u rays=%s seed=%zu engine=%s layout=%p box=%p tri=%p count=%zu "
+        "rounds=%zu mrays_median=%g mrays_min=%g mrays_max=%g base=%s ratio_median=%g ratio_min=%g "
+        "ratio_max=%g exact_hits=%zu compared=%zu hits=%zu lost=%zu phantom=%zu wrong_id=%zu "
+        "in_plane=%zu edge_rays=%zu edge_leaks=%zu vertex_rays=%zu vertex_leaks=%zu judged=%i "
+        "named=%zu wrong=%zu err_over_bound=%g displacement=%g forward_p50=%g forward_p99=%g "
+        "forward_max=%g plane_p50=%g plane_p99=%g plane_max=%g point_p50=%g point_p99=%g "
+        "point_max=%g boxes_per_ray=%g tris_per_ray=%g boxes_to_f32=%g tris_to_f32=%g "
+        "bytes_per_node=%p node_bytes=%zu item_bytes=%zu memory_bytes=%zu",
+        page->scene, page->tri_count, page->rays, bench->seed, row->engine->name,
+        json_text(row->layout ? row->layout->name : NULL),
+        json_text(row->box ? row->box->name : NULL), json_text(row->tri ? row->tri->name : NULL),
+        page->ray_count, bench->rounds, row->mrays.median, row->mrays.least, row->mrays.most,
+        row->base, row->ratio.median, row->ratio.least, row->ratio.most, page->exact_hits,
+        sum->rays, sum->hits, sum->kind[ERROR_LOST], sum->kind[ERROR_PHANTOM],
+        sum->kind[ERROR_WRONG], sum->kind[ERROR_FREE], page->leak_rays[LEAK_EDGE],
+        row->leak[LEAK_EDGE], page->leak_rays[LEAK_VERTEX], row->leak[LEAK_VERTEX], row->judged,
+        row->named, row->wrong, row->over, row->displacement, forward->p50, forward->p99,
+        forward->most, plane->p50, plane->p99, plane->most, point->p50, point->p99, point->most,
+        row->boxes, row->tris, row->boxes_to_f32, row->tris_to_f32,
+        row->layout ? json_integer((json_int_t)row->layout->node_bytes) : json_null(),
+        row->node_bytes, row->item_bytes, row->memory_bytes);
 }
 
 void error_print(struct bench *bench, const struct error_page *page)

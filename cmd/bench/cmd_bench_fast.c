@@ -7,6 +7,7 @@
 #include "ref/base/command.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
+#include "ref/base/json_record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -178,15 +179,13 @@ static void print_rows(struct contest *c, size_t kind, double *log_ratio)
         printf("  %-8s %-14s %8.3f  %6.3f (%.3f-%.3f) %8.1f %8llu\n", kinds[kind], c->rival[i].name,
                mrays.median, ratio.median, ratio.least, ratio.most, bytes,
                (unsigned long long)r->missed);
-        bench_row(c->bench, &bench_fast,
-                  json_pack("{s:s, s:s, s:s, s:i, s:I, s:o, s:o, s:o, s:o, s:o, s:I}", "scene",
-                            c->spec, "rays", kinds[kind], "engine", c->rival[i].name, "threads",
-                            (int)c->bench->engines.threads, "triangles",
-                            (json_int_t)c->scene.tri_count, "mrays", bench_number(mrays.median),
-                            "ratio", bench_number(ratio.median), "ratio_least",
-                            bench_number(ratio.least), "ratio_most", bench_number(ratio.most),
-                            "bytes_per_triangle", bench_number(bytes), "missed",
-                            (json_int_t)r->missed));
+        bench_row(
+            c->bench, &bench_fast,
+            json_record("scene=%s rays=%s engine=%s threads=%u triangles=%u mrays=%g ratio=%g "
+                        "ratio_least=%g ratio_most=%g bytes_per_triangle=%g missed=%zu",
+                        c->spec, kinds[kind], c->rival[i].name, c->bench->engines.threads,
+                        c->scene.tri_count, mrays.median, ratio.median, ratio.least, ratio.most,
+                        bytes, r->missed));
     }
 }
 

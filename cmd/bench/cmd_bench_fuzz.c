@@ -4,6 +4,7 @@
 
 #include "cmd/bench/cmd_bench.h"
 #include "ref/base/command.h"
+#include "ref/base/json_record.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -90,31 +91,26 @@ static void report_setting(struct bench *bench, const struct fuzz_field *field,
     printf("  %llu trials of %.1f triangles, %llu answers at fault, %llu refusals\n",
            (unsigned long long)setting->all, triangles, (unsigned long long)setting->wrong,
            (unsigned long long)setting->refused);
-    json_t *row = json_pack("{s:I, s:I}", "workers", (json_int_t)setting->workers, "trials",
-                            (json_int_t)setting->all);
-    json_object_set_new(row, "trials_per_s", bench_number(trials.median));
-    json_object_set_new(row, "trials_per_s_least", bench_number(trials.least));
-    json_object_set_new(row, "trials_per_s_most", bench_number(trials.most));
-    json_object_set_new(row, "judged_rays_per_s", bench_number(judged.median));
-    json_object_set_new(row, "harness_share", bench_number(share.median));
-    json_object_set_new(row, "harness_to_engines", bench_number(ratio));
-    json_object_set_new(row, "core_us_per_trial", bench_number(core));
-    json_object_set_new(row, "triangles", bench_number(triangles));
-    json_object_set_new(row, "at_fault", json_integer((json_int_t)setting->wrong));
+    json_t *row =
+        json_record("workers=%zu trials=%zu trials_per_s=%g trials_per_s_least=%g "
+                    "trials_per_s_most=%g judged_rays_per_s=%g harness_share=%g "
+                    "harness_to_engines=%g core_us_per_trial=%g triangles=%g at_fault=%zu",
+                    setting->workers, setting->all, trials.median, trials.least, trials.most,
+                    judged.median, share.median, ratio, core, triangles, setting->wrong);
     for (size_t i = 0; i < field->count; i++) {
         char name[96];
         double us = spread_of(setting->engine[i], rounds).median;
         snprintf(name, sizeof name, "%s_%s_us", field->who[i].engine->name,
                  field->who[i].layout ? field->who[i].layout->name : "alone");
         printf("  %-24s %8.1f us a trial\n", name, us);
-        json_object_set_new(row, name, bench_number(us));
+        json_add(row, "%s=%g", name, us);
     }
     for (size_t i = 0; i < 4; i++) {
         char name[96];
         double us = spread_of(setting->part[i], rounds).median;
         snprintf(name, sizeof name, "%s_us", part_name[i]);
         printf("  %-24s %8.1f us a trial\n", name, us);
-        json_object_set_new(row, name, bench_number(us));
+        json_add(row, "%s=%g", name, us);
     }
     bench_row(bench, &bench_fuzz, row);
 }

@@ -6,6 +6,7 @@
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
+#include "ref/base/json_record.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -170,28 +171,17 @@ static void write_row(struct layouts_field *field, const struct layouts_contesta
 {
     const struct row *row = &c->row;
     const struct layouts_contestant *base = &field->contestant[c->base];
-    json_t *out =
-        json_pack("{s:s, s:I, s:s, s:s, s:s, s:I, s:I}", "scene", field->spec, "triangles",
-                  (json_int_t)field->scene->tri_count, "rays", field->rays, "engine",
-                  c->engine->name, "layout", c->layout ? c->layout->name : "-", "count",
-                  (json_int_t)field->ray_count, "rounds", (json_int_t)field->bench->rounds);
-    json_object_set_new(out, "mrays_median", bench_number(speed->median));
-    json_object_set_new(out, "mrays_min", bench_number(speed->least));
-    json_object_set_new(out, "mrays_max", bench_number(speed->most));
-    json_object_set_new(out, "base_engine", json_string(base->engine->name));
-    json_object_set_new(out, "base_layout", json_string(base->layout ? base->layout->name : "-"));
-    json_object_set_new(out, "ratio_median", bench_number(ratio->median));
-    json_object_set_new(out, "ratio_min", bench_number(ratio->least));
-    json_object_set_new(out, "ratio_max", bench_number(ratio->most));
-    json_object_set_new(out, "node_bytes", json_integer((json_int_t)row->node_bytes));
-    json_object_set_new(out, "item_bytes", json_integer((json_int_t)row->item_bytes));
-    json_object_set_new(out, "memory_bytes", json_integer((json_int_t)c->memory_bytes));
-    json_object_set_new(out, "differences", json_integer((json_int_t)row->differences));
-    json_object_set_new(out, "allowed", json_integer((json_int_t)allowed));
-    json_object_set_new(out, "boxes_per_ray",
-                        bench_number((double)row->boxes / (double)field->ray_count));
-    json_object_set_new(out, "tris_per_ray",
-                        bench_number((double)row->tris / (double)field->ray_count));
+    json_t *out = json_record(
+        "scene=%s triangles=%u rays=%s engine=%s layout=%s count=%zu rounds=%zu mrays_median=%g "
+        "mrays_min=%g mrays_max=%g base_engine=%s base_layout=%s ratio_median=%g ratio_min=%g "
+        "ratio_max=%g node_bytes=%zu item_bytes=%zu memory_bytes=%zu differences=%zu allowed=%zu "
+        "boxes_per_ray=%g tris_per_ray=%g",
+        field->spec, field->scene->tri_count, field->rays, c->engine->name,
+        c->layout ? c->layout->name : "-", field->ray_count, field->bench->rounds, speed->median,
+        speed->least, speed->most, base->engine->name, base->layout ? base->layout->name : "-",
+        ratio->median, ratio->least, ratio->most, row->node_bytes, row->item_bytes, c->memory_bytes,
+        row->differences, allowed, (double)row->boxes / (double)field->ray_count,
+        (double)row->tris / (double)field->ray_count);
     bench_row(field->bench, &bench_layouts, out);
 }
 

@@ -4,6 +4,7 @@
 #include "bench/chart/json_value.h"
 #include "bench/chart/pareto.h"
 #include "bench/chart/plot.h"
+#include "ref/base/json_record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -156,52 +157,37 @@ static void print_sizes(const struct matrix *m)
 
 /* --- rows ------------------------------------------------------------------------------------- */
 
-static void put(json_t *row, const char *kind, const char *what, double value)
-{
-    char name[48];
-    snprintf(name, sizeof name, "%s_%s", kind, what);
-    json_object_set_new(row, name, bench_number(value));
-}
-
-static void put_count(json_t *row, const char *name, uint64_t value)
-{
-    json_object_set_new(row, name, json_integer((json_int_t)value));
-}
-
 static json_t *row_json(const struct matrix *m, const struct matrix_row *r)
 {
     const struct matrix_entry *e = r->entry;
-    json_t *row = json_pack(
-        "{s:s, s:I, s:i, s:s, s:s, s:s, s:s, s:s, s:i, s:I, s:I}", "scene", m->spec, "triangles",
-        (json_int_t)m->scene.tri_count, "threads", (int)r->threads, "name", e->name, "engine",
-        e->engine->name, "layout", e->layout ? e->layout->name : "-", "store",
-        e->store ? e->store->name : "-", "builder", e->builder ? e->builder->name : "-", "reinsert",
-        (int)e->passes, "rays", (json_int_t)r->rays, "rounds", (json_int_t)m->bench->rounds);
+    json_t *row =
+        json_record("scene=%s triangles=%u threads=%u name=%s engine=%s layout=%s store=%s "
+                    "builder=%s reinsert=%u rays=%zu rounds=%zu",
+                    m->spec, m->scene.tri_count, r->threads, e->name, e->engine->name,
+                    e->layout ? e->layout->name : "-", e->store ? e->store->name : "-",
+                    e->builder ? e->builder->name : "-", e->passes, r->rays, m->bench->rounds);
     for (int kind = 0; kind < MATRIX_KINDS; kind++) {
-        put(row, matrix_kinds[kind], "mrays", r->mrays[kind].median);
-        put(row, matrix_kinds[kind], "ratio", r->ratio[kind].median);
-        put(row, matrix_kinds[kind], "ratio_min", r->ratio[kind].least);
-        put(row, matrix_kinds[kind], "ratio_max", r->ratio[kind].most);
+        const char *name = matrix_kinds[kind];
+        const struct spread *ratio = &r->ratio[kind];
+        json_add(row, "%s_mrays=%g %s_ratio=%g %s_ratio_min=%g %s_ratio_max=%g", name,
+                 r->mrays[kind].median, name, ratio->median, name, ratio->least, name, ratio->most);
     }
-    json_object_set_new(row, "mean_ratio", bench_number(r->mean));
-    put_count(row, "node_bytes", r->node_bytes);
-    put_count(row, "item_bytes", r->item_bytes);
-    put_count(row, "scene_bytes", r->scene_bytes);
-    put_count(row, "held_bytes", r->held_bytes);
-    json_object_set_new(row, "bytes_per_triangle", bench_number(per_tri(m, bytes_of(r))));
+    json_add(row,
+             "mean_ratio=%g node_bytes=%zu item_bytes=%zu scene_bytes=%zu held_bytes=%zu "
+             "bytes_per_triangle=%g",
+             r->mean, r->node_bytes, r->item_bytes, r->scene_bytes, r->held_bytes,
+             per_tri(m, bytes_of(r)));
     for (int kind = 0; kind < MATRIX_CLOSEST; kind++) {
+        const char *name = matrix_kinds[kind];
         const struct matrix_touch *t = &r->touch[kind];
-        put(row, matrix_kinds[kind], "line_bytes", r->touched ? t->looked : (double)NAN);
-        put(row, matrix_kinds[kind], "beyond_l1", r->touched ? t->beyond[0] : (double)NAN);
-        put(row, matrix_kinds[kind], "beyond_l2", r->touched ? t->beyond[1] : (double)NAN);
+        json_add(row, "%s_line_bytes=%g %s_beyond_l1=%g %s_beyond_l2=%g", name,
+                 r->touched ? t->looked : (double)NAN, name,
+                 r->touched ? t->beyond[0] : (double)NAN, name,
+                 r->touched ? t->beyond[1] : (double)NAN);
     }
-    put_count(row, "asked", r->asked);
-    put_count(row, "lost", r->lost);
-    put_count(row, "wrong", r->wrong);
-    put_count(row, "leak_rays", r->leak_rays);
-    put_count(row, "leaks", r->leaks);
-    json_object_set_new(row, "front", json_boolean(r->on_front));
-    json_object_set_new(row, "worth", json_string(r->worth ? r->worth : "-"));
+    json_add(row, "asked=%zu lost=%zu wrong=%zu leak_rays=%zu leaks=%zu front=%i worth=%s",
+             r->asked, r->lost, r->wrong, r->leak_rays, r->leaks, r->on_front,
+             r->worth ? r->worth : "-");
     return row;
 }
 

@@ -8,7 +8,9 @@
 #include "ref/oracle/internal.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
+#include "ref/base/json_record.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -194,21 +196,14 @@ static void print_times(struct bench *bench, const struct measured *it, struct t
            (unsigned long long)it->vector.undecided, (unsigned long long)it->scalar.undecided);
     printf("  exact nearest hits: brute %.3f s (%.3f-%.3f) on %d threads, tree %.3f us per ray\n",
            brute.median, brute.least, brute.most, THREADS, tree.median * 1e6 / (double)it->count);
-    json_t *row = json_pack("{s:s, s:i, s:I, s:I, s:s}", "scene", it->spec, "tris", (int)tris,
-                            "rays", (json_int_t)it->count, "pairs", (json_int_t)it->vector.pairs,
-                            "kernel", it->oracle->kernel->name);
-    json_object_set_new(row, "filter_ns", bench_number(filter.median));
-    json_object_set_new(row, "scalar_ns", bench_number(scalar.median));
-    json_object_set_new(row, "ratio", bench_number(ratio.median));
-    json_object_set_new(row, "undecided", json_integer((json_int_t)it->vector.undecided));
-    for (int k = 0; k < KERNELS && early_kernels[k].name; k++) {
-        char name[32];
-        snprintf(name, sizeof name, "%s_ns", early_kernels[k].name);
-        json_object_set_new(row, name,
-                            early_kernels[k].runs() ? bench_number(each[k]) : json_null());
-    }
-    json_object_set_new(row, "brute_s", bench_number(brute.median));
-    json_object_set_new(row, "tree_us", bench_number(tree.median * 1e6 / (double)it->count));
+    json_t *row = json_record("scene=%s tris=%u rays=%zu pairs=%zu kernel=%s filter_ns=%g "
+                              "scalar_ns=%g ratio=%g undecided=%zu",
+                              it->spec, tris, it->count, it->vector.pairs, it->oracle->kernel->name,
+                              filter.median, scalar.median, ratio.median, it->vector.undecided);
+    for (int k = 0; k < KERNELS && early_kernels[k].name; k++)
+        json_add(row, "%s_ns=%g", early_kernels[k].name,
+                 early_kernels[k].runs() ? each[k] : (double)NAN);
+    json_add(row, "brute_s=%g tree_us=%g", brute.median, tree.median * 1e6 / (double)it->count);
     bench_row(bench, &bench_oracle, row);
 }
 

@@ -2,6 +2,7 @@
 #include "cmd/bench/cmd_bench_paper.h"
 
 #include "ref/base/command.h"
+#include "ref/base/json_record.h"
 
 #include <stdio.h>
 
@@ -38,18 +39,15 @@ static void add_figure_row(struct bench *bench, const struct paper_scene *scene,
                            const struct paper_tree *rf)
 {
     const struct paper_figure *figure = scene->figure;
-    bench_row(
-        bench, &figure8,
-        json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}",
-                  "scene", scene->spec, "mesh", scene->same ? "the paper's" : "another",
-                  "triangles", (json_int_t)scene->scene.tri_count, "vertices",
-                  (json_int_t)scene->scene.vertex_count, "geometry", (json_int_t)geometry,
-                  "geometry_paper", (json_int_t)figure->geometry, "with_vertices",
-                  (json_int_t)uploaded, "direct_leaf", (json_int_t)direct->leaf, "direct_nodes",
-                  (json_int_t)direct->stats.node_count, "direct", (json_int_t)direct->direct,
-                  "direct_paper", (json_int_t)figure->direct, "rf_leaf", (json_int_t)rf->leaf,
-                  "rf_leaves", (json_int_t)rf->stats.leaf_count, "rf", (json_int_t)rf->rf,
-                  "rf_paper", (json_int_t)figure->rf));
+    bench_row(bench, &figure8,
+              json_record("scene=%s mesh=%s triangles=%u vertices=%u geometry=%zu "
+                          "geometry_paper=%zu with_vertices=%zu direct_leaf=%u direct_nodes=%u "
+                          "direct=%zu direct_paper=%zu rf_leaf=%u rf_leaves=%u rf=%zu rf_paper=%zu",
+                          scene->spec, scene->same ? "the paper's" : "another",
+                          scene->scene.tri_count, scene->scene.vertex_count, geometry,
+                          figure->geometry, uploaded, direct->leaf, direct->stats.node_count,
+                          direct->direct, figure->direct, rf->leaf, rf->stats.leaf_count, rf->rf,
+                          figure->rf));
 }
 
 /* Figure 8 of one scene. */
@@ -104,13 +102,11 @@ static enum status print_same_tree(struct bench *bench, const struct paper_scene
     else
         printf("   does not fit: a leaf of %u\n", tree.stats.largest_leaf);
     bench_row(bench, &same_tree,
-              json_pack("{s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", scene->spec,
-                        "leaf", (json_int_t)leaf, "nodes", (json_int_t)tree.stats.node_count,
-                        "leaves", (json_int_t)tree.stats.leaf_count, "depth",
-                        (json_int_t)tree.stats.depth, "largest_leaf",
-                        (json_int_t)tree.stats.largest_leaf, "direct48", (json_int_t)tree.direct,
-                        "plain32", (json_int_t)tree.plain, "items", (json_int_t)tree.items, "rf16",
-                        (json_int_t)tree.rf));
+              json_record("scene=%s leaf=%u nodes=%u leaves=%u depth=%u largest_leaf=%u "
+                          "direct48=%zu plain32=%zu items=%zu rf16=%zu",
+                          scene->spec, leaf, tree.stats.node_count, tree.stats.leaf_count,
+                          tree.stats.depth, tree.stats.largest_leaf, tree.direct, tree.plain,
+                          tree.items, tree.rf));
     return STATUS_OK;
 }
 

@@ -4,6 +4,7 @@
 #include "bench/chart/chart.h"
 #include "bench/chart/plot.h"
 #include "ref/base/command.h"
+#include "ref/base/json_record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -55,30 +56,20 @@ static void add_row(struct paper_table *table, enum paper_line_id id)
         stats = frames_stats_of(run, line->contestant);
     if (in && has(table, paper_line_other(id)))
         ratio = ratio_of(table, id, paper_line_other(id));
-    json_t *row = json_pack(
-        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:I}", "scene", table->scene->spec, "line",
-        plan.handler, "look", paper_line_published(id) ? "published" : "repaired", "engine",
-        plan.engine->name, "layout", plan.layout ? plan.layout->name : "", "box", plan.box->name,
-        "tri", plan.tri->name, "plan", plan.plan == FRAME_WHOLE ? "whole" : "steps", "leaf",
-        (json_int_t)plan.build.leaf);
-    json_object_set_new(row, "nodes", count(in, line->tree.node_count));
-    json_object_set_new(row, "bytes", count(in, in ? c->bytes : 0));
-    json_object_set_new(row, "clock", in ? json_string(frames_clock(c)) : json_null());
-    json_object_set_new(row, "frames", count(in, run->done));
-    json_object_set_new(row, "average_ms", bench_number(stats.average));
-    json_object_set_new(row, "min_ms", bench_number(stats.least));
-    json_object_set_new(row, "max_ms", bench_number(stats.most));
-    json_object_set_new(row, "median_ms", bench_number(stats.median));
-    json_object_set_new(row, "ratio_to", json_string(paper_line_name(paper_line_other(id))));
-    json_object_set_new(row, "ratio_median", bench_number(ratio.median));
-    json_object_set_new(row, "ratio_min", bench_number(ratio.least));
-    json_object_set_new(row, "ratio_max", bench_number(ratio.most));
-    json_object_set_new(row, "pixels", count(true, (uint64_t)table->width * table->height));
-    json_object_set_new(row, "pixels_wrong", count(in, line->wrong));
-    json_object_set_new(row, "cpu_paths_apart", count(checked, line->diff.paths_apart));
-    json_object_set_new(row, "cpu_pixels_apart", count(checked, line->diff.colours));
-    json_object_set_new(row, "cpu_pixels_beyond_rounding", count(checked, line->diff.excess));
-    json_object_set_new(row, "left_out", in ? json_null() : json_string(line->why));
+    json_t *row = json_record(
+        "scene=%s line=%s look=%s engine=%s layout=%s box=%s tri=%s plan=%s leaf=%u nodes=%p "
+        "bytes=%p clock=%p frames=%p average_ms=%g min_ms=%g max_ms=%g median_ms=%g ratio_to=%s "
+        "ratio_median=%g ratio_min=%g ratio_max=%g pixels=%p pixels_wrong=%p cpu_paths_apart=%p "
+        "cpu_pixels_apart=%p cpu_pixels_beyond_rounding=%p left_out=%p",
+        table->scene->spec, plan.handler, paper_line_published(id) ? "published" : "repaired",
+        plan.engine->name, plan.layout ? plan.layout->name : "", plan.box->name, plan.tri->name,
+        plan.plan == FRAME_WHOLE ? "whole" : "steps", plan.build.leaf,
+        count(in, line->tree.node_count), count(in, in ? c->bytes : 0),
+        json_text(in ? frames_clock(c) : NULL), count(in, run->done), stats.average, stats.least,
+        stats.most, stats.median, paper_line_name(paper_line_other(id)), ratio.median, ratio.least,
+        ratio.most, count(true, (uint64_t)table->width * table->height), count(in, line->wrong),
+        count(checked, line->diff.paths_apart), count(checked, line->diff.colours),
+        count(checked, line->diff.excess), json_text(in ? NULL : line->why));
     bench_row(table->bench, &paper_frames, row);
 }
 

@@ -1,7 +1,7 @@
 /* What raydiff bench spawn shows: tables, and rows for machines. */
 #include "cmd/bench/cmd_bench_spawn.h"
+#include "ref/base/json_record.h"
 
-#include <math.h>
 #include <string.h>
 
 const char *spawn_rule_name(enum spawn_rule rule)
@@ -61,23 +61,19 @@ static json_t *row_json(const struct bench *bench, const struct spawn_block *blo
                         const struct spawn_row *row, const char *judge,
                         const struct spawn_count *count)
 {
-    json_t *out = json_pack(
-        "{s:s, s:s, s:f, s:f, s:I, s:I, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "scene",
-        block->scene, "rays", block->rays, "scale", block->scale, "far", block->far, "triangles",
-        (json_int_t)block->tri_count, "seed", (json_int_t)bench->seed, "point",
-        spawn_point_name(row->point), "rule", spawn_rule_name(row->rule), "engine", judge, "hits",
-        (json_int_t)block->hit_count, "undecided", (json_int_t)block->undecided, "near",
-        (json_int_t)row->near, "self", (json_int_t)count->self, "beside", (json_int_t)count->beside,
-        "skipped", (json_int_t)count->skipped);
+    json_t *out = json_record(
+        "scene=%s rays=%s scale=%g far=%g triangles=%u seed=%zu point=%s rule=%s engine=%s "
+        "hits=%zu undecided=%zu near=%zu self=%zu beside=%zu skipped=%zu",
+        block->scene, block->rays, block->scale, block->far, block->tri_count, bench->seed,
+        spawn_point_name(row->point), spawn_rule_name(row->rule), judge, block->hit_count,
+        block->undecided, row->near, count->self, count->beside, count->skipped);
     if (!out)
         return NULL;
-    json_object_set_new(out, "moved_p50", bench_number(row->offset.p50));
-    json_object_set_new(out, "moved_p99", bench_number(row->offset.p99));
-    json_object_set_new(out, "moved_max", bench_number(row->offset.most));
-    json_object_set_new(out, "steps_p50", bench_number(row->steps.p50));
-    json_object_set_new(out, "steps_p99", bench_number(row->steps.p99));
-    json_object_set_new(out, "steps_max", bench_number(row->steps.most));
-    json_object_set_new(out, "never", json_integer((json_int_t)row->never));
+    json_add(
+        out,
+        "moved_p50=%g moved_p99=%g moved_max=%g steps_p50=%g steps_p99=%g steps_max=%g never=%zu",
+        row->offset.p50, row->offset.p99, row->offset.most, row->steps.p50, row->steps.p99,
+        row->steps.most, row->never);
     return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "ref/base/command.h"
 #include "scenes/scenes.h"
+#include "ref/base/json_record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -142,21 +143,15 @@ static void add_row(struct bench *bench, const struct special_scene *what,
     struct frames_stats special = frames_stats_of(run, SPECIAL);
     struct frames_stats general = frames_stats_of(run, GENERAL);
     bool paid = run->count > ONE_BOUNCE;
-    json_t *row =
-        json_pack("{s:s, s:s, s:s, s:I, s:b, s:s}", "scene", what->spec, "what", what->name,
-                  "layout", session->painter[0].plan.layout->name, "frames", (json_int_t)run->done,
-                  "bits_equal", result->equal, "clock", frames_clock(&run->contestant[SPECIAL]));
-    json_object_set_new(row, "special_ms", bench_number(special.median));
-    json_object_set_new(row, "general_ms", bench_number(general.median));
-    json_object_set_new(row, "ratio_median", bench_number(result->ratio.median));
-    json_object_set_new(row, "ratio_min", bench_number(result->ratio.least));
-    json_object_set_new(row, "ratio_max", bench_number(result->ratio.most));
-    json_object_set_new(row, "ratio_median_95_most", bench_number(result->ratio_most));
-    json_object_set_new(row, "four_to_one_bounce", bench_number(paid ? result->paid.median : NAN));
-    json_object_set_new(row, "four_to_one_bounce_min",
-                        bench_number(paid ? result->paid.least : NAN));
-    json_object_set_new(row, "four_to_one_bounce_max",
-                        bench_number(paid ? result->paid.most : NAN));
+    json_t *row = json_record(
+        "scene=%s what=%s layout=%s frames=%u bits_equal=%i clock=%s special_ms=%g general_ms=%g "
+        "ratio_median=%g ratio_min=%g ratio_max=%g ratio_median_95_most=%g four_to_one_bounce=%g "
+        "four_to_one_bounce_min=%g four_to_one_bounce_max=%g",
+        what->spec, what->name, session->painter[0].plan.layout->name, run->done, result->equal,
+        frames_clock(&run->contestant[SPECIAL]), special.median, general.median,
+        result->ratio.median, result->ratio.least, result->ratio.most, result->ratio_most,
+        paid ? result->paid.median : NAN, paid ? result->paid.least : NAN,
+        paid ? result->paid.most : NAN);
     bench_row(bench, &bench_special, row);
 }
 

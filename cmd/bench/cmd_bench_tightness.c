@@ -4,8 +4,8 @@
 
 #include "ref/base/command.h"
 #include "scenes/scenes.h"
+#include "ref/base/json_record.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #define PAIRS 100000
@@ -85,25 +85,14 @@ static void report(const struct tightness_field *field, size_t m, const struct t
            models[m].name, models[m].rounding_name, sum->real_p50, sum->real_p999, sum->real_most,
            sum->rejected_p50, sum->rejected_p999, sum->medians, sum->times, sum->group_p50,
            sum->group_most, sum->alarms, sum->unbounded);
-    json_t *row = json_pack("{s:s, s:s, s:s, s:I}", "scene", field->spec, "formula", models[m].name,
-                            "rounding", models[m].rounding_name, "pairs", (json_int_t)sum->count);
-    const struct {
-        const char *name;
-        double value;
-    } values[] = {{"real_p50", sum->real_p50},
-                  {"real_p999", sum->real_p999},
-                  {"real_most", sum->real_most},
-                  {"rejected_p50", sum->rejected_p50},
-                  {"rejected_p999", sum->rejected_p999},
-                  {"medians", sum->medians},
-                  {"times", sum->times},
-                  {"group_p50", sum->group_p50},
-                  {"group_most", sum->group_most},
-                  {"alarms", (double)sum->alarms},
-                  {"unbounded", (double)sum->unbounded}};
-    for (size_t i = 0; i < ARRAY_COUNT(values); i++)
-        json_object_set_new(row, values[i].name, bench_number(values[i].value));
-    bench_row(field->bench, &bench_tightness, row);
+    bench_row(field->bench, &bench_tightness,
+              json_record("scene=%s formula=%s rounding=%s pairs=%zu real_p50=%g real_p999=%g "
+                          "real_most=%g rejected_p50=%g rejected_p999=%g medians=%g times=%g "
+                          "group_p50=%g group_most=%g alarms=%g unbounded=%g",
+                          field->spec, models[m].name, models[m].rounding_name, sum->count,
+                          sum->real_p50, sum->real_p999, sum->real_most, sum->rejected_p50,
+                          sum->rejected_p999, sum->medians, sum->times, sum->group_p50,
+                          sum->group_most, (double)sum->alarms, (double)sum->unbounded));
 }
 
 static enum status measure(struct tightness_field *field, size_t m, int *code,

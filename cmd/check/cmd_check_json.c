@@ -4,6 +4,7 @@
 #include "cmd/common/cmd_finding.h"
 #include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
+#include "ref/base/json_record.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -18,9 +19,8 @@ static json_t *hit_json(const struct hit *hit)
     const float value[3] = {hit->t, hit->u, hit->v};
     for (int k = 0; k < 3; k++)
         snprintf(bits[k], sizeof bits[k], "0x%08x", float_bits(value[k]));
-    return json_pack("{s:I, s:f, s:s, s:s, s:s}", "prim", (json_int_t)hit->prim, "t",
-                     float_is_finite(hit->t) ? (double)hit->t : 0.0, "t_bits", bits[0], "u_bits",
-                     bits[1], "v_bits", bits[2]);
+    return json_record("prim=%u t=%g t_bits=%s u_bits=%s v_bits=%s", hit->prim,
+                       float_is_finite(hit->t) ? (double)hit->t : 0.0, bits[0], bits[1], bits[2]);
 }
 
 /* JSON knows no infinity: a number too large to be mistaken. */
@@ -32,13 +32,13 @@ static double finite(double x)
 static json_t *judgement_json(const struct judgement *j)
 {
     if (j->expected == ABI_NO_PRIM)
-        return json_pack("{s:s, s:n, s:f, s:f}", "wrong", wrong_name(j->wrong), "expected", "over",
-                         finite(j->over), "displacement", finite(j->displacement));
-    json_t *out = json_pack("{s:s, s:I, s:f, s:f, s:f, s:f}", "wrong", wrong_name(j->wrong),
-                            "expected", (json_int_t)j->expected, "t_lo", j->t_lo, "t_hi", j->t_hi,
-                            "over", finite(j->over), "displacement", finite(j->displacement));
+        return json_record("wrong=%s expected=%p over=%g displacement=%g", wrong_name(j->wrong),
+                           json_null(), finite(j->over), finite(j->displacement));
+    json_t *out = json_record("wrong=%s expected=%u t_lo=%g t_hi=%g over=%g displacement=%g",
+                              wrong_name(j->wrong), j->expected, j->t_lo, j->t_hi, finite(j->over),
+                              finite(j->displacement));
     if (j->behind)
-        json_object_set_new(out, "lost", json_integer((json_int_t)j->lost));
+        json_add(out, "lost=%u", j->lost);
     return out;
 }
 
@@ -54,14 +54,14 @@ static json_t *finding_json(const struct check_scene *scene, const struct row *r
         snprintf(bits, sizeof bits, "0x%08x", float_bits(value[k]));
         json_array_append_new(ray, json_string(bits));
     }
-    json_t *out = json_pack("{s:I, s:s, s:o, s:o}", "ray", (json_int_t)f->ray_index, "against",
-                            f->bits ? "cpu" : "truth", "ray_bits", ray, "got", hit_json(&f->got));
+    json_t *out = json_record("ray=%zu against=%s ray_bits=%p got=%p", f->ray_index,
+                              f->bits ? "cpu" : "truth", ray, hit_json(&f->got));
     if (f->bits)
-        json_object_set_new(out, "expected", hit_json(&f->expected));
+        json_add(out, "expected=%p", hit_json(&f->expected));
     else
-        json_object_set_new(out, "judgement", judgement_json(&f->judgement));
+        json_add(out, "judgement=%p", judgement_json(&f->judgement));
     if (finding_command(row, f, scene->spec, scene->seed, scene->driver, command))
-        json_object_set_new(out, "explain", json_string(command));
+        json_add(out, "explain=%s", command);
     return out;
 }
 
@@ -69,7 +69,7 @@ static json_t *counts_json(const struct row *row)
 {
     json_t *counts = json_object();
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
-        json_object_set_new(counts, verdict_name(v), json_integer((json_int_t)row->count[v]));
+        json_add(counts, "%s=%zu", verdict_name(v), row->count[v]);
     return counts;
 }
 
@@ -77,7 +77,7 @@ static json_t *wrong_json(const struct row *row)
 {
     json_t *counts = json_object();
     for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
-        json_object_set_new(counts, wrong_name(w), json_integer((json_int_t)row->wrong[w]));
+        json_add(counts, "%s=%zu", wrong_name(w), row->wrong[w]);
     return counts;
 }
 
@@ -87,91 +87,73 @@ static json_t *displacement_json(const struct row *row)
         return json_null();
     json_t *edges = json_array();
     for (size_t c = 0; c < MATCH_EDGES; c++)
-        json_array_append_new(edges,
-                              json_pack("{s:I, s:I, s:f}", "hits", (json_int_t)row->edges[c].hits,
-                                        "lost", (json_int_t)row->edges[c].lost, "at_most",
-                                        match_edges_limit(c, row->edges[c].hits)));
-    return json_pack("{s:I, s:f, s:f, s:f, s:I, s:o, s:I}", "answers",
-                     (json_int_t)row->displacement.count, "p50", row->displacement.p50, "p99",
-                     row->displacement.p99, "max", finite(row->displacement.most),
-                     "lost_in_closed_fans", (json_int_t)row->displacement.fan_lost,
-                     "lost_beside_edges", edges, "beyond", (json_int_t)row->edges_beyond);
+        json_array_append_new(edges, json_record("hits=%zu lost=%zu at_most=%g", row->edges[c].hits,
+                                                 row->edges[c].lost,
+                                                 match_edges_limit(c, row->edges[c].hits)));
+    return json_record(
+        "answers=%zu p50=%g p99=%g max=%g lost_in_closed_fans=%zu lost_beside_edges=%p beyond=%zu",
+        row->displacement.count, row->displacement.p50, row->displacement.p99,
+        finite(row->displacement.most), row->displacement.fan_lost, edges, row->edges_beyond);
 }
 
 static json_t *lists_json(const struct row *row)
 {
     if (row->options.query != QUERY_ALL)
         return json_null();
-    return json_pack("{s:I, s:I, s:b, s:I, s:I}", "triangles", (json_int_t)row->lists.triangles,
-                     "double_hits", (json_int_t)row->lists.doubles, "closed", row->lists.closed,
-                     "parity_known", (json_int_t)row->lists.parity, "parity_off",
-                     (json_int_t)row->lists.parity_off);
+    return json_record("triangles=%zu double_hits=%zu closed=%i parity_known=%zu parity_off=%zu",
+                       row->lists.triangles, row->lists.doubles, row->lists.closed,
+                       row->lists.parity, row->lists.parity_off);
 }
 
 static json_t *original_json(const struct row *row)
 {
     if (row->original.judged == 0)
         return json_null();
-    return json_pack(
-        "{s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f}", "judged", (json_int_t)row->original.judged,
-        "beyond", (json_int_t)row->original.beyond, "lost", (json_int_t)row->original.lost,
-        "phantom", (json_int_t)row->original.phantom, "other", (json_int_t)row->original.other,
-        "certified", finite(row->original.allowed), "displacement", finite(row->original.most),
-        "displacement_decoded", finite(row->original.most_decoded));
+    return json_record("judged=%zu beyond=%zu lost=%zu phantom=%zu other=%zu certified=%g "
+                       "displacement=%g displacement_decoded=%g",
+                       row->original.judged, row->original.beyond, row->original.lost,
+                       row->original.phantom, row->original.other, finite(row->original.allowed),
+                       finite(row->original.most), finite(row->original.most_decoded));
 }
 
 static json_t *row_json(const struct check_scene *scene, const struct row *row)
 {
     const struct match_options *o = &row->options;
-    json_t *out = json_pack(
-        "{s:s, s:s?, s:s, s:i, s:s?, s:s?, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "scene",
-        scene->spec, "layout", row->layout ? row->layout->name : NULL, "builder", o->builder->name,
-        "leaf", (int)o->build.leaf, "engine", row->engine ? row->engine->name : NULL, "box",
-        row->layout ? row_box_name(row) : NULL, "tri", row_tri_name(row), "query",
-        query_name(o->query), "node_bytes", (json_int_t)row->node_bytes, "item_bytes",
-        (json_int_t)row->item_bytes, "memory_bytes", (json_int_t)row->memory_bytes, "rays",
-        (json_int_t)row->rays, "hits", (json_int_t)row->hits, "compared_with_brute",
-        (json_int_t)row->brute);
+    json_t *out = json_record(
+        "scene=%s layout=%p builder=%s leaf=%u engine=%p box=%p tri=%s query=%s node_bytes=%zu "
+        "item_bytes=%zu memory_bytes=%zu rays=%zu hits=%zu compared_with_brute=%zu",
+        scene->spec, json_text(row->layout ? row->layout->name : NULL), o->builder->name,
+        o->build.leaf, json_text(row->engine ? row->engine->name : NULL),
+        json_text(row->layout ? row_box_name(row) : NULL), row_tri_name(row), query_name(o->query),
+        row->node_bytes, row->item_bytes, row->memory_bytes, row->rays, row->hits, row->brute);
     if (!out)
         return NULL;
-    json_object_set_new(
-        out, "tree",
-        json_pack("{s:I, s:I, s:I, s:I}", "nodes", (json_int_t)row->stats.node_count, "leaves",
-                  (json_int_t)row->stats.leaf_count, "depth", (json_int_t)row->stats.depth,
-                  "largest_leaf", (json_int_t)row->stats.largest_leaf));
+    json_add(out, "tree=%p",
+             json_record("nodes=%u leaves=%u depth=%u largest_leaf=%u", row->stats.node_count,
+                         row->stats.leaf_count, row->stats.depth, row->stats.largest_leaf));
     if (o->tree)
-        json_object_set_new(out, "bvh", json_string(o->tree->name));
-    json_object_set_new(out, "store",
-                        row->layout && o->store ? json_string(o->store->name) : json_null());
+        json_add(out, "bvh=%s", o->tree->name);
+    json_add(out, "store=%p", json_text(row->layout && o->store ? o->store->name : NULL));
     if (scene->move > 0)
-        json_object_set_new(
-            out, "moved",
-            json_pack("{s:f, s:f, s:f, s:I, s:I, s:I}", "extents", scene->move, "sah_before",
-                      row->refit.sah_before, "sah_after", row->refit.sah_after, "build_ns",
-                      (json_int_t)row->refit.build_ns, "pack_ns", (json_int_t)row->refit.pack_ns,
-                      "refit_ns", (json_int_t)row->refit.refit_ns));
-    json_object_set_new(out, "scene_bytes", json_integer((json_int_t)row->scene_bytes));
-    json_object_set_new(out, "counts", counts_json(row));
-    json_object_set_new(out, "wrong", wrong_json(row));
-    json_object_set_new(out, "err_over_bound", json_real(finite(row->worst_over)));
-    json_object_set_new(out, "displacement", displacement_json(row));
-    json_object_set_new(out, "lists", lists_json(row));
-    json_object_set_new(out, "original", original_json(row));
-    json_object_set_new(out, "bit_differences", json_integer((json_int_t)row->bit_differences));
-    json_object_set_new(out, "judged", json_boolean(row->judged));
-    json_object_set_new(out, "differences", json_integer((json_int_t)row->differences));
-    json_object_set_new(out, "mrays_per_s",
-                        json_pack("{s:f, s:f, s:f, s:s}", "median", row->mrays[0], "min",
-                                  row->mrays[1], "max", row->mrays[2], "clock",
-                                  row->device_clock ? "device" : "host"));
-    json_object_set_new(out, "box_tests", json_integer((json_int_t)row->boxes));
-    json_object_set_new(out, "triangle_tests", json_integer((json_int_t)row->tris));
-    json_object_set_new(out, "status", json_string(row_status_name(row->status)));
-    json_object_set_new(out, "reason", json_string(row->reason.text));
+        json_add(out, "moved=%p",
+                 json_record(
+                     "extents=%g sah_before=%g sah_after=%g build_ns=%zu pack_ns=%zu refit_ns=%zu",
+                     scene->move, row->refit.sah_before, row->refit.sah_after, row->refit.build_ns,
+                     row->refit.pack_ns, row->refit.refit_ns));
+    json_add(out,
+             "scene_bytes=%zu counts=%p wrong=%p err_over_bound=%g displacement=%p lists=%p "
+             "original=%p bit_differences=%zu judged=%i differences=%zu mrays_per_s=%p "
+             "box_tests=%zu triangle_tests=%zu status=%s reason=%s",
+             row->scene_bytes, counts_json(row), wrong_json(row), finite(row->worst_over),
+             displacement_json(row), lists_json(row), original_json(row), row->bit_differences,
+             row->judged, row->differences,
+             json_record("median=%g min=%g max=%g clock=%s", row->mrays[0], row->mrays[1],
+                         row->mrays[2], row->device_clock ? "device" : "host"),
+             row->boxes, row->tris, row_status_name(row->status), row->reason.text);
     json_t *findings = json_array();
     for (size_t i = 0; i < row->finding_count; i++)
         json_array_append_new(findings, finding_json(scene, row, &row->finding[i]));
-    json_object_set_new(out, "findings", findings);
+    json_add(out, "findings=%p", findings);
     return out;
 }
 
@@ -195,15 +177,13 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
         char refused[4096];
         refusals(&scene[s], refused, sizeof refused);
         json_array_append_new(
-            scenes, json_pack("{s:s, s:I, s:I, s:s?, s:I, s:s}", "scene", scene[s].spec,
-                              "triangles", (json_int_t)scene[s].tri_count, "vertices",
-                              (json_int_t)scene[s].vertex_count, "rays", scene[s].rays, "count",
-                              (json_int_t)scene[s].ray_count, "refused", refused));
+            scenes, json_record("scene=%s triangles=%u vertices=%u rays=%p count=%zu refused=%s",
+                                scene[s].spec, scene[s].tri_count, scene[s].vertex_count,
+                                json_text(scene[s].rays), scene[s].ray_count, refused));
         for (size_t i = 0; i < scene[s].row_count; i++)
             json_array_append_new(rows, row_json(&scene[s], &scene[s].row[i]));
     }
-    json_t *root =
-        json_pack("{s:s, s:i, s:o, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "exit", exit_code,
-                  "scenes", scenes, "named", json_turnout(turnout), "rows", rows);
+    json_t *root = json_record("raydiff=%s exit=%d scenes=%p named=%p rows=%p", RAYDIFF_VERSION,
+                               exit_code, scenes, json_turnout(turnout), rows);
     return json_write(path, root, 9, reason);
 }

@@ -3,21 +3,16 @@
 #include "cmd/common/cmd_options.h"
 #include "ref/base/command.h"
 #include "ref/match/turnout.h"
+#include "ref/base/json_record.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-json_t *json_number(double x)
-{
-    return isfinite(x) ? json_real(x) : json_null();
-}
 
 json_t *json_float(float x)
 {
     char bits[16];
     snprintf(bits, sizeof bits, "0x%08x", float_bits(x));
-    return json_pack("{s:o, s:s}", "value", json_number((double)x), "bits", bits);
+    return json_record("value=%g bits=%s", (double)x, bits);
 }
 
 json_t *json_floats(const float *x, size_t count)
@@ -35,8 +30,8 @@ json_t *json_prim(uint32_t prim)
 
 json_t *json_hit(const struct hit *hit)
 {
-    return json_pack("{s:o, s:o, s:o, s:o}", "prim", json_prim(hit->prim), "t", json_float(hit->t),
-                     "u", json_float(hit->u), "v", json_float(hit->v));
+    return json_record("prim=%p t=%p u=%p v=%p", json_prim(hit->prim), json_float(hit->t),
+                       json_float(hit->u), json_float(hit->v));
 }
 
 json_t *json_turnout(const struct turnout *turnout)
@@ -44,14 +39,14 @@ json_t *json_turnout(const struct turnout *turnout)
     json_t *out = json_array();
     for (size_t i = 0; i < turnout->count; i++) {
         const struct turnout_one *one = &turnout->one[i];
-        json_array_append_new(
-            out, json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:b, s:s}", "kind", one->kind,
-                           "name", one->name, "asked", (json_int_t)turnout_asked(one), "answered",
-                           (json_int_t)one->end[TURNOUT_ANSWERED], "refused",
-                           (json_int_t)one->end[TURNOUT_REFUSED], "skipped",
-                           (json_int_t)(one->end[TURNOUT_SKIPPED] + one->end[TURNOUT_ABSENT]),
-                           "failed", (json_int_t)one->end[TURNOUT_FAILED], "vacuous",
-                           turnout_code(one) == EXIT_MISMATCH, "reason", one->reason.text));
+        json_array_append_new(out,
+                              json_record("kind=%s name=%s asked=%zu answered=%zu refused=%zu "
+                                          "skipped=%zu failed=%zu vacuous=%i reason=%s",
+                                          one->kind, one->name, turnout_asked(one),
+                                          one->end[TURNOUT_ANSWERED], one->end[TURNOUT_REFUSED],
+                                          one->end[TURNOUT_SKIPPED] + one->end[TURNOUT_ABSENT],
+                                          one->end[TURNOUT_FAILED],
+                                          turnout_code(one) == EXIT_MISMATCH, one->reason.text));
     }
     return out;
 }

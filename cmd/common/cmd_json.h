@@ -17,10 +17,7 @@ enum status json_write(const char *path, json_t *root, unsigned digits,
 enum status json_write_out(struct file_out *out, json_t *root, unsigned digits,
                            struct reason *reason) MUST_USE;
 
-/* JSON knows no NaN and no infinity: these become null. NULL without memory, as all of these. */
-json_t *json_number(double x);
-
-/* {"value": a number or null, "bits": "0x..."}, one and several. */
+/* {"value": a number or null, "bits": "0x..."}, one and several. NULL without memory, as all of these. */
 json_t *json_float(float x);
 json_t *json_floats(const float *x, size_t count);
 

@@ -4,6 +4,7 @@
 #include "ref/base/command.h"
 #include "cmd/diff/cmd_diff.h"
 #include "scenes/picture/image_diff.h"
+#include "ref/base/json_record.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -110,24 +111,20 @@ static json_t *json_of(const struct images_job *job)
     const struct image_diff *diff = &job->diff;
     json_t *largest = json_object(), *mean = json_object(), *by_size = json_object();
     for (unsigned k = 0; k < IMAGE_CHANNELS; k++) {
-        json_object_set_new(largest, channel_names[k], json_integer(diff->largest[k]));
-        json_object_set_new(mean, channel_names[k], json_real(mean_of(diff, k)));
+        json_add(largest, "%s=%u", channel_names[k], diff->largest[k]);
+        json_add(mean, "%s=%g", channel_names[k], mean_of(diff, k));
     }
     for (int i = 0; i < IMAGE_DIFF_SIZES; i++)
-        json_object_set_new(by_size, image_diff_size_names[i],
-                            json_integer((json_int_t)diff->by_size[i]));
-    json_t *root = json_pack("{ss, ss, sI, sI, sI, sI, so, so, so}", "a", job->path[0], "b",
-                             job->path[1], "width", (json_int_t)job->image[0].width, "height",
-                             (json_int_t)job->image[0].height, "pixels", (json_int_t)diff->pixels,
-                             "different", (json_int_t)diff->differing, "by_size", by_size,
-                             "largest", largest, "mean", mean);
+        json_add(by_size, "%s=%zu", image_diff_size_names[i], diff->by_size[i]);
+    json_t *root = json_record(
+        "a=%s b=%s width=%u height=%u pixels=%zu different=%zu by_size=%p largest=%p mean=%p",
+        job->path[0], job->path[1], job->image[0].width, job->image[0].height, diff->pixels,
+        diff->differing, by_size, largest, mean);
     if (root && diff->differing) {
-        json_object_set_new(root, "box",
-                            json_pack("[IIII]", (json_int_t)diff->least_x,
-                                      (json_int_t)diff->least_y, (json_int_t)diff->most_x,
-                                      (json_int_t)diff->most_y));
-        json_object_set_new(root, "first", json_of_pixel(&diff->first));
-        json_object_set_new(root, "worst", json_of_pixel(&diff->worst));
+        json_add(root, "box=%p first=%p worst=%p",
+                 json_pack("[IIII]", (json_int_t)diff->least_x, (json_int_t)diff->least_y,
+                           (json_int_t)diff->most_x, (json_int_t)diff->most_y),
+                 json_of_pixel(&diff->first), json_of_pixel(&diff->worst));
     }
     return root;
 }

@@ -4,6 +4,7 @@
 #include "ref/base/ray_text.h"
 #include "cmd/diff/cmd_diff.h"
 #include "scenes/render/diff_values.h"
+#include "ref/base/json_record.h"
 
 #include <stdio.h>
 
@@ -230,9 +231,8 @@ static json_t *vec_json(struct vec3 v)
 
 static json_t *ray_json(const struct ray *ray)
 {
-    return json_pack("{s:o, s:o, s:o, s:o}", "origin", json_floats(ray->org, 3), "direction",
-                     json_floats(ray->dir, 3), "tmin", json_float(ray->tmin), "tmax",
-                     json_float(ray->tmax));
+    return json_record("origin=%p direction=%p tmin=%p tmax=%p", json_floats(ray->org, 3),
+                       json_floats(ray->dir, 3), json_float(ray->tmin), json_float(ray->tmax));
 }
 
 /* A ray with its answer, verdict, truth and command; NULL without memory. */
@@ -245,12 +245,11 @@ static json_t *asked_json(struct page *page, const struct diff_member *member, b
     if (judge_ray(page, member, shadow, ray, hit, &answer, &unsaid))
         return NULL;
     diff_explain(page->run, member, shadow, ray, command);
-    return json_pack("{s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o, s:s}", "ray", ray_json(ray), "hit",
-                     json_hit(hit), "verdict", verdict_name(answer.judgement.verdict), "wrong",
-                     wrong_name(answer.judgement.wrong), "exact_triangle",
-                     json_prim(answer.truth.prim), "t_lo", json_number(answer.truth.t_lo), "t_hi",
-                     json_number(answer.truth.t_hi), "err_over_bound",
-                     json_number(answer.judgement.over), "explain", command);
+    return json_record("ray=%p hit=%p verdict=%s wrong=%s exact_triangle=%p t_lo=%g t_hi=%g "
+                       "err_over_bound=%g explain=%s",
+                       ray_json(ray), json_hit(hit), verdict_name(answer.judgement.verdict),
+                       wrong_name(answer.judgement.wrong), json_prim(answer.truth.prim),
+                       answer.truth.t_lo, answer.truth.t_hi, answer.judgement.over, command);
 }
 
 static json_t *step_json(struct page *page, const struct diff_member *member, uint32_t segment)
@@ -261,16 +260,15 @@ static json_t *step_json(struct page *page, const struct diff_member *member, ui
         const struct walk_light *light = walk_light_of(&member->walk, 0, segment, i);
         json_t *asked =
             light->asked ? asked_json(page, member, true, &light->ray, &light->hit) : json_null();
-        json_array_append_new(lights, json_pack("{s:b, s:b, s:o, s:o, s:o}", "asked", light->asked,
-                                                "shadowed", light->shadowed, "normal_light",
-                                                json_float(light->nl), "distance",
-                                                json_float(light->far), "shadow_ray", asked));
+        json_array_append_new(
+            lights, json_record("asked=%i shadowed=%i normal_light=%p distance=%p shadow_ray=%p",
+                                light->asked, light->shadowed, json_float(light->nl),
+                                json_float(light->far), asked));
     }
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "closest",
-                     asked_json(page, member, false, &step->ray, &step->hit), "point",
-                     vec_json(step->p), "normal", vec_json(step->n), "plane", vec_json(step->g),
-                     "weight", json_float(step->weight), "color", vec_json(step->total), "lights",
-                     lights);
+    return json_record("closest=%p point=%p normal=%p plane=%p weight=%p color=%p lights=%p",
+                       asked_json(page, member, false, &step->ray, &step->hit), vec_json(step->p),
+                       vec_json(step->n), vec_json(step->g), json_float(step->weight),
+                       vec_json(step->total), lights);
 }
 
 static json_t *first_json(const struct first_bit *first)
@@ -295,9 +293,9 @@ static json_t *member_json(struct page *page, size_t i)
     json_t *steps = json_array();
     for (uint32_t segment = 0; segment < member->walk.length[0]; segment++)
         json_array_append_new(steps, step_json(page, member, segment));
-    return json_pack("{s:s, s:I, s:o, s:s, s:o}", "engine", member->engine->name, "value",
-                     (json_int_t)member->walk.pixel[0], "first_bit", first_json(&first),
-                     "own_renderer_parts", path_field_name(member->field), "segments", steps);
+    return json_record("engine=%s value=%u first_bit=%p own_renderer_parts=%s segments=%p",
+                       member->engine->name, member->walk.pixel[0], first_json(&first),
+                       path_field_name(member->field), steps);
 }
 
 /* Walks the member's path, and holds what its own renderer draws to it. */
@@ -360,11 +358,9 @@ static enum status write_page(struct page *page, struct reason *reason)
         if (is_shown(run, i))
             json_array_append_new(members, member_json(page, i));
     json_t *out = diff_subject_json(run, page->code);
-    json_object_set_new(
-        out, "pixel",
-        json_pack("[I, I]", (json_int_t)run->options->x, (json_int_t)run->options->y));
-    json_object_set_new(out, "reference", json_string(run->member[run->reference].engine->name));
-    json_object_set_new(out, "paths", members);
+    json_add(out, "pixel=%p reference=%s paths=%p",
+             json_pack("[I, I]", (json_int_t)run->options->x, (json_int_t)run->options->y),
+             run->member[run->reference].engine->name, members);
     return json_write(run->options->json, out, 17, reason);
 }
 

@@ -1,6 +1,7 @@
 /* What raydiff diff says about engines: for a person, and as JSON. */
 #include "cmd/common/cmd_json.h"
 #include "cmd/diff/cmd_diff.h"
+#include "ref/base/json_record.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -141,12 +142,11 @@ static json_t *answer_json(const struct diff_run *run, const struct diff_member 
     if (!answer->judged)
         return json_null();
     diff_explain(run, member, why->light != WHY_NO_LIGHT, &answer->ray, command);
-    return json_pack(
-        "{s:s, s:o, s:s, s:s, s:o, s:o, s:o, s:s}", "engine", member->engine->name, "answer",
-        json_hit(&answer->hit), "verdict", verdict_name(answer->judgement.verdict), "wrong",
-        wrong_name(answer->judgement.wrong), "expected", json_prim(answer->judgement.expected),
-        "t_lo", json_number(answer->judgement.t_lo), "t_hi", json_number(answer->judgement.t_hi),
-        "explain", command);
+    return json_record(
+        "engine=%s answer=%p verdict=%s wrong=%s expected=%p t_lo=%g t_hi=%g explain=%s",
+        member->engine->name, json_hit(&answer->hit), verdict_name(answer->judgement.verdict),
+        wrong_name(answer->judgement.wrong), json_prim(answer->judgement.expected),
+        answer->judgement.t_lo, answer->judgement.t_hi, command);
 }
 
 static json_t *pixels_json(const struct diff_run *run, const struct diff_member *member,
@@ -158,15 +158,14 @@ static json_t *pixels_json(const struct diff_run *run, const struct diff_member 
         const struct path_why *why = &found[i].why;
         json_array_append_new(
             out,
-            json_pack(
-                "{s:I, s:I, s:s, s:I, s:s, s:I, s:I, s:o, s:[o, o]}", "x",
-                (json_int_t)(found[i].pixel % width), "y", (json_int_t)(found[i].pixel / width),
-                "class", class_of(why), "value_difference", (json_int_t)found[i].apart,
-                "picture_field", path_field_name(found[i].field), "picture_segment",
-                (json_int_t)found[i].segment, "segment", (json_int_t)why->segment, "light",
+            json_record(
+                "x=%zu y=%zu class=%s value_difference=%u picture_field=%s picture_segment=%u "
+                "segment=%u light=%p answers=%p",
+                found[i].pixel % width, found[i].pixel / width, class_of(why), found[i].apart,
+                path_field_name(found[i].field), found[i].segment, why->segment,
                 why->light == WHY_NO_LIGHT ? json_null() : json_integer((json_int_t)why->light),
-                "answers", answer_json(run, &run->member[run->reference], why, 0),
-                answer_json(run, member, why, 1)));
+                json_pack("[o, o]", answer_json(run, &run->member[run->reference], why, 0),
+                          answer_json(run, member, why, 1))));
     }
     return out;
 }
@@ -176,12 +175,12 @@ static json_t *borders_json(const struct diff_run *run, const struct pair *pair)
     json_t *out = json_array();
     uint32_t width = run->stage.job.width;
     for (size_t i = 0; i < pair->border_count; i++)
-        json_array_append_new(out, json_pack("{s:I, s:I, s:[I, I], s:o}", "x",
-                                             (json_int_t)(pair->border[i].pixel % width), "y",
-                                             (json_int_t)(pair->border[i].pixel / width), "values",
-                                             (json_int_t)pair->border[i].value[0],
-                                             (json_int_t)pair->border[i].value[1], "bound",
-                                             json_number((double)pair->border[i].bound)));
+        json_array_append_new(
+            out, json_record("x=%zu y=%zu values=%p bound=%g", pair->border[i].pixel % width,
+                             pair->border[i].pixel / width,
+                             json_pack("[I, I]", (json_int_t)pair->border[i].value[0],
+                                       (json_int_t)pair->border[i].value[1]),
+                             (double)pair->border[i].bound));
     return out;
 }
 
@@ -191,32 +190,25 @@ static json_t *pair_json(const struct diff_run *run, const struct diff_member *m
     const struct frame_diff *diff = &pair->diff;
     json_t *why = json_object(), *verdicts = json_object();
     for (enum why i = WHY_SAME; i < WHY_COUNT; i++)
-        json_object_set_new(why, why_name(i), json_integer((json_int_t)pair->why[i]));
+        json_add(why, "%s=%zu", why_name(i), pair->why[i]);
     for (enum verdict i = VERDICT_TIE; i < VERDICT_WRONG; i++)
-        json_object_set_new(verdicts, verdict_name(i), json_integer((json_int_t)pair->verdict[i]));
-    json_t *out = json_pack(
-        "{s:s, s:s, s:b, s:b, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "engine", member->engine->name,
-        "reference", run->member[run->reference].engine->name, "same_bits_demanded",
-        pair->same_bits, "agrees", pair_agrees(pair) && !diff_is_vacuous(pair), "paths",
-        (json_int_t)diff->paths, "paths_different", (json_int_t)diff->paths_apart, "segments",
-        (json_int_t)diff->segments, "triangle", (json_int_t)diff->field[PATH_PRIM], "t",
-        (json_int_t)diff->field[PATH_T], "asked", (json_int_t)diff->field[PATH_ASKED], "shadowed",
-        (json_int_t)diff->field[PATH_SHADOWED]);
-    json_object_set_new(out, "values_different", json_integer((json_int_t)diff->colours));
-    json_object_set_new(out, "largest", json_integer((json_int_t)diff->largest));
-    json_object_set_new(out, "at_a_border", json_integer((json_int_t)diff->allowed));
-    json_object_set_new(out, "beyond_the_bound",
-                        json_integer((json_int_t)(pair->bounded ? diff->excess : 0)));
-    json_object_set_new(out, "to_explain", json_integer((json_int_t)pair->asked));
-    json_object_set_new(out, "why", why);
-    json_object_set_new(out, "allowed", verdicts);
-    json_object_set_new(out, "err_over_bound", json_number(pair->over));
-    json_object_set_new(out, "borders", borders_json(run, pair));
+        json_add(verdicts, "%s=%zu", verdict_name(i), pair->verdict[i]);
+    json_t *out =
+        json_record("engine=%s reference=%s same_bits_demanded=%i agrees=%i paths=%zu "
+                    "paths_different=%zu segments=%zu triangle=%zu t=%zu asked=%zu shadowed=%zu "
+                    "values_different=%zu largest=%u at_a_border=%zu beyond_the_bound=%zu "
+                    "to_explain=%zu why=%p allowed=%p err_over_bound=%g borders=%p",
+                    member->engine->name, run->member[run->reference].engine->name, pair->same_bits,
+                    pair_agrees(pair) && !diff_is_vacuous(pair), diff->paths, diff->paths_apart,
+                    diff->segments, diff->field[PATH_PRIM], diff->field[PATH_T],
+                    diff->field[PATH_ASKED], diff->field[PATH_SHADOWED], diff->colours,
+                    diff->largest, diff->allowed, pair->bounded ? diff->excess : 0, pair->asked,
+                    why, verdicts, pair->over, borders_json(run, pair));
     json_t *pixels = json_object();
     for (enum why i = WHY_SAME; i < WHY_COUNT; i++)
-        json_object_set_new(pixels, why_name(i),
-                            pixels_json(run, member, pair->example[i], pair->why[i]));
-    json_object_set_new(out, "pixels", pixels);
+        json_add(pixels, "%s=%p", why_name(i),
+                 pixels_json(run, member, pair->example[i], pair->why[i]));
+    json_add(out, "pixels=%p", pixels);
     return out;
 }
 
@@ -228,16 +220,16 @@ json_t *diff_subject_json(const struct diff_run *run, int exit_code)
     for (size_t i = 0; i < run->count; i++)
         if (run->member[i].status)
             json_array_append_new(skipped,
-                                  json_pack("{s:s, s:s}", "engine", run->member[i].engine->name,
-                                            "reason", run->member[i].reason.text));
-    return json_pack("{s:s, s:i, s:s, s:I, s:I, s:I, s:s, s:I, s:I, s:s?, s:s, s:o}", "raydiff",
-                     RAYDIFF_VERSION, "exit", exit_code, "scene", settings->scene, "triangles",
-                     (json_int_t)run->stage.scene.tri_count, "width", (json_int_t)job->width,
-                     "height", (json_int_t)job->height, "profile",
-                     job->look.profile == PROFILE_RTRS ? "rtrs" : "repaired", "bounces",
-                     (json_int_t)job->look.bounces, "lights", (json_int_t)job->light_count,
-                     "layout", run->stage.packed.layout ? run->stage.packed.layout->name : NULL,
-                     "tri", settings->tri->name, "left_out", skipped);
+                                  json_record("engine=%s reason=%s", run->member[i].engine->name,
+                                              run->member[i].reason.text));
+    return json_record("raydiff=%s exit=%d scene=%s triangles=%u width=%u height=%u profile=%s "
+                       "bounces=%u lights=%u layout=%p tri=%s left_out=%p",
+                       RAYDIFF_VERSION, exit_code, settings->scene, run->stage.scene.tri_count,
+                       job->width, job->height,
+                       job->look.profile == PROFILE_RTRS ? "rtrs" : "repaired", job->look.bounces,
+                       job->light_count,
+                       json_text(run->stage.packed.layout ? run->stage.packed.layout->name : NULL),
+                       settings->tri->name, skipped);
 }
 
 enum status diff_write_json(const struct diff_run *run, int exit_code, struct reason *reason)
@@ -246,6 +238,6 @@ enum status diff_write_json(const struct diff_run *run, int exit_code, struct re
     for (size_t i = run->reference + 1; i < run->count; i++)
         if (!run->member[i].status)
             json_array_append_new(pairs, pair_json(run, &run->member[i]));
-    json_object_set_new(out, "pairs", pairs);
+    json_add(out, "pairs=%p", pairs);
     return json_write(run->options->json, out, 17, reason);
 }

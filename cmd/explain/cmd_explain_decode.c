@@ -4,6 +4,7 @@
 
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
+#include "ref/base/json_record.h"
 
 #include <stdio.h>
 
@@ -52,8 +53,7 @@ json_t *explain_decode_json(const struct explain_decode *decode)
     const struct decoded *decoded = &decode->decoded;
     if (!decode || !decode->asked)
         return json_null();
-    return json_pack("{s:b, s:s, s:I, s:I, s:I, s:s}", "compared", decode->compared, "reason",
-                     decode->why.text, "records", (json_int_t)decoded->records, "slots",
-                     (json_int_t)decoded->slots, "differ", (json_int_t)decoded->differ, "first",
-                     decoded->first);
+    return json_record("compared=%i reason=%s records=%u slots=%u differ=%u first=%s",
+                       decode->compared, decode->why.text, decoded->records, decoded->slots,
+                       decoded->differ, decoded->first);
 }

@@ -5,6 +5,7 @@
 #include "ref/base/ray_text.h"
 #include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
+#include "ref/base/json_record.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -14,10 +15,10 @@
 static json_t *bound_json(const struct explain_bound *bound)
 {
     static const char *const faults[] = {"ok", "overflow", "flushed", "rounded", "stored", "cut"};
-    return json_pack("{s:o, s:o, s:o, s:o, s:I, s:s}", "exact", json_float(bound->exact), "tree",
-                     json_float(bound->canonical), "decoded", json_float(bound->decoded),
-                     "float16_steps", json_number(bound->half_steps), "float32_steps",
-                     (json_int_t)bound->float_steps, "fault", faults[bound->fault]);
+    return json_record("exact=%p tree=%p decoded=%p float16_steps=%g float32_steps=%zu fault=%s",
+                       json_float(bound->exact), json_float(bound->canonical),
+                       json_float(bound->decoded), bound->half_steps, bound->float_steps,
+                       faults[bound->fault]);
 }
 
 static json_t *step_json(const struct explain_step *step)
@@ -28,24 +29,23 @@ static json_t *step_json(const struct explain_step *step)
         const struct slab_axis *axis = &step->slab[k];
         json_array_append_new(lo, bound_json(&step->lo[k]));
         json_array_append_new(hi, bound_json(&step->hi[k]));
-        json_array_append_new(
-            slab, json_pack("{s:o, s:o, s:o, s:o}", "enter", json_float(axis->enter), "leave",
-                            json_float(axis->leave), "exact_enter", json_number(axis->exact_enter),
-                            "exact_leave", json_number(axis->exact_leave)));
+        json_array_append_new(slab, json_record("enter=%p leave=%p exact_enter=%g exact_leave=%g",
+                                                json_float(axis->enter), json_float(axis->leave),
+                                                axis->exact_enter, axis->exact_leave));
     }
     for (uint32_t i = 0; i < step->word_count; i++) {
         char text[16];
         snprintf(text, sizeof text, "%08x", step->word[i]);
         json_array_append_new(words, json_string(text));
     }
-    return json_pack(
-        "{s:I, s:o, s:b, s:s, s:b, s:b, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o}", "node",
-        (json_int_t)step->note.node, "record",
-        step->record == EXPLAIN_NONE ? json_null() : json_integer((json_int_t)step->record), "leaf",
-        step->leaf, "children", refs[step->ref], "tested", step->note.tested, "hit", step->note.hit,
-        "entered", step->note.visited, "skipped", step->note.skipped, "entry",
-        json_float(step->note.entry), "best", json_float(step->note.tbest), "lo", lo, "hi", hi,
-        "slab", slab, "words", words);
+    return json_record("node=%u record=%p leaf=%i children=%s tested=%i hit=%i entered=%i "
+                       "skipped=%i entry=%p best=%p lo=%p hi=%p slab=%p words=%p",
+                       step->note.node,
+                       step->record == EXPLAIN_NONE ? json_null()
+                                                    : json_integer((json_int_t)step->record),
+                       step->leaf, refs[step->ref], step->note.tested, step->note.hit,
+                       step->note.visited, step->note.skipped, json_float(step->note.entry),
+                       json_float(step->note.tbest), lo, hi, slab, words);
 }
 
 static json_t *tried_json(const struct explanation *why)
@@ -54,11 +54,11 @@ static json_t *tried_json(const struct explanation *why)
     for (size_t i = 0; i < why->attempt_count; i++) {
         const struct explain_attempt *attempt = &why->attempt[i];
         json_array_append_new(
-            out, json_pack("{s:s, s:s, s:b, s:b, s:b, s:s, s:o}", "cause",
-                           cause_name(repair_cause(attempt->repair)), "repair",
-                           repair_text(attempt->repair), "finished", attempt->end == REPLAY_DONE,
-                           "changed", attempt->changed, "allowed", attempt->opinion.allowed,
-                           "verdict", attempt->opinion.text, "answer", json_hit(&attempt->hit)));
+            out,
+            json_record("cause=%s repair=%s finished=%i changed=%i allowed=%i verdict=%s answer=%p",
+                        cause_name(repair_cause(attempt->repair)), repair_text(attempt->repair),
+                        attempt->end == REPLAY_DONE, attempt->changed, attempt->opinion.allowed,
+                        attempt->opinion.text, json_hit(&attempt->hit)));
     }
     return out;
 }
@@ -69,9 +69,9 @@ static json_t *needed_json(const struct explanation *why)
     json_t *out = json_array();
     for (enum repair repair = 0; repair < REPAIR_COUNT; repair++)
         if (why->needed >> repair & 1u)
-            json_array_append_new(out,
-                                  json_pack("{s:s, s:s}", "cause", cause_name(repair_cause(repair)),
-                                            "repair", repair_text(repair)));
+            json_array_append_new(out, json_record("cause=%s repair=%s",
+                                                   cause_name(repair_cause(repair)),
+                                                   repair_text(repair)));
     return out;
 }
 
@@ -80,13 +80,12 @@ static json_t *imitated_json(const struct explanation *why)
     json_t *out = json_array();
     for (size_t i = 0; i < why->imitation_count; i++) {
         const struct explain_imitation *one = &why->imitation[i];
-        json_array_append_new(
-            out, json_pack("{s:s, s:s, s:I, s:b, s:b, s:I, s:I, s:I, s:I}", "cause",
-                           cause_name(defect_cause(one->defect)), "defect",
-                           defect_text(one->defect), "parameter", (json_int_t)one->parameter,
-                           "same", one->same, "refuted", one->refuted, "witnesses",
-                           (json_int_t)one->witnesses, "of", (json_int_t)one->asked, "telling",
-                           (json_int_t)one->telling, "told", (json_int_t)one->told));
+        json_array_append_new(out, json_record("cause=%s defect=%s parameter=%u same=%i refuted=%i "
+                                               "witnesses=%u of=%u telling=%u told=%u",
+                                               cause_name(defect_cause(one->defect)),
+                                               defect_text(one->defect), one->parameter, one->same,
+                                               one->refuted, one->witnesses, one->asked,
+                                               one->telling, one->told));
     }
     return out;
 }
@@ -102,32 +101,31 @@ static json_t *hints_json(const struct explain_page *page)
         count = explain_outside(page->scene, &ray->ray, ray->truth.prim, hint);
     for (size_t i = 0; i < count; i++)
         json_array_append_new(
-            out, json_pack("{s:s, s:s}", "cause", cause_name(hint[i].cause), "text", hint[i].text));
+            out, json_record("cause=%s text=%s", cause_name(hint[i].cause), hint[i].text));
     return out;
 }
 
 static json_t *subject_json(const struct explain_page *page)
 {
     const struct explain_of *of = page->of;
-    return json_pack("{s:s, s:I, s:s, s:s?, s:s?, s:s?, s:s?, s:i, s:s?, s:s, s:s, s:s?, s:I}",
-                     "scene", of->spec, "seed", (json_int_t)of->seed, "engine", of->engine->name,
-                     "layout", of->layout ? of->layout->name : NULL, "store",
-                     of->layout && of->store ? of->store->name : NULL, "builder",
-                     of->builder ? of->builder->name : NULL, "bvh", of->tree, "leaf",
-                     (int)of->build.leaf, "box", of->layout ? of->box->name : NULL, "tri",
-                     of->tri->name, "query", query_name(of->query), "rays", page->rays, "index",
-                     (json_int_t)page->index);
+    return json_record("scene=%s seed=%zu engine=%s layout=%p store=%p builder=%p bvh=%p leaf=%u "
+                       "box=%p tri=%s query=%s rays=%p index=%zu",
+                       of->spec, of->seed, of->engine->name,
+                       json_text(of->layout ? of->layout->name : NULL),
+                       json_text(of->layout && of->store ? of->store->name : NULL),
+                       json_text(of->builder ? of->builder->name : NULL), json_text(of->tree),
+                       of->build.leaf, json_text(of->layout ? of->box->name : NULL), of->tri->name,
+                       query_name(of->query), json_text(page->rays), page->index);
 }
 
 static json_t *judgement_json(const struct judged_ray *ray)
 {
     const struct judgement *judgement = &ray->judgement;
-    return json_pack(
-        "{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "verdict", verdict_name(judgement->verdict),
-        "wrong", wrong_name(judgement->wrong), "expected", json_prim(judgement->expected), "t_lo",
-        json_number(judgement->t_lo), "t_hi", json_number(judgement->t_hi), "over",
-        json_number(judgement->over), "displacement", json_number(judgement->displacement), "lost",
-        json_prim(judgement->behind ? judgement->lost : ABI_NO_PRIM));
+    return json_record(
+        "verdict=%s wrong=%s expected=%p t_lo=%g t_hi=%g over=%g displacement=%g lost=%p",
+        verdict_name(judgement->verdict), wrong_name(judgement->wrong),
+        json_prim(judgement->expected), judgement->t_lo, judgement->t_hi, judgement->over,
+        judgement->displacement, json_prim(judgement->behind ? judgement->lost : ABI_NO_PRIM));
 }
 
 static json_t *page_json(const struct explain_page *page, int exit_code)
@@ -140,34 +138,19 @@ static json_t *page_json(const struct explain_page *page, int exit_code)
     for (uint32_t i = 0; i < why->step_count; i++)
         json_array_append_new(way, step_json(&why->step[i]));
     explain_command(page->of, &ray->ray, command);
-    json_object_set_new(out, "raydiff", json_string(RAYDIFF_VERSION));
-    json_object_set_new(out, "exit", json_integer(exit_code));
-    json_object_set_new(out, "subject", subject_json(page));
-    json_object_set_new(out, "command", json_string(command));
-    json_object_set_new(out, "origin", json_floats(ray->ray.org, 3));
-    json_object_set_new(out, "direction", json_floats(ray->ray.dir, 3));
-    json_object_set_new(out, "tmin", json_float(ray->ray.tmin));
-    json_object_set_new(out, "tmax", json_float(ray->ray.tmax));
-    json_object_set_new(out, "truth",
-                        json_pack("{s:o, s:I, s:o, s:o, s:s}", "prim", json_prim(truth->prim),
-                                  "ties", (json_int_t)truth->tie_count, "t_lo",
-                                  json_number(truth->t_lo), "t_hi", json_number(truth->t_hi),
-                                  "class", oracle_class_name((enum oracle_class)truth->class)));
-    json_object_set_new(out, "finished", json_boolean(ray->answer.finished));
-    json_object_set_new(out, "reason", json_string(ray->reason.text));
-    json_object_set_new(out, "answer", json_hit(&ray->answer.hit));
-    json_object_set_new(out, "judgement", judgement_json(ray));
-    json_object_set_new(out, "cause", json_string(cause_name(why->cause)));
-    json_object_set_new(out, "needed", needed_json(why));
-    json_object_set_new(out, "inside", json_boolean(why->inside));
-    json_object_set_new(out, "c_answers", json_hit(&why->replayed));
-    json_object_set_new(out, "end", json_string(explain_end_name(why->end)));
-    json_object_set_new(out, "last", json_integer((json_int_t)why->last));
-    json_object_set_new(out, "way", way);
-    json_object_set_new(out, "tried", tried_json(why));
-    json_object_set_new(out, "imitated", imitated_json(why));
-    json_object_set_new(out, "hints", hints_json(page));
-    json_object_set_new(out, "decode", explain_decode_json(page->decode));
+    json_add(out,
+             "raydiff=%s exit=%d subject=%p command=%s origin=%p direction=%p tmin=%p tmax=%p "
+             "truth=%p finished=%i reason=%s answer=%p judgement=%p cause=%s needed=%p inside=%i "
+             "c_answers=%p end=%s last=%u way=%p tried=%p imitated=%p hints=%p decode=%p",
+             RAYDIFF_VERSION, exit_code, subject_json(page), command, json_floats(ray->ray.org, 3),
+             json_floats(ray->ray.dir, 3), json_float(ray->ray.tmin), json_float(ray->ray.tmax),
+             json_record("prim=%p ties=%u t_lo=%g t_hi=%g class=%s", json_prim(truth->prim),
+                         truth->tie_count, truth->t_lo, truth->t_hi,
+                         oracle_class_name((enum oracle_class)truth->class)),
+             ray->answer.finished, ray->reason.text, json_hit(&ray->answer.hit),
+             judgement_json(ray), cause_name(why->cause), needed_json(why), why->inside,
+             json_hit(&why->replayed), explain_end_name(why->end), why->last, way, tried_json(why),
+             imitated_json(why), hints_json(page), explain_decode_json(page->decode));
     return out;
 }
 
@@ -186,12 +169,9 @@ enum status explain_write_none(const struct explain_options *o, size_t count,
         return STATUS_OK;
     const struct explain_page page = {.of = &o->of, .rays = o->has_file ? NULL : o->rays->name};
     json_t *subject = subject_json(&page), *out = json_object();
-    json_object_set_new(subject, "index", json_null());
-    json_object_set_new(out, "raydiff", json_string(RAYDIFF_VERSION));
-    json_object_set_new(out, "exit", json_integer(exit_code));
-    json_object_set_new(out, "subject", subject);
-    json_object_set_new(out, "rays_judged", json_integer((json_int_t)count));
-    json_object_set_new(out, "cause", json_string(cause_name(CAUSE_NONE)));
-    json_object_set_new(out, "decode", explain_decode_json(decode));
+    json_add(subject, "index=%p", json_null());
+    json_add(out, "raydiff=%s exit=%d subject=%p rays_judged=%zu cause=%s decode=%p",
+             RAYDIFF_VERSION, exit_code, subject, count, cause_name(CAUSE_NONE),
+             explain_decode_json(decode));
     return json_write(o->json, out, 17, reason);
 }

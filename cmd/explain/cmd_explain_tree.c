@@ -6,6 +6,7 @@
 #include "ref/outside/plugin_shader.h"
 #include "fuzz/play/trial_tree.h"
 #include "cmd/common/cmd_json.h"
+#include "ref/base/json_record.h"
 #include "ref/base/command.h"
 
 #include <stdio.h>
@@ -53,13 +54,14 @@ static enum status write_json(const struct explain_options *o, const struct fuzz
                               struct reason *reason)
 {
     const bool sound = finding->signature.kind == FUZZ_KIND_COUNT;
-    json_t *root = json_pack("{s:s, s:i, s:{s:s, s:s, s:s, s:s, s:i}, s:s, s:s, s:s, s:o}",
-                             "raydiff", RAYDIFF_VERSION, "exit", code, "subject", "scene",
-                             o->of.spec, "layout", o->of.layout->name, "store",
-                             o->of.store ? o->of.store->name : tri_stores[0]->name, "builder",
-                             o->of.builder->name, "leaf", (int)o->of.build.leaf, "command", again,
-                             "cause", cause_name(sound ? CAUSE_NONE : finding->signature.cause),
-                             "tree", finding->said, "decode", explain_decode_json(decode));
+    json_t *subject =
+        json_record("scene=%s layout=%s store=%s builder=%s leaf=%u", o->of.spec,
+                    o->of.layout->name, o->of.store ? o->of.store->name : tri_stores[0]->name,
+                    o->of.builder->name, o->of.build.leaf);
+    json_t *root = json_record(
+        "raydiff=%s exit=%d subject=%p command=%s cause=%s tree=%s decode=%p", RAYDIFF_VERSION,
+        code, subject, again, cause_name(sound ? CAUSE_NONE : finding->signature.cause),
+        finding->said, explain_decode_json(decode));
     return json_write(o->json, root, 9, reason);
 }
 

@@ -2,6 +2,7 @@
 #include "cmd/fuzz/cmd_fuzz.h"
 
 #include "cmd/common/cmd_json.h"
+#include "ref/base/json_record.h"
 
 #include <stdio.h>
 
@@ -88,16 +89,11 @@ struct json_t *fuzz_pairs_json(const struct fuzz_command *c, const struct campai
     json_t *rarest = json_array();
     for (uint32_t i = 0; i < RAREST_TOLD && pair_coverage_rarest(c->pair_coverage, i, name, &count);
          i++)
-        json_array_append_new(rarest,
-                              json_pack("{s:s, s:I}", "pair", name, "trials", (json_int_t)count));
-    json_t *out = json_pack("{s:I, s:I, s:I, s:I}", "possible", (json_int_t)sum.possible,
-                            "impossible", (json_int_t)sum.impossible, "met", (json_int_t)sum.met,
-                            "least", (json_int_t)sum.least);
-    json_object_set_new(out, "median", json_integer((json_int_t)sum.median));
-    json_object_set_new(out, "wanted", json_integer((json_int_t)c->pairs));
-    json_object_set_new(out, "below", json_integer((json_int_t)(c->pairs ? sum.below : 0)));
-    json_object_set_new(out, "refitted", json_integer((json_int_t)view->refitted));
-    json_object_set_new(out, "rebuilt", json_integer((json_int_t)view->rebuilt));
-    json_object_set_new(out, "rarest", rarest);
+        json_array_append_new(rarest, json_record("pair=%s trials=%zu", name, count));
+    json_t *out =
+        json_record("possible=%u impossible=%u met=%u least=%zu median=%zu wanted=%zu below=%u "
+                    "refitted=%zu rebuilt=%zu rarest=%p",
+                    sum.possible, sum.impossible, sum.met, sum.least, sum.median, c->pairs,
+                    c->pairs ? sum.below : 0, view->refitted, view->rebuilt, rarest);
     return out;
 }

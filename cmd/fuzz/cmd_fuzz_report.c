@@ -8,6 +8,7 @@
 #include "fuzz/campaign/worker.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/command.h"
+#include "ref/base/json_record.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -82,8 +83,7 @@ static json_t *finding_json(const struct fuzz_command *c, const struct campaign_
     const struct findings_entry *entry = findings_entry(view->findings, i);
     char signature[FUZZ_SIGNATURE_MOST], smallest[FUZZ_PATH_MOST], first[FUZZ_PATH_MOST];
     fuzz_signature_print(&entry->signature, signature);
-    json_t *row =
-        json_pack("{s:s, s:I}", "signature", signature, "count", (json_int_t)entry->count);
+    json_t *row = json_record("signature=%s count=%zu", signature, entry->count);
     if (!whole)
         return row;
     struct baseline_answer answer;
@@ -93,16 +93,12 @@ static json_t *finding_json(const struct fuzz_command *c, const struct campaign_
     findings_path(view->findings, &entry->signature, "first.trial", first, sizeof first);
     replay_command(smallest, engine_of(view, &entry->signature), entry->signature.layout, command,
                    sizeof command);
-    json_object_set_new(row, "state", json_string(report_state_name(state)));
-    json_object_set_new(row, "known", json_boolean(state == REPORT_KNOWN));
-    json_object_set_new(row, "flaky", json_boolean(state == REPORT_FLAKY));
-    json_object_set_new(row, "reason", json_string(answer.text));
-    json_object_set_new(row, "cause", json_string(cause_text(entry->signature.cause)));
-    json_object_set_new(row, "first", json_string(first));
-    json_object_set_new(row, "smallest", json_string(smallest));
-    json_object_set_new(row, "triangles", json_integer((json_int_t)entry->smallest.triangles));
-    json_object_set_new(row, "rays", json_integer((json_int_t)entry->smallest.rays));
-    json_object_set_new(row, "replay", json_string(command));
+    json_add(row,
+             "state=%s known=%i flaky=%i reason=%s cause=%s first=%s smallest=%s triangles=%u "
+             "rays=%u replay=%s",
+             report_state_name(state), state == REPORT_KNOWN, state == REPORT_FLAKY, answer.text,
+             cause_text(entry->signature.cause), first, smallest, entry->smallest.triangles,
+             entry->smallest.rays, command);
     return row;
 }
 
@@ -110,18 +106,17 @@ static void add_times(json_t *root, const struct campaign_view *view)
 {
     const struct fuzz_field *field = &view->options->rules.field;
     const struct fuzz_time *time = &view->time;
-    double ratio;
-    json_object_set_new(root, "harness_share", json_real(campaign_harness_share(view, &ratio)));
-    json_object_set_new(root, "harness_to_engines", json_real(ratio));
-    json_t *parts = json_pack("{s:f, s:f, s:f, s:f, s:f}", "generate", seconds(time->generate),
-                              "build", seconds(time->build), "truth", seconds(time->truth), "judge",
-                              seconds(time->judge), "explain", seconds(view->explain_ns));
+    double ratio, share = campaign_harness_share(view, &ratio);
+    json_add(root, "harness_share=%g harness_to_engines=%g", share, ratio);
+    json_t *parts = json_record("generate=%g build=%g truth=%g judge=%g explain=%g",
+                                seconds(time->generate), seconds(time->build), seconds(time->truth),
+                                seconds(time->judge), seconds(view->explain_ns));
     for (size_t i = 0; i < field->count; i++) {
         char name[NAME_MOST];
         contestant_name(view, i, name);
-        json_object_set_new(parts, name, json_real(seconds(time->engine[i])));
+        json_add(parts, "%s=%g", name, seconds(time->engine[i]));
     }
-    json_object_set_new(root, "core_seconds", parts);
+    json_add(root, "core_seconds=%p", parts);
 }
 
 static json_t *contestants_json(const struct campaign_view *view)
@@ -131,14 +126,13 @@ static json_t *contestants_json(const struct campaign_view *view)
         const struct campaign_turnout *turnout = &view->turnout[i];
         char name[NAME_MOST];
         contestant_name(view, i, name);
-        json_array_append_new(
-            out, json_pack("{s:s, s:I, s:I, s:I, s:I, s:s?}", "name", name, "answered",
-                           (json_int_t)turnout->played, "refused", (json_int_t)turnout->declined,
-                           "with_a_right_hit", (json_int_t)turnout->proved, "refused_in_this_run",
-                           (json_int_t)view->refused[i], "vacuous", campaign_vacuous(view, i)));
+        json_array_append_new(out,
+                              json_record("name=%s answered=%zu refused=%zu with_a_right_hit=%zu "
+                                          "refused_in_this_run=%zu vacuous=%p",
+                                          name, turnout->played, turnout->declined, turnout->proved,
+                                          view->refused[i], json_text(campaign_vacuous(view, i))));
         if (campaign_loses(view, i))
-            json_object_set_new(json_array_get(out, i), "loses",
-                                json_string(campaign_loses(view, i)));
+            json_add(json_array_get(out, i), "loses=%s", campaign_loses(view, i));
     }
     return out;
 }
@@ -150,49 +144,36 @@ static void add_coverage(json_t *root, const struct campaign_view *view)
     for (uint32_t bit = 0; bit < COVERAGE_BITS; bit++)
         if (coverage_name(bit, name) && !(view->coverage[bit / 64] >> bit % 64 & 1))
             json_array_append_new(missing, json_string(name));
-    json_object_set_new(root, "coverage",
-                        json_pack("{s:i, s:i, s:o}", "reached", (int)coverage_count(view->coverage),
-                                  "known", (int)coverage_known(), "never", missing));
+    json_add(root, "coverage=%p",
+             json_record("reached=%u known=%u never=%p", coverage_count(view->coverage),
+                         coverage_known(), missing));
 }
 
 static json_t *make_json(const struct fuzz_command *c, const struct campaign_view *view, bool whole)
 {
     json_t *verdicts = json_object(), *findings = json_array();
     for (size_t v = 0; v < VERDICT_COUNT; v++)
-        json_object_set_new(verdicts, verdict_name((enum verdict)v),
-                            json_integer((json_int_t)view->count[v]));
+        json_add(verdicts, "%s=%zu", verdict_name((enum verdict)v), view->count[v]);
     for (size_t i = 0; i < findings_count(view->findings); i++)
         json_array_append_new(findings, finding_json(c, view, i, whole));
     json_t *root =
-        json_pack("{s:s, s:I, s:f, s:f}", "raydiff", RAYDIFF_VERSION, "seed", (json_int_t)c->seed,
-                  "seconds", seconds(view->ns), "play_seconds", seconds(view->play_ns));
-    json_object_set_new(root, "versions", json_string(view->versions));
-    json_object_set_new(root, "dir", json_string(c->folder));
-    json_object_set_new(root, "trials", json_integer((json_int_t)view->trials));
-    json_object_set_new(root, "trials_before", json_integer((json_int_t)view->before));
-    json_object_set_new(root, "corpus", json_integer((json_int_t)view->corpus));
-    json_object_set_new(root, "mutants", json_integer((json_int_t)view->mutants));
-    json_object_set_new(root, "rays", json_integer((json_int_t)view->rays));
-    json_object_set_new(root, "judged", json_integer((json_int_t)view->judged));
-    json_object_set_new(root, "at_fault", json_integer((json_int_t)view->wrong));
-    json_object_set_new(root, "trials_per_s", json_real(rate(view->trials, view->play_ns)));
-    json_object_set_new(root, "judged_rays_per_s", json_real(rate(view->judged, view->play_ns)));
-    json_object_set_new(
-        root, "triangles_mean",
-        json_real(view->trials ? (double)view->triangles / (double)view->trials : 0));
-    json_object_set_new(root, "triangles_median",
-                        json_integer((json_int_t)campaign_triangles_median(view)));
+        json_record("raydiff=%s seed=%zu seconds=%g play_seconds=%g versions=%s dir=%s trials=%zu "
+                    "trials_before=%zu corpus=%zu mutants=%zu rays=%zu judged=%zu at_fault=%zu "
+                    "trials_per_s=%g judged_rays_per_s=%g triangles_mean=%g triangles_median=%u",
+                    RAYDIFF_VERSION, c->seed, seconds(view->ns), seconds(view->play_ns),
+                    view->versions, c->folder, view->trials, view->before, view->corpus,
+                    view->mutants, view->rays, view->judged, view->wrong,
+                    rate(view->trials, view->play_ns), rate(view->judged, view->play_ns),
+                    view->trials ? (double)view->triangles / (double)view->trials : 0,
+                    campaign_triangles_median(view));
     add_times(root, view);
-    json_object_set_new(root, "verdicts", verdicts);
+    json_add(root, "verdicts=%p", verdicts);
     add_coverage(root, view);
-    json_object_set_new(root, "pairs", fuzz_pairs_json(c, view));
-    json_object_set_new(root, "workers", json_integer((json_int_t)view->options->jobs));
-    json_object_set_new(root, "restarts", json_integer((json_int_t)view->restarts));
-    json_object_set_new(root, "renewed", json_integer((json_int_t)view->renewed));
-    json_object_set_new(root, "contestants", contestants_json(view));
-    json_object_set_new(root, "findings", findings);
+    json_add(root, "pairs=%p workers=%u restarts=%u renewed=%u contestants=%p findings=%p",
+             fuzz_pairs_json(c, view), view->options->jobs, view->restarts, view->renewed,
+             contestants_json(view), findings);
     if (whole)
-        json_object_set_new(root, "exit", json_integer(c->code));
+        json_add(root, "exit=%d", c->code);
     return root;
 }
 

@@ -5,6 +5,7 @@
 #include "ref/outside/pipe.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/command.h"
+#include "ref/base/json_record.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -116,9 +117,8 @@ void min_print_line(const struct min_row *row)
 
 static json_t *size_json(const struct fuzz_trial_size *size, size_t bytes)
 {
-    return json_pack("{s:I, s:I, s:I, s:I, s:I}", "triangles", (json_int_t)size->triangles, "rays",
-                     (json_int_t)size->rays, "vertices", (json_int_t)size->vertices, "bits",
-                     (json_int_t)size->bits, "bytes", (json_int_t)bytes);
+    return json_record("triangles=%u rays=%u vertices=%u bits=%zu bytes=%zu", size->triangles,
+                       size->rays, size->vertices, size->bits, bytes);
 }
 
 static json_t *row_json(const struct min_row *row)
@@ -127,15 +127,14 @@ static json_t *row_json(const struct min_row *row)
     bool played = row->fate <= MIN_NOT_SHOWN;
     fuzz_signature_print(&row->file.signature, signature);
     finding_text(row, text, sizeof text);
-    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:o, s:I, s:I, s:I, s:I, s:s, s:s, s:s, s:i}",
-                     "file", row->path, "signature", signature, "result", fate_name(row->fate),
-                     "end", played ? shrink_end_name(row->stats.end) : "", "before",
-                     size_json(&row->stats.before, row->bytes_before), "after",
-                     size_json(&row->stats.after, row->bytes_after), "asks",
-                     (json_int_t)row->stats.asks, "tried", (json_int_t)row->stats.tried, "accepted",
-                     (json_int_t)row->stats.accepted, "rounds", (json_int_t)row->stats.rounds,
-                     "text", text, "written", row->written, "reason",
-                     played ? "" : row->reason.text, "exit", row->code);
+    return json_record("file=%s signature=%s result=%s end=%s before=%p after=%p asks=%zu "
+                       "tried=%zu accepted=%zu rounds=%u text=%s written=%s reason=%s exit=%d",
+                       row->path, signature, fate_name(row->fate),
+                       played ? shrink_end_name(row->stats.end) : "",
+                       size_json(&row->stats.before, row->bytes_before),
+                       size_json(&row->stats.after, row->bytes_after), row->stats.asks,
+                       row->stats.tried, row->stats.accepted, row->stats.rounds, text, row->written,
+                       played ? "" : row->reason.text, row->code);
 }
 
 enum status min_write_json(const char *path, const struct min_row *row, size_t count, int code,
@@ -144,7 +143,6 @@ enum status min_write_json(const char *path, const struct min_row *row, size_t c
     json_t *findings = json_array();
     for (size_t i = 0; i < count; i++)
         json_array_append_new(findings, row_json(&row[i]));
-    json_t *root = json_pack("{s:s, s:i, s:o}", "raydiff", RAYDIFF_VERSION, "exit", code,
-                             "findings", findings);
+    json_t *root = json_record("raydiff=%s exit=%d findings=%p", RAYDIFF_VERSION, code, findings);
     return json_write(path, root, 17, reason);
 }

@@ -7,6 +7,7 @@
 #include "ref/base/ray_text.h"
 #include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
+#include "ref/base/json_record.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -150,9 +151,9 @@ static json_t *finding_json(const struct replay_file *file, const struct replay_
     fuzz_signature_print(&finding->signature, signature);
     finding_text(&file->file, finding, text, sizeof text);
     bool on_ray = finding->ray < file->file.trial.ray_count;
-    return json_pack("{s:s, s:o, s:s, s:b}", "signature", signature, "ray",
-                     on_ray ? json_integer((json_int_t)finding->ray) : json_null(), "text", text,
-                     "expected", i == played->expected);
+    return json_record("signature=%s ray=%p text=%s expected=%i", signature,
+                       on_ray ? json_integer((json_int_t)finding->ray) : json_null(), text,
+                       i == played->expected);
 }
 
 static json_t *played_json(const struct replay_file *file, const struct replay_played *played)
@@ -160,10 +161,10 @@ static json_t *played_json(const struct replay_file *file, const struct replay_p
     json_t *findings = json_array();
     for (size_t i = 0; i < played->finding_count; i++)
         json_array_append_new(findings, finding_json(file, played, i));
-    return json_pack("{s:s, s:s?, s:s, s:s, s:o}", "engine", played->who.engine->name, "layout",
-                     played->who.layout ? played->who.layout->name : NULL, "status",
-                     fate_name(played->fate), "reason",
-                     played->fate == REPLAYED ? "" : played->reason, "findings", findings);
+    return json_record(
+        "engine=%s layout=%p status=%s reason=%s findings=%p", played->who.engine->name,
+        json_text(played->who.layout ? played->who.layout->name : NULL), fate_name(played->fate),
+        played->fate == REPLAYED ? "" : played->reason, findings);
 }
 
 static json_t *lines_json(const char *lines)
@@ -184,12 +185,10 @@ static json_t *file_json(const struct replay_file *file)
     expectation(&file->file, expect);
     for (size_t i = 0; i < file->played_count; i++)
         json_array_append_new(played, played_json(file, &file->played[i]));
-    return json_pack("{s:s, s:s, s:b, s:i, s:I, s:I, s:o, s:o, s:o}", "file", file->path, "expect",
-                     expect, "fails", file->fails, "exit", file->code, "triangles",
-                     (json_int_t)file->file.trial.scene.tri_count, "rays",
-                     (json_int_t)file->file.trial.ray_count, "then",
-                     lines_json(file->file.versions), "now", lines_json(file->now), "played",
-                     played);
+    return json_record(
+        "file=%s expect=%s fails=%i exit=%d triangles=%u rays=%u then=%p now=%p played=%p",
+        file->path, expect, file->fails, file->code, file->file.trial.scene.tri_count,
+        file->file.trial.ray_count, lines_json(file->file.versions), lines_json(file->now), played);
 }
 
 enum status replay_write_json(const char *path, const struct replay_file *file, size_t count,
@@ -198,7 +197,7 @@ enum status replay_write_json(const char *path, const struct replay_file *file, 
     json_t *files = json_array();
     for (size_t i = 0; i < count; i++)
         json_array_append_new(files, file_json(&file[i]));
-    json_t *root = json_pack("{s:s, s:i, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "exit", code,
-                             "named", json_turnout(turnout), "files", files);
+    json_t *root = json_record("raydiff=%s exit=%d named=%p files=%p", RAYDIFF_VERSION, code,
+                               json_turnout(turnout), files);
     return json_write(path, root, 17, reason);
 }

@@ -2,6 +2,7 @@
 #include "cmd/fuzz/cmd_selftest.h"
 
 #include "cmd/common/cmd_json.h"
+#include "ref/base/json_record.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -113,11 +114,11 @@ void selftest_print_sum(const struct selftest_sum *sum)
 static json_t *json_row(const struct selftest_row *row)
 {
     const struct selftest_result *result = &row->job.result;
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:I, s:f, s:s}", "bug",
-                     row->control ? "" : row->bug->bug, "unit", row->control ? "" : row->bug->unit,
-                     "kind", row->control ? "" : row->bug->kind, "engines", row->bug->engines,
-                     "layouts", row->bug->layouts, "end", end_name(row), "trials",
-                     (json_int_t)result->trials, "seconds", result->seconds, "said", result->said);
+    return json_record(
+        "bug=%s unit=%s kind=%s engines=%s layouts=%s end=%s trials=%zu seconds=%g said=%s",
+        row->control ? "" : row->bug->bug, row->control ? "" : row->bug->unit,
+        row->control ? "" : row->bug->kind, row->bug->engines, row->bug->layouts, end_name(row),
+        result->trials, result->seconds, result->said);
 }
 
 enum status selftest_json(const struct selftest_command *c, const struct selftest_sum *sum,
@@ -126,10 +127,10 @@ enum status selftest_json(const struct selftest_command *c, const struct selftes
     json_t *planted = json_array(), *controls = json_array();
     for (size_t i = 0; i < c->rows; i++)
         (void)json_array_append_new(c->row[i].control ? controls : planted, json_row(&c->row[i]));
-    json_t *root = json_pack(
-        "{s:s, s:I, s:b, s:i, s:i, s:i, s:f, s:f, s:f, s:o, s:o}", "version", RAYDIFF_VERSION,
-        "seed", (json_int_t)c->seed, "passed", selftest_passed(sum), "found", (int)sum->found, "of",
-        (int)sum->planted, "skipped", (int)sum->skipped, "median_s", sum->median_s, "slowest_s",
-        sum->slowest_s, "seconds", sum->seconds, "bugs", planted, "controls", controls);
+    json_t *root =
+        json_record("version=%s seed=%zu passed=%i found=%zu of=%zu skipped=%zu median_s=%g "
+                    "slowest_s=%g seconds=%g bugs=%p controls=%p",
+                    RAYDIFF_VERSION, c->seed, selftest_passed(sum), sum->found, sum->planted,
+                    sum->skipped, sum->median_s, sum->slowest_s, sum->seconds, planted, controls);
     return json_write(c->json, root, 6, reason);
 }

@@ -3,6 +3,7 @@
 #include "ref/base/command.h"
 #include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
+#include "ref/base/json_record.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -159,16 +160,11 @@ void leaks_count_turnout(const struct leak_scene *scene, struct turnout *turnout
 
 static json_t *tally_json(const struct leak_tally *t, bool lists)
 {
-    json_t *out =
-        json_pack("{s:I, s:I}", "rays", (json_int_t)t->rays, "misses", (json_int_t)t->misses);
+    json_t *out = json_record("rays=%zu misses=%zu", t->rays, t->misses);
     if (!lists)
         return out;
-    json_object_set_new(out, "empty", json_integer((json_int_t)t->empty));
-    json_object_set_new(out, "double_hits", json_integer((json_int_t)t->doubles));
-    json_object_set_new(out, "even", json_integer((json_int_t)t->even));
-    json_object_set_new(out, "lost", json_integer((json_int_t)t->lost));
-    json_object_set_new(out, "phantoms", json_integer((json_int_t)t->phantoms));
-    json_object_set_new(out, "repeated", json_integer((json_int_t)t->repeated));
+    json_add(out, "empty=%zu double_hits=%zu even=%zu lost=%zu phantoms=%zu repeated=%zu", t->empty,
+             t->doubles, t->even, t->lost, t->phantoms, t->repeated);
     return out;
 }
 
@@ -184,37 +180,36 @@ static json_t *finding_json(const struct leak_finding *f)
     }
     for (int k = 0; k < 2 && f->is_double; k++)
         json_array_append_new(prims, json_integer((json_int_t)f->prim[k]));
-    return json_pack("{s:s, s:s, s:I, s:o, s:o}", "kind", f->is_double ? "double_hit" : "miss",
-                     "aim", leak_aim_name(f->aim), "ray", (json_int_t)f->ray_index, "ray_bits", ray,
-                     "triangles", prims);
+    return json_record("kind=%s aim=%s ray=%zu ray_bits=%p triangles=%p",
+                       f->is_double ? "double_hit" : "miss", leak_aim_name(f->aim), f->ray_index,
+                       ray, prims);
 }
 
 static json_t *row_json(const struct leak_scene *scene, const struct leak_row *row)
 {
     json_t *out =
-        json_pack("{s:s, s:s?, s:s?, s:s?, s:s, s:s?, s:s, s:b, s:s, s:s, s:s}", "scene",
-                  scene->spec, "layout", row->layout ? row->layout->name : NULL, "store",
-                  row->layout ? row->store->name : NULL, "engine",
-                  row->engine ? row->engine->name : NULL, "builder", row->builder->name, "box",
-                  row->engine && !row->engine->needs_packed ? NULL : row->box->name, "tri",
-                  row->own_test ? "own" : row->tri->name, "promises", (int)row->promises, "broken",
-                  row->broken, "status", status_text(row->status), "reason", row->reason.text);
+        json_record("scene=%s layout=%p store=%p engine=%p builder=%s box=%p tri=%s promises=%i "
+                    "broken=%s status=%s reason=%s",
+                    scene->spec, json_text(row->layout ? row->layout->name : NULL),
+                    json_text(row->layout ? row->store->name : NULL),
+                    json_text(row->engine ? row->engine->name : NULL), row->builder->name,
+                    json_text(row->engine && !row->engine->needs_packed ? NULL : row->box->name),
+                    row->own_test ? "own" : row->tri->name, (int)row->promises, row->broken,
+                    status_text(row->status), row->reason.text);
     if (!out || row->status)
         return out;
     struct leak_tally sum = leaks_total(&row->leaks);
-    json_object_set_new(out, "total", tally_json(&sum, row->leaks.lists));
+    json_add(out, "total=%p", tally_json(&sum, row->leaks.lists));
     json_t *aims = json_object(), *findings = json_array();
     for (enum leak_aim aim = 0; aim < LEAK_AIMS; aim++)
-        json_object_set_new(aims, leak_aim_name(aim),
-                            tally_json(&row->leaks.tally[aim], row->leaks.lists));
-    json_object_set_new(out, "aims", aims);
-    json_object_set_new(out, "bit_differences",
-                        row->compared ? json_integer((json_int_t)row->bit_differences)
-                                      : json_null());
-    json_object_set_new(out, "ns", json_integer((json_int_t)row->leaks.ns));
+        json_add(aims, "%s=%p", leak_aim_name(aim),
+                 tally_json(&row->leaks.tally[aim], row->leaks.lists));
+    json_add(out, "aims=%p bit_differences=%p ns=%zu", aims,
+             row->compared ? json_integer((json_int_t)row->bit_differences) : json_null(),
+             row->leaks.ns);
     for (size_t i = 0; i < row->leaks.finding_count; i++)
         json_array_append_new(findings, finding_json(&row->leaks.finding[i]));
-    json_object_set_new(out, "findings", findings);
+    json_add(out, "findings=%p", findings);
     return out;
 }
 
@@ -225,19 +220,16 @@ enum status leaks_write_json(const char *path, const struct leak_scene *scene, s
     for (size_t s = 0; s < scene_count; s++) {
         const struct inside *inside = &scene[s].inside;
         json_array_append_new(scenes,
-                              json_pack("{s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:s}", "scene",
-                                        scene[s].spec, "triangles", (json_int_t)scene[s].tri_count,
-                                        "points", (json_int_t)scene[s].point_count, "edges",
-                                        (json_int_t)scene[s].edge_count, "rays",
-                                        (json_int_t)scene[s].ray_count, "origins",
-                                        (json_int_t)inside->origins, "aimed_exactly",
-                                        (json_int_t)inside->exact, "vacuous", scene[s].vacuous));
+                              json_record("scene=%s triangles=%u points=%u edges=%u rays=%zu "
+                                          "origins=%zu aimed_exactly=%zu vacuous=%s",
+                                          scene[s].spec, scene[s].tri_count, scene[s].point_count,
+                                          scene[s].edge_count, scene[s].ray_count, inside->origins,
+                                          inside->exact, scene[s].vacuous));
         for (size_t i = 0; i < scene[s].row_count; i++)
             json_array_append_new(rows, row_json(&scene[s], &scene[s].row[i]));
     }
-    json_t *root =
-        json_pack("{s:s, s:s, s:i, s:o, s:o, s:o}", "raydiff", RAYDIFF_VERSION, "profile",
-                  scene_count ? scene[0].profile->name : "", "exit", exit_code, "scenes", scenes,
-                  "named", json_turnout(turnout), "rows", rows);
+    json_t *root = json_record("raydiff=%s profile=%s exit=%d scenes=%p named=%p rows=%p",
+                               RAYDIFF_VERSION, scene_count ? scene[0].profile->name : "",
+                               exit_code, scenes, json_turnout(turnout), rows);
     return json_write(path, root, 17, reason);
 }

@@ -2,6 +2,7 @@
 
 #include "cmd/common/cmd_json.h"
 #include "ref/base/float_word.h"
+#include "ref/base/json_record.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -137,17 +138,14 @@ static json_t *json_vector(const float v[3])
 
 static json_t *json_frame(const struct frame_record *r)
 {
-    json_t *rays = r->counted ? json_pack("{s:I,s:I,s:I}", "closest", (json_int_t)r->rays.closest,
-                                          "shadow", (json_int_t)r->rays.shadow, "hit_pixels",
-                                          (json_int_t)r->rays.hit_pixels)
+    json_t *rays = r->counted ? json_record("closest=%zu shadow=%zu hit_pixels=%zu",
+                                            r->rays.closest, r->rays.shadow, r->rays.hit_pixels)
                               : json_null();
-    return json_pack("{s:s,s:f,s:o,s:o,s:I,s:s,s:I,s:I,s:I,s:I,s:o}", "file", r->path, "angle",
-                     r->angle, "pos", json_vector(r->view.pos), "forward",
-                     json_vector(r->view.forward), "trace_ns", (json_int_t)r->report.ns, "clock",
-                     r->report.device_clock ? "device" : "host", "wall_ns", (json_int_t)r->wall_ns,
-                     "box_tests", (json_int_t)r->report.boxes, "triangle_tests",
-                     (json_int_t)r->report.tris, "memory_bytes", (json_int_t)r->report.memory_bytes,
-                     "rays", rays);
+    return json_record("file=%s angle=%g pos=%p forward=%p trace_ns=%zu clock=%s wall_ns=%zu "
+                       "box_tests=%zu triangle_tests=%zu memory_bytes=%zu rays=%p",
+                       r->path, r->angle, json_vector(r->view.pos), json_vector(r->view.forward),
+                       r->report.ns, r->report.device_clock ? "device" : "host", r->wall_ns,
+                       r->report.boxes, r->report.tris, r->report.memory_bytes, rays);
 }
 
 enum status render_json(const char *path, const struct render_settings *settings,
@@ -160,21 +158,21 @@ enum status render_json(const char *path, const struct render_settings *settings
     for (uint32_t i = 0; frames && i < count; i++)
         json_array_append_new(frames, json_frame(&record[i]));
     json_t *tree =
-        packed ? json_pack("{s:s,s:s,s:i,s:I,s:I,s:I}", "layout", packed->layout->name, "builder",
-                           settings->bvh ? settings->bvh : settings->builder->name, "leaf",
-                           (int)settings->build.leaf, "records", (json_int_t)packed->node_count,
-                           "node_bytes", (json_int_t)packed_node_bytes(packed), "item_bytes",
-                           (json_int_t)packed_item_bytes(packed))
-               : json_null();
-    json_t *root = json_pack(
-        "{s:s,s:I,s:s,s:s,s:s,s:s,s:s,s:i,s:i,s:i,s:i,s:f,s:f,s:i,s:i,s:o,s:o}", "scene",
-        stage->name, "triangles", (json_int_t)stage->tri_count, "profile",
-        job->look.profile == PROFILE_RTRS ? "rtrs" : "repaired", "handler", settings->handler->name,
-        "engine", settings->engine->name, "box", job->job.box->name, "tri", job->job.tri->name,
-        "width", (int)job->width, "height", (int)job->height, "workgroup_size", (int)job->tile,
-        "bounces", (int)job->look.bounces, "ambience", (double)job->look.ambience,
-        "camera_light_strength", (double)job->look.camera_light, "lights", (int)job->light_count,
-        "materials", (int)job->material_count, "tree", tree, "frames", frames);
+        packed
+            ? json_record("layout=%s builder=%s leaf=%u records=%u node_bytes=%zu item_bytes=%zu",
+                          packed->layout->name,
+                          settings->bvh ? settings->bvh : settings->builder->name,
+                          settings->build.leaf, packed->node_count, packed_node_bytes(packed),
+                          packed_item_bytes(packed))
+            : json_null();
+    json_t *root = json_record(
+        "scene=%s triangles=%u profile=%s handler=%s engine=%s box=%s tri=%s width=%u height=%u "
+        "workgroup_size=%u bounces=%u ambience=%g camera_light_strength=%g lights=%u materials=%u "
+        "tree=%p frames=%p",
+        stage->name, stage->tri_count, job->look.profile == PROFILE_RTRS ? "rtrs" : "repaired",
+        settings->handler->name, settings->engine->name, job->job.box->name, job->job.tri->name,
+        job->width, job->height, job->tile, job->look.bounces, (double)job->look.ambience,
+        (double)job->look.camera_light, job->light_count, job->material_count, tree, frames);
     return json_write(path, root, 9, reason);
 }
 

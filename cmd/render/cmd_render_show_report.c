@@ -2,6 +2,7 @@
 #include "cmd/common/cmd_json.h"
 #include "cmd/common/cmd_options.h"
 #include "cmd/render/cmd_render_show.h"
+#include "ref/base/json_record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -165,38 +166,29 @@ enum status showing_csv(const struct showing *showing, struct reason *reason)
     return status;
 }
 
-/* A number, or null for what JSON has no number for. */
-static json_t *number(double x)
-{
-    return isfinite(x) ? json_real(x) : json_null();
-}
-
 static json_t *amounts_json(const struct show_layer *layer)
 {
-    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "pixels", (json_int_t)layer->sum.pixels,
-                     "sum", number(layer->sum.sum), "least", number(layer->sum.least), "mean",
-                     number(layer->sum.mean), "median", number(layer->quantiles.p50), "p99",
-                     number(layer->quantiles.p99), "most", number(layer->sum.most));
+    return json_record("pixels=%zu sum=%g least=%g mean=%g median=%g p99=%g most=%g",
+                       layer->sum.pixels, layer->sum.sum, layer->sum.least, layer->sum.mean,
+                       layer->quantiles.p50, layer->quantiles.p99, layer->sum.most);
 }
 
 static json_t *layer_json(const struct showing *showing, const struct show_layer *layer)
 {
     const struct show *show = showing->show;
     json_t *out =
-        json_pack("{s:s}", showing->engine->needs_packed ? "layout" : "engine", layer->name);
+        json_record("%s=%s", showing->engine->needs_packed ? "layout" : "engine", layer->name);
     if (show->from == SHOW_FROM_WALK)
-        json_object_set_new(out, "counted",
-                            json_pack("{s:I, s:I}", "boxes", (json_int_t)layer->counts.boxes,
-                                      "triangles", (json_int_t)layer->counts.tris));
+        json_add(out, "counted=%p",
+                 json_record("boxes=%zu triangles=%zu", layer->counts.boxes, layer->counts.tris));
     if (!show->names && show->planes == 1)
-        json_object_set_new(out, "values", amounts_json(layer));
+        json_add(out, "values=%p", amounts_json(layer));
     if (show->id != SHOW_CLASS)
         return out;
     json_t *verdicts = json_object();
     for (int v = 0; v < VERDICT_COUNT; v++)
-        json_object_set_new(verdicts, verdict_name((enum verdict)v),
-                            json_integer((json_int_t)layer->verdict[v]));
-    json_object_set_new(out, "verdicts", verdicts);
+        json_add(verdicts, "%s=%zu", verdict_name((enum verdict)v), layer->verdict[v]);
+    json_add(out, "verdicts=%p", verdicts);
     return out;
 }
 
@@ -204,14 +196,12 @@ static json_t *difference_json(const struct showing *showing)
 {
     size_t more, less;
     count_sides(showing, &more, &less);
-    json_t *out = json_pack("{s:I}", "only_one", (json_int_t)showing->alone);
+    json_t *out = json_record("only_one=%zu", showing->alone);
     if (showing->show->names) {
-        json_object_set_new(out, "different", json_integer((json_int_t)more));
+        json_add(out, "different=%zu", more);
         return out;
     }
-    json_object_set_new(out, "more", json_integer((json_int_t)more));
-    json_object_set_new(out, "less", json_integer((json_int_t)less));
-    json_object_set_new(out, "values", amounts_json(&showing->difference));
+    json_add(out, "more=%zu less=%zu values=%p", more, less, amounts_json(&showing->difference));
     return out;
 }
 
@@ -221,13 +211,13 @@ enum status showing_json(const struct showing *showing, const char *path, struct
     json_t *layers = json_array();
     for (size_t l = 0; l < showing->layer_count; l++)
         json_array_append_new(layers, layer_json(showing, &showing->layer[l]));
-    json_t *root = json_pack(
-        "{s:s, s:s, s:s, s:I, s:I, s:s, s:s, s:s, s:s, s:o}", "show", showing->show->name, "scene",
-        settings->scene, "engine", showing->engine->name, "width", (json_int_t)settings->width,
-        "height", (json_int_t)settings->height, "box", settings->box->name, "tri",
-        settings->tri->name, "builder", settings->bvh ? "file" : settings->builder->name, "picture",
-        settings->out, "layers", layers);
+    json_t *root =
+        json_record("show=%s scene=%s engine=%s width=%u height=%u box=%s tri=%s builder=%s "
+                    "picture=%s layers=%p",
+                    showing->show->name, settings->scene, showing->engine->name, settings->width,
+                    settings->height, settings->box->name, settings->tri->name,
+                    settings->bvh ? "file" : settings->builder->name, settings->out, layers);
     if (root && showing->layer_count == 2)
-        json_object_set_new(root, "difference", difference_json(showing));
+        json_add(root, "difference=%p", difference_json(showing));
     return json_write(path, root, 9, reason);
 }

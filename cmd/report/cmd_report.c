@@ -6,6 +6,7 @@
 #include "cmd/common/cmd_json.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
+#include "ref/base/json_record.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -208,18 +209,16 @@ static enum status write_json(const char *path, const struct report *report, siz
     for (size_t i = 0; i < report->part_count; i++) {
         const struct report_part *part = &report->part[i];
         (void)json_array_append_new(
-            parts, json_pack("{s:s, s:s, s:i, s:s, s:s, s:f, s:s}", "name", part->name, "state",
-                             state_name(part->state), "exit", part->code, "command", part->command,
-                             "why", part->why, "seconds", part->seconds, "known",
-                             report_part_known(part) ? part->known : ""));
+            parts,
+            json_record("name=%s state=%s exit=%d command=%s why=%s seconds=%g known=%s",
+                        part->name, state_name(part->state), part->code, part->command, part->why,
+                        part->seconds, report_part_known(part) ? part->known : ""));
     }
-    json_t *root = json_pack(
-        "{s:s, s:i, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "raydiff", RAYDIFF_VERSION,
-        "exit", report_code(report), "bytes", (json_int_t)bytes, "figures", (json_int_t)sum.figures,
-        "answers", (json_int_t)sum.answers, "wrong", (json_int_t)sum.wrong, "bit_differences",
-        (json_int_t)sum.bits, "findings", (json_int_t)sum.findings, "failing",
-        (json_int_t)sum.failing, "known", (json_int_t)sum.known, "pictures",
-        (json_int_t)report->picture_count, "parts", parts);
+    json_t *root = json_record(
+        "raydiff=%s exit=%d bytes=%zu figures=%zu answers=%zu wrong=%zu bit_differences=%zu "
+        "findings=%zu failing=%zu known=%zu pictures=%zu parts=%p",
+        RAYDIFF_VERSION, report_code(report), bytes, sum.figures, sum.answers, sum.wrong, sum.bits,
+        sum.findings, sum.failing, sum.known, report->picture_count, parts);
     return json_write(path, root, 9, reason);
 }
 

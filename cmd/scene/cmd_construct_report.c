@@ -1,5 +1,6 @@
 /* What raydiff construct says of the scene it made. */
 #include "cmd/scene/cmd_construct.h"
+#include "ref/base/json_record.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -8,11 +9,10 @@
 static json_t *model_json(const struct construct_model *model, uint32_t red)
 {
     bool is_red = model->material == CONSTRUCT_DEFAULT;
-    return json_pack("{s:s, s:I, s:I, s:I, s:b, s:b}", "model", model->spec, "material",
-                     (json_int_t)(is_red ? red : model->material), "triangles",
-                     (json_int_t)model->tri_count, "vertices", (json_int_t)model->vertex_count,
-                     "transformed", (int)model->transform.any, "mirrored",
-                     (int)model->transform.mirrors);
+    return json_record("model=%s material=%u triangles=%u vertices=%u transformed=%i mirrored=%i",
+                       model->spec, is_red ? red : model->material, model->tri_count,
+                       model->vertex_count, (int)model->transform.any,
+                       (int)model->transform.mirrors);
 }
 
 enum status construct_json(const struct construct_options *o, const struct scene *scene,
@@ -26,13 +26,12 @@ enum status construct_json(const struct construct_options *o, const struct scene
             return fail(reason, STATUS_INPUT, "--json: a name that is not UTF-8 fits no JSON text");
         }
     json_t *red = notes->red == CONSTRUCT_DEFAULT ? json_null() : json_integer(notes->red);
-    *out = json_pack("{s:s, s:s, s:o, s:I, s:I, s:I, s:o, s:I, s:s, s:I, s:I}", "raydiff",
-                     RAYDIFF_VERSION, "out", o->out, "models", models, "triangles",
-                     (json_int_t)scene->tri_count, "vertices", (json_int_t)scene->vertex_count,
-                     "materials", (json_int_t)scene->material_count, "default_material", red,
-                     "lights", (json_int_t)scene->light_count, "camera",
-                     scene->camera.orbit ? "orbit" : "fixed", "unused_vertices",
-                     (json_int_t)notes->unused, "filled_normals", (json_int_t)notes->filled);
+    *out =
+        json_record("raydiff=%s out=%s models=%p triangles=%u vertices=%u materials=%u "
+                    "default_material=%p lights=%u camera=%s unused_vertices=%u filled_normals=%u",
+                    RAYDIFF_VERSION, o->out, models, scene->tri_count, scene->vertex_count,
+                    scene->material_count, red, scene->light_count,
+                    scene->camera.orbit ? "orbit" : "fixed", notes->unused, notes->filled);
     return *out ? STATUS_OK
                 : fail(reason, STATUS_INPUT, "--json: a name that is not UTF-8 fits no JSON text");
 }

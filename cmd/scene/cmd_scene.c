@@ -6,6 +6,7 @@
 #include "ref/base/decimal.h"
 #include "scenes/facts.h"
 #include "scenes/scenes.h"
+#include "ref/base/json_record.h"
 
 #include <dirent.h>
 #include <jansson.h>
@@ -77,19 +78,16 @@ static json_t *json3(const float x[3])
 static json_t *json_info(const char *spec, const struct scene *scene, const struct facts *facts)
 {
     struct camera camera = scene_camera(scene);
-    bool any = scene->tri_count > 0, finite = float_is_finite(facts->extent);
-    json_t *extent = finite ? json_real((double)facts->extent) : json_null();
-    return json_pack(
-        "{s:s, s:I, s:I, s:o, s:o, s:o, s:f, s:I, s:I, s:b, s:I, s:I,"
-        " s:{s:o, s:o, s:b, s:b}}",
-        "scene", spec, "triangles", (json_int_t)scene->tri_count, "vertices",
-        (json_int_t)scene->vertex_count, "least", any ? json3(facts->bounds.lo) : json_null(),
-        "most", any ? json3(facts->bounds.hi) : json_null(), "longest_side", extent,
-        "largest_coordinate", (double)facts->largest, "zero_area", (json_int_t)facts->zero_area,
-        "duplicates", (json_int_t)facts->duplicate, "normals", scene->normal != NULL, "lights",
-        (json_int_t)scene->light_count, "materials", (json_int_t)scene->material_count, "camera",
-        "from", json3(camera.pos), "at", json3(camera.at), "orbit", (int)camera.orbit, "chosen",
-        (int)!scene->has_camera);
+    bool any = scene->tri_count > 0;
+    json_t *place = json_record("from=%p at=%p orbit=%i chosen=%i", json3(camera.pos),
+                                json3(camera.at), camera.orbit, !scene->has_camera);
+    return json_record(
+        "scene=%s triangles=%u vertices=%u least=%p most=%p longest_side=%g largest_coordinate=%g "
+        "zero_area=%u duplicates=%u normals=%i lights=%u materials=%u camera=%p",
+        spec, scene->tri_count, scene->vertex_count, any ? json3(facts->bounds.lo) : json_null(),
+        any ? json3(facts->bounds.hi) : json_null(), (double)facts->extent, (double)facts->largest,
+        facts->zero_area, facts->duplicate, scene->normal != NULL, scene->light_count,
+        scene->material_count, place);
 }
 
 /* Adds one scene to the report; `list` is NULL for a report on the terminal. */
@@ -125,7 +123,7 @@ static int scene_info(const struct scene_options *options)
     }
     if (!list)
         return code;
-    json_t *whole = json_pack("{s:o}", "scenes", list);
+    json_t *whole = json_record("scenes=%p", list);
     if (json_dumpf(whole, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0)
         putchar('\n');
     json_decref(whole);

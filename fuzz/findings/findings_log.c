@@ -5,6 +5,7 @@
 
 #include "ref/base/ray_text.h"
 #include "ref/base/json_text.h"
+#include "ref/base/json_record.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -97,21 +98,15 @@ enum status findings_log_add(struct findings *findings, const struct finding_fil
     char signature[FUZZ_SIGNATURE_MOST], ray_text[RAY_TEXT_MOST], said[512];
     fuzz_signature_print(&file->signature, signature);
     plain(opinion, said, sizeof said);
-    json_t *root = json_object();
-    json_object_set_new(root, "signature", json_string(signature));
-    json_object_set_new(root, "stream", json_string(order.mutated ? "mut" : "gen"));
-    json_object_set_new(root, "seed", decimal(order.seed));
-    json_object_set_new(root, "index", decimal(order.index));
-    json_object_set_new(root, "version", json_integer((json_int_t)order.version));
-    json_object_set_new(root, "trial", hexadecimal(order.hash));
-    json_object_set_new(root, "triangles", json_integer((json_int_t)trial->scene.tri_count));
-    json_object_set_new(root, "rays", json_integer((json_int_t)trial->ray_count));
+    json_t *root = json_record(
+        "signature=%s stream=%s seed=%p index=%p version=%u trial=%p triangles=%u rays=%u",
+        signature, order.mutated ? "mut" : "gen", decimal(order.seed), decimal(order.index),
+        order.version, hexadecimal(order.hash), trial->scene.tri_count, trial->ray_count);
     if (ray != FINDINGS_NO_RAY) {
         ray_text_write(&trial->ray[ray], ray_text);
-        json_object_set_new(root, "ray", json_integer((json_int_t)ray));
-        json_object_set_new(root, "at", json_string(ray_text));
+        json_add(root, "ray=%u at=%s", ray, ray_text);
     }
-    json_object_set_new(root, "opinion", json_string(said));
+    json_add(root, "opinion=%s", said);
     return put_json(findings, root, reason);
 }
 
@@ -136,9 +131,7 @@ enum status findings_log_checkpoint(struct findings *findings, const char *state
         if (member->pending > 0)
             json_object_set_new(more, signature, json_integer((json_int_t)member->pending));
     }
-    json_object_set_new(root, "checkpoint", json_string(text));
-    json_object_set_new(root, "more", more);
-    json_object_set_new(root, "findings", decimal(total(findings)));
+    json_add(root, "checkpoint=%s more=%p findings=%p", text, more, decimal(total(findings)));
     enum status status = put_json(findings, root, reason);
     if (status)
         return status;

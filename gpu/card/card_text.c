@@ -2,6 +2,7 @@
 #include "gpu/card/card.h"
 
 #include "gpu/vk/text.h"
+#include "ref/base/json_record.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -114,20 +115,19 @@ void card_text(const struct card *card, char *text, size_t text_bytes)
 
 static json_t *choice_json(const struct card_choice *choice)
 {
-    return json_pack("{s:I, s:I, s:I, s:I}", "telling", (json_int_t)choice->telling, "as_written",
-                     (json_int_t)choice->plain, "other", (json_int_t)choice->other, "neither",
-                     (json_int_t)choice->neither);
+    return json_record("telling=%u as_written=%u other=%u neither=%u", choice->telling,
+                       choice->plain, choice->other, choice->neither);
 }
 
 static json_t *root_json(const struct card_root *root)
 {
-    return json_pack("{s:I, s:I, s:I}", "count", (json_int_t)root->count, "differs",
-                     (json_int_t)root->differs, "worst_ulp", (json_int_t)root->worst_ulp);
+    return json_record("count=%u differs=%u worst_ulp=%u", root->count, root->differs,
+                       root->worst_ulp);
 }
 
 static json_t *pair_json(const struct card_pair *pair)
 {
-    return json_pack("{s:s, s:s}", "with_one_nan", nan_rule(pair), "of_zeros", zero_rule(pair));
+    return json_record("with_one_nan=%s of_zeros=%s", nan_rule(pair), zero_rule(pair));
 }
 
 static json_t *ops_json(const struct card *card)
@@ -136,11 +136,10 @@ static json_t *ops_json(const struct card *card)
     for (uint32_t k = 0; k < PROBE_OPS && ops; k++) {
         const struct probe_op *op = &card->op[k];
         (void)json_array_append_new(
-            ops, json_pack("{s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "op", op->name, "ordinary",
-                           (json_int_t)op->ordinary, "ordinary_differs",
-                           (json_int_t)op->ordinary_differs, "worst_ulp", (json_int_t)op->worst_ulp,
-                           "special", (json_int_t)op->special, "special_differs",
-                           (json_int_t)op->special_differs, "flushed", (json_int_t)op->flushed));
+            ops, json_record("op=%s ordinary=%u ordinary_differs=%u worst_ulp=%u special=%u "
+                             "special_differs=%u flushed=%u",
+                             op->name, op->ordinary, op->ordinary_differs, op->worst_ulp,
+                             op->special, op->special_differs, op->flushed));
     }
     return ops;
 }
@@ -149,13 +148,13 @@ static json_t *halves_json(const struct card *card)
 {
     const struct card_unpack *unpack = &card->unpack;
     const struct card_pack *pack = &card->pack;
-    return json_pack("{s:{s:I, s:I, s:I, s:I}, s:{s:I, s:I, s:I, s:I, s:I, s:I}}", "unpack",
-                     "wrong", (json_int_t)unpack->wrong, "subnormal_kept", (json_int_t)unpack->kept,
-                     "subnormal_zero", (json_int_t)unpack->flushed, "subnormal_wrong",
-                     (json_int_t)unpack->subnormal_wrong, "pack", "count", (json_int_t)pack->count,
-                     "not_nearest", (json_int_t)pack->differs, "no_neighbour",
-                     (json_int_t)pack->beyond, "overflow", (json_int_t)pack->overflow, "tiny",
-                     (json_int_t)pack->tiny, "normal", (json_int_t)pack->normal);
+    return json_record(
+        "unpack=%p pack=%p",
+        json_record("wrong=%u subnormal_kept=%u subnormal_zero=%u subnormal_wrong=%u",
+                    unpack->wrong, unpack->kept, unpack->flushed, unpack->subnormal_wrong),
+        json_record("count=%u not_nearest=%u no_neighbour=%u overflow=%u tiny=%u normal=%u",
+                    pack->count, pack->differs, pack->beyond, pack->overflow, pack->tiny,
+                    pack->normal));
 }
 
 static json_t *loop_json(const struct card_loop *loop)
@@ -165,24 +164,22 @@ static json_t *loop_json(const struct card_loop *loop)
         (void)json_array_append_new(asked, json_integer((json_int_t)loop->asked[i]));
         (void)json_array_append_new(ran, json_integer((json_int_t)loop->ran[i]));
     }
-    return json_pack("{s:b, s:o, s:o}", "ended_early", loop_is_cut(loop), "asked", asked, "ran",
-                     ran);
+    return json_record("ended_early=%i asked=%p ran=%p", loop_is_cut(loop), asked, ran);
 }
 
 static json_t *arithmetic_json(const struct arithmetic *a)
 {
-    return json_pack("{s:b, s:b, s:f, s:f, s:f}", "bits", a->bits, "flushes", a->flushes, "add_u",
-                     a->rounding.add, "mul_u", a->rounding.mul, "div_u", a->rounding.div);
+    return json_record("bits=%i flushes=%i add_u=%g mul_u=%g div_u=%g", a->bits, a->flushes,
+                       a->rounding.add, a->rounding.mul, a->rounding.div);
 }
 
 json_t *card_json(const struct card *card)
 {
-    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "device",
-                     card->limits.device, "driver", card->limits.driver, "judge",
-                     arithmetic_json(&card->arithmetic), "ops", ops_json(card), "sqrt",
-                     root_json(&card->sqrt), "inversesqrt", root_json(&card->inversesqrt), "min",
-                     pair_json(&card->min), "max", pair_json(&card->max), "fma",
-                     choice_json(&card->fma), "free_mul_add", choice_json(&card->contraction),
-                     "free_distribution", choice_json(&card->distribution), "half",
-                     halves_json(card), "loops", loop_json(&card->loop));
+    return json_record("device=%s driver=%s judge=%p ops=%p sqrt=%p inversesqrt=%p min=%p max=%p "
+                       "fma=%p free_mul_add=%p free_distribution=%p half=%p loops=%p",
+                       card->limits.device, card->limits.driver, arithmetic_json(&card->arithmetic),
+                       ops_json(card), root_json(&card->sqrt), root_json(&card->inversesqrt),
+                       pair_json(&card->min), pair_json(&card->max), choice_json(&card->fma),
+                       choice_json(&card->contraction), choice_json(&card->distribution),
+                       halves_json(card), loop_json(&card->loop));
 }

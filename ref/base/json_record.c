@@ -1,0 +1,95 @@
+#include "ref/base/json_record.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define NAME_MOST 256
+
+_Static_assert(sizeof(size_t) == sizeof(uint64_t), "%zu takes both");
+
+/* The next value of `list`, of the conversion that stands at `at`. */
+static json_t *next_value(const char *at, va_list *list)
+{
+    double number;
+    switch (at[1]) {
+    case 's':
+        return json_string(va_arg(*list, const char *));
+    case 'd':
+        return json_integer(va_arg(*list, int));
+    case 'u':
+        return json_integer(va_arg(*list, unsigned));
+    case 'z':
+        return json_integer((json_int_t)va_arg(*list, size_t));
+    case 'g':
+        number = va_arg(*list, double);
+        return isfinite(number) ? json_real(number) : json_null();
+    case 'i':
+        return json_boolean(va_arg(*list, int));
+    default:
+        assert(at[1] == 'p');
+        return va_arg(*list, void *);
+    }
+}
+
+/* Copies the name that begins at `name`, each %s in it being the next text. Returns where its
+ * conversion stands. */
+static const char *next_name(const char *name, char key[NAME_MOST], va_list *list)
+{
+    size_t used = 0;
+    for (; *name != '='; name++) {
+        if (*name == '%') {
+            const char *text = va_arg(*list, const char *);
+            used += (size_t)snprintf(key + used, NAME_MOST - used, "%s", text);
+            name++;
+        } else {
+            key[used++] = *name;
+        }
+        assert(used < NAME_MOST);
+    }
+    key[used] = '\0';
+    return name + 1;
+}
+
+/* Returns whether all were added. */
+static bool add(json_t *object, const char *names, va_list *list)
+{
+    bool all = object != NULL;
+    while (*names) {
+        char key[NAME_MOST];
+        const char *conversion = next_name(names, key, list);
+        /* Takes its value over whatever comes of it. */
+        all = json_object_set_new(object, key, next_value(conversion, list)) == 0 && all;
+        names = conversion + strcspn(conversion, " ");
+        names += strspn(names, " ");
+    }
+    return all;
+}
+
+json_t *json_text(const char *text)
+{
+    return text ? json_string(text) : json_null();
+}
+
+json_t *json_record(const char *names, ...)
+{
+    json_t *out = json_object();
+    va_list list;
+    va_start(list, names);
+    bool all = add(out, names, &list);
+    va_end(list);
+    if (all)
+        return out;
+    json_decref(out);
+    return NULL;
+}
+
+void json_add(json_t *object, const char *names, ...)
+{
+    va_list list;
+    va_start(list, names);
+    (void)add(object, names, &list);
+    va_end(list);
+}

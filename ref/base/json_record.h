@@ -1,0 +1,26 @@
+/* JSON objects of named values, written as one line that the compiler checks:
+ *   json_record("scene=%s triangles=%u ratio=%g", spec, count, ratio) */
+#ifndef JSON_RECORD_H
+#define JSON_RECORD_H
+
+#include "ref/base/base.h"
+
+#include <jansson.h>
+
+/* Makes an object of NAME=CONVERSION words, blanks between, in their order. Conversions:
+ *   %s         a text, not NULL
+ *   %d %u %zu  integers; %zu takes size_t and uint64_t
+ *   %g         a number; null if it is not finite, which JSON cannot hold
+ *   %i         true or false
+ *   %p         a json_t, which is taken over
+ * In a name %s is a text, too: "%s_ns=%g". A name has at most 255 bytes.
+ * NULL without memory, or if a json_t is NULL. */
+json_t *json_record(const char *names, ...) PRINTF_LIKE(1, 2);
+
+/* A text, or null for NULL. */
+json_t *json_text(const char *text);
+
+/* Adds such values to an object. A NULL object stays so; what was to be taken over is freed. */
+void json_add(json_t *object, const char *names, ...) PRINTF_LIKE(2, 3);
+
+#endif
