@@ -16,126 +16,10 @@
  * Published tests are not all backward stable, so that of slivers, and near the plane, more is
  * allowed: what ref/judge/judge_allowed.c proves of the worst of them at that triangle. */
 #include "ref/judge/judge_inner.h"
+#include "ref/judge/ray_triangle.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-struct triangle {
-    double v[3][3];    /* relative to the ray's origin */
-    double side[3][3]; /* from vertex c to the next: not the difference of the above, which of a
-                          small triangle far away is less than the rounding of a double */
-    double d[3];
-    double unit; /* u * max |v| */
-};
-
-static struct triangle triangle_of(const struct ray *ray, float v[3][3])
-{
-    struct triangle t;
-    double most = 0.0;
-    for (int k = 0; k < 3; k++) {
-        t.d[k] = (double)ray->dir[k];
-        for (int c = 0; c < 3; c++) {
-            t.v[c][k] = (double)v[c][k] - (double)ray->org[k];
-            t.side[c][k] = (double)v[(c + 1) % 3][k] - (double)v[c][k];
-            most = fmax(most, fabs(t.v[c][k]));
-        }
-    }
-    t.unit = JUDGE_UNIT * most;
-    return t;
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void sub(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = a[k] - b[k];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-/* Across the triangle's plane; its length is twice the area. */
-static void normal_of(const struct triangle *t, double out[3])
-{
-    cross(t->side[2], t->side[0], out);
-}
-
-/* Distance of p to the segment from a along ab. */
-static double to_segment(const double p[3], const double a[3], const double ab[3])
-{
-    double ap[3], rest[3];
-    sub(p, a, ap);
-    double length = dot(ab, ab), s = length > 0.0 ? dot(ap, ab) / length : 0.0;
-    s = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
-    for (int k = 0; k < 3; k++)
-        rest[k] = ap[k] - s * ab[k];
-    return sqrt(dot(rest, rest));
-}
-
-/* Distance of p to the triangle: to its plane above the triangle, else to the nearest edge. */
-static double to_triangle(const double p[3], const struct triangle *t)
-{
-    double n[3], ap[3], beside[3], least = INFINITY;
-    bool above = true;
-    normal_of(t, n);
-    double area = sqrt(dot(n, n));
-    for (int c = 0; c < 3; c++) {
-        least = fmin(least, to_segment(p, t->v[c], t->side[c]));
-        sub(p, t->v[c], ap);
-        cross(t->side[c], ap, beside);
-        above = above && dot(beside, n) >= 0.0;
-    }
-    if (!above || !(area > 0.0))
-        return least;
-    sub(p, t->v[0], ap);
-    return fmin(least, fabs(dot(ap, n)) / area);
-}
-
-/* Distance of the ray's point at t to the triangle's plane. */
-static double to_plane(double t, const struct triangle *tri)
-{
-    double n[3], p[3];
-    normal_of(tri, n);
-    for (int k = 0; k < 3; k++)
-        p[k] = t * tri->d[k] - tri->v[0][k];
-    double area = sqrt(dot(n, n));
-    return area > 0.0 ? fabs(dot(p, n)) / area : 0.0;
-}
-
-void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3])
-{
-    struct triangle t = triangle_of(ray, v);
-    for (int c = 0; c < 3; c++) {
-        const double *side = t.side[(c + 1) % 3];
-        double n[3], across[3];
-        cross(t.v[(c + 1) % 3], side, n);
-        cross(t.d, side, across);
-        double length = sqrt(dot(across, across));
-        out[c] = length > 0.0 ? dot(t.d, n) / length / t.unit : 0.0;
-    }
-}
-
-double judge_point_displacement(const struct ray *ray, float v[3][3], double t)
-{
-    struct triangle tri = triangle_of(ray, v);
-    double at[3] = {t * tri.d[0], t * tri.d[1], t * tri.d[2]};
-    return tri.unit > 0.0 ? to_triangle(at, &tri) / tri.unit : 0.0;
-}
-
-double judge_unit_of_t(const struct ray *ray, float v[3][3])
-{
-    struct triangle t = triangle_of(ray, v);
-    double n[3];
-    normal_of(&t, n);
-    return t.unit * sqrt(dot(n, n)) / fabs(dot(t.d, n));
-}
 
 static bool is_hit(const struct oracle_pair *pair)
 {
@@ -164,10 +48,11 @@ static void keep_least(struct loss *loss, double need, double allowed, enum verd
 /* A box whose near side is rounded up may be cut off by a hit before it, so the plane is allowed
  * twice its bound: its own error and that of the other. */
 static void keep_plane(const struct judge *judge, const struct judge_rounding *rounding,
-                       const struct triangle *tri, double t, enum verdict why, struct loss *loss)
+                       const struct ray_triangle *tri, double t, enum verdict why,
+                       struct loss *loss)
 {
-    keep_least(loss, to_plane(t, tri) / tri->unit, 2.0 * judge_plane_allowed(judge, rounding, t),
-               why);
+    keep_least(loss, ray_triangle_plane_distance(t, tri) / tri->unit,
+               2.0 * judge_plane_allowed(judge, rounding, t), why);
 }
 
 static struct loss loss_of(const struct judge *judge, const struct ray *ray,
@@ -176,7 +61,7 @@ static struct loss loss_of(const struct judge *judge, const struct ray *ray,
     float v[3][3];
     double edge[3];
     scene_tri(judge->scene, lost->prim, v);
-    struct triangle tri = triangle_of(ray, v);
+    struct ray_triangle tri = ray_triangle_of(ray, v);
     struct judge_rounding rounding = judge_rounding_of(ray, v);
     struct loss loss = {lost->prim,      INFINITY,        INFINITY,
                         lost->pair.t_lo, lost->pair.t_hi, VERDICT_BOUNDARY};
@@ -229,23 +114,15 @@ static enum status worst_loss(const struct judge *judge, const struct ray *ray,
     return status;
 }
 
-/* How far the weighed point is from the line of the ray. */
-static double beside_ray(const double p[3], const struct triangle *tri)
-{
-    double across[3], length = sqrt(dot(tri->d, tri->d));
-    cross(p, tri->d, across);
-    return length > 0.0 ? sqrt(dot(across, across)) / length : 0.0;
-}
-
 /* Do u and v weigh a point of the triangle that rounding brings to the ray? */
 static bool weights_fit(const struct judge *judge, const struct hit *answer,
-                        const struct triangle *tri, const struct judge_rounding *rounding)
+                        const struct ray_triangle *tri, const struct judge_rounding *rounding)
 {
     double u = (double)answer->u, w = (double)answer->v, p[3];
     for (int k = 0; k < 3; k++)
         p[k] = (1.0 - u - w) * tri->v[0][k] + u * tri->v[1][k] + w * tri->v[2][k];
     double most = judge->displacement * tri->unit;
-    if (beside_ray(p, tri) <= most && to_triangle(p, tri) <= most)
+    if (ray_triangle_line_distance(p, tri) <= most && ray_triangle_distance(p, tri) <= most)
         return true;
     /* No test accepts weights below 0; Embree's takes them for 0 from -2^-23 on. */
     return u >= -JUDGE_SHARE && w >= -JUDGE_SHARE && u + w <= 1.0 + JUDGE_SHARE &&
@@ -257,18 +134,18 @@ static bool weights_fit(const struct judge *judge, const struct hit *answer,
  * as it stays near the plane, of a triangle that it may take for hit; then only that counts.
  * *noise: the determinant's sign is open there, so that the point may be anywhere. */
 static double hit_over(const struct judge *judge, const struct hit *answer,
-                       const struct triangle *tri, const struct judge_rounding *rounding,
+                       const struct ray_triangle *tri, const struct judge_rounding *rounding,
                        double *need, bool *noise)
 {
     double at[3];
     *noise = false;
     for (int k = 0; k < 3; k++)
         at[k] = (double)answer->t * tri->d[k];
-    *need = tri->unit > 0.0 ? to_triangle(at, tri) / tri->unit : 0.0;
+    *need = tri->unit > 0.0 ? ray_triangle_distance(at, tri) / tri->unit : 0.0;
     double over = *need / judge->displacement;
     if (!judge_may_accept(judge, rounding))
         return over;
-    double plane = to_plane((double)answer->t, tri) / tri->unit;
+    double plane = ray_triangle_plane_distance((double)answer->t, tri) / tri->unit;
     double along = plane / judge_plane_allowed(judge, rounding, (double)answer->t);
     if (over > 1.0) {
         *need = plane;
@@ -285,7 +162,7 @@ enum verdict judge_named_by_distance(const struct judge *judge, const struct ray
     struct oracle_pair pair;
     bool noise;
     scene_tri(judge->scene, answer->prim, v);
-    struct triangle tri = triangle_of(ray, v);
+    struct ray_triangle tri = ray_triangle_of(ray, v);
     struct judge_rounding rounding = judge_rounding_of(ray, v);
     oracle_pair(judge->oracle, ray, answer->prim, &pair);
     double over = out->share = hit_over(judge, answer, &tri, &rounding, &out->displacement, &noise);
@@ -393,10 +270,10 @@ enum status judge_need(const struct judge *judge, const struct ray *ray,
     if (!miss) {
         double at[3];
         scene_tri(judge->scene, answer->prim, v);
-        struct triangle tri = triangle_of(ray, v);
+        struct ray_triangle tri = ray_triangle_of(ray, v);
         for (int k = 0; k < 3; k++)
             at[k] = (double)answer->t * tri.d[k];
-        *need = to_triangle(at, &tri);
+        *need = ray_triangle_distance(at, &tri);
     }
     if (truth->prim == ABI_NO_PRIM || !(reach > truth->t_hi) ||
         (!miss && judge->query == QUERY_ANY))
@@ -409,7 +286,8 @@ enum status judge_need(const struct judge *judge, const struct ray *ray,
         if (!is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
             continue;
         scene_tri(judge->scene, list[i].prim, v);
-        *need = fmax(*need, loss_of(judge, ray, &list[i], reach).need * triangle_of(ray, v).unit);
+        *need =
+            fmax(*need, loss_of(judge, ray, &list[i], reach).need * ray_triangle_of(ray, v).unit);
     }
     free(list);
     return status;

@@ -1,0 +1,301 @@
+/* Embree 3 or 4; the only file of the library that includes it. */
+#include "ref/engines/embree_device.h"
+
+#if HAVE_EMBREE
+
+#include "ref/engines/cpu_rays.h"
+
+#if HAVE_EMBREE == 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <fenv.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct embree {
+    RTCDevice device;
+    RTCScene scene; /* NULL before the first prepare */
+    enum embree_mode mode;
+    bool compact;
+    bool unguarded;
+    unsigned threads;
+    enum query query;
+    atomic_llong bytes; /* held by Embree now */
+};
+
+/* Embree asserts on origins and directions from 1.844e18 on: such rays are out of contract. */
+#define EMBREE_MOST 1e18f
+
+static bool embree_memory(void *user, ssize_t bytes, bool post)
+{
+    struct embree *embree = user;
+    (void)post;
+    atomic_fetch_add(&embree->bytes, (long long)bytes);
+    return true;
+}
+
+static enum status embree_error(struct embree *embree, const char *doing, struct reason *reason)
+{
+    enum RTCError error = rtcGetDeviceError(embree->device);
+    if (error == RTC_ERROR_NONE)
+        return STATUS_OK;
+    enum status status = error == RTC_ERROR_OUT_OF_MEMORY ? STATUS_MEMORY : STATUS_DEVICE;
+    return fail(reason, status, "Embree: error %d while %s", (int)error, doing);
+}
+
+void embree_close(void *self)
+{
+    struct embree *embree = self;
+    if (!embree)
+        return;
+    if (embree->scene)
+        rtcReleaseScene(embree->scene);
+    if (embree->device)
+        rtcReleaseDevice(embree->device);
+    free(embree);
+}
+
+enum status embree_open_mode(const struct engine_options *options, enum embree_mode mode,
+                             void **self, struct reason *reason)
+{
+    struct embree *embree = alloc_zeroed(1, sizeof *embree);
+    *self = NULL;
+    if (!embree)
+        return fail(reason, STATUS_MEMORY, "no memory for an engine");
+    embree->mode = mode;
+    embree->compact = options->compact;
+    embree->unguarded = options->unguarded;
+    embree->threads = cpu_rays_threads(options);
+    char config[64];
+    snprintf(config, sizeof config, "threads=%u%s", embree->threads,
+             options->avx512 ? ",frequency_level=simd512" : "");
+    embree->device = rtcNewDevice(config);
+    if (!embree->device) {
+        free(embree);
+        return fail(reason, STATUS_UNSUPPORTED, "Embree: no device for this processor (error %d)",
+                    (int)rtcGetDeviceError(NULL));
+    }
+    rtcSetDeviceMemoryMonitorFunction(embree->device, embree_memory, embree);
+    *self = embree;
+    return STATUS_OK;
+}
+
+/* One ray of QUERY_ALL: the context that Embree hands back to the filter, and where hits go. */
+struct embree_list {
+#if HAVE_EMBREE == 4
+    struct RTCRayQueryContext context; /* first: Embree knows the list by it */
+#else
+    struct RTCIntersectContext context;
+#endif
+    struct hit *hit;
+    uint32_t capacity, found;
+};
+
+/* Lists the hit and rejects it, so that the ray keeps its length and goes on. Rays come alone: a
+ * group of one has the layout of the single structs, which is all that C has accessors for. */
+static void embree_list_filter(const struct RTCFilterFunctionNArguments *args)
+{
+    struct embree_list *list = (struct embree_list *)args->context;
+    const struct RTCRay *ray = (const struct RTCRay *)args->ray;
+    const struct RTCHit *hit = (const struct RTCHit *)args->hit;
+    if (args->N != 1 || args->valid[0] != -1)
+        return;
+    if (list->found < list->capacity)
+        list->hit[list->found] = (struct hit){ray->tfar, hit->u, hit->v, hit->primID};
+    list->found++;
+    args->valid[0] = 0;
+}
+
+static enum status embree_add_mesh(struct embree *embree, const struct scene *scene,
+                                   struct reason *reason)
+{
+    RTCGeometry mesh = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float *vertex = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                            3 * sizeof(float), scene->vertex_count);
+    unsigned *index = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              3 * sizeof(unsigned), scene->tri_count);
+    if (!vertex || !index) {
+        rtcReleaseGeometry(mesh);
+        return fail(reason, STATUS_MEMORY, "Embree: no memory for %u triangles", scene->tri_count);
+    }
+    memcpy(vertex, scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count);
+    memcpy(index, scene->index, 3 * sizeof(unsigned) * (size_t)scene->tri_count);
+    if (embree->query == QUERY_ALL)
+        rtcSetGeometryIntersectFilterFunction(mesh, embree_list_filter);
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometryByID(embree->scene, mesh, 0);
+    rtcReleaseGeometry(mesh);
+    return STATUS_OK;
+}
+
+enum status embree_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    struct embree *embree = self;
+    if (embree->scene)
+        rtcReleaseScene(embree->scene);
+    embree->query = job->query;
+    embree->scene = rtcNewScene(embree->device);
+    rtcSetSceneFlags(embree->scene,
+                     (embree->mode == EMBREE_ROBUST ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
+                         (embree->compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE));
+    if (embree->mode == EMBREE_HIGH)
+        rtcSetSceneBuildQuality(embree->scene, RTC_BUILD_QUALITY_HIGH);
+    enum status status = STATUS_OK;
+    if (job->scene->tri_count > 0)
+        status = embree_add_mesh(embree, job->scene, reason);
+    if (status)
+        return status;
+    /* The build sets flush-to-zero on this thread: the reference must not see it. */
+    fenv_t environment;
+    fegetenv(&environment);
+    rtcCommitScene(embree->scene);
+    fesetenv(&environment);
+    return embree_error(embree, "building", reason);
+}
+
+static bool embree_takes(const struct embree *embree, const struct ray *ray)
+{
+    if (embree->unguarded)
+        return true;
+    for (int k = 0; k < 3; k++)
+        if (!(ray->org[k] < EMBREE_MOST && ray->org[k] > -EMBREE_MOST) ||
+            !(ray->dir[k] < EMBREE_MOST && ray->dir[k] > -EMBREE_MOST))
+            return false;
+    return ray->tmin >= 0.0f && ray->tmax >= ray->tmin;
+}
+
+static struct RTCRayHit embree_query(const struct ray *ray)
+{
+    return (struct RTCRayHit){
+        .ray = {.org_x = ray->org[0],
+                .org_y = ray->org[1],
+                .org_z = ray->org[2],
+                .tnear = ray->tmin,
+                .dir_x = ray->dir[0],
+                .dir_y = ray->dir[1],
+                .dir_z = ray->dir[2],
+                .tfar = ray->tmax,
+                .mask = 0xFFFFFFFFu},
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .primID = RTC_INVALID_GEOMETRY_ID},
+    };
+}
+
+static void embree_closest(struct embree *embree, const struct ray *ray, struct hit *hit)
+{
+    struct RTCRayHit query = embree_query(ray);
+#if HAVE_EMBREE == 4
+    rtcIntersect1(embree->scene, &query, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(embree->scene, &context, &query);
+#endif
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        *hit = (struct hit){.prim = ABI_NO_PRIM};
+    else
+        *hit = (struct hit){query.ray.tfar, query.hit.u, query.hit.v, query.hit.primID};
+}
+
+static uint32_t embree_all(struct embree *embree, const struct ray *ray, uint32_t capacity,
+                           struct hit *hit)
+{
+    struct RTCRayHit query = embree_query(ray);
+    struct embree_list list = {.hit = hit, .capacity = capacity};
+#if HAVE_EMBREE == 4
+    struct RTCIntersectArguments arguments;
+    rtcInitRayQueryContext(&list.context);
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &list.context;
+    rtcIntersect1(embree->scene, &query, &arguments);
+#else
+    rtcInitIntersectContext(&list.context);
+    rtcIntersect1(embree->scene, &list.context, &query);
+#endif
+    return list.found;
+}
+
+/* Embree does not say what blocked the ray: a hit is triangle 0 at t = 0. */
+static void embree_any(struct embree *embree, const struct ray *ray, struct hit *hit)
+{
+    struct RTCRay query = {.org_x = ray->org[0],
+                           .org_y = ray->org[1],
+                           .org_z = ray->org[2],
+                           .tnear = ray->tmin,
+                           .dir_x = ray->dir[0],
+                           .dir_y = ray->dir[1],
+                           .dir_z = ray->dir[2],
+                           .tfar = ray->tmax,
+                           .mask = 0xFFFFFFFFu};
+#if HAVE_EMBREE == 4
+    rtcOccluded1(embree->scene, &query, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(embree->scene, &context, &query);
+#endif
+    *hit = (struct hit){.prim = query.tfar < 0.0f ? 0 : ABI_NO_PRIM};
+}
+
+#include "ref/engines/embree_packets.h"
+
+static void embree_singles(struct embree *embree, const struct ray *ray, size_t ray_count,
+                           struct hit *hit)
+{
+#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
+    for (long long i = 0; i < (long long)ray_count; i++) {
+        if (!embree_takes(embree, &ray[i]))
+            hit[i] = (struct hit){.prim = ABI_NO_PRIM};
+        else if (embree->query == QUERY_ANY)
+            embree_any(embree, &ray[i], &hit[i]);
+        else
+            embree_closest(embree, &ray[i], &hit[i]);
+    }
+}
+
+enum status embree_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                         struct trace_report *report, struct reason *reason)
+{
+    struct embree *embree = self;
+    uint64_t start = time_ns();
+    if (embree->mode == EMBREE_PACKETS)
+        embree_packets(embree, ray, ray_count, hit);
+    else
+        embree_singles(embree, ray, ray_count, hit);
+    *report = (struct trace_report){.ns = time_ns() - start,
+                                    .memory_bytes = (uint64_t)atomic_load(&embree->bytes)};
+    return embree_error(embree, "tracing", reason);
+}
+
+enum status embree_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                             struct hit *hit, uint32_t *hit_count, struct reason *reason)
+{
+    struct embree *embree = self;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
+    for (long long i = 0; i < (long long)ray_count; i++)
+        hit_count[i] = embree_takes(embree, &ray[i])
+                           ? embree_all(embree, &ray[i], capacity, hit + (size_t)i * capacity)
+                           : 0;
+    return embree_error(embree, "tracing", reason);
+}
+
+void embree_describe(const struct engine_options *options, char *text, size_t text_bytes)
+{
+    RTCDevice device = rtcNewDevice("threads=1");
+    if (!device) {
+        snprintf(text, text_bytes, "no device for this processor");
+        return;
+    }
+    snprintf(text, text_bytes, "Embree %lld.%lld.%lld, %u threads",
+             (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
+             (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
+             (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH),
+             cpu_rays_threads(options));
+    rtcReleaseDevice(device);
+}
+
+#endif

@@ -1,0 +1,48 @@
+/* What a library that was built without Embree has in its place. */
+#include "ref/engines/embree_device.h"
+
+#if !HAVE_EMBREE
+
+#include <stdio.h>
+
+enum status embree_open_mode(const struct engine_options *options, enum embree_mode mode,
+                             void **self, struct reason *reason)
+{
+    (void)options, (void)mode;
+    *self = NULL;
+    return fail(reason, STATUS_UNSUPPORTED,
+                "built without Embree: install libembree-dev and build again");
+}
+
+enum status embree_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    (void)self, (void)job;
+    return embree_open_mode(NULL, EMBREE_DEFAULT, &self, reason);
+}
+
+enum status embree_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                         struct trace_report *report, struct reason *reason)
+{
+    (void)ray, (void)ray_count, (void)hit, (void)report;
+    return embree_open_mode(NULL, EMBREE_DEFAULT, &self, reason);
+}
+
+enum status embree_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                             struct hit *hit, uint32_t *hit_count, struct reason *reason)
+{
+    (void)ray, (void)ray_count, (void)capacity, (void)hit, (void)hit_count;
+    return embree_open_mode(NULL, EMBREE_DEFAULT, &self, reason);
+}
+
+void embree_close(void *self)
+{
+    (void)self;
+}
+
+void embree_describe(const struct engine_options *options, char *text, size_t text_bytes)
+{
+    (void)options;
+    snprintf(text, text_bytes, "built without Embree: install libembree-dev and build again");
+}
+
+#endif
