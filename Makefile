@@ -153,6 +153,8 @@ format-check:
 
 HEADERS := $(wildcard ref/*.h $(patsubst %,ref/%/*.h,base files judge match packed primitives scene trace tree twin) \
              scenes/*.h scenes/*/*.h) ref/oracle/oracle.h
+BASH_DIR := share/bash-completion/completions
+ZSH_DIR  := share/zsh/site-functions
 install: all lib
 	install -Dm755 $(B)/raydiff $(DESTDIR)$(PREFIX)/bin/raydiff
 	install -Dm644 $(B)/libraydiff.a $(DESTDIR)$(PREFIX)/lib/libraydiff.a
@@ -161,12 +163,18 @@ install: all lib
 	install -d $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/share/man/man1
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LDLIBS)|' \
 	    ref/raydiff.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/raydiff.pc
-	sed -e 's|@VERSION@|$(VERSION)|' ref/raydiff.1 > $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1
+	$(B)/raydiff help --man | cat - ref/raydiff.1 > $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1
+	for c in $$($(B)/raydiff help --commands); do \
+	    $(B)/raydiff help --man $$c > $(DESTDIR)$(PREFIX)/share/man/man1/raydiff-$$c.1 || exit 1; done
+	install -d $(DESTDIR)$(PREFIX)/$(BASH_DIR) $(DESTDIR)$(PREFIX)/$(ZSH_DIR)
+	$(B)/raydiff help --bash > $(DESTDIR)$(PREFIX)/$(BASH_DIR)/raydiff
+	$(B)/raydiff help --zsh > $(DESTDIR)$(PREFIX)/$(ZSH_DIR)/_raydiff
 
 uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/raydiff $(DESTDIR)$(PREFIX)/lib/libraydiff.a \
 	      $(DESTDIR)$(PREFIX)/lib/pkgconfig/raydiff.pc \
-	      $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1
+	      $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1 $(DESTDIR)$(PREFIX)/share/man/man1/raydiff-*.1 \
+	      $(DESTDIR)$(PREFIX)/$(BASH_DIR)/raydiff $(DESTDIR)$(PREFIX)/$(ZSH_DIR)/_raydiff
 	rm -rf $(DESTDIR)$(PREFIX)/include/raydiff
 
 clean:

@@ -3,6 +3,7 @@
 #include "ref/base/command.h"
 #include "cmd/common/cmd_nearest.h"
 #include "cmd/common/cmd_process.h"
+#include "cmd/common/cmd_rows.h"
 
 #include <string.h>
 
@@ -35,7 +36,7 @@ static const struct command commands[] = {
 static void print_help(FILE *to)
 {
     fputs("raydiff: when a ray misses a triangle, find out who is wrong.\n\n"
-          "usage: raydiff COMMAND [ARGUMENTS]     raydiff COMMAND --help\n\n",
+          "usage: raydiff COMMAND [ARGUMENTS]     raydiff help COMMAND\n\n",
           to);
     for (const struct command *command = commands; command->name; command++)
         fprintf(to, "  %-12s %s\n", command->name, command->summary);
@@ -43,6 +44,147 @@ static void print_help(FILE *to)
           "            4 internal error, 77 skipped\n"
           "example:    raydiff check soup:n=1000 --layout f32,rf16\n",
           to);
+}
+
+/* --- what is made of the options of all commands ------------------------------------------- */
+
+/* Commands that take other options after these words. */
+static const struct {
+    const char *command;
+    char *word;
+} forms[] = {{"diff", (char[]){"a.png"}}, {"fuzz", (char[]){"--self-test"}}};
+
+/* The options of a command, all its forms, as option_form has it. */
+static void print_options(const struct command *command)
+{
+    char name[24], help[] = "--help";
+    snprintf(name, sizeof name, "%s", command->name);
+    (void)command->run(2, (char *[]){name, help, NULL});
+    for (size_t i = 0; i < ARRAY_COUNT(forms); i++)
+        if (strcmp(forms[i].command, command->name) == 0)
+            (void)command->run(3, (char *[]){name, forms[i].word, help, NULL});
+}
+
+static void man_page(const struct command *only)
+{
+    printf(
+        ".TH RAYDIFF%s%s 1 \"\" \"raydiff %s\" \"User Commands\"\n.SH NAME\nraydiff%s%s \\- %s\n",
+        only ? "-" : "", only ? only->name : "", RAYDIFF_VERSION, only ? "-" : "",
+        only ? only->name : "",
+        only ? only->summary : "differential testing of ray tracers and BVH node layouts");
+    if (only) {
+        print_options(only);
+        puts(".SH SEE ALSO\n.BR raydiff (1)");
+        return;
+    }
+    puts(
+        ".SH SYNOPSIS\n.B raydiff\n.I COMMAND\n.RI [ ARGUMENTS ]\n.SH DESCRIPTION\n"
+        "Runs a C reference, Vulkan compute shaders and Embree on the same triangles and rays, for "
+        "every node\nlayout, and shows which agree, which differ and why.\n"
+        "Every command has\n.B \\-\\-help\nwith an example, and a page of its own.\n.SH COMMANDS");
+    for (const struct command *command = commands; command->name; command++)
+        printf(".TP\n.BR raydiff\\-%s (1)\n%s\n", command->name, command->summary);
+}
+
+static void bash_completion(void)
+{
+    puts("# bash completion of raydiff: source it, or keep it in bash-completion's folder.\n"
+         "_raydiff() {\n"
+         "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
+         "    local options= values= words= files=\n"
+         "    if ((COMP_CWORD == 1)); then");
+    printf("        COMPREPLY=($(compgen -W 'help");
+    for (const struct command *command = commands; command->name; command++)
+        printf(" %s", command->name);
+    puts("' -- \"$word\"))\n        return\n    fi\n    case ${COMP_WORDS[1]} in");
+    for (const struct command *command = commands; command->name; command++)
+        print_options(command);
+    puts("    esac\n"
+         "    if [[ $values ]]; then\n"
+         "        COMPREPLY=($(compgen -W \"$values\" -- \"$word\"))\n"
+         "    elif [[ ! $words && $word = -* ]]; then\n"
+         "        COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
+         "    elif [[ ! $words || $files ]]; then\n"
+         "        COMPREPLY=($(compgen -f -- \"$word\"))\n"
+         "    fi\n"
+         "}\n"
+         "complete -o filenames -F _raydiff raydiff");
+}
+
+static void zsh_completion(void)
+{
+    puts("#compdef raydiff\n"
+         "_raydiff() {\n"
+         "    local -a commands specs\n"
+         "    commands=(");
+    for (const struct command *command = commands; command->name; command++)
+        printf("        '%s:%s'\n", command->name, command->summary);
+    puts("    )\n"
+         "    if ((CURRENT == 2)); then\n"
+         "        _describe command commands\n"
+         "        return\n"
+         "    fi\n"
+         "    case $words[2] in");
+    for (const struct command *command = commands; command->name; command++)
+        print_options(command);
+    puts("    esac\n"
+         "    shift words\n"
+         "    ((CURRENT--))\n"
+         "    _arguments $specs '*:file:_files'\n"
+         "}\n"
+         "_raydiff \"$@\"");
+}
+
+static const struct command *find_command(const char *name)
+{
+    for (const struct command *command = commands; command->name; command++)
+        if (strcmp(name, command->name) == 0)
+            return command;
+    return NULL;
+}
+
+static int unknown_command(const char *name)
+{
+    const bool of_paper = strcmp(name, "load") == 0 || strcmp(name, "demo") == 0;
+    struct nearest_name nearest = nearest_make(name, strlen(name));
+    for (const struct command *command = commands; command->name; command++)
+        nearest_try(&nearest, command->name);
+    fprintf(stderr, "raydiff: unknown command '%s' (see raydiff %s--help)%s%s%s\n", name,
+            of_paper ? "render " : "", nearest.name ? "; did you mean " : "",
+            nearest.name ? nearest.name : "", nearest.name ? "?" : "");
+    return EXIT_USAGE;
+}
+
+/* raydiff help [--man|--bash|--zsh|--commands] [COMMAND]; also --help. */
+static int help(int argc, char **argv)
+{
+    static const char *const form[] = {"--man", "--bash", "--zsh", "--commands"};
+    size_t i = 0;
+    while (argc > 1 && i < ARRAY_COUNT(form) && strcmp(argv[1], form[i]) != 0)
+        i++;
+    const bool formed = argc > 1 && i < ARRAY_COUNT(form);
+    const char *name = argc > 1 + formed ? argv[1 + formed] : NULL;
+    const struct command *only = name ? find_command(name) : NULL;
+    if (argc > 2 + formed || (name && formed && i > 0)) {
+        fprintf(stderr, "raydiff: help: [--man] [COMMAND], --bash, --zsh or --commands\n");
+        return EXIT_USAGE;
+    }
+    if (name && !only)
+        return unknown_command(name);
+    option_form = !formed || i == 3 ? FORM_HELP : (enum option_form)(FORM_MAN + i);
+    if (!formed && only)
+        print_options(only);
+    else if (!formed)
+        print_help(stdout);
+    else if (i == 0)
+        man_page(only);
+    else if (i == 1)
+        bash_completion();
+    else if (i == 2)
+        zsh_completion();
+    for (const struct command *command = commands; command->name && formed && i == 3; command++)
+        puts(command->name);
+    return EXIT_AGREE;
 }
 
 /* What a command printed has arrived: a full disk is an output that cannot be written, as any. A
@@ -71,21 +213,10 @@ int main(int argc, char **argv)
         puts("raydiff " RAYDIFF_VERSION);
         return EXIT_AGREE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
-        print_help(stdout);
-        return printed(argv[1], EXIT_AGREE);
-    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0)
+        return printed(argv[1], help(argc - 1, argv + 1));
     plugin_compile_with(cmd_glsl_compile);
     process_signals();
-    for (const struct command *command = commands; command->name; command++)
-        if (strcmp(argv[1], command->name) == 0)
-            return printed(argv[1], command->run(argc - 1, argv + 1));
-    const bool of_seed = strcmp(argv[1], "load") == 0 || strcmp(argv[1], "demo") == 0;
-    struct nearest_name nearest = nearest_make(argv[1], strlen(argv[1]));
-    for (const struct command *command = commands; command->name; command++)
-        nearest_try(&nearest, command->name);
-    fprintf(stderr, "raydiff: unknown command '%s' (see raydiff %s--help)%s%s%s\n", argv[1],
-            of_seed ? "render " : "", nearest.name ? "; did you mean " : "",
-            nearest.name ? nearest.name : "", nearest.name ? "?" : "");
-    return EXIT_USAGE;
+    const struct command *command = find_command(argv[1]);
+    return command ? printed(argv[1], command->run(argc - 1, argv + 1)) : unknown_command(argv[1]);
 }

@@ -61,6 +61,7 @@ plain)
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
     suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"
     suite options sh tests/scripts/options.sh "$build/raydiff"
+    suite help sh tests/scripts/help.sh "$build/raydiff"
     suite named sh tests/scripts/named.sh "$build/raydiff"
     suite losers sh tests/scripts/losers.sh "$build/raydiff"
     suite named_others sh tests/scripts/named_others.sh "$build/raydiff"

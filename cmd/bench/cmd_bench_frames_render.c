@@ -10,39 +10,6 @@
 
 extern const struct render_mode render_mode_benchmark;
 
-enum {
-    OPT_FRAMES = OPT_RENDER_LAST + 100, /* other modes have numbers, too */
-    OPT_TURNS,
-    OPT_WARM_UP,
-    OPT_OUT
-};
-
-static struct {
-    uint64_t frames, turns, warm_up;
-    bool turns_given;
-    const char *base;
-} chosen = {.frames = FRAMES_DEFAULT,
-            .turns = FRAMES_TURNS,
-            .warm_up = FRAMES_WARM_UP,
-            .base = "benchmark"};
-
-static enum status take(void *user, int option, char *text, struct reason *reason)
-{
-    (void)user;
-    switch (option) {
-    case OPT_FRAMES:
-        return parse_count("--benchmark-frames", text, 1, FRAMES_MOST, &chosen.frames, reason);
-    case OPT_TURNS:
-        chosen.turns_given = true;
-        return parse_count("--benchmark-turns", text, 0, FRAMES_MOST, &chosen.turns, reason);
-    case OPT_WARM_UP:
-        return parse_count("--benchmark-warm-up", text, 0, FRAMES_MOST, &chosen.warm_up, reason);
-    default:
-        chosen.base = text;
-        return STATUS_OK;
-    }
-}
-
 /* The run of one handler. */
 struct benchmark_run {
     struct render_stage stage;
@@ -50,6 +17,7 @@ struct benchmark_run {
     uint32_t *pixel;
     struct frames_run run;
     struct frames_about about;
+    const char *base; /* of the files */
     struct progress progress;
     char title[200], versions[FRAMES_VERSIONS];
 };
@@ -71,7 +39,7 @@ static enum status draw(void *user, size_t contestant, double angle, struct fram
 static enum status tell(void *user, const struct frames_run *run, struct reason *reason)
 {
     struct benchmark_run *b = user;
-    return frames_write(run, &b->about, chosen.base, reason);
+    return frames_write(run, &b->about, b->base, reason);
 }
 
 /* As RTRS's chart names it. */
@@ -92,10 +60,10 @@ static enum status prepare(const struct render_settings *settings, struct benchm
     char handler[48];
     const struct packed *packed = job->job.packed;
     uint64_t bytes = packed ? packed_node_bytes(packed) + packed_item_bytes(packed) : 0;
-    bool turns = b->stage.camera.orbit || chosen.turns_given;
-    struct frames_settings frames = {.frames = (uint32_t)chosen.frames,
-                                     .turns = turns ? (uint32_t)chosen.turns : 0,
-                                     .warm_up = (uint32_t)chosen.warm_up,
+    bool turns = b->stage.camera.orbit || option_was_given("benchmark-turns");
+    struct frames_settings frames = {.frames = (uint32_t)settings->benchmark.frames,
+                                     .turns = turns ? (uint32_t)settings->benchmark.turns : 0,
+                                     .warm_up = (uint32_t)settings->benchmark.warm_up,
                                      .stop = frames_stop_flag()};
     b->pixel = alloc_zeroed((size_t)job->width * job->height, sizeof *b->pixel);
     if (!b->pixel)
@@ -111,6 +79,7 @@ static enum status prepare(const struct render_settings *settings, struct benchm
     snprintf(b->title, sizeof b->title, "%.60s: %u triangles, %u x %u pixels, %u bounces",
              b->stage.name, b->stage.tri_count, job->width, job->height, job->look.bounces);
     fuzz_versions(&settings->engine, 1, &settings->engine_options, b->versions, sizeof b->versions);
+    b->base = settings->benchmark.base;
     b->about = (struct frames_about){
         .title = b->title,
         .note = {{"scene", b->stage.name},
@@ -145,12 +114,12 @@ static int run(const struct render_settings *settings, const char *value)
     frames_catch_signals();
     enum status status = open_all(settings, b, &reason);
     if (!status) /* a file that cannot be written ends it now */
-        status = frames_write(&b->run, &b->about, chosen.base, &reason);
+        status = frames_write(&b->run, &b->about, settings->benchmark.base, &reason);
     if (!status)
         status = frames_measure(&b->run, draw, tell, b, &reason);
     progress_end(&b->progress);
     if (b->run.done > 0 || b->run.stopped)
-        frames_print(&b->run, &b->about, status ? NULL : chosen.base);
+        frames_print(&b->run, &b->about, status ? NULL : settings->benchmark.base);
     int code = exit_of_status(status);
     if (status)
         fprintf(stderr, "raydiff render: %s\n", reason.text);
@@ -164,23 +133,23 @@ static int run(const struct render_settings *settings, const char *value)
     return code;
 }
 
-static const struct option own[] = {{"benchmark-frames", 1, NULL, OPT_FRAMES},
-                                    {"benchmark-turns", 1, NULL, OPT_TURNS},
-                                    {"benchmark-warm-up", 1, NULL, OPT_WARM_UP},
-                                    {"benchmark-out", 1, NULL, OPT_OUT},
-                                    {NULL, 0, NULL, 0}};
+const struct option_row render_benchmark_rows[] = {
+    {"benchmark-frames", "N", "measured",
+     OF_COUNT(struct render_settings, benchmark.frames, 1, FRAMES_MOST),
+     .standard = FRAMES_DEFAULT},
+    {"benchmark-turns", "N", "around the target in them; fixed cameras stand",
+     OF_COUNT(struct render_settings, benchmark.turns, 0, FRAMES_MOST), .standard = FRAMES_TURNS},
+    {"benchmark-warm-up", "N", "frames before them, dropped",
+     OF_COUNT(struct render_settings, benchmark.warm_up, 0, FRAMES_MOST),
+     .standard = FRAMES_WARM_UP},
+    {"benchmark-out", "BASE", "name of the files",
+     OF_OUTPUT(struct render_settings, benchmark.base), .shown = "benchmark"},
+    {.name = NULL},
+};
 
 const struct render_mode render_mode_benchmark = {
     .name = "benchmark",
-    .help =
-        "  --benchmark     ms per frame in place of pictures: benchmark.csv, .json, .svg, .png,\n"
-        "                  written anew every 10 frames; bench frames compares several\n"
-        "  --benchmark-frames N      measured                                [200]\n"
-        "  --benchmark-turns N       around the target in them; fixed cameras stand  [5]\n"
-        "  --benchmark-warm-up N     frames before them, dropped             [3]\n"
-        "  --benchmark-out BASE      name of the files                       [benchmark]\n",
-    .option = own,
-    .take = take,
-    .never = "out frames angle paths json fps",
+    .row = render_benchmark_rows,
+    .never = "out frames angle paths json",
     .run = run,
 };

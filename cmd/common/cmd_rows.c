@@ -119,7 +119,7 @@ const struct option_row *option_find(const struct option_set *set, const char *n
             if (strcmp(row->name, name) == 0 ||
                 (row->letter && name[0] == row->letter && !name[1])) {
                 if (owner)
-                    *owner = group->at ? group->at : (char *)options + group->place;
+                    *owner = (char *)options + group->place;
                 return row;
             }
     return NULL;
@@ -166,23 +166,39 @@ static int unknown_option(const struct option_reading *r, const char *name, size
                        nearest.name ? "?" : "");
 }
 
+/* In sets of words. Errors: not as many words as the row wants. */
+static enum status count_words(const struct option_row *row, size_t count, struct reason *reason)
+{
+    const bool none = !row->word, own = row->type == OPTION_OWN;
+    if (own ? !row->words || count == row->least || (row->most && count == row->most)
+            : count == !none)
+        return STATUS_OK;
+    return fail(reason, STATUS_INPUT, "--%s: takes %s, but %zu word%s follow%s", row->name,
+                own    ? row->words
+                : none ? "nothing"
+                       : row->word,
+                count, count == 1 ? "" : "s", count == 1 ? "s" : "");
+}
+
 /* The value's words; those up to r->at are the option's. */
 static enum status find_value(struct option_reading *r, char *text, struct option_value *value,
                               struct reason *reason)
 {
     const struct option_row *row = value->row;
-    const bool none = row->type == OPTION_FLAG || row->type == OPTION_ACT;
+    const bool words = r->set->words, none = !row->word;
     value->text = text;
     value->word = text ? (char *const *)&value->text : r->argv + r->at;
     value->count = text != NULL;
-    while (r->at < r->argc && !text && !none &&
-           (r->set->words ? !is_flag(r, r->argv[r->at])
-                          : value->count == 0 && !(row->optional && is_flag(r, r->argv[r->at])))) {
+    while (r->at < r->argc && !text &&
+           (words ? !is_flag(r, r->argv[r->at])
+                  : !none && value->count == 0 && !(row->optional && is_flag(r, r->argv[r->at])))) {
         value->text = value->text ? value->text : r->argv[r->at];
         value->count++;
         r->at++;
     }
-    if (r->set->words)
+    if (words && count_words(row, value->count, reason))
+        return STATUS_INPUT;
+    if (words && !value->text)
         return STATUS_OK;
     if (none && text)
         return fail(reason, STATUS_INPUT, "--%s: takes no value", row->name);
@@ -254,7 +270,7 @@ int options_read(const struct option_set *set, void *options, int argc, char **a
     options_begin();
     take_defaults(set, options);
     while (r.at < argc && code < 0) {
-        if (strcmp(argv[r.at], "--") == 0) {
+        if (!set->words && strcmp(argv[r.at], "--") == 0) {
             put_first(&r, r.at);
             break;
         }

@@ -54,7 +54,8 @@ struct option_row {
     const char *help;
     enum option_type type;
     size_t place, size;   /* of the member */
-    uint64_t least, most; /* of counts; of words, how many, and how many otherwise */
+    uint64_t least, most; /* of counts; of `words` how many, and how many otherwise, or 0 */
+    const char *words;    /* in sets of words: what they are; NULL: `take` counts them */
     double low, high;     /* of reals */
     unsigned table;       /* enum table + 1; 0: no table */
     const char *const *choice;
@@ -98,9 +99,8 @@ struct option_set {
         const struct option_row
             *row;     /* NULL ends the groups; of rows of one name the first is it */
         size_t place; /* of their struct in the command's */
-        void *at;     /* or where it is */
         const char *title;
-    } group[8];
+    } group[9];
     const char *notes;
     const char *codes;     /* exit codes */
     const char *example;   /* lines: what follows "raydiff" */

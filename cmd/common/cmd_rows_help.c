@@ -9,6 +9,7 @@
 
 #define WIDTH      80
 #define COLUMN     18     /* of the texts of options */
+#define LABEL_MOST 26     /* longer labels stand alone */
 #define RANGE_MOST 100000 /* ranges up to there are printed */
 
 enum option_form option_form;
@@ -91,8 +92,10 @@ static void help_row(const struct option_row *row, const char *text)
     size_t at = strlen(label);
     if (at + 1 < COLUMN)
         at += (size_t)printf("%-*s", COLUMN, label) - at;
-    else
+    else if (at < LABEL_MOST)
         at = (size_t)printf("%s  ", label);
+    else
+        at = (size_t)(printf("%s\n%*s", label, COLUMN, "") - (int)at - 1);
     fill_line(text, strlen(text), at, COLUMN, "");
 }
 

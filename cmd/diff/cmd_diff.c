@@ -10,41 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help_head[] =
-    "usage: raydiff diff [SCENE] [--engine A,B,..] [OPTIONS]\n"
-    "       raydiff diff A.png B.png [OPTIONS]            (raydiff diff A.png --help)\n"
-    "Draws a scene by several engines and compares every path: what each segment hits, t to the "
-    "bit,\n"
-    "which lights are in a shadow, and the 8-bit values. Engines that compute the same bits must "
-    "have\n"
-    "the same paths. Where others differ each pixel is explained: its path is followed to the "
-    "first\n"
-    "hit or shadow that differs, and each engine's own answer to its own ray is judged against "
-    "the\n"
-    "exact truth.\n\n"
-    "  --engine A,B,.. compared with the first         [cpu,vulkan,embree: those that run here]\n"
-    "  --pixel X,Y     the path of one pixel on every engine, to the first bit that differs\n"
-    "  --angle DEG     of the camera around its target                           [0]\n"
-    "  --list N        pixels listed of each kind, at most 16                    [4]\n"
-    "  --out HEAT.png  a heat map of the values; of several engines HEAT-ENGINE.png\n"
-    "  --json FILE     everything, for machines\n\n";
-
-static const char help_tail[] =
-    "\nexit codes: 0 as it should be, 1 a difference that is not, or no path hits, 2 bad input,\n"
-    "            3 an engine did not finish, 4 no memory, 77 a named engine cannot run here\n"
-    "example: raydiff diff rtrs --engine cpu,vulkan,embree -w 96 -h 72\n"
-    "example: raydiff diff rtrs --engine cpu,embree -w 96 -h 72 --pixel 40,30\n";
-
-enum { OPT_PIXEL = OPT_RENDER_LAST + 1, OPT_DIFF_ANGLE, OPT_LIST, OPT_OUT, OPT_JSON };
-
-static const struct option table[] = {{"pixel", 1, NULL, OPT_PIXEL},
-                                      {"angle", 1, NULL, OPT_DIFF_ANGLE},
-                                      {"list", 1, NULL, OPT_LIST},
-                                      {"out", 1, NULL, OPT_OUT},
-                                      {"json", 1, NULL, OPT_JSON},
-                                      RENDER_OPTIONS,
-                                      ENGINE_OPTIONS};
-
 static bool ends_in_png(const char *text)
 {
     size_t length = strlen(text);
@@ -61,16 +26,11 @@ static bool is_of_pictures(int argc, char **argv)
     return false;
 }
 
-static void print_help(void)
+static enum status take_pixel(void *options, const struct option_value *given,
+                              struct reason *reason)
 {
-    fputs(help_head, stdout);
-    fputs(render_options_help, stdout);
-    fputs(ENGINE_OPTIONS_HELP, stdout);
-    fputs(help_tail, stdout);
-}
-
-static enum status take_pixel(const char *text, struct diff_options *o, struct reason *reason)
-{
+    struct diff_options *o = options;
+    const char *text = given->text;
     char x[16];
     const char *comma = strchr(text, ',');
     uint64_t value[2] = {0, 0};
@@ -86,33 +46,41 @@ static enum status take_pixel(const char *text, struct diff_options *o, struct r
     return status;
 }
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct diff_options *o = user;
-    float degrees = 0;
-    enum status status;
-    switch (option) {
-    case OPT_PIXEL:
-        return take_pixel(text, o, reason);
-    case OPT_DIFF_ANGLE:
-        status = parse_float("--angle", text, &degrees, reason);
-        o->angle = (double)degrees * (acos(-1.0) / 180);
-        return status;
-    case OPT_LIST:
-        return parse_count("--list", text, 0, PAIR_KEPT, &o->list, reason);
-    case OPT_OUT:
-        o->out = text;
-        return STATUS_OK;
-    case OPT_JSON:
-        o->json = text;
-        return STATUS_OK;
-    case OPT_RENDER_ENGINE:
-        o->engines_named = true;
-        return table_parse(TABLE_ENGINES, "--engine", text, &o->engine, reason);
-    default:
-        return render_option_take(option, text, &o->settings, reason);
-    }
-}
+static const struct option_row rows[] = {
+    {"engine", "A,B,..", "compared with the first",
+     OF_LIST(struct diff_options, engine, TABLE_ENGINES),
+     .shown = "cpu,vulkan,embree: those that run here"},
+    {"pixel", "X,Y", "the path of one pixel on every engine, to the first bit that differs",
+     OF_OWN(take_pixel)},
+    {"angle", "DEG", "of the camera around its target",
+     OF_REAL(struct diff_options, angle, -INFINITY, INFINITY), .value = "0"},
+    {"list", "N", "pixels listed of each kind", OF_COUNT(struct diff_options, list, 0, PAIR_KEPT),
+     .value = "4"},
+    {"out", "HEAT.png", "a heat map of the values; of several engines HEAT-ENGINE.png",
+     OF_OUTPUT(struct diff_options, out)},
+    {"json", "FILE", "everything, for machines", OF_DATA(struct diff_options, json)},
+    {.name = NULL},
+};
+
+static const struct option_set set = {
+    .command = "diff",
+    .usage = "diff [SCENE] [--engine A,B,..] [OPTIONS]\n"
+             "diff A.png B.png [OPTIONS]            (raydiff diff A.png --help)",
+    .about = "Draws a scene by several engines and compares every path: what each segment hits, t "
+             "to the bit, which lights are in a shadow, and the 8-bit values. Engines that compute "
+             "the same bits must have the same paths. Where others differ each pixel is "
+             "explained: its path is followed to the first hit or shadow that differs, and each "
+             "engine's own answer to its own ray is judged against the exact truth.",
+    .group = {{rows},
+              {render_rows, offsetof(struct diff_options, settings)},
+              {build_rows, offsetof(struct diff_options, settings.build)},
+              {engine_rows, offsetof(struct diff_options, settings.engine_options)},
+              {outside_rows, offsetof(struct diff_options, settings.engine_options)}},
+    .codes = "0 as it should be, 1 a difference that is not, or no path hits, 2 bad input, 3 an "
+             "engine did not finish, 4 no memory, 77 a named engine cannot run here",
+    .example = "diff rtrs --engine cpu,vulkan,embree -w 96 -h 72\n"
+               "diff rtrs --engine cpu,embree -w 96 -h 72 --pixel 40,30",
+};
 
 void diff_explain(const struct diff_run *run, const struct diff_member *member, bool shadow,
                   const struct ray *ray, char text[EXPLAIN_COMMAND_MOST])
@@ -139,7 +107,7 @@ static enum status finish(struct diff_options *o, struct reason *reason)
 {
     static char standard[] = "cpu,vulkan,embree";
     enum status status = STATUS_OK;
-    if (!o->engines_named)
+    if (!option_was_given("engine"))
         status = table_parse(TABLE_ENGINES, "--engine", standard, &o->engine, reason);
     if (!status)
         status = render_settings_finish("diff", &o->settings, reason);
@@ -156,11 +124,8 @@ static enum status finish(struct diff_options *o, struct reason *reason)
         status = fail(reason, STATUS_INPUT, "--pixel: %u,%u is not in a picture of %u x %u", o->x,
                       o->y, o->settings.width, o->settings.height);
     const struct option_use pixel = {.by = "--pixel", .never = o->has_pixel ? "out list" : ""};
-    const struct option_use all = {.by = "diff", .never = "fps"};
     if (!status)
         status = options_check(&pixel, reason);
-    if (!status)
-        status = options_check(&all, reason);
     return status ? status : render_options_check(&o->settings, &o->engine, reason);
 }
 
@@ -296,7 +261,7 @@ static int exit_of(const struct diff_run *run)
     int code = EXIT_AGREE;
     for (size_t i = 0; i < run->count; i++) {
         const struct diff_member *member = &run->member[i];
-        if (member->status && run->options->engines_named)
+        if (member->status && option_was_given("engine"))
             code = exit_worse(code, EXIT_SKIPPED);
         if (!member->status && i != run->reference && !run->options->has_pixel &&
             (!pair_agrees(&member->pair) || diff_is_vacuous(&member->pair)))
@@ -328,7 +293,7 @@ static enum status play(struct diff_run *run, int *code, struct reason *reason)
         status = render_stage_open("diff", &o->settings, &run->stage, reason);
     if (status)
         return status;
-    run->view = render_stage_view(&run->stage, o->angle);
+    run->view = render_stage_view(&run->stage, (double)o->angle * (acos(-1.0) / 180));
     status = open_members(run, reason);
     if (status)
         return status;
@@ -363,13 +328,12 @@ static void keep_command(int argc, char **argv, char *text, size_t text_bytes)
 
 static int diff_engines(int argc, char **argv)
 {
-    struct diff_options options = {.settings = render_settings_default(), .list = 4};
+    struct diff_options options = {.settings = render_settings_default()};
     struct diff_run *run = alloc_zeroed(1, sizeof *run);
     struct reason reason = {""};
     if (run)
         keep_command(argc, argv, run->command, sizeof run->command);
-    int first, code = render_options_take("diff", print_help, table, take_option, &options, argc,
-                                          argv, &first);
+    int first, code = options_read(&set, &options, argc, argv, &first);
     if (code < 0 && first + 1 < argc)
         code = usage_error("diff", "unexpected argument '%s'", argv[first + 1]);
     if (code < 0 && first < argc && options.settings.scene)

@@ -15,10 +15,9 @@ int cmd_diff_images(int argc, char **argv);
 struct diff_options {
     struct render_settings settings;
     struct list engine;
-    bool engines_named;
     bool has_pixel;
     uint32_t x, y;
-    double angle;  /* radians */
+    float angle;   /* degrees */
     uint64_t list; /* pixels listed of each kind */
     const char *out, *json;
 };

@@ -16,39 +16,9 @@ extern const struct render_mode render_mode_show, render_mode_benchmark, render_
 static const struct render_mode *const modes[] = {&render_mode_show, &render_mode_benchmark,
                                                   &render_mode_window, NULL};
 
-static const char help_head[] =
-    "usage: raydiff render [SCENE] [OPTIONS]\n"
-    "Draws a scene with shadows and reflections, each ray traced by an engine.\n\n"
-    "  --out FILE.png  written to a temporary name and renamed             [render.png]\n"
-    "  --frames N      a turn of an orbiting camera in N pictures: FILE-0001.png and so on, or\n"
-    "                  FILE%04d.png as printf has it                             [1]\n"
-    "  --angle DEG     the turn between two pictures                             [360 / N]\n"
-    "  --paths FILE    .csv or .json: what every ray hit, t to the bit\n"
-    "  --json FILE     what was drawn, times, rays, bytes\n";
-
-static const char help_tail[] =
-    "\nexit codes: 0, 1 --show class has wrong answers, 2 bad input, or a layout that refuses\n"
-    "the scene, 3 an engine did not finish, 4 no memory, or counts of --show that disagree,\n"
-    "77 the engine cannot run here, 128 + the signal that ended it (--json and --paths are then "
-    "of\n"
-    "the whole pictures, unless the one being drawn took too long)\n"
-    "example: raydiff render scenes/fetched/utah-teapot.obj -w 384 -h 288 --out teapot.png\n"
-    "example: raydiff render --profile rtrs --handler-bvh-rf --engine vulkan --frames 40\n";
-
-enum { OPT_OUT = OPT_RENDER_LAST + 1, OPT_FRAMES, OPT_ANGLE, OPT_PATHS, OPT_JSON, OPT_MODE = 2048 };
-
-#define FRAMES_MOST  100000u
-#define OPTIONS_MOST 128
+#define FRAMES_MOST 100000u
 /* Segments are kept to be counted up to that many bytes; --paths keeps them in any case. */
 #define SEGMENT_BYTES ((size_t)256 << 20)
-
-static const struct option own_options[] = {{"out", 1, NULL, OPT_OUT},
-                                            {"frames", 1, NULL, OPT_FRAMES},
-                                            {"angle", 1, NULL, OPT_ANGLE},
-                                            {"paths", 1, NULL, OPT_PATHS},
-                                            {"json", 1, NULL, OPT_JSON},
-                                            RENDER_OPTIONS,
-                                            ENGINE_OPTIONS};
 
 /* The command. */
 struct render {
@@ -56,86 +26,76 @@ struct render {
     const char *paths;
     uint32_t frames;
     float angle; /* degrees */
-    bool angle_given;
     const struct render_mode *mode;
     const char *mode_value;
-    struct option table[OPTIONS_MOST];
 };
 
 static volatile sig_atomic_t caught;
 
-static void print_help(void)
+static enum status take_mode(void *options, const struct option_value *given, struct reason *reason)
 {
-    fputs(help_head, stdout);
-    for (size_t i = 0; modes[i]; i++)
-        fputs(modes[i]->help, stdout);
-    fputs("\n", stdout);
-    fputs(render_options_help, stdout);
-    fputs(ENGINE_OPTIONS_HELP, stdout);
-    fputs(help_tail, stdout);
+    struct render *r = options;
+    const struct render_mode *const *mode = modes;
+    while (strcmp((*mode)->name, given->row->name) != 0)
+        mode++;
+    if (r->mode)
+        return fail(reason, STATUS_INPUT, "--%s and --%s do not go together", r->mode->name,
+                    (*mode)->name);
+    r->mode = *mode;
+    r->mode_value = given->text;
+    return STATUS_OK;
 }
 
-/* The options of the command, of pictures and engines, and of modes. */
-static void make_table(struct render *r)
-{
-    size_t count = 0;
-    for (size_t i = 0; own_options[i].name; i++)
-        r->table[count++] = own_options[i];
-    for (size_t m = 0; modes[m]; m++) {
-        r->table[count++] =
-            (struct option){modes[m]->name, modes[m]->has_arg, NULL, OPT_MODE + (int)m};
-        for (size_t i = 0; modes[m]->option && modes[m]->option[i].name; i++)
-            if (count + 2 < OPTIONS_MOST)
-                r->table[count++] = modes[m]->option[i];
-    }
-    r->table[count] = (struct option){NULL, 0, NULL, 0};
-}
+static const struct option_row rows[] = {
+    {"out", "FILE.png", "written to a temporary name and renamed",
+     OF_OUTPUT(struct render, settings.out), .shown = "render.png"},
+    {"frames", "N",
+     "a turn of an orbiting camera in N pictures: FILE-0001.png and so on, or FILE%04d.png as "
+     "printf has it",
+     OF_COUNT(struct render, frames, 1, FRAMES_MOST), .value = "1"},
+    {"angle", "DEG", "the turn between two pictures",
+     OF_REAL(struct render, angle, -INFINITY, INFINITY), .shown = "360 / N"},
+    {"paths", "FILE", ".csv or .json: what every ray hit, t to the bit",
+     OF_OUTPUT(struct render, paths)},
+    {"json", "FILE", "what was drawn, times, rays, bytes", OF_DATA(struct render, settings.json)},
+    {"show", "WHAT",
+     "not the scene, but in false colours, per layout or, with --layout A,B, as the difference B - "
+     "A: t, prim, normal of any engine's hits; boxes, triangles (tested), depth (of the stack), "
+     "overlap (boxes of leaves that the hit lies in; overlap-all: of all nodes), inflation (of "
+     "boxes by their quantisation) of the walk in C; error (of t, in its proven bound), class "
+     "(verdict of the judge) of any engine's hits",
+     OF_OWN(take_mode)},
+    {"benchmark", NULL,
+     "ms per frame in place of pictures: benchmark.csv, .json, .svg, .png, written anew every 10 "
+     "frames; bench frames compares several",
+     OF_ACT(take_mode)},
+    {"window", NULL,
+     "a window: the left and right arrow keys turn an orbiting camera, Esc ends. Without -w and "
+     "-h the picture has the window's size. --out FILE.png is the last picture; without a display "
+     "it is the only one, else 77",
+     OF_ACT(take_mode)},
+    {.name = NULL},
+};
 
-static enum status take_mode(struct render *r, int option, char *text, struct reason *reason)
-{
-    if (option >= OPT_MODE) {
-        const struct render_mode *mode = modes[option - OPT_MODE];
-        if (r->mode && r->mode != mode)
-            return fail(reason, STATUS_INPUT, "--%s and --%s do not go together", r->mode->name,
-                        mode->name);
-        r->mode = mode;
-        r->mode_value = text;
-        return STATUS_OK;
-    }
-    for (size_t m = 0; modes[m]; m++)
-        for (size_t i = 0; modes[m]->option && modes[m]->option[i].name; i++)
-            if (modes[m]->option[i].val == option)
-                return modes[m]->take(NULL, option, text, reason);
-    return render_option_take(option, text, &r->settings, reason);
-}
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct render *r = user;
-    uint64_t n = 0;
-    enum status status;
-    switch (option) {
-    case OPT_OUT:
-        r->settings.out = text;
-        r->settings.out_given = true;
-        return STATUS_OK;
-    case OPT_PATHS:
-        r->paths = text;
-        return STATUS_OK;
-    case OPT_JSON:
-        r->settings.json = text;
-        return STATUS_OK;
-    case OPT_FRAMES:
-        status = parse_count("--frames", text, 1, FRAMES_MOST, &n, reason);
-        r->frames = (uint32_t)n;
-        return status;
-    case OPT_ANGLE:
-        r->angle_given = true;
-        return parse_float("--angle", text, &r->angle, reason);
-    default:
-        return take_mode(r, option, text, reason);
-    }
-}
+static const struct option_set set = {
+    .command = "render",
+    .usage = "render [SCENE] [OPTIONS]",
+    .about = "Draws a scene with shadows and reflections, each ray traced by an engine.",
+    .group = {{rows},
+              {render_show_rows, offsetof(struct render, settings)},
+              {render_benchmark_rows, offsetof(struct render, settings)},
+              {render_window_rows, offsetof(struct render, settings)},
+              {render_rows, offsetof(struct render, settings)},
+              {build_rows, offsetof(struct render, settings.build)},
+              {engine_rows, offsetof(struct render, settings.engine_options)},
+              {outside_rows, offsetof(struct render, settings.engine_options)}},
+    .codes = "0, 1 --show class has wrong answers, 2 bad input, or a layout that refuses the "
+             "scene, 3 an engine did not finish, 4 no memory, or counts of --show that disagree, "
+             "77 the engine cannot run here, 128 + the signal that ended it (--json and --paths "
+             "are then of the whole pictures, unless the one being drawn took too long)",
+    .example = "render utah-teapot.obj -w 384 -h 288 --out teapot.png\n"
+               "render --profile rtrs --handler-bvh-rf --engine vulkan --frames 40",
+};
 
 /* What pictures are drawn into. */
 struct render_canvas {
@@ -177,7 +137,7 @@ static enum status draw_one(const struct render *r, const struct render_stage *s
                             struct frame_record *record, struct reason *reason)
 {
     const struct frame_job *job = &stage->job;
-    double step = r->angle_given ? (double)r->angle : 360.0 / r->frames;
+    double step = option_was_given("angle") ? (double)r->angle : 360.0 / r->frames;
     record->angle = i * step * (acos(-1.0) / 180);
     record->view = render_stage_view(stage, record->angle);
     enum status status =
@@ -332,11 +292,11 @@ static enum status check_use(const struct render *r, struct reason *reason)
     char by[40], never[600];
     const struct list engine = list_of_engine(r->settings.engine);
     snprintf(by, sizeof by, "%s%s", r->mode ? "--" : "pictures", r->mode ? r->mode->name : "");
-    snprintf(never, sizeof never, "%s", r->mode ? r->mode->never : "fps");
+    snprintf(never, sizeof never, "%s", r->mode ? r->mode->never : "");
     for (size_t m = 0; modes[m]; m++)
-        for (size_t i = 0; modes[m] != r->mode && modes[m]->option[i].name; i++) {
+        for (size_t i = 0; modes[m] != r->mode && modes[m]->row[i].name; i++) {
             size_t used = strlen(never);
-            snprintf(never + used, sizeof never - used, " %s", modes[m]->option[i].name);
+            snprintf(never + used, sizeof never - used, " %s", modes[m]->row[i].name);
         }
     const struct option_use of_mode = {.by = by, .never = never};
     const struct option_use alone = {.by = "one picture", .never = r->frames == 1 ? "angle" : ""};
@@ -348,11 +308,9 @@ static enum status check_use(const struct render *r, struct reason *reason)
 
 int cmd_render(int argc, char **argv)
 {
-    struct render r = {.settings = render_settings_default(), .frames = 1};
+    struct render r = {.settings = render_settings_default()};
     struct reason reason = {""};
-    make_table(&r);
-    int first, code = render_options_take("render", print_help, r.table, take_option, &r, argc,
-                                          argv, &first);
+    int first, code = options_read(&set, &r, argc, argv, &first);
     if (code < 0)
         code = finish_options(&r, argc, argv, first, &reason);
     if (code >= 0)

@@ -1,24 +1,20 @@
 /* What commands that show pictures share: their options, and how a scene, its tree and a view of it
  * are opened by them. For commands only.
- *   settings = render_settings_default(); render_options_take(...); render_settings_finish(...);
+ *   settings = render_settings_default(); options_read(...); render_settings_finish(...);
  *   render_stage_open(...); renderer_open(settings.engine, &settings.engine_options, ...);
  *   renderer_prepare(renderer, &stage.job, ...); view = render_stage_view(&stage, angle); ... */
 #ifndef CMD_RENDER_H
 #define CMD_RENDER_H
 
-#include "cmd/common/cmd_options.h"
+#include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_tree.h"
 #include "scenes/render/camera.h"
 #include "scenes/render/render.h"
+#include "scenes/render/show_picture.h"
 
 #define RENDER_SCENE_DEFAULT "rtrs" /* RTRS's own */
 #define RENDER_WINDOW_WIDTH  800u   /* where only a workgroup size says what is wanted */
 #define RENDER_WINDOW_HEIGHT 600u
-
-enum {
-    OPT_RENDER_FIRST = 256,
-    OPT_RENDER_LAST = 511, /* options of commands and modes follow */
-};
 
 /* What RTRS calls an intersection handler: members of our tables, for either profile. */
 struct render_handler {
@@ -37,7 +33,6 @@ struct render_settings {
     char *scene;   /* NULL: RENDER_SCENE_DEFAULT */
     uint64_t seed; /* of generators */
     struct look look;
-    bool eye_given; /* --camera-light-strength was */
     enum { RENDER_AS_SCENE, RENDER_FIXED, RENDER_ORBIT } turn;
     uint32_t width, height, tile;         /* filled in: all above 0 */
     const struct render_handler *handler; /* filled in */
@@ -47,7 +42,6 @@ struct render_settings {
     const char *bvh;               /* a tree from a file, or NULL */
     const struct builder *builder; /* filled in, as all members below */
     struct build_options build;
-    const char *build_flag;      /* of BUILD_OPTIONS, the last one given; or NULL */
     const struct layout *layout; /* NULL: the first that fits, if layout_auto, else the
                                     file's of --bvh or, of JSON, the handler's */
     bool layout_auto;
@@ -56,79 +50,30 @@ struct render_settings {
     const struct tri_test *tri;
     enum frame_plan plan;
     bool general;
-    float fps;
     bool resizable;   /* filled in: no size was named, so a picture can follow its window */
     const char *out;  /* where the picture goes */
-    bool out_given;   /* --out was */
     const char *json; /* or NULL */
+    struct {
+        const char *csv;
+        struct show_range range;
+    } show; /* of --show */
+    struct {
+        uint64_t frames, turns, warm_up;
+        const char *base;
+    } benchmark; /* of --benchmark */
+    struct {
+        float seconds; /* 0: for ever */
+        uint64_t pictures;
+        const char *log;
+        float fps;
+    } window; /* of --window */
 };
 
 struct render_settings render_settings_default(void);
 
-/* Entries of a getopt_long table, before ENGINE_OPTIONS. */
-#define RENDER_OPTIONS                                                                             \
-    {"path", 1, NULL, OPT_RENDER_PATH}, {"seed", 1, NULL, OPT_RENDER_SEED},                        \
-        {"width", 1, NULL, OPT_RENDER_WIDTH}, {"height", 1, NULL, OPT_RENDER_HEIGHT},              \
-        {"workgroup-size", 1, NULL, OPT_RENDER_TILE}, {"profile", 1, NULL, OPT_RENDER_PROFILE},    \
-        {"bounces", 1, NULL, OPT_RENDER_BOUNCES}, {"ambience", 1, NULL, OPT_RENDER_AMBIENCE},      \
-        {"camera-light-strength", 1, NULL, OPT_RENDER_EYE},                                        \
-        {"camera-fixed", 0, NULL, OPT_RENDER_CAMERA_FIXED},                                        \
-        {"camera-orbit", 0, NULL, OPT_RENDER_CAMERA_ORBIT}, {"fps", 1, NULL, OPT_RENDER_FPS},      \
-        {"handler", 1, NULL, OPT_RENDER_HANDLER}, {"handler-naive", 0, NULL, OPT_RENDER_NAIVE},    \
-        {"handler-bvh", 0, NULL, OPT_RENDER_BVH}, {"handler-bvh-rf", 0, NULL, OPT_RENDER_BVH_RF},  \
-        {"handler-bvh-from", 1, NULL, OPT_RENDER_BVH_FROM},                                        \
-        {"handler-bvh-rf-from", 1, NULL, OPT_RENDER_BVH_RF_FROM},                                  \
-        {"handler-blank", 0, NULL, OPT_RENDER_BLANK}, {"engine", 1, NULL, OPT_RENDER_ENGINE},      \
-        {"layout", 1, NULL, OPT_RENDER_LAYOUT}, {"builder", 1, NULL, OPT_RENDER_BUILDER},          \
-        {"box", 1, NULL, OPT_RENDER_BOX}, {"tri", 1, NULL, OPT_RENDER_TRI},                        \
-        {"leaf", 1, NULL, OPT_RENDER_LEAF}, {"eps", 1, NULL, OPT_RENDER_EPS},                      \
-        {"waves", 0, NULL, OPT_RENDER_WAVES}, {"plan", 1, NULL, OPT_RENDER_PLAN},                  \
-        {"general", 0, NULL, OPT_RENDER_GENERAL}, BUILD_OPTIONS, TREE_OPTION
-
-enum {
-    OPT_RENDER_PATH = OPT_RENDER_FIRST,
-    OPT_RENDER_SEED,
-    OPT_RENDER_WIDTH,
-    OPT_RENDER_HEIGHT,
-    OPT_RENDER_TILE,
-    OPT_RENDER_PROFILE,
-    OPT_RENDER_BOUNCES,
-    OPT_RENDER_AMBIENCE,
-    OPT_RENDER_EYE,
-    OPT_RENDER_CAMERA_FIXED,
-    OPT_RENDER_CAMERA_ORBIT,
-    OPT_RENDER_FPS,
-    OPT_RENDER_HANDLER,
-    OPT_RENDER_NAIVE,
-    OPT_RENDER_BVH,
-    OPT_RENDER_BVH_RF,
-    OPT_RENDER_BVH_FROM,
-    OPT_RENDER_BVH_RF_FROM,
-    OPT_RENDER_BLANK,
-    OPT_RENDER_ENGINE,
-    OPT_RENDER_LAYOUT,
-    OPT_RENDER_BUILDER,
-    OPT_RENDER_BOX,
-    OPT_RENDER_TRI,
-    OPT_RENDER_LEAF,
-    OPT_RENDER_EPS,
-    OPT_RENDER_WAVES,
-    OPT_RENDER_PLAN,
-    OPT_RENDER_GENERAL,
-};
-
-/* What they mean, for a help text; ENGINE_OPTIONS_HELP and TREE_OPTION_HELP are not in it. */
-extern const char render_options_help[];
-
-/* Takes one of RENDER_OPTIONS, TREE_OPTION or ENGINE_OPTIONS.
- * Errors: STATUS_INPUT with the flag, the text and the rule. */
-enum status render_option_take(int option, char *text, struct render_settings *out,
-                               struct reason *reason) MUST_USE;
-
-/* As options_take, for tables with RENDER_OPTIONS: -w is --width, -h followed by a word is
- * --height, and --handler-bvh and --handler-bvh-rf may be followed by a box size or a file. */
-int render_options_take(const char *command, void (*print_help)(void), const struct option *table,
-                        option_fn *take, void *user, int argc, char **argv, int *first);
+/* Options of pictures, and those that follow an engine of them, of struct render_settings. */
+extern const struct option_row render_rows[], render_show_rows[], render_benchmark_rows[],
+    render_window_rows[];
 
 /* Fills in what was not named: the resolution by RTRS's three forms, and the members of the
  * profile's handler. `command` prefixes notes on stderr.
@@ -179,14 +124,10 @@ void render_stage_close(struct render_stage *stage); /* a zero one is fine */
 
 /* Something else to do with the settings than to write pictures: `raydiff render --NAME`. */
 struct render_mode {
-    const char *name;            /* of the option that chooses it */
-    int has_arg;                 /* as in struct option: 0 or 1 */
-    const char *help;            /* lines of the help text: the option and those of its own */
-    const struct option *option; /* its own, numbered from OPT_RENDER_LAST + 1 on, up to 1023; NULL
-                                    name at the end; or NULL */
-    option_fn *take;             /* takes them; `user` is NULL */
-    const char *never;           /* options of render that it does not use, blanks between */
-    bool two_layouts;            /* --layout may name two: settings->versus */
+    const char *name;             /* of the option that chooses it */
+    const struct option_row *row; /* its own options, of struct render_settings */
+    const char *never;            /* options of render that it does not use, blanks between */
+    bool two_layouts;             /* --layout may name two: settings->versus */
     /* Settings are finished. Returns the exit code. `value` is the option's, or NULL. */
     int (*run)(const struct render_settings *settings, const char *value);
 };

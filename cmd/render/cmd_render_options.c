@@ -1,35 +1,12 @@
 /* Options of pictures. */
 #include "cmd/common/cmd_use.h"
+#include "bench/frames/frames.h"
 #include "ref/base/command.h"
 #include "cmd/render/cmd_render.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-const char render_options_help[] =
-    "  --path SCENE    a mesh file (.json .obj .ply, also .gz) or a generator    [rtrs]\n"
-    "  --seed S        of a generator                                            [1]\n"
-    "  -w, --width W   pixels, 1 to 16384; with -h, --height H. Without a workgroup size it is\n"
-    "                  their greatest common divisor, or 16 if that is larger\n"
-    "  --workgroup-size N  invocations along a side, 1 to 16; alone: a picture of 800x600 [16]\n"
-    "  --profile P     repaired: what is right; rtrs: the published shader, faults included\n"
-    "                                                                            [repaired]\n"
-    "  --bounces N     segments of a path, 0 to 64                               [4]\n"
-    "  --ambience A    light from everywhere; the published shader reads it not  [0]\n"
-    "  --camera-light-strength S  a light at the eye; 1 in a scene without light [0]\n"
-    "  --camera-fixed, --camera-orbit  in place of what the scene says\n"
-    "  --fps N         pictures a second of a window                             [60]\n"
-    "  --handler H     naive: every triangle; bvh: 32-byte nodes (rtrs: 48); bvh-rf: 16-byte\n"
-    "                  nodes; blank: no triangle                                 [bvh]\n"
-    "  --handler-naive, --handler-bvh [EPS|FILE], --handler-bvh-rf [EPS|FILE], --handler-blank\n"
-    "                  RTRS's spelling, FILE is --bvh\n"
-    "  --engine E      see raydiff list engines                                  [cpu]\n"
-    "  --layout L, --builder B, --box T, --tri T, --leaf N, --eps E   see raydiff list; in place\n"
-    "                  of the handler's. --layout auto is the first that fits\n"
-    "  --waves         all rays of a step through the engine, even if it draws on its own\n"
-    "  --plan P        an engine that draws on its own: whole paths, steps, or auto [auto]\n"
-    "  --general       with the pipeline that suits every scene\n" BUILD_OPTIONS_HELP
-        TREE_OPTION_HELP;
 
 const struct render_handler render_handlers[] = {
     {"naive",
@@ -44,12 +21,10 @@ const struct render_handler render_handlers[] = {
 struct render_settings render_settings_default(void)
 {
     return (struct render_settings){
-        .seed = 1,
-        .look = {.profile = PROFILE_REPAIRED, .bounces = 4},
         .engine_options = engine_options_default(),
         .build = {.eps = BUILD_EPS_DEFAULT},
-        .fps = 60,
         .out = "render.png",
+        .benchmark = {FRAMES_DEFAULT, FRAMES_TURNS, FRAMES_WARM_UP, "benchmark"},
     };
 }
 
@@ -64,216 +39,113 @@ static enum status take_handler(const char *name, struct render_settings *out,
     return fail(reason, STATUS_INPUT, "--handler: '%s' is not naive, bvh, bvh-rf or blank", name);
 }
 
-/* As RTRS: what reads as a number is one, whatever files there are. */
-static enum status take_handler_from(const char *handler, char *text, struct render_settings *out,
-                                     struct reason *reason)
-{
-    struct reason unread;
-    float eps;
-    if (parse_float("--eps", text, &eps, &unread))
-        out->bvh = text;
-    else
-        out->build.eps = eps;
-    return take_handler(handler, out, reason);
-}
-
-static enum status take_profile(const char *text, struct render_settings *out,
-                                struct reason *reason)
-{
-    bool rtrs = strcmp(text, "rtrs") == 0;
-    if (!rtrs && strcmp(text, "repaired") != 0)
-        return fail(reason, STATUS_INPUT, "--profile: '%s' is neither rtrs nor repaired", text);
-    out->look.profile = rtrs ? PROFILE_RTRS : PROFILE_REPAIRED;
-    return STATUS_OK;
-}
-
-static enum status take_plan(const char *text, struct render_settings *out, struct reason *reason)
-{
-    static const char *const name[] = {
-        [FRAME_AUTO] = "auto", [FRAME_WHOLE] = "whole", [FRAME_STEPS] = "steps"};
-    for (size_t i = 0; i < ARRAY_COUNT(name); i++)
-        if (strcmp(text, name[i]) == 0) {
-            out->plan = (enum frame_plan)i;
-            return STATUS_OK;
-        }
-    return fail(reason, STATUS_INPUT, "--plan: '%s' is not auto, whole or steps", text);
-}
-
-static enum status take_strength(const char *flag, const char *text, float *out,
+/* --handler NAME, or --handler-NAME, which the seed has. What follows is a box size if it reads as a
+ * number, whatever files there are; else a tree's file. */
+static enum status take_handlers(void *options, const struct option_value *given,
                                  struct reason *reason)
 {
-    enum status status = parse_float(flag, text, out, reason);
-    if (!status && *out < 0)
-        return fail(reason, STATUS_INPUT, "%s: '%s' is below 0", flag, text);
-    return status;
+    struct render_settings *out = options;
+    const char *dash = strchr(given->row->name, '-');
+    struct reason unread;
+    float eps;
+    if (dash && given->text && parse_float("--eps", given->text, &eps, &unread))
+        out->bvh = given->text;
+    else if (dash && given->text)
+        out->build.eps = eps;
+    return take_handler(dash ? dash + 1 : given->text, out, reason);
 }
 
 /* One, or two for a mode that compares. */
-static enum status take_layouts(const char *text, struct render_settings *out,
+static enum status take_layouts(void *options, const struct option_value *given,
                                 struct reason *reason)
 {
+    struct render_settings *out = options;
     struct list list = {.count = 0};
-    out->layout_auto = strcmp(text, "auto") == 0;
-    out->layout = out->versus = NULL;
+    out->layout_auto = strcmp(given->text, "auto") == 0;
     if (out->layout_auto)
         return STATUS_OK;
-    enum status status = table_parse(TABLE_LAYOUTS, "--layout", text, &list, reason);
+    enum status status = table_parse(TABLE_LAYOUTS, "--layout", given->text, &list, reason);
     if (status)
         return status;
     if (list.count > 2)
-        return fail(reason, STATUS_INPUT, "--layout: '%s' are %zu, at most two are compared", text,
-                    list.count);
+        return fail(reason, STATUS_INPUT, "--layout: '%s' are %zu, at most two are compared",
+                    given->text, list.count);
     out->layout = layouts_all[list.index[0]];
     out->versus = list.count > 1 ? layouts_all[list.index[1]] : NULL;
     return STATUS_OK;
 }
 
-/* Members of tables. */
-static enum status take_member(int option, const char *text, struct render_settings *out,
-                               struct reason *reason)
+static enum status take_turn(void *options, const struct option_value *given, struct reason *reason)
 {
-    size_t i = 0;
-    enum status status = STATUS_OK;
-    switch (option) {
-    case OPT_RENDER_ENGINE:
-        status = table_parse_one(TABLE_ENGINES, "--engine", text, &i, reason);
-        out->engine = status ? NULL : engines[i];
-        return status;
-    case OPT_RENDER_LAYOUT:
-        return take_layouts(text, out, reason);
-    case OPT_RENDER_BUILDER:
-        status = table_parse_one(TABLE_BUILDERS, "--builder", text, &i, reason);
-        out->builder = status ? NULL : builders_all[i];
-        return status;
-    case OPT_RENDER_BOX:
-        status = table_parse_one(TABLE_BOX_TESTS, "--box", text, &i, reason);
-        out->box = status ? NULL : box_tests[i];
-        return status;
-    default:
-        status = table_parse_one(TABLE_TRI_TESTS, "--tri", text, &i, reason);
-        out->tri = status ? NULL : tri_tests[i];
-        return status;
-    }
+    (void)reason;
+    const bool fixed = strcmp(given->row->name, "camera-fixed") == 0;
+    ((struct render_settings *)options)->turn = fixed ? RENDER_FIXED : RENDER_ORBIT;
+    return STATUS_OK;
 }
 
-static enum status take_number(int option, const char *text, struct render_settings *out,
-                               struct reason *reason)
-{
-    uint64_t n = 0;
-    enum status status;
-    switch (option) {
-    case OPT_RENDER_SEED:
-        return parse_count("--seed", text, 0, UINT64_MAX, &out->seed, reason);
-    case OPT_RENDER_WIDTH:
-        status = parse_count("--width", text, 1, FRAME_SIDE_MOST, &n, reason);
-        out->width = (uint32_t)n;
-        return status;
-    case OPT_RENDER_HEIGHT:
-        status = parse_count("--height", text, 1, FRAME_SIDE_MOST, &n, reason);
-        out->height = (uint32_t)n;
-        return status;
-    case OPT_RENDER_TILE:
-        status = parse_count("--workgroup-size", text, 1, FRAME_SIDE_MOST, &n, reason);
-        out->tile = (uint32_t)n;
-        return status;
-    case OPT_RENDER_BOUNCES:
-        status = parse_count("--bounces", text, 0, FRAME_BOUNCES_MOST, &n, reason);
-        out->look.bounces = (uint32_t)n;
-        return status;
-    case OPT_RENDER_LEAF:
-        status = parse_count("--leaf", text, 1, UINT32_MAX, &n, reason);
-        out->build.leaf = (uint32_t)n;
-        return status;
-    case OPT_RENDER_AMBIENCE:
-        return take_strength("--ambience", text, &out->look.ambience, reason);
-    case OPT_RENDER_EYE:
-        out->eye_given = true;
-        return take_strength("--camera-light-strength", text, &out->look.camera_light, reason);
-    case OPT_RENDER_EPS:
-        return parse_float("--eps", text, &out->build.eps, reason);
-    default:
-        status = parse_float("--fps", text, &out->fps, reason);
-        if (!status && !(out->fps > 0))
-            return fail(reason, STATUS_INPUT, "--fps: '%s' is not above 0", text);
-        return status;
-    }
-}
+static const char *const profiles[] = {
+    [PROFILE_REPAIRED] = "repaired", [PROFILE_RTRS] = "rtrs", NULL};
+static const char *const plans[] = {
+    [FRAME_AUTO] = "auto", [FRAME_WHOLE] = "whole", [FRAME_STEPS] = "steps", NULL};
+static const char *const handlers[] = {"naive", "bvh", "bvh-rf", "blank", NULL};
 
-enum status render_option_take(int option, char *text, struct render_settings *out,
-                               struct reason *reason)
-{
-    switch (option) {
-    case OPT_RENDER_PATH:
-        out->scene = text;
-        return STATUS_OK;
-    case OPT_BVH:
-        out->bvh = text;
-        return STATUS_OK;
-    case OPT_RENDER_PROFILE:
-        return take_profile(text, out, reason);
-    case OPT_RENDER_PLAN:
-        return take_plan(text, out, reason);
-    case OPT_RENDER_CAMERA_FIXED:
-    case OPT_RENDER_CAMERA_ORBIT:
-        out->turn = option == OPT_RENDER_CAMERA_FIXED ? RENDER_FIXED : RENDER_ORBIT;
-        return STATUS_OK;
-    case OPT_RENDER_WAVES:
-        out->waves = true;
-        return STATUS_OK;
-    case OPT_RENDER_GENERAL:
-        out->general = true;
-        return STATUS_OK;
-    case OPT_RENDER_HANDLER:
-        return take_handler(text, out, reason);
-    case OPT_RENDER_NAIVE:
-        return take_handler("naive", out, reason);
-    case OPT_RENDER_BVH:
-        return take_handler("bvh", out, reason);
-    case OPT_RENDER_BVH_RF:
-        return take_handler("bvh-rf", out, reason);
-    case OPT_RENDER_BLANK:
-        return take_handler("blank", out, reason);
-    case OPT_RENDER_BVH_FROM:
-        return take_handler_from("bvh", text, out, reason);
-    case OPT_RENDER_BVH_RF_FROM:
-        return take_handler_from("bvh-rf", text, out, reason);
-    case OPT_RENDER_ENGINE:
-    case OPT_RENDER_LAYOUT:
-    case OPT_RENDER_BUILDER:
-    case OPT_RENDER_BOX:
-    case OPT_RENDER_TRI:
-        return take_member(option, text, out, reason);
-    case OPT_BINS:
-    case OPT_RADIUS:
-    case OPT_SPLIT_BUDGET:
-    case OPT_SPLIT_ALPHA:
-    case OPT_OPTIMIZE:
-        return build_option_take(option, text, &out->build, &out->build_flag, reason);
-    default:
-        if (option >= OPT_RENDER_FIRST && option <= OPT_RENDER_LAST)
-            return take_number(option, text, out, reason);
-        return engine_option_take(option, text, &out->engine_options, reason);
-    }
-}
-
-int render_options_take(const char *command, void (*print_help)(void), const struct option *table,
-                        option_fn *take, void *user, int argc, char **argv, int *first)
-{
-    static char width[] = "--width", height[] = "--height", bvh[] = "--handler-bvh-from",
-                bvh_rf[] = "--handler-bvh-rf-from";
-    for (int i = 1; i + 1 < argc && strcmp(argv[i], "--") != 0; i++) {
-        bool word = argv[i + 1][0] != '-';
-        if (strcmp(argv[i], "-w") == 0)
-            argv[i] = width;
-        else if (strcmp(argv[i], "-h") == 0)
-            argv[i] = height;
-        else if (strcmp(argv[i], "--handler-bvh") == 0 && word)
-            argv[i] = bvh;
-        else if (strcmp(argv[i], "--handler-bvh-rf") == 0 && word)
-            argv[i] = bvh_rf;
-    }
-    return options_take(command, print_help, table, take, user, argc, argv, first);
-}
+const struct option_row render_rows[] = {
+    {"path", "SCENE", "a mesh file (.json .obj .ply, also .gz) or a generator",
+     OF_FILE(struct render_settings, scene), .shown = RENDER_SCENE_DEFAULT},
+    {"seed", "S", "of a generator", OF_COUNT(struct render_settings, seed, 0, UINT64_MAX),
+     .value = "1"},
+    {"width", "W",
+     "pixels. Without a workgroup size it is the greatest common divisor of width and height, or "
+     "16 if that is larger",
+     OF_COUNT(struct render_settings, width, 1, FRAME_SIDE_MOST), .letter = 'w'},
+    {"height", "H", "pixels; both are given, or neither",
+     OF_COUNT(struct render_settings, height, 1, FRAME_SIDE_MOST), .letter = 'h'},
+    {"workgroup-size", "N", "invocations along a side, at most 16; alone: a picture of 800x600",
+     OF_COUNT(struct render_settings, tile, 1, FRAME_SIDE_MOST), .standard = FRAME_TILE_MOST},
+    {"profile", "P", "repaired: what is right; rtrs: the published shader, faults included",
+     OF_CHOICE(struct render_settings, look.profile, profiles), .value = "repaired"},
+    {"bounces", "N", "segments of a path",
+     OF_COUNT(struct render_settings, look.bounces, 0, FRAME_BOUNCES_MOST), .value = "4"},
+    {"ambience", "A", "light from everywhere; the published shader does not read it",
+     OF_REAL(struct render_settings, look.ambience, 0, INFINITY), .value = "0"},
+    {"camera-light-strength", "S", "a light at the eye; 1 in a scene without light",
+     OF_REAL(struct render_settings, look.camera_light, 0, INFINITY), .value = "0"},
+    {"camera-fixed", NULL, "in place of what the scene has", OF_ACT(take_turn)},
+    {"camera-orbit", NULL, "likewise", OF_ACT(take_turn)},
+    {"handler", "H",
+     "naive: every triangle; bvh: 32-byte nodes (rtrs: 48); bvh-rf: 16-byte nodes; blank: no "
+     "triangle",
+     OF_OWN(take_handlers), .choice = handlers, .shown = "bvh"},
+    {"handler-naive", NULL, "as RTRS spells it", OF_ACT(take_handlers)},
+    {"handler-bvh", "EPS|FILE", "likewise, with --eps or --bvh", OF_OWN(take_handlers),
+     .file = true, .optional = true},
+    {"handler-bvh-rf", "EPS|FILE", "likewise", OF_OWN(take_handlers), .file = true,
+     .optional = true},
+    {"handler-blank", NULL, "likewise", OF_ACT(take_handlers)},
+    {"engine", "E", "see raydiff list engines",
+     OF_MEMBER(struct render_settings, engine, TABLE_ENGINES), .shown = "cpu"},
+    {"layout", "L", "in place of the handler's, see raydiff list; auto is the first that fits",
+     OF_OWN(take_layouts), .table = 1 + TABLE_LAYOUTS},
+    {"builder", "B", "in place of the handler's",
+     OF_MEMBER(struct render_settings, builder, TABLE_BUILDERS)},
+    {"box", "T", "box test, in place of the handler's",
+     OF_MEMBER(struct render_settings, box, TABLE_BOX_TESTS)},
+    {"tri", "T", "triangle test, in place of the handler's",
+     OF_MEMBER(struct render_settings, tri, TABLE_TRI_TESTS)},
+    {"leaf", "N", "items per leaf, in place of the handler's",
+     OF_COUNT(struct render_settings, build.leaf, 1, UINT32_MAX)},
+    {"eps", "E", "builder rtrs: smallest box that is split",
+     OF_REAL(struct render_settings, build.eps, -INFINITY, INFINITY),
+     .standard = BUILD_EPS_DEFAULT},
+    {"waves", NULL, "all rays of a step through the engine, even if it draws on its own",
+     OF_FLAG(struct render_settings, waves)},
+    {"plan", "P", "an engine that draws on its own: whole paths, steps, or auto",
+     OF_CHOICE(struct render_settings, plan, plans), .value = "auto"},
+    {"general", NULL, "an engine that draws on its own: with the pipeline that suits every scene",
+     OF_FLAG(struct render_settings, general)},
+    TREE_ROW(struct render_settings, bvh),
+    {.name = NULL},
+};
 
 static uint32_t common_divisor(uint32_t a, uint32_t b)
 {
@@ -372,10 +244,10 @@ enum status render_options_check(const struct render_settings *s, const struct l
                                        .scene_count = 1};
     const struct option_use look = {.by = "the published shader",
                                     .never = s->look.profile == PROFILE_RTRS ? "ambience" : ""};
-    const struct option_use plans = {.by = "engines that do not draw on their own",
-                                     .never = draws ? "" : "plan general"};
+    const struct option_use of_plans = {.by = "engines that do not draw on their own",
+                                        .never = draws ? "" : "plan general"};
     enum status status = options_check(&members, reason);
     if (!status)
         status = options_check(&look, reason);
-    return status ? status : options_check(&plans, reason);
+    return status ? status : options_check(&of_plans, reason);
 }

@@ -9,22 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "\n  --show WHAT     not the scene, but in false colours, per layout or, with --layout A,B, "
-    "as\n"
-    "                  the difference B - A: t, prim, normal of any engine's hits; boxes,\n"
-    "                  triangles (tested), depth (of the stack), overlap (boxes of leaves that\n"
-    "                  the hit lies in; overlap-all: of all nodes), inflation (of boxes by their\n"
-    "                  quantisation) of the walk in C; error (of t, in its proven bound), class\n"
-    "                  (verdict of the judge) of any engine's hits\n"
-    "  --show-range A:B  the ends of the colours, to compare pictures\n"
-    "  --csv FILE      with --show: the value of every pixel; --json: statistics\n";
-
-enum { OPT_SHOW_RANGE = OPT_RENDER_LAST + 64, OPT_SHOW_CSV };
-
-static const struct option options[] = {
-    {"show-range", 1, NULL, OPT_SHOW_RANGE}, {"csv", 1, NULL, OPT_SHOW_CSV}, {NULL, 0, NULL, 0}};
-
 /* Pixels that are traced at a time: so many that it takes about this long, since a published box
  * test can take a thousand times as long as another. */
 #define PART_FIRST ((size_t)1 << 11)
@@ -32,16 +16,13 @@ static const struct option options[] = {
 #define PART_MOST  ((size_t)1 << 20)
 #define PART_NS    500000000u
 
-static struct {
-    const char *csv;
-    struct show_range range;
-} own;
-
-static enum status take_range(char *text, struct reason *reason)
+static enum status take_range(void *options, const struct option_value *given,
+                              struct reason *reason)
 {
+    struct show_range *range = &((struct render_settings *)options)->show.range;
     float lo, hi;
-    char *colon = strchr(text, ':');
-    own.range.given = true;
+    char *text = given->text, *colon = strchr(text, ':');
+    range->given = true;
     if (!colon)
         return fail(reason, STATUS_INPUT, "--show-range: '%s' is not LEAST:MOST", text);
     *colon = '\0';
@@ -51,19 +32,18 @@ static enum status take_range(char *text, struct reason *reason)
     *colon = ':';
     if (status)
         return status;
-    own.range.lo = (double)lo;
-    own.range.hi = (double)hi;
+    range->lo = (double)lo;
+    range->hi = (double)hi;
     return STATUS_OK;
 }
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    (void)user;
-    if (option == OPT_SHOW_RANGE)
-        return take_range(text, reason);
-    own.csv = text;
-    return STATUS_OK;
-}
+const struct option_row render_show_rows[] = {
+    {"show-range", "A:B", "with --show: the ends of the colours, to compare pictures",
+     OF_OWN(take_range)},
+    {"csv", "FILE", "with --show: the value of every pixel; --json: statistics",
+     OF_DATA(struct render_settings, show.csv)},
+    {.name = NULL},
+};
 
 /* An engine at work on a stage, and what is needed beside it. */
 struct witness {
@@ -323,8 +303,8 @@ static int run(const struct render_settings *given, const char *name)
     struct render_settings settings = *given;
     struct showing showing = {.show = show_find(name),
                               .settings = &settings,
-                              .csv = own.csv,
-                              .range = own.range,
+                              .csv = settings.show.csv,
+                              .range = settings.show.range,
                               .layer_count = settings.versus ? 2 : 1,
                               .judged = true};
     struct render_stage stage = {0};
@@ -360,11 +340,8 @@ static int run(const struct render_settings *given, const char *name)
 extern const struct render_mode render_mode_show;
 const struct render_mode render_mode_show = {
     .name = "show",
-    .has_arg = 1,
-    .help = help,
-    .option = options,
-    .take = take_option,
+    .row = render_show_rows,
     .two_layouts = true,
-    .never = "frames angle paths fps bounces ambience camera-light-strength waves plan general",
+    .never = "frames angle paths bounces ambience camera-light-strength waves plan general",
     .run = run,
 };

@@ -39,7 +39,8 @@ static struct look look_with_light(const struct render_settings *settings,
                                    const struct scene *scene)
 {
     struct look look = settings->look;
-    if (!is_lit(&look, scene) && look.profile == PROFILE_REPAIRED && !settings->eye_given)
+    if (!is_lit(&look, scene) && look.profile == PROFILE_REPAIRED &&
+        !option_was_given("camera-light-strength"))
         look.camera_light = 1;
     return look;
 }

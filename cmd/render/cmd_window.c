@@ -10,44 +10,20 @@
 #include <math.h>
 #include <string.h>
 
-static const char help[] =
-    "  --window        a window: the left and right arrow keys turn an orbiting camera, Esc ends.\n"
-    "                  Without -w and -h the picture has the window's size. --out FILE.png is the\n"
-    "                  last picture; without a display it is the only one, else 77. With:\n"
-    "  --seconds S       ends by itself after that time                        [never]\n"
-    "  --pictures N      ends after that many; one is drawn when something changed  [never]\n"
-    "  --log FILE        a line per picture: camera angle, size, ms\n";
-
-enum { OPT_SECONDS = OPT_RENDER_LAST + 140, OPT_PICTURES, OPT_LOG };
-
-static const struct option options[] = {{"seconds", 1, NULL, OPT_SECONDS},
-                                        {"pictures", 1, NULL, OPT_PICTURES},
-                                        {"log", 1, NULL, OPT_LOG},
-                                        {NULL, 0, NULL, 0}};
-
 /* At most so long the window is not looked at. */
 #define LOOK_MS 250u
 
-static struct {
-    float seconds; /* 0: for ever */
-    uint64_t pictures;
-    const char *log;
-} asked;
-
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    (void)user;
-    if (option == OPT_LOG) {
-        asked.log = text;
-        return STATUS_OK;
-    }
-    if (option == OPT_PICTURES)
-        return parse_count("--pictures", text, 1, UINT32_MAX, &asked.pictures, reason);
-    enum status status = parse_float("--seconds", text, &asked.seconds, reason);
-    if (!status && !(asked.seconds > 0))
-        return fail(reason, STATUS_INPUT, "--seconds: '%s' is not above 0", text);
-    return status;
-}
+const struct option_row render_window_rows[] = {
+    {"seconds", "S", "a window ends by itself after that time",
+     OF_REAL(struct render_settings, window.seconds, ABOVE_0, INFINITY), .shown = "never"},
+    {"pictures", "N", "it ends after that many; one is drawn when something changed",
+     OF_COUNT(struct render_settings, window.pictures, 1, UINT32_MAX), .shown = "never"},
+    {"log", "FILE", "a line per picture: camera angle, size, ms",
+     OF_OUTPUT(struct render_settings, window.log)},
+    {"fps", "N", "pictures a second of a window",
+     OF_REAL(struct render_settings, window.fps, ABOVE_0, INFINITY), .value = "60"},
+    {.name = NULL},
+};
 
 /* What is on the screen. */
 struct window_showing {
@@ -122,8 +98,8 @@ static void turn(struct window_showing *s, double moved_ms)
 static bool is_over(const struct window_showing *s)
 {
     double seconds = 1e-9 * (double)(time_ns() - s->start_ns);
-    return (asked.pictures && s->pictures >= asked.pictures) ||
-           (asked.seconds > 0 && seconds >= (double)asked.seconds);
+    return (s->settings->window.pictures && s->pictures >= s->settings->window.pictures) ||
+           (s->settings->window.seconds > 0 && seconds >= (double)s->settings->window.seconds);
 }
 
 /* How long to wait for something to happen. */
@@ -163,10 +139,10 @@ static enum status open_all(struct window_showing *s, struct reason *reason)
 {
     const struct render_settings *settings = s->settings;
     enum status status = STATUS_OK;
-    if (settings->out_given)
+    if (option_was_given("out"))
         status = render_try_output(settings->out, reason);
-    if (!status && asked.log)
-        status = file_out_open(asked.log, &s->log, reason);
+    if (!status && s->settings->window.log)
+        status = file_out_open(s->settings->window.log, &s->log, reason);
     if (!status)
         status = render_stage_open("render", settings, &s->stage, reason);
     if (!status)
@@ -185,7 +161,7 @@ static enum status open_window(struct window_showing *s, struct reason *reason)
     struct reason why;
     process_signals_caught(&caught);
     enum status status = window_open("raydiff", s->image.width, s->image.height, &s->window, &why);
-    if (status == STATUS_UNSUPPORTED && s->settings->out_given) {
+    if (status == STATUS_UNSUPPORTED && option_was_given("out")) {
         fprintf(stderr, "raydiff render: %s: %s is drawn without one\n", why.text,
                 s->settings->out);
         return STATUS_OK;
@@ -199,9 +175,9 @@ static enum status open_window(struct window_showing *s, struct reason *reason)
 static enum status close_files(struct window_showing *s, struct reason *reason)
 {
     enum status status = STATUS_OK;
-    if (s->settings->out_given && s->pictures > 0)
+    if (option_was_given("out") && s->pictures > 0)
         status = image_write(s->settings->out, &s->image, reason);
-    if (!status && asked.log)
+    if (!status && s->settings->window.log)
         status = file_out_commit(&s->log, reason);
     return status;
 }
@@ -215,7 +191,7 @@ static int run(const struct render_settings *settings, const char *value)
     if (!status)
         status = open_window(&s, &reason);
     s.start_ns = time_ns();
-    s.pacing = pacing_make((double)settings->fps, s.start_ns);
+    s.pacing = pacing_make((double)settings->window.fps, s.start_ns);
     if (!status)
         status = s.window ? loop(&s, &reason) : draw(&s, &reason);
     process_signal_taken();
@@ -239,9 +215,7 @@ static int run(const struct render_settings *settings, const char *value)
 extern const struct render_mode render_mode_window;
 const struct render_mode render_mode_window = {
     .name = "window",
-    .help = help,
-    .option = options,
-    .take = take_option,
+    .row = render_window_rows,
     .never = "frames angle paths json",
     .run = run,
 };

@@ -13,7 +13,7 @@ struct construct_options {
     struct material *material; /* construct's are const */
     struct light *light;
     const char *out;
-    bool json, has_position, has_kind;
+    bool json, has_kind;
 };
 
 /* Prints what was written, on the standard error output. */

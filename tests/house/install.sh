@@ -6,9 +6,17 @@ trap 'rm -rf "$dir"' EXIT
 prefix=$dir/opt
 make -s install "PREFIX=$prefix" >"$dir/log" 2>&1 || { cat "$dir/log"; echo "make install failed"; exit 1; }
 for file in bin/raydiff lib/libraydiff.a lib/pkgconfig/raydiff.pc share/man/man1/raydiff.1 \
+    share/bash-completion/completions/raydiff share/zsh/site-functions/_raydiff \
     include/raydiff/ref/engine.h include/raydiff/scenes/scenes.h; do
     [ -s "$prefix/$file" ] || { echo "not installed: $file"; exit 1; }
 done
+"$prefix/bin/raydiff" help --commands >"$dir/commands" || exit 1
+while read -r command; do
+    grep -q "^raydiff-$command .- " "$prefix/share/man/man1/raydiff-$command.1" || { echo "no man page of $command"; exit 1; }
+    grep -q "^$command)" "$prefix/share/bash-completion/completions/raydiff" || { echo "bash completes no $command"; exit 1; }
+done <"$dir/commands"
+grep -q '^.SH COMMANDS' "$prefix/share/man/man1/raydiff.1" && grep -q '^.SH KNOWN FINDINGS' "$prefix/share/man/man1/raydiff.1" ||
+    { echo "raydiff.1 lacks a part"; exit 1; }
 grep -q '@' "$prefix/lib/pkgconfig/raydiff.pc" && { echo "raydiff.pc has unfilled fields"; exit 1; }
 cat >"$dir/user.c" <<'C'
 #include "ref/engine.h"

@@ -110,8 +110,8 @@ refuse "--light: '1e39' is not" construct $out $seen $sphere --light 1e39 2 3 4
 refuse "--light: 'one' is not" construct $out $seen $sphere --light one 2 3 4
 refuse "--light: '1,5' is not" construct $out $seen $sphere --light 1,5 2 3 4
 refuse "--light: '-x' is not" construct $out $seen $sphere --light -x 2 3 4
-refuse "unknown option '--lights'" construct $out $seen $sphere --lights 1 2 3 4
-refuse "unknown option '--'" construct $out $seen $sphere --
+refuse "unknown option: '--lights'; did you mean --light\?" construct $out $seen $sphere --lights 1 2 3 4
+refuse "unknown option: '--'" construct $out $seen $sphere --
 refuse "unexpected argument 'sphere'" construct sphere $out $seen $sphere
 refuse "unexpected argument 'y'" construct --out=x y $seen $sphere
 refuse '--scale: no --model stands before it' construct $out $seen --scale 2 $sphere

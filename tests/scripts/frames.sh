@@ -31,7 +31,7 @@ expect 2 "one scene" bench frames --scene 'rtrs;soup'
 expect 2 "'0' is not a whole number from 1" bench frames --size 0x4
 expect 2 "not WIDTHxHEIGHT" bench frames --size 12
 expect 2 "'0' is not a whole number from 1" bench frames --frames 0
-expect 2 "neither repaired nor rtrs" bench frames --profile pretty
+expect 2 "is not repaired or rtrs" bench frames --profile pretty
 expect 2 "not used by benchmark layouts" bench layouts --frames 3
 expect 2 "not used by benchmark all" bench --frames 3
 expect 2 "not used by benchmark frames" bench frames --quick

@@ -1,0 +1,84 @@
+#!/bin/sh
+# The help of every command, its man page and the shells' completions: they tell of the same options,
+# and the command takes each. What commands take beyond them is refused: tests/scripts/options.sh.
+#   sh tests/scripts/help.sh RAYDIFF
+set -u
+raydiff=$1
+. tests/scripts/expect.sh
+"$raydiff" help --bash >"$dir/raydiff.bash"
+"$raydiff" help --zsh >"$dir/_raydiff"
+bash -n "$dir/raydiff.bash" || bad "help --bash is no bash"
+! command -v zsh >/dev/null || zsh -n "$dir/_raydiff" || bad "help --zsh is no zsh"
+
+# What bash offers behind these words.
+offers() {
+    bash -c 'source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _raydiff; printf "%s\n" "${COMPREPLY[@]}"' \
+        "$dir/raydiff.bash" raydiff "$@"
+}
+
+rows=0
+"$raydiff" help --commands >"$dir/commands"
+offers '' | grep -vx help | cmp -s - "$dir/commands" || bad "bash offers other commands"
+[ "$(grep -c . "$dir/commands")" -ge 20 ] || bad "help --commands: too few"
+while read -r command; do
+    "$raydiff" help "$command" >"$dir/help"
+    "$raydiff" $command --help >"$dir/alone"
+    [ "$(head -n "$(grep -c . "$dir/alone")" "$dir/help" | grep -c .)" -gt 3 ] || bad "help $command prints nothing"
+    awk 'length($0) > 80' "$dir/help" >"$dir/out"
+    [ ! -s "$dir/out" ] || bad "raydiff $command --help: wider than 80 columns"
+    for word in usage: 'exit codes:' example:; do
+        grep -q "^$word" "$dir/alone" || bad "raydiff $command --help has no $word"
+    done
+    "$raydiff" help --man "$command" >"$dir/man"
+    for part in NAME SYNOPSIS DESCRIPTION OPTIONS 'EXIT STATUS' EXAMPLES; do
+        grep -qx ".SH $part" "$dir/man" || bad "man page of $command: no part $part"
+    done
+    sed -nE 's/^  (-[a-z], )?--([a-z-]+).*/\2/p' "$dir/help" | sort -u >"$dir/rows"
+    grep -o '^\.BI "[^"]*' "$dir/man" | sed 's/^\.BI "//; s/\\//g; s/^-., //; s/^--//; s/ *$//' | sort -u >"$dir/of_man"
+    cmp -s "$dir/rows" "$dir/of_man" || bad "$command: its man page has other options than --help"
+    offers "$command" -- | sed -n 's/^--//p' | grep -vx help | sort -u >"$dir/of_bash"
+    cmp -s "$dir/rows" "$dir/of_bash" || bad "$command: bash offers other options than --help has"
+    sed -n "/^    ($command) specs/,/ ;|\$/p" "$dir/_raydiff" | sed -nE "s/^ *'\*?--([a-z-]+).*/\1/p" | grep -vx help |
+        sort -u >"$dir/of_zsh"
+    cmp -s "$dir/rows" "$dir/of_zsh" || bad "$command: zsh offers other options than --help has"
+    # Each is taken: then the option behind it is the one that is wrong, or its value.
+    while read -r option; do
+        rows=$((rows + 1))
+        form=
+        case "$command $option" in
+        'diff max') form=a.png ;;
+        'fuzz only' | 'fuzz programs' | 'fuzz shaders') form=--self-test ;;
+        esac
+        value=$(grep -m 1 -qE "^  (-[a-z], )?--$option( *\$|  )" "$dir/help" || echo x)
+        [ $option != baseline ] || value=fuzz/baseline.txt
+        "$raydiff" $command $form --$option $value --no-such-option >"$dir/out" 2>"$dir/err" </dev/null
+        code=$?
+        [ "$code" -eq 2 ] && grep -q -- "--no-such-option\|--$option" "$dir/err" &&
+            ! grep -q "unknown option: '--$option'" "$dir/err" || bad "raydiff $command --$option: exit $code"
+    done <"$dir/rows"
+    expect 2 "unknown option: '--no-such-option'|unexpected" $command --no-such-option >"$dir/passed"
+    grep -q '^passed' "$dir/passed" || cat "$dir/passed"
+done <"$dir/commands"
+
+# Values of a table, and of choices, behind the option that takes them.
+offers check --builder sah | grep -qx sah_binned || bad "bash: builders behind --builder"
+offers check --layout rf | grep -qx rf16 || bad "bash: layouts behind --layout"
+offers render --plan '' | grep -qx whole || bad "bash: the plans of --plan"
+offers check --bvh "$dir/comm" | grep -qx "$dir/commands" || bad "bash: files behind --bvh"
+[ -z "$(offers check --count '')" ] || bad "bash: something behind --count"
+grep -q -- "'--builder\[builders \\\\\[median\\\\\]\]:.*(.*sah_binned" "$dir/_raydiff" || bad "zsh: builders behind --builder"
+
+# The pages are roff.
+if command -v groff >/dev/null; then
+    for command in '' $(cat "$dir/commands"); do
+        "$raydiff" help --man $command >"$dir/page"
+        groff -man -Tascii -ww "$dir/page" >"$dir/shown" 2>"$dir/err"
+        [ ! -s "$dir/err" ] && [ "$(grep -c . "$dir/shown")" -gt 15 ] || bad "man page of raydiff $command"
+    done
+fi
+expect 2 "unknown command 'chekc' .*; did you mean check\?" help chekc
+expect 2 'help: ' help --man check scene
+expect 2 'help: ' help --bash check
+
+echo "help: $rows options, $failed failed"
+[ "$rows" -ge 250 ] && [ "$failed" -eq 0 ]
