@@ -4,7 +4,6 @@
 
 #include "bench/chart/row_plot.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define TABLE_ROWS      400u /* of a benchmark */

@@ -60,6 +60,12 @@ extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_bui
 size_t bench_scenes(const struct bench *bench, const char *const *own,
                     const char *out[BENCH_SCENES]);
 
+/* Plays the user's scenes, or `own` as above (or `made`, if it is not NULL and none of `own` is
+ * there), one after the other, and complains of those that fail: `play` returns an exit code, and
+ * its reason has a text if anything went wrong. Returns the worst code. */
+int bench_each(struct bench *bench, const char *const *own, const char *const *made,
+               int (*play)(struct bench *bench, const char *spec, struct reason *reason));
+
 /* What trees are made by, as tables name it: "builder median, leaf 4", or "tree FILE". */
 const char *bench_tree_name(const struct bench *bench, char text[BENCH_TREE_NAME]);
 

@@ -59,6 +59,7 @@ static enum status build_once(struct builders_contestant *c, const struct scene 
     c->ns[round] = (double)(time_ns() - start);
     if (status == STATUS_LIMIT) {
         c->refused = *reason;
+        reason->text[0] = '\0';
         return STATUS_OK;
     }
     if (!status && look) {
@@ -100,23 +101,22 @@ static void print_row(struct bench *bench, const char *spec, const struct scene 
     bench_row(bench, &bench_builders, row);
 }
 
-static int bench_scene(struct bench *bench, const char *spec, const struct scene *scene)
+static enum status build_all(struct bench *bench, const char *spec, const struct scene *scene,
+                             struct reason *reason)
 {
     static struct builders_contestant list[MOST];
     size_t count = contestants(bench, list);
+    if (scene->tri_count == 0)
+        return fail(reason, STATUS_INPUT, "no triangles");
     for (size_t round = 0; round < bench->rounds; round++)
         for (size_t i = 0; i < count; i++) {
-            struct reason reason = {""};
             if (list[i].refused.text[0])
                 continue;
             progress_step(&bench->progress, "%s, builder %s, %u threads, round %zu", spec,
                           list[i].builder->name, list[i].threads, round);
-            enum status status = build_once(&list[i], scene, round, round == 0, &reason);
-            if (status) {
-                progress_end(&bench->progress);
-                fprintf(stderr, "raydiff bench: %s: %s\n", spec, reason.text);
-                return exit_of_status(status);
-            }
+            enum status status = build_once(&list[i], scene, round, round == 0, reason);
+            if (status)
+                return status;
         }
     progress_end(&bench->progress);
     printf("%s: %u triangles%s\n", spec, scene->tri_count,
@@ -125,29 +125,24 @@ static int bench_scene(struct bench *bench, const char *spec, const struct scene
            "(least-most)", "SAH", "overlap", "depth", "nodes", "fill", "largest", "loose");
     for (size_t i = 0; i < count; i++)
         print_row(bench, spec, scene, &list[i]);
-    return EXIT_AGREE;
+    return STATUS_OK;
+}
+
+static int bench_scene(struct bench *bench, const char *spec, struct reason *reason)
+{
+    struct scene scene;
+    enum status status = scene_open(spec, 1, &scene, reason);
+    if (!status)
+        status = build_all(bench, spec, &scene, reason);
+    scene_free(&scene);
+    return exit_of_status(status);
 }
 
 static int run(struct bench *bench)
 {
     static const char *const own[] = {"soup:n=20000,size=0.01", "sphere:n=100", NULL};
-    const char *spec[BENCH_SCENES];
-    size_t count = bench_scenes(bench, own, spec);
-    int code = EXIT_AGREE;
     puts("\nbuilders");
-    for (size_t i = 0; i < count; i++) {
-        struct scene scene;
-        struct reason reason;
-        enum status status = scene_open(spec[i], 1, &scene, &reason);
-        if (!status && scene.tri_count == 0)
-            status = fail(&reason, STATUS_INPUT, "no triangles");
-        if (status)
-            bench_complain(spec[i], &reason);
-        code =
-            exit_worse(code, status ? exit_of_status(status) : bench_scene(bench, spec[i], &scene));
-        scene_free(&scene);
-    }
-    return code;
+    return bench_each(bench, own, NULL, bench_scene);
 }
 
 const struct benchmark bench_builders = {

@@ -2,10 +2,10 @@
 #include "cmd/bench/cmd_bench.h"
 
 #include "bench/chart/csv.h"
+#include "ref/base/command.h"
 #include "ref/base/json_record.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -29,6 +29,25 @@ void bench_complain(const char *spec, const struct reason *reason)
     size_t name = strcspn(spec, ":"); /* of a generator: without its parameters */
     bool named = strncmp(reason->text, spec, name) == 0 && reason->text[name] == ':';
     fprintf(stderr, "raydiff bench: %s%s%s\n", named ? "" : spec, named ? "" : ": ", reason->text);
+}
+
+int bench_each(struct bench *bench, const char *const *own, const char *const *made,
+               int (*play)(struct bench *bench, const char *spec, struct reason *reason))
+{
+    const char *spec[BENCH_SCENES];
+    size_t count = bench_scenes(bench, own, spec);
+    int code = EXIT_AGREE;
+    if (count == 0 && made)
+        count = bench_scenes(bench, made, spec);
+    for (size_t i = 0; i < count; i++) {
+        struct reason reason = {""};
+        code = exit_worse(code, play(bench, spec[i], &reason));
+        progress_end(&bench->progress);
+        if (reason.text[0])
+            bench_complain(spec[i], &reason);
+        fflush(stdout);
+    }
+    return code;
 }
 
 size_t bench_rays_count(const struct bench *bench, size_t own)

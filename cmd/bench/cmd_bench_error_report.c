@@ -4,7 +4,6 @@
 #include "ref/base/json_record.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void print_name(const struct error_row *row)

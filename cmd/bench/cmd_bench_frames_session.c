@@ -4,7 +4,6 @@
 #include "ref/base/command.h"
 #include "cmd/common/cmd_process.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,5 @@
 /* Layouts and engines against each other: speed, bytes, work and errors on the same tree. */
-#include "cmd/bench/cmd_bench.h"
-#include "bench/frames/turns.h"
+#include "cmd/bench/cmd_bench_race.h"
 
 #include "ref/base/command.h"
 #include "ref/trace/trace.h"
@@ -15,66 +14,18 @@
 #define BRUTE_BUDGET 100000000u
 #define OWN_RAYS     262144
 
-/* One engine with one layout, prepared and kept while the others run. */
-struct layouts_contestant {
-    const struct engine *engine;
-    const struct layout *layout; /* NULL: none needed */
-    struct packed packed;
-    void *self;
-    struct row row; /* errors, from an untimed run */
-    uint64_t memory_bytes;
-    double mrays[BENCH_ROUNDS];
-    double ratio[BENCH_ROUNDS]; /* to its base */
-    size_t base;                /* index: same engine on f32, or embree for CPU engines */
-};
-
-#define CONTESTANTS 16
-
 struct layouts_field {
     struct bench *bench;
     const char *spec, *rays;
     const struct scene *scene;
     const struct tree_file *tree; /* the user's, or NULL */
-    const struct ray *ray;
     size_t ray_count;
-    struct hit *hit;
     struct match match;
-    struct layouts_contestant contestant[CONTESTANTS];
-    size_t count;
+    struct race race;
+    struct row row[CONTESTANTS]; /* errors, from an untimed run */
 };
 
-/* Adds an engine (on a layout) if it can run here and the layout can hold the scene. */
-static enum status enter(struct layouts_field *field, const struct engine *engine,
-                         const struct layout *layout, struct reason *reason)
-{
-    if (field->count == CONTESTANTS)
-        return fail(reason, STATUS_LIMIT, "more than %d contestants", CONTESTANTS);
-    struct layouts_contestant *c = &field->contestant[field->count];
-    *c = (struct layouts_contestant){.engine = engine, .layout = layout};
-    enum status status = STATUS_OK;
-    if (layout)
-        status = packed_make(layout, &field->match.bvh, field->scene, &c->packed, reason);
-    if (status == STATUS_OK)
-        status = engine->open(&field->bench->engines, &c->self, reason);
-    if (status) {
-        packed_free(&c->packed);
-        return status;
-    }
-    struct job job = {.scene = field->scene,
-                      .packed = layout ? &c->packed : NULL,
-                      .box = field->match.options.box,
-                      .tri = field->match.options.tri,
-                      .query = QUERY_CLOSEST};
-    status = engine->prepare(c->self, &job, reason);
-    if (status) {
-        engine->close(c->self);
-        packed_free(&c->packed);
-    } else {
-        field->count++;
-    }
-    return status;
-}
-
+/* Every engine on every layout, if it can run here and the layout can hold the scene. */
 static void enter_all(struct layouts_field *field)
 {
     for (size_t e = 0; engines[e]; e++) {
@@ -85,92 +36,41 @@ static void enter_all(struct layouts_field *field)
             struct reason reason = {""};
             if (tree && layouts[l]->faithful)
                 continue; /* as published they test every node: no speed to compare */
-            if (enter(field, engines[e], tree ? layouts[l] : NULL, &reason))
+            const struct contestant who = {.engine = engines[e],
+                                           .layout = tree ? layouts[l] : NULL,
+                                           .box = field->match.options.box,
+                                           .tri = field->match.options.tri};
+            if (race_add(&field->race, &who, &field->bench->engines, &reason))
                 printf("%-14s %-12s left out: %s\n", engines[e]->name,
                        tree ? layouts[l]->name : "-", reason.text);
         }
     }
 }
 
-static void leave_all(struct layouts_field *field)
-{
-    for (size_t i = 0; i < field->count; i++) {
-        field->contestant[i].engine->close(field->contestant[i].self);
-        packed_free(&field->contestant[i].packed);
-    }
-    field->count = 0;
-}
-
 /* Errors of every contestant, from the match's judge. */
 static int judge_all(struct layouts_field *field)
 {
     int code = EXIT_AGREE;
-    for (size_t i = 0; i < field->count; i++) {
-        struct layouts_contestant *c = &field->contestant[i];
+    for (size_t i = 0; i < field->race.count; i++) {
+        const struct contestant *c = &field->race.contestant[i];
         struct reason reason;
         if (c->layout && match_pack(&field->match, c->layout, &reason))
             continue;
-        match_run(&field->match, c->engine, &c->row);
-        if (c->row.status == ROW_FAILED)
+        match_run(&field->match, c->engine, &field->row[i]);
+        if (field->row[i].status == ROW_FAILED)
             code = exit_worse(code, EXIT_ENGINE);
-        if (row_failed(&c->row))
+        if (row_failed(&field->row[i]))
             code = exit_worse(code, EXIT_MISMATCH);
     }
     return code;
 }
 
-/* Against what a contestant's speed is a ratio: Vulkan to itself on f32; the rest to Embree. */
-static size_t base_of(const struct layouts_field *field, size_t i)
+static void write_row(struct layouts_field *field, size_t i, const struct spread *speed,
+                      const struct spread *ratio, size_t allowed)
 {
-    const struct layouts_contestant *c = &field->contestant[i];
-    for (size_t k = 0; k < field->count; k++) {
-        const struct layouts_contestant *b = &field->contestant[k];
-        bool vulkan = strcmp(c->engine->name, "vulkan") == 0;
-        if (vulkan && b->engine == c->engine && strcmp(b->layout->name, "f32") == 0)
-            return k;
-        if (!vulkan && strcmp(b->engine->name, "embree") == 0)
-            return k;
-    }
-    return i;
-}
-
-static enum status race(struct layouts_field *field, struct reason *reason)
-{
-    size_t rays = field->ray_count, order[ARRAY_COUNT(field->contestant)];
-    struct rng rng = rng_make(field->bench->seed, rays);
-    turns_start(order, field->count);
-    /* Round 0 warms up: pipelines, caches, page faults. */
-    for (size_t round = 0; round <= field->bench->rounds; round++) {
-        turns_next(&rng, order, field->count);
-        for (size_t i = 0; i < field->count; i++) {
-            struct layouts_contestant *c = &field->contestant[order[i]];
-            struct trace_report report = {0};
-            progress_step(&field->bench->progress, "%s, %s rays, round %zu of %llu", field->spec,
-                          field->rays, round, (unsigned long long)field->bench->rounds);
-            enum status status =
-                c->engine->trace(c->self, field->ray, rays, field->hit, &report, reason);
-            if (status)
-                return status;
-            if (report.memory_bytes > c->memory_bytes)
-                c->memory_bytes = report.memory_bytes;
-            if (round > 0)
-                c->mrays[round - 1] = 1e3 * (double)rays / (double)(report.ns ? report.ns : 1);
-        }
-    }
-    for (size_t i = 0; i < field->count; i++) {
-        struct layouts_contestant *c = &field->contestant[i];
-        c->base = base_of(field, i);
-        for (size_t round = 0; round < field->bench->rounds; round++)
-            c->ratio[round] = c->mrays[round] / field->contestant[c->base].mrays[round];
-    }
-    return STATUS_OK;
-}
-
-static void write_row(struct layouts_field *field, const struct layouts_contestant *c,
-                      const struct spread *speed, const struct spread *ratio, size_t allowed)
-{
-    const struct row *row = &c->row;
-    const struct layouts_contestant *base = &field->contestant[c->base];
+    const struct row *row = &field->row[i];
+    const struct contestant *c = &field->race.contestant[i];
+    const struct contestant *base = &field->race.contestant[c->base];
     json_t *out = json_record(
         "scene=%s triangles=%u rays=%s engine=%s layout=%s count=%zu rounds=%zu mrays_median=%g "
         "mrays_min=%g mrays_max=%g base_engine=%s base_layout=%s ratio_median=%g ratio_min=%g "
@@ -185,11 +85,11 @@ static void write_row(struct layouts_field *field, const struct layouts_contesta
     bench_row(field->bench, &bench_layouts, out);
 }
 
-static void print_contestant(struct layouts_field *field, struct layouts_contestant *c)
+static void print_contestant(struct layouts_field *field, size_t i)
 {
     size_t rounds = (size_t)field->bench->rounds;
-    const struct row *row = &c->row;
-    const struct layouts_contestant *base = &field->contestant[c->base];
+    const struct row *row = &field->row[i];
+    struct contestant *c = &field->race.contestant[i];
     double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
     struct spread speed = spread_of(c->mrays, rounds), ratio = spread_of(c->ratio, rounds);
     size_t allowed = row->rays - row->count[VERDICT_RIGHT] - row->count[VERDICT_WRONG];
@@ -197,14 +97,13 @@ static void print_contestant(struct layouts_field *field, struct layouts_contest
     double nodes = (double)(row->node_bytes + row->item_bytes) / tris;
     printf("%-8s %-13s %-5s %7.3f (%.3f-%.3f) %5.2f (%.2f-%.2f) of %-8s ", field->rays,
            c->engine->name, c->layout ? c->layout->name : "-", speed.median, speed.least,
-           speed.most, ratio.median, ratio.least, ratio.most,
-           base->engine == c->engine && base->layout ? base->layout->name : base->engine->name);
+           speed.most, ratio.median, ratio.least, ratio.most, race_base_name(&field->race, c));
     if (c->layout)
         printf("%6.1f %6.1f", node, nodes);
     else
         printf("%6s %6s", "-", "-");
     printf(" %8.1f %7zu %6zu\n", (double)c->memory_bytes / tris, row->differences, allowed);
-    write_row(field, c, &speed, &ratio, allowed);
+    write_row(field, i, &speed, &ratio, allowed);
 }
 
 static int bench_rays(struct layouts_field *field, const struct ray_set *set)
@@ -226,9 +125,11 @@ static int bench_rays(struct layouts_field *field, const struct ray_set *set)
     struct hit *hit = alloc_zeroed(count, sizeof *hit);
     enum status status = ray && hit ? STATUS_OK : STATUS_MEMORY;
     int code = EXIT_AGREE;
-    field->ray = ray;
+    char label[120];
+    snprintf(label, sizeof label, "%.80s, %s rays", field->spec, set->name);
+    field->race = (struct race){
+        .bench = field->bench, .label = label, .scene = field->scene, .bvh = &field->match.bvh};
     field->ray_count = count;
-    field->hit = hit;
     field->rays = set->name;
     if (status == STATUS_OK)
         status = set->make(field->scene, 1, count, ray, &reason);
@@ -237,12 +138,12 @@ static int bench_rays(struct layouts_field *field, const struct ray_set *set)
     if (status == STATUS_OK) {
         enter_all(field);
         code = judge_all(field);
-        status = race(field, &reason);
+        status = race_run(&field->race, ray, count, hit, &reason);
         progress_end(&field->bench->progress);
-        /* Sorting for the median loses the rounds, so ratios come first: they are made in race. */
-        for (size_t i = 0; i < field->count && status == STATUS_OK; i++)
-            print_contestant(field, &field->contestant[i]);
-        leave_all(field);
+        /* Sorting for the median loses the rounds, so ratios come first: they are made in race_run. */
+        for (size_t i = 0; i < field->race.count && status == STATUS_OK; i++)
+            print_contestant(field, i);
+        race_leave(&field->race);
         match_free(&field->match);
     }
     pool_free(&pool);

@@ -310,6 +310,24 @@ static int drop_absent(struct bench *bench)
     return code;
 }
 
+static int bench_scene(struct bench *bench, const char *spec, struct reason *reason)
+{
+    struct matrix *m = alloc_zeroed(1, sizeof *m);
+    if (!m)
+        return exit_of_status(fail(reason, STATUS_MEMORY, "no memory"));
+    m->bench = bench;
+    m->spec = spec;
+    enum status status = open_matrix(m, reason);
+    if (!status)
+        status = play(m, reason);
+    int code = exit_of_status(status);
+    if (m->refused)
+        code = exit_worse(code, EXIT_MISMATCH);
+    close_matrix(m);
+    free(m);
+    return code;
+}
+
 static int run(struct bench *bench)
 {
     static const char *const own[] = {"scenes/fetched/dragon-11k.ply.gz",
@@ -318,37 +336,14 @@ static int run(struct bench *bench)
     static const char *const own_gpu[] = {"scenes/fetched/dragon-11k.ply.gz",
                                           "scenes/fetched/dragon-203k.ply.gz", NULL};
     static const char *const made[] = {"terrain:k=6", "terrain:k=8", "terrain:k=9", NULL};
-    const char *spec[BENCH_SCENES];
     int code = drop_absent(bench);
     if (code != EXIT_AGREE && bench->engine.count == 0)
         return code;
-    size_t count = bench_scenes(bench, matrix_is_gpu(bench) ? own_gpu : own, spec);
-    if (count == 0)
-        count = bench_scenes(bench, made, spec);
     json_t *rows = bench->rows ? json_incref(bench->rows) : json_array();
     json_t *kept = bench->rows;
     bench->rows = rows;
-    for (size_t i = 0; i < count; i++) {
-        struct reason reason = {"no memory"};
-        struct matrix *m = alloc_zeroed(1, sizeof *m);
-        if (!m)
-            return EXIT_INTERNAL;
-        m->bench = bench;
-        m->spec = spec[i];
-        enum status status = open_matrix(m, &reason);
-        if (!status)
-            status = play(m, &reason);
-        progress_end(&bench->progress);
-        if (status) {
-            bench_complain(spec[i], &reason);
-            code = exit_worse(code, exit_of_status(status));
-        }
-        if (m->refused)
-            code = exit_worse(code, EXIT_MISMATCH);
-        close_matrix(m);
-        free(m);
-        fflush(stdout);
-    }
+    code = exit_worse(code,
+                      bench_each(bench, matrix_is_gpu(bench) ? own_gpu : own, made, bench_scene));
     bench->rows = kept;
     struct reason reason = {""};
     if (bench->svg_path && matrix_plot(bench->svg_path, rows, &reason)) {

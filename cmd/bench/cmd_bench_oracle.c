@@ -262,18 +262,8 @@ static int bench_scene(struct bench *bench, const char *spec, struct reason *rea
 static int run(struct bench *bench)
 {
     static const char *const own[] = {"soup:n=10000", "sphere:n=35", NULL};
-    const char *spec[BENCH_SCENES];
-    size_t count = bench_scenes(bench, own, spec);
-    int code = EXIT_AGREE;
     puts("\noracle");
-    for (size_t i = 0; i < count; i++) {
-        struct reason reason = {""};
-        int one = bench_scene(bench, spec[i], &reason);
-        if (reason.text[0])
-            bench_complain(spec[i], &reason);
-        code = exit_worse(code, one);
-    }
-    return code;
+    return bench_each(bench, own, NULL, bench_scene);
 }
 
 const struct benchmark bench_oracle = {

@@ -4,7 +4,6 @@
 #include "ref/base/command.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define SLOW_MS     100.0

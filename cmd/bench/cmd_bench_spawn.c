@@ -339,17 +339,7 @@ static int play_scene(struct bench *bench, const char *spec, struct reason *reas
 static int run(struct bench *bench)
 {
     static const char *const own[] = {"soup:n=400,size=0.7", "cornell", NULL};
-    const char *spec[BENCH_SCENES];
-    size_t count = bench_scenes(bench, own, spec);
-    int code = EXIT_AGREE;
-    for (size_t i = 0; i < count; i++) {
-        struct reason reason = {""};
-        code = exit_worse(code, play_scene(bench, spec[i], &reason));
-        progress_end(&bench->progress);
-        if (reason.text[0])
-            bench_complain(spec[i], &reason);
-    }
-    return code;
+    return bench_each(bench, own, NULL, play_scene);
 }
 
 static const char about[] =

@@ -143,32 +143,26 @@ static enum status play(struct tightness_field *field, int *code, struct reason 
     return status;
 }
 
+static int bench_scene(struct bench *bench, const char *spec, struct reason *reason)
+{
+    struct tightness_field field = {
+        .bench = bench, .spec = spec, .count = bench_rays_count(bench, PAIRS)};
+    int code = EXIT_AGREE;
+    enum status status = scene_open(spec, bench->seed, &field.scene, reason);
+    if (status == STATUS_OK)
+        status = play(&field, &code, reason);
+    oracle_free(field.oracle);
+    scene_free(&field.scene);
+    free(field.pair);
+    free(field.one);
+    return exit_worse(code, exit_of_status(status));
+}
+
 static int run(struct bench *bench)
 {
     static const char *const own[] = {"soup:n=10000", "sphere:n=35", NULL};
-    const char *spec[BENCH_SCENES];
-    size_t count = bench_scenes(bench, own, spec);
-    int code = EXIT_AGREE;
     puts("\ntightness");
-    for (size_t i = 0; i < count; i++) {
-        struct reason reason = {""};
-        struct tightness_field field = {
-            .bench = bench, .spec = spec[i], .count = bench_rays_count(bench, PAIRS)};
-        enum status status = scene_open(spec[i], bench->seed, &field.scene, &reason);
-        if (status == STATUS_OK) {
-            status = play(&field, &code, &reason);
-            scene_free(&field.scene);
-        }
-        oracle_free(field.oracle);
-        free(field.pair);
-        free(field.one);
-        if (status) {
-            bench_complain(spec[i], &reason);
-            code = exit_worse(code, exit_of_status(status));
-        }
-        fflush(stdout);
-    }
-    return code;
+    return bench_each(bench, own, NULL, bench_scene);
 }
 
 const struct benchmark bench_tightness = {

@@ -7,7 +7,6 @@
 #include "ref/base/json_record.h"
 
 #include <jansson.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Floats that matter stand as bit patterns beside the readable text. */

@@ -5,8 +5,6 @@
 #include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
 
-#include <stdlib.h>
-
 static json_t *engine_json(const struct doctor_engine *e)
 {
     return json_record("name=%s runs=%i why=%p text=%s", e->engine->name, e->status == STATUS_OK,

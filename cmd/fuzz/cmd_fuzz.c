@@ -9,7 +9,6 @@
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -5,7 +5,6 @@
 #include "ref/look/look_decoded.h"
 #include "cmd/render/cmd_render_out.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

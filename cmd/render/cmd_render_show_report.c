@@ -5,7 +5,6 @@
 #include "ref/base/json_record.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static void print_amounts(const struct show *show, const char *name, const struct show_layer *layer,
                           const struct showing *showing)

@@ -3,7 +3,6 @@
 
 #include "scenes/scenes.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

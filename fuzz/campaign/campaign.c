@@ -2,7 +2,6 @@
 
 #include "ref/match/turnout.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,8 +1,6 @@
 /* Work on findings: shrinking them, and playing again what did not show twice. */
 #include "fuzz/campaign/campaign_inner.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Of shrinking while the campaign goes on; what is left to be gained is left to raydiff min. */

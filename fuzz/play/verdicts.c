@@ -3,7 +3,6 @@
 #include "fuzz/play/stage.h"
 #include "ref/match/match_edges.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

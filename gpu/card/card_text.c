@@ -5,7 +5,6 @@
 #include "ref/base/json_record.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #define LABEL "%-22s "

@@ -10,7 +10,6 @@
 
 #include <math.h>
 #include <omp.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define COST_NODE  1.0

@@ -1,6 +1,5 @@
 #include "ref/explain/judged.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

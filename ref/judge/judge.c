@@ -1,7 +1,6 @@
 #include "ref/judge/judge_inner.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

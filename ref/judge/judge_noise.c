@@ -3,8 +3,6 @@
 #include "ref/judge/judge_inner.h"
 #include "ref/twin/twin_replay.h"
 
-#include <math.h>
-
 /* What an engine of the judge's model may do. Those that promise C's bits do not fuse. */
 static struct liberty liberty_of(const struct judge *judge)
 {

@@ -2,8 +2,6 @@
 
 #include "ref/packed/packed_unpack.h"
 
-#include <stdlib.h>
-
 /* Nodes that wait to be decoded. */
 struct look_waiting {
     uint32_t ref, parent;

@@ -3,7 +3,6 @@
 #include "ref/oracle/nearest.h"
 #include "ref/oracle/tree_walk.h"
 
-#include <math.h>
 #include <omp.h>
 
 #define TILE 16 /* rays that go through the triangles together, while these are in the cache */

@@ -2,7 +2,6 @@
 
 #include "ref/oracle/oracle_grid.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

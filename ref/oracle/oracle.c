@@ -5,7 +5,6 @@
 #include "ref/oracle/internal.h"
 #include "ref/oracle/pair.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 const char *oracle_class_name(enum oracle_class class)

@@ -1,7 +1,6 @@
 #include "ref/packed/packed_walk.h"
 #include "ref/packed/refit.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

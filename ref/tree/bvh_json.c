@@ -5,7 +5,6 @@
 
 #include <jansson.h>
 #include <math.h>
-#include <stdlib.h>
 
 static void put_float3(FILE *stream, const char *key, const float x[3])
 {

@@ -1,7 +1,5 @@
 #include "scenes/read/json_walk.h"
 
-#include <stdio.h>
-
 /* "NAME:LINE:COLUMN: rule" for a place `line` lines and `column` bytes from the cursor; `line` is 1
  * on the cursor's own. */
 static enum status refuse(const struct json_walk *walk, int line, int column, const char *rule)

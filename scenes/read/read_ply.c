@@ -3,7 +3,6 @@
 #include "scenes/read/ply_header.h"
 #include "ref/files/scan.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 

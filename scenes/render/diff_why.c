@@ -2,7 +2,6 @@
 
 #include "scenes/render/diff_frames.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 const char *why_name(enum why why)

@@ -3,7 +3,6 @@
 #include "ref/trace/all_hits.h"
 #include "ref/base/float_mode.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 void play_broken(struct hard_play *play, enum hard_property property, size_t i)

@@ -3,8 +3,6 @@
  * error: what is truly hit must be hit. */
 #include "tests/hard/parts.h"
 
-#include <math.h>
-
 #define N 16 /* cells of the grid */
 
 static float eighth(struct rng *rng, uint32_t below)

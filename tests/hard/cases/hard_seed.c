@@ -3,8 +3,6 @@
 #include "tests/hard/made.h"
 #include "tests/hard/parts.h"
 
-#include <math.h>
-
 #define SEED "hankotanks/rt_rs at 2150870, "
 
 /* A small triangle at (x, y, 1) and a ray straight at it. */

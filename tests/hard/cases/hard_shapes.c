@@ -1,8 +1,6 @@
 /* Hard cases of shapes: slivers, needles, no area, duplicates, overlaps. */
 #include "tests/hard/parts.h"
 
-#include <math.h>
-
 static void make_slivers(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "slivers");
