@@ -46,6 +46,7 @@
 #ifndef FRAME_H
 #define FRAME_H
 
+#include "ref/abi_frame.h"
 #include "ref/engine.h"
 
 #define FRAME_SIDE_MOST    16384u /* pixels */

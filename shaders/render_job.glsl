@@ -1,7 +1,9 @@
-/* What every rendering shader is told and where it answers; see ref/abi.h. Constants say what the
+/* What every rendering shader is told and where it answers; see ref/abi_frame.h. Constants say what the
  * scene needs, so that nothing else is in a pipeline. */
 #ifndef RENDER_JOB_GLSL
 #define RENDER_JOB_GLSL
+
+#include "ref/abi_frame.h"
 
 layout(constant_id = ABI_SPEC_PROFILE) const uint PROFILE = ABI_PROFILE_REPAIRED;
 layout(constant_id = ABI_SPEC_BOUNCES) const uint BOUNCES = 1u;

@@ -60,7 +60,7 @@ shaders/%.glsl: ;
 -include $(wildcard $(B)/spv/plain/*.d)
 
 # The text of our shaders, for those that are compiled at run time.
-GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl shaders/layouts/*.glsl)) ref/abi.h
+GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl shaders/layouts/*.glsl)) ref/abi.h ref/abi_frame.h
 $(B)/gen/glsl_sources.c: $(GLSL_TEXTS) Makefile
 	@mkdir -p $(@D)
 	@{ echo '#include "gpu/shaders/glsl_text.h"'; echo 'const struct glsl_source glsl_sources[] = {'; \

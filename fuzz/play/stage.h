@@ -6,6 +6,7 @@
 #include "fuzz/play/player.h"
 #include "fuzz/play/trial_tree.h"
 #include "ref/oracle/oracle.h"
+#include "ref/packed/packed_check.h"
 
 /* Contestants, and engine cpu on each layout, which bits are compared with. */
 #define SEATS_MOST   (2 * FUZZ_CONTESTANTS_MOST)

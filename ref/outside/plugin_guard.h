@@ -5,6 +5,7 @@
 #define PLUGIN_GUARD_H
 
 #include "ref/outside/plugin_layout.h"
+#include "ref/packed/packed_check.h"
 
 #define PLUGIN_SUFFIX  ".so"
 #define PLUGIN_MS      60000u

@@ -5,6 +5,7 @@
 
 #include "ref/layout.h"
 #include "ref/plugin.h"
+#include "ref/packed/packed_check.h"
 
 /* Checks what a shared object says of its layout, and adds it to layouts_all. `plugin` and its
  * texts are borrowed for as long as the program runs.

@@ -1,6 +1,7 @@
 #include "ref/tree/cover.h"
 #include "ref/packed/packed_unpack.h"
 #include "ref/packed/packed_walk.h"
+#include "ref/packed/packed_check.h"
 
 #include <stdlib.h>
 #include <string.h>

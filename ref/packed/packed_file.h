@@ -9,6 +9,7 @@
 #define PACKED_FILE_H
 
 #include "ref/layout.h"
+#include "ref/packed/packed_check.h"
 
 #include <stdio.h>
 

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 /* As probe_abi, for the structs of frames: every field of two elements holds element * 100 + its
  * word; push constants come back word by word, in the order in which ref/abi.h has them. */
-#include "ref/abi.h"
+#include "ref/abi_frame.h"
 
 layout(local_size_x_id = ABI_SPEC_WORKGROUP) in;
 layout(push_constant) uniform Push { frame_push told; };

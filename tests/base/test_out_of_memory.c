@@ -13,6 +13,7 @@
 #include "ref/scene/quantise.h"
 #include "ref/packed/refit.h"
 #include "ref/tree/tree_quality.h"
+#include "ref/packed/packed_check.h"
 #include "tests/support/built.h"
 
 #include <stdarg.h>

@@ -14,6 +14,7 @@
 #include <cmocka.h> /* last: it has a macro `fail` */
 
 #include "tests/fuzz/pair_fixture.h"
+#include "ref/packed/packed_check.h"
 
 static bool can(const struct pair_coverage *m, enum pair_factor a, const char *x,
                 enum pair_factor b, const char *y)

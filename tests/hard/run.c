@@ -1,6 +1,7 @@
 #include "tests/hard/run.h"
 
 #include "tests/hard/hard_crossings.h"
+#include "ref/packed/packed_check.h"
 
 #include <stdio.h>
 #include <stdlib.h>

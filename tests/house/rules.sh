@@ -144,6 +144,22 @@ for folder in ref/builders ref/layouts; do
     [ "$(git ls-files "$folder" | wc -l)" -le 25 ] || breach "$folder: over 25 files, and more members come: tools of theirs have a room of their own"
 done
 
+# The paths of docs/reading.md: files that are there, at most 8 to follow a ray or a trial, at most 600
+# lines to a new layout.
+awk -F'`' '/^## / {path++; name[path] = $0} /^\| `/ {
+        lines = 0
+        while ((getline line <$2) > 0) lines++
+        if (!lines) { print "docs/reading.md:" FNR ": " $2 " is not there"; bad = 1 }
+        files[path]++
+        total[path] += lines
+    }
+    END {
+        if (path != 3) { print "docs/reading.md: three paths"; bad = 1 }
+        for (p = 1; p <= 2; p++) if (files[p] > 8) { print "docs/reading.md: " name[p] ": " files[p] " files, at most 8"; bad = 1 }
+        if (total[3] > 600) { print "docs/reading.md: " name[3] ": " total[3] " lines, at most 600"; bad = 1 }
+        exit !bad
+    }' docs/reading.md && breach "docs/reading.md: a path is too long or does not lead there"
+
 # Planted bugs lie beside the program, and every record fits.
 git grep -nwE 'MUTANT(_[A-Z0-9_]+)?' -- ref gpu scenes fuzz bench cmd shaders tests/hard raydiff.c && breach "a planted bug is a record in tests/planted"
 sh tests/planted/plant.sh --check >/dev/null || breach "tests/planted: a record does not fit"

@@ -85,6 +85,8 @@ plant ref/base/half.c 'enum bvh { RED };'
 plant ref/base/half.c '/* Below it nobody asks. */'
 plant ref/base/half.c '/* Who is ended from outside leaves none. */'
 plant ref/base/half.c "/* The seed's layouts. */"
+plant docs/reading.md '| `ref/nowhere.c` | |'
+plant docs/reading.md '| `tests/house/rules.sh` | |'
 for i in $(seq 40); do echo >"docs/$i.txt"; done
 git add docs
 plant docs/1.txt ''

@@ -4,6 +4,7 @@
 #define RAYDIFF_TESTS_PLUGIN_STAND_H
 
 #include "ref/outside/plugin_layout.h"
+#include "ref/packed/packed_check.h"
 #include "scenes/scenes.h"
 
 #include <string.h>

@@ -3,6 +3,7 @@
 #define TESTS_HELD_H
 
 #include "tests/support/tree_fixture.h"
+#include "ref/packed/packed_check.h"
 
 #include <string.h>
 

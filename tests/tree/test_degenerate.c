@@ -3,6 +3,7 @@
  * one line, and traced by every engine on the processor to what all triangles say. */
 #include "ref/engine.h"
 #include "ref/trace/trace.h"
+#include "ref/packed/packed_check.h"
 #include "tests/support/built.h"
 
 #include <stdarg.h>

@@ -3,6 +3,7 @@
  * like at each border: test_limits_rtrs.c. */
 #include "ref/layout.h"
 #include "ref/base/rng.h"
+#include "ref/packed/packed_check.h"
 #include "scenes/scenes.h"
 
 #include <stdarg.h>

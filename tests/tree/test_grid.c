@@ -4,6 +4,7 @@
 
 #include "ref/base/rng.h"
 #include "ref/trace/trace.h"
+#include "ref/packed/packed_check.h"
 #include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>

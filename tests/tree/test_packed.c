@@ -1,6 +1,7 @@
 /* Laws of packed_make, packed_make_auto and packed_check. */
 #include "ref/layout.h"
 #include "ref/base/rng.h"
+#include "ref/packed/packed_check.h"
 #include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>

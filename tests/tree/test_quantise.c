@@ -3,6 +3,7 @@
 #include "ref/match/original.h"
 #include "ref/packed/refit.h"
 #include "ref/trace/trace.h"
+#include "ref/packed/packed_check.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 

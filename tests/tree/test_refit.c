@@ -4,6 +4,7 @@
 
 #include "ref/packed/packed_walk.h"
 #include "ref/trace/trace.h"
+#include "ref/packed/packed_check.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -3,6 +3,7 @@
 #include "ref/scene/quantise.h"
 #include "ref/base/rng.h"
 #include "ref/trace/trace.h"
+#include "ref/packed/packed_check.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
