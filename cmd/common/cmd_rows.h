@@ -125,6 +125,9 @@ extern const struct option_row engine_rows[], outside_rows[], build_rows[], disp
             OF_FILE(owner, member)                                                                 \
     }
 
+/* No thread limit, any Vulkan device. */
+struct engine_options engine_options_default(void);
+
 /* Puts the defaults of the rows into `options` and hands it every option of the command line. Returns
  * -1 to go on, with *first the index of the first argument that is no option (all others are then
  * before it); else the exit code: --help or -h was printed, or a usage error was. Files that are to

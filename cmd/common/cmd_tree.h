@@ -6,17 +6,6 @@
 #include "cmd/common/cmd_tables.h"
 #include "ref/packed/tree_file.h"
 
-/* An entry of a getopt_long table, before ENGINE_OPTIONS; OPT_BVH is its value. */
-#define TREE_OPTION                                                                                \
-    {                                                                                              \
-        "bvh", 1, NULL, OPT_BVH                                                                    \
-    }
-
-/* What it means, for a help text. */
-#define TREE_OPTION_HELP                                                                           \
-    "  --bvh FILE      a tree of the scene as raydiff precompute writes it, as JSON or packed\n"   \
-    "                  (of that layout), in place of a builder's\n"
-
 /* Refuses what --bvh `path` (NULL: not given, all is well) does not go with: a flag that says how
  * to build, of those that were given, and more scenes than one. Errors: STATUS_INPUT. */
 enum status tree_check_options(const char *path, size_t scene_count,

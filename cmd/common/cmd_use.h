@@ -27,7 +27,7 @@ bool option_among(const char *names, const char *name);
 /* True if the option (without dashes) is used; else *why says by whom it would be, or is not. */
 bool option_is_used(const struct option_use *use, const char *option, struct reason *why);
 
-/* Looks at all options of the last options_take. Errors: STATUS_INPUT with the first that is not
+/* Looks at all options of the last options_read. Errors: STATUS_INPUT with the first that is not
  * used, and why. */
 enum status options_check(const struct option_use *use, struct reason *reason) MUST_USE;
 

@@ -6,8 +6,7 @@
  * again and explained. The first of each signature and the smallest scene that still shows it go to
  * DIR. Exit: 0 nothing overturned and no WRONG of cpu or vulkan on f32 or rf16; 1 otherwise; 2 bad
  * input; 3 an engine failed; 4 no memory. */
-#include "cmd/common/cmd_options.h"
-#include "cmd/common/cmd_tables.h"
+#include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"
 #include "ref/files/file.h"
 #include "scenes/rays/rays.h"
@@ -214,41 +213,32 @@ static int print_result(const struct truth_campaign *c)
     return exit_worse(c->code, bad ? EXIT_MISMATCH : EXIT_AGREE);
 }
 
-enum { OPT_RAYS = 256, OPT_SEED, OPT_OUT };
-static const struct option long_options[] = {{"rays", 1, NULL, OPT_RAYS},
-                                             {"seed", 1, NULL, OPT_SEED},
-                                             {"out", 1, NULL, OPT_OUT},
-                                             ENGINE_OPTIONS};
+static const struct option_row rows[] = {
+    {"rays", "N", "of each scene and contestant",
+     OF_COUNT(struct truth_options, rays, 100, 1u << 30), .value = "650000"},
+    {"seed", "S", "of rays and scenes", OF_COUNT(struct truth_options, seed, 0, UINT32_MAX),
+     .value = "1"},
+    {"out", "DIR", "where findings go", OF_FOLDER(struct truth_options, out)},
+    {.name = NULL},
+};
 
-static enum status take_option(void *user, int option, char *text, struct reason *reason)
-{
-    struct truth_options *o = user;
-    if (option == OPT_RAYS)
-        return parse_count("--rays", text, 100, 1u << 30, &o->rays, reason);
-    if (option == OPT_SEED)
-        return parse_count("--seed", text, 0, UINT32_MAX, &o->seed, reason);
-    if (option == OPT_OUT) {
-        o->out = text;
-        return STATUS_OK;
-    }
-    return engine_option_take(option, text, &o->engines, reason);
-}
-
-static void print_help(void)
-{
-    puts("usage: truth [--rays N] [--seed S] [--out DIR] [--driver D]\n"
-         "Judges N rays [650000] per scene and contestant; decides every WRONG again.\n"
-         "example: truth --rays 10000 --out build/truth");
-}
+static const struct option_set set = {
+    .command = "truth",
+    .usage = "truth [OPTIONS]     (make truth ARGS='OPTIONS')",
+    .about = "Judges rays and decides every WRONG again.",
+    .group = {{rows},
+              {engine_rows, offsetof(struct truth_options, engines)},
+              {outside_rows, offsetof(struct truth_options, engines)}},
+    .codes = "0 nothing overturned, 1 otherwise, 2 bad input, 3 an engine failed, 4 no memory",
+    .example = "truth --rays 10000 --out build/truth",
+};
 
 int main(int argc, char **argv)
 {
     static struct truth_campaign c;
-    c.options =
-        (struct truth_options){.rays = 650000, .seed = 1, .engines = engine_options_default()};
+    c.options = (struct truth_options){.engines = engine_options_default()};
     c.progress = progress_make("truth");
-    int first, code = options_take("truth", print_help, long_options, take_option, &c.options, argc,
-                                   argv, &first);
+    int first, code = options_read(&set, &c.options, argc, argv, &first);
     if (code >= 0)
         return code;
     if (first < argc)
