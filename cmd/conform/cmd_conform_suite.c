@@ -1,4 +1,4 @@
-#include "cmd/conform/cmd_conform_suite.h"
+#include "cmd/conform/cmd_conform_suite_inner.h"
 
 #include "fuzz/gen/covering.h"
 #include "scenes/scenes.h"
@@ -21,12 +21,7 @@ static const enum table with_stores[] = {TABLE_ENGINES,  TABLE_LAYOUTS,    TABLE
 static const enum table without_tree[] = {TABLE_ENGINES, TABLE_TRI_TESTS, TABLE_QUERIES,
                                           TABLE_GENERATORS, TABLE_RAY_SETS};
 
-/* Member indices of a trial, by table. */
-struct suite_choice {
-    size_t index[TABLE_COUNT];
-};
-
-static struct trial trial_of(const struct suite_choice *c)
+struct trial suite_trial(const struct suite_choice *c)
 {
     struct trial trial = {.query = (enum query)c->index[TABLE_QUERIES],
                           .engine = engines[c->index[TABLE_ENGINES]],
@@ -43,7 +38,7 @@ static struct trial trial_of(const struct suite_choice *c)
     return trial;
 }
 
-static enum status add(struct suite *suite, const struct trial *trial)
+enum status suite_add(struct suite *suite, const struct trial *trial)
 {
     char name[TRIAL_NAME_MOST];
     trial_print(trial, name);
@@ -95,9 +90,7 @@ static bool has_all_fields(const char *pattern)
     return dots == NAME_DOTS;
 }
 
-/* True if storages are a table like others: some are named, by the option or in the field of the
- * layout; else all trials are of `indexed`. */
-static bool takes_stores(const struct suite *suite)
+bool suite_takes_stores(const struct suite *suite)
 {
     if (suite->list[TABLE_STORES].count > 0)
         return true;
@@ -112,7 +105,7 @@ static bool takes_stores(const struct suite *suite)
 /* The tables of trials with or without a tree; their number in *count. */
 static const enum table *tables_of(const struct suite *suite, bool tree, uint32_t *count)
 {
-    bool stores = tree && takes_stores(suite);
+    bool stores = tree && suite_takes_stores(suite);
     *count = stores ? ARRAY_COUNT(with_stores)
              : tree ? ARRAY_COUNT(with_tree)
                     : ARRAY_COUNT(without_tree);
@@ -153,8 +146,7 @@ static bool takes_part(const struct suite *suite, enum table table, size_t i)
            strcmp(engines[i]->name, "brute") != 0; /* it is what the others are compared with */
 }
 
-/* The members of a table that take part; of engines those with or without a tree. */
-static struct list members_of(const struct suite *suite, enum table table, bool tree)
+struct list suite_members(const struct suite *suite, enum table table, bool tree)
 {
     struct list list = {.count = 0};
     for (size_t i = 0; list.count < LIST_MOST && table_member(table, i, NULL); i++)
@@ -175,7 +167,7 @@ static enum status add_covering(struct suite *suite, bool tree, struct reason *r
     uint32_t members[TABLE_COUNT];
     struct covering covering;
     for (uint32_t t = 0; t < tables; t++) {
-        list[t] = members_of(suite, table[t], tree);
+        list[t] = suite_members(suite, table[t], tree);
         members[t] = (uint32_t)list[t].count;
         if (members[t] == 0)
             return STATUS_OK;
@@ -185,8 +177,8 @@ static enum status add_covering(struct suite *suite, bool tree, struct reason *r
         struct suite_choice choice = {{0}};
         for (uint32_t t = 0; t < tables; t++)
             choice.index[table[t]] = list[t].index[covering.member[r * tables + t]];
-        struct trial trial = trial_of(&choice);
-        status = add(suite, &trial);
+        struct trial trial = suite_trial(&choice);
+        status = suite_add(suite, &trial);
     }
     covering_free(&covering);
     return status;
@@ -201,7 +193,7 @@ static enum status add_product(struct suite *suite, bool tree, bool everywhere)
     struct list list[TABLE_COUNT];
     size_t at[TABLE_COUNT] = {0}, serial = 0;
     for (uint32_t t = 0; t < tables; t++) {
-        list[t] = members_of(suite, table[t], tree);
+        list[t] = suite_members(suite, table[t], tree);
         if (list[t].count == 0)
             return STATUS_OK;
     }
@@ -215,8 +207,8 @@ static enum status add_product(struct suite *suite, bool tree, bool everywhere)
         }
         for (uint32_t k = 0; k < tables; k++)
             choice.index[table[k]] = list[k].index[at[k]];
-        struct trial trial = trial_of(&choice);
-        enum status status = add(suite, &trial);
+        struct trial trial = suite_trial(&choice);
+        enum status status = suite_add(suite, &trial);
         if (status)
             return status;
         for (t = 0; t < combined && ++at[t] == list[t].count; t++)
@@ -240,7 +232,7 @@ static enum status add_all(struct suite *suite, struct reason *reason)
     return status;
 }
 
-static int by_stage(const void *a, const void *b)
+int suite_by_stage(const void *a, const void *b)
 {
     const struct trial *x = a, *y = b;
     int order = strcmp(x->scene, y->scene);
@@ -268,7 +260,7 @@ enum status suite_make(struct suite *suite, struct reason *reason)
     if (suite->kind == SUITE_PATTERN && strpbrk(suite->pattern, "*?[") == NULL) {
         status = trial_parse(suite->pattern, &one, reason);
         if (!status)
-            status = add(suite, &one);
+            status = suite_add(suite, &one);
     } else {
         status = add_all(suite, reason);
     }
@@ -280,136 +272,8 @@ enum status suite_make(struct suite *suite, struct reason *reason)
         return fail(reason, STATUS_INPUT, "no trial matches '%s'%s",
                     suite->pattern ? suite->pattern : "*",
                     suite->list[TABLE_ENGINES].count ? " and --engine" : "");
-    qsort(suite->trial, suite->count, sizeof *suite->trial, by_stage);
+    qsort(suite->trial, suite->count, sizeof *suite->trial, suite_by_stage);
     return STATUS_OK;
-}
-
-/* --- what met -----------------------------------------------------------------------------------
- */
-
-/* Names of the trial's members, by table; NULL where it has none, and storages only with `stores`.
- */
-static void names_of(const struct trial *trial, bool stores, const char *name[TABLE_COUNT])
-{
-    name[TABLE_BUILDERS] = trial->builder ? trial->builder->name : NULL;
-    name[TABLE_LAYOUTS] = trial->layout ? trial->layout->name : NULL;
-    name[TABLE_STORES] = stores && trial->store ? trial->store->name : NULL;
-    name[TABLE_BOX_TESTS] = trial->box ? trial->box->name : NULL;
-    name[TABLE_TRI_TESTS] = trial->tri->name;
-    name[TABLE_QUERIES] = query_name(trial->query);
-    name[TABLE_ENGINES] = trial->engine->name;
-    name[TABLE_GENERATORS] = trial->scene;
-    name[TABLE_RAY_SETS] = trial->rays->name;
-}
-
-struct met {
-    enum table a, b;
-    char name[2][64];
-    bool ran;
-};
-
-static int by_pair(const void *a, const void *b)
-{
-    const struct met *x = a, *y = b;
-    int order = (x->a > y->a) - (x->a < y->a);
-    if (order == 0)
-        order = (x->b > y->b) - (x->b < y->b);
-    if (order == 0)
-        order = strcmp(x->name[0], y->name[0]);
-    if (order == 0)
-        order = strcmp(x->name[1], y->name[1]);
-    return order ? order : (int)y->ran - (int)x->ran; /* the first of equal ones ran, if any */
-}
-
-static size_t put_pairs(const struct trial *trial, bool stores, bool ran, struct met *met)
-{
-    const char *name[TABLE_COUNT] = {NULL};
-    size_t count = 0;
-    names_of(trial, stores, name);
-    for (enum table a = 0; a < TABLE_COUNT; a++)
-        for (enum table b = a + 1; b < TABLE_COUNT; b++) {
-            if (!name[a] || !name[b])
-                continue;
-            struct met *one = &met[count++];
-            *one = (struct met){.a = a, .b = b, .ran = ran};
-            snprintf(one->name[0], sizeof one->name[0], "%s", name[a]);
-            snprintf(one->name[1], sizeof one->name[1], "%s", name[b]);
-        }
-    return count;
-}
-
-static size_t index_of(enum table table, const char *name)
-{
-    size_t i = 0;
-    const char *one;
-    while ((one = table_member(table, i, NULL)) && strcmp(one, name) != 0)
-        i++;
-    return i;
-}
-
-/* The engine that stands for the others where no pair names one: `cpu`, if it takes part, else the
- * first that does and has, or needs no, tree. */
-static size_t stand_in(const struct suite *suite, bool tree)
-{
-    struct list list = members_of(suite, TABLE_ENGINES, tree);
-    size_t cpu = index_of(TABLE_ENGINES, "cpu");
-    for (size_t i = 0; i < list.count; i++)
-        if (list.index[i] == cpu)
-            return cpu;
-    return list.count ? list.index[0] : cpu;
-}
-
-static bool is_of_trees(enum table table)
-{
-    return table == TABLE_LAYOUTS || table == TABLE_STORES || table == TABLE_BUILDERS ||
-           table == TABLE_BOX_TESTS;
-}
-
-/* The pair among the first members that take part of all other tables. */
-static enum status add_pair(const struct suite *suite, const struct met *met, struct suite *more)
-{
-    struct suite_choice choice = {{0}};
-    bool tree = is_of_trees(met->a) || is_of_trees(met->b) ||
-                members_of(suite, TABLE_ENGINES, true).count > 0;
-    for (enum table t = 0; t < TABLE_COUNT; t++) {
-        struct list list = members_of(suite, t, tree);
-        choice.index[t] = list.count ? list.index[0] : 0;
-    }
-    choice.index[TABLE_ENGINES] = stand_in(suite, tree);
-    choice.index[met->a] = index_of(met->a, met->name[0]);
-    choice.index[met->b] = index_of(met->b, met->name[1]);
-    struct trial trial = trial_of(&choice);
-    return add(more, &trial);
-}
-
-enum status suite_pairs(const struct suite *suite, const bool *ran, size_t *pairs, size_t *unmet,
-                        char *example, size_t example_bytes, struct suite *more)
-{
-    size_t each = TABLE_COUNT * (TABLE_COUNT - 1) / 2, count = 0;
-    struct met *met = alloc_zeroed(suite->count * each, sizeof *met);
-    enum status status = met ? STATUS_OK : STATUS_MEMORY;
-    *pairs = *unmet = 0;
-    example[0] = '\0';
-    for (size_t i = 0; i < suite->count && met; i++)
-        count += put_pairs(&suite->trial[i], takes_stores(suite), ran[i], met + count);
-    if (met)
-        qsort(met, count, sizeof *met, by_pair);
-    for (size_t i = 0; i < count && !status; i++) {
-        bool same = i > 0 && met[i].a == met[i - 1].a && met[i].b == met[i - 1].b &&
-                    strcmp(met[i].name[0], met[i - 1].name[0]) == 0 &&
-                    strcmp(met[i].name[1], met[i - 1].name[1]) == 0;
-        *pairs += !same;
-        if (same || met[i].ran)
-            continue;
-        if ((*unmet)++ == 0)
-            snprintf(example, example_bytes, "%s with %s", met[i].name[0], met[i].name[1]);
-        if (more)
-            status = add_pair(suite, &met[i], more);
-    }
-    free(met);
-    if (more && more->count > 0 && !status)
-        qsort(more->trial, more->count, sizeof *more->trial, by_stage);
-    return status;
 }
 
 enum status suite_append(struct suite *suite, bool **ran, const struct suite *more)

@@ -1,5 +1,5 @@
 /* What a campaign came to: the table, JSON, and the files of CI systems. */
-#include "cmd/fuzz/cmd_fuzz.h"
+#include "cmd/fuzz/cmd_fuzz_report.h"
 
 #include "cmd/fuzz/cmd_replay.h"
 #include "fuzz/play/coverage.h"
@@ -13,8 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define NAME_MOST 64
 
 enum findings_report_state fuzz_state_of(const struct fuzz_command *c,
                                          const struct campaign_view *view, size_t i,
@@ -33,22 +31,18 @@ enum findings_report_state fuzz_state_of(const struct fuzz_command *c,
     return answer->state == BASELINE_EXPIRED ? REPORT_EXPIRED : REPORT_NEW;
 }
 
-static double seconds(uint64_t ns)
+double fuzz_seconds(uint64_t ns)
 {
     return (double)ns * 1e-9;
 }
 
 static double rate(uint64_t count, uint64_t ns)
 {
-    return ns ? (double)count / seconds(ns) : 0;
+    return ns ? (double)count / fuzz_seconds(ns) : 0;
 }
 
-#define UNUSED_MOST 512
-
-/* The next entry of the baseline from *at on that excused nothing; false: there is none. To be
- * asked after the findings. */
-static bool unused_line(const struct fuzz_command *c, const struct campaign_view *view, size_t *at,
-                        char line[UNUSED_MOST])
+bool fuzz_unused_line(const struct fuzz_command *c, const struct campaign_view *view, size_t *at,
+                      char line[UNUSED_MOST])
 {
     const char *path;
     const struct waiver *waiver =
@@ -59,16 +53,15 @@ static bool unused_line(const struct fuzz_command *c, const struct campaign_view
     return waiver != NULL;
 }
 
-/* The engine of a signature among those that play; NULL: another campaign's. */
-static const struct engine *engine_of(const struct campaign_view *view,
-                                      const struct fuzz_signature *signature)
+const struct engine *fuzz_engine_of(const struct campaign_view *view,
+                                    const struct fuzz_signature *signature)
 {
     const struct fuzz_field *field = &view->options->rules.field;
     size_t i = work_contestant(field, signature);
     return i < field->count ? field->who[i].engine : NULL;
 }
 
-static void contestant_name(const struct campaign_view *view, size_t i, char name[NAME_MOST])
+void fuzz_contestant_name(const struct campaign_view *view, size_t i, char name[NAME_MOST])
 {
     const struct fuzz_contestant *who = &view->options->rules.field.who[i];
     snprintf(name, NAME_MOST, "%.40s%s%s", who->engine->name, who->layout ? "." : "",
@@ -91,8 +84,8 @@ static json_t *finding_json(const struct fuzz_command *c, const struct campaign_
     char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
     findings_path(view->findings, &entry->signature, "smallest.trial", smallest, sizeof smallest);
     findings_path(view->findings, &entry->signature, "first.trial", first, sizeof first);
-    replay_command(smallest, engine_of(view, &entry->signature), entry->signature.layout, command,
-                   sizeof command);
+    replay_command(smallest, fuzz_engine_of(view, &entry->signature), entry->signature.layout,
+                   command, sizeof command);
     json_add(row,
              "state=%s known=%i flaky=%i reason=%s cause=%s first=%s smallest=%s triangles=%u "
              "rays=%u replay=%s",
@@ -109,12 +102,13 @@ static void add_times(json_t *root, const struct campaign_view *view)
     double ratio, share = campaign_harness_share(view, &ratio);
     json_add(root, "harness_share=%g harness_to_engines=%g", share, ratio);
     json_t *parts = json_record("generate=%g build=%g truth=%g judge=%g explain=%g",
-                                seconds(time->generate), seconds(time->build), seconds(time->truth),
-                                seconds(time->judge), seconds(view->explain_ns));
+                                fuzz_seconds(time->generate), fuzz_seconds(time->build),
+                                fuzz_seconds(time->truth), fuzz_seconds(time->judge),
+                                fuzz_seconds(view->explain_ns));
     for (size_t i = 0; i < field->count; i++) {
         char name[NAME_MOST];
-        contestant_name(view, i, name);
-        json_add(parts, "%s=%g", name, seconds(time->engine[i]));
+        fuzz_contestant_name(view, i, name);
+        json_add(parts, "%s=%g", name, fuzz_seconds(time->engine[i]));
     }
     json_add(root, "core_seconds=%p", parts);
 }
@@ -125,7 +119,7 @@ static json_t *contestants_json(const struct campaign_view *view)
     for (size_t i = 0; i < view->options->rules.field.count; i++) {
         const struct campaign_turnout *turnout = &view->turnout[i];
         char name[NAME_MOST];
-        contestant_name(view, i, name);
+        fuzz_contestant_name(view, i, name);
         json_array_append_new(out,
                               json_record("name=%s answered=%zu refused=%zu with_a_right_hit=%zu "
                                           "refused_in_this_run=%zu vacuous=%p",
@@ -160,7 +154,7 @@ static json_t *make_json(const struct fuzz_command *c, const struct campaign_vie
         json_record("raydiff=%s seed=%zu seconds=%g play_seconds=%g versions=%s dir=%s trials=%zu "
                     "trials_before=%zu corpus=%zu mutants=%zu rays=%zu judged=%zu at_fault=%zu "
                     "trials_per_s=%g judged_rays_per_s=%g triangles_mean=%g triangles_median=%u",
-                    RAYDIFF_VERSION, c->seed, seconds(view->ns), seconds(view->play_ns),
+                    RAYDIFF_VERSION, c->seed, fuzz_seconds(view->ns), fuzz_seconds(view->play_ns),
                     view->versions, c->folder, view->trials, view->before, view->corpus,
                     view->mutants, view->rays, view->judged, view->wrong,
                     rate(view->trials, view->play_ns), rate(view->judged, view->play_ns),
@@ -185,114 +179,6 @@ enum status fuzz_stats(const struct fuzz_command *c, const struct campaign_view 
     return status ? status : json_write_out(&out, make_json(c, view, false), 6, reason);
 }
 
-/* --- CI -------------------------------------------------------------------------------------- */
-
-#define NOTES_MOST 32
-
-/* What struct findings_report borrows. */
-struct report_room {
-    struct report_finding *finding;
-    char (*text)[6][FUZZ_PATH_MOST]; /* signature, reason, first, smallest, replay, none */
-    struct report_contestant contestant[FUZZ_CONTESTANTS_MOST];
-    char name[FUZZ_CONTESTANTS_MOST][NAME_MOST];
-    const char *note[NOTES_MOST];
-    char unused[NOTES_MOST][UNUSED_MOST];
-};
-
-static void fill_finding(const struct fuzz_command *c, const struct campaign_view *view, size_t i,
-                         struct report_room *room)
-{
-    const struct findings_entry *entry = findings_entry(view->findings, i);
-    char(*text)[FUZZ_PATH_MOST] = room->text[i];
-    struct baseline_answer answer;
-    enum findings_report_state state = fuzz_state_of(c, view, i, &answer);
-    fuzz_signature_print(&entry->signature, text[0]);
-    snprintf(text[1], FUZZ_PATH_MOST, "%s", answer.text);
-    findings_path(view->findings, &entry->signature, "first.trial", text[2], FUZZ_PATH_MOST);
-    findings_path(view->findings, &entry->signature, "smallest.trial", text[3], FUZZ_PATH_MOST);
-    replay_command(text[3], engine_of(view, &entry->signature), entry->signature.layout, text[4],
-                   FUZZ_PATH_MOST);
-    room->finding[i] = (struct report_finding){.signature = text[0],
-                                               .count = entry->count,
-                                               .state = state,
-                                               .reason = text[1],
-                                               .cause = cause_text(entry->signature.cause),
-                                               .triangles = entry->smallest.triangles,
-                                               .rays = entry->smallest.rays,
-                                               .vertices = entry->smallest.vertices,
-                                               .first = text[2],
-                                               .smallest = text[3],
-                                               .replay = text[4]};
-}
-
-static void fill_contestants(const struct campaign_view *view, struct report_room *room)
-{
-    const struct fuzz_field *field = &view->options->rules.field;
-    for (size_t i = 0; i < field->count; i++) {
-        const char *vacuous = campaign_vacuous(view, i);
-        contestant_name(view, i, room->name[i]);
-        room->contestant[i] =
-            (struct report_contestant){.name = room->name[i],
-                                       .played = view->turnout[i].played,
-                                       .refused = view->refused[i],
-                                       .vacuous = vacuous ? vacuous : campaign_loses(view, i),
-                                       .seconds = seconds(view->time.engine[i])};
-    }
-}
-
-static size_t fill_notes(const struct fuzz_command *c, const struct campaign_view *view,
-                         struct report_room *room)
-{
-    size_t notes = 0, at = 0;
-    if (c->left_out[0])
-        room->note[notes++] = c->left_out;
-    for (; notes < NOTES_MOST && unused_line(c, view, &at, room->unused[notes]); notes++)
-        room->note[notes] = room->unused[notes];
-    return notes;
-}
-
-static enum status write_ci(const struct fuzz_command *c, const struct campaign_view *view,
-                            struct reason *reason)
-{
-    struct report_room *room = alloc_zeroed(1, sizeof *room);
-    size_t count = findings_count(view->findings);
-    enum status status = STATUS_OK;
-    if (room) {
-        room->finding = alloc_zeroed(count + 1, sizeof *room->finding);
-        room->text = alloc_zeroed(count + 1, sizeof *room->text);
-    }
-    if (!room || !room->finding || !room->text) {
-        status = fail(reason, STATUS_MEMORY, "no memory for a report");
-    } else {
-        struct findings_report report = {.seed = c->seed,
-                                         .trials = view->trials + view->before,
-                                         .judged = view->judged,
-                                         .seconds = seconds(view->ns),
-                                         .harness_share = campaign_harness_share(view, NULL),
-                                         .contestant = room->contestant,
-                                         .contestants = view->options->rules.field.count,
-                                         .finding = room->finding,
-                                         .findings = count,
-                                         .note = room->note};
-        fill_contestants(view, room);
-        for (size_t i = 0; i < count; i++)
-            fill_finding(c, view, i, room);
-        report.notes = fill_notes(c, view, room);
-        if (c->junit)
-            status = report_junit(&report, c->junit, reason);
-        if (!status && c->tap)
-            status = report_tap(&report, c->tap, reason);
-        if (!status && c->jsonl)
-            status = report_jsonl(&report, c->jsonl, reason);
-    }
-    if (room) {
-        free(room->finding);
-        free(room->text);
-    }
-    free(room);
-    return status;
-}
-
 /* --- the table ------------------------------------------------------------------------------- */
 
 static void print_finding(const struct fuzz_command *c, const struct campaign_view *view, size_t i)
@@ -311,7 +197,7 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
     printf("         %s\n", cause_text(entry->signature.cause));
     if (answer.text[0])
         printf("         %s\n", answer.text);
-    replay_command(path, engine_of(view, &entry->signature), entry->signature.layout, command,
+    replay_command(path, fuzz_engine_of(view, &entry->signature), entry->signature.layout, command,
                    sizeof command);
     printf("         %s\n", command);
 }
@@ -320,7 +206,7 @@ static void print_unused(const struct fuzz_command *c, const struct campaign_vie
 {
     char line[UNUSED_MOST];
     size_t at = c->baseline.list[0].count; /* what is shipped need not show in every campaign */
-    while (unused_line(c, view, &at, line))
+    while (fuzz_unused_line(c, view, &at, line))
         printf("unused     %s\n", line);
 }
 
@@ -346,7 +232,7 @@ static void print_turnout(const struct campaign_view *view)
         const struct campaign_turnout *turnout = &view->turnout[i];
         const char *vacuous = campaign_vacuous(view, i), *loses = campaign_loses(view, i);
         char lost[MATCH_EDGES_TEXT];
-        contestant_name(view, i, name);
+        fuzz_contestant_name(view, i, name);
         printf("%-10s %s answered %llu trials, refused %llu", i ? "" : "contestant", name,
                (unsigned long long)turnout->played, (unsigned long long)turnout->declined);
         if (view->refused[i] > 0 && view->options->rules.field.who[i].layout)
@@ -423,6 +309,6 @@ void fuzz_report(void *user, const struct campaign_view *view)
     if (!status && c->json)
         status = json_write(c->json, make_json(c, view, true), 9, &c->failed);
     if (!status && (c->junit || c->tap || c->jsonl))
-        status = write_ci(c, view, &c->failed);
+        status = fuzz_write_ci(c, view, &c->failed);
     c->failed_status = c->failed_status ? c->failed_status : status;
 }

@@ -1,7 +1,7 @@
 /* The pictures of a report: a scene drawn by several engines, and how each differs from the first.
  */
 #define _POSIX_C_SOURCE 200809L /* strtok_r */
-#include "cmd/report/cmd_report_parts.h"
+#include "cmd/report/cmd_report_gallery.h"
 
 #include "bench/chart/json_value.h"
 #include "ref/base/command.h"
@@ -11,26 +11,8 @@
 #include <string.h>
 
 #define ENGINES_MOST 8
-#define TEXT_BYTES   16384
-#define NAME_BYTES   96
-#define LAYOUT_BYTES 512
 
-/* The pictures of one scene, being made. */
-struct gallery {
-    const struct report_options *options;
-    struct runner *runner;
-    struct report *report;
-    size_t scene; /* index */
-    bool named;   /* the user chose the engines */
-    char group[256];
-    char commands[TEXT_BYTES], why[RUN_SAID_MOST]; /* of all, in lines */
-    int code;
-    double seconds;
-    bool drawn, stopped;
-    json_t *pairs; /* what raydiff diff found; owned */
-};
-
-static const char *scene_of(const struct gallery *gallery)
+const char *gallery_scene(const struct gallery *gallery)
 {
     return gallery->options->scene[gallery->scene];
 }
@@ -41,16 +23,15 @@ static void add_line(char *text, size_t text_bytes, const char *line)
     snprintf(text + used, text_bytes - used, "%s%s", used ? "\n" : "", line);
 }
 
-static void complain(struct gallery *gallery, const char *who, const char *what)
+void gallery_complain(struct gallery *gallery, const char *who, const char *what)
 {
     char line[RUN_SAID_MOST + NAME_BYTES];
     snprintf(line, sizeof line, "%s: %.*s", who, (int)strcspn(what, "\n"), what);
     add_line(gallery->why, sizeof gallery->why, line);
 }
 
-/* Runs one command of the part. *code: the child's. */
-static enum status run(struct gallery *gallery, command_fn *command, struct line *line,
-                       struct run *run, struct reason *reason)
+enum status gallery_run(struct gallery *gallery, command_fn *command, struct line *line,
+                        struct run *run, struct reason *reason)
 {
     enum status status = runner_run(gallery->runner, command, line, run, reason);
     gallery->seconds += run->seconds;
@@ -60,8 +41,7 @@ static enum status run(struct gallery *gallery, command_fn *command, struct line
     return status;
 }
 
-/* "cpu-0.png": files of one scene lie beside those of the others. */
-static void file_name(const struct gallery *gallery, const char *what, char name[NAME_BYTES])
+void gallery_file_name(const struct gallery *gallery, const char *what, char name[NAME_BYTES])
 {
     snprintf(name, NAME_BYTES, "%zu-%.40s.png", gallery->scene, what);
     for (char *at = name; *at; at++)
@@ -69,17 +49,15 @@ static void file_name(const struct gallery *gallery, const char *what, char name
             *at = '-';
 }
 
-/* What a command that said nothing has left cannot be read. */
-static void unread(struct gallery *gallery, const char *who, const char *said, enum status status,
-                   const struct reason *why)
+void gallery_unread(struct gallery *gallery, const char *who, const char *said, enum status status,
+                    const struct reason *why)
 {
-    complain(gallery, who, said[0] ? said : why->text);
+    gallery_complain(gallery, who, said[0] ? said : why->text);
     gallery->code = exit_worse(gallery->code, exit_of_status(status));
 }
 
-/* Adds the picture that a command has made. */
-static void show(struct gallery *gallery, const char *title, const char *caption, const char *name,
-                 const char *said)
+void gallery_show(struct gallery *gallery, const char *title, const char *caption, const char *name,
+                  const char *said)
 {
     char path[4096];
     struct reason why;
@@ -89,11 +67,10 @@ static void show(struct gallery *gallery, const char *title, const char *caption
     if (status == STATUS_OK)
         gallery->drawn = true;
     else
-        unread(gallery, title, said, status, &why);
+        gallery_unread(gallery, title, said, status, &why);
 }
 
-/* The first of each kind of member that the user named, for commands that take one. */
-static void pass_members(struct line *line, const struct report_options *options, bool layout)
+void gallery_pass_members(struct line *line, const struct report_options *options, bool layout)
 {
     for (size_t i = 0; i < options->passed_count; i++) {
         const struct passed *passed = &options->passed[i];
@@ -118,31 +95,31 @@ static enum status draw(struct gallery *gallery, const char *engine, bool *there
     char name[NAME_BYTES], title[NAME_BYTES];
     struct run how;
     struct line line;
-    file_name(gallery, engine, name);
+    gallery_file_name(gallery, engine, name);
     snprintf(title, sizeof title, "%.60s", engine);
     line_begin(&line, "render");
-    line_word(&line, scene_of(gallery));
+    line_word(&line, gallery_scene(gallery));
     report_option(&line, "--engine", engine);
     report_option(&line, "-w", "256");
     report_option(&line, "-h", "192");
-    pass_members(&line, gallery->options, true);
+    gallery_pass_members(&line, gallery->options, true);
     line_word(&line, "--out");
     line_file(&line, gallery->runner, name);
     *there = false;
-    enum status status = run(gallery, cmd_render, &line, &how, reason);
+    enum status status = gallery_run(gallery, cmd_render, &line, &how, reason);
     if (status || gallery->stopped)
         return status;
     if (how.code == EXIT_SKIPPED && !gallery->named) {
-        complain(gallery, engine,
-                 how.said); /* as in check: an engine that was not named may be missing */
+        gallery_complain(gallery, engine,
+                         how.said); /* as in check: an engine that was not named may be missing */
         return STATUS_OK;
     }
     gallery->code = exit_worse(gallery->code, how.code);
     *there = how.code == EXIT_AGREE;
     if (*there)
-        show(gallery, title, "", name, how.said);
+        gallery_show(gallery, title, "", name, how.said);
     else
-        complain(gallery, engine, how.said);
+        gallery_complain(gallery, engine, how.said);
     return STATUS_OK;
 }
 
@@ -171,7 +148,7 @@ static void show_maps(struct gallery *gallery, const json_t *pairs, const char *
                  json_array_size(pairs) > 1 ? "-" : "", json_array_size(pairs) > 1 ? engine : "");
         snprintf(title, sizeof title, "%.60s against %.60s", engine, value_text(pair, "reference"));
         caption_of(pair, caption, sizeof caption);
-        show(gallery, title, caption, name, said);
+        gallery_show(gallery, title, caption, name, said);
     }
 }
 
@@ -188,18 +165,18 @@ static enum status compare(struct gallery *gallery, const char *const *engine, s
     }
     snprintf(name, sizeof name, "%zu-diff.png", gallery->scene);
     line_begin(&line, "diff");
-    line_word(&line, scene_of(gallery));
+    line_word(&line, gallery_scene(gallery));
     report_option(&line, "--engine", names);
     report_option(&line, "-w", "256");
     report_option(&line, "-h", "192");
-    pass_members(&line, gallery->options, true);
+    gallery_pass_members(&line, gallery->options, true);
     line_word(&line, "--out");
     line_file(&line, gallery->runner, name);
     line_word(&line, "--json");
     line_file(&line, gallery->runner, "diff.json");
     runner_path(gallery->runner, "diff.json", path, sizeof path);
     remove(path);
-    enum status status = run(gallery, cmd_diff, &line, &how, reason);
+    enum status status = gallery_run(gallery, cmd_diff, &line, &how, reason);
     if (status || gallery->stopped)
         return status;
     gallery->code = exit_worse(gallery->code, how.code);
@@ -208,135 +185,8 @@ static enum status compare(struct gallery *gallery, const char *const *engine, s
     if (status == STATUS_OK)
         show_maps(gallery, json_object_get(gallery->pairs, "pairs"), how.said);
     else
-        unread(gallery, "diff", how.said, status, &why);
+        gallery_unread(gallery, "diff", how.said, status, &why);
     return STATUS_OK;
-}
-
-/* --- false colours ------------------------------------------------------------------------ */
-
-/* What is shown, of one layout or as the second's difference to the first. */
-static const struct {
-    const char *what, *title;
-    bool both;
-} looks[] = {{"boxes", "boxes tested", false},
-             {"boxes", "boxes tested", true},
-             {"triangles", "triangles tested", false},
-             {"inflation", "inflation of boxes by their quantisation", true},
-             {"error", "error of t over its proven bound", false},
-             {"class", "verdict of the judge", false}};
-
-/* "mean 13.5, most 23", or the verdicts that there are. */
-static void show_caption(const json_t *json, char *caption, size_t caption_bytes)
-{
-    const json_t *layer = json_array_get(json_object_get(json, "layers"), 0);
-    const json_t *difference = json_object_get(json, "difference");
-    const json_t *values = json_object_get(difference ? difference : layer, "values");
-    const char *name, *comma = "";
-    json_t *value;
-    caption[0] = '\0';
-    if (json_is_object(values))
-        snprintf(caption, caption_bytes, "least %.4g, mean %.4g, 99 %% %.4g, most %.4g",
-                 value_number(values, "least"), value_number(values, "mean"),
-                 value_number(values, "p99"), value_number(values, "most"));
-    json_object_foreach(json_object_get(layer, "verdicts"), name, value)
-    {
-        size_t used = strlen(caption);
-        if (json_integer_value(value) <= 0)
-            continue;
-        snprintf(caption + used, caption_bytes - used, "%s%s %lld", comma, name,
-                 (long long)json_integer_value(value));
-        comma = ", ";
-    }
-}
-
-/* Of our own child. */
-static enum status read_statistics(const char *path, json_t **json, struct reason *reason)
-{
-    char *bytes;
-    size_t size;
-    *json = NULL;
-    enum status status = file_read(path, &bytes, &size, reason);
-    if (status)
-        return status;
-    *json = json_loadb(bytes, size, 0, NULL);
-    free(bytes);
-    return *json ? STATUS_OK : fail(reason, STATUS_INPUT, "%s: is no JSON", file_label(path));
-}
-
-/* Draws look `i` of a pair "A" or "A,B". A layout that was not asked for may refuse the scene. */
-static enum status look_at(struct gallery *gallery, size_t i, const char *pair,
-                           struct reason *reason)
-{
-    char name[NAME_BYTES], title[2 * NAME_BYTES], caption[240], path[4096];
-    struct run how;
-    struct line line;
-    const char *comma = strchr(pair, ',');
-    snprintf(title, sizeof title, "show-%s-%.30s", looks[i].what, pair);
-    file_name(gallery, title, name);
-    line_begin(&line, "render");
-    line_word(&line, scene_of(gallery));
-    report_option(&line, "--show", looks[i].what);
-    report_option(&line, "--layout", pair);
-    report_option(&line, "-w", "256");
-    report_option(&line, "-h", "192");
-    pass_members(&line, gallery->options, false);
-    line_word(&line, "--out");
-    line_file(&line, gallery->runner, name);
-    line_word(&line, "--json");
-    line_file(&line, gallery->runner, "show.json");
-    runner_path(gallery->runner, "show.json", path, sizeof path);
-    remove(path);
-    enum status status = run(gallery, cmd_render, &line, &how, reason);
-    if (status || gallery->stopped)
-        return status;
-    if (comma)
-        snprintf(title, sizeof title, "%s, %.30s less %.*s", looks[i].title, comma + 1,
-                 (int)(comma - pair), pair);
-    else
-        snprintf(title, sizeof title, "%s, %.30s", looks[i].title, pair);
-    struct reason why;
-    json_t *json;
-    status = read_statistics(path, &json, &why);
-    if (json) {
-        show_caption(json, caption, sizeof caption);
-        show(gallery, title, caption, name, how.said);
-    } else if (how.code == EXIT_AGREE) {
-        unread(gallery, title, how.said, status, &why);
-    } else {
-        complain(gallery, title, how.said);
-    }
-    if (!(how.code == EXIT_USAGE && !report_is_passed(gallery->options, "--layout")))
-        gallery->code = exit_worse(gallery->code, how.code);
-    json_decref(json);
-    return STATUS_OK;
-}
-
-/* The first two layouts that the user named, or the baseline and the small one. */
-static void choose_layouts(const struct report_options *options, char first[LAYOUT_BYTES],
-                           char second[LAYOUT_BYTES])
-{
-    const char *named = "f32,rf16";
-    for (size_t i = 0; i < options->passed_count; i++)
-        if (strcmp(options->passed[i].flag, "--layout") == 0 &&
-            strcmp(options->passed[i].value, "all") != 0)
-            named = options->passed[i].value;
-    size_t length = strcspn(named, ",");
-    snprintf(first, LAYOUT_BYTES, "%.*s", (int)length, named);
-    named += length + (named[length] == ',');
-    snprintf(second, LAYOUT_BYTES, "%.*s", (int)strcspn(named, ","), named);
-}
-
-static enum status look_at_tree(struct gallery *gallery, struct reason *reason)
-{
-    char first[LAYOUT_BYTES], second[LAYOUT_BYTES], both[2 * LAYOUT_BYTES];
-    enum status status = STATUS_OK;
-    choose_layouts(gallery->options, first, second);
-    snprintf(both, sizeof both, "%s,%s", first, second);
-    snprintf(gallery->group, sizeof gallery->group, "%.150s, in false colours", scene_of(gallery));
-    for (size_t i = 0; i < ARRAY_COUNT(looks) && !status && !gallery->stopped; i++)
-        if (!looks[i].both || second[0])
-            status = look_at(gallery, i, looks[i].both ? both : first, reason);
-    return status;
 }
 
 /* --- all ---------------------------------------------------------------------------------- */
@@ -366,18 +216,18 @@ static enum status make_scene(struct gallery *gallery, const char *const *engine
     size_t drawn = 0;
     enum status status = STATUS_OK;
     snprintf(gallery->group, sizeof gallery->group, "%.150s, drawn by each engine",
-             scene_of(gallery));
+             gallery_scene(gallery));
     for (size_t i = 0; i < count && !status && !gallery->stopped; i++) {
         bool is_there;
         status = draw(gallery, engine[i], &is_there, reason);
         if (is_there)
             there[drawn++] = engine[i];
     }
-    snprintf(gallery->group, sizeof gallery->group, "%.150s, differences", scene_of(gallery));
+    snprintf(gallery->group, sizeof gallery->group, "%.150s, differences", gallery_scene(gallery));
     if (drawn > 1 && !status && !gallery->stopped)
         status = compare(gallery, there, drawn, reason);
     if (!status && !gallery->stopped)
-        status = look_at_tree(gallery, reason);
+        status = gallery_look_at_tree(gallery, reason);
     return status;
 }
 

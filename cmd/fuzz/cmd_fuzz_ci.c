@@ -1,0 +1,114 @@
+/* What a campaign came to, for CI systems: JUnit, TAP, JSON lines. */
+#include "cmd/fuzz/cmd_fuzz_report.h"
+
+#include "cmd/fuzz/cmd_replay.h"
+#include "fuzz/findings/findings_report.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define NOTES_MOST 32
+
+/* What struct findings_report borrows. */
+struct report_room {
+    struct report_finding *finding;
+    char (*text)[6][FUZZ_PATH_MOST]; /* signature, reason, first, smallest, replay, none */
+    struct report_contestant contestant[FUZZ_CONTESTANTS_MOST];
+    char name[FUZZ_CONTESTANTS_MOST][NAME_MOST];
+    const char *note[NOTES_MOST];
+    char unused[NOTES_MOST][UNUSED_MOST];
+};
+
+static void fill_finding(const struct fuzz_command *c, const struct campaign_view *view, size_t i,
+                         struct report_room *room)
+{
+    const struct findings_entry *entry = findings_entry(view->findings, i);
+    char(*text)[FUZZ_PATH_MOST] = room->text[i];
+    struct baseline_answer answer;
+    enum findings_report_state state = fuzz_state_of(c, view, i, &answer);
+    fuzz_signature_print(&entry->signature, text[0]);
+    snprintf(text[1], FUZZ_PATH_MOST, "%s", answer.text);
+    findings_path(view->findings, &entry->signature, "first.trial", text[2], FUZZ_PATH_MOST);
+    findings_path(view->findings, &entry->signature, "smallest.trial", text[3], FUZZ_PATH_MOST);
+    replay_command(text[3], fuzz_engine_of(view, &entry->signature), entry->signature.layout,
+                   text[4], FUZZ_PATH_MOST);
+    room->finding[i] = (struct report_finding){.signature = text[0],
+                                               .count = entry->count,
+                                               .state = state,
+                                               .reason = text[1],
+                                               .cause = cause_text(entry->signature.cause),
+                                               .triangles = entry->smallest.triangles,
+                                               .rays = entry->smallest.rays,
+                                               .vertices = entry->smallest.vertices,
+                                               .first = text[2],
+                                               .smallest = text[3],
+                                               .replay = text[4]};
+}
+
+static void fill_contestants(const struct campaign_view *view, struct report_room *room)
+{
+    const struct fuzz_field *field = &view->options->rules.field;
+    for (size_t i = 0; i < field->count; i++) {
+        const char *vacuous = campaign_vacuous(view, i);
+        fuzz_contestant_name(view, i, room->name[i]);
+        room->contestant[i] =
+            (struct report_contestant){.name = room->name[i],
+                                       .played = view->turnout[i].played,
+                                       .refused = view->refused[i],
+                                       .vacuous = vacuous ? vacuous : campaign_loses(view, i),
+                                       .seconds = fuzz_seconds(view->time.engine[i])};
+    }
+}
+
+static size_t fill_notes(const struct fuzz_command *c, const struct campaign_view *view,
+                         struct report_room *room)
+{
+    size_t notes = 0, at = 0;
+    if (c->left_out[0])
+        room->note[notes++] = c->left_out;
+    for (; notes < NOTES_MOST && fuzz_unused_line(c, view, &at, room->unused[notes]); notes++)
+        room->note[notes] = room->unused[notes];
+    return notes;
+}
+
+enum status fuzz_write_ci(const struct fuzz_command *c, const struct campaign_view *view,
+                          struct reason *reason)
+{
+    struct report_room *room = alloc_zeroed(1, sizeof *room);
+    size_t count = findings_count(view->findings);
+    enum status status = STATUS_OK;
+    if (room) {
+        room->finding = alloc_zeroed(count + 1, sizeof *room->finding);
+        room->text = alloc_zeroed(count + 1, sizeof *room->text);
+    }
+    if (!room || !room->finding || !room->text) {
+        status = fail(reason, STATUS_MEMORY, "no memory for a report");
+    } else {
+        struct findings_report report = {.seed = c->seed,
+                                         .trials = view->trials + view->before,
+                                         .judged = view->judged,
+                                         .seconds = fuzz_seconds(view->ns),
+                                         .harness_share = campaign_harness_share(view, NULL),
+                                         .contestant = room->contestant,
+                                         .contestants = view->options->rules.field.count,
+                                         .finding = room->finding,
+                                         .findings = count,
+                                         .note = room->note};
+        fill_contestants(view, room);
+        for (size_t i = 0; i < count; i++)
+            fill_finding(c, view, i, room);
+        report.notes = fill_notes(c, view, room);
+        if (c->junit)
+            status = report_junit(&report, c->junit, reason);
+        if (!status && c->tap)
+            status = report_tap(&report, c->tap, reason);
+        if (!status && c->jsonl)
+            status = report_jsonl(&report, c->jsonl, reason);
+    }
+    if (room) {
+        free(room->finding);
+        free(room->text);
+    }
+    free(room);
+    return status;
+}

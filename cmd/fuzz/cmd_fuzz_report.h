@@ -1,0 +1,28 @@
+/* What cmd_fuzz_report.c and cmd_fuzz_ci.c share; private to them. */
+#ifndef CMD_FUZZ_REPORT_H
+#define CMD_FUZZ_REPORT_H
+
+#include "cmd/fuzz/cmd_fuzz.h"
+
+#define NAME_MOST   64
+#define UNUSED_MOST 512
+
+double fuzz_seconds(uint64_t ns);
+
+/* The next entry of the baseline from *at on that excused nothing; false: there is none. To be
+ * asked after the findings. */
+bool fuzz_unused_line(const struct fuzz_command *c, const struct campaign_view *view, size_t *at,
+                      char line[UNUSED_MOST]);
+
+/* The engine of a signature among those that play; NULL: another campaign's. */
+const struct engine *fuzz_engine_of(const struct campaign_view *view,
+                                    const struct fuzz_signature *signature);
+
+void fuzz_contestant_name(const struct campaign_view *view, size_t i, char name[NAME_MOST]);
+
+/* Writes the files of --junit, --tap and --jsonl. Errors: as the writers of
+ * fuzz/findings/findings_report.h; STATUS_MEMORY. */
+enum status fuzz_write_ci(const struct fuzz_command *c, const struct campaign_view *view,
+                          struct reason *reason) MUST_USE;
+
+#endif

@@ -1,0 +1,51 @@
+/* What cmd_report_pictures.c and cmd_report_looks.c share; private to them. */
+#ifndef CMD_REPORT_GALLERY_H
+#define CMD_REPORT_GALLERY_H
+
+#include "cmd/report/cmd_report_parts.h"
+
+#define TEXT_BYTES   16384
+#define NAME_BYTES   96
+#define LAYOUT_BYTES 512
+
+/* The pictures of one scene, being made. */
+struct gallery {
+    const struct report_options *options;
+    struct runner *runner;
+    struct report *report;
+    size_t scene; /* index */
+    bool named;   /* the user chose the engines */
+    char group[256];
+    char commands[TEXT_BYTES], why[RUN_SAID_MOST]; /* of all, in lines */
+    int code;
+    double seconds;
+    bool drawn, stopped;
+    json_t *pairs; /* what raydiff diff found; owned */
+};
+
+const char *gallery_scene(const struct gallery *gallery);
+
+void gallery_complain(struct gallery *gallery, const char *who, const char *what);
+
+/* Runs one command of the part. *code: the child's. */
+enum status gallery_run(struct gallery *gallery, command_fn *command, struct line *line,
+                        struct run *run, struct reason *reason);
+
+/* "cpu-0.png": files of one scene lie beside those of the others. */
+void gallery_file_name(const struct gallery *gallery, const char *what, char name[NAME_BYTES]);
+
+/* What a command that said nothing has left cannot be read. */
+void gallery_unread(struct gallery *gallery, const char *who, const char *said, enum status status,
+                    const struct reason *why);
+
+/* Adds the picture that a command has made. */
+void gallery_show(struct gallery *gallery, const char *title, const char *caption, const char *name,
+                  const char *said);
+
+/* The first of each kind of member that the user named, for commands that take one. */
+void gallery_pass_members(struct line *line, const struct report_options *options, bool layout);
+
+/* Adds the pictures of one layout, and of a second against the first. Errors: as runner_run. */
+enum status gallery_look_at_tree(struct gallery *gallery, struct reason *reason) MUST_USE;
+
+#endif
