@@ -133,17 +133,16 @@ static int run(const struct render_settings *settings, const char *value)
     return code;
 }
 
+#define ROWS_OF struct render_settings
+
 const struct option_row render_benchmark_rows[] = {
-    {"benchmark-frames", "N", "measured",
-     OF_COUNT(struct render_settings, benchmark.frames, 1, FRAMES_MOST),
+    {"benchmark-frames", "N", "measured", OF_COUNT(benchmark.frames, 1, FRAMES_MOST),
      .standard = FRAMES_DEFAULT},
     {"benchmark-turns", "N", "around the target in them; fixed cameras stand",
-     OF_COUNT(struct render_settings, benchmark.turns, 0, FRAMES_MOST), .standard = FRAMES_TURNS},
+     OF_COUNT(benchmark.turns, 0, FRAMES_MOST), .standard = FRAMES_TURNS},
     {"benchmark-warm-up", "N", "frames before them, dropped",
-     OF_COUNT(struct render_settings, benchmark.warm_up, 0, FRAMES_MOST),
-     .standard = FRAMES_WARM_UP},
-    {"benchmark-out", "BASE", "name of the files",
-     OF_OUTPUT(struct render_settings, benchmark.base), .shown = "benchmark"},
+     OF_COUNT(benchmark.warm_up, 0, FRAMES_MOST), .standard = FRAMES_WARM_UP},
+    {"benchmark-out", "BASE", "name of the files", OF_OUTPUT(benchmark.base), .shown = "benchmark"},
     {.name = NULL},
 };
 

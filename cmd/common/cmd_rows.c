@@ -125,17 +125,24 @@ const struct option_row *option_find(const struct option_set *set, const char *n
     return NULL;
 }
 
+enum status option_put(const struct option_set *set, void *options, const char *name, char *text,
+                       struct reason *reason)
+{
+    void *owner = NULL;
+    const struct option_row *row = option_find(set, name, options, &owner);
+    return take(owner, &(struct option_value){.row = row, .text = text}, reason);
+}
+
 static void take_defaults(const struct option_set *set, void *options)
 {
     struct reason reason;
     for (const struct option_group *group = set->group; group->row; group++)
         for (const struct option_row *row = group->row; row->name; row++) {
-            void *owner;
             char text[64];
-            if (!row->value || option_find(set, row->name, options, &owner) != row)
+            if (!row->value || option_find(set, row->name, NULL, NULL) != row)
                 continue;
             snprintf(text, sizeof text, "%s", row->value);
-            if (take(owner, &(struct option_value){.row = row, .text = text}, &reason))
+            if (option_put(set, options, row->name, text, &reason))
                 abort(); /* a default that its row refuses is our bug */
         }
 }

@@ -1,7 +1,8 @@
 /* Options as rows: one row a flag. Rows give parsing, refusals, --help, the man page and the shell
  * completions. For commands only.
+ *   #define ROWS_OF struct my_options
  *   static const struct option_row rows[] = {
- *       {"count", "N", "rays", OF_COUNT(struct my_options, count, 1, 1u << 30), .value = "1000"},
+ *       {"count", "N", "rays", OF_COUNT(count, 1, 1u << 30), .value = "1000"},
  *       {"json", "FILE", "all rows, for machines", OF_JSON(struct my_options, json)},
  *       {.name = NULL}};
  *   static const struct option_set set = {.command = "my", .group = {{rows},
@@ -69,25 +70,26 @@ struct option_row {
     bool file;         /* of OPTION_OWN: the value is a file's name */
 };
 
-#define OF_PLACE(of, owner, member)                                                                \
-    .type = OPTION_##of, .place = offsetof(owner, member), .size = sizeof(((owner *)0)->member)
-#define OF_FLAG(owner, member)            OF_PLACE(FLAG, owner, member)
-#define OF_TEXT(owner, member)            OF_PLACE(TEXT, owner, member)
-#define OF_FILE(owner, member)            OF_PLACE(FILE, owner, member)
-#define OF_FOLDER(owner, member)          OF_PLACE(FOLDER, owner, member)
-#define OF_OUTPUT(owner, member)          OF_PLACE(OUTPUT, owner, member)
-#define OF_WRITTEN(owner, member)         OF_PLACE(WRITTEN, owner, member)
-#define OF_DATA(owner, member)            OF_PLACE(DATA, owner, member)
-#define OF_COUNT(owner, member, from, to) OF_PLACE(COUNT, owner, member), .least = from, .most = to
+/* Types and places of rows. What they are of is ROWS_OF: #define ROWS_OF struct my_options */
+#define OF_PLACE(of, member)                                                                       \
+    .type = OPTION_##of, .place = offsetof(ROWS_OF, member), .size = sizeof(((ROWS_OF *)0)->member)
+#define OF_FLAG(member)            OF_PLACE(FLAG, member)
+#define OF_TEXT(member)            OF_PLACE(TEXT, member)
+#define OF_FILE(member)            OF_PLACE(FILE, member)
+#define OF_FOLDER(member)          OF_PLACE(FOLDER, member)
+#define OF_OUTPUT(member)          OF_PLACE(OUTPUT, member)
+#define OF_WRITTEN(member)         OF_PLACE(WRITTEN, member)
+#define OF_DATA(member)            OF_PLACE(DATA, member)
+#define OF_COUNT(member, from, to) OF_PLACE(COUNT, member), .least = from, .most = to
 /* `to` INFINITY: no upper end; `from` ABOVE_0: that is the rule. */
-#define OF_REAL(owner, member, from, to)   OF_PLACE(REAL, owner, member), .low = from, .high = to
-#define OF_LIST(owner, member, of_table)   OF_PLACE(LIST, owner, member), .table = 1 + (of_table)
-#define OF_ONE(owner, member, of_table)    OF_PLACE(ONE, owner, member), .table = 1 + (of_table)
-#define OF_MEMBER(owner, member, of_table) OF_PLACE(MEMBER, owner, member), .table = 1 + (of_table)
-#define OF_CHOICE(owner, member, names)    OF_PLACE(CHOICE, owner, member), .choice = names
-#define OF_OWN(function)                   .type = OPTION_OWN, .take = function
-#define OF_ACT(function)                   .type = OPTION_ACT, .take = function
-#define ABOVE_0                            (-0.0)
+#define OF_REAL(member, from, to)   OF_PLACE(REAL, member), .low = from, .high = to
+#define OF_LIST(member, of_table)   OF_PLACE(LIST, member), .table = 1 + (of_table)
+#define OF_ONE(member, of_table)    OF_PLACE(ONE, member), .table = 1 + (of_table)
+#define OF_MEMBER(member, of_table) OF_PLACE(MEMBER, member), .table = 1 + (of_table)
+#define OF_CHOICE(member, names)    OF_PLACE(CHOICE, member), .choice = names
+#define OF_OWN(function)            .type = OPTION_OWN, .take = function
+#define OF_ACT(function)            .type = OPTION_ACT, .take = function
+#define ABOVE_0                     (-0.0)
 
 /* What a command takes. Texts are filled to 80 columns: each line is a paragraph, one that begins
  * with a blank stays as it is. */
@@ -115,14 +117,14 @@ struct option_set {
 extern const struct option_row engine_rows[], outside_rows[], build_rows[], displacement_rows[],
     watertight_rows[];
 
-/* A row --bvh of struct OWNER. */
-#define TREE_ROW(owner, member)                                                                    \
+/* A row --bvh. */
+#define TREE_ROW(member)                                                                           \
     {                                                                                              \
         "bvh", "FILE",                                                                             \
             "a tree of the scene as raydiff precompute writes it, as JSON or packed (of that "     \
             "layout), "                                                                            \
             "in place of a builder's",                                                             \
-            OF_FILE(owner, member)                                                                 \
+            OF_FILE(member)                                                                        \
     }
 
 /* No thread limit, any Vulkan device. */
@@ -138,6 +140,10 @@ int options_read(const struct option_set *set, void *options, int argc, char **a
 /* The row of an option, and (unless NULL) the struct that it is of; NULL: there is none. */
 const struct option_row *option_find(const struct option_set *set, const char *name, void *options,
                                      void **owner);
+
+/* Takes one option as if it was given. Errors: as options_read, in *reason. */
+enum status option_put(const struct option_set *set, void *options, const char *name, char *text,
+                       struct reason *reason) MUST_USE;
 
 /* What --help prints, and what else is made of the rows. */
 enum option_form { FORM_HELP, FORM_MAN, FORM_BASH, FORM_ZSH };

@@ -13,18 +13,19 @@ struct engine_options engine_options_default(void)
     return (struct engine_options){.device = -1};
 }
 
+#define ROWS_OF struct engine_options
+
 const struct option_row engine_rows[] = {
-    {"threads", "N", "CPU threads, 0 is all", OF_COUNT(struct engine_options, threads, 0, 4096),
-     .value = "0"},
+    {"threads", "N", "CPU threads, 0 is all", OF_COUNT(threads, 0, 4096), .value = "0"},
     {"driver", "NAME",
      "Vulkan: stock, mesa25, swiftshader (make drivers), hardware, a driver's JSON file, or part "
      "of "
      "a driver's or device's name",
-     OF_TEXT(struct engine_options, driver)},
+     OF_TEXT(driver)},
     {"device", "N", "Vulkan: device by the number that raydiff doctor gives",
-     OF_COUNT(struct engine_options, device, 0, 255)},
-    {"workgroup", "N", "Vulkan: rays per workgroup",
-     OF_COUNT(struct engine_options, workgroup, 1, 1024), .standard = ABI_WORKGROUP},
+     OF_COUNT(device, 0, 255)},
+    {"workgroup", "N", "Vulkan: rays per workgroup", OF_COUNT(workgroup, 1, 1024),
+     .standard = ABI_WORKGROUP},
     {.name = NULL},
 };
 
@@ -94,12 +95,14 @@ static enum status take_optimize(void *options, const struct option_value *given
     return status;
 }
 
+#undef ROWS_OF
+#define ROWS_OF struct build_options
+
 const struct option_row build_rows[] = {
-    {"bins", "N", "builder sah_binned: bins per axis",
-     OF_COUNT(struct build_options, bins, 2, BUILD_BINS_MOST), .standard = BUILD_BINS_DEFAULT},
+    {"bins", "N", "builder sah_binned: bins per axis", OF_COUNT(bins, 2, BUILD_BINS_MOST),
+     .standard = BUILD_BINS_DEFAULT},
     {"radius", "N", "builder ploc: neighbours on either side",
-     OF_COUNT(struct build_options, radius, 1, BUILD_RADIUS_MOST),
-     .standard = BUILD_RADIUS_DEFAULT},
+     OF_COUNT(radius, 1, BUILD_RADIUS_MOST), .standard = BUILD_RADIUS_DEFAULT},
     {"split-budget", "X",
      "builder sbvh: items beyond one a triangle, at most, in parts of the triangles",
      OF_OWN(take_share), .standard = BUILD_SPLIT_BUDGET_DEFAULT},
@@ -123,12 +126,14 @@ static enum status take_require(void *options, const struct option_value *given,
                : fail(reason, STATUS_INPUT, "--require: '%.60s' is not watertight", given->text);
 }
 
+#undef ROWS_OF
+#define ROWS_OF struct match_demands
+
 const struct option_row displacement_rows[] = {
     {"displacement", "U",
      "how far vertices may have to move to make an answer of an unknown formula right, in 2^-24 of "
      "their distance",
-     OF_REAL(struct match_demands, displacement, ABOVE_0, INFINITY),
-     .standard = JUDGE_DISPLACEMENT_MOST},
+     OF_REAL(displacement, ABOVE_0, INFINITY), .standard = JUDGE_DISPLACEMENT_MOST},
     {.name = NULL},
 };
 

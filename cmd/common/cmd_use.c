@@ -74,40 +74,10 @@ static bool any_engine(const struct option_use *use, bool (*is)(const struct eng
     return any;
 }
 
-static bool on_gpu(const struct option_use *use, const char *option)
-{
-    (void)option;
-    return any_engine(use, is_gpu);
-}
-
 static bool on_shaders(const struct option_use *use, const char *option)
 {
     (void)option;
     return use->compares || any_engine(use, is_of_shaders);
-}
-
-static bool on_black(const struct option_use *use, const char *option)
-{
-    (void)option;
-    return any_engine(use, is_black);
-}
-
-static bool on_processor(const struct option_use *use, const char *option)
-{
-    (void)option;
-    return any_engine(use, is_of_processor);
-}
-
-static bool on_trees(const struct option_use *use, const char *option)
-{
-    (void)option;
-    return any_engine(use, walks_trees);
-}
-
-static bool on_tests(const struct option_use *use, const char *option)
-{
-    (void)option;
-    return any_engine(use, tests_ours);
 }
 
 static bool from_outside(const struct option_use *use, const char *option)
@@ -164,20 +134,21 @@ static bool by_chance(const struct option_use *use, const char *option)
 
 static const struct {
     const char *options;
-    bool (*is_met)(const struct option_use *use, const char *option);
     const char *what;
+    bool (*is)(const struct engine *engine); /* one that plays; or NULL: is_met */
+    bool (*is_met)(const struct option_use *use, const char *option);
 } needs[] = {
     {"layout store builder box leaf eps bvh bins radius split-budget split-alpha optimize",
-     on_trees, "an engine that walks trees"},
-    {"eps bins radius split-budget split-alpha", by_builder, "builder"},
-    {"tri", on_tests, "an engine that has no triangle test of its own"},
-    {"driver device workgroup", on_gpu, "an engine on Vulkan"},
-    {"shader", on_shaders, "an engine that runs shaders of layouts"},
-    {"displacement", on_black, "an engine whose formula is not known"},
-    {"threads", on_processor, "an engine of the processor"},
-    {"peer-time peer-memory", from_outside, "pipe:COMMAND or --layout FILE.so"},
-    {"bits", of_grids, "--store quantised"},
-    {"seed", by_chance, "a scene or rays that are drawn by chance"},
+     "an engine that walks trees", walks_trees, NULL},
+    {"eps bins radius split-budget split-alpha", "builder", NULL, by_builder},
+    {"tri", "an engine that has no triangle test of its own", tests_ours, NULL},
+    {"driver device workgroup", "an engine on Vulkan", is_gpu, NULL},
+    {"shader", "an engine that runs shaders of layouts", NULL, on_shaders},
+    {"displacement", "an engine whose formula is not known", is_black, NULL},
+    {"threads", "an engine of the processor", is_of_processor, NULL},
+    {"peer-time peer-memory", "pipe:COMMAND or --layout FILE.so", NULL, from_outside},
+    {"bits", "--store quantised", NULL, of_grids},
+    {"seed", "a scene or rays that are drawn by chance", NULL, by_chance},
 };
 
 /* The builders that take an option, by name. */
@@ -199,7 +170,8 @@ bool option_is_used(const struct option_use *use, const char *option, struct rea
         return false;
     }
     for (size_t i = 0; i < ARRAY_COUNT(needs); i++) {
-        if (!option_among(needs[i].options, option) || needs[i].is_met(use, option))
+        if (!option_among(needs[i].options, option) ||
+            (needs[i].is ? any_engine(use, needs[i].is) : needs[i].is_met(use, option)))
             continue;
         snprintf(text, sizeof text, "%s", needs[i].what);
         if (needs[i].is_met == by_builder)

@@ -46,19 +46,19 @@ static enum status take_pixel(void *options, const struct option_value *given,
     return status;
 }
 
+#define ROWS_OF struct diff_options
+
 static const struct option_row rows[] = {
-    {"engine", "A,B,..", "compared with the first",
-     OF_LIST(struct diff_options, engine, TABLE_ENGINES),
+    {"engine", "A,B,..", "compared with the first", OF_LIST(engine, TABLE_ENGINES),
      .shown = "cpu,vulkan,embree: those that run here"},
     {"pixel", "X,Y", "the path of one pixel on every engine, to the first bit that differs",
      OF_OWN(take_pixel)},
-    {"angle", "DEG", "of the camera around its target",
-     OF_REAL(struct diff_options, angle, -INFINITY, INFINITY), .value = "0"},
-    {"list", "N", "pixels listed of each kind", OF_COUNT(struct diff_options, list, 0, PAIR_KEPT),
-     .value = "4"},
+    {"angle", "DEG", "of the camera around its target", OF_REAL(angle, -INFINITY, INFINITY),
+     .value = "0"},
+    {"list", "N", "pixels listed of each kind", OF_COUNT(list, 0, PAIR_KEPT), .value = "4"},
     {"out", "HEAT.png", "a heat map of the values; of several engines HEAT-ENGINE.png",
-     OF_OUTPUT(struct diff_options, out)},
-    {"json", "FILE", "everything, for machines", OF_DATA(struct diff_options, json)},
+     OF_OUTPUT(out)},
+    {"json", "FILE", "everything, for machines", OF_DATA(json)},
     {.name = NULL},
 };
 

@@ -19,13 +19,13 @@ struct images_job {
     struct image_diff diff;
 };
 
+#define ROWS_OF struct images_job
+
 static const struct option_row rows[] = {
-    {"out", "FILE", "a heat map with scale bar, as PNG; equal pixels are gray",
-     OF_OUTPUT(struct images_job, out)},
-    {"json", "FILE", "the numbers as JSON, - for the standard output",
-     OF_DATA(struct images_job, json)},
-    {"max", "N", "exit code 0 also where no channel differs by more",
-     OF_COUNT(struct images_job, max, 0, 255), .value = "0"},
+    {"out", "FILE", "a heat map with scale bar, as PNG; equal pixels are gray", OF_OUTPUT(out)},
+    {"json", "FILE", "the numbers as JSON, - for the standard output", OF_DATA(json)},
+    {"max", "N", "exit code 0 also where no channel differs by more", OF_COUNT(max, 0, 255),
+     .value = "0"},
     {.name = NULL},
 };
 

@@ -93,9 +93,10 @@ struct arguments {
     const char *json;
 };
 
+#define ROWS_OF struct arguments
+
 static const struct option_row rows[] = {
-    {"json", "FILE", "the same, written to a temporary name and renamed",
-     OF_DATA(struct arguments, json)},
+    {"json", "FILE", "the same, written to a temporary name and renamed", OF_DATA(json)},
     {.name = NULL},
 };
 

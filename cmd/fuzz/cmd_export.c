@@ -12,20 +12,21 @@ struct taken {
     const char *to;
 };
 
+#define ROWS_OF struct taken
+
 static const struct option_row rows[] = {
-    {"to", "OUT", "file to write, '-' is the standard output", OF_TEXT(struct taken, to),
-     .value = NULL, .shown = "-", .file = true},
+    {"to", "OUT", "file to write, '-' is the standard output", OF_TEXT(to), .value = NULL,
+     .shown = "-", .file = true},
     {"form", "F",
      "c: a program; exit code 0 fixed, 1 the bug shows, 2 cannot run here. amber: a script of "
      "github.com/google/amber (vulkan, vulkan_brute). text: scene, rays and right answers, for "
      "any tracer",
-     OF_CHOICE(struct taken, options.form, export_form_names), .value = "c"},
+     OF_CHOICE(options.form, export_form_names), .value = "c"},
     {"engine", "E", "for vulkan, vulkan_brute, rayquery, embree or embree_robust",
-     OF_MEMBER(struct taken, options.engine, TABLE_ENGINES), .shown = "the file's; else vulkan"},
-    {"layout", "L", "its tree's layout", OF_MEMBER(struct taken, options.layout, TABLE_LAYOUTS),
+     OF_MEMBER(options.engine, TABLE_ENGINES), .shown = "the file's; else vulkan"},
+    {"layout", "L", "its tree's layout", OF_MEMBER(options.layout, TABLE_LAYOUTS),
      .shown = "the file's; else f32"},
-    {"ray", "N", "this ray alone", OF_COUNT(struct taken, options.ray, 0, FUZZ_RAYS_MOST),
-     .shown = "all"},
+    {"ray", "N", "this ray alone", OF_COUNT(options.ray, 0, FUZZ_RAYS_MOST), .shown = "all"},
     {.name = NULL},
 };
 

@@ -14,90 +14,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static enum status take_key(void *options, const struct option_value *given, struct reason *reason)
-{
-    struct fuzz_command *c = options;
-    enum fuzz_key key = 0;
-    while (strcmp(fuzz_key_name(key), given->row->name) != 0)
-        key++;
-    c->given[key] = true;
-    return fuzz_key_set(c, key, given->text ? given->text : "yes", reason);
-}
-
-static enum status take_baseline(void *options, const struct option_value *given,
-                                 struct reason *reason)
-{
-    return baseline_add_file(&((struct fuzz_command *)options)->baseline, given->text, reason);
-}
-
-static const struct option_row rows[] = {
-    {"time", "S", "seconds of this run", OF_COUNT(struct fuzz_command, seconds, 1, 1000000000),
-     .value = "60", .shown = "60; none with --trials"},
-    {"trials", "N", "trials of the whole campaign, the same on any number of workers",
-     OF_COUNT(struct fuzz_command, trials, 1, (uint64_t)1 << 60)},
-    {"until", "N", "end after N distinct findings that the baseline does not know",
-     OF_COUNT(struct fuzz_command, until, 1, 1000000)},
-    {"dir", "DIR", "where findings are kept", OF_FOLDER(struct fuzz_command, folder),
-     .shown = "findings"},
-    {"seed", "S", "of the campaign", OF_OWN(take_key), .shown = "1"},
-    {"jobs", "N", "worker processes", OF_COUNT(struct fuzz_command, jobs, 1, CAMPAIGN_JOBS_MOST),
-     .shown = "cores"},
-    {"shard", "I/N", "only the blocks of shard I of N; join with raydiff merge", OF_OWN(take_key)},
-    {"engine", "E,..", "engines, also pipe:COMMAND", OF_OWN(take_key), .table = 1 + TABLE_ENGINES,
-     .shown = FUZZ_ENGINES},
-    {"layout", "L,..", "layouts", OF_OWN(take_key), .table = 1 + TABLE_LAYOUTS,
-     .shown = FUZZ_LAYOUTS},
-    {"builder", "B,..", "builders", OF_OWN(take_key), .table = 1 + TABLE_BUILDERS,
-     .shown = "as generated"},
-    {"faithful", NULL, "builders and tests as published take part, too", OF_ACT(take_key)},
-    {"rays", "N", "rays of a trial", OF_OWN(take_key), .shown = "500"},
-    {"triangles", "A-B", "triangles of an ordinary trial", OF_OWN(take_key), .shown = "16-64"},
-    {"corpus", "DIR", "trials that are played first; none", OF_FOLDER(struct fuzz_command, corpus),
-     .shown = "fuzz/corpus"},
-    {"feedback", NULL, "mutate what reached rare states also with --trials or --shard",
-     OF_FLAG(struct fuzz_command, feedback)},
-    {"pairs", "N",
-     "draws members anew for each block: those of the pair (of engine, layout, builder, storage, "
-     "triangle test, box test, reinsertion, motion) that met in the fewest trials; every pair is "
-     "to meet in N",
-     OF_OWN(take_key)},
-    {"no-shrink", NULL, "leave findings as they are (raydiff min shrinks them later)",
-     OF_FLAG(struct fuzz_command, no_shrink)},
-    {"baseline", "FILE", "known findings, besides those that are part of raydiff",
-     OF_OWN(take_baseline), .file = true, .repeats = true},
-    {"trial-time", "S", "seconds that an engine may take for a trial",
-     OF_REAL(struct fuzz_command, trial_s, 0.1, 86400), .value = "10"},
-    {"memory", "MIB", "memory that a worker may hold, 0 is no limit",
-     OF_COUNT(struct fuzz_command, memory_mib, 0, (uint64_t)1 << 30), .value = "4096"},
-    {"driver", "NAME", "Vulkan: as in raydiff check", OF_OWN(take_key)},
-    {"device", "N", "Vulkan: as in raydiff check", OF_OWN(take_key)},
-    {"workgroup", "N", "Vulkan: as in raydiff check", OF_OWN(take_key)},
-    {"json", "FILE", "results, for machines", OF_DATA(struct fuzz_command, json)},
-    {"junit", "FILE", "JUnit XML", OF_WRITTEN(struct fuzz_command, junit)},
-    {"tap", "FILE", "TAP 13", OF_WRITTEN(struct fuzz_command, tap)},
-    {"jsonl", "FILE", "a line of JSON for each finding", OF_WRITTEN(struct fuzz_command, jsonl)},
-    {.name = NULL},
-};
-
-static const struct option_set set = {
-    .command = "fuzz",
-    .usage = "fuzz [OPTIONS]\n"
-             "fuzz --self-test [OPTIONS]     (raydiff fuzz --self-test --help)",
-    .about = "Plays random trials on engines and layouts, and keeps what they get wrong: a folder "
-             "for each distinct finding, with the first and the smallest trial that shows it. An "
-             "existing folder is resumed, also after a kill; its campaign's options need not be "
-             "given again.",
-    .group = {{rows}, {outside_rows, offsetof(struct fuzz_command, engines)}},
-    .codes = "0 nothing that the baseline does not know, 1 a finding outside it or a pair that met "
-             "in fewer than --pairs, 2 bad input, 3 an engine cannot be opened, 4 internal error, "
-             "77 an engine cannot run here, 128 + the signal that ended it before all of --trials "
-             "were played and shrunk; run again, the campaign ends as one that nothing "
-             "interrupted",
-    .example = "fuzz --time 60\n"
-               "fuzz --time 3600 --pairs 1000",
-    .makes_folder = true,
-};
-
 static volatile sig_atomic_t stop, signalled;
 
 static void on_signal(int number)
@@ -238,7 +154,7 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
         status = fuzz_identify(c, reason);
     if (!status) {
         const struct list own = table_all(TABLE_ENGINES);
-        const struct option_use use = {.engine = c->given[KEY_ENGINE] ? &c->engine : &own,
+        const struct option_use use = {.engine = option_was_given("engine") ? &c->engine : &own,
                                        .layout = &c->layout,
                                        .seeded = true};
         status = options_check(&use, reason);
@@ -288,18 +204,13 @@ int cmd_fuzz(int argc, char **argv)
     if (argc > 1 && strcmp(argv[1], "--self-test") == 0)
         return cmd_selftest(argc - 1, argv + 1);
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    c = (struct fuzz_command){.seed = 1,
-                              .rays = 500,
-                              .triangles_least = 16,
-                              .triangles_most = 64,
-                              .folder = "findings",
-                              .engines = engine_options_default(),
-                              .terminal = has_screen()};
+    c = (struct fuzz_command){
+        .folder = "findings", .engines = engine_options_default(), .terminal = has_screen()};
     c.jobs = cores < 1 ? 1 : cores > CAMPAIGN_JOBS_MOST ? CAMPAIGN_JOBS_MOST : (uint32_t)cores;
     baseline_today(c.today);
     if (baseline_open(&c.baseline, &reason))
         return finish(&c, STATUS_INTERNAL, &reason);
-    int first, code = options_read(&set, &c, argc, argv, &first);
+    int first, code = options_read(&fuzz_set, &c, argc, argv, &first);
     if (code < 0 && first < argc)
         code = usage_error("fuzz", "'%s': only options are expected", argv[first]);
     if (code >= 0) {

@@ -5,8 +5,7 @@
 #include "fuzz/findings/baseline.h"
 #include "fuzz/campaign/campaign.h"
 #include "fuzz/findings/findings_report.h"
-#include "cmd/common/cmd_options.h"
-#include "cmd/common/cmd_tables.h"
+#include "cmd/common/cmd_rows.h"
 
 /* Options that decide what is found: kept in the folder, so that a campaign goes on as it began. */
 enum fuzz_key {
@@ -32,7 +31,6 @@ enum fuzz_key {
 #define FUZZ_VALUE_MOST 1024
 
 struct fuzz_command {
-    bool given[KEY_COUNT];
     uint64_t seed;
     uint32_t shard, shards; /* shards 0: not sharded */
     struct list engine, layout, builder;
@@ -72,9 +70,8 @@ void fuzz_key_print(const struct fuzz_command *command, enum fuzz_key key,
                     char text[FUZZ_VALUE_MOST]);
 /* True if the layouts are all that there are, which is kept as "every". */
 bool fuzz_has_every_layout(const struct fuzz_command *command);
-/* Sets the option. Errors: STATUS_INPUT with the flag, text and rule. */
-enum status fuzz_key_set(struct fuzz_command *command, enum fuzz_key key, const char *text,
-                         struct reason *reason) MUST_USE;
+/* Of struct fuzz_command. */
+extern const struct option_set fuzz_set;
 
 /* Takes over what the folder's campaign has; makes a new one's identity. Errors: STATUS_INPUT an
  * option that differs, another version of the generators, a folder of something else. */

@@ -102,83 +102,6 @@ void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[F
     }
 }
 
-/* "A-B" or "A/B". */
-static enum status set_pair(const char *flag, const char *text, char between, uint64_t most,
-                            uint64_t pair[2], struct reason *reason)
-{
-    char first[40];
-    const char *at = strchr(text, between);
-    if (!at || (size_t)(at - text) >= sizeof first)
-        return fail(reason, STATUS_INPUT, "%s: '%.40s' is not two numbers with a '%c' between",
-                    flag, text, between);
-    snprintf(first, sizeof first, "%.*s", (int)(at - text), text);
-    enum status status = parse_count(flag, first, 1, most, &pair[0], reason);
-    if (!status)
-        status = parse_count(flag, at + 1, 1, most, &pair[1], reason);
-    if (!status && pair[0] > pair[1])
-        status = fail(reason, STATUS_INPUT, "%s: %llu is more than %llu", flag,
-                      (unsigned long long)pair[0], (unsigned long long)pair[1]);
-    return status;
-}
-
-static enum status set_lists(struct fuzz_command *c, enum fuzz_key key, const char *text,
-                             struct reason *reason)
-{
-    switch (key) {
-    case KEY_ENGINE:
-        return table_parse(TABLE_ENGINES, "--engine", text, &c->engine, reason);
-    case KEY_LAYOUT:
-        return table_parse(TABLE_LAYOUTS, "--layout", text, &c->layout, reason);
-    default:
-        return table_parse(TABLE_BUILDERS, "--builder", text, &c->builder, reason);
-    }
-}
-
-enum status fuzz_key_set(struct fuzz_command *c, enum fuzz_key key, const char *text,
-                         struct reason *reason)
-{
-    uint64_t value = 0, pair[2] = {0, 0};
-    enum status status;
-    switch (key) {
-    case KEY_SEED:
-        return parse_count("--seed", text, 0, UINT64_MAX, &c->seed, reason);
-    case KEY_SHARD:
-        status = set_pair("--shard", text, '/', CAMPAIGN_SHARDS_MOST, pair, reason);
-        c->shard = (uint32_t)pair[0];
-        c->shards = (uint32_t)pair[1];
-        return status;
-    case KEY_TRIANGLES:
-        status = set_pair("--triangles", text, '-', FUZZ_TRIANGLES_MOST / 4, pair, reason);
-        c->triangles_least = (uint32_t)pair[0];
-        c->triangles_most = (uint32_t)pair[1];
-        return status;
-    case KEY_FAITHFUL:
-        c->faithful = true;
-        return STATUS_OK;
-    case KEY_RAYS:
-        status = parse_count("--rays", text, 1, FUZZ_RAYS_MOST, &value, reason);
-        c->rays = (uint32_t)value;
-        return status;
-    case KEY_PAIRS:
-        return parse_count("--pairs", text, 1, (uint64_t)1 << 40, &c->pairs, reason);
-    case KEY_DRIVER:
-        if (strlen(text) >= sizeof c->driver)
-            return fail(reason, STATUS_INPUT, "--driver: too long a name");
-        strcpy(c->driver, text);
-        return STATUS_OK;
-    case KEY_DEVICE:
-        status = parse_count("--device", text, 0, 255, &value, reason);
-        c->engines.device = (int)value;
-        return status;
-    case KEY_WORKGROUP:
-        status = parse_count("--workgroup", text, 1, 1024, &value, reason);
-        c->engines.workgroup = (uint32_t)value;
-        return status;
-    default:
-        return set_lists(c, key, text, reason);
-    }
-}
-
 /* --- engines that run here ------------------------------------------------------------------- */
 
 struct probe {
@@ -247,8 +170,8 @@ static enum status compare(struct fuzz_command *c, const char *state, enum fuzz_
 {
     char kept[FUZZ_VALUE_MOST] = "", mine[FUZZ_VALUE_MOST];
     (void)campaign_state_get(state, fuzz_key_name(key), kept, sizeof kept);
-    if (!c->given[key])
-        return kept[0] ? fuzz_key_set(c, key, kept, reason) : STATUS_OK;
+    if (!option_was_given(fuzz_key_name(key)))
+        return kept[0] ? option_put(&fuzz_set, c, fuzz_key_name(key), kept, reason) : STATUS_OK;
     fuzz_key_print(c, key, mine);
     if (strcmp(kept, mine) == 0 ||
         (findings_count(c->findings) == 0 && campaign_state_is_unplayed(state)))

@@ -18,19 +18,18 @@ struct gen_command {
     bool decimal;
 };
 
+#define ROWS_OF struct gen_command
+
 static const struct option_row rows[] = {
-    {"rays", "SET", "ray set", OF_ONE(struct gen_command, rays, TABLE_RAY_SETS), .value = "mixed"},
-    {"count", "N", "rays", OF_COUNT(struct gen_command, count, 1, 1u << 30), .value = "1000"},
-    {"seed", "S", "of rays and generators", OF_COUNT(struct gen_command, seed, 0, INT64_MAX),
-     .value = "1"},
-    {"query", "Q", "closest or any", OF_ONE(struct gen_command, query, TABLE_QUERIES),
-     .value = "closest"},
+    {"rays", "SET", "ray set", OF_ONE(rays, TABLE_RAY_SETS), .value = "mixed"},
+    {"count", "N", "rays", OF_COUNT(count, 1, 1u << 30), .value = "1000"},
+    {"seed", "S", "of rays and generators", OF_COUNT(seed, 0, INT64_MAX), .value = "1"},
+    {"query", "Q", "closest or any", OF_ONE(query, TABLE_QUERIES), .value = "closest"},
     {"decimal", NULL,
      "the shortest decimals that read back as the same bits, for awk and the like; otherwise "
      "hexadecimal floats, 0x1.8p+1",
-     OF_FLAG(struct gen_command, decimal)},
-    {"out", "FILE", "where it is written", OF_OUTPUT(struct gen_command, out),
-     .shown = "standard output"},
+     OF_FLAG(decimal)},
+    {"out", "FILE", "where it is written", OF_OUTPUT(out), .shown = "standard output"},
     {.name = NULL},
 };
 

@@ -7,9 +7,10 @@ struct merge_options {
     const char *to;
 };
 
+#define ROWS_OF struct merge_options
+
 static const struct option_row rows[] = {
-    {"to", "DIR", "the new folder; it must not exist or be empty",
-     OF_FOLDER(struct merge_options, to)},
+    {"to", "DIR", "the new folder; it must not exist or be empty", OF_FOLDER(to)},
     {.name = NULL},
 };
 

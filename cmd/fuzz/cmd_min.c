@@ -44,26 +44,28 @@ enum status min_check_layouts(const struct min_options *options, const char *pat
     return STATUS_OK;
 }
 
+#define ROWS_OF struct min_options
+
 static const struct option_row rows[] = {
     {"out", "FILE", "of a FILE: write to this one, also if nothing smaller was found",
-     OF_OUTPUT(struct min_options, out)},
-    {"force", NULL, "replace NAME.min.trial if it exists", OF_FLAG(struct min_options, force)},
+     OF_OUTPUT(out)},
+    {"force", NULL, "replace NAME.min.trial if it exists", OF_FLAG(force)},
     {"asks", "N",
      "candidates that are played at most; one of many triangles or rays counts for more",
-     OF_COUNT(struct min_options, asks, 1, UINT64_MAX / 2), .shown = "100000"},
+     OF_COUNT(asks, 1, UINT64_MAX / 2), .shown = "100000"},
     {"time", "S", "end after so many seconds; then the result is not the same everywhere",
-     OF_COUNT(struct min_options, seconds, 1, 1000000)},
+     OF_COUNT(seconds, 1, 1000000)},
     {"trial-time", "S", "seconds that the engine may take for a trial",
-     OF_COUNT(struct min_options, trial_seconds, 1, 86400), .value = "10"},
-    {"memory", "MIB", "memory that it may hold, 0 is no limit",
-     OF_COUNT(struct min_options, memory_mib, 0, 1u << 30), .value = "4096"},
+     OF_COUNT(trial_seconds, 1, 86400), .value = "10"},
+    {"memory", "MIB", "memory that it may hold, 0 is no limit", OF_COUNT(memory_mib, 0, 1u << 30),
+     .value = "4096"},
     {"engine", "E,..", "brings pipe:COMMAND to a finding of pipe:PROGRAM",
-     OF_LIST(struct min_options, named, TABLE_ENGINES)},
+     OF_LIST(named, TABLE_ENGINES)},
     {"layout", "L,..", "brings FILE.so, a layout from outside, to findings on it",
      OF_OWN(take_layouts), .file = true, .repeats = true},
     {"threads", "N", "CPU threads, 0 is all; 1, since trials are small",
-     OF_COUNT(struct min_options, engines.threads, 0, 4096), .value = "1"},
-    {"json", "FILE", "results, for machines", OF_DATA(struct min_options, json)},
+     OF_COUNT(engines.threads, 0, 4096), .value = "1"},
+    {"json", "FILE", "results, for machines", OF_DATA(json)},
     {.name = NULL},
 };
 

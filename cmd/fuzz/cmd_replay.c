@@ -36,18 +36,19 @@ static enum status take_layouts(void *options, const struct option_value *given,
     return status;
 }
 
+#define ROWS_OF struct replay_options
+
 static const struct option_row rows[] = {
     {"engine", "E,..", "these engines; the signature's engine then does not matter",
      OF_OWN(take_engines), .table = 1 + TABLE_ENGINES, .shown = "all"},
     {"layout", "L,..", "these layouts", OF_OWN(take_layouts), .table = 1 + TABLE_LAYOUTS,
      .shown = "the signature's; else f32,rf16"},
-    {"time", "S", "seconds that an engine may take for a file",
-     OF_COUNT(struct replay_options, seconds, 1, 86400), .value = "60"},
-    {"brief", NULL, "a line per file, and what was not expected; no explanation",
-     OF_FLAG(struct replay_options, brief)},
+    {"time", "S", "seconds that an engine may take for a file", OF_COUNT(seconds, 1, 86400),
+     .value = "60"},
+    {"brief", NULL, "a line per file, and what was not expected; no explanation", OF_FLAG(brief)},
     {"as-expected", NULL, "succeed if each file shows exactly what it expects",
-     OF_FLAG(struct replay_options, as_expected)},
-    {"json", "FILE", "results, for machines", OF_DATA(struct replay_options, json)},
+     OF_FLAG(as_expected)},
+    {"json", "FILE", "results, for machines", OF_DATA(json)},
     {.name = NULL},
 };
 

@@ -31,21 +31,21 @@ static enum status take_choices(void *options, const struct option_value *given,
     return c->choices ? STATUS_OK : fail(reason, STATUS_INPUT, "--only: none is named");
 }
 
+#define ROWS_OF struct selftest_command
+
 static const struct option_row rows[] = {
     {"only", "B,..",
      "only these: by bug, by bug and unit as in LOST_SLOT.trace_rf16, by kind, or by engines",
      OF_OWN(take_choices)},
-    {"time", "S", "seconds for each", OF_COUNT(struct selftest_command, seconds, 1, 86400),
-     .value = "60"},
-    {"seed", "S", "of the trials", OF_COUNT(struct selftest_command, seed, 0, UINT64_MAX),
-     .value = DEFAULT_SEED},
-    {"jobs", "N", "programs at a time, of one worker each",
-     OF_COUNT(struct selftest_command, jobs, 1, SELFTEST_JOBS_MOST), .shown = "cores"},
-    {"programs", "DIR", "where they are", OF_FOLDER(struct selftest_command, programs),
+    {"time", "S", "seconds for each", OF_COUNT(seconds, 1, 86400), .value = "60"},
+    {"seed", "S", "of the trials", OF_COUNT(seed, 0, UINT64_MAX), .value = DEFAULT_SEED},
+    {"jobs", "N", "programs at a time, of one worker each", OF_COUNT(jobs, 1, SELFTEST_JOBS_MOST),
+     .shown = "cores"},
+    {"programs", "DIR", "where they are", OF_FOLDER(programs),
      .shown = "mutants, beside this program"},
     {"shaders", NULL, "only check that this program's own shaders are pinned",
-     OF_FLAG(struct selftest_command, shaders_only)},
-    {"json", "FILE", "results, for machines", OF_DATA(struct selftest_command, json)},
+     OF_FLAG(shaders_only)},
+    {"json", "FILE", "results, for machines", OF_DATA(json)},
     {.name = NULL},
 };
 

@@ -46,18 +46,19 @@ static enum status take_mode(void *options, const struct option_value *given, st
     return STATUS_OK;
 }
 
+#define ROWS_OF struct render
+
 static const struct option_row rows[] = {
-    {"out", "FILE.png", "written to a temporary name and renamed",
-     OF_OUTPUT(struct render, settings.out), .shown = "render.png"},
+    {"out", "FILE.png", "written to a temporary name and renamed", OF_OUTPUT(settings.out),
+     .shown = "render.png"},
     {"frames", "N",
      "a turn of an orbiting camera in N pictures: FILE-0001.png and so on, or FILE%04d.png as "
      "printf has it",
-     OF_COUNT(struct render, frames, 1, FRAMES_MOST), .value = "1"},
-    {"angle", "DEG", "the turn between two pictures",
-     OF_REAL(struct render, angle, -INFINITY, INFINITY), .shown = "360 / N"},
-    {"paths", "FILE", ".csv or .json: what every ray hit, t to the bit",
-     OF_OUTPUT(struct render, paths)},
-    {"json", "FILE", "what was drawn, times, rays, bytes", OF_DATA(struct render, settings.json)},
+     OF_COUNT(frames, 1, FRAMES_MOST), .value = "1"},
+    {"angle", "DEG", "the turn between two pictures", OF_REAL(angle, -INFINITY, INFINITY),
+     .shown = "360 / N"},
+    {"paths", "FILE", ".csv or .json: what every ray hit, t to the bit", OF_OUTPUT(paths)},
+    {"json", "FILE", "what was drawn, times, rays, bytes", OF_DATA(settings.json)},
     {"show", "WHAT",
      "not the scene, but in false colours, per layout or, with --layout A,B, as the difference B - "
      "A: t, prim, normal of any engine's hits; boxes, triangles (tested), depth (of the stack), "

@@ -36,11 +36,12 @@ static enum status take_range(void *options, const struct option_value *given,
     return STATUS_OK;
 }
 
+#define ROWS_OF struct render_settings
+
 const struct option_row render_show_rows[] = {
     {"show-range", "A:B", "with --show: the ends of the colours, to compare pictures",
      OF_OWN(take_range)},
-    {"csv", "FILE", "with --show: the value of every pixel; --json: statistics",
-     OF_DATA(struct render_settings, show.csv)},
+    {"csv", "FILE", "with --show: the value of every pixel; --json: statistics", OF_DATA(show.csv)},
     {.name = NULL},
 };
 

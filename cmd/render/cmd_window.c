@@ -13,15 +13,16 @@
 /* At most so long the window is not looked at. */
 #define LOOK_MS 250u
 
+#define ROWS_OF struct render_settings
+
 const struct option_row render_window_rows[] = {
     {"seconds", "S", "a window ends by itself after that time",
-     OF_REAL(struct render_settings, window.seconds, ABOVE_0, INFINITY), .shown = "never"},
+     OF_REAL(window.seconds, ABOVE_0, INFINITY), .shown = "never"},
     {"pictures", "N", "it ends after that many; one is drawn when something changed",
-     OF_COUNT(struct render_settings, window.pictures, 1, UINT32_MAX), .shown = "never"},
-    {"log", "FILE", "a line per picture: camera angle, size, ms",
-     OF_OUTPUT(struct render_settings, window.log)},
-    {"fps", "N", "pictures a second of a window",
-     OF_REAL(struct render_settings, window.fps, ABOVE_0, INFINITY), .value = "60"},
+     OF_COUNT(window.pictures, 1, UINT32_MAX), .shown = "never"},
+    {"log", "FILE", "a line per picture: camera angle, size, ms", OF_OUTPUT(window.log)},
+    {"fps", "N", "pictures a second of a window", OF_REAL(window.fps, ABOVE_0, INFINITY),
+     .value = "60"},
     {.name = NULL},
 };
 

@@ -104,19 +104,18 @@ static enum status take_baseline(void *options, const struct option_value *given
     return baseline_add_file(((struct report_options *)options)->baseline, given->text, reason);
 }
 
+#define ROWS_OF struct report_options
+
 static const struct option_row rows[] = {
-    {"out", "FILE", "the report", OF_OUTPUT(struct report_options, out)},
-    {"title", "TEXT", "its heading", OF_TEXT(struct report_options, title),
-     .shown = "raydiff: SCENE, ..."},
+    {"out", "FILE", "the report", OF_OUTPUT(out)},
+    {"title", "TEXT", "its heading", OF_TEXT(title), .shown = "raydiff: SCENE, ..."},
     {"parts", "P,..", "of check, bench, pictures, machine", OF_OWN(take_parts), .shown = "all"},
-    {"quick", NULL, "fewer members, rays and rounds", OF_FLAG(struct report_options, quick)},
-    {"count", "N", "rays of check and of each benchmark",
-     OF_COUNT(struct report_options, count, 1, 1u << 28), .shown = "10000 and 5000; quick 2000"},
-    {"rounds", "N", "of the benchmarks", OF_COUNT(struct report_options, rounds, 1, 99),
-     .shown = "5; quick 3"},
-    {"time", "S", "seconds that a part may take",
-     OF_COUNT(struct report_options, seconds, 1, 86400), .value = "600"},
-    {"json", "FILE", "its parts and sums, for machines", OF_DATA(struct report_options, json)},
+    {"quick", NULL, "fewer members, rays and rounds", OF_FLAG(quick)},
+    {"count", "N", "rays of check and of each benchmark", OF_COUNT(count, 1, 1u << 28),
+     .shown = "10000 and 5000; quick 2000"},
+    {"rounds", "N", "of the benchmarks", OF_COUNT(rounds, 1, 99), .shown = "5; quick 3"},
+    {"time", "S", "seconds that a part may take", OF_COUNT(seconds, 1, 86400), .value = "600"},
+    {"json", "FILE", "its parts and sums, for machines", OF_DATA(json)},
     {.name = NULL},
 };
 
@@ -129,24 +128,22 @@ static const struct option_row given_rows[] = {
      .file = true, .repeats = true},
     {"picture", "T=FILE", "a PNG file with its title", OF_OWN(take_picture), .file = true,
      .repeats = true},
-    {"doctor", "FILE", "what raydiff doctor --json wrote, once",
-     OF_FILE(struct report_options, doctor)},
+    {"doctor", "FILE", "what raydiff doctor --json wrote, once", OF_FILE(doctor)},
     {"findings", "DIR", "a folder of raydiff fuzz; each finding is played again and explained",
-     OF_FOLDER(struct report_options, findings)},
+     OF_FOLDER(findings)},
     {"baseline", "FILE", "known findings, besides those that are part of raydiff",
      OF_OWN(take_baseline), .file = true, .repeats = true},
     {.name = NULL},
 };
 
 static const struct option_row passed_rows[] = {
-    {"layout", "L,..", "node layouts", OF_LIST(struct report_options, tried, TABLE_LAYOUTS)},
-    {"engine", "E,..", "engines", OF_LIST(struct report_options, tried, TABLE_ENGINES)},
-    {"tri", "T,..", "triangle tests", OF_LIST(struct report_options, tried, TABLE_TRI_TESTS)},
-    {"box", "B,..", "box tests", OF_LIST(struct report_options, tried, TABLE_BOX_TESTS)},
-    {"query", "Q,..", "queries", OF_LIST(struct report_options, tried, TABLE_QUERIES)},
-    {"rays", "SET", "ray set", OF_ONE(struct report_options, tried.count, TABLE_RAY_SETS)},
-    {"seed", "S", "of rays and generators",
-     OF_COUNT(struct report_options, tried.count, 0, UINT64_MAX)},
+    {"layout", "L,..", "node layouts", OF_LIST(tried, TABLE_LAYOUTS)},
+    {"engine", "E,..", "engines", OF_LIST(tried, TABLE_ENGINES)},
+    {"tri", "T,..", "triangle tests", OF_LIST(tried, TABLE_TRI_TESTS)},
+    {"box", "B,..", "box tests", OF_LIST(tried, TABLE_BOX_TESTS)},
+    {"query", "Q,..", "queries", OF_LIST(tried, TABLE_QUERIES)},
+    {"rays", "SET", "ray set", OF_ONE(tried.count, TABLE_RAY_SETS)},
+    {"seed", "S", "of rays and generators", OF_COUNT(tried.count, 0, UINT64_MAX)},
     {.name = NULL},
 };
 

@@ -179,9 +179,11 @@ static enum status take_transform(void *options, const struct option_value *word
 #define OF_WORDS(function, count, or_count, text)                                                  \
     OF_OWN(function), .least = count, .most = or_count, .words = text
 
+#define ROWS_OF struct construct_options
+
 static const struct option_row rows[] = {
     {"out", "FILE", "scene JSON as RTRS writes it; or .obj, .ply: the triangles only",
-     OF_OUTPUT(struct construct_options, out)},
+     OF_OUTPUT(out)},
     {"model", "MESH IDX",
      ".obj, .ply or .json, each also .gz, or a generator (soup:n=50); its triangles get material "
      "IDX, or the default one: 'default'; more models by more pairs or more --model",
@@ -198,11 +200,10 @@ static const struct option_row rows[] = {
      OF_WORDS(take_material, 7, 0, "7 numbers: colour, albedo and exponent"), .repeats = true},
     {"fill-normals", NULL,
      "a vertex whose triangles give it no normal gets 0 1 0; else it is an error",
-     OF_FLAG(struct construct_options, construct.fill_normals)},
-    {"seed", "S", "of generators whose text gives none",
-     OF_COUNT(struct construct_options, construct.seed, 0, UINT64_MAX), .value = "1"},
-    {"json", NULL, "what was made as JSON on the standard output",
-     OF_FLAG(struct construct_options, json)},
+     OF_FLAG(construct.fill_normals)},
+    {"seed", "S", "of generators whose text gives none", OF_COUNT(construct.seed, 0, UINT64_MAX),
+     .value = "1"},
+    {"json", NULL, "what was made as JSON on the standard output", OF_FLAG(json)},
     {.name = NULL},
 };
 

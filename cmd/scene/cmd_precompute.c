@@ -34,21 +34,22 @@ static enum status take_layout(void *options, const struct option_value *given,
     return status;
 }
 
+#define ROWS_OF struct precompute
+
 static const struct option_row rows[] = {
     {"scene", "SCENE", "a mesh file (.json .obj .ply, also .gz) or a generator such as soup:n=50",
-     OF_FILE(struct precompute, scene)},
-    {"out", "FILE", "written to a temporary name and renamed", OF_OUTPUT(struct precompute, out)},
+     OF_FILE(scene)},
+    {"out", "FILE", "written to a temporary name and renamed", OF_OUTPUT(out)},
     {"layout", "L", "not as JSON, but packed in a layout: see ref/packed/packed_file.h",
      OF_OWN(take_layout), .table = 1 + TABLE_LAYOUTS},
     {"verify", "FILE", "JSON or packed: is it a tree of the scene, and are its boxes large enough?",
-     OF_FILE(struct precompute, verify)},
-    {"builder", "B", "see raydiff list builders",
-     OF_ONE(struct precompute, builder, TABLE_BUILDERS), .value = "rtrs"},
+     OF_FILE(verify)},
+    {"builder", "B", "see raydiff list builders", OF_ONE(builder, TABLE_BUILDERS), .value = "rtrs"},
     {"item-count", "N", "items per leaf: the goal of rtrs, the limit of others",
-     OF_COUNT(struct precompute, build.leaf, 1, UINT32_MAX), .standard = BUILD_LEAF_DEFAULT},
+     OF_COUNT(build.leaf, 1, UINT32_MAX), .standard = BUILD_LEAF_DEFAULT},
     {"eps", "E", "builder rtrs: a box below half of it is not split",
-     OF_REAL(struct precompute, build.eps, -INFINITY, INFINITY), .standard = BUILD_EPS_DEFAULT},
-    {"seed", "S", "of a generator", OF_COUNT(struct precompute, seed, 0, UINT64_MAX), .value = "1"},
+     OF_REAL(build.eps, -INFINITY, INFINITY), .standard = BUILD_EPS_DEFAULT},
+    {"seed", "S", "of a generator", OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
     {.name = NULL},
 };
 

@@ -204,11 +204,12 @@ static const struct {
                {"convert", scene_convert, "seed"},
                {"list", scene_list, ""}};
 
+#define ROWS_OF struct scene_options
+
 static const struct option_row rows[] = {
-    {"json", NULL, "info as one JSON object, {\"scenes\": [...]}",
-     OF_FLAG(struct scene_options, json)},
-    {"seed", "S", "of generators whose text gives none",
-     OF_COUNT(struct scene_options, seed, 0, UINT64_MAX), .value = "1"},
+    {"json", NULL, "info as one JSON object, {\"scenes\": [...]}", OF_FLAG(json)},
+    {"seed", "S", "of generators whose text gives none", OF_COUNT(seed, 0, UINT64_MAX),
+     .value = "1"},
     {.name = NULL},
 };
 

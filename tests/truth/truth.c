@@ -213,12 +213,12 @@ static int print_result(const struct truth_campaign *c)
     return exit_worse(c->code, bad ? EXIT_MISMATCH : EXIT_AGREE);
 }
 
+#define ROWS_OF struct truth_options
+
 static const struct option_row rows[] = {
-    {"rays", "N", "of each scene and contestant",
-     OF_COUNT(struct truth_options, rays, 100, 1u << 30), .value = "650000"},
-    {"seed", "S", "of rays and scenes", OF_COUNT(struct truth_options, seed, 0, UINT32_MAX),
-     .value = "1"},
-    {"out", "DIR", "where findings go", OF_FOLDER(struct truth_options, out)},
+    {"rays", "N", "of each scene and contestant", OF_COUNT(rays, 100, 1u << 30), .value = "650000"},
+    {"seed", "S", "of rays and scenes", OF_COUNT(seed, 0, UINT32_MAX), .value = "1"},
+    {"out", "DIR", "where findings go", OF_FOLDER(out)},
     {.name = NULL},
 };
 
