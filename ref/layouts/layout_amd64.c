@@ -18,7 +18,7 @@
  *
  * Box growth: the hardware grows boxes while it tests them, by a number of ulps of its descriptor
  * (at most 255) that makes up for what its test rounds. Here the tests have that in themselves
- * (ref/primitives/slab.h), and growth is of what is stored. The members amd64_g0 to amd64_g6 round
+ * (ref/primitives/slab.h), and growth is of what is stored. The members amd64_g0 and amd64_g1 round
  * bounds to the nearest, as a plain conversion does, then move them outward by n ulp of the number
  * they are stored as: n = 0 loses hits and is not judged, from n = 1 on boxes are conservative,
  * since the neighbour of the nearest number lies beyond what was rounded. The others round outward.
@@ -302,17 +302,12 @@ static enum status rebound(struct packed *packed, uint32_t ref, const struct box
     MEMBER("amd64_g" #n, "float16 to the nearest, then " #n " ulp outward", lossy, INFINITY, true, \
            n)
 
-extern const struct layout layouts_amd64[10];
-const struct layout layouts_amd64[10] = {
+extern const struct layout layouts_amd64[5];
+const struct layout layouts_amd64[5] = {
     MEMBER("amd64", "float16, and float32 where that inflates over 1.25 times", false, 1.25f, false,
            0),
     MEMBER("amd64_f16", "float16 below the root", false, INFINITY, false, 0),
     MEMBER("amd64_f32", "float32", false, 0, false, 0),
     GROWN(0, true),
     GROWN(1, false),
-    GROWN(2, false),
-    GROWN(3, false),
-    GROWN(4, false),
-    GROWN(5, false),
-    GROWN(6, false),
 };

@@ -9,7 +9,7 @@
 extern const struct layout layout_f32, layout_rf16;
 extern const struct layout layout_rtrs_direct, layout_rtrs_rf, layout_rtrs_rf_paper;
 extern const struct layout layout_cwbvh80, layout_half4;
-extern const struct layout layouts_amd64[10], layouts_tiny8[3];
+extern const struct layout layouts_amd64[5], layouts_tiny8[3];
 #define DECLARE(width, format, FORMAT, frame, FRAME)                                               \
     extern const struct layout GRID_SYMBOL(width, format, frame);
 GRID_MEMBERS(DECLARE)
@@ -17,9 +17,7 @@ GRID_MEMBERS(DECLARE)
 #define CORE &layout_f32, &layout_rf16, &layout_rtrs_direct, &layout_rtrs_rf, &layout_rtrs_rf_paper
 
 #define AMD64                                                                                      \
-    &layouts_amd64[0], &layouts_amd64[1], &layouts_amd64[2], &layouts_amd64[3], &layouts_amd64[4], \
-        &layouts_amd64[5], &layouts_amd64[6], &layouts_amd64[7], &layouts_amd64[8],                \
-        &layouts_amd64[9]
+    &layouts_amd64[0], &layouts_amd64[1], &layouts_amd64[2], &layouts_amd64[3], &layouts_amd64[4]
 #define TINY8 &layouts_tiny8[0], &layouts_tiny8[1], &layouts_tiny8[2]
 
 /* All of the program's own. */
@@ -31,7 +29,7 @@ GRID_MEMBERS(DECLARE)
 #define ONE(width, format, FORMAT, frame, FRAME) +1
 #define GRID_COUNT                               (0 GRID_MEMBERS(ONE))
 #define GRID_SHADERS                             3
-#define MORE_OF_FAMILIES                         (9 + 2)
+#define MORE_OF_FAMILIES                         (4 + 2)
 
 const struct layout *const layouts[] = {CORE, NULL};
 const struct layout *const layouts_auto[] = {&layout_rf16, &layout_cwbvh80, &layout_f32, NULL};

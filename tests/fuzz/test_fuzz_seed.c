@@ -14,7 +14,7 @@
 
 /* With another version of the generators the large trials that F9 needs, 1 in 2048, lie elsewhere:
  * then another seed. */
-#define SEED 5u
+#define SEED 3u
 #define MOST 3072u /* trials in which all must have been seen */
 
 struct seed_known {

@@ -119,7 +119,7 @@ static void find_all(const char *engine_name, const char *layout_name, struct wa
         struct finding_file file = {.has_signature = true};
         struct fuzz_result result;
         struct reason reason;
-        if (gen_trial(2, index, &options, &file.trial, &reason))
+        if (gen_trial(5, index, &options, &file.trial, &reason))
             fail_msg("%s", reason.text);
         bool limit = file.trial.scene.tri_count > 1000;
         if (!limit && fuzz_play(player, &file.trial, 1, &result, NULL, NULL, &reason))
@@ -204,7 +204,7 @@ static void a_peer_with_a_bug(void **state)
     for (uint64_t index = 0; index < 100 && !found; index++) {
         struct finding_file file = {.has_signature = true};
         struct fuzz_result result;
-        if (gen_trial(2, index, &options, &file.trial, &reason) ||
+        if (gen_trial(5, index, &options, &file.trial, &reason) ||
             fuzz_play(player, &file.trial, 1, &result, NULL, NULL, &reason))
             fail_msg("%s", reason.text);
         if (result.finding_count > 0) {
