@@ -139,10 +139,13 @@ static void take_defaults(const struct option_set *set, void *options)
     for (const struct option_group *group = set->group; group->row; group++)
         for (const struct option_row *row = group->row; row->name; row++) {
             char text[64];
-            if (!row->value || option_find(set, row->name, NULL, NULL) != row)
+            void *owner;
+            if (!row->value || option_find(set, row->name, options, &owner) != row)
                 continue;
             snprintf(text, sizeof text, "%s", row->value);
-            if (option_put(set, options, row->name, text, &reason))
+            if (row->type >= OPTION_TEXT && row->type <= OPTION_DATA)
+                memcpy((char *)owner + row->place, &row->value, row->size);
+            else if (option_put(set, options, row->name, text, &reason))
                 abort(); /* a default that its row refuses is our bug */
         }
 }

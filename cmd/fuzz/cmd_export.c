@@ -15,8 +15,8 @@ struct taken {
 #define ROWS_OF struct taken
 
 static const struct option_row rows[] = {
-    {"to", "OUT", "file to write, '-' is the standard output", OF_TEXT(to), .value = NULL,
-     .shown = "-", .file = true},
+    {"to", "OUT", "file to write, '-' is the standard output", OF_TEXT(to), .value = "-",
+     .file = true},
     {"form", "F",
      "c: a program; exit code 0 fixed, 1 the bug shows, 2 cannot run here. amber: a script of "
      "github.com/google/amber (vulkan, vulkan_brute). text: scene, rays and right answers, for "
@@ -38,7 +38,7 @@ static const struct option_set set = {
              "with which tolerance.",
     .group = {{rows}, {engine_rows, offsetof(struct taken, options.engines)}},
     .codes = "0 written, 2 bad input, or nothing that anybody else could run",
-    .example = "export fuzz/corpus/rounded-inward.trial --engine vulkan --to x.c\n"
+    .example = "export fuzz/corpus/sentinel.trial --engine vulkan --to x.c\n"
                "         cc x.c -lvulkan -o x && ./x",
 };
 
@@ -108,8 +108,7 @@ static int check_use(const struct export_options *o, const struct finding_file *
 
 int cmd_export(int argc, char **argv)
 {
-    struct taken taken = {.options = {.ray = EXPORT_ALL_RAYS, .engines = engine_options_default()},
-                          .to = "-"};
+    struct taken taken = {.options = {.ray = EXPORT_ALL_RAYS, .engines = engine_options_default()}};
     struct finding_file file;
     struct reason reason;
     int first, code = options_read(&set, &taken, argc, argv, &first);

@@ -204,8 +204,7 @@ int cmd_fuzz(int argc, char **argv)
     if (argc > 1 && strcmp(argv[1], "--self-test") == 0)
         return cmd_selftest(argc - 1, argv + 1);
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    c = (struct fuzz_command){
-        .folder = "findings", .engines = engine_options_default(), .terminal = has_screen()};
+    c = (struct fuzz_command){.engines = engine_options_default(), .terminal = has_screen()};
     c.jobs = cores < 1 ? 1 : cores > CAMPAIGN_JOBS_MOST ? CAMPAIGN_JOBS_MOST : (uint32_t)cores;
     baseline_today(c.today);
     if (baseline_open(&c.baseline, &reason))

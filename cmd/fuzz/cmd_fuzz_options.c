@@ -73,7 +73,7 @@ static const struct option_row rows[] = {
      OF_COUNT(trials, 1, (uint64_t)1 << 60)},
     {"until", "N", "end after N distinct findings that the baseline does not know",
      OF_COUNT(until, 1, 1000000)},
-    {"dir", "DIR", "where findings are kept", OF_FOLDER(folder), .shown = "findings"},
+    {"dir", "DIR", "where findings are kept", OF_FOLDER(folder), .value = "findings"},
     {"seed", "S", "of the campaign", OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
     {"jobs", "N", "worker processes", OF_COUNT(jobs, 1, CAMPAIGN_JOBS_MOST), .shown = "cores"},
     {"shard", "I/N", "only the blocks of shard I of N; join with raydiff merge",

@@ -52,7 +52,7 @@ static const struct option_row rows[] = {
     {"force", NULL, "replace NAME.min.trial if it exists", OF_FLAG(force)},
     {"asks", "N",
      "candidates that are played at most; one of many triangles or rays counts for more",
-     OF_COUNT(asks, 1, UINT64_MAX / 2), .shown = "100000"},
+     OF_COUNT(asks, 1, UINT64_MAX / 2), .standard = SHRINK_ASKS},
     {"time", "S", "end after so many seconds; then the result is not the same everywhere",
      OF_COUNT(seconds, 1, 1000000)},
     {"trial-time", "S", "seconds that the engine may take for a trial",

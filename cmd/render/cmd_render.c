@@ -50,7 +50,7 @@ static enum status take_mode(void *options, const struct option_value *given, st
 
 static const struct option_row rows[] = {
     {"out", "FILE.png", "written to a temporary name and renamed", OF_OUTPUT(settings.out),
-     .shown = "render.png"},
+     .value = "render.png"},
     {"frames", "N",
      "a turn of an orbiting camera in N pictures: FILE-0001.png and so on, or FILE%04d.png as "
      "printf has it",

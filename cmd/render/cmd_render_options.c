@@ -23,8 +23,7 @@ struct render_settings render_settings_default(void)
     return (struct render_settings){
         .engine_options = engine_options_default(),
         .build = {.eps = BUILD_EPS_DEFAULT},
-        .out = "render.png",
-        .benchmark = {FRAMES_DEFAULT, FRAMES_TURNS, FRAMES_WARM_UP, "benchmark"},
+        .benchmark = {FRAMES_DEFAULT, FRAMES_TURNS, FRAMES_WARM_UP, NULL},
     };
 }
 
