@@ -32,6 +32,7 @@ $(B)/samples/refuser: tests/peers/refuser.c
 # The oracle is checked by a second road, GMP rationals, which only tests have.
 ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
 $(ORACLE_TESTS): $(B)/obj/tests/exact/exact_gmp.o $(B)/obj/tests/exact/exact_gmp_bounds.o \
+    $(B)/obj/tests/exact/exact_gmp_allow.o \
     $(B)/obj/tests/exact/exact_gmp_bounds_baldwin.o $(B)/obj/tests/exact/exact_gmp_redecide.o \
     $(B)/obj/tests/exact/exact_gmp_replay.o $(B)/obj/tests/exact/oracle_cases.o
 $(ORACLE_TESTS): TEST_LIBS += $(GMP_LIBS)

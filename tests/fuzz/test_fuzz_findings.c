@@ -15,6 +15,37 @@
 
 #include "tests/fuzz/campaigns.h"
 
+/* What the files of an entry hold, of the trials made(0) to made(199). */
+static void holds_files(struct findings *findings, const struct fuzz_signature *signature,
+                        const struct findings_entry *entry, uint64_t count)
+{
+    struct finding_file best = {0}, first = {0};
+    for (uint64_t i = 0; i < 200; i++) {
+        struct finding_file file = made(i);
+        struct fuzz_trial_size size = fuzz_trial_size(&file.trial);
+        if (fuzz_signature_same(&file.signature, signature)) {
+            assert_true(fuzz_trial_size_compare(&entry->smallest, &size) <= 0);
+            assert_true(entry->first.index <= i);
+        }
+        finding_file_free(&file);
+    }
+    char path[400], *text, want[40];
+    size_t size;
+    findings_path(findings, signature, "first.trial", path, sizeof path);
+    assert_int_equal(finding_file_read(path, &first, &reason), STATUS_OK);
+    assert_int_equal(first.trial.origin.index, entry->first.index);
+    findings_path(findings, signature, "smallest.trial", path, sizeof path);
+    assert_int_equal(finding_file_read(path, &best, &reason), STATUS_OK);
+    assert_int_equal(fuzz_trial_hash(&best.trial), entry->smallest.hash);
+    findings_path(findings, signature, "count", path, sizeof path);
+    assert_int_equal(file_read(path, &text, &size, &reason), STATUS_OK);
+    snprintf(want, sizeof want, "%llu\n", (unsigned long long)count);
+    assert_string_equal(text, want);
+    free(text);
+    finding_file_free(&first);
+    finding_file_free(&best);
+}
+
 static void a_folder_keeps_first_smallest_and_count(void **state)
 {
     (void)state;
@@ -57,31 +88,7 @@ static void a_folder_keeps_first_smallest_and_count(void **state)
         assert_int_equal(entry->count, count[k]);
         assert_int_equal(entry->lines, count[k]);
         assert_true(entry->has_first && entry->has_smallest);
-        struct finding_file best = {0}, first = {0};
-        for (uint64_t i = 0; i < 200; i++) {
-            struct finding_file file = made(i);
-            struct fuzz_trial_size size = fuzz_trial_size(&file.trial);
-            if (fuzz_signature_same(&file.signature, &signature)) {
-                assert_true(fuzz_trial_size_compare(&entry->smallest, &size) <= 0);
-                assert_true(entry->first.index <= i);
-            }
-            finding_file_free(&file);
-        }
-        char path[400], *text, want[40];
-        size_t size;
-        findings_path(findings, &signature, "first.trial", path, sizeof path);
-        assert_int_equal(finding_file_read(path, &first, &reason), STATUS_OK);
-        assert_int_equal(first.trial.origin.index, entry->first.index);
-        findings_path(findings, &signature, "smallest.trial", path, sizeof path);
-        assert_int_equal(finding_file_read(path, &best, &reason), STATUS_OK);
-        assert_int_equal(fuzz_trial_hash(&best.trial), entry->smallest.hash);
-        findings_path(findings, &signature, "count", path, sizeof path);
-        assert_int_equal(file_read(path, &text, &size, &reason), STATUS_OK);
-        snprintf(want, sizeof want, "%llu\n", (unsigned long long)count[k]);
-        assert_string_equal(text, want);
-        free(text);
-        finding_file_free(&first);
-        finding_file_free(&best);
+        holds_files(findings, &signature, entry, count[k]);
     }
     findings_close(findings);
 }

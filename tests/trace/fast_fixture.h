@@ -1,0 +1,90 @@
+/* What test_fast.c and test_fast_trees.c share. */
+#ifndef FAST_FIXTURE_H
+#define FAST_FIXTURE_H
+
+#include "ref/fast/block.h"
+#include "ref/fast/decoded.h"
+#include "ref/fast/fast.h"
+#include "ref/layout.h"
+#include "ref/base/rng.h"
+#include "tests/support/ray_fixture.h"
+#include "tests/support/tree_fixture.h"
+#include <math.h>
+#include <string.h>
+
+static const struct tri_test *woop(void)
+{
+    return tri_test_find("woop");
+}
+
+static struct fast_tree make_tree(const struct scene *scene, uint32_t leaf)
+{
+    struct build_options options = {.leaf = leaf};
+    struct reason reason = {""};
+    struct fast_tree tree;
+    struct bvh bvh;
+    assert_int_equal(builders[0]->build(scene, &options, &bvh, NULL), STATUS_OK);
+    if (fast_make(&bvh, scene, &tree, &reason))
+        fail_msg("%s", reason.text);
+    bvh_free(&bvh);
+    return tree;
+}
+
+/* The same bits; at the same t another triangle may be named. */
+static bool same(const struct hit *a, const struct hit *b)
+{
+    if (a->prim != b->prim && a->prim != ABI_NO_PRIM && b->prim != ABI_NO_PRIM)
+        return a->t == b->t;
+    return memcmp(a, b, sizeof *a) == 0;
+}
+
+static void check_any(const struct scene *scene, const struct ray *ray, const struct hit *truth,
+                      const struct hit *hit)
+{
+    float v[3][3];
+    struct hit one;
+    struct tri_ray r = tri_ray_make(ray);
+    assert_int_equal(hit->prim == ABI_NO_PRIM, truth->prim == ABI_NO_PRIM);
+    if (hit->prim == ABI_NO_PRIM)
+        return;
+    scene_tri(scene, hit->prim, v);
+    assert_true(tri_test_run(ABI_TRI_WOOP, &r, v, &one));
+    one.prim = hit->prim;
+    assert_memory_equal(&one, hit, sizeof one);
+}
+
+static void check_kernel(const struct fast_kernel *kernel, const struct fast_tree *tree,
+                         const struct scene *scene, const struct ray *ray, size_t count,
+                         const struct hit *truth)
+{
+    struct hit *hit = calloc(count, sizeof *hit);
+    assert_non_null(hit);
+    kernel->closest(tree, ray, count, hit);
+    for (size_t i = 0; i < count; i++)
+        if (!same(&truth[i], &hit[i]))
+            fail_msg("%s%s, ray %zu: t %a prim %d, expected t %a prim %d", kernel->name,
+                     tree->in_pairs ? " in pairs" : "", i, (double)hit[i].t, (int)hit[i].prim,
+                     (double)truth[i].t, (int)truth[i].prim);
+    kernel->any(tree, ray, count, hit);
+    for (size_t i = 0; i < count; i++)
+        check_any(scene, &ray[i], &truth[i], &hit[i]);
+    free(hit);
+}
+
+/* Ray by ray, and in pairs whatever the size of the tree. */
+static void check_rays(struct fast_tree *tree, const struct scene *scene, const struct ray *ray,
+                       size_t count)
+{
+    struct hit *truth = calloc(count, sizeof *truth);
+    assert_non_null(truth);
+    for (size_t i = 0; i < count; i++)
+        trace_brute(scene, woop(), QUERY_CLOSEST, &ray[i], &truth[i]);
+    for (size_t k = 0; fast_kernels[k]; k++)
+        for (int pairs = 0; pairs < 2 && fast_kernels[k]->runs(); pairs++) {
+            tree->in_pairs = pairs;
+            check_kernel(fast_kernels[k], tree, scene, ray, count, truth);
+        }
+    free(truth);
+}
+
+#endif
