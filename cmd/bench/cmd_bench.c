@@ -129,10 +129,10 @@ static const struct option_set set = {
              "the rounds with least and most; ratios are medians of per-round ratios. What was "
              "wrong stands beside each speed.\n"
              "NAME is one benchmark; without it all run that need not be named.",
-    .group = {{all_rows},
-              {own_rows, .title = "and where the benchmark takes them:"},
-              {engine_rows, offsetof(struct bench, engines)},
-              {outside_rows, offsetof(struct bench, engines)}},
+    .group = {GROUP(all_rows),
+              {.row = own_rows, .title = "and where the benchmark takes them:"},
+              GROUP_AT(engine_rows, engines),
+              GROUP_AT(outside_rows, engines)},
     .codes = "0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input, 3 "
              "engine failed, 77 a named engine cannot run here; 128 + the signal that ended a run "
              "of frames: its files hold the frames measured until then",

@@ -64,12 +64,9 @@ const struct option_set check_set = {
              "differs, how fast each is and how many bytes each needs. A SCENE is a mesh file "
              "(.json .obj .ply, also .gz) or a generator such as soup:n=1000, see raydiff list "
              "scenes.",
-    .group = {{rows},
-              {build_rows, offsetof(struct check_options, build)},
-              {displacement_rows, offsetof(struct check_options, demands)},
-              {watertight_rows, offsetof(struct check_options, demands)},
-              {engine_rows, offsetof(struct check_options, engines)},
-              {outside_rows, offsetof(struct check_options, engines)}},
+    .group = {GROUP(rows), GROUP_AT(build_rows, build), GROUP_AT(displacement_rows, demands),
+              GROUP_AT(watertight_rows, demands), GROUP_AT(engine_rows, engines),
+              GROUP_AT(outside_rows, engines)},
     .notes =
         "Columns: hits, then answers in each allowed class (tie, near tie, boundary, border, in "
         "plane, slab, noise, out of contract: README, \"Allowed differences\"), the largest error "

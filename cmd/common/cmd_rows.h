@@ -5,8 +5,8 @@
  *       {"count", "N", "rays", OF_COUNT(count, 1, 1u << 30), .value = "1000"},
  *       {"json", "FILE", "all rows, for machines", OF_JSON(struct my_options, json)},
  *       {.name = NULL}};
- *   static const struct option_set set = {.command = "my", .group = {{rows},
- *       {engine_rows, offsetof(struct my_options, engines)}}, ...};
+ *   static const struct option_set set = {.command = "my", .group = {GROUP(rows),
+ *       GROUP_AT(engine_rows, engines)}, ...};
  *   int first, code = options_read(&set, &options, argc, argv, &first); */
 #ifndef CMD_ROWS_H
 #define CMD_ROWS_H
@@ -90,6 +90,16 @@ struct option_row {
 #define OF_OWN(function)            .type = OPTION_OWN, .take = function
 #define OF_ACT(function)            .type = OPTION_ACT, .take = function
 #define ABOVE_0                     (-0.0)
+
+/* Groups of rows: of ROWS_OF, or of a member of it. */
+#define GROUP(rows)                                                                                \
+    {                                                                                              \
+        .row = rows                                                                                \
+    }
+#define GROUP_AT(rows, member)                                                                     \
+    {                                                                                              \
+        .row = rows, .place = offsetof(ROWS_OF, member)                                            \
+    }
 
 /* What a command takes. Texts are filled to 80 columns: each line is a paragraph, one that begins
  * with a blank stays as it is. */

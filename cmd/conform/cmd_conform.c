@@ -104,10 +104,8 @@ static const struct option_set set = {
         "them.\n"
         "A name is query.engine.layout.builder.box.tri.scene.rays.seed, with '-' where an engine "
         "has no tree; it is the reproduction.",
-    .group = {{rows},
-              {displacement_rows, offsetof(struct conform_options, demands)},
-              {engine_rows, offsetof(struct conform_options, engines)},
-              {outside_rows, offsetof(struct conform_options, engines)}},
+    .group = {GROUP(rows), GROUP_AT(displacement_rows, demands), GROUP_AT(engine_rows, engines),
+              GROUP_AT(outside_rows, engines)},
     .codes = "0 passed, 1 a trial failed, 2 usage or nothing matches, 3 engine failed, 77 "
              "everything was skipped",
     .example = "conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'",

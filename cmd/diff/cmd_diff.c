@@ -71,11 +71,9 @@ static const struct option_set set = {
              "the same bits must have the same paths. Where others differ each pixel is "
              "explained: its path is followed to the first hit or shadow that differs, and each "
              "engine's own answer to its own ray is judged against the exact truth.",
-    .group = {{rows},
-              {render_rows, offsetof(struct diff_options, settings)},
-              {build_rows, offsetof(struct diff_options, settings.build)},
-              {engine_rows, offsetof(struct diff_options, settings.engine_options)},
-              {outside_rows, offsetof(struct diff_options, settings.engine_options)}},
+    .group = {GROUP(rows), GROUP_AT(render_rows, settings), GROUP_AT(build_rows, settings.build),
+              GROUP_AT(engine_rows, settings.engine_options),
+              GROUP_AT(outside_rows, settings.engine_options)},
     .codes = "0 as it should be, 1 a difference that is not, or no path hits, 2 bad input, 3 an "
              "engine did not finish, 4 no memory, 77 a named engine cannot run here",
     .example = "diff rtrs --engine cpu,vulkan,embree -w 96 -h 72\n"

@@ -34,7 +34,7 @@ static const struct option_set set = {
     .usage = "diff A.png B.png [--out HEAT.png] [--json FILE] [--max N]",
     .about = "Compares two pictures of equal size, pixel by pixel, in 8 bits a channel and without "
              "any gamma: how many differ, by how much, where.",
-    .group = {{rows}},
+    .group = {GROUP(rows)},
     .codes = "0 equal (see --max), 1 different, 2 bad input, 4 no memory",
     .example = "diff cpu.png vulkan.png --out heat.png",
 };

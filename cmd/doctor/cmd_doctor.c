@@ -107,7 +107,7 @@ static const struct option_set set = {
              "or why it is skipped; prints a card for every Vulkan driver (or the one of "
              "--driver): what its arithmetic, conversions and loops do, measured; and checks the "
              "float environment that the C reference relies on.",
-    .group = {{rows}, {engine_rows, offsetof(struct arguments, engine)}},
+    .group = {GROUP(rows), GROUP_AT(engine_rows, engine)},
     .codes = "0 every engine of the processor runs and a Vulkan driver does (of --driver: that "
              "one), though others may be missing; 77 an engine of the processor, or every Vulkan "
              "driver, cannot run here; 4 the float environment is not IEEE",

@@ -62,10 +62,8 @@ static const struct option_set set = {
     .about = "Prints what a ray exactly hits, what the engine answers, and if that is wrong, why: "
              "which node turned the ray away, its bounds in the triangles, in the tree and in the "
              "bytes, and the one thing that, made right, makes the answer right.",
-    .group = {{rows},
-              {build_rows, offsetof(struct explain_options, of.build)},
-              {engine_rows, offsetof(struct explain_options, engines)},
-              {outside_rows, offsetof(struct explain_options, engines)}},
+    .group = {GROUP(rows), GROUP_AT(build_rows, of.build), GROUP_AT(engine_rows, engines),
+              GROUP_AT(outside_rows, engines)},
     .notes = "Of a layout from outside with --shader it also compares what its C and its GLSL "
              "decode, record by record, and names the first that differs. A finding about a tree "
              "is explained by the record. Members as published are held to what their repaired "

@@ -36,7 +36,7 @@ static const struct option_set set = {
     .about = "Writes a finding (a .trial file) as something that a driver's maker can run without "
              "raydiff: the shader, the bytes of the tree, triangles and rays, what is right and "
              "with which tolerance.",
-    .group = {{rows}, {engine_rows, offsetof(struct taken, options.engines)}},
+    .group = {GROUP(rows), GROUP_AT(engine_rows, options.engines)},
     .codes = "0 written, 2 bad input, or nothing that anybody else could run",
     .example = "export fuzz/corpus/sentinel.trial --engine vulkan --to x.c\n"
                "         cc x.c -lvulkan -o x && ./x",

@@ -47,7 +47,7 @@ static const struct option_set set = {
              "  end                nothing follows\n"
              "The answer: the from line, then per ray 'h T U V TRIANGLE' or 'm' (a miss); see "
              "raydiff judge --help.",
-    .group = {{rows}},
+    .group = {GROUP(rows)},
     .codes = "0, 2 bad input, 4 no memory",
     .example = "gen sphere:n=8 --decimal | awk -f fuzz/samples/tracer.awk |\n"
                "             raydiff verify",

@@ -57,10 +57,8 @@ static const struct option_set judge_set = {
         "closed meshes stay closed; any-hits name no triangle\n"
         "Numbers are decimals or hexadecimal floats, 0x1.8p+1; '#' begins a comment. U weighs a "
         "triangle's second vertex, V its third.",
-    .group = {{seed_rows},
-              {rows},
-              {displacement_rows, offsetof(struct judge_options, demands)},
-              {watertight_rows, offsetof(struct judge_options, demands)}},
+    .group = {GROUP(seed_rows), GROUP(rows), GROUP_AT(displacement_rows, demands),
+              GROUP_AT(watertight_rows, demands)},
     .notes = NOTES,
     .codes = CODES,
     .example = "judge bunny.obj rays.txt hits.txt",
@@ -72,9 +70,8 @@ static const struct option_set verify_set = {
     .about = "Judges the answers on its standard input to the rays that raydiff gen wrote. They "
              "hold the 'from' line of the request, by which scene and rays are made again, and "
              "per ray 'h T U V TRIANGLE' or 'm'; see raydiff judge --help.",
-    .group = {{rows},
-              {displacement_rows, offsetof(struct judge_options, demands)},
-              {watertight_rows, offsetof(struct judge_options, demands)}},
+    .group = {GROUP(rows), GROUP_AT(displacement_rows, demands),
+              GROUP_AT(watertight_rows, demands)},
     .notes = NOTES,
     .codes = CODES,
     .example = "gen sphere:n=8 --decimal | awk -f fuzz/samples/tracer.awk |\n"

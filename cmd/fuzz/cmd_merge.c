@@ -20,7 +20,7 @@ static const struct option_set set = {
     .about = "Joins folders of raydiff fuzz into a new one: of each distinct finding the counts "
              "are added, the first and the smallest trial are kept. Shards of a campaign give "
              "what one run gives.",
-    .group = {{rows}},
+    .group = {GROUP(rows)},
     .codes = "0 done, 2 bad input, 4 internal error",
     .example = "merge --to all shard1 shard2 shard3",
 };

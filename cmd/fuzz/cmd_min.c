@@ -79,9 +79,7 @@ static const struct option_set set = {
         "NAME.min.trial beside it. Of a folder of raydiff fuzz the smallest trial of each finding "
         "is replaced by a smaller one. The engine runs in a child process: crashes and hangs are "
         "shrunk, too.",
-    .group = {{rows},
-              {engine_rows, offsetof(struct min_options, engines)},
-              {outside_rows, offsetof(struct min_options, engines)}},
+    .group = {GROUP(rows), GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
     .codes = "0 done, 1 a finding does not show here and is left as it is, 2 bad input, 3 an "
              "engine cannot be opened, 4 internal error, 77 the engine cannot run here",
     .example = "min fuzz/corpus/slot-not-read.trial --out small.trial",

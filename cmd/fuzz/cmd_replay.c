@@ -59,9 +59,7 @@ static const struct option_set set = {
              "and prints whether what a file expects is still there: its signature, or of a clean "
              "one anything wrong. Every engine runs in a child process; one that crashes or hangs "
              "is reported.",
-    .group = {{rows},
-              {engine_rows, offsetof(struct replay_options, engines)},
-              {outside_rows, offsetof(struct replay_options, engines)}},
+    .group = {GROUP(rows), GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
     .codes = "0 no file fails any more, 1 one still fails, 2 bad input, 3 an engine crashed or "
              "hung where that was not expected, 77 the file's engine cannot run here",
     .example = "replay fuzz/corpus/rounded-inward.trial",

@@ -57,7 +57,7 @@ static const struct option_set set = {
              "many trials and seconds it took until the bug was found. Then the program without a "
              "bug plays the same trials and must find nothing. `make selftest` builds the "
              "programs and runs this.",
-    .group = {{rows}},
+    .group = {GROUP(rows)},
     .codes = "0 every bug was found and nothing else, 1 not so, 2 bad input, nothing is built, 4 "
              "internal error",
     .example = "fuzz --self-test --only rounding,LOST_SLOT",

@@ -50,10 +50,8 @@ static const struct option_set set = {
              "a hair beside them. Every such ray must leave the mesh: counted are those that hit "
              "nothing (misses), those that hit two triangles where the edge or vertex they share "
              "has room for one (double), and those that cross the mesh an even number of times.",
-    .group = {{rows},
-              {build_rows, offsetof(struct leaks_options, build)},
-              {engine_rows, offsetof(struct leaks_options, engines)},
-              {outside_rows, offsetof(struct leaks_options, engines)}},
+    .group = {GROUP(rows), GROUP_AT(build_rows, build), GROUP_AT(engine_rows, engines),
+              GROUP_AT(outside_rows, engines)},
     .notes = " profile  miss        double hit  range of t        degenerate triangles\n"
              "  vulkan  should not  should not  tmin < t < tmax   culled: no area for the ray\n"
              "  dxr     must not    must not    TMin < t < TMax   never hit\n"

@@ -82,14 +82,11 @@ static const struct option_set set = {
     .command = "render",
     .usage = "render [SCENE] [OPTIONS]",
     .about = "Draws a scene with shadows and reflections, each ray traced by an engine.",
-    .group = {{rows},
-              {render_show_rows, offsetof(struct render, settings)},
-              {render_benchmark_rows, offsetof(struct render, settings)},
-              {render_window_rows, offsetof(struct render, settings)},
-              {render_rows, offsetof(struct render, settings)},
-              {build_rows, offsetof(struct render, settings.build)},
-              {engine_rows, offsetof(struct render, settings.engine_options)},
-              {outside_rows, offsetof(struct render, settings.engine_options)}},
+    .group = {GROUP(rows), GROUP_AT(render_show_rows, settings),
+              GROUP_AT(render_benchmark_rows, settings), GROUP_AT(render_window_rows, settings),
+              GROUP_AT(render_rows, settings), GROUP_AT(build_rows, settings.build),
+              GROUP_AT(engine_rows, settings.engine_options),
+              GROUP_AT(outside_rows, settings.engine_options)},
     .codes = "0, 1 --show class has wrong answers, 2 bad input, or a layout that refuses the "
              "scene, 3 an engine did not finish, 4 no memory, or counts of --show that disagree, "
              "77 the engine cannot run here, 128 + the signal that ended it (--json and --paths "

@@ -155,11 +155,11 @@ static const struct option_set set = {
         "pictures, findings explained, the machine, and the commands that make each part again. "
         "Plays SCENEs (default: " REPORT_DEFAULT_SCENES_TEXT "), or puts results together: with "
         "results given and no SCENE only findings are played.",
-    .group = {{rows},
-              {given_rows, .title = "results that exist, each as often as you like:"},
-              {passed_rows, .title = "and handed on to the commands that take it:"},
-              {engine_rows, offsetof(struct report_options, engines)},
-              {outside_rows, offsetof(struct report_options, engines)}},
+    .group = {GROUP(rows),
+              {.row = given_rows, .title = "results that exist, each as often as you like:"},
+              {.row = passed_rows, .title = "and handed on to the commands that take it:"},
+              GROUP_AT(engine_rows, engines),
+              GROUP_AT(outside_rows, engines)},
     .codes = "the worst of its parts, which stand in it with their reasons: 0 all agree, 1 a "
              "mismatch, or a finding that is still there and not in the baseline, 2 bad input, 3 "
              "an engine or a part crashed, hung or took too long, 4 internal error, 77 a part "

@@ -228,8 +228,9 @@ static const struct option_set set = {
              "ATX ATY ATZ --camera-fixed|--camera-orbit [OPTIONS]",
     .about = "Makes a scene of meshes. The options are those of RTRS; numbers may be negative or "
              "have an exponent (-10, 2.5e-3), options come in any order, but for transforms.",
-    .group = {{rows},
-              {transform_rows, .title = "Transforms of the model named last, in their order:"}},
+    .group = {GROUP(rows),
+              {.row = transform_rows,
+               .title = "Transforms of the model named last, in their order:"}},
     .notes = "A mirrored model's triangles are turned around, so that outside stays outside. "
              "Normals are angle-weighted, of the vertices as transformed.",
     .codes = "0 written, 2 bad input (nothing is written), 4 no memory",

@@ -14,7 +14,7 @@ static const struct option_set set = {
              "each with what it is.\n"
              "KIND is only one of them, by a word of its title: builders, layouts, box, triangle, "
              "queries, engines, scenes, ray, storages.",
-    .group = {{rows}},
+    .group = {GROUP(rows)},
     .codes = "0, 2 unknown kind",
     .example = "list layouts",
 };

@@ -227,7 +227,7 @@ static const struct option_set set = {
              "(binary); coordinates keep every bit, triangles their order\n"
              "  list      the generators with their parameters, and the meshes that `make "
              "scenes` fetched",
-    .group = {{rows}},
+    .group = {GROUP(rows)},
     .codes = "0, 2 bad input, 4 no memory",
     .example = "scene info scenes/fetched/glmark2-bunny.obj soup:n=1000\n"
                "scene convert terrain:k=6 terrain.ply",

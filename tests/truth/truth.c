@@ -226,9 +226,7 @@ static const struct option_set set = {
     .command = "truth",
     .usage = "truth [OPTIONS]     (make truth ARGS='OPTIONS')",
     .about = "Judges rays and decides every WRONG again.",
-    .group = {{rows},
-              {engine_rows, offsetof(struct truth_options, engines)},
-              {outside_rows, offsetof(struct truth_options, engines)}},
+    .group = {GROUP(rows), GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
     .codes = "0 nothing overturned, 1 otherwise, 2 bad input, 3 an engine failed, 4 no memory",
     .example = "truth --rays 10000 --out build/truth",
 };
