@@ -65,6 +65,28 @@ static void print_options(const struct command *command)
             (void)command->run(3, (char *[]){name, forms[i].word, help, NULL});
 }
 
+static void each(void (*print)(const struct command *command))
+{
+    for (const struct command *command = commands; command->name; command++)
+        print(command);
+}
+
+static void print_name(const struct command *command)
+{
+    puts(command->name);
+}
+
+static void print_page(const struct command *command)
+{
+    printf(".TP\n.BR raydiff\\-%s (1)\n%s\n", command->name, command->summary);
+}
+
+/* As zsh describes it. */
+static void print_choice(const struct command *command)
+{
+    printf("        '%s:%s'\n", command->name, command->summary);
+}
+
 static void man_page(const struct command *only)
 {
     printf(
@@ -82,8 +104,7 @@ static void man_page(const struct command *only)
         "Runs a C reference, Vulkan compute shaders and Embree on the same triangles and rays, for "
         "every node\nlayout, and shows which agree, which differ and why.\n"
         "Every command has\n.B \\-\\-help\nwith an example, and a page of its own.\n.SH COMMANDS");
-    for (const struct command *command = commands; command->name; command++)
-        printf(".TP\n.BR raydiff\\-%s (1)\n%s\n", command->name, command->summary);
+    each(print_page);
 }
 
 static void bash_completion(void)
@@ -93,12 +114,10 @@ static void bash_completion(void)
          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
          "    local options= values= words= files=\n"
          "    if ((COMP_CWORD == 1)); then");
-    printf("        COMPREPLY=($(compgen -W 'help");
-    for (const struct command *command = commands; command->name; command++)
-        printf(" %s", command->name);
-    puts("' -- \"$word\"))\n        return\n    fi\n    case ${COMP_WORDS[1]} in");
-    for (const struct command *command = commands; command->name; command++)
-        print_options(command);
+    puts("        COMPREPLY=($(compgen -W 'help");
+    each(print_name);
+    puts("        ' -- \"$word\"))\n        return\n    fi\n    case ${COMP_WORDS[1]} in");
+    each(print_options);
     puts("    esac\n"
          "    if [[ $values ]]; then\n"
          "        COMPREPLY=($(compgen -W \"$values\" -- \"$word\"))\n"
@@ -117,16 +136,14 @@ static void zsh_completion(void)
          "_raydiff() {\n"
          "    local -a commands specs\n"
          "    commands=(");
-    for (const struct command *command = commands; command->name; command++)
-        printf("        '%s:%s'\n", command->name, command->summary);
+    each(print_choice);
     puts("    )\n"
          "    if ((CURRENT == 2)); then\n"
          "        _describe command commands\n"
          "        return\n"
          "    fi\n"
          "    case $words[2] in");
-    for (const struct command *command = commands; command->name; command++)
-        print_options(command);
+    each(print_options);
     puts("    esac\n"
          "    shift words\n"
          "    ((CURRENT--))\n"
@@ -182,8 +199,8 @@ static int help(int argc, char **argv)
         bash_completion();
     else if (i == 2)
         zsh_completion();
-    for (const struct command *command = commands; command->name && formed && i == 3; command++)
-        puts(command->name);
+    else
+        each(print_name);
     return EXIT_AGREE;
 }
 

@@ -86,7 +86,7 @@ static const struct option_row all_rows[] = {
      .shown = "the benchmark's own"},
     {"rounds", "N", "measurements of each", OF_COUNT(rounds, 1, BENCH_ROUNDS), .value = "9"},
     {"csv", "FILE", "all rows, for machines; '-': the standard output, alone", OF_DATA(csv_path)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_row own_rows[] = {
@@ -101,7 +101,7 @@ static const struct option_row own_rows[] = {
      .shown = "robust; watertight for watertight tests"},
     {"rays", "R,..", "ray sets, or 'all'", OF_LIST(rays, TABLE_RAY_SETS),
      .shown = "the benchmark's own"},
-    {"seed", "S", "of rays and generators", OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
+    SEED_ROW(seed),
     {"json", "FILE", "all rows, for machines; '-' likewise", OF_DATA(json_path)},
     {"svg", "FILE", "a plot of what was measured", OF_WRITTEN(svg_path)},
     {"bvh", "FILE", "a tree of the one --scene, as JSON, in place of a builder's", OF_FILE(bvh)},
@@ -119,7 +119,7 @@ static const struct option_row own_rows[] = {
     {"profile", "P", "repaired, or rtrs: as the published shader",
      OF_CHOICE(picture.profile, profiles), .value = "repaired"},
     {"quick", NULL, "small pictures, few frames: to see that it works", OF_FLAG(quick)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

@@ -143,7 +143,7 @@ const struct option_row render_benchmark_rows[] = {
     {"benchmark-warm-up", "N", "frames before them, dropped",
      OF_COUNT(benchmark.warm_up, 0, FRAMES_MOST), .standard = FRAMES_WARM_UP},
     {"benchmark-out", "BASE", "name of the files", OF_OUTPUT(benchmark.base), .value = "benchmark"},
-    {.name = NULL},
+    {0},
 };
 
 const struct render_mode render_mode_benchmark = {

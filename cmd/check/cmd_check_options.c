@@ -30,10 +30,6 @@ static const struct option_row rows[] = {
     {"bits", "N", "store quantised: bits an axis of the grid",
      OF_COUNT(bits, QUANTISE_BITS_LEAST, QUANTISE_BITS_MOST), .standard = QUANTISE_BITS_DEFAULT},
     {"builder", "B,..", "builders", OF_LIST(builder, TABLE_BUILDERS), .value = "median"},
-    {"leaf", "N", "items per leaf, 1 or more", OF_COUNT(build.leaf, 1, 1u << 20),
-     .standard = BUILD_LEAF_DEFAULT},
-    {"eps", "E", "builder rtrs: smallest box that is split",
-     OF_REAL(build.eps, -INFINITY, INFINITY), .standard = BUILD_EPS_DEFAULT},
     {"move", "AMOUNT",
      "after packing, moves vertices by up to so many extents of the scene, from the seed, and "
      "refits the packed trees to where they are",
@@ -45,7 +41,7 @@ static const struct option_row rows[] = {
     {"rays", "SET", "ray set", OF_ONE(rays, TABLE_RAY_SETS), .value = "mixed"},
     {"count", "N", "rays, 1 or more; 1e6 is accepted", OF_COUNT(count, 1, 1u << 30),
      .value = "100000"},
-    {"seed", "S", "of rays and generators", OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
+    SEED_ROW(seed),
     {"repeat", "N", "timed runs per engine: median, least, most", OF_COUNT(repeats, 1, REPEAT_MOST),
      .value = "3"},
     {"brute", "N", "ray-triangle pairs that brute force may decide", OF_COUNT(brute, 0, UINT64_MAX),
@@ -54,7 +50,7 @@ static const struct option_row rows[] = {
      OF_COUNT(brute_rays, 0, UINT64_MAX), .value = "0"},
     TREE_ROW(bvh),
     {"json", "FILE", "all rows, for machines", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 const struct option_set check_set = {
@@ -64,9 +60,9 @@ const struct option_set check_set = {
              "differs, how fast each is and how many bytes each needs. A SCENE is a mesh file "
              "(.json .obj .ply, also .gz) or a generator such as soup:n=1000, see raydiff list "
              "scenes.",
-    .group = {GROUP(rows), GROUP_AT(build_rows, build), GROUP_AT(displacement_rows, demands),
-              GROUP_AT(watertight_rows, demands), GROUP_AT(engine_rows, engines),
-              GROUP_AT(outside_rows, engines)},
+    .group = {GROUP(rows), GROUP_AT(leaf_rows, build), GROUP_AT(build_rows, build),
+              GROUP_AT(displacement_rows, demands), GROUP_AT(watertight_rows, demands),
+              GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
     .notes =
         "Columns: hits, then answers in each allowed class (tie, near tie, boundary, border, in "
         "plane, slab, noise, out of contract: README, \"Allowed differences\"), the largest error "

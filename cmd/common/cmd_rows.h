@@ -4,7 +4,7 @@
  *   static const struct option_row rows[] = {
  *       {"count", "N", "rays", OF_COUNT(count, 1, 1u << 30), .value = "1000"},
  *       {"json", "FILE", "all rows, for machines", OF_JSON(struct my_options, json)},
- *       {.name = NULL}};
+ *       {0}};
  *   static const struct option_set set = {.command = "my", .group = {GROUP(rows),
  *       GROUP_AT(engine_rows, engines)}, ...};
  *   int first, code = options_read(&set, &options, argc, argv, &first); */
@@ -124,8 +124,15 @@ struct option_set {
 
 /* Rows of several commands: of processors and Vulkan, of tracers and layouts from outside (both of
  * struct engine_options), of trees (struct build_options) and of demands (struct match_demands). */
-extern const struct option_row engine_rows[], outside_rows[], build_rows[], displacement_rows[],
-    watertight_rows[];
+extern const struct option_row engine_rows[], outside_rows[], leaf_rows[], build_rows[],
+    displacement_rows[], watertight_rows[];
+
+/* A row --seed. */
+#define SEED_ROW(member)                                                                           \
+    {                                                                                              \
+        "seed", "S", "of rays, and of generators whose text gives none",                           \
+            OF_COUNT(member, 0, UINT64_MAX), .value = "1"                                          \
+    }
 
 /* A row --bvh. */
 #define TREE_ROW(member)                                                                           \

@@ -26,7 +26,7 @@ const struct option_row engine_rows[] = {
      OF_COUNT(device, 0, 255)},
     {"workgroup", "N", "Vulkan: rays per workgroup", OF_COUNT(workgroup, 1, 1024),
      .standard = ABI_WORKGROUP},
-    {.name = NULL},
+    {0},
 };
 
 static enum status take_peer(void *options, const struct option_value *given, struct reason *reason)
@@ -59,7 +59,7 @@ const struct option_row outside_rows[] = {
      .standard = PLUGIN_MB},
     {"shader", "FILE", "GLSL of a layout from outside, --layout FILE.so, for engine vulkan",
      OF_OWN(take_shader), .file = true, .repeats = true},
-    {.name = NULL},
+    {0},
 };
 
 /* 0 is none, which the options have as a number below 0, since their 0 is the default. */
@@ -98,6 +98,14 @@ static enum status take_optimize(void *options, const struct option_value *given
 #undef ROWS_OF
 #define ROWS_OF struct build_options
 
+const struct option_row leaf_rows[] = {
+    {"leaf", "N", "items per leaf, 1 or more", OF_COUNT(leaf, 1, 1u << 20),
+     .standard = BUILD_LEAF_DEFAULT},
+    {"eps", "E", "builder rtrs: smallest box that is split", OF_REAL(eps, -INFINITY, INFINITY),
+     .standard = BUILD_EPS_DEFAULT},
+    {0},
+};
+
 const struct option_row build_rows[] = {
     {"bins", "N", "builder sah_binned: bins per axis", OF_COUNT(bins, 2, BUILD_BINS_MOST),
      .standard = BUILD_BINS_DEFAULT},
@@ -114,7 +122,7 @@ const struct option_row build_rows[] = {
      "reinsert or reinsert=N: moves subtrees of what a builder made to where they cost less, N (4) "
      "times over the tree",
      OF_OWN(take_optimize)},
-    {.name = NULL},
+    {0},
 };
 
 static enum status take_require(void *options, const struct option_value *given,
@@ -134,7 +142,7 @@ const struct option_row displacement_rows[] = {
      "how far vertices may have to move to make an answer of an unknown formula right, in 2^-24 of "
      "their distance",
      OF_REAL(displacement, ABOVE_0, INFINITY), .standard = JUDGE_DISPLACEMENT_MOST},
-    {.name = NULL},
+    {0},
 };
 
 const struct option_row watertight_rows[] = {
@@ -142,5 +150,5 @@ const struct option_row watertight_rows[] = {
      "no hit inside a closed fan may be lost, by any engine; without it only by those that promise "
      "so. Of closest and any hits",
      OF_OWN(take_require)},
-    {.name = NULL},
+    {0},
 };

@@ -88,7 +88,7 @@ static const struct option_row rows[] = {
     {"verbose", NULL, "a line per trial", OF_FLAG(verbose)},
     {"tap", NULL, "TAP 13 on standard output", OF_FLAG(tap)},
     {"junit", "FILE", "JUnit XML", OF_WRITTEN(junit)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

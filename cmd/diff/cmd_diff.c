@@ -59,7 +59,7 @@ static const struct option_row rows[] = {
     {"out", "HEAT.png", "a heat map of the values; of several engines HEAT-ENGINE.png",
      OF_OUTPUT(out)},
     {"json", "FILE", "everything, for machines", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

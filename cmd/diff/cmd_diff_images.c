@@ -26,7 +26,7 @@ static const struct option_row rows[] = {
     {"json", "FILE", "the numbers as JSON, - for the standard output", OF_DATA(json)},
     {"max", "N", "exit code 0 also where no channel differs by more", OF_COUNT(max, 0, 255),
      .value = "0"},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

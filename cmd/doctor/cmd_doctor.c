@@ -97,7 +97,7 @@ struct arguments {
 
 static const struct option_row rows[] = {
     {"json", "FILE", "the same, written to a temporary name and renamed", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

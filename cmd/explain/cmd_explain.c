@@ -8,7 +8,6 @@
 #include "ref/base/ray_text.h"
 #include "scenes/scenes.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,23 +33,19 @@ static const struct option_row rows[] = {
      .shown = "the first one with a wrong answer"},
     {"cause", "C", "look for a ray with this cause, such as rounded_inward", OF_OWN(take_cause),
      .shown = "any"},
-    {"seed", "S", "of rays and generators", OF_COUNT(of.seed, 0, UINT64_MAX), .value = "1"},
+    SEED_ROW(of.seed),
     {"engine", "E", "engine; pipe:COMMAND is a tracer of your own",
      OF_MEMBER(of.engine, TABLE_ENGINES), .value = "cpu"},
     {"layout", "L", "layout", OF_MEMBER(of.layout, TABLE_LAYOUTS), .value = "rf16"},
     {"store", "S", "triangle storage, see raydiff list storages", OF_MEMBER(of.store, TABLE_STORES),
      .value = "indexed"},
     {"builder", "B", "builder", OF_MEMBER(of.builder, TABLE_BUILDERS), .value = "median"},
-    {"leaf", "N", "items per leaf", OF_COUNT(of.build.leaf, 1, 1u << 20),
-     .standard = BUILD_LEAF_DEFAULT},
-    {"eps", "E", "builder rtrs: smallest box that is split",
-     OF_REAL(of.build.eps, -INFINITY, INFINITY), .standard = BUILD_EPS_DEFAULT},
     TREE_ROW(of.tree),
     {"box", "B", "box test", OF_MEMBER(of.box, TABLE_BOX_TESTS), .value = "robust"},
     {"tri", "T", "triangle test", OF_MEMBER(of.tri, TABLE_TRI_TESTS), .value = "mt"},
     {"query", "Q", "closest or any", OF_ONE(of.query, TABLE_QUERIES), .value = "closest"},
     {"json", "FILE", "the page, for machines", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {
@@ -62,8 +57,8 @@ static const struct option_set set = {
     .about = "Prints what a ray exactly hits, what the engine answers, and if that is wrong, why: "
              "which node turned the ray away, its bounds in the triangles, in the tree and in the "
              "bytes, and the one thing that, made right, makes the answer right.",
-    .group = {GROUP(rows), GROUP_AT(build_rows, of.build), GROUP_AT(engine_rows, engines),
-              GROUP_AT(outside_rows, engines)},
+    .group = {GROUP(rows), GROUP_AT(leaf_rows, of.build), GROUP_AT(build_rows, of.build),
+              GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
     .notes = "Of a layout from outside with --shader it also compares what its C and its GLSL "
              "decode, record by record, and names the first that differs. A finding about a tree "
              "is explained by the record. Members as published are held to what their repaired "

@@ -27,7 +27,7 @@ static const struct option_row rows[] = {
     {"layout", "L", "its tree's layout", OF_MEMBER(options.layout, TABLE_LAYOUTS),
      .shown = "the file's; else f32"},
     {"ray", "N", "this ray alone", OF_COUNT(options.ray, 0, FUZZ_RAYS_MOST), .shown = "all"},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

@@ -110,7 +110,7 @@ static const struct option_row rows[] = {
     {"junit", "FILE", "JUnit XML", OF_WRITTEN(junit)},
     {"tap", "FILE", "TAP 13", OF_WRITTEN(tap)},
     {"jsonl", "FILE", "a line of JSON for each finding", OF_WRITTEN(jsonl)},
-    {.name = NULL},
+    {0},
 };
 
 const struct option_set fuzz_set = {

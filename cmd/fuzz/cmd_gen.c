@@ -30,7 +30,7 @@ static const struct option_row rows[] = {
      "hexadecimal floats, 0x1.8p+1",
      OF_FLAG(decimal)},
     {"out", "FILE", "where it is written", OF_OUTPUT(out), .shown = "standard output"},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

@@ -24,16 +24,15 @@ struct judge_options {
 #define ROWS_OF struct judge_options
 
 static const struct option_row seed_rows[] = {
-    {"seed", "S", "of a generator whose text gives none", OF_COUNT(seed, 0, UINT64_MAX),
-     .value = "1"},
-    {.name = NULL},
+    SEED_ROW(seed),
+    {0},
 };
 
 static const struct option_row rows[] = {
     {"brute", "N", "ray-triangle pairs that brute force may decide", OF_COUNT(brute, 0, UINT64_MAX),
      .value = "2e8"},
     {"json", "FILE", "the row, for machines, as check writes it", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 #define NOTES                                                                                      \

@@ -11,7 +11,7 @@ struct merge_options {
 
 static const struct option_row rows[] = {
     {"to", "DIR", "the new folder; it must not exist or be empty", OF_FOLDER(to)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

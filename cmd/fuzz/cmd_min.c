@@ -66,7 +66,7 @@ static const struct option_row rows[] = {
     {"threads", "N", "CPU threads, 0 is all; 1, since trials are small",
      OF_COUNT(engines.threads, 0, 4096), .value = "1"},
     {"json", "FILE", "results, for machines", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

@@ -49,7 +49,7 @@ static const struct option_row rows[] = {
     {"as-expected", NULL, "succeed if each file shows exactly what it expects",
      OF_FLAG(as_expected)},
     {"json", "FILE", "results, for machines", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

@@ -46,7 +46,7 @@ static const struct option_row rows[] = {
     {"shaders", NULL, "only check that this program's own shaders are pinned",
      OF_FLAG(shaders_only)},
     {"json", "FILE", "results, for machines", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

@@ -37,10 +37,10 @@ static const struct option_row rows[] = {
     {"tri", "T,..", "triangle tests", OF_LIST(tri, TABLE_TRI_TESTS), .value = "mt,woop"},
     {"count", "N", "rays, 1 or more; fewer than 1000 prove nothing", OF_COUNT(count, 1, 1u << 28),
      .value = "100000"},
-    {"seed", "S", "of rays and generators", OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
+    SEED_ROW(seed),
     {"profile", "P", "vulkan or dxr, see below", OF_OWN(take_profile), .value = "vulkan"},
     {"json", "FILE", "all rows, for machines", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

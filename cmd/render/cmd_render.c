@@ -75,7 +75,7 @@ static const struct option_row rows[] = {
      "-h the picture has the window's size. --out FILE.png is the last picture; without a display "
      "it is the only one, else 77",
      OF_ACT(take_mode)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {
@@ -248,7 +248,7 @@ static enum status check_outputs(const struct render *r, struct reason *reason)
 
 static enum status run(const struct render *r, struct reason *reason)
 {
-    struct render_stage stage = {.name = NULL};
+    struct render_stage stage = {0};
     struct renderer *renderer = NULL;
     enum status status = check_outputs(r, reason);
     if (!status)

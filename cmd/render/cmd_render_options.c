@@ -93,7 +93,7 @@ static const char *const handlers[] = {"naive", "bvh", "bvh-rf", "blank", NULL};
 const struct option_row render_rows[] = {
     {"path", "SCENE", "a mesh file (.json .obj .ply, also .gz) or a generator", OF_FILE(scene),
      .shown = RENDER_SCENE_DEFAULT},
-    {"seed", "S", "of a generator", OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
+    SEED_ROW(seed),
     {"width", "W",
      "pixels. Without a workgroup size it is the greatest common divisor of width and height, or "
      "16 if that is larger",
@@ -138,7 +138,7 @@ const struct option_row render_rows[] = {
     {"general", NULL, "an engine that draws on its own: with the pipeline that suits every scene",
      OF_FLAG(general)},
     TREE_ROW(bvh),
-    {.name = NULL},
+    {0},
 };
 
 static uint32_t common_divisor(uint32_t a, uint32_t b)

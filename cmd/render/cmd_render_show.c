@@ -42,7 +42,7 @@ const struct option_row render_show_rows[] = {
     {"show-range", "A:B", "with --show: the ends of the colours, to compare pictures",
      OF_OWN(take_range)},
     {"csv", "FILE", "with --show: the value of every pixel; --json: statistics", OF_DATA(show.csv)},
-    {.name = NULL},
+    {0},
 };
 
 /* An engine at work on a stage, and what is needed beside it. */

@@ -23,7 +23,7 @@ const struct option_row render_window_rows[] = {
     {"log", "FILE", "a line per picture: camera angle, size, ms", OF_OUTPUT(window.log)},
     {"fps", "N", "pictures a second of a window", OF_REAL(window.fps, ABOVE_0, INFINITY),
      .value = "60"},
-    {.name = NULL},
+    {0},
 };
 
 /* What is on the screen. */

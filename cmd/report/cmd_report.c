@@ -116,7 +116,7 @@ static const struct option_row rows[] = {
     {"rounds", "N", "of the benchmarks", OF_COUNT(rounds, 1, 99), .shown = "5; quick 3"},
     {"time", "S", "seconds that a part may take", OF_COUNT(seconds, 1, 86400), .value = "600"},
     {"json", "FILE", "its parts and sums, for machines", OF_DATA(json)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_row given_rows[] = {
@@ -133,7 +133,7 @@ static const struct option_row given_rows[] = {
      OF_FOLDER(findings)},
     {"baseline", "FILE", "known findings, besides those that are part of raydiff",
      OF_OWN(take_baseline), .file = true, .repeats = true},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_row passed_rows[] = {
@@ -144,7 +144,7 @@ static const struct option_row passed_rows[] = {
     {"query", "Q,..", "queries", OF_LIST(tried, TABLE_QUERIES)},
     {"rays", "SET", "ray set", OF_ONE(tried.count, TABLE_RAY_SETS)},
     {"seed", "S", "of rays and generators", OF_COUNT(tried.count, 0, UINT64_MAX)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

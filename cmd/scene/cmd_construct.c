@@ -201,10 +201,9 @@ static const struct option_row rows[] = {
     {"fill-normals", NULL,
      "a vertex whose triangles give it no normal gets 0 1 0; else it is an error",
      OF_FLAG(construct.fill_normals)},
-    {"seed", "S", "of generators whose text gives none", OF_COUNT(construct.seed, 0, UINT64_MAX),
-     .value = "1"},
+    SEED_ROW(construct.seed),
     {"json", NULL, "what was made as JSON on the standard output", OF_FLAG(json)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_row transform_rows[] = {
@@ -219,7 +218,7 @@ static const struct option_row transform_rows[] = {
     {"matrix", "M11 M12 ... M44",
      "4 rows of 4, for points as columns: the fourth column moves, the last row is 0 0 0 1",
      OF_WORDS(take_transform, 16, 0, "16 numbers"), .repeats = true},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-static const struct option_row rows[] = {{.name = NULL}};
+static const struct option_row rows[] = {{0}};
 
 static const struct option_set set = {
     .command = "list",

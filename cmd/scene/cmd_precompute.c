@@ -49,8 +49,8 @@ static const struct option_row rows[] = {
      OF_COUNT(build.leaf, 1, UINT32_MAX), .standard = BUILD_LEAF_DEFAULT},
     {"eps", "E", "builder rtrs: a box below half of it is not split",
      OF_REAL(build.eps, -INFINITY, INFINITY), .standard = BUILD_EPS_DEFAULT},
-    {"seed", "S", "of a generator", OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
-    {.name = NULL},
+    SEED_ROW(seed),
+    {0},
 };
 
 static const struct option_set set = {

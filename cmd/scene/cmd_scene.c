@@ -208,9 +208,8 @@ static const struct {
 
 static const struct option_row rows[] = {
     {"json", NULL, "info as one JSON object, {\"scenes\": [...]}", OF_FLAG(json)},
-    {"seed", "S", "of generators whose text gives none", OF_COUNT(seed, 0, UINT64_MAX),
-     .value = "1"},
-    {.name = NULL},
+    SEED_ROW(seed),
+    {0},
 };
 
 static const struct option_set set = {

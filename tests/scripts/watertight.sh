@@ -21,7 +21,7 @@ expect 1 . $ask --engine "$tracer" --require watertight
 expect 2 "'closed' is not watertight" $ask --require closed
 expect 2 "of closest and any hits" $ask --engine cpu --query all --require watertight
 expect 2 "--displacement: not used here: it needs an engine whose formula is not known" $ask --engine cpu --displacement 8
-expect 2 "it is above 0" $ask --engine cpu --displacement 0
+expect 2 "is not above 0" $ask --engine cpu --displacement 0
 
 # conform judges with the same demands.
 trial=closest.cpu.f32.median.robust

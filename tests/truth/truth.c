@@ -219,7 +219,7 @@ static const struct option_row rows[] = {
     {"rays", "N", "of each scene and contestant", OF_COUNT(rays, 100, 1u << 30), .value = "650000"},
     {"seed", "S", "of rays and scenes", OF_COUNT(seed, 0, UINT32_MAX), .value = "1"},
     {"out", "DIR", "where findings go", OF_FOLDER(out)},
-    {.name = NULL},
+    {0},
 };
 
 static const struct option_set set = {
