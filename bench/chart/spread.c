@@ -1,17 +1,11 @@
 #include "bench/chart/spread.h"
+#include "ref/base/base.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 struct spread spread_of(double *value, size_t count)
 {
-    qsort(value, count, sizeof *value, by_value);
+    sort_doubles(value, count);
     double middle = count % 2 ? value[count / 2] : 0.5 * (value[count / 2 - 1] + value[count / 2]);
     return (struct spread){middle, value[0], value[count - 1]};
 }
@@ -19,7 +13,7 @@ struct spread spread_of(double *value, size_t count)
 double spread_median_most(double *value, size_t count)
 {
     double rank = ceil(0.5 * (double)count + 0.98 * sqrt((double)count));
-    qsort(value, count, sizeof *value, by_value);
+    sort_doubles(value, count);
     if (count < 5) /* all below with 1 in 2^count */
         return INFINITY;
     return rank < (double)count ? value[(size_t)rank - 1] : value[count - 1];

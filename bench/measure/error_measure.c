@@ -1,4 +1,5 @@
 #include "bench/measure/error_measure.h"
+#include "ref/base/base.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -118,12 +119,6 @@ struct error_one error_measure(const struct oracle *oracle, const struct scene *
     return out;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The value of rank ceil(part * count), from 1. */
 static double ranked(const double *value, size_t count, double part)
 {
@@ -139,7 +134,7 @@ struct quantiles quantiles_of(double *value, size_t count)
             value[out.count++] = value[i];
     if (out.count == 0)
         return out;
-    qsort(value, out.count, sizeof *value, by_value);
+    sort_doubles(value, out.count);
     out.p50 = ranked(value, out.count, 0.50);
     out.p99 = ranked(value, out.count, 0.99);
     out.most = value[out.count - 1];

@@ -2,6 +2,7 @@
 
 #include "ref/oracle/oracle.h"
 #include "ref/twin/twin.h"
+#include "ref/base/base.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -89,12 +90,6 @@ static int by_rejected(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-static int by_value(const void *left, const void *right)
-{
-    double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
 /* The place of a nearest-rank quantile, in thousandths, of sorted values. */
 static size_t rank(size_t count, size_t thousandths)
 {
@@ -107,7 +102,7 @@ static void sort_real(const struct tightness_one *one, size_t first, size_t end,
 {
     for (size_t i = first; i < end; i++)
         real[i - first] = one[i].real;
-    qsort(real, end - first, sizeof *real, by_value);
+    sort_doubles(real, end - first);
 }
 
 /* `real` and `group` are scratch for as many values as there are pairs. */
@@ -122,7 +117,7 @@ static void sum_groups(const struct tightness_one *one, size_t bounded, double *
         sort_real(one, first, end, real);
         group[g] = one[first + rank(end - first, 500)].rejected / real[rank(end - first, 999)];
     }
-    qsort(group, groups, sizeof *group, by_value);
+    sort_doubles(group, groups);
     out->group_p50 = groups ? group[rank(groups, 500)] : NAN;
     out->group_most = groups ? group[groups - 1] : NAN;
 }

@@ -1,6 +1,5 @@
 /* The oracle: what a ray-triangle pair costs in the double filter, vectorised and one at a time,
  * and what whole answers cost. */
-#define _POSIX_C_SOURCE 200809L
 #include "cmd/bench/cmd_bench.h"
 
 #include "ref/base/command.h"
@@ -12,7 +11,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
 #define RAYS    10000 /* of whole answers */
 #define FILTER  1000  /* of them, for the filter on one core */
@@ -122,28 +120,20 @@ static enum status closest(const struct measured *it, enum oracle_path path, uns
     return status;
 }
 
-/* Time that this thread had a core. */
-static uint64_t core_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
 static enum status one_round(struct measured *it, size_t round, struct times *times,
                              struct reason *reason)
 {
     const struct oracle *oracle = it->oracle;
-    uint64_t start = core_ns();
+    uint64_t start = core_time_ns();
     it->scalar = filter_scalar(oracle, it->ray, it->filtered);
     double pairs = (double)it->scalar.pairs;
-    times->scalar[round] = (double)(core_ns() - start) / pairs;
+    times->scalar[round] = (double)(core_time_ns() - start) / pairs;
     for (int k = 0; k < KERNELS && early_kernels[k].name; k++) {
         if (!early_kernels[k].runs())
             continue;
-        start = core_ns();
+        start = core_time_ns();
         struct oracle_tally tally = filter_vector(oracle, &early_kernels[k], it->ray, it->filtered);
-        times->kernel[k][round] = (double)(core_ns() - start) / pairs;
+        times->kernel[k][round] = (double)(core_time_ns() - start) / pairs;
         if (&early_kernels[k] == oracle->kernel) {
             it->vector = tally;
             times->ratio[round] = times->kernel[k][round] / times->scalar[round];

@@ -1,11 +1,9 @@
-#define _POSIX_C_SOURCE 200809L
 #include "cmd/bench/cmd_bench_race.h"
 
 #include "bench/frames/turns.h"
 #include "ref/base/command.h"
 
 #include <string.h>
-#include <time.h>
 
 static struct job job_of(const struct race *race, const struct contestant *c, enum query query)
 {
@@ -185,14 +183,6 @@ const char *race_base_name(const struct race *race, const struct contestant *con
                                                               : base->engine->name;
 }
 
-/* Of the calling thread. */
-static uint64_t core_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return 1000000000u * (uint64_t)now.tv_sec + (uint64_t)now.tv_nsec;
-}
-
 enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
                      struct reason *reason)
 {
@@ -209,10 +199,10 @@ enum status race_run(struct race *race, const struct ray *ray, size_t count, str
             progress_step(&bench->progress, "%s, round %zu of %llu", race->label, round,
                           (unsigned long long)bench->rounds);
             size_t rays = c->few ? race->few_count : count;
-            uint64_t start = core_ns();
+            uint64_t start = core_time_ns();
             enum status status =
                 c->engine->trace(c->self, c->few ? race->few : ray, rays, hit, &report, reason);
-            uint64_t ns = race->core_time ? core_ns() - start : report.ns;
+            uint64_t ns = race->core_time ? core_time_ns() - start : report.ns;
             if (status)
                 return status;
             c->boxes = report.boxes;

@@ -3,6 +3,7 @@
 
 #include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
+#include "ref/base/base.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,12 +21,6 @@ static const char *end_name(const struct selftest_row *row)
     default:
         return "FAILED";
     }
-}
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 struct selftest_sum selftest_sum(const struct selftest_command *c)
@@ -50,7 +45,7 @@ struct selftest_sum selftest_sum(const struct selftest_command *c)
         }
     }
     if (seconds && sum.found) {
-        qsort(seconds, sum.found, sizeof *seconds, by_value);
+        sort_doubles(seconds, sum.found);
         sum.median_s = 0.5 * (seconds[(sum.found - 1) / 2] + seconds[sum.found / 2]);
         sum.slowest_s = seconds[sum.found - 1];
     }

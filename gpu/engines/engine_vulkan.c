@@ -64,11 +64,7 @@ static enum status trace_all(void *self, const struct ray *ray, size_t ray_count
 static struct model model(void *self, const struct tri_test *tri)
 {
     struct arithmetic arithmetic = tracer_arithmetic(((struct vulkan *)self)->tracer);
-    return (struct model){.formula = twin_of_tri(tri->id),
-                          .rounding = arithmetic.rounding,
-                          .bits = arithmetic.bits,
-                          .watertight = tri->watertight && rounding_is_nearest(arithmetic.rounding),
-                          .open = tri->open};
+    return model_of_tri(tri, arithmetic.rounding, arithmetic.bits);
 }
 
 static enum status frame_prepare(void *self, const struct frame_job *job, struct reason *reason)

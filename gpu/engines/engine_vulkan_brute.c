@@ -214,11 +214,7 @@ static struct model model(void *self, const struct tri_test *tri)
     if (!b->measured)
         b->arithmetic = probe_measure(b->vk);
     b->measured = true;
-    return (struct model){.formula = twin_of_tri(tri->id),
-                          .rounding = b->arithmetic.rounding,
-                          .watertight =
-                              tri->watertight && rounding_is_nearest(b->arithmetic.rounding),
-                          .open = tri->open};
+    return model_of_tri(tri, b->arithmetic.rounding, false);
 }
 
 extern const struct engine engine_vulkan_brute;

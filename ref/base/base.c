@@ -75,9 +75,30 @@ enum status array_reserve(void **array, size_t *capacity, size_t need, size_t si
     return STATUS_OK;
 }
 
-uint64_t time_ns(void)
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+void sort_doubles(double *value, size_t count)
+{
+    qsort(value, count, sizeof *value, by_value);
+}
+
+static uint64_t ns_of(clockid_t clock)
 {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+uint64_t time_ns(void)
+{
+    return ns_of(CLOCK_MONOTONIC);
+}
+
+uint64_t core_time_ns(void)
+{
+    return ns_of(CLOCK_THREAD_CPUTIME_ID);
 }

@@ -45,8 +45,14 @@ void *alloc_zeroed(size_t count, size_t size) MUST_USE;
  * On STATUS_MEMORY array and capacity are unchanged. New elements are not cleared. */
 enum status array_reserve(void **array, size_t *capacity, size_t need, size_t size) MUST_USE;
 
+/* Sorts numbers, the least first. */
+void sort_doubles(double *value, size_t count);
+
 /* Monotonic time in nanoseconds since an arbitrary start. */
 uint64_t time_ns(void);
+
+/* Time that the calling thread had a core, in nanoseconds. */
+uint64_t core_time_ns(void);
 
 /* Bit pattern of a float and back. */
 static inline uint32_t float_bits(float x)

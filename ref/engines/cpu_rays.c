@@ -120,8 +120,5 @@ void cpu_rays_close(void *self)
 struct model cpu_rays_model(void *self, const struct tri_test *tri)
 {
     (void)self;
-    return (struct model){.formula = twin_of_tri(tri->id),
-                          .rounding = ROUNDING_IEEE,
-                          .watertight = tri->watertight,
-                          .open = tri->open};
+    return model_of_tri(tri, ROUNDING_IEEE, false);
 }

@@ -10,17 +10,14 @@
  * same limit so that one number describes the layout. Triangles can use all 16 bits: record 1 is
  * reached only through record 0, so its tag is never read as a tag, and the count in record 0 says
  * which slots are in use, so that triangle 0 needs no reserved value. */
-#include "ref/layouts/common.h"
+#include "ref/layouts/node_rf.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define WORDS         (sizeof(struct node_rf) / 4)
-#define SLOTS         8u
 #define MOST_RECORD   32767u
 #define MOST_TRIANGLE 65535u
-#define LEAF          0x80000000u
 
 /* Refuses the largest leaf of all that are too large. */
 static enum status check_leaves(const struct bvh *bvh, struct reason *reason)
@@ -29,7 +26,7 @@ static enum status check_leaves(const struct bvh *bvh, struct reason *reason)
     for (uint32_t i = 0; i < bvh->node_count; i++)
         if (bvh->node[i].item_count > largest)
             largest = bvh->node[i].item_count;
-    if (largest > SLOTS)
+    if (largest > NODE_RF_SLOTS)
         return fail(reason, STATUS_LIMIT,
                     "rf16: a leaf holds at most 8 items, this tree has one of %u; use --leaf 8 or "
                     "less, or --layout auto",
@@ -103,7 +100,7 @@ static void pack_node(const struct bvh *bvh, uint32_t i, const uint32_t *before,
         memcpy(word, record, sizeof record[0]);
         return;
     }
-    record[0].tag = LEAF | node->item_count;
+    record[0].tag = NODE_RF_LEAF | node->item_count;
     uint32_t packed_items[4] = {0};
     for (uint32_t s = 0; s < node->item_count; s++)
         packed_items[s / 2] |= bvh->prim[node->item_first + s] << (s % 2 * 16);
@@ -120,32 +117,18 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
         return fail(reason, STATUS_MEMORY, "rf16: no memory to number %u nodes", bvh->node_count);
     enum status status = check_limits(bvh, scene, before, reason);
     if (!status)
-        status = layout_alloc("rf16", (uint64_t)bvh->node_count + before[bvh->node_count], WORDS, 0,
-                              out, reason);
+        status = layout_alloc("rf16", (uint64_t)bvh->node_count + before[bvh->node_count],
+                              NODE_RF_WORDS, 0, out, reason);
     for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        pack_node(bvh, i, before, out->word + WORDS * (size_t)(i + before[i]));
+        pack_node(bvh, i, before, out->word + NODE_RF_WORDS * (size_t)(i + before[i]));
     free(before);
     return status;
 }
 
-/* A leaf's slots are those of record ref + 1; slot / 8 is the record. */
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 {
-    uint32_t tag = packed->word[WORDS * (size_t)ref + 3];
-    out->child_count = 0;
-    out->item_first = (ref + 1) * SLOTS;
-    out->item_count = 0;
-    if (tag & LEAF) {
-        out->item_count = tag & 15u;
-        return;
-    }
-    layout_add_child(packed, high_half(tag), out);
-    layout_add_child(packed, low_half(tag), out);
-}
-
-static struct box box(const struct packed *packed, uint32_t ref)
-{
-    return layout_unpack_bounds(packed->word + WORDS * (size_t)ref);
+    uint32_t tag = node_rf_tag(packed, ref);
+    node_rf_load(packed, ref, tag & 15u, high_half(tag), low_half(tag), out);
 }
 
 static uint32_t item(const struct packed *packed, uint32_t slot)
@@ -163,7 +146,8 @@ static enum status rebound(struct packed *packed, uint32_t ref, const struct box
     (void)node;
     enum status status = check_box(own, ref, reason);
     if (!status)
-        layout_pack_bounds(own, half_bound_down, half_bound_up, packed->word + WORDS * (size_t)ref);
+        layout_pack_bounds(own, half_bound_down, half_bound_up,
+                           packed->word + NODE_RF_WORDS * (size_t)ref);
     return status;
 }
 
@@ -176,7 +160,7 @@ const struct layout layout_rf16 = {
     .order = VISIT_NEAR,
     .pack = pack,
     .load = load,
-    .box = box,
+    .box = node_rf_box,
     .rebound = rebound,
     .item = item,
 };

@@ -7,15 +7,12 @@
  * (F2): the last triangle is never tested. Two faults show while packing: the loop that turns node
  * indices into record indices also treats a leaf's record 1 as a node (F6), and a leaf of more than
  * 8 items ends RTRS (F8). */
-#include "ref/layouts/common.h"
+#include "ref/layouts/node_rf.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define WORDS      (sizeof(struct node_rf) / 4)
-#define SLOTS      8u
 #define SLOTS_READ 6u
-#define LEAF       0x80000000u
 
 /* The tag of a leaf's record 1 is items 6 and 7; without bit 31 the loop that numbers records
  * takes both for nodes, and where one is beyond the nodes it reads out of range. */
@@ -25,14 +22,14 @@ static bool item_beyond(const struct bvh *bvh, const struct bvh_node *leaf, uint
     for (uint32_t s = 6; s < leaf->item_count; s++)
         last[s - 6] = low_half(bvh->prim[leaf->item_first + s]);
     *item = last[0] > last[1] ? last[0] : last[1];
-    return last[1] < LEAF >> 16 && *item > bvh->node_count;
+    return last[1] < NODE_RF_LEAF >> 16 && *item > bvh->node_count;
 }
 
 static enum layout_end end(const struct bvh *bvh, struct reason *reason)
 {
     uint32_t item, leaves = 0;
     for (uint32_t i = 0; i < bvh->node_count; i++)
-        if (bvh->node[i].item_count > SLOTS) {
+        if (bvh->node[i].item_count > NODE_RF_SLOTS) {
             (void)fail(reason, STATUS_LIMIT,
                        "rtrs_rf: RTRS panics: F8 (%u items in a leaf of 8 slots)",
                        bvh->node[i].item_count);
@@ -62,9 +59,9 @@ static void pack_node(const struct bvh *bvh, uint32_t i, uint32_t *word)
         word[3] = node->fst << 16 | low_half(node->snd);
         return;
     }
-    word[3] = LEAF;
+    word[3] = NODE_RF_LEAF;
     for (uint32_t s = 0; s < node->item_count; s++)
-        word[WORDS + s / 2] |= low_half(bvh->prim[node->item_first + s]) << (s % 2 * 16);
+        word[NODE_RF_WORDS + s / 2] |= low_half(bvh->prim[node->item_first + s]) << (s % 2 * 16);
 }
 
 /* Adds to both halves of every tag without the leaf bit the leaves before that node, the tag of a
@@ -72,8 +69,8 @@ static void pack_node(const struct bvh *bvh, uint32_t i, uint32_t *word)
 static void fix_up(const uint32_t *before, struct packed *out)
 {
     for (uint32_t r = 0; r < out->node_count; r++) {
-        uint32_t *tag = &out->word[WORDS * (size_t)r + 3];
-        if (*tag & LEAF)
+        uint32_t *tag = &out->word[NODE_RF_WORDS * (size_t)r + 3];
+        if (*tag & NODE_RF_LEAF)
             continue;
         uint32_t low = low_half(*tag), high = high_half(*tag);
         *tag = low_half(low + before[low]) | low_half(high + before[high]) << 16;
@@ -92,9 +89,9 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
         return fail(reason, STATUS_MEMORY, "rtrs_rf: no memory to number %u nodes",
                     bvh->node_count);
     uint64_t records = (uint64_t)bvh->node_count + before[bvh->node_count];
-    enum status status = layout_alloc("rtrs_rf", records, WORDS, 0, out, reason);
+    enum status status = layout_alloc("rtrs_rf", records, NODE_RF_WORDS, 0, out, reason);
     for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        pack_node(bvh, i, out->word + WORDS * (size_t)(i + before[i]));
+        pack_node(bvh, i, out->word + NODE_RF_WORDS * (size_t)(i + before[i]));
     if (!status)
         fix_up(before, out);
     free(before);
@@ -103,21 +100,8 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
 
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 {
-    uint32_t tag = packed->word[WORDS * (size_t)ref + 3];
-    out->child_count = 0;
-    out->item_first = (ref + 1) * SLOTS;
-    out->item_count = 0;
-    if (tag & LEAF) {
-        out->item_count = SLOTS_READ;
-        return;
-    }
-    layout_add_child(packed, high_half(tag), out);
-    layout_add_child(packed, low_half(tag), out);
-}
-
-static struct box box(const struct packed *packed, uint32_t ref)
-{
-    return layout_unpack_bounds(packed->word + WORDS * (size_t)ref);
+    uint32_t tag = node_rf_tag(packed, ref);
+    node_rf_load(packed, ref, SLOTS_READ, high_half(tag), low_half(tag), out);
 }
 
 /* 0 is the null triangle; what lies beyond the scene is the garbage of F9. */
@@ -141,6 +125,6 @@ const struct layout layout_rtrs_rf = {
     .pack = pack,
     .end = end,
     .load = load,
-    .box = box,
+    .box = node_rf_box,
     .item = item,
 };

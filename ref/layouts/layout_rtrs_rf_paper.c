@@ -7,14 +7,11 @@
  * All eight slots are read, 0 means empty, item k names triangle k, so triangle 0 is lost. Figure 7
  * pushes fst, then snd, so snd is visited first. (RTRS's code has snd in the low half: with the
  * listing's names it visits its own fst first.) */
-#include "ref/layouts/common.h"
+#include "ref/layouts/node_rf.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define WORDS   (sizeof(struct node_rf) / 4)
-#define SLOTS   8u
-#define LEAF    0x80000000u
 #define BITS_15 0x7FFFu
 
 /* Where slot `s` of a record lies among its eight 16-bit fields, the tag being the last two. */
@@ -37,10 +34,10 @@ static void pack_node(const struct bvh *bvh, uint32_t i, const uint32_t *before,
                   ((node->snd + before[node->snd]) & BITS_15) << 16;
         return;
     }
-    word[3] = LEAF;
+    word[3] = NODE_RF_LEAF;
     for (uint32_t s = 0; s < node->item_count; s++) {
         uint32_t stored = bvh->prim[node->item_first + s] & mask_of(s);
-        word[WORDS + field_of(s) / 2] |= stored << (field_of(s) % 2 * 16);
+        word[NODE_RF_WORDS + field_of(s) / 2] |= stored << (field_of(s) % 2 * 16);
     }
 }
 
@@ -50,7 +47,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
     (void)self;
     (void)scene;
     for (uint32_t i = 0; i < bvh->node_count; i++)
-        if (bvh->node[i].item_count > SLOTS)
+        if (bvh->node[i].item_count > NODE_RF_SLOTS)
             return fail(reason, STATUS_LIMIT,
                         "rtrs_rf_paper: the paper's record has 8 slots, this tree has a leaf of %u "
                         "items; use --leaf 8 or less",
@@ -60,39 +57,28 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
         return fail(reason, STATUS_MEMORY, "rtrs_rf_paper: no memory to number %u nodes",
                     bvh->node_count);
     uint64_t records = (uint64_t)bvh->node_count + before[bvh->node_count];
-    enum status status = layout_alloc("rtrs_rf_paper", records, WORDS, 0, out, reason);
+    enum status status = layout_alloc("rtrs_rf_paper", records, NODE_RF_WORDS, 0, out, reason);
     for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        pack_node(bvh, i, before, out->word + WORDS * (size_t)(i + before[i]));
+        pack_node(bvh, i, before, out->word + NODE_RF_WORDS * (size_t)(i + before[i]));
     free(before);
     return status;
 }
 
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 {
-    uint32_t tag = packed->word[WORDS * (size_t)ref + 3];
-    out->child_count = 0;
-    out->item_first = (ref + 1) * SLOTS;
-    out->item_count = 0;
-    if (tag & LEAF) {
-        out->item_count = SLOTS;
-        return;
-    }
-    layout_add_child(packed, low_half(tag) & BITS_15, out);
-    layout_add_child(packed, high_half(tag) & BITS_15, out);
-}
-
-static struct box box(const struct packed *packed, uint32_t ref)
-{
-    return layout_unpack_bounds(packed->word + WORDS * (size_t)ref);
+    uint32_t tag = node_rf_tag(packed, ref);
+    node_rf_load(packed, ref, NODE_RF_SLOTS, low_half(tag) & BITS_15, high_half(tag) & BITS_15,
+                 out);
 }
 
 static uint32_t item(const struct packed *packed, uint32_t slot)
 {
-    uint32_t field = slot / SLOTS * SLOTS + field_of(slot % SLOTS);
+    uint32_t field = slot / NODE_RF_SLOTS * NODE_RF_SLOTS + field_of(slot % NODE_RF_SLOTS);
     if (field / 2 >= packed->word_count)
         return ABI_NO_PRIM;
     uint32_t word = packed->word[field / 2];
-    uint32_t stored = (field % 2 ? high_half(word) : low_half(word)) & mask_of(slot % SLOTS);
+    uint32_t stored =
+        (field % 2 ? high_half(word) : low_half(word)) & mask_of(slot % NODE_RF_SLOTS);
     return stored > 0 && stored < packed->tri_count ? stored : ABI_NO_PRIM;
 }
 
@@ -106,6 +92,6 @@ const struct layout layout_rtrs_rf_paper = {
     .faithful = true,
     .pack = pack,
     .load = load,
-    .box = box,
+    .box = node_rf_box,
     .item = item,
 };

@@ -3,6 +3,7 @@
 #include "ref/match/match_judge.h"
 #include "ref/match/match_lists.h"
 #include "ref/match/match_trees.h"
+#include "ref/base/base.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -123,12 +124,6 @@ void match_refused(const struct match *match, const struct layout *layout,
                         .reason = *reason};
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Every triangle for every ray: its time per ray is known from the number of triangles, and 100,000
  * rays on 70,000 triangles take minutes. So it answers as many rays as brute force was given work
  * for, is timed once, and is asked again about few. */
@@ -172,7 +167,7 @@ static enum status timed_traces(struct match *match, const struct engine *engine
         if (report.memory_bytes > row->memory_bytes)
             row->memory_bytes = report.memory_bytes;
     }
-    qsort(speed, repeats, sizeof speed[0], by_size);
+    sort_doubles(speed, repeats);
     row->mrays[0] =
         repeats % 2 ? speed[repeats / 2] : 0.5 * (speed[repeats / 2 - 1] + speed[repeats / 2]);
     row->mrays[1] = speed[0];

@@ -1,6 +1,7 @@
 #include "ref/match/match_judge.h"
 
 #include "ref/match/match_edges.h"
+#include "ref/base/base.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -82,18 +83,12 @@ static void count_one(struct judging *j, size_t i, const struct judgement *judge
         keep_finding(row, j->match, i, judgement);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 void match_displacements(double *displacement, struct row *row)
 {
     size_t count = row->displacement.count;
     if (count == 0)
         return;
-    qsort(displacement, count, sizeof *displacement, by_size);
+    sort_doubles(displacement, count);
     row->displacement.p50 = displacement[(count - 1) / 2];
     row->displacement.p99 = displacement[(count - 1) * 99 / 100];
     row->displacement.most = displacement[count - 1];

@@ -46,6 +46,15 @@ enum twin_formula twin_of_tri(uint32_t id)
     return formulas[id];
 }
 
+struct model model_of_tri(const struct tri_test *tri, struct rounding rounding, bool bits)
+{
+    return (struct model){.formula = twin_of_tri(tri->id),
+                          .rounding = rounding,
+                          .bits = bits,
+                          .watertight = tri->watertight && rounding_is_nearest(rounding),
+                          .open = tri->open};
+}
+
 /* Are the signs such that no evaluation accepts them? */
 static bool surely_rejected(const struct outcome *out)
 {

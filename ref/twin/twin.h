@@ -36,6 +36,9 @@ struct twin {
 /* The formula that triangle test `id` (ABI_TRI_*) computes. */
 enum twin_formula twin_of_tri(uint32_t id);
 
+/* The model of a triangle test whose operations round so; `bits`: C's bits may be demanded. */
+struct model model_of_tri(const struct tri_test *tri, struct rounding rounding, bool bits);
+
 /* Evaluates one triangle. The ray is in contract (ray_in_contract); every k of `rounding` is at
  * least 1. */
 struct twin twin_eval(enum twin_formula formula, struct rounding rounding, const struct ray *ray,

@@ -1,0 +1,38 @@
+/* How records of 16 bytes are read, struct node_rf: rf16, and RTRS's as published. A leaf is two of
+ * them, whose second has eight slots. */
+#ifndef NODE_RF_H
+#define NODE_RF_H
+
+#include "ref/layouts/common.h"
+
+#define NODE_RF_WORDS (sizeof(struct node_rf) / 4)
+#define NODE_RF_LEAF  0x80000000u /* a bit of the tag */
+#define NODE_RF_SLOTS 8u
+
+static inline uint32_t node_rf_tag(const struct packed *packed, uint32_t ref)
+{
+    return packed->word[NODE_RF_WORDS * ref + 3];
+}
+
+/* Loads record `ref`: a leaf of `count` items, slot / 8 being its second record, or the children
+ * `first` and `second`. */
+static inline void node_rf_load(const struct packed *packed, uint32_t ref, uint32_t count,
+                                uint32_t first, uint32_t second, struct wide *out)
+{
+    bool leaf = node_rf_tag(packed, ref) & NODE_RF_LEAF;
+    out->child_count = 0;
+    out->item_first = (ref + 1) * NODE_RF_SLOTS;
+    out->item_count = leaf ? count : 0;
+    if (leaf)
+        return;
+    layout_add_child(packed, first, out);
+    layout_add_child(packed, second, out);
+}
+
+/* As layout.box. */
+static inline struct box node_rf_box(const struct packed *packed, uint32_t ref)
+{
+    return layout_unpack_bounds(packed->word + NODE_RF_WORDS * ref);
+}
+
+#endif
