@@ -162,6 +162,11 @@ awk -F'`' '/^## / {path++; name[path] = $0} /^\| `/ {
         exit !bad
     }' docs/reading.md && breach "docs/reading.md: a path is too long or does not lead there"
 
+# What the pages name is there.
+grep -noE '`(ref|gpu|scenes|fuzz|bench|cmd|shaders|tests|docs)/[A-Za-z0-9_./-]+\.(c|h|sh|mk|txt|glsl|comp|md|svg|png|trial)`' README.md CONTRIBUTING.md docs/*.md |
+    awk -F: '{path = $3; gsub("`", "", path); if (path !~ /NAME/ && (getline line <path) < 0) {print; bad = 1}; close(path)} END {exit !bad}' &&
+    breach "a page names a file that is not there"
+
 # Planted bugs lie beside the program, and every record fits.
 git grep -nwE 'MUTANT(_[A-Z0-9_]+)?' -- ref gpu scenes fuzz bench cmd shaders tests/hard raydiff.c && breach "a planted bug is a record in tests/planted"
 sh tests/planted/plant.sh --check >/dev/null || breach "tests/planted: a record does not fit"

@@ -3,7 +3,7 @@
 set -u
 copy=$(mktemp -d) || exit 4
 trap 'rm -rf "$copy"' EXIT
-git ls-files -z -- ref gpu scenes fuzz tests bench cmd shaders docs CONTRIBUTING.md Makefile raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
+git ls-files -z -- ref gpu scenes fuzz tests bench cmd shaders docs CONTRIBUTING.md README.md Makefile raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
 cd "$copy" && git init -q . && git add -A || exit 4
 sh tests/house/rules.sh >log 2>&1 || { cat log; echo "the copy breaks a rule before anything is planted"; exit 1; }
 failed=0
@@ -85,6 +85,7 @@ plant ref/base/half.c 'enum bvh { RED };'
 plant ref/base/half.c '/* Below it nobody asks. */'
 plant ref/base/half.c '/* Who is ended from outside leaves none. */'
 plant ref/base/half.c "/* The seed's layouts. */"
+plant CONTRIBUTING.md 'See `ref/base/nowhere.h`.'
 plant docs/reading.md '| `ref/nowhere.c` | |'
 plant docs/reading.md '| `tests/house/rules.sh` | |'
 for i in $(seq 40); do echo >"docs/$i.txt"; done
