@@ -169,7 +169,7 @@ beside() { # objects, libraries and options of a test
     test_judge_blackbox | test_match_edges) echo "$build/obj/tests/judge/honest_plain.o $build/obj/tests/judge/honest_fast.o" ;;
     test_oracle*) echo "$build/obj/tests/exact/exact_gmp.o $build/obj/tests/exact/oracle_cases.o -lgmp" ;;
     test_bounds* | test_judge_exact* | test_judge_noise* | test_judge_range* | test_judge_unnamed*)
-        for object in trials legal exact_gmp oracle_cases; do echo "$build/obj/tests/exact/$object.o"; done
+        for object in trials legal legal_formulas exact_gmp oracle_cases; do echo "$build/obj/tests/exact/$object.o"; done
         echo -lgmp
         ;;
     esac
