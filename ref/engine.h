@@ -3,8 +3,9 @@
 #define ENGINE_H
 
 #include "ref/layout.h"
-#include "ref/twin/model.h"
 #include "ref/primitives/primitives.h"
+
+struct model; /* ref/twin/model.h */
 
 struct engine_options {
     uint32_t threads;   /* CPU engines; 0: all */

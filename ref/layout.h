@@ -3,7 +3,7 @@
 #define LAYOUT_H
 
 #include "ref/abi.h"
-#include "ref/store.h"
+#include "ref/tree/bvh.h"
 
 /* In which order a traversal visits the children it hits. */
 enum visit {
@@ -20,6 +20,7 @@ enum layout_end {
 };
 
 struct layout;
+struct tri_store; /* ref/store.h */
 
 /* A packed tree; owns its arrays (see packed_free). node_count == 0: empty scene. */
 struct packed {
@@ -156,14 +157,6 @@ static inline uint32_t layout_stack_most(const struct layout *layout)
 static inline bool packed_ref_valid(const struct packed *packed, uint32_t ref)
 {
     return ref < packed->ref_count;
-}
-
-/* Triangle of item `slot` (below item_count) of a leaf, or ABI_NO_PRIM if there is none. */
-static inline uint32_t packed_item(const struct packed *packed, const struct wide *leaf,
-                                   uint32_t slot)
-{
-    return packed->layout->item ? packed->layout->item(packed, leaf->item_first + slot)
-                                : packed->store->item(packed, leaf->item_first, slot);
 }
 
 /* Packs `bvh` in `layout`, its triangles in `store`. An empty tree gives node_count 0, which every

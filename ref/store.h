@@ -4,10 +4,8 @@
 #ifndef STORE_H
 #define STORE_H
 
-#include "ref/abi.h"
-#include "ref/tree/bvh.h"
+#include "ref/layout.h"
 
-struct packed;
 struct tri_ray;
 
 struct tri_store {
@@ -62,6 +60,14 @@ enum status tri_store_check(const struct tri_store *store, uint32_t id, const ch
 
 /* Returns the storage of that name, or NULL. */
 const struct tri_store *tri_store_find(const char *name);
+
+/* Triangle of item `slot` (below item_count) of a leaf, or ABI_NO_PRIM if there is none. */
+static inline uint32_t packed_item(const struct packed *packed, const struct wide *leaf,
+                                   uint32_t slot)
+{
+    return packed->layout->item ? packed->layout->item(packed, leaf->item_first + slot)
+                                : packed->store->item(packed, leaf->item_first, slot);
+}
 
 /* For a layout's pack(), whose out->store packed_make has set: appends `count` items, at least 1,
  * as one leaf. *first is what the node is to keep as its first item. Leaves that are put one after

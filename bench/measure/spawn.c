@@ -3,6 +3,7 @@
 #include "bench/measure/error_measure.h"
 #include "ref/twin/twin.h"
 #include "scenes/rays/rays_stage.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 

@@ -1,6 +1,8 @@
 #include "bench/measure/touch.h"
 
 #include "ref/trace/trace.h"
+#include "ref/primitives/test_run.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 

@@ -5,6 +5,7 @@
 #include "bench/measure/cache_sim.h"
 #include "ref/engine.h"
 #include "ref/fast/fast.h"
+#include "ref/store.h"
 
 /* A packed tree whose reads are watched; owns `leaf` (see touch_free). Nodes, items and the scene's
  * arrays lie at addresses of their own, each on a page. */

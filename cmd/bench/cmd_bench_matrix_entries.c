@@ -2,6 +2,7 @@
 #include "cmd/bench/cmd_bench_matrix.h"
 
 #include "ref/engines/embree_modes.h"
+#include "ref/store.h"
 
 #include <string.h>
 

@@ -1,5 +1,6 @@
 /* What the matrix measures beside speed: bytes, errors, lines. */
 #include "cmd/bench/cmd_bench_matrix.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,6 +5,7 @@
 #include "bench/chart/pareto.h"
 #include "bench/chart/plot.h"
 #include "ref/base/json_record.h"
+#include "ref/store.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 
 #include "bench/frames/turns.h"
 #include "ref/base/command.h"
+#include "ref/store.h"
 
 #include <string.h>
 

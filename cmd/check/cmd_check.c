@@ -8,6 +8,7 @@
 #include "scenes/move.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,6 +5,7 @@
 #include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
+#include "ref/store.h"
 
 #include <jansson.h>
 #include <string.h>

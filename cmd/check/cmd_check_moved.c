@@ -2,6 +2,7 @@
 #include "cmd/check/cmd_check.h"
 
 #include "ref/base/command.h"
+#include "ref/store.h"
 
 #include <stdio.h>
 

@@ -3,6 +3,7 @@
 
 #include "cmd/common/cmd_finding.h"
 #include "ref/base/command.h"
+#include "ref/store.h"
 
 #include <string.h>
 

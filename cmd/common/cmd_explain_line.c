@@ -4,6 +4,7 @@
 #include "ref/base/command.h"
 #include "ref/base/ray_text.h"
 #include "ref/outside/plugin_shader.h"
+#include "ref/store.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,7 @@
 #include "cmd/common/cmd_finding.h"
 
 #include "ref/outside/recorded.h"
+#include "ref/store.h"
 
 #include <stdio.h>
 

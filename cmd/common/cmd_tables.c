@@ -10,6 +10,7 @@
 #include "ref/match/turnout.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
+#include "ref/store.h"
 
 #include <fnmatch.h>
 #include <stdarg.h>

@@ -4,6 +4,7 @@
 #include "ref/base/command.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
+#include "ref/store.h"
 
 #include <string.h>
 

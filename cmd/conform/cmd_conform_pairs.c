@@ -1,5 +1,6 @@
 /* Which pairs of members the trials of a conformance run had, and trials for those they lack. */
 #include "cmd/conform/cmd_conform_suite_inner.h"
+#include "ref/store.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 #include "cmd/conform/cmd_conform_report.h"
 
 #include "ref/base/command.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>

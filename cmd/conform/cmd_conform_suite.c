@@ -2,6 +2,7 @@
 
 #include "fuzz/gen/covering.h"
 #include "scenes/scenes.h"
+#include "ref/store.h"
 
 #include <fnmatch.h>
 #include <stdio.h>

@@ -2,6 +2,7 @@
 
 #include "ref/outside/pipe.h"
 #include "scenes/scenes.h"
+#include "ref/store.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,6 +3,7 @@
 #include "cmd/common/cmd_tree.h"
 #include "ref/twin/twin.h"
 #include "scenes/scenes.h"
+#include "ref/store.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,6 +6,7 @@
 #include "gpu/vk/text.h"
 #include "gpu/vk/vk_accel.h"
 #include "gpu/trace/vulkan_options.h"
+#include "ref/twin/model.h"
 
 #include <stdlib.h>
 #include <string.h>

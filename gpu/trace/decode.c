@@ -5,6 +5,7 @@
 #include "ref/abi.h"
 #include "ref/base/float_word.h"
 #include "ref/packed/packed_walk.h"
+#include "ref/store.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 #include "gpu/trace/dispatch.h"
+#include "ref/store.h"
 
 #include <stdio.h>
 

@@ -1,6 +1,7 @@
 #include "gpu/trace/tracer_private.h"
 
 #include "gpu/trace/gather.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>

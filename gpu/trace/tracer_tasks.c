@@ -2,6 +2,7 @@
  * the other, and each dispatch sees its own parts. */
 #include "gpu/trace/ray_order.h"
 #include "gpu/trace/tracer_private.h"
+#include "ref/store.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef CLIP_H
 #define CLIP_H
 
-#include "ref/base/geom.h"
+#include "ref/scene/scene.h"
 
 #include <stdint.h>
 

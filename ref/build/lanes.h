@@ -3,7 +3,7 @@
 #ifndef LANES_H
 #define LANES_H
 
-#include "ref/base/geom.h"
+#include "ref/scene/scene.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,6 +1,7 @@
 #include "ref/engines/cpu_rays.h"
 
 #include "ref/twin/twin.h"
+#include "ref/store.h"
 
 #include <omp.h>
 #include <stdlib.h>

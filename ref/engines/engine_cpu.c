@@ -1,6 +1,8 @@
 /* The reference traversal on all cores. */
 #include "ref/engines/cpu_rays.h"
 #include "ref/trace/trace.h"
+#include "ref/store.h"
+#include "ref/twin/model.h"
 
 #include <stdio.h>
 

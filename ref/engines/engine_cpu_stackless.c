@@ -2,6 +2,7 @@
 #include "ref/engines/cpu_rays.h"
 #include "ref/packed/packed_walk.h"
 #include "ref/trace/trace.h"
+#include "ref/twin/model.h"
 
 #include <stdio.h>
 #include <stdlib.h>

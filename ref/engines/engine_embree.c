@@ -1,6 +1,7 @@
 /* Embree as a third opinion: the engines of its modes. */
 #include "ref/engines/embree_device.h"
 #include "ref/engines/embree_modes.h"
+#include "ref/twin/model.h"
 
 static enum status embree_open(const struct engine_options *options, void **self,
                                struct reason *reason)

@@ -3,6 +3,7 @@
 #include "ref/engines/cpu_rays.h"
 #include "ref/fast/decoded.h"
 #include "ref/fast/fast.h"
+#include "ref/twin/model.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 #include "ref/explain/fused.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 

@@ -4,6 +4,7 @@
 #define EXPLAIN_FUSED_H
 
 #include "ref/primitives/primitives.h"
+#include "ref/primitives/test_run.h"
 
 /* As tri_test_run. */
 bool fused_tri_run(uint32_t id, const struct tri_ray *r, float v[3][3], struct hit *out);

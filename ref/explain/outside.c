@@ -1,4 +1,5 @@
 #include "ref/explain/outside.h"
+#include "ref/primitives/test_run.h"
 
 #include <float.h>
 

@@ -1,6 +1,7 @@
 #include "ref/explain/path.h"
 
 #include "ref/explain/steps.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,8 @@
 #include "ref/explain/replay.h"
 
 #include "ref/explain/fused.h"
+#include "ref/primitives/test_run.h"
+#include "ref/store.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,5 @@
 #include "ref/explain/slabs.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 

@@ -5,6 +5,7 @@
 #define EXPLAIN_SLABS_H
 
 #include "ref/primitives/primitives.h"
+#include "ref/primitives/test_run.h"
 
 enum slab_form {
     SLAB_FORM_PLAIN, /* (b - o) * (1 / d); rtrs: (b -+ eps - o) / d */

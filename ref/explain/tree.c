@@ -1,6 +1,7 @@
 #include "ref/explain/tree.h"
 
 #include "ref/explain/steps.h"
+#include "ref/store.h"
 
 #include <math.h>
 #include <stdlib.h>

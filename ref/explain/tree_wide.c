@@ -3,6 +3,7 @@
 #include "ref/explain/tree.h"
 
 #include "ref/packed/packed_walk.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 

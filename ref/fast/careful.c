@@ -1,6 +1,7 @@
 #include "ref/fast/block.h"
 #include "ref/fast/fast.h"
 #include "ref/primitives/primitives.h"
+#include "ref/primitives/test_run.h"
 
 /* One ray's way through a tree. */
 struct way {

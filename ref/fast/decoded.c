@@ -1,6 +1,7 @@
 #include "ref/fast/decoded.h"
 
 #include "ref/packed/packed_unpack.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 

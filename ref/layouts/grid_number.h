@@ -5,7 +5,7 @@
 #define GRID_NUMBER_H
 
 #include "ref/base/base.h"
-#include "ref/base/geom.h"
+#include "ref/tree/bvh.h"
 
 /* A format. Codes that are stored are 0, `first` to `last`, and those with the sign's bit: neither
  * subnormal nor infinite, nor -0. */

@@ -1,4 +1,5 @@
 #include "ref/layouts/wide_nodes.h"
+#include "ref/store.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,7 @@
 #include "ref/look/look_decoded.h"
 
 #include "ref/packed/packed_unpack.h"
+#include "ref/store.h"
 
 /* Nodes that wait to be decoded. */
 struct look_waiting {

@@ -4,6 +4,7 @@
 #include "ref/match/match_lists.h"
 #include "ref/match/match_trees.h"
 #include "ref/base/base.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,6 +3,7 @@
 
 #include "ref/packed/refit.h"
 #include "ref/tree/tree_quality.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /* The engine "pipe:COMMAND". */
 #include "ref/outside/pipe.h"
 #include "ref/outside/pipe_child.h"
+#include "ref/twin/model.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,7 @@
 /* What a peer says of its own arithmetic. */
 #include "ref/outside/pipe.h"
+#include "ref/primitives/test_run.h"
+#include "ref/twin/model.h"
 
 static const struct {
     const char *name;

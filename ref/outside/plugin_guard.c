@@ -3,6 +3,7 @@
 
 #include "ref/outside/child.h"
 #include "ref/files/file.h"
+#include "ref/store.h"
 
 #include <dlfcn.h>
 #include <errno.h>

@@ -2,6 +2,7 @@
 
 #include "ref/outside/pipe.h"
 #include "ref/base/ray_text.h"
+#include "ref/twin/model.h"
 
 #include <inttypes.h>
 #include <stdio.h>

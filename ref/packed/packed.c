@@ -3,6 +3,7 @@
 #include "ref/packed/packed_walk.h"
 
 #include "counts.h"
+#include "ref/store.h"
 
 #include <stdio.h>
 #include <stdlib.h>

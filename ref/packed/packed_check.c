@@ -2,6 +2,7 @@
 #include "ref/packed/packed_unpack.h"
 #include "ref/packed/packed_walk.h"
 #include "ref/packed/packed_check.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 #include "ref/packed/packed_file.h"
+#include "ref/store.h"
 
 #include <assert.h>
 #include <stdlib.h>

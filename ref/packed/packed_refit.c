@@ -1,5 +1,6 @@
 #include "ref/packed/packed_walk.h"
 #include "ref/packed/refit.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 #include "ref/packed/packed_unpack.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 

@@ -4,6 +4,7 @@
 #include "ref/packed/packed_file.h"
 #include "ref/packed/packed_unpack.h"
 #include "ref/packed/packed_walk.h"
+#include "ref/store.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 #include "ref/primitives/primitives.h"
 
 #include "ref/base/base.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 #include <string.h>

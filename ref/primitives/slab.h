@@ -4,7 +4,7 @@
 #define SLAB_H
 
 #include "ref/abi.h"
-#include "ref/base/geom.h"
+#include "ref/scene/scene.h"
 
 /* A non-zero direction component below this fraction of the largest one is treated as parallel and
  * is out of contract; see ray_in_contract. */

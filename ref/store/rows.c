@@ -1,4 +1,5 @@
 #include "ref/store/rows.h"
+#include "ref/store.h"
 
 #include <string.h>
 

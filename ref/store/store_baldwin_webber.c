@@ -3,6 +3,8 @@
  * upper two. */
 #include "ref/primitives/primitives.h"
 #include "ref/store/rows.h"
+#include "ref/primitives/test_run.h"
+#include "ref/store.h"
 
 #include <string.h>
 

@@ -3,6 +3,7 @@
  * the last vertex. */
 #include "ref/fast/block.h"
 #include "ref/layout.h"
+#include "ref/store.h"
 
 static enum status measure(const struct packed *packed, const struct scene *scene,
                            const uint32_t *prim, uint32_t count, uint64_t *words,

@@ -2,6 +2,8 @@
  * test by Moeller and Trumbore rounds them, and the triangle's number. */
 #include "ref/primitives/primitives.h"
 #include "ref/store/rows.h"
+#include "ref/primitives/test_run.h"
+#include "ref/store.h"
 
 #include <string.h>
 

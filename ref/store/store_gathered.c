@@ -2,6 +2,7 @@
  * number. Nothing else is read, and nothing is shared. */
 #include "ref/layout.h"
 #include "ref/store/rows.h"
+#include "ref/store.h"
 
 #include <string.h>
 

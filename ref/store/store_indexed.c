@@ -1,6 +1,7 @@
 /* Storage `indexed`: an array of triangle numbers in leaf order; vertices are the scene's. On the
  * GPU those are gathered, nine floats a triangle in the scene's order. */
 #include "ref/layout.h"
+#include "ref/store.h"
 
 #include <string.h>
 

@@ -16,6 +16,7 @@
 #include "ref/layout.h"
 #include "ref/scene/quantise.h"
 #include "ref/store/bits.h"
+#include "ref/store.h"
 
 #include <string.h>
 

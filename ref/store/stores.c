@@ -1,6 +1,7 @@
 #include "ref/layout.h"
 
 #include "counts.h"
+#include "ref/store.h"
 
 #include <string.h>
 

@@ -1,4 +1,6 @@
 #include "ref/trace/trace_walk.h"
+#include "ref/primitives/test_run.h"
+#include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,6 +4,8 @@
 #define TRACE_WALK_H
 
 #include "ref/trace/trace.h"
+#include "ref/primitives/test_run.h"
+#include "ref/store.h"
 
 /* One traversal in progress. */
 struct walk {

@@ -11,7 +11,7 @@
 #ifndef COVER_EXACT_H
 #define COVER_EXACT_H
 
-#include "ref/base/geom.h"
+#include "ref/scene/scene.h"
 
 /* A box whose sides may be open: bit k for lo[k], bit 3 + k for hi[k]. */
 struct cover_part {

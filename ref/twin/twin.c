@@ -25,6 +25,7 @@ typedef bool mask;
 #define SELECT_EACH(m, a, b) ((m) ? (a) : (b))
 
 #include "ref/twin/twin_steps.h"
+#include "ref/primitives/test_run.h"
 
 /* Share of its running bound by which t's near value may be off, as every near value. */
 #define T_OFF 0x1p-28

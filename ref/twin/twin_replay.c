@@ -1,4 +1,5 @@
 #include "ref/twin/replay_inner.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 

@@ -4,6 +4,7 @@
 #define SHADE_H
 
 #include "ref/frame.h"
+#include "scenes/render/vec3.h"
 
 /* A path. Starts with shade_begin; per segment shade_ray, shade_hit, for each light shade_ask and,
  * if asked, shade_answer, then shade_next. */

@@ -2,6 +2,7 @@
  * it is. */
 #include "ref/primitives/primitives.h"
 #include "ref/base/rng.h"
+#include "ref/primitives/test_run.h"
 
 #include <stdarg.h>
 #include <stddef.h>

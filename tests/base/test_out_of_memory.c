@@ -15,6 +15,7 @@
 #include "ref/tree/tree_quality.h"
 #include "ref/packed/packed_check.h"
 #include "tests/support/built.h"
+#include "ref/store.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -3,6 +3,7 @@
 #include "ref/base/rng.h"
 #include "ref/twin/twin.h"
 #include "scenes/scenes.h"
+#include "ref/primitives/test_run.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -3,6 +3,7 @@
 #include "tests/hard/members.h"
 #include "tests/hard/parts.h"
 #include "tests/hard/relations.h"
+#include "ref/primitives/test_run.h"
 
 #include <stdarg.h>
 #include <stddef.h>

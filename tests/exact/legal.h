@@ -7,6 +7,7 @@
 #include "ref/twin/model.h"
 #include "ref/base/rng.h"
 #include "ref/twin/twin.h"
+#include "ref/primitives/test_run.h"
 
 /* More operations than any formula has. */
 #define LEGAL_MOST 256

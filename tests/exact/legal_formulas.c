@@ -1,5 +1,6 @@
 /* Every formula of a triangle test, by operations whose rounding is chosen. */
 #include "tests/exact/legal_operations.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 

@@ -12,6 +12,8 @@
 
 #include "tests/explain/explained.h"
 #include "tests/support/faults.h"
+#include "ref/primitives/test_run.h"
+#include "ref/store.h"
 
 #include <math.h>
 

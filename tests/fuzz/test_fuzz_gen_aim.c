@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 #include "tests/fuzz/fuzz_gen_trials.h"
+#include "ref/primitives/test_run.h"
 
 #define TRIALS 200u
 #define RAYS   500u

@@ -4,6 +4,7 @@
 
 #include "ref/base/rng.h"
 #include "ref/trace/trace.h"
+#include "ref/primitives/test_run.h"
 
 static struct reason reason;
 

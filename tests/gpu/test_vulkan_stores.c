@@ -5,6 +5,7 @@
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "tests/support/gpu.h"
+#include "ref/store.h"
 
 #define RAYS 256u
 

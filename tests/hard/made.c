@@ -3,6 +3,9 @@
 #include "ref/engines/cpu_rays.h"
 #include "ref/explain/slabs.h"
 #include "ref/layouts/common.h"
+#include "ref/primitives/test_run.h"
+#include "ref/store.h"
+#include "ref/twin/model.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "tests/judge/judge_fixture.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -14,6 +14,7 @@
 #include "tests/judge/honest_count.h"
 #include "tests/judge/judge_fixture.h"
 #include "tests/support/stand.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 #include <stdio.h>

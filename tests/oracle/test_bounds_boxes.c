@@ -3,6 +3,7 @@
 #include "tests/exact/legal.h"
 
 #include "ref/base/base.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 #include <stdio.h>

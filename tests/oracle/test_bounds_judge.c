@@ -4,6 +4,7 @@
 #include "tests/exact/trials.h"
 
 #include "ref/judge/judge_inner.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 #include <stdlib.h>

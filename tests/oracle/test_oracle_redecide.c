@@ -6,6 +6,7 @@
 #include "tests/exact/exact_gmp_redecide.h"
 #include "tests/exact/oracle_batch.h"
 #include "tests/support/ray_fixture.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 #include <stdio.h>

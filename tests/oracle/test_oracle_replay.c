@@ -3,6 +3,7 @@
 #include "tests/exact/exact_gmp_redecide.h"
 #include "tests/exact/exact_gmp_replay.h"
 #include "tests/exact/oracle_batch.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 #include <stdio.h>

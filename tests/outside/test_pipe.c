@@ -8,6 +8,7 @@
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "tests/outside/peers.h"
+#include "ref/twin/model.h"
 
 #include <errno.h>
 #include <signal.h>

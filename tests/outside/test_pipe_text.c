@@ -6,6 +6,7 @@
 #include "ref/base/rng.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
+#include "ref/twin/model.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

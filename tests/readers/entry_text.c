@@ -4,6 +4,7 @@
 #include "tests/readers/fire.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/pipe_text.h"
+#include "ref/twin/model.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /* Whole pictures: against a renderer in double that was written from the formulas alone, and
  * against themselves path by path. */
 #include "tests/scenes/render_fixture.h"
+#include "ref/store.h"
 
 static double dot(const vec a, const vec b)
 {

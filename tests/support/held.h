@@ -4,6 +4,7 @@
 
 #include "tests/support/tree_fixture.h"
 #include "ref/packed/packed_check.h"
+#include "ref/store.h"
 
 #include <string.h>
 

@@ -9,6 +9,7 @@
 #include "ref/base/rng.h"
 #include "tests/support/ray_fixture.h"
 #include "tests/support/tree_fixture.h"
+#include "ref/primitives/test_run.h"
 #include <math.h>
 #include <string.h>
 

@@ -3,6 +3,7 @@
 #include "tests/support/all_hits_fixture.h"
 
 #include "ref/oracle/oracle.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 

@@ -1,6 +1,7 @@
 /* Traversal without a stack: the same hits in the same order as with it, in C and on the device. */
 #include "ref/packed/packed_walk.h"
 #include "tests/support/all_hits_fixture.h"
+#include "ref/twin/model.h"
 
 #include <stdlib.h>
 #include <string.h>

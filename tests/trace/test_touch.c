@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "tests/support/trace_fixture.h"
+#include "ref/store.h"
 
 #include <math.h>
 

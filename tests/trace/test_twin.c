@@ -2,6 +2,7 @@
 #include "ref/base/base.h"
 #include "ref/base/rng.h"
 #include "ref/twin/twin.h"
+#include "ref/primitives/test_run.h"
 
 #include <math.h>
 #include <string.h>

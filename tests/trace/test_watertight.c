@@ -15,6 +15,7 @@
 
 #include "tests/support/corridor.h"
 #include "tests/support/trace_fixture.h"
+#include "ref/primitives/test_run.h"
 
 /* Is woop's t certain to lie in range? Where it is not, brute force is no better than a tree. */
 static bool range_is_certain(const struct scene *scene, const struct ray *ray, const struct hit *h)

@@ -3,6 +3,7 @@
 #define TESTS_ANY_WORDS_H
 
 #include "ref/layout.h"
+#include "ref/store.h"
 
 /* Whatever the words hold, load drops references out of range, and item knows no slot outside. */
 static inline void any_words_are_safe(const struct layout *layout, const struct bvh *bvh,

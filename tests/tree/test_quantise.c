@@ -6,6 +6,7 @@
 #include "ref/packed/packed_check.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
+#include "ref/store.h"
 
 #include <stdarg.h>
 #include <stddef.h>

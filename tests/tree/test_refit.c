@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "tests/tree/moved.h"
+#include "ref/store.h"
 
 #define TRIS 150u
 

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "tests/tree/moved.h"
+#include "ref/store.h"
 
 static struct bvh build(const char *builder, const struct scene *scene, uint32_t leaf)
 {

@@ -6,6 +6,7 @@
 #include "ref/packed/packed_file.h"
 #include "ref/packed/tree_file.h"
 #include "scenes/scenes.h"
+#include "ref/store.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
