@@ -82,9 +82,22 @@ struct frame_job; /* ref/frame.h */
 struct view;
 struct frame;
 
+/* Rendering on an engine's own. */
+struct frame_renderer {
+    /* As engine.prepare, of which it is independent. */
+    enum status (*prepare)(void *self, const struct frame_job *job, struct reason *reason);
+    /* Draws the prepared job as seen from `view`. report->ns is the time of the drawing alone,
+     * without reading back. Errors: STATUS_DEVICE a path was not finished (the reason names pixel
+     * and cause), lost; STATUS_LIMIT more pixels than buffers hold; STATUS_MEMORY. */
+    enum status (*draw)(void *self, const struct view *view, struct frame *out,
+                        struct trace_report *report, struct reason *reason);
+};
+
 struct engine {
     const char *name;
     const char *summary;
+    bool reference;    /* the C that all others are compared with, on a tree and without one */
+    bool library;      /* another project's tracer, linked in */
     bool needs_packed; /* false: sees the scene alone (brute, Embree) */
     bool brute;   /* tests every triangle: asked for no more rays than match_options.brute_budget
                      pays for */
@@ -123,14 +136,7 @@ struct engine {
      * confirm none. */
     enum status (*trace_all)(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason);
-    /* Renders on its own; both NULL: it is driven ray by ray (scenes/render/render.h). frame_prepare as
-     * prepare, of which it is independent; frame draws the prepared job as seen from `view`.
-     * report->ns is the time of the drawing alone, without reading back. Errors: as prepare;
-     * STATUS_DEVICE a path was not finished (the reason names pixel and cause), lost; STATUS_LIMIT
-     * more pixels than buffers hold; STATUS_MEMORY. */
-    enum status (*frame_prepare)(void *self, const struct frame_job *job, struct reason *reason);
-    enum status (*frame)(void *self, const struct view *view, struct frame *out,
-                         struct trace_report *report, struct reason *reason);
+    const struct frame_renderer *renderer; /* NULL: driven ray by ray (scenes/render/render.h) */
     /* What the last prepare or trace with STATUS_DEVICE was, and how many of its rays were answered
      * before (*ray). The engine stays usable: the next call starts its process again. NULL: it has
      * none; after STATUS_DEVICE it may have to be opened again. */
@@ -159,5 +165,8 @@ enum status engine_add(const struct engine *engine, struct reason *reason) MUST_
 
 /* Returns the engine of that name, or NULL. */
 const struct engine *engine_find(const char *name);
+
+/* The engine of the table that is the reference on packed trees, or without them. */
+const struct engine *engine_reference(bool packed);
 
 #endif

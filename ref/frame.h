@@ -24,11 +24,11 @@
  *
  * Lights in order, D = S = 0 before: V = pos - P, far2 = dot(V, V), far = sqrt(far2), L = unit(V),
  * nl = dot(N, L), R = N (2 nl) - L, rv = -dot(R, dir)
- *   REPAIRED  asked if L is not zero, nl > 0 and dot(G, L) > 0: any hit from P + G offset along L
- * in [tmin, far] is a shadow; else D = D + s nl, S = S + s pow(rv, spec) if rv > 0 RTRS      asked
- * if L is not zero: the closest hit from P + N offset (P - N offset if nl < 0) along L in [tmin,
- * tmax] is a shadow if its t < far; else D = D + s max(nl, 0), S = S + s pow(rv, spec), with 0 for
- * pow where rv <= 0 (1 if spec is 0 too)
+ *   REPAIRED  traced if L is not zero, nl > 0 and dot(G, L) > 0: any hit from P + G offset along L
+ *             in [tmin, far] is a shadow; else D = D + s nl, S = S + s pow(rv, spec) if rv > 0
+ *   RTRS      traced if L is not zero: the closest hit from P + N offset (P - N offset if nl < 0)
+ *             along L in [tmin, tmax] is a shadow if its t < far; else D = D + s max(nl, 0),
+ *             S = S + s pow(rv, spec), with 0 for pow where rv <= 0 (1 if spec is 0 too)
  *
  * Colour, per channel; total = 0 and weight = 1 before segment 0:
  *   REPAIRED  total = total + ((color (ambience + D)) diffuse + S specular) weight

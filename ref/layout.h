@@ -105,7 +105,8 @@ struct layout {
     uint32_t (*item)(const struct packed *packed, uint32_t slot);
 };
 
-/* NULL-terminated: the layouts that every product runs over. */
+/* NULL-terminated: the layouts that every product runs over. The first keeps all bits of float32: the
+ * others are compared with it. */
 extern const struct layout *const layouts[];
 
 /* NULL-terminated: these, in the same order, then the other members of families, then what

@@ -52,7 +52,7 @@ enum status painter_open(const struct painter_plan *plan, const struct scene *sc
                          struct reason *reason)
 {
     *out = (struct painter){.plan = *plan, .scene = scene, .camera = scene_camera(scene)};
-    out->by_waves = plan->waves || !plan->engine->frame;
+    out->by_waves = plan->waves || !plan->engine->renderer;
     enum status status = STATUS_OK;
     if (plan->blank)
         status = scene_make(0, 0, &out->empty);

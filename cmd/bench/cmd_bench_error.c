@@ -202,7 +202,7 @@ static void take_speeds(const struct error_field *field, struct error_page *page
             struct error_row *row = &page->row[i];
             const struct error_row *f32 = &page->row[k];
             if (!row->layout || f32->engine != row->engine || f32->tri != row->tri ||
-                f32->box != row->box || strcmp(f32->layout->name, "f32") != 0)
+                f32->box != row->box || f32->layout != layouts[0])
                 continue;
             row->boxes_to_f32 = row->boxes / f32->boxes;
             row->tris_to_f32 = row->tris / f32->tris;

@@ -75,7 +75,7 @@ static enum status prepare(const struct render_settings *settings, struct benchm
         status = frames_enter(&b->run, handler, bytes, reason);
     if (status)
         return status;
-    b->run.contestant[0].rays_alone = settings->waves || !settings->engine->frame;
+    b->run.contestant[0].rays_alone = settings->waves || !settings->engine->renderer;
     snprintf(b->title, sizeof b->title, "%.60s: %u triangles, %u x %u pixels, %u bounces",
              b->stage.name, b->stage.tri_count, job->width, job->height, job->look.bounces);
     fuzz_versions(&settings->engine, 1, &settings->engine_options, b->versions, sizeof b->versions);

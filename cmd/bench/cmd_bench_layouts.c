@@ -30,7 +30,7 @@ static void enter_all(struct layouts_field *field)
 {
     for (size_t e = 0; engines[e]; e++) {
         bool tree = engines[e]->needs_packed;
-        if (strcmp(engines[e]->name, "brute") == 0)
+        if (engines[e]->reference && !tree)
             continue; /* its time is the triangle count's, not a layout's */
         for (size_t l = 0; tree ? layouts[l] != NULL : l == 0; l++) {
             struct reason reason = {""};

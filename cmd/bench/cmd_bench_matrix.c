@@ -28,7 +28,7 @@ static enum query query_of(int kind)
 /* Leaves of one triangle for whoever collapses the tree and makes its own. */
 static uint32_t leaf_of(const struct matrix_entry *e)
 {
-    bool collapses = layout_is_wide(e->layout) || strcmp(e->engine->name, "fast") == 0;
+    bool collapses = layout_is_wide(e->layout) || e->engine->own_tree;
     return collapses ? 1 : BUILD_LEAF_DEFAULT;
 }
 
@@ -116,7 +116,8 @@ static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigne
                              .store = e->store,
                              .box = box_test_find("watertight"),
                              .tri = tri_test_find("woop"),
-                             .few = strncmp(e->engine->name, "cpu", 3) == 0};
+                             .few = e->engine->needs_packed && !e->engine->gpu &&
+                                    !e->engine->own_tree};
     enum status status = STATUS_OK;
     options.threads = threads;
     options.compact = e->compact;

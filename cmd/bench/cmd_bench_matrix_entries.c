@@ -37,7 +37,7 @@ static const struct own own[] = {
 
 bool matrix_entry_is_gpu(const struct matrix_entry *entry)
 {
-    return strncmp(entry->engine->name, "vulkan", 6) == 0;
+    return entry->engine->gpu;
 }
 
 static const struct engine *engine_of(const char *name)
@@ -51,7 +51,7 @@ static const struct engine *engine_of(const char *name)
 /* "cpu tiny8 compact, sah_binned", "fast, sah_binned reinsert=4", "embree compact". */
 static void name_entry(struct matrix_entry *e)
 {
-    bool fast = strcmp(e->engine->name, "fast") == 0;
+    bool fast = e->engine->own_tree;
     const char *store = e->store && e->store != tri_stores[0] ? e->store->name : NULL;
     int used = snprintf(e->name, sizeof e->name, "%.20s%s%s", e->engine->name,
                         e->compact ? " compact" : "", e->avx512 ? " avx512" : "");
@@ -118,12 +118,12 @@ static enum status add_layouts(const struct bench *bench, const struct engine *e
     struct matrix_entry entry = {
         .engine = engine, .store = tri_stores[0], .builder = builder_find("sah_binned")};
     enum status status = STATUS_OK;
-    entry.layout = layout_find("f32");
-    bool fast = strcmp(engine->name, "fast") == 0;
+    entry.layout = layouts[0];
+    bool fast = engine->own_tree;
     if (fast || matrix_entry_is_gpu(&entry))
         status = add(out, &entry, reason);
     for (size_t l = 0; layouts_all[l] && !fast && !status; l++) {
-        bool f32 = layouts_all[l] == layout_find("f32");
+        bool f32 = layouts_all[l] == layouts[0];
         bool named =
             list->count == 0 && !layouts_all[l]->faithful && (bench->store.count == 0 || f32);
         for (size_t i = 0; i < list->count; i++)
@@ -141,7 +141,7 @@ bool matrix_is_gpu(const struct bench *bench)
     const struct list *list = &bench->engine;
     bool gpu = list->count > 0;
     for (size_t i = 0; i < list->count; i++)
-        gpu = gpu && strncmp(engines[list->index[i]]->name, "vulkan", 6) == 0;
+        gpu = gpu && engines[list->index[i]]->gpu;
     return gpu;
 }
 
@@ -157,14 +157,15 @@ enum status matrix_entries_make(const struct bench *bench, struct matrix_entries
     if (!matrix_is_gpu(bench))
         status = add(out, &embree, reason);
     if (list->count == 0 && !status)
-        status = add_layouts(bench, engine_find("cpu"), out, reason);
+        status = add_layouts(bench, engine_reference(true), out, reason);
     for (size_t i = 0; i < list->count && !status; i++) {
         const struct engine *engine = engines[list->index[i]];
         const struct matrix_entry entry = {.engine = engine};
         if (engine->brute)
             return fail(reason, STATUS_INPUT, "--engine %s: tests every triangle", engine->name);
-        if (list->count == 1 && strcmp(engine->name, "fast") == 0 && bench->store.count > 0)
-            return fail(reason, STATUS_INPUT, "--store: engine fast stores triangles its own way");
+        if (list->count == 1 && engine->own_tree && bench->store.count > 0)
+            return fail(reason, STATUS_INPUT, "--store: engine %s stores triangles its own way",
+                        engine->name);
         if (engine->needs_packed)
             status = add_layouts(bench, engine, out, reason);
         else if (engine != embree.engine)

@@ -193,7 +193,7 @@ enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
         measure_embree(matrix, row);
         return STATUS_OK;
     }
-    if (strcmp(c->engine->name, "fast") == 0)
+    if (c->engine->own_tree)
         return watch_fast(matrix, c, row, reason);
     row->node_bytes = packed_node_bytes(&c->packed);
     row->item_bytes = packed_item_bytes(&c->packed);

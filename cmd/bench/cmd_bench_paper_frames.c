@@ -116,9 +116,8 @@ static enum status draw_once(const struct paper_table *table, const struct paint
  * that kind, with the same members. Embree's arithmetic is its own. */
 static const struct engine *peer_of(const struct painter_plan *plan)
 {
-    if (plan->engine->needs_packed)
-        return engine_find("cpu");
-    return plan->engine->own_tri ? NULL : engine_find("brute");
+    bool packed = plan->engine->needs_packed;
+    return !packed && plan->engine->own_tri ? NULL : engine_reference(packed);
 }
 
 /* A frame of the line, compared; says whether it is a slow one. */
@@ -182,7 +181,7 @@ static enum status draw_truth(const struct paper_table *table, enum paper_line_i
                               struct sheet *out, struct reason *reason)
 {
     struct painter_plan plan = paper_plan(table, like);
-    plan.engine = engine_find("brute");
+    plan.engine = engine_reference(false);
     plan.layout = NULL;
     progress_step(&table->bench->progress, "%s: every triangle for every ray", table->scene->spec);
     enum status status = sheet_make(&plan, out, reason);

@@ -157,21 +157,16 @@ void race_leave(struct race *race)
     race->count = 0;
 }
 
-static bool is_named(const struct contestant *c, const char *engine)
-{
-    return strcmp(c->engine->name, engine) == 0;
-}
-
+/* On a GPU the same tests on the first layout, else Embree; itself where that does not run. */
 static size_t base_of(const struct race *race, size_t i)
 {
     const struct contestant *c = &race->contestant[i];
-    bool vulkan = is_named(c, "vulkan");
+    bool gpu = c->engine->gpu && c->layout;
     for (size_t k = 0; k < race->count; k++) {
         const struct contestant *b = &race->contestant[k];
-        if (vulkan && b->engine == c->engine && b->tri == c->tri && b->box == c->box &&
-            strcmp(b->layout->name, "f32") == 0)
-            return k;
-        if (!vulkan && is_named(b, "embree"))
+        if (gpu ? b->engine == c->engine && b->tri == c->tri && b->box == c->box &&
+                      b->layout == layouts[0]
+                : b->engine->library)
             return k;
     }
     return i;

@@ -229,8 +229,8 @@ static void field_free(struct spawn_field *field)
 /* "embree_robust", "cpu mt", "cpu rf16 mt". */
 static void name_judge(const struct contestant *c, char *text, size_t text_bytes)
 {
-    bool own = c->layout || strstr(c->engine->name, "brute");
-    bool base = !c->layout || strcmp(c->layout->name, "f32") == 0;
+    bool own = c->layout || c->engine->brute;
+    bool base = !c->layout || c->layout == layouts[0];
     snprintf(text, text_bytes, "%s%s%s%s%s", c->engine->name, base ? "" : " ",
              base ? "" : c->layout->name, own ? " " : "", own ? c->tri->name : "");
 }

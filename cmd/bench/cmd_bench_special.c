@@ -216,7 +216,7 @@ static int run(struct bench *bench)
     int code = EXIT_AGREE;
     if (bench->layout.count > 1 || bench->scene_count > 0)
         return usage_error("bench", "special: one layout, and its own scenes");
-    if (!engine_find("vulkan")->frame) {
+    if (!engine_find("vulkan")->renderer) {
         puts("engine vulkan draws no frames of its own: there is no pipeline to compare");
         return EXIT_SKIPPED;
     }

@@ -185,8 +185,7 @@ static void print_winners(const struct check_scene *scene)
     const struct row *cpu = row_of(scene, "cpu", NULL);
     for (size_t i = 0; i < scene->row_count && cpu; i++) {
         const struct row *row = &scene->row[i];
-        if (row->status == ROW_OK && !row->layout && row->mrays[0] > 0 &&
-            strncmp(row->engine->name, "embree", 6) == 0 &&
+        if (row->status == ROW_OK && !row->layout && row->mrays[0] > 0 && row->engine->library &&
             row->options.query == cpu->options.query)
             printf("  cpu on %s: %.2f times the speed of %s\n", cpu->layout->name,
                    cpu->mrays[0] / row->mrays[0], row->engine->name);
@@ -228,7 +227,7 @@ static void print_agreement(const struct check_scene *scene)
         const struct row *row = &scene->row[i];
         if (row->status != ROW_OK)
             continue;
-        if (row->bits && strcmp(row->engine->name, "cpu") != 0) {
+        if (row->bits && !row->engine->reference) {
             exact_rows++;
             exact_rays += row->rays;
             exact_bad += row->bit_differences;

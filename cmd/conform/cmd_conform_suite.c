@@ -144,7 +144,7 @@ static bool takes_part(const struct suite *suite, enum table table, size_t i)
     if (list->count > 0)
         return false;
     return table != TABLE_ENGINES || suite->kind == SUITE_PATTERN ||
-           strcmp(engines[i]->name, "brute") != 0; /* it is what the others are compared with */
+           engines[i] != engine_reference(false); /* it is what the others are compared with */
 }
 
 struct list suite_members(const struct suite *suite, enum table table, bool tree)

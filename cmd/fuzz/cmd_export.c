@@ -88,7 +88,7 @@ static int write_file(const char *path, const struct taken *taken, const struct 
 /* Only such are asked here, and written with what they were given. */
 static bool is_vendors(const struct engine *engine)
 {
-    return engine && (engine->gpu || strncmp(engine->name, "embree", 6) == 0);
+    return engine && (engine->gpu || engine->library);
 }
 
 /* What was named that this file's engine does not use. -1: nothing. */

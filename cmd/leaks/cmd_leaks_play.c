@@ -44,7 +44,7 @@ static enum status know_cpu(struct play *play, const struct job *job, struct rea
 {
     if (play->cpu_known)
         return STATUS_OK;
-    const struct engine *cpu = engine_find("cpu");
+    const struct engine *cpu = engine_reference(true);
     struct leaks unused;
     enum status status = STATUS_OK;
     void *self = pool_get(play->pool, cpu, &status, reason);
@@ -65,7 +65,7 @@ static void count_row(struct play *play, struct leak_row *row)
     row->absent = row->status == STATUS_UNSUPPORTED;
     if (!self)
         return;
-    bool is_cpu = strcmp(engine->name, "cpu") == 0;
+    bool is_cpu = engine == engine_reference(true);
     struct model model = engine->model(self, row->tri);
     row->promises = model.watertight && job_keeps_watertight(&job) &&
                     !(engine->needs_packed &&

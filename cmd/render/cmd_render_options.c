@@ -215,7 +215,7 @@ enum status render_settings_finish(const char *command, struct render_settings *
         s->layout = layout_find(s->handler->member[i].layout);
     s->box = s->box ? s->box : box_test_find(s->handler->member[i].box);
     s->tri = s->tri ? s->tri : tri_test_find(s->handler->member[i].tri);
-    return render_engine(s, s->engine ? s->engine : engine_find("cpu"), &s->engine, reason);
+    return render_engine(s, s->engine ? s->engine : engine_reference(true), &s->engine, reason);
 }
 
 enum status render_options_check(const struct render_settings *s, const struct list *engine,
@@ -230,7 +230,7 @@ enum status render_options_check(const struct render_settings *s, const struct l
         if (builders_all[i] == s->builder)
             builder.index[builder.count++] = i;
     for (size_t i = 0; i < engine->count; i++)
-        draws = draws || (engines[engine->index[i]]->frame && !s->waves);
+        draws = draws || (engines[engine->index[i]]->renderer && !s->waves);
     const struct option_use members = {.engine = engine,
                                        .layout = &layout,
                                        .builder = &builder,

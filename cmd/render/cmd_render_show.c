@@ -290,10 +290,10 @@ static bool any_wrong(const struct showing *showing)
 static void choose_engine(struct showing *showing, struct render_settings *settings)
 {
     if (showing->show && showing->show->from == SHOW_FROM_WALK) {
-        if (strcmp(settings->engine->name, "cpu") != 0)
+        if (settings->engine != engine_reference(true))
             fprintf(stderr, "raydiff render: --show %s is of the walk in C: engine cpu, not %s\n",
                     showing->show->name, settings->engine->name);
-        settings->engine = engine_find("cpu");
+        settings->engine = engine_reference(true);
     }
     showing->engine = settings->engine;
 }

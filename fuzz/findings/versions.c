@@ -3,12 +3,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Part of the program itself, whose version says all. */
-static bool is_own(const struct engine *engine)
-{
-    return strcmp(engine->name, "cpu") == 0 || strcmp(engine->name, "brute") == 0;
-}
-
 /* The line that names what the engine runs on. */
 static void first_line(const struct engine *engine, const struct engine_options *options,
                        char line[160])
@@ -28,7 +22,7 @@ void fuzz_versions(const struct engine *const *engine, size_t count,
     size_t used = (size_t)snprintf(text, text_bytes, "raydiff %s", RAYDIFF_VERSION);
     for (size_t i = 0; i < count; i++) {
         char what[160], line[240];
-        if (is_own(engine[i]))
+        if (engine[i]->reference)
             continue;
         first_line(engine[i], options, what);
         if (what[0] && strstr(text, what))

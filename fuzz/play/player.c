@@ -103,7 +103,7 @@ static enum status add_seat(struct fuzz_player *player, const struct engine *eng
 /* Gives each seat that promises cpu's bits a seat of engine cpu to be compared with. */
 static enum status add_references(struct fuzz_player *player, struct reason *reason)
 {
-    const struct engine *cpu = engine_find("cpu");
+    const struct engine *cpu = engine_reference(true);
     for (size_t i = 0; i < player->contestants; i++) {
         struct seat *seat = &player->seat[i];
         if (!seat->layout || !seat->engine->model(seat->self, tri_tests[0]).bits)
@@ -138,7 +138,7 @@ enum status fuzz_player_open(const struct fuzz_field *field, struct fuzz_player 
         status = add_seat(player, field->who[i].engine, field->who[i].layout, reason);
     player->contestants = player->seat_count;
     if (!status && field->drawn) /* cast when somebody promises its bits */
-        status = add_seat(player, engine_find("cpu"), NULL, reason);
+        status = add_seat(player, engine_reference(true), NULL, reason);
     else if (!status)
         status = add_references(player, reason);
     if (status)

@@ -84,6 +84,8 @@ static enum status frame(void *self, const struct view *view, struct frame *out,
 }
 
 extern const struct engine engine_vulkan;
+static const struct frame_renderer renderer = {.prepare = frame_prepare, .draw = frame};
+
 const struct engine engine_vulkan = {
     .name = "vulkan",
     .gpu = true,
@@ -95,8 +97,7 @@ const struct engine engine_vulkan = {
     .trace = trace,
     .trace_tasks = trace_tasks,
     .trace_all = trace_all,
-    .frame_prepare = frame_prepare,
-    .frame = frame,
+    .renderer = &renderer,
     .model = model,
     .close = close,
     .describe = vulkan_describe,

@@ -218,6 +218,8 @@ static struct model model(void *self, const struct tri_test *tri)
 }
 
 extern const struct engine engine_vulkan_brute;
+static const struct frame_renderer renderer = {.prepare = frame_prepare, .draw = frame};
+
 const struct engine engine_vulkan_brute = {
     .name = "vulkan_brute",
     .gpu = true,
@@ -227,8 +229,7 @@ const struct engine engine_vulkan_brute = {
     .prepare = prepare,
     .trace = trace,
     .trace_all = trace_all,
-    .frame_prepare = frame_prepare,
-    .frame = frame,
+    .renderer = &renderer,
     .model = model,
     .close = close,
     .describe = vulkan_describe,

@@ -12,7 +12,7 @@ struct framer;
 struct framer *framer_make(struct vk *vk, bool brute);
 void framer_free(struct framer *framer); /* before its device; NULL is fine */
 
-/* As engine.frame_prepare; pipelines are kept from job to job and made with the first frame that
+/* As frame_renderer.prepare; pipelines are kept from job to job and made with the first frame that
  * needs them. Errors: STATUS_LIMIT a stack, or a number of lights or bounces, that there is no
  * pipeline for, or a buffer over the device's limits; STATUS_UNSUPPORTED no shader for the layout,
  * or tiles over the device's limit; STATUS_DEVICE; STATUS_MEMORY. */

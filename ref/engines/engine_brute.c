@@ -34,6 +34,7 @@ static void brute_describe(const struct engine_options *options, char *text, siz
 const struct engine engine_brute = {
     .name = "brute",
     .summary = "C, every triangle: the reference for what a tree loses",
+    .reference = true,
     .brute = true,
     .open = brute_open,
     .prepare = cpu_rays_prepare,

@@ -62,6 +62,7 @@ static void cpu_describe(const struct engine_options *options, char *text, size_
 const struct engine engine_cpu = {
     .name = "cpu",
     .summary = "C, the reference traversal over any layout",
+    .reference = true,
     .needs_packed = true,
     .tells_work = true,
     .open = cpu_open,

@@ -34,6 +34,11 @@ enum status engine_add(const struct engine *engine, struct reason *reason)
     return STATUS_OK;
 }
 
+const struct engine *engine_reference(bool packed)
+{
+    return packed ? &engine_cpu : &engine_brute;
+}
+
 const struct engine *engine_find(const char *name)
 {
     for (size_t i = 0; engines[i]; i++)

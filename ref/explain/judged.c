@@ -10,8 +10,7 @@ static bool is_known(const struct judged *judged)
 {
     if (!twin_is_own(judged->model.formula))
         return false;
-    return judged->from.job->packed != NULL || strcmp(judged->from.engine->name, "brute") == 0 ||
-           strcmp(judged->from.engine->name, "vulkan_brute") == 0;
+    return judged->from.job->packed != NULL || judged->from.engine->brute;
 }
 
 enum status judged_make(const struct judged_job *from, struct judged *out, struct reason *reason)

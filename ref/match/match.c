@@ -186,7 +186,7 @@ static enum status cpu_hits(struct match *match, struct reason *reason)
 {
     if (match->cpu)
         return STATUS_OK;
-    const struct engine *cpu = engine_find("cpu");
+    const struct engine *cpu = engine_reference(true);
     enum status status = STATUS_OK;
     void *self = pool_get(match->pool, cpu, &status, reason);
     struct job job = job_of(match, cpu);
@@ -230,7 +230,7 @@ static bool is_judged(const struct match *match, const struct engine *engine)
 static enum status run_lists(struct match *match, const struct engine *engine, void *self,
                              const struct model *model, struct row *row)
 {
-    const struct engine *cpu = engine_find("cpu");
+    const struct engine *cpu = engine_reference(true);
     enum status status = STATUS_OK;
     void *beside = NULL;
     if (row->bits && engine != cpu) {

@@ -141,7 +141,7 @@ static enum status play_part(struct playing *p, size_t at, bool closed, size_t *
     if (!status)
         status = list_part(p, p->engine, p->self, at, &p->again, done, &p->ns[1]);
     if (!status && p->cpu)
-        status = list_part(p, engine_find("cpu"), p->cpu, at, &p->theirs, done, &theirs);
+        status = list_part(p, engine_reference(true), p->cpu, at, &p->theirs, done, &theirs);
     if (status)
         return status;
 #pragma omp parallel for schedule(dynamic, 64)

@@ -255,7 +255,7 @@ enum status renderer_open(const struct engine *engine, const struct engine_optio
         return fail(reason, STATUS_MEMORY, "no memory for a renderer");
     made->engine = engine;
     made->options = *options;
-    made->waves = waves || !engine->frame;
+    made->waves = waves || !engine->renderer;
     made->threads = cpu_rays_threads(options);
     made->watched_rays = WATCHED_RAYS;
     enum status status = engine->open(options, &made->closest, reason);
@@ -301,7 +301,7 @@ enum status renderer_prepare(struct renderer *renderer, const struct frame_job *
         return status;
     renderer->job = *job;
     if (!renderer->waves) {
-        status = engine->frame_prepare(renderer->closest, job, reason);
+        status = engine->renderer->prepare(renderer->closest, job, reason);
         renderer->ready = !status;
         return status;
     }
@@ -329,7 +329,7 @@ enum status renderer_frame(struct renderer *renderer, const struct view *view, s
                     renderer->engine->name);
     if (renderer->waves)
         return frame_by_waves(renderer, view, out, report, reason);
-    return renderer->engine->frame(renderer->closest, view, out, report, reason);
+    return renderer->engine->renderer->draw(renderer->closest, view, out, report, reason);
 }
 
 bool renderer_by_waves(const struct renderer *renderer)

@@ -136,7 +136,7 @@ static void engines_vulkan_by_waves(void **state)
 static void engines_vulkan_on_its_own(void **state)
 {
     (void)state;
-    if (!engine_find("vulkan")->frame) {
+    if (!engine_find("vulkan")->renderer) {
         print_message("SKIP engine vulkan has no renderer of its own\n");
         skip();
     }

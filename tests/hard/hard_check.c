@@ -140,7 +140,7 @@ static enum status check_bits(struct hard_play *play)
 {
     struct hard_cache *cache = play->cache;
     const struct hard_member *m = play->member;
-    const struct engine *cpu = engine_find("cpu");
+    const struct engine *cpu = engine_reference(true);
     size_t count = play->part->ray_count;
     if (!play->model.bits)
         return STATUS_OK;
