@@ -1,4 +1,4 @@
-/* The front door: names, summaries and functions of the sub-commands, and how the program ends. */
+/* The front door: names, groups, summaries and functions of the commands, and how the program ends. */
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
 #include "cmd/common/cmd_nearest.h"
@@ -8,29 +8,31 @@
 #include <string.h>
 
 static const struct command commands[] = {
-    {"check", "the main job: engines and layouts on a scene, compared ray by ray", cmd_check},
-    {"explain", "one ray: what is right, what was answered, and why it is wrong", cmd_explain},
-    {"fuzz", "random trials on engines and layouts; what is wrong is kept", cmd_fuzz},
-    {"merge", "joins the findings of campaigns, such as shards", cmd_merge},
-    {"min", "findings made smaller, as long as they show the same", cmd_min},
-    {"replay", "findings played again: whether each is still there, and why", cmd_replay},
-    {"export", "a finding as a C program for a driver's maker, without raydiff", cmd_export},
-    {"conform", "the conformance suite, each name its own reproduction", cmd_conform},
-    {"judge", "answers of a tracer that cannot be run here, from files", cmd_judge},
-    {"gen", "writes a scene and rays as text, for a tracer to answer", cmd_gen},
-    {"verify", "judges the answers to what gen wrote: gen | TRACER | verify", cmd_verify},
-    {"bench", "speed, bytes, memory and errors, engines interleaved", cmd_bench},
-    {"construct", "meshes, materials, lights and a camera to a scene, as RTRS's tool",
-     cmd_construct},
-    {"report", "one HTML file of it all: agreement, speed, size, pictures, findings", cmd_report},
-    {"precompute", "writes a tree as BVH JSON, byte for byte as RTRS's tool would", cmd_precompute},
-    {"diff", "two pictures, or engines on a scene: which pixel differs, and why", cmd_diff},
-    {"render", "pictures of a scene by any engine, with shadows and reflections", cmd_render},
-    {"scene", "what a scene is, from one format to another, and which there are", cmd_scene},
-    {"leaks", "rays from inside a closed mesh: what passes, what is hit twice", cmd_leaks},
-    {"list", "every builder, layout, test, engine, scene and ray set", cmd_list},
-    {"doctor", "what can run here, and why the rest cannot", cmd_doctor},
-    {NULL, NULL, NULL},
+    {"check", "the main job: engines and layouts on a scene, compared ray by ray", cmd_check, NULL},
+    {"explain", "one ray: what is right, what was answered, and why it is wrong", cmd_explain,
+     NULL},
+    {"fuzz", "random trials on engines and layouts; what is wrong is kept", cmd_fuzz, NULL},
+    {"merge", "joins the findings of campaigns, such as shards", cmd_merge, "fuzz"},
+    {"min", "findings made smaller, as long as they show the same", cmd_min, "fuzz"},
+    {"replay", "findings played again: whether each is still there, and why", cmd_replay, "fuzz"},
+    {"export", "a finding as a C program for a driver's maker", cmd_export, "fuzz"},
+    {"conform", "the conformance suite, each name its own reproduction", cmd_conform, NULL},
+    {"judge", "answers of a tracer that cannot be run here, from files", cmd_judge, NULL},
+    {"gen", "writes a scene and rays as text, for a tracer to answer", cmd_gen, "judge"},
+    {"verify", "judges the answers to what gen wrote: gen | TRACER | verify", cmd_verify, "judge"},
+    {"bench", "speed, bytes, memory and errors, engines interleaved", cmd_bench, NULL},
+    {"report", "all in one HTML file: agreement, speed, size, pictures, findings", cmd_report,
+     NULL},
+    {"render", "pictures of a scene by any engine, with shadows and reflections", cmd_render, NULL},
+    {"diff", "two pictures, or engines on a scene: which pixel differs", cmd_diff, "render"},
+    {"scene", "what a scene is, from one format to another, and which there are", cmd_scene, NULL},
+    {"construct", "meshes, lights and a camera to one scene, as RTRS's tool", cmd_construct,
+     "scene"},
+    {"precompute", "a tree as BVH JSON, byte for byte as RTRS's tool", cmd_precompute, "scene"},
+    {"leaks", "rays from inside a closed mesh: what passes, what is hit twice", cmd_leaks, NULL},
+    {"list", "every builder, layout, test, engine, scene and ray set", cmd_list, NULL},
+    {"doctor", "what can run here, and why the rest cannot", cmd_doctor, NULL},
+    {0},
 };
 
 static void print_help(FILE *to)
@@ -39,9 +41,10 @@ static void print_help(FILE *to)
           "usage: raydiff COMMAND [ARGUMENTS]     raydiff help COMMAND\n\n",
           to);
     for (const struct command *command = commands; command->name; command++)
-        fprintf(to, "  %-12s %s\n", command->name, command->summary);
-    fputs("\nexit codes: 0 agree, 1 mismatch, 2 usage or bad input, 3 an engine crashed or hung,\n"
-          "            4 internal error, 77 skipped\n"
+        fprintf(to, "%s  %-12s %s\n", command->group ? "  " : "", command->name, command->summary);
+    fputs("\nAn indented command may follow its group: raydiff fuzz min, or raydiff min.\n"
+          "\nexit codes: 0 agree, 1 mismatch, 2 usage or bad input, 3 an engine crashed or\n"
+          "            hung, 4 internal error, 77 skipped\n"
           "example:    raydiff check soup:n=1000 --layout f32,rf16\n",
           to);
 }
@@ -78,13 +81,24 @@ static void print_name(const struct command *command)
 
 static void print_page(const struct command *command)
 {
-    printf(".TP\n.BR raydiff\\-%s (1)\n%s\n", command->name, command->summary);
+    printf(".TP\n.BR raydiff\\-%s (1)\n%s%s%s%s\n", command->name, command->summary,
+           command->group ? "; also raydiff " : "", command->group ? command->group : "",
+           command->group ? " and its name" : "");
+}
+
+/* Lines of both shells: a command of a group, as the second word or about to be. */
+static void print_member(const struct command *command)
+{
+    if (command->group)
+        printf("    [[ $first != %s ]] || members+=' %s'\n"
+               "    [[ \"$first $second\" != '%s %s' ]] || member=1\n",
+               command->group, command->name, command->group, command->name);
 }
 
 /* As zsh describes it. */
 static void print_choice(const struct command *command)
 {
-    printf("        '%s:%s'\n", command->name, command->summary);
+    printf("        \"%s:%s\"\n", command->name, command->summary);
 }
 
 static void man_page(const struct command *only)
@@ -112,11 +126,14 @@ static void bash_completion(void)
     puts("# bash completion of raydiff: source it, or keep it in bash-completion's folder.\n"
          "_raydiff() {\n"
          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
-         "    local options= values= words= files=\n"
+         "    local options= values= words= files= member=0 members=\n"
+         "    local first=${COMP_WORDS[1]} second=${COMP_WORDS[2]}\n"
          "    if ((COMP_CWORD == 1)); then");
     puts("        COMPREPLY=($(compgen -W 'help");
     each(print_name);
-    puts("        ' -- \"$word\"))\n        return\n    fi\n    case ${COMP_WORDS[1]} in");
+    puts("        ' -- \"$word\"))\n        return\n    fi");
+    each(print_member);
+    puts("    ((COMP_CWORD > 2)) && members= || member=0\n    case ${COMP_WORDS[1 + member]} in");
     each(print_options);
     puts("    esac\n"
          "    if [[ $values ]]; then\n"
@@ -126,6 +143,7 @@ static void bash_completion(void)
          "    elif [[ ! $words || $files ]]; then\n"
          "        COMPREPLY=($(compgen -f -- \"$word\"))\n"
          "    fi\n"
+         "    COMPREPLY+=($(compgen -W \"$members\" -- \"$word\"))\n"
          "}\n"
          "complete -o filenames -F _raydiff raydiff");
 }
@@ -135,12 +153,20 @@ static void zsh_completion(void)
     puts("#compdef raydiff\n"
          "_raydiff() {\n"
          "    local -a commands specs\n"
+         "    local member=0 members= first=$words[2] second=$words[3]\n"
          "    commands=(");
     each(print_choice);
     puts("    )\n"
          "    if ((CURRENT == 2)); then\n"
          "        _describe command commands\n"
          "        return\n"
+         "    fi");
+    each(print_member);
+    puts("    if ((CURRENT == 3)); then\n"
+         "        compadd ${=members}\n"
+         "    elif ((member)); then\n"
+         "        shift words\n"
+         "        ((CURRENT--))\n"
          "    fi\n"
          "    case $words[2] in");
     each(print_options);
@@ -152,12 +178,21 @@ static void zsh_completion(void)
          "_raydiff \"$@\"");
 }
 
-static const struct command *find_command(const char *name)
+/* The command of that name, which may follow its group's: *words gets 2 then, else 1. NULL: none. */
+static const struct command *find_command(int argc, char **argv, int *words)
 {
-    for (const struct command *command = commands; command->name; command++)
-        if (strcmp(name, command->name) == 0)
-            return command;
-    return NULL;
+    const struct command *found = NULL;
+    for (const struct command *command = commands; command->name; command++) {
+        bool follows = argc > 1 && command->group && strcmp(argv[0], command->group) == 0 &&
+                       strcmp(argv[1], command->name) == 0;
+        if (!follows && strcmp(argv[0], command->name) != 0)
+            continue;
+        found = command;
+        *words = follows ? 2 : 1;
+        if (follows)
+            break;
+    }
+    return found;
 }
 
 static int unknown_command(const char *name)
@@ -172,7 +207,7 @@ static int unknown_command(const char *name)
     return EXIT_USAGE;
 }
 
-/* raydiff help [--man|--bash|--zsh|--commands] [COMMAND]; also --help. */
+/* raydiff help [--man|--bash|--zsh|--commands] [[GROUP] COMMAND]; also --help. */
 static int help(int argc, char **argv)
 {
     static const char *const form[] = {"--man", "--bash", "--zsh", "--commands"};
@@ -181,8 +216,10 @@ static int help(int argc, char **argv)
         i++;
     const bool formed = argc > 1 && i < ARRAY_COUNT(form);
     const char *name = argc > 1 + formed ? argv[1 + formed] : NULL;
-    const struct command *only = name ? find_command(name) : NULL;
-    if (argc > 2 + formed || (name && formed && i > 0)) {
+    int words = 1;
+    const struct command *only =
+        name ? find_command(argc - 1 - formed, argv + 1 + formed, &words) : NULL;
+    if (argc > 1 + words + formed || (name && formed && i > 0)) {
         fprintf(stderr, "raydiff: help: [--man] [COMMAND], --bash, --zsh or --commands\n");
         return EXIT_USAGE;
     }
@@ -234,6 +271,9 @@ int main(int argc, char **argv)
         return printed(argv[1], help(argc - 1, argv + 1));
     plugin_compile_with(cmd_glsl_compile);
     process_signals();
-    const struct command *command = find_command(argv[1]);
-    return command ? printed(argv[1], command->run(argc - 1, argv + 1)) : unknown_command(argv[1]);
+    int words;
+    const struct command *command = find_command(argc - 1, argv + 1, &words);
+    if (!command)
+        return unknown_command(argv[1]);
+    return printed(command->name, command->run(argc - words, argv + words));
 }

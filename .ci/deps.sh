@@ -14,7 +14,7 @@ libcmocka-dev:unit_tests spirv-tools:validates_SPIR-V
 vulkan-validationlayers:Vulkan_validation libgmp-dev:rationals_that_check_the_oracle
 libsdl2-dev:the_window xvfb:a_screen_for_it xdotool:presses_its_keys"
 deep="$check clang:second_compiler,_TSan libomp-dev:OpenMP_that_TSan_understands
-clang-format:make_format"
+clang-format:make_format zsh:reads_its_completion"
 parallel="$run parallel:shards_on_many_machines"
 report="$check chromium:opens_the_report"
 slurm="$run slurm-wlm:shards_as_a_job_array munge:which_Slurm_needs"

@@ -28,6 +28,7 @@ struct command {
     const char *name;
     const char *summary;
     int (*run)(int argc, char **argv);
+    const char *group; /* the command that it may follow, or NULL */
 };
 
 int cmd_bench(int argc, char **argv);

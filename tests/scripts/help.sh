@@ -8,7 +8,13 @@ raydiff=$1
 "$raydiff" help --bash >"$dir/raydiff.bash"
 "$raydiff" help --zsh >"$dir/_raydiff"
 bash -n "$dir/raydiff.bash" || bad "help --bash is no bash"
-! command -v zsh >/dev/null || zsh -n "$dir/_raydiff" || bad "help --zsh is no zsh"
+if command -v zsh >/dev/null; then
+    zsh -n "$dir/_raydiff" || bad "help --zsh is no zsh"
+else
+    echo "left out: zsh, which is not installed, reads its completion"
+fi
+# Its quotes are those of a description, which has words like RTRS's.
+grep -q "^        \"construct:.*RTRS's" "$dir/_raydiff" || bad "zsh: descriptions are not quoted"
 
 # What bash offers behind these words.
 offers() {
@@ -20,6 +26,21 @@ rows=0
 "$raydiff" help --commands >"$dir/commands"
 offers '' | grep -vx help | cmp -s - "$dir/commands" || bad "bash offers other commands"
 [ "$(grep -c . "$dir/commands")" -ge 20 ] || bad "help --commands: too few"
+"$raydiff" help >"$dir/help"
+[ "$(awk '{ if (length($0) > most) most = length($0) } END { print most }' "$dir/help")" -le 80 ] || bad "help: wider than 80 columns"
+# An indented command is the same behind its group's name, for the command and for the shell.
+awk '/^  [a-z]/ { group = $1 } /^    [a-z]/ { print group, $1 }' "$dir/help" >"$dir/members"
+[ "$(grep -c . "$dir/members")" -ge 9 ] || bad "help: too few members of groups"
+while read -r group member; do
+    "$raydiff" $group $member --help >"$dir/out" 2>&1 </dev/null
+    "$raydiff" $member --help 2>&1 | cmp -s - "$dir/out" || bad "raydiff $group $member is not raydiff $member"
+    "$raydiff" help $group $member >"$dir/out"
+    "$raydiff" help $member | cmp -s - "$dir/out" || bad "raydiff help $group $member is not help $member"
+    offers $group '' | grep -qx $member || bad "bash offers no $member behind $group"
+    offers $group $member -- >"$dir/out"
+    offers $member -- | cmp -s - "$dir/out" || bad "bash: $group $member has other options than $member"
+    ! "$raydiff" $group $group $member >/dev/null 2>&1 </dev/null || bad "raydiff $group $group $member runs"
+done <"$dir/members"
 while read -r command; do
     "$raydiff" help "$command" >"$dir/help"
     "$raydiff" $command --help >"$dir/alone"
