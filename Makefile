@@ -120,7 +120,7 @@ include fuzz/export/templates.mk  # $(B)/gen/templates.c
 include tests/tests.mk            # $(TESTS), $(SAMPLES), and the suites that they need
 include tests/checks.mk           # check and its slower sisters
 include tests/planted/planted.mk  # planted, planted-quick
-include tests/readers/fire.mk     # files under fire
+include tests/readers/readers.mk     # what reads files
 
 # --- what people type -------------------------------------------------------------------------
 

@@ -1,6 +1,6 @@
 # make check and its slower sisters.
 .PHONY: check rooms-graph agree conform-all deep slow sanitize-check tsan-check validate-check validate-gpu-check drivers \
-        mutants lint fuzz-files fuzz-afl fuzz-oss fire-engine honest leaks bounds parallel-check slurm-check \
+        mutants lint fuzz-files fuzz-afl fuzz-oss readers-engine honest leaks bounds parallel-check slurm-check \
         report-check selftest selftest-quick fresh-check arm-check warnings-check adversaries
 
 check:
@@ -110,17 +110,17 @@ validate-gpu-check:
 # allocation far beyond the input's size ends it with exit code 1. ENTRY='obj ply' chooses.
 fuzz-files:
 	@sh .ci/deps.sh deep
-	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/fire/seeds
-	@$(MAKE) --no-print-directory -s -j$(JOBS) FIRE_OUT=$(OUT)/fire-libfuzzer fire-engine
-	@sh tests/readers/run.sh $(OUT)/fire-libfuzzer $(B)/fire/seeds $(or $(TIME),60) $(or $(ENTRY),$(FIRE_NAMES))
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/readers/seeds
+	@$(MAKE) --no-print-directory -s -j$(JOBS) READER_OUT=$(OUT)/readers-libfuzzer readers-engine
+	@sh tests/readers/run.sh $(OUT)/readers-libfuzzer $(B)/readers/seeds $(or $(TIME),60) $(or $(ENTRY),$(READER_NAMES))
 
 # The same under AFL++ (Debian package afl++).
 fuzz-afl:
 	@command -v afl-fuzz >/dev/null || { echo "afl-fuzz is missing: apt-get install afl++"; exit 77; }
-	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/fire/seeds
-	@$(MAKE) --no-print-directory -s -j$(JOBS) FIRE_OUT=$(OUT)/fire-afl FIRE_CC=afl-clang-fast \
-	    FIRE_FLAGS='-g -O2 -fsanitize=undefined -fno-sanitize-recover=all' fire-engine
-	@sh tests/readers/afl.sh $(OUT)/fire-afl $(B)/fire/seeds $(or $(TIME),60) $(or $(ENTRY),$(FIRE_NAMES))
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/readers/seeds
+	@$(MAKE) --no-print-directory -s -j$(JOBS) READER_OUT=$(OUT)/readers-afl READER_CC=afl-clang-fast \
+	    READER_FLAGS='-g -O2 -fsanitize=undefined -fno-sanitize-recover=all' readers-engine
+	@sh tests/readers/afl.sh $(OUT)/readers-afl $(B)/readers/seeds $(or $(TIME),60) $(or $(ENTRY),$(READER_NAMES))
 
 # The script for OSS-Fuzz, with what is on this machine in place of its image.
 fuzz-oss:

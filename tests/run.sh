@@ -56,7 +56,7 @@ plain)
     suite honest_planted sh tests/house/honest_planted.sh
     suite leaks sh tests/scripts/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
-    suite fire sh tests/scripts/fire.sh "$build"
+    suite readers sh tests/scripts/readers.sh "$build"
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
     suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"
@@ -102,7 +102,7 @@ plain)
     ;;
 sanitize)
     suite corpus "$build/raydiff" replay --brief --as-expected fuzz/corpus/*.trial
-    suite fire sh tests/scripts/fire.sh "$build"
+    suite readers sh tests/scripts/readers.sh "$build"
     suite conform "$build/raydiff" conform --count 200
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/scripts/cli.sh "$build/raydiff"

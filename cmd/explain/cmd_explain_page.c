@@ -117,7 +117,7 @@ static void print_way(const struct explanation *why)
 {
     if (why->step_count == 0)
         return;
-    printf("way of C through the bytes to triangle %u\n", why->prim);
+    printf("traversal path (cpu) to triangle %u\n", why->prim);
     printf("  %8s %8s %-6s box test\n", "node", "record", "kind");
     for (uint32_t i = 0; i < why->step_count; i++) {
         const struct explain_step *step = &why->step[i];

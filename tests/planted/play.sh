@@ -7,7 +7,7 @@
 #   test    BUG UNIT TEST[:NAME]                 a program of unit tests, or those whose names match NAME
 #   script  BUG UNIT SCRIPT [ARGUMENTS]          so must a script of tests/ that is told of the program
 #   header  BUG TEST[:NAME]                      the bug is in a header that the test includes
-#   fire    BUG UNIT ENTRY                       the seeds of a file under fire must end it
+#   reader  BUG UNIT ENTRY                       the seeds of a reader of files must end it
 #   explain BUG UNIT CAUSE CODE ARGUMENTS        raydiff explain must name the cause and exit with the code
 #   told    BUG UNIT CAUSE ARGUMENTS             so must the command that raydiff check prints
 #   watched LINE                                 with the GPU's memory watched
@@ -193,19 +193,19 @@ header() {
     judge_test "a header"
 }
 
-# Bug, unit, entry of the files under fire whose seeds must end it.
-fire() {
+# Bug, unit, entry of the reader whose seeds must end it.
+reader() {
     bug "$1" "$2"
     make_unit
     entry=$3
     made "$dir/$entry" link "$dir/$entry" "$build/obj/tests/readers/entry_$entry.o" "$dir/unit.o" \
         "$build"/obj/tests/readers/harness.o "$build"/obj/tests/readers/count.o "$build"/obj/tests/readers/main.o
-    code=$(healthy "$build/fire/$entry" "$build/fire/seeds/$entry")
-    timeout "$limit" "$dir/$entry" "$build/fire/seeds/$entry" >"$dir/$line.log" 2>&1
+    code=$(healthy "$build/readers/$entry" "$build/readers/seeds/$entry")
+    timeout "$limit" "$dir/$entry" "$build/readers/seeds/$entry" >"$dir/$line.log" 2>&1
     got=$?
     grep -q 'does not hold' "$dir/$line.log" && [ "$got" -gt 128 ] && got=1
     judge "$unit, by the seeds of $entry" "$code" "$got" \
-        "$(healthy_log "$build/fire/$entry" "$build/fire/seeds/$entry").log"
+        "$(healthy_log "$build/readers/$entry" "$build/readers/seeds/$entry").log"
 }
 
 # Bug, unit or shaders, cause, exit code, arguments of raydiff explain, which must name the cause. The
@@ -255,7 +255,7 @@ play() {
     shift
     case $kind in
     test) test_ "$@" ;;
-    program | script | header | fire | explain | told | watched) "$kind" "$@" ;;
+    program | script | header | reader | explain | told | watched) "$kind" "$@" ;;
     *) broken "$list:$line: what is '$kind'?" ;;
     esac
 }

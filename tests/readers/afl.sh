@@ -1,5 +1,5 @@
 #!/bin/sh
-# The files under fire with AFL++: sh tests/readers/afl.sh FUZZERS SEEDS SECONDS NAME...
+# The readers of files under AFL++: sh tests/readers/afl.sh FUZZERS SEEDS SECONDS NAME...
 # A row per entry; exit 1 if there was a crash or a hang. AFL++ keeps its queue and what it found under
 # FUZZERS/out/NAME and goes on from there the next time.
 set -u

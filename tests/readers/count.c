@@ -1,7 +1,7 @@
 /* Counts what is allocated: by the sanitizers' hooks where there are any, else by standing before
- * the GNU C library's functions; -DFIRE_NO_COUNT turns that off. */
+ * the GNU C library's functions; -DREADER_NO_COUNT turns that off. */
 #define _GNU_SOURCE
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 
 #include <malloc.h>
 #include <stdio.h>
@@ -17,8 +17,8 @@
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
 #define HOOKS
 #endif
-#if !defined HOOKS && defined __GLIBC__ && !defined FIRE_NO_COUNT
-#define FIRE_OWN_MALLOC
+#if !defined HOOKS && defined __GLIBC__ && !defined READER_NO_COUNT
+#define READER_OWN_MALLOC
 #endif
 
 /* Of the thread that plays: other threads' memory is not the reader's. */
@@ -28,7 +28,7 @@ static _Thread_local struct {
     size_t peak, most;
 } count;
 
-void fire_count_begin(size_t most)
+void reader_count_begin(size_t most)
 {
     count.held = 0;
     count.peak = 0;
@@ -37,21 +37,21 @@ void fire_count_begin(size_t most)
     count.on = true;
 }
 
-void fire_count_limit(bool on)
+void reader_count_limit(bool on)
 {
     count.unlimited = !on;
 }
 
-void fire_count_end(size_t *most_held, ptrdiff_t *left)
+void reader_count_end(size_t *most_held, ptrdiff_t *left)
 {
     count.on = false;
     *most_held = count.peak;
     *left = count.held;
 }
 
-#if defined HOOKS || defined FIRE_OWN_MALLOC
+#if defined HOOKS || defined READER_OWN_MALLOC
 
-bool fire_counts(void)
+bool reader_counts(void)
 {
     return true;
 }
@@ -62,9 +62,9 @@ static _Noreturn void too_much(size_t block)
     char line[200];
     count.on = false;
     int length = snprintf(line, sizeof line,
-                          "fire %s: does not hold: a block of %zu bytes makes %td held, at most "
+                          "reader %s: does not hold: a block of %zu bytes makes %td held, at most "
                           "%zu may be\n",
-                          fire_entry.name, block, count.held, count.most);
+                          reader_entry.name, block, count.held, count.most);
     if (length > 0 && write(STDERR_FILENO, line, (size_t)length) != length)
         _exit(134);
     abort();
@@ -91,7 +91,7 @@ static void gave(size_t size)
 
 #else
 
-bool fire_counts(void)
+bool reader_counts(void)
 {
     return false;
 }
@@ -121,10 +121,10 @@ static void hook_free(const volatile void *block)
 __attribute__((constructor)) static void install(void)
 {
     if (!__sanitizer_install_malloc_and_free_hooks(hook_malloc, hook_free))
-        fire_broken("the sanitizer takes hooks", __FILE__, __LINE__);
+        reader_broken("the sanitizer takes hooks", __FILE__, __LINE__);
 }
 
-#elif defined FIRE_OWN_MALLOC
+#elif defined READER_OWN_MALLOC
 /* glibc's own, under the names that it keeps for this. Sizes are as malloc_usable_size has them, a
  * little more than was asked for. */
 void *__libc_malloc(size_t size);

@@ -1,7 +1,7 @@
 /* Baselines of known findings, and the waivers of the conformance suite (a first byte of 1). */
 #define _POSIX_C_SOURCE 200809L
 #include "fuzz/findings/baseline.h"
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,8 +18,8 @@ static void must_answer(struct baseline *baseline)
         if (fuzz_signature_parse(signature[i], &parsed, &reason))
             continue;
         baseline_ask(baseline, &parsed, "raydiff 0.1.0\nembree 4.3.3", "2026-01-31", &answer);
-        FIRE_MUST(answer.state <= BASELINE_EXPIRED);
-        FIRE_MUST((answer.state == BASELINE_NEW) == (answer.text[0] == '\0'));
+        READER_MUST(answer.state <= BASELINE_EXPIRED);
+        READER_MUST((answer.state == BASELINE_NEW) == (answer.text[0] == '\0'));
     }
 }
 
@@ -30,11 +30,11 @@ static bool play_baseline(const char *bytes, size_t size)
     struct reason reason = {""};
     const char *path;
     enum status status = baseline_add(&baseline, "fuzz", bytes, size, &reason);
-    FIRE_MUST(status == STATUS_OK || status == STATUS_INPUT);
+    READER_MUST(status == STATUS_OK || status == STATUS_INPUT);
     if (status)
-        fire_must_be_reason(&reason);
+        reader_must_be_reason(&reason);
     must_answer(&baseline);
-    FIRE_MUST(!baseline_unused(&baseline, &field, "", &(size_t){0}, &path));
+    READER_MUST(!baseline_unused(&baseline, &field, "", &(size_t){0}, &path));
     baseline_close(&baseline);
     return status == STATUS_OK;
 }
@@ -44,16 +44,16 @@ static bool play_waivers(const char *bytes, size_t size)
     struct waivers waivers;
     struct reason reason = {""};
     char *text = malloc(size + 1);
-    FIRE_MUST(text);
+    READER_MUST(text);
     memcpy(text, bytes, size);
     text[size] = '\0';
     enum status status = waivers_parse("fuzz", text, size, false, &waivers, &reason);
-    FIRE_MUST(status == STATUS_OK || status == STATUS_INPUT);
+    READER_MUST(status == STATUS_OK || status == STATUS_INPUT);
     if (status)
-        fire_must_be_reason(&reason);
+        reader_must_be_reason(&reason);
     for (size_t i = 0; i < waivers.count; i++) {
-        FIRE_MUST(waivers.waiver[i].pattern[0] && waivers.waiver[i].reason[0] &&
-                  waivers.waiver[i].link[0]);
+        READER_MUST(waivers.waiver[i].pattern[0] && waivers.waiver[i].reason[0] &&
+                    waivers.waiver[i].link[0]);
         (void)waiver_judge(&waivers.waiver[i], true, "");
     }
     (void)waivers_note(&waivers, "sphere.cpu.f32.median.robust.mt", WAIVER_FAILED, "embree 4.3.3");
@@ -68,4 +68,4 @@ static bool play(const char *bytes, size_t size)
     return play_baseline(bytes, size);
 }
 
-const struct fire_entry fire_entry = {"baseline", 1 << 18, play};
+const struct reader_entry reader_entry = {"baseline", 1 << 18, play};

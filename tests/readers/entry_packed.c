@@ -1,7 +1,7 @@
 /* A packed tree from outside, for a scene of four triangles: what the reader lets through is safe
  * to trace, with every test, by every way. */
 #define _POSIX_C_SOURCE 200809L
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 #include "ref/packed/packed_file.h"
 #include "ref/trace/trace.h"
 #include "scenes/scenes.h"
@@ -25,14 +25,15 @@ static void must_trace(const struct packed *packed, const struct scene *scene,
 {
     struct hit one, all[RAYS], listed[8];
     uint32_t flag[RAYS], count;
-    FIRE_MUST(trace_rays(packed, scene, box, tri, query, rays, RAYS, all, flag, NULL) == STATUS_OK);
+    READER_MUST(trace_rays(packed, scene, box, tri, query, rays, RAYS, all, flag, NULL) ==
+                STATUS_OK);
     for (size_t i = 0; i < RAYS; i++) {
-        FIRE_MUST(trace_ray(packed, scene, box, tri, query, &rays[i], &one, NULL) == STATUS_OK);
-        FIRE_MUST(memcmp(&one, &all[i], sizeof one) == 0);
-        FIRE_MUST(one.prim == ABI_NO_PRIM || one.prim < scene->tri_count);
-        FIRE_MUST(trace_ray_all(packed, scene, box, tri, &rays[i], 8, listed, &count, NULL) ==
-                  STATUS_OK);
-        FIRE_MUST(one.prim == ABI_NO_PRIM || count > 0);
+        READER_MUST(trace_ray(packed, scene, box, tri, query, &rays[i], &one, NULL) == STATUS_OK);
+        READER_MUST(memcmp(&one, &all[i], sizeof one) == 0);
+        READER_MUST(one.prim == ABI_NO_PRIM || one.prim < scene->tri_count);
+        READER_MUST(trace_ray_all(packed, scene, box, tri, &rays[i], 8, listed, &count, NULL) ==
+                    STATUS_OK);
+        READER_MUST(one.prim == ABI_NO_PRIM || count > 0);
     }
 }
 
@@ -41,14 +42,14 @@ static void must_be_packed(const struct packed *packed, const struct scene *scen
 {
     char *again = NULL;
     size_t length = 0;
-    fire_count_limit(false);
+    reader_count_limit(false);
     FILE *stream = open_memstream(&again, &length);
-    FIRE_MUST(stream);
+    READER_MUST(stream);
     packed_file_write(packed, stream);
-    FIRE_MUST(fclose(stream) == 0);
-    FIRE_MUST(length == size && memcmp(again, bytes, size) == 0);
+    READER_MUST(fclose(stream) == 0);
+    READER_MUST(length == size && memcmp(again, bytes, size) == 0);
     free(again);
-    fire_count_limit(true);
+    reader_count_limit(true);
     for (size_t b = 0; box_tests[b]; b++)
         for (size_t t = 0; tri_tests[t]; t++)
             for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY; query++)
@@ -61,20 +62,20 @@ static bool play(const char *bytes, size_t size)
     struct packed packed;
     struct packed_faults faults;
     struct reason reason = {""};
-    FIRE_MUST(scene_open("soup:n=4,seed=1", 1, &scene, &reason) == STATUS_OK);
+    READER_MUST(scene_open("soup:n=4,seed=1", 1, &scene, &reason) == STATUS_OK);
     enum status status = packed_file_read("fuzz", bytes, size, &scene, &packed, &faults, &reason);
-    FIRE_MUST(status == STATUS_OK || status == STATUS_INPUT);
+    READER_MUST(status == STATUS_OK || status == STATUS_INPUT);
     if (status || faults.loose_boxes || faults.lost_prims || faults.double_prims)
-        fire_must_be_reason(&reason);
+        reader_must_be_reason(&reason);
     else
-        FIRE_MUST(reason.text[0] == '\0');
+        READER_MUST(reason.text[0] == '\0');
     if (!status)
         must_be_packed(&packed, &scene, bytes, size);
     packed_free(&packed);
     if (packed_file_is(bytes, size))
-        fire_must_be_tree_file(bytes, size, &scene, status == STATUS_OK);
+        reader_must_be_tree_file(bytes, size, &scene, status == STATUS_OK);
     scene_free(&scene);
     return status == STATUS_OK;
 }
 
-const struct fire_entry fire_entry = {"packed", 1 << 18, play};
+const struct reader_entry reader_entry = {"packed", 1 << 18, play};

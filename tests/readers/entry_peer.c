@@ -2,7 +2,7 @@
  * each request in turn, a byte of length in front: first to the one that asks what it is, then to a
  * scene, then to rays. Linked with --wrap, so that the child process is a file. */
 #define _GNU_SOURCE /* pwrite, O_CLOEXEC */
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/pipe_child.h"
 #include "scenes/scenes.h"
@@ -30,7 +30,7 @@ static void give_next(const struct pipe_child *child)
         return;
     size_t length = (unsigned char)*peer.at++, rest = (size_t)(peer.end - peer.at);
     length = length < rest ? length : rest;
-    FIRE_MUST(pwrite(child->from, peer.at, length, peer.given) == (ssize_t)length);
+    READER_MUST(pwrite(child->from, peer.at, length, peer.given) == (ssize_t)length);
     peer.at += length;
     peer.given += (off_t)length;
 }
@@ -38,13 +38,13 @@ static void give_next(const struct pipe_child *child)
 enum status __wrap_pipe_child_start(const char *command, uint32_t megabytes, struct pipe_child *out,
                                     struct reason *reason)
 {
-    char path[FIRE_PATH_MOST];
+    char path[READER_PATH_MOST];
     (void)command, (void)megabytes, (void)reason;
     *out = (struct pipe_child){.guardian = {.pid = 0x7FFFFFFF}, .mute = true};
-    out->from = fire_file("", 0, path);
+    out->from = reader_file("", 0, path);
     out->to = open("/dev/null", O_WRONLY | O_CLOEXEC);
     out->said_from = open("/dev/null", O_RDONLY | O_CLOEXEC);
-    FIRE_MUST(out->to >= 0 && out->said_from >= 0);
+    READER_MUST(out->to >= 0 && out->said_from >= 0);
     peer.given = 0;
     give_next(out);
     return STATUS_OK;
@@ -80,16 +80,16 @@ static bool ask(const struct engine *engine, void *self, const struct job *job)
     enum status status = engine->prepare(self, job, &reason);
     if (!status)
         status = engine->trace(self, ray, RAYS, hit, &report, &reason);
-    FIRE_MUST(hit[RAYS].prim == 0xA5A5A5A5u);
+    READER_MUST(hit[RAYS].prim == 0xA5A5A5A5u);
     if (status) {
-        FIRE_MUST(status == STATUS_DEVICE || status == STATUS_REFUSED);
-        FIRE_MUST(status == STATUS_REFUSED || engine->fault(self, &at) != ENGINE_FINE);
-        FIRE_MUST(at <= RAYS);
-        fire_must_be_reason(&reason);
+        READER_MUST(status == STATUS_DEVICE || status == STATUS_REFUSED);
+        READER_MUST(status == STATUS_REFUSED || engine->fault(self, &at) != ENGINE_FINE);
+        READER_MUST(at <= RAYS);
+        reader_must_be_reason(&reason);
         return false;
     }
     for (size_t i = 0; i < RAYS; i++)
-        FIRE_MUST(hit[i].prim == ABI_NO_PRIM || hit[i].prim < job->scene->tri_count);
+        READER_MUST(hit[i].prim == ABI_NO_PRIM || hit[i].prim < job->scene->tri_count);
     return true;
 }
 
@@ -103,12 +103,12 @@ static bool play(const char *bytes, size_t size)
     bool taken = false;
     peer.at = bytes;
     peer.end = bytes + size;
-    FIRE_MUST(pipe_engine("pipe:peer", &engine, &reason) == STATUS_OK);
-    FIRE_MUST(scene_open("soup:n=4,seed=1", 1, &scene, &reason) == STATUS_OK);
+    READER_MUST(pipe_engine("pipe:peer", &engine, &reason) == STATUS_OK);
+    READER_MUST(scene_open("soup:n=4,seed=1", 1, &scene, &reason) == STATUS_OK);
     enum status status = engine->open(&options, &self, &reason);
     if (status) {
-        FIRE_MUST(status == STATUS_DEVICE || status == STATUS_UNSUPPORTED);
-        fire_must_be_reason(&reason);
+        READER_MUST(status == STATUS_DEVICE || status == STATUS_UNSUPPORTED);
+        reader_must_be_reason(&reason);
     }
     for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY && !status; query++) {
         struct job job = {
@@ -120,4 +120,4 @@ static bool play(const char *bytes, size_t size)
     return taken;
 }
 
-const struct fire_entry fire_entry = {"peer", 1 << 18, play};
+const struct reader_entry reader_entry = {"peer", 1 << 18, play};

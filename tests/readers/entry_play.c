@@ -5,7 +5,7 @@
  * oracle's two ways, of the reference traversal with a packed tree that passed its check, or an
  * answer of repaired members that the judge calls wrong. */
 #include "fuzz/findings/finding_file.h"
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 #include "fuzz/gen/mutate.h"
 #include "fuzz/play/player.h"
 
@@ -120,9 +120,9 @@ static struct fuzz_player *open_player(void)
     struct fuzz_field field;
     struct fuzz_player *player = NULL;
     struct reason reason = {""};
-    FIRE_MUST(fuzz_field_make(&cpu, 1, layouts, length_of(layouts), &options, &field, &reason) ==
-              STATUS_OK);
-    FIRE_MUST(fuzz_player_open(&field, &player, &reason) == STATUS_OK);
+    READER_MUST(fuzz_field_make(&cpu, 1, layouts, length_of(layouts), &options, &field, &reason) ==
+                STATUS_OK);
+    READER_MUST(fuzz_player_open(&field, &player, &reason) == STATUS_OK);
     return player;
 }
 
@@ -134,13 +134,13 @@ static void must_be_known(struct fuzz_player *player, const struct fuzz_trial *t
     struct reason reason = {""};
     fuzz_signature_print(&finding->signature, text);
     if (is_repaired(trial, finding)) {
-        fprintf(stderr, "fire play: ray %u: %s\n", finding->ray, text);
-        fire_broken("repaired members are right", __FILE__, __LINE__);
+        fprintf(stderr, "reader play: ray %u: %s\n", finding->ray, text);
+        reader_broken("repaired members are right", __FILE__, __LINE__);
     }
-    FIRE_MUST(fuzz_explain(player, trial, finding, &reason) == STATUS_OK);
+    READER_MUST(fuzz_explain(player, trial, finding, &reason) == STATUS_OK);
     fuzz_signature_print(&finding->signature, text);
-    FIRE_MUST(fuzz_signature_parse(text, &again, &reason) == STATUS_OK);
-    FIRE_MUST(fuzz_signature_same(&again, &finding->signature));
+    READER_MUST(fuzz_signature_parse(text, &again, &reason) == STATUS_OK);
+    READER_MUST(fuzz_signature_same(&again, &finding->signature));
 }
 
 static bool play(const char *bytes, size_t size)
@@ -153,24 +153,24 @@ static bool play(const char *bytes, size_t size)
     if (!status)
         status = fuzz_trial_check(&trial, &reason);
     if (status) {
-        FIRE_MUST(status == STATUS_INPUT || status == STATUS_LIMIT);
-        fire_must_be_reason(&reason);
+        READER_MUST(status == STATUS_INPUT || status == STATUS_LIMIT);
+        reader_must_be_reason(&reason);
         fuzz_trial_free(&trial);
         return false;
     }
     player = player ? player : open_player();
     if (fuzz_play(player, &trial, 1, &result, NULL, NULL, &reason)) {
-        fprintf(stderr, "fire play: %s\n", reason.text);
-        fire_broken("a trial can be played", __FILE__, __LINE__);
+        fprintf(stderr, "reader play: %s\n", reason.text);
+        reader_broken("a trial can be played", __FILE__, __LINE__);
     }
-    FIRE_MUST(result.judged <= trial.ray_count);
+    READER_MUST(result.judged <= trial.ray_count);
     for (size_t i = 0; i < result.finding_count; i++)
         must_be_known(player, &trial, &result.finding[i]);
     fuzz_trial_free(&trial);
     return true;
 }
 
-const struct fire_entry fire_entry = {"play", FIRE_ANY, play};
+const struct reader_entry reader_entry = {"play", READER_ANY, play};
 
 /* --- changing trials -------------------------------------------------------------------------- */
 

@@ -1,5 +1,5 @@
 /* Pictures, each as it is and with its checksums made right: no mutation would get past those. */
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 #include "scenes/picture/image.h"
 
 #include <stdlib.h>
@@ -35,28 +35,28 @@ static void must_be_image(const struct image *image, const char *path)
     const uint64_t count = (uint64_t)image->width * image->height;
     struct image again;
     struct reason reason = {""};
-    FIRE_MUST(image->width >= 1 && image->width <= IMAGE_SIDE_MOST);
-    FIRE_MUST(image->height >= 1 && image->height <= IMAGE_SIDE_MOST);
-    FIRE_MUST(count <= IMAGE_PIXELS_MOST);
+    READER_MUST(image->width >= 1 && image->width <= IMAGE_SIDE_MOST);
+    READER_MUST(image->height >= 1 && image->height <= IMAGE_SIDE_MOST);
+    READER_MUST(count <= IMAGE_PIXELS_MOST);
     if (count > TWICE_MOST)
         return;
-    FIRE_MUST(image_read(path, &again, &reason) == STATUS_OK);
-    FIRE_MUST(again.width == image->width && again.height == image->height);
-    FIRE_MUST(memcmp(again.pixel, image->pixel, 4 * count) == 0);
+    READER_MUST(image_read(path, &again, &reason) == STATUS_OK);
+    READER_MUST(again.width == image->width && again.height == image->height);
+    READER_MUST(memcmp(again.pixel, image->pixel, 4 * count) == 0);
     image_free(&again);
 }
 
 static bool play_bytes(const char *bytes, size_t size)
 {
-    char path[FIRE_PATH_MOST];
+    char path[READER_PATH_MOST];
     struct image image;
     struct reason reason = {""};
-    int file = fire_file(bytes, size, path);
+    int file = reader_file(bytes, size, path);
     enum status status = image_read(path, &image, &reason);
-    FIRE_MUST(status == STATUS_OK || status == STATUS_INPUT);
+    READER_MUST(status == STATUS_OK || status == STATUS_INPUT);
     if (status) {
-        fire_must_be_reason(&reason);
-        FIRE_MUST(!image.pixel && image.width == 0 && image.height == 0);
+        reader_must_be_reason(&reason);
+        READER_MUST(!image.pixel && image.width == 0 && image.height == 0);
     } else {
         must_be_image(&image, path);
     }
@@ -69,7 +69,7 @@ static bool play(const char *bytes, size_t size)
 {
     bool taken = play_bytes(bytes, size);
     char *right = malloc(size + 1);
-    FIRE_MUST(right);
+    READER_MUST(right);
     memcpy(right, bytes, size + 1);
     checksums_right(right, size);
     if (memcmp(right, bytes, size) != 0)
@@ -79,4 +79,4 @@ static bool play(const char *bytes, size_t size)
 }
 
 /* A kilobyte can be a picture of one colour with millions of pixels, see scenes/picture/image.h. */
-const struct fire_entry fire_entry = {"png", (size_t)4 * IMAGE_PIXELS_MOST + (1 << 21), play};
+const struct reader_entry reader_entry = {"png", (size_t)4 * IMAGE_PIXELS_MOST + (1 << 21), play};

@@ -1,10 +1,10 @@
 /* RTRS scene JSON. */
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 #include "scenes/read/formats.h"
 
 static bool play(const char *bytes, size_t size)
 {
-    return fire_play_mesh(read_rtrs, bytes, size);
+    return reader_play_mesh(read_rtrs, bytes, size);
 }
 
-const struct fire_entry fire_entry = {"rtrs", 1 << 18, play};
+const struct reader_entry reader_entry = {"rtrs", 1 << 18, play};

@@ -1,7 +1,7 @@
 /* The tree file of RTRS's precompute, for a scene of four triangles. What form lets through is
  * walked: the file comes again, layouts pack it, and a traversal ends. */
 #define _POSIX_C_SOURCE 200809L
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 #include "ref/tree/bvh_json.h"
 #include "ref/packed/packed_file.h"
 #include "ref/trace/trace.h"
@@ -18,13 +18,13 @@ static void walk_packed(const struct packed *packed, const struct scene *scene)
     struct packed_faults faults;
     struct reason reason = {""};
     if (packed_check(packed, scene, &faults, &reason))
-        fire_must_be_reason(&reason);
+        reader_must_be_reason(&reason);
     for (size_t b = 0; box_tests[b]; b++) {
         struct hit hit;
         enum status status =
             trace_ray(packed, scene, box_tests[b], tri_tests[0], QUERY_CLOSEST, &ray, &hit, NULL);
-        FIRE_MUST(hit.prim == ABI_NO_PRIM || hit.prim < scene->tri_count);
-        FIRE_MUST(status == STATUS_OK || faults.cycles || faults.too_deep);
+        READER_MUST(hit.prim == ABI_NO_PRIM || hit.prim < scene->tri_count);
+        READER_MUST(status == STATUS_OK || faults.cycles || faults.too_deep);
     }
 }
 
@@ -34,23 +34,23 @@ static void must_be_tree(const struct bvh *bvh, const struct scene *scene)
     size_t size = 0;
     struct bvh again;
     struct reason reason = {""};
-    fire_count_limit(false);
+    reader_count_limit(false);
     FILE *stream = open_memstream(&bytes, &size);
-    FIRE_MUST(stream);
+    READER_MUST(stream);
     bvh_json_write(bvh, stream);
-    FIRE_MUST(fclose(stream) == 0);
-    FIRE_MUST(bvh_json_read("again", bytes, size, scene, &again, &reason) == STATUS_OK);
-    FIRE_MUST(again.node_count == bvh->node_count &&
-              !memcmp(again.node, bvh->node, bvh->node_count * sizeof *bvh->node));
+    READER_MUST(fclose(stream) == 0);
+    READER_MUST(bvh_json_read("again", bytes, size, scene, &again, &reason) == STATUS_OK);
+    READER_MUST(again.node_count == bvh->node_count &&
+                !memcmp(again.node, bvh->node, bvh->node_count * sizeof *bvh->node));
     bvh_free(&again);
     free(bytes);
-    fire_count_limit(true);
+    reader_count_limit(true);
     for (size_t i = 0; layouts[i]; i++) {
         struct packed packed;
         enum status status = packed_make(layouts[i], bvh, scene, &packed, &reason);
-        FIRE_MUST(status == STATUS_OK || status == STATUS_LIMIT);
+        READER_MUST(status == STATUS_OK || status == STATUS_LIMIT);
         if (status)
-            fire_must_be_reason(&reason);
+            reader_must_be_reason(&reason);
         else
             walk_packed(&packed, scene);
         packed_free(&packed);
@@ -62,18 +62,18 @@ static bool play(const char *bytes, size_t size)
     struct scene scene;
     struct bvh bvh;
     struct reason reason = {""};
-    FIRE_MUST(scene_open("soup:n=4,seed=1", 1, &scene, &reason) == STATUS_OK);
+    READER_MUST(scene_open("soup:n=4,seed=1", 1, &scene, &reason) == STATUS_OK);
     enum status status = bvh_json_read("fuzz", bytes, size, &scene, &bvh, &reason);
-    FIRE_MUST(status == STATUS_OK || status == STATUS_INPUT);
+    READER_MUST(status == STATUS_OK || status == STATUS_INPUT);
     if (status)
-        fire_must_be_reason(&reason);
+        reader_must_be_reason(&reason);
     else
         must_be_tree(&bvh, &scene);
     bvh_free(&bvh);
     if (!packed_file_is(bytes, size))
-        fire_must_be_tree_file(bytes, size, &scene, status == STATUS_OK);
+        reader_must_be_tree_file(bytes, size, &scene, status == STATUS_OK);
     scene_free(&scene);
     return status == STATUS_OK;
 }
 
-const struct fire_entry fire_entry = {"tree", 1 << 18, play};
+const struct reader_entry reader_entry = {"tree", 1 << 18, play};

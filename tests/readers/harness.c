@@ -1,5 +1,5 @@
 #define _GNU_SOURCE /* memfd_create */
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 #include "ref/packed/tree_file.h"
 #include "scenes/read/formats.h"
 
@@ -9,96 +9,96 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-static struct fire_tally tally;
+static struct reader_tally tally;
 
-const struct fire_tally *fire_tally(void)
+const struct reader_tally *reader_tally(void)
 {
     return &tally;
 }
 
-void fire_say(void)
+void reader_say(void)
 {
-    printf("fire %s inputs %" PRIu64 " taken %" PRIu64 " slowest %.1f ms of %zu bytes held %zu "
+    printf("reader %s inputs %" PRIu64 " taken %" PRIu64 " slowest %.1f ms of %zu bytes held %zu "
            "bytes of %zu times %.1f share %.3f%s\n",
-           fire_entry.name, tally.inputs, tally.taken, 1e-6 * (double)tally.slowest_ns,
+           reader_entry.name, tally.inputs, tally.taken, 1e-6 * (double)tally.slowest_ns,
            tally.slowest_size, tally.most, tally.most_size, tally.times, tally.share,
-           fire_counts() ? "" : " (not counted)");
+           reader_counts() ? "" : " (not counted)");
     fflush(stdout);
 }
 
-_Noreturn void fire_broken(const char *rule, const char *file, int line)
+_Noreturn void reader_broken(const char *rule, const char *file, int line)
 {
-    fprintf(stderr, "fire %s: does not hold: %s (%s:%d)\n", fire_entry.name, rule, file, line);
+    fprintf(stderr, "reader %s: does not hold: %s (%s:%d)\n", reader_entry.name, rule, file, line);
     abort();
 }
 
-void fire_must_be_reason(const struct reason *reason)
+void reader_must_be_reason(const struct reason *reason)
 {
-    FIRE_MUST(reason->text[0] != '\0');
+    READER_MUST(reason->text[0] != '\0');
     for (const char *at = reason->text; *at; at++)
-        FIRE_MUST((unsigned char)*at >= 0x20 && *at != 0x7F);
+        READER_MUST((unsigned char)*at >= 0x20 && *at != 0x7F);
 }
 
-void fire_must_be_scene(const struct scene *scene)
+void reader_must_be_scene(const struct scene *scene)
 {
     char *bytes = NULL;
     size_t size = 0;
     struct reason reason = {""};
     struct scene again;
-    FIRE_MUST(scene_check(scene, NULL) == STATUS_OK && scene->tri_count > 0);
-    fire_count_limit(false);
+    READER_MUST(scene_check(scene, NULL) == STATUS_OK && scene->tri_count > 0);
+    reader_count_limit(false);
     FILE *stream = open_memstream(&bytes, &size);
-    FIRE_MUST(stream && write_ply(scene, stream, &reason) == STATUS_OK && fclose(stream) == 0);
-    FIRE_MUST(read_ply("again", bytes, size, &again, &reason) == STATUS_OK);
-    FIRE_MUST(again.vertex_count == scene->vertex_count && again.tri_count == scene->tri_count);
-    FIRE_MUST(!memcmp(again.vertex, scene->vertex, 12 * (size_t)scene->vertex_count));
-    FIRE_MUST(!memcmp(again.index, scene->index, 12 * (size_t)scene->tri_count));
+    READER_MUST(stream && write_ply(scene, stream, &reason) == STATUS_OK && fclose(stream) == 0);
+    READER_MUST(read_ply("again", bytes, size, &again, &reason) == STATUS_OK);
+    READER_MUST(again.vertex_count == scene->vertex_count && again.tri_count == scene->tri_count);
+    READER_MUST(!memcmp(again.vertex, scene->vertex, 12 * (size_t)scene->vertex_count));
+    READER_MUST(!memcmp(again.index, scene->index, 12 * (size_t)scene->tri_count));
     scene_free(&again);
     free(bytes);
-    fire_count_limit(true);
+    reader_count_limit(true);
 }
 
-bool fire_play_mesh(enum status (*read)(const char *name, const char *bytes, size_t size,
-                                        struct scene *out, struct reason *reason),
-                    const char *bytes, size_t size)
+bool reader_play_mesh(enum status (*read)(const char *name, const char *bytes, size_t size,
+                                          struct scene *out, struct reason *reason),
+                      const char *bytes, size_t size)
 {
     struct scene scene;
     struct reason reason = {""};
     enum status status = read("fuzz", bytes, size, &scene, &reason);
-    FIRE_MUST(status == STATUS_OK || status == STATUS_INPUT);
+    READER_MUST(status == STATUS_OK || status == STATUS_INPUT);
     if (status)
-        fire_must_be_reason(&reason);
+        reader_must_be_reason(&reason);
     else
-        fire_must_be_scene(&scene);
+        reader_must_be_scene(&scene);
     scene_free(&scene);
     return status == STATUS_OK;
 }
 
-int fire_file(const char *bytes, size_t size, char path[FIRE_PATH_MOST])
+int reader_file(const char *bytes, size_t size, char path[READER_PATH_MOST])
 {
-    int file = memfd_create("fire", MFD_CLOEXEC);
-    FIRE_MUST(file >= 0);
+    int file = memfd_create("reader", MFD_CLOEXEC);
+    READER_MUST(file >= 0);
     for (size_t done = 0; done < size;) {
         ssize_t wrote = write(file, bytes + done, size - done);
-        FIRE_MUST(wrote > 0);
+        READER_MUST(wrote > 0);
         done += (size_t)wrote;
     }
-    FIRE_MUST(lseek(file, 0, SEEK_SET) == 0);
-    snprintf(path, FIRE_PATH_MOST, "/proc/self/fd/%d", file);
+    READER_MUST(lseek(file, 0, SEEK_SET) == 0);
+    snprintf(path, READER_PATH_MOST, "/proc/self/fd/%d", file);
     return file;
 }
 
 /* Plays once; what is left in *left is not freed. */
 static bool play_counted(const char *bytes, size_t size, ptrdiff_t *left)
 {
-    size_t held, most = FIRE_ANY;
-    if (fire_entry.fixed != FIRE_ANY)
-        most = FIRE_TIMES * size + fire_entry.fixed;
-    fire_count_begin(most);
+    size_t held, most = READER_ANY;
+    if (reader_entry.fixed != READER_ANY)
+        most = READER_TIMES * size + reader_entry.fixed;
+    reader_count_begin(most);
     uint64_t start = time_ns();
-    bool taken = fire_entry.play(bytes, size);
+    bool taken = reader_entry.play(bytes, size);
     uint64_t spent = time_ns() - start;
-    fire_count_end(&held, left);
+    reader_count_end(&held, left);
     if (spent > tally.slowest_ns) {
         tally.slowest_ns = spent;
         tally.slowest_size = size;
@@ -107,9 +107,9 @@ static bool play_counted(const char *bytes, size_t size, ptrdiff_t *left)
         tally.most = held;
         tally.most_size = size;
     }
-    if (most != FIRE_ANY && (double)held > tally.share * (double)most)
+    if (most != READER_ANY && (double)held > tally.share * (double)most)
         tally.share = (double)held / (double)most;
-    if (size >= FIRE_TIMES_LEAST && (double)held > tally.times * (double)size)
+    if (size >= READER_TIMES_LEAST && (double)held > tally.times * (double)size)
         tally.times = (double)held / (double)size;
     return taken;
 }
@@ -117,9 +117,9 @@ static bool play_counted(const char *bytes, size_t size, ptrdiff_t *left)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (tally.inputs == 0)
-        FIRE_MUST(atexit(fire_say) == 0);
+        READER_MUST(atexit(reader_say) == 0);
     char *bytes = malloc(size + 1);
-    FIRE_MUST(bytes);
+    READER_MUST(bytes);
     memcpy(bytes, data, size);
     bytes[size] = '\0';
     ptrdiff_t left, again = 0;
@@ -129,7 +129,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         if (again > 0)
             (void)play_counted(bytes, size, &again);
         if (again > 0)
-            fire_broken("all memory is given back", __FILE__, __LINE__);
+            reader_broken("all memory is given back", __FILE__, __LINE__);
     }
     tally.inputs++;
     tally.taken += taken;
@@ -137,25 +137,25 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     return 0;
 }
 
-void fire_must_be_tree_file(const char *bytes, size_t size, const struct scene *scene,
-                            bool readable)
+void reader_must_be_tree_file(const char *bytes, size_t size, const struct scene *scene,
+                              bool readable)
 {
     struct tree_file file;
     struct bvh bvh;
     struct reason reason = {""};
     enum status status = tree_file_read("fuzz", bytes, size, scene, &file, &reason);
-    FIRE_MUST(status == STATUS_INPUT || (readable && status == STATUS_OK));
-    FIRE_MUST(!readable || status == STATUS_OK || strstr(reason.text, "of another scene"));
+    READER_MUST(status == STATUS_INPUT || (readable && status == STATUS_OK));
+    READER_MUST(!readable || status == STATUS_OK || strstr(reason.text, "of another scene"));
     if (status) {
-        fire_must_be_reason(&reason);
+        reader_must_be_reason(&reason);
         return;
     }
     if (file.doubt.text[0])
-        fire_must_be_reason(&file.doubt);
+        reader_must_be_reason(&file.doubt);
     status = tree_file_bvh(&file, scene, &bvh, &reason);
-    FIRE_MUST(status == STATUS_INPUT || bvh_check_form(&bvh, scene, &reason) == STATUS_OK);
+    READER_MUST(status == STATUS_INPUT || bvh_check_form(&bvh, scene, &reason) == STATUS_OK);
     if (status)
-        fire_must_be_reason(&reason);
+        reader_must_be_reason(&reason);
     bvh_free(&bvh);
     tree_file_free(&file);
 }

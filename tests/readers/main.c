@@ -1,7 +1,7 @@
 /* Drives an entry without a fuzzer: NAME FILE|FOLDER... plays each file once; an input that takes
  * longer than a minute ends the program. Exit code 0, or killed by abort or alarm. */
 #define _GNU_SOURCE
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 #include "ref/files/file.h"
 
 #include <dirent.h>
@@ -37,10 +37,11 @@ static void play_file(const char *path)
     char *bytes;
     size_t size;
     if (!read_plain(path, &bytes, &size)) {
-        fprintf(stderr, "fire %s: %s: cannot be read\n", fire_entry.name, path);
+        fprintf(stderr, "reader %s: %s: cannot be read\n", reader_entry.name, path);
         exit(2);
     }
-    fprintf(stderr, "fire %s: %s\n", fire_entry.name, path); /* whose fault it was, if it dies */
+    fprintf(stderr, "reader %s: %s\n", reader_entry.name,
+            path); /* whose fault it was, if it dies */
     alarm(LATE_S);
     LLVMFuzzerTestOneInput((const uint8_t *)bytes, size);
     alarm(0);
@@ -71,7 +72,7 @@ int main(int argc, char **argv)
         else
             play_file(argv[i]);
     }
-    if (fire_tally()->inputs == 0)
+    if (reader_tally()->inputs == 0)
         fprintf(stderr, "usage: %s FILE|FOLDER...\n", argv[0]);
-    return fire_tally()->inputs == 0 ? 2 : 0;
+    return reader_tally()->inputs == 0 ? 2 : 0;
 }

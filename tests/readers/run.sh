@@ -1,11 +1,11 @@
 #!/bin/sh
-# The files under fire with libFuzzer, one after the other: sh tests/readers/run.sh FUZZERS SEEDS SECONDS NAME...
+# The readers of files under libFuzzer, one after the other: sh tests/readers/run.sh FUZZERS SEEDS SECONDS NAME...
 # A line while each runs, then a table; exit 1 if there was a crash, a leak, a hang, an input that took
 # too long or held too much. What was found is under FUZZERS/found; corpora are kept for the next time.
 set -u
 fuzzers=$1 seeds=$2 seconds=$3
 shift 3
-late=${FIRE_LATE:-10} # seconds that an input may take
+late=${READER_LATE:-10} # seconds that an input may take
 mkdir -p "$fuzzers/logs"
 table=$fuzzers/table
 printf '%-8s %10s %9s %7s %9s %10s %7s %7s  %s\n' entry runs taken edges slowest held times share verdict >"$table"
@@ -51,7 +51,7 @@ for name; do
         verdict=$(grep -E 'does not hold|SUMMARY:|ERROR: ' "$log" | head -n 1 | cut -c1-100)
         verdict="FAILED (exit $code) $verdict"
     fi
-    said=$(grep "^fire $name inputs" "$log" | tail -n 1)
+    said=$(grep "^reader $name inputs" "$log" | tail -n 1)
     field() { echo "$said" | sed -n "s/.* $1 \([0-9.]*\).*/\1/p"; }
     printf '%-8s %10s %9s %7s %6s ms %7s kB %7s %7s  %s\n' "$name" "$(number stat::number_of_executed_units)" \
         "$(field taken)" "$(grep -o 'cov: [0-9]*' "$log" | tail -n 1 | cut -c6-)" "$(field slowest)" \

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the seed corpora of the files under fire: sh tests/readers/seeds.sh BUILD FOLDER
+# Makes the seed corpora of the readers: sh tests/readers/seeds.sh BUILD FOLDER
 # A folder per entry, of small files: what raydiff itself writes, the repository's trials, and files
 # by hand for what it does not write. Some are to be refused.
 set -eu

@@ -64,7 +64,7 @@ says 1 '^engine vulkan answered 0 of 0; vacuous: it was never asked' \
     conform 'closest.cpu.f32.median.robust.mt.sphere.random.1*' --count 1000 --engine cpu,vulkan
 says 1 '^layout bvh2_bf16_scene answered 0 of 1, refused 1' \
     conform 'closest.cpu.bvh2_bf16_scene:compact.median.robust.mt.sphere.random.1*' --layout bvh2_bf16_scene --store compact
-expect 2 "no trial matches" conform 'closest.nobody.*' --engine cpu
+expect 2 "no trial matches" conform 'closest.nothing.*' --engine cpu
 # What cannot run here at all is skipped, as everywhere.
 expect 77 . conform 'closest.rayquery.*.mt.sphere.random.1' --engine rayquery --driver no-such-driver
 

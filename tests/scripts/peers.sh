@@ -13,7 +13,7 @@ trap 'kill -9 "${pid:-}" 2>/dev/null; rm -rf "$dir"' EXIT
 worst=0
 
 # Signal, the most seconds that it may take, arguments: ended by that signal, and nothing is left. A
-# background process of a script ignores SIGINT if nobody sees to it.
+# background process of a script ignores SIGINT unless it is set.
 ended() {
     signal=$1
     shift

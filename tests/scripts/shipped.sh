@@ -97,7 +97,7 @@ for arguments in 'check sphere:n=4 --engine cpu --count 100 --json' 'leaks spher
     [ "$failed" -eq 0 ] || break # the work of the others would take minutes
 done
 echo before >"$dir/kept"
-expect 2 . check sphere --json "$dir/kept" --layout nobody
+expect 2 . check sphere --json "$dir/kept" --layout no_such_layout
 [ "$(cat "$dir/kept")" = before ] || bad "check --json: a file that is there is cut before the work is done"
 expect 2 . check --json "$dir/fresh"
 [ ! -e "$dir/fresh" ] || bad "check --json: an empty file is left behind"

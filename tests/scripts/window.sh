@@ -1,5 +1,5 @@
 #!/bin/sh
-# The window on a screen that nobody sees: it comes up, shows the picture, turns with the arrow keys,
+# The window on an invisible screen: it comes up, shows the picture, turns with the arrow keys,
 # follows its size, and ends cleanly.
 #   sh tests/scripts/window.sh BUILD
 set -u

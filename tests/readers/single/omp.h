@@ -1,6 +1,6 @@
 /* OpenMP of one thread, for compilers without it: fuzzing is done by processes. */
-#ifndef FUZZ_FIRE_OMP_H
-#define FUZZ_FIRE_OMP_H
+#ifndef READER_OMP_H
+#define READER_OMP_H
 
 static inline int omp_get_max_threads(void)
 {

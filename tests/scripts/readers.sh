@@ -1,6 +1,6 @@
 #!/bin/sh
-# The files under fire without a fuzzer: every entry plays its seeds and all that was ever found. Each
-# must take an input and refuse one, or its seeds show nothing: sh tests/scripts/fire.sh BUILD
+# The readers of files without a fuzzer: every entry plays its seeds and all that was ever found. Each
+# must take an input and refuse one, or its seeds show nothing: sh tests/scripts/readers.sh BUILD
 set -u
 build=$1
 bad=0
@@ -9,12 +9,12 @@ for source in tests/readers/entry_*.c; do
     name=${name#entry_}
     kept=tests/readers/found/$name
     [ -d "$kept" ] || kept=
-    log=$build/fire/$name.log
-    large=$build/fire/seeds/large/$name
+    log=$build/readers/$name.log
+    large=$build/readers/seeds/large/$name
     [ -d "$large" ] || large=
-    "$build/fire/$name" "$build/fire/seeds/$name" $large $kept >"$log" 2>&1
+    "$build/readers/$name" "$build/readers/seeds/$name" $large $kept >"$log" 2>&1
     code=$?
-    said=$(grep "^fire $name inputs" "$log")
+    said=$(grep "^reader $name inputs" "$log")
     if [ $code -ne 0 ] || [ -z "$said" ]; then
         echo "$name: exit code $code; the last lines of $log:"
         tail -n 3 "$log"

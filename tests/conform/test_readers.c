@@ -1,7 +1,7 @@
-/* Laws of tests/readers/fire.h: an entry that keeps its reader's promises plays on, one that breaks
+/* Laws of tests/readers/reader_entry.h: an entry that keeps its reader's promises plays on, one that breaks
  * them ends the program, for each way to break them. The entry is this file's. */
 #define _GNU_SOURCE
-#include "tests/readers/fire.h"
+#include "tests/readers/reader_entry.h"
 
 #include <setjmp.h>
 #include <signal.h>
@@ -26,10 +26,10 @@ static bool play(const char *bytes, size_t size)
     void *volatile block = NULL, *volatile more[64] = {NULL};
     switch (size ? bytes[0] : 0) {
     case 'm': /* as much as may be, but for what the allocator adds */
-        block = malloc(FIRE_TIMES * size + FIXED - 64);
+        block = malloc(READER_TIMES * size + FIXED - 64);
         break;
     case 'b': /* a block too large */
-        block = malloc(FIRE_TIMES * size + FIXED + 64);
+        block = malloc(READER_TIMES * size + FIXED + 64);
         break;
     case 'g': /* by growing */
         for (size_t n = 1; n < 1 << 20; n *= 2)
@@ -37,7 +37,7 @@ static bool play(const char *bytes, size_t size)
         break;
     case 's': /* many small ones */
         for (size_t i = 0; i < 64; i++)
-            more[i] = calloc(1, FIRE_TIMES * size / 64 + FIXED / 32);
+            more[i] = calloc(1, READER_TIMES * size / 64 + FIXED / 32);
         for (size_t i = 0; i < 64; i++)
             free(more[i]);
         break;
@@ -60,12 +60,12 @@ static bool play(const char *bytes, size_t size)
     default:
         return false;
     }
-    fire_must_be_reason(&reason);
+    reader_must_be_reason(&reason);
     free(block);
     return true;
 }
 
-const struct fire_entry fire_entry = {"test", FIXED, play};
+const struct reader_entry reader_entry = {"test", FIXED, play};
 
 /* Plays one input in a child; true if it went on. */
 static bool goes_on(const char *input)
@@ -100,7 +100,7 @@ static void promises_broken_end_it(void **state)
     (void)state;
     assert_false(goes_on("n"));
     assert_false(goes_on("e"));
-    if (!fire_counts()) {
+    if (!reader_counts()) {
         printf("SKIP: this build does not count memory\n");
         skip();
     }
@@ -120,16 +120,16 @@ static void what_was_seen_is_told(void **state)
     uint8_t input[1500] = {'m'};
     LLVMFuzzerTestOneInput(input, sizeof input);
     LLVMFuzzerTestOneInput((const uint8_t *)"?", 1);
-    const struct fire_tally *tally = fire_tally();
+    const struct reader_tally *tally = reader_tally();
     assert_int_equal(tally->inputs, 2);
     assert_int_equal(tally->taken, 1);
-    if (!fire_counts())
+    if (!reader_counts())
         return;
     assert_int_equal(tally->most_size, sizeof input);
-    assert_in_range(tally->most, FIRE_TIMES * sizeof input + FIXED - 64,
-                    FIRE_TIMES * sizeof input + FIXED);
+    assert_in_range(tally->most, READER_TIMES * sizeof input + FIXED - 64,
+                    READER_TIMES * sizeof input + FIXED);
     assert_true(tally->share > 0.99 && tally->share <= 1.0);
-    assert_true(tally->times > FIRE_TIMES && tally->times < FIRE_TIMES + 3);
+    assert_true(tally->times > READER_TIMES && tally->times < READER_TIMES + 3);
 }
 
 int main(void)
