@@ -55,7 +55,7 @@ static void shade_light_ahead(void **state)
     assert_int_equal(p.frame.segment[1].prim, ABI_NO_SEGMENT);
     assert_true(p.frame.bound[0] > 0); /* 1 to any power, but by a logarithm that errs */
     picture_free(&p);
-    look.profile = PROFILE_RTRS; /* ambience is read by nobody, reflections always go on */
+    look.profile = PROFILE_RTRS; /* the ambience is not read, reflections always go on */
     p = one_pixel(picture_scene(wall, 1, &plain, &light, 1, front), look);
     assert_color(&p, 1.0, 0.75, 0.625);
     assert_int_equal(p.frame.segment[1].prim, ABI_NO_PRIM);
@@ -69,7 +69,7 @@ static void shade_lights_aslant_add_up(void **state)
     /* L = (0.6, 0, 0.8): nl = 0.8, the mirrored ray meets the eye at 0.8, to the power of 2 */
     const struct light light[] = {{{3, 0, 4}, 1}, {{0, 0, 2}, 0}, {{-3, 0, 4}, 0.5f}};
     struct picture p = one_pixel(picture_scene(wall, 1, &plain, light, 3, front), repaired);
-    assert_int_equal(p.job.light_count, 2); /* that of no strength is nobody's */
+    assert_int_equal(p.job.light_count, 2); /* that of no strength is left out */
     double d = 1.5 * 0.8, s = 1.5 * 0.64;
     assert_color(&p, 0.25 * d + 0.25 * s, 0.125 * d + 0.25 * s, 0.0625 * d + 0.25 * s);
     assert_int_equal(p.frame.segment[0].asked, 3);

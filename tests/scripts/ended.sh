@@ -18,7 +18,7 @@ END
 chmod +x "$dir/mute"
 worst=0
 
-# Signal, arguments: ended by it. A background process of a script ignores SIGINT if nobody sees to it.
+# Signal, arguments: ended by it. A background process of a script ignores SIGINT unless it is set.
 ended() {
     signal=$1 waits=0
     shift

@@ -46,7 +46,7 @@ grep -q "^not ok .* - $all.played" "$dir/g.tap" || bad "fuzz --tap: who refuses 
 grep -q "^ok .* - cpu.f32.played" "$dir/g.tap" || bad "fuzz --tap: a member that answers is accused"
 grep -q "\"name\": \"$all\".*it answered no trial" "$dir/g.jsonl" || bad "fuzz --jsonl: who refuses all passes"
 
-# No stand-in passes for it: what it refuses is passed by nobody.
+# No stand-in passes for it: what it refuses, none passes.
 expect 1 . conform --count 20 --engine "$all"
 grep -q '^0 passed, 1 failed, ' "$dir/out" || bad "conform: others passed for an engine that refuses all"
 
