@@ -84,7 +84,7 @@ const struct cheat outsiders[] = {
      drops_what_is_excused, false, 0.2, false, NULL},
     {"the largest t that is excused", "E of t", NULL, RAYS_PRIMARY, 1, CLOSEST, SECRET, stretches_t,
      false, 1, false, NULL},
-    /* Nobody is asked alone: of what a row asks it spoils nothing. */
+    /* No ray is traced alone: nothing that a row traces is spoiled. */
     {"wrong when asked alone", "repeats", NULL, RAYS_MIXED, 0, CLOSEST, SECRET, lies_alone, false,
      0, false, NULL},
     {"right when asked alone only", "repeats", NULL, RAYS_MIXED, 0, CLOSEST, SECRET,

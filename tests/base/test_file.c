@@ -158,7 +158,7 @@ static void file_read_refuses_more_than_the_most(void **state)
     assert_int_equal(file_read_most("/dev/zero", 1999, &bytes, &size, &reason), STATUS_INPUT);
 }
 
-/* Zeros: what a gzip file of some kilobytes can become if nobody stops it. */
+/* Zeros: what a gzip file of some kilobytes can become without a limit. */
 static void file_read_stops_what_unzips_without_end(void **state)
 {
     (void)state;

@@ -193,7 +193,7 @@ static void sheets_are_compared_to_the_bit(void **state)
         assert_false(sheet_equal(&a, &b));
         *words[i] ^= 1;
     }
-    b.frame.bound[hit] = 7; /* of nobody's picture */
+    b.frame.bound[hit] = 7; /* of no picture */
     assert_true(sheet_equal(&a, &b));
     sheet_free(&a);
     sheet_free(&b);

@@ -1,4 +1,4 @@
-/* Orders of play: everybody once a round, nobody twice in a row, everybody after everybody, and
+/* Orders of play: each contestant once a round, none twice in a row, each after each other, and
  * from every place to every other as often as chance has it. */
 #include "bench/frames/turns.h"
 

@@ -34,7 +34,7 @@ static uint64_t planned(const struct campaign_options *options)
         struct fuzz_trial trial;
         assert_int_equal(work_trial_make(&options->rules, WORK_GEN, i, NULL, &trial, &reason),
                          STATUS_OK);
-        struct bvh bvh; /* the published builder refuses some scenes: nobody is asked then */
+        struct bvh bvh; /* the published builder refuses some scenes: no engine runs then */
         bool has_tree = fuzz_trial_build(&trial, &bvh, &reason) == STATUS_OK;
         count += has_tree && trial.scene.tri_count % 16 == 5;
         bvh_free(&bvh);

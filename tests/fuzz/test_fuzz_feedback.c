@@ -262,7 +262,7 @@ static void torn_and_foreign_files_are_said(void **state)
     write_text(path, bytes);
     free(bytes);
     snprintf(path, sizeof path, "%s/notes.txt", folder);
-    write_text(path, "nobody's business\n");
+    write_text(path, "no coverage\n");
     snprintf(path, sizeof path, "%s/.hidden.trial", folder);
     write_text(path, "nor this\n");
     snprintf(path, sizeof path, "%s/zzz.trial", folder); /* the last */

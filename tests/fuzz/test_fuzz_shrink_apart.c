@@ -1,5 +1,5 @@
 /* Laws of fuzz_shrink_apart: an engine that dies, hangs or takes all memory on some trials takes
- * nobody along, and the trial that makes it do so is shrunk like any other. The engines are made
+ * no other along, and the trial that makes it do so is shrunk like any other. The engines are made
  * here. */
 #define _GNU_SOURCE /* usleep */
 #include "fuzz/shrink/shrink.h"

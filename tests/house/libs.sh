@@ -106,7 +106,7 @@ libs
 [ "$(chosen)" = 3 ] || bad 'an Embree without its library is none'
 embree "$dir/links" 5 0
 libs
-[ "$(chosen)" = 3 ] || bad 'an Embree that nobody knows is none'
+[ "$(chosen)" = 3 ] || bad 'an unknown Embree is none'
 mkdir -p "$dir/merged/usr/lib"
 ln -s usr/lib "$dir/merged/lib"
 embree "$dir/merged/usr/lib/x-y" 4 2

@@ -262,7 +262,7 @@ static bool is_as_stated(const struct cheat *cheat, const char *large, size_t qu
     return false;
 }
 
-static void nobody_gets_away_with_more_than_is_stated(void **state)
+static void no_tracer_gets_away_with_more_than_is_stated(void **state)
 {
     (void)state;
     const char *large = getenv("RAYDIFF_ADVERSARIES");
@@ -299,7 +299,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(honest_rows_lose_nothing),
-        cmocka_unit_test(nobody_gets_away_with_more_than_is_stated),
+        cmocka_unit_test(no_tracer_gets_away_with_more_than_is_stated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -230,7 +230,7 @@ static void what_is_out_of_contract_is_left_alone(void **state)
         {{0, 0, 0}, 0, {0, 0, 0}, 1},      {{NAN, 0, 0}, 0, {0, 0, 1}, 1},
         {{0, 0, 0}, 0, {0, 1e-30f, 1}, 1}, {{0x1.000002p40f, 0, 0}, 0, {0, 0, 1}, 1},
         {{0, 0, 0}, 2, {0, 0, 1}, 1},      {{0, 0, 0}, 0, {0, 0, INFINITY}, 1}};
-    struct hit anything = {3, 0.1f, 0.2f, 1}, nan = {NAN, NAN, NAN, 1}, nobody = {1, 0, 0, 4};
+    struct hit anything = {3, 0.1f, 0.2f, 1}, nan = {NAN, NAN, NAN, 1}, absent = {1, 0, 0, 4};
     for (size_t s = 0; s < SUBJECTS; s++) {
         judge_fixture_seat(c, &subjects[s], QUERY_CLOSEST);
         for (size_t i = 0; i < ARRAY_COUNT(outside); i++) {
@@ -238,7 +238,7 @@ static void what_is_out_of_contract_is_left_alone(void **state)
             must_be(c, anything, VERDICT_OUT_OF_CONTRACT);
             must_be(c, nan, VERDICT_OUT_OF_CONTRACT);
             must_be(c, a_miss(), VERDICT_OUT_OF_CONTRACT);
-            must_be_wrong(c, nobody, WRONG_PHANTOM); /* there is no triangle 4 */
+            must_be_wrong(c, absent, WRONG_PHANTOM); /* there is no triangle 4 */
         }
     }
     judge_fixture_close(c);

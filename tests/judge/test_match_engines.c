@@ -29,7 +29,7 @@ static size_t a_miss(const struct match *match)
     }
 }
 
-/* The first ray whose hit nobody may lose. */
+/* The first ray whose hit no engine may lose. */
 static size_t a_hit(const struct match *match)
 {
     for (size_t i = 0;; i++) {

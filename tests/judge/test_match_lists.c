@@ -58,7 +58,7 @@ static const struct engine spoiler = {
     .close = made_up_close,
 };
 
-/* The first ray through three triangles or more, of which nobody may lose one. */
+/* The first ray through three triangles or more, of which no engine may lose one. */
 static size_t a_long_list(const struct fixture *f)
 {
     for (size_t i = 0; i < RAYS; i++) {

@@ -57,7 +57,7 @@ static void an_engine_that_refuses_all_but_a_tenth_answers_next_to_nothing(void 
     assert_int_equal(turnout_exit(&turnout), EXIT_AGREE);
 }
 
-static void the_worst_of_all_counts_and_nobody_unnamed(void **state)
+static void the_worst_of_all_counts_and_none_unnamed(void **state)
 {
     (void)state;
     assert_int_equal(code_of(5, 0, 0, 0, 0), EXIT_AGREE);
@@ -127,7 +127,7 @@ static void a_campaign_counts_right_hits_and_not_misses_alone(void **state)
     view.turnout_unknown = true; /* earlier runs did not count */
     assert_null(campaign_vacuous(&view, 1));
     view = (struct campaign_view){.trials = 0};
-    assert_null(campaign_vacuous(&view, 1)); /* the campaign is vacuous, nobody in it */
+    assert_null(campaign_vacuous(&view, 1)); /* the campaign is vacuous, no member is */
 }
 
 int main(void)
@@ -135,7 +135,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(who_answers_nothing_is_vacuous_and_who_cannot_run_here_is_skipped),
         cmocka_unit_test(an_engine_that_refuses_all_but_a_tenth_answers_next_to_nothing),
-        cmocka_unit_test(the_worst_of_all_counts_and_nobody_unnamed),
+        cmocka_unit_test(the_worst_of_all_counts_and_none_unnamed),
         cmocka_unit_test(a_line_has_every_count_and_the_first_reason),
         cmocka_unit_test(rows_count_for_who_refused),
         cmocka_unit_test(a_campaign_counts_right_hits_and_not_misses_alone),

@@ -2,7 +2,7 @@
 #include "tests/scenes/diff_why_fixture.h"
 
 /* Paths of two engines that agree on every hit, but not on what follows from them. */
-static void what_nobody_caused_is_unexplained(void **state)
+static void what_has_no_cause_is_unexplained(void **state)
 {
     (void)state;
     struct diff_walk a, b;
@@ -100,7 +100,7 @@ static void pictures_are_held_to_their_walks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_nobody_caused_is_unexplained),
+        cmocka_unit_test(what_has_no_cause_is_unexplained),
         cmocka_unit_test(the_published_profile_asks_otherwise),
         cmocka_unit_test(pictures_are_held_to_their_walks),
     };

@@ -205,7 +205,7 @@ static void render_is_the_same_on_any_threads(void **state)
     assert_memory_equal(a.frame.bound, b.frame.bound, 161 * 97 * sizeof *a.frame.bound);
     assert_memory_equal(a.frame.segment, b.frame.segment, 161 * 97 * 4 * sizeof *a.frame.segment);
     assert_int_equal(a.report.boxes, b.report.boxes);
-    /* Arrays that nobody wants may be missing. */
+    /* Arrays that are not wanted may be missing. */
     struct frame alone = {.pixel = b.frame.pixel};
     assert_true(picture_draw(&b, "cpu", 2, true, &alone));
     assert_memory_equal(a.frame.pixel, b.frame.pixel, 161 * 97 * sizeof *a.frame.pixel);

@@ -95,7 +95,7 @@ static void no_display_is_said(void **state)
 }
 
 /* SDL's own driver without a screen: opening, drawing and closing do not need one. */
-static void a_window_nobody_sees(void **state)
+static void a_window_without_a_screen(void **state)
 {
     (void)state;
     struct reason reason = {""};
@@ -173,7 +173,7 @@ int main(void)
         cmocka_unit_test(the_clock_wraps),
         cmocka_unit_test(a_turn_takes_two_seconds),
         cmocka_unit_test(no_display_is_said),
-        cmocka_unit_test(a_window_nobody_sees),
+        cmocka_unit_test(a_window_without_a_screen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
