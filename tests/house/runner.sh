@@ -34,7 +34,7 @@ expect 1 '2 passed, 1 failed, 1 skipped'
 grep -q 'here it is wrong' "$dir/out" || bad 'the log of what failed is not shown'
 made_up wrong 'kill -9 $PPID; sleep 0.2'
 expect 1 '2 passed, 1 failed, 1 skipped'
-grep -q '^FAILED   1 suites were not played to their end' "$dir/out" || bad 'who was killed is not missed'
+grep -q '^FAILED   1 suites were not played to their end' "$dir/out" || bad 'a killed suite is not missed'
 rm "$dir/tests/test_wrong"
 made_up pipe 'exit 3'
 expect 1 '1 passed, 1 failed, 1 skipped'
