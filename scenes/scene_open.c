@@ -180,7 +180,7 @@ static enum status generate(const struct generator *generator, const char *param
     if (*params == ':')
         status = read_params(generator, params + 1, value, &seed, reason);
     if (status == STATUS_OK)
-        status = generator->make(value, seed, out, reason);
+        status = generator_make(generator, value, seed, out, reason);
     if (status != STATUS_OK)
         return status;
     struct reason rule;

@@ -9,18 +9,20 @@ struct param {
     const char *summary;
     double value; /* default */
     double least, most;
+    bool whole; /* takes whole numbers only */
 };
 
 #define GENERATOR_PARAMS 6
 
-/* A scene generator. `make` gets one value per param, in order and in range, and a seed: the same
- * arguments give the same bytes on every machine. */
+struct pen; /* scenes/generators/pen.h */
+
+/* A scene generator, run by generator_make. */
 struct generator {
     const char *name;
     const char *summary;
     struct param param[GENERATOR_PARAMS]; /* ends at the first without a name */
-    enum status (*make)(const double *value, uint64_t seed, struct scene *out,
-                        struct reason *reason);
+    /* Draws the scene. `value` has one entry per param, checked. */
+    enum status (*make)(struct pen *pen, const double *value, struct reason *reason);
     bool seedless; /* whatever the seed, the scene is the same */
 };
 
@@ -28,6 +30,12 @@ struct generator {
 extern const struct generator *const generators[];
 
 const struct generator *generator_find(const char *name); /* or NULL */
+
+/* Makes a scene from one value per param, in order. The same arguments give the same bytes on every
+ * machine. Errors: STATUS_LIMIT a value outside least..most or NaN, or too many triangles;
+ * STATUS_INPUT a value that is not whole where it must be; STATUS_MEMORY. On error *out is zero. */
+enum status generator_make(const struct generator *generator, const double *value, uint64_t seed,
+                           struct scene *out, struct reason *reason) MUST_USE;
 
 /* Makes or reads a scene from what a user wrote:
  *   "soup", "soup:n=1000,size=0.1,seed=7"   a generator with parameters (seed default `seed`)

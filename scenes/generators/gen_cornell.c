@@ -1,14 +1,10 @@
 #include "scenes/generators/pen.h"
 
-#include <string.h>
-
 enum { N };
 
 enum { WHITE, RED, GREEN, LAMP };
 
 #define QUADS 18 /* 5 walls, 2 blocks of 6, the lamp */
-
-extern const struct generator gen_cornell;
 
 /* A parallelogram, and its material. */
 struct quad {
@@ -59,61 +55,39 @@ static void draw_block(struct pen *pen, const struct cornell_block *b, uint32_t 
     pen_quad(pen, p[1], up, ez, n);
 }
 
-/* Gives the scene its materials, light and camera. */
-static enum status furnish(struct scene *scene)
-{
-    static const struct material material[] = {
-        [WHITE] = {{0.75f, 0.75f, 0.75f}, {0.9f, 0.1f, 0}, 10},
-        [RED] = {{0.75f, 0.125f, 0.125f}, {0.9f, 0.1f, 0}, 10},
-        [GREEN] = {{0.125f, 0.75f, 0.125f}, {0.9f, 0.1f, 0}, 10},
-        [LAMP] = {{1, 1, 1}, {1, 0, 0}, 1},
-    };
-    scene->material_of = alloc_zeroed(scene->tri_count, sizeof *scene->material_of);
-    scene->material = alloc_zeroed(ARRAY_COUNT(material), sizeof *scene->material);
-    scene->light = alloc_zeroed(1, sizeof *scene->light);
-    if (!scene->material_of || !scene->material || !scene->light)
-        return STATUS_MEMORY;
-    memcpy(scene->material, material, sizeof material);
-    scene->material_count = ARRAY_COUNT(material);
-    scene->light[0] = (struct light){{0, 0.9375f, 0}, 1.5f};
-    scene->light_count = 1;
-    scene->camera = (struct camera){.pos = {0, 0, 3}, .orbit = true};
-    scene->has_camera = true;
-    return STATUS_OK;
-}
+static const struct material materials[] = {
+    [WHITE] = {{0.75f, 0.75f, 0.75f}, {0.9f, 0.1f, 0}, 10},
+    [RED] = {{0.75f, 0.125f, 0.125f}, {0.9f, 0.1f, 0}, 10},
+    [GREEN] = {{0.125f, 0.75f, 0.125f}, {0.9f, 0.1f, 0}, 10},
+    [LAMP] = {{1, 1, 1}, {1, 0, 0}, 1},
+};
 
-static enum status make(const double *value, uint64_t seed, struct scene *out,
-                        struct reason *reason)
+static const struct light lamp = {{0, 0.9375f, 0}, 1.5f};
+
+static enum status make(struct pen *pen, const double *value, struct reason *reason)
 {
-    struct pen pen;
-    *out = (struct scene){0};
-    (void)seed; /* nothing here is random */
-    enum status status = pen_values(&gen_cornell, value, 1u << N, reason);
-    if (status)
-        return status;
     uint32_t n = (uint32_t)value[N];
-    status = pen_start(&gen_cornell, QUADS * PEN_QUAD_VERTICES(n), QUADS * 2 * (uint64_t)n * n, out,
-                       &pen, reason);
+    enum status status =
+        pen_start(pen, QUADS * PEN_QUAD_VERTICES(n), QUADS * 2 * (uint64_t)n * n, reason);
     if (status)
         return status;
-    if (furnish(out)) {
-        scene_free(out);
-        return fail(reason, STATUS_MEMORY, "cornell: no memory for the materials");
-    }
+    status = pen_furnish(pen, materials, ARRAY_COUNT(materials), &lamp, 1, 3, reason);
+    if (status)
+        return status;
     for (size_t i = 0; i < ARRAY_COUNT(room); i++) {
-        pen.material = room[i].material;
-        pen_quad(&pen, room[i].origin, room[i].e1, room[i].e2, n);
+        pen->material = room[i].material;
+        pen_quad(pen, room[i].origin, room[i].e1, room[i].e2, n);
     }
-    pen.material = WHITE;
+    pen->material = WHITE;
     for (size_t i = 0; i < ARRAY_COUNT(blocks); i++)
-        draw_block(&pen, &blocks[i], n);
+        draw_block(pen, &blocks[i], n);
     return STATUS_OK;
 }
 
 const struct generator gen_cornell = {
     .name = "cornell",
     .summary = "box open in front, two blocks, a lamp; materials, light and camera; no seed",
-    .param = {[N] = {"n", "each side is n x n quads", 1, 1, 170}},
+    .param = {[N] = {"n", "each side is n x n quads", 1, 1, 170, true}},
     .make = make,
     .seedless = true,
 };

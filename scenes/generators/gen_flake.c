@@ -7,8 +7,6 @@ enum { DEPTH, N };
 #define CHILDREN 9
 #define WALL     2.25 /* half side of the box; the flake of radius 1 reaches 1 + 2/3 + ... < 2 */
 
-extern const struct generator gen_flake;
-
 /* A sphere and the frame its children grow in: axis, u, v are orthonormal, axis points away from
  * the parent. */
 struct ball {
@@ -64,26 +62,19 @@ static void draw_box(struct pen *pen)
     }
 }
 
-static enum status make(const double *value, uint64_t seed, struct scene *out,
-                        struct reason *reason)
+static enum status make(struct pen *pen, const double *value, struct reason *reason)
 {
-    struct pen pen;
-    *out = (struct scene){0};
-    (void)seed; /* nothing here is random */
-    enum status status = pen_values(&gen_flake, value, 1u << DEPTH | 1u << N, reason);
-    if (status)
-        return status;
     uint32_t depth = (uint32_t)value[DEPTH], n = (uint32_t)value[N];
     uint64_t balls = 1;
     for (uint32_t i = 0; i < depth; i++)
         balls = balls * CHILDREN + 1;
-    status = pen_start(&gen_flake, 8 + balls * PEN_SPHERE_VERTICES(n),
-                       12 + balls * PEN_SPHERE_TRIS(n), out, &pen, reason);
+    enum status status =
+        pen_start(pen, 8 + balls * PEN_SPHERE_VERTICES(n), 12 + balls * PEN_SPHERE_TRIS(n), reason);
     if (status)
         return status;
-    draw_box(&pen);
+    draw_box(pen);
     draw_flake(
-        &pen, n,
+        pen, n,
         &(const struct ball){.radius = 1, .axis = {0, 1, 0}, .u = {1, 0, 0}, .v = {0, 0, -1}},
         depth);
     return STATUS_OK;
@@ -92,8 +83,8 @@ static enum status make(const double *value, uint64_t seed, struct scene *out,
 const struct generator gen_flake = {
     .name = "flake",
     .summary = "sphere with nine smaller spheres on it, and so on, in a closed box; no seed",
-    .param = {[DEPTH] = {"depth", "generations of smaller spheres", 2, 0, 6},
-              [N] = {"n", "each sphere has 8 n^2 triangles", 2, 1, 64}},
+    .param = {[DEPTH] = {"depth", "generations of smaller spheres", 2, 0, 6, true},
+              [N] = {"n", "each sphere has 8 n^2 triangles", 2, 1, 64, true}},
     .make = make,
     .seedless = true,
 };

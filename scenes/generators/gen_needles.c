@@ -1,11 +1,8 @@
-#include "ref/base/rng.h"
 #include "scenes/generators/pen.h"
 
 #include <math.h>
 
 enum { N, ASPECT, OFFSET };
-
-extern const struct generator gen_needles;
 
 /* A point on the unit sphere, by rejection: only + - * / and sqrt, the same bytes everywhere. */
 static void direction(struct rng *rng, double d[3])
@@ -24,34 +21,27 @@ static void direction(struct rng *rng, double d[3])
 
 /* Odd triangles are slivers: the third vertex stands beside the middle of the long edge, so that
  * one angle is nearly straight; even ones are needles with one short edge. */
-static enum status make(const double *value, uint64_t seed, struct scene *out,
-                        struct reason *reason)
+static enum status make(struct pen *pen, const double *value, struct reason *reason)
 {
-    struct pen pen;
-    *out = (struct scene){0};
-    enum status status = pen_values(&gen_needles, value, 1u << N, reason);
-    if (status)
-        return status;
     uint32_t n = (uint32_t)value[N];
-    status = pen_start(&gen_needles, 3 * (uint64_t)n, n, out, &pen, reason);
+    enum status status = pen_start(pen, 3 * (uint64_t)n, n, reason);
     if (status)
         return status;
-    struct rng rng = rng_make(seed, 0);
     double offset = value[OFFSET];
     for (uint32_t i = 0; i < n; i++) {
-        double along[3], aside[3], centre[3], length = 0.05 + 0.25 * (double)rng_float(&rng);
-        direction(&rng, along);
-        direction(&rng, aside);
+        double along[3], aside[3], centre[3], length = 0.05 + 0.25 * (double)rng_float(&pen->rng);
+        direction(&pen->rng, along);
+        direction(&pen->rng, aside);
         for (int k = 0; k < 3; k++)
-            centre[k] = offset + 0.7 * ((double)rng_float(&rng) - 0.5);
+            centre[k] = offset + 0.7 * ((double)rng_float(&pen->rng) - 0.5);
         double half = 0.5 * length, thin = length / value[ASPECT], at = i % 2 ? 0.0 : half;
         for (int c = 0; c < 3; c++) {
             double s = c == 0 ? -half : c == 1 ? half : at, t = c == 2 ? thin : 0.0;
-            pen_vertex(&pen, centre[0] + s * along[0] + t * aside[0],
+            pen_vertex(pen, centre[0] + s * along[0] + t * aside[0],
                        centre[1] + s * along[1] + t * aside[1],
                        centre[2] + s * along[2] + t * aside[2]);
         }
-        pen_tri(&pen, 3 * i, 3 * i + 1, 3 * i + 2);
+        pen_tri(pen, 3 * i, 3 * i + 1, 3 * i + 2);
     }
     return STATUS_OK;
 }
@@ -59,7 +49,7 @@ static enum status make(const double *value, uint64_t seed, struct scene *out,
 const struct generator gen_needles = {
     .name = "needles",
     .summary = "needles and slivers, long and thin, around (offset, offset, offset)",
-    .param = {[N] = {"n", "triangles", 1000, 0, 1 << 20},
+    .param = {[N] = {"n", "triangles", 1000, 0, 1 << 20, true},
               [ASPECT] = {"aspect", "length over width", 100, 1, 1e9},
               [OFFSET] = {"offset", "added to every coordinate", 0, -1e9, 1e9}},
     .make = make,

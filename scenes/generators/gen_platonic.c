@@ -9,8 +9,6 @@ enum { ALL = 5 };
 #define VERTEX_MAX 20
 #define FACE_MAX   20
 
-extern const struct generator gen_platonic;
-
 /* A solid: faces of `corners` vertices each, counter-clockwise from outside. */
 struct solid {
     uint32_t vertex_count, face_count, corners;
@@ -45,24 +43,6 @@ static const struct solid solids[ALL] = {
                  {3, 10, 11}, {3, 11, 7}, {4, 5, 8}, {4, 10, 5}, {6, 7, 11}, {6, 9, 7}}},
 };
 
-/* Cyclic permutations of (0, +-a, +-b): three golden rectangles. */
-static void golden_vertices(double a, double b, double v[][3])
-{
-    for (int i = 0; i < 12; i++) {
-        int k = i / 4;
-        v[i][k] = 0;
-        v[i][(k + 1) % 3] = i & 1 ? -a : a;
-        v[i][(k + 2) % 3] = i & 2 ? -b : b;
-    }
-}
-
-static void cube_vertices(double v[8][3])
-{
-    for (int i = 0; i < 8; i++)
-        for (int k = 0; k < 3; k++)
-            v[i][k] = i >> k & 1 ? -1 : 1;
-}
-
 /* Writes the vertices of solid `which` and returns their distance from its centre. */
 static double solid_vertices(int which, double v[VERTEX_MAX][3])
 {
@@ -74,7 +54,7 @@ static double solid_vertices(int which, double v[VERTEX_MAX][3])
                 v[i][k] = i == 0 || i == k + 1 ? 1 : -1;
         return sqrt(3.0);
     case 1:
-        cube_vertices(v);
+        cube_corners(1, v);
         return sqrt(3.0);
     case 2:
         for (int i = 0; i < 6; i++)
@@ -82,11 +62,11 @@ static double solid_vertices(int which, double v[VERTEX_MAX][3])
                 v[i][k] = k == i / 2 ? (i & 1 ? -1 : 1) : 0;
         return 1;
     case 3:
-        cube_vertices(v);
-        golden_vertices(1 / golden, golden, v + 8);
+        cube_corners(1, v);
+        golden_corners(1 / golden, golden, v + 8);
         return sqrt(3.0);
     default:
-        golden_vertices(1, golden, v);
+        golden_corners(1, golden, v);
         return sqrt(1 + golden * golden);
     }
 }
@@ -106,15 +86,8 @@ static void draw_solid(struct pen *pen, int which, const double centre[3], doubl
                     first + solid->face[f][c]);
 }
 
-static enum status make(const double *value, uint64_t seed, struct scene *out,
-                        struct reason *reason)
+static enum status make(struct pen *pen, const double *value, struct reason *reason)
 {
-    struct pen pen;
-    *out = (struct scene){0};
-    (void)seed; /* nothing here is random */
-    enum status status = pen_values(&gen_platonic, value, 1u << WHICH | 1u << ROWS, reason);
-    if (status)
-        return status;
     int which = (int)value[WHICH], rows = (int)value[ROWS];
     int first = which == ALL ? 0 : which, last = which == ALL ? ALL - 1 : which;
     uint64_t vertex_count = 0, tri_count = 0;
@@ -122,14 +95,14 @@ static enum status make(const double *value, uint64_t seed, struct scene *out,
         vertex_count += solids[i].vertex_count;
         tri_count += (uint64_t)solids[i].face_count * (solids[i].corners - 2);
     }
-    status = pen_start(&gen_platonic, vertex_count * (uint64_t)rows, tri_count * (uint64_t)rows,
-                       out, &pen, reason);
+    enum status status =
+        pen_start(pen, vertex_count * (uint64_t)rows, tri_count * (uint64_t)rows, reason);
     if (status)
         return status;
     double step = 2.5 * value[RADIUS]; /* a quarter of a diameter between neighbours */
     for (int row = 0; row < rows; row++)
         for (int i = first; i <= last; i++)
-            draw_solid(&pen, i,
+            draw_solid(pen, i,
                        (const double[3]){(i - 0.5 * (first + last)) * step, 0,
                                          (row - 0.5 * (rows - 1)) * step},
                        value[RADIUS]);
@@ -142,9 +115,9 @@ const struct generator gen_platonic = {
     .param = {[WHICH] = {"which",
                          "0 tetrahedron, 1 cube, 2 octahedron, 3 dodecahedron, 4 icosahedron, "
                          "5 all",
-                         5, 0, 5},
+                         5, 0, 5, true},
               [RADIUS] = {"radius", "distance of the vertices from the centre", 1, 1e-9, 1e9},
-              [ROWS] = {"rows", "copies along z", 1, 1, 1 << 14}},
+              [ROWS] = {"rows", "copies along z", 1, 1, 1 << 14, true}},
     .make = make,
     .seedless = true,
 };

@@ -1,9 +1,6 @@
 #include "scenes/generators/pen.h"
 
 #include <math.h>
-#include <string.h>
-
-extern const struct generator gen_rtrs;
 
 enum { GREY, RED, MIRROR }; /* materials */
 
@@ -38,15 +35,8 @@ static void draw_tetrahedron(struct pen *pen)
 static void draw_dodecahedron(struct pen *pen)
 {
     double golden = (1 + sqrt(5.0)) / 2, unit = 1 / sqrt(3.0), v[20][3];
-    for (int i = 0; i < 8; i++)
-        for (int k = 0; k < 3; k++)
-            v[i][k] = i >> k & 1 ? -unit : unit;
-    for (int i = 0; i < 12; i++) {
-        int k = i / 4;
-        v[8 + i][k] = 0;
-        v[8 + i][(k + 1) % 3] = (i & 1 ? -golden : golden) * unit;
-        v[8 + i][(k + 2) % 3] = (i & 2 ? -1 : 1) / golden * unit;
-    }
+    cube_corners(unit, v);
+    golden_corners(golden * unit, 1 / golden * unit, v + 8);
     uint32_t first = pen->vertex_count;
     for (int i = 0; i < 20; i++)
         pen_vertex(pen, six_decimals(v[i][0]), six_decimals(v[i][1]), six_decimals(v[i][2]));
@@ -56,46 +46,27 @@ static void draw_dodecahedron(struct pen *pen)
             pen_tri(pen, first + face[f][c - 1], first + face[f][c], first + face[f][0]);
 }
 
-/* The published materials (nothing is made of the last), lights and camera. */
-static enum status furnish(struct scene *scene)
-{
-    static const struct material material[] = {
-        [GREY] = {{0.4f, 0.4f, 0.3f}, {0.6f, 0.3f, 0.1f}, 50},
-        [RED] = {{0.3f, 0.1f, 0.1f}, {0.9f, 0.1f, 0}, 10},
-        [MIRROR] = {{1, 1, 1}, {0, 10, 0.8f}, 1425},
-    };
-    static const struct light light[] = {
-        {{-20, 20, 20}, 1.5f}, {{30, 50, -25}, 1.8f}, {{30, 20, 30}, 1.7f}};
-    scene->material_of = alloc_zeroed(scene->tri_count, sizeof *scene->material_of);
-    scene->material = alloc_zeroed(ARRAY_COUNT(material), sizeof *scene->material);
-    scene->light = alloc_zeroed(ARRAY_COUNT(light), sizeof *scene->light);
-    if (!scene->material_of || !scene->material || !scene->light)
-        return STATUS_MEMORY;
-    memcpy(scene->material, material, sizeof material);
-    memcpy(scene->light, light, sizeof light);
-    scene->material_count = ARRAY_COUNT(material);
-    scene->light_count = ARRAY_COUNT(light);
-    scene->camera = (struct camera){.pos = {0, 0, -10}, .orbit = true};
-    scene->has_camera = true;
-    return STATUS_OK;
-}
+/* The published materials (nothing is made of the last) and lights. */
+static const struct material materials[] = {
+    [GREY] = {{0.4f, 0.4f, 0.3f}, {0.6f, 0.3f, 0.1f}, 50},
+    [RED] = {{0.3f, 0.1f, 0.1f}, {0.9f, 0.1f, 0}, 10},
+    [MIRROR] = {{1, 1, 1}, {0, 10, 0.8f}, 1425},
+};
+static const struct light lights[] = {
+    {{-20, 20, 20}, 1.5f}, {{30, 50, -25}, 1.8f}, {{30, 20, 30}, 1.7f}};
 
-static enum status make(const double *value, uint64_t seed, struct scene *out,
-                        struct reason *reason)
+static enum status make(struct pen *pen, const double *value, struct reason *reason)
 {
-    struct pen pen;
-    *out = (struct scene){0};
     (void)value;
-    (void)seed; /* nothing here is random */
-    enum status status = pen_start(&gen_rtrs, 24, 40, out, &pen, reason);
+    enum status status = pen_start(pen, 24, 40, reason);
     if (status)
         return status;
-    if (furnish(out)) {
-        scene_free(out);
-        return fail(reason, STATUS_MEMORY, "rtrs: no memory for the materials");
-    }
-    draw_tetrahedron(&pen);
-    draw_dodecahedron(&pen);
+    status = pen_furnish(pen, materials, ARRAY_COUNT(materials), lights, ARRAY_COUNT(lights), -10,
+                         reason);
+    if (status)
+        return status;
+    draw_tetrahedron(pen);
+    draw_dodecahedron(pen);
     return STATUS_OK;
 }
 

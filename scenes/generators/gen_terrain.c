@@ -1,9 +1,6 @@
-#include "ref/base/rng.h"
 #include "scenes/generators/pen.h"
 
 enum { K, ROUGHNESS, HEIGHT };
-
-extern const struct generator gen_terrain;
 
 /* Heights being filled in, (n + 1) x (n + 1), kept where they end up: in the scene's vertices. */
 struct terrain_field {
@@ -54,30 +51,23 @@ static void raise_field(const struct terrain_field *field, float roughness, floa
     }
 }
 
-static enum status make(const double *value, uint64_t seed, struct scene *out,
-                        struct reason *reason)
+static enum status make(struct pen *pen, const double *value, struct reason *reason)
 {
-    struct pen pen;
-    *out = (struct scene){0};
-    enum status status = pen_values(&gen_terrain, value, 1u << K, reason);
-    if (status)
-        return status;
     uint32_t n = 1u << (uint32_t)value[K];
-    status = pen_start(&gen_terrain, PEN_QUAD_VERTICES(n), 2 * (uint64_t)n * n, out, &pen, reason);
+    enum status status = pen_start(pen, PEN_QUAD_VERTICES(n), 2 * (uint64_t)n * n, reason);
     if (status)
         return status;
-    pen_quad(&pen, (const double[3]){-0.5, 0, 0.5}, (const double[3]){1, 0, 0},
+    pen_quad(pen, (const double[3]){-0.5, 0, 0.5}, (const double[3]){1, 0, 0},
              (const double[3]){0, 0, -1}, n);
-    struct rng rng = rng_make(seed, 0);
-    raise_field(&(struct terrain_field){out, (int)n}, (float)value[ROUGHNESS], (float)value[HEIGHT],
-                &rng);
+    raise_field(&(struct terrain_field){pen->scene, (int)n}, (float)value[ROUGHNESS],
+                (float)value[HEIGHT], &pen->rng);
     return STATUS_OK;
 }
 
 const struct generator gen_terrain = {
     .name = "terrain",
     .summary = "fractal terrain over the unit square, y up, 2 * 4^k triangles",
-    .param = {[K] = {"k", "the grid has 2^k quads a side", 5, 0, 11},
+    .param = {[K] = {"k", "the grid has 2^k quads a side", 5, 0, 11, true},
               [ROUGHNESS] = {"roughness", "factor of the amplitude from one scale to the next", 0.5,
                              0, 1},
               [HEIGHT] = {"height", "amplitude of the largest scale", 0.25, 0, 1e6}},

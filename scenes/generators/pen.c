@@ -3,35 +3,38 @@
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
-enum status pen_values(const struct generator *generator, const double *value, unsigned whole,
-                       struct reason *reason)
+enum status pen_start(struct pen *pen, uint64_t vertex_count, uint64_t tri_count,
+                      struct reason *reason)
 {
-    for (unsigned k = 0; k < GENERATOR_PARAMS && generator->param[k].name; k++) {
-        const struct param *param = &generator->param[k];
-        if (!(value[k] >= param->least && value[k] <= param->most)) /* NaN is outside too */
-            return fail(reason, STATUS_LIMIT, "%s: %s=%g, but it must lie in %g to %g",
-                        generator->name, param->name, value[k], param->least, param->most);
-        if ((whole >> k & 1u) && floor(value[k]) != value[k])
-            return fail(reason, STATUS_INPUT, "%s: %s=%g, but it must be a whole number",
-                        generator->name, param->name, value[k]);
-    }
-    return STATUS_OK;
-}
-
-enum status pen_start(const struct generator *generator, uint64_t vertex_count, uint64_t tri_count,
-                      struct scene *out, struct pen *pen, struct reason *reason)
-{
-    *out = (struct scene){0};
-    *pen = (struct pen){.scene = out};
     if (tri_count > GENERATOR_TRI_MAX || vertex_count > 3 * (uint64_t)GENERATOR_TRI_MAX)
         return fail(reason, STATUS_LIMIT,
                     "%s: %" PRIu64 " triangles and %" PRIu64 " vertices, but at most %u and %u",
-                    generator->name, tri_count, vertex_count, GENERATOR_TRI_MAX,
+                    pen->generator->name, tri_count, vertex_count, GENERATOR_TRI_MAX,
                     3 * GENERATOR_TRI_MAX);
-    if (scene_make((uint32_t)vertex_count, (uint32_t)tri_count, out))
+    if (scene_make((uint32_t)vertex_count, (uint32_t)tri_count, pen->scene))
         return fail(reason, STATUS_MEMORY, "%s: no memory for %" PRIu64 " triangles",
-                    generator->name, tri_count);
+                    pen->generator->name, tri_count);
+    return STATUS_OK;
+}
+
+enum status pen_furnish(struct pen *pen, const struct material *material, uint32_t material_count,
+                        const struct light *light, uint32_t light_count, float eye,
+                        struct reason *reason)
+{
+    struct scene *scene = pen->scene;
+    scene->material_of = alloc_zeroed(scene->tri_count, sizeof *scene->material_of);
+    scene->material = alloc_zeroed(material_count, sizeof *scene->material);
+    scene->light = alloc_zeroed(light_count, sizeof *scene->light);
+    if (!scene->material_of || !scene->material || !scene->light)
+        return fail(reason, STATUS_MEMORY, "%s: no memory for the materials", pen->generator->name);
+    memcpy(scene->material, material, material_count * sizeof *material);
+    memcpy(scene->light, light, light_count * sizeof *light);
+    scene->material_count = material_count;
+    scene->light_count = light_count;
+    scene->camera = (struct camera){.pos = {0, 0, eye}, .orbit = true};
+    scene->has_camera = true;
     return STATUS_OK;
 }
 
@@ -129,5 +132,22 @@ void pen_sphere(struct pen *pen, uint32_t n, const double centre[3], double radi
         else
             draw_band(pen, below, above, false);
         above = below;
+    }
+}
+
+void cube_corners(double half, double v[8][3])
+{
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < 3; k++)
+            v[i][k] = i >> k & 1 ? -half : half;
+}
+
+void golden_corners(double a, double b, double v[12][3])
+{
+    for (int i = 0; i < 12; i++) {
+        int k = i / 4;
+        v[i][k] = 0;
+        v[i][(k + 1) % 3] = i & 1 ? -a : a;
+        v[i][(k + 2) % 3] = i & 2 ? -b : b;
     }
 }

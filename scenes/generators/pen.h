@@ -2,6 +2,7 @@
 #ifndef PEN_H
 #define PEN_H
 
+#include "ref/base/rng.h"
 #include "scenes/scenes.h"
 
 /* No generator makes more triangles. */
@@ -9,23 +10,25 @@
 
 /* A scene being drawn. Draws at most what pen_start allocated; drawing more is our bug. */
 struct pen {
+    const struct generator *generator;
     struct scene *scene;
+    struct rng rng;        /* of the seed */
     uint32_t vertex_count; /* drawn so far */
     uint32_t tri_count;
     int32_t material; /* of the triangles to come; kept only if the scene has material_of */
 };
 
-/* Checks the values of `generator` before they are converted: bit k of `whole` says that parameter
- * k is an integer.
- * Errors: STATUS_LIMIT outside least..most or NaN; STATUS_INPUT not whole where it must be. */
-enum status pen_values(const struct generator *generator, const double *value, unsigned whole,
-                       struct reason *reason) MUST_USE;
-
-/* Allocates the scene and starts to draw. Materials, lights and camera stay empty.
+/* Allocates the scene. Materials, lights and camera stay empty.
  * Errors: STATUS_LIMIT more than GENERATOR_TRI_MAX triangles or 3 times as many vertices;
- * STATUS_MEMORY. On error *out is zero. */
-enum status pen_start(const struct generator *generator, uint64_t vertex_count, uint64_t tri_count,
-                      struct scene *out, struct pen *pen, struct reason *reason) MUST_USE;
+ * STATUS_MEMORY. */
+enum status pen_start(struct pen *pen, uint64_t vertex_count, uint64_t tri_count,
+                      struct reason *reason) MUST_USE;
+
+/* Gives the scene copies of materials and lights, room for the triangles' materials, and an
+ * orbiting camera at (0, 0, eye) that looks at the origin. Errors: STATUS_MEMORY. */
+enum status pen_furnish(struct pen *pen, const struct material *material, uint32_t material_count,
+                        const struct light *light, uint32_t light_count, float eye,
+                        struct reason *reason) MUST_USE;
 
 /* Adds a vertex, each coordinate rounded to float, and returns its index. */
 uint32_t pen_vertex(struct pen *pen, double x, double y, double z);
@@ -45,5 +48,10 @@ void pen_quad(struct pen *pen, const double origin[3], const double e1[3], const
 void pen_sphere(struct pen *pen, uint32_t n, const double centre[3], double radius);
 #define PEN_SPHERE_VERTICES(n) (4 * (uint64_t)(n) * (n) + 2)
 #define PEN_SPHERE_TRIS(n)     (8 * (uint64_t)(n) * (n))
+
+/* The corners (+-half, +-half, +-half): bit k of the index is set where axis k is negative. */
+void cube_corners(double half, double v[8][3]);
+/* Cyclic permutations of (0, +-a, +-b): three rectangles. */
+void golden_corners(double a, double b, double v[12][3]);
 
 #endif

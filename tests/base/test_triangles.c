@@ -329,7 +329,8 @@ static void woop_is_watertight_and_mt_is_not(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(parts); i++) {
         const double values[GENERATOR_PARAMS] = {parts[i], 1};
         struct scene scene;
-        assert_int_equal(generator_find("sphere")->make(values, 1, &scene, NULL), STATUS_OK);
+        assert_int_equal(generator_make(generator_find("sphere"), values, 1, &scene, NULL),
+                         STATUS_OK);
         for (int vertices = 0; vertices < 2; vertices++) {
             assert_int_equal(leaks(&scene, "woop", vertices, 40000), 0);
             assert_true(leaks(&scene, "mt", vertices, 40000) > 100);

@@ -219,7 +219,7 @@ static void f11_bounds_are_rounded_to_nearest(void **state)
     static struct ray ray[VERTEX_RAYS];
     const double values[GENERATOR_PARAMS] = {8, 1};
     struct scene inside;
-    assert_int_equal(generator_find("sphere")->make(values, 1, &inside, NULL), STATUS_OK);
+    assert_int_equal(generator_make(generator_find("sphere"), values, 1, &inside, NULL), STATUS_OK);
     struct scene scene = with_a_stranger(&inside, true);
     struct subject s = subject_make(&scene, "median", SEED_LEAF, SEED_EPS, "rtrs_rf_paper");
     struct suspect suspect = suspect_make(&scene, &s.bvh, &s.packed, "robust", "mt");

@@ -30,7 +30,7 @@ static struct scene soup(double count)
     for (int k = 0; k < GENERATOR_PARAMS && generator->param[k].name; k++)
         value[k] = generator->param[k].value;
     value[0] = count;
-    gpu_must(generator->make(value, 5, &scene, &reason), &reason);
+    gpu_must(generator_make(generator, value, 5, &scene, &reason), &reason);
     return scene;
 }
 

@@ -32,7 +32,7 @@ static inline enum status try_make(const char *name, const struct setting *setti
             assert_non_null(generator->param[++k].name);
         value[k] = setting->value;
     }
-    return generator->make(value, seed, out, reason);
+    return generator_make(generator, value, seed, out, reason);
 }
 
 #define SETTINGS(...) ((const struct setting[]){__VA_ARGS__, {NULL, 0}})

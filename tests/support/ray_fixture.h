@@ -26,7 +26,7 @@ static inline struct scene make_scene(const char *name, double first)
         value[k] = generator->param[k].value;
     if (first >= 0)
         value[0] = first;
-    if (generator->make(value, 1, &scene, &reason))
+    if (generator_make(generator, value, 1, &scene, &reason))
         fail_msg("%s", reason.text);
     return scene;
 }

@@ -194,7 +194,7 @@ static void f11_rays_at_vertices_are_lost(void **state)
     (void)state;
     const double values[GENERATOR_PARAMS] = {8, 1};
     struct scene scene;
-    assert_int_equal(generator_find("sphere")->make(values, 1, &scene, NULL), STATUS_OK);
+    assert_int_equal(generator_make(generator_find("sphere"), values, 1, &scene, NULL), STATUS_OK);
     assert_true(lost_by_nearest_rounding(&scene) > 70);
 }
 
