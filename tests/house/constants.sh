@@ -12,25 +12,7 @@ trap 'rm -rf "$work"' EXIT
 
 # Code without comments and strings.
 bare() {
-    awk '{
-        line = $0
-        kept = ""
-        gsub(/"([^"\\]|\\.)*"/, "\"\"", line)
-        while (line != "") {
-            if (comment) {
-                end = index(line, "*/")
-                if (!end) break
-                line = substr(line, end + 2)
-                comment = 0
-            }
-            begin = index(line, "/*")
-            if (!begin) { kept = kept line; break }
-            kept = kept substr(line, 1, begin - 1)
-            line = substr(line, begin + 2)
-            comment = 1
-        }
-        print kept
-    }' "$1"
+    awk -v empty=1 -f tests/house/code.awk "$1"
 }
 
 # "file literal" of every row: the first column's names, the second's values and the third's files

@@ -67,27 +67,8 @@ grep -lE '#include <embree[34]?/' $(git ls-files '*.c' '*.h') | grep -vE '^(ref/
     breach "one file includes Embree, beside a program that is written out"
 
 # Shaders: nothing whose result may differ between drivers, but in the probes that measure how.
-for file in $(git ls-files 'shaders/*.comp' 'shaders/*.glsl'); do # comments may name what the code must not
-    case $file in shaders/probes/probe_card.comp | shaders/probes/probe_pack.comp) continue ;; esac
-    awk '{
-        line = $0
-        kept = ""
-        while (line != "") {
-            if (comment) {
-                end = index(line, "*/")
-                if (!end) break
-                line = substr(line, end + 2)
-                comment = 0
-            }
-            begin = index(line, "/*")
-            if (!begin) { kept = kept line; break }
-            kept = kept substr(line, 1, begin - 1)
-            line = substr(line, begin + 2)
-            comment = 1
-        }
-        print FILENAME ":" FNR ": " kept
-    }' "$file"
-done >"$scratch"
+awk -v placed=1 -f tests/house/code.awk $(git ls-files 'shaders/*.comp' 'shaders/*.glsl' |
+    grep -vx 'shaders/probes/probe_\(card\|pack\).comp') >"$scratch" # comments may name what the code must not
 grep -E '\bpackHalf2x16|\bfma *\(' "$scratch" &&
     breach "packHalf2x16 and fma differ between drivers"
 grep -E '\b(cross|dot|normalize|length|distance|mix|min|max) *\(' "$scratch" &&
