@@ -148,17 +148,15 @@ static void put_text(struct image *image, int64_t x, int64_t y, unsigned scale, 
                      const char *text, bool up)
 {
     unsigned char character;
-    for (int64_t at = 0; (character = next_character(&text)) != 0; at += FONT_ADVANCE) {
-        const uint16_t *column = font_glyph(character);
-        for (int64_t u = 0; u < FONT_WIDTH; u++)
-            for (int64_t v = 0; v < FONT_HEIGHT; v++) {
-                if (!(column[u] >> v & 1))
+    for (int64_t at = 0; (character = next_character(&text)) != 0; at += FONT_ADVANCE)
+        for (int u = 0; u < FONT_WIDTH; u++)
+            for (int v = 0; v < FONT_HEIGHT; v++) {
+                if (!font_dot(character, u, v))
                     continue;
                 int64_t right = (up ? v : at + u) * scale;
                 int64_t down = up ? -(at + u + 1) * (int64_t)scale : v * (int64_t)scale;
                 fill(image, x + right, y + down, scale, scale, colour);
             }
-    }
 }
 
 void draw_text(struct image *image, int x, int y, unsigned scale, uint32_t colour, const char *text)

@@ -8,8 +8,8 @@
 #define FONT_HEIGHT  9
 #define FONT_ADVANCE 6 /* from one character to the next */
 
-/* The dots of a character: [column], bit 0 the topmost row. What is not printable ASCII looks like
- * '?'. */
-const uint16_t *font_glyph(unsigned char character);
+/* Whether a character has a dot at that column and row, of FONT_WIDTH and FONT_HEIGHT, row 0 at the
+ * top. What is not printable ASCII looks like '?'. */
+bool font_dot(unsigned char character, int column, int row);
 
 #endif

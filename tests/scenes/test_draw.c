@@ -75,23 +75,27 @@ static void text_can_be_read(void **state)
     image_free(&image);
 }
 
+static int dots_apart(unsigned char a, unsigned char b)
+{
+    int dots = 0;
+    for (int x = 0; x < FONT_WIDTH; x++)
+        for (int y = 0; y < FONT_HEIGHT; y++)
+            dots += font_dot(a, x, y) != font_dot(b, x, y);
+    return dots;
+}
+
 static void characters_differ_in_more_than_a_dot(void **state)
 {
     (void)state;
     for (unsigned char a = ' '; a <= '~'; a++)
         for (unsigned char b = (unsigned char)(a + 1); b <= '~'; b++) {
-            int dots = 0;
-            for (int x = 0; x < FONT_WIDTH; x++)
-                dots += __builtin_popcount(font_glyph(a)[x] ^ font_glyph(b)[x]);
+            int dots = dots_apart(a, b);
             if (dots < 2)
                 fail_msg("'%c' and '%c' differ in %d dots", a, b, dots);
         }
-    for (unsigned char a = ' '; a <= '~'; a++)
-        for (int x = 0; x < FONT_WIDTH; x++)
-            assert_true(font_glyph(a)[x] < 1 << FONT_HEIGHT);
     for (int c = 0; c < 256; c++)
         if (c < ' ' || c > '~')
-            assert_ptr_equal(font_glyph((unsigned char)c), font_glyph('?'));
+            assert_int_equal(dots_apart((unsigned char)c, '?'), 0);
 }
 
 static void width_is_that_of_what_is_drawn(void **state)
