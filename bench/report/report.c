@@ -18,7 +18,7 @@ static void free_part(struct report_part *part)
     json_decref(part->json);
 }
 
-static void free_picture(struct report_picture *picture)
+void report_picture_free(struct report_picture *picture)
 {
     free(picture->group);
     free(picture->title);
@@ -31,7 +31,7 @@ void report_free(struct report *report)
     for (size_t i = 0; i < report->part_count; i++)
         free_part(&report->part[i]);
     for (size_t i = 0; i < report->picture_count; i++)
-        free_picture(&report->picture[i]);
+        report_picture_free(&report->picture[i]);
     free(report->part);
     free(report->picture);
     *report = (struct report){0};
@@ -65,33 +65,30 @@ enum status report_add(struct report *report, const struct report_part *part, st
 
 /* --- what is read --------------------------------------------------------------------------- */
 
+/* Who writes the JSON of a kind, and the arrays that it has. */
+static const struct {
+    const char *writer, *array[2];
+} kinds[REPORT_KINDS] = {
+    [REPORT_CHECK] = {"raydiff check", {"scenes", "rows"}},
+    [REPORT_BENCH] = {"raydiff bench or render --benchmark", {"rows"}},
+    [REPORT_PICTURES] = {"raydiff diff", {"pairs"}},
+    [REPORT_FINDING] = {"raydiff replay", {"files"}},
+    [REPORT_MACHINE] = {"raydiff doctor", {"engines", "drivers"}},
+};
+
 bool report_is(enum report_kind kind, const json_t *json)
 {
-    switch (kind) {
-    case REPORT_CHECK:
-        return json_is_array(json_object_get(json, "scenes")) &&
-               json_is_array(json_object_get(json, "rows"));
-    case REPORT_BENCH:
-        return json_is_array(json_object_get(json, "rows")) || report_is_frames(json);
-    case REPORT_FINDING:
-        return json_is_array(json_object_get(json, "files"));
-    case REPORT_MACHINE:
-        return json_is_array(json_object_get(json, "engines")) &&
-               json_is_array(json_object_get(json, "drivers"));
-    case REPORT_PICTURES:
-        return json_is_array(json_object_get(json, "pairs"));
-    case REPORT_KINDS:
-        break;
-    }
-    return false;
+    if (kind == REPORT_BENCH && report_is_frames(json))
+        return true;
+    bool all = true;
+    for (size_t i = 0; i < ARRAY_COUNT(kinds[kind].array) && kinds[kind].array[i]; i++)
+        all = all && json_is_array(json_object_get(json, kinds[kind].array[i]));
+    return all;
 }
 
 enum status report_read(const char *path, enum report_kind kind, json_t **out,
                         struct reason *reason)
 {
-    static const char *const writer[REPORT_KINDS] = {
-        "raydiff check", "raydiff bench or render --benchmark", "raydiff diff", "raydiff replay",
-        "raydiff doctor"};
     char *bytes;
     size_t size;
     json_error_t why;
@@ -110,7 +107,8 @@ enum status report_read(const char *path, enum report_kind kind, json_t **out,
                     why.text);
     if (!report_is(kind, json)) {
         json_decref(json);
-        return fail(reason, STATUS_INPUT, "%s: is no JSON of %s", file_label(path), writer[kind]);
+        return fail(reason, STATUS_INPUT, "%s: is no JSON of %s", file_label(path),
+                    kinds[kind].writer);
     }
     *out = json;
     return STATUS_OK;

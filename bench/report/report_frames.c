@@ -71,14 +71,6 @@ static enum status put_chart(struct html *html, const json_t *json, struct reaso
     return STATUS_OK;
 }
 
-static void put_number(struct html *html, double value)
-{
-    if (isfinite(value))
-        html_element_format(html, "td", "n", "%.3f", value);
-    else
-        html_element(html, "td", "n", "");
-}
-
 static void put_handler(struct html *html, const json_t *handler)
 {
     static const char *const times[] = {"average_ms", "min_ms", "max_ms", "median_ms"};
@@ -88,9 +80,9 @@ static void put_handler(struct html *html, const json_t *handler)
     html_element(html, "th", NULL, value_text(handler, "handler"));
     html_element_format(html, "td", "n", "%zu", value_count(handler, "bytes"));
     for (size_t i = 0; i < ARRAY_COUNT(times); i++)
-        put_number(html, value_number(handler, times[i]));
+        report_number(html, "%.3f", value_number(handler, times[i]));
     for (size_t i = 0; i < ARRAY_COUNT(parts); i++)
-        put_number(html, value_number(ratio, parts[i]));
+        report_number(html, "%.3f", value_number(ratio, parts[i]));
     html_element(html, "td", NULL, value_text(ratio, "to"));
     html_element(html, "td", NULL, value_text(handler, "clock"));
     html_end(html, "tr");
@@ -98,20 +90,12 @@ static void put_handler(struct html *html, const json_t *handler)
 
 static void put_table(struct html *html, const json_t *json)
 {
-    static const char *const head[] = {"handler", "bytes", "average ms", "min", "max",  "median ms",
-                                       "ratio",   "min",   "max",        "to",  "clock"};
-    html_begin(html, "table", NULL);
-    html_begin(html, "thead", NULL);
-    html_begin(html, "tr", NULL);
-    for (size_t i = 0; i < ARRAY_COUNT(head); i++)
-        html_element(html, "th", i > 0 && i < 9 ? "n" : NULL, head[i]);
-    html_end(html, "tr");
-    html_end(html, "thead");
-    html_begin(html, "tbody", NULL);
+    html_table(html, NULL, NULL);
+    html_heads(html, "handler;#bytes;#average ms;#min;#max;#median ms;#ratio;#min;#max;to;clock");
+    html_body(html);
     for (size_t i = 0; i < handlers_of(json); i++)
         put_handler(html, json_array_get(json_object_get(json, "handlers"), i));
-    html_end(html, "tbody");
-    html_end(html, "table");
+    html_table_end(html);
 }
 
 enum status report_frames(struct html *html, const json_t *json, struct reason *reason)

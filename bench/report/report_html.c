@@ -109,6 +109,39 @@ void html_element_format(struct html *html, const char *tag, const char *css, co
     html_end(html, tag);
 }
 
+void html_table(struct html *html, const char *css, const char *caption)
+{
+    html_begin(html, "table", "class", css, NULL);
+    if (caption)
+        html_element(html, "caption", NULL, caption);
+    html_begin(html, "thead", NULL);
+    html_begin(html, "tr", NULL);
+}
+
+void html_heads(struct html *html, const char *heads)
+{
+    for (const char *at = heads; *at;) {
+        bool number = *at == '#';
+        at += number;
+        size_t length = strcspn(at, ";");
+        html_element_format(html, "th", number ? "n" : NULL, "%.*s", (int)length, at);
+        at += length + (at[length] == ';');
+    }
+}
+
+void html_body(struct html *html)
+{
+    html_end(html, "tr");
+    html_end(html, "thead");
+    html_begin(html, "tbody", NULL);
+}
+
+void html_table_end(struct html *html)
+{
+    html_end(html, "tbody");
+    html_end(html, "table");
+}
+
 void html_base64(FILE *out, const void *bytes, size_t size)
 {
     static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -35,6 +35,15 @@ void html_element(struct html *html, const char *tag, const char *css, const cha
 void html_element_format(struct html *html, const char *tag, const char *css, const char *format,
                          ...) PRINTF_LIKE(4, 5);
 
+/* A table: html_table opens it with its class and caption (NULL: none) and a line of heads,
+ * html_heads adds heads to that line, html_body ends it, and rows follow until html_table_end.
+ * Heads are names with ';' between them; '#' stands before a name whose column is of numbers:
+ * "part;state;#exit code". */
+void html_table(struct html *html, const char *css, const char *caption);
+void html_heads(struct html *html, const char *heads);
+void html_body(struct html *html);
+void html_table_end(struct html *html);
+
 /* A picture that stands in the page itself, as a data: URI. */
 void html_png(struct html *html, const char *alt, uint32_t width, uint32_t height,
               const void *bytes, size_t size);

@@ -40,6 +40,11 @@ void section_end(struct html *html);
 bool section_reasons(struct html *html, const struct report *report, enum report_kind kind,
                      const char *how);
 
+void report_picture_free(struct report_picture *picture); /* what it owns */
+
+/* A cell with a number, empty if it is not finite. */
+void report_number(struct html *html, const char *format, double value);
+
 /* A table of an array of flat JSON rows, whatever their members are: numbers to the right. */
 void report_rows(struct html *html, const json_t *rows);
 

@@ -50,23 +50,16 @@ static void put_host(struct html *html)
         put_fact(html, "system", text);
     }
     put_fact(html, "raydiff", RAYDIFF_VERSION);
-    html_end(html, "tbody");
-    html_end(html, "table");
+    html_table_end(html);
 }
 
 static void put_engines(struct html *html, const json_t *engines)
 {
     size_t i;
     const json_t *engine;
-    html_begin(html, "table", NULL);
-    html_begin(html, "thead", NULL);
-    html_begin(html, "tr", NULL);
-    html_element(html, "th", NULL, "engine");
-    html_element(html, "th", NULL, "runs");
-    html_element(html, "th", NULL, "what it is, or why not");
-    html_end(html, "tr");
-    html_end(html, "thead");
-    html_begin(html, "tbody", NULL);
+    html_table(html, NULL, NULL);
+    html_heads(html, "engine;runs;what it is, or why not");
+    html_body(html);
     json_array_foreach(engines, i, engine)
     {
         bool runs = value_bool(engine, "runs");
@@ -76,8 +69,7 @@ static void put_engines(struct html *html, const json_t *engines)
         html_element(html, "td", "wrap", value_text(engine, runs ? "text" : "why"));
         html_end(html, "tr");
     }
-    html_end(html, "tbody");
-    html_end(html, "table");
+    html_table_end(html);
 }
 
 /* --- drivers ------------------------------------------------------------------------------ */
@@ -109,6 +101,13 @@ static void put_operation(struct html *html, const json_t *op)
                     special, value_count(op, "special"), flushed);
 }
 
+/* A member's name as words. */
+static void put_name(struct html *html, const char *name)
+{
+    for (const char *at = name; *at; at++)
+        html_format(html, "%c", *at == '_' ? ' ' : *at);
+}
+
 /* "name value, name value" of an object or list, in parentheses where it is inside another one. */
 static void put_card_value(struct html *html, const json_t *value, int depth)
 {
@@ -130,8 +129,7 @@ static void put_card_value(struct html *html, const json_t *value, int depth)
     json_object_foreach((json_t *)(uintptr_t)value, name, member)
     {
         html_text(html, comma);
-        for (const char *at = name; *at; at++)
-            html_format(html, "%c", *at == '_' ? ' ' : *at);
+        put_name(html, name);
         html_text(html, json_is_object(member) ? " (" : " ");
         put_card_value(html, member, depth + 1);
         html_text(html, json_is_object(member) ? ")" : "");
@@ -197,8 +195,7 @@ static void put_card_lines(struct html *html, const json_t *drivers)
         }
         html_begin(html, "tr", NULL);
         html_begin(html, "th", NULL);
-        for (const char *at = name; *at; at++)
-            html_format(html, "%c", *at == '_' ? ' ' : *at);
+        put_name(html, name);
         html_end(html, "th");
         json_array_foreach(drivers, d, driver)
         {
@@ -214,25 +211,19 @@ static void put_drivers(struct html *html, const json_t *drivers)
 {
     size_t i;
     const json_t *driver;
-    html_begin(html, "table", "class", "wide", NULL);
-    html_element(html, "caption", NULL,
-                 "Vulkan drivers: what their arithmetic, conversions and loops do, measured");
-    html_begin(html, "thead", NULL);
-    html_begin(html, "tr", NULL);
-    html_element(html, "th", NULL, "driver");
+    html_table(html, "wide",
+               "Vulkan drivers: what their arithmetic, conversions and loops do, measured");
+    html_heads(html, "driver");
     json_array_foreach(drivers, i, driver)
         html_element(html, "th", NULL, value_text(driver, "name"));
-    html_end(html, "tr");
-    html_end(html, "thead");
-    html_begin(html, "tbody", NULL);
+    html_body(html);
     put_card_lines(html, drivers);
     html_begin(html, "tr", NULL);
     html_element(html, "th", NULL, "packages");
     json_array_foreach(drivers, i, driver)
         html_element(html, "td", NULL, value_text(driver, "packages"));
     html_end(html, "tr");
-    html_end(html, "tbody");
-    html_end(html, "table");
+    html_table_end(html);
 }
 
 /* Drivers that run are columns of a table; the others have a reason. */

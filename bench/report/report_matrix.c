@@ -111,12 +111,7 @@ static size_t group_span(const struct group *group)
 
 static void put_head(struct html *html, const struct matrix_plan *plan)
 {
-    html_begin(html, "thead", NULL);
-    html_begin(html, "tr", NULL);
-    html_element(html, "th", NULL, "layout");
-    html_element(html, "th", NULL, "engine");
-    if (plan->builders)
-        html_element(html, "th", NULL, "builder");
+    html_heads(html, plan->builders ? "layout;engine;builder" : "layout;engine");
     for (size_t g = 0; g < plan->group_count; g++) {
         const struct group *group = &plan->group[g];
         for (size_t b = 0; b < group_span(group); b++) {
@@ -129,8 +124,6 @@ static void put_head(struct html *html, const struct matrix_plan *plan)
             html_end(html, "th");
         }
     }
-    html_end(html, "tr");
-    html_end(html, "thead");
 }
 
 /* The word of a cell, and below it how it differs from the exact truth. */
@@ -199,13 +192,12 @@ static void put_line(struct html *html, const struct matrix_plan *plan, size_t l
 
 static void put_matrix(struct html *html, const struct matrix_plan *plan)
 {
-    html_begin(html, "table", "class", "matrix", NULL);
+    html_table(html, "matrix", NULL);
     put_head(html, plan);
-    html_begin(html, "tbody", NULL);
+    html_body(html);
     for (size_t l = 0; l < plan->line_count; l++)
         put_line(html, plan, l);
-    html_end(html, "tbody");
-    html_end(html, "table");
+    html_table_end(html);
 }
 
 void report_matrix(struct html *html, const struct check_rows *rows)

@@ -57,10 +57,7 @@ enum status report_add_picture(struct report *report, const char *group, const c
             status = fail(reason, STATUS_MEMORY, "no memory for %s", file_label(path));
     }
     if (status) {
-        free(picture.group);
-        free(picture.title);
-        free(picture.caption);
-        free(picture.png);
+        report_picture_free(&picture);
         return status;
     }
     report->picture = array;
@@ -110,20 +107,12 @@ static void put_pair(struct html *html, const char *scene, const json_t *pair)
 
 static void put_pairs_head(struct html *html)
 {
-    static const char *const head[] = {"scene",        "engines",  "demanded", "paths differ",
-                                       "pixels",       "rounding", "allowed",  "drift",
-                                       "as published", "faults",   "verdict"};
-    html_begin(html, "table", NULL);
-    html_element(html, "caption", NULL,
-                 "Each path compared, each difference explained by the exact truth; drift: both "
-                 "answers are right for their own, differing rays.");
-    html_begin(html, "thead", NULL);
-    html_begin(html, "tr", NULL);
-    for (size_t i = 0; i < ARRAY_COUNT(head); i++)
-        html_element(html, "th", i > 2 && i < 10 ? "n" : NULL, head[i]);
-    html_end(html, "tr");
-    html_end(html, "thead");
-    html_begin(html, "tbody", NULL);
+    html_table(html, NULL,
+               "Each path compared, each difference explained by the exact truth; drift: both "
+               "answers are right for their own, differing rays.");
+    html_heads(html, "scene;engines;demanded;#paths differ;#pixels;#rounding;#allowed;#drift;"
+                     "#as published;#faults;verdict");
+    html_body(html);
 }
 
 static void put_pairs(struct html *html, const struct report *report)
@@ -139,10 +128,8 @@ static void put_pairs(struct html *html, const struct report *report)
             put_pair(html, value_text(json, "scene"), json_array_get(pairs, i));
         }
     }
-    if (begun) {
-        html_end(html, "tbody");
-        html_end(html, "table");
-    }
+    if (begun)
+        html_table_end(html);
 }
 
 void report_pictures(struct html *html, const struct report *report)

@@ -62,7 +62,6 @@ static void put_line(struct html *html, const json_t *first, const json_t *row)
     const char *name;
     const json_t *value;
     size_t columns = 0;
-    html_begin(html, "tr", NULL);
     json_object_foreach((json_t *)(uintptr_t)first, name, value)
     {
         if (strcmp(name, "benchmark") == 0 || ++columns > COLUMNS_MOST)
@@ -72,22 +71,21 @@ static void put_line(struct html *html, const json_t *first, const json_t *row)
         else
             html_element(html, "th", json_is_number(value) ? "n" : NULL, name);
     }
-    html_end(html, "tr");
 }
 
 /* Members of the first row are the columns. */
 void report_rows(struct html *html, const json_t *rows)
 {
     const json_t *first = json_array_get(rows, 0);
-    html_begin(html, "table", "class", "wide", NULL);
-    html_begin(html, "thead", NULL);
+    html_table(html, "wide", NULL);
     put_line(html, first, NULL);
-    html_end(html, "thead");
-    html_begin(html, "tbody", NULL);
-    for (size_t i = 0; i < json_array_size(rows) && i < TABLE_ROWS; i++)
+    html_body(html);
+    for (size_t i = 0; i < json_array_size(rows) && i < TABLE_ROWS; i++) {
+        html_begin(html, "tr", NULL);
         put_line(html, first, json_array_get(rows, i));
-    html_end(html, "tbody");
-    html_end(html, "table");
+        html_end(html, "tr");
+    }
+    html_table_end(html);
     if (json_array_size(rows) > TABLE_ROWS)
         html_element_format(html, "p", "note", "%zu more rows are left out.",
                             json_array_size(rows) - TABLE_ROWS);

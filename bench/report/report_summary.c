@@ -57,20 +57,12 @@ static void put_part(struct html *html, const struct report_part *part)
 
 static void put_parts(struct html *html, const struct report *report)
 {
-    static const char *const head[][2] = {{NULL, "part"},    {NULL, "state"}, {"n", "exit code"},
-                                          {NULL, "meaning"}, {"n", "s"},      {NULL, "it said"}};
-    html_begin(html, "table", NULL);
-    html_begin(html, "thead", NULL);
-    html_begin(html, "tr", NULL);
-    for (size_t i = 0; i < ARRAY_COUNT(head); i++)
-        html_element(html, "th", head[i][0], head[i][1]);
-    html_end(html, "tr");
-    html_end(html, "thead");
-    html_begin(html, "tbody", NULL);
+    html_table(html, NULL, NULL);
+    html_heads(html, "part;state;#exit code;meaning;#s;it said");
+    html_body(html);
     for (size_t i = 0; i < report->part_count; i++)
         put_part(html, &report->part[i]);
-    html_end(html, "tbody");
-    html_end(html, "table");
+    html_table_end(html);
 }
 
 static void put_sums(struct html *html, const struct report_sum *sum)

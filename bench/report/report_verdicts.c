@@ -4,41 +4,20 @@
 #include <math.h>
 #include <string.h>
 
-/* Classes in the order of the judge, with short heads. */
-static const char *const classes[][2] = {
-    {"tie", "tie"},           {"near_tie", "near tie"},
-    {"boundary", "boundary"}, {"border", "border"},
-    {"in_plane", "in plane"}, {"slab", "slab"},
-    {"noise", "noise"},       {"out_of_contract", "out of contract"}};
+/* Classes in the order of the judge. */
+static const char *const classes[] = {"tie",      "near_tie", "boundary", "border",
+                                      "in_plane", "slab",     "noise",    "out_of_contract"};
 
 static void put_count(struct html *html, size_t count)
 {
     html_element_format(html, "td", count ? "n" : "n z", "%zu", count);
 }
 
-static void put_number(struct html *html, const char *format, double value)
+void report_number(struct html *html, const char *format, double value)
 {
     char text[48];
     snprintf(text, sizeof text, format, value);
     html_element(html, "td", "n", isfinite(value) ? text : "");
-}
-
-static void put_head(struct html *html)
-{
-    static const char *const before[] = {"layout", "engine", "builder", "triangle",
-                                         "box",    "query",  "rays",    "hits"};
-    static const char *const after[] = {"err/E", "WRONG", "of kind",  "bits",    "Mrays/s",
-                                        "least", "most",  "nodes kB", "items kB"};
-    html_begin(html, "thead", NULL);
-    html_begin(html, "tr", NULL);
-    for (size_t i = 0; i < ARRAY_COUNT(before); i++)
-        html_element(html, "th", i < 6 ? NULL : "n", before[i]);
-    for (size_t i = 0; i < ARRAY_COUNT(classes); i++)
-        html_element(html, "th", "n", classes[i][1]);
-    for (size_t i = 0; i < ARRAY_COUNT(after); i++)
-        html_element(html, "th", i == 2 ? NULL : "n", after[i]);
-    html_end(html, "tr");
-    html_end(html, "thead");
 }
 
 /* "missed 3, phantom 1" */
@@ -71,8 +50,8 @@ static void put_row(struct html *html, const json_t *row)
     put_count(html, value_count(row, "rays"));
     put_count(html, value_count(row, "hits"));
     for (size_t i = 0; i < ARRAY_COUNT(classes); i++)
-        put_count(html, value_count(counts, classes[i][0]));
-    put_number(html, "%.2f", value_number(row, "err_over_bound"));
+        put_count(html, value_count(counts, classes[i]));
+    report_number(html, "%.2f", value_number(row, "err_over_bound"));
     size_t wrong = value_count(counts, "wrong");
     if (wrong > 0)
         html_element_format(html, "td", look == LOOK_PUBLISHED ? "n pub" : "n bad", "%zu", wrong);
@@ -81,11 +60,11 @@ static void put_row(struct html *html, const json_t *row)
     put_kinds(html, row);
     size_t bits = value_count(row, "bit_differences");
     html_element_format(html, "td", bits ? "n bad" : "n z", "%zu", bits);
-    put_number(html, "%.3f", value_number(speed, "median"));
-    put_number(html, "%.3f", value_number(speed, "min"));
-    put_number(html, "%.3f", value_number(speed, "max"));
-    put_number(html, "%.1f", (double)value_count(row, "node_bytes") / 1e3);
-    put_number(html, "%.1f", (double)value_count(row, "item_bytes") / 1e3);
+    report_number(html, "%.3f", value_number(speed, "median"));
+    report_number(html, "%.3f", value_number(speed, "min"));
+    report_number(html, "%.3f", value_number(speed, "max"));
+    report_number(html, "%.1f", (double)value_count(row, "node_bytes") / 1e3);
+    report_number(html, "%.1f", (double)value_count(row, "item_bytes") / 1e3);
     html_end(html, "tr");
 }
 
@@ -95,19 +74,19 @@ void report_verdicts(struct html *html, const struct check_rows *rows)
     html_element_format(html, "summary", NULL, "all %zu rows: rays, hits, verdicts, bits, speed",
                         rows->count);
     html_begin(html, "div", "class", "roll", NULL);
-    html_begin(html, "table", "class", "wide", NULL);
-    html_element(html, "caption", NULL,
-                 "Answers in each allowed class; err/E: the largest error of t over its proven "
-                 "bound; bits: answers that differ from engine cpu's where they must not.");
-    put_head(html);
-    html_begin(html, "tbody", NULL);
+    html_table(html, "wide",
+               "Answers in each allowed class; err/E: the largest error of t over its proven "
+               "bound; bits: answers that differ from engine cpu's where they must not.");
+    html_heads(html, "layout;engine;builder;triangle;box;query;#rays;#hits;#tie;#near tie;"
+                     "#boundary;#border;#in plane;#slab;#noise;#out of contract;#err/E;#WRONG;"
+                     "of kind;#bits;#Mrays/s;#least;#most;#nodes kB;#items kB");
+    html_body(html);
     for (size_t i = 0; i < rows->count; i++) {
         enum row_look look = row_look(rows->row[i]);
         if (look != LOOK_NONE && look != LOOK_FAILED)
             put_row(html, rows->row[i]);
     }
-    html_end(html, "tbody");
-    html_end(html, "table");
+    html_table_end(html);
     html_end(html, "div");
     html_end(html, "details");
 }
