@@ -1,6 +1,7 @@
 #include "bench/chart/plot.h"
 
 #include "bench/chart/svg.h"
+#include "ref/files/file.h"
 #include "scenes/picture/colour.h"
 #include "scenes/picture/ticks.h"
 
@@ -199,4 +200,15 @@ void plot_write(FILE *stream, const struct plot_figure *figure, size_t count)
         top += height_of(&figure[i]);
     }
     svg_end(stream);
+}
+
+enum status plot_write_file(const char *path, const struct plot_figure *figure, size_t count,
+                            struct reason *reason)
+{
+    struct file_out out;
+    enum status status = file_out_open(path, &out, reason);
+    if (status)
+        return status;
+    plot_write(out.stream, figure, count);
+    return file_out_commit(&out, reason);
 }

@@ -43,4 +43,8 @@ struct plot_figure {
  * in the stream for its owner. */
 void plot_write(FILE *stream, const struct plot_figure *figure, size_t count);
 
+/* The same to a file, whole or not at all. Errors: STATUS_INPUT cannot write there, STATUS_MEMORY. */
+enum status plot_write_file(const char *path, const struct plot_figure *figure, size_t count,
+                            struct reason *reason) MUST_USE;
+
 #endif

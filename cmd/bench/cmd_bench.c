@@ -38,7 +38,7 @@ static void print_benchmarks(void)
         options_text(line, 0);
         print_takes(benchmarks[i]->takes);
         if (benchmarks[i]->alone)
-            printf("  %-12s  runs only if it is named\n", "");
+            puts("                runs only if it is named");
     }
     for (size_t i = 0; benchmarks[i]; i++)
         if (benchmarks[i]->about) {
@@ -184,16 +184,10 @@ static enum status check_given(const struct bench *bench, const char *name, stru
     return status;
 }
 
-/* The CSV is written from the start. */
-static enum status open_csv(struct bench *bench, struct reason *reason)
+static enum status write_json(struct bench *bench, struct reason *reason)
 {
-    return bench->csv_path ? options_out(bench->csv_path, &bench->csv, reason) : STATUS_OK;
-}
-
-static enum status write_json(struct bench *bench, int code, struct reason *reason)
-{
-    json_t *root =
-        json_pack("{s:s, s:i, s:O}", "raydiff", RAYDIFF_VERSION, "exit", code, "rows", bench->rows);
+    json_t *root = json_pack("{s:s, s:i, s:O}", "raydiff", RAYDIFF_VERSION, "exit", bench->code,
+                             "rows", bench->rows);
     return json_write(bench->json_path, root, 9, reason);
 }
 
@@ -217,35 +211,28 @@ static enum status name_files(struct bench *bench, const char *name, struct reas
     return STATUS_OK;
 }
 
-/* A signal's code stands for a run in which nothing else was wrong. */
-static int worse_or_signal(int code, int other)
-{
-    if (other > 128)
-        return code == EXIT_AGREE ? other : code;
-    return code > 128 ? code : exit_worse(code, other);
-}
-
 static int run_benchmarks(struct bench *bench, const char *name)
 {
     struct reason reason = {""};
-    int code = EXIT_AGREE;
     if (check_given(bench, name, &reason) || name_files(bench, name, &reason) ||
-        open_csv(bench, &reason))
+        (bench->csv_path && options_out(bench->csv_path, &bench->csv, &reason)))
         return usage_error("bench", "%s", reason.text);
     if (bench->json_path)
         bench->rows = json_array();
+    if (bench->picture.width == 0) {
+        bench->picture.width = bench->quick ? 96 : 384;
+        bench->picture.height = bench->quick ? 72 : 288;
+    }
     for (size_t i = 0; benchmarks[i]; i++)
         if (name ? strcmp(name, benchmarks[i]->name) == 0 : !benchmarks[i]->alone)
-            code = worse_or_signal(code, benchmarks[i]->run(bench));
+            bench_worse(bench, benchmarks[i]->run(bench));
     progress_end(&bench->progress);
     enum status status = bench->csv_path ? file_out_commit(&bench->csv, &reason) : STATUS_OK;
     if (status == STATUS_OK && bench->json_path)
-        status = write_json(bench, code, &reason);
+        status = write_json(bench, &reason);
     json_decref(bench->rows);
-    if (status == STATUS_OK)
-        return code;
-    fprintf(stderr, "raydiff bench: %s\n", reason.text);
-    return exit_worse(code, exit_of_status(status));
+    bench_failed(bench, NULL, status, &reason);
+    return bench->code;
 }
 
 int cmd_bench(int argc, char **argv)

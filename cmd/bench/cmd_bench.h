@@ -28,7 +28,8 @@ struct bench {
     struct progress progress;
     const char *csv_path, *json_path, *svg_path;
     struct {
-        uint64_t frames, width, height; /* 0: the benchmark's own */
+        uint64_t frames; /* 0: the benchmark's own */
+        uint64_t width, height;
         uint64_t turns, warm_up, bounces;
         enum profile profile;
         const char *out;                       /* base path of files; NULL: the benchmark's own */
@@ -39,9 +40,10 @@ struct bench {
     struct file_out csv;  /* stream NULL: none */
     const char *csv_head; /* benchmark whose column names were written last */
     json_t *rows;         /* NULL: none */
+    int code;             /* the worst exit code so far, see bench_worse */
 };
 
-/* A benchmark; `run` returns an exit code. */
+/* A benchmark; `run` returns an exit code, which may be bench->code. */
 struct benchmark {
     const char *name;
     const char *summary;
@@ -55,16 +57,28 @@ struct benchmark {
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
     bench_fuzz, bench_frames, bench_paper, bench_special, bench_fast, bench_matrix, bench_tightness;
 
-/* The user's scenes, or `own` (NULL-terminated), of which files that are not there are left out
- * with a line that says so. Returns how many are in `out`. */
-size_t bench_scenes(const struct bench *bench, const char *const *own,
-                    const char *out[BENCH_SCENES]);
+/* Counts an exit code into bench->code; that of a signal counts only if nothing else was wrong. */
+void bench_worse(struct bench *bench, int code);
 
-/* Plays the user's scenes, or `own` as above (or `made`, if it is not NULL and none of `own` is
- * there), one after the other, and complains of those that fail: `play` returns an exit code, and
- * its reason has a text if anything went wrong. Returns the worst code. */
+/* Unless STATUS_OK: prints why on the standard error, "raydiff bench: SCENE: why", and counts the
+ * exit code. The scene's name is left out if `spec` is NULL or the reason begins with it. */
+void bench_failed(struct bench *bench, const char *spec, enum status status,
+                  const struct reason *reason);
+
+/* Measures one scene. Errors: printed by bench_failed. */
+typedef enum status bench_play(struct bench *bench, const char *spec, const struct scene *scene,
+                               struct reason *reason);
+
+/* Opens the user's scenes with the bench's seed, or else those of `own` (NULL-terminated; files that
+ * were not fetched are left out with a line), or `made` if none of `own` is left and it is not NULL,
+ * and plays each. Returns bench->code. */
 int bench_each(struct bench *bench, const char *const *own, const char *const *made,
-               int (*play)(struct bench *bench, const char *spec, struct reason *reason));
+               bench_play *play);
+
+/* The members of a table that the user named, or else those with the names `own` (NULL-terminated).
+ * Returns how many pointers to members are in `out`. */
+size_t bench_members(enum table table, const struct list *named, const char *const *own,
+                     const void *out[LIST_MOST]);
 
 /* What trees are made by, as tables name it: "builder median, leaf 4", or "tree FILE". */
 const char *bench_tree_name(const struct bench *bench, char text[BENCH_TREE_NAME]);
@@ -79,16 +93,12 @@ enum status bench_tree_open(const struct bench *bench, const struct scene *scene
 enum status bench_tree_make(const struct bench *bench, const struct scene *scene, struct bvh *out,
                             struct reason *reason) MUST_USE;
 
-/* Says on the standard error what went wrong with a scene: "raydiff bench: SCENE: why". Readers and
- * generators name theirs themselves, then it is not said twice. */
-void bench_complain(const char *spec, const struct reason *reason);
-
 /* Rays per trace: the user's, or the benchmark's own number. */
 size_t bench_rays_count(const struct bench *bench, size_t own);
 
-/* Takes one flat object of named texts, numbers and nulls as a row of the CSV (its names become the
- * header before the benchmark's first row) and of the JSON; owns `row`. NULL (no memory) is left
- * out. All rows of a benchmark have the same names in the same order. */
+/* Adds a flat object of named texts, numbers and nulls as a row of the CSV (before the benchmark's
+ * first row its names are written as the header) and of the JSON. Takes `row` over; NULL (no memory)
+ * is left out. All rows of a benchmark have the same names in the same order. */
 void bench_row(struct bench *bench, const struct benchmark *benchmark, json_t *row);
 
 #endif

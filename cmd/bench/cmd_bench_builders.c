@@ -3,7 +3,6 @@
 
 #include "ref/base/command.h"
 #include "ref/tree/tree_quality.h"
-#include "scenes/scenes.h"
 #include "ref/base/json_record.h"
 
 /* Triangles from which on end-point overlap is estimated. */
@@ -59,7 +58,6 @@ static enum status build_once(struct builders_contestant *c, const struct scene 
     c->ns[round] = (double)(time_ns() - start);
     if (status == STATUS_LIMIT) {
         c->refused = *reason;
-        reason->text[0] = '\0';
         return STATUS_OK;
     }
     if (!status && look) {
@@ -121,28 +119,18 @@ static enum status build_all(struct bench *bench, const char *spec, const struct
     progress_end(&bench->progress);
     printf("%s: %u triangles%s\n", spec, scene->tri_count,
            scene->tri_count > OVERLAP_MOST ? "; overlap is estimated" : "");
-    printf("  %-24s %7s %9s %-15s %6s %8s %6s %9s %6s %7s %6s\n", "builder", "threads", "ns/tri",
-           "(least-most)", "SAH", "overlap", "depth", "nodes", "fill", "largest", "loose");
+    puts("  builder                  threads    ns/tri (least-most)       SAH  overlap  depth     "
+         "nodes   fill largest  loose");
     for (size_t i = 0; i < count; i++)
         print_row(bench, spec, scene, &list[i]);
     return STATUS_OK;
-}
-
-static int bench_scene(struct bench *bench, const char *spec, struct reason *reason)
-{
-    struct scene scene;
-    enum status status = scene_open(spec, 1, &scene, reason);
-    if (!status)
-        status = build_all(bench, spec, &scene, reason);
-    scene_free(&scene);
-    return exit_of_status(status);
 }
 
 static int run(struct bench *bench)
 {
     static const char *const own[] = {"soup:n=20000,size=0.01", "sphere:n=100", NULL};
     puts("\nbuilders");
-    return bench_each(bench, own, NULL, bench_scene);
+    return bench_each(bench, own, NULL, build_all);
 }
 
 const struct benchmark bench_builders = {

@@ -4,13 +4,48 @@
 #include "bench/chart/csv.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "scenes/scenes.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-size_t bench_scenes(const struct bench *bench, const char *const *own,
-                    const char *out[BENCH_SCENES])
+void bench_worse(struct bench *bench, int code)
+{
+    if (code <= 128 && bench->code <= 128)
+        bench->code = exit_worse(bench->code, code);
+    else if (bench->code == EXIT_AGREE)
+        bench->code = code;
+}
+
+void bench_failed(struct bench *bench, const char *spec, enum status status,
+                  const struct reason *reason)
+{
+    if (status == STATUS_OK)
+        return;
+    const char *why = reason->text[0] ? reason->text : status_text(status);
+    size_t name = spec ? strcspn(spec, ":") : 0; /* of a generator: without its parameters */
+    bool named = !spec || (strncmp(why, spec, name) == 0 && why[name] == ':');
+    fprintf(stderr, "raydiff bench: %s%s%s\n", named ? "" : spec, named ? "" : ": ", why);
+    bench_worse(bench, exit_of_status(status));
+}
+
+size_t bench_members(enum table table, const struct list *named, const char *const *own,
+                     const void *out[LIST_MOST])
+{
+    size_t count = 0;
+    const char *name;
+    for (; count < named->count; count++)
+        out[count] = table_pointer(table, named->index[count]);
+    for (size_t k = 0; named->count == 0 && own[k]; k++)
+        for (size_t i = 0; (name = table_member(table, i, NULL)) != NULL; i++)
+            if (strcmp(name, own[k]) == 0)
+                out[count++] = table_pointer(table, i);
+    return count;
+}
+
+static size_t choose_scenes(const struct bench *bench, const char *const *own,
+                            const char *out[BENCH_SCENES])
 {
     size_t count = 0;
     for (size_t i = 0; i < bench->scene_count; i++)
@@ -24,30 +59,25 @@ size_t bench_scenes(const struct bench *bench, const char *const *own,
     return count;
 }
 
-void bench_complain(const char *spec, const struct reason *reason)
-{
-    size_t name = strcspn(spec, ":"); /* of a generator: without its parameters */
-    bool named = strncmp(reason->text, spec, name) == 0 && reason->text[name] == ':';
-    fprintf(stderr, "raydiff bench: %s%s%s\n", named ? "" : spec, named ? "" : ": ", reason->text);
-}
-
 int bench_each(struct bench *bench, const char *const *own, const char *const *made,
-               int (*play)(struct bench *bench, const char *spec, struct reason *reason))
+               bench_play *play)
 {
     const char *spec[BENCH_SCENES];
-    size_t count = bench_scenes(bench, own, spec);
-    int code = EXIT_AGREE;
+    size_t count = choose_scenes(bench, own, spec);
     if (count == 0 && made)
-        count = bench_scenes(bench, made, spec);
+        count = choose_scenes(bench, made, spec);
     for (size_t i = 0; i < count; i++) {
         struct reason reason = {""};
-        code = exit_worse(code, play(bench, spec[i], &reason));
+        struct scene scene;
+        enum status status = scene_open(spec[i], bench->seed, &scene, &reason);
+        if (!status)
+            status = play(bench, spec[i], &scene, &reason);
+        scene_free(&scene);
         progress_end(&bench->progress);
-        if (reason.text[0])
-            bench_complain(spec[i], &reason);
+        bench_failed(bench, spec[i], status, &reason);
         fflush(stdout);
     }
-    return code;
+    return bench->code;
 }
 
 size_t bench_rays_count(const struct bench *bench, size_t own)

@@ -4,7 +4,6 @@
 
 #include "ref/base/command.h"
 #include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,14 +15,7 @@
 
 static const char *const own_scenes[] = {"sphere:n=32", "scenes/fetched/dragon-11k.ply.gz",
                                          "needles", NULL};
-static const char *const own_sets[] = {"random", "edges"};
-
-/* Rays with their exact answers. */
-struct known_rays {
-    struct ray *ray;
-    struct oracle_answer *truth;
-    size_t count;
-};
+static const char *const own_sets[] = {"random", "edges", NULL};
 
 /* One scene being measured. */
 struct error_field {
@@ -36,31 +28,11 @@ struct error_field {
     struct hit *hit; /* of the largest number of rays */
 };
 
-static void known_free(struct known_rays *known)
-{
-    free(known->ray);
-    free(known->truth);
-    *known = (struct known_rays){0};
-}
-
-static enum status known_alloc(size_t count, struct known_rays *out, struct reason *reason)
-{
-    *out = (struct known_rays){.ray = alloc_zeroed(count, sizeof *out->ray),
-                               .truth = alloc_zeroed(count, sizeof *out->truth),
-                               .count = count};
-    if (out->ray && out->truth)
-        return STATUS_OK;
-    known_free(out);
-    return fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
-}
-
 static enum status decide(const struct error_field *field, struct known_rays *known,
                           struct reason *reason)
 {
-    bool few = (uint64_t)known->count * field->scene->tri_count < BRUTE_PAIRS;
-    return oracle_closest(field->oracle, few ? ORACLE_BRUTE : ORACLE_TREE, ORACLE_CLOSED,
-                          known->ray, known->count, field->bench->engines.threads, known->truth,
-                          NULL, reason);
+    return known_decide(field->oracle, field->scene, field->bench->engines.threads, BRUTE_PAIRS,
+                        known, reason);
 }
 
 static size_t hits_of(const struct known_rays *known)
@@ -102,8 +74,8 @@ static enum status make_leak_rays(struct error_field *field, size_t count, struc
 static enum status trace(const struct error_field *field, const struct contestant *c,
                          const struct known_rays *known, struct reason *reason)
 {
-    struct trace_report report = {0};
-    return c->engine->trace(c->self, known->ray, known->count, field->hit, &report, reason);
+    struct trace_report report;
+    return known_trace(known, c, field->hit, &report, reason);
 }
 
 /* Judges the answers to `known` and adds them to the row. Errors: STATUS_MEMORY. */
@@ -215,6 +187,7 @@ static enum status play(struct error_field *field, const struct ray_set *set,
 {
     struct known_rays known;
     char label[96];
+    page->rays = set->name;
     enum status status = known_alloc(page->ray_count, &known, reason);
     if (status)
         return status;
@@ -241,90 +214,71 @@ static enum status play(struct error_field *field, const struct ray_set *set,
     return status;
 }
 
-static int code_of(const struct error_page *page)
+static void count_wrong(struct bench *bench, const struct error_page *page)
 {
-    int code = EXIT_AGREE;
     for (size_t i = 0; i < page->row_count; i++)
         if (page->row[i].judged && page->row[i].wrong > 0)
-            code = EXIT_MISMATCH;
+            bench_worse(bench, EXIT_MISMATCH);
     if (page->exact_hits == 0) {
-        printf("vacuous: no ray hits anything\n");
-        code = EXIT_MISMATCH;
+        puts("vacuous: no ray hits anything");
+        bench_worse(bench, EXIT_MISMATCH);
     }
-    return code;
 }
 
-/* Room for one more page; NULL without memory. */
-static struct error_page *add_page(struct error_page **pages, size_t *capacity, size_t *count)
-{
-    void *array = *pages;
-    if (array_reserve(&array, capacity, *count + 1, sizeof **pages))
-        return NULL;
-    *pages = array;
-    (*pages)[*count] = (struct error_page){0};
-    return &(*pages)[(*count)++];
-}
-
-struct pages {
+/* All pages of the run, for the plot. */
+static struct {
     struct error_page *page;
     size_t count, capacity;
-};
+} pages;
 
-static enum status play_sets(struct error_field *field, const char *spec, struct pages *pages,
-                             int *code, struct reason *reason)
+static enum status play_sets(struct error_field *field, const char *spec, struct reason *reason)
 {
+    const void *set[LIST_MOST];
     struct bench *bench = field->bench;
     size_t count = bench_rays_count(bench, OWN_RAYS);
     struct error_page leaks = {.scene = spec};
     enum status status = make_leak_rays(field, (count + 1) / 2, &leaks, reason);
     if (status == STATUS_OK)
-        *code = exit_worse(*code, race_enter(&field->race, NULL));
-    size_t sets = bench->rays.count ? bench->rays.count : ARRAY_COUNT(own_sets);
+        race_enter(&field->race);
+    size_t sets = bench_members(TABLE_RAY_SETS, &bench->rays, own_sets, set);
     for (size_t s = 0; s < sets && status == STATUS_OK; s++) {
-        const struct ray_set *set =
-            bench->rays.count ? ray_sets[bench->rays.index[s]] : ray_set_find(own_sets[s]);
-        struct error_page *page = add_page(&pages->page, &pages->capacity, &pages->count);
-        if (!page)
+        void *array = pages.page;
+        if (array_reserve(&array, &pages.capacity, pages.count + 1, sizeof *pages.page))
             return fail(reason, STATUS_MEMORY, "no memory for another page");
+        pages.page = array;
+        struct error_page *page = &pages.page[pages.count];
         *page = leaks;
-        page->rays = set->name;
         page->ray_count = count;
         page->tri_count = field->scene->tri_count;
-        status = play(field, set, page, reason);
-        if (status) {
-            pages->count--;
+        status = play(field, set[s], page, reason);
+        if (status)
             return status;
-        }
+        pages.count++;
         error_print(bench, page);
-        *code = exit_worse(*code, code_of(page));
+        count_wrong(bench, page);
     }
     return status;
 }
 
-static enum status play_scene(struct bench *bench, const char *spec, struct pages *pages, int *code,
+static enum status play_scene(struct bench *bench, const char *spec, const struct scene *scene,
                               struct reason *reason)
 {
-    struct scene scene;
-    enum status status = scene_open(spec, bench->seed, &scene, reason);
-    if (status)
-        return status;
+    enum status status = STATUS_OK;
     struct error_field *field = alloc_zeroed(1, sizeof *field);
-    if (!field) {
-        scene_free(&scene);
+    if (!field)
         return fail(reason, STATUS_MEMORY, "no memory");
-    }
     field->bench = bench;
-    field->scene = &scene;
-    field->race = (struct race){.bench = bench, .label = spec, .scene = &scene, .bvh = &field->bvh};
+    field->scene = scene;
+    field->race = (struct race){.bench = bench, .label = spec, .scene = scene, .bvh = &field->bvh};
     field->hit = alloc_zeroed(bench_rays_count(bench, OWN_RAYS), sizeof *field->hit);
     if (!field->hit)
         status = fail(reason, STATUS_MEMORY, "no memory for the answers");
     if (status == STATUS_OK)
-        status = oracle_make(&scene, &field->oracle, reason);
+        status = oracle_make(scene, &field->oracle, reason);
     if (status == STATUS_OK)
-        status = bench_tree_make(bench, &scene, &field->bvh, reason);
+        status = bench_tree_make(bench, scene, &field->bvh, reason);
     if (status == STATUS_OK)
-        status = play_sets(field, spec, pages, code, reason);
+        status = play_sets(field, spec, reason);
     race_leave(&field->race);
     for (int target = 0; target < LEAK_TARGETS; target++)
         known_free(&field->leak[target]);
@@ -332,40 +286,21 @@ static enum status play_scene(struct bench *bench, const char *spec, struct page
     oracle_free(field->oracle);
     free(field->hit);
     free(field);
-    scene_free(&scene);
     return status;
 }
 
 static int run(struct bench *bench)
 {
-    const char *spec[BENCH_SCENES];
-    size_t count = bench_scenes(bench, own_scenes, spec);
-    struct pages pages = {0};
     struct reason reason = {""};
     char driver[96];
-    int code = EXIT_AGREE;
-    enum status status = STATUS_OK;
     error_driver(&bench->engines, driver, sizeof driver);
-    for (size_t i = 0; i < count; i++) {
-        status = play_scene(bench, spec[i], &pages, &code, &reason);
-        progress_end(&bench->progress);
-        if (status) {
-            if (!reason.text[0])
-                fail(&reason, status, "%s", status_text(status));
-            bench_complain(spec[i], &reason);
-            code = exit_worse(code, exit_of_status(status));
-        }
-        fflush(stdout);
-    }
-    if (bench->svg_path && pages.count > 0) {
-        status = error_plot(bench->svg_path, bench, pages.page, pages.count, driver, &reason);
-        if (status) {
-            fprintf(stderr, "raydiff bench: %s\n", reason.text);
-            code = exit_worse(code, exit_of_status(status));
-        }
-    }
+    bench_each(bench, own_scenes, NULL, play_scene);
+    if (bench->svg_path && pages.count > 0)
+        bench_failed(bench, NULL,
+                     error_plot(bench->svg_path, bench, pages.page, pages.count, driver, &reason),
+                     &reason);
     free(pages.page);
-    return code;
+    return bench->code;
 }
 
 static const char about[] =

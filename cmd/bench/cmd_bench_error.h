@@ -3,7 +3,7 @@
 #ifndef CMD_BENCH_ERROR_H
 #define CMD_BENCH_ERROR_H
 
-#include "cmd/bench/cmd_bench_race.h"
+#include "cmd/bench/cmd_bench_known.h"
 #include "bench/measure/error_measure.h"
 #include "bench/measure/leak_rays.h"
 

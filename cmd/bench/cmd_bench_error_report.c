@@ -21,11 +21,10 @@ static void print_rate(size_t events, size_t count)
 
 static void print_speeds(const struct error_page *page)
 {
-    printf("%-13s %-13s %-10s %-7s %-23s %-27s %8s %8s %8s %8s %8s\n", "per million:", "", "", "",
-           "", "", "", "", "", "leaks", "leaks");
-    printf("%-13s %-13s %-10s %-7s %-23s %-27s %8s %8s %8s %8s %8s %6s %6s %6s\n", "engine",
-           "nodes", "box", "tri", "Mray/s (least-most)", "ratio (least-most)", "lost", "phantom",
-           "wrong id", "edge", "vertex", "named", "WRONG", "err/E");
+    puts("per million:                                                                             "
+         "                                        leaks    leaks");
+    puts("engine        nodes         box        tri     Mray/s (least-most)     ratio "
+         "(least-most)              lost  phantom wrong id     edge   vertex  named  WRONG  err/E");
     for (size_t i = 0; i < page->row_count; i++) {
         const struct error_row *row = &page->row[i];
         char speed[48], ratio[64];
@@ -41,7 +40,7 @@ static void print_speeds(const struct error_page *page)
         for (int target = 0; target < LEAK_TARGETS; target++)
             print_rate(row->leak[target], page->leak_rays[target]);
         if (isnan(row->over))
-            printf(" %6s %6s %6s\n", "-", "-", "-");
+            puts("      -      -      -");
         else if (row->judged)
             printf(" %6zu %6zu %6.3f\n", row->named, row->wrong, row->over);
         else
@@ -67,12 +66,10 @@ static void print_factor(double value)
 
 static void print_accuracy(const struct error_page *page)
 {
-    printf("%-13s %-13s %-10s %-7s %26s %26s %26s %6s %6s %6s %7s\n", "in u x size:", "", "", "",
-           "forward", "plane", "point", "boxes", "tris", "bytes", "bytes");
-    printf("%-13s %-13s %-10s %-7s", "engine", "nodes", "box", "tri");
-    for (int k = 0; k < 3; k++)
-        printf(" %8s %8s %8s", "p50", "p99", "max");
-    printf(" %6s %6s %6s %7s\n", "/f32", "/f32", "/node", "/tri");
+    puts("in u x size:                                                      forward                "
+         "      plane                      point  boxes   tris  bytes   bytes");
+    puts("engine        nodes         box        tri          p50      p99      max      p50      "
+         "p99      max      p50      p99      max   /f32   /f32  /node    /tri");
     for (size_t i = 0; i < page->row_count; i++) {
         const struct error_row *row = &page->row[i];
         print_name(row);
@@ -85,7 +82,7 @@ static void print_accuracy(const struct error_page *page)
             printf(" %6u %7.1f\n", row->layout->node_bytes,
                    (double)(row->node_bytes + row->item_bytes) / (double)page->tri_count);
         else
-            printf(" %6s %7s\n", "-", "-");
+            puts("      -       -");
     }
 }
 
@@ -172,7 +169,6 @@ enum status error_plot(const char *path, const struct bench *bench, const struct
                        size_t count, const char *driver, struct reason *reason)
 {
     struct row_plots plots = {0};
-    struct file_out out;
     json_t *rows = json_array();
     for (size_t i = 0; i < count; i++)
         for (size_t k = 0; k < page[i].row_count; k++)
@@ -181,11 +177,7 @@ enum status error_plot(const char *path, const struct bench *bench, const struct
     if (status == STATUS_OK && plots.count == 0)
         status = fail(reason, STATUS_MEMORY, "no memory for the plot");
     if (status == STATUS_OK)
-        status = file_out_open(path, &out, reason);
-    if (status == STATUS_OK) {
-        plot_write(out.stream, plots.figure, plots.count);
-        status = file_out_commit(&out, reason);
-    }
+        status = plot_write_file(path, plots.figure, plots.count, reason);
     row_plots_free(&plots);
     json_decref(rows);
     return status;

@@ -4,7 +4,6 @@
 
 #include "ref/base/command.h"
 #include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
 #include "ref/base/json_record.h"
 
 #include <math.h>
@@ -20,7 +19,7 @@ static const char *const kinds[] = {"primary", "random", "bounce", "shadow"};
 struct contest {
     struct bench *bench;
     const char *spec;
-    struct scene scene;
+    const struct scene *scene;
     struct bvh bvh;
     struct race race;
     size_t entry[RIVALS]; /* of each contestant */
@@ -61,7 +60,7 @@ static enum status make_shadow_rays(struct contest *c, struct reason *reason)
         return fail(reason, STATUS_MEMORY, "no memory for %zu rays", c->count);
     enum status status = trace(c, fast, reason);
     if (!status)
-        status = shadow_rays_make(&c->scene, c->ray, c->hit[fast], c->count, out, reason);
+        status = shadow_rays_make(c->scene, c->ray, c->hit[fast], c->count, out, reason);
     if (!status)
         memcpy(c->ray, out, c->count * sizeof *out);
     free(out);
@@ -72,7 +71,7 @@ static enum status make_rays(struct contest *c, size_t kind, struct reason *reas
 {
     bool shadow = kind == KINDS - 1;
     enum status status = ray_set_find(shadow ? "primary" : kinds[kind])
-                             ->make(&c->scene, c->bench->seed, c->count, c->ray, reason);
+                             ->make(c->scene, c->bench->seed, c->count, c->ray, reason);
     if (!status)
         status = race_prepare(&c->race, QUERY_CLOSEST, reason);
     if (!status && shadow) {
@@ -105,7 +104,7 @@ static void print_rows(struct contest *c, size_t kind, double *log_ratio)
         if (c->entry[0] != 0) /* Embree is not here */
             ratio = (struct spread){NAN, NAN, NAN};
         log_ratio[i] += log(ratio.median);
-        double bytes = (double)r->memory_bytes / (double)c->scene.tri_count;
+        double bytes = (double)r->memory_bytes / (double)c->scene->tri_count;
         size_t missed = missed_by(c, i);
         const char *name = entries[c->entry[i]].name;
         printf("  %-8s %-14s %8.3f  %6.3f (%.3f-%.3f) %8.1f %8zu\n", kinds[kind], name,
@@ -114,7 +113,7 @@ static void print_rows(struct contest *c, size_t kind, double *log_ratio)
             c->bench, &bench_fast,
             json_record("scene=%s rays=%s engine=%s threads=%u triangles=%u mrays=%g ratio=%g "
                         "ratio_least=%g ratio_most=%g bytes_per_triangle=%g missed=%zu",
-                        c->spec, kinds[kind], name, c->bench->engines.threads, c->scene.tri_count,
+                        c->spec, kinds[kind], name, c->bench->engines.threads, c->scene->tri_count,
                         mrays.median, ratio.median, ratio.least, ratio.most, bytes, missed));
     }
 }
@@ -155,7 +154,6 @@ static enum status enter_all(struct contest *c, struct reason *reason)
         status = race_add(&c->race, &who, &options, reason);
         if (status == STATUS_UNSUPPORTED) {
             printf("  %s left out: %s\n", entries[i].name, reason->text);
-            reason->text[0] = '\0';
             status = STATUS_OK;
         }
     }
@@ -170,11 +168,9 @@ static enum status enter_all(struct contest *c, struct reason *reason)
 static enum status open_contest(struct contest *c, struct reason *reason)
 {
     const struct build_options build = {.leaf = 1};
-    enum status status = scene_open(c->spec, c->bench->seed, &c->scene, reason);
-    if (!status && c->scene.tri_count == 0)
-        status = fail(reason, STATUS_INPUT, "no triangles");
-    if (!status)
-        status = bvh_build(builder_find("sah_sweep"), &c->scene, &build, &c->bvh, reason);
+    if (c->scene->tri_count == 0)
+        return fail(reason, STATUS_INPUT, "no triangles");
+    enum status status = bvh_build(builder_find("sah_sweep"), c->scene, &build, &c->bvh, reason);
     if (!status)
         c->ray = alloc_zeroed(c->count, sizeof *c->ray);
     if (!status && !c->ray)
@@ -182,24 +178,25 @@ static enum status open_contest(struct contest *c, struct reason *reason)
     return status ? status : enter_all(c, reason);
 }
 
-static int bench_scene(struct bench *bench, const char *spec, struct reason *reason)
+static enum status bench_scene(struct bench *bench, const char *spec, const struct scene *scene,
+                               struct reason *reason)
 {
     struct contest *c = alloc_zeroed(1, sizeof *c);
     if (!c)
-        return exit_of_status(fail(reason, STATUS_MEMORY, "no memory"));
+        return fail(reason, STATUS_MEMORY, "no memory");
     c->bench = bench;
     c->spec = spec;
+    c->scene = scene;
     c->count = bench_rays_count(bench, RAYS_OWN);
     c->race = (struct race){.bench = bench,
                             .label = spec,
-                            .scene = &c->scene,
+                            .scene = scene,
                             .bvh = &c->bvh,
                             .core_time = bench->engines.threads == 1};
     printf("%s\n", spec);
     enum status status = open_contest(c, reason);
     if (!status) {
-        printf("  %-8s %-14s %8s  %-22s %8s %8s\n", "rays", "engine", "Mray/s",
-               "to embree (least-most)", "byte/tri", "missed");
+        puts("  rays     engine           Mray/s  to embree (least-most) byte/tri   missed");
         status = play_kinds(c, reason);
     }
     race_leave(&c->race);
@@ -207,9 +204,8 @@ static int bench_scene(struct bench *bench, const char *spec, struct reason *rea
         free(c->hit[i]);
     free(c->ray);
     bvh_free(&c->bvh);
-    scene_free(&c->scene);
     free(c);
-    return exit_of_status(status);
+    return status;
 }
 
 static int run(struct bench *bench)

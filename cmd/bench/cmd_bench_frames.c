@@ -15,8 +15,6 @@ static const char about[] =
     "one; the files are benchmark.* unless --out says otherwise, written anew every 10 "
     "frames. Without --engine and --layout: vulkan on f32 and rf16.";
 
-static const char *const own_layouts[] = {"f32", "rf16"};
-
 struct plans {
     struct painter_plan plan[FRAMES_CONTESTANTS];
     char handler[FRAMES_CONTESTANTS][48];
@@ -45,30 +43,29 @@ static enum status add(struct plans *plans, const struct painter_plan *model,
 static enum status make_plans(const struct bench *bench, const struct painter_plan *model,
                               struct plans *plans, struct reason *reason)
 {
+    static const char *const own_engines[] = {"vulkan", NULL};
+    static const char *const own_layouts[] = {"f32", "rf16", NULL};
+    const void *chosen[LIST_MOST], *layout[LIST_MOST];
+    size_t engine_count = bench_members(TABLE_ENGINES, &bench->engine, own_engines, chosen);
+    size_t layout_count = bench_members(TABLE_LAYOUTS, &bench->layout, own_layouts, layout);
     enum status status = STATUS_OK;
-    size_t engine_count = bench->engine.count ? bench->engine.count : 1;
     for (size_t e = 0; e < engine_count && !status; e++) {
-        const struct engine *engine =
-            bench->engine.count ? engines[bench->engine.index[e]] : engine_find("vulkan");
-        size_t layout_count = bench->layout.count ? bench->layout.count : ARRAY_COUNT(own_layouts);
+        const struct engine *engine = chosen[e];
         if (!engine->needs_packed)
             status = add(plans, model, engine, NULL, reason);
         for (size_t l = 0; engine->needs_packed && l < layout_count && !status; l++)
-            status = add(plans, model, engine,
-                         bench->layout.count ? layouts_all[bench->layout.index[l]]
-                                             : layout_find(own_layouts[l]),
-                         reason);
+            status = add(plans, model, engine, layout[l], reason);
     }
     return status;
 }
 
-static int measure(struct bench *bench, const char *spec, const struct scene *scene,
-                   struct reason *reason)
+static enum status measure(struct bench *bench, const char *spec, const struct scene *scene,
+                           struct reason *reason)
 {
     struct bvh bvh;
     enum status status = bench_tree_make(bench, scene, &bvh, reason);
     if (status)
-        return exit_of_status(status);
+        return status;
     bool rtrs = bench->picture.profile == PROFILE_RTRS;
     struct painter_plan model = {
         .tree = &bvh,
@@ -77,8 +74,8 @@ static int measure(struct bench *bench, const char *spec, const struct scene *sc
         .look = {.profile = rtrs ? PROFILE_RTRS : PROFILE_REPAIRED,
                  .bounces = (uint32_t)bench->picture.bounces,
                  .ambience = 0.1f},
-        .width = bench->picture.width ? (uint32_t)bench->picture.width : 384,
-        .height = bench->picture.height ? (uint32_t)bench->picture.height : 288,
+        .width = (uint32_t)bench->picture.width,
+        .height = (uint32_t)bench->picture.height,
         .tile = 16,
     };
     struct frames_settings settings = {
@@ -87,17 +84,15 @@ static int measure(struct bench *bench, const char *spec, const struct scene *sc
         .warm_up = (uint32_t)bench->picture.warm_up,
     };
     struct plans *plans = calloc(1, sizeof *plans);
-    int code = EXIT_INTERNAL;
     status = plans ? make_plans(bench, &model, plans, reason)
                    : fail(reason, STATUS_MEMORY, "no memory for the run");
-    if (status)
-        code = exit_of_status(status);
-    else
-        code = frames_command("bench", plans->plan, plans->count, spec, scene, &bench->engines,
-                              &settings, bench->picture.out ? bench->picture.out : "benchmark");
+    if (!status)
+        bench_worse(bench, frames_command("bench", plans->plan, plans->count, spec, scene,
+                                          &bench->engines, &settings,
+                                          bench->picture.out ? bench->picture.out : "benchmark"));
     free(plans);
     bvh_free(&bvh);
-    return code;
+    return status;
 }
 
 static int run(struct bench *bench)
@@ -108,11 +103,11 @@ static int run(struct bench *bench)
         return usage_error("bench", "frames: one scene, one box test and one triangle test");
     struct scene scene;
     enum status status = scene_open(spec, bench->seed, &scene, &reason);
-    int code = status ? exit_of_status(status) : measure(bench, spec, &scene, &reason);
+    if (!status)
+        status = measure(bench, spec, &scene, &reason);
     scene_free(&scene);
-    if (reason.text[0])
-        fprintf(stderr, "raydiff bench: %s\n", reason.text);
-    return code;
+    bench_failed(bench, NULL, status, &reason);
+    return bench->code;
 }
 
 const struct benchmark bench_frames = {

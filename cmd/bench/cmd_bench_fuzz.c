@@ -119,24 +119,19 @@ static void report_setting(struct bench *bench, const struct fuzz_field *field,
 static enum status make_field(const struct bench *bench, struct fuzz_field *out,
                               struct reason *reason)
 {
-    static const char *const own_engine[] = {"cpu", "vulkan", "embree_robust"};
-    static const char *const own_layout[] = {"f32", "rf16"};
+    static const char *const own_engine[] = {"cpu", "vulkan", "embree_robust", NULL};
+    static const char *const own_layout[] = {"f32", "rf16", NULL};
+    const void *engines_chosen[LIST_MOST], *layouts_chosen[LIST_MOST];
     const struct engine *engine[LIST_MOST];
     const struct layout *layout[LIST_MOST];
-    size_t engine_count = bench->engine.count, layout_count = bench->layout.count;
-    for (size_t i = 0; i < engine_count; i++)
-        engine[i] = engine_find(table_member(TABLE_ENGINES, bench->engine.index[i], NULL));
-    for (size_t i = 0; i < layout_count; i++)
-        layout[i] = layouts_all[bench->layout.index[i]];
-    for (size_t i = 0; i < ARRAY_COUNT(own_engine) && !bench->engine.count; i++)
-        engine[engine_count++] = engine_find(own_engine[i]);
-    for (size_t i = 0; i < ARRAY_COUNT(own_layout) && !bench->layout.count; i++)
-        layout[layout_count++] = layout_find(own_layout[i]);
+    size_t engine_count = bench_members(TABLE_ENGINES, &bench->engine, own_engine, engines_chosen);
+    size_t layout_count = bench_members(TABLE_LAYOUTS, &bench->layout, own_layout, layouts_chosen);
     struct engine_options options = bench->engines;
     options.threads = 1;
     for (size_t i = 0; i < engine_count; i++)
-        if (!engine[i])
-            return fail(reason, STATUS_INPUT, "only engines of the table take part");
+        engine[i] = engines_chosen[i];
+    for (size_t i = 0; i < layout_count; i++)
+        layout[i] = layouts_chosen[i];
     return fuzz_field_make(engine, engine_count, layout, layout_count, &options, out, reason);
 }
 
@@ -177,13 +172,10 @@ static int run(struct bench *bench)
     if (!status)
         status = measure(bench, &field, &crew, setting, settings, &reason);
     crew_stop(&crew);
-    if (status) {
-        fprintf(stderr, "raydiff bench: %s\n", reason.text);
-        return exit_of_status(status);
-    }
-    for (size_t i = 0; i < settings; i++)
+    bench_failed(bench, NULL, status, &reason);
+    for (size_t i = 0; i < settings && !status; i++)
         report_setting(bench, &field, &setting[i]);
-    return EXIT_AGREE;
+    return bench->code;
 }
 
 const struct benchmark bench_fuzz = {

@@ -4,7 +4,6 @@
 #include "ref/base/command.h"
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
 #include "ref/base/json_record.h"
 
 #include <stdlib.h>
@@ -48,9 +47,8 @@ static void enter_all(struct layouts_field *field)
 }
 
 /* Errors of every contestant, from the match's judge. */
-static int judge_all(struct layouts_field *field)
+static void judge_all(struct layouts_field *field)
 {
-    int code = EXIT_AGREE;
     for (size_t i = 0; i < field->race.count; i++) {
         const struct contestant *c = &field->race.contestant[i];
         struct reason reason;
@@ -58,11 +56,10 @@ static int judge_all(struct layouts_field *field)
             continue;
         match_run(&field->match, c->engine, &field->row[i]);
         if (field->row[i].status == ROW_FAILED)
-            code = exit_worse(code, EXIT_ENGINE);
+            bench_worse(field->bench, EXIT_ENGINE);
         if (row_failed(&field->row[i]))
-            code = exit_worse(code, EXIT_MISMATCH);
+            bench_worse(field->bench, EXIT_MISMATCH);
     }
-    return code;
 }
 
 static void write_row(struct layouts_field *field, size_t i, const struct spread *speed,
@@ -106,9 +103,9 @@ static void print_contestant(struct layouts_field *field, size_t i)
     write_row(field, i, &speed, &ratio, allowed);
 }
 
-static int bench_rays(struct layouts_field *field, const struct ray_set *set)
+static enum status bench_rays(struct layouts_field *field, const struct ray_set *set,
+                              struct reason *reason)
 {
-    struct reason reason = {""};
     struct match_options options = {
         .builder = field->tree ? &tree_file_builder : builders[0],
         .tree = field->tree,
@@ -124,7 +121,6 @@ static int bench_rays(struct layouts_field *field, const struct ray_set *set)
     struct ray *ray = alloc_zeroed(count, sizeof *ray);
     struct hit *hit = alloc_zeroed(count, sizeof *hit);
     enum status status = ray && hit ? STATUS_OK : STATUS_MEMORY;
-    int code = EXIT_AGREE;
     char label[120];
     snprintf(label, sizeof label, "%.80s, %s rays", field->spec, set->name);
     field->race = (struct race){
@@ -132,15 +128,14 @@ static int bench_rays(struct layouts_field *field, const struct ray_set *set)
     field->ray_count = count;
     field->rays = set->name;
     if (status == STATUS_OK)
-        status = set->make(field->scene, 1, count, ray, &reason);
+        status = set->make(field->scene, field->bench->seed, count, ray, reason);
     if (status == STATUS_OK)
-        status = match_make(field->scene, ray, count, &options, &pool, &field->match, &reason);
+        status = match_make(field->scene, ray, count, &options, &pool, &field->match, reason);
     if (status == STATUS_OK) {
         enter_all(field);
-        code = judge_all(field);
-        status = race_run(&field->race, ray, count, hit, &reason);
+        judge_all(field);
+        status = race_run(&field->race, ray, count, hit, reason);
         progress_end(&field->bench->progress);
-        /* Sorting for the median loses the rounds, so ratios come first: they are made in race_run. */
         for (size_t i = 0; i < field->race.count && status == STATUS_OK; i++)
             print_contestant(field, i);
         race_leave(&field->race);
@@ -149,58 +144,41 @@ static int bench_rays(struct layouts_field *field, const struct ray_set *set)
     pool_free(&pool);
     free(ray);
     free(hit);
-    if (status == STATUS_OK)
-        return code;
-    fprintf(stderr, "raydiff bench: %s: %s\n", field->spec,
-            reason.text[0] ? reason.text : status_text(status));
-    return exit_worse(code, exit_of_status(status));
+    return status;
+}
+
+static enum status play_scene(struct bench *bench, const char *spec, const struct scene *scene,
+                              struct reason *reason)
+{
+    static const char *const sets[] = {"primary", "random", "bounce"};
+    static struct layouts_field field;
+    struct tree_file tree;
+    char name[BENCH_TREE_NAME];
+    enum status status = bench_tree_open(bench, scene, &tree, reason);
+    if (status)
+        return status;
+    printf("\n%s: %u triangles; %s, box %s, triangle %s; %llu rays, %llu "
+           "rounds interleaved\n",
+           spec, scene->tri_count, bench_tree_name(bench, name), box_tests[0]->name,
+           tri_tests[0]->name, (unsigned long long)bench_rays_count(bench, OWN_RAYS),
+           (unsigned long long)bench->rounds);
+    puts("rays     engine        nodes Mray/s (least-most)   ratio (least-most)           B/tri "
+         "+items  mem/tri   wrong  named");
+    for (size_t s = 0; s < ARRAY_COUNT(sets); s++) {
+        struct reason why = {""};
+        field = (struct layouts_field){
+            .bench = bench, .spec = spec, .scene = scene, .tree = bench->bvh ? &tree : NULL};
+        bench_failed(bench, spec, bench_rays(&field, ray_set_find(sets[s]), &why), &why);
+    }
+    tree_file_free(&tree);
+    return STATUS_OK;
 }
 
 static int run(struct bench *bench)
 {
     static const char *const own[] = {"sphere:n=50", "terrain:k=6",
                                       "scenes/fetched/dragon-11k.ply.gz", NULL};
-    static const char *const sets[] = {"primary", "random", "bounce"};
-    const char *spec[BENCH_SCENES];
-    size_t count = bench_scenes(bench, own, spec);
-    int code = EXIT_AGREE;
-    for (size_t i = 0; i < count; i++) {
-        struct scene scene;
-        struct tree_file tree = {0};
-        struct reason reason;
-        char name[BENCH_TREE_NAME];
-        enum status status = scene_open(spec[i], 1, &scene, &reason);
-        if (status == STATUS_OK)
-            status = bench_tree_open(bench, &scene, &tree, &reason);
-        if (status) {
-            fprintf(stderr, "raydiff bench: %s\n", reason.text);
-            code = exit_worse(code, exit_of_status(status));
-            scene_free(&scene);
-            continue;
-        }
-        printf("\n%s: %u triangles; %s, box %s, triangle %s; %llu rays, %llu "
-               "rounds interleaved\n",
-               spec[i], scene.tri_count, bench_tree_name(bench, name), box_tests[0]->name,
-               tri_tests[0]->name, (unsigned long long)bench_rays_count(bench, OWN_RAYS),
-               (unsigned long long)bench->rounds);
-        printf("%-8s %-13s %-5s %-21s %-27s %6s %6s %8s %7s %6s\n", "rays", "engine", "nodes",
-               "Mray/s (least-most)", "ratio (least-most)", "B/tri", "+items", "mem/tri", "wrong",
-               "named");
-        for (size_t s = 0; s < ARRAY_COUNT(sets); s++) {
-            struct layouts_field *field = alloc_zeroed(1, sizeof *field);
-            if (!field)
-                return EXIT_INTERNAL;
-            field->bench = bench;
-            field->spec = spec[i];
-            field->scene = &scene;
-            field->tree = bench->bvh ? &tree : NULL;
-            code = exit_worse(code, bench_rays(field, ray_set_find(sets[s])));
-            free(field);
-        }
-        tree_file_free(&tree);
-        scene_free(&scene);
-    }
-    return code;
+    return bench_each(bench, own, NULL, play_scene);
 }
 
 const struct benchmark bench_layouts = {

@@ -5,7 +5,6 @@
 #include "bench/measure/shadow_rays.h"
 #include "ref/base/command.h"
 #include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -50,7 +49,7 @@ static enum status tree_of(struct matrix *m, const struct matrix_entry *e, const
         .leaf = leaf, .eps = BUILD_EPS_DEFAULT, .passes = e->passes};
     *t = (struct matrix_tree){.builder = e->builder, .passes = e->passes, .leaf = leaf};
     progress_step(&m->bench->progress, "%s: building by %s", m->spec, e->builder->name);
-    enum status status = bvh_build(e->builder, &m->scene, &build, &t->bvh, reason);
+    enum status status = bvh_build(e->builder, m->scene, &build, &t->bvh, reason);
     m->tree_count += status == STATUS_OK;
     *out = &t->bvh;
     return status;
@@ -73,7 +72,7 @@ static enum status make_shadow_rays(struct matrix *m, struct reason *reason)
         status = fast.engine->trace(m->race.contestant[0].self, m->ray[KIND_PRIM], m->count, m->hit,
                                     &report, reason);
     if (!status)
-        status = shadow_rays_make(&m->scene, m->ray[KIND_PRIM], m->hit, m->count,
+        status = shadow_rays_make(m->scene, m->ray[KIND_PRIM], m->hit, m->count,
                                   m->ray[KIND_O_SHAD], reason);
     race_leave(&m->race);
     return status;
@@ -94,7 +93,7 @@ static enum status make_rays(struct matrix *m, struct reason *reason)
         /* Any hits are asked of other rays than closest hits. */
         if (sets[kind])
             status = ray_set_find(sets[kind])
-                         ->make(&m->scene, m->bench->seed + (kind == KIND_O_RAND), m->count,
+                         ->make(m->scene, m->bench->seed + (kind == KIND_O_RAND), m->count,
                                 m->ray[kind], reason);
         else
             status = make_shadow_rays(m, reason);
@@ -135,8 +134,7 @@ static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigne
         return STATUS_OK;
     }
     if (status == STATUS_REFUSED) { /* the others go on */
-        bench_complain(m->spec, reason);
-        m->refused = true;
+        bench_failed(m->bench, m->spec, status, reason);
         return STATUS_OK;
     }
     return status;
@@ -235,19 +233,17 @@ static enum status open_matrix(struct matrix *m, struct reason *reason)
 {
     struct bench *bench = m->bench;
     enum status status = matrix_entries_make(bench, &m->entries, reason);
-    if (!status)
-        status = scene_open(m->spec, bench->seed, &m->scene, reason);
-    if (!status && m->scene.tri_count == 0)
+    if (!status && m->scene->tri_count == 0)
         status = fail(reason, STATUS_INPUT, "no triangles");
     if (status)
         return status;
     bool gpu = matrix_entry_is_gpu(&m->entries.entry[0]);
     m->count = bench_rays_count(bench, gpu ? OWN_RAYS_GPU : OWN_RAYS);
-    m->race = (struct race){.bench = bench, .label = m->spec, .scene = &m->scene};
+    m->race = (struct race){.bench = bench, .label = m->spec, .scene = m->scene};
     m->row = alloc_zeroed(2 * (CONTESTANTS + 1), sizeof *m->row);
     if (!m->row)
         return fail(reason, STATUS_MEMORY, "no memory");
-    status = oracle_make(&m->scene, &m->oracle, reason);
+    status = oracle_make(m->scene, &m->oracle, reason);
     if (!status)
         status = make_rays(m, reason);
     return status ? status : matrix_known_make(m, reason);
@@ -260,13 +256,12 @@ static void close_matrix(struct matrix *m)
         bvh_free(&m->tree[i].bvh);
     for (int kind = 0; kind < MATRIX_KINDS; kind++)
         free(m->ray[kind]);
-    matrix_known_free(&m->sample);
-    matrix_known_free(&m->leak);
+    known_free(&m->sample);
+    known_free(&m->leak);
     free(m->few);
     free(m->hit);
     free(m->row);
     oracle_free(m->oracle);
-    scene_free(&m->scene);
 }
 
 static enum status play(struct matrix *m, struct reason *reason)
@@ -287,12 +282,10 @@ static enum status play(struct matrix *m, struct reason *reason)
     return status;
 }
 
-/* Drops engines that were named and cannot run here, each with a line; returns what that is as an
- * exit code. */
-static int drop_absent(struct bench *bench)
+/* Drops engines that were named and cannot run here, each with a line. */
+static void drop_absent(struct bench *bench)
 {
     size_t kept = 0;
-    int code = EXIT_AGREE;
     for (size_t i = 0; i < bench->engine.count; i++) {
         const struct engine *engine = engines[bench->engine.index[i]];
         struct reason reason = {"no memory"};
@@ -301,32 +294,28 @@ static int drop_absent(struct bench *bench)
             engine->brute ? STATUS_OK : engine->open(&bench->engines, &self, &reason);
         if (self)
             engine->close(self);
-        if (status)
-            fprintf(stderr, "raydiff bench: %s\n", reason.text);
-        else
+        bench_failed(bench, NULL, status, &reason);
+        if (!status)
             bench->engine.index[kept++] = bench->engine.index[i];
-        code = exit_worse(code, exit_of_status(status));
     }
     bench->engine.count = kept;
-    return code;
 }
 
-static int bench_scene(struct bench *bench, const char *spec, struct reason *reason)
+static enum status bench_scene(struct bench *bench, const char *spec, const struct scene *scene,
+                               struct reason *reason)
 {
     struct matrix *m = alloc_zeroed(1, sizeof *m);
     if (!m)
-        return exit_of_status(fail(reason, STATUS_MEMORY, "no memory"));
+        return fail(reason, STATUS_MEMORY, "no memory");
     m->bench = bench;
     m->spec = spec;
+    m->scene = scene;
     enum status status = open_matrix(m, reason);
     if (!status)
         status = play(m, reason);
-    int code = exit_of_status(status);
-    if (m->refused)
-        code = exit_worse(code, EXIT_MISMATCH);
     close_matrix(m);
     free(m);
-    return code;
+    return status;
 }
 
 static int run(struct bench *bench)
@@ -337,22 +326,19 @@ static int run(struct bench *bench)
     static const char *const own_gpu[] = {"scenes/fetched/dragon-11k.ply.gz",
                                           "scenes/fetched/dragon-203k.ply.gz", NULL};
     static const char *const made[] = {"terrain:k=6", "terrain:k=8", "terrain:k=9", NULL};
-    int code = drop_absent(bench);
-    if (code != EXIT_AGREE && bench->engine.count == 0)
-        return code;
+    drop_absent(bench);
+    if (bench->code != EXIT_AGREE && bench->engine.count == 0)
+        return bench->code;
     json_t *rows = bench->rows ? json_incref(bench->rows) : json_array();
     json_t *kept = bench->rows;
     bench->rows = rows;
-    code = exit_worse(code,
-                      bench_each(bench, matrix_is_gpu(bench) ? own_gpu : own, made, bench_scene));
+    bench_each(bench, matrix_is_gpu(bench) ? own_gpu : own, made, bench_scene);
     bench->rows = kept;
     struct reason reason = {""};
-    if (bench->svg_path && matrix_plot(bench->svg_path, rows, &reason)) {
-        fprintf(stderr, "raydiff bench: %s\n", reason.text);
-        code = exit_worse(code, EXIT_USAGE);
-    }
+    if (bench->svg_path)
+        bench_failed(bench, NULL, matrix_plot(bench->svg_path, rows, &reason), &reason);
     json_decref(rows);
-    return code;
+    return bench->code;
 }
 
 const struct benchmark bench_matrix = {

@@ -3,7 +3,7 @@
 #ifndef CMD_BENCH_MATRIX_H
 #define CMD_BENCH_MATRIX_H
 
-#include "cmd/bench/cmd_bench_race.h"
+#include "cmd/bench/cmd_bench_known.h"
 #include "bench/measure/error_measure.h"
 #include "bench/measure/leak_rays.h"
 #include "bench/measure/touch.h"
@@ -55,13 +55,6 @@ struct matrix_row {
     const char *worth; /* why it is worth using, or NULL */
 };
 
-/* Rays with exact answers. */
-struct matrix_known {
-    struct ray *ray;
-    struct oracle_answer *truth;
-    size_t count;
-};
-
 struct matrix_tree {
     const struct builder *builder;
     uint32_t passes, leaf;
@@ -72,18 +65,17 @@ struct matrix_tree {
 struct matrix {
     struct bench *bench;
     const char *spec;
-    struct scene scene;
+    const struct scene *scene;
     struct oracle *oracle;
     struct matrix_entries entries;
     struct matrix_tree tree[MATRIX_TREES];
     size_t tree_count;
-    bool refused; /* an engine that was named refused the scene */
     size_t count; /* rays of each kind */
     struct ray *ray[MATRIX_KINDS];
     struct ray *few;
     struct hit *hit;
-    struct matrix_known sample, leak; /* leak.count 0: not closed */
-    struct matrix_row *row;           /* of one number of threads */
+    struct known_rays sample, leak; /* leak.count 0: not closed; its answers are all hits */
+    struct matrix_row *row;         /* of one number of threads */
     size_t row_count;
     struct race race;
 };
@@ -102,7 +94,6 @@ bool matrix_entry_is_gpu(const struct matrix_entry *entry);
 
 /* Makes the rays whose exact answers are known. Errors: STATUS_MEMORY. */
 enum status matrix_known_make(struct matrix *matrix, struct reason *reason) MUST_USE;
-void matrix_known_free(struct matrix_known *known);
 
 /* Measures of a contestant that is prepared for closest hits what is not speed: bytes, errors,
  * leaks, lines. Errors: those of engine.trace; STATUS_MEMORY. */

@@ -10,49 +10,30 @@
 #define RUNS     4    /* whose lines are counted, but of the first, which fills the cache */
 #define RUN_RAYS 512
 
-void matrix_known_free(struct matrix_known *known)
-{
-    free(known->ray);
-    free(known->truth);
-    *known = (struct matrix_known){.count = 0};
-}
-
-static enum status alloc(size_t count, struct matrix_known *out, struct reason *reason)
-{
-    *out = (struct matrix_known){.ray = alloc_zeroed(count, sizeof *out->ray),
-                                 .truth = alloc_zeroed(count, sizeof *out->truth),
-                                 .count = count};
-    if (out->ray && out->truth)
-        return STATUS_OK;
-    matrix_known_free(out);
-    return fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
-}
-
 /* Half prim, half rand rays, evenly spread. */
 static enum status make_sample(struct matrix *m, struct reason *reason)
 {
     size_t each = m->count < SAMPLE ? m->count : SAMPLE;
-    enum status status = alloc(2 * each, &m->sample, reason);
+    enum status status = known_alloc(2 * each, &m->sample, reason);
     for (size_t i = 0; i < each && !status; i++) {
         size_t from = i * m->count / each;
         m->sample.ray[i] = m->ray[KIND_PRIM][from];
         m->sample.ray[each + i] = m->ray[KIND_RAND][from];
     }
     if (!status)
-        status = oracle_closest(m->oracle, ORACLE_TREE, ORACLE_CLOSED, m->sample.ray, 2 * each, 0,
-                                m->sample.truth, NULL, reason);
+        status = known_decide(m->oracle, m->scene, 0, 0, &m->sample, reason);
     return status;
 }
 
 static enum status make_leaks(struct matrix *m, struct reason *reason)
 {
     size_t each = m->count < LEAKS ? m->count : LEAKS;
-    enum status status = alloc(2 * each, &m->leak, reason);
+    enum status status = known_alloc(2 * each, &m->leak, reason);
     for (int target = 0; target < 2 && !status; target++)
-        status = leak_rays_make(m->oracle, &m->scene, (enum leak_target)target, m->bench->seed,
-                                each, m->leak.ray + (target ? each : 0), reason);
+        status = leak_rays_make(m->oracle, m->scene, (enum leak_target)target, m->bench->seed, each,
+                                m->leak.ray + (target ? each : 0), reason);
     if (status)
-        matrix_known_free(&m->leak);
+        known_free(&m->leak);
     return status == STATUS_INPUT ? STATUS_OK : status; /* not closed: none */
 }
 
@@ -67,20 +48,19 @@ enum status matrix_known_make(struct matrix *matrix, struct reason *reason)
 static enum status count_errors(struct matrix *m, const struct contestant *c,
                                 struct matrix_row *row, struct reason *reason)
 {
-    struct trace_report report = {.ns = 0};
+    struct trace_report report;
     struct error_sum sum = {.rays = 0};
-    enum status status =
-        c->engine->trace(c->self, m->sample.ray, m->sample.count, m->hit, &report, reason);
+    enum status status = known_trace(&m->sample, c, m->hit, &report, reason);
     row->held_bytes = report.memory_bytes;
     if (!status)
-        status = error_sum_make(m->oracle, &m->scene, m->sample.ray, m->sample.truth, m->hit,
+        status = error_sum_make(m->oracle, m->scene, m->sample.ray, m->sample.truth, m->hit,
                                 m->sample.count, &sum, reason);
     row->asked = sum.rays;
     row->lost = sum.kind[ERROR_LOST];
     row->wrong = sum.kind[ERROR_PHANTOM] + sum.kind[ERROR_WRONG];
     row->leak_rays = m->leak.count;
     if (!status && m->leak.count)
-        status = c->engine->trace(c->self, m->leak.ray, m->leak.count, m->hit, &report, reason);
+        status = known_trace(&m->leak, c, m->hit, &report, reason);
     for (size_t i = 0; i < m->leak.count && !status; i++)
         row->leaks += m->hit[i].prim == ABI_NO_PRIM;
     return status;
@@ -144,7 +124,7 @@ static enum status watch_fast(struct matrix *m, const struct contestant *c, stru
     struct fast_tree *tree = aligned_alloc(_Alignof(struct fast_tree), sizeof *tree);
     if (!tree)
         return fail(reason, STATUS_MEMORY, "no memory for a tree");
-    enum status status = fast_make(c->bvh, &m->scene, tree, reason);
+    enum status status = fast_make(c->bvh, m->scene, tree, reason);
     if (!status) {
         struct watched w = {.fast = tree};
         row->node_bytes = sizeof(struct fast_node) * (uint64_t)tree->node_count;
@@ -164,7 +144,7 @@ static enum status watch_packed(struct matrix *m, const struct contestant *c,
     bool gpu = matrix_entry_is_gpu(row->entry);
     if (!touch)
         return fail(reason, STATUS_MEMORY, "no memory to watch a tree");
-    enum status status = touch_make(&c->packed, &m->scene, gpu, &w.cache, touch, reason);
+    enum status status = touch_make(&c->packed, m->scene, gpu, &w.cache, touch, reason);
     if (!status)
         status = watch(m, &w, row, reason);
     touch_free(touch);
@@ -178,7 +158,7 @@ static enum status watch_packed(struct matrix *m, const struct contestant *c,
  * leaves have copies, but those of the compact mode have indices alone. */
 static void measure_embree(const struct matrix *m, struct matrix_row *row)
 {
-    uint64_t arrays = 12 * ((uint64_t)m->scene.vertex_count + m->scene.tri_count);
+    uint64_t arrays = 12 * ((uint64_t)m->scene->vertex_count + m->scene->tri_count);
     row->scene_bytes = row->entry->compact ? arrays : 0;
     row->node_bytes = row->held_bytes > arrays ? row->held_bytes - arrays : 0;
 }
@@ -200,7 +180,7 @@ enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
     if (tri_store_reads_scene(c->packed.store))
         row->scene_bytes =
             matrix_entry_is_gpu(row->entry)
-                ? 36 * (uint64_t)matrix->scene.tri_count
-                : 12 * ((uint64_t)matrix->scene.vertex_count + matrix->scene.tri_count);
+                ? 36 * (uint64_t)matrix->scene->tri_count
+                : 12 * ((uint64_t)matrix->scene->vertex_count + matrix->scene->tri_count);
     return watch_packed(matrix, c, row, reason);
 }

@@ -13,7 +13,7 @@
 
 static double per_tri(const struct matrix *m, uint64_t bytes)
 {
-    return (double)bytes / (double)m->scene.tri_count;
+    return (double)bytes / (double)m->scene->tri_count;
 }
 
 static uint64_t bytes_of(const struct matrix_row *row)
@@ -94,12 +94,12 @@ static void print_speeds(const struct matrix *m)
 {
     unsigned threads = m->row_count ? m->row[0].threads : 1;
     printf("\n%s: %u triangles, %zu rays of each kind, %llu rounds interleaved, %u thread%s\n",
-           m->spec, m->scene.tri_count, m->count, (unsigned long long)m->bench->rounds, threads,
+           m->spec, m->scene->tri_count, m->count, (unsigned long long)m->bench->rounds, threads,
            threads == 1 ? "" : "s");
     printf("  %-30s", "speed, least-most");
     for (int kind = 0; kind < MATRIX_KINDS; kind++)
         printf(" %-16s", matrix_kinds[kind]);
-    printf(" %6s %10s\n", "mean", "prim Mr/s");
+    puts("   mean  prim Mr/s");
     for (size_t i = 0; i < m->row_count; i++) {
         const struct matrix_row *r = &m->row[i];
         printf("  %-30s", r->entry->name);
@@ -131,9 +131,8 @@ static void print_of(size_t events, size_t count)
 
 static void print_sizes(const struct matrix *m)
 {
-    printf("  %-30s %6s %6s %6s %6s  %-18s %-18s %-18s %12s %12s %12s\n", "bytes per triangle",
-           "nodes", "items", "scene", "all", "lines prim L1 L2", "rand", "diff", "lost", "wrong",
-           "leaks");
+    puts("  bytes per triangle              nodes  items  scene    all  lines prim L1 L2   rand    "
+         "           diff                       lost        wrong        leaks");
     for (size_t i = 0; i < m->row_count; i++) {
         const struct matrix_row *r = &m->row[i];
         printf("  %-30s", r->entry->name);
@@ -164,7 +163,7 @@ static json_t *row_json(const struct matrix *m, const struct matrix_row *r)
     json_t *row =
         json_record("scene=%s triangles=%u threads=%u name=%s engine=%s layout=%s store=%s "
                     "builder=%s reinsert=%u rays=%zu rounds=%zu",
-                    m->spec, m->scene.tri_count, r->threads, e->name, e->engine->name,
+                    m->spec, m->scene->tri_count, r->threads, e->name, e->engine->name,
                     e->layout ? e->layout->name : "-", e->store ? e->store->name : "-",
                     e->builder ? e->builder->name : "-", e->passes, r->rays, m->bench->rounds);
     for (int kind = 0; kind < MATRIX_KINDS; kind++) {
@@ -285,7 +284,6 @@ static void draw(struct drawing *d, const json_t *row)
 enum status matrix_plot(const char *path, const json_t *rows, struct reason *reason)
 {
     struct drawing *d = alloc_zeroed(1, sizeof *d);
-    struct file_out out;
     if (!d)
         return fail(reason, STATUS_MEMORY, "no memory for the plot");
     d->figure.title = "raydiff bench matrix: size and speed";
@@ -294,15 +292,9 @@ enum status matrix_plot(const char *path, const json_t *rows, struct reason *rea
     for (size_t i = 0; i < json_array_size(rows); i++)
         if (is_first(rows, i))
             draw(d, json_array_get(rows, i));
-    enum status status = STATUS_OK;
-    if (d->figure.panel_count == 0)
-        status = fail(reason, STATUS_INPUT, "%s: nothing was measured to plot", path);
-    if (!status)
-        status = file_out_open(path, &out, reason);
-    if (!status) {
-        plot_write(out.stream, &d->figure, 1);
-        status = file_out_commit(&out, reason);
-    }
+    enum status status = d->figure.panel_count == 0
+                             ? fail(reason, STATUS_INPUT, "%s: nothing was measured to plot", path)
+                             : plot_write_file(path, &d->figure, 1, reason);
     free(d);
     return status;
 }

@@ -6,7 +6,6 @@
 #include "ref/oracle/filter.h"
 #include "ref/oracle/internal.h"
 #include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
 #include "ref/base/json_record.h"
 
 #include <math.h>
@@ -197,56 +196,51 @@ static void print_times(struct bench *bench, const struct measured *it, struct t
     bench_row(bench, &bench_oracle, row);
 }
 
-static int measure(struct bench *bench, struct measured *it, struct reason *reason)
+static enum status measure(struct bench *bench, struct measured *it, struct reason *reason)
 {
     static struct times times;
     for (size_t round = 0; round < bench->rounds; round++) {
         progress_step(&bench->progress, "%s, round %zu", it->spec, round);
         enum status status = one_round(it, round, &times, reason);
         if (status)
-            return exit_of_status(status);
+            return status;
     }
     progress_end(&bench->progress);
     print_times(bench, it, &times);
     size_t wrong = disagreements(it);
     if (wrong == 0 && it->vector.inside == it->scalar.inside)
-        return EXIT_AGREE;
+        return STATUS_OK;
     printf("  %zu answers differ between brute force and tree; the filters found %llu and %llu "
            "inside\n",
            wrong, (unsigned long long)it->vector.inside, (unsigned long long)it->scalar.inside);
-    return EXIT_MISMATCH;
+    bench_worse(bench, EXIT_MISMATCH);
+    return STATUS_OK;
 }
 
-static int bench_scene(struct bench *bench, const char *spec, struct reason *reason)
+static enum status bench_scene(struct bench *bench, const char *spec, const struct scene *scene,
+                               struct reason *reason)
 {
-    struct scene scene;
     struct measured it = {.spec = spec, .count = bench_rays_count(bench, RAYS)};
-    enum status status = scene_open(spec, bench->seed, &scene, reason);
-    if (status)
-        return exit_of_status(status);
-    if (scene.tri_count == 0) {
-        scene_free(&scene);
-        return exit_of_status(fail(reason, STATUS_INPUT, "no triangles"));
-    }
+    enum status status = STATUS_OK;
+    if (scene->tri_count == 0)
+        return fail(reason, STATUS_INPUT, "no triangles");
     it.filtered = it.count < FILTER ? it.count : FILTER;
     it.ray = alloc_zeroed(it.count, sizeof *it.ray);
     it.brute = alloc_zeroed(it.count, sizeof *it.brute);
     it.tree = alloc_zeroed(it.count, sizeof *it.tree);
-    int code = EXIT_INTERNAL;
     if (!it.ray || !it.brute || !it.tree)
-        fail(reason, STATUS_MEMORY, "no memory for %zu rays", it.count);
-    else if ((status =
-                  ray_set_find("random")->make(&scene, bench->seed, it.count, it.ray, reason)) ||
-             (status = oracle_make(&scene, &it.oracle, reason)))
-        code = exit_of_status(status);
-    else
-        code = measure(bench, &it, reason);
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", it.count);
+    if (!status)
+        status = ray_set_find("random")->make(scene, bench->seed, it.count, it.ray, reason);
+    if (!status)
+        status = oracle_make(scene, &it.oracle, reason);
+    if (!status)
+        status = measure(bench, &it, reason);
     oracle_free(it.oracle);
     free(it.ray);
     free(it.brute);
     free(it.tree);
-    scene_free(&scene);
-    return code;
+    return status;
 }
 
 static int run(struct bench *bench)

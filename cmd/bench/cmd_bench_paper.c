@@ -78,66 +78,59 @@ static bool is_wanted(const struct bench *bench, unsigned which)
     return bench->scene_count == 0;
 }
 
-static int open_scenes(const struct bench *bench, struct paper_scene scene[PAPER_FIGURES],
-                       size_t *count)
+static size_t open_scenes(struct bench *bench, struct paper_scene scene[PAPER_FIGURES])
 {
-    int code = EXIT_AGREE;
-    *count = 0;
+    size_t count = 0;
     for (unsigned i = 0; i < PAPER_FIGURES; i++) {
         struct reason reason = {""};
         if (!is_wanted(bench, i))
             continue;
-        enum status status = paper_scene_open(i, &scene[*count], &reason);
+        enum status status = paper_scene_open(i, &scene[count], &reason);
         if (status == STATUS_UNSUPPORTED)
             puts(reason.text);
-        else if (status)
-            fprintf(stderr, "raydiff bench: %s\n", reason.text);
         else
-            ++*count;
-        if (status && status != STATUS_UNSUPPORTED)
-            code = exit_worse(code, exit_of_status(status));
+            bench_failed(bench, NULL, status, &reason);
+        count += status == STATUS_OK;
     }
-    return code;
+    return count;
 }
 
 /* The performance table of a scene; *out is for the words and the plot, NULL without memory. */
-static int measure_scene(struct bench *bench, const struct paper_scene *scene,
-                         struct paper_table **out)
+static void measure_scene(struct bench *bench, const struct paper_scene *scene,
+                          struct paper_table **out)
 {
     struct reason reason = {""};
     struct paper_table *table = *out = calloc(1, sizeof *table);
-    if (!table)
-        return EXIT_INTERNAL;
+    if (!table) {
+        bench_worse(bench, EXIT_INTERNAL);
+        return;
+    }
     table->bench = bench;
     table->scene = scene;
-    table->width = bench->picture.width ? (uint32_t)bench->picture.width : bench->quick ? 96 : 384;
-    table->height = bench->picture.height ? (uint32_t)bench->picture.height
-                    : bench->quick        ? 72
-                                          : 288;
+    table->width = (uint32_t)bench->picture.width;
+    table->height = (uint32_t)bench->picture.height;
     enum status status = paper_measure(table, &reason);
     progress_end(&bench->progress);
-    int code = paper_print_table(table);
-    if (status)
-        fprintf(stderr, "raydiff bench: %s: %s\n", scene->spec, reason.text);
-    return exit_worse(code, exit_of_status(status));
+    paper_print_table(table);
+    bench_failed(bench, scene->spec, status, &reason);
 }
 
 static int run(struct bench *bench)
 {
     struct paper_scene scene[PAPER_FIGURES];
     struct paper_table *table[PAPER_FIGURES] = {NULL};
-    size_t count, tables = 0;
+    size_t tables = 0;
     unsigned known = 0;
     for (unsigned i = 0; i < PAPER_FIGURES; i++)
         known += bench->scene_count > 0 && is_wanted(bench, i);
     if (known != bench->scene_count)
         return usage_error("bench", "--scene: the paper's are %s and %s",
                            paper_specs[PAPER_DEFAULT], paper_specs[PAPER_TEAPOT]);
-    int code = open_scenes(bench, scene, &count);
-    code = exit_worse(code, paper_print_bytes(bench, scene, count));
+    size_t count = open_scenes(bench, scene);
+    paper_print_bytes(bench, scene, count);
     frames_catch_signals();
     for (size_t i = 0; i < count && !frames_signal_code(); i++)
-        code = exit_worse(code, measure_scene(bench, &scene[i], &table[tables++]));
+        measure_scene(bench, &scene[i], &table[tables++]);
     struct reason reason = {""};
     enum status status = STATUS_OK;
     paper_print_words(table, tables);
@@ -146,10 +139,7 @@ static int run(struct bench *bench)
     for (size_t i = 0; i < tables && bench->picture.out && !status; i++)
         if (table[i])
             status = paper_write_chart(table[i], bench->picture.out, &reason);
-    if (status) {
-        fprintf(stderr, "raydiff bench: %s\n", reason.text);
-        code = exit_worse(code, exit_of_status(status));
-    }
+    bench_failed(bench, NULL, status, &reason);
     for (size_t i = 0; i < tables; i++) {
         if (table[i])
             frames_session_free(&table[i]->session);
@@ -157,7 +147,7 @@ static int run(struct bench *bench)
     }
     for (size_t i = 0; i < count; i++)
         scene_free(&scene[i].scene);
-    return code == EXIT_AGREE && frames_signal_code() ? frames_signal_code() : code;
+    return frames_signal_code();
 }
 
 const struct benchmark bench_paper = {

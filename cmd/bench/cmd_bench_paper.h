@@ -59,7 +59,6 @@ struct paper_table {
     struct frames_session session;
     struct paper_line line[LINE_COUNT];
     bool slow; /* a frame of some line takes over 0.1 s */
-    int code;  /* exit code of lines that could not be drawn */
 };
 
 const char *paper_line_name(enum paper_line_id id);
@@ -71,17 +70,17 @@ enum paper_line_id paper_line_other(enum paper_line_id id); /* what its ratio is
  * not fetched. */
 enum status paper_scene_open(unsigned which, struct paper_scene *out, struct reason *reason);
 
-/* Figure 8 of the scenes, and the same trees in three layouts. Returns an exit code: 1 if a number
- * of the paper's own scene is not the published one. */
-int paper_print_bytes(struct bench *bench, const struct paper_scene *scene, size_t count);
+/* Figure 8 of the scenes, and the same trees in three layouts. A number of the paper's own scene that
+ * is not the published one is counted as a mismatch. */
+void paper_print_bytes(struct bench *bench, const struct paper_scene *scene, size_t count);
 
 /* Opens the painters, checks a frame of each, measures. Errors: as frames_session_measure; who
- * cannot draw is left out with the reason, table->code saying whether that is a failure. */
+ * cannot draw is left out with the reason, and counted by bench_worse if that is a failure. */
 enum status paper_measure(struct paper_table *table, struct reason *reason) MUST_USE;
 
-/* Prints the lines and adds their rows. Returns an exit code: 1 if a line's frame is not the one
- * that engine cpu draws. */
-int paper_print_table(struct paper_table *table);
+/* Prints the lines and adds their rows. A line whose frame is not the one that engine cpu draws is
+ * counted as a mismatch. */
+void paper_print_table(struct paper_table *table);
 
 /* What became of the paper's 19 %, from what was measured. */
 void paper_print_words(struct paper_table *const *table, size_t count);

@@ -51,23 +51,21 @@ static void add_figure_row(struct bench *bench, const struct paper_scene *scene,
 }
 
 /* Figure 8 of one scene. */
-static int print_figure(struct bench *bench, const struct paper_scene *scene)
+static enum status print_figure(struct bench *bench, const struct paper_scene *scene,
+                                struct reason *reason)
 {
     struct paper_tree direct, rf;
-    struct reason reason = {""};
     const struct paper_figure *figure = scene->figure;
-    enum status status = paper_tree(&scene->scene, PAPER_LEAF_DIRECT, &direct, &reason);
+    enum status status = paper_tree(&scene->scene, PAPER_LEAF_DIRECT, &direct, reason);
     if (!status)
-        status = paper_tree(&scene->scene, PAPER_LEAF_RF, &rf, &reason);
-    if (status) {
-        fprintf(stderr, "raydiff bench: %s: %s\n", scene->spec, reason.text);
-        return exit_of_status(status);
-    }
+        status = paper_tree(&scene->scene, PAPER_LEAF_RF, &rf, reason);
+    if (status)
+        return status;
     uint64_t geometry = paper_geometry(scene->scene.tri_count);
     uint64_t uploaded = paper_uploaded(scene->scene.tri_count, scene->scene.vertex_count);
     char name[80];
     print_mesh(scene);
-    printf("  %-34s %9s %9s %13s %14s\n", "", "bytes", "paper", "of geometry", "with vertices");
+    puts("                                         bytes     paper   of geometry  with vertices");
     print_line("geometry, 16 n + 40", geometry, figure->geometry, geometry, uploaded);
     snprintf(name, sizeof name, "direct, leaf %u: %u nodes of %u", direct.leaf,
              direct.stats.node_count, PAPER_DIRECT_BYTES);
@@ -77,11 +75,12 @@ static int print_figure(struct bench *bench, const struct paper_scene *scene)
     print_line(name, rf.rf, figure->rf, geometry, uploaded);
     add_figure_row(bench, scene, geometry, uploaded, &direct, &rf);
     if (!scene->same)
-        return EXIT_AGREE;
+        return STATUS_OK;
     bool agrees = paper_agrees(figure, geometry, &direct, &rf);
     puts(agrees ? "  exactly the published numbers"
                 : "  NOT THE PUBLISHED NUMBERS: builder, layouts or scene have changed");
-    return agrees ? EXIT_AGREE : EXIT_MISMATCH;
+    bench_worse(bench, agrees ? EXIT_AGREE : EXIT_MISMATCH);
+    return STATUS_OK;
 }
 
 static enum status print_same_tree(struct bench *bench, const struct paper_scene *scene,
@@ -110,30 +109,23 @@ static enum status print_same_tree(struct bench *bench, const struct paper_scene
     return STATUS_OK;
 }
 
-int paper_print_bytes(struct bench *bench, const struct paper_scene *scene, size_t count)
+void paper_print_bytes(struct bench *bench, const struct paper_scene *scene, size_t count)
 {
-    int code = EXIT_AGREE;
+    struct reason reason = {""};
     puts("Figure 8, bytes. The paper's trees are not the same: its direct handler has leaf 2, its "
          "RF\n"
          "handler leaf 4; and its geometry leaves the vertices out.\n");
     for (size_t i = 0; i < count; i++)
-        code = exit_worse(code, print_figure(bench, &scene[i]));
+        bench_failed(bench, scene[i].spec, print_figure(bench, &scene[i], &reason), &reason);
     for (size_t i = 0; i < count; i++) {
         printf(
             "\n%s: the same tree in nodes of 48 bytes (published), of 32 (without padding; beside "
             "them 4 bytes an item\nunless triangles are reordered) and in records of 16\n",
             scene[i].spec);
-        printf("  %4s %6s %6s %5s %7s %9s %9s %9s %9s %10s %10s %10s\n", "leaf", "nodes", "leaves",
-               "depth", "largest", "48", "32", "32+items", "16", "48 : 16", "32 : 16",
-               "+items : 16");
-        for (uint32_t leaf = 2; leaf <= 8; leaf += 2) {
-            struct reason reason = {""};
-            enum status status = print_same_tree(bench, &scene[i], leaf, &reason);
-            if (status) {
-                fprintf(stderr, "raydiff bench: %s: %s\n", scene[i].spec, reason.text);
-                code = exit_worse(code, exit_of_status(status));
-            }
-        }
+        puts("  leaf  nodes leaves depth largest        48        32  32+items        16    48 : "
+             "16    32 : 16 +items : 16");
+        for (uint32_t leaf = 2; leaf <= 8; leaf += 2)
+            bench_failed(bench, scene[i].spec, print_same_tree(bench, &scene[i], leaf, &reason),
+                         &reason);
     }
-    return code;
 }

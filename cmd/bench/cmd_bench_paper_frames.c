@@ -173,7 +173,7 @@ static void leave_out(struct paper_table *table, enum paper_line_id id, enum sta
     snprintf(line->why, sizeof line->why, "%s", why);
     if (status != STATUS_UNSUPPORTED && status != STATUS_LIMIT &&
         !(status == STATUS_DEVICE && may_be_cut(id)))
-        table->code = exit_worse(table->code, exit_of_status(status));
+        bench_worse(table->bench, exit_of_status(status));
 }
 
 /* The picture by brute force on the CPU, of either look. */

@@ -119,15 +119,14 @@ static void print_head(const struct paper_table *table)
     printf("%sThe paper, average ms: direct %.3f, RF %.3f, ratio %.3f\n",
            table->scene->same ? "" : " ", figure->direct_ms, figure->rf_ms,
            figure->direct_ms / figure->rf_ms);
-    printf("  %-24s %8s %9s %9s %9s %9s  %8s %7s  %-40s %s\n", "ms per frame", "bytes", "average",
-           "least", "most", "median", "cpu", "wrong", "ratio of times (least-most)", "clock");
+    puts("  ms per frame                bytes   average     least      most    median       cpu   "
+         "wrong  ratio of times (least-most)              clock");
 }
 
-int paper_print_table(struct paper_table *table)
+void paper_print_table(struct paper_table *table)
 {
-    int code = table->code;
     if (table->session.run.count == 0)
-        return code;
+        return;
     print_head(table);
     for (enum paper_line_id id = 0; id < LINE_COUNT; id++) {
         if (id == LINE_DIRECT)
@@ -144,13 +143,12 @@ int paper_print_table(struct paper_table *table)
         print_line(table, id);
         add_row(table, id);
         if (!is_right(&table->line[id]))
-            code = exit_worse(code, EXIT_MISMATCH);
+            bench_worse(table->bench, EXIT_MISMATCH);
     }
     printf("  cpu: paths/pixels that differ from engine cpu's with the same members (pixels alone: "
            "pow, within rounding);\n  wrong: pixels of %u that differ from brute force's, of the "
            "first frame\n",
            table->width * table->height);
-    return code;
 }
 
 /* "12.3 % less time (ratio 1.140, 1.120-1.160)" of b against a. */
@@ -225,7 +223,6 @@ enum status paper_write_plot(struct paper_table *const *table, size_t count, con
                                              "of the tree, 1 where there is none",
                                  .series = series,
                                  .series_count = LINE_COUNT};
-    struct file_out out;
     for (enum paper_line_id id = 0; id < LINE_COUNT; id++)
         series[id] = (struct plot_series){paper_line_name(id), (unsigned)id, (unsigned)id / 4,
                                           paper_line_published(id)};
@@ -245,13 +242,7 @@ enum status paper_write_plot(struct paper_table *const *table, size_t count, con
             figure.panel[figure.panel_count++] = (struct plot_panel){
                 table[i]->scene->spec, "bytes of the tree", "ms per frame", point[i], points};
     }
-    if (figure.panel_count == 0)
-        return STATUS_OK;
-    enum status status = file_out_open(path, &out, reason);
-    if (status)
-        return status;
-    plot_write(out.stream, &figure, 1);
-    return file_out_commit(&out, reason);
+    return figure.panel_count ? plot_write_file(path, &figure, 1, reason) : STATUS_OK;
 }
 
 /* Direct and RF over the frames, as the paper's own charts have them. */

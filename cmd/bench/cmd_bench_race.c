@@ -74,22 +74,24 @@ static bool wanted(const struct list *list, size_t i, const char *own, const cha
     return list->count == 0 && (own ? is_in(own, name) : !left_out);
 }
 
-static int enter_one(struct race *race, const struct engine *engine, const struct layout *layout,
-                     const struct box_test *box, const struct tri_test *tri)
+static void enter_one(struct race *race, const struct engine *engine, const struct layout *layout,
+                      const struct box_test *box, const struct tri_test *tri)
 {
-    const struct bench *bench = race->bench;
+    struct bench *bench = race->bench;
     struct reason reason = {""};
     const struct contestant who = {.engine = engine, .layout = layout, .box = box, .tri = tri};
     enum status status = race_add(race, &who, &bench->engines, &reason);
     if (status == STATUS_OK)
-        return EXIT_AGREE;
-    progress_end(&race->bench->progress);
+        return;
+    progress_end(&bench->progress);
     printf("%-14s %-12s left out: %s\n", engine->name, layout ? layout->name : "-", reason.text);
+    bool named = true;
     if (status == STATUS_LIMIT)
-        return layout && bench->layout.count ? EXIT_USAGE : EXIT_AGREE;
+        named = layout && bench->layout.count;
     if (status == STATUS_UNSUPPORTED)
-        return bench->engine.count ? EXIT_SKIPPED : EXIT_AGREE;
-    return exit_of_status(status);
+        named = bench->engine.count > 0;
+    if (named)
+        bench_worse(bench, exit_of_status(status));
 }
 
 /* The first box test that keeps the triangle test's promise. */
@@ -101,10 +103,10 @@ static const struct box_test *box_for(const struct tri_test *tri)
     return box_tests[0];
 }
 
-static int enter_layouts(struct race *race, const struct engine *engine, const struct tri_test *tri)
+static void enter_layouts(struct race *race, const struct engine *engine,
+                          const struct tri_test *tri)
 {
     const struct list *boxes = &race->bench->box;
-    int code = EXIT_AGREE;
     bool core = true; /* layouts_all begins with layouts */
     for (size_t l = 0; layouts_all[l]; l++) {
         core = core && layouts[l];
@@ -112,40 +114,30 @@ static int enter_layouts(struct race *race, const struct engine *engine, const s
             const struct box_test *box = boxes->count ? box_tests[boxes->index[b]] : box_for(tri);
             if (wanted(&race->bench->layout, l, race->own_layouts, layouts_all[l]->name,
                        !core || layouts_all[l]->faithful))
-                code = exit_worse(code, enter_one(race, engine, layouts_all[l], box, tri));
+                enter_one(race, engine, layouts_all[l], box, tri);
         }
     }
-    return code;
 }
 
-/* True if the engine computes our triangle tests, and so takes part once for each. */
-static bool has_our_test(const struct engine *engine)
+void race_enter(struct race *race)
 {
-    return !engine->own_tri;
-}
-
-int race_enter(struct race *race, const struct tri_test *tri)
-{
-    int code = EXIT_AGREE;
     for (size_t e = 0; engines[e]; e++) {
         bool entered = false;
         if (!wanted(&race->bench->engine, e, race->own_engines, engines[e]->name,
                     strstr(engines[e]->name, "brute") != NULL))
             continue;
         for (size_t t = 0; tri_tests[t]; t++) {
-            bool take = tri ? tri_tests[t] == tri
-                            : wanted(&race->bench->tri, t, NULL, tri_tests[t]->name,
-                                     tri_tests[t]->faithful || !tri_tests[t]->core);
-            if (!take || (entered && !has_our_test(engines[e])))
+            bool take = wanted(&race->bench->tri, t, NULL, tri_tests[t]->name,
+                               tri_tests[t]->faithful || !tri_tests[t]->core);
+            if (!take || (entered && engines[e]->own_tri)) /* whose formula is its own: once */
                 continue;
             entered = true;
-            int one = engines[e]->needs_packed
-                          ? enter_layouts(race, engines[e], tri_tests[t])
-                          : enter_one(race, engines[e], NULL, box_tests[0], tri_tests[t]);
-            code = exit_worse(code, one);
+            if (engines[e]->needs_packed)
+                enter_layouts(race, engines[e], tri_tests[t]);
+            else
+                enter_one(race, engines[e], NULL, box_tests[0], tri_tests[t]);
         }
     }
-    return code;
 }
 
 void race_leave(struct race *race)

@@ -42,11 +42,11 @@ struct race {
 
 /* Who takes part in `bench`'s race: everything the user named, else every engine but brute force
  * (its time is the triangle count's), every layout and triangle test but RTRS's (as published
- * they test every node), and for each triangle test the box test that suits it. `tri` NULL: the
- * user's or all; else that one. Engines without a tree have no layout; those whose formula is their
- * own take part once. Who cannot is left out with a line and, if the user named it, an exit code:
- * 77 cannot run here, 2 cannot hold the scene. */
-int race_enter(struct race *race, const struct tri_test *tri);
+ * they test every node), and for each triangle test the box test that suits it. Engines without a
+ * tree have no layout; those whose formula is their own take part once. Those that cannot take part
+ * are left out with a line and, if the user named them, counted by bench_worse: 77 cannot run here,
+ * 2 cannot hold the scene. */
+void race_enter(struct race *race);
 
 /* Adds `who`, of which engine, layout, box, tri, store, bvh and few are given, opened with
  * `options` and prepared for closest hits. Errors: STATUS_LIMIT more than CONTESTANTS, or as

@@ -3,7 +3,6 @@
 
 #include "ref/base/command.h"
 #include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,8 +28,7 @@ struct spawn_field {
     struct spawn_near *near;
     float (*origin)[3]; /* one array per row, each of hit_count */
     double *steps[SPAWN_POINTS];
-    struct ray *ray;
-    struct oracle_answer *truth; /* of the row being played, as ray and answer */
+    struct known_rays known; /* of the row being played, as `answer` */
     struct hit *answer;
     size_t hit_count;
 };
@@ -77,20 +75,18 @@ static void add_fate(struct spawn_count *count, const struct spawn_fate *fate)
 }
 
 /* What the rays of one row exactly do; the rays are made on the way. */
-static enum status exact_row(const struct spawn_field *field, size_t index, struct spawn_row *row,
+static enum status exact_row(struct spawn_field *field, size_t index, struct spawn_row *row,
                              struct reason *reason)
 {
     float(*origin)[3] = origins_of(field, index);
-    bool few = (uint64_t)field->hit_count * field->scene->tri_count < BRUTE_PAIRS;
     for (size_t i = 0; i < field->hit_count; i++)
-        field->ray[i] = spawn_ray(&field->hit[i], origin[i]);
-    enum status status =
-        oracle_closest(field->oracle, few ? ORACLE_BRUTE : ORACLE_TREE, ORACLE_CLOSED, field->ray,
-                       field->hit_count, field->bench->engines.threads, field->truth, NULL, reason);
+        field->known.ray[i] = spawn_ray(&field->hit[i], origin[i]);
+    enum status status = known_decide(field->oracle, field->scene, field->bench->engines.threads,
+                                      BRUTE_PAIRS, &field->known, reason);
     for (size_t i = 0; i < field->hit_count && status == STATUS_OK; i++) {
         struct spawn_fate fate =
             spawn_fate_exact(field->oracle, field->scene, &field->topology, &field->hit[i],
-                             &field->near[i], origin[i], &field->truth[i]);
+                             &field->near[i], origin[i], &field->known.truth[i]);
         add_fate(&row->exact, &fate);
         row->near += fate.near;
     }
@@ -102,9 +98,8 @@ static enum status engine_row(const struct spawn_field *field, size_t index, siz
 {
     const struct contestant *c = &field->race.contestant[judge];
     float(*origin)[3] = origins_of(field, index);
-    struct trace_report report = {0};
-    enum status status =
-        c->engine->trace(c->self, field->ray, field->hit_count, field->answer, &report, reason);
+    struct trace_report report;
+    enum status status = known_trace(&field->known, c, field->answer, &report, reason);
     for (size_t i = 0; i < field->hit_count && status == STATUS_OK; i++) {
         struct spawn_fate fate =
             spawn_fate_answer(field->scene, &field->topology, &field->hit[i], &field->near[i],
@@ -140,26 +135,23 @@ static enum status take_sizes(const struct spawn_field *field, size_t index, str
 static enum status make_hits(struct spawn_field *field, const struct ray_set *set, size_t count,
                              struct reason *reason)
 {
-    const struct tri_test *tri = tri_tests[0];
-    struct ray *ray = alloc_zeroed(count, sizeof *ray);
-    struct oracle_answer *truth = alloc_zeroed(count, sizeof *truth);
-    enum status status = STATUS_OK;
+    struct known_rays primary;
+    enum status status = known_alloc(count, &primary, reason);
     field->hit = alloc_zeroed(count, sizeof *field->hit);
-    if (!ray || !truth || !field->hit)
+    if (status == STATUS_OK && !field->hit)
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
     if (status == STATUS_OK)
-        status = set->make(field->scene, field->bench->seed, count, ray, reason);
+        status = set->make(field->scene, field->bench->seed, count, primary.ray, reason);
     if (status == STATUS_OK)
-        status = oracle_closest(field->oracle, ORACLE_AUTO, ORACLE_CLOSED, ray, count,
-                                field->bench->engines.threads, truth, NULL, reason);
+        status = oracle_closest(field->oracle, ORACLE_AUTO, ORACLE_CLOSED, primary.ray, count,
+                                field->bench->engines.threads, primary.truth, NULL, reason);
     for (size_t i = 0; i < count && status == STATUS_OK; i++) {
         struct rng rng = rng_make(field->bench->seed, 1000 + i);
-        if (spawn_hit_make(field->oracle, field->scene, tri, &ray[i], &truth[i], &rng,
-                           &field->hit[field->hit_count]))
+        if (spawn_hit_make(field->oracle, field->scene, tri_tests[0], &primary.ray[i],
+                           &primary.truth[i], &rng, &field->hit[field->hit_count]))
             field->hit_count++;
     }
-    free(ray);
-    free(truth);
+    known_free(&primary);
     return status;
 }
 
@@ -169,10 +161,9 @@ static enum status make_origins(struct spawn_field *field, size_t *undecided, st
     size_t count = field->hit_count, open = 0;
     field->near = alloc_zeroed(count, sizeof *field->near);
     field->origin = alloc_zeroed(count * SPAWN_POINTS * SPAWN_RULES, sizeof *field->origin);
-    field->ray = alloc_zeroed(count, sizeof *field->ray);
     field->answer = alloc_zeroed(count, sizeof *field->answer);
-    field->truth = alloc_zeroed(count, sizeof *field->truth);
-    bool all = field->near && field->origin && field->ray && field->answer && field->truth;
+    bool all =
+        !known_alloc(count, &field->known, reason) && field->near && field->origin && field->answer;
     for (int point = 0; point < SPAWN_POINTS; point++) {
         field->steps[point] = alloc_zeroed(count, sizeof *field->steps[point]);
         all = all && field->steps[point];
@@ -217,9 +208,8 @@ static void field_free(struct spawn_field *field)
     free(field->hit);
     free(field->near);
     free(field->origin);
-    free(field->ray);
     free(field->answer);
-    free(field->truth);
+    known_free(&field->known);
     topology_free(&field->topology);
     bvh_free(&field->bvh);
     oracle_free(field->oracle);
@@ -235,15 +225,14 @@ static void name_judge(const struct contestant *c, char *text, size_t text_bytes
              base ? "" : c->layout->name, own ? " " : "", own ? c->tri->name : "");
 }
 
-static int play_block(struct bench *bench, const struct scene *scene, const struct ray_set *set,
-                      struct spawn_block *block)
+static enum status play_block(struct bench *bench, const struct scene *scene,
+                              const struct ray_set *set, struct spawn_block *block,
+                              struct reason *reason)
 {
     const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
-    struct reason reason = {""};
-    int code = EXIT_AGREE;
     struct spawn_field *field = alloc_zeroed(1, sizeof *field);
     if (!field)
-        return EXIT_INTERNAL;
+        return fail(reason, STATUS_MEMORY, "no memory");
     field->bench = bench;
     field->scene = scene;
     field->race = (struct race){.bench = bench,
@@ -252,36 +241,33 @@ static int play_block(struct bench *bench, const struct scene *scene, const stru
                                 .bvh = &field->bvh,
                                 .own_engines = "cpu,embree_robust",
                                 .own_layouts = "f32"};
-    enum status status = oracle_make(scene, &field->oracle, &reason);
+    enum status status = oracle_make(scene, &field->oracle, reason);
     if (status == STATUS_OK)
-        status = topology_make(scene, &field->topology, &reason);
+        status = topology_make(scene, &field->topology, reason);
     if (status == STATUS_OK)
-        status = builders[0]->build(scene, &build, &field->bvh, &reason);
+        status = builders[0]->build(scene, &build, &field->bvh, reason);
     if (status == STATUS_OK) {
-        code = race_enter(&field->race, NULL);
+        race_enter(&field->race);
         block->judge_count =
             field->race.count < SPAWN_JUDGES ? field->race.count : (size_t)SPAWN_JUDGES;
         for (size_t i = 0; i < block->judge_count; i++)
             name_judge(&field->race.contestant[i], block->judge[i], sizeof block->judge[i]);
-        status = make_hits(field, set, block->ray_count, &reason);
+        status = make_hits(field, set, block->ray_count, reason);
     }
     if (status == STATUS_OK)
-        status = make_origins(field, &block->undecided, &reason);
+        status = make_origins(field, &block->undecided, reason);
     block->hit_count = field->hit_count;
     if (status == STATUS_OK)
-        status = play_rows(field, block, &reason);
+        status = play_rows(field, block, reason);
     progress_end(&bench->progress);
     if (status == STATUS_OK)
         spawn_print(bench, block);
-    else
-        fprintf(stderr, "raydiff bench: %s: %s\n", block->scene,
-                reason.text[0] ? reason.text : status_text(status));
     if (status == STATUS_OK && block->hit_count == 0) {
-        printf("vacuous: no ray hits anything\n");
-        code = exit_worse(code, EXIT_MISMATCH);
+        puts("vacuous: no ray hits anything");
+        bench_worse(bench, EXIT_MISMATCH);
     }
     field_free(field);
-    return exit_worse(code, exit_of_status(status));
+    return status;
 }
 
 /* The scene `from`, scaled, then moved by `far` times its new size along all axes, as a user's file
@@ -304,36 +290,32 @@ static enum status place_scene(const struct scene *from, const struct spawn_plac
     return status;
 }
 
-static int play_scene(struct bench *bench, const char *spec, struct reason *reason)
+static enum status play_scene(struct bench *bench, const char *spec, const struct scene *scene,
+                              struct reason *reason)
 {
-    struct scene scene;
-    int code = EXIT_AGREE;
-    enum status status = scene_open(spec, bench->seed, &scene, reason);
+    static const char *const own[] = {"random", NULL};
+    static struct spawn_block block;
+    const void *sets[LIST_MOST];
+    size_t count = bench_members(TABLE_RAY_SETS, &bench->rays, own, sets);
+    enum status status = STATUS_OK;
     for (size_t p = 0; p < ARRAY_COUNT(places) && status == STATUS_OK; p++) {
         struct scene placed;
-        status = place_scene(&scene, &places[p], &placed, reason);
-        for (size_t s = 0; s < (bench->rays.count ? bench->rays.count : 1) && !status; s++) {
-            const struct ray_set *set =
-                bench->rays.count ? ray_sets[bench->rays.index[s]] : ray_set_find("random");
-            struct spawn_block *block = alloc_zeroed(1, sizeof *block);
-            if (!block) {
-                status = fail(reason, STATUS_MEMORY, "no memory");
-                continue;
-            }
-            *block = (struct spawn_block){.scene = spec,
-                                          .rays = set->name,
-                                          .scale = places[p].scale,
-                                          .far = places[p].far,
-                                          .tri_count = scene.tri_count,
-                                          .ray_count = bench_rays_count(bench, OWN_RAYS)};
-            code = exit_worse(code, play_block(bench, &placed, set, block));
+        status = place_scene(scene, &places[p], &placed, reason);
+        for (size_t s = 0; s < count && status == STATUS_OK; s++) {
+            const struct ray_set *set = sets[s];
+            struct reason why = {""};
+            block = (struct spawn_block){.scene = spec,
+                                         .rays = set->name,
+                                         .scale = places[p].scale,
+                                         .far = places[p].far,
+                                         .tri_count = scene->tri_count,
+                                         .ray_count = bench_rays_count(bench, OWN_RAYS)};
+            bench_failed(bench, spec, play_block(bench, &placed, set, &block, &why), &why);
             fflush(stdout);
-            free(block);
         }
         scene_free(&placed);
     }
-    scene_free(&scene);
-    return exit_worse(code, exit_of_status(status));
+    return status;
 }
 
 static int run(struct bench *bench)

@@ -3,7 +3,7 @@
 #ifndef CMD_BENCH_SPAWN_H
 #define CMD_BENCH_SPAWN_H
 
-#include "cmd/bench/cmd_bench_race.h"
+#include "cmd/bench/cmd_bench_known.h"
 #include "bench/measure/error_measure.h"
 #include "bench/measure/spawn.h"
 
@@ -49,7 +49,7 @@ struct spawn_block {
     size_t judge_count;
 };
 
-/* "none", "1e-4", "bound", ...; `summary` (may be NULL) is one line on what it is. */
+/* "none", "1e-4", "bound", ... */
 const char *spawn_rule_name(enum spawn_rule rule);
 
 /* Prints the block's table and hands its rows to CSV and JSON. */

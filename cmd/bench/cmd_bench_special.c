@@ -83,12 +83,8 @@ static enum status enter(struct bench *bench, const struct scene *scene, bool du
         .box = box_tests[0],
         .tri = tri_tests[0],
         .look = {.profile = PROFILE_REPAIRED, .bounces = BOUNCES, .ambience = 0.1f},
-        .width = bench->picture.width ? (uint32_t)bench->picture.width
-                 : bench->quick       ? 96
-                                      : 384,
-        .height = bench->picture.height ? (uint32_t)bench->picture.height
-                  : bench->quick        ? 72
-                                        : 288,
+        .width = (uint32_t)bench->picture.width,
+        .height = (uint32_t)bench->picture.height,
         .tile = 16,
     };
     enum status status = STATUS_OK;
@@ -170,8 +166,8 @@ static void print_result(const struct special_scene *what, const struct frames_s
     puts("");
 }
 
-static int measure(struct bench *bench, const struct special_scene *what,
-                   struct frames_session *session)
+static void measure(struct bench *bench, const struct special_scene *what,
+                    struct frames_session *session)
 {
     struct reason reason = {""};
     struct special_result result = {.equal = false};
@@ -179,7 +175,7 @@ static int measure(struct bench *bench, const struct special_scene *what,
     enum status status = open_scene(what, &scene, &reason);
     if (status == STATUS_UNSUPPORTED) {
         puts(reason.text);
-        return EXIT_AGREE;
+        return;
     }
     session->progress = &bench->progress;
     session->label = what->name;
@@ -197,23 +193,20 @@ static int measure(struct bench *bench, const struct special_scene *what,
     if (!status)
         status = frames_session_measure(session, &settings, &reason);
     progress_end(&bench->progress);
-    int code = exit_of_status(status);
-    if (status)
-        fprintf(stderr, "raydiff bench: %s: %s\n", what->name, reason.text);
+    bench_failed(bench, what->name, status, &reason);
     if (!status && session->run.done > 0) {
         take_result(session, &result);
         print_result(what, session, &result);
         add_row(bench, what, session, &result);
-        code = result.equal && !result.slower ? EXIT_AGREE : EXIT_MISMATCH;
+        if (!result.equal || result.slower)
+            bench_worse(bench, EXIT_MISMATCH);
     }
     frames_session_free(session);
     scene_free(&scene);
-    return code;
 }
 
 static int run(struct bench *bench)
 {
-    int code = EXIT_AGREE;
     if (bench->layout.count > 1 || bench->scene_count > 0)
         return usage_error("bench", "special: one layout, and its own scenes");
     if (!engine_find("vulkan")->renderer) {
@@ -224,11 +217,11 @@ static int run(struct bench *bench)
     if (!session)
         return EXIT_INTERNAL;
     frames_catch_signals();
-    printf("%-30s %9s %9s  %s\n", "scene", "special", "general", "general to special (least-most)");
+    puts("scene                            special   general  general to special (least-most)");
     for (size_t i = 0; i < ARRAY_COUNT(scenes) && !frames_signal_code(); i++)
-        code = exit_worse(code, measure(bench, &scenes[i], session));
+        measure(bench, &scenes[i], session);
     free(session);
-    return code == EXIT_AGREE && frames_signal_code() ? frames_signal_code() : code;
+    return frames_signal_code();
 }
 
 const struct benchmark bench_special = {

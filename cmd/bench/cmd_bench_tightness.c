@@ -3,7 +3,6 @@
 #include "bench/measure/tightness.h"
 
 #include "ref/base/command.h"
-#include "scenes/scenes.h"
 #include "ref/base/json_record.h"
 
 #include <stdlib.h>
@@ -57,7 +56,7 @@ static const struct {
 struct tightness_field {
     struct bench *bench;
     const char *spec;
-    struct scene scene;
+    const struct scene *scene;
     struct oracle *oracle;
     struct tightness_pair *pair;
     struct tightness_one *one;
@@ -66,11 +65,11 @@ struct tightness_field {
 
 static enum status draw_all(struct tightness_field *field, struct reason *reason)
 {
-    struct box bounds = scene_bounds(&field->scene);
+    struct box bounds = scene_bounds(field->scene);
     struct rng rng = rng_make(field->bench->seed, 0);
     for (size_t i = 0; i < field->count; i++) {
         int draws = 0;
-        while (!tightness_draw(field->oracle, &field->scene, &bounds, &rng, &field->pair[i]))
+        while (!tightness_draw(field->oracle, field->scene, &bounds, &rng, &field->pair[i]))
             if (++draws == DRAWS_MOST)
                 return fail(reason, STATUS_INPUT,
                             "%s: of %d rays at its triangles none hits an inside", field->spec,
@@ -95,20 +94,19 @@ static void report(const struct tightness_field *field, size_t m, const struct t
                           sum->group_most, (double)sum->alarms, (double)sum->unbounded));
 }
 
-static enum status measure(struct tightness_field *field, size_t m, int *code,
-                           struct reason *reason)
+static enum status measure(struct tightness_field *field, size_t m, struct reason *reason)
 {
     const struct model model = {.formula = models[m].formula, .rounding = models[m].rounding};
     struct judge *judge;
     enum status status =
-        judge_make(field->oracle, &field->scene, &model, NULL, QUERY_ANY, &judge, reason);
+        judge_make(field->oracle, field->scene, &model, NULL, QUERY_ANY, &judge, reason);
     if (status)
         return status;
     progress_step(&field->bench->progress, "%s: %s, %s", field->spec, models[m].name,
                   models[m].rounding_name);
 #pragma omp parallel for schedule(dynamic, 256)
     for (long long i = 0; i < (long long)field->count; i++)
-        field->one[i] = tightness_measure(judge, &field->scene, &model, &field->pair[i]);
+        field->one[i] = tightness_measure(judge, field->scene, &model, &field->pair[i]);
     judge_free(judge);
     progress_end(&field->bench->progress);
     struct tightness sum;
@@ -117,45 +115,41 @@ static enum status measure(struct tightness_field *field, size_t m, int *code,
         return status;
     report(field, m, &sum);
     if (sum.alarms > 0)
-        *code = EXIT_MISMATCH;
+        bench_worse(field->bench, EXIT_MISMATCH);
     return STATUS_OK;
 }
 
-static enum status play(struct tightness_field *field, int *code, struct reason *reason)
+static enum status play(struct tightness_field *field, struct reason *reason)
 {
-    if (field->scene.tri_count == 0)
+    if (field->scene->tri_count == 0)
         return fail(reason, STATUS_INPUT, "no triangles");
-    enum status status = oracle_make(&field->scene, &field->oracle, reason);
+    enum status status = oracle_make(field->scene, &field->oracle, reason);
     field->pair = alloc_zeroed(field->count, sizeof *field->pair);
     field->one = alloc_zeroed(field->count, sizeof *field->one);
     if (status == STATUS_OK && (!field->pair || !field->one))
         status = fail(reason, STATUS_MEMORY, "no memory for %zu pairs", field->count);
     if (status == STATUS_OK)
         status = draw_all(field, reason);
-    if (status == STATUS_OK)
-        printf("%s: %u triangles, %zu pairs\n"
-               "  %-14s %-10s %6s %7s %8s %8s %8s %7s %6s %6s %6s %6s %8s\n",
-               field->spec, field->scene.tri_count, field->count, "formula", "rounding", "real",
-               "99.9 %", "most", "rejected", "99.9 %", "medians", "times", "groups", "worst",
-               "alarms", "no bound");
+    if (status)
+        return status;
+    printf("%s: %u triangles, %zu pairs\n", field->spec, field->scene->tri_count, field->count);
+    puts("  formula        rounding     real  99.9 %     most rejected   99.9 % medians  times "
+         "groups  worst alarms no bound");
     for (size_t m = 0; m < ARRAY_COUNT(models) && status == STATUS_OK; m++)
-        status = measure(field, m, code, reason);
+        status = measure(field, m, reason);
     return status;
 }
 
-static int bench_scene(struct bench *bench, const char *spec, struct reason *reason)
+static enum status bench_scene(struct bench *bench, const char *spec, const struct scene *scene,
+                               struct reason *reason)
 {
     struct tightness_field field = {
-        .bench = bench, .spec = spec, .count = bench_rays_count(bench, PAIRS)};
-    int code = EXIT_AGREE;
-    enum status status = scene_open(spec, bench->seed, &field.scene, reason);
-    if (status == STATUS_OK)
-        status = play(&field, &code, reason);
+        .bench = bench, .spec = spec, .scene = scene, .count = bench_rays_count(bench, PAIRS)};
+    enum status status = play(&field, reason);
     oracle_free(field.oracle);
-    scene_free(&field.scene);
     free(field.pair);
     free(field.one);
-    return exit_worse(code, exit_of_status(status));
+    return status;
 }
 
 static int run(struct bench *bench)
