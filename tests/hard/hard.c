@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void part_free(struct hard_part *part)
+void hard_part_free(struct hard_part *part)
 {
     scene_free(&part->scene);
     free(part->ray);
@@ -18,7 +18,7 @@ static void part_free(struct hard_part *part)
 void hard_free(struct hard_made *made)
 {
     for (size_t i = 0; i < made->part_count; i++)
-        part_free(&made->part[i]);
+        hard_part_free(&made->part[i]);
     made->part_count = 0;
 }
 

@@ -73,6 +73,8 @@ struct hard_part {
     bool failed;             /* no memory: what is here is incomplete */
 };
 
+void hard_part_free(struct hard_part *part);
+
 /* All parts of a case. */
 struct hard_made {
     struct hard_part part[HARD_PARTS_MOST];

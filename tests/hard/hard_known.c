@@ -14,24 +14,15 @@ static void make_nearest(struct hard_made *made)
     struct rng rng = rng_make(79, 0);
     /* Triangle 0 lies elsewhere: the paper's record loses it. */
     struct hard_part *part = part_add(made, "sphere");
-    part_tri_of(part, (const float[3][3]){{-99, -99, -99}, {-98, -99, -99}, {-99, -98, -99}});
-    for (uint32_t i = 0; i < sphere->scene.tri_count; i++) {
-        float v[3][3];
-        scene_tri(&sphere->scene, i, v);
-        part_tri_of(part, (const float(*)[3])v);
-    }
+    part_triangle(part, -99, -99, -99, -98, -99, -99, -99, -98, -99);
+    part_split(part, sphere);
     for (uint32_t i = 0; i < 1000 && !part->failed; i++) {
-        float v[3][3], from[3], to[3], length = 0;
+        float v[3][3], from[3], to[3];
         scene_tri(&part->scene, 1 + rng_below(&rng, part->scene.tri_count - 1), v);
         uint32_t c = rng_below(&rng, 3);
-        for (int k = 0; k < 3; k++) {
-            from[k] = rng_range(&rng, -1, 1);
-            length += from[k] * from[k];
-        }
-        for (int k = 0; k < 3; k++) {
+        random_far(&rng, 10, from);
+        for (int k = 0; k < 3; k++)
             to[k] = 0.998f * v[c][k] + 0.001f * v[(c + 1) % 3][k] + 0.001f * v[(c + 2) % 3][k];
-            from[k] *= 10 / sqrtf(length);
-        }
         part_ray(part, ray_at(from, to));
     }
 }
@@ -77,7 +68,7 @@ static void make_padding(struct hard_made *made)
         float x = plane_at(t, dx, &ox), y = plane_at(t, dy, &oy);
         if (ox < most || oy > -most)
             continue;
-        part_tri_of(part, (const float[3][3]){{x, y, z - 1}, {x, y, z + 1}, {x + 2, y - 2, z}});
+        part_triangle(part, x, y, z - 1, x, y, z + 1, x + 2, y - 2, z);
         part_ray(part, ray_of(ox, oy, z, dx, dy, 0));
         i++;
     }

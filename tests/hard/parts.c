@@ -3,6 +3,7 @@
 #include "scenes/scenes.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -38,18 +39,6 @@ struct hard_part *part_open(struct hard_made *made, const char *spec)
     return part;
 }
 
-void part_copy_scene(struct hard_part *part, const struct hard_part *from)
-{
-    for (uint32_t i = 0; i < from->scene.vertex_count; i++) {
-        const float *p = from->scene.vertex + 3 * (size_t)i;
-        part_vertex(part, p[0], p[1], p[2]);
-    }
-    for (uint32_t i = 0; i < from->scene.tri_count; i++) {
-        const uint32_t *v = from->scene.index + 3 * (size_t)i;
-        part_tri(part, v[0], v[1], v[2]);
-    }
-}
-
 uint32_t part_vertex(struct hard_part *part, float x, float y, float z)
 {
     struct scene *scene = &part->scene;
@@ -78,12 +67,33 @@ uint32_t part_tri(struct hard_part *part, uint32_t a, uint32_t b, uint32_t c)
     return scene->tri_count++;
 }
 
-uint32_t part_tri_of(struct hard_part *part, const float v[3][3])
+uint32_t part_triangle(struct hard_part *part, float ax, float ay, float az, float bx, float by,
+                       float bz, float cx, float cy, float cz)
 {
-    uint32_t a = part_vertex(part, v[0][0], v[0][1], v[0][2]);
-    uint32_t b = part_vertex(part, v[1][0], v[1][1], v[1][2]);
-    uint32_t c = part_vertex(part, v[2][0], v[2][1], v[2][2]);
-    return part_tri(part, a, b, c);
+    uint32_t first = part_vertex(part, ax, ay, az);
+    part_vertex(part, bx, by, bz);
+    part_vertex(part, cx, cy, cz);
+    return part_tri(part, first, first + 1, first + 2);
+}
+
+uint32_t part_tri_of(struct hard_part *part, float v[3][3])
+{
+    return part_triangle(part, v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0],
+                         v[2][1], v[2][2]);
+}
+
+void part_layer(struct hard_part *part, float z)
+{
+    part_triangle(part, 0, 0, z, 4, 0, z, 0, 4, z);
+}
+
+void part_split(struct hard_part *part, const struct hard_part *from)
+{
+    for (uint32_t i = 0; i < from->scene.tri_count; i++) {
+        float v[3][3];
+        scene_tri(&from->scene, i, v);
+        part_tri_of(part, v);
+    }
 }
 
 void part_grid(struct hard_part *part, uint32_t n, int up, float height, float cell, float from)
@@ -111,23 +121,34 @@ uint32_t grid_tri(uint32_t n, float x, float y)
     return 2 * (i + n * j) + (x - (float)i < y - (float)j);
 }
 
-void part_cube(struct hard_part *part, const float from[3], float size)
+struct hard_part *part_floor(struct hard_made *made, const char *label, uint32_t n, float height)
+{
+    struct hard_part *part = part_add(made, "%s", label);
+    part_grid(part, n, 2, height, 1, 0);
+    return part;
+}
+
+void part_cube(struct hard_part *part, float from, float size)
 {
     static const unsigned char corner[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
                                                 {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
                                                 {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
     uint32_t first = part->scene.vertex_count;
     for (int c = 0; c < 8; c++)
-        part_vertex(part, from[0] + (c & 1 ? size : 0), from[1] + (c & 2 ? size : 0),
-                    from[2] + (c & 4 ? size : 0));
+        part_vertex(part, from + (c & 1 ? size : 0), from + (c & 2 ? size : 0),
+                    from + (c & 4 ? size : 0));
     for (size_t i = 0; i < ARRAY_COUNT(corner); i++)
         part_tri(part, first + corner[i][0], first + corner[i][1], first + corner[i][2]);
 }
 
-void part_scale(struct hard_part *part, float factor)
+struct ray ray_turned(int up, struct ray ray)
 {
-    for (size_t i = 0; i < 3 * (size_t)part->scene.vertex_count; i++)
-        part->scene.vertex[i] *= factor;
+    struct ray turned = ray;
+    for (int k = 0; k < 3; k++) {
+        turned.org[(up + k) % 3] = ray.org[k];
+        turned.dir[(up + k) % 3] = ray.dir[k];
+    }
+    return turned;
 }
 
 struct ray ray_at(const float from[3], const float to[3])
@@ -135,9 +156,8 @@ struct ray ray_at(const float from[3], const float to[3])
     return ray_of(from[0], from[1], from[2], to[0] - from[0], to[1] - from[1], to[2] - from[2]);
 }
 
-struct hard_want *part_ray(struct hard_part *part, struct ray ray)
+void part_ray(struct hard_part *part, struct ray ray)
 {
-    static struct hard_want lost; /* written to and never read: the part has failed */
     void *rays = part->ray, *wants = part->want;
     size_t need = part->ray_count + 1;
     bool ok = reserve(part, &rays, &part->ray_room, need, sizeof *part->ray);
@@ -145,49 +165,121 @@ struct hard_want *part_ray(struct hard_part *part, struct ray ray)
     ok = ok && reserve(part, &wants, &part->want_room, need, sizeof *part->want);
     part->want = wants;
     if (!ok)
-        return &lost;
+        return;
     part->ray[part->ray_count] = ray;
-    part->want[part->ray_count] = (struct hard_want){0};
-    return &part->want[part->ray_count++];
+    part->want[part->ray_count++] = (struct hard_want){0};
 }
 
-void want(struct hard_want *want, enum hard_scope scope, unsigned what)
+static struct hard_want *last_want(struct hard_part *part)
 {
+    static struct hard_want lost; /* written to and never read */
+    return part->failed ? &lost : &part->want[part->ray_count - 1];
+}
+
+void want(struct hard_part *part, enum hard_scope scope, unsigned what)
+{
+    struct hard_want *want = last_want(part);
     want->what |= what;
     want->scope = scope;
 }
 
-void want_ids(struct hard_part *part, struct hard_want *w, enum hard_scope scope, uint32_t count,
-              const uint32_t *id)
+/* Room for the last ray's set of triangles; NULL without memory. */
+static uint32_t *want_set(struct hard_part *part, enum hard_scope scope, uint32_t count)
 {
     void *ids = part->id;
     if (!reserve(part, &ids, &part->id_room, part->id_count + count, sizeof *part->id))
-        return;
+        return NULL;
     part->id = ids;
-    w->id_first = (uint32_t)part->id_count;
-    w->id_count = count;
-    memcpy(part->id + part->id_count, id, count * sizeof *id);
+    struct hard_want *last = last_want(part);
+    last->id_first = (uint32_t)part->id_count;
+    last->id_count = count;
     part->id_count += count;
-    want(w, scope, WANT_HIT | WANT_ID);
+    want(part, scope, WANT_HIT | WANT_ID);
+    return part->id + last->id_first;
 }
 
-void want_id(struct hard_part *part, struct hard_want *w, enum hard_scope scope, uint32_t id)
+void want_ids(struct hard_part *part, enum hard_scope scope, uint32_t count, const uint32_t *id)
 {
-    want_ids(part, w, scope, 1, &id);
+    uint32_t *set = want_set(part, scope, count);
+    if (set)
+        memcpy(set, id, count * sizeof *id);
 }
 
-void want_t(struct hard_want *w, enum hard_scope scope, float t)
+void want_range(struct hard_part *part, enum hard_scope scope, uint32_t first, uint32_t count)
 {
-    w->t = t;
-    want(w, scope, WANT_HIT | WANT_T);
+    uint32_t *set = want_set(part, scope, count);
+    for (uint32_t i = 0; set && i < count; i++)
+        set[i] = first + i;
 }
 
-void want_like(struct hard_want *w, enum hard_scope scope, size_t like, int shift, float add)
+void want_id(struct hard_part *part, enum hard_scope scope, uint32_t id)
 {
-    w->like = (uint32_t)like;
-    w->shift = shift;
-    w->add = add;
-    want(w, scope, WANT_LIKE);
+    want_range(part, scope, id, 1);
+}
+
+void want_t(struct hard_part *part, enum hard_scope scope, float t)
+{
+    last_want(part)->t = t;
+    want(part, scope, WANT_HIT | WANT_T);
+}
+
+void want_like(struct hard_part *part, enum hard_scope scope, size_t like, int shift, float add)
+{
+    struct hard_want *last = last_want(part);
+    last->like = (uint32_t)like;
+    last->shift = shift;
+    last->add = add;
+    want(part, scope, WANT_LIKE);
+}
+
+void expect_hit(struct hard_part *part, enum hard_scope scope, struct ray ray)
+{
+    part_ray(part, ray);
+    want(part, scope, WANT_HIT);
+}
+
+void expect_miss(struct hard_part *part, enum hard_scope scope, struct ray ray)
+{
+    part_ray(part, ray);
+    want(part, scope, WANT_MISS);
+}
+
+void expect_id(struct hard_part *part, enum hard_scope scope, struct ray ray, uint32_t id)
+{
+    part_ray(part, ray);
+    want_id(part, scope, id);
+}
+
+void expect_t(struct hard_part *part, enum hard_scope scope, struct ray ray, float t)
+{
+    part_ray(part, ray);
+    want_t(part, scope, t);
+}
+
+void random_point(struct rng *rng, float lo, float hi, float p[3])
+{
+    for (int k = 0; k < 3; k++)
+        p[k] = rng_range(rng, lo, hi);
+}
+
+void random_near(struct rng *rng, const float centre[3], float reach, float p[3])
+{
+    for (int k = 0; k < 3; k++)
+        p[k] = centre[k] + reach * rng_range(rng, -1, 1);
+}
+
+void random_far(struct rng *rng, float distance, float p[3])
+{
+    random_point(rng, -1, 1, p);
+    float length = sqrtf(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    for (int k = 0; k < 3; k++)
+        p[k] *= distance / length;
+}
+
+void part_corner(const struct hard_part *part, uint32_t vertex, float p[3])
+{
+    if (!part->failed)
+        memcpy(p, part->scene.vertex + 3 * (size_t)vertex, 3 * sizeof *p);
 }
 
 void part_point(const struct hard_part *part, struct rng *rng, uint32_t prim, float p[3])
@@ -196,14 +288,10 @@ void part_point(const struct hard_part *part, struct rng *rng, uint32_t prim, fl
     float a = 0.625f * rng_float(rng), b = 0.625f * rng_float(rng);
     if (part->failed)
         return;
-    if (a > b) {
-        float swap = a;
-        a = b;
-        b = swap;
-    }
-    w[0] += a;
-    w[1] += b - a;
-    w[2] += 0.625f - b;
+    float lower = fminf(a, b), upper = fmaxf(a, b);
+    w[0] += lower;
+    w[1] += upper - lower;
+    w[2] += 0.625f - upper;
     scene_tri(&part->scene, prim, v);
     for (int k = 0; k < 3; k++)
         p[k] = w[0] * v[0][k] + w[1] * v[1][k] + w[2] * v[2][k];

@@ -15,8 +15,8 @@ struct relation {
     bool (*make)(const struct hard_part *from, uint64_t seed, struct hard_part *out);
 };
 
-/* NULL-terminated. */
-extern const struct relation *const relations[];
+/* Ends at the first without a name. */
+extern const struct relation relations[];
 
 const struct relation *relation_find(const char *name); /* or NULL */
 

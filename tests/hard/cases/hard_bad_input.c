@@ -10,7 +10,7 @@
 /* A ray that meets the grid z = 1, to be spoilt. */
 static struct ray good_ray(struct rng *rng)
 {
-    float x = (float)rng_below(rng, N) + 0.25f, y = (float)rng_below(rng, N) + 0.75f;
+    float x = whole(rng, N) + 0.25f, y = whole(rng, N) + 0.75f;
     return rng_below(rng, 2) ? ray_of(x, y, 0, 0, 0, 1)
                              : ray_of(x - 0.5f, y - 0.5f, 0, 0.5f, 0.5f, 1);
 }
@@ -31,20 +31,18 @@ static void spoil(struct ray *ray, int slot, float x)
 static void make_nan(struct hard_made *made)
 {
     static const uint32_t pattern[] = {0x7FC00000u, 0xFFC00000u, 0x7F800001u, 0xFFFFFFFFu};
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(43, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     for (int slot = 0; slot < 8; slot++)
         for (size_t p = 0; p < ARRAY_COUNT(pattern); p++)
             for (int i = 0; i < 4; i++) {
                 struct ray ray = good_ray(&rng);
                 spoil(&ray, slot, float_from_bits(pattern[p]));
-                want(part_ray(part, ray), HARD_ALL, WANT_MISS);
+                expect_miss(part, HARD_ALL, ray);
             }
     for (int i = 0; i < 8; i++) { /* everywhere */
         float nan = float_from_bits(pattern[i % 4]);
-        want(part_ray(part, (struct ray){{nan, nan, nan}, nan, {nan, nan, nan}, nan}), HARD_ALL,
-             WANT_MISS);
+        expect_miss(part, HARD_ALL, (struct ray){{nan, nan, nan}, nan, {nan, nan, nan}, nan});
     }
 }
 
@@ -61,9 +59,8 @@ const struct hard_case hard_nan = {
 static void infinite_rays(struct hard_made *made)
 {
     static const float large[] = {INFINITY, FLT_MAX, 1e38f, 2e18f, 1.85e18f, 1e18f};
-    struct hard_part *part = part_add(made, "rays");
+    struct hard_part *part = part_floor(made, "rays", N, 1);
     struct rng rng = rng_make(44, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     for (int slot = 0; slot < 8; slot++)
         for (size_t l = 0; l < ARRAY_COUNT(large); l++)
             for (int sign = 0; sign < 2; sign++) {
@@ -75,11 +72,10 @@ static void infinite_rays(struct hard_made *made)
 
 static void bad_vertex(struct hard_made *made, const char *label, float x, int axis)
 {
-    struct hard_part *part = part_add(made, "%s", label);
+    struct hard_part *part = part_floor(made, label, N, 1);
     struct rng rng = rng_make(44, (uint64_t)axis);
     part->bad_scene = !float_is_finite(x);
     part->must_refuse = part->bad_scene ? "f32 rf16" : NULL;
-    part_grid(part, N, 2, 1, 1, 0);
     if (!part->failed)
         part->scene.vertex[3 * 40 + axis] = x; /* six triangles meet there */
     for (int i = 0; i < 32; i++)

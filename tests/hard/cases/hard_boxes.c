@@ -9,8 +9,8 @@ static struct hard_part *nested(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "nested");
     for (int i = 1; i <= 32; i++) {
-        float k = (float)i, v[3][3] = {{-k, -k, 0}, {k, -k, 0}, {0, k, 2 * k}};
-        part_tri_of(part, (const float(*)[3])v);
+        float k = (float)i;
+        part_triangle(part, -k, -k, 0, k, -k, 0, 0, k, 2 * k);
     }
     return part;
 }
@@ -24,8 +24,8 @@ static void make_away(struct hard_made *made)
                       0.125f + 0.125f * rng_float(&rng)};
         float dx = rng_range(&rng, -1, 1), dy = rng_float(&rng), dz = rng_range(&rng, -2, 0);
         /* away from z = y + k: dz - dy <= 0 */
-        want(part_ray(part, ray_of(o[0], o[1], o[2], i % 3 ? dx : 0, i % 5 ? dy : 0, dz - 0.125f)),
-             HARD_ALL, WANT_MISS);
+        expect_miss(part, HARD_ALL,
+                    ray_of(o[0], o[1], o[2], i % 3 ? dx : 0, i % 5 ? dy : 0, dz - 0.125f));
     }
 }
 
@@ -45,10 +45,10 @@ static void make_behind(struct hard_made *made)
     for (int i = 0; i < 64; i++) {
         float x = 0.03125f * (float)(i % 8), y = 0.0625f * (float)(i / 8);
         float up = i % 2 ? 1.0f : 0.5f;
-        want(part_ray(part, ray_of(x, y, 0.25f, 0, 0, -up)), HARD_ALL, WANT_MISS);
-        struct hard_want *w = part_ray(part, ray_of(x, y, 0.25f, 0, 0, up));
-        want_id(part, w, HARD_ALL, 0); /* the same line, the other way */
-        want_t(w, HARD_OWN, (y + 0.75f) / up);
+        expect_miss(part, HARD_ALL, ray_of(x, y, 0.25f, 0, 0, -up));
+        expect_id(part, HARD_ALL, ray_of(x, y, 0.25f, 0, 0, up),
+                  0); /* the same line, the other way */
+        want_t(part, HARD_OWN, (y + 0.75f) / up);
     }
 }
 
@@ -64,18 +64,14 @@ const struct hard_case hard_behind = {
 static void make_along_face(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "cube");
-    part_cube(part, (const float[3]){0, 0, 0}, 4);
+    part_cube(part, 0, 4);
     for (int axis = 0; axis < 3; axis++)
         for (int way = 0; way < 8; way++)
             for (int i = 1; i < 8; i++) {
-                struct ray ray = ray_of(0, 0, 0, 0, 0, 0);
-                int in = (axis + 1) % 3, on = (axis + 2) % 3;
-                ray.org[axis] = way & 1 ? -2.0f : 6.0f;
-                ray.dir[axis] = way & 1 ? 1.0f : -1.0f;
-                ray.org[in] = 0.5f * (float)i;
-                ray.org[on] = way & 2 ? 4.0f : 0.0f; /* in the plane of a face */
-                ray.dir[in] = way & 4 ? -0.0f : 0.0f;
-                want_t(part_ray(part, ray), HARD_OWN, 2);
+                float from = way & 1 ? -2.0f : 6.0f, d = way & 1 ? 1.0f : -1.0f;
+                float face = way & 2 ? 4.0f : 0.0f, zero = way & 4 ? -0.0f : 0.0f;
+                struct ray ray = ray_of(from, 0.5f * (float)i, face, d, zero, 0);
+                expect_t(part, HARD_OWN, ray_turned(axis, ray), 2);
             }
 }
 
@@ -94,19 +90,11 @@ static void make_corner(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "cube");
     struct rng rng = rng_make(22, 0);
-    part_cube(part, (const float[3]){0, 0, 0}, 4);
+    part_cube(part, 0, 4);
     for (int i = 0; i < 300; i++) {
-        float k = (float)(1 + rng_below(&rng, 31));
-        float dx = (float)(1 + rng_below(&rng, 63)), dy = (float)(1 + rng_below(&rng, 63));
-        float o[3] = {0 - k * dx, 4 - k * dy, 0.5f * (float)(1 + rng_below(&rng, 7))};
-        struct ray ray = ray_of(0, 0, 0, 0, 0, 0);
-        int axis = i % 3;
-        ray.org[axis] = o[0];
-        ray.org[(axis + 1) % 3] = o[1];
-        ray.org[(axis + 2) % 3] = o[2];
-        ray.dir[axis] = dx;
-        ray.dir[(axis + 1) % 3] = dy;
-        part_ray(part, ray);
+        float k = 1 + whole(&rng, 31), dx = 1 + whole(&rng, 63), dy = 1 + whole(&rng, 63);
+        float z = 0.5f * (1 + whole(&rng, 7));
+        part_ray(part, ray_turned(i % 3, ray_of(0 - k * dx, 4 - k * dy, z, dx, dy, 0)));
     }
 }
 
@@ -123,35 +111,31 @@ static void make_flat(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "quads");
     struct rng rng = rng_make(34, 0);
-    for (int i = 0; i < 150; i++) { /* axis-aligned squares, no two in one plane */
-        float v[4][3], at[3];
-        int up = i % 3;
-        for (int k = 0; k < 3; k++)
-            at[k] = rng_range(&rng, -50, 50);
+    for (uint32_t i = 0; i < 150; i++) { /* axis-aligned squares, no two in one plane */
+        float v[3], at[3];
+        uint32_t up = i % 3, first = 4 * i;
+        random_point(&rng, -50, 50, at);
         for (int c = 0; c < 4; c++) {
-            v[c][up] = at[up];
-            v[c][(up + 1) % 3] = at[(up + 1) % 3] + (c == 1 || c == 2 ? 2.0f : 0.0f);
-            v[c][(up + 2) % 3] = at[(up + 2) % 3] + (c >= 2 ? 2.0f : 0.0f);
+            v[up] = at[up];
+            v[(up + 1) % 3] = at[(up + 1) % 3] + (c == 1 || c == 2 ? 2.0f : 0.0f);
+            v[(up + 2) % 3] = at[(up + 2) % 3] + (c >= 2 ? 2.0f : 0.0f);
+            part_vertex(part, v[0], v[1], v[2]);
         }
-        uint32_t first = part_vertex(part, v[0][0], v[0][1], v[0][2]);
-        for (int c = 1; c < 4; c++)
-            part_vertex(part, v[c][0], v[c][1], v[c][2]);
         part_tri(part, first, first + 1, first + 2);
         part_tri(part, first, first + 2, first + 3);
     }
     for (uint32_t i = 0; i < 300 && !part->failed; i++) {
         float from[3], to[3];
         part_point(part, &rng, i, to);
-        for (int k = 0; k < 3; k++)
-            from[k] = rng_range(&rng, -60, 60);
+        random_point(&rng, -60, 60, from);
         struct ray ray = ray_at(from, to);
-        int up = (int)(i / 2 % 3);
+        uint32_t up = i / 2 % 3;
         if (i % 4 == 0) { /* straight down on it */
             ray = ray_of(to[0], to[1], to[2], 0, 0, 0);
             ray.org[up] -= 8;
             ray.dir[up] = 8;
         }
-        want(part_ray(part, ray), HARD_ALL, WANT_HIT);
+        expect_hit(part, HARD_ALL, ray);
     }
 }
 
@@ -173,17 +157,13 @@ static void make_flat_far(struct hard_made *made)
             struct rng rng = rng_make(35, 3 * a + (size_t)up);
             part_grid(part, 8, up, at[a], 1, 0);
             for (int i = 0; i < 32; i++) {
-                float x = 0.25f + (float)rng_below(&rng, 8), y = 0.75f + (float)rng_below(&rng, 8);
-                struct ray ray = ray_of(0, 0, 0, 0, 0, 0);
-                ray.org[(up + 1) % 3] = x;
-                ray.org[(up + 2) % 3] = y;
-                ray.dir[up] = at[a] > 0 ? 1.0f : -1.0f;
+                float x = 0.25f + whole(&rng, 8), y = 0.75f + whole(&rng, 8);
+                struct ray ray = ray_of(0, x, y, at[a] > 0 ? 1.0f : -1.0f, 0, 0);
                 if (i % 2) { /* slanted: the origin a few cells aside */
-                    ray.org[(up + 1) % 3] -= 64;
-                    ray.dir[(up + 1) % 3] = 64 / fabsf(at[a]);
+                    ray.org[1] -= 64;
+                    ray.dir[1] = 64 / fabsf(at[a]);
                 }
-                struct hard_want *w = part_ray(part, ray);
-                want_id(part, w, HARD_ALL, grid_tri(8, x, y));
+                expect_id(part, HARD_ALL, ray_turned(up, ray), grid_tri(8, x, y));
             }
         }
 }
@@ -204,21 +184,18 @@ const struct hard_case hard_flat_far = {
  * tests, one that treats 0 as NaN or never culls needs thousands. */
 static void make_budget(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", 64, 1);
     struct rng rng = rng_make(63, 0);
-    part_grid(part, 64, 2, 1, 1, 0);
     part->boxes_most = 100;
     for (int i = 0; i < 96; i++) {
-        float x = (float)rng_below(&rng, 64) + 0.25f, y = (float)rng_below(&rng, 64) + 0.75f;
+        float x = whole(&rng, 64) + 0.25f, y = whole(&rng, 64) + 0.75f;
         float zero = i & 1 ? -0.0f : 0.0f;
-        struct hard_want *w;
-        if (i % 3 == 0)
-            w = part_ray(part, ray_of(x, y, 0, zero, zero, 1));
-        else if (i % 3 == 1)
-            w = part_ray(part, ray_of(x - 2, y, 0, 2, zero, 1));
-        else
-            w = part_ray(part, ray_of(x, y - 2, 0, zero, 2, 1));
-        want_id(part, w, HARD_ALL, grid_tri(64, x, y));
+        struct ray ray = ray_of(x, y, 0, zero, zero, 1);
+        if (i % 3 == 1)
+            ray = ray_of(x - 2, y, 0, 2, zero, 1);
+        else if (i % 3 == 2)
+            ray = ray_of(x, y - 2, 0, zero, 2, 1);
+        expect_id(part, HARD_ALL, ray, grid_tri(64, x, y));
     }
 }
 

@@ -1,7 +1,7 @@
 /* Hard cases of closed meshes: what a watertight test must never miss, and crossings. */
 #include "tests/hard/parts.h"
 
-#include <math.h>
+#include <string.h>
 
 #define SPHERE "sphere:n=6"
 
@@ -11,17 +11,14 @@ static struct hard_part *closed_mesh(struct hard_made *made, size_t i, float *re
     *reach = i == 2 ? 1000.0f : 1.0f;
     if (i == 0)
         return part_open(made, SPHERE);
-    struct hard_part *part = part_add(made, i == 1 ? "cube" : "large sphere");
     if (i == 1) {
-        part_cube(part, (const float[3]){-1, -1, -1}, 2);
-        return part;
+        struct hard_part *cube = part_add(made, "cube");
+        part_cube(cube, -1, 2);
+        return cube;
     }
-    struct hard_made other = {.part_count = 0};
-    struct hard_part *sphere = part_open(&other, "sphere:n=5,radius=1000");
-    part_copy_scene(part, sphere);
-    part->failed |= sphere->failed;
-    hard_free(&other);
-    return part;
+    struct hard_part *sphere = part_open(made, "sphere:n=5,radius=1000");
+    strcpy(sphere->label, "large sphere");
+    return sphere;
 }
 
 /* Origins well inside a sphere of radius `reach`. */
@@ -40,7 +37,7 @@ static void make_edges(struct hard_made *made)
         for (uint32_t i = 0; i < 250 && !part->failed; i++) {
             origin_inside(&rng, reach, from);
             part_edge(part, rng_below(&rng, part->scene.tri_count), (int)(i % 3), to);
-            want(part_ray(part, ray_at(from, to)), HARD_TIGHT, WANT_HIT);
+            expect_hit(part, HARD_TIGHT, ray_at(from, to));
         }
     }
 }
@@ -57,13 +54,13 @@ const struct hard_case hard_edges = {
 static void make_vertices(struct hard_made *made)
 {
     for (size_t m = 0; m < 3; m++) {
-        float reach, from[3];
+        float reach, from[3], to[3];
         struct hard_part *part = closed_mesh(made, m, &reach);
         struct rng rng = rng_make(15, m);
         for (uint32_t i = 0; i < 250 && !part->failed; i++) {
             origin_inside(&rng, reach, from);
-            const float *to = part->scene.vertex + 3 * (size_t)(i % part->scene.vertex_count);
-            want(part_ray(part, ray_at(from, to)), HARD_TIGHT, WANT_HIT);
+            part_corner(part, i % part->scene.vertex_count, to);
+            expect_hit(part, HARD_TIGHT, ray_at(from, to));
         }
     }
 }
@@ -80,19 +77,13 @@ const struct hard_case hard_vertices = {
 static void make_parity(struct hard_made *made)
 {
     for (size_t m = 0; m < 3; m++) {
-        float reach;
+        float reach, from[3], to[3];
         struct hard_part *part = closed_mesh(made, m, &reach);
         struct rng rng = rng_make(57, m);
         for (uint32_t i = 0; i < 200 && !part->failed; i++) {
-            float from[3], to[3], length = 0;
-            for (int k = 0; k < 3; k++) {
-                from[k] = rng_range(&rng, -1, 1);
-                length += from[k] * from[k];
-            }
-            for (int k = 0; k < 3; k++)
-                from[k] *= 16 * reach / sqrtf(length);
+            random_far(&rng, 16 * reach, from);
             part_point(part, &rng, rng_below(&rng, part->scene.tri_count), to);
-            want(part_ray(part, ray_at(from, to)), HARD_ALL, WANT_HIT);
+            expect_hit(part, HARD_ALL, ray_at(from, to));
         }
     }
 }
@@ -125,9 +116,8 @@ static void make_opposite(struct hard_made *made)
         if (i % 2)
             part_edge(part, i % part->scene.tri_count, (int)(i % 3), to);
         else
-            for (int k = 0; k < 3; k++)
-                to[k] = part->scene.vertex[3 * (i % part->scene.vertex_count) + (uint32_t)k];
-        want(part_ray(part, ray_at(from, to)), HARD_TIGHT, WANT_HIT);
+            part_corner(part, i % part->scene.vertex_count, to);
+        expect_hit(part, HARD_TIGHT, ray_at(from, to));
     }
 }
 
@@ -147,11 +137,7 @@ static void make_seam(struct hard_made *made)
     struct hard_made halves = {.part_count = 0};
     struct hard_part *part = part_add(made, "split sphere"), *from = part_open(&halves, SPHERE);
     struct rng rng = rng_make(62, 0);
-    for (uint32_t i = 0; i < from->scene.tri_count; i++) {
-        float v[3][3];
-        scene_tri(&from->scene, i, v);
-        part_tri_of(part, (const float(*)[3])v);
-    }
+    part_split(part, from);
     part->failed |= from->failed;
     hard_free(&halves);
     for (uint32_t i = 0; i < 400 && !part->failed; i++) {
@@ -160,9 +146,8 @@ static void make_seam(struct hard_made *made)
         int corner = (int)rng_below(&rng, 3);
         part_edge(part, rng_below(&rng, part->scene.tri_count), corner, to);
         if (i % 2)
-            for (int k = 0; k < 3; k++)
-                to[k] = part->scene.vertex[9 * (i % part->scene.tri_count) + (uint32_t)k];
-        want(part_ray(part, ray_at(a, to)), HARD_TIGHT, WANT_HIT);
+            part_corner(part, 3 * (i % part->scene.tri_count), to);
+        expect_hit(part, HARD_TIGHT, ray_at(a, to));
     }
 }
 

@@ -9,22 +9,9 @@
 static void inside(struct rng *rng, float *x, float *y)
 {
     do {
-        *x = (float)rng_below(rng, N);
-        *x += 0.125f * (float)(1 + rng_below(rng, 7));
-        *y = (float)rng_below(rng, N);
-        *y += 0.125f * (float)(1 + rng_below(rng, 7));
+        *x = off_lines(rng, N);
+        *y = off_lines(rng, N);
     } while (*x - floorf(*x) == *y - floorf(*y));
-}
-
-/* From (x, y) in the plane `from` along `up`, which t = 1 reaches. */
-static struct ray along(int up, float x, float y, float from, float d)
-{
-    struct ray ray = ray_of(0, 0, 0, 0, 0, 0);
-    ray.org[up] = from;
-    ray.org[(up + 1) % 3] = x;
-    ray.org[(up + 2) % 3] = y;
-    ray.dir[up] = d;
-    return ray;
 }
 
 static void make_axis(struct hard_made *made)
@@ -36,9 +23,9 @@ static void make_axis(struct hard_made *made)
         for (int i = 0; i < 64; i++) {
             float x, y, d = i % 2 ? -1.0f : 1.0f;
             inside(&rng, &x, &y);
-            struct hard_want *w = part_ray(part, along(up, x, y, 1 - d, d));
-            want_id(part, w, HARD_ALL, grid_tri(N, x, y));
-            want_t(w, HARD_ALL, 1);
+            expect_id(part, HARD_ALL, ray_turned(up, ray_of(1 - d, x, y, d, 0, 0)),
+                      grid_tri(N, x, y));
+            want_t(part, HARD_ALL, 1);
         }
     }
 }
@@ -54,21 +41,19 @@ const struct hard_case hard_axis = {
 
 static void make_minus_zero(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(2, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     part->like_bits = HARD_LIKE_MT | HARD_LIKE_WOOP;
     for (int i = 0; i < 32; i++) {
         float x, y;
         inside(&rng, &x, &y);
         size_t base = part->ray_count;
         for (int sign = 0; sign < 8; sign++) {
-            struct ray ray = ray_of(x, y, 0, sign & 1 ? -0.0f : 0.0f, sign & 2 ? -0.0f : 0.0f, 1);
-            ray.org[2] = sign & 4 ? -0.0f : 0.0f;
-            struct hard_want *w = part_ray(part, ray);
-            want_id(part, w, HARD_ALL, grid_tri(N, x, y));
-            want_t(w, HARD_ALL, 1);
-            want_like(w, HARD_ALL, base, 0, 0);
+            struct ray ray = ray_of(x, y, sign & 4 ? -0.0f : 0.0f, sign & 1 ? -0.0f : 0.0f,
+                                    sign & 2 ? -0.0f : 0.0f, 1);
+            expect_id(part, HARD_ALL, ray, grid_tri(N, x, y));
+            want_t(part, HARD_ALL, 1);
+            want_like(part, HARD_ALL, base, 0, 0);
         }
     }
 }
@@ -86,18 +71,16 @@ const struct hard_case hard_minus_zero = {
 static void make_tiny_component(struct hard_made *made)
 {
     static const float tiny[] = {1e-18f, -1e-18f, 1e-19f, -1e-19f, 1e-30f, -1e-30f};
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(6, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     for (int i = 0; i < 16; i++) {
         float x, y;
         inside(&rng, &x, &y);
         for (int way = 0; way < 2; way++)
             for (size_t t = 0; t < ARRAY_COUNT(tiny); t++) {
-                struct ray ray = ray_of(x, y, 0, tiny[t], way ? 0.0625f : 0.0f, 1);
-                if (way)
-                    ray.org[1] -= 0.0625f;
-                want_id(part, part_ray(part, ray), HARD_ALL, grid_tri(N, x, y));
+                float slope = way ? 0.0625f : 0.0f;
+                struct ray ray = ray_of(x, y - slope, 0, tiny[t], slope, 1);
+                expect_id(part, HARD_ALL, ray, grid_tri(N, x, y));
             }
     }
 }
@@ -120,8 +103,8 @@ static void make_far_away(struct hard_made *made)
         float far = ldexpf(1, k);
         part_grid(part, 4, 1, far, 0.5f, 0);
         for (int i = 0; i < 32; i++) {
-            float x = 0.0625f * (float)(1 + rng_below(&rng, 31));
-            float z = 0.0625f * (float)(1 + rng_below(&rng, 31));
+            float x = 0.0625f * (1 + whole(&rng, 31));
+            float z = 0.0625f * (1 + whole(&rng, 31));
             part_ray(part, ray_of(x - 1, 0, z, 1 / far, 1, 0));
         }
     }
@@ -138,9 +121,8 @@ const struct hard_case hard_far_away = {
 
 static void make_scaled(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(8, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     part->like_bits = HARD_LIKE_MT | HARD_LIKE_WOOP;
     for (int i = 0; i < 8; i++) {
         float x, y;
@@ -155,10 +137,10 @@ static void make_scaled(struct hard_made *made)
                 ray.dir[a] = ldexpf(base.dir[a], shift);
             ray.tmax = INFINITY;
             bool promised = shift >= -36 && shift <= 36;
-            struct hard_want *w = part_ray(part, ray);
             enum hard_scope own = shift > 115 ? HARD_LEAN : HARD_OWN;
-            want_id(part, w, promised ? HARD_ALL : own, grid_tri(N, x, y));
-            want_like(w, w->scope, like, -shift, 0);
+            enum hard_scope scope = promised ? HARD_ALL : own;
+            expect_id(part, scope, ray, grid_tri(N, x, y));
+            want_like(part, scope, like, -shift, 0);
         }
     }
 }
@@ -175,9 +157,8 @@ const struct hard_case hard_scaled_direction = {
 static void make_denormal(struct hard_made *made)
 {
     static const float small[] = {1e-40f, -1e-40f, 1e-45f, 0x1p-127f, 0x1p-126f, 1e-38f};
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(9, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     for (int i = 0; i < 32; i++)
         for (size_t s = 0; s < ARRAY_COUNT(small); s++) {
             float x, y;
@@ -200,16 +181,15 @@ const struct hard_case hard_denormal_direction = {
 
 static void make_zero(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(10, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     for (int i = 0; i < 64; i++) {
         float x, y;
         inside(&rng, &x, &y);
         struct ray ray = ray_of(x, y, i & 8 ? 1.0f : 0.5f, 0, 0, 0);
         for (int k = 0; k < 3; k++)
             ray.dir[k] = i >> k & 1 ? -0.0f : 0.0f;
-        want(part_ray(part, ray), HARD_ALL, WANT_MISS);
+        expect_miss(part, HARD_ALL, ray);
     }
 }
 

@@ -16,7 +16,7 @@ static void make_borders(struct hard_made *made)
             float along = 0.5f * (float)i - 8, across = side < 2 ? -8.0f : 8.0f;
             struct ray ray =
                 side % 2 ? ray_of(along, across, -1, 0, 0, 1) : ray_of(across, along, -1, 0, 0, 1);
-            want_t(part_ray(part, ray), HARD_ALL, 1);
+            expect_t(part, HARD_ALL, ray, 1);
         }
     }
 }
@@ -67,17 +67,15 @@ static void make_vertices(struct hard_made *made)
     struct hard_part *part = part_open(made, "sphere:n=16");
     struct rng rng = rng_make(82, 0);
     for (uint32_t i = 0; i < 800 && !part->failed; i++) {
-        const float *to =
-            part->scene.vertex + 3 * (size_t)rng_below(&rng, part->scene.vertex_count);
-        float from[3];
-        for (int k = 0; k < 3; k++)
-            from[k] = rng_range(&rng, -0.25f, 0.25f);
-        want(part_ray(part, ray_at(from, to)), HARD_FANS, WANT_HIT);
+        float from[3], to[3];
+        part_corner(part, rng_below(&rng, part->scene.vertex_count), to);
+        random_point(&rng, -0.25f, 0.25f, from);
+        expect_hit(part, HARD_FANS, ray_at(from, to));
     }
     for (size_t i = 0; i < ARRAY_COUNT(robust_loses); i++) {
         const float *o = robust_loses[i][0], *d = robust_loses[i][1];
         struct ray ray = ray_of(o[0], o[1], o[2], d[0], d[1], d[2]);
-        want(part_ray(part, ray), HARD_FANS, WANT_HIT);
+        expect_hit(part, HARD_FANS, ray);
     }
 }
 

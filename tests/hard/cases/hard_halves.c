@@ -23,14 +23,13 @@ static void make_middles(struct hard_made *made)
     struct rng rng = rng_make(36, 0);
     for (int i = 0; i < 150; i++) {
         float v[3][3], at[3];
-        for (int k = 0; k < 3; k++)
-            at[k] = rng_range(&rng, -8, 8);
+        random_point(&rng, -8, 8, at);
         for (int c = 0; c < 3; c++)
             for (int k = 0; k < 3; k++) {
                 int off = (int)rng_below(&rng, 3) - 1;
                 v[c][k] = half_middle(at[k] + rng_range(&rng, -1, 1), off);
             }
-        part_tri_of(part, (const float(*)[3])v);
+        part_tri_of(part, v);
     }
     for (uint32_t i = 0; i < 450 && !part->failed; i++) {
         float v[3][3], from[3], to[3];
@@ -38,9 +37,9 @@ static void make_middles(struct hard_made *made)
         for (int k = 0; k < 3; k++) {
             float *corner = v[i % 3], middle = (v[0][k] + v[1][k] + v[2][k]) / 3;
             to[k] = corner[k] + 0x1p-9f * (middle - corner[k]);
-            from[k] = rng_range(&rng, -12, 12);
         }
-        want(part_ray(part, ray_at(from, to)), HARD_ALL, WANT_HIT);
+        random_point(&rng, -12, 12, from);
+        expect_hit(part, HARD_ALL, ray_at(from, to));
     }
 }
 
@@ -53,18 +52,16 @@ const struct hard_case hard_middles = {
     .make = make_middles,
 };
 
-static void aim_at_grid(struct hard_part *part, uint32_t n, float cell, float from, uint64_t seed)
+/* At cells of a grid of 8 x 8 in its own plane's height `from`, straight and slanted. */
+static void aim_at_grid(struct hard_part *part, float cell, float from, uint64_t seed)
 {
     struct rng rng = rng_make(seed, 0);
     for (int i = 0; i < 32; i++) {
-        uint32_t c = rng_below(&rng, n), r = rng_below(&rng, n);
-        float x = from + cell * ((float)c + 0.25f), y = from + cell * ((float)r + 0.75f);
-        struct ray ray = ray_of(x, y, from - cell, 0, 0, cell);
-        if (i % 2) {
-            ray.org[0] -= cell;
-            ray.dir[0] = cell;
-        }
-        want_id(part, part_ray(part, ray), HARD_ALL, 2 * (c + n * r) + 1);
+        float c = whole(&rng, 8) + 0.25f, r = whole(&rng, 8) + 0.75f;
+        float slope = i % 2 ? cell : 0;
+        struct ray ray =
+            ray_of(from + cell * c - slope, from + cell * r, from - cell, slope, 0, cell);
+        expect_id(part, HARD_ALL, ray, grid_tri(8, c, r));
     }
 }
 
@@ -74,11 +71,10 @@ static void make_overflow(struct hard_made *made)
     for (size_t m = 0; m < ARRAY_COUNT(most); m++)
         for (int sign = -1; sign <= 1; sign += 2) {
             struct hard_part *part = part_add(made, "%g", (double)most[m] * sign);
-            part_grid(part, 8, 2, 0, 1, sign < 0 ? -most[m] : most[m] - 8);
-            for (uint32_t i = 0; i < part->scene.vertex_count && !part->failed; i++)
-                part->scene.vertex[3 * (size_t)i + 2] = sign < 0 ? -most[m] : most[m] - 8;
+            float from = sign < 0 ? -most[m] : most[m] - 8;
+            part_grid(part, 8, 2, from, 1, from);
             part->must_refuse = most[m] > 65504 ? "rf16" : NULL;
-            aim_at_grid(part, 8, 1, sign < 0 ? -most[m] : most[m] - 8, 37 + m);
+            aim_at_grid(part, 1, from, 37 + m);
         }
 }
 
@@ -97,7 +93,7 @@ static void make_subnormal(struct hard_made *made)
         struct hard_part *part = part_add(made, "2^-%d", k);
         float cell = ldexpf(1, -k - 3);
         part_grid(part, 8, 2, 0, cell, 0);
-        aim_at_grid(part, 8, cell, 0, (uint64_t)k);
+        aim_at_grid(part, cell, 0, (uint64_t)k);
     }
 }
 
@@ -116,18 +112,18 @@ static void make_straddle(struct hard_made *made)
     for (size_t r = 0; r < ARRAY_COUNT(reach); r++) {
         struct hard_part *part = part_add(made, "%a", (double)reach[r]);
         float s = reach[r];
-        part_cube(part, (const float[3]){-s, -s, -s}, 2 * s);
+        part_cube(part, -s, 2 * s);
         struct rng rng = rng_make(39, r);
         for (uint32_t i = 0; i < 48 && !part->failed; i++) {
             float from[3], to[3];
             part_point(part, &rng, i % 12, to);
             for (int k = 0; k < 3; k++)
                 from[k] = 4 * s * (rng_float(&rng) - 0.5f) + (k == (int)(i % 3) ? 8 * s : 0);
-            want(part_ray(part, ray_at(from, to)), HARD_ALL, WANT_HIT);
+            expect_hit(part, HARD_ALL, ray_at(from, to));
             struct ray inside = ray_of(0, 0, 0, to[0], to[1], to[2]);
             for (int k = 0; k < 3 && i % 2; k++)
                 inside.org[k] = -inside.org[k];
-            want_id(part, part_ray(part, inside), HARD_ALL, i % 12);
+            expect_id(part, HARD_ALL, inside, i % 12);
         }
     }
 }

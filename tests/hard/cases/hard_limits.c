@@ -10,8 +10,7 @@ static void speckles(struct hard_part *part, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         float x = 0.25f * (float)(i % 256), y = 0.25f * (float)(i / 256);
-        const float v[3][3] = {{x, y, 1}, {x + 0.125f, y, 1}, {x, y + 0.125f, 1}};
-        part_tri_of(part, v);
+        part_triangle(part, x, y, 1, x + 0.125f, y, 1, x, y + 0.125f, 1);
     }
 }
 
@@ -20,25 +19,26 @@ static void aim_at_speckle(struct hard_part *part, uint32_t i)
     float x = 0.25f * (float)(i % 256) + 0.03125f, y = 0.25f * (float)(i / 256) + 0.03125f;
     float d = i % 2 ? 1.0f : -1.0f;
     struct ray ray = i % 3 ? ray_of(x, y, 1 - d, 0, 0, d) : ray_of(x - 0.5f, y, 1 - d, 0.5f, 0, d);
-    want_id(part, part_ray(part, ray), HARD_ALL, i);
+    expect_id(part, HARD_ALL, ray, i);
+}
+
+static void leaves_of(struct hard_made *made, uint32_t count, uint32_t leaf)
+{
+    struct hard_part *part = part_add(made, "%u in leaves of %u", count, leaf);
+    part->leaf = leaf;
+    part->must_refuse = leaf == 9 && count % 9 == 0 ? "rf16" : NULL;
+    speckles(part, count);
+    for (uint32_t i = 0; i < count; i++)
+        aim_at_speckle(part, i);
 }
 
 static void make_leaves(struct hard_made *made)
 {
-    static const struct {
-        uint32_t count, leaf;
-    } leaves[] = {{1, 8},  {2, 8},  {3, 8},  {4, 8},  {5, 8},  {6, 8},  {7, 8},  {8, 8},
-                  {9, 8},  {10, 8}, {11, 8}, {12, 8}, {13, 8}, {14, 8}, {15, 8}, {16, 8},
-                  {16, 1}, {7, 7},  {14, 7}, {9, 9},  {16, 9}, {18, 9}};
-    for (size_t l = 0; l < ARRAY_COUNT(leaves); l++) {
-        struct hard_part *part =
-            part_add(made, "%u in leaves of %u", leaves[l].count, leaves[l].leaf);
-        part->leaf = leaves[l].leaf;
-        part->must_refuse = leaves[l].leaf == 9 && leaves[l].count % 9 == 0 ? "rf16" : NULL;
-        speckles(part, leaves[l].count);
-        for (uint32_t i = 0; i < leaves[l].count; i++)
-            aim_at_speckle(part, i);
-    }
+    static const uint32_t others[][2] = {{16, 1}, {7, 7}, {14, 7}, {9, 9}, {16, 9}, {18, 9}};
+    for (uint32_t count = 1; count <= 16; count++)
+        leaves_of(made, count, 8);
+    for (size_t i = 0; i < ARRAY_COUNT(others); i++)
+        leaves_of(made, others[i][0], others[i][1]);
 }
 
 const struct hard_case hard_leaves = {
@@ -57,14 +57,11 @@ static void make_index_zero(struct hard_made *made)
     speckles(part, 1);
     aim_at_speckle(part, 0);
     part = part_add(made, "nearest of 16");
-    for (int i = 0; i < 16; i++) {
-        float z = (float)(i + 1);
-        const float v[3][3] = {{0, 0, z}, {4, 0, z}, {0, 4, z}};
-        part_tri_of(part, v);
-    }
+    for (int i = 1; i <= 16; i++)
+        part_layer(part, (float)i);
     for (int i = 0; i < 32; i++) {
         float x = 0.125f * (float)(1 + i % 8), y = 0.25f * (float)(1 + i / 8);
-        want_id(part, part_ray(part, ray_of(x, y, 0, 0, 0, 1)), HARD_ALL, 0);
+        expect_id(part, HARD_ALL, ray_of(x, y, 0, 0, 0, 1), 0);
     }
 }
 
@@ -145,18 +142,14 @@ static void make_concentric(struct hard_made *made)
         struct hard_part *part = part_add(made, "%u", counts[c]);
         for (uint32_t i = 0; i < counts[c]; i++) {
             float s = 1 + 0.125f * (float)i;
-            const float v[3][3] = {{-s, -s, 1}, {s, -s, 1}, {0, 2 * s, 1}};
-            part_tri_of(part, v);
+            part_triangle(part, -s, -s, 1, s, -s, 1, 0, 2 * s, 1);
         }
         for (uint32_t i = 0; i < counts[c]; i++) { /* between the borders of i - 1 and i */
             float y = -1 - 0.125f * (float)i + 0.0625f;
             for (int way = 0; way < 2; way++) {
                 float d = way ? 1.0f : -1.0f;
-                struct hard_want *w = part_ray(part, ray_of(0.0625f, y, 1 - d, 0, 0, d));
-                uint32_t id[64];
-                for (uint32_t k = i; k < counts[c]; k++)
-                    id[k - i] = k;
-                want_ids(part, w, HARD_ALL, counts[c] - i, id);
+                part_ray(part, ray_of(0.0625f, y, 1 - d, 0, 0, d));
+                want_range(part, HARD_ALL, i, counts[c] - i);
             }
         }
     }
@@ -180,17 +173,16 @@ static void make_series(struct hard_made *made)
             part->deep = deep;
             for (int i = 0; i < count; i++) {
                 float x = ldexpf(1, -i), s = 0.125f * x;
-                const float v[3][3] = {{x, 0, 0}, {x, s, 0}, {x, 0, s}};
-                part_tri_of(part, v);
+                part_triangle(part, x, 0, 0, x, s, 0, x, 0, s);
             }
             for (int i = 0; i < count; i++) {
                 float x = ldexpf(1, -i), s = 0.03125f * x;
-                struct hard_want *w = part_ray(part, ray_of(1.25f * x, s, s, -0.25f * x, 0, 0));
+                part_ray(part, ray_of(1.25f * x, s, s, -0.25f * x, 0, 0));
                 if (i < 24)
-                    want_id(part, w, HARD_ALL, (uint32_t)i);
+                    want_id(part, HARD_ALL, (uint32_t)i);
                 struct ray slanted = ray_of(1.25f * x, 0, s, -0.25f * x, s, 0);
                 if (i < 24)
-                    want_id(part, part_ray(part, slanted), HARD_OWN, (uint32_t)i);
+                    expect_id(part, HARD_OWN, slanted, (uint32_t)i);
             }
         }
 }
@@ -209,8 +201,7 @@ static void make_nothing(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "empty");
     for (int i = 0; i < 130; i++)
-        want(part_ray(part, ray_of((float)i, 0, 0, i % 2 ? 0.0f : 1.0f, 0, 1)), HARD_ALL,
-             WANT_MISS);
+        expect_miss(part, HARD_ALL, ray_of((float)i, 0, 0, i % 2 ? 0.0f : 1.0f, 0, 1));
 }
 
 const struct hard_case hard_nothing = {
@@ -227,17 +218,15 @@ static void make_one(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "one");
     struct rng rng = rng_make(52, 0);
-    const float v[3][3] = {{1, 2, 3}, {3, 2, 4}, {1, 5, 4}};
-    part_tri_of(part, v);
+    part_triangle(part, 1, 2, 3, 3, 2, 4, 1, 5, 4);
     for (int i = 0; i < 100; i++) {
         float from[3], to[3];
         part_point(part, &rng, 0, to);
-        for (int k = 0; k < 3; k++)
-            from[k] = to[k] + rng_range(&rng, -4, 4);
+        random_near(&rng, to, 4, from);
         from[2] = to[2] + (i % 2 ? 6.0f : -6.0f);
-        want_id(part, part_ray(part, ray_at(from, to)), HARD_ALL, 0);
+        expect_id(part, HARD_ALL, ray_at(from, to), 0);
         to[i % 2] += 9; /* and past it */
-        want(part_ray(part, ray_at(from, to)), HARD_ALL, WANT_MISS);
+        expect_miss(part, HARD_ALL, ray_at(from, to));
     }
 }
 
@@ -256,15 +245,12 @@ static void make_stack(struct hard_made *made)
     struct hard_part *part = part_add(made, "65536 deep");
     uint32_t count = 65536;
     part->leaf = 8;
-    for (uint32_t i = 0; i < count; i++) {
-        float z = 0.5f * (float)(count - i);
-        const float v[3][3] = {{0, 0, z}, {4, 0, z}, {0, 4, z}};
-        part_tri_of(part, v);
-    }
+    for (uint32_t i = 0; i < count; i++)
+        part_layer(part, 0.5f * (float)(count - i));
     for (int i = 0; i < 8; i++) {
         float x = 0.25f * (float)(1 + i % 4), y = 0.5f * (float)(1 + i / 4);
-        want_id(part, part_ray(part, ray_of(x, y, 0, 0, 0, 1)), HARD_ALL, count - 1);
-        want_id(part, part_ray(part, ray_of(x, y, 40000, 0, 0, -1)), HARD_ALL, 0);
+        expect_id(part, HARD_ALL, ray_of(x, y, 0, 0, 0, 1), count - 1);
+        expect_id(part, HARD_ALL, ray_of(x, y, 40000, 0, 0, -1), 0);
     }
 }
 

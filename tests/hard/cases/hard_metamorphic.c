@@ -4,7 +4,7 @@
 #include "tests/hard/relations.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <stdio.h>
 
 /* Rays at vertices, at points of triangles and at nothing; `snap` keeps all on a lattice of 1/8. */
 static void add_rays(struct hard_part *part, uint64_t seed, uint32_t count, float reach, bool snap)
@@ -13,16 +13,13 @@ static void add_rays(struct hard_part *part, uint64_t seed, uint32_t count, floa
     for (uint32_t i = 0; i < count && !part->failed; i++) {
         float from[3], to[3];
         if (i % 3 == 0)
-            for (int k = 0; k < 3; k++)
-                to[k] = part->scene.vertex[3 * (i % part->scene.vertex_count) + (uint32_t)k];
+            part_corner(part, i % part->scene.vertex_count, to);
         else
             part_point(part, &rng, rng_below(&rng, part->scene.tri_count), to);
-        for (int k = 0; k < 3; k++) {
-            from[k] = to[k] + reach * rng_range(&rng, -1, 1);
-            if (snap) {
-                to[k] = 0.125f * roundf(8 * to[k]);
-                from[k] = 0.125f * roundf(8 * from[k]);
-            }
+        random_near(&rng, to, reach, from);
+        for (int k = 0; k < 3 && snap; k++) {
+            to[k] = 0.125f * roundf(8 * to[k]);
+            from[k] = 0.125f * roundf(8 * from[k]);
         }
         if (from[0] == to[0] && from[1] == to[1] && from[2] == to[2])
             from[2] -= 1;
@@ -37,13 +34,13 @@ static struct hard_part *lattice_scene(struct hard_made *made, uint64_t seed)
     struct rng rng = rng_make(seed, 0xA7);
     part_grid(part, 8, 2, 0, 1, -4);
     for (uint32_t i = 0; i < part->scene.vertex_count && !part->failed; i++)
-        part->scene.vertex[3 * (size_t)i + 2] = (float)rng_below(&rng, 4);
+        part->scene.vertex[3 * (size_t)i + 2] = whole(&rng, 4);
     for (int i = 0; i < 20; i++) {
         float v[3][3];
         for (int c = 0; c < 3; c++)
             for (int k = 0; k < 3; k++)
-                v[c][k] = 0.5f * (float)rng_below(&rng, 17) - 4;
-        part_tri_of(part, (const float(*)[3])v);
+                v[c][k] = 0.5f * whole(&rng, 17) - 4;
+        part_tri_of(part, v);
     }
     return part;
 }
@@ -52,17 +49,13 @@ static struct hard_part *lattice_scene(struct hard_made *made, uint64_t seed)
 static void relate(struct hard_made *made)
 {
     size_t base = made->part_count - 1;
-    for (size_t r = 0; relations[r]; r++)
+    for (size_t r = 0; relations[r].name; r++)
         for (uint64_t seed = 1; seed <= 2; seed++) {
-            struct hard_part *part = part_add(made, "%zu %s", base, relations[r]->name);
+            struct hard_part *part = part_add(made, "%zu %s", base, relations[r].name);
             part->like = base;
-            if (relations[r]->make(&made->part[base], seed + 10 * r, part) || part->failed)
+            if (relations[r].make(&made->part[base], seed + 10 * r, part) || part->failed)
                 continue;
-            scene_free(&part->scene);
-            free(part->ray);
-            free(part->want);
-            free(part->prim_of);
-            *part = (struct hard_part){0};
+            hard_part_free(part);
             made->part_count--;
         }
 }
@@ -88,22 +81,20 @@ const struct hard_case hard_relations = {
 
 static void make_shifted(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", 8, 16);
     struct rng rng = rng_make(56, 0);
-    part_grid(part, 8, 2, 16, 1, 0);
     part->like_bits = HARD_LIKE_MT | HARD_LIKE_WOOP;
     for (int i = 0; i < 24; i++) {
-        float x = (float)rng_below(&rng, 8) + 0.25f, y = (float)rng_below(&rng, 8) + 0.75f;
-        float dx = (float)rng_below(&rng, 5) - 2, dy = (float)rng_below(&rng, 5) - 2;
+        float x = whole(&rng, 8) + 0.25f, y = whole(&rng, 8) + 0.75f;
+        float dx = whole(&rng, 5) - 2, dy = whole(&rng, 5) - 2;
         float dz = (float)(1 << rng_below(&rng, 4)), t = 16 / dz;
         size_t base = part->ray_count;
         for (int k = 0; k < 8; k++) { /* k directions farther back */
             float back = (float)k;
             struct ray ray =
                 ray_of(x - (t + back) * dx, y - (t + back) * dy, 0 - back * dz, dx, dy, dz);
-            struct hard_want *w = part_ray(part, ray);
-            want_id(part, w, HARD_ALL, grid_tri(8, x, y));
-            want_like(w, HARD_ALL, base, 0, -back);
+            expect_id(part, HARD_ALL, ray, grid_tri(8, x, y));
+            want_like(part, HARD_ALL, base, 0, -back);
         }
     }
 }
@@ -127,13 +118,10 @@ static void make_structure(struct hard_made *made)
         add_rays(part, s, 16, 1, false);
     }
     for (int shift = -30; shift <= 12; shift += 6) {
-        struct hard_part *part = part_add(made, "sphere * 2^%d", shift);
-        struct hard_made other = {.part_count = 0};
-        struct hard_part *sphere = part_open(&other, "sphere:n=5");
-        part_copy_scene(part, sphere);
-        part->failed |= sphere->failed;
-        hard_free(&other);
-        part_scale(part, ldexpf(1, shift));
+        struct hard_part *part = part_open(made, "sphere:n=5");
+        snprintf(part->label, sizeof part->label, "sphere * 2^%d", shift);
+        for (size_t i = 0; i < 3 * (size_t)part->scene.vertex_count; i++)
+            part->scene.vertex[i] = ldexpf(part->scene.vertex[i], shift);
         add_rays(part, 58, 16, ldexpf(2, shift), false);
     }
 }

@@ -5,18 +5,6 @@
 
 #define N 16 /* cells of the grid */
 
-static float eighth(struct rng *rng, uint32_t below)
-{
-    return 0.125f * (float)rng_below(rng, 8 * below);
-}
-
-/* An eighth that is no whole number. */
-static float off_lines(struct rng *rng)
-{
-    float line = (float)rng_below(rng, N);
-    return line + 0.125f * (float)(1 + rng_below(rng, 7));
-}
-
 static uint32_t cell(uint32_t i, uint32_t j)
 {
     return 2 * (i + N * j);
@@ -38,12 +26,13 @@ static void aim_at_lines(struct hard_part *part, struct rng *rng, uint32_t i)
 {
     for (int across = 0; across < 2; across++)
         for (int sign = 0; sign < 4; sign++) {
-            float at = off_lines(rng), zero = sign & 1 ? -0.0f : 0.0f, d = sign & 2 ? -1.0f : 1.0f;
+            float at = off_lines(rng, N), zero = sign & 1 ? -0.0f : 0.0f,
+                  d = sign & 2 ? -1.0f : 1.0f;
             float x = across ? at : (float)i, y = across ? (float)i : at;
             uint32_t id[2], n = on_line(across, i, (uint32_t)at, id);
-            struct hard_want *w = part_ray(part, ray_of(x, y, 1 - d, zero, zero, d));
-            want_ids(part, w, HARD_ALL, n, id);
-            want_t(w, HARD_ALL, 1);
+            part_ray(part, ray_of(x, y, 1 - d, zero, zero, d));
+            want_ids(part, HARD_ALL, n, id);
+            want_t(part, HARD_ALL, 1);
         }
 }
 
@@ -59,8 +48,8 @@ static void make_border(struct hard_made *made)
         for (int corner = 0; corner < 2; corner++) { /* the two corners on this side */
             float y = corner ? N : 0.0f;
             for (int sign = 0; sign < 2; sign++)
-                want_t(part_ray(part, ray_of((float)(side * N), y, 0, sign ? -0.0f : 0.0f, 0, 1)),
-                       HARD_ALL, 1);
+                expect_t(part, HARD_ALL, ray_of((float)(side * N), y, 0, sign ? -0.0f : 0.0f, 0, 1),
+                         1);
         }
     }
 }
@@ -84,17 +73,16 @@ const struct hard_case hard_border = {
 
 static void make_lines(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(4, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     for (uint32_t i = 1; i < N; i++)
         aim_at_lines(part, &rng, i);
     for (int i = 0; i < 32; i++) { /* diagonals of cells */
         uint32_t c = rng_below(&rng, N), r = rng_below(&rng, N);
-        float f = 0.125f * (float)(1 + rng_below(&rng, 7));
+        float f = 0.125f * (1 + whole(&rng, 7));
         struct ray ray = ray_of((float)c + f, (float)r + f, 0, 0, 0, 1);
-        uint32_t id[2] = {cell(c, r), cell(c, r) + 1};
-        want_ids(part, part_ray(part, ray), HARD_ALL, 2, id);
+        part_ray(part, ray);
+        want_range(part, HARD_ALL, cell(c, r), 2);
     }
 }
 
@@ -109,17 +97,16 @@ const struct hard_case hard_lines = {
 
 static void make_grid_vertices(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
-    part_grid(part, N, 2, 1, 1, 0);
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     for (uint32_t j = 1; j < N; j++)
         for (uint32_t i = 1; i < N; i++) {
             uint32_t id[6] = {cell(i, j),         cell(i, j) + 1,         cell(i - 1, j),
                               cell(i, j - 1) + 1, cell(i - 1, j - 1) + 1, cell(i - 1, j - 1)};
             float d = (i + j) % 2 ? -1.0f : 1.0f;
             struct ray ray = ray_of((float)i, (float)j, 1 - d, 0, 0, d);
-            struct hard_want *w = part_ray(part, ray);
-            want_ids(part, w, HARD_ALL, 6, id);
-            want_t(w, HARD_ALL, 1);
+            part_ray(part, ray);
+            want_ids(part, HARD_ALL, 6, id);
+            want_t(part, HARD_ALL, 1);
         }
 }
 
@@ -134,14 +121,14 @@ const struct hard_case hard_grid_vertices = {
 
 static void make_in_plane(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(11, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     for (int i = 0; i < 64; i++) {
-        float dx = i % 2 ? 1.0f : -1.0f, dy = (float)rng_below(&rng, 5) - 2;
-        struct ray ray = ray_of(dx > 0 ? -3.0f : N + 3.0f, eighth(&rng, N), 1, dx, 0.25f * dy, 0);
+        float dx = i % 2 ? 1.0f : -1.0f, dy = whole(&rng, 5) - 2;
+        struct ray ray =
+            ray_of(dx > 0 ? -3.0f : N + 3.0f, 0.125f * whole(&rng, 8 * N), 1, dx, 0.25f * dy, 0);
         ray.dir[2] = i & 4 ? -0.0f : 0.0f;
-        want(part_ray(part, ray), HARD_OWN, WANT_MISS);
+        expect_miss(part, HARD_OWN, ray);
     }
     part = part_open(made, "soup:n=200,size=1"); /* a plane that is not a lattice plane */
     for (int i = 0; i < 200 && !part->failed; i++) {
@@ -167,22 +154,21 @@ const struct hard_case hard_in_plane = {
 
 static void make_along_edge(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
-    part_grid(part, N, 2, 1, 1, 0);
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     for (uint32_t i = 0; i <= N; i++)
         for (int way = 0; way < 4; way++) {
             float from = way & 1 ? -3.0f : N + 3.0f, d = way & 1 ? 1.0f : -1.0f;
             struct ray ray =
                 way & 2 ? ray_of(from, (float)i, 1, d, 0, 0) : ray_of((float)i, from, 1, 0, d, 0);
-            want(part_ray(part, ray), HARD_OWN, WANT_MISS);
+            expect_miss(part, HARD_OWN, ray);
         }
     part = part_add(made, "cube");
-    part_cube(part, (const float[3]){0, 0, 0}, 4);
+    part_cube(part, 0, 4);
     for (int way = 0; way < 8; way++) { /* along edges of a cube: its end faces are hit */
         float d = way & 1 ? 1.0f : -1.0f;
         struct ray ray =
             ray_of(way & 1 ? -4.0f : 8.0f, way & 2 ? 4.0f : 0, way & 4 ? 4.0f : 0, d, 0, 0);
-        want_t(part_ray(part, ray), HARD_OWN, 4);
+        expect_t(part, HARD_OWN, ray, 4);
     }
 }
 
@@ -226,20 +212,19 @@ static void make_lattice(struct hard_made *made)
     struct hard_part *part = part_add(made, "lattice soup");
     struct rng rng = rng_make(16, 0);
     for (int i = 0; i < 300; i++) {
-        float v[3][3];
-        float at[3];
+        float v[3][3], at[3];
         for (int k = 0; k < 3; k++)
-            at[k] = (float)rng_below(&rng, 13) - 6;
+            at[k] = whole(&rng, 13) - 6;
         for (int c = 0; c < 3; c++)
             for (int k = 0; k < 3; k++)
-                v[c][k] = at[k] + (float)rng_below(&rng, 5) - 2;
+                v[c][k] = at[k] + whole(&rng, 5) - 2;
         part_tri_of(part, v);
     }
     for (int i = 0; i < 400; i++) {
         struct ray ray = ray_of(0, 0, 0, 0, 0, 0);
         for (int k = 0; k < 3; k++) {
-            ray.org[k] = (float)rng_below(&rng, 17) - 8;
-            ray.dir[k] = (float)rng_below(&rng, 5) - 2;
+            ray.org[k] = whole(&rng, 17) - 8;
+            ray.dir[k] = whole(&rng, 5) - 2;
         }
         if (ray.dir[0] == 0 && ray.dir[1] == 0 && ray.dir[2] == 0)
             ray.dir[2] = 1;
@@ -259,20 +244,19 @@ const struct hard_case hard_lattice = {
 static void make_on_surface(struct hard_made *made)
 {
     static const float first[] = {0, 0x1p-149f, 1e-30f, 0x1p-24f};
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(17, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     for (int i = 0; i < 48; i++)
         for (size_t s = 0; s < ARRAY_COUNT(first); s++) {
             float dx = i % 3 ? 0.5f : 0, dz = i % 2 ? 1.0f : -1.0f;
-            float y = off_lines(&rng), x = off_lines(&rng);
+            float y = off_lines(&rng, N), x = off_lines(&rng, N);
             struct ray ray = ray_of(x, y, 1, dx, 0, dz);
             ray.tmin = first[s];
-            struct hard_want *w = part_ray(part, ray);
+            part_ray(part, ray);
             if (s == 0)
-                want(w, HARD_OWN, WANT_ENDS);
+                want(part, HARD_OWN, WANT_ENDS);
             else if (s > 1)
-                want(w, HARD_OWN, WANT_MISS);
+                want(part, HARD_OWN, WANT_MISS);
         }
 }
 
@@ -287,18 +271,14 @@ const struct hard_case hard_on_surface = {
 
 static void make_on_vertex(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 1);
     struct rng rng = rng_make(18, 0);
-    part_grid(part, N, 2, 1, 1, 0);
     for (int i = 0; i < 96; i++) {
-        float dy = (float)rng_below(&rng, 3) - 1, dx = (float)rng_below(&rng, 3) - 1;
-        float y = (float)rng_below(&rng, N + 1), x = (float)rng_below(&rng, N + 1);
+        float dy = whole(&rng, 3) - 1, dx = whole(&rng, 3) - 1;
+        float y = whole(&rng, N + 1), x = whole(&rng, N + 1);
         struct ray ray = ray_of(x, y, 1, dx, dy, (float)(i % 3) - 1);
-        struct hard_want *w = part_ray(part, ray);
-        if (ray.dir[2] != 0)
-            want(w, HARD_OWN, WANT_ENDS);
-        else
-            want(w, HARD_OWN, WANT_MISS);
+        part_ray(part, ray);
+        want(part, HARD_OWN, ray.dir[2] != 0 ? WANT_ENDS : WANT_MISS);
     }
 }
 

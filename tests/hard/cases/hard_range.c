@@ -9,8 +9,8 @@
 /* A ray that meets the grid z = 4 at exactly t, a power of two; sometimes slanted. */
 static struct ray meets_at(struct rng *rng, float t, uint32_t *id)
 {
-    float x = (float)rng_below(rng, N) + 0.25f, y = (float)rng_below(rng, N) + 0.75f;
-    float slant = (float)rng_below(rng, 3) - 1;
+    float x = whole(rng, N) + 0.25f, y = whole(rng, N) + 0.75f;
+    float slant = whole(rng, 3) - 1;
     *id = grid_tri(N, x, y);
     return ray_of(x - slant, y, 3, slant / t, 0, 1 / t);
 }
@@ -18,9 +18,8 @@ static struct ray meets_at(struct rng *rng, float t, uint32_t *id)
 static void make_ends(struct hard_made *made)
 {
     static const float at[] = {1, 0.5f, 8, 0x1p20f, 0x1p-20f};
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 4);
     struct rng rng = rng_make(40, 0);
-    part_grid(part, N, 2, 4, 1, 0);
     for (size_t a = 0; a < ARRAY_COUNT(at); a++)
         for (int i = 0; i < 8; i++) {
             float t = at[a], less = nextafterf(t, 0), more = nextafterf(t, INFINITY);
@@ -30,13 +29,13 @@ static void make_ends(struct hard_made *made)
             uint32_t id;
             struct ray ray = meets_at(&rng, t, &id);
             for (size_t r = 0; r < ARRAY_COUNT(range); r++) {
-                struct hard_want *w = part_ray(part, ray_between(ray, range[r][0], range[r][1]));
+                part_ray(part, ray_between(ray, range[r][0], range[r][1]));
                 if (range[r][0] > t || range[r][1] < t)
-                    want(w, HARD_OWN, WANT_MISS);
+                    want(part, HARD_OWN, WANT_MISS);
                 else if (range[r][0] == t || range[r][1] == t)
-                    want(w, HARD_OWN, WANT_ENDS);
+                    want(part, HARD_OWN, WANT_ENDS);
                 else
-                    want_id(part, w, HARD_OWN, id);
+                    want_id(part, HARD_OWN, id);
             }
         }
 }
@@ -52,9 +51,8 @@ const struct hard_case hard_ends = {
 
 static void make_empty(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 4);
     struct rng rng = rng_make(41, 0);
-    part_grid(part, N, 2, 4, 1, 0);
     for (int i = 0; i < 12; i++) {
         const float range[][2] = {
             {2, 0.5f}, {nextafterf(1, 2), 1}, {INFINITY, 0},         {0.5f, 0.5f}, {2, 2},
@@ -62,8 +60,9 @@ static void make_empty(struct hard_made *made)
         uint32_t id;
         struct ray ray = meets_at(&rng, 1, &id);
         for (size_t r = 0; r < ARRAY_COUNT(range); r++)
-            want(part_ray(part, ray_between(ray, range[r][0], range[r][1])), HARD_ALL, WANT_MISS);
-        want(part_ray(part, ray_between(ray, 1, 1)), HARD_OWN, WANT_ENDS);
+            expect_miss(part, HARD_ALL, ray_between(ray, range[r][0], range[r][1]));
+        part_ray(part, ray_between(ray, 1, 1));
+        want(part, HARD_OWN, WANT_ENDS);
     }
 }
 
@@ -80,17 +79,16 @@ const struct hard_case hard_empty_range = {
 static void make_endless(struct hard_made *made)
 {
     static const float most[] = {INFINITY, FLT_MAX, 1e38f, 1e30f};
-    struct hard_part *part = part_add(made, "grid");
+    struct hard_part *part = part_floor(made, "grid", N, 4);
     struct rng rng = rng_make(42, 0);
-    part_grid(part, N, 2, 4, 1, 0);
     for (int i = 0; i < 24; i++)
         for (size_t m = 0; m < ARRAY_COUNT(most); m++) {
             uint32_t id;
             struct ray ray = meets_at(&rng, i % 3 ? 1 : 0x1p30f, &id);
-            want_id(part, part_ray(part, ray_between(ray, 0, most[m])), HARD_ALL, id);
+            expect_id(part, HARD_ALL, ray_between(ray, 0, most[m]), id);
             for (int k = 0; k < 3; k++) /* the same way off the scene */
                 ray.dir[k] = -ray.dir[k];
-            want(part_ray(part, ray_between(ray, 0, most[m])), HARD_ALL, WANT_MISS);
+            expect_miss(part, HARD_ALL, ray_between(ray, 0, most[m]));
         }
 }
 

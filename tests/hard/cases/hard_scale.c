@@ -9,8 +9,7 @@ static void aim_inside(struct hard_part *part, struct rng *rng, size_t count, fl
     for (size_t i = 0; i < count && !part->failed; i++) {
         float from[3], to[3];
         part_point(part, rng, rng_below(rng, part->scene.tri_count), to);
-        for (int k = 0; k < 3; k++)
-            from[k] = to[k] + away * rng_range(rng, -1, 1);
+        random_near(rng, to, away, from);
         part_ray(part, ray_at(from, to));
     }
 }
@@ -26,14 +25,14 @@ static void make_powers(struct hard_made *made)
         struct rng rng = rng_make(23, 0);
         part_grid(part, 4, 2, cell, cell, 0);
         for (int r = 0; r < 24; r++) {
-            float x = (float)rng_below(&rng, 4) + 0.25f, y = (float)rng_below(&rng, 4) + 0.75f;
+            float x = whole(&rng, 4) + 0.25f, y = whole(&rng, 4) + 0.75f;
             float slant = r % 2 ? 0.5f : 0.0f;
             struct ray ray = ray_of(cell * (x - slant), cell * y, 0, r % 3 ? cell * slant : slant,
                                     0, r % 3 ? cell : 1.0f);
             ray.tmax = INFINITY;
-            struct hard_want *w = part_ray(part, ray);
+            part_ray(part, ray);
             if (cell >= 1e-9f && cell <= 1e11f)
-                want_id(part, w, HARD_ALL, grid_tri(4, x, y));
+                want_id(part, HARD_ALL, grid_tri(4, x, y));
         }
     }
 }
@@ -53,7 +52,7 @@ static void make_denormals(struct hard_made *made)
     struct rng rng = rng_make(24, 0);
     part_grid(part, 4, 2, 1e-40f, 1e-40f, 0);
     for (int i = 0; i < 48; i++) {
-        float x = 1e-40f * (float)rng_below(&rng, 5), y = 1e-40f * (float)rng_below(&rng, 5);
+        float x = 1e-40f * whole(&rng, 5), y = 1e-40f * whole(&rng, 5);
         part_ray(part, ray_of(x, y, i % 2 ? 0.0f : -1e-40f, 0, 0, i % 3 ? 1.0f : 1e-40f));
     }
 }
@@ -70,14 +69,13 @@ const struct hard_case hard_denormals = {
 
 static void soup_at(struct hard_part *part, struct rng *rng, float offset, float size, int count)
 {
+    const float middle[3] = {offset, offset, offset};
     for (int i = 0; i < count; i++) {
         float v[3][3], at[3];
-        for (int k = 0; k < 3; k++)
-            at[k] = offset + 8 * size * rng_range(rng, -1, 1);
+        random_near(rng, middle, 8 * size, at);
         for (int c = 0; c < 3; c++)
-            for (int k = 0; k < 3; k++)
-                v[c][k] = at[k] + size * rng_range(rng, -1, 1);
-        part_tri_of(part, (const float(*)[3])v);
+            random_near(rng, at, size, v[c]);
+        part_tri_of(part, v);
     }
 }
 
@@ -107,10 +105,10 @@ static void make_far_unit(struct hard_made *made)
     struct rng rng = rng_make(26, 0);
     part_grid(part, 16, 2, 1e6f, 1, 1e6f);
     for (int i = 0; i < 200; i++) {
-        float x = (float)rng_below(&rng, 16) + 0.25f, y = (float)rng_below(&rng, 16) + 0.75f;
-        float slant = (float)rng_below(&rng, 5) - 2, d = i % 2 ? -4.0f : 4.0f;
+        float x = whole(&rng, 16) + 0.25f, y = whole(&rng, 16) + 0.75f;
+        float slant = whole(&rng, 5) - 2, d = i % 2 ? -4.0f : 4.0f;
         struct ray ray = ray_of(1e6f + x - slant, 1e6f + y, 1e6f - d, slant, 0, d);
-        want_id(part, part_ray(part, ray), HARD_ALL, grid_tri(16, x, y));
+        expect_id(part, HARD_ALL, ray, grid_tri(16, x, y));
     }
     part = part_add(made, "soup at 1e6");
     soup_at(part, &rng, 1e6f, 4, 100);
@@ -131,17 +129,16 @@ static void make_mixed(struct hard_made *made)
     struct hard_part *part = part_add(made, "1e6 under 1e-3");
     struct rng rng = rng_make(27, 0);
     soup_at(part, &rng, 0, 1e-3f, 150);
-    const float large[3][3] = {{-1e6f, -1e6f, -0.5f}, {1e6f, -1e6f, -0.5f}, {0, 1e6f, -0.5f}};
-    uint32_t below = part_tri_of(part, large);
+    uint32_t below = part_triangle(part, -1e6f, -1e6f, -0.5f, 1e6f, -1e6f, -0.5f, 0, 1e6f, -0.5f);
     aim_inside(part, &rng, 200, 0.02f);
     for (int i = 0; i < 100; i++) {
         float x = rng_range(&rng, -1, 1), y = rng_range(&rng, -1, 1);
         float far = i % 2 ? 1e4f : 1;
         if (x * x + y * y < 0.01f)
             x += 1; /* beside the small ones */
-        struct hard_want *w = part_ray(part, ray_of(far * x, far * y, 1, 0.25f, 0, -1));
+        part_ray(part, ray_of(far * x, far * y, 1, 0.25f, 0, -1));
         if (i % 2 == 0) /* from afar woop's noise is as large as the small ones */
-            want_id(part, w, HARD_ALL, below);
+            want_id(part, HARD_ALL, below);
     }
 }
 
@@ -161,7 +158,7 @@ static void make_corridor(struct hard_made *made)
     for (float length = 10; length <= 1000; length *= 10) {
         struct hard_part *part = part_add(made, "%g", (double)length);
         struct rng rng = rng_make(64, (uint64_t)length);
-        part_cube(part, (const float[3]){-1, -1, -1}, 2);
+        part_cube(part, -1, 2);
         for (size_t i = 0; i < part->scene.vertex_count && !part->failed; i++)
             part->scene.vertex[3 * i + 2] *= length;
         for (int i = 0; i < 400; i++) { /* at the long edges, off by at most 1e-3 */
@@ -169,7 +166,7 @@ static void make_corridor(struct hard_made *made)
             float off = ldexpf(i & 4 ? 1.0f : -1.0f, -20 + (int)rng_below(&rng, 11));
             float to[3] = {i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, rng_range(&rng, 0.2f, 4)};
             to[i & 8 ? 0 : 1] += off;
-            want(part_ray(part, ray_at(from, to)), HARD_TIGHT, WANT_HIT);
+            expect_hit(part, HARD_TIGHT, ray_at(from, to));
         }
     }
 }

@@ -8,13 +8,12 @@
 /* A small triangle at (x, y, 1) and a ray straight at it. */
 static void dot(struct hard_part *part, float x, float y)
 {
-    const float v[3][3] = {{x, y, 1}, {x + 0.25f, y, 1}, {x, y + 0.25f, 1}};
-    part_tri_of(part, v);
+    part_triangle(part, x, y, 1, x + 0.25f, y, 1, x, y + 0.25f, 1);
 }
 
 static void aim_at_dot(struct hard_part *part, uint32_t prim, float x, float y)
 {
-    want_id(part, part_ray(part, ray_of(x + 0.0625f, y + 0.0625f, 0, 0, 0, 1)), HARD_ALL, prim);
+    expect_id(part, HARD_ALL, ray_of(x + 0.0625f, y + 0.0625f, 0, 0, 0, 1), prim);
 }
 
 /* Triangle i lies where 7 i mod 300 says, so that its number and its place in a tree differ. */
@@ -53,7 +52,7 @@ static void make_floor(struct hard_made *made)
     for (uint32_t i = 0; i < 18; i++) {
         float z = (float)(i / 2 % 3) + (i % 2 ? 0.25f : 0.75f);
         float x = (float)(i / 6) + (i % 2 ? 0.75f : 0.25f);
-        want(part_ray(part, ray_of(x, 2, z, 0, -1, 0)), HARD_ALL, WANT_HIT);
+        expect_hit(part, HARD_ALL, ray_of(x, 2, z, 0, -1, 0));
     }
 }
 
@@ -77,11 +76,11 @@ static void make_cut(struct hard_made *made)
     struct hard_part *part = part_add(made, "5 copies");
     struct rng rng = rng_make(72, 0);
     for (int i = 0; i < 5; i++)
-        part_tri_of(part, (const float[3][3]){{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+        part_triangle(part, 0, 0, 0, 1, 0, 0, 0, 1, 0);
     for (uint32_t i = 0; i < 20; i++) {
         float to[3];
         part_point(part, &rng, 0, to);
-        want(part_ray(part, ray_of(to[0], to[1], -1, 0, 0, 1)), HARD_ALL, WANT_HIT);
+        expect_hit(part, HARD_ALL, ray_of(to[0], to[1], -1, 0, 0, 1));
     }
 }
 
@@ -152,12 +151,12 @@ static void make_halves(struct hard_made *made)
     dot(part, -1000, -1000); /* triangle 0, which the paper's record loses */
     for (int i = 0; i < 3; i++) {
         float x = 65520 + 4 * (float)i;
-        part_tri_of(part, (const float[3][3]){{x, -1, -1}, {x + 2, 1, -1}, {x + 1, 0, 1}});
+        part_triangle(part, x, -1, -1, x + 2, 1, -1, x + 1, 0, 1);
     }
     part->must_refuse = "rf16";
     for (int i = -4; i <= 4; i++) {
         float z = 0.03125f * (float)i;
-        want(part_ray(part, ray_of(65000, 0, z, 1, 0, 0)), HARD_ALL, WANT_HIT);
+        expect_hit(part, HARD_ALL, ray_of(65000, 0, z, 1, 0, 0));
     }
 }
 
@@ -176,12 +175,10 @@ const struct hard_case hard_seed_halves = {
 static void make_last(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "one leaf");
-    for (int i = 0; i < 4; i++) {
-        float z = (float)(i + 1);
-        part_tri_of(part, (const float[3][3]){{0, 0, z}, {4, 0, z}, {0, 4, z}});
-    }
+    for (int i = 1; i <= 4; i++)
+        part_layer(part, (float)i);
     for (int i = 1; i <= 8; i++)
-        want_id(part, part_ray(part, ray_of(0.25f * (float)i, 0.5f, 0, 0, 0, 1)), HARD_ALL, 0);
+        expect_id(part, HARD_ALL, ray_of(0.25f * (float)i, 0.5f, 0, 0, 0, 1), 0);
 }
 
 const struct hard_case hard_seed_last = {
@@ -200,7 +197,7 @@ const struct hard_case hard_seed_last = {
 static void make_parallel(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "x = 100");
-    part_tri_of(part, (const float[3][3]){{100, -1, -1}, {100, 1, -1}, {103, 0, 2}});
+    part_triangle(part, 100, -1, -1, 100, 1, -1, 103, 0, 2);
     for (int i = -4; i <= 4; i++)
         part_ray(part, ray_of(100, 0.1875f * (float)i, -5, 0, 0, 1));
 }
@@ -221,10 +218,10 @@ static void make_threshold(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "3e-4");
     const float s = 3e-4f;
-    part_tri_of(part, (const float[3][3]){{0, 0, 0}, {s, 0, 0}, {0, s, 0}});
+    part_triangle(part, 0, 0, 0, s, 0, 0, 0, s, 0);
     for (int i = 1; i <= 8; i++) {
         float x = 0.0625f * s * (float)i;
-        want_id(part, part_ray(part, ray_of(x, 0.25f * s, -1, 0, 0, 1)), HARD_ALL, 0);
+        expect_id(part, HARD_ALL, ray_of(x, 0.25f * s, -1, 0, 0, 1), 0);
     }
 }
 

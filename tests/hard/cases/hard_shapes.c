@@ -12,7 +12,7 @@ static void make_slivers(struct hard_made *made)
             v[1][k] = v[0][k] + rng_range(&rng, -1, 1);
             v[2][k] = 0.5f * (v[0][k] + v[1][k]) + 1e-6f * rng_range(&rng, -1, 1);
         }
-        part_tri_of(part, (const float(*)[3])v);
+        part_tri_of(part, v);
     }
     for (uint32_t i = 0; i < 400 && !part->failed; i++) {
         float from[3], to[3];
@@ -20,8 +20,7 @@ static void make_slivers(struct hard_made *made)
             part_point(part, &rng, i % 100, to);
         else
             part_edge(part, i % 100, (int)(i / 100 % 3), to);
-        for (int k = 0; k < 3; k++)
-            from[k] = rng_range(&rng, -2, 2);
+        random_point(&rng, -2, 2, from);
         part_ray(part, ray_at(from, to));
     }
 }
@@ -47,13 +46,12 @@ static void make_needles(struct hard_made *made)
         v[1][along] += 1;
         v[2][along] += 1;
         v[2][across] += width;
-        part_tri_of(part, (const float(*)[3])v);
+        part_tri_of(part, v);
     }
     for (uint32_t i = 0; i < 400 && !part->failed; i++) {
         float from[3], to[3];
         part_point(part, &rng, i % 100, to);
-        for (int k = 0; k < 3; k++)
-            from[k] = to[k] + (i % 2 ? 1e-3f : 1.0f) * rng_range(&rng, -1, 1);
+        random_near(&rng, to, i % 2 ? 1e-3f : 1.0f, from);
         if (i % 2)
             from[i % 100 % 3] -= 3; /* nearly along the needle */
         part_ray(part, ray_at(from, to));
@@ -73,13 +71,12 @@ const struct hard_case hard_needles = {
 
 static void make_no_area(struct hard_made *made)
 {
-    struct hard_part *part = part_add(made, "before a grid");
+    struct hard_part *part = part_floor(made, "before a grid", N, 4);
     struct rng rng = rng_make(30, 0);
-    part_grid(part, N, 2, 4, 1, 0);
     for (int i = 0; i < 60; i++) { /* points and segments on the lattice, at z = 1 to 3 */
         float v[3][3];
         for (int k = 0; k < 3; k++)
-            v[0][k] = v[1][k] = v[2][k] = (float)rng_below(&rng, N - 2);
+            v[0][k] = v[1][k] = v[2][k] = whole(&rng, N - 2);
         v[0][2] = v[1][2] = v[2][2] = (float)(1 + i % 3);
         if (i % 4 == 1)
             v[1][i / 4 % 2] += 2; /* v0 = v2 */
@@ -89,23 +86,19 @@ static void make_no_area(struct hard_made *made)
             v[2][0] += 1;
             v[2][1] += i % 4 == 2 ? 1.0f : 0.0f;
         }
-        part_tri_of(part, (const float(*)[3])v);
+        part_tri_of(part, v);
     }
     for (uint32_t i = 0; i < 240 && !part->failed; i++) {
-        const float *p = part->scene.vertex +
-                         3 * (size_t)part->scene.index[6 * N * N + 3 * (i % 60) + i / 60 % 3];
+        float p[3];
+        part_corner(part, part->scene.index[6 * N * N + 3 * (i % 60) + i / 60 % 3], p);
         struct ray ray = ray_of(p[0], p[1], 0, 0, 0, 1);
         if (i % 2) { /* slanted through the vertex: at z = 4 still on the grid */
             ray.dir[0] = p[0] < 4 ? 1.0f : -1.0f;
             ray.dir[2] = p[2];
             ray.org[0] -= ray.dir[0];
         }
-        struct hard_want *w = part_ray(part, ray);
-        want(w, HARD_OWN, WANT_HIT);
-        uint32_t id[2 * N * N];
-        for (uint32_t g = 0; g < 2 * N * N; g++)
-            id[g] = g;
-        want_ids(part, w, HARD_OWN, 2 * N * N, id);
+        part_ray(part, ray);
+        want_range(part, HARD_OWN, 0, 2 * N * N);
     }
 }
 
@@ -124,15 +117,15 @@ static void make_duplicates(struct hard_made *made)
         struct hard_part *part = part_add(made, "up to %u", most);
         struct rng rng = rng_make(31, most);
         for (uint32_t k = 2; k <= most; k++) { /* k copies of a triangle at x = 4 k */
-            float x = 4 * (float)k, v[3][3] = {{x, 0, 1}, {x + 2, 0, 1}, {x, 2, 1}};
-            uint32_t id[9];
+            float x = 4 * (float)k;
+            uint32_t first = part->scene.tri_count;
             for (uint32_t c = 0; c < k; c++)
-                id[c] = part_tri_of(part, (const float(*)[3])v);
+                part_triangle(part, x, 0, 1, x + 2, 0, 1, x, 2, 1);
             for (int i = 0; i < 12; i++) {
-                float a = 0.125f * (float)(1 + rng_below(&rng, 6)), d = i % 2 ? 1.0f : -1.0f;
-                struct hard_want *w = part_ray(part, ray_of(x + a, 0.5f, 1 - d, 0, 0, d));
-                want_ids(part, w, HARD_ALL, k, id);
-                want_t(w, HARD_OWN, 1);
+                float a = 0.125f * (1 + whole(&rng, 6)), d = i % 2 ? 1.0f : -1.0f;
+                part_ray(part, ray_of(x + a, 0.5f, 1 - d, 0, 0, d));
+                want_range(part, HARD_ALL, first, k);
+                want_t(part, HARD_OWN, 1);
             }
         }
     }
@@ -152,22 +145,21 @@ static void make_coplanar(struct hard_made *made)
     struct hard_part *part = part_add(made, "overlaps");
     struct rng rng = rng_make(32, 0);
     for (int i = 0; i < 60; i++) {
-        float s = (float)(1 << i % 4), x = (float)rng_below(&rng, 12),
-              y = (float)rng_below(&rng, 12);
+        float s = (float)(1 << i % 4), x = whole(&rng, 12), y = whole(&rng, 12);
         float v[3][3] = {{x, y, 2}, {x + s, y, 2}, {x, y + s, 2}};
         if (i % 2) {
             v[0][0] += s;
             v[0][1] += s;
         }
-        part_tri_of(part, (const float(*)[3])v);
+        part_tri_of(part, v);
     }
     for (uint32_t i = 0; i < 240 && !part->failed; i++) {
-        float v[3][3], weight = 0.25f;
+        float v[3][3];
         scene_tri(&part->scene, i % 60, v);
-        float x = 0.5f * v[0][0] + weight * (v[1][0] + v[2][0]);
-        float y = 0.5f * v[0][1] + weight * (v[1][1] + v[2][1]);
+        float x = 0.5f * v[0][0] + 0.25f * (v[1][0] + v[2][0]);
+        float y = 0.5f * v[0][1] + 0.25f * (v[1][1] + v[2][1]);
         float d = i % 2 ? 2.0f : -2.0f;
-        want_t(part_ray(part, ray_of(x, y, 2 - d, 0, 0, d)), HARD_OWN, 1);
+        expect_t(part, HARD_OWN, ray_of(x, y, 2 - d, 0, 0, d), 1);
     }
 }
 
@@ -186,18 +178,17 @@ static void make_windings(struct hard_made *made)
     struct rng rng = rng_make(33, 0);
     for (uint32_t i = 0; i < 40; i++) {
         float x = 4 * (float)(i % 8), y = 4 * (float)(i / 8);
-        const float v[3][3] = {{x, y, 1}, {x + 2, y, 1}, {x, y + 2, 1}};
-        uint32_t a = part_tri_of(part, v);
-        uint32_t b = part_tri(part, 3 * a, 3 * a + 2, 3 * a + 1);
-        uint32_t id[2] = {a, b};
+        uint32_t a = part_triangle(part, x, y, 1, x + 2, y, 1, x, y + 2, 1);
+        part_tri(part, 3 * a, 3 * a + 2, 3 * a + 1);
         /* the flipped one has its own vertices, so that vertex 3 i is triangle i's */
-        for (int c = 0; c < 3; c++)
-            part_vertex(part, v[c][0], v[c][1], v[c][2]);
+        part_vertex(part, x, y, 1);
+        part_vertex(part, x + 2, y, 1);
+        part_vertex(part, x, y + 2, 1);
         for (int way = 0; way < 4; way++) {
-            float s = 0.125f * (float)(1 + rng_below(&rng, 6)), d = way % 2 ? 1.0f : -1.0f;
-            struct hard_want *w = part_ray(part, ray_of(x + s, y + 0.5f, 1 - d, 0, 0, d));
-            want_ids(part, w, HARD_ALL, 2, id);
-            want_t(w, HARD_OWN, 1);
+            float s = 0.125f * (1 + whole(&rng, 6)), d = way % 2 ? 1.0f : -1.0f;
+            part_ray(part, ray_of(x + s, y + 0.5f, 1 - d, 0, 0, d));
+            want_range(part, HARD_ALL, a, 2);
+            want_t(part, HARD_OWN, 1);
         }
     }
 }
