@@ -61,12 +61,6 @@ static double point_error(const struct measure_frame *f, const struct hit *answe
     return most / (ERROR_UNIT * f->size);
 }
 
-static bool meets(const struct oracle_pair *pair)
-{
-    return pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE ||
-           pair->class == ORACLE_VERTEX;
-}
-
 static enum error_kind kind_of(const struct oracle *oracle, const struct ray *ray,
                                const struct oracle_answer *truth, const struct hit *answer,
                                const struct oracle_pair *pair)
@@ -80,7 +74,7 @@ static enum error_kind kind_of(const struct oracle *oracle, const struct ray *ra
         return ERROR_FREE;
     if (truth->prim == ABI_NO_PRIM)
         return ERROR_PHANTOM;
-    if (meets(pair) && truth->tie_count > 1 &&
+    if (oracle_is_hit(pair) && truth->tie_count > 1 &&
         oracle_compare(oracle, ray, answer->prim, truth->prim) == 0)
         return ERROR_RIGHT;
     return ERROR_WRONG;
@@ -111,7 +105,7 @@ struct error_one error_measure(const struct oracle *oracle, const struct scene *
     if (!(frame.size > 0))
         return out; /* the ray starts where all three vertices are */
     out.plane = plane_error(&frame, (double)answer->t);
-    if (!meets(&pair))
+    if (!oracle_is_hit(&pair))
         return out;
     double t = 0.5 * (pair.t_lo + pair.t_hi);
     out.forward = fabs((double)answer->t - t) * frame.direction / (ERROR_UNIT * frame.size);

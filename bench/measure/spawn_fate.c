@@ -12,9 +12,7 @@ static bool hits(const struct oracle *oracle, const struct ray *ray, uint32_t pr
 {
     struct oracle_pair pair;
     oracle_pair(oracle, ray, prim, &pair);
-    bool meets =
-        pair.class == ORACLE_INSIDE || pair.class == ORACLE_EDGE || pair.class == ORACLE_VERTEX;
-    return meets && pair.range != ORACLE_BELOW && pair.range != ORACLE_ABOVE;
+    return oracle_is_hit(&pair) && oracle_in_range(&pair, ORACLE_CLOSED);
 }
 
 /* x . (y cross z) and the sum of the sizes of its products. */

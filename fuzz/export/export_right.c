@@ -217,7 +217,7 @@ static double plane_t(const struct export_case *the, const struct asking *asking
     struct oracle_pair pair;
     double d[3], n[3], to[3], b[3], c[3];
     oracle_pair(the->oracle, asking->ray, prim, &pair);
-    if (pair.class == ORACLE_INSIDE || pair.class == ORACLE_EDGE || pair.class == ORACLE_VERTEX)
+    if (oracle_is_hit(&pair))
         return 0.5 * (pair.t_lo + pair.t_hi);
     for (int k = 0; k < 3; k++) {
         double a = (double)asking->v[0][k];

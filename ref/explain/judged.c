@@ -89,10 +89,8 @@ static bool exact_hit(const void *user, const struct ray *ray, uint32_t prim, st
     const struct judged *judged = user;
     struct oracle_pair pair;
     oracle_pair(judged->from.oracle, ray, prim, &pair);
-    if (pair.class != ORACLE_INSIDE && pair.class != ORACLE_EDGE && pair.class != ORACLE_VERTEX)
-        return false;
-    bool ends = pair.range == ORACLE_AT_TMIN || pair.range == ORACLE_AT_TMAX;
-    if (pair.range != ORACLE_WITHIN && (judged->model.open || !ends))
+    if (!oracle_is_hit(&pair) ||
+        !oracle_in_range(&pair, judged->model.open ? ORACLE_OPEN : ORACLE_CLOSED))
         return false;
     exact_weights(judged->from.job->scene, ray, prim, out);
     out->t = (float)(0.5 * (pair.t_lo + pair.t_hi));

@@ -82,30 +82,6 @@ struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_
     return twin;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-double judge_plane_t(const struct ray *ray, float v[3][3])
-{
-    double d[3], e1[3], e2[3], s[3], n[3];
-    for (int k = 0; k < 3; k++) {
-        d[k] = (double)ray->dir[k];
-        e1[k] = (double)v[1][k] - (double)v[0][k];
-        e2[k] = (double)v[2][k] - (double)v[0][k];
-        s[k] = (double)v[0][k] - (double)ray->org[k];
-    }
-    cross(e1, e2, n);
-    return dot(s, n) / dot(d, n);
-}
-
 double judge_over(double t, double lo, double hi, double bound)
 {
     double error = t < lo ? lo - t : t > hi ? t - hi : 0.0;
@@ -122,12 +98,6 @@ bool judge_barycentrics(const struct twin *twin, const struct hit *answer)
     double u = fabs((double)answer->u - twin->u_near), u_most = twin->u_err * (1 + JUDGE_SHARE);
     double w = fabs((double)answer->v - twin->v_near), w_most = twin->v_err * (1 + JUDGE_SHARE);
     return (isinf(twin->u_err) || u <= u_most) && (isinf(twin->v_err) || w <= w_most);
-}
-
-static void set_wrong(struct judgement *out, enum wrong wrong)
-{
-    out->verdict = VERDICT_WRONG;
-    out->wrong = wrong;
 }
 
 /* Most answers: the nearest triangle itself, t within its bound. True if that settles it. */
@@ -169,7 +139,7 @@ static enum status judge_certified(const struct judge *judge, const struct ray *
     double reach = miss ? (double)INFINITY : (double)answer->t;
     enum status status = judge_lost(judge, ray, truth, reach, known, &lost, out);
     if (status || lost) {
-        set_wrong(out, WRONG_MISSED);
+        judge_set_wrong(out, WRONG_MISSED);
         return status;
     }
     if (named != VERDICT_RIGHT)
@@ -197,7 +167,7 @@ enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool
                               .t_lo = truth->t_lo,
                               .t_hi = truth->t_hi};
     if (hit && !unnamed && answer->prim >= judge->scene->tri_count) {
-        set_wrong(out, WRONG_PHANTOM); /* whatever the ray */
+        judge_set_wrong(out, WRONG_PHANTOM); /* whatever the ray */
         return STATUS_OK;
     }
     if (!judge->in_contract || !in_contract) {
@@ -205,7 +175,7 @@ enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool
         return STATUS_OK;
     }
     if (!float_is_finite(answer->t) || !float_is_finite(answer->u) || !float_is_finite(answer->v))
-        set_wrong(out, WRONG_NOT_FINITE);
+        judge_set_wrong(out, WRONG_NOT_FINITE);
     else if (unnamed && hit)
         judge_unnamed_hit(judge, ray, truth, out);
     else if (judge->model.formula == TWIN_UNKNOWN)
@@ -224,7 +194,7 @@ enum status judge_answer(const struct judge *judge, const struct ray *ray,
     return judge_knowing(judge, ray, ray_in_contract(ray), truth, answer, NULL, out);
 }
 
-/* Of a class that leaves open whether something is hit. */
+/* True of a class that leaves open whether something is hit. */
 static bool is_open(enum verdict verdict)
 {
     return verdict == VERDICT_BOUNDARY || verdict == VERDICT_BORDER ||
@@ -241,7 +211,7 @@ void judge_any_against_closest(const struct judge *judge, const struct ray *ray,
         return;
     const struct judgement *off = any_hit != truth_hit ? any_judgement : closest_judgement;
     if (judge->own || !is_open(off->verdict))
-        set_wrong(any_judgement, WRONG_ANY_DISAGREES);
+        judge_set_wrong(any_judgement, WRONG_ANY_DISAGREES);
 }
 
 enum verdict judge_bits(const struct ray *ray, const struct hit *a, const struct hit *b)

@@ -1,8 +1,8 @@
 /* The judge: is an engine's answer right? Each answer is judged alone, against the exact truth
- * (ref/oracle) and the proven error of that engine's own formula (ref/twin, ref/model); no other
- * engine takes part. Knows scenes, rays and triangle tests; never a tree, a layout or an engine's
+ * (ref/oracle) and the proven error of that engine's own formula (ref/twin); no other engine takes
+ * part. It depends on scenes, rays and triangle tests, never on a tree, a layout or an engine's
  * internals. Every allowed class has a name, a counter that is always printed and a paragraph in
- * the README; there is no percentage that passes. */
+ * the README; no share of wrong answers is accepted. */
 #ifndef JUDGE_H
 #define JUDGE_H
 
@@ -52,12 +52,13 @@ struct judgement {
     double displacement; /* unknown formula: smallest displacement of vertices that makes the answer
                             right, in units of u * max |vertex - origin|, u = 2^-24; else 0 */
     double share;        /* unknown formula: displacement over what is allowed there; else 0 */
-    double margin;       /* unknown formula: of an exact nearest hit (of a list, of one hit) that rounding may lose, its
+    double
+        margin; /* unknown formula: of an exact nearest hit (of a list, of one hit) that rounding may lose, its
                             distance to the nearest edge in parts of the classical test's bound,
                             where more than JUDGE_DISPLACEMENT_MOST is allowed in as many parts of
                             that; else 0 */
-    bool edge_lost;      /* likewise: it was lost for that */
-    bool fan;            /* unknown formula: a hit inside a closed fan was lost, see judge_answer */
+    bool edge_lost; /* likewise: it was lost for that */
+    bool fan;       /* unknown formula: a hit inside a closed fan was lost, see judge_answer */
 };
 
 /* What an answer of an unknown formula may need of any triangle, in units, unless its model says
@@ -66,50 +67,57 @@ struct judgement {
  * (ref/judge/judge_allowed.c). What lies beyond both is not rounding. */
 #define JUDGE_DISPLACEMENT_MOST 32.0
 
+/* Makes a judgement WRONG. Returns VERDICT_WRONG. */
+static inline enum verdict judge_set_wrong(struct judgement *out, enum wrong kind)
+{
+    out->wrong = kind;
+    return out->verdict = VERDICT_WRONG;
+}
+
 /* "right", "tie", ... as in the JSON and the tables. */
 const char *verdict_name(enum verdict verdict);
 
-/* "not", "missed", "phantom", ... likewise. */
+/* "not", "missed", "phantom", ..., likewise. */
 const char *wrong_name(enum wrong wrong);
 
 struct judge;
 
 /* Makes the judge of answers to `query` of an engine with this model. Everything is borrowed; the
- * oracle is of `scene`. `tri` is what the engine was asked to run, for its range convention.
+ * oracle is of `scene`. `tri` is the test that the engine runs, for its range convention.
  * Errors: STATUS_MEMORY. */
 enum status judge_make(const struct oracle *oracle, const struct scene *scene,
                        const struct model *model, const struct tri_test *tri, enum query query,
                        struct judge **out, struct reason *reason) MUST_USE;
 
-/* With `on` the judge takes every answer within its bounds of a triangle that some evaluation takes
- * for hit, also where the bounds are so wide that it would replay the formula and know better: what
- * it takes of a triangle are then intervals of t, u and v, for whoever writes them down. */
+/* With `on` the judge accepts every answer that is within the bounds of a triangle which some
+ * evaluation accepts, even where the bounds are so wide that it would else replay the formula. What it
+ * accepts of a triangle are then intervals of t, u and v, which can be exported. */
 void judge_by_bounds(struct judge *judge, bool on);
 
 /* Judges one answer; safe from several threads at once.
  *   truth   oracle_closest of the same ray with ORACLE_CLOSED, also for QUERY_ANY and open ranges
  * A watertight model has no boundary band inside a closed fan: a hit is lost there only if all
- * triangles of the fan were (ref/judge/judge_fan.c). For an unknown formula that is said by out->fan, and
- * is WRONG only if the model promises it.
+ * triangles of the fan were (ref/judge/judge_fan.c). For an unknown formula out->fan is set, and the
+ * answer is WRONG only if the model promises to be watertight.
  * Errors: STATUS_MEMORY (*out is then VERDICT_OUT_OF_CONTRACT: not judged). */
 enum status judge_answer(const struct judge *judge, const struct ray *ray,
                          const struct oracle_answer *truth, const struct hit *answer,
                          struct judgement *out);
 
-/* What an engine answered to a ray. */
+/* An engine's answer to a ray, and the truth. */
 struct judge_question {
     const struct ray *ray;
     const struct oracle_answer *truth;
     const struct hit *answer;
 };
 
-/* Judges many, the same judgements as judge_answer of each, several times as fast: twins are
+/* Judges many answers to the same judgements as judge_answer, several times as fast: twins are
  * computed together. Errors: STATUS_MEMORY (of one). */
 enum status judge_answers(const struct judge *judge, const struct judge_question *question,
                           size_t count, struct judgement *out);
 
 /* The smallest displacement of vertices, in units of the scene, that makes an answer right,
- * whatever the formula and however large; u and v are not looked at. Where the vertices of another
+ * whatever the formula and however large; u and v are not judged. Where the vertices of another
  * scene lie no farther away than D, an answer to the same ray needs at most D more or less of them.
  * The ray and the answer are finite, the triangle is one of the scene's. Errors: STATUS_MEMORY. */
 enum status judge_need(const struct judge *judge, const struct ray *ray,
@@ -118,8 +126,8 @@ enum status judge_need(const struct judge *judge, const struct ray *ray,
 /* Turns a judgement into WRONG_ANY_DISAGREES if the same engine's closest-hit answer contradicts
  * its any-hit answer, one being a hit and the other a miss. An own formula gives both queries the
  * same triangle tests in the same order until the first hit, so nothing excuses it. Other formulas
- * may run another code for each, whose roundings differ: then the one that contradicts the exact
- * truth must leave open whether something is hit, as a boundary does and a tie does not. */
+ * may run different code for each, whose roundings differ: then the one that contradicts the exact
+ * truth must be of a class that leaves open whether something is hit: a boundary, not a tie. */
 void judge_any_against_closest(const struct judge *judge, const struct ray *ray,
                                const struct hit *closest, const struct judgement *closest_judgement,
                                const struct hit *any, struct judgement *any_judgement);
@@ -131,7 +139,7 @@ void judge_free(struct judge *judge); /* NULL is fine */
 enum verdict judge_bits(const struct ray *ray, const struct hit *a, const struct hit *b);
 
 /* The largest displacement, in units, that an unknown formula is allowed at this triangle: at least
- * JUDGE_DISPLACEMENT_MOST or what the model says, more where the triangle's shape makes the
+ * JUDGE_DISPLACEMENT_MOST or the model's own, more where the triangle's shape makes the
  * classical test err by more. */
 double judge_displacement_allowed(const struct judge *judge, const struct ray *ray, uint32_t prim);
 
@@ -141,8 +149,8 @@ bool judge_may_be_hit(const struct judge *judge, const struct ray *ray, uint32_t
 /* Names the hit whose loss is WRONG_MISSED, found by the oracle. */
 void judge_set_lost(struct judgement *out, uint32_t prim, double t_lo, double t_hi);
 
-/* Writes one line: the ray and the answer in hexadecimal floats, what was expected (and what was
- * lost, if that is another one), and err/E or the displacement where there is one. */
+/* Writes one line: the ray and the answer in hexadecimal floats, the expected hit (and the lost one
+ * if that is another), and err/E or the displacement if there is one. */
 void judge_line(const struct ray *ray, const struct judgement *judgement, const struct hit *answer,
                 char *text, size_t text_bytes);
 

@@ -23,8 +23,7 @@ static const struct hit no_hit = {.prim = ABI_NO_PRIM};
 
 static void wrong(struct listing *l, enum wrong kind, const struct hit *at_fault)
 {
-    l->out->judgement.verdict = VERDICT_WRONG;
-    l->out->judgement.wrong = kind;
+    judge_set_wrong(&l->out->judgement, kind);
     l->out->at_fault = *at_fault;
 }
 
@@ -33,7 +32,7 @@ static bool is_wrong(const struct listing *l)
     return l->out->judgement.verdict == VERDICT_WRONG;
 }
 
-/* The list needs this class, too. */
+/* Adds a class that the list needs. */
 static void need(struct listing *l, enum verdict verdict)
 {
     if (verdict > l->out->judgement.verdict)
@@ -103,23 +102,14 @@ static void judge_order(struct listing *l)
         }
 }
 
-static bool is_hit(const struct oracle_crossing *crossing)
-{
-    enum oracle_class class = crossing->pair.class;
-    return class == ORACLE_INSIDE || class == ORACLE_EDGE || class == ORACLE_VERTEX;
-}
-
-/* Could this hit be lost sooner for its edge than for an end of the range or a hit at `reach`? */
+/* True if this hit is lost sooner for its edge than for an end of the range or a hit at `reach`. */
 static bool beside_edge(const struct listing *l, const struct oracle_crossing *lost, double reach)
 {
-    enum verdict why;
-    double over;
-    judge_loss(l->judge, l->ray, lost, reach, &over, &why);
-    return why == VERDICT_BOUNDARY;
+    return judge_loss_of(l->judge, l->ray, lost, reach).why == VERDICT_BOUNDARY;
 }
 
-/* Of an unknown formula: one of the exact hits, which depends on the ray alone, stands for the list
- * in the count of hits beside edges. Where triangles meet, one of them is enough. */
+/* For an unknown formula: one of the exact hits, chosen by the ray alone, represents the list in the
+ * count of hits beside edges. Where triangles meet, one of them is enough. */
 static void note_one(struct listing *l)
 {
     struct judgement *sum = &l->out->judgement;
@@ -130,12 +120,12 @@ static void note_one(struct listing *l)
     for (size_t k = 0; k < ARRAY_COUNT(bits); k++)
         seed = rng_u64(&(struct rng){seed ^ bits[k]});
     for (size_t i = 0; i < l->crossings; i++)
-        hits += is_hit(&l->crossing[i]);
+        hits += oracle_is_hit(&l->crossing[i].pair);
     if (hits == 0)
         return;
     uint32_t at = (uint32_t)(seed % hits);
     for (size_t i = 0; i < l->crossings && !crossing; i++)
-        if (is_hit(&l->crossing[i]) && at-- == 0)
+        if (oracle_is_hit(&l->crossing[i].pair) && at-- == 0)
             crossing = &l->crossing[i];
     sum->margin = judge_margin_of(l->judge, l->ray, crossing->prim);
     sum->edge_lost =
@@ -144,28 +134,27 @@ static void note_one(struct listing *l)
         sum->edge_lost = beside_edge(l, crossing, (double)l->hit[i].t);
 }
 
-/* A hit that was left out, of an unknown formula. */
+/* A hit that an unknown formula left out. */
 static enum status left_out_by_distance(struct listing *l, const struct oracle_crossing *crossing)
 {
-    enum verdict why;
     bool closed = false;
-    double limit, over;
-    double displacement = judge_loss(l->judge, l->ray, crossing, (double)INFINITY, &over, &why);
+    double limit;
+    struct judge_loss loss = judge_loss_of(l->judge, l->ray, crossing, (double)INFINITY);
     struct judgement *sum = &l->out->judgement;
-    sum->displacement = fmax(sum->displacement, displacement);
-    sum->share = fmax(sum->share, over);
-    if (why == VERDICT_BOUNDARY) {
+    sum->displacement = fmax(sum->displacement, loss.need);
+    sum->share = fmax(sum->share, loss.over);
+    if (loss.why == VERDICT_BOUNDARY) {
         enum status status =
             judge_fan(l->judge, l->ray, crossing->prim, &l->found, &closed, &limit);
         if (status)
             return status;
     }
     sum->fan = sum->fan || closed;
-    if (over > 1.0 || (l->judge->model.watertight && closed)) {
+    if (loss.over > 1.0 || (l->judge->model.watertight && closed)) {
         wrong(l, WRONG_MISSED, &no_hit);
         expect(l, crossing->prim, crossing->pair.t_lo, crossing->pair.t_hi);
     } else {
-        need(l, why);
+        need(l, loss.why);
     }
     return STATUS_OK;
 }
@@ -186,7 +175,7 @@ static enum status left_out(struct listing *l, const struct oracle_crossing *cro
     return status;
 }
 
-/* Every exact hit: is it listed, and in its place? */
+/* Judges every exact hit: whether it is listed, and in its place. */
 static enum status judge_crossings(struct listing *l)
 {
     bool unknown = l->judge->model.formula == TWIN_UNKNOWN;
@@ -194,7 +183,7 @@ static enum status judge_crossings(struct listing *l)
     enum status status = STATUS_OK;
     for (size_t i = 0; i < l->crossings && !status && !is_wrong(l); i++) {
         const struct oracle_crossing *crossing = &l->crossing[i];
-        if (!is_hit(crossing))
+        if (!oracle_is_hit(&crossing->pair))
             continue;
         const struct judge_slot *slot = judge_find(&l->found, crossing->prim);
         if (!slot) {
@@ -209,7 +198,7 @@ static enum status judge_crossings(struct listing *l)
     return status;
 }
 
-/* What can be said without any arithmetic; true if that settles it. */
+/* Judges what needs no arithmetic; true if that decides. */
 static bool settled(struct listing *l)
 {
     const struct judge *judge = l->judge;

@@ -25,7 +25,7 @@ struct list_judgement {
 enum status judge_list(const struct judge *judge, const struct ray *ray, const struct hit *hit,
                        size_t count, struct list_judgement *out);
 
-/* What a list says of the mesh, whatever the formula. */
+/* Properties of a list that depend on the mesh, not on the formula. */
 struct list_mesh {
     bool doubled;     /* two triangles are listed of which exactly one should be: leaks_extra */
     uint32_t pair[2]; /* two such */
@@ -33,10 +33,10 @@ struct list_mesh {
     bool parity_off;  /* it is the other, with each double hit counted once */
 };
 
-/* Says it of the list of one ray in contract.
+/* Finds them for the list of one ray in contract.
  *   closed   topology_open_edge found none
  * The number of walls between the ends of the range is known from the exact crossings if the ray
- * passes through their interiors; else from a ray in another direction that says whether the origin
+ * passes through their interiors; else from a ray in another direction, which tells whether the origin
  * is inside. Errors: STATUS_MEMORY. */
 enum status judge_list_mesh(const struct oracle *oracle, const struct topology *topology,
                             bool closed, const struct ray *ray, const struct hit *hit, size_t count,

@@ -35,17 +35,6 @@ static double largest(const double a[3])
     return fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
 }
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* The bound of [a, b, c]: relative parts, and what is lost where numbers are flushed: of b x c
  * three operations and two operands a component, of its product with a five more and both. Where
  * every product is 0 or above SAFE nothing is: differences of such are 0 or 2^-24 of them. */
@@ -67,17 +56,12 @@ static double bound_of(const double a[3], const double b[3], const double c[3])
     return STEPS * JUDGE_UNIT * perm + FLUSHED * tiny;
 }
 
-/* The bounds with vertex `base` as the base. */
-static void widen(const struct ray *ray, float v[3][3], int base, struct judge_rounding *out)
+/* The bounds with vertex `base` as the base. No bound depends on the sign of e2. */
+static void widen(int base, struct judge_rounding *out)
 {
-    double s[3], e1[3], e2[3], d[3];
+    const struct ray_triangle *tri = &out->tri;
     int next = (base + 1) % 3, last = (base + 2) % 3;
-    for (int k = 0; k < 3; k++) {
-        d[k] = (double)ray->dir[k];
-        s[k] = (double)v[base][k] - (double)ray->org[k];
-        e1[k] = (double)v[next][k] - (double)v[base][k];
-        e2[k] = (double)v[last][k] - (double)v[base][k];
-    }
+    const double *s = tri->v[base], *d = tri->d, *e1 = tri->side[base], *e2 = tri->side[last];
     double u = bound_of(s, d, e2), w = bound_of(d, s, e1), det = bound_of(e1, d, e2);
     double third = u + w + det + DIVIDED * JUDGE_UNIT * fabs(out->det);
     out->edge_most[next] = fmax(out->edge_most[next], u);
@@ -89,43 +73,43 @@ static void widen(const struct ray *ray, float v[3][3], int base, struct judge_r
 
 struct judge_rounding judge_rounding_of(const struct ray *ray, float v[3][3])
 {
-    struct judge_rounding out = {.det = 0.0};
-    double p[3][3], d[3], n[3], sides[3][3], most = 0.0;
-    for (int k = 0; k < 3; k++) {
-        d[k] = (double)ray->dir[k];
-        for (int c = 0; c < 3; c++) {
-            p[c][k] = (double)v[c][k] - (double)ray->org[k];
-            sides[c][k] = (double)v[(c + 2) % 3][k] - (double)v[(c + 1) % 3][k];
-            most = fmax(most, fabs(p[c][k]));
-        }
-    }
-    cross(sides[1], sides[2], n);
-    out.det = dot(d, n);
-    out.t = dot(p[0], n);
-    out.unit = JUDGE_UNIT * most;
-    out.area = sqrt(dot(n, n));
+    struct judge_rounding out = {.tri = ray_triangle_of(ray, v)};
+    const struct ray_triangle *tri = &out.tri;
+    out.det = judge_dot(tri->d, tri->n);
+    out.t = judge_dot(tri->v[0], tri->n);
     for (int c = 0; c < 3; c++) {
+        const double *side = tri->side[(c + 1) % 3];
         double beside[3], across[3];
-        cross(p[(c + 1) % 3], sides[c], beside);
-        cross(d, sides[c], across);
-        out.edge[c] = dot(d, beside);
-        out.across[c] = sqrt(dot(across, across));
+        judge_cross(tri->v[(c + 1) % 3], side, beside);
+        judge_cross(tri->d, side, across);
+        out.edge[c] = judge_dot(tri->d, beside);
+        out.across[c] = sqrt(judge_dot(across, across));
     }
     for (int base = 0; base < 3; base++)
-        widen(ray, v, base, &out);
+        widen(base, &out);
     return out;
+}
+
+double judge_edge_distance(const struct judge_rounding *r, int c)
+{
+    return r->across[c] > 0.0 ? r->edge[c] / r->across[c] / r->tri.unit : 0.0;
+}
+
+double judge_unit_of_t(const struct judge_rounding *r)
+{
+    return r->tri.unit * r->tri.area / fabs(r->det);
 }
 
 double judge_edge_allowed(const struct judge *judge, const struct judge_rounding *r, int c)
 {
-    double scale = r->across[c] * r->unit;
+    double scale = r->across[c] * r->tri.unit;
     return fmax(judge->displacement, scale > 0.0 ? r->edge_most[c] / scale : 0.0);
 }
 
 double judge_plane_allowed(const struct judge *judge, const struct judge_rounding *r, double t)
 {
     double det = r->det_most + DIVIDED * JUDGE_UNIT * fabs(r->det);
-    double scale = r->area * r->unit;
+    double scale = r->tri.area * r->tri.unit;
     double most = r->t_most + fabs(t) * det + FLUSHED * fabs(r->det);
     return fmax(judge->displacement, scale > 0.0 ? most / scale : 0.0);
 }
@@ -151,12 +135,12 @@ double judge_margin(const struct judge_rounding *r)
     return least;
 }
 
-/* With the determinant of sign `side`, may every edge function have that sign? */
+/* True if the determinant may have the sign `side` and every edge function with it. */
 static bool may_have_sign(const struct judge *judge, const struct judge_rounding *r, double side)
 {
     bool may = side * r->det >= -r->det_most;
     for (int c = 0; c < 3; c++) {
-        double most = judge_edge_allowed(judge, r, c) * r->across[c] * r->unit;
+        double most = judge_edge_allowed(judge, r, c) * r->across[c] * r->tri.unit;
         may = may && side * r->edge[c] >= -most;
     }
     return may;
@@ -164,8 +148,8 @@ static bool may_have_sign(const struct judge *judge, const struct judge_rounding
 
 bool judge_may_accept(const struct judge *judge, const struct judge_rounding *r)
 {
-    /* Else it is 0 in every evaluation, as of three equal vertices. That of two equal ones, or of
-     * three in a line, may come to any sign by rounding. */
+    /* Else the determinant is 0 in every evaluation, as of three equal vertices. That of two equal
+     * ones, or of three in a line, may get any sign by rounding. */
     bool det = fabs(r->det) + r->det_most > 0.0;
     return det && (may_have_sign(judge, r, 1.0) || may_have_sign(judge, r, -1.0));
 }
@@ -175,13 +159,14 @@ double judge_displacement_allowed(const struct judge *judge, const struct ray *r
     float v[3][3];
     scene_tri(judge->scene, prim, v);
     struct judge_rounding r = judge_rounding_of(ray, v);
-    double most = r.area > 0.0 && r.det != 0.0 ? judge_plane_allowed(judge, &r, r.t / r.det) : 0.0;
+    double most =
+        r.tri.area > 0.0 && r.det != 0.0 ? judge_plane_allowed(judge, &r, r.t / r.det) : 0.0;
     for (int c = 0; c < 3; c++)
         most = fmax(most, judge_edge_allowed(judge, &r, c));
     return most;
 }
 
-/* How much of the plane's move by the allowance at t brings it to the ray's point there. */
+/* True if the allowance moves the plane to a point of the ray between these two. */
 static bool may_reach(const struct judge *judge, const struct judge_rounding *r, double from,
                       double to)
 {
@@ -190,7 +175,7 @@ static bool may_reach(const struct judge *judge, const struct judge_rounding *r,
     if (meet >= from && meet <= to)
         return true;
     for (int i = 0; i < 2; i++) {
-        double off = fabs(end[i] * r->det - r->t) / (r->area * r->unit);
+        double off = fabs(end[i] * r->det - r->t) / (r->tri.area * r->tri.unit);
         if (isfinite(end[i]))
             least = fmin(least, off / judge_plane_allowed(judge, r, end[i]));
     }

@@ -16,27 +16,11 @@
  * Published tests are not all backward stable, so that of slivers, and near the plane, more is
  * allowed: what ref/judge/judge_allowed.c proves of the worst of them at that triangle. */
 #include "ref/judge/judge_inner.h"
-#include "ref/judge/ray_triangle.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static bool is_hit(const struct oracle_pair *pair)
-{
-    return pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE ||
-           pair->class == ORACLE_VERTEX;
-}
-
-/* What one lost hit needs. */
-struct loss {
-    uint32_t prim;
-    double need; /* displacement, in units; 0: none was lost */
-    double over; /* the same over what is allowed of it */
-    double t_lo, t_hi;
-    enum verdict why;
-};
-
-static void keep_least(struct loss *loss, double need, double allowed, enum verdict why)
+static void keep_least(struct judge_loss *loss, double need, double allowed, enum verdict why)
 {
     if (need < loss->over * allowed) {
         loss->need = need;
@@ -47,49 +31,37 @@ static void keep_least(struct loss *loss, double need, double allowed, enum verd
 
 /* A box whose near side is rounded up may be cut off by a hit before it, so the plane is allowed
  * twice its bound: its own error and that of the other. */
-static void keep_plane(const struct judge *judge, const struct judge_rounding *rounding,
-                       const struct ray_triangle *tri, double t, enum verdict why,
-                       struct loss *loss)
+static void keep_plane(const struct judge *judge, const struct judge_rounding *rounding, double t,
+                       enum verdict why, struct judge_loss *loss)
 {
-    keep_least(loss, ray_triangle_plane_distance(t, tri) / tri->unit,
+    keep_least(loss, ray_triangle_plane_distance(t, &rounding->tri) / rounding->tri.unit,
                2.0 * judge_plane_allowed(judge, rounding, t), why);
 }
 
-static struct loss loss_of(const struct judge *judge, const struct ray *ray,
-                           const struct oracle_crossing *lost, double reach)
+struct judge_loss judge_loss_of(const struct judge *judge, const struct ray *ray,
+                                const struct oracle_crossing *lost, double reach)
 {
     float v[3][3];
-    double edge[3];
     scene_tri(judge->scene, lost->prim, v);
-    struct ray_triangle tri = ray_triangle_of(ray, v);
     struct judge_rounding rounding = judge_rounding_of(ray, v);
-    struct loss loss = {lost->prim,      INFINITY,        INFINITY,
-                        lost->pair.t_lo, lost->pair.t_hi, VERDICT_BOUNDARY};
-    judge_edge_distances(ray, v, edge);
+    struct judge_loss loss = {lost->prim,      INFINITY,         INFINITY,         lost->pair.t_lo,
+                              lost->pair.t_hi, VERDICT_BOUNDARY, rounding.tri.unit};
     for (int c = 0; c < 3; c++)
-        keep_least(&loss, fabs(edge[c]), judge_edge_allowed(judge, &rounding, c), VERDICT_BOUNDARY);
+        keep_least(&loss, fabs(judge_edge_distance(&rounding, c)),
+                   judge_edge_allowed(judge, &rounding, c), VERDICT_BOUNDARY);
     if (isfinite(reach))
-        keep_plane(judge, &rounding, &tri, reach, VERDICT_NEAR_TIE, &loss);
-    keep_plane(judge, &rounding, &tri, (double)ray->tmin, VERDICT_BORDER, &loss);
+        keep_plane(judge, &rounding, reach, VERDICT_NEAR_TIE, &loss);
+    keep_plane(judge, &rounding, (double)ray->tmin, VERDICT_BORDER, &loss);
     if (isfinite(ray->tmax))
-        keep_plane(judge, &rounding, &tri, (double)ray->tmax, VERDICT_BORDER, &loss);
+        keep_plane(judge, &rounding, (double)ray->tmax, VERDICT_BORDER, &loss);
     return loss;
-}
-
-double judge_loss(const struct judge *judge, const struct ray *ray,
-                  const struct oracle_crossing *lost, double reach, double *over, enum verdict *why)
-{
-    struct loss loss = loss_of(judge, ray, lost, reach);
-    *over = loss.over;
-    *why = loss.why;
-    return loss.need;
 }
 
 /* The lost hit before `reach` that needs most; *fan: one of them lies inside a closed fan all of
  * whose triangles were lost. */
 static enum status worst_loss(const struct judge *judge, const struct ray *ray,
-                              const struct oracle_answer *truth, double reach, struct loss *worst,
-                              struct judgement *out)
+                              const struct oracle_answer *truth, double reach,
+                              struct judge_loss *worst, struct judgement *out)
 {
     bool *fan = &out->fan;
     struct oracle_crossing *list = NULL;
@@ -97,9 +69,9 @@ static enum status worst_loss(const struct judge *judge, const struct ray *ray,
     enum status status =
         oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
     for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-        if (!is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
+        if (!oracle_is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
             continue;
-        struct loss loss = loss_of(judge, ray, &list[i], reach);
+        struct judge_loss loss = judge_loss_of(judge, ray, &list[i], reach);
         if (worst->prim == ABI_NO_PRIM || loss.over > worst->over)
             *worst = loss;
         if (list[i].prim == truth->prim)
@@ -114,10 +86,11 @@ static enum status worst_loss(const struct judge *judge, const struct ray *ray,
     return status;
 }
 
-/* Do u and v weigh a point of the triangle that rounding brings to the ray? */
+/* True if u and v weigh a point of the triangle that rounding may move onto the ray. */
 static bool weights_fit(const struct judge *judge, const struct hit *answer,
-                        const struct ray_triangle *tri, const struct judge_rounding *rounding)
+                        const struct judge_rounding *rounding)
 {
+    const struct ray_triangle *tri = &rounding->tri;
     double u = (double)answer->u, w = (double)answer->v, p[3];
     for (int k = 0; k < 3; k++)
         p[k] = (1.0 - u - w) * tri->v[0][k] + u * tri->v[1][k] + w * tri->v[2][k];
@@ -133,20 +106,17 @@ static bool weights_fit(const struct judge *judge, const struct hit *answer,
  * test that is not backward stable may shift the point along the ray, out of the triangle, as long
  * as it stays near the plane, of a triangle that it may take for hit; then only that counts.
  * *noise: the determinant's sign is open there, so that the point may be anywhere. */
-static double hit_over(const struct judge *judge, const struct hit *answer,
-                       const struct ray_triangle *tri, const struct judge_rounding *rounding,
+static double hit_over(const struct judge *judge, double t, const struct judge_rounding *rounding,
                        double *need, bool *noise)
 {
-    double at[3];
+    const struct ray_triangle *tri = &rounding->tri;
     *noise = false;
-    for (int k = 0; k < 3; k++)
-        at[k] = (double)answer->t * tri->d[k];
-    *need = tri->unit > 0.0 ? ray_triangle_distance(at, tri) / tri->unit : 0.0;
+    *need = judge_point_displacement(tri, t);
     double over = *need / judge->displacement;
     if (!judge_may_accept(judge, rounding))
         return over;
-    double plane = ray_triangle_plane_distance((double)answer->t, tri) / tri->unit;
-    double along = plane / judge_plane_allowed(judge, rounding, (double)answer->t);
+    double plane = ray_triangle_plane_distance(t, tri) / tri->unit;
+    double along = plane / judge_plane_allowed(judge, rounding, t);
     if (over > 1.0) {
         *need = plane;
         *noise = judge_det_is_open(rounding);
@@ -162,55 +132,38 @@ enum verdict judge_named_by_distance(const struct judge *judge, const struct ray
     struct oracle_pair pair;
     bool noise;
     scene_tri(judge->scene, answer->prim, v);
-    struct ray_triangle tri = ray_triangle_of(ray, v);
     struct judge_rounding rounding = judge_rounding_of(ray, v);
     oracle_pair(judge->oracle, ray, answer->prim, &pair);
-    double over = out->share = hit_over(judge, answer, &tri, &rounding, &out->displacement, &noise);
-    out->wrong = truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM : WRONG_TRIANGLE;
-    if (!judge_in_range(judge, ray, answer->t)) {
-        out->wrong = WRONG_DISTANCE;
-        return VERDICT_WRONG;
-    }
-    if (over > 1.0) {
-        struct hit exact = *answer;
-        double unused;
+    out->share = hit_over(judge, (double)answer->t, &rounding, &out->displacement, &noise);
+    if (!judge_in_range(judge, ray, answer->t))
+        return judge_set_wrong(out, WRONG_DISTANCE);
+    if (out->share > 1.0) {
+        double unused, exact = (double)(float)judge_plane_t(ray, v);
         bool open;
-        exact.t = (float)judge_plane_t(ray, v);
-        if (pair.det != 0 && hit_over(judge, &exact, &tri, &rounding, &unused, &open) <= 1.0)
-            out->wrong = WRONG_DISTANCE;
-        return VERDICT_WRONG;
+        return pair.det != 0 && hit_over(judge, exact, &rounding, &unused, &open) <= 1.0
+                   ? judge_set_wrong(out, WRONG_DISTANCE)
+                   : judge_impossible(truth, out);
     }
-    if (!weights_fit(judge, answer, &tri, &rounding)) {
-        out->wrong = WRONG_BARYCENTRIC;
-        return VERDICT_WRONG;
-    }
-    out->wrong = WRONG_NOT;
-    if (noise)
-        return VERDICT_NOISE;
-    if (pair.class == ORACLE_IN_PLANE || pair.class == ORACLE_ZERO_AREA)
-        return VERDICT_IN_PLANE;
-    if (!is_hit(&pair))
-        return VERDICT_BOUNDARY;
-    bool open_end = pair.range != ORACLE_WITHIN && judge->model.open;
-    return open_end || pair.range == ORACLE_BELOW || pair.range == ORACLE_ABOVE ? VERDICT_BORDER
-                                                                                : VERDICT_RIGHT;
+    if (!weights_fit(judge, answer, &rounding))
+        return judge_set_wrong(out, WRONG_BARYCENTRIC);
+    return noise ? VERDICT_NOISE : judge_by_pair(judge, &pair);
 }
 
 double judge_margin_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
     float v[3][3];
-    double edge[3];
     bool near = false;
     scene_tri(judge->scene, prim, v);
     struct judge_rounding rounding = judge_rounding_of(ray, v);
-    judge_edge_distances(ray, v, edge);
     for (int c = 0; c < 3; c++)
-        near = near || fabs(edge[c]) <= judge_edge_allowed(judge, &rounding, c);
+        near = near ||
+               fabs(judge_edge_distance(&rounding, c)) <= judge_edge_allowed(judge, &rounding, c);
     double scale = fmax(1.0, judge->displacement / JUDGE_DISPLACEMENT_MOST);
     return near ? judge_margin(&rounding) / scale : 0.0;
 }
 
-/* Names a right answer: RIGHT or TIE for one of the exact nearest set, else what kept that away. */
+/* The class of a right answer: RIGHT or TIE for one of the exact nearest set, else `why`, which
+ * excuses that it is not. */
 static enum verdict name_of(const struct judge *judge, const struct ray *ray,
                             const struct oracle_answer *truth, uint32_t prim, enum verdict why)
 {
@@ -221,8 +174,9 @@ static enum verdict name_of(const struct judge *judge, const struct ray *ray,
     if (prim == ABI_NO_PRIM || truth->tie_count == 1)
         return why;
     oracle_pair(judge->oracle, ray, prim, &pair);
-    return is_hit(&pair) && oracle_compare(judge->oracle, ray, prim, truth->prim) == 0 ? nearest
-                                                                                       : why;
+    return oracle_is_hit(&pair) && oracle_compare(judge->oracle, ray, prim, truth->prim) == 0
+               ? nearest
+               : why;
 }
 
 enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
@@ -231,7 +185,7 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
 {
     bool miss = answer->prim == ABI_NO_PRIM;
     double reach = miss ? (double)INFINITY : (double)answer->t;
-    struct loss worst = {.prim = ABI_NO_PRIM, .why = VERDICT_NEAR_TIE};
+    struct judge_loss worst = {.prim = ABI_NO_PRIM, .why = VERDICT_NEAR_TIE};
     enum status status = STATUS_OK;
     if (!miss) {
         out->verdict = judge_named_by_distance(judge, ray, truth, answer, out);
@@ -253,8 +207,7 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
     out->displacement = fmax(out->displacement, worst.need);
     out->share = fmax(out->share, worst.over);
     if (worst.over > 1.0 || (judge->model.watertight && out->fan)) {
-        out->verdict = VERDICT_WRONG;
-        out->wrong = WRONG_MISSED;
+        judge_set_wrong(out, WRONG_MISSED);
         judge_set_lost(out, worst.prim, worst.t_lo, worst.t_hi);
     }
     return STATUS_OK;
@@ -265,15 +218,12 @@ enum status judge_need(const struct judge *judge, const struct ray *ray,
 {
     bool miss = answer->prim == ABI_NO_PRIM;
     double reach = miss ? (double)INFINITY : (double)answer->t;
-    float v[3][3];
     *need = 0.0;
     if (!miss) {
-        double at[3];
+        float v[3][3];
         scene_tri(judge->scene, answer->prim, v);
         struct ray_triangle tri = ray_triangle_of(ray, v);
-        for (int k = 0; k < 3; k++)
-            at[k] = (double)answer->t * tri.d[k];
-        *need = ray_triangle_distance(at, &tri);
+        *need = ray_triangle_distance_at((double)answer->t, &tri);
     }
     if (truth->prim == ABI_NO_PRIM || !(reach > truth->t_hi) ||
         (!miss && judge->query == QUERY_ANY))
@@ -283,11 +233,10 @@ enum status judge_need(const struct judge *judge, const struct ray *ray,
     enum status status =
         oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
     for (size_t i = 0; i < count && !status; i++) {
-        if (!is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
+        if (!oracle_is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
             continue;
-        scene_tri(judge->scene, list[i].prim, v);
-        *need =
-            fmax(*need, loss_of(judge, ray, &list[i], reach).need * ray_triangle_of(ray, v).unit);
+        struct judge_loss loss = judge_loss_of(judge, ray, &list[i], reach);
+        *need = fmax(*need, loss.need * loss.unit);
     }
     free(list);
     return status;

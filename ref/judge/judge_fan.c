@@ -25,7 +25,7 @@
  * the sheared places are >= 0, so the computed ones are; its computed determinant is not 0 and its
  * computed t lies in the range. It is accepted, with a t of at most its exact one + E.
  *
- * "Proven" is the twin's word: the exact value, and every evaluation of it that the rounding
+ * "Proven" is as in the twin: the exact value, and every evaluation of it that the rounding
  * allows, has that sign; the exact edge function of the sheared places is one of those evaluations.
  */
 #include "ref/judge/judge_inner.h"
@@ -69,15 +69,14 @@ static bool see_by_twin(const struct fan *fan, uint32_t prim, struct seen *seen)
 static bool see_by_distance(const struct fan *fan, uint32_t prim, struct seen *seen)
 {
     float v[3][3];
-    double distance[3];
     struct oracle_pair pair;
     scene_tri(fan->judge->scene, prim, v);
     oracle_pair(fan->judge->oracle, fan->ray, prim, &pair);
-    judge_edge_distances(fan->ray, v, distance);
+    struct judge_rounding rounding = judge_rounding_of(fan->ray, v);
     seen->det = pair.det;
     for (int c = 0; c < 3; c++)
-        seen->edge[c] = fabs(distance[c]) > FAN_BAND ? pair.edge[c] : 0;
-    double t = judge_plane_t(fan->ray, v), band = FAN_BAND * judge_unit_of_t(fan->ray, v);
+        seen->edge[c] = fabs(judge_edge_distance(&rounding, c)) > FAN_BAND ? pair.edge[c] : 0;
+    double t = judge_plane_t(fan->ray, v), band = FAN_BAND * judge_unit_of_t(&rounding);
     seen->t_most = t + fmax(1.0, fan->judge->displacement / FAN_BAND) * band;
     return t - band > (double)fan->ray->tmin && t + band < (double)fan->ray->tmax;
 }
@@ -132,7 +131,7 @@ static bool grow(struct fan *fan, size_t i)
     return true;
 }
 
-/* The scene's topology, made by the first thread that asks. */
+/* The scene's topology, made by the first thread that needs it. */
 static enum status topology_of(const struct judge *judge, const struct topology **out)
 {
     struct judge *lazy = (struct judge *)judge; /* only the cache changes */

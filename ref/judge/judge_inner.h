@@ -3,6 +3,7 @@
 #define JUDGE_INNER_H
 
 #include "ref/judge/judge.h"
+#include "ref/judge/ray_triangle.h"
 #include "ref/scene/topology.h"
 
 #include <pthread.h>
@@ -19,10 +20,10 @@ struct judge {
     bool own;            /* the formula is one of ref/primitives/tri.h */
     bool fans;           /* a closed fan cannot be missed: judge_fan.c */
     bool by_bounds;      /* see judge_by_bounds */
-    bool in_contract;    /* the scene's coordinates are */
+    bool in_contract;    /* the scene's coordinates are in contract */
     double displacement; /* unknown formula: what any triangle allows, in units */
     float largest[3];    /* |coordinate| per axis of the scene */
-    /* Made when first asked for; a million triangles take a second. */
+    /* Made at the first use; a million triangles take a second. */
     pthread_mutex_t lock;
     _Atomic(struct topology *) topology;
 };
@@ -34,11 +35,7 @@ struct judge {
  * sure of its side: Woop with Vulkan's loosest rounding is within 24. */
 #define FAN_BAND 32.0
 
-/* Where the ray meets the triangle's plane, in double from the triangle's own edges. No bound is
- * proven: for formulas that have none either. */
-double judge_plane_t(const struct ray *ray, float v[3][3]);
-
-/* Twins of one ray that were computed before, with many others. */
+/* Twins of one ray that were computed before, together with those of other rays. */
 #define JUDGE_KNOWN_MOST 2
 struct judge_known {
     uint32_t prim[JUDGE_KNOWN_MOST];
@@ -46,7 +43,7 @@ struct judge_known {
     size_t count;
 };
 
-/* `known` may be NULL. */
+/* The twin of a triangle of the scene; `known` may be NULL. */
 struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim,
                        const struct judge_known *known);
 
@@ -58,7 +55,7 @@ enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool
 /* Error of t over its bound, given that the exact t lies in [lo, hi]. */
 double judge_over(double t, double lo, double hi, double bound);
 
-/* True if t keeps the range of the engine: closed, or open as model.open says. */
+/* True if t is in the range of the ray: open if model.open, else closed. */
 bool judge_in_range(const struct judge *judge, const struct ray *ray, float t);
 
 /* --- judge_named.c --- */
@@ -70,17 +67,27 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
                          const struct oracle_answer *truth, const struct hit *answer,
                          const struct judge_known *known, struct judgement *out);
 
-/* u and v within the twin's bounds? */
+/* The class of an answer whose t, u and v are right for the triangle's plane. */
+enum verdict judge_by_pair(const struct judge *judge, const struct oracle_pair *pair);
+
+/* An answer that names a triangle which cannot be hit. Returns VERDICT_WRONG. */
+static inline enum verdict judge_impossible(const struct oracle_answer *truth,
+                                            struct judgement *out)
+{
+    return judge_set_wrong(out, truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM : WRONG_TRIANGLE);
+}
+
+/* True if u and v are within the twin's bounds. */
 bool judge_barycentrics(const struct twin *twin, const struct hit *answer);
 
 /* --- judge_noise.c --- */
 
-/* Of a named formula and a triangle whose determinant's sign is open, so that no bound of t is
- * known: can some evaluation answer this? */
+/* True if some evaluation of a named formula can give this answer: for a triangle whose determinant's
+ * sign is open, so that no bound of t is known. */
 bool judge_can_answer(const struct judge *judge, const struct ray *ray, float v[3][3],
                       const struct hit *answer);
 
-/* The same of any answer in the range of the ray. */
+/* The same for any answer in the range of the ray. */
 bool judge_can_hit(const struct judge *judge, const struct ray *ray, float v[3][3]);
 
 /* True if the formula, which takes triangle `v` for hit, may answer t: in the ray's range, or as
@@ -89,13 +96,13 @@ bool judge_may_keep(const struct judge *judge, const struct ray *ray, float v[3]
 
 /* --- judge_unnamed.c --- */
 
-/* Judges an any-hit answer that says hit and names no triangle. */
+/* Judges an any-hit answer that is a hit and names no triangle. */
 void judge_unnamed_hit(const struct judge *judge, const struct ray *ray,
                        const struct oracle_answer *truth, struct judgement *out);
 
 /* --- judge_lost.c --- */
 
-/* Triangles that an engine did find, sorted by index. */
+/* The triangles that an engine found, sorted by index. */
 struct judge_found {
     struct judge_slot {
         uint32_t prim;
@@ -107,22 +114,22 @@ struct judge_found {
 /* The entry of `prim`, the first if there are several, or NULL; `found` may be NULL. */
 const struct judge_slot *judge_find(const struct judge_found *found, uint32_t prim);
 
-/* Is the exact hit of `prim`, which was not found, one that this formula cannot miss, and is
- * `reach` clearly behind it?
- *   found   what was; NULL: nothing
+/* *lost: the exact hit of `prim`, which was not found, is one that this formula cannot miss, and
+ * `reach` lies clearly behind it.
+ *   found   what was found; NULL: nothing
  * Errors: STATUS_MEMORY. */
 enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,
                               double t_lo, double t_hi, double reach,
                               const struct judge_found *found, const struct judge_known *known,
                               bool *lost);
 
-/* Looks for a hit that cannot be missed clearly nearer than `reach` (INFINITY: a miss was
- * answered); then *lost is true and `out` names it. */
+/* Looks for a hit that cannot be missed and is clearly nearer than `reach` (INFINITY: the answer is a
+ * miss); then *lost is true and `out` names it. Errors: STATUS_MEMORY. */
 enum status judge_lost(const struct judge *judge, const struct ray *ray,
                        const struct oracle_answer *truth, double reach,
                        const struct judge_known *known, bool *lost, struct judgement *out);
 
-/* Why the exact hit of `prim`, which was not answered, could be lost. */
+/* The class that excuses the loss of the exact hit of `prim`. */
 enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray, uint32_t prim,
                             double t_lo, double t_hi, double reach,
                             const struct judge_known *known);
@@ -147,36 +154,43 @@ enum verdict judge_named_by_distance(const struct judge *judge, const struct ray
                                      const struct oracle_answer *truth, const struct hit *answer,
                                      struct judgement *out);
 
-/* The displacement that a lost hit needs, the same over what is allowed, and what it would make of
- * it. */
-double judge_loss(const struct judge *judge, const struct ray *ray,
-                  const struct oracle_crossing *lost, double reach, double *over,
-                  enum verdict *why);
+/* One lost hit of an unknown formula. */
+struct judge_loss {
+    uint32_t prim;
+    double need; /* the least displacement that excuses it, in units; 0: none was lost */
+    double over; /* the same over what is allowed of it */
+    double t_lo, t_hi;
+    enum verdict why; /* the class that this displacement makes of it */
+    double unit;      /* u * max |vertex - origin| of the triangle */
+};
 
-/* Distance of the line of the ray to the lines of the triangle's edges, in the plane across the
- * ray, in units of u * max |vertex - origin|. */
-void judge_edge_distances(const struct ray *ray, float v[3][3], double out[3]);
+/* What the loss of a hit in front of `reach` needs. */
+struct judge_loss judge_loss_of(const struct judge *judge, const struct ray *ray,
+                                const struct oracle_crossing *lost, double reach);
 
-/* Distance of the ray's point at t to the triangle, in such units. */
-double judge_point_displacement(const struct ray *ray, float v[3][3], double t);
-
-/* By how much t changes if the triangle moves one such unit along its normal. */
-double judge_unit_of_t(const struct ray *ray, float v[3][3]);
+/* Distance of the ray's point at t to the triangle, in its unit. */
+double judge_point_displacement(const struct ray_triangle *tri, double t);
 
 /* --- judge_allowed.c --- */
 
 /* One ray and triangle with the error bounds of the classical test, whatever the order of its
- * operations. w_c / D weighs vertex c and T / D is t, as in ref/oracle/oracle.h. */
+ * operations. w_c / D weighs vertex c and T / D is t, as in ref/oracle/oracle.h. D - t T over
+ * tri.area is a distance, too. */
 struct judge_rounding {
+    struct ray_triangle tri;
     double edge[3], edge_most[3]; /* w_c, and the largest error of a computed one */
     double det, det_most;         /* D, likewise */
     double t, t_most;             /* T, likewise */
     double across[3];             /* |d x edge c|: w_c over it is the distance of ray and edge */
-    double area;                  /* |N|, twice the area: D - t T over it is a distance, too */
-    double unit;                  /* u * max |vertex - origin| */
 };
 
 struct judge_rounding judge_rounding_of(const struct ray *ray, float v[3][3]);
+
+/* Distance of the line of the ray to the line of edge c, in the plane across the ray, in units. */
+double judge_edge_distance(const struct judge_rounding *rounding, int c);
+
+/* By how much t changes if the triangle moves one unit along its normal. */
+double judge_unit_of_t(const struct judge_rounding *rounding);
 
 /* Displacements in units that an unknown formula is allowed: of edge c seen along the ray, and of
  * the plane from the ray's point at t. At least the judge's own. */
@@ -184,19 +198,19 @@ double judge_edge_allowed(const struct judge *judge, const struct judge_rounding
 double judge_plane_allowed(const struct judge *judge, const struct judge_rounding *rounding,
                            double t);
 
-/* May the classical test answer this weight of vertex c? */
+/* True if the classical test may answer this weight of vertex c. */
 bool judge_weight_allowed(const struct judge_rounding *rounding, int c, double weight);
 
-/* May an unknown formula take the triangle for hit, somewhere along the line of the ray? */
+/* True if an unknown formula may accept the triangle, somewhere along the line of the ray. */
 bool judge_may_accept(const struct judge *judge, const struct judge_rounding *rounding);
 
-/* May the determinant have either sign? */
+/* True if the determinant may have either sign. */
 bool judge_det_is_open(const struct judge_rounding *rounding);
 
 /* The least |w_c| over its bound: below 1 the classical test may lose an exact hit. */
 double judge_margin(const struct judge_rounding *rounding);
 
-/* Of an exact hit of an unknown formula: the margin of struct judgement. */
+/* The margin of struct judgement, for an exact hit. */
 double judge_margin_of(const struct judge *judge, const struct ray *ray, uint32_t prim);
 
 #endif

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The error of b / d - o / d does not shrink with the distance to the box, so no factor on the far
- * plane repairs it. */
+/* The error of b / d - o / d does not shrink with the distance to the box, so no factor of the far
+ * plane makes up for it. */
 #define SLAB_ERROR (EMBREE_SLAB_ERROR * JUDGE_UNIT)
 /* Below this t the products of a box test may be subnormal, where factors do not cover rounding. */
 #define LEAST_T 0x1p-100
@@ -84,11 +84,6 @@ enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, 
     return STATUS_OK;
 }
 
-static bool is_hit(enum oracle_class class)
-{
-    return class == ORACLE_INSIDE || class == ORACLE_EDGE || class == ORACLE_VERTEX;
-}
-
 #define TOGETHER 8u /* twins computed together */
 
 static void know(const struct judge *judge, const struct ray *ray,
@@ -100,8 +95,8 @@ static void know(const struct judge *judge, const struct ray *ray,
     twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, count, out);
 }
 
-/* Asks every exact hit before `reach`, nearest first. */
-static enum status ask_all(const struct judge *judge, const struct ray *ray, double reach,
+/* Tries every exact hit before `reach`, nearest first. */
+static enum status try_all(const struct judge *judge, const struct ray *ray, double reach,
                            bool *lost, struct judgement *out)
 {
     struct oracle_crossing *list = NULL;
@@ -113,7 +108,7 @@ static enum status ask_all(const struct judge *judge, const struct ray *ray, dou
         const struct oracle_pair *pair = &list[i].pair;
         if (i % TOGETHER == 0)
             know(judge, ray, list + i, count - i < TOGETHER ? count - i : TOGETHER, twin);
-        if (!is_hit(pair->class))
+        if (!oracle_is_hit(pair))
             continue;
         const struct judge_known known = {{list[i].prim}, {twin[i % TOGETHER]}, 1};
         status = judge_cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, NULL,
@@ -136,7 +131,7 @@ enum status judge_lost(const struct judge *judge, const struct ray *ray,
                                            NULL, known, lost);
     if (status || *lost || (truth->tie_count == 1 && !(reach > truth->t_next)))
         return status;
-    return ask_all(judge, ray, reach, lost, out);
+    return try_all(judge, ray, reach, lost, out);
 }
 
 enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray, uint32_t prim,

@@ -1,6 +1,5 @@
-/* Many answers at a time. Most of a judge's time goes into twins, so those that will be asked for
- * are computed together, by vectors: of the exact nearest triangle and of the one that was
- * answered. */
+/* Many answers at a time. Most of a judge's time goes into twins, so those that will be needed are
+ * computed together, by vectors: of the exact nearest triangle and of the answered one. */
 #include "ref/judge/judge_inner.h"
 
 #define MANY 32u
@@ -26,7 +25,7 @@ static void know(struct many *many, size_t i, uint32_t prim)
     many->pair[many->pairs++] = (struct twin_pair){many->question[i].ray, prim};
 }
 
-/* Which twins question i will need; one too few costs time only. */
+/* Lists the twins that question i will need; one too few costs only time. */
 static void foresee(struct many *many, size_t i)
 {
     const struct judge *judge = many->judge;

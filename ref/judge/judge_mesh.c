@@ -1,4 +1,4 @@
-/* What a list of all hits says of the mesh: double hits, and the parity of the walls crossed. */
+/* Double hits of a list of all hits, and the parity of the walls crossed. */
 #include "ref/judge/judge_all.h"
 
 #include "ref/judge/leaks.h"
@@ -6,13 +6,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Directions in which to ask whether an origin is inside, until one meets no edge. */
+/* Directions that are tried to find whether an origin is inside, until one meets no edge. */
 static const float generic[][3] = {{0.5413f, 0.7291f, -0.4187f},  {-0.6821f, 0.2719f, 0.6793f},
                                    {0.1373f, -0.8117f, 0.5677f},  {-0.4391f, -0.5323f, -0.7237f},
                                    {0.8819f, 0.0947f, 0.4618f},   {0.3331f, 0.6197f, 0.7109f},
                                    {-0.2411f, 0.9043f, -0.3527f}, {-0.9341f, -0.1879f, 0.3037f}};
 
-/* Lists of crossings, reused. */
+/* A list of crossings, reused. */
 struct crossings {
     struct oracle_crossing *list;
     size_t capacity, count;

@@ -6,7 +6,7 @@
 /* How far outside a triangle's box, relative to the coordinates, a hit in its plane may be. */
 #define IN_PLANE_PAD (64.0 * JUDGE_UNIT)
 
-/* Bounds of u and v, and of t in proportion, that are looked at alone; a choice of speed. */
+/* Bounds of u and v, and of t in proportion, that decide alone; a choice of speed. */
 #define SHARP 0.25
 
 /* Where the determinant's sign is open the ray lies in the triangle's plane, as far as float32 can
@@ -28,42 +28,26 @@ static bool on_the_triangle(const struct ray *ray, float v[3][3], double t)
     return true;
 }
 
+static bool lies_in_plane(const struct oracle_pair *pair)
+{
+    return pair->class == ORACLE_IN_PLANE || pair->class == ORACLE_ZERO_AREA;
+}
+
 /* The determinant's sign is open, so nothing bounds t. */
 static enum verdict unbounded(const struct ray *ray, float v[3][3], const struct oracle_pair *pair,
                               double t)
 {
     if (!on_the_triangle(ray, v, t))
         return VERDICT_NOISE;
-    return pair->class == ORACLE_IN_PLANE || pair->class == ORACLE_ZERO_AREA ? VERDICT_IN_PLANE
-                                                                             : VERDICT_BOUNDARY;
+    return lies_in_plane(pair) ? VERDICT_IN_PLANE : VERDICT_BOUNDARY;
 }
 
-/* What the exact pair says of an answer whose t, u and v are right for the triangle's plane. */
-static enum verdict by_pair(const struct judge *judge, const struct oracle_pair *pair)
+enum verdict judge_by_pair(const struct judge *judge, const struct oracle_pair *pair)
 {
-    switch (pair->class) {
-    case ORACLE_INSIDE:
-    case ORACLE_EDGE:
-    case ORACLE_VERTEX:
-        if (pair->range == ORACLE_WITHIN)
-            return VERDICT_RIGHT;
-        if (pair->range == ORACLE_AT_TMIN || pair->range == ORACLE_AT_TMAX)
-            return judge->model.open ? VERDICT_BORDER : VERDICT_RIGHT;
-        return VERDICT_BORDER;
-    case ORACLE_IN_PLANE:
-    case ORACLE_ZERO_AREA:
-        return VERDICT_IN_PLANE;
-    case ORACLE_MISS:
-    case ORACLE_CLASS_COUNT:
-        break;
-    }
-    return VERDICT_BOUNDARY;
-}
-
-static enum verdict wrong(struct judgement *out, enum wrong kind)
-{
-    out->wrong = kind;
-    return VERDICT_WRONG;
+    enum oracle_ends ends = judge->model.open ? ORACLE_OPEN : ORACLE_CLOSED;
+    if (oracle_is_hit(pair))
+        return oracle_in_range(pair, ends) ? VERDICT_RIGHT : VERDICT_BORDER;
+    return lies_in_plane(pair) ? VERDICT_IN_PLANE : VERDICT_BOUNDARY;
 }
 
 /* True if the bounds leave so much open that a replay may say more. */
@@ -85,22 +69,13 @@ static bool is_near(float value, double near, double off)
     return fabs((double)value - near) <= last_place(near) + off;
 }
 
-/* In the closed range. */
-static bool is_hit(const struct oracle_pair *pair)
-{
-    bool inside =
-        pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE || pair->class == ORACLE_VERTEX;
-    return inside && (pair->range == ORACLE_WITHIN || pair->range == ORACLE_AT_TMIN ||
-                      pair->range == ORACLE_AT_TMAX);
-}
-
 /* True if the triangle is exactly hit and the answer is where, to one unit of its last place:
  * right, even if no evaluation of the formula comes to these very numbers. */
 static bool is_exact(const struct oracle_pair *pair, const struct twin *twin,
                      const struct hit *answer)
 {
     double t = (double)answer->t, u = (double)answer->u, v = (double)answer->v;
-    if (!is_hit(pair))
+    if (!oracle_is_hit(pair) || !oracle_in_range(pair, ORACLE_CLOSED))
         return false;
     if (!isfinite(twin->t_err)) /* of a sliver: by t alone */
         return t >= pair->t_lo - last_place(pair->t_lo) &&
@@ -122,21 +97,20 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
     double t = (double)answer->t;
     scene_tri(judge->scene, answer->prim, v);
     if (!twin.possible)
-        return wrong(out, truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM : WRONG_TRIANGLE);
+        return judge_impossible(truth, out);
     if (!judge_may_keep(judge, ray, v, answer->t))
-        return wrong(out, WRONG_DISTANCE);
+        return judge_set_wrong(out, WRONG_DISTANCE);
     oracle_pair(judge->oracle, ray, answer->prim, &pair);
     if (says_little(&twin) && !is_exact(&pair, &twin, answer) &&
         !judge_can_answer(judge, ray, v, answer))
-        return wrong(out, judge_can_hit(judge, ray, v) ? WRONG_DISTANCE
-                          : truth->prim == ABI_NO_PRIM ? WRONG_PHANTOM
-                                                       : WRONG_TRIANGLE);
+        return judge_can_hit(judge, ray, v) ? judge_set_wrong(out, WRONG_DISTANCE)
+                                            : judge_impossible(truth, out);
     if (!isfinite(twin.t_err))
         return unbounded(ray, v, &pair, t);
     out->over = judge_over(t, twin.t_near - twin.t_off, twin.t_near + twin.t_off, twin.t_err);
     if (!(out->over <= 1.0))
-        return wrong(out, WRONG_DISTANCE);
+        return judge_set_wrong(out, WRONG_DISTANCE);
     if (!judge_barycentrics(&twin, answer))
-        return wrong(out, WRONG_BARYCENTRIC);
-    return by_pair(judge, &pair);
+        return judge_set_wrong(out, WRONG_BARYCENTRIC);
+    return judge_by_pair(judge, &pair);
 }

@@ -1,18 +1,17 @@
-/* Any-hit answers that say hit and name no triangle: where nothing is exactly hit some triangle
- * must be one that the formula may take for hit. All are looked at, since rounding may find one
- * that the ray passes far beside: in the plane of a triangle every sign is open. */
+/* Any-hit answers that are a hit and name no triangle: where nothing is exactly hit the formula must
+ * be able to accept some triangle. All are tested, since rounding may find one that the ray passes far
+ * beside: in the plane of a triangle every sign is open. */
 #include "ref/judge/judge_inner.h"
 
 #include <math.h>
 
-#define TOGETHER 64u /* triangles looked at together */
+#define TOGETHER 64u /* triangles tested together */
 
-/* --- a first look ------------------------------------------------------------------------------
+/* --- a first test ------------------------------------------------------------------------------
  */
 
-/* What a first look keeps, for all that judge_may_be_hit may take, and the named formulas of
- * has_look. With x = |coordinate| of what is
- * in brackets, M = [vertex - origin], D = [d] and L = [edge] <= 2 M, an edge function may have the
+/* What the first test keeps: all that judge_may_be_hit or a named formula of has_look may accept.
+ * With x = |coordinate| of what is in brackets, M = [vertex - origin], D = [d] and L = [edge] <= 2 M, an edge function may have the
  * other sign by
  *   A |d x e| u M <= 2 sqrt 3 A u M D L for A units of displacement, or, of the widest of
  *   ref/judge/judge_allowed.c, 16 u (6 + 6 + 12) M D L + 10 u 12 M D L = 504 u M D L
@@ -63,7 +62,7 @@ static void measure(const struct ray *ray, struct unnamed_look *look)
     }
 }
 
-/* Which of them no two edge functions of surely opposite signs turn away. */
+/* A bit for each triangle that has no two edge functions of surely opposite signs. */
 static uint64_t kept(const struct judge *judge, const struct ray *ray, struct unnamed_look *look)
 {
     double d =
@@ -127,14 +126,15 @@ static bool possible_by_twin(const struct judge *judge, const struct ray *ray, u
 
 /* --- an unknown formula ----------------------------------------------------------------------- */
 
-/* How far the triangle is from the ray's range, in units: where it meets the plane, cut off. */
+/* How far the triangle is from the ray's point on its plane, cut to the range, in units. */
 static double displacement_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
     float v[3][3];
     scene_tri(judge->scene, prim, v);
     double t = judge_plane_t(ray, v);
     t = t > (double)ray->tmin ? fmin(t, (double)ray->tmax) : (double)ray->tmin;
-    return judge_point_displacement(ray, v, t);
+    const struct ray_triangle tri = ray_triangle_of(ray, v);
+    return judge_point_displacement(&tri, t);
 }
 
 static bool possible_by_distance(const struct judge *judge, const struct ray *ray, uint32_t first,

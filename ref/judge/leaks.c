@@ -136,7 +136,7 @@ static bool touch(const struct topology *topology, uint32_t a, uint32_t b)
 static bool exclude(const struct topology *topology, const struct oracle *oracle,
                     const struct ray *ray, uint32_t a, uint32_t b)
 {
-    if (!touch(topology, a, b)) /* most pairs: no exact arithmetic for them */
+    if (!touch(topology, a, b)) /* most pairs, without exact arithmetic */
         return false;
     int side = facing(oracle, ray, a);
     if (side == 0 || facing(oracle, ray, b) != side)
@@ -168,7 +168,7 @@ size_t leaks_extra(const struct topology *topology, const struct oracle *oracle,
     return extra;
 }
 
-/* Whose lists are counted. */
+/* The engine whose lists are counted. */
 struct lister {
     const struct leak_rays *rays;
     const struct scene *scene;
@@ -243,8 +243,7 @@ static int by_prim(const void *left, const void *right)
     return (a->prim > b->prim) - (a->prim < b->prim);
 }
 
-/* Counts one ray's list, which is sorted by triangle on the way; `scratch` has room for two numbers
- * a hit. */
+/* Counts one ray's list and sorts it by triangle; `scratch` has room for two numbers a hit. */
 static enum status count_list(const struct lister *lister, size_t i, struct hit *hit, size_t hits,
                               uint32_t *scratch, struct leaks *out, struct reason *reason)
 {
@@ -270,7 +269,7 @@ static enum status count_list(const struct lister *lister, size_t i, struct hit 
     return count_walls(lister, i, prim, count, tally, reason);
 }
 
-/* Counts the lists of rays `at` and on. */
+/* Counts the lists of the rays from `at` on. */
 static enum status count_lists_of(const struct lister *lister, size_t at, struct all_hits *all,
                                   struct leaks *out, uint64_t *digest, struct reason *reason)
 {

@@ -46,13 +46,13 @@ struct leak_finding {
 
 struct leaks {
     struct leak_tally tally[LEAK_AIMS];
-    bool lists; /* false: the engine cannot list all hits; only rays and misses are counted */
+    bool lists; /* the engine can list all hits; else only rays and misses are counted */
     struct leak_finding finding[LEAK_FINDINGS]; /* misses before double hits */
     size_t finding_count;
     uint64_t ns; /* spent in the engine */
 };
 
-/* The rays and what is known of the mesh; all borrowed. */
+/* The rays and the mesh; all borrowed. */
 struct leak_rays {
     const struct topology *topology; /* of a closed mesh */
     const struct oracle *oracle;     /* of the same */
@@ -67,18 +67,18 @@ const char *leak_aim_name(enum leak_aim aim); /* "vertex", "midpoint", "edge", "
 struct leak_tally leaks_total(const struct leaks *leaks);
 
 /* Traces the rays with closest-hit and all-hits queries and counts.
- *   job     what to prepare; its query is not used
+ *   job     to prepare; its query is ignored
  *   digest  NULL, or ray_count numbers: a hash of every bit of each ray's answers, lists in order
  * Errors: those of the engine; STATUS_MEMORY. */
 enum status leaks_count(const struct leak_rays *rays, const struct engine *engine, void *self,
                         const struct job *job, struct leaks *out, uint64_t *digest,
                         struct reason *reason) MUST_USE;
 
-/* How many of the triangles `prim`, all different, are hit too many. Two that the ray sees from the
+/* Returns how many of the triangles `prim`, all different, are hit too many. Two that the ray sees from the
  * same side exclude each other if they are neighbours along an edge, or lie in one fan that is a
  * ring and seen from that side as a whole: their projections along the ray only touch. Groups of
  * such triangles count once.
- *   pair   gets two that exclude each other, if any; may be NULL
+ *   pair   set to two that exclude each other, if any; may be NULL
  *   group  room for `count` numbers */
 size_t leaks_extra(const struct topology *topology, const struct oracle *oracle,
                    const struct ray *ray, const uint32_t *prim, size_t count, uint32_t pair[2],

@@ -53,8 +53,7 @@ static void count_kind(const struct original *original, const struct ray *ray,
         return;
     struct oracle_pair pair;
     oracle_pair(original->oracle, ray, hit->prim, &pair);
-    bool same = truth->tie_count > 1 && pair.class >= ORACLE_INSIDE &&
-                pair.class <= ORACLE_VERTEX &&
+    bool same = truth->tie_count > 1 && oracle_is_hit(&pair) &&
                 oracle_compare(original->oracle, ray, hit->prim, truth->prim) == 0;
     row->original.other += !same;
 }

@@ -7,7 +7,7 @@
 
 #define TILE 16 /* rays that go through the triangles together, while these are in the cache */
 
-/* What a thread works with. */
+/* One thread's. */
 struct work {
     const struct oracle *oracle;
     enum oracle_ends ends;
@@ -24,8 +24,8 @@ static void take_run(struct work *work, const struct ray *ray, const struct earl
     for (; left; left &= left - 1) {
         struct decided pair;
         uint32_t prim = oracle->tree.order[first + (uint32_t)__builtin_ctzll(left)];
-        pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_HITS, &pair, &work->stats);
-        nearest_add(nearest, oracle->scene, ray, work->ends, prim, &pair);
+        pair_decide(oracle, ray, prim, PAIR_HITS, &pair, &work->stats);
+        nearest_add(nearest, oracle, ray, work->ends, &pair);
     }
 }
 
@@ -68,11 +68,6 @@ static void closest_tree(struct work *work, const struct ray *ray, struct neares
     }
 }
 
-static bool is_still(const struct ray *ray)
-{
-    return ray->dir[0] == 0 && ray->dir[1] == 0 && ray->dir[2] == 0;
-}
-
 /* Rays [0, count), count <= TILE. */
 static void closest_tile(struct work *work, bool brute, const struct ray *ray, int count,
                          struct oracle_answer *out)
@@ -85,7 +80,7 @@ static void closest_tile(struct work *work, bool brute, const struct ray *ray, i
         nearest_finish(&nearest[slots], &out[i]); /* a miss */
         if (!oracle_takes(&ray[i])) {
             out[i].flags = ORACLE_REFUSED;
-        } else if (!is_still(&ray[i])) {
+        } else if (!ray_is_still(&ray[i])) {
             taken[slots] = &ray[i];
             slot[slots++] = i;
         }

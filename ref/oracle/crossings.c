@@ -5,36 +5,35 @@
 
 #include <math.h>
 
-/* What a crossing is sorted by: the exact t of a hit, t_lo of an interval. */
+/* A crossing whose integers are not known. */
+static void restart(const struct oracle_crossing *crossing, struct decided *out)
+{
+    out->prim = crossing->prim;
+    out->pair = crossing->pair;
+    out->have_exact = false;
+}
+
+/* The order of two crossings: by the exact t of a hit or t_lo of an interval, then by index. */
 static int compare(const struct oracle *oracle, const struct ray *ray,
                    const struct oracle_crossing *a, const struct oracle_crossing *b)
 {
-    bool a_hit = pair_is_hit(&a->pair), b_hit = pair_is_hit(&b->pair);
+    bool a_hit = oracle_is_hit(&a->pair), b_hit = oracle_is_hit(&b->pair);
     double a_hi = a_hit ? a->pair.t_hi : a->pair.t_lo, b_hi = b_hit ? b->pair.t_hi : b->pair.t_lo;
     if (a->pair.t_lo > b_hi)
         return 1;
     if (a_hi < b->pair.t_lo)
         return -1;
-    struct exact one, two;
-    float v[3][3];
-    int sign = 0, by_prim = (a->prim > b->prim) - (a->prim < b->prim);
-    if (a_hit && b_hit && pair_same_place(oracle->scene, a->prim, &a->pair, b->prim, &b->pair))
-        return by_prim;
-    if (a_hit) {
-        scene_tri(oracle->scene, a->prim, v);
-        exact_pair(ray, v, true, &one);
-    }
-    if (b_hit) {
-        scene_tri(oracle->scene, b->prim, v);
-        exact_pair(ray, v, true, &two);
-    }
+    struct decided one, two;
+    int sign = 0;
+    restart(a, &one);
+    restart(b, &two);
     if (a_hit && b_hit)
-        sign = fraction_compare(&one.t, &two.t);
+        sign = pair_compare(oracle, ray, &one, &two);
     else if (a_hit)
-        sign = fraction_compare_double(&one.t, b->pair.t_lo);
+        sign = fraction_compare_double(pair_t(oracle, ray, &one), b->pair.t_lo);
     else if (b_hit)
-        sign = -fraction_compare_double(&two.t, a->pair.t_lo);
-    return sign ? sign : by_prim;
+        sign = -fraction_compare_double(pair_t(oracle, ray, &two), a->pair.t_lo);
+    return sign ? sign : (a->prim > b->prim) - (a->prim < b->prim);
 }
 
 /* By insertion: lists are short, and nearly in order where a tree found them. */
@@ -57,11 +56,10 @@ static enum status take(const struct oracle *oracle, const struct ray *ray, uint
                         double t_most, struct oracle_crossing **list, size_t *capacity,
                         size_t *count)
 {
-    struct oracle_stats unused = {0};
     struct decided pair;
-    pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_HITS, &pair, &unused);
+    pair_decide(oracle, ray, prim, PAIR_HITS, &pair, NULL);
     if (pair.pair.class == ORACLE_MISS || pair.pair.class == ORACLE_ZERO_AREA ||
-        !pair_in_range(&pair.pair, ORACLE_CLOSED) || !(pair.pair.t_lo <= t_most))
+        !oracle_in_range(&pair.pair, ORACLE_CLOSED) || !(pair.pair.t_lo <= t_most))
         return STATUS_OK;
     enum status status = array_reserve((void **)list, capacity, *count + 1, sizeof **list);
     if (!status)
@@ -96,7 +94,7 @@ enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray,
                              struct reason *reason)
 {
     *count = 0;
-    if (!oracle_takes(ray) || (ray->dir[0] == 0 && ray->dir[1] == 0 && ray->dir[2] == 0))
+    if (!oracle_takes(ray) || ray_is_still(ray))
         return STATUS_OK;
     unsigned long saved = environment_enter();
     enum status status = collect(oracle, ray, t_most, list, capacity, count);

@@ -1,5 +1,5 @@
-/* The first look at many triangles: which of them does the line of a ray certainly miss? Vectorised
- * over triangles; most are dropped here and never looked at again.
+/* The first test of many triangles, vectorised over triangles: which of them does the line of a ray
+ * certainly miss? Most are dropped here.
  *
  * With z the largest axis of |d| and s = (dx/dz, dy/dz), the line is moved onto the z axis by the
  * shear x' = X - sx Z, y' = Y - sy Z of X = v - o (Woop, Benthin, Wald 2013); then the products
@@ -22,7 +22,7 @@
 
 #define EARLY_BOUND  (72 * 0x1p-53)
 #define EARLY_BESIDE (8 * 0x1p-53)
-#define EARLY_MOST   64u /* triangles looked at in one call */
+#define EARLY_MOST   64u /* triangles of one call */
 #define EARLY_PAD    8u  /* elements that each array has behind its last */
 
 /* Coordinates of triangles, one array per vertex and axis. */
@@ -30,7 +30,7 @@ struct early_soup {
     const double *v[3][3]; /* [vertex][axis] */
 };
 
-/* What is used of a ray whose direction is not 0. */
+/* A ray whose direction is not 0. */
 struct early_ray {
     double o[3];
     double s[2]; /* shear along kx, ky */
@@ -48,13 +48,13 @@ typedef uint64_t early_function(const struct early_soup *soup, const struct earl
 struct early_kernel {
     const char *name; /* "plain", "sse2", "avx2", "avx512" */
     early_function *look;
-    bool (*runs)(void); /* on this machine */
+    bool (*runs)(void); /* whether it runs on this machine */
 };
 
-/* All that were compiled in, ends with name NULL; a later one that runs is faster. */
+/* All compiled kernels, the fastest last; ends with name NULL. */
 extern const struct early_kernel early_kernels[];
 
-/* The last that runs here. */
+/* The fastest kernel that runs on this machine. */
 const struct early_kernel *early_best(void);
 
 #endif

@@ -10,7 +10,7 @@
 
 enum status oracle_environment(struct reason *reason)
 {
-    /* volatile: the machine is asked, not the compiler. */
+    /* volatile: computed at run time, not by the compiler. */
     volatile double tiny = DBL_MIN, near_one = 1 + 0x1p-30, tail = 1 + 0x1p-29;
     volatile float small = FLT_MIN, least = 0x1p-149f, huge = 0x1p127f;
     volatile double half = 0.5, one = 1, tie = 0x1p-53;

@@ -25,7 +25,7 @@ static void read_input(const struct ray *ray, float v[3][3], struct exact_input 
     in->way = grid_of(in->d, 3);
 }
 
-/* Values that both kinds of integer end in. */
+/* The products, by either kind of integer. */
 struct products {
     struct oracle_wide w[3], det, t;
     int scale;
@@ -64,7 +64,7 @@ static int bits_of(unsigned __int128 x)
     return above ? 128 - __builtin_clzll(above) : below ? 64 - __builtin_clzll(below) : 0;
 }
 
-/* The same numbers for medium; returns false if they take too many bits. */
+/* The same numbers for ref/oracle/medium.h; returns false if they take too many bits. */
 static bool medium_input(const struct exact_input *in, struct medium_input *out)
 {
     unsigned __int128 place = 0, way = 0;
@@ -166,7 +166,7 @@ static int sign_of(__int128 x)
     return (x > 0) - (x < 0);
 }
 
-/* Returns whether there is more to say than the signs. */
+/* Returns whether more than the signs is needed. */
 static bool multiply(const struct ray *ray, float v[3][3], bool hits, struct exact *out,
                      struct products *value)
 {
@@ -199,8 +199,7 @@ void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *o
     else if (out->det)
         for (int c = 0; c < 3; c++)
             out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
-    bool still = ray->dir[0] == 0 && ray->dir[1] == 0 && ray->dir[2] == 0;
-    out->in_plane = out->det == 0 && value.t.sign == 0 && !still;
+    out->in_plane = out->det == 0 && value.t.sign == 0 && !ray_is_still(ray);
     if (out->det) {
         wide_copy(&value.t, &out->t.num);
         wide_copy(&value.det, &out->t.den);

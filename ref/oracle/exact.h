@@ -5,19 +5,25 @@
 #include "ref/abi.h"
 #include "ref/oracle/fraction.h"
 
-/* What the signs and sizes of w0, w1, w2, D and T say. */
+/* Signs and quotients of w0, w1, w2, D and T. */
 struct exact {
     int edge[3];       /* signs of w0, w1, w2 */
     int det;           /* sign of D */
     bool in_plane;     /* D == 0 == T and the direction is not 0: see exact_in_plane */
     bool wide;         /* __int128 did not suffice */
     double edge_share; /* the smallest w_i / D, to about 2^-50; -INFINITY if D is 0; this and
-                          t are not filled in of a miss if `hits` */
+                          t are not set for a miss if `hits` */
     struct fraction t; /* T / D, if D is not 0 */
 };
 
-/* Decides a finite ray and triangle; the range of t plays no part. `hits`: of a miss no more than
- * that it is one will be asked. */
+/* The direction is 0: the ray hits nothing. */
+static inline bool ray_is_still(const struct ray *ray)
+{
+    return ray->dir[0] == 0 && ray->dir[1] == 0 && ray->dir[2] == 0;
+}
+
+/* Decides a finite ray and triangle, whatever the range of t. `hits`: of a miss only the signs are
+ * needed. */
 void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *out);
 
 /* For a ray in the plane of a triangle that has an area: where the line overlaps the triangle.

@@ -1,4 +1,4 @@
-/* What an oracle owns. For the oracle's own files. */
+/* The oracle's data. For the oracle's own files. */
 #ifndef ORACLE_INTERNAL_H
 #define ORACLE_INTERNAL_H
 
@@ -10,13 +10,13 @@ struct oracle {
     const struct scene *scene;
     uint8_t *flat; /* per triangle: its vertices are collinear */
     struct tree tree;
-    double *coordinate; /* what soup points into; in the order of the tree */
+    double *coordinate; /* the arrays of soup; in the order of the tree */
     struct early_soup soup;
     struct box *run; /* bounds of each EARLY_MOST triangles of that order */
     const struct early_kernel *kernel;
 };
 
-/* Whether a ray is decided at all: finite but for tmax = INFINITY, and tmin <= tmax. */
+/* Whether a ray is decided: finite but for tmax = INFINITY, and tmin <= tmax. */
 bool oracle_takes(const struct ray *ray);
 
 #endif

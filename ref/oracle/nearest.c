@@ -10,14 +10,13 @@ void nearest_start(struct nearest *nearest)
     nearest->plane_lo = INFINITY;
 }
 
-static void start_set(struct nearest *nearest, uint32_t prim, const struct decided *hit)
+static void start_set(struct nearest *nearest, const struct decided *hit)
 {
+    nearest->rep.prim = nearest->prim = hit->prim;
     nearest->rep.pair = hit->pair;
     nearest->rep.have_exact = hit->have_exact;
-    if (hit->have_exact) /* large, and seldom there */
+    if (hit->have_exact) /* large and rare */
         nearest->rep.exact = hit->exact;
-    nearest->rep_prim = prim;
-    nearest->prim = prim;
     nearest->count = 1;
     nearest->prim_lo = nearest->least_lo = hit->pair.t_lo;
     nearest->prim_hi = hit->pair.t_hi;
@@ -26,50 +25,38 @@ static void start_set(struct nearest *nearest, uint32_t prim, const struct decid
     nearest->exact = !hit->pair.by_filter;
 }
 
-static void join_set(struct nearest *nearest, uint32_t prim, const struct decided *hit)
+static void join_set(struct nearest *nearest, const struct decided *hit)
 {
     nearest->count++;
     nearest->exact = true; /* two were compared */
     nearest->least_lo = fmin(nearest->least_lo, hit->pair.t_lo);
     nearest->margin = fmin(nearest->margin, hit->pair.margin);
-    if (prim < nearest->prim) {
-        nearest->prim = prim;
+    if (hit->prim < nearest->prim) {
+        nearest->prim = hit->prim;
         nearest->prim_lo = hit->pair.t_lo;
         nearest->prim_hi = hit->pair.t_hi;
         nearest->class = hit->pair.class;
     }
 }
 
-/* Sign of the hit's t less the set's, exactly. */
-static int order(struct nearest *nearest, const struct scene *scene, const struct ray *ray,
-                 uint32_t prim, struct decided *hit)
+void nearest_add(struct nearest *nearest, const struct oracle *oracle, const struct ray *ray,
+                 enum oracle_ends ends, struct decided *pair)
 {
-    if (hit->pair.t_lo > nearest->rep.pair.t_hi)
-        return 1;
-    if (hit->pair.t_hi < nearest->rep.pair.t_lo)
-        return -1;
-    if (pair_same_place(scene, prim, &hit->pair, nearest->rep_prim, &nearest->rep.pair))
-        return 0;
-    return fraction_compare(pair_t(scene, ray, prim, hit),
-                            pair_t(scene, ray, nearest->rep_prim, &nearest->rep));
-}
-
-void nearest_add(struct nearest *nearest, const struct scene *scene, const struct ray *ray,
-                 enum oracle_ends ends, uint32_t prim, struct decided *pair)
-{
-    if (pair->pair.class == ORACLE_IN_PLANE && pair_in_range(&pair->pair, ends))
-        nearest->plane_lo = fmin(nearest->plane_lo, pair->pair.t_lo);
-    if (!pair_is_hit(&pair->pair) || !pair_in_range(&pair->pair, ends))
+    if (!oracle_in_range(&pair->pair, ends))
         return;
-    int sign = nearest->count ? order(nearest, scene, ray, prim, pair) : -1;
+    if (pair->pair.class == ORACLE_IN_PLANE)
+        nearest->plane_lo = fmin(nearest->plane_lo, pair->pair.t_lo);
+    if (!oracle_is_hit(&pair->pair))
+        return;
+    int sign = nearest->count ? pair_compare(oracle, ray, pair, &nearest->rep) : -1;
     if (sign > 0) {
         nearest->next = fmin(nearest->next, pair->pair.t_lo);
     } else if (sign == 0) {
-        join_set(nearest, prim, pair);
+        join_set(nearest, pair);
     } else {
         if (nearest->count)
             nearest->next = fmin(nearest->next, nearest->least_lo);
-        start_set(nearest, prim, pair);
+        start_set(nearest, pair);
     }
 }
 

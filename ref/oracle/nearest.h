@@ -1,15 +1,13 @@
-/* Keeps the nearest hits of one ray while triangles come in any order. For the oracle's own
- * files. */
+/* The nearest hits of one ray, found from triangles in any order. For the oracle's own files. */
 #ifndef ORACLE_NEAREST_H
 #define ORACLE_NEAREST_H
 
 #include "ref/oracle/pair.h"
 
 /* The set of triangles at the smallest t so far, and what lies behind. The result does not depend
- * on the order in which triangles come, nor on whether triangles behind nearest_reach come. */
+ * on the order of the triangles, nor on triangles behind nearest_reach. */
 struct nearest {
-    struct decided rep; /* one of the set; t's are compared with it */
-    uint32_t rep_prim;
+    struct decided rep;      /* one of the set, with which each new t is compared */
     uint32_t prim, count;    /* smallest index and size of the set; count 0: empty */
     double prim_lo, prim_hi; /* enclosure of t of `prim` */
     double least_lo;         /* smallest t_lo in the set */
@@ -22,9 +20,9 @@ struct nearest {
 
 void nearest_start(struct nearest *nearest);
 
-/* Takes a decided pair that may be anything; what is no hit in range changes nothing. */
-void nearest_add(struct nearest *nearest, const struct scene *scene, const struct ray *ray,
-                 enum oracle_ends ends, uint32_t prim, struct decided *pair);
+/* Adds a decided pair of any class; what is no hit in range changes nothing. */
+void nearest_add(struct nearest *nearest, const struct oracle *oracle, const struct ray *ray,
+                 enum oracle_ends ends, struct decided *pair);
 
 /* No triangle whose exact t is above this can change the answer. */
 double nearest_reach(const struct nearest *nearest);

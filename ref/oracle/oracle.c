@@ -88,27 +88,20 @@ bool oracle_takes(const struct ray *ray)
 void oracle_pair(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
                  struct oracle_pair *out)
 {
-    struct oracle_stats unused = {0};
     struct decided pair;
     unsigned long saved = environment_enter();
-    pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_FULL, &pair, &unused);
+    pair_decide(oracle, ray, prim, PAIR_FULL, &pair, NULL);
     environment_leave(saved);
     *out = pair.pair;
 }
 
 int oracle_compare(const struct oracle *oracle, const struct ray *ray, uint32_t a, uint32_t b)
 {
-    struct oracle_stats unused = {0};
     struct decided one, two;
     unsigned long saved = environment_enter();
-    pair_decide(oracle->scene, oracle->flat[a], ray, a, PAIR_FULL, &one, &unused);
-    pair_decide(oracle->scene, oracle->flat[b], ray, b, PAIR_FULL, &two, &unused);
-    int sign = one.pair.t_lo > two.pair.t_hi   ? 1
-               : one.pair.t_hi < two.pair.t_lo ? -1
-               : pair_same_place(oracle->scene, a, &one.pair, b, &two.pair)
-                   ? 0
-                   : fraction_compare(pair_t(oracle->scene, ray, a, &one),
-                                      pair_t(oracle->scene, ray, b, &two));
+    pair_decide(oracle, ray, a, PAIR_FULL, &one, NULL);
+    pair_decide(oracle, ray, b, PAIR_FULL, &two, NULL);
+    int sign = pair_compare(oracle, ray, &one, &two);
     environment_leave(saved);
     return sign;
 }
@@ -116,12 +109,11 @@ int oracle_compare(const struct oracle *oracle, const struct ray *ray, uint32_t 
 bool oracle_rational(const struct oracle *oracle, const struct ray *ray, uint32_t prim, char *text,
                      size_t text_bytes)
 {
-    struct oracle_stats unused = {0};
     struct decided pair;
     unsigned long saved = environment_enter();
-    pair_decide(oracle->scene, oracle->flat[prim], ray, prim, PAIR_FULL, &pair, &unused);
-    bool written = pair_is_hit(&pair.pair) &&
-                   fraction_text(pair_t(oracle->scene, ray, prim, &pair), text, text_bytes);
+    pair_decide(oracle, ray, prim, PAIR_FULL, &pair, NULL);
+    bool written =
+        oracle_is_hit(&pair.pair) && fraction_text(pair_t(oracle, ray, &pair), text, text_bytes);
     environment_leave(saved);
     return written;
 }

@@ -51,6 +51,21 @@ struct oracle_pair {
     bool by_filter;    /* double sufficed */
 };
 
+/* INSIDE, EDGE or VERTEX. */
+static inline bool oracle_is_hit(const struct oracle_pair *pair)
+{
+    return pair->class == ORACLE_INSIDE || pair->class == ORACLE_EDGE ||
+           pair->class == ORACLE_VERTEX;
+}
+
+/* Whether a hit, or an interval in the plane, counts under `ends`. */
+static inline bool oracle_in_range(const struct oracle_pair *pair, enum oracle_ends ends)
+{
+    return pair->range == ORACLE_WITHIN ||
+           (ends == ORACLE_CLOSED &&
+            (pair->range == ORACLE_AT_TMIN || pair->range == ORACLE_AT_TMAX));
+}
+
 /* The nearest hit of a ray in its range. */
 struct oracle_answer {
     uint32_t prim;      /* smallest index of the exact nearest set; ABI_NO_PRIM: a miss */
@@ -68,11 +83,11 @@ struct oracle_answer {
 #define ORACLE_SAW_EXACT    2u
 #define ORACLE_REFUSED      4u /* NaN or infinity in the ray, or tmin > tmax: a miss */
 
-/* How rays find their triangles. */
+/* How the triangles of a ray are found. */
 enum oracle_path {
     ORACLE_AUTO,  /* brute up to ORACLE_BRUTE_MOST triangles, else tree */
     ORACLE_BRUTE, /* every triangle */
-    ORACLE_TREE,  /* own tree in double precision with proven padding */
+    ORACLE_TREE,  /* the oracle's own tree: boxes in double precision with proven padding */
 };
 #define ORACLE_BRUTE_MOST 65536u
 
@@ -94,8 +109,8 @@ enum status oracle_make(const struct scene *scene, struct oracle **out,
 void oracle_free(struct oracle *oracle); /* NULL is fine */
 
 /* Checks what the filter relies on, on the calling thread: round to nearest, subnormals kept
- * (neither FTZ nor DAZ), no contraction, FLT_EVAL_METHOD 0. The functions below set the modes that
- * a thread can have wrong (a library may have left FTZ and DAZ) and put them back. Errors:
+ * (neither FTZ nor DAZ), no contraction, FLT_EVAL_METHOD 0. The functions below correct the modes of
+ * their thread (a library may have left FTZ and DAZ set) and restore them. Errors:
  * STATUS_UNSUPPORTED with what is wrong. */
 enum status oracle_environment(struct reason *reason) MUST_USE;
 
@@ -137,9 +152,9 @@ bool oracle_rational(const struct oracle *oracle, const struct ray *ray, uint32_
 
 #define ORACLE_T_TEXT 96
 
-/* Writes the exact t of a hit for a person: "= 0.25" where a decimal of at most 17 digits says it,
- * "= 1/3, about 0.3333333333333" where a short fraction does, else "about 0.7071067811865". Of no
- * hit "is none". */
+/* Writes the exact t of a hit for people: "= 0.25" if a decimal of at most 17 digits is exact,
+ * "= 1/3, about 0.3333333333333" if a short fraction is, else "about 0.7071067811865". Without a hit
+ * "is none". */
 void oracle_t_text(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
                    char text[ORACLE_T_TEXT]);
 

@@ -1,6 +1,6 @@
 /* The oracle's own tree: two children per node, boxes that are the exact bounds of float32
- * vertices, tested in double. Shares nothing with the builders, layouts and box tests that are
- * judged. For the oracle's own files.
+ * vertices, tested in double. It shares nothing with the builders, layouts and box tests that
+ * are judged. For the oracle's own files.
  *
  * Why it loses nothing. With e = 2^-53 and 1/d, b - o and their product each rounded once, a
  * plane's computed distance t^ is t (1 + h), |h| <= 3.01 e < 2^-51; over- and underflow are out of

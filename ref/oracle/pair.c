@@ -1,11 +1,12 @@
 #include "ref/oracle/pair.h"
 
 #include "ref/oracle/filter.h"
+#include "ref/oracle/internal.h"
 
 #include <math.h>
 
-/* Every enclosure of a t in range is at most this wide, relatively, or else made anew from
- * integers: the tree relies on it (ref/oracle/oracle_tree.h). */
+/* Relative width of an enclosure of a t in range, at most; wider ones are computed again from
+ * integers. The tree relies on it (ref/oracle/oracle_tree.h). */
 #define NARROW 0x1p-40
 /* So that the margin of a hit is known to about 2^-18 of itself, its w and D are known better. */
 #define KNOWN 0x1p-20
@@ -23,7 +24,7 @@ static void enclose(const struct filter *f, double *lo, double *hi)
     *hi = positive ? most : -least;
 }
 
-/* Fills in what the filter is certain of; false if that is not everything. */
+/* Fills in what the filter proves; false if that is not everything. */
 static bool by_filter(const struct ray *ray, const struct filter *f, struct oracle_pair *pair)
 {
     double share = INFINITY;
@@ -55,7 +56,7 @@ static bool by_filter(const struct ray *ray, const struct filter *f, struct orac
     return lo > tmin && hi < tmax && hi - lo <= NARROW * fmin(fabs(lo), fabs(hi));
 }
 
-/* Where t in [lo, hi] lies; its fraction is asked only if that leaves it open. */
+/* Where t in [lo, hi] lies; its fraction is compared only if the enclosure leaves it open. */
 static enum oracle_range range_of(const struct fraction *t, double lo, double hi,
                                   const struct ray *ray)
 {
@@ -133,21 +134,28 @@ static bool out_of_range(const struct ray *ray, const struct filter *f)
     return hi < (double)ray->tmin || lo > (double)ray->tmax;
 }
 
-void pair_decide(const struct scene *scene, bool flat, const struct ray *ray, uint32_t prim,
+/* Before anything is known. */
+static void start(enum oracle_class class, struct oracle_pair *pair)
+{
+    pair->class = class;
+    pair->range = ORACLE_BELOW;
+    pair->t_lo = -INFINITY;
+    pair->t_hi = INFINITY;
+}
+
+void pair_decide(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
                  enum pair_depth depth, struct decided *out, struct oracle_stats *stats)
 {
     float v[3][3];
     struct filter filter;
-    bool positive = false, negative = false;
+    bool flat = oracle->flat[prim], positive = false, negative = false;
+    out->prim = prim;
     out->have_exact = false;
-    out->pair.class = flat ? ORACLE_ZERO_AREA : ORACLE_MISS;
-    out->pair.range = ORACLE_BELOW;
-    out->pair.t_lo = -INFINITY;
-    out->pair.t_hi = INFINITY;
+    start(flat ? ORACLE_ZERO_AREA : ORACLE_MISS, &out->pair);
     out->pair.margin = -INFINITY;
     if (flat && depth == PAIR_HITS)
         return;
-    scene_tri(scene, prim, v);
+    scene_tri(oracle->scene, prim, v);
     filter_edges(ray, v, &filter);
     for (int c = 0; c < 3; c++) {
         positive |= filter_sign(filter.w[c], filter.w_err[c]) > 0;
@@ -162,21 +170,20 @@ void pair_decide(const struct scene *scene, bool flat, const struct ray *ray, ui
         out->pair.class = ORACLE_MISS;
         return;
     }
-    stats->undecided++;
-    out->pair.class = ORACLE_MISS;
-    out->pair.range = ORACLE_BELOW;
-    out->pair.t_lo = -INFINITY;
-    out->pair.t_hi = INFINITY;
+    start(ORACLE_MISS, &out->pair);
     by_integers(ray, v, flat, depth == PAIR_HITS, out);
-    stats->wide += out->exact.wide;
+    if (stats) {
+        stats->undecided++;
+        stats->wide += out->exact.wide;
+    }
 }
 
-const struct fraction *pair_t(const struct scene *scene, const struct ray *ray, uint32_t prim,
+const struct fraction *pair_t(const struct oracle *oracle, const struct ray *ray,
                               struct decided *hit)
 {
     if (!hit->have_exact) {
         float v[3][3];
-        scene_tri(scene, prim, v);
+        scene_tri(oracle->scene, hit->prim, v);
         exact_pair(ray, v, true, &hit->exact);
         hit->have_exact = true;
     }
@@ -196,23 +203,38 @@ static bool share_axis_plane(float v[3][3], float w[3][3])
     return false;
 }
 
-bool pair_same_place(const struct scene *scene, uint32_t a, const struct oracle_pair *at_a,
-                     uint32_t b, const struct oracle_pair *at_b)
+/* Whether two hits are in one place by their triangles alone, and so have the same t: in a plane
+ * across an axis that holds both; or inside the same face, the triangle, edge or vertex that they
+ * share, which is given by the vertices whose w is not 0. The line meets each of these in one point,
+ * since no D is 0. False proves nothing. */
+static bool same_place(const struct scene *scene, const struct decided *a, const struct decided *b)
 {
     float v[3][3], w[3][3];
-    scene_tri(scene, a, v);
-    scene_tri(scene, b, w);
+    scene_tri(scene, a->prim, v);
+    scene_tri(scene, b->prim, w);
     if (share_axis_plane(v, w))
         return true;
-    if (at_a->class != at_b->class)
+    if (a->pair.class != b->pair.class)
         return false;
     for (int i = 0; i < 3; i++) {
-        bool shared = at_a->edge[i] == 0;
+        bool shared = a->pair.edge[i] == 0;
         for (int j = 0; j < 3 && !shared; j++)
-            shared = at_b->edge[j] != 0 && v[i][0] == w[j][0] && v[i][1] == w[j][1] &&
+            shared = b->pair.edge[j] != 0 && v[i][0] == w[j][0] && v[i][1] == w[j][1] &&
                      v[i][2] == w[j][2];
         if (!shared)
             return false;
     }
     return true;
+}
+
+int pair_compare(const struct oracle *oracle, const struct ray *ray, struct decided *a,
+                 struct decided *b)
+{
+    if (a->pair.t_lo > b->pair.t_hi)
+        return 1;
+    if (a->pair.t_hi < b->pair.t_lo)
+        return -1;
+    if (same_place(oracle->scene, a, b))
+        return 0;
+    return fraction_compare(pair_t(oracle, ray, a), pair_t(oracle, ray, b));
 }

@@ -1,4 +1,4 @@
-/* An exact t as a person reads it. */
+/* An exact t as text for people. */
 #include "ref/base/decimal.h"
 #include "ref/oracle/oracle.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FRACTION_MOST 24 /* characters of a fraction that is still read */
+#define FRACTION_MOST 24 /* characters of a fraction that is still readable */
 #define DIGITS_MOST   17 /* of a decimal that is exact */
 
 /* A fraction "num/den" whose den is a power of two, as a decimal without a needless 0; false if

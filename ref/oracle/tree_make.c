@@ -9,10 +9,10 @@
 /* From this depth on nodes are halved by count: 2^32 triangles end 32 levels below. */
 #define DEEP (TREE_DEPTH - 36)
 
-/* What is known of a triangle while building. */
+/* A triangle while building. */
 struct oracle_part {
     struct box box;
-    float middle[3]; /* of the box, rounded anyhow: it only decides where a triangle goes */
+    float middle[3]; /* of the box, rounded: it only decides to which side a triangle goes */
     uint32_t prim;
 };
 
@@ -132,7 +132,7 @@ static void make_node(const struct oracle_build *build, uint32_t at, uint32_t fi
 enum status tree_make(const struct scene *scene, struct tree *out, struct reason *reason)
 {
     uint32_t count = scene->tri_count;
-    /* So few are looked at in less time than a tree of them is made in. */
+    /* So few triangles are tested in less time than their tree is built in. */
     uint32_t leaf = count <= EARLY_MOST ? EARLY_MOST : TREE_LEAF;
     struct oracle_build build = {alloc_zeroed(count, sizeof *build.part), out, leaf};
     /* Inner nodes are one fewer than leaves, and each node but the root has two leaves or more

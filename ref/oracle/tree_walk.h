@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/* A child still to be visited: side at & 1 of node at >> 1. */
+/* A child that waits: side at & 1 of node at >> 1. */
 struct tree_entry {
     double near;
     uint32_t at;

@@ -99,8 +99,7 @@ void wide_mul(const struct oracle_wide *a, const struct oracle_wide *b, struct o
 {
     int count = a->count + b->count;
     assert(out != a && out != b);
-    /* One limb more than fits would be a broken promise about the size of the operands, unless it
-     * is the usual leading zero. */
+    /* The operands are bounded so that the product fits, its leading zero limb included. */
     assert(count <= WIDE_LIMBS);
     for (int i = 0; i < count; i++)
         out->limb[i] = 0;

@@ -1,4 +1,4 @@
-/* Integers of a fixed width that holds everything a pair of triangles can ask for: every finite
+/* Integers of a fixed width that holds all products of a pair of triangles: every finite
  * float32 is a whole multiple of 2^-149 below 2^277, differences stay below 2^278, so the triple
  * products stay below 2^839 and the products of two of them below 2^1677: 27 limbs of 64 bits. */
 #ifndef ORACLE_WIDE_H
@@ -18,7 +18,7 @@ struct oracle_wide {
 
 void wide_set(__int128 value, struct oracle_wide *out);
 
-/* Copies the limbs that are defined. */
+/* Copies only the defined limbs. */
 static inline void wide_copy(const struct oracle_wide *a, struct oracle_wide *out)
 {
     out->sign = a->sign;

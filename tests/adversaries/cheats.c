@@ -30,12 +30,13 @@ static void vertices_of(const struct lie *lie, uint32_t prim, float v[3][3])
 static double edge_of(const struct lie *lie, size_t i, uint32_t prim, double *margin)
 {
     float v[3][3];
-    double edge[3];
+    double least = INFINITY;
     vertices_of(lie, prim, v);
-    judge_edge_distances(&lie->ray[i], v, edge);
     struct judge_rounding rounding = judge_rounding_of(&lie->ray[i], v);
     *margin = judge_margin(&rounding);
-    return fmin(fabs(edge[0]), fmin(fabs(edge[1]), fabs(edge[2])));
+    for (int c = 0; c < 3; c++)
+        least = fmin(least, fabs(judge_edge_distance(&rounding, c)));
+    return least;
 }
 
 /* A number from 0 to 1 that hangs on the ray alone. */
@@ -136,7 +137,8 @@ void pushes_t(const struct lie *lie, size_t i, struct hit *hit)
     if (!is_hit(hit))
         return;
     vertices_of(lie, hit->prim, v);
-    double t = (double)hit->t + lie->amount * judge_unit_of_t(&lie->ray[i], v);
+    struct judge_rounding r = judge_rounding_of(&lie->ray[i], v);
+    double t = (double)hit->t + lie->amount * judge_unit_of_t(&r);
     if (isfinite(t) && t < (double)lie->ray[i].tmax)
         hit->t = (float)t;
 }
@@ -169,7 +171,7 @@ void shifts_u(const struct lie *lie, size_t i, struct hit *hit)
     struct judge_rounding rounding = judge_rounding_of(&lie->ray[i], v);
     for (int k = 0; k < 3; k++)
         longest += pow((double)v[1][k] - (double)v[0][k], 2);
-    double u = (double)hit->u + lie->amount * rounding.unit / sqrt(longest);
+    double u = (double)hit->u + lie->amount * rounding.tri.unit / sqrt(longest);
     if (u + (double)hit->v < 1)
         hit->u = (float)u;
 }
@@ -198,9 +200,7 @@ void takes_the_other_of_a_tie(const struct lie *lie, size_t i, struct hit *hit)
     for (uint32_t prim = 0; truth->tie_count > 1 && prim < lie->match->scene->tri_count; prim++) {
         struct oracle_pair pair;
         oracle_pair(lie->match->oracle, &lie->ray[i], prim, &pair);
-        bool hits =
-            pair.class == ORACLE_INSIDE || pair.class == ORACLE_EDGE || pair.class == ORACLE_VERTEX;
-        if (prim != hit->prim && hits &&
+        if (prim != hit->prim && oracle_is_hit(&pair) &&
             oracle_compare(lie->match->oracle, &lie->ray[i], prim, truth->prim) == 0 &&
             answer_of(lie, i, prim, &other))
             *hit = other;
@@ -212,14 +212,13 @@ void sees_phantoms(const struct lie *lie, size_t i, struct hit *hit)
 {
     for (uint32_t prim = 0; !is_hit(hit) && prim < lie->match->scene->tri_count; prim++) {
         float v[3][3];
-        double edge[3];
         struct hit made;
         vertices_of(lie, prim, v);
         struct judge_rounding r = judge_rounding_of(&lie->ray[i], v);
-        judge_edge_distances(&lie->ray[i], v, edge);
         bool near = r.det != 0.0;
         for (int c = 0; c < 3; c++)
-            near = near && (r.edge[c] * r.det >= 0 || fabs(edge[c]) <= lie->amount);
+            near =
+                near && (r.edge[c] * r.det >= 0 || fabs(judge_edge_distance(&r, c)) <= lie->amount);
         if (near && answer_of(lie, i, prim, &made)) {
             made.u = fminf(fmaxf(made.u, 0), 1);
             made.v = fminf(fmaxf(made.v, 0), 1 - made.u);
@@ -235,8 +234,9 @@ void takes_the_next(const struct lie *lie, size_t i, struct hit *hit)
     if (!is_hit(hit) || truth_of(lie, i)->prim == ABI_NO_PRIM)
         return;
     vertices_of(lie, truth_of(lie, i)->prim, v);
+    struct judge_rounding r = judge_rounding_of(&lie->ray[i], v);
     size_t crossings;
-    (void)pass(lie, i, lie->amount * judge_unit_of_t(&lie->ray[i], v), hit, &crossings);
+    (void)pass(lie, i, lie->amount * judge_unit_of_t(&r), hit, &crossings);
 }
 
 /* The last triangle of the scene has no area: it hides everything. */
