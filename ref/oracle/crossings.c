@@ -28,7 +28,7 @@ static int compare(const struct oracle *oracle, const struct ray *ray,
     restart(a, &one);
     restart(b, &two);
     if (a_hit && b_hit)
-        sign = pair_compare(oracle, ray, &one, &two);
+        sign = pair_order(oracle, ray, &one, &two);
     else if (a_hit)
         sign = fraction_compare_double(pair_t(oracle, ray, &one), b->pair.t_lo);
     else if (b_hit)

@@ -48,7 +48,7 @@ void nearest_add(struct nearest *nearest, const struct oracle *oracle, const str
         nearest->plane_lo = fmin(nearest->plane_lo, pair->pair.t_lo);
     if (!oracle_is_hit(&pair->pair))
         return;
-    int sign = nearest->count ? pair_compare(oracle, ray, pair, &nearest->rep) : -1;
+    int sign = nearest->count ? pair_order(oracle, ray, pair, &nearest->rep) : -1;
     if (sign > 0) {
         nearest->next = fmin(nearest->next, pair->pair.t_lo);
     } else if (sign == 0) {

@@ -101,7 +101,7 @@ int oracle_compare(const struct oracle *oracle, const struct ray *ray, uint32_t 
     unsigned long saved = environment_enter();
     pair_decide(oracle, ray, a, PAIR_FULL, &one, NULL);
     pair_decide(oracle, ray, b, PAIR_FULL, &two, NULL);
-    int sign = pair_compare(oracle, ray, &one, &two);
+    int sign = pair_order(oracle, ray, &one, &two);
     environment_leave(saved);
     return sign;
 }

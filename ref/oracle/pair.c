@@ -227,8 +227,8 @@ static bool same_place(const struct scene *scene, const struct decided *a, const
     return true;
 }
 
-int pair_compare(const struct oracle *oracle, const struct ray *ray, struct decided *a,
-                 struct decided *b)
+int pair_order(const struct oracle *oracle, const struct ray *ray, struct decided *a,
+               struct decided *b)
 {
     if (a->pair.t_lo > b->pair.t_hi)
         return 1;

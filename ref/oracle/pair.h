@@ -32,7 +32,7 @@ const struct fraction *pair_t(const struct oracle *oracle, const struct ray *ray
                               struct decided *hit);
 
 /* Sign of t_a - t_b of two hits, exactly. */
-int pair_compare(const struct oracle *oracle, const struct ray *ray, struct decided *a,
-                 struct decided *b);
+int pair_order(const struct oracle *oracle, const struct ray *ray, struct decided *a,
+               struct decided *b);
 
 #endif
