@@ -11,7 +11,7 @@ static bool same_bits(const struct hit *a, const struct hit *b)
     return memcmp(a, b, sizeof *a) == 0;
 }
 
-/* Answers the ray in C with the repairs of the mask. */
+/* Traces the ray in C with the repairs of the mask. */
 static void run(const struct explain_case *the, uint32_t repairs, struct explain_attempt *out)
 {
     struct replay_change change = {.repairs = repairs};
@@ -21,8 +21,8 @@ static void run(const struct explain_case *the, uint32_t repairs, struct explain
         the->judge(the->judge_user, &the->ray, &out->hit, &out->opinion);
 }
 
-/* Repairs that make a traversal forgiving: each can find a triangle in spite of what is wrong with
- * the bytes, so that they prove something only if nothing else helps. */
+/* Repairs that make a traversal forgiving: each can find a triangle in spite of wrong bytes, so that
+ * they prove something only if nothing else helps. */
 #define FORGIVING                                                                                  \
     (1u << REPAIR_BOX_TEST | 1u << REPAIR_WATERTIGHT | 1u << REPAIR_CULLING | 1u << REPAIR_TRIANGLE)
 #define EVERYTHING ((1u << REPAIR_COUNT) - 1)
@@ -48,8 +48,8 @@ static enum repair first_that_helps(const struct explanation *out, uint32_t amon
     return REPAIR_COUNT;
 }
 
-/* Several faults on one ray: of the repairs `all`, which must help together, what is left when each
- * that is not needed is taken away, the least specific first; 0 if all together do not help. */
+/* For several faults on one ray: of the repairs `all`, the rest when each that is not needed is
+ * removed, the least specific first; 0 if all together do not help. */
 static uint32_t least_that_helps(const struct explain_case *the, uint32_t all)
 {
     struct explain_attempt attempt;
@@ -66,7 +66,7 @@ static uint32_t least_that_helps(const struct explain_case *the, uint32_t all)
     return all;
 }
 
-/* C answers as the engine did: what is wrong is in the bytes or in C. */
+/* C answers as the engine did: the fault is in the bytes or in C. */
 static void repair_inside(const struct explain_case *the, struct explanation *out)
 {
     out->inside = true;
@@ -86,9 +86,9 @@ static void repair_inside(const struct explain_case *the, struct explanation *ou
     out->cause = first < REPAIR_COUNT ? repair_cause(first) : CAUSE_UNEXPLAINED;
 }
 
-/* The engine did not finish. If C does not either, repairs say why; else an imitation. That its
- * stack was full can be what came of another fault: a shorter stack has to be shown by other rays,
- * if the engine can be asked. */
+/* The engine did not finish. If C does not either, repairs tell why; else an imitation. A full stack
+ * can be the consequence of another fault: a shorter stack has to be shown by other rays, if the
+ * engine can trace them. */
 static enum status explain_unfinished(const struct explain_case *the,
                                       const struct explain_answer *answer, struct explanation *out)
 {
@@ -96,7 +96,7 @@ static enum status explain_unfinished(const struct explain_case *the,
     if (out->replayed_end != REPLAY_DONE)
         repair_inside(the, out);
     else if ((answer->flags & ABI_FLAG_STACK) && !the->ask)
-        return STATUS_OK; /* its own word */
+        return STATUS_OK; /* only its own flag tells */
     else if (answer->flags & (ABI_FLAG_STACK | ABI_FLAG_VISITS) || !(answer->flags & ABI_FLAG_LOOP))
         return explain_imitate(the, answer, out);
     else
@@ -110,7 +110,7 @@ static bool repeats(const struct explain_case *the, const struct hit *hit)
     return !the->ask || !the->ask(the->ask_user, &the->ray, 1, &again) || same_bits(&again, hit);
 }
 
-/* The engine finished with something that is not allowed, or not C's. */
+/* The engine finished with an answer that is not allowed, or is not C's. */
 static enum status explain_answered(const struct explain_case *the,
                                     const struct explain_answer *answer, struct explanation *out)
 {

@@ -1,11 +1,11 @@
-/* Why one answer is wrong. What is wrong is decided outside (the judge); here the ray is answered
- * again with one thing changed at a time, and the change that turns the answer names the cause. */
+/* Why one answer is wrong. The judge decides whether it is; here the ray is answered again with one
+ * thing changed at a time, and the change that corrects the answer names the cause. */
 #ifndef EXPLAIN_H
 #define EXPLAIN_H
 
 #include "ref/explain/replay.h"
 
-/* What is to be thought of an answer. */
+/* The judgement of an answer. */
 struct opinion {
     bool allowed;
     const char *text;  /* the class: "right", "tie", ..., "wrong: missed"; static */
@@ -15,27 +15,26 @@ struct opinion {
 typedef void opinion_fn(const void *user, const struct ray *ray, const struct hit *answer,
                         struct opinion *out);
 
-/* Asks the engine; false if it did not finish these rays. */
+/* Traces rays with the engine; false if it did not finish them. */
 typedef bool ask_fn(void *user, const struct ray *ray, size_t count, struct hit *out);
 
 /* What is to be explained; everything borrowed. */
 struct explain_case {
-    struct explain_replay
-        replay; /* how C answers on the same bytes; tree NULL: engines without one */
+    struct explain_replay replay; /* the same bytes, traced in C; tree NULL: engines without one */
     struct ray ray;
     opinion_fn *judge;
     const void *judge_user;
     ask_fn *ask; /* the engine, for witnesses; may be NULL */
     void *ask_user;
     bool bits;  /* the engine promises C's bits */
-    bool exact; /* its operators are known to round as C's do */
-    bool known; /* its formula and its tree are those of `replay`, else it is outside */
+    bool exact; /* its operators are known to round as C's */
+    bool known; /* its formula and its tree are those of `replay`; else both are unknown */
 };
 
 /* The engine's answer. */
 struct explain_answer {
     bool finished;
-    uint32_t flags; /* ABI_FLAG_* if it did not finish and said why, else 0 */
+    uint32_t flags; /* ABI_FLAG_* if it did not finish and reported why, else 0 */
     struct hit hit;
 };
 
@@ -45,32 +44,32 @@ struct explain_attempt {
     enum replay_end end;
     struct hit hit;
     struct opinion opinion;
-    bool changed; /* the answer is another than without it */
+    bool changed; /* the answer differs from that without it */
 };
 
 /* One planted defect that was tried. */
 struct explain_imitation {
     enum defect defect;
     uint32_t parameter;
-    bool same;          /* gives the engine's answer to the ray */
+    bool same;          /* it gives the engine's answer to the ray */
     bool refuted;       /* and another one to too many of the other rays */
-    uint32_t witnesses; /* gives the engine's answer to so many of the rays that it was asked */
-    uint32_t telling;   /* of these it answers otherwise than C to so many: only they tell of it */
-    uint32_t told;      /* and to so many of those the engine answers as it does */
+    uint32_t witnesses; /* other rays to which it gives the engine's answer */
+    uint32_t telling;   /* other rays to which its answer is not C's: only these are evidence */
+    uint32_t told;      /* those of them to which it gives the engine's answer */
     uint32_t far_telling,
         far_told;   /* the same of rays that are not the ray itself a little moved */
-    uint32_t kept;  /* and to so many both give the same hit */
-    uint32_t asked; /* other rays until it was refuted, or at all */
+    uint32_t kept;  /* other rays to which both give the same hit */
+    uint32_t asked; /* other rays until it was refuted, or all */
 };
 
 #define EXPLAIN_IMITATIONS (DEFECT_COUNT + 8 + 2 * ABI_STACK_MAX + 8)
-/* An imitation is a cause only if the engine does as it does on so many other rays on which C does
- * not, and still finds something: what differs from C on the ray alone could be any miss, and so
- * could what loses everything. */
+/* An imitation is a cause only if the engine agrees with it on at least this many other rays to which C
+ * answers otherwise, and also finds hits: what differs from C on the ray alone could be any miss, and
+ * so could what loses everything. */
 #define EXPLAIN_TELLING   3u
 #define EXPLAIN_WITNESSES 400u /* of one round */
 
-/* One bound of a box on the way, in all its forms. */
+/* One bound of a box on the path, in all its forms. */
 struct explain_bound {
     float exact, canonical, decoded;
     enum bound_fault fault;
@@ -78,7 +77,7 @@ struct explain_bound {
     int64_t float_steps; /* the same */
 };
 
-/* A node on the way to the triangle, root first. */
+/* A node on the path to the triangle, root first. */
 struct explain_step {
     struct replay_note note; /* of the plain replay */
     uint32_t record;         /* or EXPLAIN_NONE */
@@ -90,14 +89,14 @@ struct explain_step {
     uint32_t word_count;
 };
 
-/* Where the way ended. */
+/* Where the path ended. */
 enum explain_end {
     END_NOWHERE,   /* there is no triangle that should have been hit, or no tree */
-    END_BOX,       /* the box test of step `last` turned the ray away */
+    END_BOX,       /* the box test of step `last` rejected the ray */
     END_SKIPPED,   /* step `last` waited on the stack and was skipped for a nearer best hit */
     END_REFERENCE, /* step `last` was never tested: its parent does not refer to it */
     END_SLOT,      /* the leaf was entered, its item is not there */
-    END_TRIANGLE,  /* the triangle test said no */
+    END_TRIANGLE,  /* the triangle test rejected it */
     END_FARTHER,   /* it was hit, but not nearer than the best */
     END_HIT,       /* it was hit and kept */
 };
@@ -107,7 +106,7 @@ struct explanation {
     struct opinion opinion; /* of the engine's answer, if it finished */
     enum cause cause;
     uint32_t needed; /* mask of 1u << repair that help only together; 0: one alone does, or none.
-                        `cause` is the first's */
+                        `cause` is that of the first */
     bool inside;     /* C on the same bytes fails in the same way */
     enum replay_end replayed_end;
     struct hit replayed;
@@ -117,15 +116,15 @@ struct explanation {
     struct explain_imitation imitation[EXPLAIN_IMITATIONS];
     size_t imitation_count;
     size_t imitated;        /* index of the best, whether the cause or not; or imitation_count */
-    uint32_t witness_count; /* other rays that the engine was asked */
-    uint32_t prim;          /* the triangle at the end of the way, or ABI_NO_PRIM */
+    uint32_t witness_count; /* other rays that the engine traced */
+    uint32_t prim;          /* the triangle at the end of the path, or ABI_NO_PRIM */
     struct explain_step *step;
     uint32_t step_count, last;
     enum explain_end end;
     uint32_t slot;              /* of prim in its leaf */
     enum item_fault slot_fault; /* of that slot */
     uint32_t slot_stored;       /* what is tested there, or ABI_NO_PRIM */
-    struct replay_notes notes;  /* prim_*: what the triangle test said */
+    struct replay_notes notes;  /* prim_*: the result of the triangle test */
 };
 
 /* Explains `answer`. An allowed answer has cause CAUSE_NONE, unless the engine promises C's bits
@@ -135,7 +134,7 @@ enum status explain_make(const struct explain_case *the, const struct explain_an
 
 void explain_free(struct explanation *explanation);
 
-/* "was turned away by the box of ...": "box", "skipped", "reference", ... for JSON. */
+/* "box", "skipped", "reference", ..., as in the JSON. */
 const char *explain_end_name(enum explain_end end);
 
 #endif

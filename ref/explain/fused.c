@@ -21,14 +21,21 @@ static void cross(const float a[3], const float b[3], float out[3])
         out[k] = difference(a[(k + 1) % 3], b[(k + 2) % 3], a[(k + 2) % 3], b[(k + 1) % 3]);
 }
 
-static bool moeller_trumbore(const struct tri_ray *r, float v[3][3], float eps, struct hit *out)
+/* The edges from vertex 0. */
+static void edges_of(float v[3][3], float e1[3], float e2[3])
 {
-    float e1[3], e2[3], s[3], p[3], q[3];
     for (int k = 0; k < 3; k++) {
         e1[k] = v[1][k] - v[0][k];
         e2[k] = v[2][k] - v[0][k];
-        s[k] = r->o[k] - v[0][k];
     }
+}
+
+static bool moeller_trumbore(const struct tri_ray *r, float v[3][3], float eps, struct hit *out)
+{
+    float e1[3], e2[3], s[3], p[3], q[3];
+    edges_of(v, e1, e2);
+    for (int k = 0; k < 3; k++)
+        s[k] = r->o[k] - v[0][k];
     cross(r->d, e2, p);
     cross(s, e1, q);
     float det = product(e1, p), u = product(s, p), w = product(r->d, q), t = product(e2, q);
@@ -92,10 +99,7 @@ static bool pluecker(const struct tri_ray *r, float v[3][3], struct hit *out)
 static bool transform(float v[3][3], float m[9], int *axis)
 {
     float e1[3], e2[3], n[3];
-    for (int k = 0; k < 3; k++) {
-        e1[k] = v[1][k] - v[0][k];
-        e2[k] = v[2][k] - v[0][k];
-    }
+    edges_of(v, e1, e2);
     cross(e1, e2, n);
     int c = fabsf(n[1]) > fabsf(n[0]) ? 1 : 0;
     c = fabsf(n[2]) > fabsf(n[c]) ? 2 : c;
@@ -143,9 +147,5 @@ bool fused_tri_run(uint32_t id, const struct tri_ray *r, float v[3][3], struct h
         hit = baldwin_webber(r, v, out);
     else
         hit = moeller_trumbore(r, v, id == ABI_TRI_MT_RTRS ? TRI_RTRS_EPS : 0.0f, out);
-    if (!hit)
-        return false;
-    if (id == ABI_TRI_MT_RTRS)
-        return out->t > r->tmin && out->t < r->tmax;
-    return out->t >= r->tmin && out->t <= r->tmax;
+    return hit && tri_in_range(id, r, out->t);
 }

@@ -1,5 +1,5 @@
 /* The triangle tests as a compiler contracts them: every product that is added or subtracted goes
- * into an fma. What an engine computes that was built with contraction, to compare with. */
+ * into an fma. For comparison with engines that were built with contraction. */
 #ifndef EXPLAIN_FUSED_H
 #define EXPLAIN_FUSED_H
 

@@ -21,17 +21,17 @@ static bool alike(const struct explain_case *the, const struct explain_answer *a
     return a->hit.prim == ABI_NO_PRIM || fabsf(a->hit.t - b->hit.t) <= T_ALIKE * fabsf(a->hit.t);
 }
 
-/* An engine that need not have C's bits may differ from the imitation in one ray in so many, of
- * those that tell of it as of all. */
+/* An engine that need not have C's bits may differ from the imitation on one ray in this many, of all
+ * rays and of those that are evidence. */
 #define STRAY_ONE_IN 20u
 
-/* So many rays that tell of an imitation are enough, if no other cause is left. */
+/* Rays of evidence that are enough, if no other cause is left. */
 #define TELLING_ENOUGH 32u
 #define ROUNDS_MOST    40u
-/* Defects that few rays show are looked for longer, by rays at vertices and along edges. */
+/* Defects that few rays show are searched longer, by rays at vertices and along edges. */
 #define ROUNDS_FAR 200u
 
-/* What C answers with the defect; DEFECT_NONE: as it is. */
+/* The answer of C with the defect; DEFECT_NONE: without. */
 static struct explain_answer imitated(const struct explain_case *the, enum defect defect,
                                       uint32_t parameter, const struct ray *ray)
 {
@@ -128,7 +128,7 @@ static size_t best(const struct explanation *out)
     return at;
 }
 
-/* Whether rays of this round could tell more: an imitation is alive of which too few told, or two
+/* Whether rays of this round could be useful: an imitation with too little evidence is alive, or two
  * with different causes are. */
 static bool is_open(const struct explanation *out, uint32_t round)
 {
@@ -150,8 +150,8 @@ static bool is_open(const struct explanation *out, uint32_t round)
     return open;
 }
 
-/* Keeps of the rays those to which an imitation that is alive answers otherwise than C, and hits of
- * one that has shown too few. */
+/* Keeps the rays to which an imitation that is alive answers otherwise than C, and hits of one that
+ * has shown too few. */
 static void keep_telling(const struct explain_case *the, const struct explanation *out,
                          struct witnesses *w)
 {
@@ -175,7 +175,7 @@ static void keep_telling(const struct explain_case *the, const struct explanatio
     w->count = kept;
 }
 
-/* One round: rays of all kinds first, then only such as tell. */
+/* One round: rays of all kinds first, then only those that are evidence. */
 static void ask_round(const struct explain_case *the, uint32_t round, struct witnesses *w,
                       struct explanation *out)
 {
@@ -192,8 +192,8 @@ static void ask_round(const struct explain_case *the, uint32_t round, struct wit
             hear(the, w, &out->imitation[i]);
 }
 
-/* What is left when no known defect predicts the answers: that C answers otherwise is then said,
- * and no more. An answer that is allowed lies within what the engine's own operators may give. */
+/* The cause if no known defect predicts the answers: only that C answers otherwise. An allowed answer
+ * lies within what the engine's own operators may give. */
 static enum cause cause_left(const struct explain_case *the, const struct explanation *out)
 {
     if (the->exact)

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rays that are asked at once while looking for a wrong one. */
+/* Rays traced at a time during the search for a wrong one. */
 #define SEARCH_BATCH 4096u
 
 static bool is_known(const struct judged *judged)
@@ -43,7 +43,7 @@ void judged_free(struct judged *judged)
     *judged = (struct judged){0};
 }
 
-/* What the judge is asked about one ray. */
+/* One ray for the judge. */
 struct question {
     const struct judged *judged;
     const struct oracle_answer *truth;

@@ -1,4 +1,4 @@
-/* An engine's answer to one ray: asked, judged against the exact truth, explained. */
+/* An engine's answer to one ray: traced, judged against the exact truth, explained. */
 #ifndef EXPLAIN_JUDGED_H
 #define EXPLAIN_JUDGED_H
 
@@ -6,7 +6,7 @@
 #include "ref/explain/explain.h"
 #include "ref/judge/judge.h"
 
-/* An engine prepared for a job, and what its answers are compared with; all borrowed. */
+/* An engine prepared for a job, and the data that its answers are judged by; all borrowed. */
 struct judged_job {
     const struct engine *engine;
     void *self; /* opened, and prepared with `job` */
@@ -18,12 +18,12 @@ struct judged_job {
 /* Owns what it made (judged_free). */
 struct judged {
     struct judged_job from;
-    struct model model; /* the engine's; of a triangle test as published that of the repaired one,
+    struct model model; /* the engine's; for a triangle test as published that of the repaired one,
                            so that its faults are not excused */
     struct explain_tree tree; /* if from.job->packed has nodes */
     bool has_tree;
     struct judge *judge;
-    bool known; /* formula and tree are those that C replays; else the engine is outside */
+    bool known; /* formula and tree are those that C replays; else both are unknown */
 };
 
 /* One ray. Owns `why` (explain_free). */
@@ -41,13 +41,12 @@ enum status judged_make(const struct judged_job *from, struct judged *out,
                         struct reason *reason) MUST_USE;
 void judged_free(struct judged *judged);
 
-/* Asks, judges and explains. Errors: STATUS_MEMORY; what the oracle says. */
+/* Traces, judges and explains. Errors: STATUS_MEMORY; those of the oracle. */
 enum status judged_explain(struct judged *judged, const struct ray *ray, struct judged_ray *out,
                            struct reason *reason) MUST_USE;
 
-/* The first ray from `first` on that the engine does not finish, answers wrongly, or with other
- * bits than C where it promises C's: *index, or `count` if there is none. Errors: as
- * judged_explain. */
+/* Finds the first ray from `first` on that the engine does not finish, answers wrongly, or with other
+ * bits than C where it promises C's: *index is that ray, or `count`. Errors: as judged_explain. */
 enum status judged_find(struct judged *judged, const struct ray *ray, size_t first, size_t count,
                         size_t *index, struct reason *reason) MUST_USE;
 

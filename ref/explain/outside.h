@@ -1,6 +1,6 @@
-/* What can be said of an engine that keeps its tree to itself: which known box tests turn the ray
- * away from the bounds of the very triangle that was lost. A box of any tree that ends where the
- * triangle ends is turned away likewise. Hints, not proof: the engine's boxes are not seen. */
+/* Hints about an engine whose tree is not accessible: which known box tests reject the bounds of the
+ * very triangle that was lost. A box of any tree that ends where the triangle ends is rejected
+ * likewise. No proof: the engine's boxes are unknown. */
 #ifndef EXPLAIN_OUTSIDE_H
 #define EXPLAIN_OUTSIDE_H
 
@@ -15,7 +15,7 @@ struct outside_hint {
 
 #define OUTSIDE_HINTS 4
 
-/* Returns how many hints there are for the ray that lost `prim`. */
+/* Fills in the hints for the ray that lost `prim`; returns how many. */
 size_t explain_outside(const struct scene *scene, const struct ray *ray, uint32_t prim,
                        struct outside_hint out[OUTSIDE_HINTS]);
 

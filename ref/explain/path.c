@@ -1,6 +1,7 @@
 #include "ref/explain/path.h"
 
 #include "ref/explain/steps.h"
+#include "ref/judge/ray_triangle.h"
 #include "ref/primitives/test_run.h"
 
 #include <math.h>
@@ -55,7 +56,7 @@ static void describe_step(const struct explain_case *the, struct explain_step *s
             step->word[step->word_count++] = packed->word[first + i];
 }
 
-/* What a collapse left out is no step. */
+/* A node that a collapse left out is no step. */
 static bool is_step(const struct explain_tree *tree, uint32_t node)
 {
     return !layout_is_wide(tree->packed->layout) || tree->record[node] != EXPLAIN_NONE;
@@ -65,20 +66,11 @@ static bool is_step(const struct explain_tree *tree, uint32_t node)
 static bool meeting_point(const struct explain_case *the, uint32_t prim, double point[3])
 {
     float v[3][3];
-    double edge[2][3], normal[3], over = 0, under = 0;
     scene_tri(the->replay.tree->scene, prim, v);
+    double t = judge_plane_t(&the->ray, v);
     for (int k = 0; k < 3; k++)
-        for (int e = 0; e < 2; e++)
-            edge[e][k] = (double)v[e + 1][k] - (double)v[0][k];
-    for (int k = 0; k < 3; k++) {
-        int i = (k + 1) % 3, j = (k + 2) % 3;
-        normal[k] = edge[0][i] * edge[1][j] - edge[0][j] * edge[1][i];
-        over += normal[k] * ((double)v[0][k] - (double)the->ray.org[k]);
-        under += normal[k] * (double)the->ray.dir[k];
-    }
-    for (int k = 0; k < 3; k++)
-        point[k] = (double)the->ray.org[k] + (double)the->ray.dir[k] * (over / under);
-    return isfinite(over / under);
+        point[k] = (double)the->ray.org[k] + (double)the->ray.dir[k] * t;
+    return isfinite(t);
 }
 
 /* How far a point is outside a box. */
@@ -90,7 +82,7 @@ static double distance_outside(const double point[3], const struct box *box)
     return most;
 }
 
-/* The triangle's leaf; of a split tree's the one where the ray meets it. */
+/* The triangle's leaf; in a split tree the one where the ray meets it. */
 static uint32_t leaf_of(const struct explain_case *the, uint32_t prim)
 {
     const struct explain_tree *tree = the->replay.tree;
@@ -145,7 +137,7 @@ static enum explain_end triangle_end(const struct explanation *out, bool entered
     return out->notes.prim_kept ? END_HIT : END_FARTHER;
 }
 
-/* Where the plain replay left the way. A triangle can be tested although its leaf was not entered:
+/* Where the plain replay left the path. A triangle can be tested although its leaf was not entered:
  * then another leaf names it. */
 static void find_end(struct explanation *out)
 {

@@ -1,6 +1,5 @@
-/* Why an answer is wrong, and the single repairs that tell: a wrong ray is answered again and
- * again, each time with one thing made right; the one that makes the answer allowed is the cause.
- */
+/* Causes of wrong answers, and the single repairs that find them: a wrong ray is traced again and
+ * again, each time with one thing corrected; the one that makes the answer allowed is the cause. */
 #ifndef EXPLAIN_REPAIR_H
 #define EXPLAIN_REPAIR_H
 
@@ -16,7 +15,7 @@ enum cause {
     CAUSE_INDEX_SHIFTED,   /* the leaf tests the triangle before its own (F2) */
     CAUSE_WRONG_ITEM,      /* the leaf tests triangles that have nothing to do with its own */
     CAUSE_STORED_TRIANGLE, /* what is stored in place of vertices is not the scene's triangle */
-    /* Boxes: what the bytes say against what the tree says. */
+    /* Boxes: the bytes against the tree. */
     CAUSE_HALF_OVERFLOW,          /* a stored bound is infinite or NaN */
     CAUSE_HALF_SUBNORMAL_FLUSHED, /* a bound below 2^-14 in magnitude reads as 0 */
     CAUSE_ROUNDED_INWARD,         /* inside the tree's bound by at most a float16 step */
@@ -37,25 +36,25 @@ enum cause {
     CAUSE_LOOP_CAP,       /* a loop ended early: the driver's cap, or the budget of visits */
     CAUSE_CULLED_BY_BEST, /* a box was skipped because of a nearer hit that is none */
     CAUSE_STALE_BEST,     /* a farther triangle replaced a nearer one (F13) */
-    /* What ends the program that a layout reproduces, in place of an answer. */
+    /* A layout reproduces a program that ends with an error in place of an answer. */
     CAUSE_LEAF_OVERFULL, /* more triangles in a leaf than its record has slots (F8) */
     CAUSE_ITEM_AS_NODE,  /* items of a leaf are taken for references to nodes (F6) */
-    /* Bytes that are no tree: the rule that they break, where nothing above says why. */
+    /* Bytes that are no tree: the rule that they break, if no cause above fits. */
     CAUSE_BOUND_TOO_SMALL,  /* a box does not contain what is below it */
     CAUSE_TRIANGLE_LOST,    /* a triangle is in no leaf */
     CAUSE_TRIANGLE_TWICE,   /* a triangle is named again */
     CAUSE_ITEM_RANGE,       /* a leaf names what is no triangle of the scene */
     CAUSE_STACK_NEED,       /* a path needs more stack than the packed tree says */
     CAUSE_RECORD_MALFORMED, /* a record of a layout from outside is no node */
-    CAUSE_PACK_RESULT,      /* its pack() did not do what it says */
+    CAUSE_PACK_RESULT,      /* its pack() did not do what it reports */
     /* Outside the bytes. */
     CAUSE_DRIVER_ARITHMETIC, /* an operator of the engine is not what C has: shown by other rays, or
                                 by an answer that its operators' bounds allow, but C's do not give
                               */
     CAUSE_SHADER,         /* operators exact, bytes right, C right on them: the engine's own code */
-    CAUSE_NOT_REPEATABLE, /* the same ray, asked twice, got two answers */
+    CAUSE_NOT_REPEATABLE, /* the same ray, traced twice, got two answers */
     CAUSE_SCALE, /* right at another scale: a constant that does not scale, or underflow; of engines
-                    that keep their tree and their formula to themselves */
+                    whose tree and formula are unknown */
     CAUSE_OUTSIDE, /* something else of such an engine */
     CAUSE_UNEXPLAINED,
     CAUSE_COUNT
@@ -68,7 +67,7 @@ bool cause_find(const char *name, enum cause *out);
 /* One line: what it means. */
 const char *cause_text(enum cause cause);
 
-/* One thing made right in a replay. A set of them is a mask of 1u << repair. */
+/* One thing corrected in a replay. A set of them is a mask of 1u << repair. */
 enum repair {
     REPAIR_ITEM_TRUNCATED, /* item slots of that fault hold the tree's triangle; so the next four */
     REPAIR_ITEM_SLOT,
@@ -96,13 +95,13 @@ enum repair {
     REPAIR_COUNT
 };
 
-/* What it stands for if it helps. */
+/* The cause that it proves if it helps. */
 enum cause repair_cause(enum repair repair);
-/* One line: what is made right. */
+/* One line: what is corrected. */
 const char *repair_text(enum repair repair);
 
-/* A known defect, planted into a replay to see whether it gives the answer of an engine whose
- * inside cannot be seen. */
+/* A known defect, planted into a replay to find out whether it gives the answer of an engine whose
+ * code is not accessible. */
 enum defect {
     DEFECT_NONE,
     DEFECT_SLOT,        /* item slot `parameter` of a leaf is not tested */
@@ -125,7 +124,7 @@ enum defect {
 
 enum cause defect_cause(enum defect defect);
 const char *defect_text(enum defect defect);
-/* Whether a parameter says more of it. */
+/* Whether it has a parameter. */
 bool defect_is_numbered(enum defect defect);
 
 #endif

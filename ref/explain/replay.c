@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* More than any tree of ours needs; only what a repaired stack may take. */
+/* More than any tree of this program needs; the limit of a repaired stack. */
 #define STACK_WITHOUT_END 4096u
 
 struct state {
@@ -19,6 +19,7 @@ struct state {
     struct tri_ray tri;
     const struct ray *ray;
     struct replay_notes *notes;
+    const struct replay_watch *watch; /* of the notes, or NULL */
     struct hit best;
     float tbest;
     uint32_t depth, stack_most, visits_most;
@@ -36,7 +37,7 @@ static bool spoilt(const struct state *s, enum defect defect)
     return s->change->defect == defect;
 }
 
-/* What the repaired box tests have, whatever this program was compiled with. */
+/* Pads the planes as the repaired box tests do, whatever the constants of this program. */
 static void pad(struct slab_rule *rule)
 {
     if (rule->id == ABI_BOX_WATERTIGHT) {
@@ -86,11 +87,6 @@ static struct replay_note *note_of(const struct state *s, uint32_t node)
     return NULL;
 }
 
-static const struct replay_watch *watch_of(const struct state *s)
-{
-    return s->notes ? s->notes->watch : NULL;
-}
-
 static bool box_hit(struct state *s, uint32_t ref, const struct box *box, float *entry)
 {
     float tbest = repairs(s, REPAIR_CULLING) ? s->ray->tmax : s->tbest;
@@ -102,8 +98,8 @@ static bool box_hit(struct state *s, uint32_t ref, const struct box *box, float 
     bool hit = repairs(s, REPAIR_BOX_TEST)
                    ? slab_conservative(&s->slab, &stored, tbest, entry)
                    : slab_by_rule(&s->rule, &s->slab, &stored, tbest, entry);
-    if (watch_of(s))
-        watch_of(s)->box(watch_of(s)->user, ref);
+    if (s->watch)
+        s->watch->box(s->watch->user, ref);
     struct replay_note *note = note_of(s, s->replay->tree->node[ref]);
     if (note && !note->tested) {
         note->tested = true;
@@ -120,8 +116,8 @@ struct item {
     uint32_t slot, prim;
 };
 
-/* The storage that has the triangle, or NULL: it is the scene's. What was put right or planted,
- * and is not the triangle that the slot names, is the scene's, too. */
+/* The storage that has the triangle, or NULL: it is the scene's, as is a repaired or planted one that
+ * is not the triangle of the slot. */
 static const struct tri_store *store_of(const struct state *s, const struct item *item)
 {
     if (!item->leaf || item->leaf->item_first == EXPLAIN_NONE || repairs(s, REPAIR_ITEM_STORED))
@@ -153,17 +149,16 @@ static bool tri_hit(const struct state *s, const struct item *item, struct hit *
         return fused_tri_run(id, &s->tri, v, out);
     if (id != ABI_TRI_MT_RTRS || !repairs(s, REPAIR_THRESHOLD))
         return tri_test_run(id, &s->tri, v, out);
-    return tri_moeller_trumbore(&s->tri, v, 0.0f, out) && out->t > s->tri.tmin &&
-           out->t < s->tri.tmax;
+    return tri_moeller_trumbore(&s->tri, v, 0.0f, out) && tri_in_range(id, &s->tri, out->t);
 }
 
-/* `limit`: what an accepted triangle must be nearer than, unless nothing was hit. */
+/* `limit`: an accepted triangle must be nearer, if `any` was hit before. */
 static bool try_triangle(struct state *s, const struct item *item, bool any, float limit)
 {
     struct hit hit;
     uint32_t prim = item->prim;
-    if (watch_of(s))
-        watch_of(s)->tri(watch_of(s)->user, prim);
+    if (s->watch)
+        s->watch->tri(s->watch->user, prim);
     bool accepted = tri_hit(s, item, &hit);
     bool kept = accepted && (!any || hit.t < limit);
     hit.prim = prim;
@@ -216,8 +211,8 @@ static bool push(struct state *s, uint32_t ref, float entry)
         return false;
     s->ref[s->depth] = ref;
     s->entry[s->depth++] = entry;
-    if (watch_of(s))
-        watch_of(s)->push(watch_of(s)->user, s->depth);
+    if (s->watch)
+        s->watch->push(s->watch->user, s->depth);
     return true;
 }
 
@@ -341,6 +336,7 @@ enum replay_end replay_run(const struct explain_replay *replay, const struct rep
     s.tri = tri_ray_make(ray);
     s.ray = ray;
     s.notes = notes;
+    s.watch = notes ? notes->watch : NULL;
     s.best = (struct hit){.prim = ABI_NO_PRIM};
     s.tbest = ray->tmax;
     s.depth = 0;

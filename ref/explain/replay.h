@@ -1,5 +1,5 @@
-/* The reference traversal once more (ref/trace/trace.c), with switches: repairs that make one thing
- * right, a planted defect that makes one thing wrong, and notes of what happened on the way. */
+/* The reference traversal (ref/trace/trace.c) with switches: repairs that correct one thing, a planted
+ * defect that breaks one thing, and notes of what happened. */
 #ifndef EXPLAIN_REPLAY_H
 #define EXPLAIN_REPLAY_H
 
@@ -40,12 +40,12 @@ struct replay_note {
     float entry, tbest;                 /* of the box test */
 };
 
-/* Told of all that one run does. */
+/* Called for every test and push of one run. */
 struct replay_watch {
     void *user;
     void (*box)(void *user, uint32_t ref);    /* the box of a record is tested */
     void (*tri)(void *user, uint32_t prim);   /* a triangle is tested */
-    void (*push)(void *user, uint32_t depth); /* so many entries are on the stack now */
+    void (*push)(void *user, uint32_t depth); /* `depth` entries are on the stack now */
 };
 
 /* Notes about a path, root first, and about the triangle at its end. */
@@ -54,7 +54,7 @@ struct replay_notes {
     uint32_t count;
     uint32_t prim;
     const struct replay_watch *watch; /* or NULL */
-    bool prim_tested, prim_accepted;  /* the triangle test ran; it said yes */
+    bool prim_tested, prim_accepted;  /* the triangle test ran; it accepted */
     struct hit prim_hit;              /* if accepted */
     bool prim_kept;                   /* it was nearer than the best so far */
 };

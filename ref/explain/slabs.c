@@ -30,7 +30,7 @@ void slab_rule_place(const struct slab_rule *rule, struct slab_ray *r, const str
     r->behind = t < 0.0f ? -t * rule->behind : 0.0f;
 }
 
-/* b against the origin, as a distance along the ray. */
+/* The distance of the plane at b along the ray. */
 static float plane(enum slab_form form, float b, float o, float inv)
 {
     if (form == SLAB_FORM_FUSED)
@@ -40,6 +40,21 @@ static float plane(enum slab_form form, float b, float o, float inv)
         return near - from;
     }
     return (b - o) * inv;
+}
+
+/* True if the origin lies between the planes of axis k. */
+static bool between(const struct slab_ray *r, const struct box *box, int k)
+{
+    return box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
+}
+
+/* Both planes of axis k, which is not parallel; *leave with the far factor. */
+static void planes(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
+                   int k, float *enter, float *leave)
+{
+    bool down = r->d[k] < 0.0f;
+    *enter = plane(rule->form, down ? box->hi[k] : box->lo[k], r->o[k], r->inv[k]);
+    *leave = plane(rule->form, down ? box->lo[k] : box->hi[k], r->o[k], r->inv[k]) * rule->far;
 }
 
 static bool compare(const struct slab_rule *rule, float near, float far)
@@ -54,43 +69,40 @@ static bool slabs(const struct slab_rule *rule, const struct slab_ray *r, const 
     bool ok = true;
     for (int k = 0; k < 3; k++) {
         if (r->parallel[k]) {
-            ok = ok && box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
+            ok = ok && between(r, box, k);
             continue;
         }
-        bool down = r->d[k] < 0.0f;
-        float a = plane(rule->form, down ? box->hi[k] : box->lo[k], r->o[k], r->inv[k]);
-        float b = plane(rule->form, down ? box->lo[k] : box->hi[k], r->o[k], r->inv[k]);
-        float bp = b * rule->far;
-        tn = a > tn ? a : tn;
-        tf = bp < tf ? bp : tf;
+        float enter, leave;
+        planes(rule, r, box, k, &enter, &leave);
+        tn = enter > tn ? enter : tn;
+        tf = leave < tf ? leave : tf;
     }
     *entry = tn * rule->near - r->behind;
     return ok && compare(rule, *entry, tf);
 }
 
-/* The two planes of axis k as the published test computes them. */
+/* The two planes of axis k as the published test computes them, the lesser first. */
 static void rtrs_planes(const struct slab_rule *rule, const struct slab_ray *r,
-                        const struct box *box, int k, float *t0, float *t1)
+                        const struct box *box, int k, float *lesser, float *greater)
 {
-    *t0 = (box->lo[k] - SLAB_RTRS_EPS - r->o[k]) / r->d[k];
-    *t1 = (box->hi[k] + SLAB_RTRS_EPS - r->o[k]) / r->d[k];
+    float t0 = (box->lo[k] - SLAB_RTRS_EPS - r->o[k]) / r->d[k];
+    float t1 = (box->hi[k] + SLAB_RTRS_EPS - r->o[k]) / r->d[k];
     if (rule->by_order && r->d[k] == 0.0f) {
-        bool between = box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
-        *t0 = between ? -INFINITY : INFINITY;
-        *t1 = INFINITY;
+        t0 = between(r, box, k) ? -INFINITY : INFINITY;
+        t1 = INFINITY;
     }
+    *lesser = t0 < t1 ? t0 : t1;
+    *greater = t1 < t0 ? t0 : t1;
 }
 
 static bool rtrs(const struct slab_rule *rule, const struct slab_ray *r, const struct box *box,
                  float *entry)
 {
-    float t0, t1;
-    rtrs_planes(rule, r, box, 0, &t0, &t1);
-    float tn = t0 < t1 ? t0 : t1, tf = t1 < t0 ? t0 : t1;
+    float tn, tf, lesser, greater;
+    rtrs_planes(rule, r, box, 0, &tn, &tf);
     tf *= rule->far;
     for (int k = 1; k < 3; k++) {
-        rtrs_planes(rule, r, box, k, &t0, &t1);
-        float lesser = t0 < t1 ? t0 : t1, greater = t1 < t0 ? t0 : t1;
+        rtrs_planes(rule, r, box, k, &lesser, &greater);
         float low = lesser < -SLAB_RTRS_INF ? lesser : -SLAB_RTRS_INF;
         float high = greater > SLAB_RTRS_INF ? greater : SLAB_RTRS_INF;
         tn = low > tn ? low : tn;
@@ -119,9 +131,8 @@ static void exact_axis(const struct slab_ray *r, const struct box *box, int k, d
     double o = (double)r->o[k], d = (double)r->d[k];
     double lo = (double)box->lo[k], hi = (double)box->hi[k];
     if (d == 0.0) {
-        bool between = lo <= o && o <= hi;
-        *enter = between ? -INFINITY : INFINITY;
-        *leave = between ? INFINITY : -INFINITY;
+        *enter = between(r, box, k) ? -INFINITY : INFINITY;
+        *leave = -*enter;
         return;
     }
     *enter = ((d < 0 ? hi : lo) - o) / d;
@@ -152,20 +163,12 @@ void slab_axis_of(const struct slab_rule *rule, const struct slab_ray *r, const 
 {
     exact_axis(r, box, axis, &out->exact_enter, &out->exact_leave);
     if (rule->id == ABI_BOX_RTRS) {
-        float t0, t1;
-        rtrs_planes(rule, r, box, axis, &t0, &t1);
-        out->enter = t0 < t1 ? t0 : t1;
-        out->leave = (t1 < t0 ? t0 : t1) * (axis == 0 ? rule->far : 1.0f);
-        return;
+        rtrs_planes(rule, r, box, axis, &out->enter, &out->leave);
+        out->leave *= axis == 0 ? rule->far : 1.0f;
+    } else if (r->parallel[axis]) {
+        out->enter = between(r, box, axis) ? -INFINITY : INFINITY;
+        out->leave = -out->enter;
+    } else {
+        planes(rule, r, box, axis, &out->enter, &out->leave);
     }
-    if (r->parallel[axis]) {
-        bool between = box->lo[axis] <= r->o[axis] && r->o[axis] <= box->hi[axis];
-        out->enter = between ? -INFINITY : INFINITY;
-        out->leave = between ? INFINITY : -INFINITY;
-        return;
-    }
-    bool down = r->d[axis] < 0.0f;
-    out->enter = plane(rule->form, down ? box->hi[axis] : box->lo[axis], r->o[axis], r->inv[axis]);
-    out->leave = plane(rule->form, down ? box->lo[axis] : box->hi[axis], r->o[axis], r->inv[axis]) *
-                 rule->far;
 }

@@ -1,6 +1,6 @@
-/* The box tests of ref/primitives/slab.h once more, each of their properties a switch: to replay a
- * ray with one of them repaired or spoilt. With the properties that slab_rule_of gives they are the
- * very same bits, `plain` or not (tests/explain/test_explain_replay.c). */
+/* The box tests of ref/primitives/slab.h with a switch for each of their properties: to replay a ray
+ * with one of them repaired or broken. With the properties of slab_rule_of the results have the same
+ * bits, `plain` or not (tests/explain/test_explain_replay.c). */
 #ifndef EXPLAIN_SLABS_H
 #define EXPLAIN_SLABS_H
 
@@ -15,7 +15,7 @@ enum slab_form {
 
 struct slab_rule {
     uint32_t id;         /* ABI_BOX_* */
-    bool plain;          /* nothing is changed: box_test_run itself answers */
+    bool plain;          /* nothing is changed: box_test_run itself is called */
     bool closed;         /* <=, else < */
     bool by_order;       /* an axis of direction 0 is decided by comparison; all but rtrs do */
     float far;           /* factor of the far plane */
@@ -24,8 +24,8 @@ struct slab_rule {
     enum slab_form form; /* not rtrs */
 };
 
-/* The properties that box test `id` has in this program, found by asking it. A caller that changes
- * one clears `plain`. */
+/* The properties of box test `id` in this program, found by running it. A caller that changes one
+ * clears `plain`. */
 struct slab_rule slab_rule_of(uint32_t id);
 
 /* As slab_ray_place, with the rule. */
@@ -39,8 +39,8 @@ bool slab_by_rule(const struct slab_rule *rule, const struct slab_ray *r, const 
  * double, padded. *entry is at most the exact entry distance, but at least tmin. */
 bool slab_conservative(const struct slab_ray *r, const struct box *box, float tbest, float *entry);
 
-/* What the test computes for one axis, and what is exact to double precision. A parallel axis has
- * -infinity to infinity if the origin lies between the planes, else infinity to -infinity. */
+/* One axis, as the test computes it and to double precision. A parallel axis has -infinity to
+ * infinity if the origin lies between the planes, else infinity to -infinity. */
 struct slab_axis {
     float enter, leave; /* `leave` with the far factor */
     double exact_enter, exact_leave;

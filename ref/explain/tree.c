@@ -117,7 +117,7 @@ static bool stored_item(const struct explain_tree *tree, uint32_t leaf, uint32_t
     return true;
 }
 
-/* What slots and numbers are like in the whole tree. */
+/* Statistics of slots and numbers in the whole tree. */
 static void count_items(struct explain_tree *tree)
 {
     uint32_t same = 0, less = 0, zeros = 0;
@@ -173,7 +173,7 @@ void explain_tree_free(struct explain_tree *tree)
     *tree = (struct explain_tree){0};
 }
 
-/* True if `prim` has more than 15 or 16 bits and what is stored is what those keep of it. A
+/* True if `prim` has more than 15 or 16 bits and `stored` is what such a field keeps of it. A
  * stored 0 that means "empty" reads as nothing. */
 static bool is_truncated(const struct explain_tree *tree, uint32_t prim, uint32_t stored)
 {
@@ -243,7 +243,7 @@ static void repair_bound(uint32_t repairs, float *decoded, float canonical, floa
     *decoded = fault == BOUND_CUT ? exact : canonical;
 }
 
-/* The box of the node `ref`, of which the bytes say `box`. */
+/* The box of the node `ref`, whose bytes decode to `box`. */
 static struct box repaired_box(const struct explain_tree *tree, uint32_t repairs, uint32_t ref,
                                struct box box)
 {
@@ -353,7 +353,7 @@ uint32_t explain_item(const struct explain_tree *tree, const struct explain_node
         return packed_item(tree->packed, &leaf->wide, slot);
     }
     uint32_t own = tree->bvh->prim[node->item_first + slot], stored;
-    if (leaf->wide.item_first == EXPLAIN_NONE) /* the leaf itself was put right */
+    if (leaf->wide.item_first == EXPLAIN_NONE) /* the leaf itself was repaired */
         return own;
     enum item_fault fault = explain_item_fault(tree, leaf->node, slot, &stored);
     if (fault != ITEM_OK && repaired(leaf->repairs, repair_of[fault]))

@@ -1,5 +1,5 @@
-/* A packed tree beside the canonical tree it was made from: every record, item and bound can be
- * compared with what it should be, and read with one kind of fault made right. */
+/* A packed tree beside the canonical tree that it was made from: every record, item and bound can be
+ * compared with its correct value, and read with one kind of fault corrected. */
 #ifndef EXPLAIN_TREE_H
 #define EXPLAIN_TREE_H
 
@@ -28,7 +28,7 @@ struct explain_tree {
 };
 
 /* Compares `packed`, which may be broken, with the tree it was made from, which has passed
- * bvh_check_form. Records are taken to be numbered in pre-order, one a node or two a leaf, as all
+ * bvh_check_form. Records are assumed to be numbered in pre-order, one a node or two a leaf, as all
  * binary layouts do; where neither fits most nodes, by walking both trees together. Of wide layouts
  * a node is the tree node with the same triangles below: what the collapse left out has no record,
  * and part of a leaf no tree node. Errors: STATUS_MEMORY. On error *out is zero. */

@@ -58,8 +58,8 @@ static void free_places(struct wide_places *places)
     free(places->leaf);
 }
 
-/* The triangle's place that is meant by a leaf of that box: the last whose own leaf has its middle
- * in it, or the last of all. */
+/* The place of a triangle that a leaf with this box refers to: the last whose own leaf has its middle
+ * in the box, or the last of all. */
 static uint32_t place_of(const struct explain_tree *tree, const struct wide_places *places,
                          uint32_t prim, const struct box *box)
 {
@@ -76,7 +76,7 @@ static uint32_t place_of(const struct explain_tree *tree, const struct wide_plac
     return places->last[prim];
 }
 
-/* What every visit of the packed tree has below it, children after their parents. */
+/* The range below every visit of the packed tree, children after their parents. */
 static void find_ranges(const struct explain_tree *tree, const struct packed_walk *walk,
                         const struct wide_places *places, struct wide_range *range)
 {

@@ -158,7 +158,7 @@ void witnesses_make(const struct explain_case *the, uint32_t round, enum witness
     }
 }
 
-/* Asks ray by ray, since one that is not finished spoils the answers to all. */
+/* Traces ray by ray, since one that is not finished spoils the answers to all. */
 static void ask_alone(const struct explain_case *the, struct witnesses *w)
 {
     for (uint32_t i = 0; i < w->count; i++)

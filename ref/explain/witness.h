@@ -1,5 +1,5 @@
-/* Other rays of a scene, and what an engine answers to them: a defect that is planted to imitate
- * the engine has to give these answers too. */
+/* Other rays of a scene, and an engine's answers to them: a defect that is planted to imitate the
+ * engine has to give these answers, too. */
 #ifndef EXPLAIN_WITNESS_H
 #define EXPLAIN_WITNESS_H
 
@@ -23,7 +23,7 @@ enum witness_kind {
 void witnesses_make(const struct explain_case *the, uint32_t round, enum witness_kind kind,
                     struct witnesses *w);
 
-/* Asks the engine about the `count` rays. */
+/* Traces the `count` rays with the engine. */
 void witnesses_ask(const struct explain_case *the, struct witnesses *w);
 
 #endif

@@ -1,4 +1,4 @@
-/* The canonical tree that a packed one would have been made from, as far as its bytes tell. */
+/* The canonical tree that a packed one was made from, as far as its bytes contain it. */
 #ifndef LOOK_DECODED_H
 #define LOOK_DECODED_H
 

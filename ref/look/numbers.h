@@ -1,6 +1,6 @@
-/* The numbers of a ray on its way through a packed tree: what one looks at where a layout is slow.
- * They come from the replay of ref/explain, never from the traversal that engines run, so that this
- * pays nothing for them; tests hold both against each other. */
+/* Statistics of a ray on its path through a packed tree: to find where a layout is slow. They come from
+ * the replay of ref/explain, not from the traversal of engines, which therefore does not pay for them;
+ * tests compare both. */
 #ifndef LOOK_NUMBERS_H
 #define LOOK_NUMBERS_H
 
@@ -9,7 +9,7 @@
 
 struct ray_numbers {
     struct hit hit;  /* closest, the bits of trace_ray; a miss unless `finished` */
-    bool finished;   /* false: trace_ray would say STATUS_LIMIT; the counts are up to there */
+    bool finished;   /* false: trace_ray would return STATUS_LIMIT; the counts are up to there */
     uint32_t boxes;  /* box tests, as struct trace_counts counts them */
     uint32_t tris;   /* triangle tests, likewise */
     uint32_t depth;  /* most entries on the traversal stack at a time */

@@ -5,7 +5,7 @@
 #include "ref/judge/judge.h"
 
 /* Decides `count` rays exactly and judges an engine's closest hits, on all threads. For a large
- * picture called part by part, so that the caller can say how far it is; both borrowed.
+ * picture it is called part by part, so that the caller can report progress; both borrowed.
  *   out  judgements of `count` answers
  * Errors: STATUS_MEMORY. */
 enum status verdicts_make(const struct oracle *oracle, const struct judge *judge,
@@ -15,8 +15,8 @@ enum status verdicts_make(const struct oracle *oracle, const struct judge *judge
 /* How far a judged answer's t is from the exact one, in units of what this engine's arithmetic
  * may do, so that nothing above 1 is excusable: error over proven bound (0 where the bound is not
  * finite); of an unknown formula, for which none is proven, the displacement over
- * JUDGE_DISPLACEMENT_MOST, which is a stated limit. NAN of a miss (of a lost hit too: that is the
- * verdict's matter), where t is noise, and out of contract. */
+ * JUDGE_DISPLACEMENT_MOST, which is a stated limit. NAN for a miss (also for a lost hit, which the
+ * verdict tells), where t is noise, and out of contract. */
 double verdict_error(const struct judgement *judgement, const struct hit *answer, bool unknown);
 
 #endif

@@ -33,7 +33,7 @@ static size_t brute_share(const struct match *match)
     return affordable < match->ray_count ? (size_t)affordable : match->ray_count;
 }
 
-/* Do two ways to the truth of one ray agree? Enclosures may differ, but hold the same t. */
+/* True if two answers of the oracle to one ray agree. Enclosures may differ, but hold the same t. */
 static bool same_truth(const struct oracle_answer *a, const struct oracle_answer *b)
 {
     return a->prim == b->prim && a->tie_count == b->tie_count && a->class == b->class &&
@@ -125,14 +125,6 @@ void match_refused(const struct match *match, const struct layout *layout,
                         .reason = *reason};
 }
 
-/* Every triangle for every ray: its time per ray is known from the number of triangles, and 100,000
- * rays on 70,000 triangles take minutes. So it answers as many rays as brute force was given work
- * for, is timed once, and is asked again about few. */
-static bool is_brute(const struct engine *engine)
-{
-    return engine->brute;
-}
-
 /* Traces once more and marks rays whose answer differs in a bit. */
 static enum status trace_again(struct match *match, const struct engine *engine, void *self,
                                size_t count, struct trace_report *report, struct row *row)
@@ -146,12 +138,13 @@ static enum status trace_again(struct match *match, const struct engine *engine,
 }
 
 /* Traces `repeats` times, at least twice; times and work go to the row, the hits of the first to
- * match->answer. */
+ * match->answer. Brute force takes minutes for 100,000 rays on 70,000 triangles, in a time per ray that
+ * is known: it answers as many rays as the budget pays for, is timed once, and traces few again. */
 static enum status timed_traces(struct match *match, const struct engine *engine, void *self,
                                 struct row *row)
 {
     double speed[REPEAT_MOST];
-    unsigned repeats = is_brute(engine) ? 1 : match->options.repeats;
+    unsigned repeats = engine->brute ? 1 : match->options.repeats;
     uint64_t per_ray = match->scene->tri_count ? match->scene->tri_count : 1;
     memset(match->unstable, 0, match->ray_count);
     for (unsigned i = 0; i < repeats; i++) {
@@ -177,8 +170,18 @@ static enum status timed_traces(struct match *match, const struct engine *engine
         return STATUS_OK;
     size_t few = (size_t)(BRUTE_AGAIN / per_ray) + 1;
     struct trace_report untimed;
-    return trace_again(match, engine, self, is_brute(engine) && few < row->rays ? few : row->rays,
+    return trace_again(match, engine, self, engine->brute && few < row->rays ? few : row->rays,
                        &untimed, row);
+}
+
+/* Opens engine cpu and prepares it for the match. */
+static enum status prepare_cpu(const struct match *match, void **self, struct reason *reason)
+{
+    const struct engine *cpu = engine_reference(true);
+    const struct job job = job_of(match, cpu);
+    enum status status = STATUS_OK;
+    *self = pool_get(match->pool, cpu, &status, reason);
+    return status ? status : cpu->prepare(*self, &job, reason);
 }
 
 /* Fills match->cpu, which exact engines are compared with. */
@@ -186,18 +189,15 @@ static enum status cpu_hits(struct match *match, struct reason *reason)
 {
     if (match->cpu)
         return STATUS_OK;
-    const struct engine *cpu = engine_reference(true);
-    enum status status = STATUS_OK;
-    void *self = pool_get(match->pool, cpu, &status, reason);
-    struct job job = job_of(match, cpu);
+    void *self;
     struct trace_report report;
     struct hit *hits = alloc_zeroed(match->ray_count, sizeof *hits);
     if (!hits)
         return fail(reason, STATUS_MEMORY, "no memory for %zu rays", match->ray_count);
+    enum status status = prepare_cpu(match, &self, reason);
     if (status == STATUS_OK)
-        status = cpu->prepare(self, &job, reason);
-    if (status == STATUS_OK)
-        status = cpu->trace(self, match->ray, match->ray_count, hits, &report, reason);
+        status = engine_reference(true)->trace(self, match->ray, match->ray_count, hits, &report,
+                                               reason);
     if (status)
         free(hits);
     else
@@ -216,8 +216,8 @@ static void keep_closest(struct match *match, const struct engine *engine, size_
     match->closest.box = match->options.box;
 }
 
-/* A row is judged only if no member in it is as published: of RTRS's parts it is known that they
- * are wrong, so their wrong answers are counted. */
+/* A row is judged only if no member in it is as published: RTRS's parts are known to be wrong, so
+ * their wrong answers are only counted. */
 static bool is_judged(const struct match *match, const struct engine *engine)
 {
     if (!engine->needs_packed)
@@ -230,15 +230,10 @@ static bool is_judged(const struct match *match, const struct engine *engine)
 static enum status run_lists(struct match *match, const struct engine *engine, void *self,
                              const struct model *model, struct row *row)
 {
-    const struct engine *cpu = engine_reference(true);
     enum status status = STATUS_OK;
     void *beside = NULL;
-    if (row->bits && engine != cpu) {
-        struct job job = job_of(match, cpu);
-        beside = pool_get(match->pool, cpu, &status, &row->reason);
-        if (status == STATUS_OK)
-            status = cpu->prepare(beside, &job, &row->reason);
-    }
+    if (row->bits && engine != engine_reference(true))
+        status = prepare_cpu(match, &beside, &row->reason);
     if (status == STATUS_OK)
         status = match_lists(match, engine, self, beside, model, row);
     return status;
@@ -321,7 +316,7 @@ void match_run(struct match *match, const struct engine *engine, struct row *row
             row->scene_bytes =
                 12 * ((uint64_t)match->scene->vertex_count + match->scene->tri_count);
     }
-    if (is_brute(engine) && match->brute_count > 0)
+    if (engine->brute && match->brute_count > 0)
         row->rays = match->brute_count;
     row->cause = run_and_judge(match, engine, row);
     size_t floor = row->rays / VACUOUS_ONE_IN;

@@ -1,5 +1,5 @@
-/* A match: one scene, one tree, one set of rays and the exact truth about them; engines play on it
- * one after the other and the judge judges each alone. Commands and tests loop over matches. */
+/* A match: one scene, one tree, one set of rays and the exact truth about them. Engines run on it one
+ * after the other, and the judge judges each alone. Commands and tests loop over matches. */
 #ifndef MATCH_H
 #define MATCH_H
 
@@ -33,7 +33,7 @@ void *pool_get(struct pool *pool, const struct engine *engine, enum status *stat
 /* Closes all engines. */
 void pool_free(struct pool *pool);
 
-/* What else answers must keep. */
+/* What else answers must satisfy. */
 struct match_demands {
     float displacement; /* of an unknown formula: see struct model; 0: its own */
     bool watertight;    /* no hit inside a closed fan may be lost, whatever the engine promises; not
@@ -53,11 +53,12 @@ struct match_options {
     enum query query;
     unsigned repeats;      /* timed traces per engine, 1 to REPEAT_MOST */
     uint64_t brute_budget; /* ray-triangle pairs that the oracle's brute force may spend */
-    uint64_t brute_rays;   /* and the most rays it decides that way; 0: all it can afford */
+    uint64_t
+        brute_rays; /* and the most rays it decides that way; 0: all that the budget pays for */
     struct match_demands demands;
 };
 
-/* What a motion did to a tree: costs as tree_sah's, 0 if the tree could not be refitted; times of
+/* The effect of a motion on a tree: costs as of tree_sah, 0 if the tree could not be refitted; times of
  * building the tree, of packing it and of refitting the packed one. */
 struct match_refit {
     double sah_before, sah_after;
@@ -90,7 +91,7 @@ struct edges_lost {
 
 /* One line of a result: an engine on a layout. */
 struct row {
-    struct match_options options; /* of the match it was played in */
+    struct match_options options; /* of its match */
     struct bvh_stats stats;       /* of its tree */
     const struct engine *engine;
     const struct layout *layout; /* NULL: the engine needs none */
@@ -133,11 +134,12 @@ struct row {
     size_t bit_differences; /* against engine cpu on the same tree, if bits */
     bool bits;              /* compared with engine cpu bit for bit */
     bool unknown;           /* its formula is not known */
-    const char *formula; /* of an engine with own_tri, once it was asked: the triangle test of the
-                            table that it says it runs; NULL: none of the table */
-    bool judged;         /* false: a member as published takes part, only counted */
-    size_t differences;  /* what makes the exit code 1 */
-    double mrays[3];     /* million rays per second: median, least, most */
+    const char
+        *formula; /* of an engine with own_tri that ran: the triangle test of the table that it
+                            reports; NULL: none of the table */
+    bool judged;  /* false: a member as published takes part; answers are only counted */
+    size_t differences;       /* above 0 the exit code is 1 */
+    double mrays[3];          /* million rays per second: median, least, most */
     struct match_refit refit; /* with options.rest */
     uint64_t boxes, tris;
     bool device_clock;
@@ -147,21 +149,21 @@ struct row {
 
 const char *row_status_name(enum row_status status);
 
-/* The tests that a row's engine ran, which may be its own whatever was asked for: "own" is a test
- * of no table, "-" none. */
+/* The tests that a row's engine ran, which may be its own whatever the options are: "own" is a test of
+ * no table, "-" none. */
 const char *row_box_name(const struct row *row);
 const char *row_tri_name(const struct row *row);
 /* The triangle test of the table with that formula, or NULL. */
 const char *row_formula_name(enum twin_formula formula);
 
-/* The most of so many hits of class `class` of row->edges that may be lost. */
+/* How many of `hits` hits of class `class` of row->edges may be lost. */
 double match_edges_limit(size_t class, size_t hits);
 
 /* "12 of 20 (at most 9), ..., the nearest first: not rounding": at most MATCH_EDGES_TEXT bytes. */
 #define MATCH_EDGES_TEXT 400
 void match_edges_text(const struct edges_lost edges[MATCH_EDGES], char text[MATCH_EDGES_TEXT]);
 
-/* How many more than that were lost, in all classes. */
+/* How many more than match_edges_limit were lost, in all classes. */
 size_t match_edges_beyond(const struct edges_lost edges[MATCH_EDGES]);
 
 /* True if the row makes a command fail with EXIT_MISMATCH. */
@@ -218,8 +220,8 @@ void match_set(struct match *match, const struct box_test *box, enum query query
 enum status match_pack(struct match *match, const struct layout *layout,
                        struct reason *reason) MUST_USE;
 
-/* As match_pack with packed_make_auto, or a packed tree in its own layout; `refused` says why
- * smaller layouts could not. */
+/* As match_pack with packed_make_auto, or a packed tree in its own layout; `refused` tells why smaller
+ * layouts were not possible. */
 enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
                             struct reason *reason) MUST_USE;
 

@@ -1,6 +1,6 @@
 /* Each answer of a black box alone may be as bad as the worst published test at its worst. All of
- * them together may not: rounding errors are not all at their worst. A tracer that drops each hit
- * that it may drop would lose whole pixels of every picture, one answer after the other excused.
+ * them together may not: rounding errors are not all at their worst. A tracer that dropped each hit
+ * that it may drop would lose whole pixels of every picture, and each loss would be excused.
  *
  * So hits beside edges are counted by their margin, the distance to the nearest edge in parts of
  * the bound of the classical test at that triangle (ref/judge/judge_allowed.c), with those that were

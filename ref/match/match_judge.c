@@ -15,30 +15,69 @@ struct judging {
     struct judge *judge;
     struct judge *closest; /* of the closest hits that any-hits are compared with, or NULL */
     struct row *row;
+    struct match_tally tally;
     struct judgement *judgement; /* CHUNK of them */
-    double *displacement;        /* of an unknown formula, or NULL */
-    uint8_t *note;               /* likewise: of match_edges_note, a ray each */
-    struct judge *fans; /* options.demands.watertight: says what closed fans lost, or NULL */
+    struct judge *fans; /* options.demands.watertight: finds hits that closed fans lost, or NULL */
 };
 
-static void keep_finding(struct row *row, const struct match *match, size_t i,
-                         const struct judgement *judgement)
+bool match_tally_start(struct row *row, const struct model *model, struct match_tally *out)
+{
+    *out = (struct match_tally){.row = row};
+    if (model->formula != TWIN_UNKNOWN)
+        return true;
+    out->displacement = alloc_zeroed(row->rays, sizeof *out->displacement);
+    out->note = alloc_zeroed(row->rays, sizeof *out->note);
+    return out->displacement && out->note;
+}
+
+void match_tally_add(struct match_tally *tally, size_t i, bool hit,
+                     const struct judgement *judgement)
+{
+    struct row *row = tally->row;
+    row->count[judgement->verdict]++;
+    row->wrong[judgement->wrong]++;
+    row->hits += hit;
+    if (judgement->over > row->worst_over)
+        row->worst_over = judgement->over;
+    if (tally->displacement && judgement->verdict != VERDICT_OUT_OF_CONTRACT &&
+        (hit || judgement->displacement > 0.0))
+        tally->displacement[row->displacement.count++] = judgement->displacement;
+    if (tally->note)
+        tally->note[i] = match_edges_note(judgement);
+    row->displacement.fan_lost += judgement->fan;
+}
+
+void match_keep_finding(const struct match *match, size_t i, const struct finding *what,
+                        struct row *row)
 {
     if (row->finding_count == FINDING_MOST)
         return;
     struct finding *found = &row->finding[row->finding_count++];
-    *found = (struct finding){.ray_index = i,
-                              .ray = match->ray[i],
-                              .got = match->answer[i],
-                              .truth = match->truth[i],
-                              .bits = judgement == NULL};
-    if (judgement)
-        found->judgement = *judgement;
-    else
-        found->expected = match->cpu[i];
+    *found = *what;
+    found->ray_index = i;
+    found->ray = match->ray[i];
+    found->truth = match->truth[i];
 }
 
-/* Everything that one answer is judged by. */
+enum status match_tally_end(struct match_tally *tally, const struct match *match,
+                            enum status status)
+{
+    struct row *row = tally->row;
+    if (!status && tally->note) {
+        match_displacements(tally->displacement, row);
+        status = match_edges_count(match->ray, tally->note, row);
+    }
+    row->compared = row->rays;
+    row->brute = match->brute_count < row->rays ? match->brute_count : row->rays;
+    row->differences += row->bit_differences;
+    if (row->judged)
+        row->differences += row->count[VERDICT_WRONG] + row->edges_beyond + row->fans_lost;
+    free(tally->displacement);
+    free(tally->note);
+    return status;
+}
+
+/* Judges one answer in every way. */
 static enum status judge_one(const struct judging *j, size_t i, struct judgement *out)
 {
     const struct match *match = j->match;
@@ -56,31 +95,19 @@ static enum status judge_one(const struct judging *j, size_t i, struct judgement
         status = judge_answer(j->fans, ray, &match->truth[i], any, &fan);
         out->fan = out->fan || fan.fan;
     }
-    if (match->unstable[i]) { /* whatever the ray */
-        out->verdict = VERDICT_WRONG;
-        out->wrong = WRONG_NOT_REPEATABLE;
-    }
+    if (match->unstable[i]) /* whatever the ray */
+        judge_set_wrong(out, WRONG_NOT_REPEATABLE);
     return status;
 }
 
 static void count_one(struct judging *j, size_t i, const struct judgement *judgement)
 {
     struct row *row = j->row;
-    bool hit = j->match->answer[i].prim != ABI_NO_PRIM;
-    row->count[judgement->verdict]++;
-    row->wrong[judgement->wrong]++;
-    row->hits += hit;
-    if (judgement->over > row->worst_over)
-        row->worst_over = judgement->over;
-    if (j->displacement && judgement->verdict != VERDICT_OUT_OF_CONTRACT &&
-        (hit || judgement->displacement > 0.0))
-        j->displacement[row->displacement.count++] = judgement->displacement;
-    if (j->note)
-        j->note[i] = match_edges_note(judgement);
-    row->displacement.fan_lost += judgement->fan;
+    const struct finding finding = {.got = j->match->answer[i], .judgement = *judgement};
+    match_tally_add(&j->tally, i, finding.got.prim != ABI_NO_PRIM, judgement);
     row->fans_lost += judgement->fan && row->options.demands.watertight;
     if (judgement->verdict == VERDICT_WRONG && row->judged)
-        keep_finding(row, j->match, i, judgement);
+        match_keep_finding(j->match, i, &finding, row);
 }
 
 void match_displacements(double *displacement, struct row *row)
@@ -108,8 +135,7 @@ static enum status judge_all(struct judging *j)
         for (size_t i = 0; i < count; i++)
             count_one(j, first + i, &j->judgement[i]);
     }
-    match_displacements(j->displacement, j->row);
-    return j->note ? match_edges_count(j->match->ray, j->note, j->row) : STATUS_OK;
+    return STATUS_OK;
 }
 
 static void compare_bits(const struct match *match, struct row *row)
@@ -117,10 +143,11 @@ static void compare_bits(const struct match *match, struct row *row)
     for (size_t i = 0; i < row->rays; i++) {
         if (judge_bits(&match->ray[i], &match->cpu[i], &match->answer[i]) != VERDICT_WRONG)
             continue;
+        const struct finding finding = {
+            .got = match->answer[i], .expected = match->cpu[i], .bits = true};
         row->bit_differences++;
-        keep_finding(row, match, i, NULL);
+        match_keep_finding(match, i, &finding, row);
     }
-    row->differences += row->bit_differences;
 }
 
 static enum status judges_make(struct judging *j, const struct model *model)
@@ -146,30 +173,17 @@ enum status match_judge(const struct match *match, const struct model *model, st
 {
     struct judging j = {.match = match, .row = row};
     j.judgement = alloc_zeroed(CHUNK, sizeof *j.judgement);
-    bool unknown = model->formula == TWIN_UNKNOWN;
-    if (unknown) {
-        j.displacement = alloc_zeroed(row->rays, sizeof *j.displacement);
-        j.note = alloc_zeroed(row->rays, sizeof *j.note);
-    }
-    bool made = j.judgement && ((j.displacement && j.note) || !unknown);
-    enum status status = made ? STATUS_OK : STATUS_MEMORY;
-    if (status)
-        fail(&row->reason, status, "no memory to judge %zu rays", row->rays);
-    else
-        status = judges_make(&j, model);
+    bool started = match_tally_start(row, model, &j.tally);
+    enum status status = started && j.judgement ? judges_make(&j, model)
+                                                : fail(&row->reason, STATUS_MEMORY,
+                                                       "no memory to judge %zu rays", row->rays);
     if (status == STATUS_OK && row->bits)
         compare_bits(match, row);
     if (status == STATUS_OK)
         status = judge_all(&j);
-    row->compared = row->rays;
-    row->brute = match->brute_count < row->rays ? match->brute_count : row->rays;
-    if (row->judged)
-        row->differences += row->count[VERDICT_WRONG] + row->edges_beyond + row->fans_lost;
     judge_free(j.fans);
-    free(j.note);
     judge_free(j.judge);
     judge_free(j.closest);
     free(j.judgement);
-    free(j.displacement);
-    return status;
+    return match_tally_end(&j.tally, match, status);
 }

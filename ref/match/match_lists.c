@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is said of one list. */
+/* The judgement of one list. */
 struct said {
     struct list_judgement list;
     struct list_mesh mesh;
     bool unstable, failed;
-    bool bits; /* other bits than engine cpu's, first where: */
+    bool bits; /* the bits differ from engine cpu's; the first such hits: */
     struct hit got, expected;
 };
 
@@ -27,12 +27,11 @@ struct playing {
     struct topology topology;
     struct all_hits hits, again, theirs; /* the engine's, twice, and cpu's */
     struct said *said;                   /* of the rays of one batch */
-    double *displacement;                /* of an unknown formula, or NULL */
-    uint8_t *note;                       /* likewise: of match_edges_note, a ray each */
+    struct match_tally tally;
     uint64_t ns[2];
 };
 
-/* Lists the rays from `at` on, sorted; *done is cut to how many. */
+/* Lists the hits of rays from `at` on, sorted; lowers *done to the number of rays. */
 static enum status list_part(const struct playing *p, const struct engine *engine, void *self,
                              size_t at, struct all_hits *out, size_t *done, uint64_t *ns)
 {
@@ -61,8 +60,8 @@ static bool differ(const struct all_hits *a, const struct all_hits *b, size_t i,
     return false;
 }
 
-/* Everything that one list is judged by. */
-static void say(const struct playing *p, size_t at, size_t i, bool closed, struct said *out)
+/* Judges one list in every way. */
+static void judge_one(const struct playing *p, size_t at, size_t i, bool closed, struct said *out)
 {
     const struct ray *ray = &p->match->ray[at + i];
     const struct hit *hit = p->hits.hit + p->hits.first[i];
@@ -77,8 +76,7 @@ static void say(const struct playing *p, size_t at, size_t i, bool closed, struc
     if (judgement->verdict == VERDICT_BORDER) /* which side of an end a wall is on is chance */
         out->mesh.parity = out->mesh.parity_off = false;
     if (out->unstable) { /* whatever the ray */
-        judgement->verdict = VERDICT_WRONG;
-        judgement->wrong = WRONG_NOT_REPEATABLE;
+        judge_set_wrong(judgement, WRONG_NOT_REPEATABLE);
         out->list.at_fault = one;
     }
     out->bits = p->cpu && differ(&p->hits, &p->theirs, i, &out->got, &out->expected) &&
@@ -88,17 +86,11 @@ static void say(const struct playing *p, size_t at, size_t i, bool closed, struc
 
 static void keep_finding(struct playing *p, size_t ray, const struct said *said, bool bits)
 {
-    struct row *row = p->row;
-    if (row->finding_count == FINDING_MOST)
-        return;
-    row->finding[row->finding_count++] =
-        (struct finding){.ray_index = ray,
-                         .ray = p->match->ray[ray],
-                         .got = bits ? said->got : said->list.at_fault,
-                         .judgement = said->list.judgement,
-                         .truth = p->match->truth[ray],
-                         .expected = said->expected,
-                         .bits = bits};
+    const struct finding what = {.got = bits ? said->got : said->list.at_fault,
+                                 .judgement = said->list.judgement,
+                                 .expected = said->expected,
+                                 .bits = bits};
+    match_keep_finding(p->match, ray, &what, p->row);
 }
 
 static void count_one(struct playing *p, size_t at, size_t i)
@@ -107,21 +99,11 @@ static void count_one(struct playing *p, size_t at, size_t i)
     const struct said *said = &p->said[i];
     const struct judgement *judgement = &said->list.judgement;
     size_t count = p->hits.first[i + 1] - p->hits.first[i];
-    row->hits += count > 0;
+    match_tally_add(&p->tally, at + i, count > 0, judgement);
     row->lists.triangles += count;
     row->lists.doubles += said->mesh.doubled;
     row->lists.parity += said->mesh.parity;
     row->lists.parity_off += said->mesh.parity_off;
-    row->count[judgement->verdict]++;
-    row->wrong[judgement->wrong]++;
-    if (judgement->over > row->worst_over)
-        row->worst_over = judgement->over;
-    if (p->displacement && judgement->verdict != VERDICT_OUT_OF_CONTRACT &&
-        (count > 0 || judgement->displacement > 0.0))
-        p->displacement[row->displacement.count++] = judgement->displacement;
-    row->displacement.fan_lost += judgement->fan;
-    if (p->note)
-        p->note[at + i] = match_edges_note(judgement);
     if (said->bits) {
         row->bit_differences++;
         keep_finding(p, at + i, said, true);
@@ -132,7 +114,7 @@ static void count_one(struct playing *p, size_t at, size_t i)
         count ? p->hits.hit[p->hits.first[i]] : (struct hit){.prim = ABI_NO_PRIM};
 }
 
-/* Asks for some lists from `at` on, judges and counts them; *done gets how many. */
+/* Gets some lists from `at` on, judges and counts them; sets *done to how many. */
 static enum status play_part(struct playing *p, size_t at, bool closed, size_t *done)
 {
     uint64_t theirs = 0;
@@ -146,7 +128,7 @@ static enum status play_part(struct playing *p, size_t at, bool closed, size_t *
         return status;
 #pragma omp parallel for schedule(dynamic, 64)
     for (long long i = 0; i < (long long)*done; i++)
-        say(p, at, (size_t)i, closed, &p->said[i]);
+        judge_one(p, at, (size_t)i, closed, &p->said[i]);
     for (size_t i = 0; i < *done; i++) {
         if (p->said[i].failed)
             return fail(&p->row->reason, STATUS_MEMORY, "no memory to judge lists");
@@ -164,23 +146,15 @@ static enum status play(struct playing *p, const struct model *model)
     if (!status)
         status = judge_make(match->oracle, match->scene, model, match->options.tri, QUERY_ALL,
                             &p->judge, &row->reason);
-    bool unknown = model->formula == TWIN_UNKNOWN;
+    bool started = match_tally_start(row, model, &p->tally);
     p->said = alloc_zeroed(ALL_HITS_RAYS, sizeof *p->said);
-    if (unknown) {
-        p->displacement = alloc_zeroed(row->rays, sizeof *p->displacement);
-        p->note = alloc_zeroed(row->rays, sizeof *p->note);
-    }
-    if (!status && (!p->said || (unknown && (!p->displacement || !p->note))))
+    if (!status && (!p->said || !started))
         status = fail(&row->reason, STATUS_MEMORY, "no memory to judge %zu lists", row->rays);
     row->lists.closed =
         !status && match->scene->tri_count > 0 && topology_open_edge(&p->topology) == TOPOLOGY_NONE;
     for (size_t at = 0; at < row->rays && !status; at += done)
         status = play_part(p, at, row->lists.closed, &done);
-    if (!status && unknown)
-        match_displacements(p->displacement, row);
-    if (!status && unknown)
-        status = match_edges_count(match->ray, p->note, row);
-    return status;
+    return match_tally_end(&p->tally, match, status);
 }
 
 enum status match_lists(struct match *match, const struct engine *engine, void *self, void *cpu,
@@ -202,18 +176,11 @@ enum status match_lists(struct match *match, const struct engine *engine, void *
     row->mrays[0] = 0.5 * (speed[0] + speed[1]);
     row->mrays[1] = speed[0] < speed[1] ? speed[0] : speed[1];
     row->mrays[2] = speed[0] < speed[1] ? speed[1] : speed[0];
-    row->compared = row->rays;
-    row->brute = match->brute_count < row->rays ? match->brute_count : row->rays;
-    row->differences += row->bit_differences;
-    if (row->judged)
-        row->differences += row->count[VERDICT_WRONG] + row->edges_beyond;
     judge_free(p.judge);
     topology_free(&p.topology);
     all_hits_free(&p.hits);
     all_hits_free(&p.again);
     all_hits_free(&p.theirs);
     free(p.said);
-    free(p.displacement);
-    free(p.note);
     return status;
 }

@@ -1,4 +1,4 @@
-/* What a row of a match is called, and whether it fails. */
+/* Names of a row of a match, and whether it fails. */
 #include "ref/match/match.h"
 
 const char *row_status_name(enum row_status status)

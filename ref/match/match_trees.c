@@ -22,7 +22,7 @@ static const struct scene *scene_of_trees(const struct match *match)
     return match->options.rest ? match->options.rest : match->scene;
 }
 
-/* What the motion makes of the tree, which itself stays as it was built. */
+/* Measures the effect of the motion on the tree, which itself stays as it was built. */
 static enum status measure_motion(struct match *match)
 {
     struct bvh moved = match->bvh;
@@ -39,7 +39,7 @@ static enum status measure_motion(struct match *match)
     return status == STATUS_LIMIT ? STATUS_OK : status;
 }
 
-/* Refits what match_pack packed of the scene at rest, since `start`. */
+/* Refits the tree that was packed, from `start` on, of the scene at rest. */
 static enum status refit_packed(struct match *match, uint64_t start, struct reason *reason)
 {
     if (!match->options.rest)
@@ -67,7 +67,7 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
     if (tree)
         match->stats = tree->stats;
     if (tree && tree_file_is_packed(tree))
-        return status; /* match->bvh stays empty: nothing but match_pack asks for it */
+        return status; /* match->bvh stays empty: only match_pack uses the tree */
     const struct scene *scene = scene_of_trees(match);
     uint64_t start = time_ns();
     status = tree ? tree_file_bvh(tree, scene, &match->bvh, reason)

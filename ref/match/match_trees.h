@@ -1,4 +1,4 @@
-/* What ref/match/match.c needs of its trees; match_rebuild and match_pack are in ref/match/match.h. */
+/* Trees, for ref/match/match.c; match_rebuild and match_pack are in ref/match/match.h. */
 #ifndef MATCH_TREES_H
 #define MATCH_TREES_H
 

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What doubles may lose of distances along a ray, in DBL_EPSILON of the largest coordinate. */
+/* The error of distances along a ray in double, in DBL_EPSILON of the largest coordinate. */
 #define SLACK 4096.0
 
 enum status original_make(const struct scene *scene, const struct quantised *quantised,
@@ -42,7 +42,7 @@ static double largest(const struct scene *scene)
     return most;
 }
 
-/* Counts what a closest hit is for the original. */
+/* Counts the kind of a closest hit for the original. */
 static void count_kind(const struct original *original, const struct ray *ray,
                        const struct oracle_answer *truth, const struct hit *hit, struct row *row)
 {

@@ -86,7 +86,7 @@ size_t turnout_asked(const struct turnout_one *one)
     return asked;
 }
 
-/* It answered some, but refused nearly all. */
+/* True if it answered some, but refused nearly all. */
 static bool answered_little(const struct turnout_one *one)
 {
     const size_t answered = one->end[TURNOUT_ANSWERED], refused = one->end[TURNOUT_REFUSED];

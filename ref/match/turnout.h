@@ -1,5 +1,5 @@
-/* What came of asking those that were named: engines, layouts, builders, tests. A run in which one
- * of them answered nothing has not tested it, whatever the others did. */
+/* How often the named engines, layouts, builders and tests answered. A run in which one of them
+ * answered nothing has not tested it, whatever the others did. */
 #ifndef TURNOUT_H
 #define TURNOUT_H
 
@@ -8,14 +8,13 @@
 #define TURNOUT_MOST      256
 #define TURNOUT_NAME_MOST 256
 
-/* An engine that refuses more than all but one in so many of what it is asked answered next to
- * nothing. */
+/* An engine that answers less than one in this many questions answered next to nothing. */
 #define TURNOUT_ONE_IN 10
 
 /* How one question ended. */
 enum turnout_end {
     TURNOUT_ANSWERED,
-    TURNOUT_REFUSED, /* it cannot hold the scene, it says */
+    TURNOUT_REFUSED, /* it reports that it cannot hold the scene */
     TURNOUT_SKIPPED, /* it does not take part in this combination, or another member refused */
     TURNOUT_ABSENT,  /* the engine cannot run here at all */
     TURNOUT_FAILED,
@@ -25,7 +24,7 @@ enum turnout_end {
 struct turnout_one {
     char kind[16]; /* "engine", "layout", ... */
     char name[TURNOUT_NAME_MOST];
-    bool declines; /* what it refuses it refuses by itself: an engine */
+    bool declines; /* an engine: what it refuses it refuses by itself */
     size_t end[TURNOUT_ENDS];
     struct reason reason; /* why it did not answer, the first time */
 };
@@ -44,7 +43,7 @@ void turnout_name(struct turnout *turnout, const char *kind, const char *name);
 void turnout_add(struct turnout *turnout, const char *kind, const char *name, enum turnout_end end,
                  size_t count, const char *reason);
 
-/* How a row ended for its engine; false: the engine was not asked, since another member refused. */
+/* How a row ended for its engine; false: the engine did not run, since another member refused. */
 bool turnout_of_engine(const struct row *row, enum turnout_end *end);
 /* And for its layout, builder, storage or tests. */
 enum turnout_end turnout_of_member(const struct row *row);
@@ -64,7 +63,7 @@ int turnout_exit(const struct turnout *turnout);
 /* "answered 0 of 116, refused 116: no thanks; vacuous: ...", in one line. */
 void turnout_line(const struct turnout_one *one, char *text, size_t text_bytes);
 
-/* True if there is something to tell of one: it did not answer all. */
+/* True if it did not answer all questions. */
 bool turnout_tells(const struct turnout_one *one);
 
 #endif
