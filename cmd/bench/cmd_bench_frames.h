@@ -43,14 +43,17 @@ enum status frames_session_measure(struct frames_session *session,
                                    const struct frames_settings *settings,
                                    struct reason *reason) MUST_USE;
 
-/* What was measured, a line per handler: bytes, times, ratio to about->base; then the files' names,
- * if `base` is not NULL. */
-void frames_print(const struct frames_run *run, const struct frames_about *about, const char *base);
+/* The end of a command that measured: prints a line per handler (bytes, times, ratio to about->base)
+ * and the files' names, or why it failed. Returns the exit code;
+ * 128 + the signal that ended the run, the files holding what was measured. */
+int frames_finish(const char *command, const struct frames_run *run,
+                  const struct frames_about *about, const char *base, enum status status,
+                  const struct reason *reason);
 
 void frames_session_free(struct frames_session *session); /* what it owns, not itself */
 
-/* All of it: enters `count` plans, measures, prints, writes BASE.csv, .json, .svg and .png. Returns
- * the exit code; 128 + the signal that ended it, the files holding what was measured. */
+/* Enters `count` plans, measures, prints, writes BASE.csv, .json, .svg and .png. Returns the exit
+ * code of frames_finish. */
 int frames_command(const char *command, const struct painter_plan *plan, size_t count,
                    const char *scene_name, const struct scene *scene,
                    const struct engine_options *options, const struct frames_settings *settings,

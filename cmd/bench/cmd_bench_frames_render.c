@@ -118,13 +118,8 @@ static int run(const struct render_settings *settings, const char *value)
     if (!status)
         status = frames_measure(&b->run, draw, tell, b, &reason);
     progress_end(&b->progress);
-    if (b->run.done > 0 || b->run.stopped)
-        frames_print(&b->run, &b->about, status ? NULL : settings->benchmark.base);
-    int code = exit_of_status(status);
-    if (status)
-        fprintf(stderr, "raydiff render: %s\n", reason.text);
-    else if (b->run.stopped)
-        code = frames_signal_code();
+    int code =
+        frames_finish("render", &b->run, &b->about, settings->benchmark.base, status, &reason);
     frames_free(&b->run);
     free(b->pixel);
     renderer_close(b->renderer);

@@ -91,7 +91,8 @@ static void print_line(const struct frames_run *run, size_t i, size_t base)
            ratio, frames_clock(c));
 }
 
-void frames_print(const struct frames_run *run, const struct frames_about *about, const char *base)
+static void print_run(const struct frames_run *run, const struct frames_about *about,
+                      const char *base)
 {
     printf("%s\n%u frames over %u turn%s%s; %u frames to warm up, dropped%s\n", about->title,
            run->done, run->settings.turns, run->settings.turns == 1 ? "" : "s",
@@ -103,6 +104,17 @@ void frames_print(const struct frames_run *run, const struct frames_about *about
         print_line(run, i, about->base);
     if (base)
         printf("written: %s.csv, %s.json, %s.svg, %s.png\n", base, base, base, base);
+}
+
+int frames_finish(const char *command, const struct frames_run *run,
+                  const struct frames_about *about, const char *base, enum status status,
+                  const struct reason *reason)
+{
+    if (run->done > 0 || run->stopped)
+        print_run(run, about, status ? NULL : base);
+    if (status)
+        fprintf(stderr, "raydiff %s: %s\n", command, reason->text);
+    return !status && run->stopped ? frames_signal_code() : exit_of_status(status);
 }
 
 void frames_session_free(struct frames_session *session)
@@ -164,13 +176,7 @@ int frames_command(const char *command, const struct painter_plan *plan, size_t 
     session->about.base = count > 1 ? 0 : SIZE_MAX;
     enum status status =
         measure_plans(session, plan, count, scene_name, scene, options, settings, &reason);
-    if (session->run.done > 0 || session->run.stopped)
-        frames_print(&session->run, &session->about, status ? NULL : base);
-    int code = exit_of_status(status);
-    if (status)
-        fprintf(stderr, "raydiff %s: %s\n", command, reason.text);
-    else if (session->run.stopped)
-        code = frames_signal_code();
+    int code = frames_finish(command, &session->run, &session->about, base, status, &reason);
     frames_session_free(session);
     free(session);
     return code;

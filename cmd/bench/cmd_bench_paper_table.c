@@ -123,23 +123,24 @@ static void print_head(const struct paper_table *table)
          "wrong  ratio of times (least-most)              clock");
 }
 
+/* Before lines. */
+static const char *const headings[LINE_COUNT] = {
+    [LINE_DIRECT] = " published shader",
+    [LINE_DIRECT_WHOLE] = " published shader, whole paths in one dispatch, as it was",
+    [LINE_DIRECT_CULLS] = " published shader, its box test alone replaced by one that culls: the "
+                          "pictures break (F2, F3)",
+    [LINE_F32_2] = " repaired: builder median, box test robust, triangle test mt",
+    [LINE_F32_2_WHOLE] = " repaired, whole paths in one dispatch",
+};
+
 void paper_print_table(struct paper_table *table)
 {
     if (table->session.run.count == 0)
         return;
     print_head(table);
     for (enum paper_line_id id = 0; id < LINE_COUNT; id++) {
-        if (id == LINE_DIRECT)
-            puts(" published shader");
-        if (id == LINE_DIRECT_WHOLE)
-            puts(" published shader, whole paths in one dispatch, as it was");
-        if (id == LINE_F32_2_WHOLE)
-            puts(" repaired, whole paths in one dispatch");
-        if (id == LINE_DIRECT_CULLS)
-            puts(" published shader, its box test alone replaced by one that culls: the pictures "
-                 "break (F2, F3)");
-        if (id == LINE_F32_2)
-            puts(" repaired: builder median, box test robust, triangle test mt");
+        if (headings[id])
+            puts(headings[id]);
         print_line(table, id);
         add_row(table, id);
         if (!is_right(&table->line[id]))
@@ -151,45 +152,43 @@ void paper_print_table(struct paper_table *table)
            table->width * table->height);
 }
 
-/* "12.3 % less time (ratio 1.140, 1.120-1.160)" of b against a. */
-static void say_gain(const struct paper_table *table, enum paper_line_id a, enum paper_line_id b)
-{
-    struct spread ratio = ratio_of(table, a, b);
-    double saved = 100.0 * (1.0 - 1.0 / ratio.median);
-    printf("%.1f %% %s time (ratio %.3f, %.3f-%.3f)", fabs(saved), saved >= 0 ? "less" : "more",
-           ratio.median, ratio.least, ratio.most);
-}
+/* What is told of a scene: the time of `to` against that of `from`, or a line of text alone. */
+static const struct {
+    const char *text;
+    enum paper_line_id from, to;
+} words[] = {
+    {.text = " as published, where every ray visits every node and no box culls,"},
+    {"RF (leaf 4) against direct (leaf 2):        ", LINE_DIRECT, LINE_RF},
+    {"the layout alone, same tree, leaf 4:        ", LINE_DIRECT_4, LINE_RF},
+    {"direct alone, leaf 4 against leaf 2:        ", LINE_DIRECT, LINE_DIRECT_4},
+    {"RF against direct, whole paths:             ", LINE_DIRECT_WHOLE, LINE_RF_WHOLE},
+    {"the naive handler, never timed, against RF: ", LINE_RF, LINE_NAIVE},
+    {.text = " once the box test culls, and all that it had hidden is repaired,"},
+    {"rf16, leaf 4, against f32, leaf 2:          ", LINE_F32_2, LINE_RF16_4},
+    {"the layout alone, same tree, leaf 4:        ", LINE_F32_4, LINE_RF16_4},
+    {"the layout alone, same tree, leaf 2:        ", LINE_F32_2, LINE_RF16_2},
+    {"whole paths: rf16, leaf 4, to f32, leaf 2:  ", LINE_F32_2_WHOLE, LINE_RF16_4_WHOLE},
+    {"whole paths: the layout alone, leaf 4:      ", LINE_F32_4_WHOLE, LINE_RF16_4_WHOLE},
+    {"whole paths: the layout alone, leaf 2:      ", LINE_F32_2_WHOLE, LINE_RF16_2_WHOLE},
+    {.text = " and, the look being another,"},
+    {"repaired rf16 against published RF:         ", LINE_RF, LINE_RF16_4},
+    {"the same, whole paths against published RF: ", LINE_RF, LINE_RF16_4_WHOLE},
+};
 
-/* "  TEXT X % less time (...)", a line, if both were measured. */
-static void say(const struct paper_table *table, const char *text, enum paper_line_id a,
-                enum paper_line_id b)
-{
-    if (!has(table, a) || !has(table, b))
-        return;
-    printf("  %s ", text);
-    say_gain(table, a, b);
-    puts("");
-}
-
+/* "  TEXT 12.3 % less time (ratio 1.140, 1.120-1.160)", where both were measured. */
 static void say_scene(const struct paper_table *table)
 {
     printf("%s%s:\n", table->scene->spec, table->scene->same ? "" : " (another mesh)");
-    puts(" as published, where every ray visits every node and no box culls,");
-    say(table, "RF (leaf 4) against direct (leaf 2):        ", LINE_DIRECT, LINE_RF);
-    say(table, "the layout alone, same tree, leaf 4:        ", LINE_DIRECT_4, LINE_RF);
-    say(table, "direct alone, leaf 4 against leaf 2:        ", LINE_DIRECT, LINE_DIRECT_4);
-    say(table, "RF against direct, whole paths:             ", LINE_DIRECT_WHOLE, LINE_RF_WHOLE);
-    say(table, "the naive handler, never timed, against RF: ", LINE_RF, LINE_NAIVE);
-    puts(" once the box test culls, and all that it had hidden is repaired,");
-    say(table, "rf16, leaf 4, against f32, leaf 2:          ", LINE_F32_2, LINE_RF16_4);
-    say(table, "the layout alone, same tree, leaf 4:        ", LINE_F32_4, LINE_RF16_4);
-    say(table, "the layout alone, same tree, leaf 2:        ", LINE_F32_2, LINE_RF16_2);
-    say(table, "whole paths: rf16, leaf 4, to f32, leaf 2:  ", LINE_F32_2_WHOLE, LINE_RF16_4_WHOLE);
-    say(table, "whole paths: the layout alone, leaf 4:      ", LINE_F32_4_WHOLE, LINE_RF16_4_WHOLE);
-    say(table, "whole paths: the layout alone, leaf 2:      ", LINE_F32_2_WHOLE, LINE_RF16_2_WHOLE);
-    puts(" and, the look being another,");
-    say(table, "repaired rf16 against published RF:         ", LINE_RF, LINE_RF16_4);
-    say(table, "the same, whole paths against published RF: ", LINE_RF, LINE_RF16_4_WHOLE);
+    for (size_t i = 0; i < ARRAY_COUNT(words); i++) {
+        if (words[i].from == words[i].to)
+            puts(words[i].text);
+        else if (has(table, words[i].from) && has(table, words[i].to)) {
+            struct spread ratio = ratio_of(table, words[i].from, words[i].to);
+            double saved = 100.0 * (1.0 - 1.0 / ratio.median);
+            printf("  %s %.1f %% %s time (ratio %.3f, %.3f-%.3f)\n", words[i].text, fabs(saved),
+                   saved >= 0 ? "less" : "more", ratio.median, ratio.least, ratio.most);
+        }
+    }
 }
 
 void paper_print_words(struct paper_table *const *table, size_t count)

@@ -32,6 +32,7 @@ struct run {
     bool dead;    /* it did not end by itself, or crashed */
     double seconds;
     char said[RUN_SAID_MOST]; /* lines of its standard error, but progress; or how it died */
+    struct reason unread;     /* of runner_make: why its result cannot be read */
 };
 
 /* Starts a line with the sub-command's name. */
@@ -61,9 +62,11 @@ typedef int command_fn(int argc, char **argv);
 enum status runner_run(struct runner *runner, command_fn *command, const struct line *line,
                        struct run *run, struct reason *reason) MUST_USE;
 
-/* Sets code and state of a part from how its child ended and whether its result could be read;
- * `why`: it could not. */
-void run_judge(const struct run *run, enum status read, const struct reason *why,
-               struct report_part *part);
+/* Runs the line with "--json" and the folder's file `name` behind it, and frees it. Reads that file,
+ * the result, into part->json, and sets code, state, seconds and why (which is borrowed from `run`) of
+ * the part; none of them if the run was stopped. Errors: as runner_run. */
+enum status runner_make(struct runner *runner, command_fn *command, struct line *line,
+                        const char *name, struct run *run, struct report_part *part,
+                        struct reason *reason) MUST_USE;
 
 #endif

@@ -25,11 +25,20 @@ struct gallery {
 
 const char *gallery_scene(const struct gallery *gallery);
 
+/* The members that the user named, or `own` if none or all of them. */
+const char *gallery_named(const struct report_options *options, const char *flag, const char *own);
+
 void gallery_complain(struct gallery *gallery, const char *who, const char *what);
 
-/* Runs one command of the part. *code: the child's. */
+/* Begins a command line with the gallery's scene. */
+void gallery_line(const struct gallery *gallery, const char *command, struct line *line);
+
+/* Runs a command of the part, to which it adds the size, the members that the user named (`layout`:
+ * layouts, too), and that it writes the picture `name` and, unless `json` is NULL, that file. Frees
+ * the line. Errors: as runner_run. */
 enum status gallery_run(struct gallery *gallery, command_fn *command, struct line *line,
-                        struct run *run, struct reason *reason);
+                        bool layout, const char *name, const char *json, struct run *run,
+                        struct reason *reason);
 
 /* "cpu-0.png": files of one scene lie beside those of the others. */
 void gallery_file_name(const struct gallery *gallery, const char *what, char name[NAME_BYTES]);
@@ -41,9 +50,6 @@ void gallery_unread(struct gallery *gallery, const char *who, const char *said, 
 /* Adds the picture that a command has made. */
 void gallery_show(struct gallery *gallery, const char *title, const char *caption, const char *name,
                   const char *said);
-
-/* The first of each kind of member that the user named, for commands that take one. */
-void gallery_pass_members(struct line *line, const struct report_options *options, bool layout);
 
 /* Adds the pictures of one layout, and of a second against the first. Errors: as runner_run. */
 enum status gallery_look_at_tree(struct gallery *gallery, struct reason *reason) MUST_USE;

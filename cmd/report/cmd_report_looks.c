@@ -67,20 +67,11 @@ static enum status look_at(struct gallery *gallery, size_t i, const char *pair,
     const char *comma = strchr(pair, ',');
     snprintf(title, sizeof title, "show-%s-%.30s", looks[i].what, pair);
     gallery_file_name(gallery, title, name);
-    line_begin(&line, "render");
-    line_word(&line, gallery_scene(gallery));
+    gallery_line(gallery, "render", &line);
     report_option(&line, "--show", looks[i].what);
     report_option(&line, "--layout", pair);
-    report_option(&line, "-w", "256");
-    report_option(&line, "-h", "192");
-    gallery_pass_members(&line, gallery->options, false);
-    line_word(&line, "--out");
-    line_file(&line, gallery->runner, name);
-    line_word(&line, "--json");
-    line_file(&line, gallery->runner, "show.json");
-    runner_path(gallery->runner, "show.json", path, sizeof path);
-    remove(path);
-    enum status status = gallery_run(gallery, cmd_render, &line, &how, reason);
+    enum status status =
+        gallery_run(gallery, cmd_render, &line, false, name, "show.json", &how, reason);
     if (status || gallery->stopped)
         return status;
     if (comma)
@@ -90,6 +81,7 @@ static enum status look_at(struct gallery *gallery, size_t i, const char *pair,
         snprintf(title, sizeof title, "%s, %.30s", looks[i].title, pair);
     struct reason why;
     json_t *json;
+    runner_path(gallery->runner, "show.json", path, sizeof path);
     status = read_statistics(path, &json, &why);
     if (json) {
         show_caption(json, caption, sizeof caption);
@@ -99,7 +91,7 @@ static enum status look_at(struct gallery *gallery, size_t i, const char *pair,
     } else {
         gallery_complain(gallery, title, how.said);
     }
-    if (!(how.code == EXIT_USAGE && !report_is_passed(gallery->options, "--layout")))
+    if (!(how.code == EXIT_USAGE && !report_passed(gallery->options, TO_ALL, "--layout")))
         gallery->code = exit_worse(gallery->code, how.code);
     json_decref(json);
     return STATUS_OK;
@@ -109,11 +101,7 @@ static enum status look_at(struct gallery *gallery, size_t i, const char *pair,
 static void choose_layouts(const struct report_options *options, char first[LAYOUT_BYTES],
                            char second[LAYOUT_BYTES])
 {
-    const char *named = "f32,rf16";
-    for (size_t i = 0; i < options->passed_count; i++)
-        if (strcmp(options->passed[i].flag, "--layout") == 0 &&
-            strcmp(options->passed[i].value, "all") != 0)
-            named = options->passed[i].value;
+    const char *named = gallery_named(options, "--layout", "f32,rf16");
     size_t length = strcspn(named, ",");
     snprintf(first, LAYOUT_BYTES, "%.*s", (int)length, named);
     named += length + (named[length] == ',');

@@ -27,12 +27,13 @@ void report_pass_on(struct line *line, const struct report_options *options, uns
         }
 }
 
-bool report_is_passed(const struct report_options *options, const char *flag)
+const char *report_passed(const struct report_options *options, unsigned to, const char *flag)
 {
+    const char *value = NULL;
     for (size_t i = 0; i < options->passed_count; i++)
-        if (strcmp(options->passed[i].flag, flag) == 0)
-            return true;
-    return false;
+        if ((options->passed[i].to & to) && strcmp(options->passed[i].flag, flag) == 0)
+            value = options->passed[i].value;
+    return value;
 }
 
 void report_option(struct line *line, const char *flag, const char *value)
@@ -56,28 +57,28 @@ static void number(struct line *line, const char *flag, uint64_t value)
     report_option(line, flag, text);
 }
 
-/* Runs the line, whose result is the folder's file `name`, and adds the part. */
+/* Runs the line, whose result is the folder's file `name`, and adds the part with its command. */
 static enum status run_part(struct report *report, struct runner *runner, command_fn *command,
                             struct line *line, const char *name, struct report_part *part,
                             struct reason *reason)
 {
-    struct run run = {.stopped = false};
-    char path[4096];
-    runner_path(runner, name, path, sizeof path);
-    remove(path);
-    enum status status = runner_run(runner, command, line, &run, reason);
-    if (status == STATUS_OK && !run.stopped) {
-        struct reason why;
-        enum status read = report_read(path, part->kind, &part->json, &why);
-        run_judge(&run, read, &why, part);
-        part->command = line->text;
-        status = report_add(report, part, reason);
-    }
-    line_free(line);
-    return status;
+    struct run run;
+    enum status status = runner_make(runner, command, line, name, &run, part, reason);
+    if (status || run.stopped)
+        return status;
+    part->command = line->text;
+    return report_add(report, part, reason);
 }
 
 /* --- check, bench, doctor ------------------------------------------------------------------- */
+
+/* Adds a value of the part's own for an option that the line uses and the user did not set. */
+static void own_option(struct line *line, const struct report_options *options, unsigned to,
+                       const char *flag, const char *value)
+{
+    if (!report_passed(options, TO_ALL, flag) && report_line_uses(line, options, to, flag))
+        report_option(line, flag, value);
+}
 
 static enum status make_check(const struct report_options *options, struct runner *runner,
                               struct report *report, struct reason *reason)
@@ -88,21 +89,16 @@ static enum status make_check(const struct report_options *options, struct runne
     line_begin(&line, "check");
     for (size_t i = 0; i < options->scene_count; i++)
         line_word(&line, options->scene[i]);
-    if (!report_is_passed(options, "--layout") && report_line_uses(&line, options, to, "--layout"))
-        report_option(&line, "--layout",
-                      options->quick ? "f32,rf16,rtrs_rf" : "f32,rf16,rtrs_direct,rtrs_rf");
-    if (!report_is_passed(options, "--tri") && !options->quick &&
-        report_line_uses(&line, options, to, "--tri"))
-        report_option(&line, "--tri", "mt,woop");
-    if (!report_is_passed(options, "--box") && !options->quick &&
-        report_line_uses(&line, options, to, "--box"))
-        report_option(&line, "--box", "robust,watertight");
+    own_option(&line, options, to, "--layout",
+               options->quick ? "f32,rf16,rtrs_rf" : "f32,rf16,rtrs_direct,rtrs_rf");
+    if (!options->quick) {
+        own_option(&line, options, to, "--tri", "mt,woop");
+        own_option(&line, options, to, "--box", "robust,watertight");
+    }
     number(&line, "--count", options->count ? options->count : options->quick ? 2000 : 10000);
     number(&line, "--repeat", 1); /* speed is for bench to say */
     number(&line, "--brute", options->quick ? 1000000 : 10000000);
     report_pass_on(&line, options, to);
-    line_word(&line, "--json");
-    line_file(&line, runner, "check.json");
     return run_part(report, runner, cmd_check, &line, "check.json", &part, reason);
 }
 
@@ -140,8 +136,6 @@ static enum status make_bench(const struct report_options *options, struct runne
     number(&line, "--count", count);
     number(&line, "--rounds", options->rounds ? options->rounds : options->quick ? 3 : 5);
     report_pass_on(&line, options, (error ? TO_ERROR : 0u) | TO_OTHERS);
-    line_word(&line, "--json");
-    line_file(&line, runner, file);
     return run_part(report, runner, cmd_bench, &line, file, &part, reason);
 }
 
@@ -152,8 +146,6 @@ static enum status make_machine(const struct report_options *options, struct run
     struct line line;
     line_begin(&line, "doctor");
     report_pass_on(&line, options, TO_OTHERS);
-    line_word(&line, "--json");
-    line_file(&line, runner, "doctor.json");
     return run_part(report, runner, cmd_doctor, &line, "doctor.json", &part, reason);
 }
 
@@ -210,8 +202,8 @@ static enum status make_finding(const struct report_options *options, struct run
                                 struct reason *reason)
 {
     const struct findings_entry *entry = findings_entry(findings, i);
-    char name[FUZZ_SIGNATURE_MOST], path[4096], result[4096];
-    struct run run = {.stopped = false};
+    char name[FUZZ_SIGNATURE_MOST], path[4096];
+    struct run run;
     struct line line;
     fuzz_signature_print(&entry->signature, name);
     findings_path(findings, &entry->signature,
@@ -227,19 +219,11 @@ static enum status make_finding(const struct report_options *options, struct run
         report_layout(&line, plugin_path(entry->signature.layout));
     report_pass_on(&line, options, TO_OTHERS);
     char command[LINE_TEXT_BYTES];
-    snprintf(command, sizeof command, "%s", line.text); /* without what only we need */
-    line_word(&line, "--json");
-    line_file(&line, runner, "finding.json");
-    runner_path(runner, "finding.json", result, sizeof result);
-    remove(result);
-    status = runner_run(runner, cmd_replay, &line, &run, reason);
-    line_free(&line);
+    snprintf(command, sizeof command, "%s", line.text); /* without --json */
+    part.command = command;
+    status = runner_make(runner, cmd_replay, &line, "finding.json", &run, &part, reason);
     if (status || run.stopped)
         return status;
-    struct reason why;
-    enum status read = report_read(result, REPORT_FINDING, &part.json, &why);
-    run_judge(&run, read, &why, &part);
-    part.command = command;
     status = printed(runner, &part.text, reason);
     if (answer.state == BASELINE_KNOWN)
         part.known = answer.text;

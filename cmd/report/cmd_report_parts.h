@@ -21,7 +21,7 @@ struct baseline; /* fuzz/findings/baseline.h */
 
 /* An option that is handed on as it is; `to` are the commands that take it. Shaders go where their
  * layouts go: where one layout is picked of those named, its own does. */
-enum { TO_CHECK = 1, TO_ERROR = 2, TO_OTHERS = 4, TO_PICTURES = 8 };
+enum { TO_CHECK = 1, TO_ERROR = 2, TO_OTHERS = 4, TO_PICTURES = 8, TO_ALL = 15 };
 struct passed {
     unsigned to;
     const char *flag, *value;
@@ -77,7 +77,7 @@ void report_option(struct line *line, const char *flag, const char *value);
 /* Adds --layout, and the shader of one from outside. */
 void report_layout(struct line *line, const char *name);
 
-/* True if the user set it; else the part's own value stands. */
-bool report_is_passed(const struct report_options *options, const char *flag);
+/* The user's value of an option that is handed on to commands of `to`, or NULL. */
+const char *report_passed(const struct report_options *options, unsigned to, const char *flag);
 
 #endif

@@ -17,6 +17,12 @@ const char *gallery_scene(const struct gallery *gallery)
     return gallery->options->scene[gallery->scene];
 }
 
+const char *gallery_named(const struct report_options *options, const char *flag, const char *own)
+{
+    const char *named = report_passed(options, TO_ALL, flag);
+    return named && strcmp(named, "all") != 0 ? named : own;
+}
+
 static void add_line(char *text, size_t text_bytes, const char *line)
 {
     size_t used = strlen(text);
@@ -28,17 +34,6 @@ void gallery_complain(struct gallery *gallery, const char *who, const char *what
     char line[RUN_SAID_MOST + NAME_BYTES];
     snprintf(line, sizeof line, "%s: %.*s", who, (int)strcspn(what, "\n"), what);
     add_line(gallery->why, sizeof gallery->why, line);
-}
-
-enum status gallery_run(struct gallery *gallery, command_fn *command, struct line *line,
-                        struct run *run, struct reason *reason)
-{
-    enum status status = runner_run(gallery->runner, command, line, run, reason);
-    gallery->seconds += run->seconds;
-    gallery->stopped = gallery->stopped || run->stopped;
-    add_line(gallery->commands, sizeof gallery->commands, line->text);
-    line_free(line);
-    return status;
 }
 
 void gallery_file_name(const struct gallery *gallery, const char *what, char name[NAME_BYTES])
@@ -70,7 +65,8 @@ void gallery_show(struct gallery *gallery, const char *title, const char *captio
         gallery_unread(gallery, title, said, status, &why);
 }
 
-void gallery_pass_members(struct line *line, const struct report_options *options, bool layout)
+/* The first of each kind of member that the user named, for commands that take one. */
+static void pass_members(struct line *line, const struct report_options *options, bool layout)
 {
     for (size_t i = 0; i < options->passed_count; i++) {
         const struct passed *passed = &options->passed[i];
@@ -88,6 +84,36 @@ void gallery_pass_members(struct line *line, const struct report_options *option
     report_pass_on(line, options, TO_OTHERS | TO_PICTURES);
 }
 
+void gallery_line(const struct gallery *gallery, const char *command, struct line *line)
+{
+    line_begin(line, command);
+    line_word(line, gallery_scene(gallery));
+}
+
+enum status gallery_run(struct gallery *gallery, command_fn *command, struct line *line,
+                        bool layout, const char *name, const char *json, struct run *run,
+                        struct reason *reason)
+{
+    report_option(line, "-w", "256");
+    report_option(line, "-h", "192");
+    pass_members(line, gallery->options, layout);
+    line_word(line, "--out");
+    line_file(line, gallery->runner, name);
+    if (json) {
+        char path[4096];
+        line_word(line, "--json");
+        line_file(line, gallery->runner, json);
+        runner_path(gallery->runner, json, path, sizeof path);
+        remove(path);
+    }
+    enum status status = runner_run(gallery->runner, command, line, run, reason);
+    gallery->seconds += run->seconds;
+    gallery->stopped = gallery->stopped || run->stopped;
+    add_line(gallery->commands, sizeof gallery->commands, line->text);
+    line_free(line);
+    return status;
+}
+
 /* Draws the scene. *there: there is a picture. */
 static enum status draw(struct gallery *gallery, const char *engine, bool *there,
                         struct reason *reason)
@@ -97,16 +123,10 @@ static enum status draw(struct gallery *gallery, const char *engine, bool *there
     struct line line;
     gallery_file_name(gallery, engine, name);
     snprintf(title, sizeof title, "%.60s", engine);
-    line_begin(&line, "render");
-    line_word(&line, gallery_scene(gallery));
+    gallery_line(gallery, "render", &line);
     report_option(&line, "--engine", engine);
-    report_option(&line, "-w", "256");
-    report_option(&line, "-h", "192");
-    gallery_pass_members(&line, gallery->options, true);
-    line_word(&line, "--out");
-    line_file(&line, gallery->runner, name);
     *there = false;
-    enum status status = gallery_run(gallery, cmd_render, &line, &how, reason);
+    enum status status = gallery_run(gallery, cmd_render, &line, true, name, NULL, &how, reason);
     if (status || gallery->stopped)
         return status;
     if (how.code == EXIT_SKIPPED && !gallery->named) {
@@ -164,23 +184,15 @@ static enum status compare(struct gallery *gallery, const char *const *engine, s
         snprintf(names + used, sizeof names - used, "%s%s", i ? "," : "", engine[i]);
     }
     snprintf(name, sizeof name, "%zu-diff.png", gallery->scene);
-    line_begin(&line, "diff");
-    line_word(&line, gallery_scene(gallery));
+    gallery_line(gallery, "diff", &line);
     report_option(&line, "--engine", names);
-    report_option(&line, "-w", "256");
-    report_option(&line, "-h", "192");
-    gallery_pass_members(&line, gallery->options, true);
-    line_word(&line, "--out");
-    line_file(&line, gallery->runner, name);
-    line_word(&line, "--json");
-    line_file(&line, gallery->runner, "diff.json");
-    runner_path(gallery->runner, "diff.json", path, sizeof path);
-    remove(path);
-    enum status status = gallery_run(gallery, cmd_diff, &line, &how, reason);
+    enum status status =
+        gallery_run(gallery, cmd_diff, &line, true, name, "diff.json", &how, reason);
     if (status || gallery->stopped)
         return status;
     gallery->code = exit_worse(gallery->code, how.code);
     struct reason why;
+    runner_path(gallery->runner, "diff.json", path, sizeof path);
     status = report_read(path, REPORT_PICTURES, &gallery->pairs, &why);
     if (status == STATUS_OK)
         show_maps(gallery, json_object_get(gallery->pairs, "pairs"), how.said);
@@ -197,11 +209,8 @@ static size_t choose_engines(const struct report_options *options, char *text, s
 {
     char *rest = NULL;
     size_t count = 0;
-    snprintf(text, text_bytes, "%s", "cpu,vulkan,embree_robust,embree");
-    for (size_t i = 0; i < options->passed_count; i++)
-        if (strcmp(options->passed[i].flag, "--engine") == 0 &&
-            strcmp(options->passed[i].value, "all") != 0)
-            snprintf(text, text_bytes, "%s", options->passed[i].value);
+    snprintf(text, text_bytes, "%s",
+             gallery_named(options, "--engine", "cpu,vulkan,embree_robust,embree"));
     for (char *at = strtok_r(text, ",", &rest); at && count < ENGINES_MOST;
          at = strtok_r(NULL, ",", &rest))
         engine[count++] = at;
@@ -244,7 +253,7 @@ enum status report_make_pictures(const struct report_options *options, struct ru
                                   .runner = runner,
                                   .report = report,
                                   .scene = s,
-                                  .named = report_is_passed(options, "--engine")};
+                                  .named = report_passed(options, TO_ALL, "--engine") != NULL};
         status = make_scene(&gallery, engine, count, reason);
         if (status || gallery.stopped) {
             json_decref(gallery.pairs);

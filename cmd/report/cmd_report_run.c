@@ -208,15 +208,27 @@ enum status runner_run(struct runner *runner, command_fn *command, const struct 
     return STATUS_OK;
 }
 
-void run_judge(const struct run *run, enum status read, const struct reason *why,
-               struct report_part *part)
+enum status runner_make(struct runner *runner, command_fn *command, struct line *line,
+                        const char *name, struct run *run, struct report_part *part,
+                        struct reason *reason)
 {
+    char path[PATH_MOST];
+    line_word(line, "--json");
+    line_file(line, runner, name);
+    runner_path(runner, name, path, sizeof path);
+    remove(path);
+    enum status status = runner_run(runner, command, line, run, reason);
+    line_free(line);
+    if (status || run->stopped)
+        return status;
+    enum status read = report_read(path, part->kind, &part->json, &run->unread);
     part->code = run->code;
     part->seconds = run->seconds;
-    part->why = (char *)(uintptr_t)run->said; /* copied by report_add */
+    part->why = run->said; /* copied by report_add */
     part->state = REPORT_RAN;
     if (run->dead || read != STATUS_OK)
         part->state = run->code == EXIT_SKIPPED && !run->dead ? REPORT_SKIPPED : REPORT_FAILED;
     if (read != STATUS_OK && (run->code == EXIT_AGREE || run->code == EXIT_MISMATCH))
-        part->why = (char *)(uintptr_t)why->text;
+        part->why = run->unread.text;
+    return STATUS_OK;
 }

@@ -12,15 +12,6 @@ struct part_use {
     struct list engine, layout, rays;
 };
 
-static const char *passed_value(const struct report_options *options, unsigned to, const char *flag)
-{
-    const char *value = NULL;
-    for (size_t i = 0; i < options->passed_count; i++)
-        if ((options->passed[i].to & to) && strcmp(options->passed[i].flag, flag) == 0)
-            value = options->passed[i].value;
-    return value;
-}
-
 static const char *value_of(const struct line *line, const char *flag)
 {
     for (int i = 0; i + 1 < line->argc; i++)
@@ -46,11 +37,11 @@ static void use_of_line(const struct line *line, const struct report_options *op
     const bool picture = strcmp(command, "render") == 0 || strcmp(command, "diff") == 0;
     const bool bench = strcmp(command, "bench") == 0;
     const char *layout = value_of(line, "--layout");
-    named = named ? named : passed_value(options, to, "--engine");
-    layout = layout ? layout : passed_value(options, to, "--layout");
+    named = named ? named : report_passed(options, to, "--engine");
+    layout = layout ? layout : report_passed(options, to, "--layout");
     out->engine = list_of(TABLE_ENGINES, named, picture ? "cpu" : NULL);
     out->layout = list_of(TABLE_LAYOUTS, layout, NULL);
-    out->rays = list_of(TABLE_RAY_SETS, passed_value(options, to, "--rays"), "mixed");
+    out->rays = list_of(TABLE_RAY_SETS, report_passed(options, to, "--rays"), "mixed");
     out->use = (struct option_use){.engine = &out->engine,
                                    .layout = &out->layout,
                                    .rays = picture ? NULL : &out->rays,
@@ -78,8 +69,10 @@ int report_check_use(const struct report_options *options)
     static const char machine[] = " threads driver device workgroup peer-time peer-memory shader";
     const bool plays = options->scene_count > 0, *wanted = options->wanted;
     char only[4000] = "out title time json parts check bench benchmark picture doctor findings";
-    const struct list engine = list_of(TABLE_ENGINES, passed_value(options, ~0u, "--engine"), NULL);
-    const struct list layout = list_of(TABLE_LAYOUTS, passed_value(options, ~0u, "--layout"), NULL);
+    const struct list engine =
+        list_of(TABLE_ENGINES, report_passed(options, TO_ALL, "--engine"), NULL);
+    const struct list layout =
+        list_of(TABLE_LAYOUTS, report_passed(options, TO_ALL, "--layout"), NULL);
     const struct option_use of_engines = {.engine = &engine, .layout = &layout};
     const struct {
         bool is_there;
