@@ -128,12 +128,6 @@ void baseline_close(struct baseline *baseline)
     *baseline = (struct baseline){0};
 }
 
-const char *baseline_state_name(enum baseline_state state)
-{
-    static const char *const name[] = {"new", "known", "expired"};
-    return name[state];
-}
-
 void baseline_today(char day[BASELINE_DAY])
 {
     time_t now = time(NULL);

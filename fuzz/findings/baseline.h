@@ -34,9 +34,6 @@ enum baseline_state {
     BASELINE_EXPIRED, /* was known; counts as new */
 };
 
-/* "new", "known", "expired". */
-const char *baseline_state_name(enum baseline_state state);
-
 struct baseline_answer {
     enum baseline_state state;
     char text[768]; /* one line: reason, link, where that stands; "" if new */

@@ -6,31 +6,35 @@
 
 #define FINDING_WORD_MOST 192
 
-/* Takes the next word of the line, which must be shorter than FINDING_WORD_MOST; `what` names it in
- * the reason. Errors: STATUS_INPUT. */
-enum status finding_word(struct scan *scan, const char *what, char word[FINDING_WORD_MOST],
-                         struct reason *reason) MUST_USE;
+/* A text being read. After the first error the functions below read nothing and return 0 or "", so
+ * that a reader tests `status` only where it depends on what was read. */
+struct finding_scan {
+    struct scan scan;
+    struct reason *reason;
+    enum status status; /* of the first error: STATUS_INPUT "NAME:LINE: rule" */
+};
 
-/* Takes the word `expected` and nothing else. Errors: STATUS_INPUT. */
-enum status finding_keyword(struct scan *scan, const char *expected,
-                            struct reason *reason) MUST_USE;
+/* Reads the next word of the line, which must be shorter than FINDING_WORD_MOST; `what` names it in
+ * the reason. */
+void finding_word(struct finding_scan *in, const char *what, char word[FINDING_WORD_MOST]);
 
-/* Takes a whole number, decimal digits alone, of at most `most`. Errors: STATUS_INPUT. */
-enum status finding_whole(struct scan *scan, const char *what, uint64_t most, uint64_t *out,
-                          struct reason *reason) MUST_USE;
+/* Reads the word `expected`; any other is an error. */
+void finding_keyword(struct finding_scan *in, const char *expected);
 
-/* Takes a float (ref/base/float_word.h), a finite one unless `any`. Errors: STATUS_INPUT. */
-enum status finding_float(struct scan *scan, const char *what, bool any, float *out,
-                          struct reason *reason) MUST_USE;
+/* Reads a whole number, decimal digits only, of at most `most`. */
+uint64_t finding_whole(struct finding_scan *in, const char *what, uint64_t most);
 
-/* Takes the rest of the line as text, blanks around it left out: printable ASCII and tabs, shorter
- * than `size`. Errors: STATUS_INPUT. */
-enum status finding_text(struct scan *scan, char *out, size_t size, struct reason *reason) MUST_USE;
+/* Reads a float (ref/base/float_word.h), a finite one unless `any`. */
+float finding_float(struct finding_scan *in, const char *what, bool any);
 
-/* Nothing may follow on this line; goes to the next. Errors: STATUS_INPUT. */
-enum status finding_line_end(struct scan *scan, struct reason *reason) MUST_USE;
+/* Reads the rest of the line, without blanks at its ends: printable ASCII and tabs, shorter than
+ * `size`. */
+void finding_text(struct finding_scan *in, char *out, size_t size);
+
+/* Goes to the next line; a further word on this one is an error. */
+void finding_line_end(struct finding_scan *in);
 
 /* Skips blank lines and comments; then the cursor is at a word or at the end of the file. */
-void finding_skip(struct scan *scan);
+void finding_skip(struct finding_scan *in);
 
 #endif

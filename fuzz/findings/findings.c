@@ -26,12 +26,21 @@ int findings_order_compare(const struct findings_order *a, const struct findings
     return a->hash < b->hash ? -1 : a->hash > b->hash;
 }
 
-struct findings_member *findings_member_of(struct findings *findings,
-                                           const struct fuzz_signature *signature)
+static struct findings_member *find(const struct findings *findings,
+                                    const struct fuzz_signature *signature)
 {
     for (size_t i = 0; i < findings->count; i++)
         if (fuzz_signature_same(&findings->member[i].entry.signature, signature))
             return &findings->member[i];
+    return NULL;
+}
+
+struct findings_member *findings_member_of(struct findings *findings,
+                                           const struct fuzz_signature *signature)
+{
+    struct findings_member *known = find(findings, signature);
+    if (known)
+        return known;
     void *array = findings->member;
     enum status status =
         array_reserve(&array, &findings->capacity, findings->count + 1, sizeof *findings->member);
@@ -64,46 +73,16 @@ static uint64_t key_of(const struct fuzz_signature *signature, const struct find
     return hash ? hash : 1;
 }
 
-/* The slot of that key, or the empty one where it belongs. */
-static uint64_t *slot_of(const struct findings_keys *keys, uint64_t key)
-{
-    size_t i = (size_t)(key >> 20) & (keys->capacity - 1);
-    while (keys->slot[i] && keys->slot[i] != key)
-        i = (i + 1) & (keys->capacity - 1);
-    return &keys->slot[i];
-}
-
-static bool keys_grow(struct findings_keys *keys)
-{
-    struct findings_keys grown = {NULL, keys->capacity ? 2 * keys->capacity : 1024, keys->count};
-    grown.slot = alloc_zeroed(grown.capacity, sizeof *grown.slot);
-    if (!grown.slot)
-        return false;
-    for (size_t i = 0; i < keys->capacity; i++)
-        if (keys->slot[i])
-            *slot_of(&grown, keys->slot[i]) = keys->slot[i];
-    free(keys->slot);
-    *keys = grown;
-    return true;
-}
-
 bool findings_is_known(const struct findings *findings, const struct fuzz_signature *signature,
                        const struct findings_order *order, uint32_t ray)
 {
-    const struct findings_keys *keys = &findings->keys;
-    return keys->capacity > 0 && *slot_of(keys, key_of(signature, order, ray));
+    return number_set_has(&findings->keys, key_of(signature, order, ray));
 }
 
 bool findings_know(struct findings *findings, const struct fuzz_signature *signature,
                    const struct findings_order *order, uint32_t ray)
 {
-    struct findings_keys *keys = &findings->keys;
-    uint64_t key = key_of(signature, order, ray);
-    if (2 * (keys->count + 1) > keys->capacity && !keys_grow(keys))
-        return false;
-    keys->count += *slot_of(keys, key) == 0;
-    *slot_of(keys, key) = key;
-    return true;
+    return number_set_add(&findings->keys, key_of(signature, order, ray));
 }
 
 static enum status open_folder(const char *folder, bool writable, struct findings **out,
@@ -173,10 +152,8 @@ const struct findings_entry *findings_entry(const struct findings *findings, siz
 const struct findings_entry *findings_find(const struct findings *findings,
                                            const struct fuzz_signature *signature)
 {
-    for (size_t i = 0; i < findings->count; i++)
-        if (fuzz_signature_same(&findings->member[i].entry.signature, signature))
-            return &findings->member[i].entry;
-    return NULL;
+    const struct findings_member *member = find(findings, signature);
+    return member ? &member->entry : NULL;
 }
 
 enum status findings_get(const struct findings *findings, const struct fuzz_signature *signature,
@@ -273,11 +250,11 @@ enum status findings_offer(struct findings *findings, const struct finding_file 
                            struct findings_news *news, struct reason *reason)
 {
     *news = (struct findings_news){0};
-    if (!file->has_signature || !findings_find(findings, &file->signature))
+    struct findings_member *member = file->has_signature ? find(findings, &file->signature) : NULL;
+    if (!member)
         return fail(reason, STATUS_INPUT, "%s: no finding has this signature",
                     findings->folder.path);
-    return put_smallest(findings, findings_member_of(findings, &file->signature), file, news,
-                        reason);
+    return put_smallest(findings, member, file, news, reason);
 }
 
 enum status findings_checkpoint(struct findings *findings, const char *state, struct reason *reason)

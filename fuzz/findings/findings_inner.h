@@ -3,14 +3,9 @@
 #define FUZZ_FINDINGS_INNER_H
 
 #include "fuzz/findings/findings.h"
+#include "fuzz/play/number_set.h"
 
 #define FINDINGS_PATH_MOST 4096
-
-/* Hashes of what the log has; open addressing, 0 is empty. */
-struct findings_keys {
-    uint64_t *slot;
-    size_t capacity, count; /* capacity is a power of two */
-};
 
 /* A line of the log. */
 struct findings_line {
@@ -37,7 +32,7 @@ struct findings {
     uint64_t log_size, checkpoints;
     struct findings_member *member;
     size_t count, capacity;
-    struct findings_keys keys;
+    struct number_set keys; /* hashes of the lines that the log has */
     char state[FINDINGS_STATE_MOST];
     struct reason said;
 };

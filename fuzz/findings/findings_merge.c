@@ -43,13 +43,18 @@ static enum status keep(void *user, const struct findings_line *line, struct rea
     return STATUS_OK;
 }
 
+static int compare_signatures(const struct fuzz_signature *a, const struct fuzz_signature *b)
+{
+    char first[FUZZ_SIGNATURE_MOST], second[FUZZ_SIGNATURE_MOST];
+    fuzz_signature_print(a, first);
+    fuzz_signature_print(b, second);
+    return strcmp(first, second);
+}
+
 static int compare_kept(const void *a, const void *b)
 {
     const struct kept *x = a, *y = b;
-    char first[FUZZ_SIGNATURE_MOST], second[FUZZ_SIGNATURE_MOST];
-    fuzz_signature_print(&x->signature, first);
-    fuzz_signature_print(&y->signature, second);
-    int order = strcmp(first, second);
+    int order = compare_signatures(&x->signature, &y->signature);
     if (!order)
         order = findings_order_compare(&x->order, &y->order);
     if (!order && x->ray != y->ray)
@@ -60,10 +65,7 @@ static int compare_kept(const void *a, const void *b)
 static int compare_members(const void *a, const void *b)
 {
     const struct findings_member *x = a, *y = b;
-    char first[FUZZ_SIGNATURE_MOST], second[FUZZ_SIGNATURE_MOST];
-    fuzz_signature_print(&x->entry.signature, first);
-    fuzz_signature_print(&y->entry.signature, second);
-    return strcmp(first, second);
+    return compare_signatures(&x->entry.signature, &y->entry.signature);
 }
 
 static enum status open_sources(struct merging *m, struct reason *reason)

@@ -4,6 +4,7 @@
 #include "fuzz/shrink/shrink.h"
 
 #include "fuzz/shrink/shrink_inner.h"
+#include "fuzz/play/number_set.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -28,8 +29,7 @@ struct shrinker {
     const struct shrink_options *options;
     struct shrink_stats *stats;
     uint64_t most, start;
-    uint64_t *seen; /* hashes of trials that did not show it; 0: free */
-    size_t seen_count, seen_capacity;
+    struct number_set seen; /* hashes, with bit 0 set, of trials that did not show it */
     struct fuzz_trial candidate[SHRINK_BATCH];
     struct shrink_place place[SHRINK_BATCH]; /* of each */
     uint64_t hash[SHRINK_BATCH];
@@ -46,42 +46,6 @@ const char *shrink_end_name(enum shrink_end end)
 static uint64_t cost(const struct fuzz_trial *trial)
 {
     return 1 + trial->scene.tri_count / THINGS_PER_ASK + trial->ray_count / THINGS_PER_ASK;
-}
-
-/* --- what was asked before ------------------------------------------------------------------- */
-
-static size_t seen_slot(const struct shrinker *s, uint64_t hash)
-{
-    size_t at = (size_t)(hash & (s->seen_capacity - 1));
-    while (s->seen[at] && s->seen[at] != hash)
-        at = (at + 1) & (s->seen_capacity - 1);
-    return at;
-}
-
-static bool was_seen(const struct shrinker *s, uint64_t hash)
-{
-    return s->seen_capacity && s->seen[seen_slot(s, hash | 1)] != 0;
-}
-
-static enum status note_seen(struct shrinker *s, uint64_t hash)
-{
-    if (2 * (s->seen_count + 1) > s->seen_capacity) {
-        struct shrinker grown = *s;
-        grown.seen_capacity = s->seen_capacity ? 2 * s->seen_capacity : 1024;
-        grown.seen = alloc_zeroed(grown.seen_capacity, sizeof *grown.seen);
-        if (!grown.seen)
-            return STATUS_MEMORY;
-        for (size_t i = 0; i < s->seen_capacity; i++)
-            if (s->seen[i])
-                grown.seen[seen_slot(&grown, s->seen[i])] = s->seen[i];
-        free(s->seen);
-        s->seen = grown.seen;
-        s->seen_capacity = grown.seen_capacity;
-    }
-    size_t at = seen_slot(s, hash | 1); /* 0 is a free slot */
-    s->seen_count += s->seen[at] == 0;
-    s->seen[at] = hash | 1;
-    return STATUS_OK;
 }
 
 /* --- places of a pass ------------------------------------------------------------------------ */
@@ -135,7 +99,7 @@ static bool worth_asking(struct shrinker *s, const struct fuzz_trial *trial)
     uint64_t hash = size.hash;
     best.hash = hash;
     if (fuzz_trial_size_compare(&size, &best) >= 0 || fuzz_trial_check(trial, NULL) ||
-        was_seen(s, hash))
+        number_set_has(&s->seen, hash | 1))
         return false;
     for (size_t i = 0; i < s->count; i++)
         if (s->hash[i] == hash)
@@ -198,8 +162,8 @@ static enum status ask(struct shrinker *s, size_t *first, struct reason *reason)
             *first = i;
             return STATUS_OK;
         }
-        if ((status = note_seen(s, s->hash[i])))
-            (void)fail(reason, status, "no memory to shrink a trial");
+        if (!number_set_add(&s->seen, s->hash[i] | 1))
+            status = fail(reason, STATUS_MEMORY, "no memory to shrink a trial");
     }
     if (paid < s->count)
         stop(s, SHRINK_OUT_OF_ASKS);
@@ -288,7 +252,7 @@ enum status fuzz_shrink_trial(const struct fuzz_trial *from, shrink_ask_fn *ask_
     else if (!status)
         status = run_rounds(&s, reason);
     clear_candidates(&s);
-    free(s.seen);
+    free(s.seen.slot);
     if (status)
         fuzz_trial_free(&s.best);
     else
