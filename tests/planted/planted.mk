@@ -10,7 +10,7 @@ RECORDS := $(wildcard tests/planted/*.txt) tests/planted/plant.sh
 define plant_tree
 $(SELFTEST)/$(1).$(2)/planted: $(RECORDS) $(3)
 	@mkdir -p $$(@D)
-	@sh tests/planted/plant.sh $(1) $$(@D)/tree && touch $$@
+	@rm -rf $$(@D)/tree && sh tests/planted/plant.sh $(1) $$(@D)/tree && touch $$@
 endef
 # $(call plant,BUG,UNIT): of a C unit. It comes before the library, so that the library's is not taken.
 define plant_unit
