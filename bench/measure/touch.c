@@ -177,7 +177,10 @@ enum status touch_make(const struct packed *packed, const struct scene *scene, b
 enum status touch_ray(struct touch *touch, const struct job *job, const struct ray *ray,
                       struct hit *hit)
 {
-    return trace_ray(&touch->packed, touch->scene, job->box, job->tri, job->query, ray, hit, NULL);
+    struct job own = *job;
+    own.scene = touch->scene;
+    own.packed = &touch->packed;
+    return trace_ray(&own, ray, hit, NULL);
 }
 
 void touch_free(struct touch *touch)

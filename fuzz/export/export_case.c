@@ -243,9 +243,8 @@ static enum status make_reference(struct export_case *the, struct reason *reason
         return fail(reason, STATUS_MEMORY, "no memory for the answers of C");
     }
     if (the->layout)
-        the->reference_fails =
-            trace_rays(&the->packed, &trial->scene, trial->box, trial->tri, trial->query, the->ray,
-                       the->ray_count, the->reference, flag, NULL) != STATUS_OK;
+        the->reference_fails = trace_rays(&the->job, the->ray, the->ray_count, the->reference, flag,
+                                          NULL) != STATUS_OK;
     for (uint32_t i = 0; i < the->ray_count && !the->layout; i++)
         trace_brute(&trial->scene, trial->tri, trial->query, &the->ray[i], &the->reference[i]);
     free(flag);

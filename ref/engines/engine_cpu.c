@@ -6,20 +6,13 @@
 
 #include <stdio.h>
 
-static enum status cpu_ray(const struct job *job, const struct ray *ray, struct hit *hit,
-                           struct trace_counts *counts)
-{
-    return trace_ray(job->packed, job->scene, job->box, job->tri, job->query, ray, hit, counts);
-}
-
 static void cpu_task(struct engine_task *task)
 {
     const struct job *job = &task->job;
     task->status = tri_store_check(job->packed->store, job->tri->id, job->tri->name, &task->reason);
     if (task->status)
         return;
-    if (trace_rays(job->packed, job->scene, job->box, job->tri, job->query, task->ray,
-                   task->ray_count, task->hit, task->flag, task->work))
+    if (trace_rays(job, task->ray, task->ray_count, task->hit, task->flag, task->work))
         task->status = fail(&task->reason, STATUS_DEVICE,
                             "rays not finished: stack of %u or %u nodes exhausted",
                             job->packed->stack_need, job->packed->node_count);
@@ -36,14 +29,13 @@ static enum status cpu_tasks(void *self, struct engine_task *task, size_t count,
 static enum status cpu_ray_all(const struct job *job, const struct ray *ray, uint32_t capacity,
                                struct hit *hit, uint32_t *count)
 {
-    return trace_ray_all(job->packed, job->scene, job->box, job->tri, ray, capacity, hit, count,
-                         NULL);
+    return trace_ray_all(job, ray, capacity, hit, count, NULL);
 }
 
 static enum status cpu_open(const struct engine_options *options, void **self,
                             struct reason *reason)
 {
-    return cpu_rays_open(options, cpu_ray, cpu_ray_all, self, reason);
+    return cpu_rays_open(options, trace_ray, cpu_ray_all, self, reason);
 }
 
 static struct model cpu_model(void *self, const struct tri_test *tri)

@@ -13,18 +13,10 @@ struct stackless {
     uint64_t bytes;   /* of that */
 };
 
-static enum status answer(const struct job *job, const struct ray *ray, struct hit *hit,
-                          struct trace_counts *counts)
-{
-    return trace_ray_linked(job->packed, job->parent, job->scene, job->box, job->tri, job->query,
-                            ray, hit, counts);
-}
-
 static enum status answer_all(const struct job *job, const struct ray *ray, uint32_t capacity,
                               struct hit *hit, uint32_t *count)
 {
-    return trace_ray_all_linked(job->packed, job->parent, job->scene, job->box, job->tri, ray,
-                                capacity, hit, count, NULL);
+    return trace_ray_all(job, ray, capacity, hit, count, NULL);
 }
 
 static void stackless_close(void *self)
@@ -44,7 +36,7 @@ static enum status stackless_open(const struct engine_options *options, void **s
     *self = s;
     if (!s)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
-    enum status status = cpu_rays_open(options, answer, answer_all, &s->rays, reason);
+    enum status status = cpu_rays_open(options, trace_ray, answer_all, &s->rays, reason);
     if (status) {
         stackless_close(s);
         *self = NULL;

@@ -84,8 +84,8 @@ static size_t place_hits(const struct ray *ray, struct all_hits *all)
     return retries;
 }
 
-/* Leaves one of equal hits of each ray. A triangle is tested by the same operations wherever it is
- * listed; if its hits differ in a bit nevertheless, they are left for the caller to see. */
+/* Keeps one of equal hits of each ray. A triangle is tested by the same operations wherever it is
+ * listed; hits of one triangle that nevertheless differ in a bit are all kept. */
 static void remove_repeats(struct all_hits *all)
 {
     size_t kept = 0;

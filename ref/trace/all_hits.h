@@ -1,4 +1,4 @@
-/* All hits of many rays in bounded memory: asks an engine's trace_all with little room a ray, then
+/* All hits of many rays in bounded memory: calls an engine's trace_all with little room per ray, then
  * again with enough for the rays whose hits did not fit. */
 #ifndef ALL_HITS_H
 #define ALL_HITS_H
@@ -25,7 +25,7 @@ struct all_hits {
 };
 
 /* Finds all hits of the first rays of `ray`, at least one and as many as the limits above allow;
- * the caller goes on behind the first out->done. `self` was prepared with QUERY_ALL and ray_count
+ * the caller continues after the first out->done. `self` was prepared with QUERY_ALL and ray_count
  * is not 0. Errors: STATUS_UNSUPPORTED the engine has no trace_all; those of trace_all;
  * STATUS_DEVICE also if a ray's second tracing found another number of hits than its first;
  * STATUS_MEMORY. */

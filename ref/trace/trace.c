@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The whole walk. Inlined where the tests are known, so that each pair of them has a loop of its
- * own: fuzzing spends most of its time here. */
+/* The whole walk. Inlined where the tests are known, so that each pair of them has its own loop:
+ * fuzzing spends most of its time here. */
 static inline __attribute__((always_inline)) enum status walk_tree(struct walk *w, uint32_t box_id,
                                                                    uint32_t tri_id)
 {
@@ -58,28 +58,29 @@ static enum status walk_watertight(struct walk *w, uint32_t tri_id)
     return walk_tree(w, ABI_BOX_WATERTIGHT, tri_id);
 }
 
-static enum status walk_with(struct walk *w, const struct box_test *box, const struct tri_test *tri)
+static enum status walk_with(struct walk *w, const struct job *job)
 {
-    if (box->id == ABI_BOX_ROBUST)
-        return walk_robust(w, tri->id);
-    if (box->id == ABI_BOX_WATERTIGHT)
-        return walk_watertight(w, tri->id);
-    return walk_tree(w, box->id, tri->id);
+    if (job->box->id == ABI_BOX_ROBUST)
+        return walk_robust(w, job->tri->id);
+    if (job->box->id == ABI_BOX_WATERTIGHT)
+        return walk_watertight(w, job->tri->id);
+    return walk_tree(w, job->box->id, job->tri->id);
 }
 
-static void walk_start(struct walk *w, const struct packed *packed, const struct wide *decoded,
-                       const struct scene *scene, enum query query, const struct ray *ray)
+static void walk_start(struct walk *w, const struct job *job, const struct wide *decoded,
+                       const struct ray *ray)
 {
+    const struct packed *packed = job->packed;
     w->packed = packed;
     w->store = packed->store;
     w->stored = packed->node_count > 0 && !tri_store_reads_scene(packed->store);
     w->listed =
         packed->node_count > 0 && !packed->layout->item && packed->store->id == ABI_STORE_INDEXED;
-    w->parent = NULL;
+    w->parent = job->parent;
     w->trail = 0;
     w->decoded = decoded;
-    w->scene = scene;
-    w->query = query;
+    w->scene = job->scene;
+    w->query = job->query;
     w->slab = slab_ray_make(ray);
     w->tri = tri_ray_make(ray);
     w->best = (struct hit){.prim = ABI_NO_PRIM};
@@ -97,22 +98,12 @@ static void walk_count(const struct walk *w, struct trace_counts *counts)
     }
 }
 
-enum status trace_ray(const struct packed *packed, const struct scene *scene,
-                      const struct box_test *box, const struct tri_test *tri, enum query query,
-                      const struct ray *ray, struct hit *out, struct trace_counts *counts)
-{
-    return trace_ray_linked(packed, NULL, scene, box, tri, query, ray, out, counts);
-}
-
-enum status trace_ray_linked(const struct packed *packed, const uint32_t *parent,
-                             const struct scene *scene, const struct box_test *box,
-                             const struct tri_test *tri, enum query query, const struct ray *ray,
-                             struct hit *out, struct trace_counts *counts)
+enum status trace_ray(const struct job *job, const struct ray *ray, struct hit *out,
+                      struct trace_counts *counts)
 {
     struct walk w;
-    walk_start(&w, packed, NULL, scene, query, ray);
-    w.parent = parent;
-    enum status status = walk_with(&w, box, tri);
+    walk_start(&w, job, NULL, ray);
+    enum status status = walk_with(&w, job);
     *out = status ? (struct hit){.prim = ABI_NO_PRIM} : w.best;
     walk_count(&w, counts);
     return status;
@@ -123,11 +114,10 @@ static uint32_t at_most(uint64_t count)
     return count < 0xFFFF ? (uint32_t)count : 0xFFFF;
 }
 
-enum status trace_rays(const struct packed *packed, const struct scene *scene,
-                       const struct box_test *box, const struct tri_test *tri, enum query query,
-                       const struct ray *ray, size_t count, struct hit *out, uint32_t *flag,
-                       uint32_t *work)
+enum status trace_rays(const struct job *job, const struct ray *ray, size_t count, struct hit *out,
+                       uint32_t *flag, uint32_t *work)
 {
+    const struct packed *packed = job->packed;
     struct wide *decoded = NULL;
     enum status status = STATUS_OK;
     /* Without memory, or if it does not pay, each ray decodes what it visits. */
@@ -137,8 +127,8 @@ enum status trace_rays(const struct packed *packed, const struct scene *scene,
         packed->layout->load(packed, i, &decoded[i]);
     for (size_t i = 0; i < count; i++) {
         struct walk w;
-        walk_start(&w, packed, decoded, scene, query, &ray[i]);
-        bool finished = walk_with(&w, box, tri) == STATUS_OK;
+        walk_start(&w, job, decoded, &ray[i]);
+        bool finished = walk_with(&w, job) == STATUS_OK;
         out[i] = finished ? w.best : (struct hit){.prim = ABI_NO_PRIM};
         flag[i] = finished ? ABI_FLAG_DONE : ABI_FLAG_EXHAUSTED;
         if (work)
@@ -149,26 +139,15 @@ enum status trace_rays(const struct packed *packed, const struct scene *scene,
     return status;
 }
 
-enum status trace_ray_all(const struct packed *packed, const struct scene *scene,
-                          const struct box_test *box, const struct tri_test *tri,
-                          const struct ray *ray, uint32_t capacity, struct hit *out,
-                          uint32_t *count, struct trace_counts *counts)
-{
-    return trace_ray_all_linked(packed, NULL, scene, box, tri, ray, capacity, out, count, counts);
-}
-
-enum status trace_ray_all_linked(const struct packed *packed, const uint32_t *parent,
-                                 const struct scene *scene, const struct box_test *box,
-                                 const struct tri_test *tri, const struct ray *ray,
-                                 uint32_t capacity, struct hit *out, uint32_t *count,
-                                 struct trace_counts *counts)
+enum status trace_ray_all(const struct job *job, const struct ray *ray, uint32_t capacity,
+                          struct hit *out, uint32_t *count, struct trace_counts *counts)
 {
     struct walk w;
-    walk_start(&w, packed, NULL, scene, QUERY_ALL, ray);
-    w.parent = parent;
+    walk_start(&w, job, NULL, ray);
+    w.query = QUERY_ALL;
     w.list = out;
     w.capacity = capacity;
-    enum status status = walk_with(&w, box, tri);
+    enum status status = walk_with(&w, job);
     *count = status ? 0 : w.found;
     walk_count(&w, counts);
     return status;

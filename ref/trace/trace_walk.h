@@ -101,7 +101,7 @@ static inline bool walk_down(struct walk *w, bool other_waits)
 }
 
 /* Up to the next child that waits and can still hold something nearer. Its box is tested again,
- * which tells what an entry distance on a stack would: it met the ray before, and only tbest is
+ * which has the result of an entry distance on a stack: it met the ray before, and only tbest is
  * new. */
 static inline bool walk_up(struct walk *w, uint32_t box_id, uint32_t ref, uint32_t *next)
 {
@@ -126,8 +126,8 @@ static inline bool walk_up(struct walk *w, uint32_t box_id, uint32_t ref, uint32
     return false;
 }
 
-/* Chooses the next node among two children: *next, or *any = false if none is hit. Pushes the one
- * that waits. Returns false if the stack is full. */
+/* Chooses the next node of two children: *next, or *any = false if none is hit. Pushes the one that
+ * waits. Returns false if the stack is full. */
 static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide *node,
                               uint32_t *next, bool *any)
 {

@@ -141,13 +141,16 @@ static enum status find_spots(const struct packed *packed, const struct scene *s
                               struct camera_spot *spot, size_t *spot_count, struct reason *reason)
 {
     struct pinhole pinhole = pinhole_make(camera);
-    const struct box_test *box = box_test_find("robust");
-    const struct tri_test *tri = tri_test_find("mt");
+    const struct job job = {.scene = scene,
+                            .packed = packed,
+                            .box = box_test_find("robust"),
+                            .tri = tri_test_find("mt"),
+                            .query = QUERY_CLOSEST};
     *spot_count = 0;
     pinhole_rays(&pinhole, count, ray);
     for (size_t i = 0; i < count; i++) {
         struct hit hit;
-        enum status status = trace_ray(packed, scene, box, tri, QUERY_CLOSEST, &ray[i], &hit, NULL);
+        enum status status = trace_ray(&job, &ray[i], &hit, NULL);
         if (status)
             return fail(reason, status, "bounce: the traversal of a camera ray did not end");
         if (hit.prim != ABI_NO_PRIM && spot_make(scene, &ray[i], &hit, &spot[*spot_count]))

@@ -161,14 +161,22 @@ static void a_ray_can_use_the_whole_stack(void **state)
     for (size_t l = 0; l < ARRAY_COUNT(repaired); l++) {
         struct held h = chain(repaired[l], 64);
         struct hit hit;
-        assert_int_equal(trace_ray(&h.packed, &h.scene, box_test_find("robust"),
-                                   tri_test_find("mt"), QUERY_CLOSEST, &ray, &hit, NULL),
+        assert_int_equal(trace_ray(&(struct job){.scene = &h.scene,
+                                                 .packed = &h.packed,
+                                                 .box = box_test_find("robust"),
+                                                 .tri = tri_test_find("mt"),
+                                                 .query = QUERY_CLOSEST},
+                                   &ray, &hit, NULL),
                          STATUS_OK);
         assert_int_equal(hit.prim, 64);
         assert_true(hit.t == 936);
         h.packed.stack_need = 63;
-        assert_int_equal(trace_ray(&h.packed, &h.scene, box_test_find("robust"),
-                                   tri_test_find("mt"), QUERY_CLOSEST, &ray, &hit, NULL),
+        assert_int_equal(trace_ray(&(struct job){.scene = &h.scene,
+                                                 .packed = &h.packed,
+                                                 .box = box_test_find("robust"),
+                                                 .tri = tri_test_find("mt"),
+                                                 .query = QUERY_CLOSEST},
+                                   &ray, &hit, NULL),
                          STATUS_LIMIT);
         release(&h);
     }

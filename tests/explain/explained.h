@@ -63,9 +63,12 @@ static inline struct explain_case case_of(const struct suspect *s, const struct 
 static inline struct explain_answer answer_of(const struct suspect *s, const struct ray *ray)
 {
     struct explain_answer answer = {.finished = true};
-    answer.finished =
-        trace_ray(s->tree.packed, s->scene, box_test_find(s->box), tri_test_find(s->tri),
-                  QUERY_CLOSEST, ray, &answer.hit, NULL) == STATUS_OK;
+    answer.finished = trace_ray(&(struct job){.scene = s->scene,
+                                              .packed = s->tree.packed,
+                                              .box = box_test_find(s->box),
+                                              .tri = tri_test_find(s->tri),
+                                              .query = QUERY_CLOSEST},
+                                ray, &answer.hit, NULL) == STATUS_OK;
     return answer;
 }
 

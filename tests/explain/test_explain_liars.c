@@ -54,11 +54,13 @@ static bool ask(void *user, const struct ray *ray, size_t count, struct hit *out
         struct explain_case the = case_of(engine->suspect, &ray[i]);
         bool is_it = !engine->only || is_near(engine->only, &ray[i]);
         if (engine->bytes)
-            finished =
-                trace_ray(engine->bytes, engine->suspect->scene,
-                          box_test_find(engine->suspect->box), tri_test_find(engine->suspect->tri),
-                          QUERY_CLOSEST, &ray[i], &out[i], NULL) == STATUS_OK &&
-                finished;
+            finished = trace_ray(&(struct job){.scene = engine->suspect->scene,
+                                               .packed = engine->bytes,
+                                               .box = box_test_find(engine->suspect->box),
+                                               .tri = tri_test_find(engine->suspect->tri),
+                                               .query = QUERY_CLOSEST},
+                                 &ray[i], &out[i], NULL) == STATUS_OK &&
+                       finished;
         else
             finished = replay_run(&the.replay, is_it ? &engine->change : &healthy, &ray[i], &out[i],
                                   NULL) == REPLAY_DONE &&

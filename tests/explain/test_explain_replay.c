@@ -48,8 +48,12 @@ static void same_as_trace_ray(const struct subject *s, const struct ray *ray)
                                                     .tri_id = tri_tests[t]->id,
                                                     .query = (enum query)q};
                     struct hit hit, expected;
-                    enum status status = trace_ray(&s->packed, s->scene, box_tests[b], tri_tests[t],
-                                                   (enum query)q, &ray[i], &expected, NULL);
+                    enum status status = trace_ray(&(struct job){.scene = s->scene,
+                                                                 .packed = &s->packed,
+                                                                 .box = box_tests[b],
+                                                                 .tri = tri_tests[t],
+                                                                 .query = (enum query)q},
+                                                   &ray[i], &expected, NULL);
                     enum replay_end end = replay_run(&replay, &plain, &ray[i], &hit, NULL);
                     assert_int_equal(end == REPLAY_DONE, status == STATUS_OK);
                     assert_memory_equal(&hit, &expected, sizeof hit);
@@ -271,8 +275,12 @@ static size_t count_differences(const struct explain_tree *tree, const struct pa
     size_t differences = 0;
     for (size_t i = 0; i < RAYS; i++) {
         struct hit hit, expected;
-        assert_int_equal(trace_ray(packed, tree->scene, box_tests[0], tri, QUERY_CLOSEST, &ray[i],
-                                   &expected, NULL),
+        assert_int_equal(trace_ray(&(struct job){.scene = tree->scene,
+                                                 .packed = packed,
+                                                 .box = box_tests[0],
+                                                 .tri = tri,
+                                                 .query = QUERY_CLOSEST},
+                                   &ray[i], &expected, NULL),
                          STATUS_OK);
         assert_int_equal(replay_run(&replay, &change, &ray[i], &hit, NULL), REPLAY_DONE);
         differences += memcmp(&hit, &expected, sizeof hit) != 0;

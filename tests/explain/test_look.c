@@ -42,9 +42,18 @@ static void counts_as_the_traversal(const struct subject *s, const struct box_te
         struct ray_numbers got;
         struct hit hit;
         struct trace_counts one = {0, 0};
-        enum status status =
-            trace_ray(&s->packed, s->scene, box, tri, QUERY_CLOSEST, &ray[i], &hit, &one);
-        (void)!trace_ray(&s->packed, s->scene, box, tri, QUERY_CLOSEST, &ray[i], &hit, &all);
+        enum status status = trace_ray(&(struct job){.scene = s->scene,
+                                                     .packed = &s->packed,
+                                                     .box = box,
+                                                     .tri = tri,
+                                                     .query = QUERY_CLOSEST},
+                                       &ray[i], &hit, &one);
+        (void)!trace_ray(&(struct job){.scene = s->scene,
+                                       .packed = &s->packed,
+                                       .box = box,
+                                       .tri = tri,
+                                       .query = QUERY_CLOSEST},
+                         &ray[i], &hit, &all);
         numbers_of_ray(numbers, &ray[i], &got);
         assert_int_equal(got.finished, status == STATUS_OK);
         assert_memory_equal(&got.hit, &hit, sizeof hit);
@@ -109,9 +118,12 @@ static void a_broken_tree_is_counted_up_to_where_the_traversal_gives_up(void **s
             struct ray_numbers got;
             struct hit hit;
             struct trace_counts counts = {0, 0};
-            enum status status =
-                trace_ray(&s.packed, &scene, box_test_find("robust"), tri_test_find("mt"),
-                          QUERY_CLOSEST, &ray[i], &hit, &counts);
+            enum status status = trace_ray(&(struct job){.scene = &scene,
+                                                         .packed = &s.packed,
+                                                         .box = box_test_find("robust"),
+                                                         .tri = tri_test_find("mt"),
+                                                         .query = QUERY_CLOSEST},
+                                           &ray[i], &hit, &counts);
             numbers_of_ray(numbers, &ray[i], &got);
             assert_int_equal(got.finished, status == STATUS_OK);
             assert_memory_equal(&got.hit, &hit, sizeof hit);

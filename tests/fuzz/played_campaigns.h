@@ -100,8 +100,12 @@ static enum status fragile_trace(void *self, const struct ray *ray, size_t count
     for (size_t i = 0; i < count; i++)
         if (blind)
             hit[i] = (struct hit){.prim = ABI_NO_PRIM};
-        else if (trace_ray(given.packed, given.scene, given.box, given.tri, given.query, &ray[i],
-                           &hit[i], NULL))
+        else if (trace_ray(&(struct job){.scene = given.scene,
+                                         .packed = given.packed,
+                                         .box = given.box,
+                                         .tri = given.tri,
+                                         .query = given.query},
+                           &ray[i], &hit[i], NULL))
             return STATUS_DEVICE;
     return STATUS_OK;
 }

@@ -148,7 +148,11 @@ static enum status planned_trace(void *self, const struct ray *ray, size_t count
     (void)self, (void)report;
     for (size_t i = 0; i < count; i++) {
         bool at = memcmp(&ray[i], victim, sizeof *ray) == 0;
-        if (trace_ray(planned.packed, planned.scene, planned.box, planned.tri, planned.query,
+        if (trace_ray(&(struct job){.scene = planned.scene,
+                                    .packed = planned.packed,
+                                    .box = planned.box,
+                                    .tri = planned.tri,
+                                    .query = planned.query},
                       &ray[i], &hit[i], NULL))
             return STATUS_DEVICE;
         if (at && plan == PLAN_MISS)

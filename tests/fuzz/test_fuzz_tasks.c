@@ -104,9 +104,7 @@ static void work_is_what_was_counted(void **state)
             const struct job job = job_of(&jobs[i]);
             struct trace_counts counts = {0};
             struct hit hit;
-            assert_int_equal(trace_ray(job.packed, job.scene, job.box, job.tri, job.query,
-                                       &tasks[i].ray[r], &hit, &counts),
-                             STATUS_OK);
+            assert_int_equal(trace_ray(&job, &tasks[i].ray[r], &hit, &counts), STATUS_OK);
             assert_int_equal(tasks[i].work[r], counts.boxes << 16 | counts.tris);
             most = counts.boxes > most ? counts.boxes : most;
         }

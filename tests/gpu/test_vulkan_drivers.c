@@ -155,7 +155,11 @@ static void compare_all(const char *driver, void *self, struct drivers_view *vie
                                 .query = mixes[m].query};
         size_t hits = driver_trace("vulkan", self, view, &job, view->got);
         for (size_t i = 0; i < view->ray_count; i++)
-            assert_int_equal(trace_ray(&view->packed, &view->scene, job.box, job.tri, job.query,
+            assert_int_equal(trace_ray(&(struct job){.scene = &view->scene,
+                                                     .packed = &view->packed,
+                                                     .box = job.box,
+                                                     .tri = job.tri,
+                                                     .query = job.query},
                                        &view->ray[i], &view->expected[i], NULL),
                              STATUS_OK);
         size_t differs = view_differs(view);

@@ -47,9 +47,7 @@ static void assert_answers(struct stores_stage *s, struct tracer *tracer, const 
     struct engine_task task = {
         .job = *job, .ray = s->ray, .ray_count = RAYS, .hit = s->got, .flag = s->flag};
     for (size_t i = 0; i < RAYS; i++)
-        assert_int_equal(trace_ray(job->packed, job->scene, job->box, job->tri, job->query,
-                                   &s->ray[i], &s->want[i], NULL),
-                         STATUS_OK);
+        assert_int_equal(trace_ray(job, &s->ray[i], &s->want[i], NULL), STATUS_OK);
     gpu_must(tracer_prepare(tracer, job, &reason), &reason);
     gpu_must(tracer_trace(tracer, s->ray, RAYS, s->got, &report, &reason), &reason);
     assert_memory_equal(s->got, s->want, sizeof s->got);

@@ -24,9 +24,13 @@ static size_t leaks(struct tracer *tracer, const struct scene *scene, const stru
     gpu_must(tracer_trace(tracer, ray, RAYS, hit, &report, &reason), &reason);
     for (size_t i = 0; i < RAYS; i++) {
         struct hit expected;
-        assert_int_equal(
-            trace_ray(packed, scene, job.box, job.tri, job.query, &ray[i], &expected, NULL),
-            STATUS_OK);
+        assert_int_equal(trace_ray(&(struct job){.scene = scene,
+                                                 .packed = packed,
+                                                 .box = job.box,
+                                                 .tri = job.tri,
+                                                 .query = job.query},
+                                   &ray[i], &expected, NULL),
+                         STATUS_OK);
         assert_memory_equal(&expected, &hit[i], sizeof expected);
         count += hit[i].prim == ABI_NO_PRIM;
     }

@@ -81,7 +81,11 @@ static struct job job_of(const struct gpu_case *f, const char *box, const char *
 static void expect(struct gpu_case *f, const struct job *job)
 {
     for (size_t i = 0; i < f->ray_count; i++)
-        assert_int_equal(trace_ray(&f->packed, &f->scene, job->box, job->tri, job->query,
+        assert_int_equal(trace_ray(&(struct job){.scene = &f->scene,
+                                                 .packed = &f->packed,
+                                                 .box = job->box,
+                                                 .tri = job->tri,
+                                                 .query = job->query},
                                    &f->ray[i], &f->expected[i], NULL),
                          STATUS_OK);
 }

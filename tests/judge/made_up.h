@@ -50,8 +50,12 @@ static enum status made_up_trace(void *self, const struct ray *ray, size_t ray_c
     if (script.trace)
         return act(script.trace, "trace", reason);
     for (size_t i = 0; i < ray_count; i++)
-        if (trace_ray(&match->packed, match->scene, match->options.box, match->options.tri,
-                      match->options.query, &ray[i], &hit[i], NULL))
+        if (trace_ray(&(struct job){.scene = match->scene,
+                                    .packed = &match->packed,
+                                    .box = match->options.box,
+                                    .tri = match->options.tri,
+                                    .query = match->options.query},
+                      &ray[i], &hit[i], NULL))
             return STATUS_DEVICE;
     if (script.spoil)
         script.spoil(match, hit);

@@ -266,8 +266,12 @@ static size_t leaks(struct judge_fixture *c, const struct packed *packed, const 
         ray.dir[0] = 1 - ray.org[0] + (i % 2 ? off : -off);
         ray.dir[1] = 1 - ray.org[1];
         struct hit hit;
-        assert_int_equal(trace_ray(packed, &c->scene, box_test_find(box), tri_test_find("woop"),
-                                   QUERY_CLOSEST, &ray, &hit, NULL),
+        assert_int_equal(trace_ray(&(struct job){.scene = &c->scene,
+                                                 .packed = packed,
+                                                 .box = box_test_find(box),
+                                                 .tri = tri_test_find("woop"),
+                                                 .query = QUERY_CLOSEST},
+                                   &ray, &hit, NULL),
                          STATUS_OK);
         judge_fixture_ask(c, ray);
         wrong += verdict(c, hit) == VERDICT_WRONG;

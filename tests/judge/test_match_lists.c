@@ -33,7 +33,11 @@ static enum status spoilt_trace_all(void *self, const struct ray *ray, size_t ra
     (void)self, (void)reason;
     for (size_t i = 0; i < ray_count; i++) {
         struct hit *list = hit + i * capacity;
-        if (trace_ray_all(&match->packed, match->scene, match->options.box, match->options.tri,
+        if (trace_ray_all(&(struct job){.scene = match->scene,
+                                        .packed = &match->packed,
+                                        .box = match->options.box,
+                                        .tri = match->options.tri,
+                                        .query = QUERY_ALL},
                           &ray[i], capacity, list, &hit_count[i], NULL))
             return STATUS_DEVICE;
         if (!list_script.spoil || memcmp(&ray[i], list_script.ray, sizeof *ray) != 0 ||

@@ -25,14 +25,23 @@ static void must_trace(const struct packed *packed, const struct scene *scene,
 {
     struct hit one, all[RAYS], listed[8];
     uint32_t flag[RAYS], count;
-    READER_MUST(trace_rays(packed, scene, box, tri, query, rays, RAYS, all, flag, NULL) ==
-                STATUS_OK);
+    READER_MUST(
+        trace_rays(
+            &(struct job){.scene = scene, .packed = packed, .box = box, .tri = tri, .query = query},
+            rays, RAYS, all, flag, NULL) == STATUS_OK);
     for (size_t i = 0; i < RAYS; i++) {
-        READER_MUST(trace_ray(packed, scene, box, tri, query, &rays[i], &one, NULL) == STATUS_OK);
+        READER_MUST(
+            trace_ray(
+                &(struct job){
+                    .scene = scene, .packed = packed, .box = box, .tri = tri, .query = query},
+                &rays[i], &one, NULL) == STATUS_OK);
         READER_MUST(memcmp(&one, &all[i], sizeof one) == 0);
         READER_MUST(one.prim == ABI_NO_PRIM || one.prim < scene->tri_count);
-        READER_MUST(trace_ray_all(packed, scene, box, tri, &rays[i], 8, listed, &count, NULL) ==
-                    STATUS_OK);
+        READER_MUST(
+            trace_ray_all(
+                &(struct job){
+                    .scene = scene, .packed = packed, .box = box, .tri = tri, .query = QUERY_ALL},
+                &rays[i], 8, listed, &count, NULL) == STATUS_OK);
         READER_MUST(one.prim == ABI_NO_PRIM || count > 0);
     }
 }

@@ -21,8 +21,12 @@ static void walk_packed(const struct packed *packed, const struct scene *scene)
         reader_must_be_reason(&reason);
     for (size_t b = 0; box_tests[b]; b++) {
         struct hit hit;
-        enum status status =
-            trace_ray(packed, scene, box_tests[b], tri_tests[0], QUERY_CLOSEST, &ray, &hit, NULL);
+        enum status status = trace_ray(&(struct job){.scene = scene,
+                                                     .packed = packed,
+                                                     .box = box_tests[b],
+                                                     .tri = tri_tests[0],
+                                                     .query = QUERY_CLOSEST},
+                                       &ray, &hit, NULL);
         READER_MUST(hit.prim == ABI_NO_PRIM || hit.prim < scene->tri_count);
         READER_MUST(status == STATUS_OK || faults.cycles || faults.too_deep);
     }

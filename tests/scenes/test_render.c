@@ -157,14 +157,22 @@ static void walk(const struct picture *p, uint32_t x, uint32_t y, struct shade_p
         struct ray ray = shade_ray(&p->job, path);
         struct hit hit;
         const struct job *job = &p->job.job;
-        assert_int_equal(
-            trace_ray(job->packed, job->scene, job->box, job->tri, QUERY_CLOSEST, &ray, &hit, NULL),
-            STATUS_OK);
+        assert_int_equal(trace_ray(&(struct job){.scene = job->scene,
+                                                 .packed = job->packed,
+                                                 .box = job->box,
+                                                 .tri = job->tri,
+                                                 .query = QUERY_CLOSEST},
+                                   &ray, &hit, NULL),
+                         STATUS_OK);
         on = shade_hit(&p->job, &hit, path);
         for (uint32_t light = 0; on && light < p->job.light_count; light++)
             if (shade_ask(&p->job, &p->view, light, path, &ray)) {
-                assert_int_equal(trace_ray(job->packed, job->scene, job->box, job->tri,
-                                           any ? QUERY_ANY : QUERY_CLOSEST, &ray, &hit, NULL),
+                assert_int_equal(trace_ray(&(struct job){.scene = job->scene,
+                                                         .packed = job->packed,
+                                                         .box = job->box,
+                                                         .tri = job->tri,
+                                                         .query = any ? QUERY_ANY : QUERY_CLOSEST},
+                                           &ray, &hit, NULL),
                                  STATUS_OK);
                 shade_answer(&p->job, light, &hit, path);
             }

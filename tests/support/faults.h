@@ -65,8 +65,12 @@ static inline struct hit subject_hit(const struct subject *s, const char *box, c
     struct hit hit;
     if (s->status)
         fail_msg("%s", s->reason.text);
-    assert_int_equal(trace_ray(&s->packed, s->scene, box_test_find(box), tri_test_find(tri),
-                               QUERY_CLOSEST, &ray, &hit, counts),
+    assert_int_equal(trace_ray(&(struct job){.scene = s->scene,
+                                             .packed = &s->packed,
+                                             .box = box_test_find(box),
+                                             .tri = tri_test_find(tri),
+                                             .query = QUERY_CLOSEST},
+                               &ray, &hit, counts),
                      STATUS_OK);
     return hit;
 }

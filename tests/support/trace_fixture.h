@@ -42,8 +42,12 @@ static inline struct hit closest(const struct packed *packed, const struct scene
                                  const struct ray *ray, struct trace_counts *counts)
 {
     struct hit hit;
-    assert_int_equal(trace_ray(packed, scene, box_test_find("robust"), tri_test_find("mt"),
-                               QUERY_CLOSEST, ray, &hit, counts),
+    assert_int_equal(trace_ray(&(struct job){.scene = scene,
+                                             .packed = packed,
+                                             .box = box_test_find("robust"),
+                                             .tri = tri_test_find("mt"),
+                                             .query = QUERY_CLOSEST},
+                               ray, &hit, counts),
                      STATUS_OK);
     return hit;
 }

@@ -71,8 +71,12 @@ static void a_tree_leaves_out_no_exact_hit(void **state)
             const struct tri_test *tri = tri_tests[i % 2];
             uint32_t most = s.scene.tri_count, count;
             uint32_t brute = trace_brute_all(&s.scene, tri, &s.ray[i], most, all);
-            assert_int_equal(trace_ray_all(&s.packed, &s.scene, box_tests[0], tri, &s.ray[i], most,
-                                           got, &count, NULL),
+            assert_int_equal(trace_ray_all(&(struct job){.scene = &s.scene,
+                                                         .packed = &s.packed,
+                                                         .box = box_tests[0],
+                                                         .tri = tri,
+                                                         .query = QUERY_ALL},
+                                           &s.ray[i], most, got, &count, NULL),
                              STATUS_OK);
             all_hits_sort(got, count);
             for (uint32_t j = 1; j < count; j++)
@@ -115,10 +119,18 @@ static void the_nearest_of_all_is_the_closest(void **state)
     for (size_t i = 0; i < s.ray_count; i++) {
         struct hit all[300], closest;
         uint32_t count;
-        assert_int_equal(trace_ray_all(&s.packed, &s.scene, box_tests[0], tri_tests[0], &s.ray[i],
-                                       300, all, &count, NULL),
+        assert_int_equal(trace_ray_all(&(struct job){.scene = &s.scene,
+                                                     .packed = &s.packed,
+                                                     .box = box_tests[0],
+                                                     .tri = tri_tests[0],
+                                                     .query = QUERY_ALL},
+                                       &s.ray[i], 300, all, &count, NULL),
                          STATUS_OK);
-        assert_int_equal(trace_ray(&s.packed, &s.scene, box_tests[0], tri_tests[0], QUERY_CLOSEST,
+        assert_int_equal(trace_ray(&(struct job){.scene = &s.scene,
+                                                 .packed = &s.packed,
+                                                 .box = box_tests[0],
+                                                 .tri = tri_tests[0],
+                                                 .query = QUERY_CLOSEST},
                                    &s.ray[i], &closest, NULL),
                          STATUS_OK);
         all_hits_sort(all, count);
@@ -140,14 +152,22 @@ static void room_cuts_the_list_not_the_count(void **state)
     for (size_t i = 0; i < s.ray_count; i++) {
         struct hit all[512], got[512];
         uint32_t count, again;
-        assert_int_equal(trace_ray_all(&s.packed, &s.scene, box_tests[0], tri_tests[0], &s.ray[i],
-                                       512, all, &count, NULL),
+        assert_int_equal(trace_ray_all(&(struct job){.scene = &s.scene,
+                                                     .packed = &s.packed,
+                                                     .box = box_tests[0],
+                                                     .tri = tri_tests[0],
+                                                     .query = QUERY_ALL},
+                                       &s.ray[i], 512, all, &count, NULL),
                          STATUS_OK);
         assert_true(count <= 512);
         for (uint32_t room = 0; room <= 5; room++) {
             memset(got, 0xA5, sizeof got);
             struct hit canary = got[0];
-            assert_int_equal(trace_ray_all(&s.packed, &s.scene, box_tests[0], tri_tests[0],
+            assert_int_equal(trace_ray_all(&(struct job){.scene = &s.scene,
+                                                         .packed = &s.packed,
+                                                         .box = box_tests[0],
+                                                         .tri = tri_tests[0],
+                                                         .query = QUERY_ALL},
                                            &s.ray[i], room, room ? got : NULL, &again, NULL),
                              STATUS_OK);
             assert_int_equal(again, count);
@@ -178,7 +198,11 @@ static void a_cycle_ends_with_no_count(void **state)
     for (size_t i = 0; i < s.ray_count; i++) {
         struct hit hit[8];
         uint32_t count = 77;
-        enum status status = trace_ray_all(&s.packed, &s.scene, box_tests[0], tri_tests[0],
+        enum status status = trace_ray_all(&(struct job){.scene = &s.scene,
+                                                         .packed = &s.packed,
+                                                         .box = box_tests[0],
+                                                         .tri = tri_tests[0],
+                                                         .query = QUERY_ALL},
                                            &s.ray[i], 8, hit, &count, &counts);
         assert_true(status == STATUS_OK || (status == STATUS_LIMIT && count == 0));
         limits += status == STATUS_LIMIT;

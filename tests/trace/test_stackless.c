@@ -34,13 +34,16 @@ static void finds_what_the_stack_finds(void **state)
                     struct trace_counts with = {0, 0}, without = {0, 0};
                     struct hit a[64], c[64];
                     uint32_t found_a, found_c;
+                    struct job stacked = {.scene = &s.scene,
+                                          .packed = &s.packed,
+                                          .box = box_tests[b],
+                                          .tri = tri_tests[0]};
+                    struct job linked = stacked;
+                    linked.parent = parent;
                     for (enum query q = QUERY_CLOSEST; q <= QUERY_ANY; q++) {
-                        assert_int_equal(trace_ray(&s.packed, &s.scene, box_tests[b], tri_tests[0],
-                                                   q, &s.ray[i], a, &with),
-                                         STATUS_OK);
-                        assert_int_equal(trace_ray_linked(&s.packed, parent, &s.scene, box_tests[b],
-                                                          tri_tests[0], q, &s.ray[i], c, &without),
-                                         STATUS_OK);
+                        stacked.query = linked.query = q;
+                        assert_int_equal(trace_ray(&stacked, &s.ray[i], a, &with), STATUS_OK);
+                        assert_int_equal(trace_ray(&linked, &s.ray[i], c, &without), STATUS_OK);
                         assert_memory_equal(a, c, sizeof *a);
                     }
                     assert_int_equal(with.tris, without.tris);
@@ -48,12 +51,9 @@ static void finds_what_the_stack_finds(void **state)
                     more_boxes += with.boxes < without.boxes;
                     memset(a, 0, sizeof a);
                     memset(c, 0, sizeof c);
-                    assert_int_equal(trace_ray_all(&s.packed, &s.scene, box_tests[b], tri_tests[0],
-                                                   &s.ray[i], 64, a, &found_a, NULL),
+                    assert_int_equal(trace_ray_all(&stacked, &s.ray[i], 64, a, &found_a, NULL),
                                      STATUS_OK);
-                    assert_int_equal(trace_ray_all_linked(&s.packed, parent, &s.scene, box_tests[b],
-                                                          tri_tests[0], &s.ray[i], 64, c, &found_c,
-                                                          NULL),
+                    assert_int_equal(trace_ray_all(&linked, &s.ray[i], 64, c, &found_c, NULL),
                                      STATUS_OK);
                     assert_int_equal(found_a, found_c);
                     assert_memory_equal(a, c, sizeof a);

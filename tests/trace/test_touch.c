@@ -160,7 +160,11 @@ static void watching_changes_no_answer(void **state)
         size_t hits = 0;
         for (size_t i = 0; i < RAYS; i++) {
             struct hit plain, watched;
-            assert_int_equal(trace_ray(&w.packed, &scene, w.job.box, w.job.tri, QUERY_CLOSEST,
+            assert_int_equal(trace_ray(&(struct job){.scene = &scene,
+                                                     .packed = &w.packed,
+                                                     .box = w.job.box,
+                                                     .tri = w.job.tri,
+                                                     .query = QUERY_CLOSEST},
                                        &ray[i], &plain, NULL),
                              STATUS_OK);
             assert_int_equal(touch_ray(&w.touch, &w.job, &ray[i], &watched), STATUS_OK);

@@ -59,8 +59,12 @@ static void check_tree(const struct packed *packed, const struct scene *scene,
                 STATUS_OK);
             for (uint32_t i = 0; i < RAYS; i++) {
                 struct hit got;
-                assert_int_equal(trace_ray(packed, scene, box_tests[0], tri_tests[t],
-                                           (enum query)query, &ray[i], &got, NULL),
+                assert_int_equal(trace_ray(&(struct job){.scene = scene,
+                                                         .packed = packed,
+                                                         .box = box_tests[0],
+                                                         .tri = tri_tests[t],
+                                                         .query = (enum query)query},
+                                           &ray[i], &got, NULL),
                                  STATUS_OK);
                 hits += got.prim != ABI_NO_PRIM;
                 must_be_right(judge, &ray[i], &truth[i], &got, what);
@@ -104,8 +108,12 @@ static void an_empty_scene_is_a_miss(void **state)
             struct packed packed = pack(layouts[l]->name, &bvh, &scene);
             struct trace_counts counts = {0, 0};
             hit = (struct hit){1, 2, 3, 4};
-            assert_int_equal(trace_ray(&packed, &scene, box_tests[0], tri_tests[0],
-                                       (enum query)query, &ray, &hit, &counts),
+            assert_int_equal(trace_ray(&(struct job){.scene = &scene,
+                                                     .packed = &packed,
+                                                     .box = box_tests[0],
+                                                     .tri = tri_tests[0],
+                                                     .query = (enum query)query},
+                                       &ray, &hit, &counts),
                              STATUS_OK);
             assert_int_equal(hit.prim, ABI_NO_PRIM);
             assert_true(hit.t == 0 && hit.u == 0 && hit.v == 0);
@@ -169,8 +177,12 @@ static void triangle_0_can_be_the_only_hit(void **state)
                 struct held h = hold(repaired[l], trees_grid(n), 4, TREES_BALANCED);
                 struct ray ray = down_at(&h.scene, 0);
                 struct hit hit;
-                assert_int_equal(trace_ray(&h.packed, &h.scene, box_tests[0], tri_tests[0],
-                                           (enum query)query, &ray, &hit, NULL),
+                assert_int_equal(trace_ray(&(struct job){.scene = &h.scene,
+                                                         .packed = &h.packed,
+                                                         .box = box_tests[0],
+                                                         .tri = tri_tests[0],
+                                                         .query = (enum query)query},
+                                           &ray, &hit, NULL),
                                  STATUS_OK);
                 assert_int_equal(hit.prim, 0);
                 release(&h);
@@ -190,8 +202,12 @@ static void rays_out_of_contract_end(void **state)
                 struct hit hit;
                 w[word] = bad[b];
                 memcpy(&ray, w, sizeof ray);
-                assert_int_equal(trace_ray(&h.packed, &h.scene, box_tests[box], tri_tests[0],
-                                           QUERY_CLOSEST, &ray, &hit, NULL),
+                assert_int_equal(trace_ray(&(struct job){.scene = &h.scene,
+                                                         .packed = &h.packed,
+                                                         .box = box_tests[box],
+                                                         .tri = tri_tests[0],
+                                                         .query = QUERY_CLOSEST},
+                                           &ray, &hit, NULL),
                                  STATUS_OK);
                 if (isnan(bad[b]))
                     assert_int_equal(hit.prim, ABI_NO_PRIM);
@@ -219,8 +235,13 @@ static uint32_t first_found(const char *layout, enum query query, bool fst_neare
     struct packed packed = pack(layout, &bvh, &scene);
     struct ray ray = {{1, 1, -5}, 0, {0.001f, 0, 1}, TMAX};
     struct hit hit;
-    assert_int_equal(
-        trace_ray(&packed, &scene, box_tests[0], tri_tests[0], query, &ray, &hit, NULL), STATUS_OK);
+    assert_int_equal(trace_ray(&(struct job){.scene = &scene,
+                                             .packed = &packed,
+                                             .box = box_tests[0],
+                                             .tri = tri_tests[0],
+                                             .query = query},
+                               &ray, &hit, NULL),
+                     STATUS_OK);
     uint32_t item = hit.prim + (strcmp(layout, "rtrs_rf") == 0 ? 1 : 0);
     item += strcmp(layout, "rtrs_direct") == 0 ? 1 : 0;
     packed_free(&packed);

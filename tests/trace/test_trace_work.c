@@ -94,9 +94,13 @@ static void an_any_hit_stops_at_the_first_triangle(void **state)
     struct ray ray = {{1, 1, -5}, 0, {0, 0, 1}, TMAX};
     struct trace_counts counts = {0, 0};
     struct hit hit;
-    assert_int_equal(
-        trace_ray(&packed, &scene, box_tests[0], tri_tests[0], QUERY_ANY, &ray, &hit, &counts),
-        STATUS_OK);
+    assert_int_equal(trace_ray(&(struct job){.scene = &scene,
+                                             .packed = &packed,
+                                             .box = box_tests[0],
+                                             .tri = tri_tests[0],
+                                             .query = QUERY_ANY},
+                               &ray, &hit, &counts),
+                     STATUS_OK);
     assert_int_not_equal(hit.prim, ABI_NO_PRIM);
     assert_int_equal(counts.tris, 1);
     closest(&packed, &scene, &ray, &counts);
@@ -126,8 +130,12 @@ static void exactly_stack_need_entries_are_enough(void **state)
             if (levels > 0) {
                 struct hit hit = {1, 1, 1, 1};
                 packed.stack_need--;
-                assert_int_equal(trace_ray(&packed, &scene, box_tests[0], tri_tests[0],
-                                           QUERY_CLOSEST, &ray, &hit, NULL),
+                assert_int_equal(trace_ray(&(struct job){.scene = &scene,
+                                                         .packed = &packed,
+                                                         .box = box_tests[0],
+                                                         .tri = tri_tests[0],
+                                                         .query = QUERY_CLOSEST},
+                                           &ray, &hit, NULL),
                                  STATUS_LIMIT);
                 assert_int_equal(hit.prim, ABI_NO_PRIM);
             }
@@ -160,8 +168,12 @@ static void a_cyclic_tree_is_reported_and_does_not_hang(void **state)
             h.packed.stack_need = large ? ABI_STACK_MAX : h.packed.stack_need;
             struct ray ray = {{1, 1, -5}, 0, {0, 0, 1}, TMAX};
             struct hit hit;
-            assert_int_equal(trace_ray(&h.packed, &h.scene, box_tests[0], tri_tests[0],
-                                       QUERY_CLOSEST, &ray, &hit, NULL),
+            assert_int_equal(trace_ray(&(struct job){.scene = &h.scene,
+                                                     .packed = &h.packed,
+                                                     .box = box_tests[0],
+                                                     .tri = tri_tests[0],
+                                                     .query = QUERY_CLOSEST},
+                                       &ray, &hit, NULL),
                              STATUS_LIMIT);
             assert_int_equal(hit.prim, ABI_NO_PRIM);
             release(&h);
@@ -185,8 +197,12 @@ static void garbage_words_end_without_reading_outside(void **state)
                 else if (strcmp(layouts[l]->name, "rtrs_direct") == 0)
                     h.packed.word[12 * n + 3] &= 7;
             struct hit hit;
-            enum status status = trace_ray(&h.packed, &h.scene, box_tests[round % 2], tri_tests[0],
-                                           QUERY_CLOSEST, &ray, &hit, NULL);
+            enum status status = trace_ray(&(struct job){.scene = &h.scene,
+                                                         .packed = &h.packed,
+                                                         .box = box_tests[round % 2],
+                                                         .tri = tri_tests[0],
+                                                         .query = QUERY_CLOSEST},
+                                           &ray, &hit, NULL);
             assert_true(status == STATUS_OK || status == STATUS_LIMIT);
             assert_true(hit.prim == ABI_NO_PRIM || hit.prim < 40);
             release(&h);

@@ -41,13 +41,21 @@ static void count(const struct scene *scene, const struct packed *packed, const 
     if (all.prim == ABI_NO_PRIM || !range_is_certain(scene, ray, &all))
         return;
     leaks->hits++;
-    assert_int_equal(
-        trace_ray(packed, scene, box_test_find("robust"), woop, QUERY_CLOSEST, ray, &hit, NULL),
-        STATUS_OK);
+    assert_int_equal(trace_ray(&(struct job){.scene = scene,
+                                             .packed = packed,
+                                             .box = box_test_find("robust"),
+                                             .tri = woop,
+                                             .query = QUERY_CLOSEST},
+                               ray, &hit, NULL),
+                     STATUS_OK);
     leaks->robust += hit.prim == ABI_NO_PRIM;
-    assert_int_equal(
-        trace_ray(packed, scene, box_test_find("watertight"), woop, QUERY_CLOSEST, ray, &hit, NULL),
-        STATUS_OK);
+    assert_int_equal(trace_ray(&(struct job){.scene = scene,
+                                             .packed = packed,
+                                             .box = box_test_find("watertight"),
+                                             .tri = woop,
+                                             .query = QUERY_CLOSEST},
+                               ray, &hit, NULL),
+                     STATUS_OK);
     leaks->watertight += hit.prim == ABI_NO_PRIM;
 }
 

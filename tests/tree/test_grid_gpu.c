@@ -195,7 +195,11 @@ static void every_member_has_the_bits_of_c(void **state)
                                 .query = QUERY_CLOSEST};
         size_t hits = driver_trace("vulkan", self, &view, &job, view.got);
         for (size_t i = 0; i < view.ray_count; i++)
-            assert_int_equal(trace_ray(&view.packed, &view.scene, job.box, job.tri, job.query,
+            assert_int_equal(trace_ray(&(struct job){.scene = &view.scene,
+                                                     .packed = &view.packed,
+                                                     .box = job.box,
+                                                     .tri = job.tri,
+                                                     .query = job.query},
                                        &view.ray[i], &view.expected[i], NULL),
                              STATUS_OK);
         if (view_differs(&view) || hits < 100)

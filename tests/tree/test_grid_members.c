@@ -151,8 +151,12 @@ static void members_find_what_brute_force_finds(void **state)
                 ray.dir[k] = (v[0] + v[3] + v[6]) / 3 - ray.org[k];
             }
             trace_brute(&scene, tri, QUERY_CLOSEST, &ray, &all);
-            assert_int_equal(trace_ray(&packed, &scene, box_test_find("watertight"), tri,
-                                       QUERY_CLOSEST, &ray, &one, NULL),
+            assert_int_equal(trace_ray(&(struct job){.scene = &scene,
+                                                     .packed = &packed,
+                                                     .box = box_test_find("watertight"),
+                                                     .tri = tri,
+                                                     .query = QUERY_CLOSEST},
+                                       &ray, &one, NULL),
                              STATUS_OK);
             hits += all.prim != ABI_NO_PRIM;
             if ((one.prim == ABI_NO_PRIM) != (all.prim == ABI_NO_PRIM) || one.t != all.t)
@@ -185,8 +189,12 @@ static void nearest_child_is_visited_first(void **state)
             struct hit hit;
             assert_int_equal(packed_make(layout_find("bvh8_u8_node"), &bvh, &scene, &packed, NULL),
                              STATUS_OK);
-            assert_int_equal(trace_ray(&packed, &scene, box_test_find("watertight"),
-                                       tri_test_find("woop"), QUERY_CLOSEST, &ray, &hit, &counts),
+            assert_int_equal(trace_ray(&(struct job){.scene = &scene,
+                                                     .packed = &packed,
+                                                     .box = box_test_find("watertight"),
+                                                     .tri = tri_test_find("woop"),
+                                                     .query = QUERY_CLOSEST},
+                                       &ray, &hit, &counts),
                              STATUS_OK);
             assert_int_equal(hit.prim, from ? count - 1 : 0);
             assert_in_range(counts.tris, 1, 2 * GRID_LEAF_MOST);
@@ -214,8 +222,12 @@ static void members_survive_garbage(void **state)
                     packed.word[i] = (uint32_t)rng_u64(&rng) & (round % 3 ? 0x87078707u : ~0u);
             assert_int_equal(packed_check(&packed, &scene, NULL, NULL), STATUS_INPUT);
             const struct ray ray = {{0.1f, 0.1f, 5}, 0, {0.01f, 0.02f, -1}, 1e30f};
-            enum status status = trace_ray(&packed, &scene, box_test_find("robust"),
-                                           tri_test_find("mt"), QUERY_CLOSEST, &ray, &hit, NULL);
+            enum status status = trace_ray(&(struct job){.scene = &scene,
+                                                         .packed = &packed,
+                                                         .box = box_test_find("robust"),
+                                                         .tri = tri_test_find("mt"),
+                                                         .query = QUERY_CLOSEST},
+                                           &ray, &hit, NULL);
             assert_true(status == STATUS_OK || status == STATUS_LIMIT);
             packed_free(&packed);
         }

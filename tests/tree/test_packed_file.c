@@ -55,9 +55,13 @@ static size_t trace_all(const struct packed *packed)
             ray.org[k] = rng_range(&rng, -2, 2);
             ray.dir[k] = rng_range(&rng, -0.2f, 0.2f) - ray.org[k];
         }
-        assert_int_equal(
-            trace_ray(packed, &scene, box_tests[0], tri_tests[0], QUERY_CLOSEST, &ray, &hit, NULL),
-            STATUS_OK);
+        assert_int_equal(trace_ray(&(struct job){.scene = &scene,
+                                                 .packed = packed,
+                                                 .box = box_tests[0],
+                                                 .tri = tri_tests[0],
+                                                 .query = QUERY_CLOSEST},
+                                   &ray, &hit, NULL),
+                         STATUS_OK);
         assert_true(hit.prim == ABI_NO_PRIM || hit.prim < scene.tri_count);
         hits += hit.prim != ABI_NO_PRIM;
     }

@@ -114,13 +114,14 @@ static void what_is_stored_is_what_was_decoded(void **state)
             fail_msg("%s, %u bits: %s", specs[n / 4], bits[n % 4], reason.text);
         for (size_t i = 0; i < RAYS; i++) {
             struct hit got, want;
-            const struct tri_test *test = tri_tests[i % 3];
-            assert_int_equal(
-                trace_ray(&base, &decoded, box_tests[0], test, QUERY_CLOSEST, &ray[i], &want, NULL),
-                STATUS_OK);
-            assert_int_equal(trace_ray(&packed, &decoded, box_tests[0], test, QUERY_CLOSEST,
-                                       &ray[i], &got, NULL),
-                             STATUS_OK);
+            struct job job = {.scene = &decoded,
+                              .packed = &base,
+                              .box = box_tests[0],
+                              .tri = tri_tests[i % 3],
+                              .query = QUERY_CLOSEST};
+            assert_int_equal(trace_ray(&job, &ray[i], &want, NULL), STATUS_OK);
+            job.packed = &packed;
+            assert_int_equal(trace_ray(&job, &ray[i], &got, NULL), STATUS_OK);
             assert_memory_equal(&got, &want, sizeof got);
         }
         assert_int_equal(packed_refit(&packed, &scene, &reason), STATUS_LIMIT);

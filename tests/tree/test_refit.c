@@ -51,7 +51,11 @@ static void check_hits(const struct packed *packed, const struct scene *scene)
             ray.dir[k] = v[0][k] / 3 + v[1][k] / 3 + v[2][k] / 3 - ray.org[k];
         }
         trace_brute(scene, tri, QUERY_CLOSEST, &ray, &all);
-        assert_int_equal(trace_ray(packed, scene, box_test_find("watertight"), tri, QUERY_CLOSEST,
+        assert_int_equal(trace_ray(&(struct job){.scene = scene,
+                                                 .packed = packed,
+                                                 .box = box_test_find("watertight"),
+                                                 .tri = tri,
+                                                 .query = QUERY_CLOSEST},
                                    &ray, &one, NULL),
                          STATUS_OK);
         hits += all.prim != ABI_NO_PRIM;

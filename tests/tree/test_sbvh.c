@@ -305,8 +305,12 @@ static uint64_t triangles_visited(const char *builder, const struct scene *scene
     assert_int_equal(packed_make(layout_find("f32"), &bvh, scene, &packed, NULL), STATUS_OK);
     for (size_t i = 0; i < RAYS; i++) {
         struct hit hit;
-        assert_int_equal(trace_ray(&packed, scene, box_test_find("robust"), tri_test_find("mt"),
-                                   QUERY_CLOSEST, &ray[i], &hit, &counts),
+        assert_int_equal(trace_ray(&(struct job){.scene = scene,
+                                                 .packed = &packed,
+                                                 .box = box_test_find("robust"),
+                                                 .tri = tri_test_find("mt"),
+                                                 .query = QUERY_CLOSEST},
+                                   &ray[i], &hit, &counts),
                          STATUS_OK);
     }
     packed_free(&packed);

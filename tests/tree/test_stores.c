@@ -102,12 +102,20 @@ static size_t assert_same_answers(const struct packed *packed, const struct pack
         for (size_t i = 0; i < RAYS; i++, compared++) {
             struct hit got, want;
             enum query query = i % 3 ? QUERY_CLOSEST : QUERY_ANY;
-            assert_int_equal(
-                trace_ray(base, scene, box_tests[0], tri_tests[t], query, &ray[i], &want, NULL),
-                STATUS_OK);
-            assert_int_equal(
-                trace_ray(packed, scene, box_tests[0], tri_tests[t], query, &ray[i], &got, NULL),
-                STATUS_OK);
+            assert_int_equal(trace_ray(&(struct job){.scene = scene,
+                                                     .packed = base,
+                                                     .box = box_tests[0],
+                                                     .tri = tri_tests[t],
+                                                     .query = query},
+                                       &ray[i], &want, NULL),
+                             STATUS_OK);
+            assert_int_equal(trace_ray(&(struct job){.scene = scene,
+                                                     .packed = packed,
+                                                     .box = box_tests[0],
+                                                     .tri = tri_tests[t],
+                                                     .query = query},
+                                       &ray[i], &got, NULL),
+                             STATUS_OK);
             assert_memory_equal(&got, &want, sizeof got);
         }
     }
