@@ -6,15 +6,11 @@
 #include <string.h>
 
 /* Scene and rays for a tracer that reads text, what is right in comments. */
-static void write_text(const struct export_case *the, const struct export_options *options,
-                       FILE *to)
+static void write_text(const struct export_case *the, FILE *to)
 {
-    export_comment(the, options, "# ", to);
-    for (size_t i = 0; i < the->right_count; i++) {
-        fprintf(to, "# ray %u, right: ", (unsigned)the->right[i].ray);
+    export_comment(the, "# ", to);
+    for (size_t i = 0; i < the->right_count; i++)
         export_print_right(the, &the->right[i], to);
-        fputc('\n', to);
-    }
     pipe_text_write(to, NULL, &the->trial->scene, the->ray, the->ray_count, the->trial->query,
                     false);
 }
@@ -29,9 +25,7 @@ static void tell_all(const struct export_case *the, struct export_said *said)
 {
     bool wrong = false;
     for (uint32_t i = 0; i < the->ray_count && the->here; i++)
-        wrong =
-            wrong || the->judgement[i].verdict == VERDICT_WRONG ||
-            (the->bits_matter && memcmp(&the->here[i], &the->reference[i], sizeof *the->here) != 0);
+        wrong = wrong || export_is_wrong_here(the, i);
     if (the->reference_fails)
         tell(said, "C on the same bytes is wrong, too: no driver is at fault");
     if (the->here && the->file->has_signature && !wrong)
@@ -54,14 +48,14 @@ enum status export_write(const struct finding_file *file, const struct export_op
     tell_all(&the, said);
     switch (options->form) {
     case EXPORT_C:
-        export_write_c(&the, options, to);
+        export_write_c(&the, to);
         break;
     case EXPORT_AMBER:
-        export_write_amber(&the, options, to);
+        export_write_amber(&the, to);
         break;
     case EXPORT_TEXT:
     case EXPORT_FORMS:
-        write_text(&the, options, to);
+        write_text(&the, to);
         break;
     }
     export_case_free(&the);

@@ -16,9 +16,8 @@ static void put_shader(const struct shader *shader, FILE *to)
         uint32_t word = shader->word[i];
         if (i)
             fputs(i % 4 ? " " : "\n", to);
-        fprintf(to, "0x%02x 0x%02x 0x%02x 0x%02x", (unsigned)(word & 0xFFu),
-                (unsigned)(word >> 8 & 0xFFu), (unsigned)(word >> 16 & 0xFFu),
-                (unsigned)(word >> 24));
+        fprintf(to, "0x%02x 0x%02x 0x%02x 0x%02x", (word & 0xFFu), (word >> 8 & 0xFFu),
+                (word >> 16 & 0xFFu), (word >> 24));
     }
     fputs("END\n\n", to);
 }
@@ -34,7 +33,7 @@ static void put_buffer(const char *name, const uint32_t *word, uint64_t count, u
     }
     fprintf(to, "BUFFER %s DATA_TYPE uint32 DATA\n", name);
     for (uint64_t i = 0; i < bytes / 4; i++)
-        fprintf(to, "0x%08x%c", (unsigned)(i < count ? word[i] : 0),
+        fprintf(to, "0x%08x%c", (i < count ? word[i] : 0),
                 i % 8 == 7 || i + 1 == bytes / 4 ? '\n' : ' ');
     fputs("END\n\n", to);
 }
@@ -54,8 +53,8 @@ static void put_triangles(const struct export_case *the, const struct export_buf
         float v[3][3];
         scene_tri(scene, i, v);
         for (int k = 0; k < 9; k++, used++)
-            fprintf(to, "0x%08x ", (unsigned)float_bits(v[k / 3][k % 3]));
-        fprintf(to, "# triangle %u:", (unsigned)i);
+            fprintf(to, "0x%08x ", float_bits(v[k / 3][k % 3]));
+        fprintf(to, "# triangle %u:", i);
         for (int k = 0; k < 9; k++)
             fprintf(to, " %.9g", (double)v[k / 3][k % 3]);
         fputc('\n', to);
@@ -93,14 +92,12 @@ static void put_pipeline(const struct export_case *the, FILE *to)
     export_buffers(the, buffer);
     fputs("PIPELINE compute pipeline\n  ATTACH trace", to);
     for (uint32_t i = 0; i < DISPATCH_CONSTANTS; i++)
-        fprintf(to, " SPECIALIZE %u AS uint32 %u", (unsigned)i,
-                (unsigned)the->dispatch.constant[i]);
+        fprintf(to, " SPECIALIZE %u AS uint32 %u", i, the->dispatch.constant[i]);
     fputc('\n', to);
     for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++)
-        fprintf(to, "  BIND BUFFER %s AS storage DESCRIPTOR_SET 0 BINDING %u\n", buffer[i].name,
-                (unsigned)i);
+        fprintf(to, "  BIND BUFFER %s AS storage DESCRIPTOR_SET 0 BINDING %u\n", buffer[i].name, i);
     fprintf(to, "  BIND BUFFER push AS push_constant\nEND\n\nRUN pipeline %u 1 1\n\n",
-            (unsigned)dispatch_groups(&the->dispatch, the->ray_count));
+            dispatch_groups(&the->dispatch, the->ray_count));
 }
 
 /* --- what is expected --- */
@@ -152,17 +149,16 @@ static void put_interval(const char *name, const float x[2], unsigned offset, FI
                 (double)x[1]);
         return;
     }
-    fprintf(to, "EXPECT hits IDX %u GE %u # %s >= %.9g\n", offset, (unsigned)float_bits(x[0]), name,
+    fprintf(to, "EXPECT hits IDX %u GE %u # %s >= %.9g\n", offset, float_bits(x[0]), name,
             (double)x[0]);
-    fprintf(to, "EXPECT hits IDX %u LE %u # %s <= %.9g\n", offset, (unsigned)float_bits(x[1]), name,
+    fprintf(to, "EXPECT hits IDX %u LE %u # %s <= %.9g\n", offset, float_bits(x[1]), name,
             (double)x[1]);
 }
 
 static void put_bits(const struct hit *hit, unsigned offset, FILE *to)
 {
-    fprintf(to, "EXPECT hits IDX %u EQ %u %u %u %u # the bits of C\n", offset,
-            (unsigned)float_bits(hit->t), (unsigned)float_bits(hit->u),
-            (unsigned)float_bits(hit->v), (unsigned)hit->prim);
+    fprintf(to, "EXPECT hits IDX %u EQ %u %u %u %u # the bits of C\n", offset, float_bits(hit->t),
+            float_bits(hit->u), float_bits(hit->v), hit->prim);
 }
 
 static void expect_ray(const struct export_case *the, uint32_t i, FILE *to)
@@ -170,24 +166,20 @@ static void expect_ray(const struct export_case *the, uint32_t i, FILE *to)
     const unsigned offset = (unsigned)(i * sizeof(struct hit)), prim = offset + 12;
     struct common c = in_common(the, i);
     for (size_t k = 0; k < the->right_count; k++)
-        if (the->right[k].ray == i) {
-            fprintf(to, "# ray %u, right: ", (unsigned)i);
+        if (the->right[k].ray == i)
             export_print_right(the, &the->right[k], to);
-            fputc('\n', to);
-        }
-    fprintf(to, "EXPECT flags IDX %u EQ %u # ray %u was finished\n", (unsigned)(4 * i),
-            ABI_FLAG_DONE, (unsigned)i);
+    fprintf(to, "EXPECT flags IDX %u EQ %u # ray %u was finished\n", (4 * i), ABI_FLAG_DONE, i);
     if (the->bits_matter)
         put_bits(&the->reference[i], offset, to);
     else if (c.count == 0)
-        fprintf(to, "# ray %u is out of contract: any answer is right\n", (unsigned)i);
+        fprintf(to, "# ray %u is out of contract: any answer is right\n", i);
     else if (c.miss && c.hit)
-        fprintf(to, "# ray %u: a hit or a miss, which no script can say\n", (unsigned)i);
+        fprintf(to, "# ray %u: a hit or a miss, which no script can say\n", i);
     else if (c.miss)
         fprintf(to, "EXPECT hits IDX %u EQ 0 0 0 %u # a miss\n", offset, ABI_NO_PRIM);
     else {
         if (c.one_prim)
-            fprintf(to, "EXPECT hits IDX %u EQ %u # the triangle\n", prim, (unsigned)c.prim);
+            fprintf(to, "EXPECT hits IDX %u EQ %u # the triangle\n", prim, c.prim);
         else
             fprintf(to, "EXPECT hits IDX %u NE %u # no miss\n", prim, ABI_NO_PRIM);
         put_interval("t", c.t, offset, to);
@@ -196,11 +188,10 @@ static void expect_ray(const struct export_case *the, uint32_t i, FILE *to)
     }
 }
 
-void export_write_amber(const struct export_case *the, const struct export_options *options,
-                        FILE *to)
+void export_write_amber(const struct export_case *the, FILE *to)
 {
     fputs("#!amber\n#\n", to);
-    export_comment(the, options, "# ", to);
+    export_comment(the, "# ", to);
     fputs("\n# A tree that was packed wrongly may make the shader read beyond its buffers.\n"
           "DEVICE_FEATURE robustBufferAccess\n\n",
           to);

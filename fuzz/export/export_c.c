@@ -50,7 +50,7 @@ static void put_words(const uint32_t *word, size_t count, size_t per_line, FILE 
     for (size_t i = 0; i < count; i++) {
         if (i % per_line == 0)
             fputs("   ", to);
-        fprintf(to, " 0x%08x,", (unsigned)word[i]);
+        fprintf(to, " 0x%08x,", word[i]);
         if (i % per_line == per_line - 1 || i + 1 == count)
             fputc('\n', to);
     }
@@ -82,11 +82,11 @@ static void put_rays(const struct export_case *the, FILE *to)
         memcpy(number, &the->ray[i], sizeof number);
         memcpy(word, &the->ray[i], sizeof word);
         if (the->number[i] != i)
-            fprintf(to, "    /* ray %u of the finding */\n", (unsigned)the->number[i]);
+            fprintf(to, "    /* ray %u of the finding */\n", the->number[i]);
         fputs("    {", to);
         if (words) {
             for (int k = 0; k < 8; k++)
-                fprintf(to, "%s0x%08x", k ? ", " : "", (unsigned)word[k]);
+                fprintf(to, "%s0x%08x", k ? ", " : "", word[k]);
             fputs("}, /* ", to);
             put_decimals(number, 8, to);
             fputs(" */\n", to);
@@ -103,13 +103,13 @@ static void put_rays(const struct export_case *the, FILE *to)
 static void put_right(const struct export_case *the, const struct export_right *right, FILE *to)
 {
     if (right->prim == ABI_NO_PRIM || export_is_unnamed(the)) {
-        fprintf(to, "    {%u, %s, {0, 0}, {0, 0}, {0, 0}}, /* ray %u: %s */\n",
-                (unsigned)right->ray, right->prim == ABI_NO_PRIM ? "MISS" : "0",
-                (unsigned)right->ray, right->prim == ABI_NO_PRIM ? "a miss" : "a hit");
+        fprintf(to, "    {%u, %s, {0, 0}, {0, 0}, {0, 0}}, /* ray %u: %s */\n", right->ray,
+                right->prim == ABI_NO_PRIM ? "MISS" : "0", right->ray,
+                right->prim == ABI_NO_PRIM ? "a miss" : "a hit");
         return;
     }
-    fprintf(to, "    {%u, %u, /* ray %u: triangle %u */\n     {", (unsigned)right->ray,
-            (unsigned)right->prim, (unsigned)right->ray, (unsigned)right->prim);
+    fprintf(to, "    {%u, %u, /* ray %u: triangle %u */\n     {", right->ray, right->prim,
+            right->ray, right->prim);
     put_floats(right->t, 2, "},", "t: ", to);
     if (export_is_followed(the)) {
         fputs("     {-INFINITY, INFINITY}, {-INFINITY, INFINITY}}, /* u and v: see is_there */\n",
@@ -145,12 +145,12 @@ static void put_references(const struct export_case *the, FILE *to)
     for (uint32_t i = 0; i < the->ray_count; i++) {
         const struct hit *hit = &the->reference[i];
         const float number[3] = {hit->t, hit->u, hit->v};
-        fprintf(to, "    {0x%08x, 0x%08x, 0x%08x, ", (unsigned)float_bits(hit->t),
-                (unsigned)float_bits(hit->u), (unsigned)float_bits(hit->v));
+        fprintf(to, "    {0x%08x, 0x%08x, 0x%08x, ", float_bits(hit->t), float_bits(hit->u),
+                float_bits(hit->v));
         if (hit->prim == ABI_NO_PRIM)
             fputs("MISS}, /* a miss */\n", to);
         else {
-            fprintf(to, "%u}, /* ", (unsigned)hit->prim);
+            fprintf(to, "%u}, /* ", hit->prim);
             put_decimals(number, 3, to);
             fputs(" */\n", to);
         }
@@ -161,7 +161,7 @@ static void put_references(const struct export_case *the, FILE *to)
 static void put_answers(const struct export_case *the, FILE *to)
 {
     fprintf(to, "#define RAYS %uu\n#define PRINTED %d /* more rays: only those that are wrong */\n",
-            (unsigned)the->ray_count, PRINTED);
+            the->ray_count, PRINTED);
     fprintf(to, "#define UNNAMED %d /* answers do not say which triangle is hit */\n\n",
             export_is_unnamed(the));
     put_rays(the, to);
@@ -180,7 +180,7 @@ static void put_mesh(const struct export_case *the, FILE *to)
     fprintf(to,
             "#define VERTICES  %uu\n#define TRIANGLES %uu\n\n"
             "static const float vertices[VERTICES][3] = {\n",
-            (unsigned)scene->vertex_count, (unsigned)scene->tri_count);
+            scene->vertex_count, scene->tri_count);
     for (uint32_t i = 0; i < scene->vertex_count; i++) {
         fputs("    {", to);
         put_floats(scene->vertex + 3 * (size_t)i, 3, "},", "", to);
@@ -188,8 +188,7 @@ static void put_mesh(const struct export_case *the, FILE *to)
     fputs("};\n\nstatic const uint32_t indices[TRIANGLES][3] = {\n", to);
     for (uint32_t i = 0; i < scene->tri_count; i++) {
         const uint32_t *index = scene->index + 3 * (size_t)i;
-        fprintf(to, "    {%u, %u, %u},\n", (unsigned)index[0], (unsigned)index[1],
-                (unsigned)index[2]);
+        fprintf(to, "    {%u, %u, %u},\n", index[0], index[1], index[2]);
     }
     fputs("};\n\n", to);
 }
@@ -200,12 +199,12 @@ static void put_triangles(const struct export_case *the, FILE *to)
     const struct scene *scene = &the->trial->scene;
     if (!scene->tri_count)
         return;
-    fprintf(to, "static const float triangles[%u][3][3] = {\n", (unsigned)scene->tri_count);
+    fprintf(to, "static const float triangles[%u][3][3] = {\n", scene->tri_count);
     for (uint32_t i = 0; i < scene->tri_count; i++) {
         float v[3][3];
         char what[40];
         scene_tri(scene, i, v);
-        snprintf(what, sizeof what, "triangle %u: ", (unsigned)i);
+        snprintf(what, sizeof what, "triangle %u: ", i);
         for (int c = 0; c < 3; c++) {
             fputs(c ? "     {" : "    {{", to);
             put_floats(v[c], 3, c < 2 ? "}," : "}},", c ? "" : what, to);
@@ -237,18 +236,17 @@ static void put_constants(const struct export_case *the, FILE *to)
             "static const uint32_t constants[CONSTANTS] = {\n",
             DISPATCH_CONSTANTS - 1, DISPATCH_CONSTANTS);
     for (uint32_t i = 0; i < DISPATCH_CONSTANTS; i++)
-        fprintf(to, "    %u, /* %s%s%s */\n", (unsigned)the->dispatch.constant[i], names[i],
+        fprintf(to, "    %u, /* %s%s%s */\n", the->dispatch.constant[i], names[i],
                 values[i] ? ": " : "", values[i] ? values[i] : "");
     fprintf(to,
             "};\n\nstatic const uint32_t push[] = {\n    %u, /* rays */\n    %u, /* root record%s "
             "*/\n    %u, /* %s */\n    %u, /* words of items */\n    %u, /* triangles */\n    %u, "
             "/* hits of a ray */\n};\n\n#define GROUPS %uu\n\n",
-            (unsigned)push->ray_count, (unsigned)push->root,
-            the->subject == SUBJECT_BRUTE ? ": here the first triangle" : "",
-            (unsigned)push->node_count,
+            push->ray_count, push->root,
+            the->subject == SUBJECT_BRUTE ? ": here the first triangle" : "", push->node_count,
             the->subject == SUBJECT_BRUTE ? "one past the last triangle" : "records",
-            (unsigned)push->item_count, (unsigned)push->tri_count, (unsigned)push->capacity,
-            (unsigned)dispatch_groups(&the->dispatch, the->ray_count));
+            push->item_count, push->tri_count, push->capacity,
+            dispatch_groups(&the->dispatch, the->ray_count));
 }
 
 static void put_contents(const struct export_case *the, FILE *to)
@@ -313,7 +311,7 @@ static void put_data(const void *user, FILE *to)
         put_mesh(the, to);
 }
 
-void export_write_c(const struct export_case *the, const struct export_options *options, FILE *to)
+void export_write_c(const struct export_case *the, FILE *to)
 {
     const char *defined[8] = {NULL};
     int count = 0;
@@ -328,7 +326,7 @@ void export_write_c(const struct export_case *the, const struct export_options *
     if (export_is_followed(the))
         defined[count++] = "FOLLOWED";
     fputs("/*\n", to);
-    export_comment(the, options, " * ", to);
+    export_comment(the, " * ", to);
     fputs(" */\n", to);
     export_template_write(export_is_vulkan(the) ? "vulkan.c" : "embree.c", defined, put_data, the,
                           to);

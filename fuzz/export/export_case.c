@@ -53,18 +53,19 @@ static bool find_subject(const char *engine, enum export_subject *out)
 }
 
 /* Kinds that no answer of the engine shows. */
-static enum status check_kind(const struct finding_file *file, struct reason *reason)
+static enum status check_kind(const struct export_case *the)
 {
+    const struct finding_file *file = the->file;
     if (!file->has_signature)
         return STATUS_OK;
     switch (file->signature.kind) {
     case FUZZ_KIND_TREE:
-        return fail(reason, STATUS_INPUT,
+        return fail(the->reason, STATUS_INPUT,
                     "the fault lies in the bytes that the layout packs, not in an engine: `raydiff "
                     "replay` shows it; name --engine to export its rays all the same");
     case FUZZ_KIND_REFUSED:
     case FUZZ_KIND_PROTOCOL:
-        return fail(reason, STATUS_INPUT,
+        return fail(the->reason, STATUS_INPUT,
                     "a finding of kind %s has no wrong answer to show: `raydiff replay` plays it",
                     fuzz_kind_name(file->signature.kind));
     default:
@@ -72,28 +73,28 @@ static enum status check_kind(const struct finding_file *file, struct reason *re
     }
 }
 
-static enum status choose(struct export_case *the, const struct export_options *options,
-                          struct reason *reason)
+static enum status choose(struct export_case *the)
 {
     const struct finding_file *file = the->file;
+    const struct export_options *options = the->options;
     const char *name = options->engine       ? options->engine->name
                        : file->has_signature ? file->signature.engine
                                              : "vulkan";
     the->layout = options->layout ? options->layout : file->signature.layout;
     if (find_subject(name, &the->subject)) {
         the->engine = engine_find(name);
-        enum status status = options->engine ? STATUS_OK : check_kind(file, reason);
+        enum status status = options->engine ? STATUS_OK : check_kind(the);
         if (status)
             return status;
     } else if (options->form == EXPORT_TEXT) {
         the->subject = SUBJECT_TRACER;
     } else if (strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0) {
-        return fail(reason, STATUS_INPUT,
+        return fail(the->reason, STATUS_INPUT,
                     "engine '%s' is a tracer of its own: --form text writes scene, rays and what "
                     "is right",
                     name);
     } else {
-        return fail(reason, STATUS_INPUT,
+        return fail(the->reason, STATUS_INPUT,
                     "engine '%s' is raydiff's own C, there is no vendor to send it to: `raydiff "
                     "replay` shows and explains it; --engine vulkan exports it for a driver",
                     name);
@@ -104,7 +105,7 @@ static enum status choose(struct export_case *the, const struct export_options *
         the->layout = layout_find("f32");
     if (options->form == EXPORT_AMBER && the->subject != SUBJECT_VULKAN &&
         the->subject != SUBJECT_BRUTE)
-        return fail(reason, STATUS_INPUT,
+        return fail(the->reason, STATUS_INPUT,
                     "an Amber script holds a compute shader of vulkan or vulkan_brute, not engine "
                     "%s: --form c",
                     name);
@@ -127,16 +128,17 @@ static bool dies(const struct export_case *the)
            (signature->kind == FUZZ_KIND_CRASH || signature->kind == FUZZ_KIND_HANG);
 }
 
-static enum status take_rays(struct export_case *the, uint32_t only, struct reason *reason)
+static enum status take_rays(struct export_case *the)
 {
+    const uint32_t only = the->options->ray;
     const struct fuzz_trial *trial = the->trial;
     if (only != EXPORT_ALL_RAYS && only >= trial->ray_count)
-        return fail(reason, STATUS_INPUT, "there is no ray %u: the file has %u", (unsigned)only,
-                    (unsigned)trial->ray_count);
+        return fail(the->reason, STATUS_INPUT, "there is no ray %u: the file has %u", only,
+                    trial->ray_count);
     the->ray = alloc_zeroed(trial->ray_count, sizeof *the->ray);
     the->number = alloc_zeroed(trial->ray_count, sizeof *the->number);
     if (!the->ray || !the->number)
-        return fail(reason, STATUS_MEMORY, "no memory for %u rays", (unsigned)trial->ray_count);
+        return fail(the->reason, STATUS_MEMORY, "no memory for %u rays", trial->ray_count);
     for (uint32_t i = 0; i < trial->ray_count; i++) {
         if (only != EXPORT_ALL_RAYS && i != only)
             continue;
@@ -149,55 +151,54 @@ static enum status take_rays(struct export_case *the, uint32_t only, struct reas
         the->number[the->ray_count++] = i;
     }
     if (the->ray_count == 0)
-        return fail(reason, STATUS_INPUT, "there is no ray%s",
+        return fail(the->reason, STATUS_INPUT, "there is no ray%s",
                     the->left_out ? " that Embree promises to survive" : "");
     return STATUS_OK;
 }
 
 /* --- bytes --- */
 
-static enum status describe(struct export_case *the, const struct export_options *options,
-                            struct reason *reason)
+static enum status describe(struct export_case *the)
 {
-    const uint32_t workgroup =
-        options->engines.workgroup ? options->engines.workgroup : ABI_WORKGROUP;
+    const uint32_t asked = the->options->engines.workgroup;
+    const uint32_t workgroup = asked ? asked : ABI_WORKGROUP;
     enum status status = STATUS_OK;
     if (the->subject == SUBJECT_VULKAN)
-        status = dispatch_tree(&the->job, workgroup, &the->dispatch, reason);
+        status = dispatch_tree(&the->job, workgroup, &the->dispatch, the->reason);
     else if (the->subject == SUBJECT_BRUTE)
         the->dispatch = dispatch_brute(&the->job, workgroup);
     else if (the->subject == SUBJECT_QUERY)
         the->dispatch = dispatch_query(&the->job, workgroup);
     the->dispatch.push.ray_count = the->ray_count;
     if (the->subject == SUBJECT_BRUTE && the->trial->scene.tri_count > DISPATCH_PART)
-        status = fail(reason, STATUS_LIMIT,
+        status = fail(the->reason, STATUS_LIMIT,
                       "vulkan_brute takes more than %u triangles in several dispatches: shrink the "
                       "finding first",
                       DISPATCH_PART);
     bool needs_one = the->subject == SUBJECT_QUERY || is_embree(the);
     if (!status && needs_one && the->trial->scene.tri_count == 0)
-        status = fail(reason, STATUS_INPUT, "a scene without triangles has nothing to build from");
+        status =
+            fail(the->reason, STATUS_INPUT, "a scene without triangles has nothing to build from");
     return status;
 }
 
-static enum status pack(struct export_case *the, const struct export_options *options,
-                        struct reason *reason)
+static enum status pack(struct export_case *the)
 {
     const struct fuzz_trial *trial = the->trial;
     enum status status = STATUS_OK;
     if (the->layout)
-        status = fuzz_trial_tree(trial, the->layout, &the->bvh, &the->packed, NULL, reason);
+        status = fuzz_trial_tree(trial, the->layout, &the->bvh, &the->packed, NULL, the->reason);
     the->job = (struct job){.scene = &trial->scene,
                             .packed = the->layout ? &the->packed : NULL,
                             .box = trial->box,
                             .tri = trial->tri,
                             .query = trial->query};
     if (!status && the->subject != SUBJECT_TRACER)
-        status = describe(the, options, reason);
+        status = describe(the);
     uint64_t words = (uint64_t)the->packed.word_count + the->packed.item_count +
                      9 * (uint64_t)trial->scene.tri_count + 8 * (uint64_t)the->ray_count;
     if (!status && words > WORDS_MOST)
-        status = fail(reason, STATUS_LIMIT,
+        status = fail(the->reason, STATUS_LIMIT,
                       "%llu words of data, at most %u are written: shrink the finding first",
                       (unsigned long long)words, WORDS_MOST);
     return status;
@@ -231,7 +232,7 @@ void export_buffers(const struct export_case *the, struct export_buffer out[DISP
 /* --- answers --- */
 
 /* C on the same bytes. */
-static enum status make_reference(struct export_case *the, struct reason *reason)
+static enum status make_reference(struct export_case *the)
 {
     const struct fuzz_trial *trial = the->trial;
     if (the->subject != SUBJECT_VULKAN && the->subject != SUBJECT_BRUTE)
@@ -240,7 +241,7 @@ static enum status make_reference(struct export_case *the, struct reason *reason
     uint32_t *flag = alloc_zeroed(the->ray_count, sizeof *flag);
     if (!the->reference || !flag) {
         free(flag);
-        return fail(reason, STATUS_MEMORY, "no memory for the answers of C");
+        return fail(the->reason, STATUS_MEMORY, "no memory for the answers of C");
     }
     if (the->layout)
         the->reference_fails = trace_rays(&the->job, the->ray, the->ray_count, the->reference, flag,
@@ -269,8 +270,7 @@ static void adjust(struct export_case *the)
 }
 
 /* Opens the engine, takes its model and asks it once. What fails is said, and no error. */
-static enum status ask_here(struct export_case *the, const struct export_options *options,
-                            struct reason *reason)
+static enum status ask_here(struct export_case *the)
 {
     struct reason why = {""};
     struct trace_report report;
@@ -279,7 +279,7 @@ static enum status ask_here(struct export_case *the, const struct export_options
     if (the->subject == SUBJECT_TRACER || dies(the))
         (void)fail(&why, status, "it was not asked here");
     else
-        status = the->engine->open(&options->engines, &self, &why);
+        status = the->engine->open(&the->options->engines, &self, &why);
     the->measured = status == STATUS_OK;
     if (the->subject == SUBJECT_TRACER)
         the->model = (struct model){.formula = TWIN_UNKNOWN, .rounding = ROUNDING_VULKAN};
@@ -292,41 +292,40 @@ static enum status ask_here(struct export_case *the, const struct export_options
         the->here = alloc_zeroed(the->ray_count, sizeof *the->here);
         if (!the->here) {
             the->engine->close(self);
-            return fail(reason, STATUS_MEMORY, "no memory for %u answers",
-                        (unsigned)the->ray_count);
+            return fail(the->reason, STATUS_MEMORY, "no memory for %u answers", the->ray_count);
         }
         status = the->engine->prepare(self, &the->job, &why);
         if (!status)
             status = the->engine->trace(self, the->ray, the->ray_count, the->here, &report, &why);
         the->engine->close(self);
-        fuzz_versions(&the->engine, 1, &options->engines, the->versions, sizeof the->versions);
+        fuzz_versions(&the->engine, 1, &the->options->engines, the->versions, sizeof the->versions);
     }
     if (!status)
         return STATUS_OK;
     free(the->here);
     the->here = NULL;
     snprintf(the->not_asked, sizeof the->not_asked, "%.180s", why.text);
-    return status == STATUS_MEMORY ? fail(reason, status, "%s", why.text) : STATUS_OK;
+    return status == STATUS_MEMORY ? fail(the->reason, status, "%s", why.text) : STATUS_OK;
 }
 
-static enum status judge_all(struct export_case *the, struct reason *reason)
+static enum status judge_all(struct export_case *the)
 {
     const struct fuzz_trial *trial = the->trial;
     struct judge *judge = NULL;
     the->truth = alloc_zeroed(the->ray_count, sizeof *the->truth);
     the->judgement = alloc_zeroed(the->ray_count, sizeof *the->judgement);
     if (!the->truth || !the->judgement)
-        return fail(reason, STATUS_MEMORY, "no memory for the truth");
-    enum status status = oracle_make(&trial->scene, &the->oracle, reason);
+        return fail(the->reason, STATUS_MEMORY, "no memory for the truth");
+    enum status status = oracle_make(&trial->scene, &the->oracle, the->reason);
     if (!status)
         status = oracle_closest(the->oracle, ORACLE_AUTO, ORACLE_CLOSED, the->ray, the->ray_count,
-                                1, the->truth, NULL, reason);
+                                1, the->truth, NULL, the->reason);
     if (!status)
         status = judge_make(the->oracle, &trial->scene, &the->model, trial->tri, trial->query,
-                            &judge, reason);
+                            &judge, the->reason);
     if (!status) {
         judge_by_bounds(judge, true);
-        status = export_find_right(the, judge, reason);
+        status = export_find_right(the, judge);
         judge_by_bounds(judge, false);
     }
     for (uint32_t i = 0; i < the->ray_count && !status && the->here; i++)
@@ -342,9 +341,10 @@ static enum status judge_all(struct export_case *the, struct reason *reason)
 enum status export_case_make(const struct finding_file *file, const struct export_options *options,
                              struct export_case *out, struct reason *reason)
 {
-    *out = (struct export_case){.file = file, .trial = &file->trial};
+    *out = (struct export_case){
+        .file = file, .trial = &file->trial, .options = options, .reason = reason};
     snprintf(out->title, sizeof out->title, "clean");
-    enum status status = choose(out, options, reason);
+    enum status status = choose(out);
     if (!status && file->has_signature) {
         struct fuzz_signature signature = file->signature;
         if (out->engine) {
@@ -355,15 +355,15 @@ enum status export_case_make(const struct finding_file *file, const struct expor
         out->bits_matter = signature.kind == FUZZ_KIND_BITS;
     }
     if (!status)
-        status = take_rays(out, options->ray, reason);
+        status = take_rays(out);
     if (!status)
-        status = pack(out, options, reason);
+        status = pack(out);
     if (!status)
-        status = make_reference(out, reason);
+        status = make_reference(out);
     if (!status)
-        status = ask_here(out, options, reason);
+        status = ask_here(out);
     if (!status)
-        status = judge_all(out, reason);
+        status = judge_all(out);
     if (status)
         export_case_free(out);
     return status;

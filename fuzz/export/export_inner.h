@@ -26,6 +26,8 @@ struct export_right {
 /* Everything that a form writes; owns its arrays (export_case_free). */
 struct export_case {
     const struct finding_file *file;
+    const struct export_options *options;
+    struct reason *reason; /* of what fails while the case is made */
     const struct fuzz_trial *trial;
     enum export_subject subject;
     const struct engine *engine;     /* NULL: SUBJECT_TRACER */
@@ -63,18 +65,21 @@ bool export_is_vulkan(const struct export_case *the);
 /* Finds all right answers to the rays: every triangle, and a miss, is held before the judge, and of
  * what it takes the intervals are widened as far as it takes them. A ray without one is out of
  * contract: any answer is right. Errors: STATUS_MEMORY. */
-enum status export_find_right(struct export_case *the, const struct judge *judge,
-                              struct reason *reason) MUST_USE;
+enum status export_find_right(struct export_case *the, const struct judge *judge) MUST_USE;
 
 /* True if one of the right answers to ray `i` is this one (if export_is_followed: as far as its
  * triangle and t tell). */
 bool export_is_right(const struct export_case *the, uint32_t i, const struct hit *hit);
 
 /* The comment that heads every form: each line begins with `begin`. */
-void export_comment(const struct export_case *the, const struct export_options *options,
-                    const char *begin, FILE *to);
+void export_comment(const struct export_case *the, const char *begin, FILE *to);
 
-/* "triangle 3 at t in [1.5, 1.5000001]", "a miss", "a hit". */
+/* True if what the engine answered here to ray `i` is wrong, or has other bits than C's where those
+ * are the finding. There is an answer. */
+bool export_is_wrong_here(const struct export_case *the, uint32_t i);
+
+/* Writes a comment line, "# ray 0, right: triangle 3, t in [1.5, 1.5000001]", "... a miss", "... a
+ * hit". */
 void export_print_right(const struct export_case *the, const struct export_right *right, FILE *to);
 
 /* True if answers say hit or miss and name no triangle. */
@@ -84,9 +89,8 @@ bool export_is_unnamed(const struct export_case *the);
  * JUDGE_DISPLACEMENT_MOST units, wherever in its interval t is. */
 bool export_is_followed(const struct export_case *the);
 
-void export_write_c(const struct export_case *the, const struct export_options *options, FILE *to);
-void export_write_amber(const struct export_case *the, const struct export_options *options,
-                        FILE *to);
+void export_write_c(const struct export_case *the, FILE *to);
+void export_write_amber(const struct export_case *the, FILE *to);
 
 /* One of the storage buffers as the engine makes them: how many bytes, and what it begins with. */
 struct export_buffer {

@@ -1,5 +1,6 @@
 /* What may be answered: found by asking the judge, so that no rule is written down twice. */
 #include "fuzz/export/export_inner.h"
+#include "ref/judge/ray_triangle.h"
 
 #include <float.h>
 #include <math.h>
@@ -17,17 +18,6 @@ struct asking {
     bool no_memory;
 };
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 /* The point of the edge from corner a to corner b nearest to p, as weights; its squared distance.
  */
 static double nearest_on_edge(double corner[3][3], int a, int b, const double p[3],
@@ -38,14 +28,14 @@ static double nearest_on_edge(double corner[3][3], int a, int b, const double p[
         edge[k] = corner[b][k] - corner[a][k];
         to[k] = p[k] - corner[a][k];
     }
-    double length = dot(edge, edge), s = length > 0 ? dot(to, edge) / length : 0;
+    double length = judge_dot(edge, edge), s = length > 0 ? judge_dot(to, edge) / length : 0;
     s = s < 0 ? 0 : s > 1 ? 1 : s;
     for (int k = 0; k < 3; k++)
         rest[k] = to[k] - s * edge[k];
     weight[0] = weight[1] = weight[2] = 0;
     weight[a] = 1 - s;
     weight[b] += s;
-    return dot(rest, rest);
+    return judge_dot(rest, rest);
 }
 
 /* u and v of the point of the triangle nearest to the ray's point at t: above the triangle that of
@@ -61,10 +51,10 @@ static void follow(const struct asking *asking, struct hit *hit)
         c[k] = corner[2][k] - corner[0][k];
         to[k] = p[k] - corner[0][k];
     }
-    cross(b, c, n);
-    cross(to, c, over_c);
-    cross(b, to, over_b);
-    double area = dot(n, n), u = dot(over_c, n) / area, v = dot(over_b, n) / area;
+    judge_cross(b, c, n);
+    judge_cross(to, c, over_c);
+    judge_cross(b, to, over_b);
+    double area = judge_dot(n, n), u = judge_dot(over_c, n) / area, v = judge_dot(over_b, n) / area;
     if (!(area > 0 && u >= 0 && v >= 0 && u + v <= 1))
         for (int i = 0; i < 3; i++) {
             double weight[3], far = nearest_on_edge(corner, i, (i + 1) % 3, p, weight);
@@ -134,12 +124,11 @@ static void widen_both(struct asking *asking, struct hit *hit, float *x, float o
     out[1] = widen(asking, hit, x, FLT_MAX);
 }
 
-static enum status add(struct export_case *the, const struct export_right *right,
-                       struct reason *reason)
+static enum status add(struct export_case *the, const struct export_right *right)
 {
     void *array = the->right;
     if (array_reserve(&array, &the->right_capacity, the->right_count + 1, sizeof *right))
-        return fail(reason, STATUS_MEMORY, "no memory for what is right");
+        return fail(the->reason, STATUS_MEMORY, "no memory for what is right");
     the->right = array;
     the->right[the->right_count++] = *right;
     return STATUS_OK;
@@ -147,7 +136,7 @@ static enum status add(struct export_case *the, const struct export_right *right
 
 /* Adds the answer and all that is taken around it. */
 static enum status add_around(struct export_case *the, struct asking *asking, uint32_t i,
-                              struct hit hit, struct reason *reason)
+                              struct hit hit)
 {
     struct export_right right = {.ray = i, .prim = hit.prim};
     widen_both(asking, &hit, &hit.t, right.t);
@@ -158,7 +147,7 @@ static enum status add_around(struct export_case *the, struct asking *asking, ui
         widen_both(asking, &hit, &hit.u, right.u);
         widen_both(asking, &hit, &hit.v, right.v);
     }
-    return add(the, &right, reason);
+    return add(the, &right);
 }
 
 /* Where the line of the ray and the edge from a to b are nearest: multiples of the direction and of
@@ -176,13 +165,13 @@ static struct right_nearest nearest_of(const struct ray *ray, const float a[3], 
         edge[k] = (double)b[k] - (double)a[k];
         to[k] = (double)ray->org[k] - (double)a[k];
     }
-    double dd = dot(d, d), de = dot(d, edge), ee = dot(edge, edge);
+    double dd = judge_dot(d, d), de = judge_dot(d, edge), ee = judge_dot(edge, edge);
     double across = dd * ee - de * de;
-    out.s = across > 0 ? (dd * dot(edge, to) - de * dot(d, to)) / across : 0;
+    out.s = across > 0 ? (dd * judge_dot(edge, to) - de * judge_dot(d, to)) / across : 0;
     out.s = out.s < 0 ? 0 : out.s > 1 ? 1 : out.s;
     for (int k = 0; k < 3; k++)
         at[k] = out.s * edge[k] - to[k];
-    out.t = dot(at, d) / dd;
+    out.t = judge_dot(at, d) / dd;
     for (int k = 0; k < 3; k++)
         out.square += (at[k] - out.t * d[k]) * (at[k] - out.t * d[k]);
     return out;
@@ -212,22 +201,13 @@ static void follow_line(struct asking *asking, const struct twin *twin, double e
 }
 
 /* Where the ray hits the triangle, exactly, or else its plane; not finite if it is parallel. */
-static double plane_t(const struct export_case *the, const struct asking *asking, uint32_t prim)
+static double plane_t(const struct export_case *the, struct asking *asking, uint32_t prim)
 {
     struct oracle_pair pair;
-    double d[3], n[3], to[3], b[3], c[3];
     oracle_pair(the->oracle, asking->ray, prim, &pair);
     if (oracle_is_hit(&pair))
         return 0.5 * (pair.t_lo + pair.t_hi);
-    for (int k = 0; k < 3; k++) {
-        double a = (double)asking->v[0][k];
-        d[k] = (double)asking->ray->dir[k];
-        to[k] = a - (double)asking->ray->org[k];
-        b[k] = (double)asking->v[1][k] - a;
-        c[k] = (double)asking->v[2][k] - a;
-    }
-    cross(b, c, n);
-    return dot(to, n) / dot(d, n);
+    return judge_plane_t(asking->ray, asking->v);
 }
 
 /* The nearest float that the range of the ray, without its ends where they are none, has. */
@@ -243,7 +223,7 @@ static float in_range(const struct export_case *the, const struct ray *ray, floa
  * edges, and where it begins; and as early as its formula may find it, as only that may be near
  * enough to another that it hides. The judge says which of them counts. */
 static enum status ask_triangle(struct export_case *the, struct asking *asking, uint32_t i,
-                                uint32_t prim, struct reason *reason)
+                                uint32_t prim)
 {
     enum twin_formula formula = asking->follow ? TWIN_WOOP : the->model.formula;
     const struct ray *ray = asking->ray;
@@ -271,50 +251,46 @@ static enum status ask_triangle(struct export_case *the, struct asking *asking, 
         if (!float_is_finite(tried[k].u) || !float_is_finite(tried[k].v))
             tried[k].u = tried[k].v = 0.0f;
         if (takes(asking, &tried[k]))
-            return add_around(the, asking, i, tried[k], reason);
+            return add_around(the, asking, i, tried[k]);
     }
     return STATUS_OK;
 }
 
 /* Every triangle, the exact nearest one first. */
-static enum status ask_triangles(struct export_case *the, struct asking *asking, uint32_t i,
-                                 struct reason *reason)
+static enum status ask_triangles(struct export_case *the, struct asking *asking, uint32_t i)
 {
     uint32_t first = asking->truth->prim;
-    enum status status =
-        first == ABI_NO_PRIM ? STATUS_OK : ask_triangle(the, asking, i, first, reason);
+    enum status status = first == ABI_NO_PRIM ? STATUS_OK : ask_triangle(the, asking, i, first);
     for (uint32_t prim = 0; prim < the->trial->scene.tri_count && !status; prim++)
         if (prim != first)
-            status = ask_triangle(the, asking, i, prim, reason);
+            status = ask_triangle(the, asking, i, prim);
     return status;
 }
 
-static enum status ask_ray(struct export_case *the, const struct judge *judge, uint32_t i,
-                           struct reason *reason)
+static enum status ask_ray(struct export_case *the, const struct judge *judge, uint32_t i)
 {
     struct asking asking = {.judge = judge, .ray = &the->ray[i], .truth = &the->truth[i]};
     struct hit miss = {.prim = ABI_NO_PRIM}, hit = {.prim = 0};
     struct judgement judgement;
     enum status status = judge_answer(judge, asking.ray, asking.truth, &miss, &judgement);
     if (status || judgement.verdict == VERDICT_OUT_OF_CONTRACT)
-        return status ? fail(reason, status, "no memory to judge a ray") : STATUS_OK;
+        return status ? fail(the->reason, status, "no memory to judge a ray") : STATUS_OK;
     if (!export_is_unnamed(the)) {
         asking.follow = export_is_followed(the);
-        status = ask_triangles(the, &asking, i, reason);
+        status = ask_triangles(the, &asking, i);
     } else if (takes(&asking, &hit)) {
-        status = add(the, &(struct export_right){.ray = i, .prim = 0}, reason);
+        status = add(the, &(struct export_right){.ray = i, .prim = 0});
     }
     if (!status && judgement.verdict != VERDICT_WRONG)
-        status = add(the, &(struct export_right){.ray = i, .prim = ABI_NO_PRIM}, reason);
-    return asking.no_memory ? fail(reason, STATUS_MEMORY, "no memory to judge a ray") : status;
+        status = add(the, &(struct export_right){.ray = i, .prim = ABI_NO_PRIM});
+    return asking.no_memory ? fail(the->reason, STATUS_MEMORY, "no memory to judge a ray") : status;
 }
 
-enum status export_find_right(struct export_case *the, const struct judge *judge,
-                              struct reason *reason)
+enum status export_find_right(struct export_case *the, const struct judge *judge)
 {
     enum status status = STATUS_OK;
     for (uint32_t i = 0; i < the->ray_count && !status; i++)
-        status = ask_ray(the, judge, i, reason);
+        status = ask_ray(the, judge, i);
     return status;
 }
 

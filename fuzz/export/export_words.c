@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define COLUMNS 96
+#define INDENT  12 /* of what stands beside a title */
 
 /* A comment being written: lines with the same beginning, broken between words. */
 struct comment {
@@ -35,19 +36,19 @@ static char safe(const char *text)
     return text[0] >= 0x20 && text[0] <= 0x7E ? text[0] : '?';
 }
 
-/* Writes a paragraph: its title, and words that are broken with an indent of `indent`. */
-static void say(struct comment *c, const char *title, size_t indent, const char *format, ...)
-    PRINTF_LIKE(4, 5);
-static void say(struct comment *c, const char *title, size_t indent, const char *format, ...)
+/* Writes a paragraph beside its title, which may be "". NULL: without an indent. */
+static void say(struct comment *c, const char *title, const char *format, ...) PRINTF_LIKE(3, 4);
+static void say(struct comment *c, const char *title, const char *format, ...)
 {
+    const size_t indent = title ? INDENT : 0;
     char text[1024];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     begin_line(c, 0);
-    fprintf(c->to, "%-*s", (int)indent, title);
-    c->column += indent > strlen(title) ? indent : strlen(title);
+    fprintf(c->to, "%-*s", (int)indent, title ? title : "");
+    c->column += indent;
     bool first = true;
     for (const char *at = text; *at;) {
         size_t length = strcspn(at, " ");
@@ -75,11 +76,11 @@ static void blank(struct comment *c)
     c->column = 1;
 }
 
-static void say_lines(struct comment *c, const char *title, size_t indent, const char *lines)
+static void say_lines(struct comment *c, const char *title, const char *lines)
 {
     for (const char *at = lines; *at;) {
         size_t length = strcspn(at, "\n");
-        say(c, at == lines ? title : "", indent, "%.*s", (int)length, at);
+        say(c, at == lines ? title : "", "%.*s", (int)length, at);
         at += length + (at[length] == '\n');
     }
 }
@@ -91,7 +92,7 @@ static void hit_text(const struct export_case *the, const struct hit *hit, char 
     else if (export_is_unnamed(the))
         snprintf(text, size, "a hit");
     else
-        snprintf(text, size, "triangle %u at t = %.9g, u = %.9g, v = %.9g", (unsigned)hit->prim,
+        snprintf(text, size, "triangle %u at t = %.9g, u = %.9g, v = %.9g", hit->prim,
                  (double)hit->t, (double)hit->u, (double)hit->v);
 }
 
@@ -105,26 +106,33 @@ static void print_interval(const char *name, const float x[2], FILE *to)
 
 void export_print_right(const struct export_case *the, const struct export_right *right, FILE *to)
 {
+    fprintf(to, "# ray %u, right: ", right->ray);
     if (right->prim == ABI_NO_PRIM || export_is_unnamed(the)) {
         fputs(right->prim == ABI_NO_PRIM ? "a miss" : "a hit", to);
-        return;
+    } else {
+        fprintf(to, "triangle %u", right->prim);
+        print_interval("t", right->t, to);
+        if (export_is_followed(the)) {
+            fputs(", u and v of the ray's point there", to);
+        } else {
+            print_interval("u", right->u, to);
+            print_interval("v", right->v, to);
+        }
     }
-    fprintf(to, "triangle %u", (unsigned)right->prim);
-    print_interval("t", right->t, to);
-    if (export_is_followed(the)) {
-        fputs(", u and v of the ray's point there", to);
-        return;
-    }
-    print_interval("u", right->u, to);
-    print_interval("v", right->v, to);
+    fputc('\n', to);
+}
+
+bool export_is_wrong_here(const struct export_case *the, uint32_t i)
+{
+    return the->judgement[i].verdict == VERDICT_WRONG ||
+           (the->bits_matter && memcmp(&the->here[i], &the->reference[i], sizeof *the->here) != 0);
 }
 
 /* The ray that tells most: the first that was answered wrongly here, else by C, else the first. */
 static uint32_t telling_ray(const struct export_case *the)
 {
     for (uint32_t i = 0; i < the->ray_count && the->here; i++)
-        if (the->judgement[i].verdict == VERDICT_WRONG ||
-            (the->bits_matter && memcmp(&the->here[i], &the->reference[i], sizeof *the->here)))
+        if (export_is_wrong_here(the, i))
             return i;
     for (uint32_t i = 0; i < the->ray_count && the->reference; i++)
         if (!export_is_right(the, i, &the->reference[i]))
@@ -139,13 +147,12 @@ static void say_truth(struct comment *c, const struct export_case *the, uint32_t
     if (truth->prim != ABI_NO_PRIM)
         oracle_t_text(the->oracle, &the->ray[i], truth->prim, t);
     if (truth->flags & ORACLE_REFUSED)
-        say(c, "Exactly", 12, "ray %u is not finite, or its range is empty: any answer is right",
-            (unsigned)i);
+        say(c, "Exactly", "ray %u is not finite, or its range is empty: any answer is right", i);
     else if (truth->prim == ABI_NO_PRIM)
-        say(c, "Exactly", 12, "ray %u hits nothing.", (unsigned)i);
+        say(c, "Exactly", "ray %u hits nothing.", i);
     else
-        say(c, "Exactly", 12, "ray %u hits triangle %u%s first, at t %s (%s).", (unsigned)i,
-            (unsigned)truth->prim, truth->tie_count > 1 ? " and others at the same t" : "", t,
+        say(c, "Exactly", "ray %u hits triangle %u%s first, at t %s (%s).", i, truth->prim,
+            truth->tie_count > 1 ? " and others at the same t" : "", t,
             oracle_class_name((enum oracle_class)truth->class));
 }
 
@@ -154,18 +161,18 @@ static void say_answers(struct comment *c, const struct export_case *the, uint32
     char text[200];
     if (the->here) {
         hit_text(the, &the->here[i], text, sizeof text);
-        say(c, "Answered", 12, "%s%s%s. Where this file was written, that is:", text,
+        say(c, "Answered", "%s%s%s. Where this file was written, that is:", text,
             the->judgement[i].verdict == VERDICT_WRONG ? ": WRONG, " : ", which is allowed: ",
             the->judgement[i].verdict == VERDICT_WRONG ? wrong_name(the->judgement[i].wrong)
                                                        : verdict_name(the->judgement[i].verdict));
-        say_lines(c, "", 12, the->versions);
+        say_lines(c, "", the->versions);
     } else {
-        say(c, "Answered", 12, "it was not asked where this file was written: %s", the->not_asked);
+        say(c, "Answered", "it was not asked where this file was written: %s", the->not_asked);
     }
     if (!the->reference)
         return;
     hit_text(the, &the->reference[i], text, sizeof text);
-    say(c, "In C", 12, "%s: raydiff's reference on the same bytes.%s", text,
+    say(c, "In C", "%s: raydiff's reference on the same bytes.%s", text,
         the->reference_fails
             ? " C fails there, too: the fault lies in the bytes or in the algorithm, not in the "
               "driver."
@@ -177,17 +184,17 @@ static void say_tolerance(struct comment *c, const struct export_case *the)
     const char *whose = the->measured ? "whose operators were measured where this file was written"
                                       : "in the precision that Vulkan's specification asks for";
     if (the->model.formula == TWIN_UNKNOWN)
-        say(c, "Tolerance", 12,
+        say(c, "Tolerance",
             "the formula is not known: an answer is right if it is exact for vertices moved by at "
             "most 2^-14 of the largest distance of a vertex from the ray's origin. u and v must "
             "give the ray's point at t as exactly.");
     else if (export_is_vulkan(the))
-        say(c, "Tolerance", 12,
+        say(c, "Tolerance",
             "proven error bounds of the shader's own formula around the exact values, for a driver "
             "%s. Every answer that they allow is listed.",
             whose);
     else
-        say(c, "Tolerance", 12,
+        say(c, "Tolerance",
             "proven error bounds of Embree's published formula around the exact values. Every "
             "answer that they allow is listed.");
 }
@@ -199,96 +206,93 @@ static void say_subject(struct comment *c, const struct export_case *the)
         trial->query == QUERY_ANY ? "whether anything is hit" : "for the nearest hit";
     char rays[40];
     snprintf(rays, sizeof rays, the->ray_count == 1 ? "One ray asks" : "%u rays ask",
-             (unsigned)the->ray_count);
+             the->ray_count);
     switch (the->subject) {
     case SUBJECT_VULKAN:
-        say(c, "", 0,
+        say(c, NULL,
             "%s a compute shader %s among %u triangles, by a tree of %u records of %u bytes "
             "(layout %s, builder %s, leaf %u, box test %s, triangle test %s).",
-            rays, what, (unsigned)trial->scene.tri_count, (unsigned)the->packed.node_count,
-            (unsigned)the->layout->node_bytes, the->layout->name, trial->builder->name,
-            (unsigned)trial->build.leaf, trial->box->name, trial->tri->name);
+            rays, what, trial->scene.tri_count, the->packed.node_count, the->layout->node_bytes,
+            the->layout->name, trial->builder->name, trial->build.leaf, trial->box->name,
+            trial->tri->name);
         break;
     case SUBJECT_BRUTE:
-        say(c, "", 0,
+        say(c, NULL,
             "%s a compute shader %s among %u triangles; it tests each of them (triangle test "
             "%s).",
-            rays, what, (unsigned)trial->scene.tri_count, trial->tri->name);
+            rays, what, trial->scene.tri_count, trial->tri->name);
         break;
     case SUBJECT_QUERY:
-        say(c, "", 0, "%s the driver's ray queries (VK_KHR_ray_query) %s among %u triangles.", rays,
-            what, (unsigned)trial->scene.tri_count);
+        say(c, NULL, "%s the driver's ray queries (VK_KHR_ray_query) %s among %u triangles.", rays,
+            what, trial->scene.tri_count);
         break;
     case SUBJECT_EMBREE:
     case SUBJECT_EMBREE_ROBUST:
-        say(c, "", 0, "%s Embree%s %s among %u triangles.%s", rays,
+        say(c, NULL, "%s Embree%s %s among %u triangles.%s", rays,
             the->subject == SUBJECT_EMBREE_ROBUST ? " (RTC_SCENE_FLAG_ROBUST)" : "", what,
-            (unsigned)trial->scene.tri_count,
+            trial->scene.tri_count,
             the->left_out ? " Rays that Embree does not promise to survive are left out." : "");
         break;
     case SUBJECT_TRACER:
-        say(c, "", 0, "%s %s among %u triangles.", rays, what, (unsigned)trial->scene.tri_count);
+        say(c, NULL, "%s %s among %u triangles.", rays, what, trial->scene.tri_count);
         break;
     }
 }
 
 /* How it is run, and what that tells. */
-static void say_use(struct comment *c, const struct export_case *the,
-                    const struct export_options *options)
+static void say_use(struct comment *c, const struct export_case *the)
 {
     char stem[64];
-    const char *name = options->name;
+    const char *name = the->options->name;
     if (!name || !*name)
-        name = options->form == EXPORT_AMBER ? "finding.amber" : "finding.c";
+        name = the->options->form == EXPORT_AMBER ? "finding.amber" : "finding.c";
     snprintf(stem, sizeof stem, "%.*s", (int)strcspn(name, "."), name);
     if (!*stem)
         snprintf(stem, sizeof stem, "finding");
-    if (options->form == EXPORT_AMBER) {
-        say(c, "Run", 12, "amber -v 1.1 -t vulkan1.1 %.60s", name);
-        say(c, "", 12, "It passes where the driver is right, and fails while the bug shows.");
+    if (the->options->form == EXPORT_AMBER) {
+        say(c, "Run", "amber -v 1.1 -t vulkan1.1 %.60s", name);
+        say(c, "", "It passes where the driver is right, and fails while the bug shows.");
         return;
     }
     if (export_is_vulkan(the))
-        say(c, "Run", 12, "cc %.60s -lvulkan -o %s && ./%s [DEVICE]", name, stem, stem);
+        say(c, "Run", "cc %.60s -lvulkan -o %s && ./%s [DEVICE]", name, stem, stem);
     else
-        say(c, "Run", 12,
+        say(c, "Run",
             "cc %.60s -lembree3 -lm -o %s && ./%s      (or -lembree4, which -DEMBREE=3 "
             "or 4 forces)",
             name, stem, stem);
-    say(c, "Exit code", 12,
-        "0 every answer is right (fixed), 1 the bug shows%s, 2 it cannot run here.",
+    say(c, "Exit code", "0 every answer is right (fixed), 1 the bug shows%s, 2 it cannot run here.",
         the->file->has_signature && the->file->signature.kind == FUZZ_KIND_CRASH
             ? " (or the program crashes)"
             : "");
 }
 
-void export_comment(const struct export_case *the, const struct export_options *options,
-                    const char *begin, FILE *to)
+void export_comment(const struct export_case *the, const char *begin, FILE *to)
 {
     struct comment c = {.begin = begin, .to = to};
     const struct finding_file *file = the->file;
     uint32_t i = telling_ray(the);
-    say(&c, "", 0, "%s", the->title);
+    say(&c, NULL, "%s", the->title);
     blank(&c);
     say_subject(&c, the);
     blank(&c);
-    if (options->form != EXPORT_TEXT)
-        say_use(&c, the, options);
+    if (the->options->form != EXPORT_TEXT)
+        say_use(&c, the);
     say_truth(&c, the, i);
     if (the->subject != SUBJECT_TRACER)
         say_answers(&c, the, i);
     if (the->bits_matter)
-        say(&c, "Bits", 12,
+        say(&c, "Bits",
             "the finding is that these bits differ from C's although every operator of the driver "
             "was found to round as C's does; so other bits than C's count as WRONG here.");
     if (file->has_signature)
-        say(&c, "Cause", 12, "%s: %s.", cause_name(file->signature.cause),
+        say(&c, "Cause", "%s: %s.", cause_name(file->signature.cause),
             cause_text(file->signature.cause));
     say_tolerance(&c, the);
     if (file->versions[0])
-        say_lines(&c, "Seen with", 12, file->versions);
+        say_lines(&c, "Seen with", file->versions);
     if (the->trial->origin.recipe[0])
-        say(&c, "Scene", 12, "%s", the->trial->origin.recipe);
-    say(&c, "Written by", 12, "raydiff " RAYDIFF_VERSION "; nothing of raydiff is needed.");
+        say(&c, "Scene", "%s", the->trial->origin.recipe);
+    say(&c, "Written by", "raydiff " RAYDIFF_VERSION "; nothing of raydiff is needed.");
     fputc('\n', to);
 }
