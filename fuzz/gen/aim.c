@@ -174,8 +174,7 @@ static void grazing_ray(const struct aim *aim, struct rng *rng, struct target *t
         org[k] = start + a * (v[1][k] - v[0][k]) + b * (v[2][k] - v[0][k]) + off * along[k];
         dir[k] = start - org[k];
     }
-    for (int k = 0; k < 3; k++)
-        org[k] = org[k] > 0x1p39f ? 0x1p39f : org[k] < -0x1p39f ? -0x1p39f : org[k];
+    aim_clamp_origin(org);
     aim_set(org, dir, out);
 }
 

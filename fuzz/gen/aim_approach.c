@@ -78,11 +78,10 @@ static void from_feature(const struct aim *aim, struct rng *rng, float org[3])
         org[k] = bits >> (2 + k) & 1 ? box->hi[k] : box->lo[k];
 }
 
-/* Keeps origins in contract, whatever the scene. */
-static void cut(float org[3])
+void aim_clamp_origin(float org[3])
 {
     for (int k = 0; k < 3; k++)
-        org[k] = org[k] > 0x1p39f ? 0x1p39f : org[k] < -0x1p39f ? -0x1p39f : org[k];
+        org[k] = aim_clamped(org[k], 0x1p39f);
 }
 
 float aim_approach(const struct aim *aim, struct rng *rng, const struct target *target,
@@ -114,7 +113,7 @@ float aim_approach(const struct aim *aim, struct rng *rng, const struct target *
     if (approach == APPROACH_LATTICE)
         for (int k = 0; k < 3; k++)
             org[k] = snap(org[k], aim->quantum);
-    cut(org);
+    aim_clamp_origin(org);
     uint64_t signs = rng_u64(rng);
     for (int k = 0; k < 3; k++) {
         dir[k] = target->at[k] - org[k];
@@ -124,7 +123,7 @@ float aim_approach(const struct aim *aim, struct rng *rng, const struct target *
     return aim_set(org, dir, out);
 }
 
-/* --- rays without promises ---------------------------------------------------------------------
+/* --- rays that may be out of contract ---------------------------------------------------------------------
  */
 
 void aim_degenerate(const struct aim *aim, struct rng *rng, struct ray *out)

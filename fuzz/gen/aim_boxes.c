@@ -135,8 +135,8 @@ void aim_make(const struct scene *scene, uint32_t leaf, struct rng *rng, struct 
     out->extent = 0;
     for (int k = 0; k < 3; k++) {
         float *lo = &out->all.lo[k], *hi = &out->all.hi[k];
-        *lo = *lo < -REACH ? -REACH : *lo > REACH ? REACH : *lo;
-        *hi = *hi < -REACH ? -REACH : *hi > REACH ? REACH : *hi;
+        *lo = aim_clamped(*lo, REACH);
+        *hi = aim_clamped(*hi, REACH);
         out->centre[k] = 0.5f * *lo + 0.5f * *hi;
         if (*hi - *lo > out->extent)
             out->extent = *hi - *lo;

@@ -35,7 +35,16 @@ void aim_direction(struct rng *rng, float dir[3]);
  * times t of the direction given. */
 float aim_set(const float org[3], const float dir[3], struct ray *out);
 
-/* A ray without promises. */
+/* x, or the end of [-most, most] that it lies beyond. */
+static inline float aim_clamped(float x, float most)
+{
+    return x < -most ? -most : x > most ? most : x;
+}
+
+/* Keeps an origin in contract, whatever the scene. */
+void aim_clamp_origin(float org[3]);
+
+/* A ray that may be out of contract. */
 void aim_degenerate(const struct aim *aim, struct rng *rng, struct ray *out);
 
 #endif

@@ -22,9 +22,9 @@ static struct rng rng_of_trial(uint64_t seed, uint64_t index)
 static const struct recipe *choose_recipe(struct rng *rng)
 {
     uint32_t at = rng_below(rng, RECIPE_WEIGHTS), i = 0;
-    while (at >= recipes[i]->weight)
-        at -= recipes[i++]->weight;
-    return recipes[i];
+    while (at >= recipes[i].weight)
+        at -= recipes[i++].weight;
+    return &recipes[i];
 }
 
 /* Small loose triangles in the middle half of what is there. */

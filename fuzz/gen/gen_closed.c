@@ -1,14 +1,12 @@
 /* Recipes of closed meshes and of pieces of them. */
 #include "fuzz/gen/gen_recipes.h"
 
-static const float middle[3] = {0, 0, 0};
-
 /* Boxes side by side and through each other, then tetrahedra. */
 void draw_boxes(struct sketch *sketch)
 {
     while (sketch_room(sketch) >= SKETCH_BOX) {
         float lo[3], hi[3];
-        sketch_point(sketch, middle, 1.0f, lo);
+        sketch_point(sketch, sketch_origin, 1.0f, lo);
         for (int k = 0; k < 3; k++)
             hi[k] = lo[k] + 0.0625f + rng_float(sketch->rng);
         sketch_box(sketch, lo, hi);
@@ -20,7 +18,7 @@ void draw_tetrahedra(struct sketch *sketch)
 {
     while (sketch_room(sketch) >= SKETCH_TETRA) {
         float v[4][3], centre[3];
-        sketch_point(sketch, middle, 0.75f, centre);
+        sketch_point(sketch, sketch_origin, 0.75f, centre);
         for (int c = 0; c < 4; c++)
             sketch_point(sketch, centre, 0.5f, v[c]);
         sketch_tetra(sketch, v);
@@ -107,7 +105,7 @@ void draw_balls(struct sketch *sketch)
             n++;
         if (n > 1)
             n -= rng_below(sketch->rng, 2);
-        sketch_point(sketch, middle, 0.25f, centre);
+        sketch_point(sketch, sketch_origin, 0.25f, centre);
         draw_ball(sketch, n, centre, radius);
         radius *= 0.5f;
     }

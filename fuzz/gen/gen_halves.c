@@ -54,11 +54,10 @@ void draw_largest(struct sketch *sketch)
 {
     static const float end[] = {65503.9961f, 65504.0f, 65472.0f, 65488.0f,
                                 65504.0039f, 65519.0f, 65520.0f, 1e5f};
-    static const float middle[3] = {0, 0, 0};
     uint32_t ends = rng_below(sketch->rng, 4) ? 4 : ARRAY_COUNT(end);
     while (sketch_room(sketch) > 0) {
         float v[3][3], centre[3];
-        sketch_point(sketch, middle, 32768.0f, centre);
+        sketch_point(sketch, sketch_origin, 32768.0f, centre);
         for (int c = 0; c < 3; c++) {
             sketch_point(sketch, centre, 32700.0f, v[c]);
             uint32_t k = rng_below(sketch->rng, 6);

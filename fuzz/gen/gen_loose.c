@@ -1,15 +1,13 @@
 /* Recipes of loose triangles: no two share a vertex index. */
 #include "fuzz/gen/gen_recipes.h"
 
-static const float middle[3] = {0, 0, 0};
-
 /* Triangles of one size in the unit cube, small or as large as it. */
 void draw_soup(struct sketch *sketch)
 {
     float size = power_of_two(-(int)rng_below(sketch->rng, 6));
     while (sketch_room(sketch) > 0) {
         float centre[3];
-        sketch_point(sketch, middle, 1.0f, centre);
+        sketch_point(sketch, sketch_origin, 1.0f, centre);
         sketch_small(sketch, centre, size);
     }
 }
@@ -20,9 +18,9 @@ void draw_needles(struct sketch *sketch)
     while (sketch_room(sketch) > 0) {
         float v[3][3];
         float width = power_of_two(-8 - (int)rng_below(sketch->rng, 17));
-        sketch_point(sketch, middle, 1.0f, v[0]);
+        sketch_point(sketch, sketch_origin, 1.0f, v[0]);
         sketch_point(sketch, v[0], width, v[1]);
-        sketch_point(sketch, middle, 1.0f, v[2]);
+        sketch_point(sketch, sketch_origin, 1.0f, v[2]);
         sketch_loose(sketch, v);
     }
 }
@@ -36,8 +34,8 @@ void draw_slivers(struct sketch *sketch)
             width = power_of_two(-8 - (int)rng_below(sketch->rng, 17));
         else
             s = 0.5f; /* in the middle the edge often passes through a float */
-        sketch_point(sketch, middle, 1.0f, v[0]);
-        sketch_point(sketch, middle, 1.0f, v[1]);
+        sketch_point(sketch, sketch_origin, 1.0f, v[0]);
+        sketch_point(sketch, sketch_origin, 1.0f, v[1]);
         for (int k = 0; k < 3; k++)
             v[2][k] = v[0][k] + s * (v[1][k] - v[0][k]) + width * sketch_signed(sketch);
         sketch_loose(sketch, v);
@@ -51,7 +49,7 @@ void draw_duplicates(struct sketch *sketch)
         float v[3][3], w[3][3];
         uint32_t copies = 2 + rng_below(sketch->rng, 8);
         for (int c = 0; c < 3; c++)
-            sketch_point(sketch, middle, 1.0f, v[c]);
+            sketch_point(sketch, sketch_origin, 1.0f, v[c]);
         for (uint32_t i = 0; i < copies; i++) {
             uint32_t turn = rng_below(sketch->rng, 3), mirror = rng_below(sketch->rng, 2);
             for (uint32_t c = 0; c < 3; c++)

@@ -35,11 +35,10 @@ void draw_far(struct sketch *sketch)
 /* A few large triangles over a small soup. */
 void draw_mixed(struct sketch *sketch)
 {
-    static const float middle[3] = {0, 0, 0};
     int smaller = 4 + (int)rng_below(sketch->rng, 18);
     while (sketch_room(sketch) > 0) {
         float centre[3], size = power_of_two(-(int)rng_below(sketch->rng, (uint32_t)smaller));
-        sketch_point(sketch, middle, size, centre);
+        sketch_point(sketch, sketch_origin, size, centre);
         sketch_small(sketch, centre, size);
     }
 }
@@ -47,18 +46,16 @@ void draw_mixed(struct sketch *sketch)
 /* Extents around the least normal float16, 2^-14, and below all of them. */
 void draw_tiny_scale(struct sketch *sketch)
 {
-    static const float origin[3] = {0, 0, 0};
     draw_some_shape(sketch);
-    place(sketch, power_of_two(-12 - (int)rng_below(sketch->rng, 16)), origin);
+    place(sketch, power_of_two(-12 - (int)rng_below(sketch->rng, 16)), sketch_origin);
 }
 
 /* Any scale that the contract has room for; rarely beyond. */
 void draw_any_scale(struct sketch *sketch)
 {
-    static const float origin[3] = {0, 0, 0};
     int exponent = (int)rng_below(sketch->rng, 60) - 36;
     if (rng_below(sketch->rng, 16) == 0)
         exponent = (int)rng_below(sketch->rng, 220) - 140;
     draw_some_shape(sketch);
-    place(sketch, power_of_two(exponent), origin);
+    place(sketch, power_of_two(exponent), sketch_origin);
 }

@@ -2,6 +2,8 @@
 
 #include <assert.h>
 
+const float sketch_origin[3] = {0, 0, 0};
+
 float float_step(float x, int steps)
 {
     /* Integers in the order of the floats; -0 and 0 are both 0. */

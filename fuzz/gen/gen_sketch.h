@@ -32,7 +32,7 @@ struct recipe {
 /* Weights of all recipes add up to this. */
 #define RECIPE_WEIGHTS 4096u
 
-extern const struct recipe *const recipes[]; /* NULL-terminated */
+extern const struct recipe recipes[]; /* the last one has no name */
 
 /* 2^exponent, -149 <= exponent <= 127. */
 static inline float power_of_two(int exponent)
@@ -57,6 +57,8 @@ uint32_t sketch_vertex(struct sketch *sketch, float x, float y, float z);
 void sketch_tri(struct sketch *sketch, uint32_t a, uint32_t b, uint32_t c);
 /* Adds a triangle of three vertices of its own. */
 void sketch_loose(struct sketch *sketch, float v[3][3]);
+
+extern const float sketch_origin[3]; /* 0, 0, 0 */
 
 /* A point in the cube of side 2 * reach around `centre`. */
 void sketch_point(struct sketch *sketch, const float centre[3], float reach, float out[3]);

@@ -4,54 +4,49 @@
 
 #include <string.h>
 
-#define EDIT(id, part_) static const struct edit id = {#id, part_, edit_##id}
-EDIT(snap, EDIT_SCENE);
-EDIT(scale, EDIT_SCENE);
-EDIT(move, EDIT_SCENE);
-EDIT(negate, EDIT_SCENE);
-EDIT(swap_axes, EDIT_SCENE);
-EDIT(flatten, EDIT_SCENE);
-EDIT(halves, EDIT_SCENE);
-EDIT(next_float, EDIT_SCENE);
-EDIT(onto_vertex, EDIT_SCENE);
-EDIT(onto_edge, EDIT_SCENE);
-EDIT(zero, EDIT_SCENE);
-EDIT(far_vertex, EDIT_SCENE);
-EDIT(duplicate, EDIT_SCENE);
-EDIT(permute, EDIT_SCENE);
-EDIT(turn, EDIT_SCENE);
-EDIT(weld, EDIT_SCENE);
-EDIT(unweld, EDIT_SCENE);
-EDIT(drop, EDIT_SCENE);
-EDIT(aim, EDIT_RAYS);
-EDIT(ray_step, EDIT_RAYS);
-EDIT(ray_axis, EDIT_RAYS);
-EDIT(ray_range, EDIT_RAYS);
-EDIT(ray_back, EDIT_RAYS);
-EDIT(ray_scale, EDIT_RAYS);
-EDIT(leaf, EDIT_TESTS);
-EDIT(builder, EDIT_TESTS);
-EDIT(box, EDIT_TESTS);
-EDIT(tri, EDIT_TESTS);
-EDIT(query, EDIT_TESTS);
-EDIT(refit, EDIT_TESTS);
-
-const struct edit *const edits[] = {
-    &snap,        &scale,     &move, &negate,     &swap_axes, &flatten,   &halves,   &next_float,
-    &onto_vertex, &onto_edge, &zero, &far_vertex, &duplicate, &permute,   &turn,     &weld,
-    &unweld,      &drop,      &aim,  &ray_step,   &ray_axis,  &ray_range, &ray_back, &ray_scale,
-    &leaf,        &builder,   &box,  &tri,        &query,     &refit,     NULL,
+const struct edit edits[] = {
+    {"snap", EDIT_SCENE, edit_snap},
+    {"scale", EDIT_SCENE, edit_scale},
+    {"move", EDIT_SCENE, edit_move},
+    {"negate", EDIT_SCENE, edit_negate},
+    {"swap_axes", EDIT_SCENE, edit_swap_axes},
+    {"flatten", EDIT_SCENE, edit_flatten},
+    {"halves", EDIT_SCENE, edit_halves},
+    {"next_float", EDIT_SCENE, edit_next_float},
+    {"onto_vertex", EDIT_SCENE, edit_onto_vertex},
+    {"onto_edge", EDIT_SCENE, edit_onto_edge},
+    {"zero", EDIT_SCENE, edit_zero},
+    {"far_vertex", EDIT_SCENE, edit_far_vertex},
+    {"duplicate", EDIT_SCENE, edit_duplicate},
+    {"permute", EDIT_SCENE, edit_permute},
+    {"turn", EDIT_SCENE, edit_turn},
+    {"weld", EDIT_SCENE, edit_weld},
+    {"unweld", EDIT_SCENE, edit_unweld},
+    {"drop", EDIT_SCENE, edit_drop},
+    {"aim", EDIT_RAYS, edit_aim},
+    {"ray_step", EDIT_RAYS, edit_ray_step},
+    {"ray_axis", EDIT_RAYS, edit_ray_axis},
+    {"ray_range", EDIT_RAYS, edit_ray_range},
+    {"ray_back", EDIT_RAYS, edit_ray_back},
+    {"ray_scale", EDIT_RAYS, edit_ray_scale},
+    {"leaf", EDIT_TESTS, edit_leaf},
+    {"builder", EDIT_TESTS, edit_builder},
+    {"box", EDIT_TESTS, edit_box},
+    {"tri", EDIT_TESTS, edit_tri},
+    {"query", EDIT_TESTS, edit_query},
+    {"refit", EDIT_TESTS, edit_refit},
+    {.name = NULL},
 };
 
 static const struct edit *choose_edit(struct rng *rng, enum edit_part part)
 {
     uint32_t fitting = 0;
-    for (size_t i = 0; edits[i]; i++)
-        fitting += part == EDIT_PARTS || edits[i]->part == part;
+    for (size_t i = 0; edits[i].name; i++)
+        fitting += part == EDIT_PARTS || edits[i].part == part;
     uint32_t skip = rng_below(rng, fitting);
     for (size_t i = 0;; i++)
-        if ((part == EDIT_PARTS || edits[i]->part == part) && skip-- == 0)
-            return edits[i];
+        if ((part == EDIT_PARTS || edits[i].part == part) && skip-- == 0)
+            return &edits[i];
 }
 
 /* " + name", cut where the text is full. */

@@ -21,7 +21,7 @@ struct edit {
     enum status (*apply)(struct rng *rng, struct fuzz_trial *trial, bool *changed);
 };
 
-extern const struct edit *const edits[]; /* NULL-terminated */
+extern const struct edit edits[]; /* the last one has no name */
 
 /* Applies a random edit of that part (EDIT_PARTS: of any) that changes something, and appends its
  * name to the recipe; does nothing if 32 tries change nothing (a scene without triangles).

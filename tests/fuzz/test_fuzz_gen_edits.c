@@ -67,18 +67,18 @@ static enum effect effect_of(const struct edit *edit, uint64_t seed)
 static void every_edit_changes_something_and_says_so(void **state)
 {
     (void)state;
-    for (uint32_t e = 0; edits[e]; e++) {
+    for (uint32_t e = 0; edits[e].name; e++) {
         uint32_t count[EFFECTS] = {0};
         for (uint32_t i = 0; i < TRIALS; i++)
-            count[effect_of(edits[e], i)]++;
-        print_message("%-12s %3u changed, %3u nothing\n", edits[e]->name, count[EFFECT_CHANGED],
+            count[effect_of(&edits[e], i)]++;
+        print_message("%-12s %3u changed, %3u nothing\n", edits[e].name, count[EFFECT_CHANGED],
                       count[EFFECT_NOTHING]);
         assert_int_equal(count[EFFECT_LIED] + count[EFFECT_INVALID] + count[EFFECT_ELSEWHERE], 0);
         /* The builder has no other that is not published. */
-        if (strcmp(edits[e]->name, "builder") != 0)
+        if (strcmp(edits[e].name, "builder") != 0)
             assert_true(count[EFFECT_CHANGED] > TRIALS / 4);
         for (uint32_t other = 0; other < e; other++)
-            assert_string_not_equal(edits[e]->name, edits[other]->name);
+            assert_string_not_equal(edits[e].name, edits[other].name);
     }
 }
 

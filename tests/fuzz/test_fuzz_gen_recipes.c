@@ -39,18 +39,18 @@ static struct fuzz_trial drawn(draw_fn *draw, uint64_t seed, uint32_t goal)
 static void every_recipe_draws_valid_scenes(void **state)
 {
     (void)state;
-    for (uint32_t r = 0; recipes[r]; r++)
+    for (uint32_t r = 0; recipes[r].name; r++)
         for (uint32_t i = 0; i < TIMES; i++) {
             struct rng rng = rng_make(i, 43);
-            uint32_t goal = recipes[r]->goal ? recipes[r]->goal(&rng) : 1 + rng_below(&rng, 64);
+            uint32_t goal = recipes[r].goal ? recipes[r].goal(&rng) : 1 + rng_below(&rng, 64);
             if (goal > 1000 && i > 4)
                 break;
             if (goal == 0)
                 continue;
-            struct fuzz_trial trial = drawn(recipes[r]->draw, i, goal);
+            struct fuzz_trial trial = drawn(recipes[r].draw, i, goal);
             struct reason reason = {""};
             if (fuzz_trial_check(&trial, &reason))
-                fail_msg("%s %u: %s", recipes[r]->name, i, reason.text);
+                fail_msg("%s %u: %s", recipes[r].name, i, reason.text);
             fuzz_trial_free(&trial);
         }
 }
@@ -59,11 +59,11 @@ static void the_table_is_whole(void **state)
 {
     (void)state;
     uint32_t weights = 0, seen[64] = {0};
-    for (uint32_t r = 0; recipes[r]; r++) {
-        weights += recipes[r]->weight;
-        assert_true(strlen(recipes[r]->summary) > 5);
+    for (uint32_t r = 0; recipes[r].name; r++) {
+        weights += recipes[r].weight;
+        assert_true(strlen(recipes[r].summary) > 5);
         for (uint32_t other = 0; other < r; other++)
-            assert_string_not_equal(recipes[r]->name, recipes[other]->name);
+            assert_string_not_equal(recipes[r].name, recipes[other].name);
     }
     assert_int_equal(weights, RECIPE_WEIGHTS);
     for (uint32_t i = 0; i < 20000; i++) {
@@ -71,14 +71,14 @@ static void the_table_is_whole(void **state)
         struct fuzz_trial trial = trial_of(47, i, &short_ones);
         struct reason reason = {""};
         uint32_t r = 0;
-        while (!is_recipe(&trial, recipes[r]->name))
+        while (!is_recipe(&trial, recipes[r].name))
             r++;
         seen[r]++;
         if (fuzz_trial_check(&trial, &reason))
             fail_msg("trial %u, %s: %s", i, trial.origin.recipe, reason.text);
         fuzz_trial_free(&trial);
     }
-    for (uint32_t r = 0; recipes[r]; r++)
+    for (uint32_t r = 0; recipes[r].name; r++)
         assert_true(seen[r] > 0);
 }
 
