@@ -13,6 +13,9 @@ double value_number(const json_t *object, const char *name);
 size_t value_count(const json_t *object, const char *name);
 bool value_bool(const json_t *object, const char *name);
 
+/* The objects of an array whose text `name` is `text`, in a new array; NULL without memory. */
+json_t *value_where(const json_t *array, const char *name, const char *text);
+
 /* Whether the texts of two objects are the same. */
 bool value_same(const json_t *a, const json_t *b, const char *name);
 

@@ -1,6 +1,5 @@
 #include "bench/frames/frames_files.h"
 
-#include "bench/chart/chart.h"
 #include "bench/chart/csv.h"
 #include "ref/files/file.h"
 #include "ref/base/json_record.h"
@@ -97,28 +96,38 @@ static enum status write_json(const struct frames_run *run, const struct frames_
     return status;
 }
 
-static enum status write_chart(const struct frames_run *run, const struct frames_about *about,
-                               const char *svg, const char *png, struct reason *reason)
+struct chart_series frames_series(const struct frames_run *run, size_t contestant)
 {
-    struct chart_series series[FRAMES_CONTESTANTS];
-    for (size_t i = 0; i < run->count; i++) {
-        const struct frames_contestant *c = &run->contestant[i];
-        struct frames_stats stats = frames_stats_of(run, i);
-        series[i] = (struct chart_series){.name = c->handler,
-                                          .bytes = c->bytes,
-                                          .average = stats.average,
-                                          .least = stats.least,
-                                          .most = stats.most,
-                                          .value = c->ms,
-                                          .count = run->done};
-    }
-    struct chart chart = {.title = about->title,
+    const struct frames_contestant *c = &run->contestant[contestant];
+    struct frames_stats stats = frames_stats_of(run, contestant);
+    return (struct chart_series){.name = c->handler,
+                                 .bytes = c->bytes,
+                                 .average = stats.average,
+                                 .least = stats.least,
+                                 .most = stats.most,
+                                 .value = c->ms,
+                                 .count = run->done};
+}
+
+struct chart frames_chart(const struct frames_run *run, const char *title,
+                          const struct chart_series *series, size_t count)
+{
+    return (struct chart){.title = title,
                           .x_label = "Frame",
                           .y_label = CHART_DURATION,
                           .unit = "ms",
                           .series = series,
-                          .series_count = run->count,
+                          .series_count = count,
                           .x_count = run->settings.frames};
+}
+
+static enum status write_chart(const struct frames_run *run, const struct frames_about *about,
+                               const char *svg, const char *png, struct reason *reason)
+{
+    struct chart_series series[FRAMES_CONTESTANTS];
+    for (size_t i = 0; i < run->count; i++)
+        series[i] = frames_series(run, i);
+    const struct chart chart = frames_chart(run, about->title, series, run->count);
     return chart_write(&chart, svg, png, reason);
 }
 

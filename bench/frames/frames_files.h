@@ -2,6 +2,7 @@
 #ifndef FRAMES_FILES_H
 #define FRAMES_FILES_H
 
+#include "bench/chart/chart.h"
 #include "bench/frames/frames.h"
 
 #define FRAMES_NOTES 12
@@ -18,6 +19,13 @@ struct frames_about {
 /* What the samples are of: "GPU timestamps", or "host clock" where a sample has none; with ", rays
  * alone" where shading is not in them. */
 const char *frames_clock(const struct frames_contestant *contestant);
+
+/* The line of a contestant in a chart of the frames; borrows the run. */
+struct chart_series frames_series(const struct frames_run *run, size_t contestant);
+
+/* A chart of such lines, in ms over the frames that were asked for. */
+struct chart frames_chart(const struct frames_run *run, const char *title,
+                          const struct chart_series *series, size_t count);
 
 /* Writes what is measured so far, each file whole or not at all:
  *   BASE.csv   a row per handler and frame: handler, bytes, clock, frame, angle_deg, ms, and the

@@ -13,11 +13,7 @@
 /* The rows of one benchmark; a new array that the caller owns, NULL without memory. */
 static json_t *rows_of(const json_t *json, const char *benchmark)
 {
-    json_t *out = json_array(), *all = json_object_get(json, "rows");
-    for (size_t i = 0; i < json_array_size(all); i++)
-        if (strcmp(value_text(json_array_get(all, i), "benchmark"), benchmark) == 0)
-            (void)json_array_append(out, json_array_get(all, i));
-    return out;
+    return value_where(json_object_get(json, "rows"), "benchmark", benchmark);
 }
 
 /* What engine vulkan ran on, from the machine's card: the first driver that runs. */

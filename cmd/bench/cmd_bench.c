@@ -217,7 +217,7 @@ static int run_benchmarks(struct bench *bench, const char *name)
     if (check_given(bench, name, &reason) || name_files(bench, name, &reason) ||
         (bench->csv_path && options_out(bench->csv_path, &bench->csv, &reason)))
         return usage_error("bench", "%s", reason.text);
-    if (bench->json_path)
+    if (bench->json_path || bench->svg_path)
         bench->rows = json_array();
     if (bench->picture.width == 0) {
         bench->picture.width = bench->quick ? 96 : 384;

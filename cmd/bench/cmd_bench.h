@@ -39,7 +39,7 @@ struct bench {
     const char *bvh;      /* of --bvh: a tree of the one scene; NULL: built */
     struct file_out csv;  /* stream NULL: none */
     const char *csv_head; /* benchmark whose column names were written last */
-    json_t *rows;         /* NULL: none */
+    json_t *rows;         /* for JSON and SVG; NULL: none */
     int code;             /* the worst exit code so far, see bench_worse */
 };
 

@@ -225,37 +225,24 @@ static void count_wrong(struct bench *bench, const struct error_page *page)
     }
 }
 
-/* All pages of the run, for the plot. */
-static struct {
-    struct error_page *page;
-    size_t count, capacity;
-} pages;
-
 static enum status play_sets(struct error_field *field, const char *spec, struct reason *reason)
 {
+    static struct error_page page;
     const void *set[LIST_MOST];
     struct bench *bench = field->bench;
-    size_t count = bench_rays_count(bench, OWN_RAYS);
-    struct error_page leaks = {.scene = spec};
-    enum status status = make_leak_rays(field, (count + 1) / 2, &leaks, reason);
+    page = (struct error_page){.scene = spec,
+                               .ray_count = bench_rays_count(bench, OWN_RAYS),
+                               .tri_count = field->scene->tri_count};
+    enum status status = make_leak_rays(field, (page.ray_count + 1) / 2, &page, reason);
     if (status == STATUS_OK)
         race_enter(&field->race);
     size_t sets = bench_members(TABLE_RAY_SETS, &bench->rays, own_sets, set);
     for (size_t s = 0; s < sets && status == STATUS_OK; s++) {
-        void *array = pages.page;
-        if (array_reserve(&array, &pages.capacity, pages.count + 1, sizeof *pages.page))
-            return fail(reason, STATUS_MEMORY, "no memory for another page");
-        pages.page = array;
-        struct error_page *page = &pages.page[pages.count];
-        *page = leaks;
-        page->ray_count = count;
-        page->tri_count = field->scene->tri_count;
-        status = play(field, set[s], page, reason);
+        status = play(field, set[s], &page, reason);
         if (status)
             return status;
-        pages.count++;
-        error_print(bench, page);
-        count_wrong(bench, page);
+        error_print(bench, &page);
+        count_wrong(bench, &page);
     }
     return status;
 }
@@ -263,29 +250,26 @@ static enum status play_sets(struct error_field *field, const char *spec, struct
 static enum status play_scene(struct bench *bench, const char *spec, const struct scene *scene,
                               struct reason *reason)
 {
-    enum status status = STATUS_OK;
-    struct error_field *field = alloc_zeroed(1, sizeof *field);
-    if (!field)
-        return fail(reason, STATUS_MEMORY, "no memory");
-    field->bench = bench;
-    field->scene = scene;
-    field->race = (struct race){.bench = bench, .label = spec, .scene = scene, .bvh = &field->bvh};
-    field->hit = alloc_zeroed(bench_rays_count(bench, OWN_RAYS), sizeof *field->hit);
-    if (!field->hit)
-        status = fail(reason, STATUS_MEMORY, "no memory for the answers");
+    static struct error_field field;
+    field = (struct error_field){
+        .bench = bench,
+        .scene = scene,
+        .race = {.bench = bench, .label = spec, .scene = scene, .bvh = &field.bvh},
+        .hit = alloc_zeroed(bench_rays_count(bench, OWN_RAYS), sizeof *field.hit)};
+    enum status status =
+        field.hit ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for the answers");
     if (status == STATUS_OK)
-        status = oracle_make(scene, &field->oracle, reason);
+        status = oracle_make(scene, &field.oracle, reason);
     if (status == STATUS_OK)
-        status = bench_tree_make(bench, scene, &field->bvh, reason);
+        status = bench_tree_make(bench, scene, &field.bvh, reason);
     if (status == STATUS_OK)
-        status = play_sets(field, spec, reason);
-    race_leave(&field->race);
+        status = play_sets(&field, spec, reason);
+    race_leave(&field.race);
     for (int target = 0; target < LEAK_TARGETS; target++)
-        known_free(&field->leak[target]);
-    bvh_free(&field->bvh);
-    oracle_free(field->oracle);
-    free(field->hit);
-    free(field);
+        known_free(&field.leak[target]);
+    bvh_free(&field.bvh);
+    oracle_free(field.oracle);
+    free(field.hit);
     return status;
 }
 
@@ -295,11 +279,8 @@ static int run(struct bench *bench)
     char driver[96];
     error_driver(&bench->engines, driver, sizeof driver);
     bench_each(bench, own_scenes, NULL, play_scene);
-    if (bench->svg_path && pages.count > 0)
-        bench_failed(bench, NULL,
-                     error_plot(bench->svg_path, bench, pages.page, pages.count, driver, &reason),
-                     &reason);
-    free(pages.page);
+    if (bench->svg_path)
+        bench_failed(bench, NULL, error_plot(bench, driver, &reason), &reason);
     return bench->code;
 }
 

@@ -45,9 +45,10 @@ struct error_page {
 /* Prints the page's tables and hands its rows to CSV and JSON. */
 void error_print(struct bench *bench, const struct error_page *page);
 
-/* Writes all pages as one SVG. Errors: STATUS_INPUT cannot write there, STATUS_MEMORY. */
-enum status error_plot(const char *path, const struct bench *bench, const struct error_page *page,
-                       size_t count, const char *driver, struct reason *reason) MUST_USE;
+/* Writes the figures of the bench's rows, if there are some, to its SVG. Errors: STATUS_INPUT cannot
+ * write there, STATUS_MEMORY. */
+enum status error_plot(const struct bench *bench, const char *driver,
+                       struct reason *reason) MUST_USE;
 
 /* The driver that engine vulkan would run on as "llvmpipe Mesa 22.3.6", or "" without one: the part
  * of its description that is the same on every machine. */

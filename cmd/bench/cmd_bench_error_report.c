@@ -1,5 +1,6 @@
 /* What raydiff bench error shows: tables, rows for machines, a plot. */
 #include "cmd/bench/cmd_bench_error.h"
+#include "bench/chart/json_value.h"
 #include "bench/chart/row_plot.h"
 #include "ref/base/json_record.h"
 
@@ -165,19 +166,13 @@ void error_driver(const struct engine_options *options, char *text, size_t text_
 
 /* --- the plot ----------------------------------------------------------------------------- */
 
-enum status error_plot(const char *path, const struct bench *bench, const struct error_page *page,
-                       size_t count, const char *driver, struct reason *reason)
+enum status error_plot(const struct bench *bench, const char *driver, struct reason *reason)
 {
     struct row_plots plots = {0};
-    json_t *rows = json_array();
-    for (size_t i = 0; i < count; i++)
-        for (size_t k = 0; k < page[i].row_count; k++)
-            (void)json_array_append_new(rows, row_json(bench, &page[i], &page[i].row[k]));
+    json_t *rows = value_where(bench->rows, "benchmark", bench_error.name);
     enum status status = row_plots_error(rows, driver, &plots, reason);
-    if (status == STATUS_OK && plots.count == 0)
-        status = fail(reason, STATUS_MEMORY, "no memory for the plot");
-    if (status == STATUS_OK)
-        status = plot_write_file(path, plots.figure, plots.count, reason);
+    if (status == STATUS_OK && plots.count > 0)
+        status = plot_write_file(bench->svg_path, plots.figure, plots.count, reason);
     row_plots_free(&plots);
     json_decref(rows);
     return status;

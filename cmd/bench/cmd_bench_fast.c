@@ -181,30 +181,27 @@ static enum status open_contest(struct contest *c, struct reason *reason)
 static enum status bench_scene(struct bench *bench, const char *spec, const struct scene *scene,
                                struct reason *reason)
 {
-    struct contest *c = alloc_zeroed(1, sizeof *c);
-    if (!c)
-        return fail(reason, STATUS_MEMORY, "no memory");
-    c->bench = bench;
-    c->spec = spec;
-    c->scene = scene;
-    c->count = bench_rays_count(bench, RAYS_OWN);
-    c->race = (struct race){.bench = bench,
-                            .label = spec,
-                            .scene = scene,
-                            .bvh = &c->bvh,
-                            .core_time = bench->engines.threads == 1};
+    static struct contest c;
+    c = (struct contest){.bench = bench,
+                         .spec = spec,
+                         .scene = scene,
+                         .count = bench_rays_count(bench, RAYS_OWN),
+                         .race = {.bench = bench,
+                                  .label = spec,
+                                  .scene = scene,
+                                  .bvh = &c.bvh,
+                                  .core_time = bench->engines.threads == 1}};
     printf("%s\n", spec);
-    enum status status = open_contest(c, reason);
+    enum status status = open_contest(&c, reason);
     if (!status) {
         puts("  rays     engine           Mray/s  to embree (least-most) byte/tri   missed");
-        status = play_kinds(c, reason);
+        status = play_kinds(&c, reason);
     }
-    race_leave(&c->race);
+    race_leave(&c.race);
     for (size_t i = 0; i < RIVALS; i++)
-        free(c->hit[i]);
-    free(c->ray);
-    bvh_free(&c->bvh);
-    free(c);
+        free(c.hit[i]);
+    free(c.ray);
+    bvh_free(&c.bvh);
     return status;
 }
 

@@ -22,36 +22,35 @@ static const char about[] =
     "the machine takes cores away.\n"
     "";
 
+/* Of the harness. */
+static const char *const part_name[] = {"generate", "build", "truth", "judge"};
+#define PARTS ARRAY_COUNT(part_name)
+
 /* One setting, a value per round. */
 struct bench_setting {
     size_t workers;
-    double trials[BENCH_ROUNDS], judged[BENCH_ROUNDS]; /* per second, all workers */
-    double share[BENCH_ROUNDS];                        /* of the harness */
-    double ratio[BENCH_ROUNDS];                        /* harness to engines */
-    double core[BENCH_ROUNDS];                         /* us of core time per trial */
-    double engine[FUZZ_CONTESTANTS_MOST][BENCH_ROUNDS], part[4][BENCH_ROUNDS]; /* us per trial */
+    double trials[BENCH_ROUNDS], judged[BENCH_ROUNDS];      /* per second, all workers */
+    double share[BENCH_ROUNDS];                             /* of the harness */
+    double ratio[BENCH_ROUNDS];                             /* harness to engines */
+    double core[BENCH_ROUNDS];                              /* us of core time per trial */
+    double us[FUZZ_CONTESTANTS_MOST + PARTS][BENCH_ROUNDS]; /* per trial: engines, then parts */
     uint64_t all, triangles, wrong, refused;
 };
-
-static const char *const part_name[4] = {"generate", "build", "truth", "judge"};
 
 /* Adds up one round. All workers began at once; each is as fast as its own clock says. */
 static void take_round(struct bench_setting *setting, const struct fuzz_field *field, size_t round,
                        const struct crew_report *report)
 {
-    double asked = 0, harness = 0, core = 0, trials = 0, part[4] = {0};
-    double engine[FUZZ_CONTESTANTS_MOST] = {0};
+    double asked = 0, harness = 0, core = 0, trials = 0, ns[FUZZ_CONTESTANTS_MOST + PARTS] = {0};
     setting->trials[round] = setting->judged[round] = 0;
     for (size_t w = 0; w < setting->workers; w++) {
         const struct crew_report *one = &report[w];
-        const uint64_t of[4] = {one->time.generate, one->time.build, one->time.truth,
-                                one->time.judge};
+        const uint64_t part[PARTS] = {one->time.generate, one->time.build, one->time.truth,
+                                      one->time.judge};
         setting->trials[round] += (double)one->trials / ((double)one->ns * 1e-9);
         setting->judged[round] += (double)one->judged / ((double)one->ns * 1e-9);
-        for (size_t i = 0; i < 4; i++)
-            part[i] += (double)of[i];
-        for (size_t i = 0; i < field->count; i++)
-            engine[i] += (double)one->time.engine[i];
+        for (size_t i = 0; i < field->count + PARTS; i++)
+            ns[i] += (double)(i < field->count ? one->time.engine[i] : part[i - field->count]);
         core += (double)one->core_ns;
         trials += (double)one->trials;
         setting->all += one->trials;
@@ -59,13 +58,12 @@ static void take_round(struct bench_setting *setting, const struct fuzz_field *f
         setting->wrong += one->wrong;
         setting->refused += one->refused;
     }
-    for (size_t i = 0; i < 4; i++) {
-        harness += part[i];
-        setting->part[i][round] = part[i] * 1e-3 / trials;
-    }
-    for (size_t i = 0; i < field->count; i++) {
-        asked += engine[i];
-        setting->engine[i][round] = engine[i] * 1e-3 / trials;
+    for (size_t i = 0; i < field->count + PARTS; i++) {
+        if (i < field->count)
+            asked += ns[i];
+        else
+            harness += ns[i];
+        setting->us[i][round] = ns[i] * 1e-3 / trials;
     }
     setting->share[round] = harness / (harness + asked);
     setting->ratio[round] = harness / asked;
@@ -97,18 +95,14 @@ static void report_setting(struct bench *bench, const struct fuzz_field *field,
                     "harness_to_engines=%g core_us_per_trial=%g triangles=%g at_fault=%zu",
                     setting->workers, setting->all, trials.median, trials.least, trials.most,
                     judged.median, share.median, ratio, core, triangles, setting->wrong);
-    for (size_t i = 0; i < field->count; i++) {
+    for (size_t i = 0; i < field->count + PARTS; i++) {
         char name[96];
-        double us = spread_of(setting->engine[i], rounds).median;
-        snprintf(name, sizeof name, "%s_%s_us", field->who[i].engine->name,
-                 field->who[i].layout ? field->who[i].layout->name : "alone");
-        printf("  %-24s %8.1f us a trial\n", name, us);
-        json_add(row, "%s=%g", name, us);
-    }
-    for (size_t i = 0; i < 4; i++) {
-        char name[96];
-        double us = spread_of(setting->part[i], rounds).median;
-        snprintf(name, sizeof name, "%s_us", part_name[i]);
+        double us = spread_of(setting->us[i], rounds).median;
+        if (i < field->count)
+            snprintf(name, sizeof name, "%s_%s_us", field->who[i].engine->name,
+                     field->who[i].layout ? field->who[i].layout->name : "alone");
+        else
+            snprintf(name, sizeof name, "%s_us", part_name[i - field->count]);
         printf("  %-24s %8.1f us a trial\n", name, us);
         json_add(row, "%s=%g", name, us);
     }

@@ -304,17 +304,12 @@ static void drop_absent(struct bench *bench)
 static enum status bench_scene(struct bench *bench, const char *spec, const struct scene *scene,
                                struct reason *reason)
 {
-    struct matrix *m = alloc_zeroed(1, sizeof *m);
-    if (!m)
-        return fail(reason, STATUS_MEMORY, "no memory");
-    m->bench = bench;
-    m->spec = spec;
-    m->scene = scene;
-    enum status status = open_matrix(m, reason);
+    static struct matrix m;
+    m = (struct matrix){.bench = bench, .spec = spec, .scene = scene};
+    enum status status = open_matrix(&m, reason);
     if (!status)
-        status = play(m, reason);
-    close_matrix(m);
-    free(m);
+        status = play(&m, reason);
+    close_matrix(&m);
     return status;
 }
 
@@ -329,15 +324,10 @@ static int run(struct bench *bench)
     drop_absent(bench);
     if (bench->code != EXIT_AGREE && bench->engine.count == 0)
         return bench->code;
-    json_t *rows = bench->rows ? json_incref(bench->rows) : json_array();
-    json_t *kept = bench->rows;
-    bench->rows = rows;
     bench_each(bench, matrix_is_gpu(bench) ? own_gpu : own, made, bench_scene);
-    bench->rows = kept;
     struct reason reason = {""};
     if (bench->svg_path)
-        bench_failed(bench, NULL, matrix_plot(bench->svg_path, rows, &reason), &reason);
-    json_decref(rows);
+        bench_failed(bench, NULL, matrix_plot(bench->svg_path, bench->rows, &reason), &reason);
     return bench->code;
 }
 

@@ -6,33 +6,30 @@
 
 #include <string.h>
 
-#define REINSERT BUILD_PASSES_DEFAULT
+/* The benchmark's own: modes of Embree, and engines on trees. */
+static const struct {
+    const char *engine;
+    bool compact, avx512;
+} own_modes[] = {{"embree", false, false},        {"embree", false, true},
+                 {"embree_robust", false, false}, {"embree", true, false},
+                 {"embree_16", false, false},     {"embree_high", false, false}};
 
-struct own {
+static const struct {
     const char *engine, *layout, *store, *builder;
     uint32_t passes;
-    bool compact, avx512;
-};
-
-static const struct own own[] = {
-    {.engine = "embree"},
-    {.engine = "embree", .avx512 = true},
-    {.engine = "embree_robust"},
-    {.engine = "embree", .compact = true},
-    {.engine = "embree_16"},
-    {.engine = "embree_high"},
-    {.engine = "fast", .layout = "f32", .builder = "sah_binned"},
-    {.engine = "fast", .layout = "f32", .builder = "sah_binned", .passes = REINSERT},
-    {.engine = "fast", .layout = "f32", .builder = "sah_sweep"},
-    {.engine = "fast", .layout = "f32", .builder = "sbvh"},
-    {.engine = "cpu", .layout = "f32", .builder = "sah_binned"},
-    {.engine = "cpu", .layout = "f32", .store = "gathered", .builder = "sah_binned"},
-    {.engine = "cpu", .layout = "f32", .store = "compact", .builder = "sah_binned"},
-    {.engine = "cpu", .layout = "rf16", .builder = "sah_binned"},
-    {.engine = "cpu", .layout = "bvh8_u8_node", .builder = "sah_binned"},
-    {.engine = "cpu", .layout = "cwbvh80", .builder = "sah_binned"},
-    {.engine = "cpu", .layout = "tiny8", .builder = "sah_binned"},
-    {.engine = "cpu", .layout = "tiny8_l14", .builder = "sah_binned"},
+} own_trees[] = {
+    {"fast", "f32", "indexed", "sah_binned", 0},
+    {"fast", "f32", "indexed", "sah_binned", BUILD_PASSES_DEFAULT},
+    {"fast", "f32", "indexed", "sah_sweep", 0},
+    {"fast", "f32", "indexed", "sbvh", 0},
+    {"cpu", "f32", "indexed", "sah_binned", 0},
+    {"cpu", "f32", "gathered", "sah_binned", 0},
+    {"cpu", "f32", "compact", "sah_binned", 0},
+    {"cpu", "rf16", "indexed", "sah_binned", 0},
+    {"cpu", "bvh8_u8_node", "indexed", "sah_binned", 0},
+    {"cpu", "cwbvh80", "indexed", "sah_binned", 0},
+    {"cpu", "tiny8", "indexed", "sah_binned", 0},
+    {"cpu", "tiny8_l14", "indexed", "sah_binned", 0},
 };
 
 bool matrix_entry_is_gpu(const struct matrix_entry *entry)
@@ -79,18 +76,18 @@ static enum status add(struct matrix_entries *out, const struct matrix_entry *en
 static enum status add_own(struct matrix_entries *out, struct reason *reason)
 {
     enum status status = STATUS_OK;
-    for (size_t i = 0; i < ARRAY_COUNT(own) && !status; i++) {
-        const struct own *o = &own[i];
-        const struct matrix_entry entry = {
-            .engine = engine_of(o->engine),
-            .layout = o->layout ? layout_find(o->layout) : NULL,
-            .store = o->layout ? tri_store_find(o->store ? o->store : "indexed") : NULL,
-            .builder = o->builder ? builder_find(o->builder) : NULL,
-            .passes = o->passes,
-            .compact = o->compact,
-            .avx512 = o->avx512};
-        if (o->layout && !(entry.layout && entry.store && entry.builder))
-            continue;
+    for (size_t i = 0; i < ARRAY_COUNT(own_modes) && !status; i++) {
+        const struct matrix_entry entry = {.engine = engine_of(own_modes[i].engine),
+                                           .compact = own_modes[i].compact,
+                                           .avx512 = own_modes[i].avx512};
+        status = add(out, &entry, reason);
+    }
+    for (size_t i = 0; i < ARRAY_COUNT(own_trees) && !status; i++) {
+        const struct matrix_entry entry = {.engine = engine_find(own_trees[i].engine),
+                                           .layout = layout_find(own_trees[i].layout),
+                                           .store = tri_store_find(own_trees[i].store),
+                                           .builder = builder_find(own_trees[i].builder),
+                                           .passes = own_trees[i].passes};
         status = add(out, &entry, reason);
     }
     return status;
@@ -126,9 +123,7 @@ static enum status add_layouts(const struct bench *bench, const struct engine *e
         bool f32 = layouts_all[l] == layouts[0];
         bool named =
             list->count == 0 && !layouts_all[l]->faithful && (bench->store.count == 0 || f32);
-        for (size_t i = 0; i < list->count; i++)
-            named = named || list->index[i] == l;
-        if (!named)
+        if (!named && !list_has(list, l))
             continue;
         entry.layout = layouts_all[l];
         status = add_stores(bench, &entry, f32 && matrix_entry_is_gpu(&entry), out, reason);

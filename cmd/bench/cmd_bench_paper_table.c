@@ -254,17 +254,8 @@ enum status paper_write_chart(const struct paper_table *table, const char *base,
     char svg[4096], png[4096], title[160];
     size_t count = 0;
     for (size_t i = 0; i < ARRAY_COUNT(shown); i++) {
-        if (!has(table, shown[i]))
-            continue;
-        const struct frames_contestant *c = &run->contestant[table->line[shown[i]].contestant];
-        struct frames_stats stats = frames_stats_of(run, table->line[shown[i]].contestant);
-        series[count++] = (struct chart_series){.name = c->handler,
-                                                .bytes = c->bytes,
-                                                .average = stats.average,
-                                                .least = stats.least,
-                                                .most = stats.most,
-                                                .value = c->ms,
-                                                .count = run->done};
+        if (has(table, shown[i]))
+            series[count++] = frames_series(run, table->line[shown[i]].contestant);
     }
     if (count == 0)
         return STATUS_OK;
@@ -275,12 +266,6 @@ enum status paper_write_chart(const struct paper_table *table, const char *base,
         snprintf(png, sizeof png, "%s-%s.png", base, table->scene->figure->scene) >=
             (int)sizeof png)
         return fail(reason, STATUS_INPUT, "--out: too long a name");
-    struct chart chart = {.title = title,
-                          .x_label = "Frame",
-                          .y_label = CHART_DURATION,
-                          .unit = "ms",
-                          .series = series,
-                          .series_count = count,
-                          .x_count = run->settings.frames};
+    const struct chart chart = frames_chart(run, title, series, count);
     return chart_write(&chart, svg, png, reason);
 }

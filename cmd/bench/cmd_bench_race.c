@@ -1,6 +1,7 @@
 #include "cmd/bench/cmd_bench_race.h"
 
 #include "bench/frames/turns.h"
+#include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/store.h"
 
@@ -53,25 +54,14 @@ enum status race_prepare(struct race *race, enum query query, struct reason *rea
     return status;
 }
 
-/* True if `name` stands in "a,b,c". */
-static bool is_in(const char *names, const char *name)
-{
-    size_t length = strlen(name);
-    for (const char *at = names; (at = strstr(at, name)); at++)
-        if ((at == names || at[-1] == ',') && (at[length] == ',' || at[length] == '\0'))
-            return true;
-    return false;
-}
-
 /* True if member i was asked for: named, or (nothing being named) one of `own`; where there is no
  * `own`, unless it is to be left out. */
 static bool wanted(const struct list *list, size_t i, const char *own, const char *name,
                    bool left_out)
 {
-    for (size_t k = 0; k < list->count; k++)
-        if (list->index[k] == i)
-            return true;
-    return list->count == 0 && (own ? is_in(own, name) : !left_out);
+    if (list->count > 0)
+        return list_has(list, i);
+    return own ? option_among(own, name) : !left_out;
 }
 
 static void enter_one(struct race *race, const struct engine *engine, const struct layout *layout,

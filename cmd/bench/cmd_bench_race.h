@@ -30,7 +30,7 @@ struct race {
     const char *label; /* scene and rays, for progress */
     const struct scene *scene;
     const struct bvh *bvh;
-    /* Engines and layouts where the user named none, as "cpu,embree"; NULL: see race_enter. */
+    /* Engines and layouts where the user named none, as "cpu embree"; NULL: see race_enter. */
     const char *own_engines, *own_layouts;
     bool core_time; /* speeds are by the time of the calling thread: for engines that trace on
                        it alone; other work on the machine counts little */

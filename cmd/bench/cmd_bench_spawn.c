@@ -213,7 +213,6 @@ static void field_free(struct spawn_field *field)
     topology_free(&field->topology);
     bvh_free(&field->bvh);
     oracle_free(field->oracle);
-    free(field);
 }
 
 /* "embree_robust", "cpu mt", "cpu rf16 mt". */
@@ -230,35 +229,33 @@ static enum status play_block(struct bench *bench, const struct scene *scene,
                               struct reason *reason)
 {
     const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
-    struct spawn_field *field = alloc_zeroed(1, sizeof *field);
-    if (!field)
-        return fail(reason, STATUS_MEMORY, "no memory");
-    field->bench = bench;
-    field->scene = scene;
-    field->race = (struct race){.bench = bench,
-                                .label = block->scene,
-                                .scene = scene,
-                                .bvh = &field->bvh,
-                                .own_engines = "cpu,embree_robust",
-                                .own_layouts = "f32"};
-    enum status status = oracle_make(scene, &field->oracle, reason);
+    static struct spawn_field field;
+    field = (struct spawn_field){.bench = bench,
+                                 .scene = scene,
+                                 .race = {.bench = bench,
+                                          .label = block->scene,
+                                          .scene = scene,
+                                          .bvh = &field.bvh,
+                                          .own_engines = "cpu embree_robust",
+                                          .own_layouts = "f32"}};
+    enum status status = oracle_make(scene, &field.oracle, reason);
     if (status == STATUS_OK)
-        status = topology_make(scene, &field->topology, reason);
+        status = topology_make(scene, &field.topology, reason);
     if (status == STATUS_OK)
-        status = builders[0]->build(scene, &build, &field->bvh, reason);
+        status = builders[0]->build(scene, &build, &field.bvh, reason);
     if (status == STATUS_OK) {
-        race_enter(&field->race);
+        race_enter(&field.race);
         block->judge_count =
-            field->race.count < SPAWN_JUDGES ? field->race.count : (size_t)SPAWN_JUDGES;
+            field.race.count < SPAWN_JUDGES ? field.race.count : (size_t)SPAWN_JUDGES;
         for (size_t i = 0; i < block->judge_count; i++)
-            name_judge(&field->race.contestant[i], block->judge[i], sizeof block->judge[i]);
-        status = make_hits(field, set, block->ray_count, reason);
+            name_judge(&field.race.contestant[i], block->judge[i], sizeof block->judge[i]);
+        status = make_hits(&field, set, block->ray_count, reason);
     }
     if (status == STATUS_OK)
-        status = make_origins(field, &block->undecided, reason);
-    block->hit_count = field->hit_count;
+        status = make_origins(&field, &block->undecided, reason);
+    block->hit_count = field.hit_count;
     if (status == STATUS_OK)
-        status = play_rows(field, block, reason);
+        status = play_rows(&field, block, reason);
     progress_end(&bench->progress);
     if (status == STATUS_OK)
         spawn_print(bench, block);
@@ -266,7 +263,7 @@ static enum status play_block(struct bench *bench, const struct scene *scene,
         puts("vacuous: no ray hits anything");
         bench_worse(bench, EXIT_MISMATCH);
     }
-    field_free(field);
+    field_free(&field);
     return status;
 }
 
