@@ -1,5 +1,7 @@
 #include "scenes/facts.h"
 
+#include "ref/base/double3.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,10 +10,8 @@
 static bool has_no_area(float v[3][3])
 {
     double e[3], f[3];
-    for (int k = 0; k < 3; k++) {
-        e[k] = (double)v[1][k] - (double)v[0][k];
-        f[k] = (double)v[2][k] - (double)v[0][k];
-    }
+    double3_sub(v[1], v[0], e);
+    double3_sub(v[2], v[0], f);
     return e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0];
 }
 

@@ -51,7 +51,7 @@ enum status scene_read(const char *path, struct scene *out, struct reason *reaso
     char *bytes;
     size_t size;
     enum status status = file_read(path, &bytes, &size, reason);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     status = format->read(file_label(path), bytes, size, out, reason);
     free(bytes);
@@ -66,13 +66,13 @@ enum status scene_write(const char *path, const struct scene *scene, struct reas
                     "%s: unknown ending; scenes are written as .json (RTRS), .obj or .ply",
                     file_label(path));
     enum status status = scene_check(scene, reason);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     struct file_out out;
     status = file_out_open(path, &out, reason);
-    if (status == STATUS_OK)
+    if (!status)
         status = format->write(scene, out.stream, reason);
-    if (status == STATUS_OK)
+    if (!status)
         return file_out_commit(&out, reason);
     file_out_discard(&out);
     return status;
@@ -157,7 +157,7 @@ static enum status read_params(const struct generator *generator, const char *te
             which == GENERATOR_PARAMS
                 ? read_seed(generator, number, seed, reason)
                 : read_param(generator, &generator->param[which], number, &value[which], reason);
-        if (status != STATUS_OK)
+        if (status)
             return status;
         if (given[which])
             return fail(reason, STATUS_INPUT, "%s: %.*s is given twice", generator->name,
@@ -179,13 +179,13 @@ static enum status generate(const struct generator *generator, const char *param
     enum status status = STATUS_OK;
     if (*params == ':')
         status = read_params(generator, params + 1, value, &seed, reason);
-    if (status == STATUS_OK)
+    if (!status)
         status = generator_make(generator, value, seed, out, reason);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     struct reason rule;
     status = scene_check(out, &rule);
-    if (status != STATUS_OK) {
+    if (status) {
         scene_free(out);
         return fail(reason, status, "%s: %s", generator->name, rule.text);
     }

@@ -1,4 +1,5 @@
 /* Camera rays, and what bounces from where they hit. */
+#include "ref/base/double3.h"
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays_stage.h"
 
@@ -18,23 +19,6 @@ struct pinhole {
     double forward[3], right[3], up[3];
 };
 
-/* False if v has no direction. */
-static bool normalise(double v[3])
-{
-    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    if (!(length > 0.0))
-        return false;
-    for (int k = 0; k < 3; k++)
-        v[k] /= length;
-    return true;
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 /* The published camera: up is +y, and right = forward x up is not normalised. Straight up or down,
  * where the published picture is a line, +z is up. */
 static struct pinhole pinhole_make(const struct camera *camera)
@@ -44,13 +28,13 @@ static struct pinhole pinhole_make(const struct camera *camera)
         p.pos[k] = fminf(fmaxf(camera->pos[k], -0x1p39f), 0x1p39f);
         p.forward[k] = (double)camera->at[k] - (double)p.pos[k];
     }
-    if (!normalise(p.forward))
+    if (!double3_unit(p.forward))
         p.forward[2] = -1;
     if (p.forward[0] * p.forward[0] + p.forward[2] * p.forward[2] < 1e-12) {
         p.up[1] = 0;
         p.up[2] = 1;
     }
-    cross(p.forward, p.up, p.right);
+    double3_cross(p.forward, p.up, p.right);
     return p;
 }
 
@@ -76,7 +60,7 @@ static void pinhole_rays(const struct pinhole *p, size_t count, struct ray *out)
         double dir[3];
         for (int k = 0; k < 3; k++)
             dir[k] = p->right[k] * nx + p->up[k] * ny + p->forward[k];
-        normalise(dir);
+        double3_unit(dir);
         stage_ray(p->pos, (const float[3]){(float)dir[0], (float)dir[1], (float)dir[2]}, &out[i]);
     }
 }
@@ -120,13 +104,12 @@ static bool spot_make(const struct scene *scene, const struct ray *ray, const st
     float v[3][3];
     double e1[3], e2[3], facing = 0;
     scene_tri(scene, hit->prim, v);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; k++)
         out->p[k] = ray->org[k] + hit->t * ray->dir[k];
-        e1[k] = (double)v[1][k] - (double)v[0][k];
-        e2[k] = (double)v[2][k] - (double)v[0][k];
-    }
-    cross(e1, e2, out->normal);
-    if (!normalise(out->normal))
+    double3_sub(v[1], v[0], e1);
+    double3_sub(v[2], v[0], e2);
+    double3_cross(e1, e2, out->normal);
+    if (!double3_unit(out->normal))
         return false;
     for (int k = 0; k < 3; k++)
         facing += out->normal[k] * (double)ray->dir[k];
@@ -186,11 +169,11 @@ static void bounce_ray(const struct stage *stage, const struct camera_spot *spot
         dir[k] = spot->normal[k] + (double)ball[k];
         org[k] = (float)((double)spot->p[k] + lift * spot->normal[k]);
     }
-    if (dir[0] * dir[0] + dir[1] * dir[1] + dir[2] * dir[2] < 1e-6)
+    if (double3_dot(dir, dir) < 1e-6)
         for (int k = 0; k < 3;
              k++) /* opposite to the normal: rounding would decide the direction */
             dir[k] = spot->normal[k];
-    normalise(dir);
+    double3_unit(dir);
     stage_ray(org, (const float[3]){(float)dir[0], (float)dir[1], (float)dir[2]}, out);
 }
 

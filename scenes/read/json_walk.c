@@ -80,7 +80,7 @@ enum status json_walk_key(struct json_walk *walk, json_t **out)
     if (walk->at == walk->end || *walk->at != '"')
         return refuse(walk, 1, 1, "a key in quotes must stand here");
     enum status status = json_walk_value(walk, out);
-    if (status != STATUS_OK || take(walk, ':'))
+    if (status || take(walk, ':'))
         return status;
     json_decref(*out);
     *out = NULL;

@@ -1,29 +1,8 @@
 #include "scenes/read/normals.h"
 
-#include <math.h>
+#include "ref/base/double3.h"
+
 #include <stdlib.h>
-
-static void subtract(const float a[3], const float b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = (double)a[k] - (double)b[k];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Scales `v` to length 1; false, and `v` unchanged, if it has no direction. */
-static bool normalize(double v[3])
-{
-    double length = sqrt(dot(v, v));
-    if (!(length > 0) || !isfinite(length))
-        return false;
-    for (int k = 0; k < 3; k++)
-        v[k] /= length;
-    return true;
-}
 
 /* Adds the triangle's normal to the sums of its three corners, weighted by the angles. */
 static void add_triangle(const struct scene *scene, uint32_t prim, double *sum)
@@ -32,17 +11,15 @@ static void add_triangle(const struct scene *scene, uint32_t prim, double *sum)
     scene_tri(scene, prim, v);
     double side[3][3], normal[3]; /* side[c] leads from corner c to the next; unit vectors */
     for (int c = 0; c < 3; c++) {
-        subtract(v[(c + 1) % 3], v[c], side[c]);
-        if (!normalize(side[c]))
+        double3_sub(v[(c + 1) % 3], v[c], side[c]);
+        if (!double3_unit(side[c]))
             return;
     }
-    for (int k = 0; k < 3; k++)
-        normal[k] = side[0][(k + 1) % 3] * side[1][(k + 2) % 3] -
-                    side[0][(k + 2) % 3] * side[1][(k + 1) % 3];
-    if (!normalize(normal))
+    double3_cross(side[0], side[1], normal);
+    if (!double3_unit(normal))
         return;
     for (int c = 0; c < 3; c++) {
-        double cosine = -dot(side[c], side[(c + 2) % 3]);
+        double cosine = -double3_dot(side[c], side[(c + 2) % 3]);
         double angle = acos(fmin(fmax(cosine, -1), 1)); /* rounding may leave [-1, 1] */
         for (int k = 0; k < 3; k++)
             sum[3 * (size_t)scene->index[3 * (size_t)prim + (size_t)c] + (size_t)k] +=
@@ -68,7 +45,7 @@ float *scene_normals_told(const struct scene *scene, uint8_t *none)
     for (uint32_t i = 0; i < scene->tri_count; i++)
         add_triangle(scene, i, sum);
     for (size_t i = 0; i < count; i++) {
-        bool has_none = !normalize(sum + 3 * i);
+        bool has_none = !double3_unit(sum + 3 * i);
         if (none)
             none[i] = has_none;
         if (has_none) {

@@ -20,19 +20,29 @@ size_t ply_type_size(enum ply_type type)
     return size[type];
 }
 
-bool ply_is_named(const char *word, size_t length, const char *name)
+static bool same_name(struct ply_name a, struct ply_name b)
 {
-    return length == strlen(name) && memcmp(word, name, length) == 0;
+    return a.length == b.length && memcmp(a.at, b.at, a.length) == 0;
+}
+
+bool ply_is_named(struct ply_name name, const char *word)
+{
+    return same_name(name, (struct ply_name){word, strlen(word)});
+}
+
+static struct ply_name next_word(struct scan *scan)
+{
+    struct ply_name word;
+    word.length = scan_word(scan, &word.at);
+    return word;
 }
 
 /* Takes the next word of the line, or refuses the one before: "`what` is missing". */
-static enum status need_word(struct scan *scan, const char *what, const char **word, size_t *length,
+static enum status need_word(struct scan *scan, const char *what, struct ply_name *word,
                              struct reason *reason)
 {
-    *length = scan_word(scan, word);
-    if (*length == 0)
-        return scan_fail(scan, reason, "%s is missing", what);
-    return STATUS_OK;
+    *word = next_word(scan);
+    return word->length ? STATUS_OK : scan_fail(scan, reason, "%s is missing", what);
 }
 
 static enum status read_type(struct scan *scan, enum ply_type *out, struct reason *reason)
@@ -40,18 +50,17 @@ static enum status read_type(struct scan *scan, enum ply_type *out, struct reaso
     static const char *const names[][2] = {
         {"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"},   {"ushort", "uint16"},
         {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}};
-    const char *word;
-    size_t length;
-    enum status status = need_word(scan, "a type", &word, &length, reason);
-    if (status != STATUS_OK)
+    struct ply_name word;
+    enum status status = need_word(scan, "a type", &word, reason);
+    if (status)
         return status;
     for (size_t i = 0; i < ARRAY_COUNT(names); i++) {
-        if (ply_is_named(word, length, names[i][0]) || ply_is_named(word, length, names[i][1])) {
+        if (ply_is_named(word, names[i][0]) || ply_is_named(word, names[i][1])) {
             *out = (enum ply_type)i;
             return STATUS_OK;
         }
     }
-    scan->at = word;
+    scan->at = word.at;
     char shown[SCAN_SHOWN];
     return scan_fail(scan, reason, "%s is no type of a property", scan_show(scan, shown));
 }
@@ -59,11 +68,9 @@ static enum status read_type(struct scan *scan, enum ply_type *out, struct reaso
 static enum status read_format(struct scan *scan, struct ply_header *header, struct reason *reason)
 {
     static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
-    const char *word, *version;
-    size_t length = scan_word(scan, &word);
-    size_t version_length = scan_word(scan, &version);
+    struct ply_name word = next_word(scan), version = next_word(scan);
     for (size_t i = 0; i < ARRAY_COUNT(names); i++) {
-        if (ply_is_named(word, length, names[i]) && ply_is_named(version, version_length, "1.0")) {
+        if (ply_is_named(word, names[i]) && ply_is_named(version, "1.0")) {
             header->encoding = (enum ply_encoding)i;
             return STATUS_OK;
         }
@@ -76,18 +83,16 @@ static enum status read_format(struct scan *scan, struct ply_header *header, str
 static enum status read_element(struct scan *scan, struct ply_header *header, struct reason *reason)
 {
     struct ply_element element = {.first = (uint32_t)header->property_count};
-    enum status status =
-        need_word(scan, "the name of the element", &element.name, &element.name_length, reason);
+    enum status status = need_word(scan, "the name of the element", &element.name, reason);
     int64_t count = 0;
-    if (status == STATUS_OK)
+    if (!status)
         status = scan_whole(scan, "count of the element", &count, reason);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     if (count < 0)
         return scan_fail(scan, reason, "an element cannot be there %lld times", (long long)count);
     for (size_t i = 0; i < header->element_count; i++)
-        if (header->element[i].name_length == element.name_length &&
-            memcmp(header->element[i].name, element.name, element.name_length) == 0)
+        if (same_name(header->element[i].name, element.name))
             return scan_fail(scan, reason, "an element of this name is already there");
     if (header->element_count == ELEMENTS_MOST)
         return scan_fail(scan, reason, "more than %d elements", ELEMENTS_MOST);
@@ -96,7 +101,7 @@ static enum status read_element(struct scan *scan, struct ply_header *header, st
     status = array_reserve(&grown, &header->element_capacity, header->element_count + 1,
                            sizeof *header->element);
     header->element = grown;
-    if (status != STATUS_OK)
+    if (status)
         return fail(reason, status, "%s: no memory for the header", scan->name);
     header->element[header->element_count++] = element;
     return STATUS_OK;
@@ -110,27 +115,23 @@ static enum status read_property(struct scan *scan, struct ply_header *header,
     struct ply_element *element = &header->element[header->element_count - 1];
     struct ply_property property = {0};
     struct scan before = *scan;
-    const char *word;
-    size_t length = scan_word(scan, &word);
     enum status status = STATUS_OK;
-    property.list = ply_is_named(word, length, "list");
+    property.list = ply_is_named(next_word(scan), "list");
     if (property.list) {
         status = read_type(scan, &property.count_type, reason);
-        if (status == STATUS_OK && !ply_type_is_whole(property.count_type))
+        if (!status && !ply_type_is_whole(property.count_type))
             return scan_fail(scan, reason, "the length of a list must be of a whole type");
     } else {
         *scan = before;
     }
-    if (status == STATUS_OK)
+    if (!status)
         status = read_type(scan, &property.type, reason);
-    if (status == STATUS_OK)
-        status = need_word(scan, "the name of the property", &property.name, &property.name_length,
-                           reason);
-    if (status != STATUS_OK)
+    if (!status)
+        status = need_word(scan, "the name of the property", &property.name, reason);
+    if (status)
         return status;
     for (size_t i = element->first; i < header->property_count; i++)
-        if (header->property[i].name_length == property.name_length &&
-            memcmp(header->property[i].name, property.name, property.name_length) == 0)
+        if (same_name(header->property[i].name, property.name))
             return scan_fail(scan, reason, "a property of this name is already there");
     if (header->property_count == PROPERTIES_MOST)
         return scan_fail(scan, reason, "more than %d properties", PROPERTIES_MOST);
@@ -138,7 +139,7 @@ static enum status read_property(struct scan *scan, struct ply_header *header,
     status = array_reserve(&grown, &header->property_capacity, header->property_count + 1,
                            sizeof *header->property);
     header->property = grown;
-    if (status != STATUS_OK)
+    if (status)
         return fail(reason, status, "%s: no memory for the header", scan->name);
     header->property[header->property_count++] = property;
     element->property_count++;
@@ -162,13 +163,13 @@ static enum status set_roles(const struct scan *scan, struct ply_header *header,
     for (uint32_t i = 0; i < element->property_count; i++) {
         struct ply_property *property = &header->property[element->first + i];
         for (size_t k = 0; k < ARRAY_COUNT(table); k++)
-            if (ply_is_named(element->name, element->name_length, table[k].element) &&
-                ply_is_named(property->name, property->name_length, table[k].property))
+            if (ply_is_named(element->name, table[k].element) &&
+                ply_is_named(property->name, table[k].property))
                 property->role = table[k].role;
         bool corners = property->role == PLY_CORNERS;
         if (property->role != PLY_SKIP && property->list != corners)
             return scan_fail(scan, reason, "property %.*s must %sbe a list",
-                             (int)property->name_length, property->name, corners ? "" : "not ");
+                             (int)property->name.length, property->name.at, corners ? "" : "not ");
         if (corners && !ply_type_is_whole(property->type))
             return scan_fail(scan, reason, "vertex indices must be of a whole type");
     }
@@ -184,12 +185,12 @@ static enum status check_header(const struct scan *scan, struct ply_header *head
         const struct ply_element *element = &header->element[i];
         if (element->property_count == 0)
             return scan_fail(scan, reason, "element %.*s has no property",
-                             element->name_length > 40 ? 40 : (int)element->name_length,
-                             element->name);
+                             element->name.length > 40 ? 40 : (int)element->name.length,
+                             element->name.at);
         enum status status = set_roles(scan, header, element, reason);
-        if (status != STATUS_OK)
+        if (status)
             return status;
-        if (ply_is_named(element->name, element->name_length, "vertex"))
+        if (ply_is_named(element->name, "vertex"))
             header->vertex_count = element->count;
     }
     for (size_t i = 0; i < header->property_count; i++)
@@ -204,29 +205,28 @@ static enum status check_header(const struct scan *scan, struct ply_header *head
 }
 
 /* One line of the header, which begins with `word`. */
-static enum status read_line(struct scan *scan, struct ply_header *header, const char *word,
-                             size_t length, bool *has_format, struct reason *reason)
+static enum status read_line(struct scan *scan, struct ply_header *header, struct ply_name word,
+                             bool *has_format, struct reason *reason)
 {
     enum status status;
-    if (ply_is_named(word, length, "comment") || ply_is_named(word, length, "obj_info"))
+    char shown[SCAN_SHOWN];
+    if (ply_is_named(word, "comment") || ply_is_named(word, "obj_info"))
         return STATUS_OK;
-    if (ply_is_named(word, length, "format")) {
+    if (ply_is_named(word, "format")) {
         if (*has_format)
             return scan_fail(scan, reason, "the format is already given");
         *has_format = true;
         status = read_format(scan, header, reason);
-    } else if (ply_is_named(word, length, "element")) {
+    } else if (ply_is_named(word, "element")) {
         status = read_element(scan, header, reason);
-    } else if (ply_is_named(word, length, "property")) {
+    } else if (ply_is_named(word, "property")) {
         status = read_property(scan, header, reason);
     } else {
-        char shown[SCAN_SHOWN];
-        scan->at = word;
+        scan->at = word.at;
         return scan_fail(scan, reason, "%s is no keyword of a PLY header", scan_show(scan, shown));
     }
-    if (status != STATUS_OK)
+    if (status)
         return status;
-    char shown[SCAN_SHOWN];
     scan_blanks(scan);
     if (!scan_line_done(scan))
         return scan_fail(scan, reason, "%s is too much on this line", scan_show(scan, shown));
@@ -252,10 +252,9 @@ static enum status end_header(struct scan *scan, bool bare_return, struct reason
 enum status ply_header_read(struct scan *scan, struct ply_header *out, struct reason *reason)
 {
     *out = (struct ply_header){0};
-    const char *word;
-    size_t length = scan_word(scan, &word);
+    struct ply_name word = next_word(scan);
     scan_blanks(scan);
-    if (!ply_is_named(word, length, "ply") || !scan_line_done(scan))
+    if (!ply_is_named(word, "ply") || !scan_line_done(scan))
         return scan_fail(scan, reason, "a PLY file begins with the line 'ply'");
     bool bare_return = scan->at[0] == '\r' && scan->at[1] != '\n';
     bool has_format = false;
@@ -263,17 +262,17 @@ enum status ply_header_read(struct scan *scan, struct ply_header *out, struct re
         scan_next_line(scan);
         if (scan->at == scan->end)
             return scan_fail(scan, reason, "the header is cut short: no end_header");
-        length = scan_word(scan, &word);
-        if (length == 0)
+        word = next_word(scan);
+        if (word.length == 0)
             continue;
-        if (ply_is_named(word, length, "end_header"))
+        if (ply_is_named(word, "end_header"))
             break;
-        enum status status = read_line(scan, out, word, length, &has_format, reason);
-        if (status != STATUS_OK)
+        enum status status = read_line(scan, out, word, &has_format, reason);
+        if (status)
             return status;
     }
     if (!has_format)
         return scan_fail(scan, reason, "the header names no format");
     enum status status = check_header(scan, out, reason);
-    return status == STATUS_OK ? end_header(scan, bare_return, reason) : status;
+    return status ? status : end_header(scan, bare_return, reason);
 }

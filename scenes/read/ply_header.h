@@ -28,20 +28,24 @@ static inline bool ply_type_is_whole(enum ply_type type)
 /* What the reader does with a property. */
 enum ply_role { PLY_SKIP, PLY_X, PLY_Y, PLY_Z, PLY_CORNERS };
 
+/* Not terminated: into the file's bytes. */
+struct ply_name {
+    const char *at;
+    size_t length;
+};
+
 struct ply_property {
     enum ply_type type;
     enum ply_type count_type; /* of a list */
     bool list;
     enum ply_role role;
-    const char *name; /* not terminated: into the file's bytes */
-    size_t name_length;
+    struct ply_name name;
 };
 
 struct ply_element {
     uint64_t count;
     uint32_t first, property_count; /* in ply_header.property */
-    const char *name;
-    size_t name_length;
+    struct ply_name name;
 };
 
 struct ply_header {
@@ -62,7 +66,6 @@ void ply_header_free(struct ply_header *header);
 enum status ply_header_read(struct scan *scan, struct ply_header *out,
                             struct reason *reason) MUST_USE;
 
-/* True if an element or property is called `name`. */
-bool ply_is_named(const char *word, size_t length, const char *name);
+bool ply_is_named(struct ply_name name, const char *word);
 
 #endif

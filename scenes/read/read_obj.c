@@ -38,7 +38,7 @@ static enum status read_position(struct obj *obj, struct reason *reason)
         if (count == ARRAY_COUNT(what))
             break;
         enum status status = scan_float(&obj->scan, what[count], &number[count], reason);
-        if (status != STATUS_OK)
+        if (status)
             return status;
         scan_blanks(&obj->scan);
     }
@@ -47,7 +47,7 @@ static enum status read_position(struct obj *obj, struct reason *reason)
                          "v has %s numbers; 3, 4 (a weight), 6 or 7 (a colour) are allowed",
                          count == 5 ? "5" : "more than 7");
     enum status status = mesh_vertex(&obj->mesh, number);
-    if (status != STATUS_OK)
+    if (status)
         return fail(reason, status, "%s: no room for %zu vertices", obj->scan.name,
                     obj->mesh.vertex_count + 1);
     return STATUS_OK;
@@ -78,16 +78,16 @@ static enum status read_corner(struct obj *obj, struct reason *reason)
 {
     size_t vertex, ignored;
     enum status status = read_index(obj, "vertex", obj->mesh.vertex_count, &vertex, reason);
-    if (status == STATUS_OK && *obj->scan.at == '/') {
+    if (!status && *obj->scan.at == '/') {
         obj->scan.at++;
         if (*obj->scan.at != '/')
             status = read_index(obj, "texture", obj->texture_count, &ignored, reason);
-        if (status == STATUS_OK && *obj->scan.at == '/') {
+        if (!status && *obj->scan.at == '/') {
             obj->scan.at++;
             status = read_index(obj, "normal", obj->normal_count, &ignored, reason);
         }
     }
-    if (status != STATUS_OK)
+    if (status)
         return status;
     char shown[SCAN_SHOWN];
     if (!scan_word_done(&obj->scan))
@@ -99,7 +99,7 @@ static enum status read_corner(struct obj *obj, struct reason *reason)
     if (status == STATUS_LIMIT)
         return scan_fail(&obj->scan, reason, "polygon with more than %d corners",
                          MESH_CORNERS_MOST);
-    if (status != STATUS_OK)
+    if (status)
         return fail(reason, status, "%s: no memory for %zu triangles", obj->scan.name,
                     obj->mesh.tri_count + 1);
     return STATUS_OK;
@@ -111,7 +111,7 @@ static enum status read_face(struct obj *obj, struct reason *reason)
     scan_blanks(&obj->scan);
     while (!scan_line_done(&obj->scan)) {
         enum status status = read_corner(obj, reason);
-        if (status != STATUS_OK)
+        if (status)
             return status;
         scan_blanks(&obj->scan);
     }
@@ -155,7 +155,7 @@ enum status read_obj(const char *name, const char *bytes, size_t size, struct sc
         obj.scan.at += 3; /* the mark some editors put before UTF-8 */
     while (obj.scan.at < obj.scan.end) {
         enum status status = read_line(&obj, reason);
-        if (status != STATUS_OK) {
+        if (status) {
             mesh_free(&obj.mesh);
             return status;
         }

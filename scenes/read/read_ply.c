@@ -68,7 +68,7 @@ static enum status take_float(struct ply *ply, enum ply_type type, const char *w
         else
             memcpy(&value, &bits, sizeof value);
     }
-    if (status != STATUS_OK)
+    if (status)
         return status;
     /* From this double on, rounding to float gives infinity; NaN fails the comparison. */
     if (fabs(value) < 0x1.ffffffp127) {
@@ -97,7 +97,7 @@ static enum status add_corner(struct ply *ply, enum ply_type type)
     struct scan before = ply->scan;
     int64_t index;
     enum status status = take_whole(ply, type, "vertex index", &index);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     if (index < 0 || (uint64_t)index >= ply->header.vertex_count)
         return scan_fail(&before, ply->reason, "vertex index %lld, but there are %llu vertices",
@@ -105,7 +105,7 @@ static enum status add_corner(struct ply *ply, enum ply_type type)
     status = mesh_corner(&ply->mesh, (uint32_t)index);
     if (status == STATUS_LIMIT)
         return scan_fail(&before, ply->reason, "more than 4294967294 triangles");
-    if (status != STATUS_OK)
+    if (status)
         return fail(ply->reason, status, "%s: no memory for %zu triangles", ply->scan.name,
                     ply->mesh.tri_count + 1);
     return STATUS_OK;
@@ -116,7 +116,7 @@ static enum status read_list(struct ply *ply, const struct ply_property *propert
     struct scan before = ply->scan;
     int64_t count;
     enum status status = take_whole(ply, property->count_type, "length of the list", &count);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     if (count < 0)
         return scan_fail(&before, ply->reason, "a list of %lld values", (long long)count);
@@ -129,7 +129,7 @@ static enum status read_list(struct ply *ply, const struct ply_property *propert
                          MESH_CORNERS_MOST);
     if (corners)
         mesh_polygon(&ply->mesh);
-    for (int64_t i = 0; i < count && status == STATUS_OK; i++)
+    for (int64_t i = 0; i < count && !status; i++)
         status = corners ? add_corner(ply, property->type) : skip_value(ply, property->type);
     return status;
 }
@@ -171,7 +171,7 @@ static enum status read_one(struct ply *ply, const struct ply_element *element)
         return scan_fail(&ply->scan, ply->reason, "the data are cut short");
     for (uint32_t k = 0; k < element->property_count; k++) {
         enum status status = read_property(ply, &ply->header.property[element->first + k]);
-        if (status != STATUS_OK)
+        if (status)
             return status;
     }
     if (!ascii)
@@ -207,14 +207,14 @@ static enum status read_element(struct ply *ply, const struct ply_element *eleme
         return scan_fail(&ply->scan, ply->reason,
                          "%llu elements of at least %zu bytes do not fit into the %zu bytes left",
                          (unsigned long long)element->count, least, left);
-    bool vertex = ply_is_named(element->name, element->name_length, "vertex");
+    bool vertex = ply_is_named(element->name, "vertex");
     for (uint64_t i = 0; i < element->count; i++) {
         enum status status = read_one(ply, element);
-        if (status != STATUS_OK)
+        if (status)
             return status;
         if (vertex)
             status = mesh_vertex(&ply->mesh, ply->position);
-        if (status != STATUS_OK)
+        if (status)
             return fail(ply->reason, status, "%s: no room for %llu vertices", ply->scan.name,
                         (unsigned long long)element->count);
     }
@@ -241,12 +241,12 @@ enum status read_ply(const char *name, const char *bytes, size_t size, struct sc
     struct ply ply = {.scan = scan_make(name, bytes, size), .reason = reason};
     enum status status = ply_header_read(&ply.scan, &ply.header, reason);
     ply.scan.binary = ply.header.encoding != PLY_ASCII;
-    for (size_t i = 0; i < ply.header.element_count && status == STATUS_OK; i++)
+    for (size_t i = 0; i < ply.header.element_count && !status; i++)
         status = read_element(&ply, &ply.header.element[i]);
-    if (status == STATUS_OK)
+    if (!status)
         status = check_end(&ply);
     ply_header_free(&ply.header);
-    if (status == STATUS_OK)
+    if (!status)
         return mesh_finish(&ply.mesh, name, out, reason);
     mesh_free(&ply.mesh);
     return status;

@@ -66,7 +66,7 @@ static enum status get_float(const struct rtrs_place *place, const json_t *objec
 {
     const json_t *value;
     enum status status = get(place, object, key, &value);
-    return status == STATUS_OK ? to_float(place, key, -1, value, out) : status;
+    return status ? status : to_float(place, key, -1, value, out);
 }
 
 /* The member `key`, an array of exactly three elements. */
@@ -74,7 +74,7 @@ static enum status get_three(const struct rtrs_place *place, const json_t *objec
                              const json_t **out)
 {
     enum status status = get(place, object, key, out);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     if (!json_is_array(*out) || json_array_size(*out) != 3)
         return refuse(place, key, -1, "must be an array of exactly 3 numbers");
@@ -86,7 +86,7 @@ static enum status get_float3(const struct rtrs_place *place, const json_t *obje
 {
     const json_t *three;
     enum status status = get_three(place, object, key, &three);
-    for (int k = 0; k < 3 && status == STATUS_OK; k++)
+    for (int k = 0; k < 3 && !status; k++)
         status = to_float(place, key, k, json_array_get(three, (size_t)k), &out[k]);
     return status;
 }
@@ -105,7 +105,7 @@ static enum status take_vertex(const struct rtrs_place *place, const json_t *jso
 {
     struct vertex *vertex = out;
     enum status status = get_float3(place, json, "pos", vertex->pos);
-    return status == STATUS_OK ? get_float3(place, json, "normal", vertex->normal) : status;
+    return status ? status : get_float3(place, json, "normal", vertex->normal);
 }
 
 static enum status take_prim(const struct rtrs_place *place, const json_t *json, void *out)
@@ -113,7 +113,7 @@ static enum status take_prim(const struct rtrs_place *place, const json_t *json,
     struct prim *prim = out;
     const json_t *indices, *material;
     enum status status = get_three(place, json, "indices", &indices);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     for (int k = 0; k < 3; k++) {
         const json_t *index = json_array_get(indices, (size_t)k);
@@ -123,7 +123,7 @@ static enum status take_prim(const struct rtrs_place *place, const json_t *json,
         prim->index[k] = (uint32_t)number;
     }
     status = get(place, json, "material", &material);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     json_int_t number = json_integer_value(material);
     if (!json_is_integer(material) || number < 0 || number > INT32_MAX)
@@ -136,16 +136,16 @@ static enum status take_light(const struct rtrs_place *place, const json_t *json
 {
     struct light *light = out;
     enum status status = get_float3(place, json, "pos", light->pos);
-    return status == STATUS_OK ? get_float(place, json, "strength", &light->strength) : status;
+    return status ? status : get_float(place, json, "strength", &light->strength);
 }
 
 static enum status take_material(const struct rtrs_place *place, const json_t *json, void *out)
 {
     struct material *material = out;
     enum status status = get_float3(place, json, "color", material->color);
-    if (status == STATUS_OK)
+    if (!status)
         status = get_float3(place, json, "albedo", material->albedo);
-    return status == STATUS_OK ? get_float(place, json, "spec", &material->spec) : status;
+    return status ? status : get_float(place, json, "spec", &material->spec);
 }
 
 /* A list of the file, growing while it is read. */
@@ -172,10 +172,10 @@ static enum status read_list(struct json_walk *walk, struct rtrs_list *list)
 {
     bool more;
     enum status status = json_walk_open(walk, '[');
-    while (status == STATUS_OK) {
+    while (!status) {
         json_t *json;
         status = json_walk_more(walk, ']', &more);
-        if (status != STATUS_OK || !more || (status = json_walk_value(walk, &json)) != STATUS_OK)
+        if (status || !more || (status = json_walk_value(walk, &json)) != STATUS_OK)
             break;
         const struct rtrs_place place = {walk->name, list->key, list->count, walk->reason};
         if (list->count == UINT32_MAX - 1)
@@ -190,19 +190,25 @@ static enum status read_list(struct json_walk *walk, struct rtrs_list *list)
     return status;
 }
 
+/* About a member of the file itself. */
+static enum status refuse_file(const struct rtrs *rtrs, const char *key, const char *rule)
+{
+    const struct rtrs_place file = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
+    return refuse(&file, key, -1, rule);
+}
+
 static enum status read_camera(struct rtrs *rtrs, const json_t *json)
 {
     const struct rtrs_place place = {rtrs->walk.name, "camera", NO_INDEX, rtrs->walk.reason};
     enum status status = get_float3(&place, json, "pos", rtrs->camera.pos);
-    return status == STATUS_OK ? get_float3(&place, json, "at", rtrs->camera.at) : status;
+    return status ? status : get_float3(&place, json, "at", rtrs->camera.at);
 }
 
 static enum status read_controller(struct rtrs *rtrs, const json_t *json)
 {
-    const struct rtrs_place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
     const char *word = json_string_value(json);
     if (!word || (strcmp(word, "Orbit") != 0 && strcmp(word, "Fixed") != 0))
-        return refuse(&root, "camera_controller", -1, "must be \"Orbit\" or \"Fixed\"");
+        return refuse_file(rtrs, "camera_controller", "must be \"Orbit\" or \"Fixed\"");
     rtrs->camera.orbit = word[0] == 'O';
     return STATUS_OK;
 }
@@ -219,18 +225,17 @@ static enum status read_member(struct rtrs *rtrs, const char *key)
             list = &rtrs->list[i];
     if (list)
         seen = &list->seen;
-    const struct rtrs_place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
     if (seen && *seen)
-        return refuse(&root, key, -1, "is there twice");
+        return refuse_file(rtrs, key, "is there twice");
     if (seen)
         *seen = true;
     if (list)
         return read_list(&rtrs->walk, list);
     json_t *json;
     enum status status = json_walk_value(&rtrs->walk, &json);
-    if (status == STATUS_OK && is_camera)
+    if (!status && is_camera)
         status = read_camera(rtrs, json);
-    else if (status == STATUS_OK && is_controller)
+    else if (!status && is_controller)
         status = read_controller(rtrs, json);
     json_decref(json);
     return status;
@@ -240,26 +245,25 @@ static enum status read_file(struct rtrs *rtrs)
 {
     bool more;
     enum status status = json_walk_open(&rtrs->walk, '{');
-    while (status == STATUS_OK) {
+    while (!status) {
         json_t *key;
         status = json_walk_more(&rtrs->walk, '}', &more);
-        if (status != STATUS_OK || !more || (status = json_walk_key(&rtrs->walk, &key)))
+        if (status || !more || (status = json_walk_key(&rtrs->walk, &key)))
             break;
         status = read_member(rtrs, json_string_value(key));
         json_decref(key);
     }
-    if (status == STATUS_OK)
+    if (!status)
         status = json_walk_end(&rtrs->walk);
-    const struct rtrs_place root = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
-    if (status == STATUS_OK && !rtrs->has_camera)
-        status = refuse(&root, "camera", -1, "is missing");
-    if (status == STATUS_OK && !rtrs->has_controller)
-        status = refuse(&root, "camera_controller", -1, "is missing");
-    for (int i = 0; i < LISTS && status == STATUS_OK; i++)
+    if (!status && !rtrs->has_camera)
+        status = refuse_file(rtrs, "camera", "is missing");
+    if (!status && !rtrs->has_controller)
+        status = refuse_file(rtrs, "camera_controller", "is missing");
+    for (int i = 0; i < LISTS && !status; i++)
         if (!rtrs->list[i].seen)
-            status = refuse(&root, rtrs->list[i].key, -1, "is missing");
-    if (status == STATUS_OK && rtrs->list[PRIMS].count == 0)
-        status = refuse(&root, "prims", -1, "is empty: the scene has no triangle");
+            status = refuse_file(rtrs, rtrs->list[i].key, "is missing");
+    if (!status && rtrs->list[PRIMS].count == 0)
+        status = refuse_file(rtrs, "prims", "is empty: the scene has no triangle");
     return status;
 }
 
@@ -296,7 +300,7 @@ static enum status to_scene(struct rtrs *rtrs, struct scene *out)
     uint32_t vertex_count = (uint32_t)rtrs->list[VERTICES].count;
     uint32_t tri_count = (uint32_t)rtrs->list[PRIMS].count;
     enum status status = scene_make(vertex_count, tri_count, out);
-    if (status == STATUS_OK) {
+    if (!status) {
         out->normal = alloc_zeroed(vertex_count, 3 * sizeof *out->normal);
         out->material_of = alloc_zeroed(tri_count, sizeof *out->material_of);
     }
@@ -319,7 +323,7 @@ static enum status to_scene(struct rtrs *rtrs, struct scene *out)
     out->has_camera = true;
     struct reason rule;
     status = scene_check(out, &rule);
-    if (status == STATUS_OK)
+    if (!status)
         return STATUS_OK;
     scene_free(out);
     return fail(rtrs->walk.reason, status, "%s: %s", rtrs->walk.name, rule.text);
@@ -340,9 +344,9 @@ enum status read_rtrs(const char *name, const char *bytes, size_t size, struct s
     if (!json_text_fits(bytes, size))
         return fail(reason, STATUS_INPUT, "%s: " JSON_TEXT_RULE, name);
     enum status status = read_file(&rtrs);
-    if (status == STATUS_OK)
+    if (!status)
         status = check_names(&rtrs);
-    if (status == STATUS_OK)
+    if (!status)
         status = to_scene(&rtrs, out);
     for (int i = 0; i < LISTS; i++)
         free(rtrs.list[i].items);

@@ -8,53 +8,30 @@
 
 const struct material rtrs_red = {{0.5f, 0.1f, 0.1f}, {0.9f, 0.1f, 0.0f}, 10.0f};
 
-static void put_indent(FILE *stream, int depth)
-{
-    fprintf(stream, "%*s", 2 * depth, "");
-}
+/* What is written: the scene, and what it lacks. */
+struct rtrs_out {
+    const struct scene *scene;
+    const struct material *material;
+    const float *normal;
+};
 
 /* `"key": x` on a line of its own; the last member of an object has no comma. */
-static void put_float(FILE *stream, int depth, const char *key, float x)
+static void put_float(FILE *stream, const char *key, float x)
 {
     char text[DECIMAL_TEXT];
     decimal_write_float(x, text);
-    put_indent(stream, depth);
-    fprintf(stream, "\"%s\": %s\n", key, text);
+    fprintf(stream, "      \"%s\": %s\n", key, text);
 }
 
 static void put_float3(FILE *stream, int depth, const char *key, const float x[3], bool last)
 {
-    put_indent(stream, depth);
-    fprintf(stream, "\"%s\": [\n", key);
+    fprintf(stream, "%*s\"%s\": [\n", 2 * depth, "", key);
     for (int k = 0; k < 3; k++) {
         char text[DECIMAL_TEXT];
         decimal_write_float(x[k], text);
-        put_indent(stream, depth + 1);
-        fprintf(stream, "%s%s\n", text, k < 2 ? "," : "");
+        fprintf(stream, "%*s%s%s\n", 2 * depth + 2, "", text, k < 2 ? "," : "");
     }
-    put_indent(stream, depth);
-    fputs(last ? "]\n" : "],\n", stream);
-}
-
-/* Opens and closes a list of objects, which is one word where it is empty. */
-static void open_list(FILE *stream, const char *key, size_t count)
-{
-    fprintf(stream, "  \"%s\": [%s", key, count ? "\n" : "");
-}
-
-static void close_list(FILE *stream, size_t count, bool last)
-{
-    fprintf(stream, "%s]%s\n", count ? "  " : "", last ? "" : ",");
-}
-
-static void open_object(FILE *stream)
-{
-    fputs("    {\n", stream);
-}
-
-static void close_object(FILE *stream, bool last)
-{
-    fputs(last ? "    }\n" : "    },\n", stream);
+    fprintf(stream, "%*s]%s\n", 2 * depth, "", last ? "" : ",");
 }
 
 static void put_camera(const struct camera *camera, FILE *stream)
@@ -66,56 +43,47 @@ static void put_camera(const struct camera *camera, FILE *stream)
     fprintf(stream, "  \"camera_controller\": \"%s\",\n", camera->orbit ? "Orbit" : "Fixed");
 }
 
-static void put_prims(const struct scene *scene, FILE *stream)
+/* A list of objects, the members of each put by `put`; without one it is "[]". */
+static void put_list(FILE *stream, const char *key, uint32_t count,
+                     void (*put)(const struct rtrs_out *from, size_t i, FILE *stream),
+                     const struct rtrs_out *from, bool last)
 {
-    open_list(stream, "prims", scene->tri_count);
-    for (uint32_t i = 0; i < scene->tri_count; i++) {
-        const uint32_t *index = scene->index + 3 * (size_t)i;
-        open_object(stream);
-        fprintf(stream,
-                "      \"indices\": [\n        %u,\n        %u,\n        %u\n      ],\n"
-                "      \"material\": %d\n",
-                index[0], index[1], index[2], scene->material_of ? scene->material_of[i] : 0);
-        close_object(stream, i + 1 == scene->tri_count);
-    }
-    close_list(stream, scene->tri_count, false);
-}
-
-static void put_vertices(const struct scene *scene, const float *normal, FILE *stream)
-{
-    open_list(stream, "vertices", scene->vertex_count);
-    for (uint32_t i = 0; i < scene->vertex_count; i++) {
-        open_object(stream);
-        put_float3(stream, 3, "pos", scene->vertex + 3 * (size_t)i, false);
-        put_float3(stream, 3, "normal", normal + 3 * (size_t)i, true);
-        close_object(stream, i + 1 == scene->vertex_count);
-    }
-    close_list(stream, scene->vertex_count, false);
-}
-
-static void put_lights(const struct scene *scene, FILE *stream)
-{
-    open_list(stream, "lights", scene->light_count);
-    for (uint32_t i = 0; i < scene->light_count; i++) {
-        open_object(stream);
-        put_float3(stream, 3, "pos", scene->light[i].pos, false);
-        put_float(stream, 3, "strength", scene->light[i].strength);
-        close_object(stream, i + 1 == scene->light_count);
-    }
-    close_list(stream, scene->light_count, false);
-}
-
-static void put_materials(const struct material *material, uint32_t count, FILE *stream)
-{
-    open_list(stream, "materials", count);
+    fprintf(stream, "  \"%s\": [%s", key, count ? "\n" : "");
     for (uint32_t i = 0; i < count; i++) {
-        open_object(stream);
-        put_float3(stream, 3, "color", material[i].color, false);
-        put_float3(stream, 3, "albedo", material[i].albedo, false);
-        put_float(stream, 3, "spec", material[i].spec);
-        close_object(stream, i + 1 == count);
+        fputs("    {\n", stream);
+        put(from, i, stream);
+        fputs(i + 1 == count ? "    }\n" : "    },\n", stream);
     }
-    close_list(stream, count, true);
+    fprintf(stream, "%s]%s\n", count ? "  " : "", last ? "" : ",");
+}
+
+static void put_prim(const struct rtrs_out *from, size_t i, FILE *stream)
+{
+    const uint32_t *index = from->scene->index + 3 * i;
+    fprintf(stream,
+            "      \"indices\": [\n        %u,\n        %u,\n        %u\n      ],\n"
+            "      \"material\": %d\n",
+            index[0], index[1], index[2],
+            from->scene->material_of ? from->scene->material_of[i] : 0);
+}
+
+static void put_vertex(const struct rtrs_out *from, size_t i, FILE *stream)
+{
+    put_float3(stream, 3, "pos", from->scene->vertex + 3 * i, false);
+    put_float3(stream, 3, "normal", from->normal + 3 * i, true);
+}
+
+static void put_light(const struct rtrs_out *from, size_t i, FILE *stream)
+{
+    put_float3(stream, 3, "pos", from->scene->light[i].pos, false);
+    put_float(stream, "strength", from->scene->light[i].strength);
+}
+
+static void put_material(const struct rtrs_out *from, size_t i, FILE *stream)
+{
+    put_float3(stream, 3, "color", from->material[i].color, false);
+    put_float3(stream, 3, "albedo", from->material[i].albedo, false);
+    put_float(stream, "spec", from->material[i].spec);
 }
 
 /* The first of `count` numbers that JSON cannot hold. */
@@ -139,14 +107,14 @@ static enum status check_all(const struct scene *scene, const struct camera *cam
     enum status status = STATUS_OK;
     if (scene->normal)
         status = check_finite(scene->normal, 3 * (size_t)scene->vertex_count, "normals", reason);
-    if (status == STATUS_OK && scene->light_count)
+    if (!status && scene->light_count)
         status = check_finite(scene->light->pos, 4 * (size_t)scene->light_count, "lights", reason);
-    if (status == STATUS_OK && scene->material_count)
+    if (!status && scene->material_count)
         status = check_finite(scene->material->color, 7 * (size_t)scene->material_count,
                               "materials", reason);
-    if (status == STATUS_OK)
+    if (!status)
         status = check_finite(camera->pos, 3, "camera position", reason);
-    return status == STATUS_OK ? check_finite(camera->at, 3, "camera target", reason) : status;
+    return status ? status : check_finite(camera->at, 3, "camera target", reason);
 }
 
 /* The scene's camera; one that was chosen is moved into the range of a float, which it leaves where
@@ -163,20 +131,21 @@ enum status write_rtrs(const struct scene *scene, FILE *stream, struct reason *r
 {
     struct camera camera = choose_camera(scene);
     enum status status = check_all(scene, &camera, reason);
-    if (status != STATUS_OK)
+    if (status)
         return status;
     float *made = NULL;
     if (!scene->normal && !(made = scene_normals(scene)))
         return fail(reason, STATUS_MEMORY, "no memory for %u normals", scene->vertex_count);
+    const struct rtrs_out from = {.scene = scene,
+                                  .material = scene->material_count ? scene->material : &rtrs_red,
+                                  .normal = made ? made : scene->normal};
     fputs("{\n", stream);
     put_camera(&camera, stream);
-    put_prims(scene, stream);
-    put_vertices(scene, made ? made : scene->normal, stream);
-    put_lights(scene, stream);
-    if (scene->material_count)
-        put_materials(scene->material, scene->material_count, stream);
-    else
-        put_materials(&rtrs_red, 1, stream);
+    put_list(stream, "prims", scene->tri_count, put_prim, &from, false);
+    put_list(stream, "vertices", scene->vertex_count, put_vertex, &from, false);
+    put_list(stream, "lights", scene->light_count, put_light, &from, false);
+    put_list(stream, "materials", scene->material_count ? scene->material_count : 1, put_material,
+             &from, true);
     fputs("}", stream);
     free(made);
     return STATUS_OK;

@@ -95,22 +95,6 @@ bool sides_same_bits(const struct side *a, const struct side *b)
            of_a->box == of_b->box && of_a->tri == of_b->tri;
 }
 
-static void add_diff(struct frame_diff *to, const struct frame_diff *one)
-{
-    to->paths += one->paths;
-    to->segments += one->segments;
-    to->hits += one->hits;
-    to->paths_apart += one->paths_apart;
-    for (enum path_field field = PATH_SAME; field < PATH_FIELD_COUNT; field++) {
-        to->field[field] += one->field[field];
-        to->first[field] += one->first[field];
-    }
-    to->colours += one->colours;
-    to->allowed += one->allowed;
-    to->excess += one->excess;
-    to->largest = one->largest > to->largest ? one->largest : to->largest;
-}
-
 enum status pair_compare(const struct side *a, const struct side *b, struct pair *out,
                          size_t **pixel, size_t *count, struct reason *reason)
 {
@@ -121,17 +105,16 @@ enum status pair_compare(const struct side *a, const struct side *b, struct pair
                       .bounded = renderer_by_waves(a->renderer) || renderer_by_waves(b->renderer)};
     *count = 0;
     for (size_t i = 0; i < all; i++) {
-        struct frame_diff one = {0};
-        frame_compare_pixel(&a->frame, &b->frame, i, a->job.look.bounces, &one);
-        add_diff(&out->diff, &one);
-        if (one.allowed && out->border_count < PAIR_KEPT) {
+        const struct frame_diff before = out->diff;
+        frame_compare_pixel(&a->frame, &b->frame, i, a->job.look.bounces, &out->diff);
+        if (out->diff.allowed > before.allowed && out->border_count < PAIR_KEPT) {
             float bound = a->frame.bound[i];
             out->border[out->border_count++] =
                 (struct pixel_border){i,
                                       {a->frame.pixel[i], b->frame.pixel[i]},
                                       isnan(bound) ? b->frame.bound[i] : bound};
         }
-        if (one.paths_apart + one.excess == 0)
+        if (out->diff.paths_apart == before.paths_apart && out->diff.excess == before.excess)
             continue;
         if (array_reserve(&list, &capacity, *count + 1, sizeof **pixel)) {
             free(list);

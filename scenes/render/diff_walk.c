@@ -91,7 +91,7 @@ static enum status walk_hits(struct diff_walk *walk, struct wave *wave, uint32_t
     for (size_t j = 0; j < wave->count && !status; j++) {
         size_t i = wave->of[j];
         struct shade_path *path = &wave->path[i];
-        struct walk_step *step = &walk->step[i * walk->bounces + index];
+        struct walk_step *step = walk_step_of(walk, i, index);
         float weight = path->weight;
         walk->length[i] = index + 1;
         wave->live[i] = shade_hit(wave->job, &wave->hit[j], path);
@@ -111,7 +111,7 @@ static enum status walk_shadows(struct diff_walk *walk, struct wave *wave, uint3
 {
     wave->count = 0;
     for (size_t i = 0; i < walk->count; i++) {
-        struct walk_light *at = &walk->light[(i * walk->bounces + index) * walk->lights + light];
+        struct walk_light *at = walk_light_of(walk, i, index, light);
         if (!wave->live[i])
             continue;
         at->asked = shade_ask(wave->job, wave->view, light, &wave->path[i], &at->ray);
@@ -124,7 +124,7 @@ static enum status walk_shadows(struct diff_walk *walk, struct wave *wave, uint3
     enum status status = ask(wave, walk->shadow_query, reason);
     for (size_t j = 0; j < wave->count && !status; j++) {
         size_t i = wave->of[j];
-        struct walk_light *at = &walk->light[(i * walk->bounces + index) * walk->lights + light];
+        struct walk_light *at = walk_light_of(walk, i, index, light);
         shade_answer(wave->job, light, &wave->hit[j], &wave->path[i]);
         at->hit = wave->hit[j];
         at->shadowed = wave->path[i].segment.shadowed >> light & 1u;
@@ -140,7 +140,7 @@ static enum status walk_segment(struct diff_walk *walk, struct wave *wave, uint3
         status = walk_shadows(walk, wave, index, light, reason);
     for (size_t i = 0; i < walk->count && !status; i++) {
         struct shade_path *path = &wave->path[i];
-        struct walk_step *step = &walk->step[i * walk->bounces + index];
+        struct walk_step *step = walk_step_of(walk, i, index);
         if (!wave->live[i])
             continue;
         step->d = path->d;

@@ -53,14 +53,14 @@ size_t walk_bytes(const struct frame_job *job);
 
 void walk_free(struct diff_walk *walk);
 
-static inline const struct walk_step *walk_step_of(const struct diff_walk *walk, size_t path,
-                                                   uint32_t step)
+static inline struct walk_step *walk_step_of(const struct diff_walk *walk, size_t path,
+                                             uint32_t step)
 {
     return &walk->step[path * walk->bounces + step];
 }
 
-static inline const struct walk_light *walk_light_of(const struct diff_walk *walk, size_t path,
-                                                     uint32_t step, uint32_t light)
+static inline struct walk_light *walk_light_of(const struct diff_walk *walk, size_t path,
+                                               uint32_t step, uint32_t light)
 {
     return &walk->light[(path * walk->bounces + step) * walk->lights + light];
 }

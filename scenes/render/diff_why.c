@@ -75,13 +75,18 @@ static bool same_ray(const struct ray *a, const struct ray *b)
     return memcmp(a, b, sizeof *a) == 0;
 }
 
+static void unjudged(struct path_why *out)
+{
+    out->answer[0].judged = out->answer[1].judged = false;
+}
+
 /* Judges both answers, if anything of them differs; true if one is wrong. */
 static bool judge_both(struct following *f, uint32_t segment, uint32_t light,
                        const struct ray *const ray[2], const struct hit *const hit[2],
                        enum status *status)
 {
     struct path_why *out = f->out;
-    out->answer[0].judged = out->answer[1].judged = false;
+    unjudged(out);
     if (same_ray(ray[0], ray[1]) && memcmp(hit[0], hit[1], sizeof *hit[0]) == 0)
         return false;
     for (unsigned side = 0; side < 2 && !*status; side++) {
@@ -125,7 +130,7 @@ static bool follow_light(struct following *f, const struct walk_light *a,
     const struct ray *const ray[2] = {&a->ray, &b->ray};
     const struct hit *const hit[2] = {&a->hit, &b->hit};
     if (a->asked != b->asked) {
-        f->out->answer[0].judged = f->out->answer[1].judged = false;
+        unjudged(f->out);
         part(f, f->apart ? WHY_DRIFT : WHY_UNEXPLAINED, segment, light);
         return true;
     }
@@ -177,7 +182,7 @@ enum status why_paths(const struct why_judges *judges, const struct diff_walk *a
     *out = (struct path_why){.light = WHY_NO_LIGHT};
     for (uint32_t i = 0; i < length[0] || i < length[1]; i++) {
         if (i >= length[0] || i >= length[1]) { /* one goes on, the other does not */
-            out->answer[0].judged = out->answer[1].judged = false;
+            unjudged(out);
             part(&f, f.apart ? WHY_DRIFT : WHY_UNEXPLAINED, i, WHY_NO_LIGHT);
             return STATUS_OK;
         }
@@ -189,7 +194,7 @@ enum status why_paths(const struct why_judges *judges, const struct diff_walk *a
                              walk_light_of(b, index, i, light), i, light, &status))
                 return status;
     }
-    out->answer[0].judged = out->answer[1].judged = false;
+    unjudged(out);
     part(&f, f.apart ? WHY_ROUNDING : WHY_SAME, length[0], WHY_NO_LIGHT);
     return STATUS_OK;
 }

@@ -1,3 +1,5 @@
+#include "ref/base/double3.h"
+#include "scenes/read/formats.h"
 #include "scenes/read/normals.h"
 #include "scenes/rays/rays.h"
 #include "scenes/render/render.h"
@@ -19,9 +21,6 @@ static enum status check_finite(const char *kind, uint32_t i, const char *what, 
     return STATUS_OK;
 }
 
-/* RTRS's, for scenes that name none. */
-static const struct material red = {.color = {.5f, .1f, .1f}, .albedo = {.9f, .1f, 0}, .spec = 10};
-
 static enum status make_materials(const struct scene *scene, struct shading *out,
                                   struct reason *reason)
 {
@@ -30,7 +29,7 @@ static enum status make_materials(const struct scene *scene, struct shading *out
     if (!out->material)
         return fail(reason, STATUS_MEMORY, "no memory for %u materials", out->material_count);
     for (uint32_t i = 0; i < out->material_count; i++) {
-        const struct material *from = scene->material_count ? &scene->material[i] : &red;
+        const struct material *from = scene->material_count ? &scene->material[i] : &rtrs_red;
         enum status status = check_finite("material", i, "color", from->color, 3, false, reason);
         if (!status)
             status = check_finite("material", i, "albedo", from->albedo, 3, false, reason);
@@ -82,15 +81,12 @@ static void make_plane(const struct scene *scene, uint32_t prim, float out[3])
     float v[3][3];
     double e1[3], e2[3], n[3];
     scene_tri(scene, prim, v);
-    for (int k = 0; k < 3; k++) {
-        e1[k] = (double)v[1][k] - (double)v[0][k];
-        e2[k] = (double)v[2][k] - (double)v[0][k];
-    }
+    double3_sub(v[1], v[0], e1);
+    double3_sub(v[2], v[0], e2);
+    double3_cross(e1, e2, n);
+    bool area = double3_unit(n);
     for (int k = 0; k < 3; k++)
-        n[k] = e1[(k + 1) % 3] * e2[(k + 2) % 3] - e1[(k + 2) % 3] * e2[(k + 1) % 3];
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int k = 0; k < 3; k++)
-        out[k] = length > 0 ? (float)(n[k] / length) : 0.0f;
+        out[k] = area ? (float)n[k] : 0.0f;
 }
 
 /* A corner's normal: as the file has it in the published profile, else made unit. */

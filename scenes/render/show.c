@@ -1,5 +1,6 @@
 #include "scenes/render/show.h"
 
+#include "ref/base/double3.h"
 #include "scenes/render/shade.h"
 
 #include <math.h>
@@ -197,13 +198,10 @@ void show_text(const struct show *show, double value, char *text, size_t text_by
 
 static double degrees_between(const double a[3], const double b[3])
 {
-    double cross[3], square = 0.0, dot = 0.0;
-    for (int k = 0; k < 3; k++) {
-        cross[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-        square += cross[k] * cross[k];
-        dot += a[k] * b[k];
-    }
-    return atan2(sqrt(square), dot) * (180.0 / 3.14159265358979323846);
+    double cross[3];
+    double3_cross(a, b, cross);
+    return atan2(sqrt(double3_dot(cross, cross)), double3_dot(a, b)) *
+           (180.0 / 3.14159265358979323846);
 }
 
 void show_difference(const struct show *show, const double *first, const double *second,

@@ -62,7 +62,7 @@ struct hard_part {
     uint32_t *id;           /* the sets of WANT_ID */
     uint32_t *prim_of;      /* like: triangle i is triangle prim_of[i] there; NULL: i */
     size_t ray_count, id_count;
-    size_t vertex_room, index_room, ray_room, want_room, id_room, prim_room;
+    size_t vertex_room, index_room, ray_room, want_room, id_room;
     size_t like;             /* part that WANT_LIKE points into */
     unsigned like_bits;      /* HARD_LIKE_* */
     uint32_t leaf;           /* items per leaf; 0: the default */

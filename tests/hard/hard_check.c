@@ -41,7 +41,7 @@ enum status play_trace(struct hard_play *play, void *self, struct hit *out)
     out[count] = guard;
     enum status status =
         play->member->engine->trace(self, play->part->ray, count, out, &play->report, play->reason);
-    if (status == STATUS_OK && !same_bits(&out[count], &guard))
+    if (!status && !same_bits(&out[count], &guard))
         play_broken(play, PROPERTY_STRAY, SIZE_MAX);
     return status;
 }
@@ -151,9 +151,9 @@ static enum status check_bits(struct hard_play *play)
         enum status status = STATUS_OK;
         struct trace_report report;
         void *self = pool_get(&play->stage->pool, cpu, &status, play->reason);
-        if (status == STATUS_OK)
+        if (!status)
             status = cpu->prepare(self, &play->job, play->reason);
-        if (status == STATUS_OK)
+        if (!status)
             status = cpu->trace(self, play->part->ray, count, cache->cpu, &report, play->reason);
         if (status)
             return status;
@@ -172,7 +172,7 @@ static enum status compare_again(struct hard_play *play, void *self, enum hard_p
 {
     struct hard_cache *cache = play->cache;
     enum status status = play_trace(play, self, cache->again);
-    for (size_t i = 0; i < play->part->ray_count && status == STATUS_OK; i++)
+    for (size_t i = 0; i < play->part->ray_count && !status; i++)
         if (!same_bits(&cache->answer[i], &cache->again[i]))
             play_broken(play, property, i);
     return status;
@@ -190,7 +190,7 @@ static enum status check_modes(struct hard_play *play)
     if (status)
         return status;
     void *many = pool_get(&play->stage->many, engine, &status, play->reason);
-    if (status == STATUS_OK)
+    if (!status)
         status = engine->prepare(many, &play->job, play->reason);
     return status ? status : compare_again(play, many, PROPERTY_MODE);
 }
@@ -202,9 +202,9 @@ static enum status check_any(struct hard_play *play)
     struct job job = play->job;
     job.query = QUERY_CLOSEST;
     enum status status = play->member->engine->prepare(play->self, &job, play->reason);
-    if (status == STATUS_OK)
+    if (!status)
         status = play_trace(play, play->self, cache->again);
-    for (size_t i = 0; i < play->part->ray_count && status == STATUS_OK; i++)
+    for (size_t i = 0; i < play->part->ray_count && !status; i++)
         if (is_hit(&cache->answer[i]) != is_hit(&cache->again[i]) &&
             (twin_is_own(play->model.formula) || !cache->open[i]))
             play_broken(play, PROPERTY_ANY, i);
@@ -217,9 +217,9 @@ static enum status check_again(struct hard_play *play)
     enum status status = STATUS_OK;
     if (flags & HARD_TWICE)
         status = compare_again(play, play->self, PROPERTY_REPEAT);
-    if (status == STATUS_OK && flags & HARD_FLOAT_MODE)
+    if (!status && flags & HARD_FLOAT_MODE)
         status = check_modes(play);
-    if (status == STATUS_OK && flags & HARD_ANY_TOO && play->member->query == QUERY_ANY)
+    if (!status && flags & HARD_ANY_TOO && play->member->query == QUERY_ANY)
         status = check_any(play);
     return status;
 }
@@ -239,13 +239,13 @@ enum status play_check(struct hard_play *play)
     out->rays += part->ray_count;
     for (size_t i = 0; i < part->ray_count; i++)
         out->hits += is_hit(&play->cache->answer[i]);
-    if (status == STATUS_OK)
+    if (!status)
         check_wants(play);
-    if (status == STATUS_OK && !part->bad_scene)
+    if (!status && !part->bad_scene)
         status = check_culled(play);
-    if (status == STATUS_OK)
+    if (!status)
         status = check_bits(play);
-    if (status == STATUS_OK)
+    if (!status)
         status = check_again(play);
     return status;
 }

@@ -21,7 +21,7 @@ static enum status exact_of(const struct hard_play *play, size_t i, struct cross
         oracle_crossings(play->cache->oracle, &play->part->ray[i], (double)play->part->ray[i].tmax,
                          &out->list, &out->capacity, &out->count, play->reason);
     out->clear = true;
-    for (size_t k = 0; k < out->count && status == STATUS_OK; k++)
+    for (size_t k = 0; k < out->count && !status; k++)
         out->clear &= out->list[k].pair.class == ORACLE_INSIDE && out->list[k].pair.margin > CLEAR;
     return status;
 }
@@ -62,10 +62,10 @@ enum status play_crossings(struct hard_play *play)
     struct all_hits all = {.once = play->job.packed && play->job.packed->split};
     struct crossings_exact exact = {0};
     enum status status = STATUS_OK;
-    for (size_t done = 0; done < part->ray_count && status == STATUS_OK; done += all.done) {
+    for (size_t done = 0; done < part->ray_count && !status; done += all.done) {
         status = all_hits_next(play->member->engine, play->self, part->ray + done,
                                part->ray_count - done, &all, play->reason);
-        for (size_t i = 0; status == STATUS_OK && i < all.done; i++)
+        for (size_t i = 0; !status && i < all.done; i++)
             status = check_ray(play, done + i, &exact, all.hit + all.first[i],
                                all.first[i + 1] - all.first[i]);
     }

@@ -1,5 +1,7 @@
 #include "tests/hard/matrix.h"
 
+#include "tests/hard/members.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,14 +25,6 @@ const char *outcome_meaning(enum matrix_outcome outcome)
     return (size_t)outcome < OUTCOME_COUNT ? meanings[outcome] : "";
 }
 
-static bool is_in(const struct layout *const *table, const struct layout *layout)
-{
-    for (size_t i = 0; table[i]; i++)
-        if (table[i] == layout)
-            return true;
-    return layout == NULL;
-}
-
 static bool is_engine(const struct engine *engine)
 {
     for (size_t i = 0; engines[i]; i++)
@@ -44,9 +38,9 @@ static struct matrix_column column_made_of(const struct hard_matrix *matrix,
 {
     struct matrix_column c = {.engine = m->engine, .layout = m->layout};
     c.published = hard_member_published(m) > 0;
-    c.made = !is_in(layouts_all, m->layout) || !is_engine(m->engine) ||
+    c.made = (m->layout && !hard_table_has(layouts_all, m->layout)) || !is_engine(m->engine) ||
              (m->engine->needs_packed && !m->layout); /* asked directly */
-    c.others = !matrix->apart && !c.made && !is_in(layouts, m->layout);
+    c.others = !matrix->apart && !c.made && m->layout && !hard_table_has(layouts, m->layout);
     if (c.others)
         c.layout = NULL;
     if (!c.others && !m->engine->own_tri && !(c.published && m->layout))
@@ -67,7 +61,7 @@ static enum status column_of(struct hard_matrix *matrix, const struct hard_membe
     void *columns = matrix->column;
     enum status status = array_reserve(&columns, &matrix->column_room, *column + 1, sizeof c);
     matrix->column = columns;
-    if (status == STATUS_OK)
+    if (!status)
         matrix->column[matrix->column_count++] = c;
     return status;
 }
@@ -81,7 +75,7 @@ static enum status row_of(struct hard_matrix *matrix, const struct hard_case *on
     enum status status =
         array_reserve(&rows, &matrix->row_room, matrix->row_count + 1, sizeof(void *));
     matrix->row = rows;
-    if (status == STATUS_OK)
+    if (!status)
         matrix->row[matrix->row_count++] = one;
     return status;
 }
@@ -134,11 +128,11 @@ enum status matrix_add(struct hard_matrix *matrix, const struct hard_case *one,
     size_t row, column;
     struct matrix_cell *cell = NULL;
     enum status status = column_of(matrix, member, &column);
-    if (status == STATUS_OK)
+    if (!status)
         status = row_of(matrix, one, &row);
-    if (status == STATUS_OK)
+    if (!status)
         status = cell_of(&matrix->column[column], row, &cell);
-    if (status == STATUS_OK && outcome >= OUTCOME_KNOWN)
+    if (!status && outcome >= OUTCOME_KNOWN)
         status = note(matrix, one, member, outcome, why);
     if (status)
         return fail(reason, status, "no memory for the matrix");

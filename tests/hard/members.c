@@ -57,12 +57,11 @@ static void visit_made(const struct hard_case *one, const struct hard_defect *de
 #define CASES_APART        3u
 #define CASES_OF_AN_ENGINE 16u
 
-static bool is_in_product(const struct layout *layout)
+bool hard_table_has(const struct layout *const *table, const struct layout *layout)
 {
-    bool found = false;
-    for (size_t l = 0; layouts[l]; l++)
-        found = found || layouts[l] == layout;
-    return found;
+    while (*table && *table != layout)
+        table++;
+    return *table != NULL;
 }
 
 /* How many builders are repaired; *out (may be NULL) is the one at `place` among them. */
@@ -108,7 +107,7 @@ static void each_other_layout(const struct hard_case *one, hard_visit *visit, vo
         for (uint32_t l = 0; layouts_all[l]; l++) {
             const struct layout *layout = layouts_all[l];
             const uint32_t s = first + l, k = s / CASES_APART;
-            if (layout->faithful || layout->outside || is_in_product(layout) ||
+            if (layout->faithful || layout->outside || hard_table_has(layouts, layout) ||
                 s % CASES_APART != 0 || k % count != turn)
                 continue;
             struct hard_member member = covered(k, layout);

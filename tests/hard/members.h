@@ -19,6 +19,9 @@ struct hard_tables {
 /* Those of layouts[], builders[], box_tests[] and tri_tests[]. */
 struct hard_tables hard_tables_all(void);
 
+/* Whether a NULL-terminated table has the layout. */
+bool hard_table_has(const struct layout *const *table, const struct layout *layout);
+
 /* Calls `visit` for each, in an order that makes the most of a stage: neighbours share the tree,
  * then the layout, then box and triangle test. */
 void hard_each_member(const struct hard_case *one, const struct hard_tables *tables,

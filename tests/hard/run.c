@@ -83,12 +83,12 @@ static enum status stage_set(struct hard_stage *stage, const struct hard_case *o
     if (!stage->made)
         return fail(reason, STATUS_MEMORY, "no memory for a hard case");
     enum status status = hard_make(one, stage->made, reason);
-    if (status == STATUS_OK) {
+    if (!status) {
         stage->cache = alloc_zeroed(stage->made->part_count, sizeof *stage->cache);
         if (!stage->cache)
             status = fail(reason, STATUS_MEMORY, "no memory for a hard case");
     }
-    for (size_t i = 0; status == STATUS_OK && i < stage->made->part_count; i++)
+    for (size_t i = 0; !status && i < stage->made->part_count; i++)
         status = cache_make(&stage->made->part[i], &stage->cache[i], reason);
     if (status)
         stage_drop(stage);
@@ -124,7 +124,7 @@ static enum status play_tree(struct hard_play *play, bool *go)
     const struct hard_member *m = play->member;
     struct hard_cache *cache = play->cache;
     enum status status = cache_pack(cache, m);
-    *go = status == STATUS_OK;
+    *go = !status;
     if (status == STATUS_MEMORY)
         return fail(play->reason, status, "%s", cache->reason.text);
     if (status) {
