@@ -28,7 +28,7 @@ struct construct {
     void *user;
 };
 
-/* What a reader of the result may want to be told. */
+/* Facts about the result that a user may want to see. */
 struct construct_notes {
     uint32_t red;    /* index of the default material, or CONSTRUCT_DEFAULT if it is not there */
     uint32_t unused; /* vertices of no triangle */

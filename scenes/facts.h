@@ -1,4 +1,4 @@
-/* What can be said of a scene's triangles at a glance. */
+/* Facts about a scene's triangles. */
 #ifndef FACTS_H
 #define FACTS_H
 

@@ -49,8 +49,8 @@ static void suite_add(void *user, const struct hard_case *hard, const struct har
 
 static enum status suite_make(struct hard_suite *suite, struct reason *reason)
 {
-    for (size_t i = 0; hard_cases[i]; i++)
-        hard_each_member(hard_cases[i], &suite->tables, suite_add, suite);
+    for (size_t i = 0; hard_case_at(i); i++)
+        hard_each_member(hard_case_at(i), &suite->tables, suite_add, suite);
     if (suite->failed)
         return fail(reason, STATUS_MEMORY, "no memory for the list of hard cases");
     if (suite->count == 0)
@@ -292,8 +292,8 @@ static int play(const struct conform_hard_options *o, const struct hard_suite *s
     }
     const struct hard_tables everything = hard_tables_all();
     struct hard_counting counting = {&report.waivers, o->pattern == NULL};
-    for (size_t i = 0; !complete && hard_cases[i]; i++)
-        hard_each_member(hard_cases[i], &everything, count_name, &counting);
+    for (size_t i = 0; !complete && hard_case_at(i); i++)
+        hard_each_member(hard_case_at(i), &everything, count_name, &counting);
     conform_report_expect(&report, o->named);
     report.verbose = o->verbose;
     report.tap = o->tap;

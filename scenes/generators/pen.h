@@ -1,4 +1,4 @@
-/* What the scene generators share: checking parameters, and drawing into a scene of known size. */
+/* What the scene generators share: drawing into a scene of known size. */
 #ifndef PEN_H
 #define PEN_H
 
@@ -8,7 +8,7 @@
 /* No generator makes more triangles. */
 #define GENERATOR_TRI_MAX (1u << 24)
 
-/* A scene being drawn. Draws at most what pen_start allocated; drawing more is our bug. */
+/* A scene being drawn. Drawing more than pen_start allocated is a bug in the generator. */
 struct pen {
     const struct generator *generator;
     struct scene *scene;

@@ -7,7 +7,7 @@
 
 #define TRIES      4096
 #define DIRECTIONS 16   /* tried from a point before it is given up */
-#define SAMPLES    1000 /* rays of which it is looked at whether they come near an edge */
+#define SAMPLES    1000 /* rays that are checked for passing near an edge */
 #define NEAR       0x1p-12
 
 /* What aims the rays. */

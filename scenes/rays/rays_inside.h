@@ -16,12 +16,12 @@ struct inside {
     size_t near;    /* of them, those that exactly meet or pass an edge within 2^-12 barycentric */
 };
 
-/* Makes `count` rays with tmin 0 and tmax RAY_TMAX that keep the contract; ray i is aimed at what
- * aim[i] = i % LEAK_AIMS says. Origins are the centre of mass and random points, each found inside
- * by counting: a ray that exactly meets no edge or vertex crosses the closed mesh an odd number of
- * times. `beside` moves the target by extent * 2^-8 to 2^-24. Depends on scene, seed and count
- * only. topology  of `scene`, closed (topology_is_closed) oracle    of `scene` Errors: STATUS_INPUT
- * no point inside was found in 4096 tries; STATUS_MEMORY. */
+/* Makes `count` rays with tmin 0 and tmax RAY_TMAX that keep the contract; ray i has the aim aim[i]
+ * = i % LEAK_AIMS. Origins are the centre of mass and random points, each found inside by counting:
+ * a ray that exactly meets no edge or vertex crosses the closed mesh an odd number of times.
+ * `beside` moves the target by extent * 2^-8 to 2^-24. Depends on scene, seed and count only.
+ * `topology` is of `scene` and closed (topology_is_closed), `oracle` of `scene`. Errors:
+ * STATUS_INPUT no point inside was found in 4096 tries; STATUS_MEMORY. */
 enum status rays_inside_make(const struct scene *scene, const struct topology *topology,
                              const struct oracle *oracle, uint64_t seed, size_t count,
                              struct ray *out, uint8_t *aim, struct inside *inside,

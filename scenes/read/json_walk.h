@@ -21,8 +21,9 @@ struct json_walk {
 /* Steps into an object or array: `bracket` is '{' or '['. */
 enum status json_walk_open(struct json_walk *walk, char bracket) MUST_USE;
 
-/* To be asked before every member or element: *more is false, and the cursor behind `bracket`, '}'
- * or ']', at the end. Leaving an inner bracket makes the outer one's next member not its first. */
+/* Called before every member or element. At the end *more is false and the cursor is behind
+ * `bracket`, '}' or ']'. Leaving an inner bracket makes the outer one's next member not its
+ * first. */
 enum status json_walk_more(struct json_walk *walk, char bracket, bool *more) MUST_USE;
 
 /* Parses a value of any kind; no object in it has a key twice. The caller owns *out. */

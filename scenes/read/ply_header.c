@@ -176,7 +176,7 @@ static enum status set_roles(const struct scan *scan, struct ply_header *header,
     return STATUS_OK;
 }
 
-/* What a mesh needs is there, once. */
+/* Checks that the header has everything that a mesh needs, once. */
 static enum status check_header(const struct scan *scan, struct ply_header *header,
                                 struct reason *reason)
 {

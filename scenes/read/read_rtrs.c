@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where a value stands: "vertices[3]", "camera" or the whole file, for reasons. */
+/* Position of a value for reasons: "vertices[3]", "camera" or the whole file. */
 struct rtrs_place {
     const char *name; /* of the file */
     const char *list; /* or NULL */
@@ -267,8 +267,8 @@ static enum status read_file(struct rtrs *rtrs)
     return status;
 }
 
-/* Every vertex and material that a triangle names exists; without materials, 0 does: the default
- * one stands in. */
+/* Checks that every vertex and material named by a triangle exists. Without materials 0 names the
+ * default one. */
 static enum status check_names(const struct rtrs *rtrs)
 {
     const struct prim *prim = rtrs->list[PRIMS].items;

@@ -144,7 +144,7 @@ static void count_pixel(struct pair *pair, const struct pixel_why *found)
     pair->over = why->over > pair->over ? why->over : pair->over;
 }
 
-/* One pixel: are the pictures what the walks say, and if so, why do these part? */
+/* Explains one pixel: whether the pictures are what the walks give, and why the two paths part. */
 static enum status explain_pixel(const struct side *const side[2], const struct diff_walk walk[2],
                                  const struct why_judges *judges, size_t index,
                                  struct pixel_why *out, struct reason *reason)

@@ -16,7 +16,7 @@ struct side {
     struct model model;
     bool published; /* its tree or box test is as published: wrong answers are expected */
     struct renderer *renderer;  /* draws */
-    struct renderer *by_waves;  /* answers rays: the same, or opened when first asked */
+    struct renderer *by_waves;  /* answers rays: the same as `renderer`, or opened on first use */
     struct frame frame;         /* owned */
     struct trace_report report; /* of the frame */
 };

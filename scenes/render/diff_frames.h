@@ -1,12 +1,12 @@
 /* Two pictures of the same scene from the same place, compared path by path: which segments hit
- * something else, in which bits their t differ, whose light is in a shadow, and whose 8-bit value
- * differs. Knows frames only; why they differ is told by scenes/render/diff_why.h. */
+ * something else, in which bits t differs, whose light is in a shadow, and whose 8-bit value
+ * differs. The causes are found by scenes/render/diff_why.h. */
 #ifndef DIFF_FRAMES_H
 #define DIFF_FRAMES_H
 
 #include "ref/frame.h"
 
-/* The members of a segment, in the order in which they come to be. */
+/* The members of a segment, in the order in which they are computed. */
 enum path_field { PATH_SAME, PATH_PRIM, PATH_T, PATH_ASKED, PATH_SHADOWED, PATH_FIELD_COUNT };
 
 /* "same", "prim", "t", "asked", "shadowed". */
@@ -31,14 +31,14 @@ struct frame_diff {
 enum path_field path_first(const struct segment *a, const struct segment *b, uint32_t bounces,
                            uint32_t *segment);
 
-/* Whether `pixel` can be the value of a renderer whose colour differs from `color` by what `bound`
- * (of struct frame) says: each channel within `bound` of a rounding border between the two, where
- * they differ. NaN as a bound allows nothing. */
+/* Whether `pixel` can be the value of a renderer whose colour differs from `color` by at most
+ * `bound` (see struct frame): each channel within `bound` of a rounding border between the two,
+ * where they differ. NaN as a bound allows nothing. */
 bool pixel_within(const float color[3], float bound, uint32_t pixel);
 
-/* Compares two frames with `segment`. Which values rounding allows is said by color and bound of
- * the one that the C renderer drew, `a` if both; where that is neither (bound NULL or NaN) no
- * difference is allowed. */
+/* Compares two frames with `segment`. The values that rounding allows follow from color and bound
+ * of the frame that the C renderer drew, `a` if both; without one (bound NULL or NaN) no difference
+ * is allowed. */
 struct frame_diff frame_compare(const struct frame *a, const struct frame *b, uint32_t width,
                                 uint32_t height, uint32_t bounces);
 

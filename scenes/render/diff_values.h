@@ -1,5 +1,5 @@
-/* Every number on a path, in the order in which they come to be, so that the first one in which two
- * paths differ can be named, and its first bit. */
+/* Compares every number on two paths in the order of computation: names the first number that
+ * differs, and its first bit. */
 #ifndef DIFF_VALUES_H
 #define DIFF_VALUES_H
 

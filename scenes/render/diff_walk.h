@@ -1,6 +1,6 @@
-/* The paths of chosen pixels with everything on them: every ray, every answer, where it lies, what
- * each light gave. Steps are those of the renderer in C (scenes/render/shade.h); rays are answered by
- * whoever the caller asks. */
+/* The paths of chosen pixels with every ray, every answer, the place of every hit and the light
+ * gathered there. Steps are those of the renderer in C (scenes/render/shade.h); the caller supplies
+ * a function that answers rays. */
 #ifndef DIFF_WALK_H
 #define DIFF_WALK_H
 
@@ -14,7 +14,7 @@ typedef enum status walk_ask_fn(void *user, enum query query, const struct ray *
 struct walk_light {
     bool asked, shadowed;
     float nl, rv, far;
-    struct ray ray; /* if asked */
+    struct ray ray; /* if `asked` */
     struct hit hit;
 };
 
@@ -33,7 +33,7 @@ struct walk_step {
 struct diff_walk {
     size_t count;
     uint32_t bounces, lights; /* of the job */
-    enum query shadow_query;  /* what shadow rays were asked for */
+    enum query shadow_query;  /* of shadow rays */
     uint32_t *length;         /* [count] steps taken */
     struct walk_step *step;   /* [count * bounces] */
     struct walk_light *light; /* [count * bounces * lights] */

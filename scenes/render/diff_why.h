@@ -16,7 +16,7 @@ enum why {
     WHY_PUBLISHED, /* the judge calls the answer of an engine on parts as published wrong: their
                       faults are known */
     WHY_RENDERER,  /* the engine's picture is not what the answers to its own rays give */
-    WHY_WRONG,     /* the judge says so */
+    WHY_WRONG,     /* by the judge's verdict */
     WHY_UNEXPLAINED,
     WHY_COUNT
 };
@@ -32,7 +32,7 @@ static inline bool why_is_fault(enum why why)
 
 #define WHY_NO_LIGHT UINT32_MAX
 
-/* An answer and what the judge says of it. */
+/* An answer and its judgement. */
 struct why_answer {
     bool judged; /* else the next are zero: nothing that differs */
     struct ray ray;
@@ -45,8 +45,9 @@ struct path_why {
     enum why why;
     enum verdict verdict;        /* of WHY_ALLOWED */
     uint32_t segment;            /* where the paths part; of WHY_SAME and _ROUNDING: their length */
-    uint32_t light;              /* whose shadow ray it is; WHY_NO_LIGHT: the segment's own */
-    unsigned side;               /* who is wrong, or whose verdict it is: 0 or 1 */
+    uint32_t light;              /* the light of the shadow ray; WHY_NO_LIGHT: the segment's own
+                                    ray */
+    unsigned side;               /* the side that is wrong, or has the verdict: 0 or 1 */
     struct why_answer answer[2]; /* there */
     double over;                 /* largest err/E of t on the way, of both */
 };
@@ -58,8 +59,8 @@ struct why_judges {
     bool published[2]; /* false unless the caller sets it: wrong answers are expected */
 };
 
-/* `model` are the two engines', `tri` what they were asked to run.
- * Errors: STATUS_MEMORY. On error *out is zero. */
+/* `model` has the two engines' models; `tri` is the triangle test of the job. Errors:
+ * STATUS_MEMORY. On error *out is zero. */
 enum status why_judges_make(const struct oracle *oracle, const struct scene *scene,
                             const struct model model[2], const struct tri_test *tri,
                             enum query shadow_query, struct why_judges *out,

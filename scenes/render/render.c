@@ -16,7 +16,7 @@ struct renderer {
     bool waves;
     unsigned threads;
     void *closest;
-    void *any; /* NULL until a job has shadow rays that ask for any hit */
+    void *any; /* NULL until a job has any-hit shadow rays */
     struct frame_job job;
     bool ready; /* prepared without an error */
     void (*step)(void *user, double share);
@@ -97,7 +97,8 @@ static void drop_ended(struct strip *strip)
     strip->live_count = kept;
 }
 
-/* Rays asked for at a time while somebody watches; doubled as long as that takes no time. */
+/* Rays per call of the engine while renderer_watch is on; doubled as long as a call takes little
+ * time. */
 #define WATCHED_RAYS ((size_t)1 << 12)
 #define WATCHED_NS   100000000u
 
@@ -147,7 +148,7 @@ static enum status wave_closest(struct renderer *renderer, struct strip *strip,
     return STATUS_OK;
 }
 
-/* A ray to the light from every path that asks for one. */
+/* Traces a ray to the light from every path that needs one. */
 static enum status wave_light(struct renderer *renderer, struct strip *strip, uint32_t light,
                               struct trace_report *report, struct reason *reason)
 {
@@ -172,7 +173,7 @@ static enum status wave_light(struct renderer *renderer, struct strip *strip, ui
     return STATUS_OK;
 }
 
-/* Row 0 of the segments is the picture's; what ended before is said so. */
+/* Segments in the order of the picture's rows; those behind a path's end stay ABI_NO_SEGMENT. */
 static void store_segments(const struct strip *strip, uint32_t index, struct frame *out)
 {
     uint32_t bounces = strip->job->look.bounces;

@@ -1,8 +1,8 @@
-/* Pictures of a scene by any engine: the engine's own renderer if it has one, else the reference
- * renderer in C, which asks the engine for whole waves of rays: all primary rays, all shadow rays
- * of a light, all next segments. Beside the frame, the scene and what the engine holds a picture
- * takes 32 MB at most (192 bytes for each of 131,072 pixels and a row, and the row), whatever its
- * size. */
+/* Pictures of a scene by any engine: by the engine's own renderer if it has one, else by the
+ * reference renderer in C, which traces whole waves of rays: all primary rays, all shadow rays
+ * of a light, all next segments. Beside the frame, the scene and the engine's own memory a
+ * picture takes at most 32 MB (192 bytes for each of 131,072 pixels and a row, and the row),
+ * whatever its size. */
 #ifndef RENDER_H
 #define RENDER_H
 
@@ -53,8 +53,8 @@ enum status renderer_frame(struct renderer *renderer, const struct view *view, s
 /* Whether it draws by waves: in C, through engine.trace. */
 bool renderer_by_waves(const struct renderer *renderer);
 
-/* Asks the engine of a renderer by waves for rays of the prepared job: QUERY_CLOSEST, or QUERY_ANY
- * where its shadow rays are asked for any hit. Errors: STATUS_INPUT it was not prepared for that
+/* Traces rays of the prepared job through the engine of a renderer by waves: QUERY_CLOSEST, or
+ * QUERY_ANY where its shadow rays are any-hit. Errors: STATUS_INPUT it was not prepared for that
  * query; as engine.trace. */
 enum status renderer_ask(struct renderer *renderer, enum query query, const struct ray *ray,
                          size_t ray_count, struct hit *hit, struct reason *reason) MUST_USE;
@@ -62,8 +62,8 @@ enum status renderer_ask(struct renderer *renderer, enum query query, const stru
 /* What the judge may assume of the engine's arithmetic, see engine.model. */
 struct model renderer_model(struct renderer *renderer, const struct tri_test *tri);
 
-/* Calls `step` during pictures by waves, with the share that is done; then slow engines are asked
- * for parts of a wave. NULL: no more. */
+/* Calls `step` during pictures by waves, with the share that is done. Slow engines then get parts
+ * of a wave per call. NULL: no more calls. */
 void renderer_watch(struct renderer *renderer, void (*step)(void *user, double share), void *user);
 
 void renderer_close(struct renderer *renderer); /* NULL is fine */

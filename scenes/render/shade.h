@@ -1,5 +1,5 @@
-/* One path of a picture, step by step, in the order of operations of ref/frame.h. Traces nothing:
- * the caller asks somebody for the rays that come out of it. */
+/* One path of a picture, step by step, in the order of operations of ref/frame.h. The caller traces
+ * the rays. */
 #ifndef SHADE_H
 #define SHADE_H
 
@@ -7,7 +7,7 @@
 #include "scenes/render/vec3.h"
 
 /* A path. Starts with shade_begin; per segment shade_ray, shade_hit, for each light shade_ask and,
- * if asked, shade_answer, then shade_next. */
+ * if it returned true, shade_answer, then shade_next. */
 struct shade_path {
     struct vec3 org, dir; /* of the segment */
     struct vec3 total;
@@ -15,7 +15,7 @@ struct shade_path {
     /* From shade_hit on: where, the shading and the triangle's normal, light gathered. */
     struct vec3 p, n, g;
     float d, s;
-    float nl, rv, far;      /* of the light last asked about */
+    float nl, rv, far;      /* of the last light */
     bool bounded;           /* set after shade_begin if shade_bound is wanted: it costs time */
     double s_error, error;  /* of s and of any channel of total: see shade_bound */
     struct segment segment; /* what it became, complete after the last light */
@@ -28,14 +28,14 @@ struct vec3 shade_unit(struct vec3 v);
 void shade_begin(const struct frame_job *job, const struct view *view, uint32_t x, uint32_t y,
                  struct shade_path *out);
 
-/* The ray of the segment, to be asked for the closest hit. */
+/* The ray of the segment, for its closest hit. */
 struct ray shade_ray(const struct frame_job *job, const struct shade_path *path);
 
-/* Takes its answer. False: the path ends here. */
+/* Takes its answer. Returns false if the path ends here. */
 bool shade_hit(const struct frame_job *job, const struct hit *hit, struct shade_path *path);
 
-/* Whether a ray is sent to light `light`, and which: for the closest hit in the published profile,
- * else for any. Lights are asked about in order. */
+/* Whether light `light` needs a shadow ray, and which: for the closest hit in the published
+ * profile, else for any. Call for lights in order. */
 bool shade_ask(const struct frame_job *job, const struct view *view, uint32_t light,
                struct shade_path *path, struct ray *out);
 
@@ -43,7 +43,7 @@ bool shade_ask(const struct frame_job *job, const struct view *view, uint32_t li
 void shade_answer(const struct frame_job *job, uint32_t light, const struct hit *hit,
                   struct shade_path *path);
 
-/* Adds segment `index` to the colour and turns to the next. False: there is none. */
+/* Adds segment `index` to the colour and turns to the next. Returns false if there is none. */
 bool shade_next(const struct frame_job *job, uint32_t index, struct shade_path *path);
 
 /* The pixel of a path's colour, as struct frame has them. */

@@ -84,7 +84,7 @@ static enum status part_make(const struct show_source *source, size_t first, siz
     return STATUS_OK;
 }
 
-/* Counts every ray, and holds hits and sums against what the engine said. */
+/* Counts every ray, and compares hits and sums with the engine's. */
 static enum status walk(struct show_part *part, const struct trace_report *report,
                         struct reason *reason)
 {

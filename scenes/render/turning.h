@@ -44,7 +44,7 @@ static inline void turning_key(struct turning *turning, bool left, bool down, ui
     *key = down;
 }
 
-/* How long was turned since this was asked last, in ms; negative to the right. */
+/* Turning time since the last call, in ms; negative to the right. */
 static inline double turning_take(struct turning *turning, uint32_t now)
 {
     turning_count(turning, now);

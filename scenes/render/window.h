@@ -9,7 +9,7 @@
 
 struct window;
 
-/* What happened since it was last asked. */
+/* What happened since the last call. */
 struct window_news {
     bool quit;              /* Esc, the close button, or a signal that ends programs */
     bool redraw;            /* what is on the screen was lost: show the picture again */
@@ -24,7 +24,7 @@ struct window_news {
 enum status window_open(const char *title, uint32_t width, uint32_t height, struct window **out,
                         struct reason *reason) MUST_USE;
 
-/* Waits until something happens, `most_ms` at most (0: looks only), and says all that happened. */
+/* Waits for an event, `most_ms` at most (0: only looks), and reports all events. */
 void window_wait(struct window *window, unsigned most_ms, struct window_news *out);
 
 /* Shows a picture, stretched where the window has another size.

@@ -33,10 +33,10 @@ static void cases_are_numbered_and_documented(void **state)
 {
     bool listed[61] = {false};
     (void)state;
-    for (size_t i = 0; hard_cases[i]; i++) {
-        const struct hard_case *one = hard_cases[i];
+    for (size_t i = 0; hard_case_at(i); i++) {
+        const struct hard_case *one = hard_case_at(i);
         if (i > 0)
-            assert_true(one->number > hard_cases[i - 1]->number);
+            assert_true(one->number > hard_case_at(i - 1)->number);
         if (one->number <= 60)
             listed[one->number] = true;
         assert_true(strlen(one->recipe) > 8 && strlen(one->expected) > 3);
@@ -66,10 +66,10 @@ static void same_bytes(const struct hard_part *a, const struct hard_part *b)
 static void cases_are_made_the_same_twice(void **state)
 {
     (void)state;
-    for (size_t i = 0; hard_cases[i]; i++) {
-        if (hard_cases[i]->probe)
+    for (size_t i = 0; hard_case_at(i); i++) {
+        if (hard_case_at(i)->probe)
             continue; /* asks a driver */
-        struct hard_made *a = made_new(hard_cases[i]), *b = made_new(hard_cases[i]);
+        struct hard_made *a = made_new(hard_case_at(i)), *b = made_new(hard_case_at(i));
         size_t rays = 0;
         assert_true(a->part_count > 0);
         assert_int_equal(a->part_count, b->part_count);
@@ -133,21 +133,22 @@ static void members_are_all_combinations(void **state)
     for (size_t e = 0; engines[e]; e++)
         with_trees += engines[e]->needs_packed;
     const struct hard_tables tables = hard_tables_all();
-    for (size_t i = 0; hard_cases[i]; i++) {
+    for (size_t i = 0; hard_case_at(i); i++) {
         struct hard_tally tally = {0};
-        if (hard_cases[i]->probe)
+        if (hard_case_at(i)->probe)
             continue;
-        size_t queries = hard_cases[i]->flags & HARD_PARITY ? 3 : 2, made = 0;
-        hard_each_member(hard_cases[i], &tables, count_member, &tally);
-        for (size_t d = 0; d < HARD_DEFECTS_MOST && hard_cases[i]->defect[d].fault; d++)
-            made += (hard_cases[i]->defect[d].layout || hard_cases[i]->defect[d].engine) ? 2 : 0;
-        assert_int_equal(tally.by_turns > 0, !(hard_cases[i]->flags & HARD_NO_TREES));
-        size_t of_tree = hard_cases[i]->flags & HARD_NO_TREES ? 0 : queries * trees * with_trees;
+        size_t queries = hard_case_at(i)->flags & HARD_PARITY ? 3 : 2, made = 0;
+        hard_each_member(hard_case_at(i), &tables, count_member, &tally);
+        for (size_t d = 0; d < HARD_DEFECTS_MOST && hard_case_at(i)->defect[d].fault; d++)
+            made +=
+                (hard_case_at(i)->defect[d].layout || hard_case_at(i)->defect[d].engine) ? 2 : 0;
+        assert_int_equal(tally.by_turns > 0, !(hard_case_at(i)->flags & HARD_NO_TREES));
+        size_t of_tree = hard_case_at(i)->flags & HARD_NO_TREES ? 0 : queries * trees * with_trees;
         assert_int_equal(tally.of_tree, of_tree + made);
         assert_int_equal(tally.all > 0, queries == 3);
         for (size_t e = 0; engines[e]; e++)
             assert_true(tally.engine[e] ||
-                        hard_cases[i]->flags &
+                        hard_case_at(i)->flags &
                             (engines[e]->needs_packed ? HARD_NO_TREES : HARD_TREES_ONLY));
     }
 }
@@ -162,16 +163,16 @@ static void an_engine_with_its_own_shows_no_others(void **state)
                             .box = box_test_find("robust"),
                             .tri = tri_test_find("mt")};
     size_t shown[3] = {0};
-    for (size_t i = 0; hard_cases[i]; i++) {
+    for (size_t i = 0; hard_case_at(i); i++) {
         m.engine = engine_find("cpu");
-        shown[0] += hard_defect_of(hard_cases[i], &m) != NULL;
+        shown[0] += hard_defect_of(hard_case_at(i), &m) != NULL;
         m.engine = engine_find("fast");
-        shown[1] += hard_defect_of(hard_cases[i], &m) != NULL;
+        shown[1] += hard_defect_of(hard_case_at(i), &m) != NULL;
     }
     m.layout = layout_find("f32");
     m.builder = builder_find("rtrs");
-    for (size_t i = 0; hard_cases[i]; i++)
-        shown[2] += hard_defect_of(hard_cases[i], &m) != NULL;
+    for (size_t i = 0; hard_case_at(i); i++)
+        shown[2] += hard_defect_of(hard_case_at(i), &m) != NULL;
     assert_true(shown[0] > 0 && shown[1] == 0 && shown[2] > 0);
 }
 
@@ -205,9 +206,9 @@ static void known_truths_are_kept(void **state)
     (void)state;
     for (size_t f = 0; f < ARRAY_COUNT(faults); f++) {
         size_t found = 0;
-        for (size_t i = 0; hard_cases[i]; i++)
-            for (size_t d = 0; d < HARD_DEFECTS_MOST && hard_cases[i]->defect[d].fault; d++)
-                found += strstr(hard_cases[i]->defect[d].fault, faults[f]) != NULL;
+        for (size_t i = 0; hard_case_at(i); i++)
+            for (size_t d = 0; d < HARD_DEFECTS_MOST && hard_case_at(i)->defect[d].fault; d++)
+                found += strstr(hard_case_at(i)->defect[d].fault, faults[f]) != NULL;
         if (found == 0)
             fail_msg("no hard case shows %s", faults[f]);
     }
@@ -230,13 +231,13 @@ static void defects_name_members(void **state)
 {
     (void)state;
     const struct hard_tables tables = hard_tables_all();
-    for (size_t i = 0; hard_cases[i]; i++) {
+    for (size_t i = 0; hard_case_at(i); i++) {
         struct shown shown = {{0}};
-        hard_each_member(hard_cases[i], &tables, count_shown, &shown);
-        for (size_t d = 0; d < HARD_DEFECTS_MOST && hard_cases[i]->defect[d].fault; d++)
+        hard_each_member(hard_case_at(i), &tables, count_shown, &shown);
+        for (size_t d = 0; d < HARD_DEFECTS_MOST && hard_case_at(i)->defect[d].fault; d++)
             if (shown.of[d] == 0)
-                fail_msg("case %u: '%s' names no member", hard_cases[i]->number,
-                         hard_cases[i]->defect[d].members);
+                fail_msg("case %u: '%s' names no member", hard_case_at(i)->number,
+                         hard_case_at(i)->defect[d].members);
     }
 }
 

@@ -146,9 +146,9 @@ static const struct engine engine_spoilt = {
 
 static const struct hard_case *find(unsigned number)
 {
-    for (size_t i = 0; hard_cases[i]; i++)
-        if (hard_cases[i]->number == number)
-            return hard_cases[i];
+    for (size_t i = 0; hard_case_at(i); i++)
+        if (hard_case_at(i)->number == number)
+            return hard_case_at(i);
     fail_msg("no hard case %u", number);
     return NULL;
 }

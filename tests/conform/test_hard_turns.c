@@ -56,23 +56,24 @@ static void everybody_meets_hard_cases(void **state)
     const struct hard_tables tables = hard_tables_all();
     size_t cases = 0, since[MOST] = {0};
     (void)state;
-    for (size_t i = 0; hard_cases[i]; i++) {
+    for (size_t i = 0; hard_case_at(i); i++) {
         static struct turns_met met;
         met = (struct turns_met){.layout = {false}};
-        if (hard_cases[i]->probe || hard_cases[i]->flags & HARD_NO_TREES)
+        if (hard_case_at(i)->probe || hard_case_at(i)->flags & HARD_NO_TREES)
             continue;
         cases++;
-        hard_each_member(hard_cases[i], &tables, meet, &met);
+        hard_each_member(hard_case_at(i), &tables, meet, &met);
         for (size_t l = 0; layouts_all[l]; l++) {
             const bool taken = layout_in_product(layouts_all[l]) || !layouts_all[l]->faithful;
             since[l] = met.layout[l] || !taken ? 0 : since[l] + 1;
             if (since[l] >= APART)
                 fail_msg("layout %s misses case %u and those before it", layouts_all[l]->name,
-                         hard_cases[i]->number);
+                         hard_case_at(i)->number);
         }
         for (size_t b = 0; builders_all[b]; b++)
             if (!met.builder[b])
-                fail_msg("builder %s misses case %u", builders_all[b]->name, hard_cases[i]->number);
+                fail_msg("builder %s misses case %u", builders_all[b]->name,
+                         hard_case_at(i)->number);
     }
     assert_true(cases >= 60);
 }
@@ -84,8 +85,8 @@ static void every_layout_meets_every_builder(void **state)
     static struct turns_met all;
     const struct hard_tables tables = hard_tables_all();
     (void)state;
-    for (size_t i = 0; hard_cases[i]; i++)
-        hard_each_member(hard_cases[i], &tables, meet, &all);
+    for (size_t i = 0; hard_case_at(i); i++)
+        hard_each_member(hard_case_at(i), &tables, meet, &all);
     for (size_t l = 0; layouts_all[l]; l++) {
         const bool product = layout_in_product(layouts_all[l]);
         if (!product && layouts_all[l]->faithful)

@@ -170,7 +170,7 @@ static void put(struct hard_matrix *m, size_t row, const struct hard_member *who
                 enum matrix_outcome outcome, const char *why)
 {
     struct reason reason = {""};
-    if (matrix_add(m, hard_cases[row], who, outcome, 10, why, &reason))
+    if (matrix_add(m, hard_case_at(row), who, outcome, 10, why, &reason))
         fail_msg("%s", reason.text);
 }
 
@@ -270,7 +270,7 @@ static void matrix_is_shown(void **state)
     assert_non_null(strstr(page, "1 ray &lt; lost &amp; | gone"));
     assert_non_null(strstr(page, "cpu: &lt;2 threads&gt;"));
     assert_null(strstr(page, "lost &  "));
-    assert_non_null(strstr(page, hard_cases[1]->name));
+    assert_non_null(strstr(page, hard_case_at(1)->name));
     free(text);
     free(page);
     free(markdown);

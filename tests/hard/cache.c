@@ -105,13 +105,14 @@ const struct hit *cache_brute(struct hard_cache *cache, const struct tri_test *t
 enum status cache_judge(struct hard_cache *cache, const struct hard_member *member,
                         const struct model *model, struct judge **out, struct reason *reason)
 {
-    for (size_t i = 0; i < cache->judge_count; i++)
-        if (cache->judge[i].engine == member->engine && cache->judge[i].tri == member->tri &&
-            cache->judge[i].query == member->query &&
-            cache->judge[i].watertight == model->watertight) {
-            *out = cache->judge[i].judge;
+    for (size_t i = 0; i < cache->judge_count; i++) {
+        const struct hard_judge *at = &cache->judge[i];
+        if (at->engine == member->engine && at->tri == member->tri && at->query == member->query &&
+            at->watertight == model->watertight) {
+            *out = at->judge;
             return STATUS_OK;
         }
+    }
     if (cache->judge_count == CACHE_JUDGES) { /* more members than thought of: start again */
         for (size_t i = 0; i < cache->judge_count; i++)
             judge_free(cache->judge[i].judge);
@@ -121,10 +122,16 @@ enum status cache_judge(struct hard_cache *cache, const struct hard_member *memb
                                     member->query, out, reason);
     if (status)
         return status;
-    cache->judge[cache->judge_count].engine = member->engine;
-    cache->judge[cache->judge_count].tri = member->tri;
-    cache->judge[cache->judge_count].query = member->query;
-    cache->judge[cache->judge_count].watertight = model->watertight;
-    cache->judge[cache->judge_count++].judge = *out;
+    cache->judge[cache->judge_count++] =
+        (struct hard_judge){member->engine, member->tri, member->query, model->watertight, *out};
     return STATUS_OK;
+}
+
+struct job cache_job(const struct hard_cache *cache, const struct hard_member *member)
+{
+    return (struct job){.scene = &cache->part->scene,
+                        .packed = member->engine->needs_packed ? &cache->packed : NULL,
+                        .box = member->box,
+                        .tri = member->tri,
+                        .query = member->query};
 }

@@ -8,6 +8,15 @@
 #define CACHE_TRIS   5 /* triangle tests, by id */
 _Static_assert(CACHE_TRIS == ABI_TRI_BALDWIN_WEBBER + 1, "one of them has no place");
 
+/* A judge of one engine's answers. */
+struct hard_judge {
+    const struct engine *engine;
+    const struct tri_test *tri;
+    enum query query;
+    bool watertight;
+    struct judge *judge;
+};
+
 struct hard_cache {
     const struct hard_part *part;
     struct oracle *oracle;
@@ -32,13 +41,7 @@ struct hard_cache {
     const struct box_test *cpu_box;
     const struct tri_test *cpu_tri;
     enum query cpu_query;
-    struct {
-        const struct engine *engine;
-        const struct tri_test *tri;
-        enum query query;
-        bool watertight;
-        struct judge *judge;
-    } judge[CACHE_JUDGES];
+    struct hard_judge judge[CACHE_JUDGES];
     size_t judge_count;
 };
 
@@ -47,8 +50,8 @@ enum status cache_make(const struct hard_part *part, struct hard_cache *out,
                        struct reason *reason) MUST_USE;
 void cache_free(struct hard_cache *cache);
 
-/* The member's tree in its layout. Returns the status of building and packing; cache->reason says
- * why not. */
+/* The member's tree in its layout. Returns the status of building and packing; the reason is in
+ * cache->reason. */
 enum status cache_pack(struct hard_cache *cache, const struct hard_member *member) MUST_USE;
 
 /* Answers of brute force with `tri`, closest hits. NULL without memory. */
@@ -58,5 +61,8 @@ const struct hit *cache_brute(struct hard_cache *cache, const struct tri_test *t
 enum status cache_judge(struct hard_cache *cache, const struct hard_member *member,
                         const struct model *model, struct judge **out,
                         struct reason *reason) MUST_USE;
+
+/* The member's job on the part; the tree is that of the last cache_pack. */
+struct job cache_job(const struct hard_cache *cache, const struct hard_member *member);
 
 #endif

@@ -100,7 +100,7 @@ static enum status explain_culled(struct judged_job *from, const struct judged *
     return status;
 }
 
-/* All that is said of a ray that a closed engine loses. */
+/* Adds all hints about one lost ray. */
 static void add_hints(const struct outside_hint *hint, size_t hints, struct hard_causes *out)
 {
     note(out, hints > 0 ? hint[0].cause : CAUSE_OUTSIDE);
@@ -112,7 +112,7 @@ static void add_hints(const struct outside_hint *hint, size_t hints, struct hard
     }
 }
 
-/* The engine is closed: of the hits that it loses it can be said which box tests lose them too. */
+/* For a closed engine only its lost hits can be explained: by the box tests that lose them too. */
 static enum status explain_closed(const struct judged_job *from, const struct hard_cache *cache,
                                   const struct hard_part *part, struct hard_causes *out,
                                   struct reason *reason)
@@ -145,11 +145,7 @@ static enum status explain_part(struct hard_stage *stage, size_t p, const struct
     struct hard_cache *cache = &stage->cache[p];
     if (part->bad_scene || (m->engine->needs_packed && cache_pack(cache, m)))
         return STATUS_OK; /* refused */
-    struct job job = {.scene = &part->scene,
-                      .packed = m->engine->needs_packed ? &cache->packed : NULL,
-                      .box = m->box,
-                      .tri = m->tri,
-                      .query = m->query};
+    struct job job = cache_job(cache, m);
     struct judged_job from = {.engine = m->engine,
                               .self = self,
                               .job = &job,

@@ -15,8 +15,8 @@ struct hard_causes {
     char hint[400];  /* an engine that keeps its tree to itself: which box tests lose rays too */
 };
 
-/* Explains the first wrong rays of a case that `member` has just been played on, as `result` says.
- * The hits that an engine with a tree of its own loses are tried against known box tests
+/* Explains the first wrong rays of a case that `member` has just been played on, with that
+ * `result`. Hits lost by an engine with a tree of its own are tried against known box tests
  * (ref/explain/outside.h). Errors: those of the engine and the oracle; STATUS_MEMORY. */
 enum status hard_explain(struct hard_stage *stage, const struct hard_member *member,
                          const struct hard_result *result, struct hard_causes *out,

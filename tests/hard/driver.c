@@ -3,7 +3,7 @@
 #include "gpu/card/card.h"
 #include "gpu/trace/vulkan_options.h"
 
-/* Opens the driver and measures it; false if it cannot: *out then says why. */
+/* Opens the driver and measures it. False if it cannot: *out has outcome and reason. */
 static bool measure(const struct engine_options *options, struct card *card,
                     struct hard_result *out)
 {

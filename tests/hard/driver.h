@@ -1,4 +1,5 @@
-/* What a Vulkan driver is asked directly, by the probes of `raydiff doctor` (gpu/card/card.h). */
+/* Cases that measure a Vulkan driver directly, by the probes of `raydiff doctor`
+ * (gpu/card/card.h). */
 #ifndef HARD_DRIVER_H
 #define HARD_DRIVER_H
 

@@ -1,6 +1,6 @@
 /* The hard cases: scenes and rays that broke ray tracers, each with the property that every engine,
- * layout, builder, box test and triangle test must keep on it. Knows how answers are checked, never
- * how they are found; tests/hard/run.h plays a case on a member. */
+ * layout, builder, box test and triangle test must keep on it. Answers are checked here;
+ * tests/hard/run.h plays a case on a member. */
 #ifndef HARD_H
 #define HARD_H
 
@@ -18,25 +18,25 @@ struct engine_options;
 struct hard_result;
 struct layout;
 
-/* Of whom something is wanted. */
+/* Which engines an expectation applies to. */
 enum hard_scope {
-    HARD_ALL,  /* of everybody */
-    HARD_OWN,  /* of engines that compute one of our own triangle tests */
-    HARD_LEAN, /* of those whose products are of differences alone, not of their sums as pluecker's,
-                  which overflow earlier */
-    HARD_TIGHT, /* of engines that promise to be watertight */
-    HARD_FANS,  /* of these, ray queries (Vulkan: "should") and Embree's robust mode */
+    HARD_ALL,   /* every engine */
+    HARD_OWN,   /* engines that compute one of raydiff's own triangle tests */
+    HARD_LEAN,  /* of these, tests whose products are of differences alone: sums of products, as in
+                  pluecker, overflow earlier */
+    HARD_TIGHT, /* engines that promise to be watertight */
+    HARD_FANS,  /* these, ray queries (Vulkan: "should") and Embree's robust mode */
 };
 
-/* What is wanted of the answer to a ray; bits. Beside it every answer is judged. */
+/* What the answer to a ray must be; bits. Every answer is judged as well. */
 #define WANT_HIT  1u /* some hit */
 #define WANT_MISS 2u /* a miss */
-#define WANT_ID   4u /* a hit names one of a set of triangles; not asked of any-hit */
-#define WANT_T    8u /* a hit has exactly this t; not asked of any-hit */
+#define WANT_ID   4u /* a hit names one of a set of triangles; ignored for any-hit */
+#define WANT_T    8u /* a hit has exactly this t; ignored for any-hit */
 #define WANT_ENDS                                                                                  \
     16u               /* its exact t is an end of the range: a hit where ends count, else a miss   \
                        */
-#define WANT_LIKE 32u /* the same as another ray's answer, up to what HARD_LIKE_* says */
+#define WANT_LIKE 32u /* the same as another ray's answer, up to HARD_LIKE_* */
 
 struct hard_want {
     unsigned what; /* 0: nothing */
@@ -69,7 +69,7 @@ struct hard_part {
     bool deep;               /* the rtrs builder splits without a smallest size (eps 0) */
     bool bad_scene;          /* scene_check refuses it: answers are not judged */
     const char *must_refuse; /* layouts that must refuse it, separated by blanks; or NULL */
-    double boxes_most;       /* mean box tests per ray on repaired members; 0: not asked */
+    double boxes_most;       /* mean box tests per ray on repaired members; 0: no limit */
     bool failed;             /* no memory: what is here is incomplete */
 };
 
@@ -81,11 +81,11 @@ struct hard_made {
     size_t part_count;
 };
 
-/* A defect that the case is there to show: members that must break it, or refuse it. */
+/* A defect that the case demonstrates: members that must fail the case, or refuse it. */
 struct hard_defect {
     const char *fault;   /* "F2", "embree#589", "packHalf2x16" */
-    enum cause cause;    /* what explain must say of most wrong rays; CAUSE_NONE: it is not asked,
-                            since no answer is wrong alone */
+    enum cause cause;    /* cause that explain must find for most wrong rays; CAUSE_NONE: not
+                            checked, since no single answer is wrong */
     const char *members; /* pattern of query.engine.layout.builder.box.tri */
     const char *refuses; /* they must refuse, and the reason has this in it; or NULL */
     const char *version; /* of an engine, as version_told() takes it: others may be without it;
@@ -95,14 +95,14 @@ struct hard_defect {
     const struct engine *engine;
 };
 
-#define HARD_TREES_ONLY 1u   /* asks nothing of engines without a tree */
+#define HARD_TREES_ONLY 1u   /* not played on engines without a tree */
 #define HARD_NO_HITS    2u   /* no ray hits, by design */
 #define HARD_TWICE      4u   /* traced twice: the same bits */
 #define HARD_ANY_TOO    8u   /* any-hit is compared with the member's own closest hit */
 #define HARD_FLOAT_MODE 16u  /* again with FTZ and DAZ set, on one thread and on many: same bits */
 #define HARD_PARITY     32u  /* a closed mesh: an even number of crossings from outside */
 #define HARD_STRUCTURE  64u  /* packed_check of every member, as published ones too */
-#define HARD_NO_TREES   128u /* asks nothing of engines with a tree */
+#define HARD_NO_TREES   128u /* not played on engines with a tree */
 
 struct hard_case {
     unsigned number; /* 1 to 64: open questions; from 70 on: known truths; README has both */
@@ -111,13 +111,13 @@ struct hard_case {
     unsigned flags;
     const char *driver; /* that the Vulkan engines are to run on, as --driver; NULL: any */
     void (*make)(struct hard_made *made);
-    /* In place of make: asks the driver itself, as engine vulkan. Sets outcome and reason. */
+    /* Instead of make: measures the driver itself, as engine vulkan. Sets outcome and reason. */
     void (*probe)(const struct engine_options *options, struct hard_result *out);
     struct hard_defect defect[HARD_DEFECTS_MOST]; /* ends at the first without a fault */
 };
 
-/* NULL-terminated, by number. */
-extern const struct hard_case *const hard_cases[];
+/* The case that has `place` cases of a smaller number; NULL if there are no more. */
+const struct hard_case *hard_case_at(size_t place);
 
 /* Makes all parts of a case; the same bytes on every machine.
  * Errors: STATUS_MEMORY; STATUS_INPUT a recipe that names a scene wrongly. Free in either case. */
@@ -129,7 +129,7 @@ void hard_free(struct hard_made *made);
 /* What can be broken. */
 enum hard_property {
     PROPERTY_KEPT,    /* nothing */
-    PROPERTY_VERDICT, /* the judge says WRONG */
+    PROPERTY_VERDICT, /* the judge finds WRONG */
     PROPERTY_HIT,     /* WANT_HIT */
     PROPERTY_MISS,    /* WANT_MISS */
     PROPERTY_ID,      /* WANT_ID */
@@ -139,7 +139,7 @@ enum hard_property {
     PROPERTY_CULLED,  /* brute force with the same test hits what is truly hit, the tree nothing */
     PROPERTY_BITS,    /* engine cpu answers other bits */
     PROPERTY_REPEAT,  /* a second trace answers other bits */
-    PROPERTY_ANY,     /* any-hit and closest hit do not agree that there is a hit */
+    PROPERTY_ANY,     /* any-hit finds a hit where closest hit finds none, or the reverse */
     PROPERTY_MODE,    /* the float mode or the number of threads changes the answer */
     PROPERTY_STRAY,   /* something was written behind the last answer */
     PROPERTY_FINITE,  /* a hit whose t, u or v is not finite, or of no triangle of the scene */
@@ -153,15 +153,15 @@ enum hard_property {
 /* "verdict", "hit", ... */
 const char *hard_property_name(enum hard_property property);
 
-/* Who answered, as far as a want asks. */
+/* The engine that answered, as far as expectations depend on it. */
 struct hard_subject {
     struct model model;
     bool any; /* any-hit: names some triangle, at its own t */
 };
 
-/* Checks the answer to ray `i` of `part` against its want. `like` is the same member's answers to
- * part.like (NULL: WANT_LIKE is not asked), `excused` that the judge lets this ray's answer be
- * another triangle or a miss. PROPERTY_KEPT or the first that is broken. */
+/* Checks the answer to ray `i` of `part` against its want. `like` is the same member's answer to
+ * the ray of part.like (NULL: WANT_LIKE is not checked). `excused`: the judge lets this ray's
+ * answer be another triangle or a miss. Returns PROPERTY_KEPT or the first broken property. */
 enum hard_property hard_check(const struct hard_part *part, size_t i,
                               const struct hard_subject *subject, const struct hit *answer,
                               const struct hit *like, bool excused);

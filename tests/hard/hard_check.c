@@ -76,7 +76,8 @@ static enum status judge_all(struct hard_play *play)
     return STATUS_OK;
 }
 
-/* What the case wants, and that a hit is of a triangle and has numbers. */
+/* Checks the expectations of the case, and that every hit names a triangle and has finite
+ * numbers. */
 static void check_wants(struct hard_play *play)
 {
     const struct hard_part *part = play->part;
@@ -99,8 +100,8 @@ static void check_wants(struct hard_play *play)
     }
 }
 
-/* The test that has the engine's formula: one with a test of its own answers by that, whatever it
- * was asked for. */
+/* The test with the engine's formula. An engine with a test of its own uses that one, whatever the
+ * member names. */
 static const struct tri_test *test_of(const struct hard_play *play)
 {
     for (size_t t = 0; tri_tests[t]; t++)

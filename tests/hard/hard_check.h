@@ -26,8 +26,8 @@ void play_broken(struct hard_play *play, enum hard_property property, size_t i);
  * Errors: those of the engine, or STATUS_DEVICE something was. */
 enum status play_trace(struct hard_play *play, void *self, struct hit *out) MUST_USE;
 
-/* Judges cache->answer and checks every property that the case asks for. Errors: STATUS_MEMORY, and
- * what engines say that are asked again. */
+/* Judges cache->answer and checks every property of the case. Errors: STATUS_MEMORY; those of
+ * engines that trace again. */
 enum status play_check(struct hard_play *play) MUST_USE;
 
 #endif

@@ -1,106 +1,32 @@
 #include "tests/hard/hard.h"
 
-#include <stddef.h>
+extern const struct hard_case hard_bad_input_cases[], hard_boxes_cases[], hard_closed_cases[],
+    hard_directions_cases[], hard_drivers_cases[], hard_halves_cases[], hard_limits_cases[],
+    hard_metamorphic_cases[], hard_planes_cases[], hard_range_cases[], hard_scale_cases[],
+    hard_seed_cases[], hard_shapes_cases[], hard_known_cases[];
 
-extern const struct hard_case hard_axis, hard_minus_zero, hard_border, hard_lines,
-    hard_grid_vertices, hard_tiny_component, hard_far_away, hard_scaled_direction,
-    hard_denormal_direction, hard_zero_direction, hard_in_plane, hard_along_edge, hard_near_plane,
-    hard_edges, hard_vertices, hard_lattice, hard_on_surface, hard_on_vertex, hard_away,
-    hard_behind, hard_along_face, hard_corner, hard_powers, hard_denormals, hard_far_small,
-    hard_far_unit, hard_mixed_scales, hard_slivers, hard_needles, hard_no_area, hard_duplicates,
-    hard_coplanar, hard_windings, hard_flat, hard_flat_far, hard_middles, hard_overflow,
-    hard_subnormal, hard_straddle, hard_ends, hard_empty_range, hard_endless, hard_nan,
-    hard_infinite, hard_leaves, hard_index_zero, hard_indices, hard_nodes, hard_concentric,
-    hard_series, hard_nothing, hard_one, hard_stack, hard_counts, hard_relations, hard_shifted,
-    hard_parity, hard_structure, hard_any, hard_modes, hard_opposite_winding, hard_seam,
-    hard_budget, hard_corridor, hard_seed_items, hard_seed_floor, hard_seed_cut, hard_seed_slots,
-    hard_seed_records, hard_seed_halves, hard_seed_last, hard_seed_parallel, hard_seed_threshold,
-    hard_nearest, hard_padding, hard_borders_mesa25, hard_vertices_mesa25, hard_pack_swiftshader,
-    hard_pack_stock, hard_pack_mesa25, hard_loop_stock, hard_loop_mesa25, hard_loop_swiftshader;
+/* Each ends at the first without a number. */
+static const struct hard_case *const tables[] = {
+    hard_bad_input_cases, hard_boxes_cases,  hard_closed_cases, hard_directions_cases,
+    hard_drivers_cases,   hard_halves_cases, hard_limits_cases, hard_metamorphic_cases,
+    hard_planes_cases,    hard_range_cases,  hard_scale_cases,  hard_seed_cases,
+    hard_shapes_cases,    hard_known_cases};
 
-const struct hard_case *const hard_cases[] = {
-    &hard_axis,
-    &hard_minus_zero,
-    &hard_border,
-    &hard_lines,
-    &hard_grid_vertices,
-    &hard_tiny_component,
-    &hard_far_away,
-    &hard_scaled_direction,
-    &hard_denormal_direction,
-    &hard_zero_direction,
-    &hard_in_plane,
-    &hard_along_edge,
-    &hard_near_plane,
-    &hard_edges,
-    &hard_vertices,
-    &hard_lattice,
-    &hard_on_surface,
-    &hard_on_vertex,
-    &hard_away,
-    &hard_behind,
-    &hard_along_face,
-    &hard_corner,
-    &hard_powers,
-    &hard_denormals,
-    &hard_far_small,
-    &hard_far_unit,
-    &hard_mixed_scales,
-    &hard_slivers,
-    &hard_needles,
-    &hard_no_area,
-    &hard_duplicates,
-    &hard_coplanar,
-    &hard_windings,
-    &hard_flat,
-    &hard_flat_far,
-    &hard_middles,
-    &hard_overflow,
-    &hard_subnormal,
-    &hard_straddle,
-    &hard_ends,
-    &hard_empty_range,
-    &hard_endless,
-    &hard_nan,
-    &hard_infinite,
-    &hard_leaves,
-    &hard_index_zero,
-    &hard_indices,
-    &hard_nodes,
-    &hard_concentric,
-    &hard_series,
-    &hard_nothing,
-    &hard_one,
-    &hard_stack,
-    &hard_counts,
-    &hard_relations,
-    &hard_shifted,
-    &hard_parity,
-    &hard_structure,
-    &hard_any,
-    &hard_modes,
-    &hard_opposite_winding,
-    &hard_seam,
-    &hard_budget,
-    &hard_corridor,
-    &hard_seed_items,
-    &hard_seed_floor,
-    &hard_seed_cut,
-    &hard_seed_slots,
-    &hard_seed_records,
-    &hard_seed_halves,
-    &hard_seed_last,
-    &hard_seed_parallel,
-    &hard_seed_threshold,
-    &hard_nearest,
-    &hard_padding,
-    &hard_borders_mesa25,
-    &hard_vertices_mesa25,
-    &hard_pack_swiftshader,
-    &hard_pack_stock,
-    &hard_pack_mesa25,
-    &hard_loop_stock,
-    &hard_loop_mesa25,
-    &hard_loop_swiftshader,
-    NULL,
-};
+/* The case with the next number, or NULL. */
+static const struct hard_case *case_after(unsigned number)
+{
+    const struct hard_case *next = NULL;
+    for (size_t t = 0; t < ARRAY_COUNT(tables); t++)
+        for (const struct hard_case *one = tables[t]; one->number; one++)
+            if (one->number > number && (!next || one->number < next->number))
+                next = one;
+    return next;
+}
+
+const struct hard_case *hard_case_at(size_t place)
+{
+    const struct hard_case *one = case_after(0);
+    for (size_t i = 0; one && i < place; i++)
+        one = case_after(one->number);
+    return one;
+}

@@ -1,5 +1,5 @@
-/* Members made to be wrong: layouts and engines of no table, each with one known defect and
- * otherwise those of the tables. */
+/* Members that are wrong on purpose: layouts and engines outside the tables, each with one known
+ * defect and otherwise equal to one in the tables. */
 #ifndef HARD_MADE_H
 #define HARD_MADE_H
 
@@ -11,7 +11,7 @@ extern const struct layout layout_rf16_nearest;
 extern const struct layout layout_rtrs_rf_unshifted;
 /* cpu, but of a leaf's accepted triangles the last wins (the paper's Figure 7); one leaf only. */
 extern const struct engine engine_last_wins;
-/* Every triangle in a box of its own, whose far plane is times 1.00000024. */
+/* cpu with the far plane of every box times 1.00000024. */
 extern const struct engine engine_padded_4u;
 
 #endif

@@ -39,7 +39,7 @@ static struct matrix_column column_made_of(const struct hard_matrix *matrix,
     struct matrix_column c = {.engine = m->engine, .layout = m->layout};
     c.published = hard_member_published(m) > 0;
     c.made = (m->layout && !hard_table_has(layouts_all, m->layout)) || !is_engine(m->engine) ||
-             (m->engine->needs_packed && !m->layout); /* asked directly */
+             (m->engine->needs_packed && !m->layout); /* a driver, measured directly */
     c.others = !matrix->apart && !c.made && m->layout && !hard_table_has(layouts, m->layout);
     if (c.others)
         c.layout = NULL;

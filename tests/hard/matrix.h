@@ -10,10 +10,10 @@
 /* What becomes of a trial, the worst last. */
 enum matrix_outcome {
     OUTCOME_SKIPPED, /* an engine cannot run here */
-    OUTCOME_REFUSED, /* a builder, layout or engine says why it will not */
+    OUTCOME_REFUSED, /* a builder, layout or engine refuses, with a reason */
     OUTCOME_PASSED,
-    OUTCOME_KNOWN,  /* shows the defect that the case is there to show */
-    OUTCOME_WAIVED, /* fails, and a waiver says why that is known */
+    OUTCOME_KNOWN,  /* shows the defect that the case demonstrates */
+    OUTCOME_WAIVED, /* fails, and a waiver has the reason */
     OUTCOME_FAILED,
     OUTCOME_COUNT
 };

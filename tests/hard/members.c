@@ -74,7 +74,7 @@ static uint32_t repaired_builders(const struct builder **out, uint32_t place)
     return count;
 }
 
-/* Repaired members alone: of those as published it is known what they get wrong. */
+/* Repaired members only: the errors of published ones are known. */
 static struct hard_member covered(uint32_t k, const struct layout *layout)
 {
     struct hard_member m = {.layout = layout, .engine = engine_reference(true)};
@@ -101,7 +101,7 @@ static void each_other_layout(const struct hard_case *one, hard_visit *visit, vo
 {
     const uint32_t count = repaired_builders(NULL, 0);
     uint32_t first = 0;
-    while (hard_cases[first] != one)
+    while (hard_case_at(first) != one)
         first++;
     for (uint32_t turn = 0; turn < count; turn++) /* neighbours share the tree */
         for (uint32_t l = 0; layouts_all[l]; l++) {

@@ -1,5 +1,5 @@
-/* All members that a hard case is played on: every combination of the tables, and the members made
- * to be wrong that the case itself brings. */
+/* All members that a hard case is played on: every combination of the tables, and the case's own
+ * members that are wrong on purpose. */
 #ifndef HARD_MEMBERS_H
 #define HARD_MEMBERS_H
 

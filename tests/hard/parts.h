@@ -1,5 +1,5 @@
-/* Making scenes and rays of hard cases. No memory sets part.failed and is told by hard_make, so
- * that recipes read as recipes. */
+/* Makes scenes and rays of hard cases. Without memory part.failed is set and hard_make reports it,
+ * so that recipes need no error handling. */
 #ifndef HARD_PARTS_H
 #define HARD_PARTS_H
 

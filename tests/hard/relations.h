@@ -5,10 +5,10 @@
 
 #include "tests/hard/hard.h"
 
-/* Makes *out from `from`: the changed scene and rays; a WANT_LIKE on every ray, pointing at the ray
- * of `from` whose answer it must have (out.like is left to the caller); out.prim_of and
- * out.like_bits. Returns false, with *out incomplete, if the change is not exact for these numbers
- * (a coordinate would be rounded), so that nothing follows. Deterministic in `seed`. */
+/* Makes *out from `from`: the changed scene and rays; a WANT_LIKE on every ray, with the ray of
+ * `from` whose answer it must have (out.like is left to the caller); out.prim_of and out.like_bits.
+ * Returns false, with *out incomplete, if a coordinate would be rounded, so that nothing can be
+ * compared. Deterministic in `seed`. */
 struct relation {
     const char *name;
     const char *summary;

@@ -108,7 +108,7 @@ static bool names(const char *list, const char *name)
     return false;
 }
 
-/* Somebody says no. That is fine if it says why, and needed if the part asks for it. */
+/* A builder, layout or engine refuses the part. It must give a reason. */
 static void refused(struct hard_play *play, const struct reason *why)
 {
     play->result->refused++;
@@ -146,7 +146,7 @@ static enum status play_tree(struct hard_play *play, bool *go)
     return STATUS_OK;
 }
 
-/* The engine cannot hold the part, it says. */
+/* The engine cannot hold the part. */
 static bool is_refusal(enum status status)
 {
     return status == STATUS_LIMIT || status == STATUS_REFUSED;
@@ -162,11 +162,7 @@ static enum status play_part(struct hard_play *play)
         status = play_tree(play, &go);
     if (status || !go)
         return status;
-    play->job = (struct job){.scene = &play->part->scene,
-                             .packed = m->engine->needs_packed ? &play->cache->packed : NULL,
-                             .box = m->box,
-                             .tri = m->tri,
-                             .query = m->query};
+    play->job = cache_job(play->cache, m);
     play->result->asked++;
     status = m->engine->prepare(play->self, &play->job, play->reason);
     if (is_refusal(status) || status == STATUS_UNSUPPORTED) {
@@ -194,7 +190,7 @@ static enum status play_part(struct hard_play *play)
 
 /* --- a case ----------------------------------------------------------------------------------- */
 
-/* A status that is the engine's own confession, not ours. */
+/* A status that the engine is allowed to return: the trial fails, the run goes on. */
 static bool is_confession(enum status status)
 {
     return status == STATUS_DEVICE || status == STATUS_UNSUPPORTED || is_refusal(status);

@@ -36,10 +36,10 @@ enum hard_outcome {
 
 struct hard_result {
     enum hard_outcome outcome;
-    bool unfinished;        /* FAILED: the engine did not finish, as it said itself */
+    bool unfinished;        /* FAILED: the engine returned an error */
     struct reason reason;   /* why refused or skipped, or the first thing that is broken */
     size_t played, refused; /* parts */
-    size_t asked, declined; /* parts: the engine was asked; refused by it, not by a layout */
+    size_t asked, declined; /* parts: given to the engine; refused by it, not by a layout */
     bool absent;            /* SKIPPED: the engine cannot run here at all */
     size_t rays, hits;
     size_t count[VERDICT_COUNT];
@@ -57,13 +57,13 @@ struct hard_result {
 
 struct hard_cache; /* of one part */
 
-/* Where cases are played: keeps the parts of one case, their truth, trees and answers, so that the
- * members of a case cost little each. */
+/* Keeps the parts of one case with their truth, trees and answers, so that each further member of
+ * the case costs little. */
 struct hard_stage {
-    struct engine_options options; /* as asked for; a case can name another driver */
+    struct engine_options options; /* of the user; a case can name another driver */
     struct pool pool; /* on one thread: with a few hundred rays a second one costs more than it
                          does, and the float mode is a thread's own */
-    struct pool many; /* the same engines on as many threads as asked for, for HARD_FLOAT_MODE */
+    struct pool many; /* the same engines on the user's number of threads, for HARD_FLOAT_MODE */
     const struct hard_case *one;
     struct hard_made *made;
     struct hard_cache *cache; /* one per part */
@@ -72,8 +72,8 @@ struct hard_stage {
 /* An empty stage with these engine options. */
 struct hard_stage hard_stage_make(const struct engine_options *options);
 
-/* Plays a case on a member. Errors: those of hard_make and the oracle; what goes wrong with the
- * member is in *out. */
+/* Plays a case on a member. Errors: those of hard_make and the oracle. Failures of the member are
+ * in *out, not errors. */
 enum status hard_run(struct hard_stage *stage, const struct hard_case *one,
                      const struct hard_member *member, struct hard_result *out,
                      struct reason *reason) MUST_USE;

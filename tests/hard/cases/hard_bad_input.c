@@ -46,16 +46,6 @@ static void make_nan(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_nan = {
-    .number = 43,
-    .name = "nan-ray",
-    .recipe = "NaN of every kind in each of a ray's eight numbers, and in all",
-    .expected = "a miss, and an end; the same twice",
-    .source = "reone#341: NaN walks the whole tree",
-    .flags = HARD_NO_HITS | HARD_TWICE,
-    .make = make_nan,
-};
-
 static void infinite_rays(struct hard_made *made)
 {
     static const float large[] = {INFINITY, FLT_MAX, 1e38f, 2e18f, 1.85e18f, 1e18f};
@@ -96,12 +86,24 @@ static void make_infinite(struct hard_made *made)
     bad_vertex(made, "2^40", 0x1p40f, 1);
 }
 
-const struct hard_case hard_infinite = {
-    .number = 44,
-    .name = "infinite",
-    .recipe = "infinite and huge numbers in rays; vertices NaN, infinite, huge",
-    .expected = "ends, the same twice, finite hits; layouts refuse what is not finite",
-    .source = "devil_ray#62, gfx-rs/wgpu#8204: NaN vertices; Embree asserts from 1.8e18 on",
-    .flags = HARD_TWICE,
-    .make = make_infinite,
+const struct hard_case hard_bad_input_cases[] = {
+    {
+        .number = 43,
+        .name = "nan-ray",
+        .recipe = "NaN of every kind in each of a ray's eight numbers, and in all",
+        .expected = "a miss, and an end; the same twice",
+        .source = "reone#341: NaN walks the whole tree",
+        .flags = HARD_NO_HITS | HARD_TWICE,
+        .make = make_nan,
+    },
+    {
+        .number = 44,
+        .name = "infinite",
+        .recipe = "infinite and huge numbers in rays; vertices NaN, infinite, huge",
+        .expected = "ends, the same twice, finite hits; layouts refuse what is not finite",
+        .source = "devil_ray#62, gfx-rs/wgpu#8204: NaN vertices; Embree asserts from 1.8e18 on",
+        .flags = HARD_TWICE,
+        .make = make_infinite,
+    },
+    {0},
 };

@@ -29,16 +29,6 @@ static void make_away(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_away = {
-    .number = 19,
-    .name = "away",
-    .recipe = "the origin in the boxes of 32 nested triangles, directions away from all of them",
-    .expected = "a miss",
-    .source = "numerics.md 4, 19: the sign of the far distance",
-    .flags = HARD_NO_HITS,
-    .make = make_away,
-};
-
 static void make_behind(struct hard_made *made)
 {
     struct hard_part *part = nested(made);
@@ -51,15 +41,6 @@ static void make_behind(struct hard_made *made)
         want_t(part, HARD_OWN, (y + 0.75f) / up);
     }
 }
-
-const struct hard_case hard_behind = {
-    .number = 20,
-    .name = "behind",
-    .recipe = "the origin in boxes whose triangles all lie behind it; and the other way round",
-    .expected = "a miss; the other way triangle 0 at an exact t",
-    .source = "numerics.md 4, 20: a missing test of tmax >= 0",
-    .make = make_behind,
-};
 
 static void make_along_face(struct hard_made *made)
 {
@@ -75,15 +56,6 @@ static void make_along_face(struct hard_made *made)
             }
 }
 
-const struct hard_case hard_along_face = {
-    .number = 21,
-    .name = "along-face",
-    .recipe = "origins in the planes of a cube's faces, directions along them",
-    .expected = "the edge of the face across, t = 2 exactly",
-    .source = "svenstaro/bvh#140 and #142, libigl#2232: NaN of rays tangent to a face",
-    .make = make_along_face,
-};
-
 /* The ray meets the edge x = c, y = c of a cube from outside in one point only, at t = k: the near
  * plane of x and the far plane of y at exactly the same t. o = c - k d is exact. */
 static void make_corner(struct hard_made *made)
@@ -97,15 +69,6 @@ static void make_corner(struct hard_made *made)
         part_ray(part, ray_turned(i % 3, ray_of(0 - k * dx, 4 - k * dy, z, dx, dy, 0)));
     }
 }
-
-const struct hard_case hard_corner = {
-    .number = 22,
-    .name = "box-corner",
-    .recipe = "rays that touch an edge of a cube from outside: near x and far y at equal exact t",
-    .expected = "no tree loses what brute force with the same test hits",
-    .source = "libigl#2232, #2271: Ize-type misses; numerics.md 3.4",
-    .make = make_corner,
-};
 
 static void make_flat(struct hard_made *made)
 {
@@ -139,15 +102,6 @@ static void make_flat(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_flat = {
-    .number = 34,
-    .name = "flat-boxes",
-    .recipe = "axis-aligned squares, aimed at inside, straight and slanted",
-    .expected = "a hit",
-    .source = "svenstaro/bvh#107, slangpy#1: a strict < loses boxes without thickness",
-    .make = make_flat,
-};
-
 static void make_flat_far(struct hard_made *made)
 {
     static const float at[] = {100.3f, -100.3f, 1000.7f, 60000.1f};
@@ -168,18 +122,6 @@ static void make_flat_far(struct hard_made *made)
         }
 }
 
-const struct hard_case hard_flat_far = {
-    .number = 35,
-    .name = "flat-far",
-    .recipe = "a flat grid at 100.3, -100.3, 1000.7, 60000.1 on each axis, seen from the origin",
-    .expected = "the triangle aimed at",
-    .source = "numerics.md 4, 35: a pad of 2e-6 is absorbed; RTRS's F14",
-    .make = make_flat_far,
-    .defect = {{.fault = "F14: boxes flat in x and farther than 64 are lost",
-                .cause = CAUSE_STRICT_COMPARISON,
-                .members = "closest.*.f32.median.rtrs.mt"}},
-};
-
 /* The mean cost of rays with zeros among 8192 triangles: a tree that culls needs a few dozen box
  * tests, one that treats 0 as NaN or never culls needs thousands. */
 static void make_budget(struct hard_made *made)
@@ -199,13 +141,71 @@ static void make_budget(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_budget = {
-    .number = 63,
-    .name = "visit-budget",
-    .recipe = "rays with zero components over a grid of 8192 triangles, box tests counted",
-    .expected = "the triangle above, in at most 100 box tests on average",
-    .source = "madmann91/bvh#60: 700 times slower; hankotanks/rt_rs: RTRS's F1 never culls",
-    .make = make_budget,
-    .defect = {{.fault = "F1: y and z never cull, so that a ray visits every node",
-                .members = "closest.cpu.*.median.rtrs.mt"}},
+const struct hard_case hard_boxes_cases[] = {
+    {
+        .number = 19,
+        .name = "away",
+        .recipe =
+            "the origin in the boxes of 32 nested triangles, directions away from all of them",
+        .expected = "a miss",
+        .source = "numerics.md 4, 19: the sign of the far distance",
+        .flags = HARD_NO_HITS,
+        .make = make_away,
+    },
+    {
+        .number = 20,
+        .name = "behind",
+        .recipe = "the origin in boxes whose triangles all lie behind it; and the other way round",
+        .expected = "a miss; the other way triangle 0 at an exact t",
+        .source = "numerics.md 4, 20: a missing test of tmax >= 0",
+        .make = make_behind,
+    },
+    {
+        .number = 21,
+        .name = "along-face",
+        .recipe = "origins in the planes of a cube's faces, directions along them",
+        .expected = "the edge of the face across, t = 2 exactly",
+        .source = "svenstaro/bvh#140 and #142, libigl#2232: NaN of rays tangent to a face",
+        .make = make_along_face,
+    },
+    {
+        .number = 22,
+        .name = "box-corner",
+        .recipe =
+            "rays that touch an edge of a cube from outside: near x and far y at equal exact t",
+        .expected = "no tree loses what brute force with the same test hits",
+        .source = "libigl#2232, #2271: Ize-type misses; numerics.md 3.4",
+        .make = make_corner,
+    },
+    {
+        .number = 34,
+        .name = "flat-boxes",
+        .recipe = "axis-aligned squares, aimed at inside, straight and slanted",
+        .expected = "a hit",
+        .source = "svenstaro/bvh#107, slangpy#1: a strict < loses boxes without thickness",
+        .make = make_flat,
+    },
+    {
+        .number = 35,
+        .name = "flat-far",
+        .recipe =
+            "a flat grid at 100.3, -100.3, 1000.7, 60000.1 on each axis, seen from the origin",
+        .expected = "the triangle aimed at",
+        .source = "numerics.md 4, 35: a pad of 2e-6 is absorbed; RTRS's F14",
+        .make = make_flat_far,
+        .defect = {{.fault = "F14: boxes flat in x and farther than 64 are lost",
+                    .cause = CAUSE_STRICT_COMPARISON,
+                    .members = "closest.*.f32.median.rtrs.mt"}},
+    },
+    {
+        .number = 63,
+        .name = "visit-budget",
+        .recipe = "rays with zero components over a grid of 8192 triangles, box tests counted",
+        .expected = "the triangle above, in at most 100 box tests on average",
+        .source = "madmann91/bvh#60: 700 times slower; hankotanks/rt_rs: RTRS's F1 never culls",
+        .make = make_budget,
+        .defect = {{.fault = "F1: y and z never cull, so that a ray visits every node",
+                    .members = "closest.cpu.*.median.rtrs.mt"}},
+    },
+    {0},
 };

@@ -42,15 +42,6 @@ static void make_edges(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_edges = {
-    .number = 14,
-    .name = "closed-edges",
-    .recipe = "rays from inside closed meshes at the rounded middles of their edges",
-    .expected = "watertight tests: always a hit",
-    .source = "mitsuba3#1149 and #1300, dimforge/parry#444: leaks at edges",
-    .make = make_edges,
-};
-
 static void make_vertices(struct hard_made *made)
 {
     for (size_t m = 0; m < 3; m++) {
@@ -65,15 +56,6 @@ static void make_vertices(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_vertices = {
-    .number = 15,
-    .name = "closed-vertices",
-    .recipe = "rays from inside closed meshes at their vertices",
-    .expected = "watertight tests: always a hit",
-    .source = "RenderKit/embree#181, #174; Mesa's lvp_build_intersect_ray_box",
-    .make = make_vertices,
-};
-
 static void make_parity(struct hard_made *made)
 {
     for (size_t m = 0; m < 3; m++) {
@@ -87,16 +69,6 @@ static void make_parity(struct hard_made *made)
         }
     }
 }
-
-const struct hard_case hard_parity = {
-    .number = 57,
-    .name = "parity",
-    .recipe = "rays from far outside through closed meshes, at points inside triangles",
-    .expected = "an even number of crossings, by the oracle and by every engine that lists them",
-    .source = "RenderKit/embree#188: a double hit on an edge",
-    .flags = HARD_PARITY,
-    .make = make_parity,
-};
 
 /* Two triangles of opposite winding: by Vulkan's rules their edge is not shared, by ours it is:
  * a sheared edge has one sign however it is run through. */
@@ -121,16 +93,6 @@ static void make_opposite(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_opposite_winding = {
-    .number = 61,
-    .name = "opposite-winding",
-    .recipe =
-        "a closed sphere with every other triangle's winding flipped, aimed at edges, vertices",
-    .expected = "watertight tests: always a hit, since a shared edge has one sign either way",
-    .source = "VK-GL-CTS#446: a mesh with flipped windings; dimforge/parry#171: back faces",
-    .make = make_opposite,
-};
-
 /* The halves of a sphere as two meshes: equal coordinates, no vertex shared. */
 static void make_seam(struct hard_made *made)
 {
@@ -151,11 +113,49 @@ static void make_seam(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_seam = {
-    .number = 62,
-    .name = "seam",
-    .recipe = "a closed sphere of triangles that share coordinates but no vertex",
-    .expected = "watertight tests: always a hit; what counts are coordinates, not indices",
-    .source = "Oblikovati#2146: a crack at a seam; MeshLib#1079: fma changes the triangle test",
-    .make = make_seam,
+const struct hard_case hard_closed_cases[] = {
+    {
+        .number = 14,
+        .name = "closed-edges",
+        .recipe = "rays from inside closed meshes at the rounded middles of their edges",
+        .expected = "watertight tests: always a hit",
+        .source = "mitsuba3#1149 and #1300, dimforge/parry#444: leaks at edges",
+        .make = make_edges,
+    },
+    {
+        .number = 15,
+        .name = "closed-vertices",
+        .recipe = "rays from inside closed meshes at their vertices",
+        .expected = "watertight tests: always a hit",
+        .source = "RenderKit/embree#181, #174; Mesa's lvp_build_intersect_ray_box",
+        .make = make_vertices,
+    },
+    {
+        .number = 57,
+        .name = "parity",
+        .recipe = "rays from far outside through closed meshes, at points inside triangles",
+        .expected =
+            "an even number of crossings, by the oracle and by every engine that lists them",
+        .source = "RenderKit/embree#188: a double hit on an edge",
+        .flags = HARD_PARITY,
+        .make = make_parity,
+    },
+    {
+        .number = 61,
+        .name = "opposite-winding",
+        .recipe =
+            "a closed sphere with every other triangle's winding flipped, aimed at edges, vertices",
+        .expected = "watertight tests: always a hit, since a shared edge has one sign either way",
+        .source = "VK-GL-CTS#446: a mesh with flipped windings; dimforge/parry#171: back faces",
+        .make = make_opposite,
+    },
+    {
+        .number = 62,
+        .name = "seam",
+        .recipe = "a closed sphere of triangles that share coordinates but no vertex",
+        .expected = "watertight tests: always a hit; what counts are coordinates, not indices",
+        .source = "Oblikovati#2146: a crack at a seam; MeshLib#1079: fma changes the triangle test",
+        .make = make_seam,
+    },
+    {0},
 };

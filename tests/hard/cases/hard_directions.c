@@ -30,15 +30,6 @@ static void make_axis(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_axis = {
-    .number = 1,
-    .name = "axis",
-    .recipe = "d = (0,0,1) and the other axes, both ways, from inside the outline of a 16x16 grid",
-    .expected = "the triangle above, t = 1 exactly",
-    .source = "madmann91/bvh#9, #20, #21: zero components lose hits",
-    .make = make_axis,
-};
-
 static void make_minus_zero(struct hard_made *made)
 {
     struct hard_part *part = part_floor(made, "grid", N, 1);
@@ -58,15 +49,6 @@ static void make_minus_zero(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_minus_zero = {
-    .number = 2,
-    .name = "minus-zero",
-    .recipe = "as 1, with -0 for 0 in every combination of direction and origin",
-    .expected = "the same triangle and t as with +0",
-    .source = "jbikker/tinybvh#282: -0 picks the wrong octant",
-    .make = make_minus_zero,
-};
-
 /* 1e-18 keeps the contract (2^-60 of the largest is 8.7e-19), 1e-19 does not. */
 static void make_tiny_component(struct hard_made *made)
 {
@@ -85,15 +67,6 @@ static void make_tiny_component(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_tiny_component = {
-    .number = 6,
-    .name = "tiny-component",
-    .recipe = "one component of d is 1e-18, 1e-19 or 1e-30, the largest 1",
-    .expected = "the same triangle as with 0",
-    .source = "clamps of |d| < 1e-12 or 1e-18, as in Embree and several ports",
-    .make = make_tiny_component,
-};
-
 /* A unit square whose plane is 2^40 to 2^59 away: only the tiny component brings the ray there. */
 static void make_far_away(struct hard_made *made)
 {
@@ -109,15 +82,6 @@ static void make_far_away(struct hard_made *made)
         }
     }
 }
-
-const struct hard_case hard_far_away = {
-    .number = 7,
-    .name = "far-away",
-    .recipe = "d = (2^-k, 1, 0) at unit cells in the plane y = 2^k, k = 40, 46 ... 64",
-    .expected = "what the oracle says, within the proven bounds",
-    .source = "numerics.md 4, 7: clamped slabs become infinite",
-    .make = make_far_away,
-};
 
 static void make_scaled(struct hard_made *made)
 {
@@ -145,15 +109,6 @@ static void make_scaled(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_scaled_direction = {
-    .number = 8,
-    .name = "scaled-direction",
-    .recipe = "d times 2^k, k = -120, -115 ... 120, tmax infinite",
-    .expected = "the same triangle, t times 2^-k exactly",
-    .source = "numerics.md 4, 8: absolute thresholds, overflow, Embree's largest float",
-    .make = make_scaled,
-};
-
 static void make_denormal(struct hard_made *made)
 {
     static const float small[] = {1e-40f, -1e-40f, 1e-45f, 0x1p-127f, 0x1p-126f, 1e-38f};
@@ -169,16 +124,6 @@ static void make_denormal(struct hard_made *made)
         }
 }
 
-const struct hard_case hard_denormal_direction = {
-    .number = 9,
-    .name = "denormal-direction",
-    .recipe = "d of 1e-38 down to 1e-45",
-    .expected = "out of contract: ends, writes only its own answers, the same twice",
-    .source = "numerics.md 4, 9: flush to zero, 1 / d = infinity",
-    .flags = HARD_TWICE,
-    .make = make_denormal,
-};
-
 static void make_zero(struct hard_made *made)
 {
     struct hard_part *part = part_floor(made, "grid", N, 1);
@@ -193,12 +138,65 @@ static void make_zero(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_zero_direction = {
-    .number = 10,
-    .name = "zero-direction",
-    .recipe = "d = 0 in all signs of zero, origin in the boxes and on the triangles",
-    .expected = "a miss, and an end",
-    .source = "numerics.md 4, 10: NaN walks the whole tree",
-    .flags = HARD_NO_HITS | HARD_TWICE,
-    .make = make_zero,
+const struct hard_case hard_directions_cases[] = {
+    {
+        .number = 1,
+        .name = "axis",
+        .recipe =
+            "d = (0,0,1) and the other axes, both ways, from inside the outline of a 16x16 grid",
+        .expected = "the triangle above, t = 1 exactly",
+        .source = "madmann91/bvh#9, #20, #21: zero components lose hits",
+        .make = make_axis,
+    },
+    {
+        .number = 2,
+        .name = "minus-zero",
+        .recipe = "as 1, with -0 for 0 in every combination of direction and origin",
+        .expected = "the same triangle and t as with +0",
+        .source = "jbikker/tinybvh#282: -0 picks the wrong octant",
+        .make = make_minus_zero,
+    },
+    {
+        .number = 6,
+        .name = "tiny-component",
+        .recipe = "one component of d is 1e-18, 1e-19 or 1e-30, the largest 1",
+        .expected = "the same triangle as with 0",
+        .source = "clamps of |d| < 1e-12 or 1e-18, as in Embree and several ports",
+        .make = make_tiny_component,
+    },
+    {
+        .number = 7,
+        .name = "far-away",
+        .recipe = "d = (2^-k, 1, 0) at unit cells in the plane y = 2^k, k = 40, 46 ... 64",
+        .expected = "what the oracle says, within the proven bounds",
+        .source = "numerics.md 4, 7: clamped slabs become infinite",
+        .make = make_far_away,
+    },
+    {
+        .number = 8,
+        .name = "scaled-direction",
+        .recipe = "d times 2^k, k = -120, -115 ... 120, tmax infinite",
+        .expected = "the same triangle, t times 2^-k exactly",
+        .source = "numerics.md 4, 8: absolute thresholds, overflow, Embree's largest float",
+        .make = make_scaled,
+    },
+    {
+        .number = 9,
+        .name = "denormal-direction",
+        .recipe = "d of 1e-38 down to 1e-45",
+        .expected = "out of contract: ends, writes only its own answers, the same twice",
+        .source = "numerics.md 4, 9: flush to zero, 1 / d = infinity",
+        .flags = HARD_TWICE,
+        .make = make_denormal,
+    },
+    {
+        .number = 10,
+        .name = "zero-direction",
+        .recipe = "d = 0 in all signs of zero, origin in the boxes and on the triangles",
+        .expected = "a miss, and an end",
+        .source = "numerics.md 4, 10: NaN walks the whole tree",
+        .flags = HARD_NO_HITS | HARD_TWICE,
+        .make = make_zero,
+    },
+    {0},
 };

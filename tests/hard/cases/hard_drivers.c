@@ -21,25 +21,6 @@ static void make_borders(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_borders_mesa25 = {
-    .number = 81,
-    .name = "borders-mesa25",
-    .recipe = "rays along z exactly at the four borders of a flat grid, on driver mesa25",
-    .expected = "a hit at t = 1 on all of them",
-    .source = LAVAPIPE_BOX "; RenderKit/embree#589",
-    .flags = HARD_NO_TREES,
-    .driver = "mesa25",
-    .make = make_borders,
-    .defect = {{.fault = "lavapipe's ray query loses rays on the maximum border of a flat grid",
-                .cause = CAUSE_PARALLEL_AXIS,
-                .members = "*.rayquery.*",
-                .version = "Mesa 25."},
-               {.fault = "Embree loses rays on the maximum border of a flat grid",
-                .cause = CAUSE_PARALLEL_AXIS,
-                .members = "*.embree*",
-                .version = "Embree 3..4.3.3"}},
-};
-
 /* Of 200,000 rays as below Embree's robust mode loses 62; the first of them. */
 static const float robust_loses[][2][3] = {
     {{0x1.1d4c2p-4f, -0x1.72f8c4p-3f, -0x1.208b9p-5f},
@@ -79,27 +60,6 @@ static void make_vertices(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_vertices_mesa25 = {
-    .number = 82,
-    .name = "vertices-mesa25",
-    .recipe = "rays from inside a closed sphere at its vertices, on driver mesa25",
-    .expected =
-        "a hit: watertight tests promise it, Vulkan says \"should\", so does Embree's robust",
-    .source = LAVAPIPE_BOX "; RenderKit/embree#181",
-    .flags = HARD_NO_TREES,
-    .driver = "mesa25",
-    .make = make_vertices,
-    .defect = {{.fault = "lavapipe's ray query leaks at vertices",
-                .cause = CAUSE_OUTSIDE,
-                .members = "*.rayquery.*",
-                .version = "Mesa 25."},
-               {.fault = "Embree's robust mode shoots through vertices",
-                .cause = CAUSE_OUTSIDE,
-                .members = "*.embree_robust.*",
-                .version = "Embree 3..4.3.3",
-                .rare = true}},
-};
-
 #define PACK_RECIPE   "packHalf2x16 of 196,608 floats of all exponents"
 #define PACK_EXPECTED "the nearest half, ties to even"
 #define PACK_SOURCE   "Vulkan, Precision of conversions; GPUOpen FSR#21, DirectXMath#104"
@@ -107,68 +67,104 @@ const struct hard_case hard_vertices_mesa25 = {
 #define LOOP_EXPECTED "every round is run"
 #define LOOP_SOURCE   "Mesa's LP_MAX_TGSI_LOOP_ITERATIONS, dropped by merge request 31426"
 
-const struct hard_case hard_pack_swiftshader = {
-    .number = 83,
-    .name = "pack-swiftshader",
-    .recipe = PACK_RECIPE ", on driver swiftshader",
-    .expected = PACK_EXPECTED,
-    .source = PACK_SOURCE,
-    .driver = "swiftshader",
-    .probe = driver_packs_halves,
-    .defect = {{.fault = "SwiftShader's packHalf2x16",
-                .members = "closest.vulkan.*",
-                .version = "SwiftShader"}},
-};
-
-const struct hard_case hard_pack_stock = {
-    .number = 84,
-    .name = "pack-stock",
-    .recipe = PACK_RECIPE ", on driver stock",
-    .expected = PACK_EXPECTED,
-    .source = PACK_SOURCE,
-    .driver = "stock",
-    .probe = driver_packs_halves,
-};
-
-const struct hard_case hard_pack_mesa25 = {
-    .number = 85,
-    .name = "pack-mesa25",
-    .recipe = PACK_RECIPE ", on driver mesa25",
-    .expected = PACK_EXPECTED,
-    .source = PACK_SOURCE,
-    .driver = "mesa25",
-    .probe = driver_packs_halves,
-};
-
-const struct hard_case hard_loop_stock = {
-    .number = 86,
-    .name = "loop-stock",
-    .recipe = LOOP_RECIPE ", on driver stock",
-    .expected = LOOP_EXPECTED,
-    .source = LOOP_SOURCE,
-    .driver = "stock",
-    .probe = driver_runs_loops,
-    .defect = {{.fault = "lavapipe's loops end after 65,535 rounds",
-                .members = "closest.vulkan.*",
-                .version = "Mesa 22.3.6"}},
-};
-
-const struct hard_case hard_loop_mesa25 = {
-    .number = 87,
-    .name = "loop-mesa25",
-    .recipe = LOOP_RECIPE ", on driver mesa25",
-    .expected = LOOP_EXPECTED,
-    .source = LOOP_SOURCE,
-    .driver = "mesa25",
-    .probe = driver_runs_loops,
-};
-
-const struct hard_case hard_loop_swiftshader = {
-    .number = 88,
-    .name = "loop-swiftshader",
-    .recipe = LOOP_RECIPE ", on driver swiftshader",
-    .expected = LOOP_EXPECTED,
-    .source = LOOP_SOURCE,
-    .driver = "swiftshader",
-    .probe = driver_runs_loops,
+const struct hard_case hard_drivers_cases[] = {
+    {
+        .number = 81,
+        .name = "borders-mesa25",
+        .recipe = "rays along z exactly at the four borders of a flat grid, on driver mesa25",
+        .expected = "a hit at t = 1 on all of them",
+        .source = LAVAPIPE_BOX "; RenderKit/embree#589",
+        .flags = HARD_NO_TREES,
+        .driver = "mesa25",
+        .make = make_borders,
+        .defect = {{.fault = "lavapipe's ray query loses rays on the maximum border of a flat grid",
+                    .cause = CAUSE_PARALLEL_AXIS,
+                    .members = "*.rayquery.*",
+                    .version = "Mesa 25."},
+                   {.fault = "Embree loses rays on the maximum border of a flat grid",
+                    .cause = CAUSE_PARALLEL_AXIS,
+                    .members = "*.embree*",
+                    .version = "Embree 3..4.3.3"}},
+    },
+    {
+        .number = 82,
+        .name = "vertices-mesa25",
+        .recipe = "rays from inside a closed sphere at its vertices, on driver mesa25",
+        .expected =
+            "a hit: watertight tests promise it, Vulkan says \"should\", so does Embree's robust",
+        .source = LAVAPIPE_BOX "; RenderKit/embree#181",
+        .flags = HARD_NO_TREES,
+        .driver = "mesa25",
+        .make = make_vertices,
+        .defect = {{.fault = "lavapipe's ray query leaks at vertices",
+                    .cause = CAUSE_OUTSIDE,
+                    .members = "*.rayquery.*",
+                    .version = "Mesa 25."},
+                   {.fault = "Embree's robust mode shoots through vertices",
+                    .cause = CAUSE_OUTSIDE,
+                    .members = "*.embree_robust.*",
+                    .version = "Embree 3..4.3.3",
+                    .rare = true}},
+    },
+    {
+        .number = 83,
+        .name = "pack-swiftshader",
+        .recipe = PACK_RECIPE ", on driver swiftshader",
+        .expected = PACK_EXPECTED,
+        .source = PACK_SOURCE,
+        .driver = "swiftshader",
+        .probe = driver_packs_halves,
+        .defect = {{.fault = "SwiftShader's packHalf2x16",
+                    .members = "closest.vulkan.*",
+                    .version = "SwiftShader"}},
+    },
+    {
+        .number = 84,
+        .name = "pack-stock",
+        .recipe = PACK_RECIPE ", on driver stock",
+        .expected = PACK_EXPECTED,
+        .source = PACK_SOURCE,
+        .driver = "stock",
+        .probe = driver_packs_halves,
+    },
+    {
+        .number = 85,
+        .name = "pack-mesa25",
+        .recipe = PACK_RECIPE ", on driver mesa25",
+        .expected = PACK_EXPECTED,
+        .source = PACK_SOURCE,
+        .driver = "mesa25",
+        .probe = driver_packs_halves,
+    },
+    {
+        .number = 86,
+        .name = "loop-stock",
+        .recipe = LOOP_RECIPE ", on driver stock",
+        .expected = LOOP_EXPECTED,
+        .source = LOOP_SOURCE,
+        .driver = "stock",
+        .probe = driver_runs_loops,
+        .defect = {{.fault = "lavapipe's loops end after 65,535 rounds",
+                    .members = "closest.vulkan.*",
+                    .version = "Mesa 22.3.6"}},
+    },
+    {
+        .number = 87,
+        .name = "loop-mesa25",
+        .recipe = LOOP_RECIPE ", on driver mesa25",
+        .expected = LOOP_EXPECTED,
+        .source = LOOP_SOURCE,
+        .driver = "mesa25",
+        .probe = driver_runs_loops,
+    },
+    {
+        .number = 88,
+        .name = "loop-swiftshader",
+        .recipe = LOOP_RECIPE ", on driver swiftshader",
+        .expected = LOOP_EXPECTED,
+        .source = LOOP_SOURCE,
+        .driver = "swiftshader",
+        .probe = driver_runs_loops,
+    },
+    {0},
 };

@@ -43,15 +43,6 @@ static void make_middles(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_middles = {
-    .number = 36,
-    .name = "half-middles",
-    .recipe = "vertices right between halves and one float32 beside, aimed at just inside them",
-    .expected = "a hit: bounds are rounded outward",
-    .source = "gkjohnson/three-mesh-bvh#169: bounds rounded inward on store; RTRS's F11",
-    .make = make_middles,
-};
-
 /* At cells of a grid of 8 x 8 in its own plane's height `from`, straight and slanted. */
 static void aim_at_grid(struct hard_part *part, float cell, float from, uint64_t seed)
 {
@@ -78,15 +69,6 @@ static void make_overflow(struct hard_made *made)
         }
 }
 
-const struct hard_case hard_overflow = {
-    .number = 37,
-    .name = "half-overflow",
-    .recipe = "a grid that ends at 65504, 65505, 65519, 65520, 1e5 and their negatives",
-    .expected = "the triangle aimed at; beyond 65504 rf16 refuses",
-    .source = "bulletphysics/bullet3#558: quantised bounds overflow; RTRS's F12",
-    .make = make_overflow,
-};
-
 static void make_subnormal(struct hard_made *made)
 {
     for (int k = 14; k <= 25; k++) {
@@ -96,15 +78,6 @@ static void make_subnormal(struct hard_made *made)
         aim_at_grid(part, cell, 0, (uint64_t)k);
     }
 }
-
-const struct hard_case hard_subnormal = {
-    .number = 38,
-    .name = "half-subnormal",
-    .recipe = "grids of extent 2^-14 to 2^-25, where halves are subnormal",
-    .expected = "the triangle aimed at",
-    .source = "GPUOpen FSR#21, DirectXMath#104 and #110: float16 subnormals flushed or wrong",
-    .make = make_subnormal,
-};
 
 static void make_straddle(struct hard_made *made)
 {
@@ -128,11 +101,38 @@ static void make_straddle(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_straddle = {
-    .number = 39,
-    .name = "half-zero",
-    .recipe = "cubes of +-2^-25 to +-2^-14 around 0, from outside and from their middle",
-    .expected = "a hit; from the middle the triangle aimed at, from 0 and from -0",
-    .source = "numerics.md 4, 39: the sign of zero in bounds",
-    .make = make_straddle,
+const struct hard_case hard_halves_cases[] = {
+    {
+        .number = 36,
+        .name = "half-middles",
+        .recipe = "vertices right between halves and one float32 beside, aimed at just inside them",
+        .expected = "a hit: bounds are rounded outward",
+        .source = "gkjohnson/three-mesh-bvh#169: bounds rounded inward on store; RTRS's F11",
+        .make = make_middles,
+    },
+    {
+        .number = 37,
+        .name = "half-overflow",
+        .recipe = "a grid that ends at 65504, 65505, 65519, 65520, 1e5 and their negatives",
+        .expected = "the triangle aimed at; beyond 65504 rf16 refuses",
+        .source = "bulletphysics/bullet3#558: quantised bounds overflow; RTRS's F12",
+        .make = make_overflow,
+    },
+    {
+        .number = 38,
+        .name = "half-subnormal",
+        .recipe = "grids of extent 2^-14 to 2^-25, where halves are subnormal",
+        .expected = "the triangle aimed at",
+        .source = "GPUOpen FSR#21, DirectXMath#104 and #110: float16 subnormals flushed or wrong",
+        .make = make_subnormal,
+    },
+    {
+        .number = 39,
+        .name = "half-zero",
+        .recipe = "cubes of +-2^-25 to +-2^-14 around 0, from outside and from their middle",
+        .expected = "a hit; from the middle the triangle aimed at, from 0 and from -0",
+        .source = "numerics.md 4, 39: the sign of zero in bounds",
+        .make = make_straddle,
+    },
+    {0},
 };

@@ -41,16 +41,6 @@ static void make_leaves(struct hard_made *made)
         leaves_of(made, others[i][0], others[i][1]);
 }
 
-const struct hard_case hard_leaves = {
-    .number = 45,
-    .name = "leaf-slots",
-    .recipe = "1 to 18 triangles in leaves of 1, 7, 8 and 9",
-    .expected = "each triangle hit in turn; rf16 refuses a leaf of 9",
-    .source =
-        "jbikker/tinybvh#28; hankotanks/rt_rs: slots 7 and 8 are not read (F7), panics (F6, F8)",
-    .make = make_leaves,
-};
-
 static void make_index_zero(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "only one");
@@ -65,15 +55,6 @@ static void make_index_zero(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_index_zero = {
-    .number = 46,
-    .name = "index-zero",
-    .recipe = "triangle 0 alone, and as the nearest of 16",
-    .expected = "triangle 0",
-    .source = "hankotanks/rt_rs: 0 means empty; RTRS's F2",
-    .make = make_index_zero,
-};
-
 static void make_indices(struct hard_made *made)
 {
     static const uint32_t at[] = {0, 1, 2, 32766, 32767, 32768, 32769, 65533, 65534, 65535, 65536};
@@ -87,18 +68,6 @@ static void make_indices(struct hard_made *made)
                 aim_at_speckle(part, at[a]);
     }
 }
-
-const struct hard_case hard_indices = {
-    .number = 47,
-    .name = "triangle-numbers",
-    .recipe = "65536 and 65537 triangles, aimed at 0, 32767, 32768, 65535, 65536",
-    .expected = "the triangle aimed at; beyond 65535 rf16 refuses",
-    .source = "numerics.md 4, 47: numbers cut to 15 or 16 bits; RTRS's F10",
-    .make = make_indices,
-    .defect = {{.fault = "F10: item numbers are cut to 15 and 16 bits",
-                .cause = CAUSE_INDEX_TRUNCATED,
-                .members = "closest.cpu.rtrs_rf_paper.median.robust.mt"}},
-};
 
 static void make_nodes(struct hard_made *made)
 {
@@ -117,22 +86,6 @@ static void make_nodes(struct hard_made *made)
     for (uint32_t i = 0; i < 64; i++)
         aim_at_speckle(part, 187 * (i + 1));
 }
-
-const struct hard_case hard_nodes = {
-    .number = 48,
-    .name = "node-numbers",
-    .recipe = "trees of 10923, 10924 and 12000 leaves: 32768, 32771 and 35999 records",
-    .expected = "the triangle aimed at; beyond record 32767 rf16 refuses, and does not wrap",
-    .source = "numerics.md 4, 48: the leaf mark, bit 31, collides; RTRS's F9",
-    .make = make_nodes,
-    .defect = {{.fault = "F9: record numbers from 32768 on set the leaf bit",
-                .cause = CAUSE_REFERENCE_TRUNCATED,
-                .members = "closest.cpu.*",
-                .layout = &layout_rtrs_rf_unshifted},
-               {.fault = "F9: record numbers from 32768 on are cut to 15 bits",
-                .cause = CAUSE_REFERENCE_TRUNCATED,
-                .members = "closest.cpu.rtrs_rf_paper.median.robust.mt"}},
-};
 
 /* Triangle i is turned by i quarter turns, scaled by 1 + i / 8, and lies in the plane z = 1. */
 static void make_concentric(struct hard_made *made)
@@ -154,15 +107,6 @@ static void make_concentric(struct hard_made *made)
         }
     }
 }
-
-const struct hard_case hard_concentric = {
-    .number = 49,
-    .name = "concentric",
-    .recipe = "2, 7, 8, 9 and 64 triangles of one centroid, each larger than the last",
-    .expected = "builds; between two borders one of the larger ones",
-    .source = "hoverinc/ray-tracing-renderer#81: equal centroids recurse for ever; RTRS's F19",
-    .make = make_concentric,
-};
 
 static void make_series(struct hard_made *made)
 {
@@ -187,32 +131,12 @@ static void make_series(struct hard_made *made)
         }
 }
 
-const struct hard_case hard_series = {
-    .number = 50,
-    .name = "series",
-    .recipe =
-        "30 and 58 triangles at 2^-i, one to a leaf; the rtrs builder also without a least size",
-    .expected = "the triangle aimed at, or the tree is refused as too deep",
-    .source = "jbikker/tinybvh#192, #164: stacks overrun on deep trees",
-    .make = make_series,
-};
-
 static void make_nothing(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "empty");
     for (int i = 0; i < 130; i++)
         expect_miss(part, HARD_ALL, ray_of((float)i, 0, 0, i % 2 ? 0.0f : 1.0f, 0, 1));
 }
-
-const struct hard_case hard_nothing = {
-    .number = 51,
-    .name = "empty-scene",
-    .recipe = "no triangle at all",
-    .expected = "a miss",
-    .source = "gfx-rs/wgpu#6731, #8637: crashes; RTRS's F20 reads node 0",
-    .flags = HARD_NO_HITS,
-    .make = make_nothing,
-};
 
 static void make_one(struct hard_made *made)
 {
@@ -230,15 +154,6 @@ static void make_one(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_one = {
-    .number = 52,
-    .name = "one-triangle",
-    .recipe = "a single triangle, so that the root is a leaf; aimed at and past it",
-    .expected = "triangle 0; past it a miss",
-    .source = "numerics.md 4, 52: the root's own box; RTRS's F2: a blank picture",
-    .make = make_one,
-};
-
 /* 65,536 triangles that all the rays pass, the nearest the last: a loop that ends early shows. */
 static void make_stack(struct hard_made *made)
 {
@@ -254,19 +169,6 @@ static void make_stack(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_stack = {
-    .number = 53,
-    .name = "long-loop",
-    .recipe = "65,536 triangles one behind the other, the nearest the last; from both ends",
-    .expected = "the nearest; as the tree says, so brute force in one shader loop",
-    .source = "Mesa's LP_MAX_TGSI_LOOP_ITERATIONS: lavapipe 22.3.6 ends loops after 65,535 rounds",
-    .make = make_stack,
-    .defect = {{.fault = "a loop ends after 65,535 rounds: F1 makes it as long as the tree",
-                .cause = CAUSE_LOOP_CAP,
-                .members = "closest.vulkan.f32.median.rtrs.mt",
-                .version = "Mesa 22.3.6"}},
-};
-
 static void make_counts(struct hard_made *made)
 {
     static const size_t counts[] = {0, 1, 63, 64, 65, 127, 1000};
@@ -278,11 +180,104 @@ static void make_counts(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_counts = {
-    .number = 54,
-    .name = "ray-counts",
-    .recipe = "0, 1, 63, 64, 65, 127 and 1000 rays",
-    .expected = "every ray's own triangle, and nothing written behind the last answer",
-    .source = "numerics.md 4, 54: the bound of a dispatch; RTRS's F25",
-    .make = make_counts,
+const struct hard_case hard_limits_cases[] = {
+    {
+        .number = 45,
+        .name = "leaf-slots",
+        .recipe = "1 to 18 triangles in leaves of 1, 7, 8 and 9",
+        .expected = "each triangle hit in turn; rf16 refuses a leaf of 9",
+        .source = "jbikker/tinybvh#28; hankotanks/rt_rs: slots 7 and 8 are not read (F7), panics "
+                  "(F6, F8)",
+        .make = make_leaves,
+    },
+    {
+        .number = 46,
+        .name = "index-zero",
+        .recipe = "triangle 0 alone, and as the nearest of 16",
+        .expected = "triangle 0",
+        .source = "hankotanks/rt_rs: 0 means empty; RTRS's F2",
+        .make = make_index_zero,
+    },
+    {
+        .number = 47,
+        .name = "triangle-numbers",
+        .recipe = "65536 and 65537 triangles, aimed at 0, 32767, 32768, 65535, 65536",
+        .expected = "the triangle aimed at; beyond 65535 rf16 refuses",
+        .source = "numerics.md 4, 47: numbers cut to 15 or 16 bits; RTRS's F10",
+        .make = make_indices,
+        .defect = {{.fault = "F10: item numbers are cut to 15 and 16 bits",
+                    .cause = CAUSE_INDEX_TRUNCATED,
+                    .members = "closest.cpu.rtrs_rf_paper.median.robust.mt"}},
+    },
+    {
+        .number = 48,
+        .name = "node-numbers",
+        .recipe = "trees of 10923, 10924 and 12000 leaves: 32768, 32771 and 35999 records",
+        .expected = "the triangle aimed at; beyond record 32767 rf16 refuses, and does not wrap",
+        .source = "numerics.md 4, 48: the leaf mark, bit 31, collides; RTRS's F9",
+        .make = make_nodes,
+        .defect = {{.fault = "F9: record numbers from 32768 on set the leaf bit",
+                    .cause = CAUSE_REFERENCE_TRUNCATED,
+                    .members = "closest.cpu.*",
+                    .layout = &layout_rtrs_rf_unshifted},
+                   {.fault = "F9: record numbers from 32768 on are cut to 15 bits",
+                    .cause = CAUSE_REFERENCE_TRUNCATED,
+                    .members = "closest.cpu.rtrs_rf_paper.median.robust.mt"}},
+    },
+    {
+        .number = 49,
+        .name = "concentric",
+        .recipe = "2, 7, 8, 9 and 64 triangles of one centroid, each larger than the last",
+        .expected = "builds; between two borders one of the larger ones",
+        .source = "hoverinc/ray-tracing-renderer#81: equal centroids recurse for ever; RTRS's F19",
+        .make = make_concentric,
+    },
+    {
+        .number = 50,
+        .name = "series",
+        .recipe = "30 and 58 triangles at 2^-i, one to a leaf; the rtrs builder also without a "
+                  "least size",
+        .expected = "the triangle aimed at, or the tree is refused as too deep",
+        .source = "jbikker/tinybvh#192, #164: stacks overrun on deep trees",
+        .make = make_series,
+    },
+    {
+        .number = 51,
+        .name = "empty-scene",
+        .recipe = "no triangle at all",
+        .expected = "a miss",
+        .source = "gfx-rs/wgpu#6731, #8637: crashes; RTRS's F20 reads node 0",
+        .flags = HARD_NO_HITS,
+        .make = make_nothing,
+    },
+    {
+        .number = 52,
+        .name = "one-triangle",
+        .recipe = "a single triangle, so that the root is a leaf; aimed at and past it",
+        .expected = "triangle 0; past it a miss",
+        .source = "numerics.md 4, 52: the root's own box; RTRS's F2: a blank picture",
+        .make = make_one,
+    },
+    {
+        .number = 53,
+        .name = "long-loop",
+        .recipe = "65,536 triangles one behind the other, the nearest the last; from both ends",
+        .expected = "the nearest; as the tree says, so brute force in one shader loop",
+        .source =
+            "Mesa's LP_MAX_TGSI_LOOP_ITERATIONS: lavapipe 22.3.6 ends loops after 65,535 rounds",
+        .make = make_stack,
+        .defect = {{.fault = "a loop ends after 65,535 rounds: F1 makes it as long as the tree",
+                    .cause = CAUSE_LOOP_CAP,
+                    .members = "closest.vulkan.f32.median.rtrs.mt",
+                    .version = "Mesa 22.3.6"}},
+    },
+    {
+        .number = 54,
+        .name = "ray-counts",
+        .recipe = "0, 1, 63, 64, 65, 127 and 1000 rays",
+        .expected = "every ray's own triangle, and nothing written behind the last answer",
+        .source = "numerics.md 4, 54: the bound of a dispatch; RTRS's F25",
+        .make = make_counts,
+    },
+    {0},
 };

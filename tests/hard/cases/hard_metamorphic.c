@@ -70,15 +70,6 @@ static void make_relations(struct hard_made *made)
     relate(made);
 }
 
-const struct hard_case hard_relations = {
-    .number = 55,
-    .name = "relations",
-    .recipe = "a lattice and a soup mirrored, permuted, rotated, rewound, scaled, moved",
-    .expected = "the same triangle; t to the bit where the change is exact in the formula",
-    .source = "numerics.md 4, 55: order and axis bugs",
-    .make = make_relations,
-};
-
 static void make_shifted(struct hard_made *made)
 {
     struct hard_part *part = part_floor(made, "grid", 8, 16);
@@ -99,15 +90,6 @@ static void make_shifted(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_shifted = {
-    .number = 56,
-    .name = "shifted-origin",
-    .recipe = "the same line from origins 0 to 7 directions farther back, on a lattice",
-    .expected = "the same triangle at exactly t + k",
-    .source = "numerics.md 4, 56: thresholds relative to t",
-    .make = make_shifted,
-};
-
 static void make_structure(struct hard_made *made)
 {
     static const char *const specs[] = {
@@ -126,16 +108,6 @@ static void make_structure(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_structure = {
-    .number = 58,
-    .name = "structure",
-    .recipe = "trees of soups, spheres from 2^-30 to 2^12, needles, duplicates, terrain",
-    .expected = "every decoded box contains its triangles, each of which is in one leaf",
-    .source = "gkjohnson/three-mesh-bvh#169, madmann91/bvh#84: found without shooting a ray",
-    .flags = HARD_TREES_ONLY | HARD_STRUCTURE,
-    .make = make_structure,
-};
-
 static void make_any(struct hard_made *made)
 {
     struct hard_part *part = lattice_scene(made, 59);
@@ -146,16 +118,6 @@ static void make_any(struct hard_made *made)
         part->ray[i].tmax = i % 2 ? 0.75f : 1.5f;
 }
 
-const struct hard_case hard_any = {
-    .number = 59,
-    .name = "any-hit",
-    .recipe = "a lattice and a soup, some ranges ending before the target",
-    .expected = "any-hit says hit exactly where the closest hit is one",
-    .source = "numerics.md 4, 59: separate code paths",
-    .flags = HARD_ANY_TOO,
-    .make = make_any,
-};
-
 static void make_modes(struct hard_made *made)
 {
     struct hard_part *part = part_open(made, "soup:n=200,size=0.4");
@@ -164,12 +126,49 @@ static void make_modes(struct hard_made *made)
     add_rays(part, 6, 300, 8, true);
 }
 
-const struct hard_case hard_modes = {
-    .number = 60,
-    .name = "float-modes",
-    .recipe = "the same job with FTZ and DAZ set and not, on one thread and on all",
-    .expected = "the same bits",
-    .source = "numerics.md 4, 60: the environment leaks in; Embree sets both while it builds",
-    .flags = HARD_FLOAT_MODE,
-    .make = make_modes,
+const struct hard_case hard_metamorphic_cases[] = {
+    {
+        .number = 55,
+        .name = "relations",
+        .recipe = "a lattice and a soup mirrored, permuted, rotated, rewound, scaled, moved",
+        .expected = "the same triangle; t to the bit where the change is exact in the formula",
+        .source = "numerics.md 4, 55: order and axis bugs",
+        .make = make_relations,
+    },
+    {
+        .number = 56,
+        .name = "shifted-origin",
+        .recipe = "the same line from origins 0 to 7 directions farther back, on a lattice",
+        .expected = "the same triangle at exactly t + k",
+        .source = "numerics.md 4, 56: thresholds relative to t",
+        .make = make_shifted,
+    },
+    {
+        .number = 58,
+        .name = "structure",
+        .recipe = "trees of soups, spheres from 2^-30 to 2^12, needles, duplicates, terrain",
+        .expected = "every decoded box contains its triangles, each of which is in one leaf",
+        .source = "gkjohnson/three-mesh-bvh#169, madmann91/bvh#84: found without shooting a ray",
+        .flags = HARD_TREES_ONLY | HARD_STRUCTURE,
+        .make = make_structure,
+    },
+    {
+        .number = 59,
+        .name = "any-hit",
+        .recipe = "a lattice and a soup, some ranges ending before the target",
+        .expected = "any-hit says hit exactly where the closest hit is one",
+        .source = "numerics.md 4, 59: separate code paths",
+        .flags = HARD_ANY_TOO,
+        .make = make_any,
+    },
+    {
+        .number = 60,
+        .name = "float-modes",
+        .recipe = "the same job with FTZ and DAZ set and not, on one thread and on all",
+        .expected = "the same bits",
+        .source = "numerics.md 4, 60: the environment leaks in; Embree sets both while it builds",
+        .flags = HARD_FLOAT_MODE,
+        .make = make_modes,
+    },
+    {0},
 };

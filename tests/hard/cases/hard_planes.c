@@ -54,23 +54,6 @@ static void make_border(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_border = {
-    .number = 3,
-    .name = "border",
-    .recipe = "d = (+-0, +-0, +-1), origin exactly over the least and the greatest border",
-    .expected = "the border's triangle at t = 1, on both sides alike",
-    .source = "RenderKit/embree#589, jbikker/tinybvh#286, NVIDIA/warp#1530: 1/0 made finite",
-    .defect = {{.fault = "Embree loses rays on the maximum border of a flat grid",
-                .cause = CAUSE_PARALLEL_AXIS,
-                .members = "*.embree*.-.-.-.*",
-                .version = "Embree 3..4.3.3"},
-               {.fault = "lavapipe's ray query loses rays on the maximum border of a flat grid",
-                .cause = CAUSE_PARALLEL_AXIS,
-                .members = "*.rayquery.-.-.-.*",
-                .version = "Mesa 25."}},
-    .make = make_border,
-};
-
 static void make_lines(struct hard_made *made)
 {
     struct hard_part *part = part_floor(made, "grid", N, 1);
@@ -86,15 +69,6 @@ static void make_lines(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_lines = {
-    .number = 4,
-    .name = "grid-lines",
-    .recipe = "d along z, origin exactly over inner grid lines and diagonals",
-    .expected = "one of the two triangles, t = 1",
-    .source = "jbikker/tinybvh#168: gaps on an integer mesh",
-    .make = make_lines,
-};
-
 static void make_grid_vertices(struct hard_made *made)
 {
     struct hard_part *part = part_floor(made, "grid", N, 1);
@@ -109,15 +83,6 @@ static void make_grid_vertices(struct hard_made *made)
             want_t(part, HARD_ALL, 1);
         }
 }
-
-const struct hard_case hard_grid_vertices = {
-    .number = 5,
-    .name = "grid-vertices",
-    .recipe = "d along z, origin exactly over every inner vertex of the grid",
-    .expected = "one of the six triangles, t = 1",
-    .source = "RenderKit/embree#181, #174: rays through vertices",
-    .make = make_grid_vertices,
-};
 
 static void make_in_plane(struct hard_made *made)
 {
@@ -143,15 +108,6 @@ static void make_in_plane(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_in_plane = {
-    .number = 11,
-    .name = "in-plane",
-    .recipe = "rays in the plane of a triangle, across it: exactly (grid) and rounded (soup)",
-    .expected = "grid: a miss; soup: a miss, or t within the overlap",
-    .source = "RenderKit/embree#387 (t = 12291), #298: the determinant is noise",
-    .make = make_in_plane,
-};
-
 static void make_along_edge(struct hard_made *made)
 {
     struct hard_part *part = part_floor(made, "grid", N, 1);
@@ -172,15 +128,6 @@ static void make_along_edge(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_along_edge = {
-    .number = 12,
-    .name = "along-edge",
-    .recipe = "rays in the plane along shared edges of a grid, and along the edges of a cube",
-    .expected = "grid: a miss; cube: the end face's corner at t = 4",
-    .source = "numerics.md 4, 12; aevyrie/bevy_mod_raycast#119: NaN on edges",
-    .make = make_along_edge,
-};
-
 static void make_near_plane(struct hard_made *made)
 {
     static const float slopes[] = {1e-5f, 1e-6f, 1e-7f};
@@ -197,15 +144,6 @@ static void make_near_plane(struct hard_made *made)
         }
     }
 }
-
-const struct hard_case hard_near_plane = {
-    .number = 13,
-    .name = "near-plane",
-    .recipe = "rays of 11 rotated out of the plane by 1e-5, 1e-6, 1e-7",
-    .expected = "what the oracle says, within the proven bounds",
-    .source = "RenderKit/embree#387: phantom hits of grazing rays",
-    .make = make_near_plane,
-};
 
 static void make_lattice(struct hard_made *made)
 {
@@ -232,15 +170,6 @@ static void make_lattice(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_lattice = {
-    .number = 16,
-    .name = "lattice",
-    .recipe = "triangles, origins and directions of small whole numbers: exact zeros everywhere",
-    .expected = "one of the exact nearest set",
-    .source = "jbikker/tinybvh#168; numerics.md 4, 16: filter fall-through, double counting",
-    .make = make_lattice,
-};
-
 static void make_on_surface(struct hard_made *made)
 {
     static const float first[] = {0, 0x1p-149f, 1e-30f, 0x1p-24f};
@@ -260,15 +189,6 @@ static void make_on_surface(struct hard_made *made)
         }
 }
 
-const struct hard_case hard_on_surface = {
-    .number = 17,
-    .name = "on-surface",
-    .recipe = "the origin on a triangle, exactly; tmin = 0, the smallest float, 1e-30, 2^-24",
-    .expected = "tmin = 0: a hit where ends count, else a miss; a miss for 1e-30 and 2^-24",
-    .source = "RenderKit/embree#133; Cycles T43835, T54284: rays that start on a surface",
-    .make = make_on_surface,
-};
-
 static void make_on_vertex(struct hard_made *made)
 {
     struct hard_part *part = part_floor(made, "grid", N, 1);
@@ -282,11 +202,87 @@ static void make_on_vertex(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_on_vertex = {
-    .number = 18,
-    .name = "on-vertex",
-    .recipe = "the origin is a vertex; directions out of the plane, in it, and zero",
-    .expected = "t = 0: a hit where ends count; in the plane a miss",
-    .source = "numerics.md 4, 18: 0 / 0",
-    .make = make_on_vertex,
+const struct hard_case hard_planes_cases[] = {
+    {
+        .number = 3,
+        .name = "border",
+        .recipe = "d = (+-0, +-0, +-1), origin exactly over the least and the greatest border",
+        .expected = "the border's triangle at t = 1, on both sides alike",
+        .source = "RenderKit/embree#589, jbikker/tinybvh#286, NVIDIA/warp#1530: 1/0 made finite",
+        .defect = {{.fault = "Embree loses rays on the maximum border of a flat grid",
+                    .cause = CAUSE_PARALLEL_AXIS,
+                    .members = "*.embree*.-.-.-.*",
+                    .version = "Embree 3..4.3.3"},
+                   {.fault = "lavapipe's ray query loses rays on the maximum border of a flat grid",
+                    .cause = CAUSE_PARALLEL_AXIS,
+                    .members = "*.rayquery.-.-.-.*",
+                    .version = "Mesa 25."}},
+        .make = make_border,
+    },
+    {
+        .number = 4,
+        .name = "grid-lines",
+        .recipe = "d along z, origin exactly over inner grid lines and diagonals",
+        .expected = "one of the two triangles, t = 1",
+        .source = "jbikker/tinybvh#168: gaps on an integer mesh",
+        .make = make_lines,
+    },
+    {
+        .number = 5,
+        .name = "grid-vertices",
+        .recipe = "d along z, origin exactly over every inner vertex of the grid",
+        .expected = "one of the six triangles, t = 1",
+        .source = "RenderKit/embree#181, #174: rays through vertices",
+        .make = make_grid_vertices,
+    },
+    {
+        .number = 11,
+        .name = "in-plane",
+        .recipe = "rays in the plane of a triangle, across it: exactly (grid) and rounded (soup)",
+        .expected = "grid: a miss; soup: a miss, or t within the overlap",
+        .source = "RenderKit/embree#387 (t = 12291), #298: the determinant is noise",
+        .make = make_in_plane,
+    },
+    {
+        .number = 12,
+        .name = "along-edge",
+        .recipe = "rays in the plane along shared edges of a grid, and along the edges of a cube",
+        .expected = "grid: a miss; cube: the end face's corner at t = 4",
+        .source = "numerics.md 4, 12; aevyrie/bevy_mod_raycast#119: NaN on edges",
+        .make = make_along_edge,
+    },
+    {
+        .number = 13,
+        .name = "near-plane",
+        .recipe = "rays of 11 rotated out of the plane by 1e-5, 1e-6, 1e-7",
+        .expected = "what the oracle says, within the proven bounds",
+        .source = "RenderKit/embree#387: phantom hits of grazing rays",
+        .make = make_near_plane,
+    },
+    {
+        .number = 16,
+        .name = "lattice",
+        .recipe =
+            "triangles, origins and directions of small whole numbers: exact zeros everywhere",
+        .expected = "one of the exact nearest set",
+        .source = "jbikker/tinybvh#168; numerics.md 4, 16: filter fall-through, double counting",
+        .make = make_lattice,
+    },
+    {
+        .number = 17,
+        .name = "on-surface",
+        .recipe = "the origin on a triangle, exactly; tmin = 0, the smallest float, 1e-30, 2^-24",
+        .expected = "tmin = 0: a hit where ends count, else a miss; a miss for 1e-30 and 2^-24",
+        .source = "RenderKit/embree#133; Cycles T43835, T54284: rays that start on a surface",
+        .make = make_on_surface,
+    },
+    {
+        .number = 18,
+        .name = "on-vertex",
+        .recipe = "the origin is a vertex; directions out of the plane, in it, and zero",
+        .expected = "t = 0: a hit where ends count; in the plane a miss",
+        .source = "numerics.md 4, 18: 0 / 0",
+        .make = make_on_vertex,
+    },
+    {0},
 };

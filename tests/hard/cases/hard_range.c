@@ -40,15 +40,6 @@ static void make_ends(struct hard_made *made)
         }
 }
 
-const struct hard_case hard_ends = {
-    .number = 40,
-    .name = "range-ends",
-    .recipe = "an exact t, with tmin or tmax at it and one float beside",
-    .expected = "at an end: a hit where ends count; within: the triangle; beside: a miss",
-    .source = "numerics.md 4, 40: open and closed ranges mixed; Embree: tnear < t <= tfar",
-    .make = make_ends,
-};
-
 static void make_empty(struct hard_made *made)
 {
     struct hard_part *part = part_floor(made, "grid", N, 4);
@@ -66,16 +57,6 @@ static void make_empty(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_empty_range = {
-    .number = 41,
-    .name = "empty-range",
-    .recipe = "tmin > tmax, tmin = tmax beside the hit and at it, negative and infinite ends",
-    .expected = "a miss, and an end; tmin = tmax = t: a hit where ends count",
-    .source = "numerics.md 4, 41: a loop that never ends",
-    .flags = HARD_TWICE,
-    .make = make_empty,
-};
-
 static void make_endless(struct hard_made *made)
 {
     static const float most[] = {INFINITY, FLT_MAX, 1e38f, 1e30f};
@@ -92,11 +73,32 @@ static void make_endless(struct hard_made *made)
         }
 }
 
-const struct hard_case hard_endless = {
-    .number = 42,
-    .name = "endless-range",
-    .recipe = "tmax = infinity, the largest float, 1e38, 1e30; towards the grid and away from it",
-    .expected = "the triangle aimed at; away: a miss",
-    .source = "numerics.md 4, 42: infinity times the far factor, infinity - infinity",
-    .make = make_endless,
+const struct hard_case hard_range_cases[] = {
+    {
+        .number = 40,
+        .name = "range-ends",
+        .recipe = "an exact t, with tmin or tmax at it and one float beside",
+        .expected = "at an end: a hit where ends count; within: the triangle; beside: a miss",
+        .source = "numerics.md 4, 40: open and closed ranges mixed; Embree: tnear < t <= tfar",
+        .make = make_ends,
+    },
+    {
+        .number = 41,
+        .name = "empty-range",
+        .recipe = "tmin > tmax, tmin = tmax beside the hit and at it, negative and infinite ends",
+        .expected = "a miss, and an end; tmin = tmax = t: a hit where ends count",
+        .source = "numerics.md 4, 41: a loop that never ends",
+        .flags = HARD_TWICE,
+        .make = make_empty,
+    },
+    {
+        .number = 42,
+        .name = "endless-range",
+        .recipe =
+            "tmax = infinity, the largest float, 1e38, 1e30; towards the grid and away from it",
+        .expected = "the triangle aimed at; away: a miss",
+        .source = "numerics.md 4, 42: infinity times the far factor, infinity - infinity",
+        .make = make_endless,
+    },
+    {0},
 };

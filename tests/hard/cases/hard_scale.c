@@ -37,15 +37,6 @@ static void make_powers(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_powers = {
-    .number = 23,
-    .name = "powers-of-ten",
-    .recipe = "a 4x4 grid times 1e-38 to 1e37; directions of its scale, and of length 1",
-    .expected = "1e-9 to 1e11: the triangle aimed at; beyond: within the proven bounds",
-    .source = "jbikker/tinybvh#283, godotengine/godot#53844: |det| < 1e-6; RTRS's F16",
-    .make = make_powers,
-};
-
 static void make_denormals(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "1e-40");
@@ -56,16 +47,6 @@ static void make_denormals(struct hard_made *made)
         part_ray(part, ray_of(x, y, i % 2 ? 0.0f : -1e-40f, 0, 0, i % 3 ? 1.0f : 1e-40f));
     }
 }
-
-const struct hard_case hard_denormals = {
-    .number = 24,
-    .name = "denormal-vertices",
-    .recipe = "a grid whose coordinates are all denormal",
-    .expected = "stored bounds contain it; answers within the proven bounds; the same twice",
-    .source = "numerics.md 3.1: F16C under DAZ is not outward",
-    .flags = HARD_TWICE,
-    .make = make_denormals,
-};
 
 static void soup_at(struct hard_part *part, struct rng *rng, float offset, float size, int count)
 {
@@ -90,15 +71,6 @@ static void make_far_small(struct hard_made *made)
     aim_inside(part, &rng, 150, 0.5f);
 }
 
-const struct hard_case hard_far_small = {
-    .number = 25,
-    .name = "far-and-small",
-    .recipe = "triangles of 1e-3 at 1e6 (most snap to points or segments), of 1e-2 at 1e4",
-    .expected = "what the oracle says, within the proven bounds",
-    .source = "gkjohnson/three-mesh-bvh#112; Cycles T43835: far from the origin",
-    .make = make_far_small,
-};
-
 static void make_far_unit(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "flat grid at 1e6");
@@ -114,15 +86,6 @@ static void make_far_unit(struct hard_made *made)
     soup_at(part, &rng, 1e6f, 4, 100);
     aim_inside(part, &rng, 150, 32);
 }
-
-const struct hard_case hard_far_unit = {
-    .number = 26,
-    .name = "far-unit",
-    .recipe = "a unit grid and a soup of size 4 at 1e6",
-    .expected = "grid: the triangle aimed at, t within its bound; rf16 refuses",
-    .source = "numerics.md 2.6: Embree's default slabs b/d - o/d lose 376 of 4096 there",
-    .make = make_far_unit,
-};
 
 static void make_mixed(struct hard_made *made)
 {
@@ -141,15 +104,6 @@ static void make_mixed(struct hard_made *made)
             want_id(part, HARD_ALL, below);
     }
 }
-
-const struct hard_case hard_mixed_scales = {
-    .number = 27,
-    .name = "mixed-scales",
-    .recipe = "150 triangles of 1e-3 over one of 1e6",
-    .expected = "what the oracle says; beside the small ones the large one",
-    .source = "numerics.md 4, 27: thresholds relative to the scene",
-    .make = make_mixed,
-};
 
 /* A corridor seen lengthwise: walls that reach far behind the origin. Woop's rounding there is as
  * absolute as they are long, a relative pad of the boxes is not. */
@@ -171,11 +125,55 @@ static void make_corridor(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_corridor = {
-    .number = 64,
-    .name = "corridor",
-    .recipe = "a closed box 2 x 2 x 20 to 2000, from its middle at its long edges",
-    .expected = "watertight tests: always a hit, through every tree whose boxes allow for it",
-    .source = "found here: a relative pad of boxes is less than Woop's rounding of long walls",
-    .make = make_corridor,
+const struct hard_case hard_scale_cases[] = {
+    {
+        .number = 23,
+        .name = "powers-of-ten",
+        .recipe = "a 4x4 grid times 1e-38 to 1e37; directions of its scale, and of length 1",
+        .expected = "1e-9 to 1e11: the triangle aimed at; beyond: within the proven bounds",
+        .source = "jbikker/tinybvh#283, godotengine/godot#53844: |det| < 1e-6; RTRS's F16",
+        .make = make_powers,
+    },
+    {
+        .number = 24,
+        .name = "denormal-vertices",
+        .recipe = "a grid whose coordinates are all denormal",
+        .expected = "stored bounds contain it; answers within the proven bounds; the same twice",
+        .source = "numerics.md 3.1: F16C under DAZ is not outward",
+        .flags = HARD_TWICE,
+        .make = make_denormals,
+    },
+    {
+        .number = 25,
+        .name = "far-and-small",
+        .recipe = "triangles of 1e-3 at 1e6 (most snap to points or segments), of 1e-2 at 1e4",
+        .expected = "what the oracle says, within the proven bounds",
+        .source = "gkjohnson/three-mesh-bvh#112; Cycles T43835: far from the origin",
+        .make = make_far_small,
+    },
+    {
+        .number = 26,
+        .name = "far-unit",
+        .recipe = "a unit grid and a soup of size 4 at 1e6",
+        .expected = "grid: the triangle aimed at, t within its bound; rf16 refuses",
+        .source = "numerics.md 2.6: Embree's default slabs b/d - o/d lose 376 of 4096 there",
+        .make = make_far_unit,
+    },
+    {
+        .number = 27,
+        .name = "mixed-scales",
+        .recipe = "150 triangles of 1e-3 over one of 1e6",
+        .expected = "what the oracle says; beside the small ones the large one",
+        .source = "numerics.md 4, 27: thresholds relative to the scene",
+        .make = make_mixed,
+    },
+    {
+        .number = 64,
+        .name = "corridor",
+        .recipe = "a closed box 2 x 2 x 20 to 2000, from its middle at its long edges",
+        .expected = "watertight tests: always a hit, through every tree whose boxes allow for it",
+        .source = "found here: a relative pad of boxes is less than Woop's rounding of long walls",
+        .make = make_corridor,
+    },
+    {0},
 };

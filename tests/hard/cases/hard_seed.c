@@ -27,24 +27,6 @@ static void make_items(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_seed_items = {
-    .number = 70,
-    .name = "seed-items",
-    .recipe = "300 triangles apart, numbered out of order, a ray at each",
-    .expected = "its triangle",
-    .source = SEED "scene/mod.rs:160 (F2), state/mod.rs:328 (F3); Listing 6",
-    .make = make_items,
-    .defect = {{.fault = "F2: items are numbered one off",
-                .cause = CAUSE_INDEX_SHIFTED,
-                .members = "closest.*.rtrs_rf.median.robust.mt"},
-               {.fault = "F3: triangles are reordered after they were uploaded",
-                .cause = CAUSE_WRONG_ITEM,
-                .members = "closest.*.rtrs_direct.median.robust.mt"},
-               {.fault = "the paper's record takes 0 for empty",
-                .cause = CAUSE_SENTINEL,
-                .members = "closest.*.rtrs_rf_paper.median.robust.mt"}},
-};
-
 static void make_floor(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "y = 0.1");
@@ -55,21 +37,6 @@ static void make_floor(struct hard_made *made)
         expect_hit(part, HARD_ALL, ray_of(x, 2, z, 0, -1, 0));
     }
 }
-
-const struct hard_case hard_seed_floor = {
-    .number = 71,
-    .name = "seed-floor",
-    .recipe = "a flat floor of 18 triangles at y = 0.1, from above",
-    .expected = "a hit",
-    .source = SEED "bvh/aabb.rs:196 (F4), rf.rs:113 (F8)",
-    .make = make_floor,
-    .defect = {{.fault = "F4: rounded centroids lie outside, nothing is split, the box is cut",
-                .cause = CAUSE_CUT_BOX,
-                .members = "closest.*.f32.rtrs.robust.mt"},
-               {.fault = "F8: more than 8 items in a leaf end RTRS",
-                .members = "closest.*.rtrs_rf.rtrs.robust.mt",
-                .refuses = "F8"}},
-};
 
 static void make_cut(struct hard_made *made)
 {
@@ -84,18 +51,6 @@ static void make_cut(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_seed_cut = {
-    .number = 72,
-    .name = "seed-cut",
-    .recipe = "five copies of one triangle, which no plane separates",
-    .expected = "a hit",
-    .source = SEED "bvh/aabb.rs:221 (F5)",
-    .make = make_cut,
-    .defect = {{.fault = "F5: boxes are cut in half until they hold nothing",
-                .cause = CAUSE_CUT_BOX,
-                .members = "closest.*.f32.rtrs.robust.mt"}},
-};
-
 /* Clusters far apart, one of eight triangles and seven of five: leaves of eight and of five. */
 static void make_slots(struct hard_made *made)
 {
@@ -109,19 +64,6 @@ static void make_slots(struct hard_made *made)
         }
 }
 
-const struct hard_case hard_seed_slots = {
-    .number = 73,
-    .name = "seed-slots",
-    .recipe = "a leaf of eight items, all with small numbers, among leaves of five",
-    .expected = "the triangle aimed at",
-    .source = SEED "rf.rs:443 (F7)",
-    .make = make_slots,
-    .defect = {{.fault = "F7: six of eight slots are read",
-                .cause = CAUSE_SLOT_NOT_READ,
-                .members = "closest.cpu.*",
-                .layout = &layout_rtrs_rf_unshifted}},
-};
-
 static void make_records(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "one leaf of 8");
@@ -131,18 +73,6 @@ static void make_records(struct hard_made *made)
         dot(part, (float)i, 0);
     }
 }
-
-const struct hard_case hard_seed_records = {
-    .number = 74,
-    .name = "seed-records",
-    .recipe = "eight triangles in one leaf, the root",
-    .expected = "the triangle aimed at",
-    .source = SEED "rf.rs:130 (F6)",
-    .make = make_records,
-    .defect = {{.fault = "F6: the items of a leaf are taken for nodes, which ends RTRS",
-                .members = "closest.*.rtrs_rf.median.*",
-                .refuses = "F6"}},
-};
 
 static void make_halves(struct hard_made *made)
 {
@@ -160,18 +90,6 @@ static void make_halves(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_seed_halves = {
-    .number = 75,
-    .name = "seed-halves",
-    .recipe = "triangles from 65520 on, where the nearest half is infinite",
-    .expected = "a hit; rf16 refuses",
-    .source = SEED "rf.rs:87 (F12)",
-    .make = make_halves,
-    .defect = {{.fault = "F12: bounds overflow",
-                .cause = CAUSE_HALF_OVERFLOW,
-                .members = "closest.*.rtrs_rf_paper.median.robust.mt"}},
-};
-
 static void make_last(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "one leaf");
@@ -181,19 +99,6 @@ static void make_last(struct hard_made *made)
         expect_id(part, HARD_ALL, ray_of(0.25f * (float)i, 0.5f, 0, 0, 0, 1), 0);
 }
 
-const struct hard_case hard_seed_last = {
-    .number = 76,
-    .name = "seed-last",
-    .recipe = "four triangles behind each other in one leaf, the nearest the first",
-    .expected = "the nearest",
-    .source = "the paper's Figure 7 (F13): compares with the best of before the leaf",
-    .make = make_last,
-    .defect = {{.fault = "F13: the last accepted triangle of a leaf wins",
-                .cause = CAUSE_STALE_BEST,
-                .members = "closest.last_wins.*",
-                .engine = &engine_last_wins}},
-};
-
 static void make_parallel(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "x = 100");
@@ -201,18 +106,6 @@ static void make_parallel(struct hard_made *made)
     for (int i = -4; i <= 4; i++)
         part_ray(part, ray_of(100, 0.1875f * (float)i, -5, 0, 0, 1));
 }
-
-const struct hard_case hard_seed_parallel = {
-    .number = 77,
-    .name = "seed-parallel",
-    .recipe = "rays along z in the face x = 100 of a triangle's box",
-    .expected = "what brute force hits",
-    .source = SEED "rf.rs:417 (F15): 0 / 0",
-    .make = make_parallel,
-    .defect = {{.fault = "F15: a direction of 0 divides by zero",
-                .cause = CAUSE_PARALLEL_AXIS,
-                .members = "closest.cpu.f32.median.rtrs.mt"}},
-};
 
 static void make_threshold(struct hard_made *made)
 {
@@ -225,17 +118,119 @@ static void make_threshold(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_seed_threshold = {
-    .number = 78,
-    .name = "seed-threshold",
-    .recipe = "a triangle of 3e-4, straight on",
-    .expected = "triangle 0",
-    .source = SEED "intrs.wgsl (F16): an absolute 1e-7; jbikker/tinybvh#283",
-    .make = make_threshold,
-    .defect = {{.fault = "F16: a determinant below 1e-7 is none",
-                .cause = CAUSE_DETERMINANT_THRESHOLD,
-                .members = "closest.*.f32.median.robust.mt_rtrs"},
-               {.fault = "F16: a determinant below 1e-7 is none",
-                .cause = CAUSE_DETERMINANT_THRESHOLD,
-                .members = "closest.brute.-.-.-.mt_rtrs"}},
+const struct hard_case hard_seed_cases[] = {
+    {
+        .number = 70,
+        .name = "seed-items",
+        .recipe = "300 triangles apart, numbered out of order, a ray at each",
+        .expected = "its triangle",
+        .source = SEED "scene/mod.rs:160 (F2), state/mod.rs:328 (F3); Listing 6",
+        .make = make_items,
+        .defect = {{.fault = "F2: items are numbered one off",
+                    .cause = CAUSE_INDEX_SHIFTED,
+                    .members = "closest.*.rtrs_rf.median.robust.mt"},
+                   {.fault = "F3: triangles are reordered after they were uploaded",
+                    .cause = CAUSE_WRONG_ITEM,
+                    .members = "closest.*.rtrs_direct.median.robust.mt"},
+                   {.fault = "the paper's record takes 0 for empty",
+                    .cause = CAUSE_SENTINEL,
+                    .members = "closest.*.rtrs_rf_paper.median.robust.mt"}},
+    },
+    {
+        .number = 71,
+        .name = "seed-floor",
+        .recipe = "a flat floor of 18 triangles at y = 0.1, from above",
+        .expected = "a hit",
+        .source = SEED "bvh/aabb.rs:196 (F4), rf.rs:113 (F8)",
+        .make = make_floor,
+        .defect = {{.fault = "F4: rounded centroids lie outside, nothing is split, the box is cut",
+                    .cause = CAUSE_CUT_BOX,
+                    .members = "closest.*.f32.rtrs.robust.mt"},
+                   {.fault = "F8: more than 8 items in a leaf end RTRS",
+                    .members = "closest.*.rtrs_rf.rtrs.robust.mt",
+                    .refuses = "F8"}},
+    },
+    {
+        .number = 72,
+        .name = "seed-cut",
+        .recipe = "five copies of one triangle, which no plane separates",
+        .expected = "a hit",
+        .source = SEED "bvh/aabb.rs:221 (F5)",
+        .make = make_cut,
+        .defect = {{.fault = "F5: boxes are cut in half until they hold nothing",
+                    .cause = CAUSE_CUT_BOX,
+                    .members = "closest.*.f32.rtrs.robust.mt"}},
+    },
+    {
+        .number = 73,
+        .name = "seed-slots",
+        .recipe = "a leaf of eight items, all with small numbers, among leaves of five",
+        .expected = "the triangle aimed at",
+        .source = SEED "rf.rs:443 (F7)",
+        .make = make_slots,
+        .defect = {{.fault = "F7: six of eight slots are read",
+                    .cause = CAUSE_SLOT_NOT_READ,
+                    .members = "closest.cpu.*",
+                    .layout = &layout_rtrs_rf_unshifted}},
+    },
+    {
+        .number = 74,
+        .name = "seed-records",
+        .recipe = "eight triangles in one leaf, the root",
+        .expected = "the triangle aimed at",
+        .source = SEED "rf.rs:130 (F6)",
+        .make = make_records,
+        .defect = {{.fault = "F6: the items of a leaf are taken for nodes, which ends RTRS",
+                    .members = "closest.*.rtrs_rf.median.*",
+                    .refuses = "F6"}},
+    },
+    {
+        .number = 75,
+        .name = "seed-halves",
+        .recipe = "triangles from 65520 on, where the nearest half is infinite",
+        .expected = "a hit; rf16 refuses",
+        .source = SEED "rf.rs:87 (F12)",
+        .make = make_halves,
+        .defect = {{.fault = "F12: bounds overflow",
+                    .cause = CAUSE_HALF_OVERFLOW,
+                    .members = "closest.*.rtrs_rf_paper.median.robust.mt"}},
+    },
+    {
+        .number = 76,
+        .name = "seed-last",
+        .recipe = "four triangles behind each other in one leaf, the nearest the first",
+        .expected = "the nearest",
+        .source = "the paper's Figure 7 (F13): compares with the best of before the leaf",
+        .make = make_last,
+        .defect = {{.fault = "F13: the last accepted triangle of a leaf wins",
+                    .cause = CAUSE_STALE_BEST,
+                    .members = "closest.last_wins.*",
+                    .engine = &engine_last_wins}},
+    },
+    {
+        .number = 77,
+        .name = "seed-parallel",
+        .recipe = "rays along z in the face x = 100 of a triangle's box",
+        .expected = "what brute force hits",
+        .source = SEED "rf.rs:417 (F15): 0 / 0",
+        .make = make_parallel,
+        .defect = {{.fault = "F15: a direction of 0 divides by zero",
+                    .cause = CAUSE_PARALLEL_AXIS,
+                    .members = "closest.cpu.f32.median.rtrs.mt"}},
+    },
+    {
+        .number = 78,
+        .name = "seed-threshold",
+        .recipe = "a triangle of 3e-4, straight on",
+        .expected = "triangle 0",
+        .source = SEED "intrs.wgsl (F16): an absolute 1e-7; jbikker/tinybvh#283",
+        .make = make_threshold,
+        .defect = {{.fault = "F16: a determinant below 1e-7 is none",
+                    .cause = CAUSE_DETERMINANT_THRESHOLD,
+                    .members = "closest.*.f32.median.robust.mt_rtrs"},
+                   {.fault = "F16: a determinant below 1e-7 is none",
+                    .cause = CAUSE_DETERMINANT_THRESHOLD,
+                    .members = "closest.brute.-.-.-.mt_rtrs"}},
+    },
+    {0},
 };

@@ -25,15 +25,6 @@ static void make_slivers(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_slivers = {
-    .number = 28,
-    .name = "slivers",
-    .recipe = "triangles whose third vertex is the middle of the others + 1e-6, aimed at",
-    .expected = "what the oracle says, within the proven bounds",
-    .source = "numerics.md 4, 28: mt's band is wide there, woop's is not",
-    .make = make_slivers,
-};
-
 static void make_needles(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "needles");
@@ -57,15 +48,6 @@ static void make_needles(struct hard_made *made)
         part_ray(part, ray_at(from, to));
     }
 }
-
-const struct hard_case hard_needles = {
-    .number = 29,
-    .name = "needles",
-    .recipe = "triangles of 1 : 1e-7, seen across and nearly along",
-    .expected = "what the oracle says, within the proven bounds",
-    .source = "RenderKit/embree#387: t = 12291 on a skinny triangle seen at grazing angle",
-    .make = make_needles,
-};
 
 #define N 8
 
@@ -102,15 +84,6 @@ static void make_no_area(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_no_area = {
-    .number = 30,
-    .name = "no-area",
-    .recipe = "triangles that are points or segments, before a grid; rays through their vertices",
-    .expected = "the grid behind them",
-    .source = "numerics.md 4, 30: NaN u and v, n / 0; Vulkan: never a hit",
-    .make = make_no_area,
-};
-
 static void make_duplicates(struct hard_made *made)
 {
     for (uint32_t most = 8; most <= 9; most++) {
@@ -130,15 +103,6 @@ static void make_duplicates(struct hard_made *made)
         }
     }
 }
-
-const struct hard_case hard_duplicates = {
-    .number = 31,
-    .name = "duplicates",
-    .recipe = "2 to 8 and 2 to 9 copies of a triangle",
-    .expected = "any of the copies, t = 1",
-    .source = "numerics.md 4, 31: order, leaves that cannot be split; RTRS's F8",
-    .make = make_duplicates,
-};
 
 static void make_coplanar(struct hard_made *made)
 {
@@ -163,15 +127,6 @@ static void make_coplanar(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_coplanar = {
-    .number = 32,
-    .name = "coplanar",
-    .recipe = "overlapping triangles of sizes 1 to 8 in one lattice plane",
-    .expected = "one of those at the point, t = 1",
-    .source = "numerics.md 4, 32: order of coplanar triangles",
-    .make = make_coplanar,
-};
-
 static void make_windings(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "both sides");
@@ -193,11 +148,55 @@ static void make_windings(struct hard_made *made)
     }
 }
 
-const struct hard_case hard_windings = {
-    .number = 33,
-    .name = "windings",
-    .recipe = "each triangle twice, with opposite windings, from both sides",
-    .expected = "either of the two, t = 1: nothing is culled",
-    .source = "numerics.md 4, 33: the sign of the determinant",
-    .make = make_windings,
+const struct hard_case hard_shapes_cases[] = {
+    {
+        .number = 28,
+        .name = "slivers",
+        .recipe = "triangles whose third vertex is the middle of the others + 1e-6, aimed at",
+        .expected = "what the oracle says, within the proven bounds",
+        .source = "numerics.md 4, 28: mt's band is wide there, woop's is not",
+        .make = make_slivers,
+    },
+    {
+        .number = 29,
+        .name = "needles",
+        .recipe = "triangles of 1 : 1e-7, seen across and nearly along",
+        .expected = "what the oracle says, within the proven bounds",
+        .source = "RenderKit/embree#387: t = 12291 on a skinny triangle seen at grazing angle",
+        .make = make_needles,
+    },
+    {
+        .number = 30,
+        .name = "no-area",
+        .recipe =
+            "triangles that are points or segments, before a grid; rays through their vertices",
+        .expected = "the grid behind them",
+        .source = "numerics.md 4, 30: NaN u and v, n / 0; Vulkan: never a hit",
+        .make = make_no_area,
+    },
+    {
+        .number = 31,
+        .name = "duplicates",
+        .recipe = "2 to 8 and 2 to 9 copies of a triangle",
+        .expected = "any of the copies, t = 1",
+        .source = "numerics.md 4, 31: order, leaves that cannot be split; RTRS's F8",
+        .make = make_duplicates,
+    },
+    {
+        .number = 32,
+        .name = "coplanar",
+        .recipe = "overlapping triangles of sizes 1 to 8 in one lattice plane",
+        .expected = "one of those at the point, t = 1",
+        .source = "numerics.md 4, 32: order of coplanar triangles",
+        .make = make_coplanar,
+    },
+    {
+        .number = 33,
+        .name = "windings",
+        .recipe = "each triangle twice, with opposite windings, from both sides",
+        .expected = "either of the two, t = 1: nothing is culled",
+        .source = "numerics.md 4, 33: the sign of the determinant",
+        .make = make_windings,
+    },
+    {0},
 };
