@@ -121,10 +121,9 @@ struct explanation {
     struct explain_step *step;
     uint32_t step_count, last;
     enum explain_end end;
-    uint32_t slot;              /* of prim in its leaf */
-    enum item_fault slot_fault; /* of that slot */
-    uint32_t slot_stored;       /* what is tested there, or ABI_NO_PRIM */
-    struct replay_notes notes;  /* prim_*: the result of the triangle test */
+    uint32_t slot;             /* of prim in its leaf */
+    uint32_t slot_stored;      /* the triangle that is tested there, or ABI_NO_PRIM */
+    struct replay_notes notes; /* prim_*: the result of the triangle test */
 };
 
 /* Explains `answer`. An allowed answer has cause CAUSE_NONE, unless the engine promises C's bits

@@ -125,7 +125,7 @@ static void find_slot(const struct explain_tree *tree, uint32_t index, struct ex
     const struct bvh_node *leaf = &tree->bvh->node[index];
     while (tree->bvh->prim[leaf->item_first + out->slot] != out->prim)
         out->slot++;
-    out->slot_fault = explain_item_fault(tree, index, out->slot, &out->slot_stored);
+    (void)explain_item_fault(tree, index, out->slot, &out->slot_stored);
 }
 
 static enum explain_end triangle_end(const struct explanation *out, bool entered)

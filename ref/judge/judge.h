@@ -138,11 +138,6 @@ void judge_free(struct judge *judge); /* NULL is fine */
  * of a ray out of contract) or VERDICT_WRONG. Any-hit too: both visit in the same order. */
 enum verdict judge_bits(const struct ray *ray, const struct hit *a, const struct hit *b);
 
-/* The largest displacement, in units, that an unknown formula is allowed at this triangle: at least
- * JUDGE_DISPLACEMENT_MOST or the model's own, more where the triangle's shape makes the
- * classical test err by more. */
-double judge_displacement_allowed(const struct judge *judge, const struct ray *ray, uint32_t prim);
-
 /* True if an unknown formula may take this triangle for hit, in the ray's range. */
 bool judge_may_be_hit(const struct judge *judge, const struct ray *ray, uint32_t prim);
 

@@ -154,18 +154,6 @@ bool judge_may_accept(const struct judge *judge, const struct judge_rounding *r)
     return det && (may_have_sign(judge, r, 1.0) || may_have_sign(judge, r, -1.0));
 }
 
-double judge_displacement_allowed(const struct judge *judge, const struct ray *ray, uint32_t prim)
-{
-    float v[3][3];
-    scene_tri(judge->scene, prim, v);
-    struct judge_rounding r = judge_rounding_of(ray, v);
-    double most =
-        r.tri.area > 0.0 && r.det != 0.0 ? judge_plane_allowed(judge, &r, r.t / r.det) : 0.0;
-    for (int c = 0; c < 3; c++)
-        most = fmax(most, judge_edge_allowed(judge, &r, c));
-    return most;
-}
-
 /* True if the allowance moves the plane to a point of the ray between these two. */
 static bool may_reach(const struct judge *judge, const struct judge_rounding *r, double from,
                       double to)

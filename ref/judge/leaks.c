@@ -321,23 +321,17 @@ enum status leaks_count(const struct leak_rays *rays, const struct engine *engin
     return status;
 }
 
+/* Vulkan specification, Ray Traversal, Watertightness. */
 static const struct leak_profile profile_vulkan = {
     .name = "vulkan",
     .summary = "should neither miss nor hit twice at shared edges and closed fans of one winding",
-    .ends = "open: tmin < t < tmax for triangles",
-    .facing = "both sides; a shared edge needs two triangles of the same winding",
-    .degenerate = "a triangle without area as the ray sees it is culled",
-    .source = "Vulkan specification, Ray Traversal, Watertightness",
 };
+/* DirectX Raytracing functional specification, ray-triangle intersection. */
 static const struct leak_profile profile_dxr = {
     .name = "dxr",
     .summary = "no miss, and exactly one triangle reported at a shared edge or vertex",
     .misses_must = true,
     .doubles_must = true,
-    .ends = "open: TMin < t < TMax for triangles",
-    .facing = "both sides; along an edge of more than two triangles those of one side are hit",
-    .degenerate = "a triangle without area is never hit",
-    .source = "DirectX Raytracing functional specification, ray-triangle intersection",
 };
 
 const struct leak_profile *const leak_profiles[] = {&profile_vulkan, &profile_dxr, NULL};

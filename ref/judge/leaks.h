@@ -90,7 +90,6 @@ struct leak_profile {
     const char *summary;
     bool misses_must;  /* a miss breaks the rule; else "should not" */
     bool doubles_must; /* so does a double hit */
-    const char *ends, *facing, *degenerate, *source;
 };
 
 /* NULL-terminated; the first is the default. */

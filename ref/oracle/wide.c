@@ -30,13 +30,6 @@ int wide_compare_size(const struct oracle_wide *a, const struct oracle_wide *b)
     return 0;
 }
 
-int wide_compare(const struct oracle_wide *a, const struct oracle_wide *b)
-{
-    if (a->sign != b->sign)
-        return a->sign > b->sign ? 1 : -1;
-    return a->sign * wide_compare_size(a, b);
-}
-
 static void add_sizes(const struct oracle_wide *a, const struct oracle_wide *b, int sign,
                       struct oracle_wide *out)
 {

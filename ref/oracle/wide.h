@@ -36,8 +36,7 @@ void wide_mul(const struct oracle_wide *a, const struct oracle_wide *b, struct o
 void wide_shift_left(struct oracle_wide *a, unsigned bits);
 void wide_shift_right(struct oracle_wide *a, unsigned bits);
 
-/* Sign of a - b; the second ignores the signs. */
-int wide_compare(const struct oracle_wide *a, const struct oracle_wide *b);
+/* Sign of |a| - |b|. */
 int wide_compare_size(const struct oracle_wide *a, const struct oracle_wide *b);
 
 /* Bits of |a|, 0 for 0; and the number of trailing zero bits, 0 for 0. */

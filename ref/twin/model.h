@@ -1,11 +1,11 @@
-/* What is known of an engine's arithmetic: all that the judge needs to bound its errors. */
+/* An engine's arithmetic, as far as it is known: all that the judge needs to bound its errors. */
 #ifndef MODEL_H
 #define MODEL_H
 
 #include <stdbool.h>
 
-/* Whose formula is bounded. The first five are ref/primitives/; the next two are Embree's
- * default and robust triangle tests, from their published descriptions. */
+/* The formula whose errors are bounded. The first five are those of ref/primitives/; the next two are
+ * Embree's default and robust triangle tests, from their published descriptions. */
 enum twin_formula {
     TWIN_MT,
     TWIN_MT_RTRS,
@@ -17,25 +17,13 @@ enum twin_formula {
     TWIN_UNKNOWN, /* judged geometrically: by the smallest vertex displacement that excuses it */
 };
 
-/* True if that is a test of ref/primitives/, whose operations we know one by one. */
+/* True for the tests of ref/primitives/, each operation of which is known. */
 static inline bool twin_is_own(enum twin_formula formula)
 {
-    switch (formula) {
-    case TWIN_MT:
-    case TWIN_MT_RTRS:
-    case TWIN_WOOP:
-    case TWIN_PLUECKER:
-    case TWIN_BALDWIN_WEBBER:
-        return true;
-    case TWIN_EMBREE:
-    case TWIN_EMBREE_ROBUST:
-    case TWIN_UNKNOWN:
-        break;
-    }
-    return false;
+    return formula <= TWIN_BALDWIN_WEBBER;
 }
 
-/* What one float32 operation may do. add, mul and div: its error is at most so many u of the exact
+/* The error of one float32 operation. add, mul and div: its error is at most so many u of the exact
  * result (u = 2^-24, at least 1 each); div is also the error of a reciprocal where a formula has
  * one. Above 1 the error of a division is promised for divisors between 2^-125 and 2^125 only.
  * tiny: the largest absolute error near zero, 2^-149; or 2^-126 if subnormal operands and results
@@ -84,7 +72,7 @@ struct model {
                          a closed fan */
     bool open;        /* tmin < t < tmax; else ends are hits too */
     bool slab;        /* Embree's default box test, b/d - o/d: see VERDICT_SLAB */
-    bool any_unnamed; /* any-hit answers say hit or miss, not which triangle */
+    bool any_unnamed; /* any-hit answers are hit or miss without a triangle */
     double displacement; /* TWIN_UNKNOWN: what is allowed, in units; 0: JUDGE_DISPLACEMENT_MOST */
 };
 

@@ -4,7 +4,7 @@
 
 /* Of bounds that are computed in double. */
 #define OUTWARD (1.0 + 0x1p-40)
-/* Divisors that are looked at one by one; where there may be more only the bounds count. */
+/* Divisors that are tried one by one; if there may be more only the bounds count. */
 #define DIVISORS_MOST 4096.0
 /* Divisions that are not correctly rounded are promised between them (ref/twin/twin_steps.h). */
 #define LEAST_DIVISOR 0x1p-125
@@ -46,7 +46,7 @@ static void bound(const struct quotients *s, struct left *left)
     keep(left, s->mean_lo - highest(s, &s->part[0]), s->pad);
 }
 
-/* Is there such a numerator? */
+/* True if there is such a numerator. */
 static bool part_fits(const struct quotients *s, const struct quotients_part *part, double divisor)
 {
     double lo = lowest(s, part) * divisor, hi = highest(s, part) * divisor;

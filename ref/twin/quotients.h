@@ -1,17 +1,17 @@
-/* Quotients with one divisor: are there a divisor and numerators out of their scatters that give
- * what was answered? For the replays (ref/twin/twin_replay.h). */
+/* Quotients with one divisor: are there a divisor and numerators in their scatters that give an answer?
+ * For the replays (ref/twin/twin_replay.h). */
 #ifndef QUOTIENTS_H
 #define QUOTIENTS_H
 
 #include "ref/twin/scatter.h"
 
-/* A numerator and the quotients that it was answered with. */
+/* A numerator and the answered quotient, or a range of them. */
 struct quotients_part {
     struct scatter number;
     double lo, hi;
 };
 
-/* A divisor with what it divides. */
+/* A divisor and its numerators. */
 struct quotients {
     struct scatter divisor;
     struct quotients_part part[3];

@@ -29,6 +29,15 @@ static struct scatter weight_at(const struct replay *w, const struct scatter *by
     return scatter_sub(k, &sum, &last);
 }
 
+/* (p[c] + h[0] p[a]) + h[1] p[b] */
+static struct scatter along_normal(const struct liberty *k, const struct scatter h[2],
+                                   const struct scatter p[3], int a, int b, int c)
+{
+    struct scatter by_a = scatter_mul(k, &h[0], &p[a]), by_b = scatter_mul(k, &h[1], &p[b]);
+    struct scatter sum = scatter_add(k, &p[c], &by_a);
+    return scatter_add(k, &sum, &by_b);
+}
+
 static bool along_axis(const struct replay *w, const struct scatter e1[3],
                        const struct scatter e2[3], const struct scatter n[3], int c,
                        const struct scatter *divisor)
@@ -36,15 +45,11 @@ static bool along_axis(const struct replay *w, const struct scatter e1[3],
     const struct liberty *k = w->k;
     const struct replay_answer *answer = w->answer;
     int a = (c + 1) % 3, b = (c + 2) % 3;
-    struct scatter h0 = scatter_div(k, &n[a], divisor), h1 = scatter_div(k, &n[b], divisor);
-    struct scatter va = scatter_mul(k, &h0, &w->v[0][a]), vb = scatter_mul(k, &h1, &w->v[0][b]);
-    struct scatter oa = scatter_mul(k, &h0, &w->o[a]), ob = scatter_mul(k, &h1, &w->o[b]);
-    struct scatter da = scatter_mul(k, &h0, &w->d[a]), db = scatter_mul(k, &h1, &w->d[b]);
-    struct scatter of_v = scatter_add(k, &w->v[0][c], &va), of_o = scatter_add(k, &w->o[c], &oa);
-    struct scatter of_d = scatter_add(k, &w->d[c], &da);
-    of_v = scatter_add(k, &of_v, &vb);
-    of_o = scatter_add(k, &of_o, &ob);
-    struct scatter climb = scatter_add(k, &of_d, &db), height = scatter_sub(k, &of_o, &of_v);
+    const struct scatter h[2] = {scatter_div(k, &n[a], divisor), scatter_div(k, &n[b], divisor)};
+    struct scatter of_v = along_normal(k, h, w->v[0], a, b, c);
+    struct scatter of_o = along_normal(k, h, w->o, a, b, c);
+    struct scatter climb = along_normal(k, h, w->d, a, b, c);
+    struct scatter height = scatter_sub(k, &of_o, &of_v);
     struct quotients depth = replay_quotients(w, climb);
     replay_part(w, &depth, scatter_negate(&height), 0);
     if (scatter_is_zero(&climb) || !quotients_fit_either(&depth))

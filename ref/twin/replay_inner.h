@@ -23,7 +23,7 @@ void replay_cross(const struct liberty *k, const struct scatter a[3], const stru
 /* Quotients by `divisor`, none as yet. */
 struct quotients replay_quotients(const struct replay *w, struct scatter divisor);
 
-/* Adds the numerator of t, u or v: which is 0, 1 or 2. */
+/* Adds the numerator of t, u or v; `which`: 0, 1 or 2. */
 void replay_part(const struct replay *w, struct quotients *s, struct scatter number, int which);
 
 /* u, v and u + v as a test accepts them: each from 0, the sum up to 1, but for roundings and what a

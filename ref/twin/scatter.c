@@ -170,7 +170,7 @@ static void round_bounds(const struct liberty *k, double relative, bool sum, str
     }
 }
 
-/* What is known of float32 numbers in the bounds. */
+/* Bounds, grid and list of float32 numbers within the bounds. */
 static void settle(struct scatter *out)
 {
     if (!(fabs(out->lo) < (double)FLT_MAX && fabs(out->hi) < (double)FLT_MAX)) {
@@ -276,8 +276,8 @@ static void product_bounds(const struct scatter *a, const struct scatter *b, str
     out->grid = a->grid + b->grid;
 }
 
-static struct scatter multiply(const struct liberty *k, const struct scatter *p,
-                               const struct scatter *q, bool open)
+struct scatter scatter_mul(const struct liberty *k, const struct scatter *p,
+                           const struct scatter *q)
 {
     struct scatter a = seen(k, p), b = seen(k, q), out = {.count = -1};
     double relative = k->rounding.mul;
@@ -293,27 +293,15 @@ static struct scatter multiply(const struct liberty *k, const struct scatter *p,
             for (int j = 0; j < b.count && out.count >= 0; j++) {
                 double product = a.value[i] * b.value[j]; /* exact: 48 bits */
                 put_rounded(k, relative, product, 0.0, &out);
-                if (open)
+                if (k->fuses)
                     put(&out, product);
             }
     }
     round_bounds(k, relative, false, &out); /* the exact products are in them, too */
     settle(&out);
-    if (open && !is_unknown(&out) && !scatter_is_zero(&out))
+    if (k->fuses && !is_unknown(&out) && !scatter_is_zero(&out))
         out.grid = grid;
     return out;
-}
-
-struct scatter scatter_mul(const struct liberty *k, const struct scatter *a,
-                           const struct scatter *b)
-{
-    return multiply(k, a, b, k->fuses);
-}
-
-struct scatter scatter_product(const struct liberty *k, const struct scatter *a,
-                               const struct scatter *b)
-{
-    return multiply(k, a, b, false);
 }
 
 struct scatter scatter_div(const struct liberty *k, const struct scatter *p,

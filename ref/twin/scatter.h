@@ -1,8 +1,8 @@
 /* Scatters: all numbers that an operation of a formula may come to under a rounding (ref/twin/model.h).
- * Twins (ref/twin/twin.h) bound how far a value is from the exact one, which says nothing of a quotient
- * whose divisor may be 0; a scatter keeps what is then left: that 0 times anything is 0, that x - x
+ * Twins (ref/twin/twin.h) bound how far a value is from the exact one, which is no bound of a quotient
+ * whose divisor may be 0; a scatter keeps what is still known: that 0 times anything is 0, that x - x
  * is 0, that each number is a float32 and a multiple of a power of two, and, while they are few,
- * the numbers themselves. Slow, and asked for rare answers only. */
+ * the numbers themselves. Slow, and needed for rare answers only. */
 #ifndef SCATTER_H
 #define SCATTER_H
 
@@ -21,7 +21,7 @@ struct scatter {
 };
 #define SCATTER_ZERO 1000
 
-/* What an engine may do. */
+/* The arithmetic of an engine. */
 struct liberty {
     struct rounding rounding;
     bool fuses; /* a product that is added may be left unrounded */
@@ -32,12 +32,9 @@ struct scatter scatter_add(const struct liberty *k, const struct scatter *a,
                            const struct scatter *b);
 struct scatter scatter_sub(const struct liberty *k, const struct scatter *a,
                            const struct scatter *b);
-/* A product that is added to something. */
+/* A product that is added to something: it may be left unrounded if k->fuses. */
 struct scatter scatter_mul(const struct liberty *k, const struct scatter *a,
                            const struct scatter *b);
-/* A product that is used as it is. */
-struct scatter scatter_product(const struct liberty *k, const struct scatter *a,
-                               const struct scatter *b);
 struct scatter scatter_div(const struct liberty *k, const struct scatter *a,
                            const struct scatter *b);
 

@@ -56,7 +56,7 @@ struct model model_of_tri(const struct tri_test *tri, struct rounding rounding, 
                           .open = tri->open};
 }
 
-/* Are the signs such that no evaluation accepts them? */
+/* True if no evaluation accepts these signs. */
 static bool surely_rejected(const struct outcome *out)
 {
     bool positive = !out->det_alone && sign_of(out->det) > 0;
@@ -70,7 +70,7 @@ static bool surely_rejected(const struct outcome *out)
     return positive && negative;
 }
 
-/* What the values say. */
+/* The twin of these values. */
 static struct twin conclude(enum twin_formula formula, const struct ray *ray, struct outcome out)
 {
     double threshold = formula == TWIN_MT_RTRS ? (double)TRI_RTRS_EPS : 0.0;
@@ -102,12 +102,10 @@ static struct twin conclude(enum twin_formula formula, const struct ray *ray, st
     return twin;
 }
 
-/* Where the formula's axis k is in the ray. */
-static void turn_axes(enum twin_formula formula, const struct ray *ray, int axis[3])
+void twin_axes(enum twin_formula formula, const struct ray *ray, int axis[3])
 {
-    axis[0] = 0;
-    axis[1] = 1;
-    axis[2] = 2;
+    for (int k = 0; k < 3; k++)
+        axis[k] = k;
     if (formula != TWIN_WOOP)
         return;
     struct tri_ray r = tri_ray_make(ray);
@@ -122,7 +120,7 @@ struct twin twin_eval(enum twin_formula formula, struct rounding rounding, const
     const struct rules rules = rules_of(&rounding);
     struct input in;
     int axis[3];
-    turn_axes(formula, ray, axis);
+    twin_axes(formula, ray, axis);
     for (int k = 0; k < 3; k++) {
         in.o[k] = exact(ray->org[axis[k]]);
         in.d[k] = exact(ray->dir[axis[k]]);
@@ -152,7 +150,7 @@ static void put_lane(enum twin_formula formula, const struct scene *scene,
     float v[3][3];
     int axis[3];
     scene_tri(scene, pair->prim, v);
-    turn_axes(formula, pair->ray, axis);
+    twin_axes(formula, pair->ray, axis);
     for (int k = 0; k < 3; k++) {
         in->o[k][lane] = pair->ray->org[axis[k]];
         in->d[k][lane] = pair->ray->dir[axis[k]];
@@ -178,12 +176,6 @@ static struct twin take_lane(enum twin_formula formula, const struct ray *ray,
                                      .det_alone = formula == TWIN_EMBREE_ROBUST});
 }
 
-/* The pair whose numbers are in a lane. */
-static inline size_t own(int lane)
-{
-    return (size_t)lane;
-}
-
 void twin_eval_by(const struct twin_kernel *kernel, enum twin_formula formula,
                   struct rounding rounding, const struct scene *scene, const struct twin_pair *pair,
                   size_t count, struct twin *out)
@@ -199,7 +191,7 @@ void twin_eval_by(const struct twin_kernel *kernel, enum twin_formula formula,
         kernel->evaluate(formula, &rounding, &in, &result);
         for (int lane = 0; lane < lanes; lane++)
             out[first + (size_t)lane] =
-                take_lane(formula, pair[first + own(lane)].ray, &result, lane);
+                take_lane(formula, pair[first + (size_t)lane].ray, &result, lane);
     }
 }
 

@@ -1,6 +1,5 @@
-/* Twins: the triangle tests once more, each value carried with a proven bound on its rounding
- * error. They tell which signs an engine could not help getting right, and how far its t may be
- * off. Running error analysis: Wilkinson 1963; Higham 2002, section 3.3.
+/* Twins: the triangle tests with a proven bound on the rounding error of each value. They tell which
+ * signs are right in every engine of that formula, and how far its t may be off. Running error analysis: Wilkinson 1963; Higham 2002, section 3.3.
  *
  * A rounding (ref/twin/model.h) allows many evaluations of one formula: either neighbour, an inexact
  * division, flushed or fused operations. Everything here holds for each of them and is measured
@@ -38,6 +37,9 @@ enum twin_formula twin_of_tri(uint32_t id);
 
 /* The model of a triangle test whose operations round so; `bits`: C's bits may be demanded. */
 struct model model_of_tri(const struct tri_test *tri, struct rounding rounding, bool bits);
+
+/* The axis of the ray that is axis k of the formula: woop turns them. */
+void twin_axes(enum twin_formula formula, const struct ray *ray, int axis[3]);
 
 /* Evaluates one triangle. The ray is in contract (ray_in_contract); every k of `rounding` is at
  * least 1. */

@@ -8,12 +8,12 @@
 
 #define TWIN_LANES 8
 
-/* A number of each pair. Axes are in the order that the formula wants (twin_steps.h, eval_woop). */
+/* A number of each pair. Axes are in the order of the formula (twin_axes). */
 struct twin_input {
     float o[3][TWIN_LANES], d[3][TWIN_LANES], v[3][3][TWIN_LANES];
 };
 
-/* What the formula came to: x and e of struct bounded. */
+/* The results of the formula: x and e of struct bounded. */
 enum { TWIN_EDGE, TWIN_DET = 3, TWIN_T, TWIN_U, TWIN_V, TWIN_OUTPUTS };
 struct twin_output {
     double x[TWIN_OUTPUTS][TWIN_LANES], e[TWIN_OUTPUTS][TWIN_LANES];

@@ -125,7 +125,7 @@ STEP real plane_residual(const struct bounded n[3], const struct bounded c[3],
     return residual;
 }
 
-/* What moeller_trumbore's t is made of: T = e2 . q, q = s x e1; D = e1 . p, p = d x e2. */
+/* The parts of moeller_trumbore's t: T = e2 . q, q = s x e1; D = e1 . p, p = d x e2. */
 struct mt_parts {
     const struct bounded *e1, *e2, *s, *d;
     const real *own_p, *own_q;
@@ -149,7 +149,7 @@ STEP real mt_residual(const struct mt_parts *mt, struct bounded t)
     return residual;
 }
 
-/* What woop's t is made of. own[c]: own rounding of edge c, of its computed places. */
+/* The parts of woop's t. own[c]: own rounding of edge c, of its computed places. */
 struct woop_parts {
     const struct bounded *x, *y, *z, *depth, *edge; /* depth: along the axis, before the shear */
     struct bounded sx, sy, sz;

@@ -1,4 +1,5 @@
 #include "ref/twin/replay_inner.h"
+#include "ref/twin/twin.h"
 #include "ref/primitives/test_run.h"
 
 #include <math.h>
@@ -168,7 +169,7 @@ static void depths(const struct replay *w, const struct scatter z[3], struct quo
  * tri.h), so that x y - y x of equal vertices is 0. */
 static bool woop(const struct replay *w)
 {
-    const struct liberty *k = w->k;
+    const struct liberty *k = w->k, rounded = {k->rounding, false};
     struct scatter x[3], y[3], z[3], weight[3], one = scatter_single(1.0);
     struct scatter sx = scatter_div(k, &w->d[0], &w->d[2]), sy = scatter_div(k, &w->d[1], &w->d[2]);
     struct scatter sz = scatter_div(k, &one, &w->d[2]);
@@ -178,7 +179,7 @@ static bool woop(const struct replay *w)
         struct scatter far_x = scatter_mul(k, &sx, &a[2]), far_y = scatter_mul(k, &sy, &a[2]);
         x[c] = scatter_sub(k, &a[0], &far_x);
         y[c] = scatter_sub(k, &a[1], &far_y);
-        z[c] = scatter_product(k, &sz, &a[2]);
+        z[c] = scatter_mul(&rounded, &sz, &a[2]); /* added to nothing */
     }
     for (int c = 0; c < 3; c++) {
         int a = (c + 2) % 3, b = (c + 1) % 3;
@@ -274,13 +275,8 @@ static bool equal(float v[3][3], int a, int b)
 
 static void fill(struct replay *w, enum twin_formula formula, float v[3][3])
 {
-    struct tri_ray turned = tri_ray_make(w->ray);
-    int axis[3] = {0, 1, 2};
-    if (formula == TWIN_WOOP) {
-        axis[0] = turned.kx;
-        axis[1] = turned.ky;
-        axis[2] = turned.kz;
-    }
+    int axis[3];
+    twin_axes(formula, w->ray, axis);
     for (int i = 0; i < 3; i++) {
         w->o[i] = scatter_of(w->ray->org[axis[i]]);
         w->d[i] = scatter_of(w->ray->dir[axis[i]]);

@@ -172,7 +172,7 @@ STEP struct bounded dot_embree(const struct rules *k, const struct bounded a[3],
 
 #include "ref/twin/twin_ratio.h"
 
-/* What every formula ends in. */
+/* The results of every formula. */
 struct outcome {
     struct bounded edge[3]; /* inside they have one sign */
     struct bounded det;     /* their sum, or in proportion to it */
@@ -242,8 +242,8 @@ FORMULA struct outcome eval_woop(const struct rules *k, const struct input *in)
     return out;
 }
 
-/* The sum of the sides divides u and v, and is asked for its sign beside the determinant: where
- * that is open nothing is certain. */
+/* The sum of the sides divides u and v, and its sign is tested beside the determinant's: where it is
+ * open nothing is certain. */
 FORMULA struct outcome eval_pluecker(const struct rules *k, const struct input *in)
 {
     struct bounded a[3][3], e[3][3], sum[3], side[3], n[3];

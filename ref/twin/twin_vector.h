@@ -1,6 +1,6 @@
 /* The steps of ref/twin/twin_steps.h on vectors of LANES pairs. Expects LANES, KERNEL_TARGET and
- * VECTOR_BYTES of a vector of doubles. What the values are in float32 is computed only where a
- * formula looks at it; it is not among the results. */
+ * VECTOR_BYTES of a vector of doubles. The float32 values are computed only where a formula
+ * uses them; they are not among the results. */
 #include "ref/twin/twin_lanes.h"
 
 #include <stdint.h>
