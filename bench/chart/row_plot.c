@@ -11,17 +11,139 @@
 
 enum { PANEL_WRONG, PANEL_LEAKS, PANEL_FORWARD };
 
-/* What the figure of one page points to. */
+struct row_kind;
+
+/* What a figure points to. */
 struct row_plot_page {
+    const struct row_kind *kind;
     const json_t *first; /* row */
     char title[200], subtitle[200];
-    char panel[PLOT_PANELS][96];
-    char (*name)[96]; /* of series */
+    char panel[PLOT_PANELS][120];
+    char (*name)[96];     /* of series */
+    const json_t **shown; /* first row of each series */
     struct plot_series *series;
     struct plot_point *point[PLOT_PANELS];
 };
 
-/* --- rows --------------------------------------------------------------------------------- */
+/* What is drawn of the rows. */
+struct row_kind {
+    bool (*fits)(const json_t *row, bool memory); /* the row has a point; NULL: all have */
+    bool (*same_figure)(const json_t *a, const json_t *b);
+    void (*describe)(struct row_plot_page *page, struct plot_figure *figure, const char *driver);
+    void (*draw)(const json_t *row, struct row_plot_page *page, struct plot_figure *figure);
+    bool memory;
+};
+
+/* --- pages -------------------------------------------------------------------------------- */
+
+static enum status make_page(struct row_plot_page *page, size_t rows, struct reason *reason)
+{
+    page->name = alloc_zeroed(rows, sizeof *page->name);
+    page->shown = alloc_zeroed(rows, sizeof *page->shown);
+    page->series = alloc_zeroed(rows, sizeof *page->series);
+    bool all = page->name && page->shown && page->series;
+    for (size_t p = 0; p < PLOT_PANELS; p++) {
+        page->point[p] = alloc_zeroed(rows, sizeof *page->point[p]);
+        all = all && page->point[p];
+    }
+    return all ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for the figures");
+}
+
+void row_plots_free(struct row_plots *plots)
+{
+    for (size_t i = 0; i < plots->count; i++) {
+        free(plots->page[i].name);
+        free(plots->page[i].shown);
+        free(plots->page[i].series);
+        for (size_t p = 0; p < PLOT_PANELS; p++)
+            free(plots->page[i].point[p]);
+    }
+    free(plots->figure);
+    free(plots->page);
+    *plots = (struct row_plots){0};
+}
+
+static bool is_drawn(const struct row_plots *plots, const json_t *row)
+{
+    for (size_t i = 0; i < plots->count; i++)
+        if (plots->page[i].kind->same_figure(plots->page[i].first, row))
+            return true;
+    return false;
+}
+
+/* A figure for each row that begins one. */
+static enum status make(const json_t *rows, const struct row_kind *kind, const char *driver,
+                        struct row_plots *out, struct reason *reason)
+{
+    size_t all = json_array_size(rows) < ROW_PLOT_ROWS ? json_array_size(rows) : ROW_PLOT_ROWS;
+    enum status status = STATUS_OK;
+    *out = (struct row_plots){.figure = alloc_zeroed(ROW_PLOT_FIGURES, sizeof *out->figure),
+                              .page = alloc_zeroed(ROW_PLOT_FIGURES, sizeof *out->page)};
+    if (!out->figure || !out->page)
+        status = fail(reason, STATUS_MEMORY, "no memory for the figures");
+    for (size_t i = 0; i < all && status == STATUS_OK; i++) {
+        const json_t *first = json_array_get(rows, i);
+        if ((kind->fits && !kind->fits(first, kind->memory)) || is_drawn(out, first))
+            continue;
+        if (out->count == ROW_PLOT_FIGURES) {
+            out->more = true;
+            break;
+        }
+        struct row_plot_page *page = &out->page[out->count];
+        struct plot_figure *figure = &out->figure[out->count++];
+        page->kind = kind;
+        page->first = first;
+        status = make_page(page, all - i, reason);
+        *figure = (struct plot_figure){
+            .title = page->title, .subtitle = page->subtitle, .series = page->series};
+        kind->describe(page, figure, driver);
+        for (size_t k = i; k < all && status == STATUS_OK; k++) {
+            const json_t *row = json_array_get(rows, k);
+            if (kind->same_figure(first, row) && (!kind->fits || kind->fits(row, kind->memory)))
+                kind->draw(row, page, figure);
+        }
+    }
+    if (status)
+        row_plots_free(out);
+    return status;
+}
+
+/* The panel of a title, made if it is not there; PLOT_PANELS: there are too many. */
+static size_t panel_of(const char *title, const char *x_label, const char *y_label,
+                       struct row_plot_page *page, struct plot_figure *figure)
+{
+    size_t p = 0;
+    while (p < figure->panel_count && strcmp(page->panel[p], title) != 0)
+        p++;
+    if (p == PLOT_PANELS || p < figure->panel_count)
+        return p;
+    snprintf(page->panel[p], sizeof page->panel[p], "%s", title);
+    figure->panel[figure->panel_count++] = (struct plot_panel){
+        .title = page->panel[p], .x_label = x_label, .y_label = y_label, .point = page->point[p]};
+    return p;
+}
+
+/* The series that `same` finds for a row; of another one the first row is kept, and *made is set. */
+static size_t series_of(const json_t *row, bool (*same)(const json_t *a, const json_t *b),
+                        struct row_plot_page *page, struct plot_figure *figure, bool *made)
+{
+    size_t s = 0;
+    while (s < figure->series_count && !same(page->shown[s], row))
+        s++;
+    *made = s == figure->series_count;
+    page->shown[s] = *made ? row : page->shown[s];
+    figure->series_count += *made;
+    return s;
+}
+
+/* A point without bars. */
+static struct plot_point point_at(size_t series, double x, double y)
+{
+    return (struct plot_point){
+        .series = series, .x = x, .x_lo = x, .x_hi = x, .y = y, .y_lo = y, .y_hi = y};
+}
+
+/* --- members ------------------------------------------------------------------------------ */
 
 /* "-" stands for none in rows of benchmark layouts. */
 static const char *member_name(const json_t *row, const char *member)
@@ -30,7 +152,7 @@ static const char *member_name(const json_t *row, const char *member)
     return strcmp(name, "-") == 0 ? "" : name;
 }
 
-static bool same_series(const json_t *a, const json_t *b)
+static bool same_members(const json_t *a, const json_t *b)
 {
     return value_same(a, b, "engine") && value_same(a, b, "layout") && value_same(a, b, "box") &&
            value_same(a, b, "tri");
@@ -46,84 +168,29 @@ static unsigned place_in(const void *const *table, const char *name, unsigned no
     return none;
 }
 
-static struct plot_series series_of(const json_t *row, char *text, size_t text_bytes)
+static void name_members(const json_t *row, size_t s, struct row_plot_page *page)
 {
     const char *engine = value_text(row, "engine"), *layout = member_name(row, "layout"),
                *box = member_name(row, "box"), *tri = member_name(row, "tri");
     bool shown = box[0] && strcmp(box, box_tests[0]->name) != 0; /* the first is the usual one */
-    snprintf(text, text_bytes, "%.40s%s%.20s%s%.16s%s%.12s", engine, layout[0] ? " " : "", layout,
-             shown ? " " : "", shown ? box : "", tri[0] ? " " : "", tri);
-    return (struct plot_series){text, place_in((const void *const *)engines, engine, 6),
-                                place_in((const void *const *)tri_tests, tri, 3),
-                                place_in((const void *const *)layouts, layout, 2)};
+    snprintf(page->name[s], sizeof page->name[s], "%.40s%s%.20s%s%.16s%s%.12s", engine,
+             layout[0] ? " " : "", layout, shown ? " " : "", shown ? box : "", tri[0] ? " " : "",
+             tri);
+    page->series[s] =
+        (struct plot_series){page->name[s], place_in((const void *const *)engines, engine, 6),
+                             place_in((const void *const *)tri_tests, tri, 3),
+                             place_in((const void *const *)layouts, layout, 2)};
 }
 
-/* --- pages -------------------------------------------------------------------------------- */
-
-/* The page of a row among those that are there, by scene and, if `sets`, ray set. */
-static bool has_page(const struct row_plots *out, const json_t *row, bool sets)
-{
-    for (size_t i = 0; i < out->count; i++)
-        if (value_same(out->page[i].first, row, "scene") &&
-            (!sets || value_same(out->page[i].first, row, "rays")))
-            return true;
-    return false;
-}
-
-static enum status add_page(struct row_plots *out, const json_t *first, size_t rows,
-                            struct reason *reason)
-{
-    struct row_plot_page *made = &out->page[out->count];
-    out->figure[out->count] = (struct plot_figure){.title = made->title};
-    out->count++;
-    made->first = first;
-    made->name = alloc_zeroed(rows, sizeof *made->name);
-    made->series = alloc_zeroed(rows, sizeof *made->series);
-    bool all = made->name && made->series;
-    for (size_t p = 0; p < PLOT_PANELS; p++) {
-        made->point[p] = alloc_zeroed(rows, sizeof *made->point[p]);
-        all = all && made->point[p];
-    }
-    out->figure[out->count - 1].series = made->series;
-    return all ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for the figures");
-}
-
-static size_t rows_of(const json_t *rows)
-{
-    size_t all = json_array_size(rows);
-    return all < ROW_PLOT_ROWS ? all : ROW_PLOT_ROWS;
-}
-
-static enum status make(struct row_plots *out, struct reason *reason)
-{
-    *out = (struct row_plots){.figure = alloc_zeroed(ROW_PLOT_FIGURES, sizeof *out->figure),
-                              .page = alloc_zeroed(ROW_PLOT_FIGURES, sizeof *out->page)};
-    if (out->figure && out->page)
-        return STATUS_OK;
-    row_plots_free(out);
-    return fail(reason, STATUS_MEMORY, "no memory for the figures");
-}
-
-void row_plots_free(struct row_plots *plots)
-{
-    for (size_t i = 0; i < plots->count; i++) {
-        free(plots->page[i].name);
-        free(plots->page[i].series);
-        for (size_t p = 0; p < PLOT_PANELS; p++)
-            free(plots->page[i].point[p]);
-    }
-    free(plots->figure);
-    free(plots->page);
-    *plots = (struct row_plots){0};
-}
-
-/* A median with the least and the most of the rounds; what is missing is the median. */
-static void set_speed(struct plot_point *point, const json_t *row)
+/* A point at the median speed, with a bar from the least to the most of the rounds where they are
+ * known. */
+static struct plot_point speed_of(const json_t *row, size_t series)
 {
     double least = value_number(row, "mrays_min"), most = value_number(row, "mrays_max");
-    point->x = value_number(row, "mrays_median");
-    point->x_lo = isfinite(least) ? least : point->x;
-    point->x_hi = isfinite(most) ? most : point->x;
+    struct plot_point point = point_at(series, value_number(row, "mrays_median"), NAN);
+    point.x_lo = isfinite(least) ? least : point.x;
+    point.x_hi = isfinite(most) ? most : point.x;
+    return point;
 }
 
 /* A rate per million; of none, its upper limit. */
@@ -136,12 +203,44 @@ static void set_rate(struct plot_point *point, size_t events, size_t count)
 
 /* --- speed against error ------------------------------------------------------------------ */
 
-static void draw_error(const json_t *row, size_t series, size_t at, struct row_plot_page *page)
+static bool same_rays(const json_t *a, const json_t *b)
 {
-    for (int panel = 0; panel < PLOT_PANELS; panel++) {
-        page->point[panel][at] = (struct plot_point){.series = series};
-        set_speed(&page->point[panel][at], row);
-    }
+    return value_same(a, b, "scene") && value_same(a, b, "rays");
+}
+
+static void describe_error(struct row_plot_page *page, struct plot_figure *figure,
+                           const char *driver)
+{
+    static const char *const title[PLOT_PANELS] = {"answers that are not the exact one",
+                                                   "leaks out of the closed mesh",
+                                                   "error of t: 50 %, 99 % (mark), largest"};
+    static const char *const label[PLOT_PANELS] = {"per million rays, <3/N: arrow",
+                                                   "per million rays, <3/N: arrow",
+                                                   "|t - exact t| |d| / (u M)"};
+    const json_t *first = page->first;
+    snprintf(page->title, sizeof page->title, "%.90s: %zu triangles, %zu %.40s rays",
+             value_text(first, "scene"), value_count(first, "triangles"),
+             value_count(first, "count"), value_text(first, "rays"));
+    snprintf(page->subtitle, sizeof page->subtitle,
+             "right is faster, down is more exact; bars: least to most of the rounds%s%.80s",
+             driver[0] ? "; vulkan is " : "", driver);
+    for (int panel = 0; panel < PLOT_PANELS; panel++)
+        if (panel != PANEL_LEAKS || value_count(first, "vertex_rays") > 0)
+            figure->panel[figure->panel_count++] =
+                (struct plot_panel){.title = title[panel],
+                                    .x_label = "speed, million rays/s",
+                                    .y_label = label[panel],
+                                    .point = page->point[panel]};
+}
+
+static void draw_error(const json_t *row, struct row_plot_page *page, struct plot_figure *figure)
+{
+    size_t at = figure->series_count++;
+    name_members(row, at, page);
+    for (int panel = 0; panel < PLOT_PANELS; panel++)
+        page->point[panel][at] = speed_of(row, at);
+    for (size_t p = 0; p < figure->panel_count; p++)
+        figure->panel[p].count++;
     set_rate(&page->point[PANEL_WRONG][at],
              value_count(row, "lost") + value_count(row, "phantom") + value_count(row, "wrong_id"),
              value_count(row, "compared"));
@@ -155,69 +254,12 @@ static void draw_error(const json_t *row, size_t series, size_t at, struct row_p
     forward->y_hi = isfinite(most) ? most : forward->y;
 }
 
-static void describe_error(const json_t *first, const char *driver, struct row_plot_page *page,
-                           struct plot_figure *figure)
-{
-    snprintf(page->title, sizeof page->title, "%.90s: %zu triangles, %zu %.40s rays",
-             value_text(first, "scene"), value_count(first, "triangles"),
-             value_count(first, "count"), value_text(first, "rays"));
-    snprintf(page->subtitle, sizeof page->subtitle,
-             "right is faster, down is more exact; bars: least to most of the rounds%s%.80s",
-             driver[0] ? "; vulkan is " : "", driver);
-    figure->subtitle = page->subtitle;
-}
-
-static void add_error_panels(const json_t *first, size_t points, struct row_plot_page *page,
-                             struct plot_figure *figure)
-{
-    static const char *const title[PLOT_PANELS] = {"answers that are not the exact one",
-                                                   "leaks out of the closed mesh",
-                                                   "error of t: 50 %, 99 % (mark), largest"};
-    static const char *const label[PLOT_PANELS] = {"per million rays, <3/N: arrow",
-                                                   "per million rays, <3/N: arrow",
-                                                   "|t - exact t| |d| / (u M)"};
-    for (int panel = 0; panel < PLOT_PANELS; panel++) {
-        if (panel == PANEL_LEAKS && value_count(first, "vertex_rays") == 0)
-            continue;
-        figure->panel[figure->panel_count++] =
-            (struct plot_panel){.title = title[panel],
-                                .x_label = "speed, million rays/s",
-                                .y_label = label[panel],
-                                .point = page->point[panel],
-                                .count = points};
-    }
-}
-
 enum status row_plots_error(const json_t *rows, const char *driver, struct row_plots *out,
                             struct reason *reason)
 {
-    size_t all = rows_of(rows);
-    enum status status = make(out, reason);
-    for (size_t i = 0; i < all && status == STATUS_OK; i++) {
-        const json_t *first = json_array_get(rows, i);
-        if (has_page(out, first, true))
-            continue;
-        if (out->count == ROW_PLOT_FIGURES) {
-            out->more = true;
-            break;
-        }
-        status = add_page(out, first, all - i, reason);
-        struct row_plot_page *page = &out->page[out->count - 1];
-        struct plot_figure *figure = &out->figure[out->count - 1];
-        describe_error(first, driver, page, figure);
-        for (size_t k = i; k < all && status == STATUS_OK; k++) {
-            const json_t *row = json_array_get(rows, k);
-            if (!value_same(first, row, "scene") || !value_same(first, row, "rays"))
-                continue;
-            size_t at = figure->series_count++;
-            page->series[at] = series_of(row, page->name[at], sizeof page->name[at]);
-            draw_error(row, at, at, page);
-        }
-        add_error_panels(first, figure->series_count, page, figure);
-    }
-    if (status)
-        row_plots_free(out);
-    return status;
+    static const struct row_kind kind = {
+        .same_figure = same_rays, .describe = describe_error, .draw = draw_error};
+    return make(rows, &kind, driver, out, reason);
 }
 
 /* --- size against speed ------------------------------------------------------------------- */
@@ -237,91 +279,105 @@ static bool has_size(const json_t *row, bool memory)
     return isfinite(bytes_of(row, memory)) && value_number(row, "mrays_median") > 0.0;
 }
 
-/* The panel of the row's ray set, made if it is not there; PLOT_PANELS: there are too many. */
-static size_t panel_of(const json_t *row, bool memory, struct row_plot_page *page,
-                       struct plot_figure *figure)
+static bool same_scene(const json_t *a, const json_t *b)
 {
-    char title[sizeof page->panel[0]];
-    snprintf(title, sizeof title, "%.40s rays", value_text(row, "rays"));
-    size_t p = 0;
-    while (p < figure->panel_count && strcmp(page->panel[p], title) != 0)
-        p++;
-    if (p == PLOT_PANELS || p < figure->panel_count)
-        return p;
-    snprintf(page->panel[p], sizeof page->panel[p], "%s", title);
-    figure->panel_count++;
-    figure->panel[p] = (struct plot_panel){
-        .title = page->panel[p],
-        .x_label = "speed, million rays/s",
-        .y_label = memory ? "memory, bytes per triangle" : "nodes and items, bytes per triangle",
-        .point = page->point[p]};
-    return p;
+    return value_same(a, b, "scene");
 }
 
-/* The series of a row, made if it is not there; `shown` has the first row of each. */
-static size_t series_at(const json_t *row, const json_t **shown, struct row_plot_page *page,
-                        struct plot_figure *figure)
+static void describe_size(struct row_plot_page *page, struct plot_figure *figure,
+                          const char *driver)
 {
-    size_t s = 0;
-    while (s < figure->series_count && !same_series(shown[s], row))
-        s++;
-    if (s < figure->series_count)
-        return s;
-    shown[s] = row;
-    page->series[s] = series_of(row, page->name[s], sizeof page->name[s]);
-    figure->series_count++;
-    return s;
-}
-
-static enum status draw_size(const json_t *rows, size_t i, bool memory, struct row_plots *out,
-                             struct reason *reason)
-{
-    struct row_plot_page *page = &out->page[out->count - 1];
-    struct plot_figure *figure = &out->figure[out->count - 1];
-    const json_t **shown = alloc_zeroed(rows_of(rows), sizeof *shown);
-    if (!shown)
-        return fail(reason, STATUS_MEMORY, "no memory for the figures");
+    (void)driver;
     snprintf(page->title, sizeof page->title, "%.90s: %zu triangles",
              value_text(page->first, "scene"), value_count(page->first, "triangles"));
-    figure->subtitle = memory
+    figure->subtitle = page->kind->memory
                            ? "right is faster, down is smaller; all that the engine holds on the "
                              "device or in memory, scene and rays of a dispatch included"
                            : "right is faster, down is smaller; the tree alone, without triangles";
-    for (size_t k = i; k < rows_of(rows); k++) {
-        const json_t *row = json_array_get(rows, k);
-        size_t p = PLOT_PANELS;
-        if (value_same(page->first, row, "scene") && has_size(row, memory))
-            p = panel_of(row, memory, page, figure);
-        if (p == PLOT_PANELS)
-            continue;
-        struct plot_point *point = &page->point[p][figure->panel[p].count++];
-        *point = (struct plot_point){.series = series_at(row, shown, page, figure),
-                                     .y = bytes_of(row, memory)};
-        point->y_lo = point->y_hi = point->y;
-        set_speed(point, row);
-    }
-    free(shown);
-    return STATUS_OK;
+}
+
+static void draw_size(const json_t *row, struct row_plot_page *page, struct plot_figure *figure)
+{
+    bool memory = page->kind->memory, made;
+    char title[64];
+    snprintf(title, sizeof title, "%.40s rays", value_text(row, "rays"));
+    size_t p =
+        panel_of(title, "speed, million rays/s",
+                 memory ? "memory, bytes per triangle" : "nodes and items, bytes per triangle",
+                 page, figure);
+    if (p == PLOT_PANELS)
+        return;
+    size_t s = series_of(row, same_members, page, figure, &made);
+    if (made)
+        name_members(row, s, page);
+    struct plot_point *point = &page->point[p][figure->panel[p].count++];
+    *point = speed_of(row, s);
+    point->y = point->y_lo = point->y_hi = bytes_of(row, memory);
 }
 
 enum status row_plots_size(const json_t *rows, bool memory, struct row_plots *out,
                            struct reason *reason)
 {
-    size_t all = rows_of(rows);
-    enum status status = make(out, reason);
-    for (size_t i = 0; i < all && status == STATUS_OK; i++) {
-        const json_t *first = json_array_get(rows, i);
-        if (!has_size(first, memory) || has_page(out, first, false))
-            continue;
-        if (out->count == ROW_PLOT_FIGURES) {
-            out->more = true;
-            break;
-        }
-        status = add_page(out, first, all - i, reason);
-        if (status == STATUS_OK)
-            status = draw_size(rows, i, memory, out, reason);
+    static const struct row_kind kinds[] = {
+        {has_size, same_scene, describe_size, draw_size, .memory = false},
+        {has_size, same_scene, describe_size, draw_size, .memory = true}};
+    return make(rows, &kinds[memory], "", out, reason);
+}
+
+/* --- the matrix --------------------------------------------------------------------------- */
+
+static bool in_one_figure(const json_t *a, const json_t *b)
+{
+    (void)a;
+    (void)b;
+    return true;
+}
+
+static bool same_name(const json_t *a, const json_t *b)
+{
+    return value_same(a, b, "name");
+}
+
+static void describe_matrix(struct row_plot_page *page, struct plot_figure *figure,
+                            const char *driver)
+{
+    (void)page;
+    (void)driver;
+    figure->title = "raydiff bench matrix: size and speed";
+    figure->subtitle = "right is faster, down is smaller; one thread, or as many as were named";
+}
+
+/* Engines by colour; shape and fill tell their contestants apart. Of a contestant's rows of a scene
+ * the first is drawn. */
+static void draw_matrix(const json_t *row, struct row_plot_page *page, struct plot_figure *figure)
+{
+    static const char *const engine[] = {"embree", "fast", "cpu", "vulkan"};
+    char title[120];
+    bool made;
+    snprintf(title, sizeof title, "%.60s, %zu triangles", value_text(row, "scene"),
+             value_count(row, "triangles"));
+    size_t p = panel_of(title, "speed, geometric mean of ratios",
+                        "bytes per triangle, all that is read", page, figure);
+    if (p == PLOT_PANELS)
+        return;
+    size_t s = series_of(row, same_name, page, figure, &made);
+    if (made) {
+        page->series[s] = (struct plot_series){
+            .name = value_text(row, "name"), .shape = (unsigned)s, .fill = (unsigned)(s / 4)};
+        for (unsigned i = 0; i < ARRAY_COUNT(engine); i++)
+            if (strncmp(value_text(row, "engine"), engine[i], strlen(engine[i])) == 0)
+                page->series[s].colour = i;
     }
-    if (status)
-        row_plots_free(out);
-    return status;
+    for (size_t i = 0; i < figure->panel[p].count; i++)
+        if (page->point[p][i].series == s)
+            return;
+    page->point[p][figure->panel[p].count++] =
+        point_at(s, value_number(row, "mean_ratio"), value_number(row, "bytes_per_triangle"));
+}
+
+enum status row_plots_matrix(const json_t *rows, struct row_plots *out, struct reason *reason)
+{
+    static const struct row_kind kind = {
+        .same_figure = in_one_figure, .describe = describe_matrix, .draw = draw_matrix};
+    return make(rows, &kind, "", out, reason);
 }

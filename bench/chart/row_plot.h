@@ -1,5 +1,5 @@
-/* Figures from rows of raydiff bench, as its JSON has them: speed against error, and size against
- * speed. */
+/* Figures from rows of raydiff bench, as its JSON has them: speed against error, size against speed,
+ * and the matrix. */
 #ifndef ROW_PLOT_H
 #define ROW_PLOT_H
 
@@ -33,6 +33,12 @@ enum status row_plots_error(const json_t *rows, const char *driver, struct row_p
  * Errors: STATUS_MEMORY. */
 enum status row_plots_size(const json_t *rows, bool memory, struct row_plots *out,
                            struct reason *reason) MUST_USE;
+
+/* Of benchmark "matrix": one figure of size against speed, with a panel for each scene (at most
+ * PLOT_PANELS) and a point for each contestant, of its first number of threads. Errors:
+ * STATUS_MEMORY. */
+enum status row_plots_matrix(const json_t *rows, struct row_plots *out,
+                             struct reason *reason) MUST_USE;
 
 void row_plots_free(struct row_plots *plots);
 

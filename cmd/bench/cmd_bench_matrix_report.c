@@ -1,15 +1,12 @@
 /* What the matrix shows: tables, rows for machines, the front, a figure. */
 #include "cmd/bench/cmd_bench_matrix.h"
 
-#include "bench/chart/json_value.h"
 #include "bench/chart/pareto.h"
-#include "bench/chart/plot.h"
+#include "bench/chart/row_plot.h"
 #include "ref/base/json_record.h"
 #include "ref/store.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 static double per_tri(const struct matrix *m, uint64_t bytes)
 {
@@ -203,98 +200,14 @@ void matrix_print(struct matrix *matrix, bool full)
         bench_row(matrix->bench, &bench_matrix, row_json(matrix, &matrix->row[i]));
 }
 
-/* --- the figure ------------------------------------------------------------------------------- */
-
-/* One panel a scene, of the rows of its first number of threads. */
-struct drawing {
-    struct plot_figure figure;
-    struct plot_series series[CONTESTANTS];
-    struct plot_point point[PLOT_PANELS][CONTESTANTS];
-    char title[PLOT_PANELS][120];
-};
-
-static bool is_first(const json_t *rows, size_t i)
-{
-    const json_t *row = json_array_get(rows, i);
-    for (size_t k = 0; k < i; k++) {
-        const json_t *other = json_array_get(rows, k);
-        if (value_same(row, other, "scene") && value_same(row, other, "name"))
-            return false;
-    }
-    return true;
-}
-
-/* Engines by colour; shape and fill tell their contestants apart. */
-static size_t series_at(struct drawing *d, const json_t *row)
-{
-    static const char *const engine[] = {"embree", "fast", "cpu", "vulkan"};
-    struct plot_figure *figure = &d->figure;
-    size_t s = 0;
-    while (s < figure->series_count && strcmp(d->series[s].name, value_text(row, "name")) != 0)
-        s++;
-    if (s < figure->series_count || s == CONTESTANTS)
-        return s;
-    unsigned colour = 0;
-    for (unsigned i = 0; i < ARRAY_COUNT(engine); i++)
-        if (strncmp(value_text(row, "engine"), engine[i], strlen(engine[i])) == 0)
-            colour = i;
-    d->series[s] = (struct plot_series){.name = value_text(row, "name"),
-                                        .colour = colour,
-                                        .shape = (unsigned)s,
-                                        .fill = (unsigned)(s / 4)};
-    figure->series_count++;
-    return s;
-}
-
-static size_t panel_at(struct drawing *d, const json_t *row)
-{
-    struct plot_figure *figure = &d->figure;
-    char title[120];
-    snprintf(title, sizeof title, "%.60s, %zu triangles", value_text(row, "scene"),
-             value_count(row, "triangles"));
-    size_t p = 0;
-    while (p < figure->panel_count && strcmp(d->title[p], title) != 0)
-        p++;
-    if (p < figure->panel_count || p == PLOT_PANELS)
-        return p;
-    memcpy(d->title[p], title, sizeof title);
-    figure->panel[p] = (struct plot_panel){.title = d->title[p],
-                                           .x_label = "speed, geometric mean of ratios",
-                                           .y_label = "bytes per triangle, all that is read",
-                                           .point = d->point[p]};
-    figure->panel_count++;
-    return p;
-}
-
-static void draw(struct drawing *d, const json_t *row)
-{
-    size_t p = panel_at(d, row), s = p < PLOT_PANELS ? series_at(d, row) : CONTESTANTS;
-    if (s == CONTESTANTS || d->figure.panel[p].count == CONTESTANTS)
-        return;
-    double speed = value_number(row, "mean_ratio"), size = value_number(row, "bytes_per_triangle");
-    d->point[p][d->figure.panel[p].count++] = (struct plot_point){.series = s,
-                                                                  .x = speed,
-                                                                  .x_lo = speed,
-                                                                  .x_hi = speed,
-                                                                  .y = size,
-                                                                  .y_lo = size,
-                                                                  .y_hi = size};
-}
-
 enum status matrix_plot(const char *path, const json_t *rows, struct reason *reason)
 {
-    struct drawing *d = alloc_zeroed(1, sizeof *d);
-    if (!d)
-        return fail(reason, STATUS_MEMORY, "no memory for the plot");
-    d->figure.title = "raydiff bench matrix: size and speed";
-    d->figure.subtitle = "right is faster, down is smaller; one thread, or as many as were named";
-    d->figure.series = d->series;
-    for (size_t i = 0; i < json_array_size(rows); i++)
-        if (is_first(rows, i))
-            draw(d, json_array_get(rows, i));
-    enum status status = d->figure.panel_count == 0
-                             ? fail(reason, STATUS_INPUT, "%s: nothing was measured to plot", path)
-                             : plot_write_file(path, &d->figure, 1, reason);
-    free(d);
+    struct row_plots plots;
+    enum status status = row_plots_matrix(rows, &plots, reason);
+    if (!status && plots.count == 0)
+        status = fail(reason, STATUS_INPUT, "%s: nothing was measured to plot", path);
+    if (!status)
+        status = plot_write_file(path, plots.figure, plots.count, reason);
+    row_plots_free(&plots);
     return status;
 }
