@@ -148,27 +148,43 @@ static enum status take_material(const struct rtrs_place *place, const json_t *j
     return status ? status : get_float(place, json, "spec", &material->spec);
 }
 
-/* A list of the file, growing while it is read. */
-struct rtrs_list {
+static enum status take_camera(const struct rtrs_place *place, const json_t *json, void *out)
+{
+    struct camera *camera = out;
+    enum status status = get_float3(place, json, "pos", camera->pos);
+    return status ? status : get_float3(place, json, "at", camera->at);
+}
+
+static enum status take_controller(const struct rtrs_place *place, const json_t *json, void *out)
+{
+    struct camera *camera = out;
+    const char *word = json_string_value(json);
+    if (!word || (strcmp(word, "Orbit") != 0 && strcmp(word, "Fixed") != 0))
+        return refuse(place, NULL, -1, "must be \"Orbit\" or \"Fixed\"");
+    camera->orbit = word[0] == 'O';
+    return STATUS_OK;
+}
+
+/* A member of the file: a list, growing while it is read, or a single value. */
+struct rtrs_member {
     const char *key;
-    size_t size; /* of an element */
-    enum status (*take)(const struct rtrs_place *place, const json_t *json, void *element);
+    size_t size; /* of a list's element; 0: no list */
+    enum status (*take)(const struct rtrs_place *place, const json_t *json, void *out);
     bool seen;
-    void *items;
+    void *items; /* of a single value borrowed */
     size_t count, capacity;
 };
 
-enum { PRIMS, VERTICES, LIGHTS, MATERIALS, LISTS };
+enum { CAMERA, CONTROLLER, PRIMS, VERTICES, LIGHTS, MATERIALS, MEMBERS };
 
 /* The file while it is read. */
 struct rtrs {
     struct json_walk walk;
-    struct rtrs_list list[LISTS];
+    struct rtrs_member member[MEMBERS];
     struct camera camera;
-    bool has_camera, has_controller;
 };
 
-static enum status read_list(struct json_walk *walk, struct rtrs_list *list)
+static enum status read_list(struct json_walk *walk, struct rtrs_member *list)
 {
     bool more;
     enum status status = json_walk_open(walk, '[');
@@ -190,53 +206,24 @@ static enum status read_list(struct json_walk *walk, struct rtrs_list *list)
     return status;
 }
 
-/* About a member of the file itself. */
-static enum status refuse_file(const struct rtrs *rtrs, const char *key, const char *rule)
-{
-    const struct rtrs_place file = {rtrs->walk.name, NULL, NO_INDEX, rtrs->walk.reason};
-    return refuse(&file, key, -1, rule);
-}
-
-static enum status read_camera(struct rtrs *rtrs, const json_t *json)
-{
-    const struct rtrs_place place = {rtrs->walk.name, "camera", NO_INDEX, rtrs->walk.reason};
-    enum status status = get_float3(&place, json, "pos", rtrs->camera.pos);
-    return status ? status : get_float3(&place, json, "at", rtrs->camera.at);
-}
-
-static enum status read_controller(struct rtrs *rtrs, const json_t *json)
-{
-    const char *word = json_string_value(json);
-    if (!word || (strcmp(word, "Orbit") != 0 && strcmp(word, "Fixed") != 0))
-        return refuse_file(rtrs, "camera_controller", "must be \"Orbit\" or \"Fixed\"");
-    rtrs->camera.orbit = word[0] == 'O';
-    return STATUS_OK;
-}
-
-/* Reads the value of the file's member `key`. */
+/* Reads the value of the file's member `key`; of an unknown one it is ignored. */
 static enum status read_member(struct rtrs *rtrs, const char *key)
 {
-    bool is_camera = strcmp(key, "camera") == 0;
-    bool is_controller = strcmp(key, "camera_controller") == 0;
-    bool *seen = is_camera ? &rtrs->has_camera : is_controller ? &rtrs->has_controller : NULL;
-    struct rtrs_list *list = NULL;
-    for (int i = 0; i < LISTS; i++)
-        if (strcmp(key, rtrs->list[i].key) == 0)
-            list = &rtrs->list[i];
-    if (list)
-        seen = &list->seen;
-    if (seen && *seen)
-        return refuse_file(rtrs, key, "is there twice");
-    if (seen)
-        *seen = true;
-    if (list)
-        return read_list(&rtrs->walk, list);
+    const struct rtrs_place place = {rtrs->walk.name, key, NO_INDEX, rtrs->walk.reason};
+    struct rtrs_member *member = NULL;
+    for (int i = 0; i < MEMBERS; i++)
+        if (strcmp(key, rtrs->member[i].key) == 0)
+            member = &rtrs->member[i];
+    if (member && member->seen)
+        return refuse(&place, NULL, -1, "is there twice");
+    if (member)
+        member->seen = true;
+    if (member && member->size)
+        return read_list(&rtrs->walk, member);
     json_t *json;
     enum status status = json_walk_value(&rtrs->walk, &json);
-    if (!status && is_camera)
-        status = read_camera(rtrs, json);
-    else if (!status && is_controller)
-        status = read_controller(rtrs, json);
+    if (!status && member)
+        status = member->take(&place, json, member->items);
     json_decref(json);
     return status;
 }
@@ -255,15 +242,15 @@ static enum status read_file(struct rtrs *rtrs)
     }
     if (!status)
         status = json_walk_end(&rtrs->walk);
-    if (!status && !rtrs->has_camera)
-        status = refuse_file(rtrs, "camera", "is missing");
-    if (!status && !rtrs->has_controller)
-        status = refuse_file(rtrs, "camera_controller", "is missing");
-    for (int i = 0; i < LISTS && !status; i++)
-        if (!rtrs->list[i].seen)
-            status = refuse_file(rtrs, rtrs->list[i].key, "is missing");
-    if (!status && rtrs->list[PRIMS].count == 0)
-        status = refuse_file(rtrs, "prims", "is empty: the scene has no triangle");
+    for (int i = 0; i < MEMBERS && !status; i++) {
+        const struct rtrs_place place = {rtrs->walk.name, rtrs->member[i].key, NO_INDEX,
+                                         rtrs->walk.reason};
+        if (!rtrs->member[i].seen)
+            status = refuse(&place, NULL, -1, "is missing");
+    }
+    const struct rtrs_place prims = {rtrs->walk.name, "prims", NO_INDEX, rtrs->walk.reason};
+    if (!status && rtrs->member[PRIMS].count == 0)
+        status = refuse(&prims, NULL, -1, "is empty: the scene has no triangle");
     return status;
 }
 
@@ -271,12 +258,12 @@ static enum status read_file(struct rtrs *rtrs)
  * default one. */
 static enum status check_names(const struct rtrs *rtrs)
 {
-    const struct prim *prim = rtrs->list[PRIMS].items;
-    size_t materials = rtrs->list[MATERIALS].count;
-    for (size_t i = 0; i < rtrs->list[PRIMS].count; i++) {
+    const struct prim *prim = rtrs->member[PRIMS].items;
+    size_t materials = rtrs->member[MATERIALS].count;
+    for (size_t i = 0; i < rtrs->member[PRIMS].count; i++) {
         const struct rtrs_place place = {rtrs->walk.name, "prims", i, rtrs->walk.reason};
         for (int k = 0; k < 3; k++)
-            if (prim[i].index[k] >= rtrs->list[VERTICES].count)
+            if (prim[i].index[k] >= rtrs->member[VERTICES].count)
                 return refuse(&place, "indices", k, "names a vertex that does not exist");
         if (prim[i].material != 0 && (size_t)prim[i].material >= materials)
             return refuse(&place, "material", -1, "names a material that does not exist");
@@ -285,7 +272,7 @@ static enum status check_names(const struct rtrs *rtrs)
 }
 
 /* Gives a list that is an array of the scene to it; NULL where it is empty. */
-static void *hand_over(struct rtrs_list *list, uint32_t *count)
+static void *hand_over(struct rtrs_member *list, uint32_t *count)
 {
     void *items = list->items;
     *count = (uint32_t)list->count;
@@ -295,10 +282,10 @@ static void *hand_over(struct rtrs_list *list, uint32_t *count)
 
 static enum status to_scene(struct rtrs *rtrs, struct scene *out)
 {
-    const struct vertex *vertex = rtrs->list[VERTICES].items;
-    const struct prim *prim = rtrs->list[PRIMS].items;
-    uint32_t vertex_count = (uint32_t)rtrs->list[VERTICES].count;
-    uint32_t tri_count = (uint32_t)rtrs->list[PRIMS].count;
+    const struct vertex *vertex = rtrs->member[VERTICES].items;
+    const struct prim *prim = rtrs->member[PRIMS].items;
+    uint32_t vertex_count = (uint32_t)rtrs->member[VERTICES].count;
+    uint32_t tri_count = (uint32_t)rtrs->member[PRIMS].count;
     enum status status = scene_make(vertex_count, tri_count, out);
     if (!status) {
         out->normal = alloc_zeroed(vertex_count, 3 * sizeof *out->normal);
@@ -317,8 +304,8 @@ static enum status to_scene(struct rtrs *rtrs, struct scene *out)
         memcpy(out->index + 3 * i, prim[i].index, sizeof prim[i].index);
         out->material_of[i] = prim[i].material;
     }
-    out->light = hand_over(&rtrs->list[LIGHTS], &out->light_count);
-    out->material = hand_over(&rtrs->list[MATERIALS], &out->material_count);
+    out->light = hand_over(&rtrs->member[LIGHTS], &out->light_count);
+    out->material = hand_over(&rtrs->member[MATERIALS], &out->material_count);
     out->camera = rtrs->camera;
     out->has_camera = true;
     struct reason rule;
@@ -335,7 +322,11 @@ enum status read_rtrs(const char *name, const char *bytes, size_t size, struct s
     *out = (struct scene){0};
     struct rtrs rtrs = {
         .walk = {.name = name, .start = bytes, .at = bytes, .end = bytes + size, .reason = reason},
-        .list = {
+        .member = {
+            [CAMERA] = {.key = "camera", .take = take_camera, .items = &rtrs.camera},
+            [CONTROLLER] = {.key = "camera_controller",
+                            .take = take_controller,
+                            .items = &rtrs.camera},
             [PRIMS] = {.key = "prims", .size = sizeof(struct prim), .take = take_prim},
             [VERTICES] = {.key = "vertices", .size = sizeof(struct vertex), .take = take_vertex},
             [LIGHTS] = {.key = "lights", .size = sizeof(struct light), .take = take_light},
@@ -348,7 +339,7 @@ enum status read_rtrs(const char *name, const char *bytes, size_t size, struct s
         status = check_names(&rtrs);
     if (!status)
         status = to_scene(&rtrs, out);
-    for (int i = 0; i < LISTS; i++)
-        free(rtrs.list[i].items);
+    for (int i = PRIMS; i < MEMBERS; i++)
+        free(rtrs.member[i].items);
     return status;
 }

@@ -4,11 +4,6 @@
 
 #include <math.h>
 
-static struct vec3 vec(const float v[3])
-{
-    return (struct vec3){v[0], v[1], v[2]};
-}
-
 static void store(struct vec3 v, float out[3])
 {
     out[0] = v.x;
@@ -23,8 +18,8 @@ struct view camera_view(const struct camera *camera, enum profile profile, uint3
                         uint32_t height)
 {
     struct view view = {.centre = profile == PROFILE_RTRS ? 0.0f : 0.5f};
-    struct vec3 up = {0, 1, 0}, pos = vec(camera->pos);
-    struct vec3 forward = shade_unit(vec3_sub(vec(camera->at), pos));
+    struct vec3 up = {0, 1, 0}, pos = vec3_of(camera->pos);
+    struct vec3 forward = shade_unit(vec3_sub(vec3_of(camera->at), pos));
     if (vec3_dot(forward, forward) == 0)
         forward.z = -1;
     if (profile == PROFILE_REPAIRED &&

@@ -2,11 +2,6 @@
 
 #include <math.h>
 
-static struct vec3 vec(const float v[3])
-{
-    return (struct vec3){v[0], v[1], v[2]};
-}
-
 static struct vec3 negate(struct vec3 v)
 {
     return (struct vec3){-v.x, -v.y, -v.z};
@@ -31,10 +26,11 @@ void shade_begin(const struct frame_job *job, const struct view *view, uint32_t 
 {
     float nx = ((float)x + view->centre) / (float)job->width - 0.5f;
     float ny = ((float)(job->height - 1 - y) + view->centre) / (float)job->height - 0.5f;
-    struct vec3 right = vec3_scale(vec(view->right), nx), up = vec3_scale(vec(view->up), ny);
+    struct vec3 right = vec3_scale(vec3_of(view->right), nx),
+                up = vec3_scale(vec3_of(view->up), ny);
     *out = (struct shade_path){
-        .org = vec(view->pos),
-        .dir = shade_unit(vec3_add(vec3_add(right, up), vec(view->forward))),
+        .org = vec3_of(view->pos),
+        .dir = shade_unit(vec3_add(vec3_add(right, up), vec3_of(view->forward))),
         .weight = 1,
     };
 }
@@ -50,8 +46,8 @@ struct ray shade_ray(const struct frame_job *job, const struct shade_path *path)
 /* The corners' normals, weighted and made unit. */
 static struct vec3 blend(const struct shade_tri *tri, float wa, float wb, float wc)
 {
-    struct vec3 ab = vec3_add(vec3_scale(vec(tri->na), wa), vec3_scale(vec(tri->nb), wb));
-    return shade_unit(vec3_add(ab, vec3_scale(vec(tri->nc), wc)));
+    struct vec3 ab = vec3_add(vec3_scale(vec3_of(tri->na), wa), vec3_scale(vec3_of(tri->nb), wb));
+    return shade_unit(vec3_add(ab, vec3_scale(vec3_of(tri->nc), wc)));
 }
 
 static void place_repaired(const struct shade_tri *tri, const struct hit *hit, struct vec3 a,
@@ -59,7 +55,7 @@ static void place_repaired(const struct shade_tri *tri, const struct hit *hit, s
 {
     path->p = vec3_add(a, vec3_add(vec3_scale(e1, hit->u), vec3_scale(e2, hit->v)));
     path->n = blend(tri, (1.0f - hit->u) - hit->v, hit->u, hit->v);
-    path->g = vec(tri->plane);
+    path->g = vec3_of(tri->plane);
     if (vec3_dot(path->g, path->dir) > 0)
         path->g = negate(path->g);
     if (is_zero(path->n))
@@ -92,7 +88,7 @@ bool shade_hit(const struct frame_job *job, const struct hit *hit, struct shade_
     path->segment.prim = hit->prim;
     float v[3][3];
     scene_tri(job->job.scene, hit->prim, v);
-    struct vec3 a = vec(v[0]), e1 = vec3_sub(vec(v[1]), a), e2 = vec3_sub(vec(v[2]), a);
+    struct vec3 a = vec3_of(v[0]), e1 = vec3_sub(vec3_of(v[1]), a), e2 = vec3_sub(vec3_of(v[2]), a);
     const struct shade_tri *tri = &job->shade[hit->prim];
     if (job->look.profile == PROFILE_RTRS)
         place_rtrs(tri, hit, a, e1, e2, path);
@@ -106,7 +102,7 @@ bool shade_ask(const struct frame_job *job, const struct view *view, uint32_t li
 {
     bool rtrs = job->look.profile == PROFILE_RTRS;
     bool eye = light == 0 && job->look.camera_light > 0;
-    struct vec3 lamp = vec(eye ? view->pos : job->light[light].pos);
+    struct vec3 lamp = vec3_of(eye ? view->pos : job->light[light].pos);
     struct vec3 way = vec3_sub(lamp, path->p);
     struct vec3 to = shade_unit(way);
     path->far = sqrtf(vec3_dot(way, way));

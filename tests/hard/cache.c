@@ -113,7 +113,7 @@ enum status cache_judge(struct hard_cache *cache, const struct hard_member *memb
             return STATUS_OK;
         }
     }
-    if (cache->judge_count == CACHE_JUDGES) { /* more members than thought of: start again */
+    if (cache->judge_count == CACHE_JUDGES) { /* no room: start again */
         for (size_t i = 0; i < cache->judge_count; i++)
             judge_free(cache->judge[i].judge);
         cache->judge_count = 0;

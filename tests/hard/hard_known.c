@@ -1,13 +1,11 @@
-/* Bugs that are known of others, rediscovered: nearest halves, a padding that is too small,
- * drivers.
- */
+/* Known bugs of other tools, found again: nearest halves, a padding that is too small. */
 #include "tests/hard/made.h"
 #include "tests/hard/parts.h"
 
 #include <math.h>
 
-/* Beside vertices of a sphere, inside their triangles: a bound that is rounded inward by half a
- * step of float16 loses some. */
+/* Rays at points beside vertices of a sphere, inside their triangles: bounds rounded inward by half
+ * a step of float16 lose some. */
 static void make_nearest(struct hard_made *made)
 {
     struct hard_part *sphere = part_open(made, "sphere:n=8");
@@ -27,8 +25,8 @@ static void make_nearest(struct hard_made *made)
     }
 }
 
-/* The float next to t d, exact in double (31 bits and 13), and in *org what rounding it added: a
- * plane there is met from there at exactly t, but from where the difference rounds as t d did. */
+/* Returns the float next to t d, which is exact in double (31 bits and 13 bits). *org is the
+ * rounding error: from there the plane is hit at exactly t. */
 static float plane_at(double t, float d, float *org)
 {
     double product = t * (double)d;

@@ -99,7 +99,7 @@ const struct layout layout_rtrs_rf_unshifted = {
 
 /* --- engines ---------------------------------------------------------------------------------- */
 
-/* One walk; the two engines differ in what they do in it. */
+/* One traversal by one of the two engines. */
 struct made_walk {
     const struct job *job;
     struct tri_ray tri;
@@ -220,7 +220,7 @@ static enum status open_padded_4u(const struct engine_options *options, void **s
     return cpu_rays_open(options, ray_padded_4u, no_list, self, reason);
 }
 
-/* A walk of its own: where triangles tie, another may win than cpu's. */
+/* The traversal differs from cpu's: where triangles tie, another may win. */
 static struct model model_cpu(void *self, const struct tri_test *tri)
 {
     struct model model = cpu_rays_model(self, tri);

@@ -1,5 +1,5 @@
-/* The matrix of hard cases: what became of each case on each engine, layout and triangle test, for
- * a person to read. */
+/* The matrix of hard cases: the outcome of each case on each engine, layout and triangle test, as a
+ * report. */
 #ifndef HARD_MATRIX_H
 #define HARD_MATRIX_H
 
@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-/* What becomes of a trial, the worst last. */
+/* Outcomes of a trial, the worst last. */
 enum matrix_outcome {
     OUTCOME_SKIPPED, /* an engine cannot run here */
     OUTCOME_REFUSED, /* a builder, layout or engine refuses, with a reason */
@@ -35,12 +35,12 @@ struct matrix_column {
     const struct tri_test *tri;  /* NULL: the engine's own, or several as published */
     bool published;              /* some part is as published */
     bool others;                 /* layouts outside layouts[], together */
-    bool made;                   /* a member of no table, made to be wrong */
+    bool made;                   /* a member outside the tables, wrong on purpose */
     struct matrix_cell *cell;    /* cell_room: rows behind that have none */
     size_t cell_room;
 };
 
-/* Something that is not plain: a failure; or what one waiver or one case's defect excuses. */
+/* An entry of the report: a failure, or everything that one waiver or one case's defect excuses. */
 struct matrix_note {
     char *name; /* the reproduction; of several the first */
     char *why;  /* of a failure what is broken, of others the excuse */
@@ -82,7 +82,7 @@ const char *matrix_layout_name(const struct matrix_column *column);
 /* "own": the engine's; "all": of several. */
 const char *matrix_tri_name(const struct matrix_column *column);
 
-/* Writers; errors of the stream are the caller's to see. `versions` is a line for each engine. */
+/* Writers. The caller checks the stream for errors. `versions` has a line for each engine. */
 void matrix_text(const struct hard_matrix *matrix, FILE *out);
 void matrix_markdown(const struct hard_matrix *matrix, const char *versions, FILE *out);
 void matrix_html(const struct hard_matrix *matrix, const char *versions, FILE *out);

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* How one of the two writes its pieces. */
+/* The markup of one of the two. */
 struct style {
     const char *head, *foot;               /* of the document */
     const char *title, *title_end;         /* a heading */

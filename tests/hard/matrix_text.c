@@ -7,7 +7,7 @@ static const char *const glyphs[OUTCOME_COUNT + 1] = {"s", "r", ".", "k", "w", "
 #define NAME_WIDTH   22
 #define COLUMN_WIDTH 7
 
-/* One line of a heading; a name that the column before has too is not repeated. */
+/* One line of a heading; a name equal to the previous column's is left out. */
 static void text_heading(const struct hard_matrix *matrix, size_t table, int level, FILE *out)
 {
     static const char *const words[] = {"engine", "layout", "triangle test"};

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Makes room for `more` elements; false (and part.failed) without memory. */
+/* Makes room for `need` elements; false (and part.failed) without memory. */
 static bool reserve(struct hard_part *part, void **array, size_t *room, size_t need, size_t size)
 {
     if (!part->failed && array_reserve(array, room, need, size))

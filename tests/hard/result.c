@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Text that grows as long as it fits. */
+/* Text that is appended to until the buffer is full. */
 struct result_line {
     char *text;
     size_t used, room;

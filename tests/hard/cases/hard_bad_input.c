@@ -1,5 +1,5 @@
-/* Hard cases of bad input: numbers that no engine promises anything for. Wanted is that every one
- * ends, writes its own answers only, and says the same twice; a NaN meets nothing. */
+/* Hard cases of bad input: numbers outside every engine's contract. Every engine must return, write
+ * only its own answers, and repeat them; a NaN ray hits nothing. */
 #include "tests/hard/parts.h"
 
 #include <float.h>
@@ -7,7 +7,7 @@
 
 #define N 8
 
-/* A ray that meets the grid z = 1, to be spoilt. */
+/* A ray that hits the grid z = 1, to be spoilt. */
 static struct ray good_ray(struct rng *rng)
 {
     float x = whole(rng, N) + 0.25f, y = whole(rng, N) + 0.75f;

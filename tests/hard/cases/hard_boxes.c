@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* Triangle k, k = 1 .. 32, spans (-k, -k, 0), (k, -k, 0), (0, k, 2 k) in the plane z = y + k: every
- * box contains what lies a little above the origin, no triangle comes nearer than 0.3. */
+ * box contains the points a little above the origin, no triangle comes nearer than 0.3. */
 static struct hard_part *nested(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "nested");

@@ -70,8 +70,8 @@ static void make_parity(struct hard_made *made)
     }
 }
 
-/* Two triangles of opposite winding: by Vulkan's rules their edge is not shared, by ours it is:
- * a sheared edge has one sign however it is run through. */
+/* Neighbours of opposite winding: by Vulkan's rules their edge is not shared, by raydiff's it is. A
+ * sheared edge has one sign in either direction. */
 static void make_opposite(struct hard_made *made)
 {
     struct hard_part *part = part_open(made, SPHERE);
@@ -93,7 +93,7 @@ static void make_opposite(struct hard_made *made)
     }
 }
 
-/* The halves of a sphere as two meshes: equal coordinates, no vertex shared. */
+/* A sphere of separate triangles: equal coordinates, no vertex shared. */
 static void make_seam(struct hard_made *made)
 {
     struct hard_made halves = {.part_count = 0};

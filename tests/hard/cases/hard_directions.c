@@ -67,7 +67,7 @@ static void make_tiny_component(struct hard_made *made)
     }
 }
 
-/* A unit square whose plane is 2^40 to 2^59 away: only the tiny component brings the ray there. */
+/* A unit square whose plane is 2^40 to 2^64 away: only the tiny component brings the ray there. */
 static void make_far_away(struct hard_made *made)
 {
     for (int k = 40; k <= 64; k += 6) {
@@ -96,7 +96,7 @@ static void make_scaled(struct hard_made *made)
         size_t like = part->ray_count;
         for (int k = -125; k <= 120; k += 5) {
             struct ray ray = base;
-            int shift = k == -125 ? 0 : k; /* the first is what the others are compared with */
+            int shift = k == -125 ? 0 : k; /* the ray that the others are compared with */
             for (int a = 0; a < 3; a++)
                 ray.dir[a] = ldexpf(base.dir[a], shift);
             ray.tmax = INFINITY;

@@ -1,5 +1,4 @@
-/* Bugs of Vulkan drivers, each on the driver that has it (make drivers) and on those that do not.
- */
+/* Bugs of Vulkan drivers, each on the driver that has it (make drivers) and on others. */
 #include "tests/hard/driver.h"
 #include "tests/hard/parts.h"
 
@@ -21,7 +20,7 @@ static void make_borders(struct hard_made *made)
     }
 }
 
-/* Of 200,000 rays as below Embree's robust mode loses 62; the first of them. */
+/* Rays that Embree's robust mode loses: the first of 62 among 200,000 rays like those below. */
 static const float robust_loses[][2][3] = {
     {{0x1.1d4c2p-4f, -0x1.72f8c4p-3f, -0x1.208b9p-5f},
      {-0x1.db048ap-1f, 0x1.7cc148p-2f, -0x1.c41acep-2f}},
@@ -41,8 +40,8 @@ static const float robust_loses[][2][3] = {
      {-0x1.1063p+0f, 0x1.329616p-2f, 0x1.683bbp-1f}},
 };
 
-/* From inside a closed sphere at its vertices: d is the rounded difference, so that most rays pass
- * a hair beside. */
+/* From inside a closed sphere at its vertices. The direction is the rounded difference, so that
+ * most rays pass very close to the vertex. */
 static void make_vertices(struct hard_made *made)
 {
     struct hard_part *part = part_open(made, "sphere:n=16");

@@ -15,8 +15,8 @@ static float half_middle(float x, int step)
     return middle;
 }
 
-/* Triangles whose every coordinate rounds to nearest to the wrong side as often as not; rays meet
- * them inside, within 2^-9 of their size from a vertex. */
+/* Triangles whose coordinates round to the nearest half on the wrong side about every second time;
+ * rays hit them inside, within 2^-9 of their size from a vertex. */
 static void make_middles(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "soup");
@@ -43,7 +43,8 @@ static void make_middles(struct hard_made *made)
     }
 }
 
-/* At cells of a grid of 8 x 8 in its own plane's height `from`, straight and slanted. */
+/* Rays at cells of a grid of 8 x 8 that starts at (from, from) in the plane z = from, straight and
+ * slanted. */
 static void aim_at_grid(struct hard_part *part, float cell, float from, uint64_t seed)
 {
     struct rng rng = rng_make(seed, 0);

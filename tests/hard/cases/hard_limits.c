@@ -5,7 +5,7 @@
 #include <math.h>
 
 /* `count` triangles in rows of 256 cells of 1/4 in the plane z = 1; numbers below 2^9 and multiples
- * of 1/8. Triangle i is met alone, at its own cell. */
+ * of 1/8. A ray at cell i hits triangle i only. */
 static void speckles(struct hard_part *part, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -87,7 +87,7 @@ static void make_nodes(struct hard_made *made)
         aim_at_speckle(part, 187 * (i + 1));
 }
 
-/* Triangle i is turned by i quarter turns, scaled by 1 + i / 8, and lies in the plane z = 1. */
+/* Triangle i is scaled by 1 + i / 8; all have one centroid, in the plane z = 1. */
 static void make_concentric(struct hard_made *made)
 {
     static const uint32_t counts[] = {2, 7, 8, 9, 64};
@@ -154,7 +154,7 @@ static void make_one(struct hard_made *made)
     }
 }
 
-/* 65,536 triangles that all the rays pass, the nearest the last: a loop that ends early shows. */
+/* 65,536 triangles, all hit by every ray, the nearest the last: a loop that ends early is found. */
 static void make_stack(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "65536 deep");

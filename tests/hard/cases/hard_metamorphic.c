@@ -1,5 +1,5 @@
-/* Hard cases that compare runs with each other: changed scenes, queries, modes; and trees with the
- * scenes they were packed from. */
+/* Hard cases that compare runs with each other: changed scenes, queries, modes; and trees with
+ * their scenes. */
 #include "tests/hard/parts.h"
 #include "tests/hard/relations.h"
 
@@ -45,7 +45,7 @@ static struct hard_part *lattice_scene(struct hard_made *made, uint64_t seed)
     return part;
 }
 
-/* One part for each relation that is exact for the base part, which is the last so far. */
+/* Adds one part for each relation that is exact for the base part, the last so far. */
 static void relate(struct hard_made *made)
 {
     size_t base = made->part_count - 1;

@@ -1,6 +1,6 @@
 /* Hard cases of lattices: rays exactly on borders, grid lines, vertices, planes and range ends. All
  * numbers are small multiples of powers of two, so that the triangle tests compute without an
- * error: what is truly hit must be hit. */
+ * error: every true hit must be found. */
 #include "tests/hard/parts.h"
 
 #define N 16 /* cells of the grid */
@@ -10,8 +10,8 @@ static uint32_t cell(uint32_t i, uint32_t j)
     return 2 * (i + N * j);
 }
 
-/* The triangles of the grid with an edge on the line x = i (across) or y = i, between whole lines:
- * one on the border, else two. Returns how many. */
+/* Writes the triangles of the grid with an edge on the line x = i (across) or y = i, between whole
+ * lines: one on the border, else two. Returns how many. */
 static uint32_t on_line(int across, uint32_t i, uint32_t at, uint32_t id[2])
 {
     uint32_t n = 0;

@@ -6,7 +6,7 @@
 
 #define N 8
 
-/* A ray that meets the grid z = 4 at exactly t, a power of two; sometimes slanted. */
+/* A ray that hits the grid z = 4 at exactly t, a power of two; sometimes slanted. */
 static struct ray meets_at(struct rng *rng, float t, uint32_t *id)
 {
     float x = whole(rng, N) + 0.25f, y = whole(rng, N) + 0.75f;

@@ -105,8 +105,8 @@ static void make_mixed(struct hard_made *made)
     }
 }
 
-/* A corridor seen lengthwise: walls that reach far behind the origin. Woop's rounding there is as
- * absolute as they are long, a relative pad of the boxes is not. */
+/* A corridor seen lengthwise: walls that reach far behind the origin. Woop's absolute rounding
+ * error there grows with their length; a relative pad of the boxes does not. */
 static void make_corridor(struct hard_made *made)
 {
     for (float length = 10; length <= 1000; length *= 10) {

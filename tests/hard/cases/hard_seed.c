@@ -1,5 +1,5 @@
-/* RTRS's faults that a traversal can show, each alone on a small scene. F1 is case 63; F13 is
- * the paper's and in no layout, F7 stands behind F2: for these a member is made to be wrong. */
+/* RTRS's faults that a traversal can show, each alone on a small scene. F1 is case 63. F13 is the
+ * paper's and in no layout, F7 is hidden by F2: these have members that are wrong on purpose. */
 #include "tests/hard/made.h"
 #include "tests/hard/parts.h"
 
@@ -16,7 +16,7 @@ static void aim_at_dot(struct hard_part *part, uint32_t prim, float x, float y)
     expect_id(part, HARD_ALL, ray_of(x + 0.0625f, y + 0.0625f, 0, 0, 0, 1), prim);
 }
 
-/* Triangle i lies where 7 i mod 300 says, so that its number and its place in a tree differ. */
+/* Triangle i is at place 7 i mod 300, so that its number and its place in a tree differ. */
 static void make_items(struct hard_made *made)
 {
     struct hard_part *part = part_add(made, "300 apart");
