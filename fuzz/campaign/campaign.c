@@ -82,10 +82,19 @@ static int stop_of(const struct campaign *c)
     return c->options->stop ? *c->options->stop : 0;
 }
 
+/* True if workers have blocks, or some are not applied. */
+static bool has_blocks(const struct campaign *c)
+{
+    for (size_t i = 0; i < c->slots; i++)
+        if (c->slot[i].block)
+            return true;
+    return c->first != NULL;
+}
+
 bool campaign_is_played(const struct campaign *c)
 {
     const struct campaign_options *o = c->options;
-    return c->ending && !stop_of(c) && !campaign_has_blocks(c) &&
+    return c->ending && !stop_of(c) && !has_blocks(c) &&
            (!campaign_blocks_left(c) || (o->until > 0 && campaign_counted(c) >= o->until));
 }
 
@@ -126,51 +135,43 @@ static bool is_over(const struct campaign *c)
            (o->seconds > 0 && time_ns() - c->start_ns >= o->seconds * 1000000000u);
 }
 
-bool campaign_has_blocks(const struct campaign *c)
-{
-    for (size_t i = 0; i < c->slots; i++)
-        if (c->slot[i].block)
-            return true;
-    return c->first != NULL;
-}
-
 /* True if there is nothing more to do. */
 static bool is_done(struct campaign *c)
 {
-    if (!c->ending || campaign_has_blocks(c))
+    if (!c->ending || has_blocks(c))
         return false;
     if (!c->play_end_ns)
         c->play_end_ns = time_ns();
     bool late = c->options->shrink == CAMPAIGN_SHRINK_SOON && time_ns() - c->play_end_ns > GRACE_NS;
     c->no_more_jobs = c->no_more_jobs || stop_of(c) || late;
-    if (campaign_crew_is_busy(c, SLOT_SHRINK) || campaign_crew_is_busy(c, SLOT_AGAIN))
+    if (campaign_crew_count(c, SLOT_SHRINK) || campaign_crew_count(c, SLOT_AGAIN))
         return stop_of(c) != 0;
     return c->no_more_jobs || !campaign_jobs_left(c);
 }
 
 /* What was kept to be mutated; so a kill loses no more of it than of the rest. */
-static enum status save_kept(struct campaign *c, struct reason *reason)
+static enum status save_kept(struct campaign *c)
 {
     enum status status = STATUS_OK;
     if (!c->kept_folder.path)
         status = folder_open_in(findings_folder(c->findings), KEPT_FOLDER, true, &c->kept_folder,
-                                reason);
-    return status ? status : feedback_save(c->feedback, &c->kept_folder, reason);
+                                c->reason);
+    return status ? status : feedback_save(c->feedback, &c->kept_folder, c->reason);
 }
 
-static enum status save(struct campaign *c, bool now, struct reason *reason)
+static enum status save(struct campaign *c, bool now)
 {
     uint64_t since = time_ns() - c->saved_ns;
     if (!c->dirty || (!now && !c->found && since < SAVE_NS))
         return STATUS_OK;
-    enum status status = campaign_state_write(c, reason);
-    return status || !c->options->mutate ? status : save_kept(c, reason);
+    enum status status = campaign_state_write(c);
+    return status || !c->options->mutate ? status : save_kept(c);
 }
 
 /* All trials were ordered: no worker has one, and there is no next. */
 static bool is_empty(struct campaign *c)
 {
-    return campaign_crew_count(c, SLOT_IDLE) == c->slots && !campaign_has_blocks(c);
+    return campaign_crew_count(c, SLOT_IDLE) == c->slots && !has_blocks(c);
 }
 
 /* True if the workers are not waited for any more. */
@@ -183,25 +184,25 @@ static bool is_cut_short(struct campaign *c)
     return stop_of(c) > 1 || time_ns() - c->stopped_ns > STOP_NS;
 }
 
-static enum status go_on(struct campaign *c, struct reason *reason)
+static enum status go_on(struct campaign *c)
 {
     enum status status = STATUS_OK;
     while (!status && !is_done(c) && !is_cut_short(c)) {
-        status = campaign_crew_order(c, reason);
+        status = campaign_crew_order(c);
         if (!status && is_empty(c))
             c->ending = true;
         if (!status)
-            status = campaign_crew_hear(c, reason);
+            status = campaign_crew_hear(c);
         c->ending = c->ending || is_over(c);
         if (!status) /* before files are written, so that no worker waits for the disk */
-            status = campaign_crew_order(c, reason);
+            status = campaign_crew_order(c);
         if (!status)
-            status = campaign_blocks_apply(c, reason);
+            status = campaign_blocks_apply(c);
         if (!status)
-            status = campaign_marks_update(c, reason);
+            status = campaign_marks_update(c);
         c->ending = c->ending || is_over(c);
         if (!status)
-            status = save(c, false, reason);
+            status = save(c, false);
         c->view.said = c->said;
         tick(c, false);
     }
@@ -224,25 +225,25 @@ static void close_all(struct campaign *c)
 }
 
 /* What earlier runs kept. */
-static enum status load_kept(struct campaign *c, struct reason *reason)
+static enum status load_kept(struct campaign *c)
 {
     const struct folder *parent = findings_folder(c->findings);
     bool there;
-    enum status status = folder_has_folder(parent, KEPT_FOLDER, &there, reason);
+    enum status status = folder_has_folder(parent, KEPT_FOLDER, &there, c->reason);
     if (status || !there)
         return status;
-    status = folder_open_in(parent, KEPT_FOLDER, false, &c->kept_folder, reason);
+    status = folder_open_in(parent, KEPT_FOLDER, false, &c->kept_folder, c->reason);
     if (!status)
-        status = folder_clean(&c->kept_folder, reason);
-    return status ? status : feedback_load(&c->kept_folder, FEEDBACK_BYTES, &c->kept, reason);
+        status = folder_clean(&c->kept_folder, c->reason);
+    return status ? status : feedback_load(&c->kept_folder, FEEDBACK_BYTES, &c->kept, c->reason);
 }
 
 /* Opens what a run needs before it makes processes. */
-static enum status open_all(struct campaign *c, struct reason *reason)
+static enum status open_all(struct campaign *c)
 {
-    enum status status = feedback_open(FEEDBACK_BYTES, &c->feedback, reason);
+    enum status status = feedback_open(FEEDBACK_BYTES, &c->feedback, c->reason);
     if (!status && c->options->mutate)
-        status = load_kept(c, reason);
+        status = load_kept(c);
     c->rules = c->options->rules;
     c->rules.kept = c->kept.trial;
     c->rules.kept_count = c->kept.count;
@@ -255,15 +256,15 @@ static enum status open_all(struct campaign *c, struct reason *reason)
     c->view.versions = c->versions;
     c->view.said = c->said;
     if (!status)
-        status = campaign_marks_update(c, reason);
+        status = campaign_marks_update(c);
     if (!status)
         campaign_state_read(c);
     if (!status && !campaign_state_is_unplayed(findings_state(c->findings)))
-        status = campaign_pairs_read(c, reason);
+        status = campaign_pairs_read(c);
     /* Before anything else is in the folder, so that it is never one of no campaign, or of what
      * an unplayed one was to be. */
     if (!status && campaign_state_is_unplayed(findings_state(c->findings)))
-        status = campaign_state_write(c, reason);
+        status = campaign_state_write(c);
     return status;
 }
 
@@ -275,16 +276,17 @@ enum status campaign_run(const struct campaign_options *options, struct findings
     if (!c)
         return fail(reason, STATUS_MEMORY, "no memory for a campaign");
     c->options = options;
+    c->reason = reason;
     c->findings = findings;
-    enum status status = open_all(c, reason);
+    enum status status = open_all(c);
     if (!status)
-        status = campaign_crew_start(c, reason);
+        status = campaign_crew_start(c);
     if (!status)
-        status = go_on(c, reason);
+        status = go_on(c);
     if (!status)
-        status = save(c, true, reason);
+        status = save(c, true);
     if (!status && options->mutate)
-        status = save_kept(c, reason);
+        status = save_kept(c);
     if (!c->play_end_ns)
         c->play_end_ns = time_ns();
     if (!status) {

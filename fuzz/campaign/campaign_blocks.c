@@ -286,14 +286,14 @@ static void count_trial(struct campaign *c, const struct campaign_block *block,
 }
 
 static enum status add_finding(struct campaign *c, const struct work_finding *one,
-                               struct finding_file *file, struct reason *reason)
+                               struct finding_file *file)
 {
     struct findings_news news;
     uint32_t ray = one->finding.ray < file->trial.ray_count ? one->finding.ray : FINDINGS_NO_RAY;
     file->signature = one->finding.signature;
-    enum status status = findings_add(c->findings, file, ray, one->opinion, &news, reason);
+    enum status status = findings_add(c->findings, file, ray, one->opinion, &news, c->reason);
     if (!status)
-        status = campaign_marks_update(c, reason);
+        status = campaign_marks_update(c);
     for (size_t i = 0; i < c->marks && !status && !news.repeated; i++) {
         const struct findings_entry *entry = findings_entry(c->findings, i);
         if (!fuzz_signature_same(&entry->signature, &file->signature))
@@ -306,8 +306,7 @@ static enum status add_finding(struct campaign *c, const struct work_finding *on
 
 /* The trial's findings, and its place in the feedback; it is made anew only if somebody needs it.
  */
-static enum status apply_trial(struct campaign *c, const struct campaign_block *block, uint32_t i,
-                               struct reason *reason)
+static enum status apply_trial(struct campaign *c, const struct campaign_block *block, uint32_t i)
 {
     const uint64_t *coverage = block->trial[i].coverage;
     bool wanted = c->options->mutate && feedback_wants(c->feedback, coverage), found = false;
@@ -319,25 +318,25 @@ static enum status apply_trial(struct campaign *c, const struct campaign_block *
     const struct work_order order = {
         .stream = block->stream, .first = block->first, .draw = block->draw};
     if (wanted || found)
-        status = work_trial_ordered(&c->rules, &order, i, block->base, &file.trial, reason);
+        status = work_trial_ordered(&c->rules, &order, i, block->base, &file.trial, c->reason);
     if (!status)
-        status = feedback_add(c->feedback, wanted ? &file.trial : NULL, coverage, &reached, reason);
+        status =
+            feedback_add(c->feedback, wanted ? &file.trial : NULL, coverage, &reached, c->reason);
     snprintf(file.versions, sizeof file.versions, "%s", c->versions);
     for (size_t k = 0; k < block->findings && found && !status; k++)
         if (block->finding[k].trial == i)
-            status = add_finding(c, &block->finding[k], &file, reason);
+            status = add_finding(c, &block->finding[k], &file);
     finding_file_free(&file);
     return status;
 }
 
-enum status campaign_block_apply(struct campaign *c, struct campaign_block *block,
-                                 struct reason *reason)
+enum status campaign_block_apply(struct campaign *c, struct campaign_block *block)
 {
     enum status status = STATUS_OK;
     for (uint32_t i = 0; i < block->count && !status; i++) {
         coverage_merge(c->view.coverage, block->trial[i].coverage);
         count_trial(c, block, &block->trial[i]);
-        status = apply_trial(c, block, i, reason);
+        status = apply_trial(c, block, i);
     }
     campaign_pairs_count(c, block);
     c->view.kept = feedback_count(c->feedback);
@@ -353,7 +352,7 @@ enum status campaign_block_apply(struct campaign *c, struct campaign_block *bloc
     return status;
 }
 
-enum status campaign_blocks_apply(struct campaign *c, struct reason *reason)
+enum status campaign_blocks_apply(struct campaign *c)
 {
     enum status status = STATUS_OK;
     const struct campaign_options *o = c->options;
@@ -367,7 +366,7 @@ enum status campaign_blocks_apply(struct campaign *c, struct reason *reason)
             campaign_block_free(block);
             continue;
         }
-        status = campaign_block_apply(c, block, reason);
+        status = campaign_block_apply(c, block);
     }
     return status;
 }

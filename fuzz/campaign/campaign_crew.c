@@ -16,7 +16,7 @@
 #define WAIT_MS        50u
 #define LOOK_MS        1000u /* between two looks at a worker, at most */
 
-static enum status start(struct campaign *c, struct slot *slot, struct reason *reason)
+static enum status start(struct campaign *c, struct slot *slot)
 {
     const struct work_start how = {
         .rules = &c->rules, .watch = slot->watch, .versions = !c->versions[0]};
@@ -25,19 +25,19 @@ static enum status start(struct campaign *c, struct slot *slot, struct reason *r
     slot->since_ns = time_ns();
     slot->beat = slot->mark = UINT64_MAX;
     slot->stopped_ns = 0;
-    return worker_start(&how, &slot->child, reason);
+    return worker_start(&how, &slot->child, c->reason);
 }
 
-enum status campaign_crew_start(struct campaign *c, struct reason *reason)
+enum status campaign_crew_start(struct campaign *c)
 {
     size_t jobs = c->options->jobs;
     enum status status = STATUS_OK;
     c->watch = child_share(jobs * sizeof *c->watch);
     if (!c->watch)
-        return fail(reason, STATUS_MEMORY, "no memory to share");
+        return fail(c->reason, STATUS_MEMORY, "no memory to share");
     for (size_t i = 0; i < jobs && !status; i++) {
         c->slot[i].watch = &c->watch[i];
-        status = start(c, &c->slot[i], reason);
+        status = start(c, &c->slot[i]);
         c->slots = i + 1;
     }
     return status;
@@ -65,11 +65,6 @@ size_t campaign_crew_count(const struct campaign *c, enum slot_task task)
     return count;
 }
 
-bool campaign_crew_is_busy(const struct campaign *c, enum slot_task task)
-{
-    return campaign_crew_count(c, task) > 0;
-}
-
 /* --- orders ---------------------------------------------------------------------------------- */
 
 static void send_block(struct slot *slot)
@@ -93,14 +88,14 @@ static bool is_grown(const struct campaign *c, const struct slot *slot)
     return most > 0 && slot->warm && child_memory(&slot->child) > most / 2;
 }
 
-static enum status renew(struct campaign *c, struct slot *slot, struct reason *reason)
+static enum status renew(struct campaign *c, struct slot *slot)
 {
     child_end(&slot->child, 1000, NULL);
     c->view.renewed++;
-    return start(c, slot, reason);
+    return start(c, slot);
 }
 
-enum status campaign_crew_order(struct campaign *c, struct reason *reason)
+enum status campaign_crew_order(struct campaign *c)
 {
     enum status status = STATUS_OK;
     for (size_t i = 0; i < c->slots && !status; i++) {
@@ -109,15 +104,15 @@ enum status campaign_crew_order(struct campaign *c, struct reason *reason)
         if (slot->task != SLOT_IDLE)
             continue;
         if (is_grown(c, slot)) {
-            status = renew(c, slot, reason);
+            status = renew(c, slot);
             continue;
         }
-        status = campaign_job_order(c, slot, &given, reason);
+        status = campaign_job_order(c, slot, &given);
         if (status || given)
             continue;
         slot->block = campaign_block_next(c, &status);
         if (status)
-            return fail(reason, status, "no memory for a block of trials");
+            return fail(c->reason, status, "no memory for a block of trials");
         if (slot->block)
             send_block(slot);
     }
@@ -127,24 +122,22 @@ enum status campaign_crew_order(struct campaign *c, struct reason *reason)
 /* --- reports --------------------------------------------------------------------------------- */
 
 /* The block is done, or goes on alone. */
-static enum status after_block(struct campaign *c, struct slot *slot, enum status status,
-                               struct reason *reason)
+static enum status after_block(struct campaign *c, struct slot *slot, enum status status)
 {
     struct campaign_block *block = slot->block;
     if (status)
-        return fail(reason, status, "no memory for what workers report");
+        return fail(c->reason, status, "no memory for what workers report");
     if (!block->done) {
         send_block(slot);
         return STATUS_OK;
     }
     slot->block = NULL;
     slot->task = SLOT_IDLE;
-    return block->stream == WORK_MUT ? campaign_block_apply(c, block, reason) : STATUS_OK;
+    return block->stream == WORK_MUT ? campaign_block_apply(c, block) : STATUS_OK;
 }
 
 /* The worker ended or was ended, and is started anew. */
-static enum status bury(struct campaign *c, struct slot *slot, const struct death *death,
-                        struct reason *reason)
+static enum status bury(struct campaign *c, struct slot *slot, const struct death *death)
 {
     enum slot_task task = slot->task;
     enum status status = STATUS_OK;
@@ -152,16 +145,16 @@ static enum status bury(struct campaign *c, struct slot *slot, const struct deat
     c->view.restarts++;
     slot->failures = task == SLOT_STARTING ? slot->failures + 1 : 0;
     if (slot->failures >= FAILURES_MOST || (task == SLOT_STARTING && !c->versions[0]))
-        return fail(reason, STATUS_DEVICE, "opening the engines: a worker %s", death->text);
+        return fail(c->reason, STATUS_DEVICE, "opening the engines: a worker %s", death->text);
     if (task == SLOT_BLOCK)
         status = campaign_block_died(c, slot->block, death);
     else if (task == SLOT_SHRINK || task == SLOT_AGAIN)
-        status = campaign_job_take(c, slot, NULL, reason);
+        status = campaign_job_take(c, slot, NULL);
     if (status)
         return status;
     if (slot->block && slot->block->done)
-        status = after_block(c, slot, STATUS_OK, reason);
-    return status ? status : start(c, slot, reason);
+        status = after_block(c, slot, STATUS_OK);
+    return status ? status : start(c, slot);
 }
 
 static struct death read_watch(const struct slot *slot)
@@ -175,26 +168,24 @@ static struct death read_watch(const struct slot *slot)
 }
 
 /* Ends a worker, if it has not ended, and says so; `why` NULL: as it ended. */
-static enum status end_worker(struct campaign *c, struct slot *slot, bool hung, const char *why,
-                              struct reason *reason)
+static enum status end_worker(struct campaign *c, struct slot *slot, bool hung, const char *why)
 {
     struct death death = read_watch(slot);
     struct child_fate fate;
     child_end(&slot->child, why ? 0 : 1000, &fate);
     death.hung = hung;
     snprintf(death.text, sizeof death.text, "%s", why ? why : fate.text);
-    return bury(c, slot, &death, reason);
+    return bury(c, slot, &death);
 }
 
-static enum status take_start(struct campaign *c, struct slot *slot, const struct work_parts *parts,
-                              struct reason *reason)
+static enum status take_start(struct campaign *c, struct slot *slot, const struct work_parts *parts)
 {
     const struct work_report *report = parts->report;
     if (report->status && (!c->versions[0] || ++slot->failures >= FAILURES_MOST))
-        return fail(reason, report->status, "%s", report->reason.text);
+        return fail(c->reason, report->status, "%s", report->reason.text);
     if (report->status) {
         child_end(&slot->child, 1000, NULL);
-        return start(c, slot, reason);
+        return start(c, slot);
     }
     slot->failures = 0;
     slot->task = SLOT_IDLE;
@@ -206,29 +197,29 @@ static enum status take_start(struct campaign *c, struct slot *slot, const struc
 }
 
 static enum status take_message(struct campaign *c, struct slot *slot, const void *bytes,
-                                size_t size, struct reason *reason)
+                                size_t size)
 {
     struct work_parts parts;
     if (!work_parts(bytes, size, &parts))
-        return end_worker(c, slot, false, "sent what is no report", reason);
+        return end_worker(c, slot, false, "sent what is no report");
     enum status status = parts.report->status;
     if (slot->task == SLOT_STARTING)
-        return take_start(c, slot, &parts, reason);
+        return take_start(c, slot, &parts);
     slot->warm = true;
     slot->stops = 0;
     if (status == STATUS_MEMORY)
-        return fail(reason, status, "%s", parts.report->reason.text);
+        return fail(c->reason, status, "%s", parts.report->reason.text);
     if (slot->task == SLOT_SHRINK || slot->task == SLOT_AGAIN)
-        return campaign_job_take(c, slot, &parts, reason);
+        return campaign_job_take(c, slot, &parts);
     if (slot->task != SLOT_BLOCK)
-        return end_worker(c, slot, false, "spoke without being asked", reason);
+        return end_worker(c, slot, false, "spoke without being asked");
     if (status) {
         char why[WORK_OPINION_MOST];
         snprintf(why, sizeof why, "%s: %s", status_text(status), parts.report->reason.text);
-        return end_worker(c, slot, false, why, reason);
+        return end_worker(c, slot, false, why);
     }
     status = campaign_block_take(c, slot->block, &parts);
-    return after_block(c, slot, status, reason);
+    return after_block(c, slot, status);
 }
 
 /* --- the watch ------------------------------------------------------------------------------- */
@@ -308,13 +299,13 @@ static bool is_stuck(const struct campaign *c, struct slot *slot)
 /* A worker that is stopped by a signal for longer than it may work, while we are not, will hardly go
  * on by itself. It is replaced, and what it was at is begun again: that somebody stopped it says
  * nothing of a trial. */
-static enum status replace_stopped(struct campaign *c, struct slot *slot, struct reason *reason)
+static enum status replace_stopped(struct campaign *c, struct slot *slot)
 {
     const struct death at = read_watch(slot);
     const double seconds = (double)slot->stopped_ns * 1e-9;
     if (++slot->stops == STOPS_MOST)
         return fail(
-            reason, STATUS_DEVICE,
+            c->reason, STATUS_DEVICE,
             "%u workers in a row were stopped for %.3g s%s%s: something sends SIGSTOP", STOPS_MOST,
             seconds, at.contestant < c->rules.field.count ? ", at last by or within engine " : "",
             at.contestant < c->rules.field.count ? c->rules.field.who[at.contestant].engine->name
@@ -322,10 +313,10 @@ static enum status replace_stopped(struct campaign *c, struct slot *slot, struct
     snprintf(c->said, sizeof c->said, "a worker was stopped for %.3g s, and is replaced", seconds);
     c->view.restarts++;
     child_end(&slot->child, 0, NULL);
-    return start(c, slot, reason);
+    return start(c, slot);
 }
 
-static enum status watch(struct campaign *c, struct slot *slot, bool memory, struct reason *reason)
+static enum status watch(struct campaign *c, struct slot *slot, bool memory)
 {
     char why[WORK_OPINION_MOST];
     uint64_t most = c->options->memory_bytes;
@@ -335,19 +326,19 @@ static enum status watch(struct campaign *c, struct slot *slot, bool memory, str
         /* Whatever limit it was: the words are kept, and are the same in every run. */
         snprintf(why, sizeof why, "did not answer within %g s",
                  (double)c->options->trial_ms * 1e-3);
-        return end_worker(c, slot, true, why, reason);
+        return end_worker(c, slot, true, why);
     }
     if (slot->stopped_ns > limit_ms(c, slot) * 1000000u)
-        return replace_stopped(c, slot, reason);
+        return replace_stopped(c, slot);
     if (memory && most > 0 && child_memory(&slot->child) > most) {
         snprintf(why, sizeof why, "held more than %llu MiB of memory",
                  (unsigned long long)(most >> 20));
-        return end_worker(c, slot, false, why, reason);
+        return end_worker(c, slot, false, why);
     }
     return STATUS_OK;
 }
 
-enum status campaign_crew_hear(struct campaign *c, struct reason *reason)
+enum status campaign_crew_hear(struct campaign *c)
 {
     struct child *child[CAMPAIGN_JOBS_MOST];
     enum status status = STATUS_OK;
@@ -361,16 +352,16 @@ enum status campaign_crew_hear(struct campaign *c, struct reason *reason)
         size_t size;
         switch (child_receive(&slot->child, WORK_MESSAGE_MOST, 0, &bytes, &size)) {
         case CHILD_GOT:
-            status = take_message(c, slot, bytes, size, reason);
+            status = take_message(c, slot, bytes, size);
             break;
         case CHILD_LATE:
-            status = watch(c, slot, memory, reason);
+            status = watch(c, slot, memory);
             break;
         case CHILD_GONE:
-            status = end_worker(c, slot, false, NULL, reason);
+            status = end_worker(c, slot, false, NULL);
             break;
         case CHILD_TOO_LONG:
-            status = end_worker(c, slot, false, "sent a report of no end", reason);
+            status = end_worker(c, slot, false, "sent a report of no end");
             break;
         }
     }

@@ -65,6 +65,7 @@ struct slot {
 
 struct campaign {
     const struct campaign_options *options;
+    struct reason *reason;   /* of the error that ends it */
     struct work_rules rules; /* the options', with what earlier runs kept */
     struct feedback_list kept;
     struct folder kept_folder; /* where they are, once there are some; of stream mut */
@@ -108,12 +109,10 @@ struct campaign {
 /* Takes over what the folder's last checkpoint says; that its identity is ours is for the caller to
  * have checked. */
 void campaign_state_read(struct campaign *c);
-enum status campaign_state_write(struct campaign *c, struct reason *reason) MUST_USE;
+enum status campaign_state_write(struct campaign *c) MUST_USE;
 
 /* --- campaign.c --- */
 
-/* True if workers have blocks, or some are not applied. */
-bool campaign_has_blocks(const struct campaign *c);
 /* True if all that the campaign is to play was applied, and nothing interrupts it. */
 bool campaign_is_played(const struct campaign *c);
 
@@ -133,10 +132,9 @@ enum status campaign_block_died(struct campaign *c, struct campaign_block *block
 /* The order of what is left of a block. */
 struct work_order campaign_block_order(const struct campaign_block *block);
 /* Applies a block of stream mut, and frees it. */
-enum status campaign_block_apply(struct campaign *c, struct campaign_block *block,
-                                 struct reason *reason) MUST_USE;
+enum status campaign_block_apply(struct campaign *c, struct campaign_block *block) MUST_USE;
 /* Applies and frees all blocks whose turn it is. */
-enum status campaign_blocks_apply(struct campaign *c, struct reason *reason) MUST_USE;
+enum status campaign_blocks_apply(struct campaign *c) MUST_USE;
 
 /* --- campaign_pairs.c --- */
 
@@ -145,30 +143,28 @@ void campaign_pairs_draw(struct campaign *c, struct campaign_block *block);
 /* Counts who met in its trials. */
 void campaign_pairs_count(struct campaign *c, const struct campaign_block *block);
 /* The tally of a drawn field is in the folder: pairs.txt. */
-enum status campaign_pairs_read(struct campaign *c, struct reason *reason) MUST_USE;
-enum status campaign_pairs_write(const struct campaign *c, struct reason *reason) MUST_USE;
+enum status campaign_pairs_read(struct campaign *c) MUST_USE;
+enum status campaign_pairs_write(const struct campaign *c) MUST_USE;
 
 /* --- campaign_crew.c --- */
 
-enum status campaign_crew_start(struct campaign *c, struct reason *reason) MUST_USE;
+enum status campaign_crew_start(struct campaign *c) MUST_USE;
 void campaign_crew_end(struct campaign *c, uint32_t ms);
 /* Gives work to idle workers. */
-enum status campaign_crew_order(struct campaign *c, struct reason *reason) MUST_USE;
+enum status campaign_crew_order(struct campaign *c) MUST_USE;
 /* Hears what they report, and ends those that hang or hold too much. */
-enum status campaign_crew_hear(struct campaign *c, struct reason *reason) MUST_USE;
-bool campaign_crew_is_busy(const struct campaign *c, enum slot_task task);
+enum status campaign_crew_hear(struct campaign *c) MUST_USE;
 size_t campaign_crew_count(const struct campaign *c, enum slot_task task);
 
 /* --- campaign_jobs.c --- */
 
 /* Makes the marks of findings that came since. Errors: STATUS_MEMORY. */
-enum status campaign_marks_update(struct campaign *c, struct reason *reason) MUST_USE;
+enum status campaign_marks_update(struct campaign *c) MUST_USE;
 /* Gives the slot a finding to shrink or to play again, if there is one to be; *given says so. */
-enum status campaign_job_order(struct campaign *c, struct slot *slot, bool *given,
-                               struct reason *reason) MUST_USE;
+enum status campaign_job_order(struct campaign *c, struct slot *slot, bool *given) MUST_USE;
 /* Takes the report of such a job, or the death of its worker (parts NULL). */
-enum status campaign_job_take(struct campaign *c, struct slot *slot, const struct work_parts *parts,
-                              struct reason *reason) MUST_USE;
+enum status campaign_job_take(struct campaign *c, struct slot *slot,
+                              const struct work_parts *parts) MUST_USE;
 /* True if a job is left that is to be done before the end. */
 bool campaign_jobs_left(const struct campaign *c);
 /* True if a signature is not shrunk that is to be some day. */

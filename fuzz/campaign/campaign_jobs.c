@@ -12,11 +12,11 @@ static const struct findings_entry *entry_of(const struct campaign *c, size_t i)
     return findings_entry(c->findings, i);
 }
 
-enum status campaign_marks_update(struct campaign *c, struct reason *reason)
+enum status campaign_marks_update(struct campaign *c)
 {
     void *array = c->mark;
     if (array_reserve(&array, &c->mark_capacity, findings_count(c->findings), sizeof *c->mark))
-        return fail(reason, STATUS_MEMORY, "no memory for %zu findings",
+        return fail(c->reason, STATUS_MEMORY, "no memory for %zu findings",
                     findings_count(c->findings));
     c->mark = array;
     for (; c->marks < findings_count(c->findings); c->marks++) {
@@ -87,7 +87,7 @@ bool campaign_jobs_left(const struct campaign *c)
 
 /* Sends the smallest trial of a finding; *sent: there is one. Errors: as findings_get. */
 static enum status send_job(struct campaign *c, struct slot *slot, size_t i, enum slot_task task,
-                            bool *sent, struct reason *reason)
+                            bool *sent)
 {
     struct finding_file file;
     struct work_order order = {.stream = WORK_GIVEN, .count = 1, .unexplained = true};
@@ -96,7 +96,7 @@ static enum status send_job(struct campaign *c, struct slot *slot, size_t i, enu
     if (!entry->has_smallest)
         return STATUS_OK;
     enum status status =
-        findings_get(c->findings, &entry->signature, "smallest.trial", &file, reason);
+        findings_get(c->findings, &entry->signature, "smallest.trial", &file, c->reason);
     if (status)
         return status;
     if (task == SLOT_SHRINK) {
@@ -127,19 +127,18 @@ static bool may_shrink(const struct campaign *c)
     return 2 * c->shrink_ns < time_ns() - c->start_ns;
 }
 
-enum status campaign_job_order(struct campaign *c, struct slot *slot, bool *given,
-                               struct reason *reason)
+enum status campaign_job_order(struct campaign *c, struct slot *slot, bool *given)
 {
     *given = false;
-    enum status status = campaign_marks_update(c, reason);
+    enum status status = campaign_marks_update(c);
     if (status || c->no_more_jobs)
         return status;
     for (size_t i = 0; i < c->marks && !*given && !status; i++) {
         if (is_to_play_again(c, i) && !in_hand(c, i, SLOT_AGAIN)) {
-            status = send_job(c, slot, i, SLOT_AGAIN, given, reason);
+            status = send_job(c, slot, i, SLOT_AGAIN, given);
             c->mark[i].played_again = *given ? c->mark[i].played_again : CAMPAIGN_AGAIN;
         } else if (is_to_shrink(c, i) && !in_hand(c, i, SLOT_SHRINK) && may_shrink(c)) {
-            status = send_job(c, slot, i, SLOT_SHRINK, given, reason);
+            status = send_job(c, slot, i, SLOT_SHRINK, given);
             c->mark[i].shrunk = !*given;
         }
     }
@@ -161,31 +160,29 @@ static bool shows(const struct work_parts *parts, const struct fuzz_signature *s
 /* Offers a shrunk finding. Shrinking it once more might make it smaller still, if it ran out of
  * asks: so the log has before what the file will be, and whoever goes on after a kill knows it by
  * that. */
-static enum status offer(struct campaign *c, size_t i, const struct finding_file *file,
-                         struct reason *reason)
+static enum status offer(struct campaign *c, size_t i, const struct finding_file *file)
 {
     struct findings_news news;
     c->offered = i;
     c->offered_hash = fuzz_trial_size(&file->trial).hash;
-    enum status status = campaign_state_write(c, reason);
+    enum status status = campaign_state_write(c);
     if (!status)
-        status = findings_offer(c->findings, file, &news, reason);
+        status = findings_offer(c->findings, file, &news, c->reason);
     c->offered = SIZE_MAX;
     return status;
 }
 
-static enum status take_shrunk(struct campaign *c, size_t i, const struct work_parts *parts,
-                               struct reason *reason)
+static enum status take_shrunk(struct campaign *c, size_t i, const struct work_parts *parts)
 {
     struct finding_file file;
     c->shrink_ns += parts ? parts->report->ns : 0;
     enum status status = STATUS_OK;
     if (parts && !parts->report->status && parts->report->text_bytes > 0) {
         status = finding_file_parse("a shrunk finding", parts->text, parts->report->text_bytes,
-                                    &file, reason);
+                                    &file, c->reason);
         if (status)
             return status;
-        status = offer(c, i, &file, reason);
+        status = offer(c, i, &file);
         finding_file_free(&file);
     } /* else it stays as it is */
     c->mark[i].shrunk = true;
@@ -193,8 +190,7 @@ static enum status take_shrunk(struct campaign *c, size_t i, const struct work_p
     return status;
 }
 
-enum status campaign_job_take(struct campaign *c, struct slot *slot, const struct work_parts *parts,
-                              struct reason *reason)
+enum status campaign_job_take(struct campaign *c, struct slot *slot, const struct work_parts *parts)
 {
     size_t i = slot->entry;
     enum slot_task task = slot->task;
@@ -202,7 +198,7 @@ enum status campaign_job_take(struct campaign *c, struct slot *slot, const struc
     struct campaign_mark *mark = &c->mark[i];
     slot->task = SLOT_IDLE;
     if (task == SLOT_SHRINK)
-        return take_shrunk(c, i, parts, reason);
+        return take_shrunk(c, i, parts);
     bool died = signature->kind == FUZZ_KIND_CRASH || signature->kind == FUZZ_KIND_HANG;
     mark->played_again++;
     if (parts ? shows(parts, signature) : died)

@@ -55,20 +55,24 @@ void campaign_pairs_draw(struct campaign *c, struct campaign_block *block)
     block->draw.query = choose_query(c, block);
 }
 
+/* Counts the pairs of a trial that a contestant, whose bit this is, has answered. */
+static void count_met(struct campaign *c, const struct engine *engine, const struct layout *layout,
+                      const struct work_trial *one, uint32_t bit)
+{
+    struct combination met =
+        pair_coverage_of(c->options->pair_coverage, engine, layout, one->builder, one->store,
+                         one->tri, one->box, one->optimized, one->refitted & bit);
+    if (one->rebuilt & bit)
+        met.member[MEET_MOTION] = MEET_NONE;
+    pair_coverage_add(c->options->pair_coverage, &met);
+}
+
 static void count_trial(struct campaign *c, const struct work_trial *one)
 {
     const struct fuzz_field *field = &c->rules.field;
-    for (size_t i = 0; i < field->count; i++) {
-        uint32_t bit = 1u << i;
-        if (!(one->players & bit))
-            continue;
-        struct combination met = pair_coverage_of(
-            c->options->pair_coverage, field->who[i].engine, field->who[i].layout, one->builder,
-            one->store, one->tri, one->box, one->optimized, one->refitted & bit);
-        if (one->rebuilt & bit)
-            met.member[MEET_MOTION] = MEET_NONE;
-        pair_coverage_add(c->options->pair_coverage, &met);
-    }
+    for (size_t i = 0; i < field->count; i++)
+        if (one->players >> i & 1u)
+            count_met(c, field->who[i].engine, field->who[i].layout, one, 1u << i);
 }
 
 /* As drawn: the members that the engine does not meet are in no pair. */
@@ -79,17 +83,11 @@ static void count_drawn(struct campaign *c, const struct campaign_block *block)
     const struct engine *engine = c->rules.field.who[block->draw.contestant].engine;
     for (uint32_t i = 0; i < block->count; i++) {
         const struct work_trial *one = &block->trial[i];
-        bool played = one->players & bit, rebuilt = one->rebuilt & bit;
+        bool played = one->players & bit;
         missed.refused += !played;
-        missed.rebuilt += played && rebuilt;
-        if (!played)
-            continue;
-        struct combination met =
-            pair_coverage_of(c->options->pair_coverage, engine, block->draw.layout, one->builder,
-                             one->store, one->tri, one->box, one->optimized, one->refitted & bit);
-        if (rebuilt)
-            met.member[MEET_MOTION] = MEET_NONE;
-        pair_coverage_add(c->options->pair_coverage, &met);
+        missed.rebuilt += played && one->rebuilt & bit;
+        if (played)
+            count_met(c, engine, block->draw.layout, one, bit);
     }
     c->missed[(missed.block - 1) % CAMPAIGN_BEHIND] = missed;
 }
@@ -103,18 +101,18 @@ void campaign_pairs_count(struct campaign *c, const struct campaign_block *block
             count_trial(c, &block->trial[i]);
 }
 
-enum status campaign_pairs_read(struct campaign *c, struct reason *reason)
+enum status campaign_pairs_read(struct campaign *c)
 {
     if (!c->options->rules.field.drawn)
         return STATUS_OK;
     return pair_coverage_read(c->options->pair_coverage, findings_folder(c->findings), PAIRS_FILE,
-                              reason);
+                              c->reason);
 }
 
-enum status campaign_pairs_write(const struct campaign *c, struct reason *reason)
+enum status campaign_pairs_write(const struct campaign *c)
 {
     if (!c->options->rules.field.drawn)
         return STATUS_OK;
     return pair_coverage_write(c->options->pair_coverage, findings_folder(c->findings), PAIRS_FILE,
-                               reason);
+                               c->reason);
 }

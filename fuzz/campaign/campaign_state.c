@@ -203,7 +203,7 @@ void campaign_state_read(struct campaign *c)
     read_offered(c, state);
 }
 
-enum status campaign_state_write(struct campaign *c, struct reason *reason)
+enum status campaign_state_write(struct campaign *c)
 {
     char state[FINDINGS_STATE_MOST] = "", coverage[16 * COVERAGE_WORDS + 1];
     for (size_t w = 0; w < COVERAGE_WORDS; w++)
@@ -215,10 +215,10 @@ enum status campaign_state_write(struct campaign *c, struct reason *reason)
         !put_number(state, "trials", c->trials_done) ||
         !campaign_state_put(state, sizeof state, "coverage", coverage) || !put_turnout(c, state) ||
         !put_edges(c, state) || !put_shrunk(c, state) || !put_offered(c, state))
-        return fail(reason, STATUS_INPUT, "the options of a campaign are too long to be kept");
-    enum status status = findings_checkpoint(c->findings, state, reason);
+        return fail(c->reason, STATUS_INPUT, "the options of a campaign are too long to be kept");
+    enum status status = findings_checkpoint(c->findings, state, c->reason);
     if (!status)
-        status = campaign_pairs_write(c, reason);
+        status = campaign_pairs_write(c);
     c->dirty = c->found = false;
     c->saved_ns = time_ns();
     return status;

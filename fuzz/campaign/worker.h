@@ -53,13 +53,6 @@ enum status work_trial_make(const struct work_rules *rules, enum work_stream str
                             const struct fuzz_trial *base, struct fuzz_trial *out,
                             struct reason *reason) MUST_USE;
 
-/* Gives a trial of stream gen the members drawn, and what they ask for: how often it is optimized,
- * how far it moves, a grid for storage `quantised`. A pure function of rules, index and draw.
- * Errors: STATUS_MEMORY. */
-enum status work_trial_draw(const struct work_rules *rules, uint64_t index,
-                            const struct work_draw *draw, struct fuzz_trial *trial,
-                            struct reason *reason) MUST_USE;
-
 /* The contestant that a signature names, of a drawn field whatever the layout; field->count if none
  * is. */
 size_t work_contestant(const struct fuzz_field *field, const struct fuzz_signature *signature);

@@ -80,9 +80,12 @@ static enum status put_on_grid(struct rng *rng, struct fuzz_trial *trial, struct
     return STATUS_OK;
 }
 
-enum status work_trial_draw(const struct work_rules *rules, uint64_t index,
-                            const struct work_draw *draw, struct fuzz_trial *trial,
-                            struct reason *reason)
+/* Gives a trial of stream gen the members drawn, and what they ask for: how often it is optimized,
+ * how far it moves, a grid for storage `quantised`. A pure function of rules, index and draw.
+ * Errors: STATUS_MEMORY. */
+static enum status draw_members(const struct work_rules *rules, uint64_t index,
+                                const struct work_draw *draw, struct fuzz_trial *trial,
+                                struct reason *reason)
 {
     struct rng of_seed = rng_make(rules->seed, 0x64726177u + GEN_VERSION);
     struct rng rng = rng_make(rng_u64(&of_seed), index);
@@ -122,7 +125,7 @@ enum status work_trial_ordered(const struct work_rules *rules, const struct work
 {
     enum status status = work_trial_make(rules, order->stream, order->first + i, base, out, reason);
     if (!status && order->draw.on) {
-        status = work_trial_draw(rules, order->first + i, &order->draw, out, reason);
+        status = draw_members(rules, order->first + i, &order->draw, out, reason);
         if (status)
             fuzz_trial_free(out);
     }

@@ -131,13 +131,13 @@ void coverage_add_truth(uint64_t map[COVERAGE_WORDS], const struct ray *ray, con
     if (truth->prim == ABI_NO_PRIM)
         return;
     if (truth->tie_count > 1)
-        coverage_set(map, COVERAGE_TIES + step_of(truth->tie_count, ties, ARRAY_COUNT(ties)));
+        coverage_set(map, COVERAGE_TIES, step_of(truth->tie_count, ties, ARRAY_COUNT(ties)));
     if (truth->t_lo <= (double)ray->tmin)
-        coverage_set(map, COVERAGE_TRUTH + (uint32_t)COVERAGE_TRUTH_ON_TMIN);
+        coverage_set(map, COVERAGE_TRUTH, COVERAGE_TRUTH_ON_TMIN);
     if (truth->t_hi >= (double)ray->tmax)
-        coverage_set(map, COVERAGE_TRUTH + (uint32_t)COVERAGE_TRUTH_ON_TMAX);
+        coverage_set(map, COVERAGE_TRUTH, COVERAGE_TRUTH_ON_TMAX);
     if (truth->t_next <= truth->t_hi * (1 + 0x1p-20))
-        coverage_set(map, COVERAGE_TRUTH + (uint32_t)COVERAGE_TRUTH_CLOSE_NEXT);
+        coverage_set(map, COVERAGE_TRUTH, COVERAGE_TRUTH_CLOSE_NEXT);
 }
 
 void coverage_add_answer(uint64_t map[COVERAGE_WORDS], enum query query,
@@ -146,13 +146,13 @@ void coverage_add_answer(uint64_t map[COVERAGE_WORDS], enum query query,
     static const double over[] = {0, 0x1p-8, 0x1p-4, 0x1p-2, 0.5, 0.75, 1};
     static const double displacement[] = {1, 4, 16, 64, 256, 1024};
     uint32_t row = query == QUERY_ANY ? VERDICT_COUNT : 0;
-    coverage_set(map, COVERAGE_VERDICT + row + (uint32_t)judgement->verdict);
+    coverage_set(map, COVERAGE_VERDICT, row + judgement->verdict);
     if (judgement->verdict == VERDICT_WRONG)
-        coverage_set(map, COVERAGE_WRONG + (uint32_t)judgement->wrong);
-    coverage_set(map, COVERAGE_ERROR + step_of(judgement->over, over, ARRAY_COUNT(over)));
+        coverage_set(map, COVERAGE_WRONG, judgement->wrong);
+    coverage_set(map, COVERAGE_ERROR, step_of(judgement->over, over, ARRAY_COUNT(over)));
     if (judgement->displacement > 0)
-        coverage_set(map, COVERAGE_DISPLACE + step_of(judgement->displacement, displacement,
-                                                      ARRAY_COUNT(displacement)));
+        coverage_set(map, COVERAGE_DISPLACE,
+                     step_of(judgement->displacement, displacement, ARRAY_COUNT(displacement)));
 }
 
 void coverage_add_verdicts(uint64_t map[COVERAGE_WORDS], uint32_t mask)
@@ -163,5 +163,5 @@ void coverage_add_verdicts(uint64_t map[COVERAGE_WORDS], uint32_t mask)
     for (uint32_t a = 0; a < VERDICT_COUNT; a++)
         for (uint32_t b = a + 1; b < VERDICT_COUNT; b++, pair++)
             if ((mask >> a & 1) && (mask >> b & 1))
-                coverage_set(map, COVERAGE_BOTH + pair);
+                coverage_set(map, COVERAGE_BOTH, pair);
 }

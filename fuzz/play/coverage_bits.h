@@ -84,37 +84,48 @@ enum coverage_truth {
     COVERAGE_TRUTHS
 };
 
-/* Groups, in the order of their bits: name, bits. */
+/* Groups, in the order of their bits: id, number of bits, name, and the names of the bits, if they are
+ * listed here. The others are named after members of tables and enumerations. */
 #define COVERAGE_GROUPS(X)                                                                         \
-    X(VERDICT, 2 * VERDICT_COUNT)                   /* query x verdict */                          \
-    X(WRONG, WRONG_COUNT)                           /* kind */                                     \
-    X(BOTH, VERDICT_COUNT *(VERDICT_COUNT - 1) / 2) /* unlike verdicts of one ray */               \
-    X(DEPTH, 16)                                    /* of the tree */                              \
-    X(LEAF, 10)                                     /* items of a leaf */                          \
-    X(MEMBERS, COVERAGE_BUILDERS *COVERAGE_BOX_TESTS *COVERAGE_TRI_TESTS)                          \
-    X(SCALE, 12) /* of the largest coordinate */                                                   \
-    X(SHAPE, COVERAGE_SHAPES)                                                                      \
-    X(COUNT, 8)              /* beside the 16-byte records' limits */                              \
-    X(STACK, 10)             /* entries needed */                                                  \
-    X(HALF, COVERAGE_HALVES) /* stored bounds */                                                   \
-    X(REFUSED, COVERAGE_LAYOUTS *COVERAGE_LIMITS)                                                  \
-    X(TRUTH, COVERAGE_TRUTHS) /* class of the exact answer, flags */                               \
-    X(TIES, 5)                                                                                     \
-    X(RAY, COVERAGE_RAYS)                                                                          \
-    X(ERROR, 8) /* err/E */                                                                        \
-    X(DISPLACE, 7)                                                                                 \
-    X(STORE, COVERAGE_STORES)                                                                      \
-    X(PAST, COVERAGE_PASTS) /* what the tree went through */                                       \
-    X(PACKED, COVERAGE_FORMS)
+    X(VERDICT, 2 * VERDICT_COUNT, "verdict", NULL)                /* query x verdict */            \
+    X(WRONG, WRONG_COUNT, "wrong", NULL)                          /* kind */                       \
+    X(BOTH, VERDICT_COUNT *(VERDICT_COUNT - 1) / 2, "both", NULL) /* unlike verdicts of one ray */ \
+    X(DEPTH, 16, "depth", "0 1 2 3 4 5 6 7 8-9 10-11 12-15 16-19 20-23 24-31 32-47 48-")           \
+    X(LEAF, 10, "leaf", "1 2 3 4 5 6 7 8 9-15 16-") /* items */                                    \
+    X(MEMBERS, COVERAGE_BUILDERS *COVERAGE_BOX_TESTS *COVERAGE_TRI_TESTS, "members", NULL)         \
+    X(SCALE, 12, "scale", /* largest coordinate */                                                 \
+      "0 -2^-126 -2^-60 -2^-24 -2^-14 -2^0 -2^10 -2^15 -2^16 -2^24 -2^40 2^40-")                   \
+    X(SHAPE, COVERAGE_SHAPES, "shape",                                                             \
+      "empty single flat line point cut_box same_boxes mixed_scales")                              \
+    X(COUNT, 8, "count", /* beside the 16-byte records' limits */                                  \
+      "items_32767 items_32768 items_65535 items_65536 items_65537- "                              \
+      "records_32767 records_32768 records_32769-")                                                \
+    X(STACK, 10, "stack", "0 1 2 3-4 5-8 9-15 16-23 24-31 32-47 48-") /* entries needed */         \
+    X(HALF, COVERAGE_HALVES, "half",                                  /* stored bounds */          \
+      "infinite 65504 2^-14 subnormal zero minus_zero no_width one_step power_of_two")             \
+    X(REFUSED, COVERAGE_LAYOUTS *COVERAGE_LIMITS, "refused", NULL)                                 \
+    X(TRUTH, COVERAGE_TRUTHS, "truth", /* class of the exact answer, flags */                      \
+      "miss inside edge vertex in_plane saw_plane refused by_integers on_tmin on_tmax close_next") \
+    X(TIES, 5, "ties", "2 3 4 5-8 9-")                                                             \
+    X(RAY, COVERAGE_RAYS, "ray",                                                                   \
+      "out_of_contract one_axis parallel minus_zero subnormal zero nan infinite from_inside "      \
+      "on_face endless point backward fast slow")                                                  \
+    X(ERROR, 8, "error", "0 -2^-8 -2^-4 -2^-2 -0.5 -0.75 -1 1-") /* err/E */                       \
+    X(DISPLACE, 7, "displacement", "-1 -4 -16 -64 -256 -1024 1024-")                               \
+    X(STORE, COVERAGE_STORES, "store", NULL)                                                       \
+    X(PAST, COVERAGE_PASTS, "tree", "optimized split refitted rebuilt") /* since it was built */   \
+    X(PACKED, COVERAGE_FORMS, "layout", NULL)
 
 /* COVERAGE_VERDICT is the first bit of its group, and so on. */
-#define COVERAGE_PLACE(name, bits)                                                                 \
+#define COVERAGE_PLACE(name, bits, prefix, words)                                                  \
     COVERAGE_##name, COVERAGE_##name##_LAST = COVERAGE_##name + (int)(bits)-1,
 enum coverage_place { COVERAGE_GROUPS(COVERAGE_PLACE) COVERAGE_KNOWN };
 _Static_assert((uint32_t)COVERAGE_KNOWN <= COVERAGE_BITS, "the map is full");
 
-static inline void coverage_set(uint64_t map[COVERAGE_WORDS], uint32_t bit)
+/* Sets bit `n` of a group, of which `first` is the first bit. */
+static inline void coverage_set(uint64_t map[COVERAGE_WORDS], enum coverage_place first, uint32_t n)
 {
+    uint32_t bit = (uint32_t)first + n;
     map[bit / 64] |= (uint64_t)1 << (bit % 64);
 }
 

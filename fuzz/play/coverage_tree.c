@@ -31,27 +31,27 @@ static void add_members(uint64_t map[COVERAGE_WORDS], const struct fuzz_trial *t
         place_of((const void *const *)builders_all, trial->builder, COVERAGE_BUILDERS);
     uint32_t box = place_of((const void *const *)box_tests, trial->box, COVERAGE_BOX_TESTS);
     uint32_t tri = place_of((const void *const *)tri_tests, trial->tri, COVERAGE_TRI_TESTS);
-    coverage_set(map, COVERAGE_MEMBERS + (builder * COVERAGE_BOX_TESTS + box) * COVERAGE_TRI_TESTS +
-                          tri);
-    coverage_set(map, COVERAGE_STORE +
-                          place_of((const void *const *)tri_stores, trial->store, COVERAGE_STORES));
+    coverage_set(map, COVERAGE_MEMBERS,
+                 (builder * COVERAGE_BOX_TESTS + box) * COVERAGE_TRI_TESTS + tri);
+    coverage_set(map, COVERAGE_STORE,
+                 place_of((const void *const *)tri_stores, trial->store, COVERAGE_STORES));
     if (trial->build.passes > 0)
-        coverage_set(map, COVERAGE_PAST + (uint32_t)COVERAGE_PAST_OPTIMIZED);
+        coverage_set(map, COVERAGE_PAST, COVERAGE_PAST_OPTIMIZED);
 }
 
 void coverage_add_motion(uint64_t map[COVERAGE_WORDS], bool rebuilt)
 {
-    coverage_set(map, COVERAGE_PAST + (uint32_t)(rebuilt ? COVERAGE_PAST_REBUILT : COVERAGE_PAST_REFITTED));
+    coverage_set(map, COVERAGE_PAST, rebuilt ? COVERAGE_PAST_REBUILT : COVERAGE_PAST_REFITTED);
 }
 
 /* A box without thickness in one, two or three axes. */
 static void add_flatness(uint64_t map[COVERAGE_WORDS], const struct box *box)
 {
-    int flat = 0;
+    uint32_t flat = 0;
     for (int k = 0; k < 3; k++)
         flat += box->lo[k] == box->hi[k];
     if (flat > 0)
-        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_FLAT + (uint32_t)flat - 1);
+        coverage_set(map, COVERAGE_SHAPE, COVERAGE_SHAPE_FLAT + flat - 1);
 }
 
 static float extent_of(const struct box *box)
@@ -63,12 +63,12 @@ static void add_family(uint64_t map[COVERAGE_WORDS], const struct box *parent,
                        const struct box *fst, const struct box *snd)
 {
     if (!box_contains_box(parent, fst) || !box_contains_box(parent, snd))
-        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_CUT);
+        coverage_set(map, COVERAGE_SHAPE, COVERAGE_SHAPE_CUT);
     if (memcmp(fst, snd, sizeof *fst) == 0)
-        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_SAME);
+        coverage_set(map, COVERAGE_SHAPE, COVERAGE_SHAPE_SAME);
     float whole = extent_of(parent);
     if (extent_of(fst) < whole * 0x1p-20f || extent_of(snd) < whole * 0x1p-20f)
-        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_MIXED);
+        coverage_set(map, COVERAGE_SHAPE, COVERAGE_SHAPE_MIXED);
 }
 
 static void add_scale(uint64_t map[COVERAGE_WORDS], const struct box *root)
@@ -81,22 +81,23 @@ static void add_scale(uint64_t map[COVERAGE_WORDS], const struct box *root)
     uint32_t i = 0;
     while (i < ARRAY_COUNT(step) && largest > step[i])
         i++;
-    coverage_set(map, COVERAGE_SCALE + i);
+    coverage_set(map, COVERAGE_SCALE, i);
 }
 
 /* At a limit of 16 bits, one below or one above. */
 static void add_counts(uint64_t map[COVERAGE_WORDS], uint32_t items, uint64_t last_record)
 {
     if (items == RECORD_LIMIT || items == RECORD_LIMIT + 1)
-        coverage_set(map, COVERAGE_COUNT + items - RECORD_LIMIT);
+        coverage_set(map, COVERAGE_COUNT, items - RECORD_LIMIT);
     if (items == TRIANGLE_LIMIT || items == TRIANGLE_LIMIT + 1)
-        coverage_set(map, COVERAGE_COUNT + 2 + items - TRIANGLE_LIMIT);
+        coverage_set(map, COVERAGE_COUNT, 2 + items - TRIANGLE_LIMIT);
     if (items > TRIANGLE_LIMIT + 1)
-        coverage_set(map, COVERAGE_COUNT + 4);
+        coverage_set(map, COVERAGE_COUNT, 4);
     if (last_record >= RECORD_LIMIT)
-        coverage_set(map, COVERAGE_COUNT + (last_record == RECORD_LIMIT       ? 5
-                                            : last_record == RECORD_LIMIT + 1 ? 6
-                                                                              : 7));
+        coverage_set(map, COVERAGE_COUNT,
+                     (last_record == RECORD_LIMIT       ? 5
+                      : last_record == RECORD_LIMIT + 1 ? 6
+                                                        : 7));
 }
 
 /* In layouts of 16-byte records a leaf takes two; the last child is the last node. */
@@ -137,13 +138,13 @@ void coverage_add_tree(uint64_t map[COVERAGE_WORDS], const struct fuzz_trial *tr
     struct descent descent = {.pending = 0};
     add_members(map, trial);
     if (bvh->node_count == 0) {
-        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_EMPTY);
+        coverage_set(map, COVERAGE_SHAPE, COVERAGE_SHAPE_EMPTY);
         return;
     }
     add_scale(map, &bvh->node[0].bounds);
     add_counts(map, bvh->prim_count, last_record(bvh));
     if (bvh->node_count == 1)
-        coverage_set(map, COVERAGE_SHAPE + (uint32_t)COVERAGE_SHAPE_SINGLE);
+        coverage_set(map, COVERAGE_SHAPE, COVERAGE_SHAPE_SINGLE);
     for (uint32_t i = 0; i < bvh->node_count; i++) {
         const struct bvh_node *node = &bvh->node[i];
         uint32_t items = node->item_count;
@@ -151,31 +152,38 @@ void coverage_add_tree(uint64_t map[COVERAGE_WORDS], const struct fuzz_trial *tr
         if (i < NODES_LOOKED)
             add_flatness(map, &node->bounds);
         if (items > 0)
-            coverage_set(map, COVERAGE_LEAF + step_of(items, leaves, ARRAY_COUNT(leaves)));
+            coverage_set(map, COVERAGE_LEAF, step_of(items, leaves, ARRAY_COUNT(leaves)));
         else if (i < NODES_LOOKED)
             add_family(map, &node->bounds, &bvh->node[node->fst].bounds,
                        &bvh->node[node->snd].bounds);
     }
-    coverage_set(map, COVERAGE_DEPTH + step_of(descent.deepest, depths, ARRAY_COUNT(depths)));
+    coverage_set(map, COVERAGE_DEPTH, step_of(descent.deepest, depths, ARRAY_COUNT(depths)));
+}
+
+/* What a stored bound is; COVERAGE_HALVES: nothing of note. */
+static enum coverage_half kind_of_half(uint32_t code)
+{
+    uint32_t size = code & 0x7FFFu;
+    if (size >= 0x7C00u)
+        return COVERAGE_HALF_INFINITE;
+    if (size == 0x7BFFu)
+        return COVERAGE_HALF_LARGEST;
+    if (size == 0x0400u)
+        return COVERAGE_HALF_LEAST;
+    if (code == 0x8000u)
+        return COVERAGE_HALF_MINUS_ZERO;
+    if (size == 0)
+        return COVERAGE_HALF_ZERO;
+    if (size < 0x0400u)
+        return COVERAGE_HALF_SUBNORMAL;
+    return (size & 0x3FFu) == 0 ? COVERAGE_HALF_POWER : COVERAGE_HALVES;
 }
 
 static void add_half(uint64_t map[COVERAGE_WORDS], uint32_t code)
 {
-    uint32_t size = code & 0x7FFFu;
-    if (size >= 0x7C00u)
-        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_INFINITE);
-    else if (size == 0x7BFFu)
-        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_LARGEST);
-    else if (size == 0x0400u)
-        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_LEAST);
-    else if (code == 0x8000u)
-        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_MINUS_ZERO);
-    else if (size == 0)
-        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_ZERO);
-    else if (size < 0x0400u)
-        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_SUBNORMAL);
-    else if ((size & 0x3FFu) == 0)
-        coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_POWER);
+    enum coverage_half kind = kind_of_half(code);
+    if (kind < COVERAGE_HALVES)
+        coverage_set(map, COVERAGE_HALF, kind);
 }
 
 /* Record 0 of every node; the second records of leaves, which hold items, are passed over. */
@@ -189,9 +197,9 @@ static void add_halves(uint64_t map[COVERAGE_WORDS], const struct packed *packed
             add_half(map, lo);
             add_half(map, hi);
             if (lo == hi)
-                coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_FLAT);
+                coverage_set(map, COVERAGE_HALF, COVERAGE_HALF_FLAT);
             else if (lo + 1 == hi || hi + 1 == lo)
-                coverage_set(map, COVERAGE_HALF + (uint32_t)COVERAGE_HALF_STEP);
+                coverage_set(map, COVERAGE_HALF, COVERAGE_HALF_STEP);
         }
         r += (word[3] & leaf) != 0;
     }
@@ -200,11 +208,11 @@ static void add_halves(uint64_t map[COVERAGE_WORDS], const struct packed *packed
 void coverage_add_packed(uint64_t map[COVERAGE_WORDS], const struct packed *packed)
 {
     static const uint32_t stacks[] = {0, 1, 2, 4, 8, 15, 23, 31, 47};
-    coverage_set(map, COVERAGE_STACK + step_of(packed->stack_need, stacks, ARRAY_COUNT(stacks)));
-    coverage_set(map, COVERAGE_PACKED + place_of((const void *const *)layouts_all, packed->layout,
-                                                 COVERAGE_FORMS));
+    coverage_set(map, COVERAGE_STACK, step_of(packed->stack_need, stacks, ARRAY_COUNT(stacks)));
+    coverage_set(map, COVERAGE_PACKED,
+                 place_of((const void *const *)layouts_all, packed->layout, COVERAGE_FORMS));
     if (packed->split)
-        coverage_set(map, COVERAGE_PAST + (uint32_t)COVERAGE_PAST_SPLIT);
+        coverage_set(map, COVERAGE_PAST, COVERAGE_PAST_SPLIT);
     if (packed->layout->node_bytes == sizeof(struct node_rf))
         add_halves(map, packed);
 }
@@ -230,5 +238,5 @@ void coverage_add_refusal(uint64_t map[COVERAGE_WORDS], const struct layout *lay
                           const struct fuzz_trial *trial, const struct bvh *bvh)
 {
     uint32_t row = place_of((const void *const *)layouts, layout, COVERAGE_LAYOUTS);
-    coverage_set(map, COVERAGE_REFUSED + row * COVERAGE_LIMITS + (uint32_t)limit_of(trial, bvh));
+    coverage_set(map, COVERAGE_REFUSED, row * COVERAGE_LIMITS + (uint32_t)limit_of(trial, bvh));
 }
