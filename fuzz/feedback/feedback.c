@@ -107,22 +107,7 @@ const struct fuzz_trial *feedback_choose(struct feedback *feedback, struct rng *
     return &feedback->entry[i].trial;
 }
 
-const uint64_t *feedback_map(const struct feedback *feedback)
-{
-    return feedback->map;
-}
-
-uint64_t feedback_reached(const struct feedback *feedback, uint32_t bit)
-{
-    return bit < COVERAGE_BITS ? feedback->reached[bit] : 0;
-}
-
 size_t feedback_count(const struct feedback *feedback)
 {
     return feedback->count;
-}
-
-const struct fuzz_trial *feedback_trial(const struct feedback *feedback, size_t i)
-{
-    return &feedback->entry[i].trial;
 }

@@ -40,12 +40,7 @@ enum status feedback_add(struct feedback *feedback, const struct fuzz_trial *tri
  * until feedback_close. */
 const struct fuzz_trial *feedback_choose(struct feedback *feedback, struct rng *rng);
 
-/* All bits that were reached. */
-const uint64_t *feedback_map(const struct feedback *feedback);
-/* In how many trials a bit was. */
-uint64_t feedback_reached(const struct feedback *feedback, uint32_t bit);
 size_t feedback_count(const struct feedback *feedback); /* of kept trials */
-const struct fuzz_trial *feedback_trial(const struct feedback *feedback, size_t i);
 
 /* Writes every kept trial that this feedback has not written yet to HASH.trial of the folder (16
  * digits of fuzz_trial_hash): a finding file that expects nothing. Each appears whole or not at

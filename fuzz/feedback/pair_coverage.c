@@ -19,27 +19,11 @@ const struct pair_tables *pair_coverage_tables(const struct pair_coverage *m)
 
 const char *pair_coverage_name(const struct pair_coverage *m, enum pair_factor factor, uint32_t i)
 {
-    static const char *const optimize[] = {"plain", "reinsert"}, *const motion[] = {"still",
-                                                                                    "moved"};
-    const void *member = m->tables.member[factor][i];
-    switch (factor) {
-    case MEET_ENGINE:
-        return ((const struct engine *)member)->name;
-    case MEET_LAYOUT:
-        return ((const struct layout *)member)->name;
-    case MEET_BUILDER:
-        return ((const struct builder *)member)->name;
-    case MEET_STORE:
-        return ((const struct tri_store *)member)->name;
-    case MEET_TRI:
-        return ((const struct tri_test *)member)->name;
-    case MEET_BOX:
-        return ((const struct box_test *)member)->name;
-    case MEET_OPTIMIZE:
-        return optimize[i];
-    default:
-        return motion[i];
-    }
+    if (factor == MEET_OPTIMIZE)
+        return i == 0 ? "plain" : "reinsert";
+    if (factor == MEET_MOTION)
+        return i == 0 ? "still" : "moved";
+    return *(const char *const *)m->tables.member[factor][i]; /* all begin with their names */
 }
 
 struct coverage_pair *pair_coverage_of_pair(const struct pair_coverage *m, enum pair_factor a,
@@ -49,12 +33,6 @@ struct coverage_pair *pair_coverage_of_pair(const struct pair_coverage *m, enum 
     if (a > b)
         return pair_coverage_of_pair(m, b, j, a, i);
     return &m->pair[m->place[a][b] + (size_t)i * m->tables.count[b] + j];
-}
-
-bool pair_coverage_possible(const struct pair_coverage *m, enum pair_factor a, uint32_t i,
-                            enum pair_factor b, uint32_t j)
-{
-    return pair_coverage_of_pair(m, a, i, b, j)->possible;
 }
 
 /* --- what can meet --------------------------------------------------------------------------- */

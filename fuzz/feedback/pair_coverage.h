@@ -53,10 +53,6 @@ const struct pair_tables *pair_coverage_tables(const struct pair_coverage *pair_
 /* Name of a member. */
 const char *pair_coverage_name(const struct pair_coverage *pair_coverage, enum pair_factor factor,
                                uint32_t i);
-/* True if the two members can meet; the factors differ. */
-bool pair_coverage_possible(const struct pair_coverage *pair_coverage, enum pair_factor a,
-                            uint32_t i, enum pair_factor b, uint32_t j);
-
 /* The next members to meet, in so many trials: a function of seed, `turn`, tables, and of all that
  * was drawn, met and missed before. Members that the engine does not meet are set, too, to what can
  * be traced with the others. */

@@ -3,16 +3,8 @@
 
 #include <string.h>
 
-/* Trials of more rays or triangles are not about where things lie. */
-#define FRAMED_MOST 256u
-#define AIMED_MOST  16u
-
-static uint32_t framed(const struct fuzz_trial *trial)
-{
-    return trial->scene.vertex_count <= FRAMED_MOST && trial->ray_count <= FRAMED_MOST
-               ? shrink_number_count(trial)
-               : 0;
-}
+/* A ray is aimed at the triangles of a trial that has at most so many. */
+#define AIMED_MOST 16u
 
 /* Scales vertices, origins and with `dirs` directions by 2^by along an axis, or all for axis 3; t
  * follows where directions do not. */
@@ -170,5 +162,6 @@ static bool change_aim(struct fuzz_trial *trial, uint32_t first, uint32_t count,
     return true;
 }
 
-const struct shrink_pass shrink_frame = {"frame", SHRINK_SINGLY, framed, FRAME_COUNT, change_frame};
+const struct shrink_pass shrink_frame = {"frame", SHRINK_SINGLY, shrink_few_numbers, FRAME_COUNT,
+                                         change_frame};
 const struct shrink_pass shrink_aim = {"aim", SHRINK_SINGLY, aimed, FEATURES *WAYS, change_aim};

@@ -24,12 +24,14 @@ struct shrink_pass {
 /* In the order of a round, NULL-terminated. */
 extern const struct shrink_pass *const shrink_passes[];
 
-/* Removes vertices that no triangle has; the others keep their order. */
-void shrink_drop_unused(struct fuzz_trial *trial);
+/* 1: a pass over the trial as a whole. */
+uint32_t shrink_one(const struct fuzz_trial *trial);
 
 /* All numbers of a trial in one row: coordinates of vertices, then 8 of each ray in the order of
  * the file. */
 uint32_t shrink_number_count(const struct fuzz_trial *trial);
+/* The same of a small trial, else 0: trials of more vertices or rays have too many to try each. */
+uint32_t shrink_few_numbers(const struct fuzz_trial *trial);
 float *shrink_number(struct fuzz_trial *trial, uint32_t i);
 
 enum shrink_role { SHRINK_VERTEX, SHRINK_ORG, SHRINK_DIR, SHRINK_TMIN, SHRINK_TMAX };

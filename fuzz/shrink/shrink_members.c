@@ -7,7 +7,7 @@ extern const struct shrink_pass shrink_rays, shrink_ends, shrink_triangles, shri
     shrink_pairs, shrink_repeat, shrink_tidy, shrink_merge, shrink_values, shrink_planes,
     shrink_numbers, shrink_carrying, shrink_ranks, shrink_frame, shrink_aim;
 
-static uint32_t one(const struct fuzz_trial *trial)
+uint32_t shrink_one(const struct fuzz_trial *trial)
 {
     (void)trial;
     return 1;
@@ -123,7 +123,7 @@ static bool change_member(struct fuzz_trial *trial, uint32_t first, uint32_t cou
     }
 }
 
-static const struct shrink_pass members = {"members", SHRINK_SINGLY, one, MEMBER_CHANGES,
+static const struct shrink_pass members = {"members", SHRINK_SINGLY, shrink_one, MEMBER_CHANGES,
                                            change_member};
 
 const struct shrink_pass *const shrink_passes[] = {&shrink_rays,

@@ -6,8 +6,8 @@
 
 #include <string.h>
 
-/* Trials of more vertices have too many numbers to try them by value. */
-#define VALUED_MOST 256u
+/* Vertices and rays of a trial whose numbers are tried one by one, at most. */
+#define FEW_MOST 256u
 
 uint32_t shrink_number_count(const struct fuzz_trial *trial)
 {
@@ -154,9 +154,9 @@ static bool change_row(struct fuzz_trial *trial, uint32_t first, uint32_t count,
     return true;
 }
 
-static uint32_t valued(const struct fuzz_trial *trial)
+uint32_t shrink_few_numbers(const struct fuzz_trial *trial)
 {
-    return trial->scene.vertex_count <= VALUED_MOST && trial->ray_count <= VALUED_MOST
+    return trial->scene.vertex_count <= FEW_MOST && trial->ray_count <= FEW_MOST
                ? shrink_number_count(trial)
                : 0;
 }
@@ -217,7 +217,7 @@ static bool change_carrying(struct fuzz_trial *trial, uint32_t first, uint32_t c
 
 static uint32_t carrying(const struct fuzz_trial *trial)
 {
-    return trial->scene.vertex_count <= VALUED_MOST && trial->ray_count == 1
+    return trial->scene.vertex_count <= FEW_MOST && trial->ray_count == 1
                ? 3 * trial->scene.vertex_count
                : 0;
 }
@@ -229,7 +229,7 @@ static bool change_ranks(struct fuzz_trial *trial, uint32_t first, uint32_t coun
     struct fuzz_trial old;
     struct reason reason;
     (void)first, (void)count;
-    if (n > VALUED_MOST || fuzz_trial_copy(trial, &old, &reason))
+    if (n > FEW_MOST || fuzz_trial_copy(trial, &old, &reason))
         return false;
     for (uint32_t i = 0; i < 3 * n; i++) {
         uint32_t rank = 0;
@@ -247,18 +247,12 @@ static bool change_ranks(struct fuzz_trial *trial, uint32_t first, uint32_t coun
     return true;
 }
 
-static uint32_t one(const struct fuzz_trial *trial)
-{
-    (void)trial;
-    return 1;
-}
-
-const struct shrink_pass shrink_values = {"values", SHRINK_SINGLY, valued, ROUND_COUNT,
+const struct shrink_pass shrink_values = {"values", SHRINK_SINGLY, shrink_few_numbers, ROUND_COUNT,
                                           change_value};
-const struct shrink_pass shrink_planes = {"planes", SHRINK_SINGLY, valued, ROUND_COUNT,
+const struct shrink_pass shrink_planes = {"planes", SHRINK_SINGLY, shrink_few_numbers, ROUND_COUNT,
                                           change_plane};
 const struct shrink_pass shrink_numbers = {"numbers", SHRINK_CHUNKS, shrink_number_count,
                                            ROUND_COUNT, change_row};
 const struct shrink_pass shrink_carrying = {"carrying", SHRINK_SINGLY, carrying,
                                             CARRIED *ROUND_COUNT, change_carrying};
-const struct shrink_pass shrink_ranks = {"ranks", SHRINK_SINGLY, one, 4, change_ranks};
+const struct shrink_pass shrink_ranks = {"ranks", SHRINK_SINGLY, shrink_one, 4, change_ranks};

@@ -14,12 +14,6 @@ static uint32_t tri_count(const struct fuzz_trial *trial)
     return trial->scene.tri_count;
 }
 
-static uint32_t one(const struct fuzz_trial *trial)
-{
-    (void)trial;
-    return 1;
-}
-
 /* What is left of `count` things of `size` bytes if [first, first + removed) goes; with `keep`
  * that alone stays. */
 static uint32_t cut(void *array, uint32_t count, size_t size, uint32_t first, uint32_t removed,
@@ -59,23 +53,8 @@ static bool change_tree(struct fuzz_trial *trial, uint32_t how)
     return trial->builder != NULL;
 }
 
-static bool cut_triangles(struct fuzz_trial *trial, uint32_t first, uint32_t count,
-                          uint32_t variant)
-{
-    struct scene *scene = &trial->scene;
-    scene->tri_count = cut(scene->index, scene->tri_count, 3 * sizeof *scene->index, first, count,
-                           variant == KEEP);
-    shrink_drop_unused(trial);
-    return true;
-}
-
-static bool cut_and_change(struct fuzz_trial *trial, uint32_t first, uint32_t count,
-                           uint32_t variant)
-{
-    return change_tree(trial, variant / CUTS) && cut_triangles(trial, first, count, variant % CUTS);
-}
-
-void shrink_drop_unused(struct fuzz_trial *trial)
+/* Removes vertices that no triangle has; the others keep their order. */
+static void drop_unused(struct fuzz_trial *trial)
 {
     struct scene *scene = &trial->scene;
     uint32_t *to = alloc_zeroed(scene->vertex_count, sizeof *to), used = 0;
@@ -92,6 +71,22 @@ void shrink_drop_unused(struct fuzz_trial *trial)
         scene->index[i] = to[scene->index[i]];
     scene->vertex_count = used;
     free(to);
+}
+
+static bool cut_triangles(struct fuzz_trial *trial, uint32_t first, uint32_t count,
+                          uint32_t variant)
+{
+    struct scene *scene = &trial->scene;
+    scene->tri_count = cut(scene->index, scene->tri_count, 3 * sizeof *scene->index, first, count,
+                           variant == KEEP);
+    drop_unused(trial);
+    return true;
+}
+
+static bool cut_and_change(struct fuzz_trial *trial, uint32_t first, uint32_t count,
+                           uint32_t variant)
+{
+    return change_tree(trial, variant / CUTS) && cut_triangles(trial, first, count, variant % CUTS);
 }
 
 /* Numbers vertices in the order in which triangles name them. */
@@ -123,7 +118,7 @@ static bool tidy_vertices(struct fuzz_trial *trial, uint32_t first, uint32_t cou
 {
     (void)first, (void)count;
     if (variant == UNUSED)
-        shrink_drop_unused(trial);
+        drop_unused(trial);
     else
         renumber(trial);
     return true;
@@ -160,7 +155,7 @@ static bool repeat_triangle(struct fuzz_trial *trial, uint32_t first, uint32_t c
     memcpy(corner, scene->index + 3 * (size_t)from, sizeof corner);
     for (uint32_t i = first; i < behind; i++)
         memcpy(scene->index + 3 * (size_t)i, corner, sizeof corner);
-    shrink_drop_unused(trial);
+    drop_unused(trial);
     return true;
 }
 
@@ -185,7 +180,7 @@ static bool merge_vertices(struct fuzz_trial *trial, uint32_t first, uint32_t co
     for (size_t k = 0; k < 3 * (size_t)scene->tri_count; k++)
         if (scene->index[k] == j)
             scene->index[k] = i;
-    shrink_drop_unused(trial);
+    drop_unused(trial);
     return true;
 }
 
@@ -197,5 +192,5 @@ const struct shrink_pass shrink_trees = {"trees", SHRINK_CHUNKS, tri_count, CUTS
                                          cut_and_change};
 const struct shrink_pass shrink_pairs = {"pairs", SHRINK_SINGLY, triangle_pairs, 1, cut_two};
 const struct shrink_pass shrink_repeat = {"repeat", SHRINK_CHUNKS, tri_count, 2, repeat_triangle};
-const struct shrink_pass shrink_tidy = {"tidy", SHRINK_SINGLY, one, TIDINGS, tidy_vertices};
+const struct shrink_pass shrink_tidy = {"tidy", SHRINK_SINGLY, shrink_one, TIDINGS, tidy_vertices};
 const struct shrink_pass shrink_merge = {"merge", SHRINK_SINGLY, pair_count, 1, merge_vertices};

@@ -2,7 +2,7 @@
 #ifndef FUZZ_PAIR_FIXTURE_H
 #define FUZZ_PAIR_FIXTURE_H
 
-#include "fuzz/feedback/pair_coverage.h"
+#include "fuzz/feedback/pair_coverage_inner.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* Coverage feedback: what is kept, counted, chosen, saved and loaded. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "fuzz/feedback/feedback.h"
+#include "fuzz/feedback/feedback_inner.h"
 #include "fuzz/findings/finding_file.h"
 #include "ref/files/file.h"
 
@@ -66,15 +66,14 @@ static void what_is_new_is_kept(void **state)
     news = add(feedback, 4, 1, more);
     assert_true(news.bits == 0 && news.kept);
     assert_int_equal(feedback_count(feedback), 2);
-    assert_true(feedback_trial(feedback, 0)->scene.vertex[0] == 2);
-    assert_true(feedback_trial(feedback, 1)->scene.vertex[0] == 4);
-    assert_int_equal(coverage_count(feedback_map(feedback)), 4);
+    assert_true(feedback->entry[0].trial.scene.vertex[0] == 2);
+    assert_true(feedback->entry[1].trial.scene.vertex[0] == 4);
+    assert_int_equal(coverage_count(feedback->map), 4);
     const uint64_t reached[] = {1, 0, 4};
     for (uint32_t bit = 0; bit < 3; bit++)
-        assert_int_equal(feedback_reached(feedback, bit), reached[bit]);
-    assert_int_equal(feedback_reached(feedback, 67), 2);
-    assert_int_equal(feedback_reached(feedback, 192), 1);
-    assert_int_equal(feedback_reached(feedback, COVERAGE_BITS), 0);
+        assert_int_equal(feedback->reached[bit], reached[bit]);
+    assert_int_equal(feedback->reached[67], 2);
+    assert_int_equal(feedback->reached[192], 1);
     feedback_close(feedback);
     feedback_close(NULL);
 }
@@ -110,7 +109,7 @@ static void it_is_bounded(void **state)
         add(feedback, i, 100, one);
     }
     for (size_t i = 0; i < feedback_count(feedback); i++)
-        bytes += 12 * (size_t)feedback_trial(feedback, i)->scene.tri_count;
+        bytes += 12 * (size_t)feedback->entry[i].trial.scene.tri_count;
     assert_in_range(bytes, (64 << 10) / 2, 64 << 10);
     assert_true(feedback_wants(feedback, all));
     feedback_close(feedback);
@@ -220,14 +219,14 @@ static void a_corpus_is_saved_and_loaded(void **state)
     assert_int_equal(list.count, count);
     assert_int_equal(list.left_out, 0);
     for (size_t i = 0; i < count; i++)
-        assert_int_equal(find_trial(&list, fuzz_trial_hash(feedback_trial(feedback, i))), 1);
+        assert_int_equal(find_trial(&list, fuzz_trial_hash(&feedback->entry[i].trial)), 1);
     for (size_t i = 1; i < count; i++) /* in the order of their names, which are their hashes */
         assert_true(fuzz_trial_hash(&list.trial[i - 1]) < fuzz_trial_hash(&list.trial[i]));
     feedback_list_free(&list);
 
     /* What was written once is not written again, and what is added later is. */
     snprintf(path, sizeof path, "%s/%016llx.trial", folder,
-             (unsigned long long)fuzz_trial_hash(feedback_trial(feedback, 0)));
+             (unsigned long long)fuzz_trial_hash(&feedback->entry[0].trial));
     assert_int_equal(unlink(path), 0);
     const uint64_t fresh[COVERAGE_WORDS] = {0, 0, 1};
     assert_true(add(feedback, 7777, 1, fresh).kept);
@@ -256,7 +255,7 @@ static void torn_and_foreign_files_are_said(void **state)
     fill(feedback, 50);
     assert_int_equal(save(feedback, folder), STATUS_OK);
     snprintf(path, sizeof path, "%s/%016llx.trial", folder,
-             (unsigned long long)fuzz_trial_hash(feedback_trial(feedback, 0)));
+             (unsigned long long)fuzz_trial_hash(&feedback->entry[0].trial));
     assert_int_equal(file_read(path, &bytes, &size, &reason), STATUS_OK);
     bytes[size / 2] = '\0';
     write_text(path, bytes);

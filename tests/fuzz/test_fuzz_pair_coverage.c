@@ -19,8 +19,9 @@
 static bool can(const struct pair_coverage *m, enum pair_factor a, const char *x,
                 enum pair_factor b, const char *y)
 {
-    bool possible = pair_coverage_possible(m, a, named(m, a, x), b, named(m, b, y));
-    assert_int_equal(possible, pair_coverage_possible(m, b, named(m, b, y), a, named(m, a, x)));
+    bool possible = pair_coverage_of_pair(m, a, named(m, a, x), b, named(m, b, y))->possible;
+    assert_int_equal(possible,
+                     pair_coverage_of_pair(m, b, named(m, b, y), a, named(m, a, x))->possible);
     return possible;
 }
 
@@ -68,7 +69,8 @@ static void rarest_pairs_are_drawn(void **state)
         for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
             for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
                 if (met.member[a] != MEET_NONE && met.member[b] != MEET_NONE)
-                    assert_true(pair_coverage_possible(m, a, met.member[a], b, met.member[b]));
+                    assert_true(
+                        pair_coverage_of_pair(m, a, met.member[a], b, met.member[b])->possible);
         for (uint32_t i = 0; i < trials; i++)
             pair_coverage_add(m, &met);
     }
@@ -114,7 +116,7 @@ static void what_was_compiled_can_be_traced(void **state)
         pair_coverage_draw(m, 3, turn, 64, &x);
         for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
             for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
-                assert_true(pair_coverage_possible(m, a, x.member[a], b, x.member[b]));
+                assert_true(pair_coverage_of_pair(m, a, x.member[a], b, x.member[b])->possible);
     }
     pair_coverage_close(m);
 }

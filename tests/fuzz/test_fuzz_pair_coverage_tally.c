@@ -49,7 +49,7 @@ static void meet(struct pair_coverage *m, const char *engine, const char *layout
 static bool possible(const struct pair_coverage *m, enum pair_factor a, const char *x,
                      enum pair_factor b, const char *y)
 {
-    return pair_coverage_possible(m, a, named(m, a, x), b, named(m, b, y));
+    return pair_coverage_of_pair(m, a, named(m, a, x), b, named(m, b, y))->possible;
 }
 
 /* Of 73 pairs engine brute meets the triangle test's alone and not 10 others, and what is as
