@@ -228,11 +228,9 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
     for (size_t i = 0; i < count; i++) {
         enum status status = check_one(check, spec[i], &results[i], &reason);
         progress_end(&check->progress);
-        if (status) {
-            fprintf(stderr, "raydiff check: %s\n", reason.text);
-            code = exit_worse(code, exit_of_status(status));
+        code = exit_worse(code, exit_with_reason("check", status, &reason));
+        if (status)
             continue;
-        }
         check_print(&results[i]);
         fflush(stdout);
         turnout_rows(&check->turnout, results[i].row, results[i].row_count);
@@ -245,10 +243,7 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
     if (check->options.json) {
         enum status status =
             check_write_json(check->options.json, results, count, &check->turnout, code, &reason);
-        if (status) {
-            fprintf(stderr, "raydiff check: %s\n", reason.text);
-            code = exit_worse(code, exit_of_status(status));
-        }
+        code = exit_worse(code, exit_with_reason("check", status, &reason));
     }
     for (size_t i = 0; i < count; i++)
         free(results[i].row);
@@ -273,11 +268,10 @@ static int check_use(const struct check_options *o, char *const *spec, size_t co
 
 int cmd_check(int argc, char **argv)
 {
-    struct check_run check = {
-        .options = {.engine = table_all(TABLE_ENGINES),
-                    .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
-                    .engines = engine_options_default()},
-        .progress = progress_make("check")};
+    struct check_run check = {.options = {.engine = table_all(TABLE_ENGINES),
+                                          .build = build_options_default(),
+                                          .engines = engine_options_default()},
+                              .progress = progress_make("check")};
     int first, code = options_read(&check_set, &check.options, argc, argv, &first);
     if (code >= 0)
         return code;

@@ -15,12 +15,9 @@ static json_t *hit_json(const struct hit *hit)
 {
     if (hit->prim == ABI_NO_PRIM)
         return json_null();
-    char bits[3][16];
-    const float value[3] = {hit->t, hit->u, hit->v};
-    for (int k = 0; k < 3; k++)
-        snprintf(bits[k], sizeof bits[k], "0x%08x", float_bits(value[k]));
-    return json_record("prim=%u t=%g t_bits=%s u_bits=%s v_bits=%s", hit->prim,
-                       float_is_finite(hit->t) ? (double)hit->t : 0.0, bits[0], bits[1], bits[2]);
+    return json_record("prim=%u t=%g t_bits=%p u_bits=%p v_bits=%p", hit->prim,
+                       float_is_finite(hit->t) ? (double)hit->t : 0.0, json_bits(hit->t),
+                       json_bits(hit->u), json_bits(hit->v));
 }
 
 /* JSON knows no infinity: a number too large to be mistaken. */
@@ -46,16 +43,8 @@ static json_t *finding_json(const struct check_scene *scene, const struct row *r
                             const struct finding *f)
 {
     char command[EXPLAIN_COMMAND_MOST];
-    json_t *ray = json_array();
-    const float value[8] = {f->ray.org[0], f->ray.org[1], f->ray.org[2], f->ray.tmin,
-                            f->ray.dir[0], f->ray.dir[1], f->ray.dir[2], f->ray.tmax};
-    for (int k = 0; k < 8; k++) {
-        char bits[16];
-        snprintf(bits, sizeof bits, "0x%08x", float_bits(value[k]));
-        json_array_append_new(ray, json_string(bits));
-    }
     json_t *out = json_record("ray=%zu against=%s ray_bits=%p got=%p", f->ray_index,
-                              f->bits ? "cpu" : "truth", ray, hit_json(&f->got));
+                              f->bits ? "cpu" : "truth", json_ray_bits(&f->ray), hit_json(&f->got));
     if (f->bits)
         json_add(out, "expected=%p", hit_json(&f->expected));
     else
@@ -63,14 +52,6 @@ static json_t *finding_json(const struct check_scene *scene, const struct row *r
     if (finding_command(row, f, scene->spec, scene->seed, scene->driver, command))
         json_add(out, "explain=%s", command);
     return out;
-}
-
-static json_t *counts_json(const struct row *row)
-{
-    json_t *counts = json_object();
-    for (enum verdict v = 0; v < VERDICT_COUNT; v++)
-        json_add(counts, "%s=%zu", verdict_name(v), row->count[v]);
-    return counts;
 }
 
 static json_t *wrong_json(const struct row *row)
@@ -144,7 +125,7 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
              "scene_bytes=%zu counts=%p wrong=%p err_over_bound=%g displacement=%p lists=%p "
              "original=%p bit_differences=%zu judged=%i differences=%zu mrays_per_s=%p "
              "box_tests=%zu triangle_tests=%zu status=%s reason=%s",
-             row->scene_bytes, counts_json(row), wrong_json(row), finite(row->worst_over),
+             row->scene_bytes, json_verdicts(row->count), wrong_json(row), finite(row->worst_over),
              displacement_json(row), lists_json(row), original_json(row), row->bit_differences,
              row->judged, row->differences,
              json_record("median=%g min=%g max=%g clock=%s", row->mrays[0], row->mrays[1],

@@ -51,13 +51,9 @@ void explain_command(const struct explain_of *of, const struct ray *ray,
 {
     char number[32], numbers[RAY_TEXT_MOST];
     struct reason why;
-    struct list builder = {.count = 0};
-    const struct list engine = list_of_engine(of->engine);
+    const struct list engine = list_of_one(TABLE_ENGINES, of->engine);
+    const struct list builder = list_of_one(TABLE_BUILDERS, of->builder);
     char *const scene[] = {(char *)(uintptr_t)of->spec}; /* is read alone */
-    while (of->builder && builders_all[builder.index[0]] &&
-           builders_all[builder.index[0]] != of->builder)
-        builder.index[0]++;
-    builder.count = of->builder && builders_all[builder.index[0]];
     const struct option_use use = {
         .engine = &engine, .builder = &builder, .scene = scene, .scene_count = 1};
     snprintf(text, EXPLAIN_COMMAND_MOST, "raydiff explain");

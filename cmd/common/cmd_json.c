@@ -8,11 +8,32 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+json_t *json_bits(float x)
+{
+    return json_sprintf("0x%08x", float_bits(x));
+}
+
+json_t *json_ray_bits(const struct ray *ray)
+{
+    const float value[8] = {ray->org[0], ray->org[1], ray->org[2], ray->tmin,
+                            ray->dir[0], ray->dir[1], ray->dir[2], ray->tmax};
+    json_t *out = json_array();
+    for (size_t i = 0; i < ARRAY_COUNT(value); i++)
+        json_array_append_new(out, json_bits(value[i]));
+    return out;
+}
+
 json_t *json_float(float x)
 {
-    char bits[16];
-    snprintf(bits, sizeof bits, "0x%08x", float_bits(x));
-    return json_record("value=%g bits=%s", (double)x, bits);
+    return json_record("value=%g bits=%p", (double)x, json_bits(x));
+}
+
+json_t *json_verdicts(const size_t count[VERDICT_COUNT])
+{
+    json_t *out = json_object();
+    for (enum verdict v = 0; v < VERDICT_COUNT; v++)
+        json_add(out, "%s=%zu", verdict_name(v), count[v]);
+    return out;
 }
 
 json_t *json_floats(const float *x, size_t count)

@@ -5,6 +5,7 @@
 #include "ref/abi.h"
 #include "ref/base/base.h"
 #include "ref/files/file.h"
+#include "ref/match/match.h"
 
 #include <jansson.h>
 
@@ -20,6 +21,13 @@ enum status json_write_out(struct file_out *out, json_t *root, unsigned digits,
 /* {"value": a number or null, "bits": "0x..."}, one and several. NULL without memory, as all of these. */
 json_t *json_float(float x);
 json_t *json_floats(const float *x, size_t count);
+
+/* Only the bits, "0x..."; and those of a ray: origin, tmin, direction, tmax. */
+json_t *json_bits(float x);
+json_t *json_ray_bits(const struct ray *ray);
+
+/* How many answers each verdict has. */
+json_t *json_verdicts(const size_t count[VERDICT_COUNT]);
 
 /* A triangle, or null for ABI_NO_PRIM; and a hit with its t, u and v. */
 json_t *json_prim(uint32_t prim);

@@ -187,7 +187,7 @@ static enum status count_words(const struct option_row *row, size_t count, struc
                 own    ? row->words
                 : none ? "nothing"
                        : row->word,
-                count, count == 1 ? "" : "s", count == 1 ? "s" : "");
+                count, plural(count), count == 1 ? "s" : "");
 }
 
 /* The value's words; those up to r->at are the option's. */

@@ -147,6 +147,9 @@ extern const struct option_row engine_rows[], outside_rows[], leaf_rows[], build
 /* No thread limit, any Vulkan device. */
 struct engine_options engine_options_default(void);
 
+/* BUILD_LEAF_DEFAULT and BUILD_EPS_DEFAULT; all else as each builder has it. */
+struct build_options build_options_default(void);
+
 /* Puts the defaults of the rows into `options` and hands it every option of the command line. Returns
  * -1 to go on, with *first the index of the first argument that is no option (all others are then
  * before it); else the exit code: --help or -h was printed, or a usage error was. Files that are to

@@ -13,6 +13,11 @@ struct engine_options engine_options_default(void)
     return (struct engine_options){.device = -1};
 }
 
+struct build_options build_options_default(void)
+{
+    return (struct build_options){.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
+}
+
 #define ROWS_OF struct engine_options
 
 const struct option_row engine_rows[] = {

@@ -120,6 +120,35 @@ struct list table_all(enum table table)
     return list;
 }
 
+void list_add(struct list *list, enum table table, const void *member)
+{
+    size_t i = 0;
+    const void *at;
+    while ((at = table_pointer(table, i)) && at != member)
+        i++;
+    if (at)
+        list->index[list->count++] = i;
+}
+
+struct list list_of_one(enum table table, const void *member)
+{
+    struct list list = {.count = 0};
+    list_add(&list, table, member);
+    return list;
+}
+
+void list_engines(const struct list *list, const struct engine *out[LIST_MOST])
+{
+    for (size_t i = 0; i < list->count; i++)
+        out[i] = engines[list->index[i]];
+}
+
+void list_layouts(const struct list *list, const struct layout *out[LIST_MOST])
+{
+    for (size_t i = 0; i < list->count; i++)
+        out[i] = layouts_all[list->index[i]];
+}
+
 /* Why a word for many members, or for one that is looked for, names none here; NULL: it is none. */
 static const char *stands_alone(enum table table, const char *name, size_t length)
 {

@@ -49,6 +49,17 @@ const void *table_pointer(enum table table, size_t i);
 /* The members that products run over: of layouts those of layouts[], of the others all. */
 struct list table_all(enum table table);
 
+/* Adds the member at that address; nothing if the table lacks it, as an engine whose answers were
+ * recorded, or if it is NULL. */
+void list_add(struct list *list, enum table table, const void *member);
+
+/* A list of that member alone, or an empty one. */
+struct list list_of_one(enum table table, const void *member);
+
+/* Puts the listed members into `out`. */
+void list_engines(const struct list *list, const struct engine *out[LIST_MOST]);
+void list_layouts(const struct list *list, const struct layout *out[LIST_MOST]);
+
 struct turnout;
 /* Enters the members of a list, each of which is to answer something. */
 void list_expect(enum table table, const struct list *list, struct turnout *turnout);

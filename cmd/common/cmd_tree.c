@@ -39,10 +39,5 @@ enum status tree_open(const char *command, const char *path, const struct scene 
 
 struct list tree_layouts(const struct tree_file *file, const struct list *list)
 {
-    size_t i = 0;
-    if (!tree_file_is_packed(file))
-        return *list;
-    while (layouts_all[i] != file->packed.layout)
-        i++;
-    return (struct list){.index = {i}, .count = 1};
+    return tree_file_is_packed(file) ? list_of_one(TABLE_LAYOUTS, file->packed.layout) : *list;
 }

@@ -19,15 +19,6 @@ bool option_among(const char *names, const char *name)
     return false;
 }
 
-struct list list_of_engine(const struct engine *engine)
-{
-    struct list list = {.count = 0};
-    while (engines[list.index[0]] && engines[list.index[0]] != engine)
-        list.index[0]++;
-    list.count = engines[list.index[0]] != NULL;
-    return list;
-}
-
 /* --- what options are for ------------------------------------------------------------------------
  */
 

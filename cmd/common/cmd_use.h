@@ -37,8 +37,4 @@ int options_refused(const char *command, const struct option_use *use);
 /* True if the engine is a child process: naming it is what brings it. */
 bool engine_is_peer(const struct engine *engine);
 
-/* A list of that engine alone; empty if it is not of the table, as one whose answers were recorded.
- */
-struct list list_of_engine(const struct engine *engine);
-
 #endif

@@ -201,7 +201,7 @@ static int run_and_report(const struct conform_options *o, struct suite *suite,
         ran ? conform_report_open(&report, covering ? 0 : suite->count, whole, o->waivers, o->junit,
                                   reason)
             : fail(reason, STATUS_MEMORY, "no memory for %zu trials", suite->count);
-    int code = exit_of_status(status);
+    int code = exit_with_reason("conform", status, reason);
     if (!status) {
         static struct list named[TABLE_COUNT];
         named_of(o, named);
@@ -217,8 +217,6 @@ static int run_and_report(const struct conform_options *o, struct suite *suite,
             code = exit_worse(
                 code,
                 usage_error("conform", "--displacement: no engine here has an unknown formula"));
-    } else {
-        fprintf(stderr, "raydiff conform: %s\n", reason->text);
     }
     free(ran);
     return code;
@@ -230,7 +228,7 @@ static int check_demands(const struct conform_options *o, const struct suite *su
     struct reason why;
     bool used = o->demands.displacement == 0.0f;
     for (size_t i = 0; i < suite->count && !used; i++) {
-        const struct list engine = list_of_engine(suite->trial[i].engine);
+        const struct list engine = list_of_one(TABLE_ENGINES, suite->trial[i].engine);
         const struct option_use use = {.engine = &engine};
         used = used || option_is_used(&use, "displacement", &why);
     }
@@ -246,11 +244,8 @@ static int conform(const struct conform_options *o)
     struct reason reason = {""};
     memcpy(suite.list, o->list, sizeof suite.list);
     enum status status = suite_make(&suite, &reason);
-    int code;
-    if (status) {
-        fprintf(stderr, "raydiff conform: %s\n", reason.text);
-        code = exit_of_status(status);
-    } else {
+    int code = exit_with_reason("conform", status, &reason);
+    if (!status) {
         code = check_demands(o, &suite);
         if (code < 0)
             code = o->list_only ? list_suite(&suite) : run_and_report(o, &suite, &reason);
@@ -268,7 +263,7 @@ static int check_name(const struct conform_options *o)
     char never[100];
     if (trial_parse(o->pattern, &trial, &why))
         return -1; /* it is no name, as is said later */
-    engine = list_of_engine(trial.engine);
+    engine = list_of_one(TABLE_ENGINES, trial.engine);
     const bool outside = trial.layout && trial.layout->outside;
     snprintf(never, sizeof never, "%s%s store builder box tri hard quick summary markdown html",
              engine_is_peer(trial.engine) ? "" : "engine ", outside ? "" : "layout");

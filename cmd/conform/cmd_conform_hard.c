@@ -286,10 +286,8 @@ static int play(const struct conform_hard_options *o, const struct hard_suite *s
         conform_report_open(&report, suite->count, complete, o->waivers, o->junit, &reason);
     if (!status && !o->waivers)
         status = waivers_shipped_read(&report.waivers, &reason);
-    if (status) {
-        fprintf(stderr, "raydiff conform: %s\n", reason.text);
-        return exit_of_status(status);
-    }
+    if (status)
+        return exit_with_reason("conform", status, &reason);
     const struct hard_tables everything = hard_tables_all();
     struct hard_counting counting = {&report.waivers, o->pattern == NULL};
     for (size_t i = 0; !complete && hard_case_at(i); i++)
@@ -307,9 +305,7 @@ static int play(const struct conform_hard_options *o, const struct hard_suite *s
         status = write_documents(o, &matrix, &reason);
     int code = conform_report_close(&report);
     matrix_free(&matrix);
-    if (status)
-        fprintf(stderr, "raydiff conform: %s\n", reason.text);
-    return status ? exit_worse(code, exit_of_status(status)) : code;
+    return exit_worse(code, exit_with_reason("conform", status, &reason));
 }
 
 /* What the user chose of the tables, as hard cases take them. */
@@ -325,8 +321,7 @@ static struct hard_tables choose(const struct conform_hard_options *o, struct ch
     const struct list *layout = &o->list_of[TABLE_LAYOUTS], *builder = &o->list_of[TABLE_BUILDERS];
     const struct list *box = &o->list_of[TABLE_BOX_TESTS], *tri = &o->list_of[TABLE_TRI_TESTS];
     struct hard_tables tables = hard_tables_all();
-    for (size_t i = 0; i < layout->count; i++)
-        chosen->layout[i] = layouts_all[layout->index[i]];
+    list_layouts(layout, chosen->layout);
     for (size_t i = 0; i < builder->count; i++)
         chosen->builder[i] = builders_all[builder->index[i]];
     for (size_t i = 0; i < box->count; i++)
@@ -381,15 +376,11 @@ int conform_hard(const struct conform_hard_options *o)
                                .tri_named = o->list_of[TABLE_TRI_TESTS].count > 0};
     struct reason reason = {""};
     enum status status = suite_make(&suite, &reason);
-    int code = EXIT_AGREE;
-    if (status) {
-        fprintf(stderr, "raydiff conform: %s\n", reason.text);
-        code = exit_of_status(status);
-    } else if (o->list) {
+    int code = exit_with_reason("conform", status, &reason);
+    if (!status && o->list)
         list_suite(&suite);
-    } else {
+    else if (!status)
         code = play(o, &suite);
-    }
     free(suite.one);
     return code;
 }

@@ -298,9 +298,9 @@ int conform_report_close(struct conform_report *report)
     judge_waivers(report);
     judge_turnout(report);
     double seconds = (double)(time_ns() - report->start_ns) * 1e-9;
-    if (report->junit.body && ci_junit_close(&report->junit, "raydiff conform", seconds, &reason)) {
-        fprintf(stderr, "raydiff conform: %s\n", reason.text);
-        report->code = exit_worse(report->code, EXIT_USAGE);
+    if (report->junit.body) {
+        enum status status = ci_junit_close(&report->junit, "raydiff conform", seconds, &reason);
+        report->code = exit_worse(report->code, exit_with_reason("conform", status, &reason));
     }
     judge_ran(report);
     if (!report->tap)

@@ -284,9 +284,7 @@ static enum status report(const struct diff_run *run, int *code, struct reason *
 static enum status play(struct diff_run *run, int *code, struct reason *reason)
 {
     const struct diff_options *o = run->options;
-    enum status status = render_try_output(o->out, reason);
-    if (!status)
-        status = render_try_output(o->json, reason);
+    enum status status = output_try(o->out, reason);
     if (!status)
         status = render_stage_open("diff", &o->settings, &run->stage, reason);
     if (status)
@@ -348,10 +346,7 @@ static int diff_engines(int argc, char **argv)
     run->options = &options;
     code = EXIT_AGREE;
     enum status status = play(run, &code, &reason);
-    if (status) {
-        fprintf(stderr, "raydiff diff: %s\n", reason.text);
-        code = exit_worse(code, exit_of_status(status));
-    }
+    code = exit_worse(code, exit_with_reason("diff", status, &reason));
     for (size_t i = 0; i < run->count; i++) {
         walk_free(&run->member[i].walk);
         side_close(&run->member[i].side);

@@ -168,8 +168,5 @@ int cmd_diff_images(int argc, char **argv)
     code = image_diff_largest(&job.diff) > job.max ? EXIT_MISMATCH : EXIT_AGREE;
     image_free(&job.image[0]);
     image_free(&job.image[1]);
-    if (!status)
-        return code;
-    fprintf(stderr, "raydiff diff: %s\n", reason.text);
-    return exit_of_status(status);
+    return status ? exit_with_reason("diff", status, &reason) : code;
 }

@@ -189,8 +189,7 @@ static void print_first(const struct diff_run *run, const struct diff_member *me
     print_value(first, 1);
     printf(" here");
     if (first->is_float)
-        printf(", %llu float%s apart", (unsigned long long)first->ulps,
-               first->ulps == 1 ? "" : "s");
+        printf(", %llu float%s apart", (unsigned long long)first->ulps, plural(first->ulps));
     putchar('\n');
     (void)member;
 }

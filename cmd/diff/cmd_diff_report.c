@@ -1,6 +1,7 @@
 /* What raydiff diff says about engines: for a person, and as JSON. */
 #include "cmd/common/cmd_json.h"
 #include "cmd/diff/cmd_diff.h"
+#include "ref/base/command.h"
 #include "ref/base/json_record.h"
 
 #include <stdio.h>
@@ -13,7 +14,7 @@ void diff_print_subject(const struct diff_run *run)
     printf("%s: %u triangles; %u x %u pixels, profile %s, %u bounces, %u light%s\n",
            settings->scene, run->stage.scene.tri_count, job->width, job->height,
            job->look.profile == PROFILE_RTRS ? "rtrs" : "repaired", job->look.bounces,
-           job->light_count, job->light_count == 1 ? "" : "s");
+           job->light_count, plural(job->light_count));
     if (run->stage.packed.layout)
         printf("tree: %s %s, layout %s, box test %s", settings->bvh ? "file" : "builder",
                settings->bvh ? settings->bvh : settings->builder->name,

@@ -153,10 +153,6 @@ int cmd_doctor(int argc, char **argv)
     code = examine(&arguments, doctor);
     enum status status =
         arguments.json ? doctor_write_json(arguments.json, doctor, &reason) : STATUS_OK;
-    if (status) {
-        fprintf(stderr, "raydiff doctor: %s\n", reason.text);
-        code = exit_of_status(status);
-    }
     free(doctor);
-    return code;
+    return status ? exit_with_reason("doctor", status, &reason) : code;
 }

@@ -186,8 +186,8 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
             snprintf(from, sizeof from, " of set %s, seed %llu", o->rays->name,
                      (unsigned long long)o->of.seed);
         printf("%s: %zu ray%s%s: no answer of %s is wrong%s%s\n", o->of.spec, e->ray_count,
-               e->ray_count == 1 ? "" : "s", from, o->of.engine->name,
-               o->has_cause ? " with cause " : "", o->has_cause ? cause_name(o->cause) : "");
+               plural(e->ray_count), from, o->of.engine->name, o->has_cause ? " with cause " : "",
+               o->has_cause ? cause_name(o->cause) : "");
         return explain_write_none(o, e->ray_count, &e->decode, *code, reason);
     }
     char again[EXPLAIN_COMMAND_MOST];
@@ -255,7 +255,7 @@ int cmd_explain(int argc, char **argv)
 {
     struct reason reason = {""};
     struct explain_options options = {
-        .of.build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+        .of.build = build_options_default(),
         .engines = engine_options_default(),
     };
     int first, code = options_read(&set, &options, argc, argv, &first);
@@ -280,10 +280,7 @@ int cmd_explain(int argc, char **argv)
     enum status status = options.about_tree
                              ? explain_tree_finding(&options, &e.file, &code, &reason)
                              : explain(&e, &code, &reason);
-    if (status) {
-        fprintf(stderr, "raydiff explain: %s\n", reason.text);
-        code = exit_worse(code, exit_of_status(status));
-    }
+    code = exit_worse(code, exit_with_reason("explain", status, &reason));
     fuzz_player_close(e.player);
     pool_free(&e.pool);
     oracle_free(e.oracle);

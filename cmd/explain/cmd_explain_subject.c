@@ -58,13 +58,9 @@ static bool is_file(const char *text)
 static enum status take_engine(struct explain_options *o, const struct fuzz_signature *signature,
                                struct reason *reason)
 {
-    struct fuzz_signature named;
-    for (size_t i = 0; engines[i] && !o->has_engine; i++) {
-        fuzz_signature_set_engine(&named, engines[i]->name);
-        o->has_engine = strcmp(named.engine, signature->engine) == 0;
-        o->of.engine = engines[i];
-    }
     if (!o->has_engine)
+        o->of.engine = fuzz_signature_engine(signature);
+    if (!o->of.engine)
         return fail(reason, STATUS_INPUT, "%s: its engine '%s' is not here: name one with --engine",
                     o->of.spec, signature->engine);
     return STATUS_OK;
@@ -160,25 +156,19 @@ enum status explain_take_subject(struct explain_options *o, const char *text,
 int explain_check_use(const struct explain_options *o, char *const *spec)
 {
     const char *const never = o->ray_text ? "rays index count cause" : o->has_index ? "cause" : "";
-    struct list engine = list_of_engine(o->of.engine), layout = {.count = 0};
-    struct list builder = {.count = 0};
-    struct option_use use = {.by = o->ray_text ? "--ray" : "--index",
-                             .never = o->has_file ? "" : never,
-                             .engine = &engine,
-                             .compares = true,
-                             .seeded = !o->ray_text && !o->rays->seedless,
-                             .scene = spec,
-                             .scene_count = 1};
+    const struct list engine = list_of_one(TABLE_ENGINES, o->of.engine);
+    const struct list layout = list_of_one(TABLE_LAYOUTS, o->of.layout);
+    const struct list builder = list_of_one(TABLE_BUILDERS, o->of.builder);
+    const struct option_use use = {.by = o->ray_text ? "--ray" : "--index",
+                                   .never = o->has_file ? "" : never,
+                                   .engine = &engine,
+                                   .layout = &layout,
+                                   .builder = &builder,
+                                   .compares = true,
+                                   .seeded = !o->ray_text && !o->rays->seedless,
+                                   .scene = spec,
+                                   .scene_count = 1};
     int code = -1;
-    while (o->of.layout && layouts_all[layout.index[0]] != o->of.layout)
-        layout.index[0]++;
-    layout.count = o->of.layout != NULL;
-    while (o->of.builder && builders_all[builder.index[0]] &&
-           builders_all[builder.index[0]] != o->of.builder)
-        builder.index[0]++;
-    builder.count = o->of.builder && builders_all[builder.index[0]] == o->of.builder;
-    use.layout = &layout;
-    use.builder = &builder;
     if (o->has_trial) {
         char words[80];
         snprintf(words, sizeof words, "%s%s store builder box tri query rays seed",

@@ -77,8 +77,6 @@ static int write_file(const char *path, const struct taken *taken, const struct 
     }
     if (!standard)
         status = file_out_commit(&out, &reason);
-    else if (fflush(stdout) != 0 || ferror(stdout))
-        status = fail(&reason, STATUS_INPUT, "cannot write to the standard output");
     if (status)
         return complain("", status, &reason);
     print_said(path, &said);
@@ -97,8 +95,8 @@ static int check_use(const struct export_options *o, const struct finding_file *
     const struct engine *engine = o->engine             ? o->engine
                                   : file->has_signature ? engine_find(file->signature.engine)
                                                         : engine_find("vulkan");
-    const struct list list = engine ? list_of_engine(engine)
-                                    : (struct list){.count = 0}; /* of a peer that is not here */
+    const struct list list =
+        list_of_one(TABLE_ENGINES, engine); /* empty: a peer that is not here */
     const struct option_use use = {.engine = &list};
     const struct option_use ours = {.by = "an export of no vendor's engine",
                                     .never = is_vendors(engine) ? "" : "layout threads"};

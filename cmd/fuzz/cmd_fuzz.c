@@ -36,10 +36,8 @@ static enum status make_rules(struct fuzz_command *c, struct reason *reason)
     struct work_rules *rules = &c->campaign.rules;
     const struct engine *engine[LIST_MOST];
     const struct layout *layout[LIST_MOST];
-    for (size_t i = 0; i < c->engine.count; i++)
-        engine[i] = engines[c->engine.index[i]];
-    for (size_t i = 0; i < c->layout.count; i++)
-        layout[i] = layouts_all[c->layout.index[i]];
+    list_engines(&c->engine, engine);
+    list_layouts(&c->layout, layout);
     rules->builder_count = c->builder.count;
     for (size_t i = 0; i < c->builder.count; i++)
         rules->builder[i] = builders_all[c->builder.index[i]];
@@ -188,13 +186,12 @@ static void catch_signals(void)
 static int finish(struct fuzz_command *c, enum status status, const struct reason *reason)
 {
     fuzz_show_end(c);
-    if (status)
-        fprintf(stderr, "raydiff fuzz: %s\n", reason->text);
+    const int code = exit_with_reason("fuzz", status, reason);
     findings_close(c->findings);
     feedback_list_free(&c->corpus_trials);
     pair_coverage_close(c->pair_coverage);
     baseline_close(&c->baseline);
-    return status ? exit_of_status(status) : c->code;
+    return status ? code : c->code;
 }
 
 int cmd_fuzz(int argc, char **argv)

@@ -191,9 +191,9 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
     fuzz_signature_print(&entry->signature, signature);
     findings_path(view->findings, &entry->signature, "smallest.trial", path, sizeof path);
     printf("%-7s  %s  %llu time%s, smallest: %u triangle%s, %u ray%s\n", report_state_name(state),
-           signature, (unsigned long long)entry->count, entry->count == 1 ? "" : "s",
-           entry->smallest.triangles, entry->smallest.triangles == 1 ? "" : "s",
-           entry->smallest.rays, entry->smallest.rays == 1 ? "" : "s");
+           signature, (unsigned long long)entry->count, plural(entry->count),
+           entry->smallest.triangles, plural(entry->smallest.triangles), entry->smallest.rays,
+           plural(entry->smallest.rays));
     printf("         %s\n", cause_text(entry->signature.cause));
     if (answer.text[0])
         printf("         %s\n", answer.text);

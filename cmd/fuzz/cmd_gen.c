@@ -57,18 +57,12 @@ static enum status write_all(const struct gen_command *o, const struct pipe_from
                              const struct scene *scene, const struct ray *ray,
                              struct reason *reason)
 {
-    struct file_out out;
-    if (!o->out) {
-        pipe_text_write(stdout, from, scene, ray, (size_t)o->count, o->query, o->decimal);
-        if (fflush(stdout) != 0 || ferror(stdout))
-            return fail(reason, STATUS_INPUT, "cannot write to standard output");
-        return STATUS_OK;
-    }
-    enum status status = file_out_open(o->out, &out, reason);
+    struct file_out out = {.stream = stdout};
+    enum status status = o->out ? file_out_open(o->out, &out, reason) : STATUS_OK;
     if (status)
         return status;
     pipe_text_write(out.stream, from, scene, ray, (size_t)o->count, o->query, o->decimal);
-    return file_out_commit(&out, reason);
+    return o->out ? file_out_commit(&out, reason) : STATUS_OK;
 }
 
 static enum status gen(const struct gen_command *o, const char *spec, struct reason *reason)
@@ -113,8 +107,5 @@ int cmd_gen(int argc, char **argv)
     code = options_refused("gen", &use);
     if (code >= 0)
         return code;
-    enum status status = gen(&o, argv[first], &reason);
-    if (status)
-        fprintf(stderr, "raydiff gen: %s\n", reason.text);
-    return exit_of_status(status);
+    return exit_with_reason("gen", gen(&o, argv[first], &reason), &reason);
 }

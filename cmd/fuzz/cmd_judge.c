@@ -180,7 +180,7 @@ static enum status play(struct judge_run *j, struct row *row, struct reason *rea
                                 .rounding = a->rounding,
                                 .flags = a->flags};
     struct match_options options = {.builder = builders[0],
-                                    .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+                                    .build = build_options_default(),
                                     .box = box_tests[0],
                                     .tri = tri_tests[0],
                                     .query = j->request.query,
@@ -220,7 +220,7 @@ static int judge_all(struct judge_run *j)
                                  .row = &row,
                                  .row_count = 1};
     enum status status = play(j, &row, &reason);
-    int code = exit_of_status(status);
+    int code = EXIT_AGREE;
     if (!status) {
         check_print(&result);
         code = check_exit(&result, false, true);
@@ -228,20 +228,14 @@ static int judge_all(struct judge_run *j)
     if (!status && j->options->json)
         status = check_write_json(j->options->json, &result, 1, &(struct turnout){.count = 0}, code,
                                   &reason);
-    if (status) {
-        fprintf(stderr, "raydiff %s: %s\n", j->command, reason.text);
-        code = exit_worse(code, exit_of_status(status));
-    }
-    return code;
+    return exit_worse(code, exit_with_reason(j->command, status, &reason));
 }
 
 /* Everything read: judges; else says why not. */
 static int finish(struct judge_run *j, enum status status, const struct reason *reason)
 {
-    int code = exit_of_status(status);
-    if (status)
-        fprintf(stderr, "raydiff %s: %s\n", j->command, reason->text);
-    else
+    int code = exit_with_reason(j->command, status, reason);
+    if (!status)
         code = judge_all(j);
     judging_free(j);
     return code;

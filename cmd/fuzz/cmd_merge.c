@@ -48,8 +48,8 @@ static enum status print_folder(const char *folder, const char *what, bool list,
         char signature[FUZZ_SIGNATURE_MOST];
         fuzz_signature_print(&entry->signature, signature);
         printf("%8llu  %s  smallest: %u triangle%s, %u ray%s\n", (unsigned long long)entry->count,
-               signature, entry->smallest.triangles, entry->smallest.triangles == 1 ? "" : "s",
-               entry->smallest.rays, entry->smallest.rays == 1 ? "" : "s");
+               signature, entry->smallest.triangles, plural(entry->smallest.triangles),
+               entry->smallest.rays, plural(entry->smallest.rays));
     }
     findings_close(findings);
     return STATUS_OK;
@@ -75,8 +75,5 @@ int cmd_merge(int argc, char **argv)
             findings_merge((const char *const *)argv + first, (size_t)(argc - first), to, &reason);
     if (!status)
         status = print_folder(to, "to", true, &reason);
-    if (!status)
-        return EXIT_AGREE;
-    fprintf(stderr, "raydiff merge: %s\n", reason.text);
-    return exit_of_status(status);
+    return exit_with_reason("merge", status, &reason);
 }

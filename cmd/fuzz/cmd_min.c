@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/fuzz/cmd_min.h"
 
-#include "ref/outside/pipe.h"
+#include "cmd/fuzz/cmd_replay.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
@@ -87,26 +87,11 @@ static const struct option_set set = {
 
 /* --- one finding ----------------------------------------------------------------------------- */
 
-const struct engine *min_engine_of(const struct fuzz_signature *signature)
-{
-    for (size_t i = 0; engines[i]; i++) {
-        struct fuzz_signature named;
-        fuzz_signature_set_engine(&named, engines[i]->name);
-        if (strcmp(named.engine, signature->engine) == 0)
-            return engines[i];
-    }
-    return NULL;
-}
-
 int min_check_use(const struct min_options *options, const struct list *engine)
 {
     struct list layout = {.count = 0};
-    for (size_t i = 0; i < options->layout_count; i++) {
-        size_t at = 0;
-        while (layouts_all[at] != options->layout[i])
-            at++;
-        layout.index[layout.count++] = at;
-    }
+    for (size_t i = 0; i < options->layout_count; i++)
+        list_add(&layout, TABLE_LAYOUTS, options->layout[i]);
     const struct option_use use = {
         .by = "min", .engine = engine, .layout = &layout, .compares = true};
     for (size_t i = 0; i < options->named.count; i++)
@@ -140,12 +125,7 @@ static enum status check_row(struct min_row *row, struct reason *reason)
     const struct finding_file *file = &row->file;
     if (!file->has_signature)
         return fail(reason, STATUS_INPUT, "it expects 'clean': nothing is wrong with it to shrink");
-    row->engine = min_engine_of(&file->signature);
-    if (row->engine)
-        return STATUS_OK;
-    bool peer = strncmp(file->signature.engine, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
-    return fail(reason, STATUS_INPUT, "its engine '%s' is not here%s", file->signature.engine,
-                peer ? "; name its command: --engine 'pipe:COMMAND'" : "");
+    return replay_engine(file, &row->engine, reason);
 }
 
 static enum min_fate fate_of(const struct min_row *row, enum status status)
@@ -234,9 +214,9 @@ static int min_file(const struct min_options *options, const char *path)
     strcpy(row.path, path);
     enum status status = finding_file_read(row.path, &row.file, &row.reason);
     const struct engine *engine =
-        !status && row.file.has_signature ? min_engine_of(&row.file.signature) : NULL;
+        !status && row.file.has_signature ? fuzz_signature_engine(&row.file.signature) : NULL;
     if (engine) {
-        const struct list of = list_of_engine(engine);
+        const struct list of = list_of_one(TABLE_ENGINES, engine);
         row.code = min_check_use(options, &of);
     }
     if (engine && row.code >= 0) {
@@ -259,9 +239,9 @@ static int min_file(const struct min_options *options, const char *path)
         }
     }
     min_print(&row);
-    if (options->json && min_write_json(options->json, &row, 1, row.code, &reason)) {
-        fprintf(stderr, "raydiff min: %s\n", reason.text);
-        row.code = exit_worse(row.code, EXIT_USAGE);
+    if (options->json) {
+        status = min_write_json(options->json, &row, 1, row.code, &reason);
+        row.code = exit_worse(row.code, exit_with_reason("min", status, &reason));
     }
     min_row_free(&row);
     return row.code;

@@ -38,9 +38,6 @@ struct min_row {
     int code; /* enum exit_code */
 };
 
-/* The engine that a signature names, or NULL. */
-const struct engine *min_engine_of(const struct fuzz_signature *signature);
-
 /* Refuses what was named that findings of these engines do not use. -1: nothing; else an exit code,
  * and a line was printed. */
 int min_check_use(const struct min_options *options, const struct list *engine);

@@ -64,9 +64,10 @@ static struct list engines_of(const struct findings *findings)
 {
     struct list list = {.count = 0};
     for (size_t i = 0; i < findings_count(findings); i++) {
-        const struct engine *engine = min_engine_of(&findings_entry(findings, i)->signature);
+        const struct engine *engine =
+            fuzz_signature_engine(&findings_entry(findings, i)->signature);
         if (engine && !list_names(&list, engine))
-            list.index[list.count++] = list_of_engine(engine).index[0];
+            list_add(&list, TABLE_ENGINES, engine);
     }
     return list;
 }
@@ -78,10 +79,8 @@ int min_folder(const struct min_options *options, const char *folder)
     if (!is_findings(folder))
         return usage_error("min", "%s is no folder of findings", folder);
     enum status status = findings_open(folder, &findings, &reason);
-    if (status) {
-        fprintf(stderr, "raydiff min: %s\n", reason.text);
-        return exit_of_status(status);
-    }
+    if (status)
+        return exit_with_reason("min", status, &reason);
     if (min_check_layouts(options, folder, is_on, findings, &reason)) {
         findings_close(findings);
         return usage_error("min", "%s", reason.text);
@@ -109,9 +108,9 @@ int min_folder(const struct min_options *options, const char *folder)
     if (row)
         printf("%s: %zu findings, %zu of them smaller now\n", folder, count, smaller);
     findings_close(findings);
-    if (row && options->json && min_write_json(options->json, row, count, code, &reason)) {
-        fprintf(stderr, "raydiff min: %s\n", reason.text);
-        code = exit_worse(code, EXIT_USAGE);
+    if (row && options->json) {
+        status = min_write_json(options->json, row, count, code, &reason);
+        code = exit_worse(code, exit_with_reason("min", status, &reason));
     }
     for (size_t i = 0; i < count && row; i++)
         min_row_free(&row[i]);

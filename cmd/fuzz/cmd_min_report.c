@@ -36,9 +36,8 @@ static const char *end_text(enum shrink_end end)
 static void print_size(const char *title, const struct fuzz_trial_size *size, size_t bytes)
 {
     printf("  %-8s %u triangle%s, %u ray%s, %u vert%s, %llu bits of numbers, %zu bytes\n", title,
-           size->triangles, size->triangles == 1 ? "" : "s", size->rays, size->rays == 1 ? "" : "s",
-           size->vertices, size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits,
-           bytes);
+           size->triangles, plural(size->triangles), size->rays, plural(size->rays), size->vertices,
+           size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits, bytes);
 }
 
 /* The line of the judge, where there is one. */

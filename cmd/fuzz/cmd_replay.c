@@ -10,38 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static enum status take_engines(void *options, const struct option_value *given,
-                                struct reason *reason)
-{
-    struct replay_options *o = options;
-    struct list list;
-    enum status status = table_parse(TABLE_ENGINES, "--engine", given->text, &list, reason);
-    o->any_engine = true;
-    o->engine_named = !list.all && !list.every;
-    o->engine_count = status ? 0 : list.count;
-    for (size_t i = 0; i < o->engine_count; i++)
-        o->engine[i] = engines[list.index[i]];
-    return status;
-}
-
-static enum status take_layouts(void *options, const struct option_value *given,
-                                struct reason *reason)
-{
-    struct replay_options *o = options;
-    struct list list;
-    enum status status = table_parse(TABLE_LAYOUTS, "--layout", given->text, &list, reason);
-    o->layout_count = status ? 0 : list.count;
-    for (size_t i = 0; i < o->layout_count; i++)
-        o->layout[i] = layouts_all[list.index[i]];
-    return status;
-}
-
 #define ROWS_OF struct replay_options
 
 static const struct option_row rows[] = {
     {"engine", "E,..", "these engines; the signature's engine then does not matter",
-     OF_OWN(take_engines), .table = 1 + TABLE_ENGINES, .shown = "all"},
-    {"layout", "L,..", "these layouts", OF_OWN(take_layouts), .table = 1 + TABLE_LAYOUTS,
+     OF_LIST(engine, TABLE_ENGINES), .shown = "all"},
+    {"layout", "L,..", "these layouts", OF_LIST(layout, TABLE_LAYOUTS),
      .shown = "the signature's; else f32,rf16"},
     {"time", "S", "seconds that an engine may take for a file", OF_COUNT(seconds, 1, 86400),
      .value = "60"},
@@ -73,7 +47,7 @@ bool replay_is_expected(const struct replay_options *options, const struct findi
         return true;
     return want->kind == found->kind && want->cause == found->cause &&
            (options->any_engine || strcmp(want->engine, found->engine) == 0) &&
-           (options->layout_count > 0 || want->layout == found->layout);
+           (options->layout.count > 0 || want->layout == found->layout);
 }
 
 /* True if the contestant is the one that the signature names, or stands in for it. */
@@ -87,22 +61,18 @@ static bool is_wanted(const struct replay_options *options, const struct finding
 }
 
 /* The layouts of a file: asked for, the signature's, or all that are not as published. */
-static size_t choose_layouts(const struct replay_options *options, const struct finding_file *file,
-                             const struct layout **out)
+static struct list choose_layouts(const struct replay_options *options,
+                                  const struct finding_file *file)
 {
-    size_t count = 0;
-    if (options->layout_count > 0) {
-        memcpy(out, options->layout, options->layout_count * sizeof *out);
-        return options->layout_count;
-    }
-    if (file->has_signature && file->signature.layout) {
-        out[0] = file->signature.layout;
-        return 1;
-    }
+    struct list list = {.count = 0};
+    if (options->layout.count > 0)
+        return options->layout;
+    if (file->has_signature && file->signature.layout)
+        return list_of_one(TABLE_LAYOUTS, file->signature.layout);
     for (size_t i = 0; layouts[i]; i++)
         if (!layouts[i]->faithful)
-            out[count++] = layouts[i];
-    return count;
+            list_add(&list, TABLE_LAYOUTS, layouts[i]);
+    return list;
 }
 
 /* A crash or hang has no ray and no cause; a peer that dies before the first question may have been
@@ -144,12 +114,15 @@ static void play_file(struct replay_worker *worker, size_t i)
 {
     const struct replay_options *options = worker->options;
     struct replay_file *file = &worker->files[i];
-    const struct layout *layout[FUZZ_CONTESTANTS_MOST];
-    size_t layout_count = choose_layouts(options, &file->file, layout);
+    const struct list layouts_of = choose_layouts(options, &file->file);
+    const struct engine *engine[LIST_MOST];
+    const struct layout *layout[LIST_MOST];
     struct fuzz_field field;
     struct reason reason;
-    if (fuzz_field_make(options->engine, options->engine_count, layout, layout_count,
-                        &options->engines, &field, &reason)) {
+    list_engines(&options->engine, engine);
+    list_layouts(&layouts_of, layout);
+    if (fuzz_field_make(engine, options->engine.count, layout, layouts_of.count, &options->engines,
+                        &field, &reason)) {
         file->code = usage_error("replay", "%s", reason.text);
         return;
     }
@@ -201,29 +174,31 @@ static int read_files(char **path, size_t count, struct replay_file *files)
         struct reason reason;
         files[i].path = path[i];
         enum status status = finding_file_read(path[i], &files[i].file, &reason);
-        if (!status)
-            continue;
-        fprintf(stderr, "raydiff replay: %s\n", reason.text);
-        code = exit_worse(code, exit_of_status(status));
+        code = exit_worse(code, exit_with_reason("replay", status, &reason));
     }
     return code;
 }
 
-/* A signature's engine must be among those that are played. */
+enum status replay_engine(const struct finding_file *file, const struct engine **out,
+                          struct reason *reason)
+{
+    *out = fuzz_signature_engine(&file->signature);
+    if (*out)
+        return STATUS_OK;
+    bool peer = strncmp(file->signature.engine, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
+    return fail(reason, STATUS_INPUT, "its engine '%s' is not here%s", file->signature.engine,
+                peer ? "; name its command: --engine 'pipe:COMMAND'" : "");
+}
+
+/* Without --engine a signature's engine must be here. */
 static int check_engine(const struct replay_options *options, const struct replay_file *file)
 {
-    if (!file->file.has_signature || options->any_engine)
+    const struct engine *engine;
+    struct reason reason;
+    if (!file->file.has_signature || options->any_engine ||
+        !replay_engine(&file->file, &engine, &reason))
         return EXIT_AGREE;
-    for (size_t i = 0; i < options->engine_count; i++) {
-        struct fuzz_signature named;
-        fuzz_signature_set_engine(&named, options->engine[i]->name);
-        if (strcmp(named.engine, file->file.signature.engine) == 0)
-            return EXIT_AGREE;
-    }
-    bool peer = strncmp(file->file.signature.engine, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
-    return usage_error("replay", "%s: its engine '%s' is not here%s", file->path,
-                       file->file.signature.engine,
-                       peer ? "; name its command: --engine 'pipe:COMMAND'" : "");
+    return usage_error("replay", "%s: %s", file->path, reason.text);
 }
 
 static void count_turnout(const struct replay_file *file, struct turnout *turnout)
@@ -246,8 +221,8 @@ static int replay_all(const struct replay_options *options, struct replay_file *
 {
     struct replay_worker worker = {.options = options, .files = files};
     int code = EXIT_AGREE;
-    for (size_t i = 0; i < options->engine_count && options->engine_named; i++)
-        turnout_name(turnout, "engine", options->engine[i]->name);
+    if (options->any_engine && !options->engine.all && !options->engine.every)
+        list_expect(TABLE_ENGINES, &options->engine, turnout);
     for (size_t i = 0; i < count; i++) {
         play_file(&worker, i);
         replay_print(options, &files[i]);
@@ -263,33 +238,19 @@ static int replay_all(const struct replay_options *options, struct replay_file *
     return exit_worse(code, turnout_exit(turnout));
 }
 
-/* What was named that none of the engines uses. -1: nothing. */
-static int check_use(const struct replay_options *options)
-{
-    struct list engine = {.count = 0}, layout = {.count = 0};
-    for (size_t i = 0; i < options->engine_count; i++)
-        engine.index[engine.count++] = list_of_engine(options->engine[i]).index[0];
-    for (size_t i = 0; i < options->layout_count; i++) {
-        size_t at = 0;
-        while (layouts_all[at] != options->layout[i])
-            at++;
-        layout.index[layout.count++] = at;
-    }
-    return options_refused("replay", &(struct option_use){.engine = &engine, .layout = &layout});
-}
-
 int cmd_replay(int argc, char **argv)
 {
-    struct replay_options options = {.engines = engine_options_default()};
+    struct replay_options options = {.engine = table_all(TABLE_ENGINES),
+                                     .engines = engine_options_default()};
     struct reason reason;
-    for (; engines[options.engine_count]; options.engine_count++)
-        options.engine[options.engine_count] = engines[options.engine_count];
     int first, code = options_read(&set, &options, argc, argv, &first);
     if (code >= 0)
         return code;
     if (first == argc)
         return usage_error("replay", "no file given");
-    code = check_use(&options);
+    options.any_engine = option_was_given("engine");
+    const struct option_use use = {.engine = &options.engine, .layout = &options.layout};
+    code = options_refused("replay", &use);
     if (code >= 0)
         return code;
     size_t count = (size_t)(argc - first);
@@ -304,10 +265,10 @@ int cmd_replay(int argc, char **argv)
     if (code == EXIT_AGREE) {
         static struct turnout turnout;
         code = replay_all(&options, files, count, &turnout);
-        if (options.json &&
-            replay_write_json(options.json, files, count, &turnout, code, &reason)) {
-            fprintf(stderr, "raydiff replay: %s\n", reason.text);
-            code = exit_worse(code, EXIT_USAGE);
+        if (options.json) {
+            enum status status =
+                replay_write_json(options.json, files, count, &turnout, code, &reason);
+            code = exit_worse(code, exit_with_reason("replay", status, &reason));
         }
     }
     for (size_t i = 0; i < count; i++)

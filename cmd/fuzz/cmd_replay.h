@@ -2,6 +2,7 @@
 #ifndef FUZZ_CMD_REPLAY_H
 #define FUZZ_CMD_REPLAY_H
 
+#include "cmd/common/cmd_tables.h"
 #include "ref/outside/child.h"
 #include "fuzz/findings/finding_file.h"
 #include "fuzz/findings/findings.h"
@@ -43,17 +44,17 @@ struct replay_file {
 };
 
 struct replay_options {
-    const struct engine *engine[FUZZ_CONTESTANTS_MOST];
-    size_t engine_count;
-    bool any_engine;   /* --engine was given: the signature's engine does not matter */
-    bool engine_named; /* and by name: each must answer something */
-    const struct layout *layout[FUZZ_CONTESTANTS_MOST];
-    size_t layout_count; /* 0: the file's */
+    struct list engine, layout; /* no layout: the file's */
+    bool any_engine;            /* --engine was given: the signature's engine does not matter */
     struct engine_options engines;
     unsigned seconds;
     bool brief, as_expected;
     const char *json;
 };
+
+/* The engine of the file's signature. Errors: STATUS_INPUT it is not here, and *out is NULL. */
+enum status replay_engine(const struct finding_file *file, const struct engine **out,
+                          struct reason *reason) MUST_USE;
 
 /* True if the finding is what the file expects, with another engine or layout where the user asked
  * for one. */

@@ -127,8 +127,8 @@ void replay_print(const struct replay_options *options, const struct replay_file
     }
     printf(
         "  trial    %u triangle%s, %u ray%s, builder %s, leaf %u, box %s, triangle %s, query %s\n",
-        trial->scene.tri_count, trial->scene.tri_count == 1 ? "" : "s", trial->ray_count,
-        trial->ray_count == 1 ? "" : "s", trial->builder->name, trial->build.leaf, trial->box->name,
+        trial->scene.tri_count, plural(trial->scene.tri_count), trial->ray_count,
+        plural(trial->ray_count), trial->builder->name, trial->build.leaf, trial->box->name,
         trial->tri->name, query_name(trial->query));
     if (origin->recipe[0])
         printf("  made as  %s\n", origin->recipe);

@@ -294,9 +294,8 @@ int cmd_selftest(int argc, char **argv)
     if (c.shaders_only)
         return check_shaders();
     enum status status = run(&c, &sum, &reason);
-    if (status)
-        fprintf(stderr, "raydiff fuzz: %s\n", reason.text);
+    code = exit_with_reason("fuzz", status, &reason);
     free(c.bug);
     free(c.row);
-    return status ? exit_of_status(status) : selftest_passed(&sum) ? EXIT_AGREE : EXIT_MISMATCH;
+    return status || selftest_passed(&sum) ? code : EXIT_MISMATCH;
 }

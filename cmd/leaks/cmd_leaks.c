@@ -83,11 +83,9 @@ static int leaks_all(const struct leaks_options *o, char *const *spec, size_t co
     for (size_t i = 0; i < count; i++) {
         enum status status = leaks_play(o, &pool, &progress, spec[i], &results[i], &reason);
         progress_end(&progress);
-        if (status) {
-            fprintf(stderr, "raydiff leaks: %s\n", reason.text);
-            code = exit_worse(code, exit_of_status(status));
+        code = exit_worse(code, exit_with_reason("leaks", status, &reason));
+        if (status)
             continue;
-        }
         leaks_print(&results[i]);
         fflush(stdout);
         leaks_count_turnout(&results[i], &turnout);
@@ -97,10 +95,7 @@ static int leaks_all(const struct leaks_options *o, char *const *spec, size_t co
     code = exit_worse(code, turnout_exit(&turnout));
     if (o->json) {
         enum status status = leaks_write_json(o->json, results, count, &turnout, code, &reason);
-        if (status) {
-            fprintf(stderr, "raydiff leaks: %s\n", reason.text);
-            code = exit_worse(code, exit_of_status(status));
-        }
+        code = exit_worse(code, exit_with_reason("leaks", status, &reason));
     }
     for (size_t i = 0; i < count; i++)
         free(results[i].row);
@@ -112,7 +107,7 @@ static int leaks_all(const struct leaks_options *o, char *const *spec, size_t co
 int cmd_leaks(int argc, char **argv)
 {
     struct leaks_options options = {
-        .build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+        .build = build_options_default(),
         .engines = engine_options_default(),
     };
     /* Brute force takes minutes on a real mesh: it plays when it is named. */

@@ -171,19 +171,12 @@ static json_t *tally_json(const struct leak_tally *t, bool lists)
 
 static json_t *finding_json(const struct leak_finding *f)
 {
-    json_t *ray = json_array(), *prims = json_array();
-    const float value[8] = {f->ray.org[0], f->ray.org[1], f->ray.org[2], f->ray.tmin,
-                            f->ray.dir[0], f->ray.dir[1], f->ray.dir[2], f->ray.tmax};
-    for (int k = 0; k < 8; k++) {
-        char bits[16];
-        snprintf(bits, sizeof bits, "0x%08x", float_bits(value[k]));
-        json_array_append_new(ray, json_string(bits));
-    }
+    json_t *prims = json_array();
     for (int k = 0; k < 2 && f->is_double; k++)
         json_array_append_new(prims, json_integer((json_int_t)f->prim[k]));
     return json_record("kind=%s aim=%s ray=%zu ray_bits=%p triangles=%p",
                        f->is_double ? "double_hit" : "miss", leak_aim_name(f->aim), f->ray_index,
-                       ray, prims);
+                       json_ray_bits(&f->ray), prims);
 }
 
 static json_t *row_json(const struct leak_scene *scene, const struct leak_row *row)

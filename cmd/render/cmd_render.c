@@ -238,12 +238,8 @@ static enum status check_outputs(const struct render *r, struct reason *reason)
     char path[512];
     enum status status = frame_path(r->settings.out, 1, r->frames, path, sizeof path, reason);
     if (!status)
-        status = render_try_output(path, reason);
-    if (!status)
-        status = render_try_output(r->paths, reason);
-    if (!status)
-        status = render_try_output(r->settings.json, reason);
-    return status;
+        status = output_try(path, reason);
+    return status ? status : output_try(r->paths, reason);
 }
 
 static enum status run(const struct render *r, struct reason *reason)
@@ -288,7 +284,7 @@ static int finish_options(struct render *r, int argc, char **argv, int first, st
 static enum status check_use(const struct render *r, struct reason *reason)
 {
     char by[40], never[600];
-    const struct list engine = list_of_engine(r->settings.engine);
+    const struct list engine = list_of_one(TABLE_ENGINES, r->settings.engine);
     snprintf(by, sizeof by, "%s%s", r->mode ? "--" : "pictures", r->mode ? r->mode->name : "");
     snprintf(never, sizeof never, "%s", r->mode ? r->mode->never : "");
     for (size_t m = 0; modes[m]; m++)
@@ -321,9 +317,5 @@ int cmd_render(int argc, char **argv)
         return r.mode->run(&r.settings, r.mode_value);
     process_signals_caught(&caught);
     enum status status = run(&r, &reason);
-    if (status)
-        fprintf(stderr, "raydiff render: %s\n", reason.text);
-    if (!status && caught)
-        return 128 + (int)caught;
-    return exit_of_status(status);
+    return !status && caught ? 128 + (int)caught : exit_with_reason("render", status, &reason);
 }

@@ -221,14 +221,10 @@ enum status render_settings_finish(const char *command, struct render_settings *
 enum status render_options_check(const struct render_settings *s, const struct list *engine,
                                  struct reason *reason)
 {
-    struct list layout = {.count = 0}, builder = {.count = 0};
+    struct list layout = list_of_one(TABLE_LAYOUTS, s->layout);
+    const struct list builder = list_of_one(TABLE_BUILDERS, s->builder);
     bool draws = false;
-    for (size_t i = 0; layouts_all[i]; i++)
-        if (layouts_all[i] == s->layout || layouts_all[i] == s->versus)
-            layout.index[layout.count++] = i;
-    for (size_t i = 0; builders_all[i]; i++)
-        if (builders_all[i] == s->builder)
-            builder.index[builder.count++] = i;
+    list_add(&layout, TABLE_LAYOUTS, s->versus);
     for (size_t i = 0; i < engine->count; i++)
         draws = draws || (engines[engine->index[i]]->renderer && !s->waves);
     const struct option_use members = {.engine = engine,

@@ -175,13 +175,3 @@ enum status render_json(const char *path, const struct render_settings *settings
         (double)job->look.camera_light, job->light_count, job->material_count, tree, frames);
     return json_write(path, root, 9, reason);
 }
-
-enum status render_try_output(const char *path, struct reason *reason)
-{
-    struct file_out out = {.stream = NULL};
-    if (!path || strcmp(path, "-") == 0)
-        return STATUS_OK;
-    enum status status = file_out_open(path, &out, reason);
-    file_out_discard(&out);
-    return status;
-}

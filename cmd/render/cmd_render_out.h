@@ -49,7 +49,4 @@ enum status render_json(const char *path, const struct render_settings *settings
                         const struct render_stage *stage, const struct frame_record *record,
                         uint32_t count, struct reason *reason) MUST_USE;
 
-/* Before long work: can `path` be written? NULL and "-" can. Errors: as file_out_open. */
-enum status render_try_output(const char *path, struct reason *reason) MUST_USE;
-
 #endif

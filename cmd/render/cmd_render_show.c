@@ -268,11 +268,7 @@ static enum status try_outputs(const struct showing *showing, struct reason *rea
 {
     char path[512];
     enum status status = frame_path(showing->settings->out, 1, 1, path, sizeof path, reason);
-    if (!status)
-        status = render_try_output(showing->settings->out, reason);
-    if (!status)
-        status = render_try_output(showing->settings->json, reason);
-    return status ? status : render_try_output(showing->csv, reason);
+    return status ? status : output_try(showing->settings->out, reason);
 }
 
 static bool any_wrong(const struct showing *showing)
@@ -330,11 +326,9 @@ static int run(const struct render_settings *given, const char *name)
     for (size_t l = 0; l < SHOW_LAYERS_MOST; l++)
         free(showing.layer[l].value);
     free(showing.difference.value);
-    if (status)
-        fprintf(stderr, "raydiff render: %s\n", reason.text);
     if (!status && any_wrong(&showing))
         return EXIT_MISMATCH;
-    return exit_of_status(status);
+    return exit_with_reason("render", status, &reason);
 }
 
 extern const struct render_mode render_mode_show;

@@ -184,10 +184,7 @@ static json_t *layer_json(const struct showing *showing, const struct show_layer
         json_add(out, "values=%p", amounts_json(layer));
     if (show->id != SHOW_CLASS)
         return out;
-    json_t *verdicts = json_object();
-    for (int v = 0; v < VERDICT_COUNT; v++)
-        json_add(verdicts, "%s=%zu", verdict_name((enum verdict)v), layer->verdict[v]);
-    json_add(out, "verdicts=%p", verdicts);
+    json_add(out, "verdicts=%p", json_verdicts(layer->verdict));
     return out;
 }
 

@@ -141,7 +141,7 @@ static enum status open_all(struct window_showing *s, struct reason *reason)
     const struct render_settings *settings = s->settings;
     enum status status = STATUS_OK;
     if (option_was_given("out"))
-        status = render_try_output(settings->out, reason);
+        status = output_try(settings->out, reason);
     if (!status && s->settings->window.log)
         status = file_out_open(s->settings->window.log, &s->log, reason);
     if (!status)
@@ -203,14 +203,12 @@ static int run(const struct render_settings *settings, const char *value)
                (unsigned long long)s.pictures,
                s.pictures ? 1e-6 * (double)s.ns / (double)s.pictures : 0.0,
                s.angle * (180 / acos(-1.0)));
-    else
-        fprintf(stderr, "raydiff render: %s\n", reason.text);
     window_close(s.window);
     file_out_discard(&s.log);
     image_free(&s.image);
     renderer_close(s.renderer);
     render_stage_close(&s.stage);
-    return exit_of_status(status);
+    return exit_with_reason("render", status, &reason);
 }
 
 extern const struct render_mode render_mode_window;

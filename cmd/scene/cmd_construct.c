@@ -55,7 +55,7 @@ static enum status take_model(void *options, const struct option_value *words,
         return fail(
             reason, STATUS_INPUT,
             "--model: takes pairs of a mesh and a material's index, but %zu word%s follow%s",
-            words->count, words->count == 1 ? "" : "s", words->count == 1 ? "s" : "");
+            words->count, plural(words->count), words->count == 1 ? "s" : "");
     for (size_t i = 0; i < words->count; i += 2) {
         void *models = c->model;
         struct construct_model *model =
@@ -278,8 +278,6 @@ static int construct(struct construct_options *o)
         putchar('\n');
     if (!status && !json)
         construct_print(o, &scene, &notes);
-    if (!status && (fflush(stdout) != 0 || ferror(stdout)))
-        status = fail(&reason, STATUS_INPUT, "cannot write to standard output");
     json_decref(json);
     scene_free(&scene);
     if (status)

@@ -1,5 +1,6 @@
 /* What raydiff construct says of the scene it made. */
 #include "cmd/scene/cmd_construct.h"
+#include "ref/base/command.h"
 #include "ref/base/json_record.h"
 
 #include <stdio.h>
@@ -42,10 +43,9 @@ void construct_print(const struct construct_options *o, const struct scene *scen
     const struct construct *c = &o->construct;
     fprintf(stderr,
             "%s: %u model%s, %u triangles, %u vertices, %u material%s, %u light%s, camera %s\n",
-            o->out, c->model_count, c->model_count == 1 ? "" : "s", scene->tri_count,
-            scene->vertex_count, scene->material_count, scene->material_count == 1 ? "" : "s",
-            scene->light_count, scene->light_count == 1 ? "" : "s",
-            scene->camera.orbit ? "orbit" : "fixed");
+            o->out, c->model_count, plural(c->model_count), scene->tri_count, scene->vertex_count,
+            scene->material_count, plural(scene->material_count), scene->light_count,
+            plural(scene->light_count), scene->camera.orbit ? "orbit" : "fixed");
     if (notes->red != CONSTRUCT_DEFAULT)
         fprintf(stderr, "material %u is the default red\n", notes->red);
     if (notes->unused)

@@ -170,7 +170,7 @@ static int verify(const struct precompute *p, const struct scene *scene)
 
 int cmd_precompute(int argc, char **argv)
 {
-    struct precompute p = {.build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT}};
+    struct precompute p = {.build = build_options_default()};
     struct reason reason = {""};
     int first, code = options_read(&set, &p, argc, argv, &first);
     if (code >= 0)
@@ -196,7 +196,5 @@ int cmd_precompute(int argc, char **argv)
     else if (!status)
         status = precompute(&p, &scene, &reason);
     scene_free(&scene);
-    if (status)
-        fprintf(stderr, "raydiff precompute: %s\n", reason.text);
-    return status ? exit_of_status(status) : code;
+    return status ? exit_with_reason("precompute", status, &reason) : code;
 }

@@ -23,12 +23,6 @@ struct scene_options {
     int argument_count;
 };
 
-static int report(enum status status, const struct reason *reason)
-{
-    fprintf(stderr, "raydiff scene: %s\n", reason->text);
-    return exit_of_status(status);
-}
-
 /* "x y z" in the shortest decimals that name the floats. */
 static const char *show3(const float x[3], char text[3 * DECIMAL_TEXT])
 {
@@ -118,8 +112,7 @@ static int scene_info(const struct scene_options *options)
     for (int i = 0; i < options->argument_count; i++) {
         struct reason reason;
         enum status status = inform(options->argument[i], options->seed, list, &reason);
-        if (status != STATUS_OK)
-            code = exit_worse(code, report(status, &reason));
+        code = exit_worse(code, exit_with_reason("scene", status, &reason));
     }
     if (!list)
         return code;
@@ -142,7 +135,7 @@ static int scene_convert(const struct scene_options *options)
         status = scene_write(to, &scene, &reason);
     if (status != STATUS_OK) {
         scene_free(&scene);
-        return report(status, &reason);
+        return exit_with_reason("scene", status, &reason);
     }
     printf("%s: %u triangles, %u vertices\n", to, scene.tri_count, scene.vertex_count);
     size_t length = strlen(to);
@@ -239,12 +232,7 @@ static int run_action(size_t i, const struct scene_options *options)
                                    .scene = options->argument,
                                    .scene_count = (size_t)options->argument_count};
     int code = options_refused("scene", &use);
-    if (code < 0)
-        code = actions[i].run(options);
-    if (fflush(stdout) == 0 && !ferror(stdout))
-        return code;
-    fprintf(stderr, "raydiff scene: cannot write to standard output\n");
-    return exit_worse(code, EXIT_USAGE);
+    return code < 0 ? actions[i].run(options) : code;
 }
 
 int cmd_scene(int argc, char **argv)

@@ -70,6 +70,17 @@ void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *nam
     }
 }
 
+const struct engine *fuzz_signature_engine(const struct fuzz_signature *signature)
+{
+    for (size_t i = 0; engines[i]; i++) {
+        struct fuzz_signature named;
+        fuzz_signature_set_engine(&named, engines[i]->name);
+        if (strcmp(named.engine, signature->engine) == 0)
+            return engines[i];
+    }
+    return NULL;
+}
+
 static void change_bytes(char *text, char from, char to)
 {
     for (; *text; text++)

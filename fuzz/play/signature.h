@@ -43,6 +43,9 @@ bool fuzz_kind_find(const char *name, enum fuzz_kind *out);
  * "pipe:python3_a.py". */
 void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *name);
 
+/* The engine of engines[] that the signature names, or NULL. */
+const struct engine *fuzz_signature_engine(const struct fuzz_signature *signature);
+
 #define FUZZ_SIGNATURE_MOST 160
 
 /* "vulkan.rf16.missed.rounded_inward": unique. */

@@ -37,6 +37,18 @@ int exit_of_status(enum status status)
     return EXIT_INTERNAL;
 }
 
+int exit_with_reason(const char *command, enum status status, const struct reason *reason)
+{
+    if (status)
+        fprintf(stderr, "raydiff %s: %s\n", command, reason->text);
+    return exit_of_status(status);
+}
+
+const char *plural(uint64_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
 int usage_error(const char *command, const char *format, ...)
 {
     va_list args;

@@ -23,6 +23,13 @@ int exit_worse(int a, int b);
 /* The exit code of a status that ends a command. STATUS_OK gives EXIT_AGREE. */
 int exit_of_status(enum status status);
 
+/* Prints "raydiff COMMAND: REASON" to stderr unless the status is STATUS_OK. Returns
+ * exit_of_status. */
+int exit_with_reason(const char *command, enum status status, const struct reason *reason);
+
+/* "" of one, else "s". */
+const char *plural(uint64_t count);
+
 /* One sub-command: argv[0] is its name; --help is handled by the command itself. */
 struct command {
     const char *name;

@@ -38,6 +38,7 @@ expect 2 "unknown name 'f33'; layouts are: f32, rf16" check soup --layout f33
 expect 2 "unknown name 'gpu'; engines are" check soup --engine gpu
 expect 2 "unknown name 'sah'; builders are" check soup --builder sah
 expect 2 "'all' stands alone, not in a list" check soup --layout f32,all
+expect 2 'more than 32 engines times layouts' replay fuzz/corpus/rounded-inward.trial --layout every
 expect 2 "'auto' is for check and render, and stands alone" check soup --layout auto,f32
 expect 2 "'auto' is for check and render, and stands alone" leaks soup --layout auto
 expect 2 "--bits: .*--store quantised" check soup --bits 12 $small
