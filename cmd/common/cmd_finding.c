@@ -49,14 +49,19 @@ bool finding_command(const struct row *row, const struct finding *finding, const
     return true;
 }
 
+void finding_line(const struct finding *finding, char *line, size_t line_bytes)
+{
+    if (finding->bits)
+        judge_bits_line(&finding->ray, &finding->expected, &finding->got, line, line_bytes);
+    else
+        judge_line(&finding->ray, &finding->judgement, &finding->got, line, line_bytes);
+}
+
 void finding_print(const struct row *row, const struct finding *finding, const char *spec,
                    uint64_t seed, const char *driver)
 {
     char line[512], command[EXPLAIN_COMMAND_MOST];
-    if (finding->bits)
-        judge_bits_line(&finding->ray, &finding->expected, &finding->got, line, sizeof line);
-    else
-        judge_line(&finding->ray, &finding->judgement, &finding->got, line, sizeof line);
+    finding_line(finding, line, sizeof line);
     printf("%s %s %s.%s.%s.%s ray %zu %s\n", finding->bits ? "BITS" : "WRONG",
            finding->bits ? "differ from engine cpu's:" : wrong_name(finding->judgement.wrong),
            query_name(row->options.query), row->engine->name, row->layout ? row->layout->name : "-",

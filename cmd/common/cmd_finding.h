@@ -13,6 +13,9 @@
 void finding_print(const struct row *row, const struct finding *finding, const char *spec,
                    uint64_t seed, const char *driver);
 
+/* Writes the ray, the answer and what was expected on one line. */
+void finding_line(const struct finding *finding, char *line, size_t line_bytes);
+
 /* Writes only the command, "raydiff explain SCENE --ray '...' ...", at most EXPLAIN_COMMAND_MOST
  * bytes; false if there is nothing that it could explain. Of a list of all hits: the closest hit of
  * the same ray from just before the place at fault on. */

@@ -9,16 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct conform_options {
-    const char *pattern, *junit, *waivers, *markdown, *html;
-    bool list_only, verbose, tap, hard, summary, quick;
-    struct list list[TABLE_COUNT], require;
-    bool all;
-    struct match_demands demands;
-    uint64_t count, brute;
-    struct engine_options engines;
-};
-
 /* Engines, and watertight among them, which is no engine. */
 static enum status take_require(void *options, const struct option_value *given,
                                 struct reason *reason)
@@ -323,21 +313,7 @@ int cmd_conform(int argc, char **argv)
     if (hard && o.demands.watertight)
         return usage_error("conform", "--require watertight: not used by the hard cases");
     if (hard)
-        return conform_hard(&(struct conform_hard_options){.pattern = o.pattern,
-                                                           .junit = o.junit,
-                                                           .waivers = o.waivers,
-                                                           .markdown = o.markdown,
-                                                           .html = o.html,
-                                                           .list = o.list_only,
-                                                           .verbose = o.verbose,
-                                                           .tap = o.tap,
-                                                           .summary = o.summary,
-                                                           .quick = o.quick,
-                                                           .engine = o.list[TABLE_ENGINES],
-                                                           .list_of = o.list,
-                                                           .named = named,
-                                                           .require = o.require,
-                                                           .engines = o.engines});
+        return conform_hard(&o, named);
     if (o.count == 0)
         o.count = o.all && !o.pattern ? 200 : 1000;
     return conform(&o);

@@ -77,7 +77,7 @@ static void count_name(void *user, const struct hard_case *hard, const struct ha
 
 /* What belongs to a run. */
 struct hard_run {
-    const struct conform_hard_options *options;
+    const struct conform_options *options;
     struct hard_stage stage;
     struct conform_report *report;
     struct hard_matrix *matrix;
@@ -263,7 +263,7 @@ static enum status write_file(const char *path, write_fn *write, const struct ha
     return file_out_commit(&file, reason);
 }
 
-static enum status write_documents(const struct conform_hard_options *o,
+static enum status write_documents(const struct conform_options *o,
                                    const struct hard_matrix *matrix, struct reason *reason)
 {
     char versions[8192] = "";
@@ -275,13 +275,14 @@ static enum status write_documents(const struct conform_hard_options *o,
     return status ? status : write_file(o->html, matrix_html, matrix, versions, reason);
 }
 
-static int play(const struct conform_hard_options *o, const struct hard_suite *suite)
+static int play(const struct conform_options *o, const struct list named[TABLE_COUNT],
+                const struct hard_suite *suite)
 {
     struct conform_report report;
     struct hard_matrix matrix = {.apart = suite->tables.chosen};
     struct reason reason = {""};
-    bool complete =
-        o->pattern == NULL && !o->quick && o->engine.count == 0 && !suite->tables.chosen;
+    bool complete = o->pattern == NULL && !o->quick && o->list[TABLE_ENGINES].count == 0 &&
+                    !suite->tables.chosen;
     enum status status =
         conform_report_open(&report, suite->count, complete, o->waivers, o->junit, &reason);
     if (!status && !o->waivers)
@@ -292,7 +293,7 @@ static int play(const struct conform_hard_options *o, const struct hard_suite *s
     struct hard_counting counting = {&report.waivers, o->pattern == NULL};
     for (size_t i = 0; !complete && hard_case_at(i); i++)
         hard_each_member(hard_case_at(i), &everything, count_name, &counting);
-    conform_report_expect(&report, o->named);
+    conform_report_expect(&report, named);
     report.verbose = o->verbose;
     report.tap = o->tap;
     report.quiet = true;
@@ -316,10 +317,10 @@ struct chosen {
     const struct tri_test *tri[LIST_MOST + 1];
 };
 
-static struct hard_tables choose(const struct conform_hard_options *o, struct chosen *chosen)
+static struct hard_tables choose(const struct conform_options *o, struct chosen *chosen)
 {
-    const struct list *layout = &o->list_of[TABLE_LAYOUTS], *builder = &o->list_of[TABLE_BUILDERS];
-    const struct list *box = &o->list_of[TABLE_BOX_TESTS], *tri = &o->list_of[TABLE_TRI_TESTS];
+    const struct list *layout = &o->list[TABLE_LAYOUTS], *builder = &o->list[TABLE_BUILDERS];
+    const struct list *box = &o->list[TABLE_BOX_TESTS], *tri = &o->list[TABLE_TRI_TESTS];
     struct hard_tables tables = hard_tables_all();
     list_layouts(layout, chosen->layout);
     for (size_t i = 0; i < builder->count; i++)
@@ -366,21 +367,21 @@ static void list_suite(const struct hard_suite *suite)
             suite->count, cases, of_layouts, l, of_builders, b);
 }
 
-int conform_hard(const struct conform_hard_options *o)
+int conform_hard(const struct conform_options *o, const struct list named[TABLE_COUNT])
 {
     static struct chosen chosen;
     struct hard_suite suite = {.pattern = o->pattern,
                                .quick = o->quick,
-                               .engine = o->engine,
+                               .engine = o->list[TABLE_ENGINES],
                                .tables = choose(o, &chosen),
-                               .tri_named = o->list_of[TABLE_TRI_TESTS].count > 0};
+                               .tri_named = o->list[TABLE_TRI_TESTS].count > 0};
     struct reason reason = {""};
     enum status status = suite_make(&suite, &reason);
     int code = exit_with_reason("conform", status, &reason);
-    if (!status && o->list)
+    if (!status && o->list_only)
         list_suite(&suite);
     else if (!status)
-        code = play(o, &suite);
+        code = play(o, named, &suite);
     free(suite.one);
     return code;
 }

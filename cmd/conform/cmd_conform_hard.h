@@ -3,18 +3,22 @@
 #define CMD_CONFORM_HARD_H
 
 #include "cmd/common/cmd_tables.h"
-#include "ref/engine.h"
+#include "ref/match/match.h"
 
-struct conform_hard_options {
+/* The options of raydiff conform. */
+struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html; /* each may be NULL */
-    bool list, verbose, tap, summary, quick;
-    struct list engine, require;
-    const struct list *list_of; /* of each table those to be played; none: the default */
-    const struct list *named;   /* of each table those that must answer something */
+    bool list_only, verbose, tap, hard, summary, quick;
+    struct list list[TABLE_COUNT],
+        require; /* of each table those to be played; none: the default */
+    bool all;
+    struct match_demands demands;
+    uint64_t count, brute;
     struct engine_options engines;
 };
 
-/* Plays what the pattern names and prints; returns the exit code. */
-int conform_hard(const struct conform_hard_options *options);
+/* Plays the hard cases that the pattern names and prints; returns the exit code.
+ *   named  of each table those that must answer something */
+int conform_hard(const struct conform_options *options, const struct list named[TABLE_COUNT]);
 
 #endif

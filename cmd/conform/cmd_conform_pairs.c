@@ -6,13 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Names of the trial's members, by table; NULL where it has none, and storages only with `stores`.
- */
-static void names_of(const struct trial *trial, bool stores, const char *name[TABLE_COUNT])
+void suite_names(const struct trial *trial, const char *name[TABLE_COUNT])
 {
     name[TABLE_BUILDERS] = trial->builder ? trial->builder->name : NULL;
     name[TABLE_LAYOUTS] = trial->layout ? trial->layout->name : NULL;
-    name[TABLE_STORES] = stores && trial->store ? trial->store->name : NULL;
+    name[TABLE_STORES] = trial->store ? trial->store->name : NULL;
     name[TABLE_BOX_TESTS] = trial->box ? trial->box->name : NULL;
     name[TABLE_TRI_TESTS] = trial->tri->name;
     name[TABLE_QUERIES] = query_name(trial->query);
@@ -44,7 +42,9 @@ static size_t put_pairs(const struct trial *trial, bool stores, bool ran, struct
 {
     const char *name[TABLE_COUNT] = {NULL};
     size_t count = 0;
-    names_of(trial, stores, name);
+    suite_names(trial, name);
+    if (!stores)
+        name[TABLE_STORES] = NULL;
     for (enum table a = 0; a < TABLE_COUNT; a++)
         for (enum table b = a + 1; b < TABLE_COUNT; b++) {
             if (!name[a] || !name[b])

@@ -1,5 +1,6 @@
 #include "cmd/conform/cmd_conform_report.h"
 
+#include "cmd/common/cmd_finding.h"
 #include "ref/base/command.h"
 #include "ref/store.h"
 
@@ -162,10 +163,7 @@ static void print_findings(const struct row *row)
     for (size_t i = 0; i < row->finding_count; i++) {
         const struct finding *f = &row->finding[i];
         char line[512];
-        if (f->bits)
-            judge_bits_line(&f->ray, &f->expected, &f->got, line, sizeof line);
-        else
-            judge_line(&f->ray, &f->judgement, &f->got, line, sizeof line);
+        finding_line(f, line, sizeof line);
         printf("        ray %zu (%s) %s\n", f->ray_index,
                f->bits ? "not cpu's bits" : wrong_name(f->judgement.wrong), line);
     }

@@ -235,23 +235,20 @@ static enum status add_all(struct suite *suite, struct reason *reason)
 
 int suite_by_stage(const void *a, const void *b)
 {
+    static const enum table tables[] = {TABLE_GENERATORS, TABLE_RAY_SETS, TABLE_TRI_TESTS,
+                                        TABLE_BUILDERS,   TABLE_LAYOUTS,  TABLE_STORES,
+                                        TABLE_BOX_TESTS,  TABLE_QUERIES,  TABLE_ENGINES};
     const struct trial *x = a, *y = b;
-    int order = strcmp(x->scene, y->scene);
-    if (order == 0)
-        order = strcmp(x->rays->name, y->rays->name);
-    if (order == 0)
-        order = strcmp(x->tri->name, y->tri->name);
-    if (order == 0)
-        order = strcmp(x->builder ? x->builder->name : "", y->builder ? y->builder->name : "");
-    if (order == 0)
-        order = strcmp(x->layout ? x->layout->name : "", y->layout ? y->layout->name : "");
-    if (order == 0)
-        order = strcmp(x->store ? x->store->name : "", y->store ? y->store->name : "");
-    if (order == 0)
-        order = strcmp(x->box ? x->box->name : "", y->box ? y->box->name : "");
-    if (order == 0)
-        order = (x->query > y->query) - (x->query < y->query);
-    return order ? order : strcmp(x->engine->name, y->engine->name);
+    const char *of_x[TABLE_COUNT], *of_y[TABLE_COUNT];
+    int order = 0;
+    suite_names(x, of_x);
+    suite_names(y, of_y);
+    for (size_t i = 0; i < ARRAY_COUNT(tables) && order == 0; i++) {
+        const char *p = of_x[tables[i]], *q = of_y[tables[i]];
+        order = tables[i] == TABLE_QUERIES ? (x->query > y->query) - (x->query < y->query)
+                                           : strcmp(p ? p : "", q ? q : "");
+    }
+    return order;
 }
 
 enum status suite_make(struct suite *suite, struct reason *reason)

@@ -20,6 +20,10 @@ bool suite_takes_stores(const struct suite *suite);
 /* The members of a table that take part; of engines those with or without a tree. */
 struct list suite_members(const struct suite *suite, enum table table, bool tree);
 
+/* Names of the trial's members, by table; NULL where it has none. */
+void suite_names(const struct trial *trial, const char *name[TABLE_COUNT]);
+
+/* The order of trials, for qsort. */
 int suite_by_stage(const void *a, const void *b);
 
 #endif

@@ -176,8 +176,7 @@ static void print_value(const struct first_bit *first, int side)
     printf("0x%08x", first->bits[side]);
 }
 
-static void print_first(const struct diff_run *run, const struct diff_member *member,
-                        const struct first_bit *first)
+static void print_first(const struct diff_run *run, const struct first_bit *first)
 {
     printf("    FIRST     bit that differs from %s: %s", run->member[run->reference].engine->name,
            first->name);
@@ -191,7 +190,6 @@ static void print_first(const struct diff_run *run, const struct diff_member *me
     if (first->is_float)
         printf(", %llu float%s apart", (unsigned long long)first->ulps, plural(first->ulps));
     putchar('\n');
-    (void)member;
 }
 
 /* One engine at one segment: in full, or that it is as the reference. */
@@ -206,7 +204,7 @@ static enum status print_member(struct page *page, size_t i, uint32_t segment,
     if (segment >= walk->length[0]) {
         printf("  %s: its path has ended\n", member->engine->name);
         if (at)
-            print_first(run, member, &first);
+            print_first(run, &first);
         return STATUS_OK;
     }
     if (i != run->reference && (!first.differs || first.segment > segment)) {
@@ -218,7 +216,7 @@ static enum status print_member(struct page *page, size_t i, uint32_t segment,
     }
     printf("  %s\n", member->engine->name);
     if (at)
-        print_first(run, member, &first);
+        print_first(run, &first);
     return print_step(page, member, segment, reason);
 }
 

@@ -101,9 +101,4 @@ void fuzz_report(void *user, const struct campaign_view *view);
 enum status fuzz_stats(const struct fuzz_command *command, const struct campaign_view *view,
                        struct reason *reason) MUST_USE;
 
-/* What is said of a finding: new, known, expired or flaky; why. */
-enum findings_report_state fuzz_state_of(const struct fuzz_command *command,
-                                         const struct campaign_view *view, size_t i,
-                                         struct baseline_answer *answer);
-
 #endif

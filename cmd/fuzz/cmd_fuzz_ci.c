@@ -12,7 +12,7 @@
 /* What struct findings_report borrows. */
 struct report_room {
     struct report_finding *finding;
-    char (*text)[6][FUZZ_PATH_MOST]; /* signature, reason, first, smallest, replay, none */
+    struct finding_words *words; /* of each finding */
     struct report_contestant contestant[FUZZ_CONTESTANTS_MOST];
     char name[FUZZ_CONTESTANTS_MOST][NAME_MOST];
     const char *note[NOTES_MOST];
@@ -23,26 +23,19 @@ static void fill_finding(const struct fuzz_command *c, const struct campaign_vie
                          struct report_room *room)
 {
     const struct findings_entry *entry = findings_entry(view->findings, i);
-    char(*text)[FUZZ_PATH_MOST] = room->text[i];
-    struct baseline_answer answer;
-    enum findings_report_state state = fuzz_state_of(c, view, i, &answer);
-    fuzz_signature_print(&entry->signature, text[0]);
-    snprintf(text[1], FUZZ_PATH_MOST, "%s", answer.text);
-    findings_path(view->findings, &entry->signature, "first.trial", text[2], FUZZ_PATH_MOST);
-    findings_path(view->findings, &entry->signature, "smallest.trial", text[3], FUZZ_PATH_MOST);
-    replay_command(text[3], fuzz_engine_of(view, &entry->signature), entry->signature.layout,
-                   text[4], FUZZ_PATH_MOST);
-    room->finding[i] = (struct report_finding){.signature = text[0],
+    struct finding_words *words = &room->words[i];
+    fuzz_describe(c, view, i, words);
+    room->finding[i] = (struct report_finding){.signature = words->signature,
                                                .count = entry->count,
-                                               .state = state,
-                                               .reason = text[1],
+                                               .state = words->state,
+                                               .reason = words->answer.text,
                                                .cause = cause_text(entry->signature.cause),
                                                .triangles = entry->smallest.triangles,
                                                .rays = entry->smallest.rays,
                                                .vertices = entry->smallest.vertices,
-                                               .first = text[2],
-                                               .smallest = text[3],
-                                               .replay = text[4]};
+                                               .first = words->first,
+                                               .smallest = words->smallest,
+                                               .replay = words->replay};
 }
 
 static void fill_contestants(const struct campaign_view *view, struct report_room *room)
@@ -79,9 +72,9 @@ enum status fuzz_write_ci(const struct fuzz_command *c, const struct campaign_vi
     enum status status = STATUS_OK;
     if (room) {
         room->finding = alloc_zeroed(count + 1, sizeof *room->finding);
-        room->text = alloc_zeroed(count + 1, sizeof *room->text);
+        room->words = alloc_zeroed(count + 1, sizeof *room->words);
     }
-    if (!room || !room->finding || !room->text) {
+    if (!room || !room->finding || !room->words) {
         status = fail(reason, STATUS_MEMORY, "no memory for a report");
     } else {
         struct findings_report report = {.seed = c->seed,
@@ -107,7 +100,7 @@ enum status fuzz_write_ci(const struct fuzz_command *c, const struct campaign_vi
     }
     if (room) {
         free(room->finding);
-        free(room->text);
+        free(room->words);
     }
     free(room);
     return status;

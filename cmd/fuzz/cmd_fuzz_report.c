@@ -14,9 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum findings_report_state fuzz_state_of(const struct fuzz_command *c,
-                                         const struct campaign_view *view, size_t i,
-                                         struct baseline_answer *answer)
+/* New, known, expired or flaky; *answer: why. */
+static enum findings_report_state state_of(const struct fuzz_command *c,
+                                           const struct campaign_view *view, size_t i,
+                                           struct baseline_answer *answer)
 {
     const struct findings_entry *entry = findings_entry(view->findings, i);
     struct baseline baseline = c->baseline; /* asking notes what was used; the list is shared */
@@ -53,12 +54,18 @@ bool fuzz_unused_line(const struct fuzz_command *c, const struct campaign_view *
     return waiver != NULL;
 }
 
-const struct engine *fuzz_engine_of(const struct campaign_view *view,
-                                    const struct fuzz_signature *signature)
+void fuzz_describe(const struct fuzz_command *c, const struct campaign_view *view, size_t i,
+                   struct finding_words *out)
 {
+    const struct fuzz_signature *signature = &findings_entry(view->findings, i)->signature;
     const struct fuzz_field *field = &view->options->rules.field;
-    size_t i = work_contestant(field, signature);
-    return i < field->count ? field->who[i].engine : NULL;
+    const size_t who = work_contestant(field, signature);
+    out->state = state_of(c, view, i, &out->answer);
+    fuzz_signature_print(signature, out->signature);
+    findings_path(view->findings, signature, "first.trial", out->first, sizeof out->first);
+    findings_path(view->findings, signature, "smallest.trial", out->smallest, sizeof out->smallest);
+    replay_command(out->smallest, who < field->count ? field->who[who].engine : NULL,
+                   signature->layout, out->replay, sizeof out->replay);
 }
 
 void fuzz_contestant_name(const struct campaign_view *view, size_t i, char name[NAME_MOST])
@@ -74,24 +81,18 @@ static json_t *finding_json(const struct fuzz_command *c, const struct campaign_
                             size_t i, bool whole)
 {
     const struct findings_entry *entry = findings_entry(view->findings, i);
-    char signature[FUZZ_SIGNATURE_MOST], smallest[FUZZ_PATH_MOST], first[FUZZ_PATH_MOST];
-    fuzz_signature_print(&entry->signature, signature);
-    json_t *row = json_record("signature=%s count=%zu", signature, entry->count);
+    struct finding_words words;
+    fuzz_describe(c, view, i, &words);
+    json_t *row = json_record("signature=%s count=%zu", words.signature, entry->count);
     if (!whole)
         return row;
-    struct baseline_answer answer;
-    enum findings_report_state state = fuzz_state_of(c, view, i, &answer);
-    char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
-    findings_path(view->findings, &entry->signature, "smallest.trial", smallest, sizeof smallest);
-    findings_path(view->findings, &entry->signature, "first.trial", first, sizeof first);
-    replay_command(smallest, fuzz_engine_of(view, &entry->signature), entry->signature.layout,
-                   command, sizeof command);
     json_add(row,
              "state=%s known=%i flaky=%i reason=%s cause=%s first=%s smallest=%s triangles=%u "
              "rays=%u replay=%s",
-             report_state_name(state), state == REPORT_KNOWN, state == REPORT_FLAKY, answer.text,
-             cause_text(entry->signature.cause), first, smallest, entry->smallest.triangles,
-             entry->smallest.rays, command);
+             report_state_name(words.state), words.state == REPORT_KNOWN,
+             words.state == REPORT_FLAKY, words.answer.text, cause_text(entry->signature.cause),
+             words.first, words.smallest, entry->smallest.triangles, entry->smallest.rays,
+             words.replay);
     return row;
 }
 
@@ -184,22 +185,16 @@ enum status fuzz_stats(const struct fuzz_command *c, const struct campaign_view 
 static void print_finding(const struct fuzz_command *c, const struct campaign_view *view, size_t i)
 {
     const struct findings_entry *entry = findings_entry(view->findings, i);
-    char signature[FUZZ_SIGNATURE_MOST], path[FUZZ_PATH_MOST];
-    char command[FUZZ_PATH_MOST + PIPE_NAME_MOST];
-    struct baseline_answer answer;
-    enum findings_report_state state = fuzz_state_of(c, view, i, &answer);
-    fuzz_signature_print(&entry->signature, signature);
-    findings_path(view->findings, &entry->signature, "smallest.trial", path, sizeof path);
-    printf("%-7s  %s  %llu time%s, smallest: %u triangle%s, %u ray%s\n", report_state_name(state),
-           signature, (unsigned long long)entry->count, plural(entry->count),
-           entry->smallest.triangles, plural(entry->smallest.triangles), entry->smallest.rays,
-           plural(entry->smallest.rays));
+    struct finding_words words;
+    fuzz_describe(c, view, i, &words);
+    printf("%-7s  %s  %llu time%s, smallest: %u triangle%s, %u ray%s\n",
+           report_state_name(words.state), words.signature, (unsigned long long)entry->count,
+           plural(entry->count), entry->smallest.triangles, plural(entry->smallest.triangles),
+           entry->smallest.rays, plural(entry->smallest.rays));
     printf("         %s\n", cause_text(entry->signature.cause));
-    if (answer.text[0])
-        printf("         %s\n", answer.text);
-    replay_command(path, fuzz_engine_of(view, &entry->signature), entry->signature.layout, command,
-                   sizeof command);
-    printf("         %s\n", command);
+    if (words.answer.text[0])
+        printf("         %s\n", words.answer.text);
+    printf("         %s\n", words.replay);
 }
 
 static void print_unused(const struct fuzz_command *c, const struct campaign_view *view)

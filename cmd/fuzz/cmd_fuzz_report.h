@@ -3,9 +3,21 @@
 #define CMD_FUZZ_REPORT_H
 
 #include "cmd/fuzz/cmd_fuzz.h"
+#include "ref/outside/pipe.h"
 
 #define NAME_MOST   64
 #define UNUSED_MOST 512
+
+/* What is printed of a finding, in all formats. */
+struct finding_words {
+    enum findings_report_state state;
+    struct baseline_answer answer;
+    char signature[FUZZ_SIGNATURE_MOST], first[FUZZ_PATH_MOST], smallest[FUZZ_PATH_MOST];
+    char replay[FUZZ_PATH_MOST + PIPE_NAME_MOST]; /* the command */
+};
+
+void fuzz_describe(const struct fuzz_command *c, const struct campaign_view *view, size_t i,
+                   struct finding_words *out);
 
 double fuzz_seconds(uint64_t ns);
 
@@ -13,10 +25,6 @@ double fuzz_seconds(uint64_t ns);
  * asked after the findings. */
 bool fuzz_unused_line(const struct fuzz_command *c, const struct campaign_view *view, size_t *at,
                       char line[UNUSED_MOST]);
-
-/* The engine of a signature among those that play; NULL: another campaign's. */
-const struct engine *fuzz_engine_of(const struct campaign_view *view,
-                                    const struct fuzz_signature *signature);
 
 void fuzz_contestant_name(const struct campaign_view *view, size_t i, char name[NAME_MOST]);
 
