@@ -24,10 +24,10 @@
 
 bool list_has(const struct list *list, size_t index)
 {
-    bool has = false;
     for (size_t i = 0; i < list->count; i++)
-        has = has || list->index[i] == index;
-    return has;
+        if (list->index[i] == index)
+            return true;
+    return false;
 }
 
 bool list_names(const struct list *list, const struct engine *engine)
@@ -300,9 +300,8 @@ static enum status add_members(enum table table, const char *flag, const char *t
         bool is_one = strlen(one) == length && memcmp(one, text, length) == 0;
         if (!is_one && !(pattern && fnmatch(name, one, 0) == 0))
             continue;
-        for (size_t k = 0; k < before; k++)
-            if (out->index[k] == i)
-                return fail(reason, STATUS_INPUT, "%s: '%s' is named twice", flag, one);
+        if (list_has(out, i))
+            return fail(reason, STATUS_INPUT, "%s: '%s' is named twice", flag, one);
         out->index[out->count++] = i;
     }
     return out->count > before ? STATUS_OK : unknown(table, flag, text, length, reason);

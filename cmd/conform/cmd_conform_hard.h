@@ -3,6 +3,7 @@
 #define CMD_CONFORM_HARD_H
 
 #include "cmd/common/cmd_tables.h"
+#include "ref/engine.h"
 #include "ref/match/match.h"
 
 /* The options of raydiff conform. */

@@ -72,10 +72,7 @@ static size_t stand_in(const struct suite *suite, bool tree)
 {
     struct list list = suite_members(suite, TABLE_ENGINES, tree);
     size_t cpu = index_of(TABLE_ENGINES, "cpu");
-    for (size_t i = 0; i < list.count; i++)
-        if (list.index[i] == cpu)
-            return cpu;
-    return list.count ? list.index[0] : cpu;
+    return list_has(&list, cpu) || !list.count ? cpu : list.index[0];
 }
 
 static bool is_of_trees(enum table table)

@@ -138,11 +138,8 @@ static bool takes_part(const struct suite *suite, enum table table, size_t i)
         return false;
     if (suite->kind == SUITE_PATTERN && !pattern_takes(suite, table, i))
         return false;
-    for (size_t k = 0; k < list->count; k++)
-        if (list->index[k] == i)
-            return true;
     if (list->count > 0)
-        return false;
+        return list_has(list, i);
     return table != TABLE_ENGINES || suite->kind == SUITE_PATTERN ||
            engines[i] != engine_reference(false); /* it is what the others are compared with */
 }

@@ -96,14 +96,18 @@ static void print_table(const struct images_job *job)
     print_pixel("worst", &diff->worst);
 }
 
+static json_t *json_of_channels(uint32_t rgba)
+{
+    json_t *out = json_array();
+    for (unsigned k = 0; k < IMAGE_CHANNELS; k++)
+        json_array_append_new(out, json_integer(rgba >> 8 * k & 255));
+    return out;
+}
+
 static json_t *json_of_pixel(const struct image_diff_pixel *pixel)
 {
-    return json_pack("{sI, sI, s[IIII], s[IIII]}", "x", (json_int_t)pixel->x, "y",
-                     (json_int_t)pixel->y, "a", (json_int_t)(pixel->a & 255),
-                     (json_int_t)(pixel->a >> 8 & 255), (json_int_t)(pixel->a >> 16 & 255),
-                     (json_int_t)(pixel->a >> 24), "b", (json_int_t)(pixel->b & 255),
-                     (json_int_t)(pixel->b >> 8 & 255), (json_int_t)(pixel->b >> 16 & 255),
-                     (json_int_t)(pixel->b >> 24));
+    return json_record("x=%u y=%u a=%p b=%p", pixel->x, pixel->y, json_of_channels(pixel->a),
+                       json_of_channels(pixel->b));
 }
 
 static json_t *json_of(const struct images_job *job)

@@ -275,11 +275,10 @@ static json_t *first_json(const struct first_bit *first)
         return json_null();
     for (int i = 0; i < 2; i++)
         snprintf(bits[i], sizeof bits[i], "0x%08x", first->bits[i]);
-    return json_pack(
-        "{s:I, s:o, s:s, s:I, s:[s, s], s:I}", "segment", (json_int_t)first->segment, "light",
-        first->light == UINT32_MAX ? json_null() : json_integer((json_int_t)first->light), "value",
-        first->name, "bit", (json_int_t)first->bit, "bits", bits[0], bits[1], "floats_apart",
-        (json_int_t)first->ulps);
+    return json_record(
+        "segment=%u light=%p value=%s bit=%u bits=%p floats_apart=%zu", first->segment,
+        first->light == UINT32_MAX ? json_null() : json_integer((json_int_t)first->light),
+        first->name, first->bit, json_pack("[s, s]", bits[0], bits[1]), first->ulps);
 }
 
 static json_t *member_json(struct page *page, size_t i)

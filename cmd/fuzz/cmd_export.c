@@ -42,12 +42,6 @@ static const struct option_set set = {
                "         cc x.c -lvulkan -o x && ./x",
 };
 
-static int complain(const char *path, enum status status, const struct reason *reason)
-{
-    fprintf(stderr, "raydiff export: %s%s%s\n", path, *path ? ": " : "", reason->text);
-    return exit_of_status(status);
-}
-
 /* What the writer learned goes to the standard error, a line each. */
 static void print_said(const char *path, const struct export_said *said)
 {
@@ -69,18 +63,18 @@ static int write_file(const char *path, const struct taken *taken, const struct 
     options.name = standard ? NULL : slash ? slash + 1 : taken->to;
     enum status status = standard ? STATUS_OK : file_out_open(taken->to, &out, &reason);
     if (status)
-        return complain("", status, &reason);
+        return exit_with_reason("export", status, &reason);
     status = export_write(file, &options, standard ? stdout : out.stream, &said, &reason);
     if (status) {
         file_out_discard(&out);
-        return complain(path, status, &reason);
+        fprintf(stderr, "raydiff export: %s: %s\n", path, reason.text);
+        return exit_of_status(status);
     }
     if (!standard)
         status = file_out_commit(&out, &reason);
-    if (status)
-        return complain("", status, &reason);
-    print_said(path, &said);
-    return EXIT_AGREE;
+    if (!status)
+        print_said(path, &said);
+    return exit_with_reason("export", status, &reason);
 }
 
 /* Only such are asked here, and written with what they were given. */
@@ -116,7 +110,7 @@ int cmd_export(int argc, char **argv)
         return usage_error("export", first == argc ? "no file given" : "one file at a time");
     enum status status = finding_file_read(argv[first], &file, &reason);
     if (status)
-        return complain("", status, &reason);
+        return exit_with_reason("export", status, &reason);
     code = check_use(&taken.options, &file);
     if (code < 0)
         code = write_file(argv[first], &taken, &file);

@@ -58,7 +58,7 @@ void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[F
         break;
     case KEY_SHARD:
         if (c->shards > 0)
-            snprintf(text, FUZZ_VALUE_MOST, "%u/%u", (unsigned)c->shard, (unsigned)c->shards);
+            snprintf(text, FUZZ_VALUE_MOST, "%u/%u", c->shard, c->shards);
         break;
     case KEY_ENGINE:
         print_list(TABLE_ENGINES, &c->engine, text);
@@ -76,11 +76,10 @@ void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[F
         snprintf(text, FUZZ_VALUE_MOST, "%s", c->faithful ? "yes" : "");
         break;
     case KEY_RAYS:
-        snprintf(text, FUZZ_VALUE_MOST, "%u", (unsigned)c->rays);
+        snprintf(text, FUZZ_VALUE_MOST, "%u", c->rays);
         break;
     case KEY_TRIANGLES:
-        snprintf(text, FUZZ_VALUE_MOST, "%u-%u", (unsigned)c->triangles_least,
-                 (unsigned)c->triangles_most);
+        snprintf(text, FUZZ_VALUE_MOST, "%u-%u", c->triangles_least, c->triangles_most);
         break;
     case KEY_DRIVER:
         snprintf(text, FUZZ_VALUE_MOST, "%s", c->driver);
@@ -91,7 +90,7 @@ void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[F
         break;
     case KEY_WORKGROUP:
         if (c->engines.workgroup > 0)
-            snprintf(text, FUZZ_VALUE_MOST, "%u", (unsigned)c->engines.workgroup);
+            snprintf(text, FUZZ_VALUE_MOST, "%u", c->engines.workgroup);
         break;
     case KEY_PAIRS:
         if (c->pairs > 0)

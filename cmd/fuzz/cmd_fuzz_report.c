@@ -26,7 +26,7 @@ static enum findings_report_state state_of(const struct fuzz_command *c,
         return REPORT_KNOWN;
     if (campaign_is_flaky(&view->mark[i])) {
         snprintf(answer->text, sizeof answer->text, "never again in %u times alone",
-                 (unsigned)view->mark[i].played_again);
+                 view->mark[i].played_again);
         return REPORT_FLAKY;
     }
     return answer->state == BASELINE_EXPIRED ? REPORT_EXPIRED : REPORT_NEW;
@@ -249,7 +249,7 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     printf("trials     %llu (%.0f/s), of %.1f triangles (median %u)",
            (unsigned long long)view->trials, rate(view->trials, view->play_ns),
            view->trials ? (double)view->triangles / (double)view->trials : 0,
-           (unsigned)campaign_triangles_median(view));
+           campaign_triangles_median(view));
     if (view->corpus > 0)
         printf(", %llu of the corpus", (unsigned long long)view->corpus);
     if (view->mutants > 0)
@@ -259,13 +259,12 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     printf("\njudged     %llu rays (%.0f/s); harness %.0f %% of the time\n",
            (unsigned long long)view->judged, rate(view->judged, view->play_ns),
            100 * campaign_harness_share(view, NULL));
-    printf("coverage   %u of %u states\n", (unsigned)coverage_count(view->coverage),
-           (unsigned)coverage_known());
+    printf("coverage   %u of %u states\n", coverage_count(view->coverage), coverage_known());
     fuzz_pairs_print(c, view);
     if (view->restarts > 0)
-        printf("restarts   %u; the last: %s\n", (unsigned)view->restarts, view->said);
+        printf("restarts   %u; the last: %s\n", view->restarts, view->said);
     if (view->renewed > 0)
-        printf("renewed    %u workers that held half of --memory\n", (unsigned)view->renewed);
+        printf("renewed    %u workers that held half of --memory\n", view->renewed);
     if (flaky > 0)
         printf("flaky      %zu: never showed again in %u times alone\n", flaky, CAMPAIGN_AGAIN);
     if (left > 0 && news > 0 && !view->unplayed && !view->unshrunk) {

@@ -158,7 +158,7 @@ static void draw(struct fuzz_command *c, const struct campaign_view *view)
     row(c, "findings  %zu distinct, %zu new, %llu in all", findings_count(view->findings),
         campaign_news(view, NULL), (unsigned long long)total_of(view));
     row(c, "coverage  %u of %u, %zu trials kept, %llu mutants; corpus %s",
-        (unsigned)coverage_count(view->coverage), (unsigned)coverage_known(), view->kept,
+        coverage_count(view->coverage), coverage_known(), view->kept,
         (unsigned long long)view->mutants, view->options->rules.corpus_count ? "played" : "none");
     show_shares(c, view);
     show_verdicts(c, view);
@@ -178,8 +178,7 @@ static void say(const struct campaign_view *view)
             (unsigned long long)view->trials, per_second(view->trials, view->play_ns),
             (double)view->judged, per_second(view->judged, view->play_ns),
             findings_count(view->findings), campaign_news(view, NULL),
-            (unsigned)coverage_count(view->coverage), (unsigned)coverage_known(), view->restarts,
-            left);
+            coverage_count(view->coverage), coverage_known(), view->restarts, left);
     fflush(stderr);
 }
 

@@ -26,10 +26,9 @@ static enum status take_layouts(void *options, const struct option_value *given,
                         "--layout: findings are shrunk on their own; '%s' is here anyway, only "
                         "FILE.so can be brought",
                         layout->name);
-        for (size_t k = 0; k < o->layout_count; k++)
-            if (o->layout[k] == layout)
-                return fail(reason, STATUS_INPUT, "--layout: %s is named twice", layout->name);
-        o->layout[o->layout_count++] = layout; /* each once: they fit */
+        if (list_has(&o->layout, list.index[i]))
+            return fail(reason, STATUS_INPUT, "--layout: %s is named twice", layout->name);
+        o->layout.index[o->layout.count++] = list.index[i]; /* each once: they fit */
     }
     return status;
 }
@@ -37,10 +36,12 @@ static enum status take_layouts(void *options, const struct option_value *given,
 enum status min_check_layouts(const struct min_options *options, const char *path,
                               min_is_on_fn *is_on, const void *user, struct reason *reason)
 {
-    for (size_t i = 0; i < options->layout_count; i++)
-        if (!is_on(user, options->layout[i]))
+    for (size_t i = 0; i < options->layout.count; i++) {
+        const struct layout *layout = layouts_all[options->layout.index[i]];
+        if (!is_on(user, layout))
             return fail(reason, STATUS_INPUT, "--layout: no finding of %.200s is on %s", path,
-                        options->layout[i]->name);
+                        layout->name);
+    }
     return STATUS_OK;
 }
 
@@ -89,11 +90,7 @@ static const struct option_set set = {
 
 int min_check_use(const struct min_options *options, const struct list *engine)
 {
-    struct list layout = {.count = 0};
-    for (size_t i = 0; i < options->layout_count; i++)
-        list_add(&layout, TABLE_LAYOUTS, options->layout[i]);
-    const struct option_use use = {
-        .by = "min", .engine = engine, .layout = &layout, .compares = true};
+    const struct option_use use = {.engine = engine, .layout = &options->layout, .compares = true};
     for (size_t i = 0; i < options->named.count; i++)
         if (!list_has(engine, options->named.index[i]))
             return usage_error("min", "--engine: not used here: no finding is of engine %s",

@@ -12,9 +12,8 @@ struct min_options {
     bool force;
     uint64_t asks, seconds, trial_seconds, memory_mib;
     struct engine_options engines;
-    const struct layout *layout[LAYOUTS_ADDED_MOST]; /* brought from outside */
-    size_t layout_count;
-    struct list named; /* of --engine */
+    struct list layout; /* brought from outside */
+    struct list named;  /* of --engine */
 };
 
 enum min_fate {

@@ -74,7 +74,7 @@ static void print_finding(const struct leak_row *row, const struct leak_finding 
            f->ray_index, leak_aim_name(f->aim), (double)ray->org[0], (double)ray->org[1],
            (double)ray->org[2], (double)ray->dir[0], (double)ray->dir[1], (double)ray->dir[2]);
     if (f->is_double)
-        printf(", triangles %u and %u", (unsigned)f->prim[0], (unsigned)f->prim[1]);
+        printf(", triangles %u and %u", f->prim[0], f->prim[1]);
     putchar('\n');
 }
 
