@@ -1,4 +1,4 @@
-/* One drawing as SVG and as pixels: every call goes to whichever of the two is there. Units are
+/* One drawing as SVG and as pixels: every call draws on each of the two that is set. Units are
  * pixels of the picture and of the SVG's own; text is as wide as in the picture, about as wide in
  * SVG. */
 #ifndef CANVAS_H

@@ -347,8 +347,8 @@ static void describe_matrix(struct row_plot_page *page, struct plot_figure *figu
     figure->subtitle = "right is faster, down is smaller; one thread, or as many as were named";
 }
 
-/* Engines by colour; shape and fill tell their contestants apart. Of a contestant's rows of a scene
- * the first is drawn. */
+/* Colours are of engines; shape and fill distinguish their contestants. Only the first row of a
+ * contestant in a scene is drawn. */
 static void draw_matrix(const json_t *row, struct row_plot_page *page, struct plot_figure *figure)
 {
     static const char *const engine[] = {"embree", "fast", "cpu", "vulkan"};

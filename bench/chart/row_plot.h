@@ -1,5 +1,5 @@
-/* Figures from rows of raydiff bench, as its JSON has them: speed against error, size against speed,
- * and the matrix. */
+/* Figures from rows of raydiff bench, as its JSON has them: speed against error, size against
+ * speed, and the matrix. */
 #ifndef ROW_PLOT_H
 #define ROW_PLOT_H
 

@@ -1,6 +1,6 @@
 /* A measured run of frames: contestants draw the same views by turns, frame by frame, so that all
- * of them meet the same machine and ratios are of one run. Knows neither engines nor pictures: who
- * draws is the caller's. */
+ * of them meet the same machine and ratios are of one run. Independent of engines and
+ * pictures: the caller draws. */
 #ifndef FRAMES_H
 #define FRAMES_H
 
@@ -30,10 +30,10 @@ struct frames_sample {
 };
 
 struct frames_contestant {
-    char handler[48];  /* who draws, as files name it */
+    char handler[48];  /* the name in files */
     uint64_t bytes;    /* of what the handler needs beside the triangles; 0: nothing */
     bool device_clock; /* of every sample */
-    bool rays_alone;   /* samples are of tracing, without shading: the caller says so */
+    bool rays_alone;   /* samples are of tracing, without shading; set by the caller */
     double *ms;        /* settings.frames; the first frames_run.done are measured */
 };
 

@@ -7,7 +7,7 @@
 
 #define FRAMES_NOTES 12
 
-/* What was measured, for whom reads the files; all borrowed. */
+/* What was measured, for readers of the files. All borrowed. */
 struct frames_about {
     const char *title; /* of the chart: "terrain:k=6, 384 x 288, 4 bounces" */
     struct {

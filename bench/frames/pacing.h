@@ -1,5 +1,5 @@
-/* Frame pacing: when a frame is due, with one pass in flight. Owns no clock: every call is told the
- * time, so that tests tell it any. After RTRS's two schedulers, whose rules are kept but for
+/* Frame pacing: when a frame is due, with one pass in flight. Has no clock: every call is given the
+ * time, so that tests can choose it. After RTRS's two schedulers, whose rules are kept but for
  * its lost first frame (F29): what is to be drawn stays so until it is drawn. */
 #ifndef PACING_H
 #define PACING_H

@@ -1,4 +1,4 @@
-/* Who plays when in a round of a race. */
+/* The order of contestants in a round of a race. */
 #ifndef TURNS_H
 #define TURNS_H
 

@@ -1,6 +1,6 @@
 /* How far an engine's answers are from the exact truth: counted without any tolerance, measured in
- * units that do not change when scene and ray are scaled. Nothing here excuses anything; what a
- * formula may be excused for is the judge's matter (ref/judge/judge.h). */
+ * units that do not change when scene and ray are scaled. No error is excused here; the judge
+ * decides which errors a formula may make (ref/judge/judge.h). */
 #ifndef ERROR_MEASURE_H
 #define ERROR_MEASURE_H
 

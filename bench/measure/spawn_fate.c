@@ -7,7 +7,7 @@
 #define STEPS_TRIED 64u
 #define STEPS_MOST  (1u << 23)
 
-/* Directions are never in the plane of the own triangle, which is all that is asked about. */
+/* Only for the own triangle: directions are never in its plane. */
 static bool hits(const struct oracle *oracle, const struct ray *ray, uint32_t prim)
 {
     struct oracle_pair pair;
@@ -47,11 +47,13 @@ static bool is_behind(const struct scene *scene, const struct spawn_hit *hit, co
     return fabs(side) > 12.0 * 0x1p-53 * size && (side > 0) != (facing > 0);
 }
 
-static bool is_free(const struct oracle *oracle, const struct scene *scene,
-                    const struct spawn_hit *hit, const float org[3])
+/* Moves p by that offset to *out; true if the exact ray from there is free. */
+static bool frees(const struct oracle *oracle, const struct scene *scene,
+                  const struct spawn_hit *hit, const float p[3], float offset, float out[3])
 {
-    struct ray ray = spawn_ray(hit, org);
-    return !hits(oracle, &ray, hit->hit.prim) && !is_behind(scene, hit, org);
+    spawn_constant(p, hit->normal, offset, out);
+    struct ray ray = spawn_ray(hit, out);
+    return !hits(oracle, &ray, hit->hit.prim) && !is_behind(scene, hit, out);
 }
 
 uint32_t spawn_least(const struct oracle *oracle, const struct scene *scene,
@@ -59,16 +61,13 @@ uint32_t spawn_least(const struct oracle *oracle, const struct scene *scene,
 {
     float largest = fmaxf(fmaxf(fabsf(p[0]), fabsf(p[1])), fabsf(p[2]));
     float step = nextafterf(largest, INFINITY) - largest;
-    for (uint32_t k = 0; k <= STEPS_TRIED; k++) {
-        spawn_constant(p, hit->normal, (float)k * step, out);
-        if (is_free(oracle, scene, hit, out))
+    for (uint32_t k = 0; k <= STEPS_TRIED; k++)
+        if (frees(oracle, scene, hit, p, (float)k * step, out))
             return k;
-    }
     uint32_t low = STEPS_TRIED, high = 2 * low; /* low does not suffice */
-    for (; high <= STEPS_MOST; low = high, high *= 2) {
-        spawn_constant(p, hit->normal, (float)high * step, out);
-        if (is_free(oracle, scene, hit, out))
-            break;
+    while (high <= STEPS_MOST && !frees(oracle, scene, hit, p, (float)high * step, out)) {
+        low = high;
+        high *= 2;
     }
     if (high > STEPS_MOST) {
         for (int k = 0; k < 3; k++)
@@ -77,8 +76,7 @@ uint32_t spawn_least(const struct oracle *oracle, const struct scene *scene,
     }
     while (high - low > 1) {
         uint32_t middle = low + (high - low) / 2;
-        spawn_constant(p, hit->normal, (float)middle * step, out);
-        if (is_free(oracle, scene, hit, out))
+        if (frees(oracle, scene, hit, p, (float)middle * step, out))
             high = middle;
         else
             low = middle;

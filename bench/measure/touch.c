@@ -167,7 +167,7 @@ enum status touch_make(const struct packed *packed, const struct scene *scene, b
         out->layout.item = layout_item;
         return STATUS_OK;
     }
-    out->store.id = UINT32_MAX; /* of `indexed` the traversal knows the items without asking */
+    out->store.id = UINT32_MAX; /* for `indexed` the traversal reads items without calling item() */
     out->store.item = store_item;
     out->store.tri = out->store.tri ? store_tri : NULL;
     out->store.test = out->store.test ? store_test : NULL;

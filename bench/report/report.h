@@ -1,5 +1,5 @@
-/* A report: one HTML file that needs nothing else, made from what other commands said. It runs
- * nothing itself; every section shows the parts of its kind, and says so where there is none. */
+/* A report: one HTML file that needs nothing else, made from results of other commands. It
+ * runs nothing itself. Every section shows the parts of its kind, or a line that there are none. */
 #ifndef REPORT_H
 #define REPORT_H
 
@@ -20,7 +20,7 @@ enum report_kind {
 };
 
 enum report_state {
-    REPORT_RAN,     /* the command did its work; its exit code says with what result */
+    REPORT_RAN,     /* the command did its work; its exit code is the result */
     REPORT_GIVEN,   /* likewise, earlier: read from a file */
     REPORT_SKIPPED, /* wanted, and cannot be had here */
     REPORT_FAILED   /* wanted, and it did not come to a result */
@@ -57,7 +57,7 @@ struct report {
     struct report_picture *picture;
     size_t picture_count, picture_capacity;
     size_t findings_left_out;  /* of a folder that has more than are shown */
-    bool wanted[REPORT_KINDS]; /* asked for; a section without parts says so, or that it was not */
+    bool wanted[REPORT_KINDS]; /* requested; a section without parts has a line on that */
 };
 
 void report_free(struct report *report);
@@ -85,7 +85,7 @@ bool report_is(enum report_kind kind, const json_t *json);
  * run) is a result like any other. A part that failed without a code is EXIT_INTERNAL. */
 int report_part_code(const struct report_part *part);
 
-/* True of a finding that is still there as the baseline knows: it does not count. */
+/* True for a finding that still fails and is in the baseline: it does not count. */
 bool report_part_known(const struct report_part *part);
 
 /* All parts together (exit_worse). */
@@ -96,8 +96,8 @@ struct report_sum {
     size_t rows, answers, allowed, wrong, published; /* of check: judged answers, and what members
                                                         as published got wrong, which is not */
     size_t bits;                                     /* answers with other bits than engine cpu's */
-    size_t findings, failing;                        /* played again; still there, and not known */
-    size_t known;                                    /* still there, as the baseline knows */
+    size_t findings, failing; /* played again; still failing, not in the baseline */
+    size_t known;             /* still failing, in the baseline */
     size_t parts, skipped, failed;
     size_t figures; /* in the page: plots and pictures */
 };

@@ -1,4 +1,4 @@
-/* Section 2: who agrees, scene by scene. */
+/* Section 2: agreement of engines, scene by scene. */
 #include "bench/report/report_inner.h"
 
 #include <stdlib.h>

@@ -35,8 +35,8 @@ size_t row_allowed(const json_t *row);
 void section_begin(struct html *html, const char *id, const char *title);
 void section_end(struct html *html);
 
-/* Why parts of a kind have no result: a line each; and if the section has nothing at all, that it
- * was not asked for, with `how` to get it. Returns whether there is anything to show. */
+/* A line for each part of a kind that has no result, with the reason; and if the section was not
+ * requested, a line with `how` to get it. Returns whether there is anything to show. */
 bool section_reasons(struct html *html, const struct report *report, enum report_kind kind,
                      const char *how);
 

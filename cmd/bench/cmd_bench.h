@@ -14,7 +14,7 @@
 #define BENCH_ROUNDS    99
 #define BENCH_TREE_NAME 120
 
-/* Parts of benchmark.takes: where engines run, and what goes with those from outside. */
+/* Parts of benchmark.takes: options of processors and drivers, and of engines from outside. */
 #define BENCH_MACHINE " threads driver device workgroup"
 #define BENCH_OUTSIDE " peer-time peer-memory shader"
 
@@ -69,9 +69,9 @@ void bench_failed(struct bench *bench, const char *spec, enum status status,
 typedef enum status bench_play(struct bench *bench, const char *spec, const struct scene *scene,
                                struct reason *reason);
 
-/* Opens the user's scenes with the bench's seed, or else those of `own` (NULL-terminated; files that
- * were not fetched are left out with a line), or `made` if none of `own` is left and it is not NULL,
- * and plays each. Returns bench->code. */
+/* Opens the user's scenes with the bench's seed, or else those of `own` (NULL-terminated; files
+ * that were not fetched are left out with a line), or `made` if none of `own` is left and it is not
+ * NULL, and plays each. Returns bench->code. */
 int bench_each(struct bench *bench, const char *const *own, const char *const *made,
                bench_play *play);
 
@@ -97,8 +97,8 @@ enum status bench_tree_make(const struct bench *bench, const struct scene *scene
 size_t bench_rays_count(const struct bench *bench, size_t own);
 
 /* Adds a flat object of named texts, numbers and nulls as a row of the CSV (before the benchmark's
- * first row its names are written as the header) and of the JSON. Takes `row` over; NULL (no memory)
- * is left out. All rows of a benchmark have the same names in the same order. */
+ * first row its names are written as the header) and of the JSON. Takes `row` over; NULL (no
+ * memory) is left out. All rows of a benchmark have the same names in the same order. */
 void bench_row(struct bench *bench, const struct benchmark *benchmark, json_t *row);
 
 #endif

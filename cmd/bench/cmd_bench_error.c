@@ -71,13 +71,6 @@ static enum status make_leak_rays(struct error_field *field, size_t count, struc
     return STATUS_OK;
 }
 
-static enum status trace(const struct error_field *field, const struct contestant *c,
-                         const struct known_rays *known, struct reason *reason)
-{
-    struct trace_report report;
-    return known_trace(known, c, field->hit, &report, reason);
-}
-
 /* Judges the answers to `known` and adds them to the row. Errors: STATUS_MEMORY. */
 static enum status judge_rays(const struct error_field *field, const struct contestant *c,
                               const struct known_rays *known, struct error_row *row,
@@ -118,17 +111,18 @@ static enum status measure(const struct error_field *field, const struct contest
                            struct reason *reason)
 {
     enum status status = STATUS_OK;
+    struct trace_report report;
     for (int target = 0; target < LEAK_TARGETS && status == STATUS_OK; target++) {
         const struct known_rays *leak = &field->leak[target];
         if (leak->count)
-            status = trace(field, c, leak, reason);
+            status = known_trace(leak, c, field->hit, &report, reason);
         if (leak->count && status == STATUS_OK)
             status = judge_rays(field, c, leak, row, reason);
         for (size_t i = 0; i < leak->count && status == STATUS_OK; i++)
             row->leak[target] += field->hit[i].prim == ABI_NO_PRIM;
     }
     if (status == STATUS_OK)
-        status = trace(field, c, known, reason);
+        status = known_trace(known, c, field->hit, &report, reason);
     if (status == STATUS_OK)
         status = error_sum_make(field->oracle, field->scene, known->ray, known->truth, field->hit,
                                 known->count, &row->sum, reason);

@@ -45,8 +45,8 @@ struct error_page {
 /* Prints the page's tables and hands its rows to CSV and JSON. */
 void error_print(struct bench *bench, const struct error_page *page);
 
-/* Writes the figures of the bench's rows, if there are some, to its SVG. Errors: STATUS_INPUT cannot
- * write there, STATUS_MEMORY. */
+/* Writes the figures of the bench's rows, if there are some, to its SVG. Errors: STATUS_INPUT
+ * cannot write there, STATUS_MEMORY. */
 enum status error_plot(const struct bench *bench, const char *driver,
                        struct reason *reason) MUST_USE;
 

@@ -13,13 +13,6 @@ static void print_name(const struct error_row *row)
            row->box ? row->box->name : "-", row->tri ? row->tri->name : "own");
 }
 
-static void print_rate(size_t events, size_t count)
-{
-    char text[32];
-    error_rate_text(events, count, text, sizeof text);
-    printf(" %8s", text);
-}
-
 static void print_speeds(const struct error_page *page)
 {
     puts("per million:                                                                             "
@@ -35,11 +28,11 @@ static void print_speeds(const struct error_page *page)
                  row->ratio.most, row->base);
         print_name(row);
         printf("%-23s %-27s", speed, ratio);
-        print_rate(row->sum.kind[ERROR_LOST], row->sum.rays);
-        print_rate(row->sum.kind[ERROR_PHANTOM], row->sum.rays);
-        print_rate(row->sum.kind[ERROR_WRONG], row->sum.rays);
+        bench_rate(8, row->sum.kind[ERROR_LOST], row->sum.rays);
+        bench_rate(8, row->sum.kind[ERROR_PHANTOM], row->sum.rays);
+        bench_rate(8, row->sum.kind[ERROR_WRONG], row->sum.rays);
         for (int target = 0; target < LEAK_TARGETS; target++)
-            print_rate(row->leak[target], page->leak_rays[target]);
+            bench_rate(8, row->leak[target], page->leak_rays[target]);
         if (isnan(row->over))
             puts("      -      -      -");
         else if (row->judged)

@@ -9,7 +9,7 @@
 
 #define FRAMES_VERSIONS 640
 
-/* A run and who takes part; too large for a stack. */
+/* A run and its painters. Too large for a stack. */
 struct frames_session {
     struct progress *progress;
     const char *label; /* of what is measured, for progress */
@@ -31,7 +31,7 @@ const volatile sig_atomic_t *frames_stop_flag(void);
 /* 0, or the exit code of a run that a signal ended: 128 + its number. */
 int frames_signal_code(void);
 
-/* Opens a painter; who cannot take part leaves no trace. Errors: as painter_open; STATUS_LIMIT more
+/* Opens a painter. On error the session is unchanged. Errors: as painter_open; STATUS_LIMIT more
  * than FRAMES_CONTESTANTS. */
 enum status frames_session_enter(struct frames_session *session, const struct painter_plan *plan,
                                  const struct scene *scene, const struct engine_options *options,
@@ -43,9 +43,9 @@ enum status frames_session_measure(struct frames_session *session,
                                    const struct frames_settings *settings,
                                    struct reason *reason) MUST_USE;
 
-/* The end of a command that measured: prints a line per handler (bytes, times, ratio to about->base)
- * and the files' names, or why it failed. Returns the exit code;
- * 128 + the signal that ended the run, the files holding what was measured. */
+/* The end of a command that measured: prints a line per handler (bytes, times, ratio to
+ * about->base) and the files' names, or why it failed. Returns the exit code; 128 + the signal that
+ * ended the run, the files holding what was measured. */
 int frames_finish(const char *command, const struct frames_run *run,
                   const struct frames_about *about, const char *base, enum status status,
                   const struct reason *reason);

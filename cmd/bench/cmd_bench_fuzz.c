@@ -1,4 +1,4 @@
-/* How fast trials are played: on one core, and on all of them by a process each. */
+/* Speed of trials: on one core, and on all cores with a process on each. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/bench/cmd_bench_fuzz.h"
 
@@ -37,7 +37,7 @@ struct bench_setting {
     uint64_t all, triangles, wrong, refused;
 };
 
-/* Adds up one round. All workers began at once; each is as fast as its own clock says. */
+/* Adds up one round. All workers begin at once; the speed of each is by its own clock. */
 static void take_round(struct bench_setting *setting, const struct fuzz_field *field, size_t round,
                        const struct crew_report *report)
 {

@@ -1,4 +1,4 @@
-/* Workers of the fuzzing benchmark: processes with a player each, that play when told. */
+/* Workers of the fuzzing benchmark: processes with a player each, which play trials on request. */
 #ifndef CMD_BENCH_FUZZ_H
 #define CMD_BENCH_FUZZ_H
 
@@ -23,12 +23,12 @@ struct crew {
 
 /* Starts `count` processes, each of which opens the field and plays some trials, so that pipelines
  * are made. The calling process must not have opened any engine. Errors: STATUS_DEVICE no
- * process, or one died; else what the first worker says that cannot. crew_stop in any case. */
+ * process, or one died; else the first error of a worker. Call crew_stop in any case. */
 enum status crew_start(const struct fuzz_field *field, uint64_t seed, size_t count,
                        struct crew *out, struct reason *reason) MUST_USE;
 
-/* The first `workers` of them play `trials` trials each at once, from index `first` on. Errors: as
- * a worker says. */
+/* The first `workers` of them play `trials` trials each at once, from index `first` on. Errors:
+ * those of a worker. */
 enum status crew_play(struct crew *crew, size_t workers, uint64_t first, uint64_t trials,
                       struct crew_report *report, struct reason *reason) MUST_USE;
 

@@ -68,7 +68,7 @@ static struct crew_report play_turn(struct fuzz_player *player, uint64_t seed,
     return report;
 }
 
-/* What a worker needs to know; the child has a copy. */
+/* Settings of a worker; the child has a copy. */
 struct crew_work {
     const struct fuzz_field *field;
     uint64_t seed;

@@ -1,5 +1,7 @@
 #include "cmd/bench/cmd_bench_known.h"
 
+#include "bench/measure/error_measure.h"
+
 #include <stdlib.h>
 
 void known_free(struct known_rays *known)
@@ -33,4 +35,11 @@ enum status known_trace(const struct known_rays *known, const struct contestant 
 {
     *report = (struct trace_report){0};
     return c->engine->trace(c->self, known->ray, known->count, hit, report, reason);
+}
+
+void bench_rate(int width, size_t events, size_t count)
+{
+    char text[32];
+    error_rate_text(events, count, text, sizeof text);
+    printf(" %*s", width, text);
 }

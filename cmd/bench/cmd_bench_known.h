@@ -15,8 +15,8 @@ struct known_rays {
 /* Arrays of zeros. Errors: STATUS_MEMORY; *out is then zero. */
 enum status known_alloc(size_t count, struct known_rays *out, struct reason *reason) MUST_USE;
 
-/* Fills in the exact answers, by brute force for fewer than `brute_pairs` rays times triangles, else
- * by the oracle's own tree. Errors: as oracle_closest. */
+/* Fills in the exact answers, by brute force for fewer than `brute_pairs` rays times triangles,
+ * else by the oracle's own tree. Errors: as oracle_closest. */
 enum status known_decide(const struct oracle *oracle, const struct scene *scene, unsigned threads,
                          uint64_t brute_pairs, struct known_rays *known,
                          struct reason *reason) MUST_USE;
@@ -26,5 +26,8 @@ enum status known_trace(const struct known_rays *known, const struct contestant 
                         struct trace_report *report, struct reason *reason) MUST_USE;
 
 void known_free(struct known_rays *known);
+
+/* Prints a blank and error_rate_text, at least `width` wide. */
+void bench_rate(int width, size_t events, size_t count);
 
 #endif

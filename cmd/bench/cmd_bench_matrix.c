@@ -24,14 +24,14 @@ static enum query query_of(int kind)
 
 /* --- trees and rays --------------------------------------------------------------------------- */
 
-/* Leaves of one triangle for whoever collapses the tree and makes its own. */
+/* Leaves of one triangle for layouts and engines that collapse the tree into wider nodes. */
 static uint32_t leaf_of(const struct matrix_entry *e)
 {
     bool collapses = layout_is_wide(e->layout) || e->engine->own_tree;
     return collapses ? 1 : BUILD_LEAF_DEFAULT;
 }
 
-/* The tree of an entry, built when it is first asked for. */
+/* The tree of an entry, built at the first call. */
 static enum status tree_of(struct matrix *m, const struct matrix_entry *e, const struct bvh **out,
                            struct reason *reason)
 {
@@ -90,7 +90,7 @@ static enum status make_rays(struct matrix *m, struct reason *reason)
         if (!m->ray[kind] || !m->hit || !m->few)
             return fail(reason, STATUS_MEMORY, "no memory for %zu rays", m->count);
         progress_step(&m->bench->progress, "%s: %s rays", m->spec, matrix_kinds[kind]);
-        /* Any hits are asked of other rays than closest hits. */
+        /* Other random rays for any hit than for the closest. */
         if (sets[kind])
             status = ray_set_find(sets[kind])
                          ->make(m->scene, m->bench->seed + (kind == KIND_O_RAND), m->count,
@@ -105,7 +105,7 @@ static enum status make_rays(struct matrix *m, struct reason *reason)
 
 /* --- a group of contestants ------------------------------------------------------------------- */
 
-/* Adds an entry that can run here; says why one cannot. */
+/* Adds an entry, or prints why it cannot run here. */
 static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigned threads,
                          bool *entered, struct reason *reason)
 {

@@ -46,7 +46,7 @@ struct matrix_row {
     struct spread mrays[MATRIX_KINDS], ratio[MATRIX_KINDS];
     double mean;                                  /* geometric, of the ratios */
     uint64_t node_bytes, item_bytes, scene_bytes; /* read by the traversal */
-    uint64_t held_bytes;                          /* as the engine says */
+    uint64_t held_bytes;                          /* as the engine reports */
     size_t asked, lost, wrong;                    /* prim and rand rays, against the oracle */
     size_t leak_rays, leaks;                      /* 0 rays: the mesh is not closed */
     bool touched;                                 /* false: what it reads is not known */

@@ -25,7 +25,7 @@ static const char about[] =
     "tree on one.\n"
     "";
 
-/* What the filter says of pairs. */
+/* How many pairs the filter decides, and how. */
 struct oracle_tally {
     uint64_t pairs, missed, inside, undecided;
 };

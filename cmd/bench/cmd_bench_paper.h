@@ -70,8 +70,8 @@ enum paper_line_id paper_line_other(enum paper_line_id id); /* what its ratio is
  * not fetched. */
 enum status paper_scene_open(unsigned which, struct paper_scene *out, struct reason *reason);
 
-/* Figure 8 of the scenes, and the same trees in three layouts. A number of the paper's own scene that
- * is not the published one is counted as a mismatch. */
+/* Figure 8 of the scenes, and the same trees in three layouts. A number of the paper's own scene
+ * that is not the published one is counted as a mismatch. */
 void paper_print_bytes(struct bench *bench, const struct paper_scene *scene, size_t count);
 
 /* Opens the painters, checks a frame of each, measures. Errors: as frames_session_measure; who

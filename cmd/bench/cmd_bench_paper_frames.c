@@ -1,4 +1,4 @@
-/* The paper's performance table: who draws, the check of a frame of each, and the measuring. */
+/* The paper's performance table: its lines, the check of a frame of each, the measurement. */
 #include "cmd/bench/cmd_bench_paper.h"
 
 #include "ref/base/command.h"
@@ -120,7 +120,7 @@ static const struct engine *peer_of(const struct painter_plan *plan)
     return !packed && plan->engine->own_tri ? NULL : engine_reference(packed);
 }
 
-/* A frame of the line, compared; says whether it is a slow one. */
+/* Compares a frame of the line and sets table->slow. */
 static enum status check_line(struct paper_table *table, enum paper_line_id id,
                               const struct sheet *truth, struct reason *reason)
 {

@@ -152,7 +152,7 @@ void paper_print_table(struct paper_table *table)
            table->width * table->height);
 }
 
-/* What is told of a scene: the time of `to` against that of `from`, or a line of text alone. */
+/* Printed for a scene: the time of `to` against that of `from`, or only a line of text. */
 static const struct {
     const char *text;
     enum paper_line_id from, to;

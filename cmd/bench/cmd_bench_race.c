@@ -54,7 +54,7 @@ enum status race_prepare(struct race *race, enum query query, struct reason *rea
     return status;
 }
 
-/* True if member i was asked for: named, or (nothing being named) one of `own`; where there is no
+/* True if member i takes part: named, or (nothing being named) one of `own`; where there is no
  * `own`, unless it is to be left out. */
 static bool wanted(const struct list *list, size_t i, const char *own, const char *name,
                    bool left_out)

@@ -48,7 +48,7 @@ struct race {
  * 2 cannot hold the scene. */
 void race_enter(struct race *race);
 
-/* Adds `who`, of which engine, layout, box, tri, store, bvh and few are given, opened with
+/* Adds a copy of `who` (its engine, layout, box, tri, store, bvh and few are read), opened with
  * `options` and prepared for closest hits. Errors: STATUS_LIMIT more than CONTESTANTS, or as
  * packed_make; those of engine.open and .prepare. */
 enum status race_add(struct race *race, const struct contestant *who,

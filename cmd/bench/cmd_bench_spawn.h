@@ -21,7 +21,7 @@ enum spawn_rule {
 
 #define SPAWN_JUDGES 6 /* engines beside the exact answer */
 
-/* What became of the rays of one rule, as one judge answers them. */
+/* Outcomes of the rays of one rule, by the answers of one engine or the oracle. */
 struct spawn_count {
     size_t self, beside, skipped;
 };

@@ -11,19 +11,12 @@ const char *spawn_rule_name(enum spawn_rule rule)
     return names[rule];
 }
 
-static void print_rate(size_t events, size_t count)
-{
-    char text[32];
-    error_rate_text(events, count, text, sizeof text);
-    printf(" %7s", text);
-}
-
 static void print_count(const struct spawn_count *count, size_t hits)
 {
     printf("  ");
-    print_rate(count->self, hits);
-    print_rate(count->beside, hits);
-    print_rate(count->skipped, hits);
+    bench_rate(7, count->self, hits);
+    bench_rate(7, count->beside, hits);
+    bench_rate(7, count->skipped, hits);
 }
 
 static void print_head(const struct spawn_block *block)

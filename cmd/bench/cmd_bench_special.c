@@ -43,7 +43,7 @@ static const struct special_scene scenes[] = {
     {"teapot, 2 lights, reflection", "teapot", 2, false},
 };
 
-/* What is told of a scene. */
+/* Results of a scene. */
 struct special_result {
     struct spread ratio, paid; /* general to special; four bounces asked to one */
     double ratio_most;         /* upper end of its median's interval */

@@ -1,4 +1,4 @@
-/* raydiff report: one HTML file of what check, bench, replay and doctor say. */
+/* raydiff report: one HTML file of the results of check, bench, replay and doctor. */
 #define _POSIX_C_SOURCE 200809L /* gmtime_r */
 #include "cmd/report/cmd_report_parts.h"
 
@@ -240,7 +240,7 @@ static void print_sum(const struct report *report, const char *path, size_t byte
                 path, REPORT_BYTES_MOST);
 }
 
-/* Writes the page and what else is asked for. Returns the exit code. */
+/* Writes the page and, with --json, its sums. Returns the exit code. */
 static int finish(const struct report_options *o, const struct report *report, struct file_out *out,
                   struct reason *reason)
 {

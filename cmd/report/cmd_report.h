@@ -46,10 +46,10 @@ void line_free(struct line *line);
  * made; STATUS_MEMORY. */
 enum status runner_open(struct runner *runner, struct reason *reason) MUST_USE;
 
-/* Removes the folder with all that is in it; says so if it cannot. */
+/* Removes the folder with all that is in it; prints why if it cannot. */
 void runner_close(struct runner *runner);
 
-/* The signal that asked us to stop, or 0. */
+/* The signal that stops the report, or 0. */
 int runner_signal(void);
 
 /* Path of a file in the folder. */
@@ -62,9 +62,9 @@ typedef int command_fn(int argc, char **argv);
 enum status runner_run(struct runner *runner, command_fn *command, const struct line *line,
                        struct run *run, struct reason *reason) MUST_USE;
 
-/* Runs the line with "--json" and the folder's file `name` behind it, and frees it. Reads that file,
- * the result, into part->json, and sets code, state, seconds and why (which is borrowed from `run`) of
- * the part; none of them if the run was stopped. Errors: as runner_run. */
+/* Runs the line with "--json" and the folder's file `name` behind it, and frees it. Reads that
+ * file, the result, into part->json, and sets code, state, seconds and why (which is borrowed from
+ * `run`) of the part; none of them if the run was stopped. Errors: as runner_run. */
 enum status runner_make(struct runner *runner, command_fn *command, struct line *line,
                         const char *name, struct run *run, struct report_part *part,
                         struct reason *reason) MUST_USE;

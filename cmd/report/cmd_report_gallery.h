@@ -43,7 +43,7 @@ enum status gallery_run(struct gallery *gallery, command_fn *command, struct lin
 /* "cpu-0.png": files of one scene lie beside those of the others. */
 void gallery_file_name(const struct gallery *gallery, const char *what, char name[NAME_BYTES]);
 
-/* What a command that said nothing has left cannot be read. */
+/* Notes that the file which a command wrote cannot be read, with its own message if it printed one. */
 void gallery_unread(struct gallery *gallery, const char *who, const char *said, enum status status,
                     const struct reason *why);
 

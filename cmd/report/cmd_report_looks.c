@@ -57,7 +57,7 @@ static enum status read_statistics(const char *path, json_t **json, struct reaso
     return *json ? STATUS_OK : fail(reason, STATUS_INPUT, "%s: is no JSON", file_label(path));
 }
 
-/* Draws look `i` of a pair "A" or "A,B". A layout that was not asked for may refuse the scene. */
+/* Draws look `i` of a pair "A" or "A,B". A layout that the user did not name may refuse the scene. */
 static enum status look_at(struct gallery *gallery, size_t i, const char *pair,
                            struct reason *reason)
 {

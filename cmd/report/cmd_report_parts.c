@@ -96,7 +96,7 @@ static enum status make_check(const struct report_options *options, struct runne
         own_option(&line, options, to, "--box", "robust,watertight");
     }
     number(&line, "--count", options->count ? options->count : options->quick ? 2000 : 10000);
-    number(&line, "--repeat", 1); /* speed is for bench to say */
+    number(&line, "--repeat", 1); /* speed is measured by bench */
     number(&line, "--brute", options->quick ? 1000000 : 10000000);
     report_pass_on(&line, options, to);
     return run_part(report, runner, cmd_check, &line, "check.json", &part, reason);
@@ -179,7 +179,7 @@ static enum status printed(const struct runner *runner, char **text, struct reas
     return status;
 }
 
-/* What the baseline says of a finding, as raydiff fuzz asks it. */
+/* The baseline's answer for a finding, as in raydiff fuzz. */
 static enum status ask_baseline(const struct report_options *options,
                                 const struct findings *findings, const struct findings_entry *entry,
                                 struct baseline_answer *answer, struct reason *reason)

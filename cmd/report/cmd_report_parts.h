@@ -27,7 +27,7 @@ struct passed {
     const char *flag, *value;
 };
 
-/* What the user asked for. */
+/* The user's options. */
 struct report_options {
     char *const *scene;
     size_t scene_count;
@@ -47,13 +47,13 @@ struct report_options {
     struct engine_options engines;
 };
 
-/* Adds every part that was asked for. A part that fails is a part of the report; errors are only
+/* Adds every part that was requested. A part that fails is a part of the report; errors are only
  * those that end it: STATUS_INPUT what was given cannot be read; STATUS_MEMORY, STATUS_DEVICE. Ends
- * early, with STATUS_OK, if a signal asked for it. */
+ * early, with STATUS_OK, after a signal. */
 enum status report_make(const struct report_options *options, struct runner *runner,
                         struct report *report, struct reason *reason) MUST_USE;
 
-/* Opens the scenes in a child, so that a name that is wrong is told before the work. Returns an
+/* Opens the scenes in a child, so that a wrong name is reported before the work. Returns an
  * exit code, with the reason if it is not EXIT_AGREE. */
 int report_try_scenes(const struct report_options *options, struct runner *runner,
                       struct reason *reason);

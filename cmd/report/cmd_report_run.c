@@ -140,7 +140,7 @@ static void obey(struct child *parent, void *user)
     }
     fflush(NULL);
     if (!child_send(parent, &code, sizeof code, CHILD_FOREVER))
-        _exit(EXIT_INTERNAL); /* no output is left to say so */
+        _exit(EXIT_INTERNAL); /* there is no output left to report it */
 }
 
 /* Lines of the child's standard error without those of progress, "raydiff check: 10 s: ...". */

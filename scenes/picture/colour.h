@@ -1,5 +1,5 @@
-/* Colours for numbers. All maps can be told apart by eyes that confuse red and green: their
- * lightness says the number. */
+/* Colours for numbers. All maps are readable with red-green colour blindness: lightness
+ * follows the number. */
 #ifndef COLOUR_H
 #define COLOUR_H
 
@@ -12,7 +12,7 @@ enum colour_kind {
     COLOUR_CLASSES,    /* an index of class_name: colour_of_class */
 };
 
-/* The colour of a value, and what a picture says of it. Texts are borrowed; NULL is none. */
+/* The colours of values, and the texts around them. Texts are borrowed; NULL is none. */
 struct colour_scale {
     enum colour_kind kind;
     bool logarithmic; /* sequential alone: lo > 0, and values below lo look as lo */

@@ -160,7 +160,7 @@ static void put_unit(struct picture_sheet *sheet)
         put_cut(sheet, line);
 }
 
-/* All that is said around the values; ends with sheet->y behind the last line. */
+/* All texts around the values; ends with sheet->y below the last line. */
 static void put_words(struct picture_sheet *sheet)
 {
     sheet->y = MARGIN;

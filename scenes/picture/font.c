@@ -74,6 +74,6 @@ bool font_dot(unsigned char character, int column, int row)
 {
     bool printable = character >= ' ' && character <= '~';
     int index = (printable ? character : '?') - ' ';
-    return sheet[index / PER_LINE * FONT_HEIGHT + row]
-                [index % PER_LINE * FONT_ADVANCE + column] == '#';
+    return sheet[index / PER_LINE * FONT_HEIGHT + row][index % PER_LINE * FONT_ADVANCE + column] ==
+           '#';
 }

@@ -59,7 +59,7 @@ struct passage {
     const char *bytes; /* still to be read */
     size_t size;
     png_bytep *row;
-    enum status status; /* STATUS_OK: libpng gave up, and says why */
+    enum status status; /* STATUS_OK: libpng failed, with its reason in `why` */
 };
 
 static void leave(png_structp png, png_const_charp why)
@@ -135,7 +135,7 @@ static void rows_to_pixels(struct image *image)
     }
 }
 
-/* True if all was read; else passage->status, or passage->why, says why not. */
+/* True if all was read; else the cause is passage->status, or passage->why if that is STATUS_OK. */
 static bool read_rows(struct passage *passage, const char *label, struct image *out,
                       struct reason *reason)
 {
@@ -218,8 +218,7 @@ static void put_row(const uint32_t *pixel, uint32_t width, unsigned channels, pn
             row[(size_t)x * channels + k] = (png_byte)(pixel[x] >> 8 * k);
 }
 
-/* False if libpng gave up. No chunk but what the pixels need: nothing depends on the time, and no
- * viewer is told of a gamma. */
+/* False if libpng failed. Writes only chunks that the pixels need: no time and no gamma. */
 static bool write_rows(struct passage *passage, const struct image *image, unsigned channels,
                        png_bytep row, FILE *stream)
 {

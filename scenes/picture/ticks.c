@@ -14,7 +14,7 @@ void ticks_range(double *lo, double *hi)
     }
     *lo = fmin(fmax(*lo, -FAR), FAR);
     *hi = fmin(fmax(*hi, -FAR), FAR);
-    /* Wide enough that double can tell the ticks apart. */
+    /* Wide enough that the ticks are different doubles. */
     double middle = 0.5 * *lo + 0.5 * *hi, size = fmax(fabs(*lo), fabs(*hi));
     double least = fmax(1e-12 * size, 1e-300);
     if (*hi - *lo >= least)
