@@ -188,7 +188,8 @@ static enum status play(struct error_field *field, const struct ray_set *set,
     snprintf(label, sizeof label, "%.60s, %s rays", page->scene, set->name);
     field->race.label = label;
     progress_step(&field->bench->progress, "%s: exact answers", label);
-    status = set->make(field->scene, field->bench->seed, page->ray_count, known.ray, reason);
+    status =
+        ray_set_make(set, field->scene, field->bench->seed, page->ray_count, known.ray, reason);
     if (status == STATUS_OK)
         status = decide(field, &known, reason);
     page->exact_hits = status ? 0 : hits_of(&known);

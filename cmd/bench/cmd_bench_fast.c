@@ -70,8 +70,8 @@ static enum status make_shadow_rays(struct contest *c, struct reason *reason)
 static enum status make_rays(struct contest *c, size_t kind, struct reason *reason)
 {
     bool shadow = kind == KINDS - 1;
-    enum status status = ray_set_find(shadow ? "primary" : kinds[kind])
-                             ->make(c->scene, c->bench->seed, c->count, c->ray, reason);
+    enum status status = ray_set_make(ray_set_find(shadow ? "primary" : kinds[kind]), c->scene,
+                                      c->bench->seed, c->count, c->ray, reason);
     if (!status)
         status = race_prepare(&c->race, QUERY_CLOSEST, reason);
     if (!status && shadow) {

@@ -128,7 +128,7 @@ static enum status bench_rays(struct layouts_field *field, const struct ray_set 
     field->ray_count = count;
     field->rays = set->name;
     if (status == STATUS_OK)
-        status = set->make(field->scene, field->bench->seed, count, ray, reason);
+        status = ray_set_make(set, field->scene, field->bench->seed, count, ray, reason);
     if (status == STATUS_OK)
         status = match_make(field->scene, ray, count, &options, &pool, &field->match, reason);
     if (status == STATUS_OK) {

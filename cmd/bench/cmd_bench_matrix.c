@@ -92,9 +92,9 @@ static enum status make_rays(struct matrix *m, struct reason *reason)
         progress_step(&m->bench->progress, "%s: %s rays", m->spec, matrix_kinds[kind]);
         /* Other random rays for any hit than for the closest. */
         if (sets[kind])
-            status = ray_set_find(sets[kind])
-                         ->make(m->scene, m->bench->seed + (kind == KIND_O_RAND), m->count,
-                                m->ray[kind], reason);
+            status = ray_set_make(ray_set_find(sets[kind]), m->scene,
+                                  m->bench->seed + (kind == KIND_O_RAND), m->count, m->ray[kind],
+                                  reason);
         else
             status = make_shadow_rays(m, reason);
         if (status)

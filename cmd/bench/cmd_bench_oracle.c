@@ -231,7 +231,7 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
     if (!it.ray || !it.brute || !it.tree)
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", it.count);
     if (!status)
-        status = ray_set_find("random")->make(scene, bench->seed, it.count, it.ray, reason);
+        status = ray_set_make(ray_set_find("random"), scene, bench->seed, it.count, it.ray, reason);
     if (!status)
         status = oracle_make(scene, &it.oracle, reason);
     if (!status)

@@ -141,7 +141,7 @@ static enum status make_hits(struct spawn_field *field, const struct ray_set *se
     if (status == STATUS_OK && !field->hit)
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
     if (status == STATUS_OK)
-        status = set->make(field->scene, field->bench->seed, count, primary.ray, reason);
+        status = ray_set_make(set, field->scene, field->bench->seed, count, primary.ray, reason);
     if (status == STATUS_OK)
         status = oracle_closest(field->oracle, ORACLE_AUTO, ORACLE_CLOSED, primary.ray, count,
                                 field->bench->engines.threads, primary.truth, NULL, reason);

@@ -206,7 +206,7 @@ static enum status check_one(struct check_run *check, const char *spec, struct c
     if (!rays && status == STATUS_OK)
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", result->ray_count);
     if (status == STATUS_OK)
-        status = ray_sets[o->rays]->make(&scene, o->seed, result->ray_count, rays, reason);
+        status = ray_set_make(ray_sets[o->rays], &scene, o->seed, result->ray_count, rays, reason);
     if (status == STATUS_OK)
         status = play_both(check, &scene, &rest, rays, result, reason);
     free(rays);

@@ -159,8 +159,8 @@ static enum status set_scene(struct trial_stage *stage, const struct trial *tria
     if (!stage->ray)
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", stage->ray_count);
     if (status == STATUS_OK)
-        status =
-            trial->rays->make(&stage->scene, trial->seed, stage->ray_count, stage->ray, reason);
+        status = ray_set_make(trial->rays, &stage->scene, trial->seed, stage->ray_count, stage->ray,
+                              reason);
     if (status)
         drop_scene(stage);
     return status;

@@ -102,7 +102,7 @@ static enum status make_rays(struct explaining *e, struct reason *reason)
     if (o->has_index && o->index >= o->count)
         return fail(reason, STATUS_INPUT, "--index: %llu of %llu rays",
                     (unsigned long long)o->index, (unsigned long long)o->count);
-    return o->rays->make(&e->scene, o->of.seed, e->ray_count, e->ray, reason);
+    return ray_set_make(o->rays, &e->scene, o->of.seed, e->ray_count, e->ray, reason);
 }
 
 static enum status make_tree(struct explaining *e, struct reason *reason)

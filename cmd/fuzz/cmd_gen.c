@@ -79,7 +79,7 @@ static enum status gen(const struct gen_command *o, const char *spec, struct rea
     if (!ray)
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", (size_t)o->count);
     if (!status)
-        status = ray_sets[o->rays]->make(&scene, o->seed, (size_t)o->count, ray, reason);
+        status = ray_set_make(ray_sets[o->rays], &scene, o->seed, (size_t)o->count, ray, reason);
     if (!status) {
         strcpy(from.spec, spec);
         snprintf(from.rays, sizeof from.rays, "%s", ray_sets[o->rays]->name);

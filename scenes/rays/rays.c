@@ -1,4 +1,4 @@
-#include "scenes/rays/rays.h"
+#include "scenes/rays/rays_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@ static enum status make_mixed(const struct scene *scene, uint64_t seed, size_t c
 static const struct ray_set ray_set_mixed = {
     .name = "mixed",
     .summary = "all other sets by turns; where nothing can be bounced from, random instead",
-    .make = make_mixed,
+    .all = make_mixed,
 };
 
 const struct ray_set *const ray_sets[] = {
@@ -25,9 +25,9 @@ const struct ray_set *const ray_sets[] = {
 static enum status make_part(const struct ray_set *set, const struct scene *scene, uint64_t seed,
                              size_t count, struct ray *out, struct reason *reason)
 {
-    enum status status = set->make(scene, seed, count, out, reason);
+    enum status status = ray_set_make(set, scene, seed, count, out, reason);
     if (set == &ray_set_bounce && status == STATUS_INPUT)
-        status = ray_set_random.make(scene, ~seed, count, out, reason);
+        status = ray_set_make(&ray_set_random, scene, ~seed, count, out, reason);
     return status;
 }
 
@@ -54,4 +54,17 @@ const struct ray_set *ray_set_find(const char *name)
         if (strcmp(ray_sets[i]->name, name) == 0)
             return ray_sets[i];
     return NULL;
+}
+
+enum status ray_set_make(const struct ray_set *set, const struct scene *scene, uint64_t seed,
+                         size_t count, struct ray *out, struct reason *reason)
+{
+    if (!set->one)
+        return set->all(scene, seed, count, out, reason);
+    struct stage stage = stage_make(scene, seed, set->tag);
+    for (size_t i = 0; i < count; i++) {
+        struct rng rng = stage_rng(&stage, i);
+        set->one(&stage, &rng, i, &out[i]);
+    }
+    return STATUS_OK;
 }

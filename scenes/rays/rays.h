@@ -5,13 +5,19 @@
 #include "ref/abi.h"
 #include "ref/scene/scene.h"
 
-/* A ray set. `make` fills `count` rays; ray i depends on (scene, seed, count) only. Rays have
- * tmin 0 and tmax infinity (1e30f) unless the set's summary says otherwise. */
+struct rng;
+struct stage; /* scenes/rays/rays_stage.h */
+
+/* A ray set, made by ray_set_make. */
 struct ray_set {
     const char *name;
     const char *summary;
-    enum status (*make)(const struct scene *scene, uint64_t seed, size_t count, struct ray *out,
-                        struct reason *reason);
+    /* Makes ray i from random numbers of its own, or NULL; `tag` is an enum stage_tag. */
+    void (*one)(const struct stage *stage, struct rng *rng, size_t i, struct ray *out);
+    unsigned tag;
+    /* Makes all rays; if `one` is NULL. */
+    enum status (*all)(const struct scene *scene, uint64_t seed, size_t count, struct ray *out,
+                       struct reason *reason);
     bool seedless; /* whatever the seed, the rays are the same */
 };
 
@@ -21,5 +27,11 @@ struct ray_set {
 extern const struct ray_set *const ray_sets[];
 
 const struct ray_set *ray_set_find(const char *name); /* or NULL */
+
+/* Fills `count` rays; ray i depends on (scene, seed, count) only. Rays have tmin 0 and tmax infinity
+ * (1e30f) unless the set's summary says otherwise. Errors: STATUS_INPUT no camera ray hits the scene
+ * (bounce), a camera that is not finite or too far away; STATUS_MEMORY. */
+enum status ray_set_make(const struct ray_set *set, const struct scene *scene, uint64_t seed,
+                         size_t count, struct ray *out, struct reason *reason) MUST_USE;
 
 #endif

@@ -1,8 +1,6 @@
 /* Ray sets that are random or aimed at features. */
 #include "scenes/rays/rays_stage.h"
 
-extern const struct ray_set ray_set_random, ray_set_vertices, ray_set_edges, ray_set_corners;
-
 static void random_ray(const struct stage *stage, struct rng *rng, size_t i, struct ray *out)
 {
     float org[3], dir[3];
@@ -62,51 +60,27 @@ static void corner_ray(const struct stage *stage, struct rng *rng, size_t i, str
     aim(stage, rng, i, target, out);
 }
 
-static enum status make_random(const struct scene *scene, uint64_t seed, size_t count,
-                               struct ray *out, struct reason *reason)
-{
-    (void)reason;
-    return stage_fill(scene, seed, STAGE_RANDOM, count, out, random_ray);
-}
-
-static enum status make_vertices(const struct scene *scene, uint64_t seed, size_t count,
-                                 struct ray *out, struct reason *reason)
-{
-    (void)reason;
-    return stage_fill(scene, seed, STAGE_VERTICES, count, out, vertex_ray);
-}
-
-static enum status make_edges(const struct scene *scene, uint64_t seed, size_t count,
-                              struct ray *out, struct reason *reason)
-{
-    (void)reason;
-    return stage_fill(scene, seed, STAGE_EDGES, count, out, edge_ray);
-}
-
-static enum status make_corners(const struct scene *scene, uint64_t seed, size_t count,
-                                struct ray *out, struct reason *reason)
-{
-    (void)reason;
-    return stage_fill(scene, seed, STAGE_CORNERS, count, out, corner_ray);
-}
-
 const struct ray_set ray_set_random = {
     .name = "random",
     .summary = "uniform origins in the scene's box enlarged by half, uniform directions",
-    .make = make_random,
+    .one = random_ray,
+    .tag = STAGE_RANDOM,
 };
 const struct ray_set ray_set_vertices = {
     .name = "vertices",
     .summary = "aimed at vertices, from inside and outside, off by 0, 1e-6 or 1e-3 extents",
-    .make = make_vertices,
+    .one = vertex_ray,
+    .tag = STAGE_VERTICES,
 };
 const struct ray_set ray_set_edges = {
     .name = "edges",
     .summary = "aimed at points of edges, from inside and outside, off by 0, 1e-6 or 1e-3 extents",
-    .make = make_edges,
+    .one = edge_ray,
+    .tag = STAGE_EDGES,
 };
 const struct ray_set ray_set_corners = {
     .name = "corners",
     .summary = "aimed at corners and faces of the boxes of scene and triangles, off likewise",
-    .make = make_corners,
+    .one = corner_ray,
+    .tag = STAGE_CORNERS,
 };

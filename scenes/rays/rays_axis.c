@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-extern const struct ray_set ray_set_axis;
-
 /* A coordinate that is likely to tie with something: of vertex `p`, of any other vertex, of the
  * middle of an edge, of the scene's border; or of nothing. */
 static float coordinate(const struct stage *stage, struct rng *rng, const float p[3], int k)
@@ -70,15 +68,9 @@ static void axis_ray(const struct stage *stage, struct rng *rng, size_t i, struc
     stage_ray(org, dir, out);
 }
 
-static enum status make(const struct scene *scene, uint64_t seed, size_t count, struct ray *out,
-                        struct reason *reason)
-{
-    (void)reason;
-    return stage_fill(scene, seed, STAGE_AXIS, count, out, axis_ray);
-}
-
 const struct ray_set ray_set_axis = {
     .name = "axis",
     .summary = "along an axis, other components 0 or -0, through vertices, borders and planes",
-    .make = make,
+    .one = axis_ray,
+    .tag = STAGE_AXIS,
 };

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-extern const struct ray_set ray_set_primary, ray_set_random, ray_set_bounce;
+extern const struct ray_set ray_set_random;
 
 /* Camera rays that are traced to bounce from: enough for variety, few enough for a large mesh. */
 #define PRIMARY_LEAST 4096
@@ -206,7 +206,7 @@ static enum status make_bounce(const struct scene *scene, uint64_t seed, size_t 
     if (count == 0)
         return STATUS_OK;
     if (scene->tri_count == 0)
-        return ray_set_random.make(scene, ~seed, count, out, reason);
+        return ray_set_make(&ray_set_random, scene, ~seed, count, out, reason);
     enum status status = check_camera(scene, reason);
     if (status)
         return status;
@@ -234,11 +234,11 @@ static enum status make_bounce(const struct scene *scene, uint64_t seed, size_t 
 const struct ray_set ray_set_primary = {
     .name = "primary",
     .summary = "through the pixels of a square picture of the scene's camera; no seed",
-    .make = make_primary,
+    .all = make_primary,
     .seedless = true,
 };
 const struct ray_set ray_set_bounce = {
     .name = "bounce",
     .summary = "cosine-distributed from where camera rays hit, half of them lifted off the face",
-    .make = make_bounce,
+    .all = make_bounce,
 };

@@ -3,8 +3,6 @@
 
 #include <float.h>
 
-extern const struct ray_set ray_set_ranges;
-
 /* The floats next to t >= 0. */
 static float above(float t)
 {
@@ -103,15 +101,9 @@ static void range_ray(const struct stage *stage, struct rng *rng, size_t i, stru
     cut(stage, rng, stage_aim(org, target, out), out);
 }
 
-static enum status make(const struct scene *scene, uint64_t seed, size_t count, struct ray *out,
-                        struct reason *reason)
-{
-    (void)reason;
-    return stage_fill(scene, seed, STAGE_RANGES, count, out, range_ray);
-}
-
 const struct ray_set ray_set_ranges = {
     .name = "ranges",
     .summary = "aimed at triangles with tmin and tmax at the hit, one float beside it, and around",
-    .make = make,
+    .one = range_ray,
+    .tag = STAGE_RANGES,
 };

@@ -28,18 +28,6 @@ struct rng stage_rng(const struct stage *stage, size_t i)
     return rng_make(stage->base, i);
 }
 
-enum status stage_fill(const struct scene *scene, uint64_t seed, enum stage_tag tag, size_t count,
-                       struct ray *out,
-                       void (*one)(const struct stage *, struct rng *, size_t i, struct ray *))
-{
-    struct stage stage = stage_make(scene, seed, tag);
-    for (size_t i = 0; i < count; i++) {
-        struct rng rng = stage_rng(&stage, i);
-        one(&stage, &rng, i, &out[i]);
-    }
-    return STATUS_OK;
-}
-
 void stage_direction(struct rng *rng, float dir[3])
 {
     float square;

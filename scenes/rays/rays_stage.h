@@ -35,11 +35,6 @@ struct stage stage_make(const struct scene *scene, uint64_t seed, enum stage_tag
 /* The random numbers of ray `i`. Neighbouring seeds share nothing. */
 struct rng stage_rng(const struct stage *stage, size_t i);
 
-/* Makes all rays of a set, each from its own random numbers. Returns STATUS_OK. */
-enum status stage_fill(const struct scene *scene, uint64_t seed, enum stage_tag tag, size_t count,
-                       struct ray *out,
-                       void (*one)(const struct stage *, struct rng *, size_t i, struct ray *));
-
 /* Uniform on the unit sphere. */
 void stage_direction(struct rng *rng, float dir[3]);
 

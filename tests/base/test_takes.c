@@ -87,8 +87,8 @@ static void ray_sets_are_seeded_as_they_say(void **state)
     (void)state;
     assert_int_equal(scene_open("sphere", 1, &scene, &reason), STATUS_OK);
     for (size_t i = 0; ray_sets[i]; i++) {
-        assert_int_equal(ray_sets[i]->make(&scene, 1, 256, a, &reason), STATUS_OK);
-        assert_int_equal(ray_sets[i]->make(&scene, 2, 256, b, &reason), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[i], &scene, 1, 256, a, &reason), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[i], &scene, 2, 256, b, &reason), STATUS_OK);
         if ((memcmp(a, b, sizeof a) == 0) != ray_sets[i]->seedless)
             fail_msg("ray set %s", ray_sets[i]->name);
     }

@@ -193,7 +193,8 @@ static struct played *play(const struct measure_field *f, const char *set, const
     struct played *p = calloc(1, sizeof *p);
     struct reason reason = {""};
     assert_non_null(p);
-    assert_int_equal(ray_set_find(set)->make(&f->scene, 5, RAYS, p->ray, &reason), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find(set), &f->scene, 5, RAYS, p->ray, &reason),
+                     STATUS_OK);
     if (oracle_closest(f->oracle, ORACLE_BRUTE, ORACLE_CLOSED, p->ray, RAYS, 0, p->truth, NULL,
                        &reason))
         fail_msg("%s", reason.text);

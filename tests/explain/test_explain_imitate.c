@@ -100,7 +100,7 @@ static struct imitate_stage stage_of(const char *spec, const char *layout, uint3
     assert_int_equal(scene_open(spec, 1, &s.scene, NULL), STATUS_OK);
     s.ray = calloc(RAYS, sizeof *s.ray);
     assert_non_null(s.ray);
-    assert_int_equal(ray_set_find(rays)->make(&s.scene, 1, RAYS, s.ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find(rays), &s.scene, 1, RAYS, s.ray, NULL), STATUS_OK);
     s.subject.packed = (struct packed){0};
     s.subject = subject_make(&s.scene, "median", leaf, SEED_EPS, layout);
     assert_int_equal(s.subject.status, STATUS_OK);
@@ -171,7 +171,7 @@ static void an_unpadded_far_plane_is_found(void **state)
     struct black_box engine = {.suspect = &s.suspect, .change = {0, DEFECT_NOT_PADDED, 0}};
     size_t found = 0;
     for (uint64_t seed = 1; seed < 20 && found == 0; seed++) {
-        assert_int_equal(ray_set_find("corners")->make(&s.scene, seed, RAYS, s.ray, NULL),
+        assert_int_equal(ray_set_make(ray_set_find("corners"), &s.scene, seed, RAYS, s.ray, NULL),
                          STATUS_OK);
         found =
             explain_wrong(&engine, s.ray, RAYS, 3, DEFECT_NOT_PADDED, CAUSE_BOX_PADDING_TOO_SMALL);

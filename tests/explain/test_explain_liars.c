@@ -202,7 +202,8 @@ static void make_rays(const struct liar *liar, const struct scene *scene, uint64
     for (size_t i = 0; i < RAYS && corridor; i++)
         ray[i] = corridor_ray(&rng, 2, ldexp(1.0, (int)(i % 8) - 16));
     if (liar->rays && !corridor)
-        assert_int_equal(ray_set_find(liar->rays)->make(scene, seed, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_set_find(liar->rays), scene, seed, RAYS, ray, NULL),
+                         STATUS_OK);
 }
 
 /* The first ray that the defect changes and that few rays at random tell of; its index. */
@@ -320,7 +321,8 @@ static void a_masked_bound_is_called_nothing_else(void **state)
         struct suspect suspect = suspect_make(&scene, &s.bvh, &s.packed, "robust", "mt");
         struct engine_of engine = {&suspect, {0}, NULL, false, &masked.packed};
         mask_bound(&masked.packed, (int)(seed % 6));
-        assert_int_equal(ray_set_find("vertices")->make(&scene, seed, 2000, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_set_find("vertices"), &scene, seed, 2000, ray, NULL),
+                         STATUS_OK);
         for (size_t i = 0, of_this = 0; i < 2000 && of_this < 3; i++) {
             struct explain_answer healthy = answer_of(&suspect, &ray[i]);
             struct hit hit;

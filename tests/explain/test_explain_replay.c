@@ -30,7 +30,7 @@ static struct scene opened(const char *spec)
 
 static void make_rays(const struct scene *scene, struct ray *ray, size_t count)
 {
-    assert_int_equal(ray_set_find("mixed")->make(scene, 3, count, ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find("mixed"), scene, 3, count, ray, NULL), STATUS_OK);
 }
 
 static void same_as_trace_ray(const struct subject *s, const struct ray *ray)

@@ -314,7 +314,8 @@ static void a_healthy_answer_has_no_cause(void **state)
         for (int l = 0; l < 2; l++) {
             struct scene scene;
             assert_int_equal(scene_open(specs[i], 1, &scene, NULL), STATUS_OK);
-            assert_int_equal(ray_set_find("random")->make(&scene, 1, 500, ray, NULL), STATUS_OK);
+            assert_int_equal(ray_set_make(ray_set_find("random"), &scene, 1, 500, ray, NULL),
+                             STATUS_OK);
             struct subject s = subject_repaired(&scene, l ? "rf16" : "f32");
             struct suspect suspect = suspect_make(&scene, &s.bvh, &s.packed, "robust", "mt");
             assert_cause(&suspect, ray, 500, CAUSE_NONE, 0);

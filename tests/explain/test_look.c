@@ -77,7 +77,8 @@ static void every_layout_and_test_is_counted_as_it_is_traversed(void **state)
     size_t subjects = 0;
     for (size_t i = 0; i < ARRAY_COUNT(specs); i++) {
         struct scene scene = generated(specs[i]);
-        assert_int_equal(ray_set_find("mixed")->make(&scene, 5, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_set_find("mixed"), &scene, 5, RAYS, ray, NULL),
+                         STATUS_OK);
         for (size_t b = 0; builders[b]; b++)
             for (size_t l = 0; layouts[l]; l++) {
                 struct subject s =
@@ -250,8 +251,8 @@ static void a_hit_lies_in_its_own_leaf(void **state)
     static struct ray ray[2000];
     for (size_t i = 0; i < ARRAY_COUNT(specs); i++) {
         struct scene scene = generated(specs[i]);
-        assert_int_equal(ray_set_find("mixed")->make(&scene, 9, ARRAY_COUNT(ray), ray, NULL),
-                         STATUS_OK);
+        assert_int_equal(
+            ray_set_make(ray_set_find("mixed"), &scene, 9, ARRAY_COUNT(ray), ray, NULL), STATUS_OK);
         for (size_t l = 0; l < ARRAY_COUNT(repaired); l++) {
             struct subject s = subject_make(&scene, "median", 4, SEED_EPS, repaired[l]);
             struct numbers *numbers = made(&s, "watertight", "woop");
@@ -310,7 +311,7 @@ static void only_quantisation_inflates(void **state)
     static struct ray ray[RAYS];
     struct scene scene = generated("terrain:k=4");
     double worst = 1.0;
-    assert_int_equal(ray_set_find("primary")->make(&scene, 1, RAYS, ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find("primary"), &scene, 1, RAYS, ray, NULL), STATUS_OK);
     for (size_t l = 0; l < ARRAY_COUNT(repaired); l++) {
         struct subject s = subject_make(&scene, "median", 4, SEED_EPS, repaired[l]);
         struct numbers *numbers = made(&s, "robust", "mt");

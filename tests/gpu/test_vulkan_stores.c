@@ -31,7 +31,7 @@ static void stage_make(const char *spec, uint32_t bits, struct stores_stage *s)
     if (bits)
         scene_free(&scene);
     gpu_must(builder_find("median")->build(&s->scene, &options, &s->bvh, &reason), &reason);
-    gpu_must(ray_sets[0]->make(&s->scene, 3, RAYS, s->ray, &reason), &reason);
+    gpu_must(ray_set_make(ray_sets[0], &s->scene, 3, RAYS, s->ray, &reason), &reason);
 }
 
 static void stage_free(struct stores_stage *s)

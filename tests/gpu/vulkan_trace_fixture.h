@@ -44,7 +44,7 @@ static struct gpu_case pack(struct scene scene, struct bvh bvh, const char *layo
     f.got = calloc(rays + 1, sizeof *f.got);
     assert_true(f.ray && f.expected && f.got);
     if (f.scene.tri_count)
-        gpu_must(ray_sets[0]->make(&f.scene, 3, rays, f.ray, &reason), &reason);
+        gpu_must(ray_set_make(ray_sets[0], &f.scene, 3, rays, f.ray, &reason), &reason);
     return f;
 }
 

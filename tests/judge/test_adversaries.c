@@ -154,7 +154,7 @@ static void make_rays(const struct cheat *cheat, const struct scene *scene, size
         from_afar(scene, cheat->amount, count, ray);
     else if (cheat->rays == RAYS_IN_PLANE)
         in_plane(scene, count, ray);
-    else if (ray_set_find(sets[cheat->rays])->make(scene, 5, count, ray, &reason))
+    else if (ray_set_make(ray_set_find(sets[cheat->rays]), scene, 5, count, ray, &reason))
         fail_msg("%s", reason.text);
     for (size_t i = 0; cheat->rays == RAYS_BAD && i < count; i += 2)
         ray[i].dir[i / 2 % 3] = i % 4 ? NAN : INFINITY;

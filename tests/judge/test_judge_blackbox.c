@@ -67,7 +67,8 @@ static void published_tests_are_never_wrong(void **state)
         for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
             struct judge_fixture *c = judge_fixture_open(specs[s], 7);
             judge_fixture_seat(c, unknown, QUERY_CLOSEST);
-            assert_int_equal(ray_sets[0]->make(&c->scene, 8 + s, each, ray, NULL), STATUS_OK);
+            assert_int_equal(ray_set_make(ray_sets[0], &c->scene, 8 + s, each, ray, NULL),
+                             STATUS_OK);
             for (size_t k = 0; k < each; k++) {
                 if (!ray_in_contract(&ray[k]))
                     continue;

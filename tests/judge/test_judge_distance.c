@@ -82,7 +82,7 @@ static void displaced_vertices_need_no_more_than_they_were_moved(void **state)
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
         struct judge_fixture *c = judge_fixture_open(specs[s], 7);
         judge_fixture_seat(c, unknown, QUERY_CLOSEST);
-        assert_int_equal(ray_sets[0]->make(&c->scene, 8, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[0], &c->scene, 8, RAYS, ray, NULL), STATUS_OK);
         for (size_t m = 0; m < ARRAY_COUNT(mosts); m++) {
             double worst = 0, bound = (double)mosts[m] * sqrt(3) + 2; /* 2: rounding of t */
             for (size_t i = 0; i < RAYS; i++) {
@@ -111,7 +111,7 @@ static void large_displacements_are_wrong(void **state)
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
         struct judge_fixture *c = judge_fixture_open(specs[s], 7);
         judge_fixture_seat(c, unknown, QUERY_CLOSEST);
-        assert_int_equal(ray_sets[0]->make(&c->scene, 9, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[0], &c->scene, 9, RAYS, ray, NULL), STATUS_OK);
         for (size_t i = 0; i < RAYS / 8; i++) {
             if (!ray_in_contract(&ray[i]))
                 continue;

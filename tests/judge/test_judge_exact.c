@@ -129,7 +129,7 @@ static void ask_of_scenes(struct exact_bench *b, size_t each)
         if (scene_open(specs[i], 7, &scene, &reason))
             fail_msg("%s", reason.text);
         open_all(b, scene);
-        assert_int_equal(ray_sets[0]->make(&b->fixture[0]->scene, 40 + i, each, ray, NULL),
+        assert_int_equal(ray_set_make(ray_sets[0], &b->fixture[0]->scene, 40 + i, each, ray, NULL),
                          STATUS_OK);
         for (size_t k = 0; k < each; k++)
             if (ray_in_contract(&ray[k]))

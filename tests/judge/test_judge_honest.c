@@ -90,7 +90,7 @@ static void known_engines_are_never_wrong(void **state)
             .tri = tri_tests[0],
             .repeats = 1,
             .brute_budget = UINT64_MAX};
-        assert_int_equal(ray_sets[0]->make(&scene, kind, RAYS, ray, &reason), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[0], &scene, kind, RAYS, ray, &reason), STATUS_OK);
         if (match_make(&scene, ray, RAYS, &options, &pool, &match, &reason))
             fail_msg("%s", reason.text);
         for (size_t t = 0; tri_tests[t]; t++) {
@@ -243,7 +243,7 @@ static void every_liberty_of_vulkan_is_within_the_bounds(void **state)
         struct judge_fixture *c = judge_fixture_open(specs[i], 5);
         size_t kept[VERDICT_COUNT] = {0};
         double worst = 0;
-        assert_int_equal(ray_sets[0]->make(&c->scene, 6, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[0], &c->scene, 6, RAYS, ray, NULL), STATUS_OK);
         for (size_t s = 3; s <= 4; s++)
             for (int again = 0; again < 6; again++) {
                 judge_fixture_seat(c, &subjects[s], QUERY_CLOSEST);

@@ -111,7 +111,7 @@ static void published_tests_stay_within(void **state)
         struct reason reason = {""};
         const struct model unknown = {.formula = TWIN_UNKNOWN};
         if (scene_open(specs[s], 3, &scene, &reason) || oracle_make(&scene, &oracle, &reason) ||
-            ray_set_find("edges")->make(&scene, 3, count, ray, &reason) ||
+            ray_set_make(ray_set_find("edges"), &scene, 3, count, ray, &reason) ||
             oracle_closest(oracle, ORACLE_TREE, ORACLE_CLOSED, ray, count, 1, truth, NULL,
                            &reason) ||
             judge_make(oracle, &scene, &unknown, tri_test_find("mt"), QUERY_ANY, &judge, &reason))
@@ -158,7 +158,8 @@ static void whoever_must_be_watertight_fails_if_a_fan_is_lost(void **state)
     (void)state;
     for (int must = 0; must < 2; must++) {
         struct fixture *f = prepare("sphere:n=8", "median", 4);
-        assert_int_equal(ray_set_find("edges")->make(&f->scene, 3, RAYS, f->ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_set_find("edges"), &f->scene, 3, RAYS, f->ray, NULL),
+                         STATUS_OK);
         f->options.demands.watertight = must;
         f->options.tri = tri_test_find("mt");
         start(f);

@@ -137,7 +137,7 @@ static void double_hits_are_counted(void **state)
     size_t off[2];
     for (int woop = 0; woop < 2; woop++) {
         struct fixture *f = prepare("sphere", "median", 4);
-        assert_int_equal(ray_set_find("vertices")->make(&f->scene, 3, RAYS, f->ray, NULL),
+        assert_int_equal(ray_set_make(ray_set_find("vertices"), &f->scene, 3, RAYS, f->ray, NULL),
                          STATUS_OK);
         f->options.tri = tri_test_find(woop ? "woop" : "mt");
         start(f);

@@ -155,7 +155,8 @@ static void every_path_gives_the_same_answer(void **state)
             for (size_t s = 0; s < ARRAY_COUNT(sets); s++) {
                 size_t count = COUNT / 8;
                 struct reason reason = {""};
-                if (ray_set_find(sets[s])->make(&scene, 7, count, ray, &reason) == STATUS_OK)
+                if (ray_set_make(ray_set_find(sets[s]), &scene, 7, count, ray, &reason) ==
+                    STATUS_OK)
                     compare_paths(&scene, (*g)->name, ray, count, &hits);
             }
         scene_free(&scene);

@@ -301,7 +301,7 @@ static int make_scene(void **state)
     struct reason reason;
     if (scene_open("sphere", 1, &scene, &reason))
         return -1;
-    return ray_sets[0]->make(&scene, 1, RAYS, rays, &reason) ? -1 : 0;
+    return ray_set_make(ray_sets[0], &scene, 1, RAYS, rays, &reason) ? -1 : 0;
 }
 
 static int free_scene(void **state)

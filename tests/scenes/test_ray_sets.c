@@ -205,7 +205,8 @@ static void a_camera_out_of_this_world_is_refused(void **state)
         for (size_t s = 0; s < ARRAY_COUNT(sets); s++) {
             struct ray ray[9];
             struct reason reason = {""};
-            assert_int_equal(ray_set_find(sets[s])->make(&scene, 1, 9, ray, &reason), STATUS_INPUT);
+            assert_int_equal(ray_set_make(ray_set_find(sets[s]), &scene, 1, 9, ray, &reason),
+                             STATUS_INPUT);
             assert_non_null(strstr(reason.text, "camera: coordinate y"));
         }
     }
@@ -277,7 +278,8 @@ static void nothing_to_bounce_from_is_said(void **state)
     struct ray ray[64], random[8];
     struct reason reason = {""};
     assert_int_equal(scene_make(3, 1, &scene), STATUS_OK); /* a point */
-    assert_int_equal(ray_set_find("bounce")->make(&scene, 1, 64, ray, &reason), STATUS_INPUT);
+    assert_int_equal(ray_set_make(ray_set_find("bounce"), &scene, 1, 64, ray, &reason),
+                     STATUS_INPUT);
     assert_non_null(strstr(reason.text, "nothing to bounce from"));
     make_rays("mixed", &scene, 1, 64, ray);
     make_rays("random", &scene, 1, 8, random);

@@ -46,7 +46,7 @@ static void every_ray_keeps_the_contract(void **state)
             break;
         for (size_t s = 0; ray_sets[s]; s++) {
             struct reason reason = {""};
-            enum status status = ray_sets[s]->make(&scene, 7, COUNT, ray, &reason);
+            enum status status = ray_set_make(ray_sets[s], &scene, 7, COUNT, ray, &reason);
             if (status) { /* only bounces may refuse, and only where nothing can be hit */
                 assert_string_equal(ray_sets[s]->name, "bounce");
                 assert_int_equal(status, STATUS_INPUT);

@@ -44,7 +44,8 @@ static inline struct fixture_stand stand_make(const char *spec, const char *rays
                &reason);
     stand.ray = calloc(ray_count, sizeof *stand.ray);
     assert_non_null(stand.ray);
-    stand_must(ray_set_find(rays)->make(&stand.scene, 1, ray_count, stand.ray, &reason), &reason);
+    stand_must(ray_set_make(ray_set_find(rays), &stand.scene, 1, ray_count, stand.ray, &reason),
+               &reason);
     return stand;
 }
 

@@ -32,7 +32,8 @@ static inline struct drivers_view view_make(const char *spec, const char *rays, 
     view.expected = calloc(ray_count, sizeof *view.expected);
     view.got = calloc(ray_count, sizeof *view.got);
     assert_true(view.ray && view.expected && view.got);
-    gpu_must(ray_set_find(rays)->make(&view.scene, 7, ray_count, view.ray, &reason), &reason);
+    gpu_must(ray_set_make(ray_set_find(rays), &view.scene, 7, ray_count, view.ray, &reason),
+             &reason);
     return view;
 }
 

@@ -39,7 +39,7 @@ static inline struct fixture *prepare(const char *spec, const char *builder, uin
     assert_non_null(f);
     if (scene_open(spec, 3, &f->scene, &f->reason))
         fail_msg("%s", f->reason.text);
-    assert_int_equal(ray_sets[0]->make(&f->scene, 3, RAYS, f->ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_sets[0], &f->scene, 3, RAYS, f->ray, NULL), STATUS_OK);
     f->options = (struct match_options){.builder = builder_find(builder),
                                         .build = {.leaf = leaf, .eps = BUILD_EPS_DEFAULT},
                                         .box = box_tests[0],

@@ -41,7 +41,7 @@ static inline void make_rays(const char *set, const struct scene *scene, uint64_
 {
     struct reason reason = {""};
     assert_non_null(ray_set_find(set));
-    if (ray_set_find(set)->make(scene, seed, count, out, &reason))
+    if (ray_set_make(ray_set_find(set), scene, seed, count, out, &reason))
         fail_msg("%s: %s", set, reason.text);
 }
 

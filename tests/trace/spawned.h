@@ -70,7 +70,7 @@ static inline void shoot(struct field *f, const char *set, const char *tri)
     struct ray *ray = calloc(RAYS, sizeof *ray);
     struct reason reason = {""};
     assert_non_null(ray);
-    if (ray_set_find(set)->make(&f->scene, 7, RAYS, ray, &reason))
+    if (ray_set_make(ray_set_find(set), &f->scene, 7, RAYS, ray, &reason))
         fail_msg("%s", reason.text);
     for (size_t i = 0; i < RAYS; i++) {
         struct oracle_answer truth = truth_of(f, &ray[i]);

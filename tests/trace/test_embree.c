@@ -124,7 +124,7 @@ static void embree_agrees_with_the_exact_truth(void **state)
         for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
             struct opened o = open_named(which);
             struct scene scene = generated(specs[s]);
-            assert_int_equal(ray_sets[0]->make(&scene, 5, RAYS, ray, NULL), STATUS_OK);
+            assert_int_equal(ray_set_make(ray_sets[0], &scene, 5, RAYS, ray, NULL), STATUS_OK);
             size_t closest = judged_hits(&o, &scene, QUERY_CLOSEST, ray, RAYS);
             size_t any = judged_hits(&o, &scene, QUERY_ANY, ray, RAYS);
             assert_true(closest > RAYS / 10);
@@ -145,7 +145,7 @@ static void modes_answer_as_single_rays(void **state)
     static struct ray ray[COUNT];
     static struct hit single[COUNT], hit[COUNT + 1];
     struct scene scene = generated("soup:n=300");
-    assert_int_equal(ray_sets[0]->make(&scene, 5, COUNT, ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_sets[0], &scene, 5, COUNT, ray, NULL), STATUS_OK);
     for (size_t i = 0; i < COUNT; i += 7)
         ray[i].tmin = -1; /* not taken */
     for (size_t mode = 0; embree_modes[mode]; mode++)

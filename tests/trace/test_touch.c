@@ -153,7 +153,7 @@ static void watching_changes_no_answer(void **state)
     static struct ray ray[RAYS];
     struct scene scene = generated("sphere:n=8");
     struct bvh bvh = median(&scene, 1);
-    assert_int_equal(ray_set_find("random")->make(&scene, 3, RAYS, ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find("random"), &scene, 3, RAYS, ray, NULL), STATUS_OK);
     for (size_t l = 0; l < ARRAY_COUNT(layout); l++) {
         struct watching w;
         watch(&w, layout[l], "indexed", false, &bvh, &scene);
@@ -192,7 +192,7 @@ static void watching_fast_changes_no_answer(void **state)
     struct bvh bvh = median(&scene, 1);
     struct reason reason;
     struct cache_sim cache;
-    assert_int_equal(ray_set_find("random")->make(&scene, 3, RAYS, ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find("random"), &scene, 3, RAYS, ray, NULL), STATUS_OK);
     assert_int_equal(fast_make(&bvh, &scene, &tree, &reason), STATUS_OK);
     assert_int_equal(cache_sim_make(large, &cache, &reason), STATUS_OK);
     for (size_t i = 0; i < RAYS; i++) {

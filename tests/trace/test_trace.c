@@ -82,7 +82,7 @@ static void a_tree_answers_what_is_exactly_true(void **state)
     for (size_t s = 0; s < ARRAY_COUNT(scenes); s++) {
         struct scene scene = generated(scenes[s]);
         struct bvh bvh = median(&scene, 1 + (uint32_t)s);
-        assert_int_equal(ray_sets[0]->make(&scene, s, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[0], &scene, s, RAYS, ray, NULL), STATUS_OK);
         for (size_t l = 0; l < ARRAY_COUNT(repaired); l++) {
             struct packed packed = pack(repaired[l], &bvh, &scene);
             check_tree(&packed, &scene, ray, scenes[s]);

@@ -23,7 +23,7 @@ static struct trace_counts work(const struct packed *packed, const struct scene 
 {
     static struct ray ray[RAYS];
     struct trace_counts counts = {0, 0};
-    assert_int_equal(ray_set_find(set)->make(scene, 1, RAYS, ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find(set), scene, 1, RAYS, ray, NULL), STATUS_OK);
     for (uint32_t i = 0; i < RAYS; i++)
         closest(packed, scene, &ray[i], &counts);
     return (struct trace_counts){counts.boxes / RAYS, counts.tris / RAYS};

@@ -163,7 +163,8 @@ static void f5_cut_inner_boxes_of_the_seeds_scene_lose_hits(void **state)
     struct scene scene = seed_scene();
     struct reason reason;
     uint32_t hits;
-    assert_int_equal(ray_set_find("random")->make(&scene, 1, RANDOM_RAYS, ray, &reason), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find("random"), &scene, 1, RANDOM_RAYS, ray, &reason),
+                     STATUS_OK);
     struct subject two = subject_make(&scene, "rtrs", 2, SEED_EPS, "f32");
     assert_int_equal(two.stats.node_count - two.stats.leaf_count, 25);
     assert_int_equal(two.stats.loose_count, 2);

@@ -99,7 +99,8 @@ static void f2_two_of_a_hundred_hits_in_the_seeds_scene_are_wrong(void **state)
     static struct hit expected[RANDOM_RAYS];
     struct scene scene = seed_scene();
     uint32_t hits = 0;
-    assert_int_equal(ray_set_find("random")->make(&scene, 1, RANDOM_RAYS, ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find("random"), &scene, 1, RANDOM_RAYS, ray, NULL),
+                     STATUS_OK);
     for (uint32_t i = 0; i < RANDOM_RAYS; i++) {
         trace_brute(&scene, tri_test_find("mt"), QUERY_CLOSEST, &ray[i], &expected[i]);
         hits += expected[i].prim != ABI_NO_PRIM;

@@ -106,7 +106,7 @@ static void what_is_stored_is_what_was_decoded(void **state)
         struct reason reason = {""};
         struct ray ray[RAYS];
         assert_int_equal(builder_find("median")->build(&decoded, &options, &bvh, NULL), STATUS_OK);
-        assert_int_equal(ray_sets[0]->make(&scene, 3, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[0], &scene, 3, RAYS, ray, NULL), STATUS_OK);
         assert_int_equal(packed_make(layouts[0], &bvh, &decoded, &base, NULL), STATUS_OK);
         if (packed_make_stored(layouts[0], tri_store_find("quantised"), &bvh, &decoded, &packed,
                                &reason) ||
@@ -252,7 +252,7 @@ static void what_moved_excuses_and_no_more(void **state)
             .query = query,
             .repeats = 1,
         };
-        assert_int_equal(ray_sets[0]->make(&scene, 3, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[0], &scene, 3, RAYS, ray, NULL), STATUS_OK);
         if (match_make(&decoded, ray, RAYS, &options, &pool, &match, &reason) ||
             match_pack(&match, layouts[0], &reason) ||
             original_make(&scene, &q, ray, RAYS, &original, &reason))
@@ -301,7 +301,7 @@ static void kinds_of_what_is_other_are_counted(void **state)
                                           .tri = tri_test_find("mt"),
                                           .query = QUERY_CLOSEST,
                                           .repeats = 1};
-    assert_int_equal(ray_set_find("random")->make(&scene, 3, RAYS, ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_set_find("random"), &scene, 3, RAYS, ray, NULL), STATUS_OK);
     if (match_make(&decoded, ray, RAYS, &options, &pool, &match, &reason) ||
         match_pack(&match, layouts[0], &reason) ||
         original_make(&scene, &q, ray, RAYS, &original, &reason))

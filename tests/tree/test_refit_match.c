@@ -25,7 +25,7 @@ static struct fixture *play_moved(const char *spec, const char *builder, struct 
     if (scene_open(spec, 3, &f->scene, &f->reason))
         fail_msg("%s", f->reason.text);
     scene_move(&f->scene, MOVED, 5);
-    assert_int_equal(ray_sets[0]->make(&f->scene, 3, RAYS, f->ray, NULL), STATUS_OK);
+    assert_int_equal(ray_set_make(ray_sets[0], &f->scene, 3, RAYS, f->ray, NULL), STATUS_OK);
     f->options.rest = rest;
     f->options.tri = tri_test_find("woop");
     start(f);

@@ -255,7 +255,7 @@ static void make_rays(const struct scene *scene, struct ray **ray)
     struct reason reason = {""};
     *ray = calloc(RAYS, sizeof **ray);
     assert_non_null(*ray);
-    if (ray_set_find("mixed")->make(scene, 7, RAYS, *ray, &reason))
+    if (ray_set_make(ray_set_find("mixed"), scene, 7, RAYS, *ray, &reason))
         fail_msg("%s", reason.text);
 }
 

@@ -131,7 +131,7 @@ static void every_storage_answers_as_indexed(void **state)
         struct scene scene = w == ON_GRID ? on_grid(scene_of(w)) : scene_of(w);
         struct bvh bvh = tree_of(&scene, 4);
         struct ray ray[RAYS];
-        assert_int_equal(ray_sets[0]->make(&scene, 3, RAYS, ray, NULL), STATUS_OK);
+        assert_int_equal(ray_set_make(ray_sets[0], &scene, 3, RAYS, ray, NULL), STATUS_OK);
         for (size_t l = 0; l < count; l++) {
             struct packed base;
             struct reason reason = {""};

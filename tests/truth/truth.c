@@ -121,7 +121,7 @@ static enum status play_rays(struct truth_campaign *c, struct ground *ground,
     ground->rays = set->name;
     ground->seed = seed;
     ground->count = count;
-    enum status status = set->make(&ground->scene, seed, count, ground->ray, reason);
+    enum status status = ray_set_make(set, &ground->scene, seed, count, ground->ray, reason);
     if (!status)
         status = oracle_closest(ground->oracle, ORACLE_TREE, ORACLE_CLOSED, ground->ray, count, 0,
                                 ground->truth, NULL, reason);
