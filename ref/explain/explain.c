@@ -96,7 +96,7 @@ static enum status explain_unfinished(const struct explain_case *the,
     if (out->replayed_end != REPLAY_DONE)
         repair_inside(the, out);
     else if ((answer->flags & ABI_FLAG_STACK) && !the->ask)
-        return STATUS_OK; /* only its own flag tells */
+        return STATUS_OK; /* its own flag is the only evidence */
     else if (answer->flags & (ABI_FLAG_STACK | ABI_FLAG_VISITS) || !(answer->flags & ABI_FLAG_LOOP))
         return explain_imitate(the, answer, out);
     else
@@ -145,7 +145,7 @@ enum status explain_make(const struct explain_case *the, const struct explain_an
         status = explain_answered(the, answer, out);
     } else {
         /* A miss, to learn what should have been answered. */
-        struct hit miss = {.prim = ABI_NO_PRIM};
+        const struct hit miss = hit_none();
         the->judge(the->judge_user, &the->ray, &miss, &out->opinion);
         out->opinion.allowed = false;
         out->opinion.text = "not finished";

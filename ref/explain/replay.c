@@ -337,7 +337,7 @@ enum replay_end replay_run(const struct explain_replay *replay, const struct rep
     s.ray = ray;
     s.notes = notes;
     s.watch = notes ? notes->watch : NULL;
-    s.best = (struct hit){.prim = ABI_NO_PRIM};
+    s.best = hit_none();
     s.tbest = ray->tmax;
     s.depth = 0;
     enum replay_end end = REPLAY_DONE;
@@ -355,6 +355,6 @@ enum replay_end replay_run(const struct explain_replay *replay, const struct rep
     } else {
         all(&s);
     }
-    *out = end == REPLAY_DONE ? s.best : (struct hit){.prim = ABI_NO_PRIM};
+    *out = end == REPLAY_DONE ? s.best : hit_none();
     return end;
 }

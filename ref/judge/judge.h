@@ -61,8 +61,8 @@ struct judgement {
     bool fan;       /* unknown formula: a hit inside a closed fan was lost, see judge_answer */
 };
 
-/* What an answer of an unknown formula may need of any triangle, in units, unless its model says
- * otherwise: above the 21.3 of Woop 2013 with Vulkan's loosest rounding. Where the worst published
+/* The displacement of any triangle that an answer of an unknown formula may need, in units, unless its
+ * model has another: above the 21.3 of Woop 2013 with Vulkan's loosest rounding. Where the worst published
  * test in float32 needs more, of slivers and near edge-on, that much is allowed
  * (ref/judge/judge_allowed.c). What lies beyond both is not rounding. */
 #define JUDGE_DISPLACEMENT_MOST 32.0

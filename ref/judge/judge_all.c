@@ -19,12 +19,10 @@ struct listing {
     struct list_judgement *out;
 };
 
-static const struct hit no_hit = {.prim = ABI_NO_PRIM};
-
-static void wrong(struct listing *l, enum wrong kind, const struct hit *at_fault)
+static void wrong(struct listing *l, enum wrong kind, struct hit at_fault)
 {
     judge_set_wrong(&l->out->judgement, kind);
-    l->out->at_fault = *at_fault;
+    l->out->at_fault = at_fault;
 }
 
 static bool is_wrong(const struct listing *l)
@@ -65,12 +63,12 @@ static void index_list(struct listing *l)
     for (size_t i = 1; i < l->count && !is_wrong(l); i++)
         if (slot[i].prim == slot[i - 1].prim) {
             double t = (double)l->hit[slot[i - 1].at].t;
-            wrong(l, WRONG_TWICE, &l->hit[slot[i].at]);
+            wrong(l, WRONG_TWICE, l->hit[slot[i].at]);
             expect(l, slot[i].prim, t, t);
         }
 }
 
-/* Each triangle listed, by itself. */
+/* Judges each listed triangle alone. */
 static void judge_listed(struct listing *l)
 {
     const struct oracle_answer nothing = {.prim = ABI_NO_PRIM}; /* not possible: a phantom */
@@ -85,7 +83,7 @@ static void judge_listed(struct listing *l)
         sum->displacement = fmax(sum->displacement, one.displacement);
         sum->share = fmax(sum->share, one.share);
         if (verdict == VERDICT_WRONG)
-            wrong(l, one.wrong, &l->hit[i]);
+            wrong(l, one.wrong, l->hit[i]);
         else
             need(l, verdict);
     }
@@ -97,7 +95,7 @@ static void judge_order(struct listing *l)
     for (size_t i = 1; i < l->count && !is_wrong(l); i++)
         if (l->hit[i - 1].t > l->hit[i].t) {
             double t = (double)l->hit[i].t;
-            wrong(l, WRONG_ORDER, &l->hit[i - 1]);
+            wrong(l, WRONG_ORDER, l->hit[i - 1]);
             expect(l, l->hit[i].prim, t, t);
         }
 }
@@ -151,7 +149,7 @@ static enum status left_out_by_distance(struct listing *l, const struct oracle_c
     }
     sum->fan = sum->fan || closed;
     if (loss.over > 1.0 || (l->judge->model.watertight && closed)) {
-        wrong(l, WRONG_MISSED, &no_hit);
+        wrong(l, WRONG_MISSED, hit_none());
         expect(l, crossing->prim, crossing->pair.t_lo, crossing->pair.t_hi);
     } else {
         need(l, loss.why);
@@ -166,7 +164,7 @@ static enum status left_out(struct listing *l, const struct oracle_crossing *cro
     enum status status = judge_cannot_miss(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
                                            (double)INFINITY, &l->found, NULL, &lost);
     if (lost) {
-        wrong(l, WRONG_MISSED, &no_hit);
+        wrong(l, WRONG_MISSED, hit_none());
         expect(l, crossing->prim, pair->t_lo, pair->t_hi);
     } else {
         need(l, judge_why_lost(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
@@ -204,7 +202,7 @@ static bool settled(struct listing *l)
     const struct judge *judge = l->judge;
     for (size_t i = 0; i < l->count; i++)
         if (l->hit[i].prim >= judge->scene->tri_count) {
-            wrong(l, WRONG_PHANTOM, &l->hit[i]); /* whatever the ray */
+            wrong(l, WRONG_PHANTOM, l->hit[i]); /* whatever the ray */
             return true;
         }
     if (!judge->in_contract || !ray_in_contract(l->ray)) {
@@ -214,7 +212,7 @@ static bool settled(struct listing *l)
     for (size_t i = 0; i < l->count; i++) {
         const struct hit *hit = &l->hit[i];
         if (!float_is_finite(hit->t) || !float_is_finite(hit->u) || !float_is_finite(hit->v)) {
-            wrong(l, WRONG_NOT_FINITE, hit);
+            wrong(l, WRONG_NOT_FINITE, *hit);
             return true;
         }
     }
@@ -227,7 +225,7 @@ enum status judge_list(const struct judge *judge, const struct ray *ray, const s
     struct listing l = {.judge = judge, .ray = ray, .hit = hit, .count = count, .out = out};
     size_t capacity = 0;
     *out = (struct list_judgement){.judgement = {.verdict = VERDICT_RIGHT, .expected = ABI_NO_PRIM},
-                                   .at_fault = no_hit};
+                                   .at_fault = hit_none()};
     if (settled(&l))
         return STATUS_OK;
     l.found.slot = alloc_zeroed(count, sizeof *l.found.slot);

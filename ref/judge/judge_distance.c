@@ -97,14 +97,14 @@ static bool weights_fit(const struct judge *judge, const struct hit *answer,
     double most = judge->displacement * tri->unit;
     if (ray_triangle_line_distance(p, tri) <= most && ray_triangle_distance(p, tri) <= most)
         return true;
-    /* No test accepts weights below 0; Embree's takes them for 0 from -2^-23 on. */
+    /* No test accepts weights below 0; Embree's replaces those from -2^-23 on by 0. */
     return u >= -JUDGE_SHARE && w >= -JUDGE_SHARE && u + w <= 1.0 + JUDGE_SHARE &&
            judge_weight_allowed(rounding, 1, u) && judge_weight_allowed(rounding, 2, w);
 }
 
-/* How far the answered point is from the triangle over what is allowed; *need gets it in units. A
+/* How far the answered point is from the triangle over what is allowed; *need: the same in units. A
  * test that is not backward stable may shift the point along the ray, out of the triangle, as long
- * as it stays near the plane, of a triangle that it may take for hit; then only that counts.
+ * as it stays near the plane, if it may accept the triangle; then only that counts.
  * *noise: the determinant's sign is open there, so that the point may be anywhere. */
 static double hit_over(const struct judge *judge, double t, const struct judge_rounding *rounding,
                        double *need, bool *noise)

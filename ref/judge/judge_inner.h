@@ -90,8 +90,8 @@ bool judge_can_answer(const struct judge *judge, const struct ray *ray, float v[
 /* The same for any answer in the range of the ray. */
 bool judge_can_hit(const struct judge *judge, const struct ray *ray, float v[3][3]);
 
-/* True if the formula, which takes triangle `v` for hit, may answer t: in the ray's range, or as
- * far outside as a comparison before the division lets it. */
+/* True if the formula, which accepts triangle `v`, may answer t: in the ray's range, or as far outside
+ * as a comparison before the division allows. */
 bool judge_may_keep(const struct judge *judge, const struct ray *ray, float v[3][3], float t);
 
 /* --- judge_unnamed.c --- */

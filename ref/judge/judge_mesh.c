@@ -30,23 +30,26 @@ static bool is_wall(const struct oracle_crossing *crossing)
     return crossing->pair.class == ORACLE_INSIDE && crossing->pair.range == ORACLE_WITHIN;
 }
 
-/* Parity of all walls from the origin on; *known is false if the origin is on one, or no direction
- * is generic. */
-static enum status parity_from(const struct oracle *oracle, const struct ray *ray,
-                               struct crossings *work, bool *known, unsigned *parity)
+static bool all_are_walls(const struct crossings *work)
+{
+    bool all = true;
+    for (size_t i = 0; i < work->count; i++)
+        all = all && is_wall(&work->list[i]);
+    return all;
+}
+
+/* Parity of all walls from the origin of a ray without ends; *known is false if the origin is on a
+ * wall, or no direction is generic. */
+static enum status parity_from(const struct oracle *oracle, struct ray ray, struct crossings *work,
+                               bool *known, unsigned *parity)
 {
     enum status status = STATUS_OK;
     *known = false;
     for (size_t d = 0; d < ARRAY_COUNT(generic) && !status && !*known; d++) {
-        struct ray probe = *ray;
-        probe.tmin = 0;
-        probe.tmax = INFINITY;
         for (int k = 0; k < 3; k++)
-            probe.dir[k] = generic[d][k];
-        status = cross(oracle, &probe, work);
-        *known = !status;
-        for (size_t i = 0; i < work->count && *known; i++)
-            *known = is_wall(&work->list[i]);
+            ray.dir[k] = generic[d][k];
+        status = cross(oracle, &ray, work);
+        *known = !status && all_are_walls(work);
         *parity = work->count % 2;
     }
     return status;
@@ -59,9 +62,7 @@ static enum status parity_of(const struct oracle *oracle, const struct ray *ray,
     struct ray whole = *ray;
     unsigned outside = 0;
     enum status status = cross(oracle, ray, work);
-    *known = true;
-    for (size_t i = 0; i < work->count; i++)
-        *known = *known && is_wall(&work->list[i]);
+    *known = all_are_walls(work);
     *parity = work->count % 2;
     if (status || *known)
         return status;
@@ -80,7 +81,7 @@ static enum status parity_of(const struct oracle *oracle, const struct ray *ray,
         }
     }
     if (!status && *known)
-        status = parity_from(oracle, ray, work, known, parity);
+        status = parity_from(oracle, whole, work, known, parity);
     *parity ^= outside;
     return status;
 }

@@ -1,4 +1,4 @@
-/* The triangle that an answer names, judged by itself. */
+/* The triangle that an answer names, judged alone. */
 #include "ref/judge/judge_inner.h"
 
 #include <math.h>
@@ -9,9 +9,9 @@
 /* Bounds of u and v, and of t in proportion, that decide alone; a choice of speed. */
 #define SHARP 0.25
 
-/* Where the determinant's sign is open the ray lies in the triangle's plane, as far as float32 can
- * tell: then a t that the formula can come to counts as on the triangle where the ray is inside
- * its box, and any other is the quotient of two roundings. */
+/* Where the determinant's sign is open the ray lies in the triangle's plane, within the precision of
+ * float32: then a possible t counts as on the triangle if the ray is inside its box there, and any
+ * other is the quotient of two roundings. */
 static bool on_the_triangle(const struct ray *ray, float v[3][3], double t)
 {
     for (int k = 0; k < 3; k++) {
@@ -50,7 +50,7 @@ enum verdict judge_by_pair(const struct judge *judge, const struct oracle_pair *
     return lies_in_plane(pair) ? VERDICT_IN_PLANE : VERDICT_BOUNDARY;
 }
 
-/* True if the bounds leave so much open that a replay may say more. */
+/* True if the bounds are so wide that a replay may decide more. */
 static bool says_little(const struct twin *twin)
 {
     return !(twin->t_err <= SHARP * fabs(twin->t_near)) || !(twin->u_err <= SHARP) ||

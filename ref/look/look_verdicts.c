@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define TOGETHER 256 /* answers that a thread takes at a time */
+#define TOGETHER 256 /* answers of a thread at a time */
 
 enum status verdicts_make(const struct oracle *oracle, const struct judge *judge,
                           const struct ray *ray, const struct hit *answer, size_t count,

@@ -11,7 +11,7 @@
 
 /* Below one hit in this many rays (and always without a hit) a row proves nothing. */
 #define VACUOUS_ONE_IN 1000
-/* Ray-triangle tests that engine brute may spend on being asked again. */
+/* Ray-triangle tests of engine brute for the rays that it traces again. */
 #define BRUTE_AGAIN 10000000u
 
 static struct job job_of(const struct match *match, const struct engine *engine)
@@ -125,7 +125,7 @@ void match_refused(const struct match *match, const struct layout *layout,
                         .reason = *reason};
 }
 
-/* Traces once more and marks rays whose answer differs in a bit. */
+/* Traces again and marks rays whose answer differs in a bit. */
 static enum status trace_again(struct match *match, const struct engine *engine, void *self,
                                size_t count, struct trace_report *report, struct row *row)
 {

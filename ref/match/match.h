@@ -185,7 +185,7 @@ struct match {
     struct packed packed;    /* of the layout last packed */
     struct hit *cpu;         /* engine cpu's hits on packed, or NULL if not yet traced */
     struct hit *answer;      /* of the engine last run */
-    struct hit *again;       /* the same asked once more */
+    struct hit *again;       /* its second answers */
     unsigned char *unstable; /* per ray: the two differ */
     struct {                 /* the last closest hits, for any-hit to be compared with */
         struct hit *hit;     /* room for all rays */
@@ -197,7 +197,7 @@ struct match {
 };
 
 /* Builds the tree (or takes the options') and decides every ray exactly: by the oracle's tree, and
- * as many as the options pay for by brute force too. Errors: STATUS_LIMIT the builder would never
+ * as many as the options pay for by brute force too. Errors: STATUS_LIMIT the builder would not
  * end; STATUS_UNSUPPORTED the oracle cannot run here; STATUS_MEMORY; STATUS_INTERNAL the oracle's
  * two ways contradict each other. */
 enum status match_make(const struct scene *scene, const struct ray *ray, size_t ray_count,

@@ -52,8 +52,8 @@ static bool differ(const struct all_hits *a, const struct all_hits *b, size_t i,
 {
     size_t m = a->first[i + 1] - a->first[i], n = b->first[i + 1] - b->first[i];
     for (size_t k = 0; k < m || k < n; k++) {
-        *one = k < m ? a->hit[a->first[i] + k] : (struct hit){.prim = ABI_NO_PRIM};
-        *other = k < n ? b->hit[b->first[i] + k] : (struct hit){.prim = ABI_NO_PRIM};
+        *one = k < m ? a->hit[a->first[i] + k] : hit_none();
+        *other = k < n ? b->hit[b->first[i] + k] : hit_none();
         if (memcmp(one, other, sizeof *one) != 0)
             return true;
     }
@@ -110,8 +110,7 @@ static void count_one(struct playing *p, size_t at, size_t i)
     }
     if (judgement->verdict == VERDICT_WRONG && row->judged)
         keep_finding(p, at + i, said, false);
-    p->match->answer[at + i] =
-        count ? p->hits.hit[p->hits.first[i]] : (struct hit){.prim = ABI_NO_PRIM};
+    p->match->answer[at + i] = count ? p->hits.hit[p->hits.first[i]] : hit_none();
 }
 
 /* Gets some lists from `at` on, judges and counts them; sets *done to how many. */

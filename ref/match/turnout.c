@@ -38,7 +38,7 @@ bool turnout_of_engine(const struct row *row, enum turnout_end *end)
 {
     switch (row->status) {
     case ROW_OK:
-    case ROW_VACUOUS: /* it fails by itself */
+    case ROW_VACUOUS: /* the row itself fails */
         *end = TURNOUT_ANSWERED;
         return true;
     case ROW_REFUSED:

@@ -24,7 +24,7 @@ enum turnout_end {
 struct turnout_one {
     char kind[16]; /* "engine", "layout", ... */
     char name[TURNOUT_NAME_MOST];
-    bool declines; /* an engine: what it refuses it refuses by itself */
+    bool declines; /* an engine: it can refuse for itself */
     size_t end[TURNOUT_ENDS];
     struct reason reason; /* why it did not answer, the first time */
 };
@@ -54,7 +54,7 @@ void turnout_rows(struct turnout *turnout, const struct row *row, size_t count);
 
 size_t turnout_asked(const struct turnout_one *one);
 
-/* The exit code that one asks for: EXIT_AGREE; EXIT_SKIPPED if it cannot run here; EXIT_MISMATCH if
+/* The exit code for one: EXIT_AGREE; EXIT_SKIPPED if it cannot run here; EXIT_MISMATCH if
  * it answered nothing, or an engine next to nothing (TURNOUT_ONE_IN). */
 int turnout_code(const struct turnout_one *one);
 /* The worst of all. */

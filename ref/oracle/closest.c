@@ -99,14 +99,13 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
                            unsigned threads, struct oracle_answer *out, struct oracle_stats *stats,
                            struct reason *reason)
 {
-    uint64_t pairs = 0, undecided = 0, wide = 0;
     size_t tiles = (count + TILE - 1) / TILE;
     int team = threads ? (int)threads : omp_get_max_threads();
     team = tiles < (size_t)team ? (int)tiles + (tiles == 0) : team;
     bool brute = path == ORACLE_BRUTE ||
                  (path == ORACLE_AUTO && oracle->scene->tri_count <= ORACLE_BRUTE_MOST);
     (void)reason;
-#pragma omp parallel num_threads(team) if (count > TILE) reduction(+ : pairs, undecided, wide)
+#pragma omp parallel num_threads(team) if (count > TILE)
     {
         unsigned long saved = environment_enter();
         struct work work = {.oracle = oracle, .ends = ends};
@@ -116,15 +115,13 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
             int size = count - first < TILE ? (int)(count - first) : TILE;
             closest_tile(&work, brute, ray + first, size, out + first);
         }
-        pairs += work.stats.pairs;
-        undecided += work.stats.undecided;
-        wide += work.stats.wide;
         environment_leave(saved);
-    }
-    if (stats) {
-        stats->pairs += pairs;
-        stats->undecided += undecided;
-        stats->wide += wide;
+#pragma omp critical(oracle_stats)
+        if (stats) {
+            stats->pairs += work.stats.pairs;
+            stats->undecided += work.stats.undecided;
+            stats->wide += work.stats.wide;
+        }
     }
     return STATUS_OK;
 }

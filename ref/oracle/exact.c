@@ -244,7 +244,7 @@ bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, s
     read_input(ray, v, &input);
     wide_input(&input, a, d);
     normal_of(a, n);
-    /* Drop an axis along which the plane is not seen edge-on: what is left is one to one, so the
+    /* Drop an axis along which the plane is not seen edge-on: the projection is one to one, so the
      * direction stays nonzero, and one of the two axes can measure t. */
     int drop = n[0].sign ? 0 : n[1].sign ? 1 : 2;
     int i = (drop + 1) % 3, j = (drop + 2) % 3, measure = d[i].sign ? i : j;

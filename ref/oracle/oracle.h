@@ -95,7 +95,7 @@ struct oracle; /* of one scene */
 
 /* Work done. */
 struct oracle_stats {
-    uint64_t pairs;     /* ray-triangle pairs looked at */
+    uint64_t pairs;     /* ray-triangle pairs tested */
     uint64_t undecided; /* of them, those that left the double filter */
     uint64_t wide;      /* of them, those that left __int128 too */
 };

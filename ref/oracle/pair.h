@@ -1,5 +1,4 @@
-/* One pair, decided: the filter first, integers where it cannot tell. For the oracle's own files.
- */
+/* One pair, decided: by the filter, or by integers if it cannot. For the oracle's own files. */
 #ifndef ORACLE_PAIR_H
 #define ORACLE_PAIR_H
 

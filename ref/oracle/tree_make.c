@@ -81,7 +81,7 @@ static struct oracle_split find_split(const struct oracle_part *part, uint32_t c
     return best;
 }
 
-/* Puts what goes left first; returns how many. Halves the list where no split tells them apart. */
+/* Moves the left part to the front; returns its size. Halves the list if no split separates it. */
 static uint32_t partition(struct oracle_part *part, uint32_t count, unsigned depth)
 {
     struct oracle_split split = {.axis = -1};

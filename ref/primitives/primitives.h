@@ -30,6 +30,12 @@ struct tri_test {
     bool core;       /* plays the hard cases unasked */
 };
 
+/* A miss. */
+static inline struct hit hit_none(void)
+{
+    return (struct hit){.prim = ABI_NO_PRIM};
+}
+
 /* NULL-terminated; the first is the default. */
 extern const struct box_test *const box_tests[];
 extern const struct tri_test *const tri_tests[];

@@ -83,7 +83,7 @@ static void walk_start(struct walk *w, const struct job *job, const struct wide 
     w->query = job->query;
     w->slab = slab_ray_make(ray);
     w->tri = tri_ray_make(ray);
-    w->best = (struct hit){.prim = ABI_NO_PRIM};
+    w->best = hit_none();
     w->tbest = ray->tmax;
     w->depth = 0;
     w->counts = (struct trace_counts){0};
@@ -104,7 +104,7 @@ enum status trace_ray(const struct job *job, const struct ray *ray, struct hit *
     struct walk w;
     walk_start(&w, job, NULL, ray);
     enum status status = walk_with(&w, job);
-    *out = status ? (struct hit){.prim = ABI_NO_PRIM} : w.best;
+    *out = status ? hit_none() : w.best;
     walk_count(&w, counts);
     return status;
 }
@@ -129,7 +129,7 @@ enum status trace_rays(const struct job *job, const struct ray *ray, size_t coun
         struct walk w;
         walk_start(&w, job, decoded, &ray[i]);
         bool finished = walk_with(&w, job) == STATUS_OK;
-        out[i] = finished ? w.best : (struct hit){.prim = ABI_NO_PRIM};
+        out[i] = finished ? w.best : hit_none();
         flag[i] = finished ? ABI_FLAG_DONE : ABI_FLAG_EXHAUSTED;
         if (work)
             work[i] = at_most(w.counts.boxes) << 16 | at_most(w.counts.tris);
@@ -157,7 +157,7 @@ void trace_brute(const struct scene *scene, const struct tri_test *tri, enum que
                  const struct ray *ray, struct hit *out)
 {
     struct tri_ray r = tri_ray_make(ray);
-    *out = (struct hit){.prim = ABI_NO_PRIM};
+    *out = hit_none();
     for (uint32_t prim = 0; prim < scene->tri_count; prim++) {
         float v[3][3];
         struct hit hit;

@@ -1,5 +1,5 @@
 /* The reference traversal, over any layout. Plain on purpose: it is compared bit for bit with the
- * shader, which was written anew (shaders/trace.glsl). */
+ * shader, which was written separately (shaders/trace.glsl). */
 #ifndef TRACE_H
 #define TRACE_H
 

@@ -160,7 +160,7 @@ static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide
 }
 
 /* Pushes the children of a wide node that are hit, the nearest last; of equal ones the first child
- * is taken for nearer. Returns false if the stack is full. */
+ * counts as nearer. Returns false if the stack is full. */
 static inline bool walk_wide(struct walk *w, uint32_t box_id, const struct wide *node)
 {
     uint32_t base = w->depth;

@@ -146,6 +146,32 @@ static void put_rounded(const struct liberty *k, double relative, double s, doub
         put(out, 0.0);
 }
 
+/* Returns x + y - sum, exactly (Knuth). */
+static double sum_tail(double x, double y, double sum)
+{
+    double back = sum - x;
+    return (x - (sum - back)) + (y - back);
+}
+
+/* Lists what all pairs of numbers may come to, unless that is not known; out->count < 0 before. */
+static void list_pairs(const struct liberty *k, double relative, bool sum, const struct scatter *a,
+                       const struct scatter *b, struct scatter *out)
+{
+    if (relative > 2.0 || !a->count || !b->count)
+        return;
+    out->count = 0;
+    for (int i = 0; i < a->count && out->count >= 0; i++)
+        for (int j = 0; j < b->count && out->count >= 0; j++) {
+            double x = a->value[i], y = b->value[j], total = x + y, product = x * y;
+            if (sum)
+                put_rounded(k, relative, total, sum_tail(x, y, total), out);
+            else
+                put_rounded(k, relative, product, 0.0, out); /* exact: 48 bits */
+            if (!sum && k->fuses)
+                put(out, product);
+        }
+}
+
 /* --- bounds ---------------------------------------------------------------------------------- */
 
 /* From the bounds of exact results to those of rounded ones. `sum`: exact below the normal range if
@@ -223,13 +249,6 @@ static double away(double x, double tail, double to)
     return tail != 0.0 ? nextafter(x, to) : x;
 }
 
-/* x + y = result + what is returned, exactly (Knuth). */
-static double sum_tail(double x, double y, double sum)
-{
-    double back = sum - x;
-    return (x - (sum - back)) + (y - back);
-}
-
 struct scatter scatter_add(const struct liberty *k, const struct scatter *p,
                            const struct scatter *q)
 {
@@ -242,14 +261,7 @@ struct scatter scatter_add(const struct liberty *k, const struct scatter *p,
     out.lo = away(out.lo, sum_tail(a.lo, b.lo, out.lo), -INFINITY);
     out.hi = away(out.hi, sum_tail(a.hi, b.hi, out.hi), INFINITY);
     out.grid = a.grid < b.grid ? a.grid : b.grid;
-    if (relative <= 2.0 && a.count && b.count) {
-        out.count = 0;
-        for (int i = 0; i < a.count && out.count >= 0; i++)
-            for (int j = 0; j < b.count && out.count >= 0; j++) {
-                double sum = a.value[i] + b.value[j];
-                put_rounded(k, relative, sum, sum_tail(a.value[i], b.value[j], sum), &out);
-            }
-    }
+    list_pairs(k, relative, true, &a, &b, &out);
     round_bounds(k, relative, true, &out);
     settle(&out);
     return out;
@@ -287,16 +299,7 @@ struct scatter scatter_mul(const struct liberty *k, const struct scatter *p,
         return unknown();
     product_bounds(&a, &b, &out);
     int grid = out.grid;
-    if (relative <= 2.0 && a.count && b.count) {
-        out.count = 0;
-        for (int i = 0; i < a.count && out.count >= 0; i++)
-            for (int j = 0; j < b.count && out.count >= 0; j++) {
-                double product = a.value[i] * b.value[j]; /* exact: 48 bits */
-                put_rounded(k, relative, product, 0.0, &out);
-                if (k->fuses)
-                    put(&out, product);
-            }
-    }
+    list_pairs(k, relative, false, &a, &b, &out);
     round_bounds(k, relative, false, &out); /* the exact products are in them, too */
     settle(&out);
     if (k->fuses && !is_unknown(&out) && !scatter_is_zero(&out))

@@ -75,7 +75,7 @@ FORMULA struct outcome along_axis(const struct rules *k, const struct input *in,
     return out;
 }
 
-/* The wider of two bounds, of lanes where `take` says that the second counts; `chosen`: C's axis.
+/* The wider of two bounds, of lanes where `take` is true for the second; `chosen`: C's axis.
  */
 STEP struct bounded wider(mask take, mask chosen, struct bounded a, struct bounded b)
 {

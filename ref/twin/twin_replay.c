@@ -165,7 +165,7 @@ static void depths(const struct replay *w, const struct scatter z[3], struct quo
     out->pad = 16.0 * r->tiny * (1.0 + most);
 }
 
-/* Axes are turned as the formula wants them. Edge functions are not contracted (ref/primitives/
+/* Axes are in the order of the formula (twin_axes). Edge functions are not contracted (ref/primitives/
  * tri.h), so that x y - y x of equal vertices is 0. */
 static bool woop(const struct replay *w)
 {

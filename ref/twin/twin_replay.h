@@ -10,8 +10,8 @@ struct replay_answer {
     double lo[3], hi[3];
 };
 
-/* True unless no evaluation of `formula` with these liberties takes the triangle for hit and
- * answers so. The ray is in contract. Bounds and lists are wider than what is possible, so that
+/* True unless no evaluation of `formula` with these liberties accepts the triangle and gives this
+ * answer. The ray is in contract. Bounds and lists are wider than what is possible, so that
  * true proves nothing. Equal vertices are taken to come to equal numbers, as the same operations of
  * the same numbers do. */
 bool replay_can_answer(enum twin_formula formula, const struct liberty *liberty,

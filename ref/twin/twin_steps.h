@@ -46,8 +46,8 @@ struct bounded {
     real x, e;
 };
 
-/* A rounding, ready for use. Of a fuzzing run's own time most goes into the steps below, so they
- * are inlined and what depends on the rounding alone is computed once. */
+/* A rounding, ready for use. Most of a fuzzing run's own time goes into the steps below, so they are
+ * inlined, and what depends only on the rounding is computed once. */
 struct rules {
     double add, mul, div; /* relative */
     double tiny, flush;   /* what a subnormal operand or result may lose */
