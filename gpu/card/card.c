@@ -10,6 +10,7 @@
 
 #define GROUP       64u
 #define TRIPLES     8192u
+#define FUNCTIONS   5u /* sqrt, inversesqrt, fma, min, max: results of probe_card */
 #define PAIRS       4u /* the first triples: operands for min and max */
 #define WORDS       (3u * 65536u)
 #define CODES       65536u
@@ -80,52 +81,58 @@ static void judge_root(struct card_root *root, double want, float got)
     root->worst_ulp = ulp > root->worst_ulp ? ulp : root->worst_ulp;
 }
 
-static struct card_pair pair_of(const float (*got)[5], uint32_t op)
+/* Of an operator's results: one for each of the first triples, FUNCTIONS floats apart. */
+static struct card_pair pair_of(const float *got)
 {
-    return (struct card_pair){got[1][op], got[0][op], got[2][op], got[3][op]};
+    return (struct card_pair){got[FUNCTIONS], got[0], got[2 * FUNCTIONS], got[3 * FUNCTIONS]};
+}
+
+/* Runs a probe on all triples: *out, the caller's to free, has `columns` floats for each. */
+static enum status run_on_triples(struct vk *vk, const char *name, const struct triple *triple,
+                                  uint32_t columns, float **out, struct reason *reason)
+{
+    const uint32_t count = TRIPLES;
+    *out = alloc_zeroed(TRIPLES, columns * sizeof **out);
+    if (!*out)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for a probe");
+    return run(vk, name, GROUP, &count, sizeof count, TRIPLES / GROUP, triple,
+               TRIPLES * sizeof *triple, *out, TRIPLES * columns * sizeof **out, reason);
 }
 
 static enum status measure_functions(struct vk *vk, const struct triple *triple, struct card *out,
                                      struct reason *reason)
 {
-    const uint32_t count = TRIPLES;
-    float(*got)[5] = alloc_zeroed(TRIPLES, sizeof *got);
-    if (!got)
-        return fail(reason, STATUS_MEMORY, "vulkan: no memory for a probe");
-    enum status status = run(vk, "probe_card", GROUP, &count, sizeof count, TRIPLES / GROUP, triple,
-                             TRIPLES * sizeof *triple, got, TRIPLES * sizeof *got, reason);
+    float *all;
+    enum status status = run_on_triples(vk, "probe_card", triple, FUNCTIONS, &all, reason);
     for (uint32_t i = PAIRS; i < TRIPLES && !status; i++) {
         const struct triple *t = triple + i;
+        const float *got = all + FUNCTIONS * i;
         float product = t->a * t->b;
-        choose(&out->fma, product + t->c, fmaf(t->a, t->b, t->c), got[i][2]);
+        choose(&out->fma, product + t->c, fmaf(t->a, t->b, t->c), got[2]);
         if (t->a > 0) {
-            judge_root(&out->sqrt, sqrt((double)t->a), got[i][0]);
-            judge_root(&out->inversesqrt, 1.0 / sqrt((double)t->a), got[i][1]);
+            judge_root(&out->sqrt, sqrt((double)t->a), got[0]);
+            judge_root(&out->inversesqrt, 1.0 / sqrt((double)t->a), got[1]);
         }
     }
     if (!status) {
-        out->min = pair_of((const float(*)[5])got, 3);
-        out->max = pair_of((const float(*)[5])got, 4);
+        out->min = pair_of(all + 3);
+        out->max = pair_of(all + 4);
     }
-    free(got);
+    free(all);
     return status;
 }
 
 static enum status measure_freedom(struct vk *vk, const struct triple *triple, struct card *out,
                                    struct reason *reason)
 {
-    const uint32_t count = TRIPLES;
-    float(*got)[2] = alloc_zeroed(TRIPLES, sizeof *got);
-    if (!got)
-        return fail(reason, STATUS_MEMORY, "vulkan: no memory for a probe");
-    enum status status = run(vk, "probe_free", GROUP, &count, sizeof count, TRIPLES / GROUP, triple,
-                             TRIPLES * sizeof *triple, got, TRIPLES * sizeof *got, reason);
+    float *got;
+    enum status status = run_on_triples(vk, "probe_free", triple, 2, &got, reason);
     for (uint32_t i = PAIRS; i < TRIPLES && !status; i++) {
         const struct triple *t = triple + i;
         float product = t->a * t->b, difference = t->a - t->b;
         float ac = t->a * t->c, bc = t->b * t->c;
-        choose(&out->contraction, product + t->c, fmaf(t->a, t->b, t->c), got[i][0]);
-        choose(&out->distribution, difference * t->c, ac - bc, got[i][1]);
+        choose(&out->contraction, product + t->c, fmaf(t->a, t->b, t->c), got[2 * i]);
+        choose(&out->distribution, difference * t->c, ac - bc, got[2 * i + 1]);
     }
     free(got);
     return status;

@@ -33,21 +33,20 @@ static void choice_text(const char *label, const struct card_choice *choice, con
     text_append(text, text_bytes, LABEL, label);
     if (choice->plain == choice->telling)
         text_append(text, text_bytes, "as written, each operation rounded (%u of %u telling)\n",
-                    (unsigned)choice->plain, (unsigned)choice->telling);
+                    choice->plain, choice->telling);
     else if (choice->other == choice->telling)
-        text_append(text, text_bytes, "%s (%u of %u telling)\n", other, (unsigned)choice->other,
-                    (unsigned)choice->telling);
+        text_append(text, text_bytes, "%s (%u of %u telling)\n", other, choice->other,
+                    choice->telling);
     else
         text_append(text, text_bytes, "of %u telling %u as written, %u %s, %u neither\n",
-                    (unsigned)choice->telling, (unsigned)choice->plain, (unsigned)choice->other,
-                    other, (unsigned)choice->neither);
+                    choice->telling, choice->plain, choice->other, other, choice->neither);
 }
 
 static void root_text(const char *label, const struct card_root *root, char *text,
                       size_t text_bytes)
 {
     text_append(text, text_bytes, LABEL "%u of %u differ from the nearest, at most %u ulp\n", label,
-                (unsigned)root->differs, (unsigned)root->count, (unsigned)root->worst_ulp);
+                root->differs, root->count, root->worst_ulp);
 }
 
 static void halves_text(const struct card *card, char *text, size_t text_bytes)
@@ -57,17 +56,16 @@ static void halves_text(const struct card *card, char *text, size_t text_bytes)
     text_append(text, text_bytes,
                 LABEL "zeros, normal, infinite, NaN: %u wrong; subnormal: %u kept, %u zero, %u "
                       "wrong\n",
-                "unpackHalf2x16", (unsigned)unpack->wrong, (unsigned)unpack->kept,
-                (unsigned)unpack->flushed, (unsigned)unpack->subnormal_wrong);
+                "unpackHalf2x16", unpack->wrong, unpack->kept, unpack->flushed,
+                unpack->subnormal_wrong);
     text_append(text, text_bytes, LABEL "%u of %u are not the nearest half", "packHalf2x16",
-                (unsigned)pack->differs, (unsigned)pack->count);
+                pack->differs, pack->count);
     if (pack->differs)
         text_append(text, text_bytes,
                     ": %u from 65520, %u below 2^-14, %u between; %u no neighbour; %a gives "
                     "%04x, nearest %04x",
-                    (unsigned)pack->overflow, (unsigned)pack->tiny, (unsigned)pack->normal,
-                    (unsigned)pack->beyond, (double)pack->example, (unsigned)pack->example_got,
-                    (unsigned)pack->example_nearest);
+                    pack->overflow, pack->tiny, pack->normal, pack->beyond, (double)pack->example,
+                    pack->example_got, pack->example_nearest);
     text_append(text, text_bytes, "\n");
 }
 
@@ -80,13 +78,13 @@ static void loop_text(const struct card_loop *loop, char *text, size_t text_byte
 {
     if (!loop_is_cut(loop)) {
         text_append(text, text_bytes, LABEL "run to their end (%u iterations)\n", "loops",
-                    (unsigned)loop->asked[1]);
+                    loop->asked[1]);
         return;
     }
     text_append(text, text_bytes,
                 LABEL "ENDED EARLY, silently: %u of %u; two in turn %u of %u; nested %u of %u\n",
-                "loops", (unsigned)loop->ran[0], (unsigned)loop->asked[0], (unsigned)loop->ran[1],
-                (unsigned)loop->asked[1], (unsigned)loop->ran[2], (unsigned)loop->asked[2]);
+                "loops", loop->ran[0], loop->asked[0], loop->ran[1], loop->asked[1], loop->ran[2],
+                loop->asked[2]);
 }
 
 void card_text(const struct card *card, char *text, size_t text_bytes)

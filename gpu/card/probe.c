@@ -234,8 +234,8 @@ void probe_text(const struct probe_op op[PROBE_OPS], char *text, size_t text_byt
     for (uint32_t k = 0; k < PROBE_OPS; k++)
         if (!op[k].ordinary_differs && op[k].special_differs &&
             op[k].flushed == op[k].special_differs) {
-            text_append(text, text_bytes, "%s %s (%u of %u)", lead, op[k].name,
-                        (unsigned)op[k].flushed, (unsigned)op[k].special);
+            text_append(text, text_bytes, "%s %s (%u of %u)", lead, op[k].name, op[k].flushed,
+                        op[k].special);
             lead = "";
         }
     if (!lead[0])
@@ -245,7 +245,6 @@ void probe_text(const struct probe_op op[PROBE_OPS], char *text, size_t text_byt
             text_append(text, text_bytes,
                         "%s: %u of %u differ, at most %u ulp; %u of %u with zeros, subnormals, "
                         "infinities or NaN, %u of them by flushing\n",
-                        op[k].name, (unsigned)op[k].ordinary_differs, (unsigned)op[k].ordinary,
-                        (unsigned)op[k].worst_ulp, (unsigned)op[k].special_differs,
-                        (unsigned)op[k].special, (unsigned)op[k].flushed);
+                        op[k].name, op[k].ordinary_differs, op[k].ordinary, op[k].worst_ulp,
+                        op[k].special_differs, op[k].special, op[k].flushed);
 }

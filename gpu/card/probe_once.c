@@ -14,17 +14,14 @@ enum status probe_once(struct vk *vk, const struct probe_job *job, struct reason
     struct vk_time time;
     enum status status = vk_pipeline_make(vk, &make, &pipeline, reason);
     if (!status)
-        status = vk_buffer_make(vk, job->in_bytes, &buffer[0], reason);
+        status = vk_buffer_make_of(vk, job->in, job->in_bytes, &buffer[0], reason);
     if (!status)
         status = vk_buffer_make(vk, job->out_bytes, &buffer[1], reason);
-    if (!status)
-        status = vk_buffer_write(vk, buffer[0], 0, job->in, job->in_bytes, reason);
     if (!status)
         status = vk_dispatch(vk, pipeline, buffer, job->push, job->groups, &time, reason);
     if (!status)
         status = vk_buffer_read(vk, buffer[1], 0, job->out, job->out_bytes, reason);
-    vk_buffer_free(vk, buffer[0]);
-    vk_buffer_free(vk, buffer[1]);
+    vk_buffers_free(vk, buffer, ARRAY_COUNT(buffer));
     vk_pipeline_free(vk, pipeline);
     return status;
 }

@@ -55,8 +55,8 @@ static enum status make_general(const struct frame_job *job, struct frame_dispat
         return fail(reason, STATUS_LIMIT,
                     "vulkan: the pipeline for every scene has room for %u lights and %u bounces, "
                     "not for %u and %u",
-                    FRAME_GENERAL_LIGHTS, FRAME_GENERAL_BOUNCES, (unsigned)job->light_count,
-                    (unsigned)job->look.bounces);
+                    FRAME_GENERAL_LIGHTS, FRAME_GENERAL_BOUNCES, job->light_count,
+                    job->look.bounces);
     out->constant[ABI_SPEC_STACK] =
         job->job.packed ? layout_stack_most(job->job.packed->layout) : ABI_STACK_MAX;
     out->constant[ABI_SPEC_BOUNCES] = FRAME_GENERAL_BOUNCES;
@@ -82,7 +82,7 @@ static enum status find_shader(const struct frame_job *job, bool brute, struct f
     char name[64] = "render_brute";
     enum status status = STATUS_OK;
     if (!brute) {
-        (void)snprintf(name, sizeof name, "render_%s", layout_shader(job->job.packed->layout));
+        snprintf(name, sizeof name, "render_%s", layout_shader(job->job.packed->layout));
         status = dispatch_tree(&job->job, 1, &trace, reason);
         out->push.root = trace.push.root;
         out->push.node_count = trace.push.node_count;
@@ -132,8 +132,8 @@ enum status frame_dispatch_make(const struct frame_job *job, bool brute,
     frame_dispatch_plan(out, plan_of(job, brute));
     if (tile * tile > limits->group_size)
         return fail(reason, STATUS_UNSUPPORTED,
-                    "vulkan: tiles of %u x %u: %s allows %u invocations", (unsigned)tile,
-                    (unsigned)tile, limits->device, (unsigned)limits->group_size);
+                    "vulkan: tiles of %u x %u: %s allows %u invocations", tile, tile,
+                    limits->device, limits->group_size);
     enum status status = find_shader(job, brute, out, reason);
     if (!status && job->general)
         status = make_general(job, out, reason);

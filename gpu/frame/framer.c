@@ -22,10 +22,7 @@ struct framer *framer_make(struct vk *vk, bool brute)
 
 static void free_buffers(struct framer *framer)
 {
-    for (uint32_t i = 0; i < FRAME_BINDINGS; i++) {
-        vk_buffer_free(framer->vk, framer->buffer[i]);
-        framer->buffer[i] = NULL;
-    }
+    vk_buffers_free(framer->vk, framer->buffer, FRAME_BINDINGS);
 }
 
 void framer_free(struct framer *framer)
@@ -48,15 +45,6 @@ uint32_t framer_pipelines(const struct framer *framer)
 }
 
 /* --- preparation ------------------------------------------------------------------------------ */
-
-static enum status upload(struct framer *framer, uint32_t binding, const void *data, uint64_t bytes,
-                          struct reason *reason)
-{
-    enum status status = vk_buffer_make(framer->vk, bytes, &framer->buffer[binding], reason);
-    if (!status && bytes)
-        status = vk_buffer_write(framer->vk, framer->buffer[binding], 0, data, bytes, reason);
-    return status;
-}
 
 /* Lights, triangles and materials one after the other. */
 static enum status upload_shading(struct framer *framer, const struct frame_job *job,
@@ -83,11 +71,13 @@ static enum status upload_shading(struct framer *framer, const struct frame_job 
 static enum status upload_tree(struct framer *framer, const struct packed *packed,
                                struct reason *reason)
 {
-    enum status status = upload(framer, ABI_BIND_NODES, framer->brute ? NULL : packed->word,
-                                framer->brute ? 0 : packed_node_bytes(packed), reason);
+    static const struct packed none;
+    const struct packed *tree = framer->brute ? &none : packed;
+    enum status status = vk_buffer_make_of(framer->vk, tree->word, packed_node_bytes(tree),
+                                           &framer->buffer[ABI_BIND_NODES], reason);
     return status ? status
-                  : upload(framer, ABI_BIND_ITEMS, framer->brute ? NULL : packed->item,
-                           framer->brute ? 0 : packed_item_bytes(packed), reason);
+                  : vk_buffer_make_of(framer->vk, tree->item, packed_item_bytes(tree),
+                                      &framer->buffer[ABI_BIND_ITEMS], reason);
 }
 
 static uint32_t first_batch(const struct frame_dispatch *dispatch)
@@ -170,9 +160,9 @@ static enum status rows_at_once(const struct framer *framer, uint32_t look, uint
     *out = (uint32_t)rows;
     if (rows == 0)
         return fail(reason, STATUS_LIMIT,
-                    "vulkan: %u rows of %u pixels need buffers of %llu bytes, %s allows %llu",
-                    (unsigned)tile, (unsigned)width, (unsigned long long)(worst * tile),
-                    limits->device, (unsigned long long)limits->buffer_bytes);
+                    "vulkan: %u rows of %u pixels need buffers of %llu bytes, %s allows %llu", tile,
+                    width, (unsigned long long)(worst * tile), limits->device,
+                    (unsigned long long)limits->buffer_bytes);
     return STATUS_OK;
 }
 
@@ -187,9 +177,7 @@ static enum status reserve(struct framer *framer, uint32_t look, uint32_t rows,
                                head_bytes(framer, per_pixel[i]);
         if (*buffer && vk_buffer_bytes(*buffer) >= bytes)
             continue;
-        vk_buffer_free(framer->vk, *buffer);
-        *buffer = NULL;
-        status = vk_buffer_make(framer->vk, bytes, buffer, reason);
+        status = vk_buffer_grow(framer->vk, bytes, buffer, reason);
         if (status || per_pixel[i] != ABI_BIND_PIXELS)
             continue;
         void *zero = alloc_zeroed(bytes, 1);
@@ -216,8 +204,8 @@ static enum status check_pixels(struct framer *framer, const struct slab *slab, 
             *trouble = old ? 0 : flags & ((1u << ABI_FLAG_BITS) - 1);
             return fail(
                 reason, STATUS_DEVICE, "vulkan: %s: the path of pixel %u,%u was not finished: %s",
-                vk_limits(framer->vk)->device, (unsigned)(i % framer->job.width),
-                (unsigned)(slab->first_row + i / framer->job.width), dispatch_cause(*trouble));
+                vk_limits(framer->vk)->device, (uint32_t)(i % framer->job.width),
+                (uint32_t)(slab->first_row + i / framer->job.width), dispatch_cause(*trouble));
         }
         pixel[i] |= 0xFF000000u;
     }

@@ -152,8 +152,7 @@ static bool check_tracing(const struct module *m, size_t at, const struct instru
         return true;
     char what[64];
     name = find(refused_ext, ARRAY_COUNT(refused_ext), i->word[4]);
-    (void)snprintf(what, sizeof what, "GLSL.std.450 %s (%u)", name ? name : "instruction",
-                   (unsigned)i->word[4]);
+    snprintf(what, sizeof what, "GLSL.std.450 %s (%u)", name ? name : "instruction", i->word[4]);
     return complain(m, at, what, "refused in tracing shaders: its rounding is not promised");
 }
 

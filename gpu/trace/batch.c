@@ -45,14 +45,12 @@ enum status batch_make(struct vk *vk, uint32_t workgroup, size_t ray_count, bool
     const uint64_t most = least_of(rays_at_once(out), ray_count ? ray_count : 1);
     if (most == 0)
         return fail(reason, STATUS_LIMIT,
-                    "vulkan: %u hits of a ray are over %s's buffers of %llu bytes",
-                    (unsigned)capacity, vk_limits(vk)->device,
-                    (unsigned long long)vk_limits(vk)->buffer_bytes);
+                    "vulkan: %u hits of a ray are over %s's buffers of %llu bytes", capacity,
+                    vk_limits(vk)->device, (unsigned long long)vk_limits(vk)->buffer_bytes);
     out->most = (uint32_t)most;
     out->flag = alloc_zeroed(most, sizeof *out->flag);
     if (!out->flag)
-        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the flags of %u rays",
-                    (unsigned)most);
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the flags of %u rays", out->most);
     enum status status = vk_buffer_make(vk, most * sizeof(struct ray), &out->rays, reason);
     if (!status)
         status = vk_buffer_make(vk, most * sizeof *out->flag, &out->flags, reason);

@@ -114,9 +114,8 @@ static enum status fill(struct vk *vk, struct decode_comparing *c,
                                   [ABI_BIND_ASKED] = c->asked};
     enum status status = STATUS_OK;
     for (uint32_t i = 0; i < BINDINGS && !status; i++) {
-        status = vk_buffer_make(vk, bytes[i], &buffer[i], reason);
-        if (!status && from[i] && bytes[i])
-            status = vk_buffer_write(vk, buffer[i], 0, from[i], bytes[i], reason);
+        status = from[i] ? vk_buffer_make_of(vk, from[i], bytes[i], &buffer[i], reason)
+                         : vk_buffer_make(vk, bytes[i], &buffer[i], reason);
     }
     return status;
 }
@@ -154,8 +153,7 @@ static enum status ask(struct vk *vk, const struct shader *shader, struct decode
     if (!status)
         status = vk_buffer_read(vk, buffer[ABI_BIND_HITS], 0, c->answer,
                                 c->count * sizeof *c->answer, reason);
-    for (uint32_t i = 0; i < BINDINGS; i++)
-        vk_buffer_free(vk, buffer[i]);
+    vk_buffers_free(vk, buffer, BINDINGS);
     vk_pipeline_free(vk, pipeline);
     return status;
 }

@@ -9,7 +9,7 @@ static enum status stack_class(const struct packed *packed, uint32_t *out, struc
     uint32_t most = layout_stack_most(packed->layout);
     if (packed->stack_need > most)
         return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u", most,
-                    (unsigned)packed->stack_need);
+                    packed->stack_need);
     *out = 16;
     while (*out < packed->stack_need)
         *out *= 2;
@@ -22,8 +22,8 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
     const struct packed *packed = job->packed;
     char name[64];
     const struct layout *layout = packed->layout;
-    (void)snprintf(name, sizeof name, "%s_%s", job->parent ? "stackless" : "trace",
-                   layout_shader(layout));
+    snprintf(name, sizeof name, "%s_%s", job->parent ? "stackless" : "trace",
+             layout_shader(layout));
     *out = (struct dispatch){
         .shader = shader_find(name),
         .constant = {[ABI_SPEC_WORKGROUP] = workgroup,

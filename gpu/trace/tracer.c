@@ -34,8 +34,8 @@ enum status tracer_open(const struct vk_options *options, uint32_t workgroup, st
     enum status status = vk_open(options, &tracer->vk, reason);
     if (!status && tracer->workgroup > vk_limits(tracer->vk)->group_size)
         status = fail(reason, STATUS_UNSUPPORTED, "vulkan: workgroups of %u: %s allows 1 to %u",
-                      (unsigned)tracer->workgroup, vk_limits(tracer->vk)->device,
-                      (unsigned)vk_limits(tracer->vk)->group_size);
+                      tracer->workgroup, vk_limits(tracer->vk)->device,
+                      vk_limits(tracer->vk)->group_size);
     if (status) {
         (void)tracer_close(tracer, NULL);
         *out = NULL;
@@ -45,10 +45,7 @@ enum status tracer_open(const struct vk_options *options, uint32_t workgroup, st
 
 static void free_buffers(struct tracer *tracer)
 {
-    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++) {
-        vk_buffer_free(tracer->vk, tracer->buffer[i]);
-        tracer->buffer[i] = NULL;
-    }
+    vk_buffers_free(tracer->vk, tracer->buffer, DISPATCH_BINDINGS);
     free(tracer->flag);
     tracer->flag = NULL;
     tracer->ray_capacity = 0;
@@ -91,15 +88,6 @@ enum status tracer_pipeline(struct tracer *tracer, const struct dispatch *dispat
     return pipelines_find(&tracer->pipelines, tracer->vk, &shader, out, reason);
 }
 
-static enum status upload(struct tracer *tracer, uint32_t binding, const void *data, uint64_t bytes,
-                          struct reason *reason)
-{
-    enum status status = vk_buffer_make(tracer->vk, bytes, &tracer->buffer[binding], reason);
-    if (!status && bytes)
-        status = vk_buffer_write(tracer->vk, tracer->buffer[binding], 0, data, bytes, reason);
-    return status;
-}
-
 /* Without a stack the links lie behind the items. */
 static enum status upload_items(struct tracer *tracer, const struct job *job, struct reason *reason)
 {
@@ -107,7 +95,7 @@ static enum status upload_items(struct tracer *tracer, const struct job *job, st
     struct vk_buffer **buffer = &tracer->buffer[ABI_BIND_ITEMS];
     uint64_t items = packed_item_bytes(packed), links = 4 * (uint64_t)packed->ref_count;
     if (!job->parent)
-        return upload(tracer, ABI_BIND_ITEMS, packed->item, items, reason);
+        return vk_buffer_make_of(tracer->vk, packed->item, items, buffer, reason);
     enum status status = vk_buffer_make(tracer->vk, items + links, buffer, reason);
     if (!status && items)
         status = vk_buffer_write(tracer->vk, *buffer, 0, packed->item, items, reason);
@@ -137,14 +125,15 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     if (!status)
         status = tracer_pipeline(tracer, &dispatch, &tracer->pipeline, reason);
     if (!status)
-        status = upload(tracer, ABI_BIND_NODES, packed->word, packed_node_bytes(packed), reason);
+        status = vk_buffer_make_of(tracer->vk, packed->word, packed_node_bytes(packed),
+                                   &tracer->buffer[ABI_BIND_NODES], reason);
     if (!status)
         status = upload_items(tracer, job, reason);
     if (!status)
         status =
             tri_store_reads_scene(packed->store)
                 ? gather_triangles(tracer->vk, job->scene, &tracer->buffer[ABI_BIND_TRIS], reason)
-                : upload(tracer, ABI_BIND_TRIS, NULL, 0, reason);
+                : vk_buffer_make(tracer->vk, 0, &tracer->buffer[ABI_BIND_TRIS], reason);
     if (status) {
         free_buffers(tracer);
         tracer->pipeline = NULL;
@@ -156,12 +145,7 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
 static enum status grow(struct tracer *tracer, uint32_t binding, uint64_t bytes,
                         struct reason *reason)
 {
-    struct vk_buffer **buffer = &tracer->buffer[binding];
-    if (*buffer && vk_buffer_bytes(*buffer) >= bytes)
-        return STATUS_OK;
-    vk_buffer_free(tracer->vk, *buffer);
-    *buffer = NULL;
-    return vk_buffer_make(tracer->vk, bytes, buffer, reason);
+    return vk_buffer_grow(tracer->vk, bytes, &tracer->buffer[binding], reason);
 }
 
 static uint64_t least_of(uint64_t a, uint64_t b)
@@ -185,8 +169,8 @@ static enum status reserve_rays(struct tracer *tracer, size_t count, uint32_t ca
     most = least_of(most, limits->buffer_bytes / hit_bytes);
     if (most == 0)
         return fail(reason, STATUS_LIMIT,
-                    "vulkan: %u hits of a ray are over %s's buffers of %llu bytes",
-                    (unsigned)capacity, limits->device, (unsigned long long)limits->buffer_bytes);
+                    "vulkan: %u hits of a ray are over %s's buffers of %llu bytes", capacity,
+                    limits->device, (unsigned long long)limits->buffer_bytes);
     uint32_t need = (uint32_t)least_of(count, most);
     *at_once = need;
     if (need > tracer->ray_capacity) {
@@ -194,8 +178,7 @@ static enum status reserve_rays(struct tracer *tracer, size_t count, uint32_t ca
         tracer->ray_capacity = 0;
         tracer->flag = alloc_zeroed(need, sizeof *tracer->flag);
         if (!tracer->flag)
-            return fail(reason, STATUS_MEMORY, "vulkan: no memory for the flags of %u rays",
-                        (unsigned)need);
+            return fail(reason, STATUS_MEMORY, "vulkan: no memory for the flags of %u rays", need);
         tracer->ray_capacity = need;
     }
     const uint64_t word = sizeof *tracer->flag;

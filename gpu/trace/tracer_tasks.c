@@ -44,10 +44,9 @@ void tracer_tasks_free(struct tracer *tracer)
     if (!tasks)
         return;
     vk_sets_free(tracer->vk, tasks->sets);
-    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++) {
-        vk_buffer_free(tracer->vk, tasks->buffer[i]);
+    vk_buffers_free(tracer->vk, tasks->buffer, DISPATCH_BINDINGS);
+    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++)
         free(tasks->arena[i].byte);
-    }
     free(tasks->order.byte);
     free(tasks);
     tracer->tasks = NULL;
@@ -60,7 +59,8 @@ static enum status need_tasks(struct tracer *tracer, struct reason *reason)
     tracer->tasks = alloc_zeroed(1, sizeof *tracer->tasks);
     if (!tracer->tasks)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for many jobs");
-    return vk_sets_make(tracer->vk, DISPATCH_BINDINGS, GROUP_MOST, &tracer->tasks->sets, reason);
+    return vk_sets_make(tracer->vk, DISPATCH_BINDINGS, false, GROUP_MOST, &tracer->tasks->sets,
+                        reason);
 }
 
 /* Takes `bytes` of the arena, at least one quad, where a part may begin; NULL without memory. */
@@ -186,11 +186,7 @@ static enum status upload(struct tracer *tracer, struct reason *reason)
     enum status status = STATUS_OK;
     for (uint32_t i = 0; i < DISPATCH_BINDINGS && !status; i++) {
         const struct arena *arena = &tasks->arena[i];
-        if (!tasks->buffer[i] || vk_buffer_bytes(tasks->buffer[i]) < arena->used) {
-            vk_buffer_free(tracer->vk, tasks->buffer[i]);
-            tasks->buffer[i] = NULL;
-            status = vk_buffer_make(tracer->vk, arena->capacity, &tasks->buffer[i], reason);
-        }
+        status = vk_buffer_grow(tracer->vk, arena->capacity, &tasks->buffer[i], reason);
         if (!status && i != ABI_BIND_HITS && i != ABI_BIND_FOUND)
             status =
                 vk_buffer_write(tracer->vk, tasks->buffer[i], 0, arena->byte, arena->used, reason);

@@ -9,6 +9,6 @@ void text_append(char *text, size_t text_bytes, const char *format, ...)
     size_t used = strlen(text);
     va_list args;
     va_start(args, format);
-    (void)vsnprintf(text + used, text_bytes - used, format, args);
+    vsnprintf(text + used, text_bytes - used, format, args);
     va_end(args);
 }

@@ -35,8 +35,10 @@ static const char *result_text(VkResult result)
     }
 }
 
-enum status vk_fail(struct vk *vk, struct reason *reason, VkResult result, const char *what)
+enum status vk_check(struct vk *vk, VkResult result, const char *what, struct reason *reason)
 {
+    if (result == VK_SUCCESS)
+        return STATUS_OK;
     bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
     if (result == VK_ERROR_DEVICE_LOST)
         vk->given_up = true;
@@ -66,9 +68,9 @@ static enum status make_device(struct vk *vk, struct reason *reason)
         .pEnabledFeatures = &features,
     };
     VkResult result = vk->fn.CreateDevice(vk->physical, &info, NULL, &vk->device);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkCreateDevice");
-    enum status status = vk_load_device(vk, reason);
+    enum status status = vk_check(vk, result, "vkCreateDevice", reason);
+    if (!status)
+        status = vk_load_device(vk, reason);
     if (!status)
         vk->fn.GetDeviceQueue(vk->device, vk->family, 0, &vk->queue);
     return status;
@@ -80,33 +82,31 @@ static enum status make_commands(struct vk *vk, struct reason *reason)
         .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
         .queueFamilyIndex = vk->family,
     };
-    VkResult result = vk->fn.CreateCommandPool(vk->device, &pool, NULL, &vk->pool);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkCreateCommandPool");
+    enum status status = vk_check(vk, vk->fn.CreateCommandPool(vk->device, &pool, NULL, &vk->pool),
+                                  "vkCreateCommandPool", reason);
+    if (status)
+        return status;
     VkCommandBufferAllocateInfo command = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
         .commandPool = vk->pool,
         .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
         .commandBufferCount = 1,
     };
-    result = vk->fn.AllocateCommandBuffers(vk->device, &command, &vk->command);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkAllocateCommandBuffers");
+    status = vk_check(vk, vk->fn.AllocateCommandBuffers(vk->device, &command, &vk->command),
+                      "vkAllocateCommandBuffers", reason);
     VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    result = vk->fn.CreateFence(vk->device, &fence, NULL, &vk->fence);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkCreateFence");
-    if (!vk->limits.timestamp_bits)
-        return STATUS_OK;
+    if (!status)
+        status = vk_check(vk, vk->fn.CreateFence(vk->device, &fence, NULL, &vk->fence),
+                          "vkCreateFence", reason);
+    if (status || !vk->limits.timestamp_bits)
+        return status;
     VkQueryPoolCreateInfo query = {
         .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
         .queryType = VK_QUERY_TYPE_TIMESTAMP,
         .queryCount = 2,
     };
-    result = vk->fn.CreateQueryPool(vk->device, &query, NULL, &vk->query);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkCreateQueryPool");
-    return STATUS_OK;
+    return vk_check(vk, vk->fn.CreateQueryPool(vk->device, &query, NULL, &vk->query),
+                    "vkCreateQueryPool", reason);
 }
 
 /* Library, instance and functions, without a device. */
@@ -198,7 +198,7 @@ void vk_describe(const struct vk_options *options, char *text, size_t text_bytes
     struct vk *vk;
     struct reason reason;
     if (open_instance(options, &vk, &reason))
-        (void)snprintf(text, text_bytes, "%s\n", reason.text);
+        snprintf(text, text_bytes, "%s\n", reason.text);
     else
         vk_list(vk, true, text, text_bytes);
     (void)vk_close(vk, NULL);
@@ -208,38 +208,38 @@ enum status vk_begin(struct vk *vk, struct reason *reason)
 {
     if (vk->given_up)
         return fail(reason, STATUS_DEVICE, "vulkan: the device was lost or hung before");
-    VkResult result = vk->fn.ResetCommandPool(vk->device, vk->pool, 0);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkResetCommandPool");
+    enum status status = vk_check(vk, vk->fn.ResetCommandPool(vk->device, vk->pool, 0),
+                                  "vkResetCommandPool", reason);
+    if (status)
+        return status;
     VkCommandBufferBeginInfo begin = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
     };
-    result = vk->fn.BeginCommandBuffer(vk->command, &begin);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkBeginCommandBuffer");
-    return STATUS_OK;
+    return vk_check(vk, vk->fn.BeginCommandBuffer(vk->command, &begin), "vkBeginCommandBuffer",
+                    reason);
 }
 
 enum status vk_submit(struct vk *vk, const char *what, struct reason *reason)
 {
-    VkResult result = vk->fn.EndCommandBuffer(vk->command);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkEndCommandBuffer");
-    result = vk->fn.ResetFences(vk->device, 1, &vk->fence);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkResetFences");
+    enum status status =
+        vk_check(vk, vk->fn.EndCommandBuffer(vk->command), "vkEndCommandBuffer", reason);
+    if (!status)
+        status =
+            vk_check(vk, vk->fn.ResetFences(vk->device, 1, &vk->fence), "vkResetFences", reason);
     VkSubmitInfo submit = {
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
         .commandBufferCount = 1,
         .pCommandBuffers = &vk->command,
     };
-    result = vk->fn.QueueSubmit(vk->queue, 1, &submit, vk->fence);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkQueueSubmit");
+    if (!status)
+        status = vk_check(vk, vk->fn.QueueSubmit(vk->queue, 1, &submit, vk->fence), "vkQueueSubmit",
+                          reason);
+    if (status)
+        return status;
     vk->pending = true;
     uint64_t wait_ns = vk->options.wait_ns ? vk->options.wait_ns : VK_WAIT_NS;
-    result = vk->fn.WaitForFences(vk->device, 1, &vk->fence, VK_TRUE, wait_ns);
+    VkResult result = vk->fn.WaitForFences(vk->device, 1, &vk->fence, VK_TRUE, wait_ns);
     if (result == VK_TIMEOUT) {
         vk->given_up = true;
         return fail(reason, STATUS_DEVICE, "vulkan: %s on %s hangs: not done after %.3f s", what,
@@ -249,7 +249,5 @@ enum status vk_submit(struct vk *vk, const char *what, struct reason *reason)
     /* A watching layer may tell what it saw from a thread of its own, which this waits for. */
     if (result == VK_SUCCESS && vk->options.watch)
         result = vk->fn.DeviceWaitIdle(vk->device);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, what);
-    return STATUS_OK;
+    return vk_check(vk, result, what, reason);
 }

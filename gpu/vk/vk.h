@@ -72,8 +72,21 @@ void vk_describe(const struct vk_options *options, char *text, size_t text_bytes
  * STATUS_DEVICE. */
 enum status vk_buffer_make(struct vk *vk, uint64_t bytes, struct vk_buffer **out,
                            struct reason *reason) MUST_USE;
-void vk_buffer_free(struct vk *vk, struct vk_buffer *buffer); /* NULL is fine */
-uint64_t vk_buffer_bytes(const struct vk_buffer *buffer);     /* NULL: 0 */
+
+/* The same with a copy of `data` in it; `data` may be NULL if `bytes` is 0. On error the buffer, if
+ * one was made, is left in *out. Errors: as vk_buffer_make and vk_buffer_write. */
+enum status vk_buffer_make_of(struct vk *vk, const void *data, uint64_t bytes,
+                              struct vk_buffer **out, struct reason *reason) MUST_USE;
+
+/* Replaces *buffer (may be NULL) by a new one of `bytes` bytes if it is smaller; content undefined
+ * then. Errors: as vk_buffer_make; *buffer is NULL then. */
+enum status vk_buffer_grow(struct vk *vk, uint64_t bytes, struct vk_buffer **buffer,
+                           struct reason *reason) MUST_USE;
+
+/* Frees one, or `count` of them, which become NULL. NULL is fine. */
+void vk_buffer_free(struct vk *vk, struct vk_buffer *buffer);
+void vk_buffers_free(struct vk *vk, struct vk_buffer **buffer, uint32_t count);
+uint64_t vk_buffer_bytes(const struct vk_buffer *buffer); /* NULL: 0 */
 
 /* Copies into or out of the buffer; the range must lie in it. Errors: STATUS_DEVICE, _MEMORY. */
 enum status vk_buffer_write(struct vk *vk, struct vk_buffer *buffer, uint64_t offset,
@@ -133,9 +146,10 @@ enum status vk_dispatch_series(struct vk *vk, struct vk_buffer *const *buffer,
 /* Descriptor sets for many dispatches in one submission. */
 struct vk_sets;
 
-/* Makes `count` sets of `bindings` storage buffers. Errors: STATUS_DEVICE; STATUS_MEMORY. */
-enum status vk_sets_make(struct vk *vk, uint32_t bindings, uint32_t count, struct vk_sets **out,
-                         struct reason *reason) MUST_USE;
+/* Makes `count` sets of `bindings` storage buffers, and with `accel` an acceleration structure as
+ * binding `bindings`. Errors: STATUS_DEVICE; STATUS_MEMORY. */
+enum status vk_sets_make(struct vk *vk, uint32_t bindings, bool accel, uint32_t count,
+                         struct vk_sets **out, struct reason *reason) MUST_USE;
 void vk_sets_free(struct vk *vk, struct vk_sets *sets); /* NULL is fine */
 
 /* One dispatch of many. Its shader sees of buffer i the bytes from part[i].offset on, no others:

@@ -82,25 +82,9 @@ static enum status make_level(struct vk *vk, VkAccelerationStructureTypeKHR type
         .size = bytes,
         .type = type,
     };
-    VkResult result =
-        vk->fn.CreateAccelerationStructureKHR(vk->device, &info, NULL, &out->structure);
-    return result == VK_SUCCESS ? STATUS_OK
-                                : vk_fail(vk, reason, result, "vkCreateAccelerationStructureKHR");
-}
-
-/* What was built is read by the next build and by shaders; both are later submissions, which wait
- * for this one's fence. */
-static void make_visible(struct vk *vk)
-{
-    const VkMemoryBarrier barrier = {
-        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
-        .srcAccessMask = VK_ACCESS_ACCELERATION_STRUCTURE_WRITE_BIT_KHR,
-        .dstAccessMask = VK_ACCESS_ACCELERATION_STRUCTURE_READ_BIT_KHR,
-    };
-    vk->fn.CmdPipelineBarrier(vk->command, VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR,
-                              VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR |
-                                  VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                              0, 1, &barrier, 0, NULL, 0, NULL);
+    return vk_check(vk,
+                    vk->fn.CreateAccelerationStructureKHR(vk->device, &info, NULL, &out->structure),
+                    "vkCreateAccelerationStructureKHR", reason);
 }
 
 static enum status build_level(struct vk *vk, VkAccelerationStructureTypeKHR type,
@@ -132,7 +116,13 @@ static enum status build_level(struct vk *vk, VkAccelerationStructureTypeKHR typ
         const VkAccelerationStructureBuildRangeInfoKHR range = {.primitiveCount = count};
         const VkAccelerationStructureBuildRangeInfoKHR *ranges = &range;
         vk->fn.CmdBuildAccelerationStructuresKHR(vk->command, 1, &info, &ranges);
-        make_visible(vk);
+        /* Read by the next build and by shaders; both are later submissions, which wait for this
+         * one's fence. */
+        vk_barrier(vk, VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR,
+                   VK_ACCESS_ACCELERATION_STRUCTURE_WRITE_BIT_KHR,
+                   VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR |
+                       VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                   VK_ACCESS_ACCELERATION_STRUCTURE_READ_BIT_KHR);
         status = vk_submit(vk, "building an acceleration structure", reason);
     }
     vk_buffer_free(vk, scratch);
@@ -178,9 +168,7 @@ static enum status build_top(struct vk *vk, const struct level *bottom, struct l
             vk->fn.GetAccelerationStructureDeviceAddressKHR(vk->device, &where),
     };
     struct vk_buffer *buffer = NULL;
-    enum status status = vk_buffer_make(vk, sizeof instance, &buffer, reason);
-    if (!status)
-        status = vk_buffer_write(vk, buffer, 0, &instance, sizeof instance, reason);
+    enum status status = vk_buffer_make_of(vk, &instance, sizeof instance, &buffer, reason);
     if (!status) {
         const VkAccelerationStructureGeometryKHR geometry = {
             .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR,
@@ -207,7 +195,7 @@ enum status vk_accel_make(struct vk *vk, struct vk_buffer *vertices, uint32_t ve
     if (tri_count > most)
         return fail(reason, STATUS_LIMIT,
                     "vulkan: %s allows %llu triangles in an acceleration structure, %u are needed",
-                    vk->limits.device, (unsigned long long)most, (unsigned)tri_count);
+                    vk->limits.device, (unsigned long long)most, tri_count);
     struct vk_accel *accel = alloc_zeroed(1, sizeof *accel);
     if (!accel)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for an acceleration structure");
@@ -250,8 +238,8 @@ void vk_pipeline_use(struct vk *vk, struct vk_pipeline *pipeline, const struct v
     const VkWriteDescriptorSet write = {
         .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
         .pNext = &structure,
-        .dstSet = pipeline->set,
-        .dstBinding = pipeline->binding_count,
+        .dstSet = pipeline->sets->set[0],
+        .dstBinding = pipeline->sets->bindings,
         .descriptorCount = 1,
         .descriptorType = VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR,
     };

@@ -59,20 +59,19 @@ static enum status bind_memory(struct vk *vk, struct vk_buffer *buffer, bool hos
     if (need.size > heap)
         return fail(reason, STATUS_LIMIT, "vulkan: %llu bytes do not fit in a heap of %llu bytes",
                     (unsigned long long)need.size, (unsigned long long)heap);
-    VkResult result = vk->fn.AllocateMemory(vk->device, &info, NULL, &buffer->memory);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkAllocateMemory");
-    result = vk->fn.BindBufferMemory(vk->device, buffer->buffer, buffer->memory, 0);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkBindBufferMemory");
-    if (!host)
-        return STATUS_OK;
-    void *map;
-    result = vk->fn.MapMemory(vk->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &map);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkMapMemory");
-    buffer->map = map;
-    return STATUS_OK;
+    enum status status =
+        vk_check(vk, vk->fn.AllocateMemory(vk->device, &info, NULL, &buffer->memory),
+                 "vkAllocateMemory", reason);
+    if (!status)
+        status =
+            vk_check(vk, vk->fn.BindBufferMemory(vk->device, buffer->buffer, buffer->memory, 0),
+                     "vkBindBufferMemory", reason);
+    if (status || !host)
+        return status;
+    void *map = NULL;
+    VkResult mapped = vk->fn.MapMemory(vk->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &map);
+    buffer->map = mapped == VK_SUCCESS ? map : NULL;
+    return vk_check(vk, mapped, "vkMapMemory", reason);
 }
 
 static enum status make_buffer(struct vk *vk, uint64_t bytes, bool host, struct vk_buffer **out,
@@ -90,11 +89,9 @@ static enum status make_buffer(struct vk *vk, uint64_t bytes, bool host, struct 
     };
     if (vk->options.ray_query)
         info.usage |= RAY_USAGE;
-    enum status status;
-    VkResult result = vk->fn.CreateBuffer(vk->device, &info, NULL, &(*out)->buffer);
-    if (result != VK_SUCCESS)
-        status = vk_fail(vk, reason, result, "vkCreateBuffer");
-    else
+    enum status status = vk_check(vk, vk->fn.CreateBuffer(vk->device, &info, NULL, &(*out)->buffer),
+                                  "vkCreateBuffer", reason);
+    if (!status)
         status = bind_memory(vk, *out, host, reason);
     if (status) {
         vk_buffer_free(vk, *out);
@@ -127,6 +124,30 @@ enum status vk_buffer_make_unbound(struct vk *vk, uint64_t bytes, struct vk_buff
     return make_buffer(vk, bytes, false, out, reason);
 }
 
+enum status vk_buffer_make_of(struct vk *vk, const void *data, uint64_t bytes,
+                              struct vk_buffer **out, struct reason *reason)
+{
+    enum status status = vk_buffer_make(vk, bytes, out, reason);
+    return status || !bytes ? status : vk_buffer_write(vk, *out, 0, data, bytes, reason);
+}
+
+enum status vk_buffer_grow(struct vk *vk, uint64_t bytes, struct vk_buffer **buffer,
+                           struct reason *reason)
+{
+    if (*buffer && (*buffer)->bytes >= bytes)
+        return STATUS_OK;
+    vk_buffer_free(vk, *buffer);
+    return vk_buffer_make(vk, bytes, buffer, reason);
+}
+
+void vk_buffers_free(struct vk *vk, struct vk_buffer **buffer, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        vk_buffer_free(vk, buffer[i]);
+        buffer[i] = NULL;
+    }
+}
+
 void vk_buffer_free(struct vk *vk, struct vk_buffer *buffer)
 {
     if (!buffer || !vk_idle(vk))
@@ -153,14 +174,9 @@ static enum status copy(struct vk *vk, struct vk_buffer *from, uint64_t from_off
     VkBufferCopy region = {from_offset, to_offset, bytes};
     vk->fn.CmdCopyBuffer(vk->command, from->buffer, to->buffer, 1, &region);
     /* The host reads next, or a shader in a later submission, which waits for this one's fence. */
-    VkMemoryBarrier barrier = {
-        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
-        .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
-        .dstAccessMask = VK_ACCESS_HOST_READ_BIT | VK_ACCESS_SHADER_READ_BIT,
-    };
-    vk->fn.CmdPipelineBarrier(vk->command, VK_PIPELINE_STAGE_TRANSFER_BIT,
-                              VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0,
-                              1, &barrier, 0, NULL, 0, NULL);
+    vk_barrier(vk, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+               VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+               VK_ACCESS_HOST_READ_BIT | VK_ACCESS_SHADER_READ_BIT);
     return vk_submit(vk, "copying a buffer", reason);
 }
 

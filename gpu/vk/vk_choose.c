@@ -110,14 +110,12 @@ static struct vk_limits limits_of(const struct choose_answers *answers, uint32_t
     if (answers->allocation.maxMemoryAllocationSize &&
         answers->allocation.maxMemoryAllocationSize < limits.buffer_bytes)
         limits.buffer_bytes = answers->allocation.maxMemoryAllocationSize;
-    (void)snprintf(limits.device, sizeof limits.device, "%s", base->deviceName);
+    snprintf(limits.device, sizeof limits.device, "%s", base->deviceName);
     if (answers->driver.driverName[0])
-        (void)snprintf(limits.driver, sizeof limits.driver, "%.120s%s%.120s",
-                       answers->driver.driverName, answers->driver.driverInfo[0] ? " " : "",
-                       answers->driver.driverInfo);
+        snprintf(limits.driver, sizeof limits.driver, "%.120s%s%.120s", answers->driver.driverName,
+                 answers->driver.driverInfo[0] ? " " : "", answers->driver.driverInfo);
     else
-        (void)snprintf(limits.driver, sizeof limits.driver, "driver version 0x%x",
-                       (unsigned)base->driverVersion);
+        snprintf(limits.driver, sizeof limits.driver, "driver version 0x%x", base->driverVersion);
     return limits;
 }
 
@@ -154,7 +152,7 @@ static enum status enumerate(struct vk *vk, VkPhysicalDevice **device, uint32_t 
     *device = NULL;
     VkResult result = vk->fn.EnumeratePhysicalDevices(vk->instance, count, NULL);
     if (result < 0)
-        return vk_fail(vk, reason, result, "vkEnumeratePhysicalDevices");
+        return vk_check(vk, result, "vkEnumeratePhysicalDevices", reason);
     *device = alloc_zeroed(*count, sizeof **device);
     if (!*device)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the list of devices");
@@ -163,7 +161,7 @@ static enum status enumerate(struct vk *vk, VkPhysicalDevice **device, uint32_t 
         return STATUS_OK;
     free(*device);
     *device = NULL;
-    return vk_fail(vk, reason, result, "vkEnumeratePhysicalDevices");
+    return vk_check(vk, result, "vkEnumeratePhysicalDevices", reason);
 }
 
 enum status vk_choose(struct vk *vk, struct reason *reason)
@@ -200,7 +198,7 @@ enum status vk_choose(struct vk *vk, struct reason *reason)
     vk_list(vk, false, there, sizeof there);
     char index[16] = "any";
     if (vk->options.device >= 0)
-        (void)snprintf(index, sizeof index, "%d", vk->options.device);
+        snprintf(index, sizeof index, "%d", vk->options.device);
     return fail(reason, STATUS_UNSUPPORTED,
                 "vulkan: no device with Vulkan %s matches driver '%.40s', index %s; there is: %s",
                 vk->options.ray_query ? "ray queries (VK_KHR_ray_query)" : "1.1 compute",
@@ -211,9 +209,9 @@ static void list_details(const struct vk_limits *limits, char *text, size_t text
 {
     text_append(text, text_bytes,
                 "\n    Vulkan %u.%u, buffers to %llu MiB, workgroups to %u, timestamps %s",
-                (unsigned)VK_API_VERSION_MAJOR(limits->api_version),
-                (unsigned)VK_API_VERSION_MINOR(limits->api_version),
-                (unsigned long long)(limits->buffer_bytes >> 20), (unsigned)limits->group_size,
+                VK_API_VERSION_MAJOR(limits->api_version),
+                VK_API_VERSION_MINOR(limits->api_version),
+                (unsigned long long)(limits->buffer_bytes >> 20), limits->group_size,
                 limits->timestamp_bits ? "yes" : "no (the host's clock is used)");
     text_append(text, text_bytes, "\n    f32: round to nearest %s, denormals %s, inf and NaN %s\n",
                 limits->round_to_nearest ? "promised" : "not promised",
@@ -237,7 +235,7 @@ void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes)
         ask(vk, device[i], &answers);
         bool can = find_family(vk, device[i], &family, &bits);
         struct vk_limits limits = limits_of(&answers, bits);
-        text_append(text, text_bytes, "%s%u: %s (%s)%s", i && !details ? "; " : "", (unsigned)i,
+        text_append(text, text_bytes, "%s%u: %s (%s)%s", i && !details ? "; " : "", i,
                     limits.device, limits.driver, can ? "" : ", cannot compute");
         if (details)
             list_details(&limits, text, text_bytes);

@@ -25,7 +25,7 @@ static void find_folder(char out[DRIVER_PATH_BYTES])
 {
     const char *asked = getenv("RAYDIFF_DRIVERS");
     if (asked && asked[0]) {
-        (void)snprintf(out, DRIVER_PATH_BYTES, "%s", asked);
+        snprintf(out, DRIVER_PATH_BYTES, "%s", asked);
         return;
     }
     char program[DRIVER_PATH_BYTES];
@@ -41,7 +41,7 @@ static void find_folder(char out[DRIVER_PATH_BYTES])
             access(versions, R_OK) == 0)
             return;
     }
-    (void)snprintf(out, DRIVER_PATH_BYTES, "build/drivers");
+    snprintf(out, DRIVER_PATH_BYTES, "build/drivers");
 }
 
 static bool ends_in(const char *text, const char *end)
@@ -114,7 +114,7 @@ enum status driver_find(const char *text, struct driver *out, struct reason *rea
 /* The folder of the driver's JSON file. */
 static bool folder_of(const struct driver *driver, char out[DRIVER_PATH_BYTES])
 {
-    (void)snprintf(out, DRIVER_PATH_BYTES, "%s", driver->icd);
+    snprintf(out, DRIVER_PATH_BYTES, "%s", driver->icd);
     char *slash = strrchr(out, '/');
     if (slash)
         *slash = '\0';

@@ -65,7 +65,7 @@ static enum status find_layer(struct vk *vk, bool *found, struct reason *reason)
     *found = false;
     VkResult result = vk->fn.EnumerateInstanceLayerProperties(&count, NULL);
     if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkEnumerateInstanceLayerProperties");
+        return vk_check(vk, result, "vkEnumerateInstanceLayerProperties", reason);
     VkLayerProperties *layer = alloc_zeroed(count, sizeof *layer);
     if (!layer)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the list of layers");
@@ -73,9 +73,9 @@ static enum status find_layer(struct vk *vk, bool *found, struct reason *reason)
     for (uint32_t i = 0; i < count && result >= 0; i++)
         *found = *found || strcmp(layer[i].layerName, VALIDATION_LAYER) == 0;
     free(layer);
-    if (result < 0)
-        return vk_fail(vk, reason, result, "vkEnumerateInstanceLayerProperties");
-    return STATUS_OK;
+    return result == VK_INCOMPLETE
+               ? STATUS_OK
+               : vk_check(vk, result, "vkEnumerateInstanceLayerProperties", reason);
 }
 
 static const VkValidationFeatureEnableEXT watched[] = {
@@ -88,7 +88,7 @@ enum status vk_instance_make(struct vk *vk, struct reason *reason)
     uint32_t version = 0;
     VkResult result = vk->fn.EnumerateInstanceVersion(&version);
     if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkEnumerateInstanceVersion");
+        return vk_check(vk, result, "vkEnumerateInstanceVersion", reason);
     if (version < VK_API_VERSION_1_1)
         return fail(reason, STATUS_UNSUPPORTED, "vulkan: the loader is older than Vulkan 1.1");
     bool layer = false;
@@ -125,15 +125,13 @@ enum status vk_instance_make(struct vk *vk, struct reason *reason)
     result = vk->fn.CreateInstance(&info, NULL, &vk->instance);
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
         return fail(reason, STATUS_UNSUPPORTED, "vulkan: the loader found no driver");
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkCreateInstance");
-    status = vk_load_instance(vk, reason);
+    status = vk_check(vk, result, "vkCreateInstance", reason);
+    if (!status)
+        status = vk_load_instance(vk, reason);
     if (status || !layer)
         return status;
     result = vk->fn.CreateDebugUtilsMessengerEXT(vk->instance, &messenger, NULL, &vk->messenger);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkCreateDebugUtilsMessengerEXT");
-    return STATUS_OK;
+    return vk_check(vk, result, "vkCreateDebugUtilsMessengerEXT", reason);
 }
 
 uint32_t vk_messages(const struct vk *vk, struct reason *reason)

@@ -115,13 +115,16 @@ static enum status store(struct vk *vk, const struct entry *entry, PFN_vkVoidFun
     return STATUS_OK;
 }
 
-static enum status load_instance_entries(struct vk *vk, const struct entry *entry, size_t count,
-                                         struct reason *reason)
+/* Loads the functions of the device once there is one, until then those of the instance. */
+static enum status load(struct vk *vk, const struct entry *entry, size_t count,
+                        struct reason *reason)
 {
     enum status status = STATUS_OK;
     for (size_t i = 0; i < count && !status; i++)
-        status =
-            store(vk, entry + i, vk->fn.GetInstanceProcAddr(vk->instance, entry[i].name), reason);
+        status = store(vk, entry + i,
+                       vk->device ? vk->fn.GetDeviceProcAddr(vk->device, entry[i].name)
+                                  : vk->fn.GetInstanceProcAddr(vk->instance, entry[i].name),
+                       reason);
     return status;
 }
 
@@ -135,7 +138,7 @@ enum status vk_load_library(struct vk *vk, struct reason *reason)
     if (!symbol)
         return fail(reason, STATUS_UNSUPPORTED, "vulkan: %s has no vkGetInstanceProcAddr", name);
     memcpy(&vk->fn.GetInstanceProcAddr, &symbol, sizeof symbol);
-    return load_instance_entries(vk, global_entry, ARRAY_COUNT(global_entry), reason);
+    return load(vk, global_entry, ARRAY_COUNT(global_entry), reason);
 }
 
 /* Paths of the drivers and layers that the loader has loaded. */
@@ -175,26 +178,16 @@ static void keep_drivers_loaded(void)
 enum status vk_load_instance(struct vk *vk, struct reason *reason)
 {
     keep_drivers_loaded();
-    enum status status =
-        load_instance_entries(vk, instance_entry, ARRAY_COUNT(instance_entry), reason);
+    enum status status = load(vk, instance_entry, ARRAY_COUNT(instance_entry), reason);
     if (!status && (vk->options.validate || vk->options.watch))
-        status = load_instance_entries(vk, debug_entry, ARRAY_COUNT(debug_entry), reason);
-    return status;
-}
-
-static enum status load_device_entries(struct vk *vk, const struct entry *entry, size_t count,
-                                       struct reason *reason)
-{
-    enum status status = STATUS_OK;
-    for (size_t i = 0; i < count && !status; i++)
-        status = store(vk, entry + i, vk->fn.GetDeviceProcAddr(vk->device, entry[i].name), reason);
+        status = load(vk, debug_entry, ARRAY_COUNT(debug_entry), reason);
     return status;
 }
 
 enum status vk_load_device(struct vk *vk, struct reason *reason)
 {
-    enum status status = load_device_entries(vk, device_entry, ARRAY_COUNT(device_entry), reason);
+    enum status status = load(vk, device_entry, ARRAY_COUNT(device_entry), reason);
     if (!status && vk->options.ray_query)
-        status = load_device_entries(vk, ray_entry, ARRAY_COUNT(ray_entry), reason);
+        status = load(vk, ray_entry, ARRAY_COUNT(ray_entry), reason);
     return status;
 }

@@ -3,70 +3,18 @@
 
 #include <stdlib.h>
 
-static enum status make_layouts(struct vk *vk, struct vk_pipeline *pipeline, struct reason *reason)
+static enum status make_layout(struct vk *vk, struct vk_pipeline *pipeline, struct reason *reason)
 {
-    VkDescriptorSetLayoutBinding binding[VK_BINDINGS_MAX + 1];
-    for (uint32_t i = 0; i < pipeline->binding_count; i++)
-        binding[i] = (VkDescriptorSetLayoutBinding){
-            .binding = i,
-            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-            .descriptorCount = 1,
-            .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
-        };
-    binding[pipeline->binding_count] = (VkDescriptorSetLayoutBinding){
-        .binding = pipeline->binding_count,
-        .descriptorType = VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR,
-        .descriptorCount = 1,
-        .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
-    };
-    VkDescriptorSetLayoutCreateInfo set = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .bindingCount = pipeline->binding_count + (pipeline->accel ? 1 : 0),
-        .pBindings = binding,
-    };
-    VkResult result =
-        vk->fn.CreateDescriptorSetLayout(vk->device, &set, NULL, &pipeline->set_layout);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkCreateDescriptorSetLayout");
     VkPushConstantRange push = {VK_SHADER_STAGE_COMPUTE_BIT, 0, pipeline->push_bytes};
     VkPipelineLayoutCreateInfo layout = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
         .setLayoutCount = 1,
-        .pSetLayouts = &pipeline->set_layout,
+        .pSetLayouts = &pipeline->sets->layout,
         .pushConstantRangeCount = pipeline->push_bytes ? 1 : 0,
         .pPushConstantRanges = &push,
     };
-    result = vk->fn.CreatePipelineLayout(vk->device, &layout, NULL, &pipeline->layout);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkCreatePipelineLayout");
-    return STATUS_OK;
-}
-
-static enum status make_set(struct vk *vk, struct vk_pipeline *pipeline, struct reason *reason)
-{
-    const VkDescriptorPoolSize size[] = {
-        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, pipeline->binding_count},
-        {VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1},
-    };
-    VkDescriptorPoolCreateInfo pool = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-        .maxSets = 1,
-        .poolSizeCount = pipeline->accel ? 2 : 1,
-        .pPoolSizes = size,
-    };
-    VkResult result = vk->fn.CreateDescriptorPool(vk->device, &pool, NULL, &pipeline->pool);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkCreateDescriptorPool");
-    VkDescriptorSetAllocateInfo set = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-        .descriptorPool = pipeline->pool,
-        .descriptorSetCount = 1,
-        .pSetLayouts = &pipeline->set_layout,
-    };
-    result = vk->fn.AllocateDescriptorSets(vk->device, &set, &pipeline->set);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, "vkAllocateDescriptorSets");
-    return STATUS_OK;
+    return vk_check(vk, vk->fn.CreatePipelineLayout(vk->device, &layout, NULL, &pipeline->layout),
+                    "vkCreatePipelineLayout", reason);
 }
 
 static enum status make_pipeline(struct vk *vk, const struct vk_shader *shader,
@@ -80,7 +28,7 @@ static enum status make_pipeline(struct vk *vk, const struct vk_shader *shader,
     VkShaderModule module;
     VkResult result = vk->fn.CreateShaderModule(vk->device, &code, NULL, &module);
     if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, shader->name);
+        return vk_check(vk, result, shader->name, reason);
     VkSpecializationMapEntry entry[VK_CONSTANTS_MAX];
     for (uint32_t i = 0; i < shader->constant_count; i++)
         entry[i] = (VkSpecializationMapEntry){i, 4 * i, 4};
@@ -102,9 +50,7 @@ static enum status make_pipeline(struct vk *vk, const struct vk_shader *shader,
     result = vk->fn.CreateComputePipelines(vk->device, VK_NULL_HANDLE, 1, &info, NULL,
                                            &pipeline->pipeline);
     vk->fn.DestroyShaderModule(vk->device, module, NULL);
-    if (result != VK_SUCCESS)
-        return vk_fail(vk, reason, result, shader->name);
-    return STATUS_OK;
+    return vk_check(vk, result, shader->name, reason);
 }
 
 enum status vk_pipeline_make(struct vk *vk, const struct vk_shader *shader,
@@ -114,21 +60,18 @@ enum status vk_pipeline_make(struct vk *vk, const struct vk_shader *shader,
     if (shader->constant_count > 0 &&
         (shader->constant[0] == 0 || shader->constant[0] > vk->limits.group_size))
         return fail(reason, STATUS_UNSUPPORTED, "vulkan: workgroups of %u: %s allows 1 to %u",
-                    (unsigned)shader->constant[0], vk->limits.device,
-                    (unsigned)vk->limits.group_size);
+                    shader->constant[0], vk->limits.device, vk->limits.group_size);
     if (shader->binding_count > vk->limits.bindings)
         return fail(reason, STATUS_UNSUPPORTED, "vulkan: %s needs %u storage buffers, %s allows %u",
-                    shader->name, (unsigned)shader->binding_count, vk->limits.device,
-                    (unsigned)vk->limits.bindings);
+                    shader->name, shader->binding_count, vk->limits.device, vk->limits.bindings);
     struct vk_pipeline *pipeline = alloc_zeroed(1, sizeof *pipeline);
     if (!pipeline)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for a pipeline");
-    pipeline->binding_count = shader->binding_count;
     pipeline->push_bytes = shader->push_bytes;
-    pipeline->accel = shader->accel;
-    enum status status = make_layouts(vk, pipeline, reason);
+    enum status status =
+        vk_sets_make(vk, shader->binding_count, shader->accel, 1, &pipeline->sets, reason);
     if (!status)
-        status = make_set(vk, pipeline, reason);
+        status = make_layout(vk, pipeline, reason);
     if (!status)
         status = make_pipeline(vk, shader, pipeline, reason);
     if (status)
@@ -143,38 +86,37 @@ void vk_pipeline_free(struct vk *vk, struct vk_pipeline *pipeline)
     if (!pipeline || !vk_idle(vk))
         return;
     vk->fn.DestroyPipeline(vk->device, pipeline->pipeline, NULL);
-    vk->fn.DestroyDescriptorPool(vk->device, pipeline->pool, NULL);
     vk->fn.DestroyPipelineLayout(vk->device, pipeline->layout, NULL);
-    vk->fn.DestroyDescriptorSetLayout(vk->device, pipeline->set_layout, NULL);
+    vk_sets_free(vk, pipeline->sets);
     free(pipeline);
 }
 
-static void bind_buffers(struct vk *vk, struct vk_pipeline *pipeline,
-                         struct vk_buffer *const *buffer)
+void vk_barrier(struct vk *vk, VkPipelineStageFlags from, VkAccessFlags written,
+                VkPipelineStageFlags to, VkAccessFlags access)
 {
-    VkDescriptorBufferInfo info[VK_BINDINGS_MAX];
-    VkWriteDescriptorSet write = {
-        .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-        .dstSet = pipeline->set,
-        .descriptorCount = pipeline->binding_count, /* runs on into the following bindings */
-        .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-        .pBufferInfo = info,
-    };
-    for (uint32_t i = 0; i < pipeline->binding_count; i++)
-        info[i] = (VkDescriptorBufferInfo){buffer[i]->buffer, 0, VK_WHOLE_SIZE};
-    vk->fn.UpdateDescriptorSets(vk->device, 1, &write, 0, NULL);
-}
-
-/* What was written in `from` is seen in `to`. */
-static void barrier(struct vk *vk, VkPipelineStageFlags from, VkAccessFlags written,
-                    VkPipelineStageFlags to, VkAccessFlags access)
-{
-    VkMemoryBarrier barrier = {
+    const VkMemoryBarrier barrier = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
         .srcAccessMask = written,
         .dstAccessMask = access,
     };
     vk->fn.CmdPipelineBarrier(vk->command, from, to, 0, 1, &barrier, 0, NULL, 0, NULL);
+}
+
+void vk_barrier_for_reading(struct vk *vk)
+{
+    vk_barrier(vk, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+               VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+               VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
+}
+
+void vk_bind(struct vk *vk, const struct vk_pipeline *pipeline, VkDescriptorSet set,
+             const void *push)
+{
+    vk->fn.CmdBindDescriptorSets(vk->command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0,
+                                 1, &set, 0, NULL);
+    if (pipeline->push_bytes)
+        vk->fn.CmdPushConstants(vk->command, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                pipeline->push_bytes, push);
 }
 
 #define TO_SHADERS (VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT)
@@ -184,18 +126,13 @@ static void barrier(struct vk *vk, VkPipelineStageFlags from, VkAccessFlags writ
 static void record_step(struct vk *vk, VkDescriptorSet set, const struct vk_step *step)
 {
     VkCommandBuffer command = vk->command;
-    const struct vk_pipeline *pipeline = step->pipeline;
     if (step->update) {
         vk->fn.CmdUpdateBuffer(command, step->update->buffer, 0, step->byte_count, step->bytes);
-        barrier(vk, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, TO_SHADERS,
-                SHADERS_READ);
+        vk_barrier(vk, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, TO_SHADERS,
+                   SHADERS_READ);
     }
-    vk->fn.CmdBindPipeline(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->pipeline);
-    vk->fn.CmdBindDescriptorSets(command, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1,
-                                 &set, 0, NULL);
-    if (pipeline->push_bytes)
-        vk->fn.CmdPushConstants(command, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                pipeline->push_bytes, step->push);
+    vk->fn.CmdBindPipeline(command, VK_PIPELINE_BIND_POINT_COMPUTE, step->pipeline->pipeline);
+    vk_bind(vk, step->pipeline, set, step->push);
     if (step->groups_of)
         vk->fn.CmdDispatchIndirect(command, step->groups_of->buffer, step->groups_at);
     else
@@ -212,16 +149,14 @@ static void record(struct vk *vk, VkDescriptorSet set, const struct vk_step *ste
     }
     for (uint32_t i = 0; i < count; i++) {
         if (i > 0)
-            barrier(vk, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
-                    TO_SHADERS | VK_PIPELINE_STAGE_TRANSFER_BIT,
-                    SHADERS_READ | VK_ACCESS_TRANSFER_WRITE_BIT);
+            vk_barrier(vk, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+                       TO_SHADERS | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                       SHADERS_READ | VK_ACCESS_TRANSFER_WRITE_BIT);
         record_step(vk, set, &step[i]);
     }
     if (vk->query)
         vk->fn.CmdWriteTimestamp(command, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, vk->query, 1);
-    barrier(vk, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
-            VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
-            VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
+    vk_barrier_for_reading(vk);
 }
 
 /* Reads the timestamps over the host's measure, if they can be had. */
@@ -246,13 +181,17 @@ enum status vk_dispatch_series(struct vk *vk, struct vk_buffer *const *buffer,
     *time = (struct vk_time){0};
     for (uint32_t i = 0; i < count; i++)
         if (step[i].groups > vk->limits.groups)
-            return fail(reason, STATUS_LIMIT, "vulkan: %u workgroups, %s allows %u",
-                        (unsigned)step[i].groups, vk->limits.device, (unsigned)vk->limits.groups);
+            return fail(reason, STATUS_LIMIT, "vulkan: %u workgroups, %s allows %u", step[i].groups,
+                        vk->limits.device, vk->limits.groups);
     enum status status = vk_begin(vk, reason);
     if (status)
         return status;
-    bind_buffers(vk, step->pipeline, buffer);
-    record(vk, step->pipeline->set, step, count);
+    const struct vk_sets *sets = step->pipeline->sets;
+    VkDescriptorBufferInfo info[VK_BINDINGS_MAX];
+    for (uint32_t i = 0; i < sets->bindings; i++)
+        info[i] = (VkDescriptorBufferInfo){buffer[i]->buffer, 0, VK_WHOLE_SIZE};
+    vk_set_write(vk, sets, 0, info);
+    record(vk, sets->set[0], step, count);
     uint64_t start = time_ns();
     status = vk_submit(vk, count == 1 ? "a dispatch" : "a series of dispatches", reason);
     if (status)

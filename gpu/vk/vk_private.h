@@ -126,20 +126,26 @@ struct vk_buffer {
     uint64_t bytes;
 };
 
-struct vk_pipeline {
-    VkDescriptorSetLayout set_layout;
-    VkPipelineLayout layout;
-    VkPipeline pipeline;
+struct vk_sets {
+    VkDescriptorSetLayout layout; /* as every pipeline's of so many bindings */
     VkDescriptorPool pool;
-    VkDescriptorSet set;
-    uint32_t binding_count;
-    uint32_t push_bytes;
-    bool accel;
+    uint32_t bindings; /* storage buffers of a set */
+    bool accel;        /* followed by an acceleration structure */
+    uint32_t count;
+    VkDescriptorSet set[];
 };
 
-/* Says which call failed and how: STATUS_MEMORY for the out-of-memory results, else
- * STATUS_DEVICE. Marks a lost device. */
-enum status vk_fail(struct vk *vk, struct reason *reason, VkResult result, const char *what);
+struct vk_pipeline {
+    struct vk_sets *sets; /* one, for vk_dispatch_series */
+    VkPipelineLayout layout;
+    VkPipeline pipeline;
+    uint32_t push_bytes;
+};
+
+/* STATUS_OK if the call `what` returned VK_SUCCESS. Errors: STATUS_MEMORY for the out-of-memory
+ * results, else STATUS_DEVICE, with the call and its result. Marks a lost device. */
+enum status vk_check(struct vk *vk, VkResult result, const char *what,
+                     struct reason *reason) MUST_USE;
 
 /* Fill in the table. Errors: STATUS_UNSUPPORTED with the library or the missing function. */
 enum status vk_load_library(struct vk *vk, struct reason *reason) MUST_USE;
@@ -179,6 +185,19 @@ enum status vk_buffer_make_unbound(struct vk *vk, uint64_t bytes, struct vk_buff
 /* True if nothing is running, after some waiting for what hung. If false, no object that a shader
  * can use may be destroyed. */
 bool vk_idle(struct vk *vk);
+
+/* Writes the buffers of set `i`: info[b] is that of binding b. */
+void vk_set_write(struct vk *vk, const struct vk_sets *sets, uint32_t i,
+                  const VkDescriptorBufferInfo *info);
+
+/* Recorded in vk->command: a set and the push constants of a pipeline; a barrier, so that what was
+ * written in stage `from` is visible in stage `to`; a barrier for what copies or the host read of
+ * what shaders wrote. */
+void vk_bind(struct vk *vk, const struct vk_pipeline *pipeline, VkDescriptorSet set,
+             const void *push);
+void vk_barrier(struct vk *vk, VkPipelineStageFlags from, VkAccessFlags written,
+                VkPipelineStageFlags to, VkAccessFlags access);
+void vk_barrier_for_reading(struct vk *vk);
 
 /* Begins vk->command; vk_submit ends and submits it and waits. `what` names the work. */
 enum status vk_begin(struct vk *vk, struct reason *reason) MUST_USE;

@@ -39,13 +39,13 @@ static uint64_t one_group_left(const char *group)
 {
     char path[LINE];
     uint64_t most, used, unused = 0;
-    (void)snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.max", group);
+    snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.max", group);
     if (!find_number(path, "", &most)) /* or "max" */
         return UINT64_MAX;
-    (void)snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.current", group);
+    snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.current", group);
     if (!find_number(path, "", &used))
         return UINT64_MAX;
-    (void)snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.stat", group);
+    snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.stat", group);
     (void)find_number(path, "inactive_file ", &unused);
     return left_of(most, left_of(used, unused));
 }

@@ -126,14 +126,14 @@ static enum status check_head(struct peer *peer, const struct pipe_answer *head,
         make_printable(begins);
         snprintf(what, sizeof what, "its answer begins with '%s', not with 'RDRA'", begins);
     } else if (head->version != PIPE_VERSION) {
-        snprintf(what, sizeof what, "its answer is of version %u, not %u", (unsigned)head->version,
+        snprintf(what, sizeof what, "its answer is of version %u, not %u", head->version,
                  PIPE_VERSION);
     } else if (head->refused > 1) {
         snprintf(what, sizeof what, "its answer is neither given (0) nor refused (1) but %u",
-                 (unsigned)head->refused);
+                 head->refused);
     } else if (!head->refused && head->count != asked->rays) {
         snprintf(what, sizeof what, "its answer is about %u rays, not %zu, from ray %zu on",
-                 (unsigned)head->count, asked->rays, asked->first);
+                 head->count, asked->rays, asked->first);
     } else if (opening &&
                pipe_model(head->formula, head->rounding, head->flags, &peer->model, &why)) {
         snprintf(what, sizeof what, "says of itself: %.150s", why.text);
@@ -160,7 +160,7 @@ static enum status check_hits(struct peer *peer, const struct asked *asked, stru
         } else if (hit[i].prim >= peer->job.scene->tri_count) {
             peer->fault_ray = asked->first + i;
             snprintf(what, sizeof what, "its answer to ray %zu names triangle %u of %u",
-                     asked->first + i, (unsigned)hit[i].prim, (unsigned)peer->job.scene->tri_count);
+                     asked->first + i, hit[i].prim, peer->job.scene->tri_count);
             return blame(peer, STATUS_DEVICE, reason, what);
         } else if (unnamed) {
             hit[i] = (struct hit){.prim = 0};

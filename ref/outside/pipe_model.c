@@ -33,14 +33,14 @@ enum status pipe_model(uint32_t formula, uint32_t rounding, uint32_t flags, stru
                                      ROUNDING_VULKAN_RTE, ROUNDING_EMBREE};
     *out = (struct model){.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
     if (formula >= ARRAY_COUNT(formulas))
-        return fail(reason, STATUS_INPUT, "formula %u is not one of 0 to %zu", (unsigned)formula,
+        return fail(reason, STATUS_INPUT, "formula %u is not one of 0 to %zu", formula,
                     ARRAY_COUNT(formulas) - 1);
     if (rounding >= ARRAY_COUNT(known))
-        return fail(reason, STATUS_INPUT, "rounding %u is not one of 0 to %zu", (unsigned)rounding,
+        return fail(reason, STATUS_INPUT, "rounding %u is not one of 0 to %zu", rounding,
                     ARRAY_COUNT(known) - 1);
     if (flags & ~(PIPE_FLAG_OPEN | PIPE_FLAG_WATERTIGHT | PIPE_FLAG_UNNAMED))
         return fail(reason, STATUS_INPUT,
-                    "flags 0x%x have more than open 1, watertight 2, unnamed 4", (unsigned)flags);
+                    "flags 0x%x have more than open 1, watertight 2, unnamed 4", flags);
     *out = (struct model){.formula = formulas[formula].formula,
                           .rounding = known[rounding],
                           .slab = formulas[formula].formula == TWIN_EMBREE,

@@ -131,8 +131,7 @@ static enum status read_hit(struct pipe_reading *r)
         return status;
     uint32_t most = r->limits->triangles;
     if (prim < 0 || prim >= most)
-        return scan_fail(&r->scan, r->reason, "triangle %" PRId64 " is none of %u", prim,
-                         (unsigned)most);
+        return scan_fail(&r->scan, r->reason, "triangle %" PRId64 " is none of %u", prim, most);
     return add_hit(r, (struct hit){n[0], n[1], n[2], (uint32_t)prim});
 }
 

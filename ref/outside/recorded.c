@@ -49,7 +49,7 @@ static enum status prepare(void *self, const struct job *job, struct reason *rea
         if (tape->answers.hit[i].prim != ABI_NO_PRIM &&
             tape->answers.hit[i].prim >= job->scene->tri_count)
             return fail(reason, STATUS_LIMIT, "answer %zu names triangle %u of %u", i,
-                        (unsigned)tape->answers.hit[i].prim, (unsigned)job->scene->tri_count);
+                        tape->answers.hit[i].prim, job->scene->tri_count);
     return STATUS_OK;
 }
 

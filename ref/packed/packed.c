@@ -114,7 +114,7 @@ static void append_line(char *text, size_t text_bytes, const char *line)
 {
     size_t used = text_bytes > 0 ? strlen(text) : 0;
     if (used + 1 < text_bytes)
-        (void)snprintf(text + used, text_bytes - used, "%s%s", used > 0 ? "\n" : "", line);
+        snprintf(text + used, text_bytes - used, "%s%s", used > 0 ? "\n" : "", line);
 }
 
 enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, struct packed *out,

@@ -9,12 +9,12 @@ struct packed_name packed_name(const struct packed *packed, uint32_t ref)
     const struct layout *layout = packed->layout;
     uint32_t slot = ref - packed->node_count;
     if (ref < packed->node_count)
-        (void)snprintf(name.text, sizeof name.text, "record %u", ref);
+        snprintf(name.text, sizeof name.text, "record %u", ref);
     else if (layout_is_wide(layout) && layout_refs(layout) == 1 + layout->width)
-        (void)snprintf(name.text, sizeof name.text, "record %u, slot %u", slot / layout->width,
-                       slot % layout->width);
+        snprintf(name.text, sizeof name.text, "record %u, slot %u", slot / layout->width,
+                 slot % layout->width);
     else
-        (void)snprintf(name.text, sizeof name.text, "reference %u", ref);
+        snprintf(name.text, sizeof name.text, "reference %u", ref);
     return name;
 }
 

@@ -145,7 +145,7 @@ enum status topology_make(const struct scene *scene, struct topology *out, struc
     *out = (struct topology){.vertex_count = scene->vertex_count, .tri_count = scene->tri_count};
     if (scene->tri_count > UINT32_MAX / 3)
         return fail(reason, STATUS_LIMIT, "topology of at most %u triangles, there are %u",
-                    UINT32_MAX / 3, (unsigned)scene->tri_count);
+                    UINT32_MAX / 3, scene->tri_count);
     size_t sides = 3 * (size_t)scene->tri_count;
     out->point = alloc_zeroed(scene->vertex_count, sizeof *out->point);
     out->vertex = alloc_zeroed(scene->vertex_count, sizeof *out->vertex);
@@ -169,8 +169,7 @@ enum status topology_make(const struct scene *scene, struct topology *out, struc
     }
     if (status) {
         topology_free(out);
-        return fail(reason, status, "no memory for the edges of %u triangles",
-                    (unsigned)scene->tri_count);
+        return fail(reason, status, "no memory for the edges of %u triangles", scene->tri_count);
     }
     list_fans(out);
     return STATUS_OK;
@@ -290,9 +289,8 @@ enum status topology_is_closed(const struct topology *topology, const struct sce
     return fail(reason, STATUS_INPUT,
                 "no closed mesh: triangle %u, edge of vertices %u (%.9g %.9g %.9g) and %u (%.9g "
                 "%.9g %.9g): %u triangle%s, %u one way and %u the other%s",
-                (unsigned)topology->side[edge->first], (unsigned)a, (double)p[0], (double)p[1],
-                (double)p[2], (unsigned)b, (double)q[0], (double)q[1], (double)q[2],
-                (unsigned)total, total == 1 ? "" : "s", (unsigned)edge->forward,
-                (unsigned)edge->backward,
+                topology->side[edge->first], a, (double)p[0], (double)p[1], (double)p[2], b,
+                (double)q[0], (double)q[1], (double)q[2], total, total == 1 ? "" : "s",
+                edge->forward, edge->backward,
                 total % 2 == 0 ? ": a triangle is turned round" : ": the mesh is open there");
 }
