@@ -247,7 +247,7 @@ static int printed(const char *name, int code)
 {
     if (fflush(stdout) == 0 && !ferror(stdout))
         return code;
-    if (code == EXIT_USAGE || code > 128) /* said already, or ended */
+    if (code == EXIT_USAGE || code > 128) /* reported already, or ended by a signal */
         return code;
     fprintf(stderr, "raydiff %s: cannot write to the standard output\n", name);
     return exit_worse(code, EXIT_USAGE);

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Such are played on the decoded scene, the others on the scene as it is. */
+/* Storages of grids are played on the decoded scene, the others on the scene as it is. */
 static bool store_is_of_grids(const struct check_options *o, size_t i)
 {
     return tri_stores[o->store.index[i]]->head != NULL;

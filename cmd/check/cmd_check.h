@@ -31,7 +31,7 @@ void check_print(const struct check_scene *scene);
 /* What the motion of --move did to trees and packed trees; nothing without one. */
 void check_print_moved(const struct check_scene *scene);
 
-/* The exit code that the rows ask for; a layout or engine counts only if it was named, or if
+/* The exit code of the rows; a layout or engine counts only if it was named, or if
  * nothing else was played, or nothing else of a storage that is not the default. */
 int check_exit(const struct check_scene *scene, bool layout_named, bool engine_named);
 
@@ -46,7 +46,7 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
                              const struct turnout *turnout, int exit_code,
                              struct reason *reason) MUST_USE;
 
-/* What the user asked for. */
+/* What the options set. */
 struct check_options {
     struct list layout, store, engine, builder, box, tri, query;
     bool layout_auto, layout_named, engine_named; /* engine: and not as all */

@@ -5,6 +5,7 @@
 #include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 #include "ref/store.h"
 
 #include <jansson.h>
@@ -20,7 +21,7 @@ static json_t *hit_json(const struct hit *hit)
                        json_bits(hit->u), json_bits(hit->v));
 }
 
-/* JSON knows no infinity: a number too large to be mistaken. */
+/* JSON has no infinity: 1e300 stands for it. */
 static double finite(double x)
 {
     return x <= 1e300 ? x : 1e300;
@@ -141,12 +142,13 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
 /* Why layouts refuse the scene, a line each: those that --layout auto passed over, and others. */
 static void refusals(const struct check_scene *scene, char *text, size_t text_bytes)
 {
-    size_t used = (size_t)snprintf(text, text_bytes, "%s", scene->refused);
-    for (size_t i = 0; i < scene->row_count && used < text_bytes; i++) {
+    snprintf(text, text_bytes, "%s", scene->refused);
+    for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
+        const size_t used = strlen(text);
         if (row->status == ROW_REFUSED && !strstr(text, row->reason.text))
-            used += (size_t)snprintf(text + used, text_bytes - used, "%s%s",
-                                     used && text[used - 1] != '\n' ? "\n" : "", row->reason.text);
+            text_append(text, text_bytes, "%s%s", used && text[used - 1] != '\n' ? "\n" : "",
+                        row->reason.text);
     }
 }
 

@@ -1,4 +1,4 @@
-/* What raydiff check --move says of trees that were refitted. */
+/* The report of raydiff check --move on refitted trees. */
 #include "cmd/check/cmd_check.h"
 
 #include "ref/base/command.h"

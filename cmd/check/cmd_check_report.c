@@ -26,7 +26,7 @@ static void print_wrong(const struct row *row)
             printf(" %s %zu", wrong_name(w), row->wrong[w]);
 }
 
-/* What lists of all hits have beside the counters of single answers. */
+/* Counters that only lists of all hits have. */
 static void print_lists(const struct row *row)
 {
     if (row->options.query != QUERY_ALL)
@@ -192,7 +192,7 @@ static void print_winners(const struct check_scene *scene)
     }
 }
 
-/* All layouts that were asked for refuse, or there is no engine to play on them. */
+/* All named layouts refuse, or no engine plays on them. */
 static bool is_idle(const struct check_scene *scene)
 {
     bool idle = true;
@@ -258,7 +258,7 @@ static void print_agreement(const struct check_scene *scene)
         printf("  members as published are wrong in %zu answers: counted, not judged\n", counted);
 }
 
-/* Who refused, was skipped or failed. */
+/* The member that refused, was skipped or failed. */
 static const char *subject_name(const struct row *row)
 {
     if (row->status == ROW_REFUSED && row->layout && !row->declined)

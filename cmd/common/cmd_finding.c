@@ -26,8 +26,7 @@ bool finding_command(const struct row *row, const struct finding *finding, const
     struct ray ray = finding->ray;
     enum wrong kind = finding->bits ? WRONG_NOT : finding->judgement.wrong;
     text[0] = '\0';
-    /* What another run may answer otherwise cannot be explained by one, nor can a closest hit say
-     * anything of a list as a whole. */
+    /* One run cannot explain answers that vary, nor can a closest hit explain a whole list. */
     if (kind == WRONG_NOT_REPEATABLE || kind == WRONG_TWICE || kind == WRONG_ORDER)
         return false;
     if (row->options.rest) /* explain reads the scene as it was */
@@ -40,7 +39,7 @@ bool finding_command(const struct row *row, const struct finding *finding, const
     }
     char name[RECORDED_NAME_MOST];
     struct engine answered = *row->engine;
-    if (row->engine->recorded) { /* it can be explained, but not asked again */
+    if (row->engine->recorded) { /* the engine cannot answer again */
         recorded_name(row->engine->name, &finding->got, name);
         answered.name = name;
         of.engine = &answered;

@@ -33,7 +33,7 @@ json_t *json_verdicts(const size_t count[VERDICT_COUNT]);
 json_t *json_prim(uint32_t prim);
 json_t *json_hit(const struct hit *hit);
 
-/* Those that were named, and what came of asking them, see README "JSON". */
+/* The members that were named and how often they answered, see README "JSON". */
 struct turnout;
 json_t *json_turnout(const struct turnout *turnout);
 

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What was the standard output, once an option has asked for it. */
+/* The former standard output, once an option has "-" as its file. */
 static FILE *aside;
 
 enum status output_aside(struct reason *reason)

@@ -2,6 +2,7 @@
 #include "cmd/common/cmd_rows.h"
 
 #include "cmd/common/cmd_nearest.h"
+#include "ref/base/text.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
 
@@ -43,13 +44,13 @@ static enum status take_real(const struct option_row *row, const char *flag, con
 /* "a, b or c" */
 static void name_choices(const char *const *choice, char *text, size_t text_bytes)
 {
-    size_t used = 0;
-    for (size_t i = 0; choice[i] && used < text_bytes; i++)
-        used += (size_t)snprintf(text + used, text_bytes - used, "%s%s",
-                                 i == 0          ? ""
-                                 : choice[i + 1] ? ", "
-                                                 : " or ",
-                                 choice[i]);
+    text[0] = '\0';
+    for (size_t i = 0; choice[i]; i++)
+        text_append(text, text_bytes, "%s%s",
+                    i == 0          ? ""
+                    : choice[i + 1] ? ", "
+                                    : " or ",
+                    choice[i]);
 }
 
 static enum status take_place(const struct option_row *row, const char *flag, const char *text,
@@ -79,7 +80,7 @@ static enum status take_place(const struct option_row *row, const char *flag, co
     return status;
 }
 
-/* Puts a value, or a flag's being there, where the row says. */
+/* Stores a value, or that a flag was given, in the row's member. */
 static enum status take(void *owner, const struct option_value *given, struct reason *reason)
 {
     const struct option_row *row = given->row;

@@ -172,7 +172,7 @@ extern enum option_form option_form;
 /* Prints text for `more`, in that form; the first line begins at column `at`. */
 void options_text(const char *text, size_t at);
 
-/* Prints the set in the form that option_form says. */
+/* Prints the set in the form of option_form. */
 void options_print(const struct option_set *set);
 
 #endif

@@ -65,7 +65,7 @@ static void print_lines(const char *text, size_t at, size_t indent)
     }
 }
 
-/* What a row says, with its range and default. */
+/* The row's help text with its range and default. */
 static void describe(const struct option_row *row, char *text, size_t text_bytes)
 {
     char range[48] = "", standard[24];

@@ -2,6 +2,7 @@
 #include "cmd/common/cmd_tables.h"
 
 #include "cmd/common/cmd_nearest.h"
+#include "ref/base/text.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/plugin_guard.h"
 #include "ref/outside/plugin_shader.h"
@@ -164,15 +165,17 @@ static enum status unknown(enum table table, const char *flag, const char *name,
                            struct reason *reason)
 {
     char known[200] = "";
-    size_t used = 0, i = 0;
+    size_t i = 0;
     const char *one;
     const char *alone = stands_alone(table, name, length);
     if (alone)
         return fail(reason, STATUS_INPUT, "%s: '%.*s' %s", flag, (int)length, name, alone);
-    for (; (one = table_member(table, i, NULL)) && used + strlen(one) + 2 < sizeof known - 40; i++)
-        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one);
+    for (; (one = table_member(table, i, NULL)) &&
+           strlen(known) + strlen(one) + 2 < sizeof known - 40;
+         i++)
+        text_append(known, sizeof known, "%s%s", i ? ", " : "", one);
     if (one)
-        snprintf(known + used, sizeof known - used, ", ... (raydiff list %s)", table_name(table));
+        text_append(known, sizeof known, ", ... (raydiff list %s)", table_name(table));
     struct nearest_name nearest = nearest_make(name, length);
     for (i = 0; (one = table_member(table, i, NULL)); i++)
         nearest_try(&nearest, one);

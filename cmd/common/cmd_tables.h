@@ -93,7 +93,7 @@ enum status table_parse_one(enum table table, const char *flag, const char *text
 const char *stored_name(const struct layout *layout, const struct tri_store *store,
                         char text[STORED_NAME_MOST]);
 
-/* Says on stderr what is being done, once something has taken 2 seconds: on a terminal one line
+/* Prints progress to stderr, once something has taken 2 seconds: on a terminal one line
  * that is overwritten, else a line every 10 seconds. */
 struct progress {
     const char *command;

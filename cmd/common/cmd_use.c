@@ -2,6 +2,7 @@
 
 #include "ref/outside/pipe.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "ref/store.h"
@@ -100,7 +101,7 @@ static bool of_grids(const struct option_use *use, const char *option)
     return any;
 }
 
-/* Files and generators that draw nothing by chance are the same whatever the seed, and so is one
+/* Files and generators that draw nothing by chance do not depend on the seed, nor does one
  * whose text gives its own. */
 static bool scene_is_seeded(const char *spec)
 {
@@ -143,13 +144,12 @@ static const struct {
     {"seed", "a scene or rays that are drawn by chance", NULL, by_chance},
 };
 
-/* The builders that take an option, by name. */
+/* Appends the builders that take an option, by name. */
 static void name_builders(const char *option, char *text, size_t text_bytes)
 {
-    size_t used = (size_t)snprintf(text, text_bytes, "builder");
-    for (size_t i = 0; builders_all[i] && used < text_bytes; i++)
+    for (size_t i = 0; builders_all[i]; i++)
         if (builders_all[i]->takes && option_among(builders_all[i]->takes, option))
-            used += (size_t)snprintf(text + used, text_bytes - used, " %s", builders_all[i]->name);
+            text_append(text, text_bytes, " %s", builders_all[i]->name);
 }
 
 bool option_is_used(const struct option_use *use, const char *option, struct reason *why)

@@ -11,20 +11,20 @@
 /* What takes part in a run, as far as options depend on it. A list that is NULL is not known, or is
  * not what options depend on: then they are used. */
 struct option_use {
-    const char *by;    /* who uses no other: "benchmark builders"; for `only` and `never` */
+    const char *by;    /* what `only` and `never` are of: "benchmark builders" */
     const char *only;  /* names of the options that are used, blanks between; NULL: all */
     const char *never; /* of those that are not; NULL: none */
     const struct list *engine, *layout, *builder, *store, *rays;
     char *const *scene; /* as users name them, for options of generators; NULL: not known */
     size_t scene_count;
     bool seeded;   /* more than rays and scenes depends on --seed */
-    bool compares; /* shaders of layouts are compiled whoever plays */
+    bool compares; /* shaders of layouts are compiled, whichever engine plays */
 };
 
 /* True if a name is among names with blanks between. */
 bool option_among(const char *names, const char *name);
 
-/* True if the option (without dashes) is used; else *why says by whom it would be, or is not. */
+/* True if the option (without dashes) is used; else *why names what it needs. */
 bool option_is_used(const struct option_use *use, const char *option, struct reason *why);
 
 /* Looks at all options of the last options_read. Errors: STATUS_INPUT with the first that is not

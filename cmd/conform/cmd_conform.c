@@ -244,7 +244,7 @@ static int conform(const struct conform_options *o)
     return code;
 }
 
-/* A trial's whole name says who plays; members from outside are brought by options. */
+/* A trial's whole name names its members; options bring those from outside. */
 static int check_name(const struct conform_options *o)
 {
     struct list engine, layout = {.count = 0};
@@ -252,7 +252,7 @@ static int check_name(const struct conform_options *o)
     struct reason why;
     char never[100];
     if (trial_parse(o->pattern, &trial, &why))
-        return -1; /* it is no name, as is said later */
+        return -1; /* it is no name: suite_make reports that */
     engine = list_of_one(TABLE_ENGINES, trial.engine);
     const bool outside = trial.layout && trial.layout->outside;
     snprintf(never, sizeof never, "%s%s store builder box tri hard quick summary markdown html",

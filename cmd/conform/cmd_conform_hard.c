@@ -82,10 +82,10 @@ struct hard_run {
     struct conform_report *report;
     struct hard_matrix *matrix;
     const char *driver;  /* that `versions` are of */
-    char versions[8192]; /* what the engines say of themselves; "": not asked yet */
+    char versions[8192]; /* of conform_versions; "": not made yet */
 };
 
-/* True if the engines here are said to have the defect. */
+/* True if the defect is known of the versions here. */
 static bool is_expected(struct hard_run *run, const struct hard_defect *defect)
 {
     const struct engine_options *options = &run->stage.pool.options;
@@ -187,7 +187,7 @@ static void count_turnout(struct turnout *turnout, const struct hard_member *mem
         turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_ANSWERED, result->played, why);
         turnout_add(turnout, who[i].kind, who[i].name, engine ? TURNOUT_REFUSED : TURNOUT_SKIPPED,
                     result->declined, why);
-        if (!engine) /* which was not asked */
+        if (!engine) /* which played nothing */
             turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_REFUSED, refused, why);
         if (result->outcome == HARD_SKIPPED)
             turnout_add(turnout, who[i].kind, who[i].name,

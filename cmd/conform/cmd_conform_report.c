@@ -2,6 +2,7 @@
 
 #include "cmd/common/cmd_finding.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "ref/store.h"
 
 #include <stdlib.h>
@@ -9,14 +10,12 @@
 
 void conform_versions(const struct engine_options *options, char *text, size_t text_bytes)
 {
-    size_t used = 0;
     text[0] = '\0';
-    for (size_t e = 0; engines[e] && used < text_bytes; e++) {
+    for (size_t e = 0; engines[e]; e++) {
         char one[1024] = "";
         engines[e]->describe(options, one, sizeof one);
-        int n = snprintf(text + used, text_bytes - used, "%s: %s%s", engines[e]->name, one,
-                         one[0] && one[strlen(one) - 1] == '\n' ? "" : "\n");
-        used += n > 0 ? (size_t)n : 0;
+        text_append(text, text_bytes, "%s: %s%s", engines[e]->name, one,
+                    one[0] && one[strlen(one) - 1] == '\n' ? "" : "\n");
     }
 }
 
@@ -126,35 +125,26 @@ enum matrix_outcome conform_report_put(struct conform_report *report,
     return outcome;
 }
 
-/* What became of the trial, and one line that says why. */
+/* The outcome of a trial; `why` gets one line of reasons. */
 static enum matrix_outcome decide(enum status status, const struct row *row,
                                   const struct reason *reason, bool required, char *why,
                                   size_t why_bytes)
 {
-    if (status || row->status == ROW_FAILED) {
+    if (status || row->status != ROW_OK) {
         snprintf(why, why_bytes, "%s", status ? reason->text : row->reason.text);
-        return OUTCOME_FAILED;
-    }
-    if (row->status == ROW_REFUSED || row->status == ROW_SKIPPED) {
-        snprintf(why, why_bytes, "%s", row->reason.text);
-        if (row->status == ROW_REFUSED)
+        if (!status && row->status == ROW_REFUSED)
             return OUTCOME_REFUSED;
-        return required ? OUTCOME_FAILED : OUTCOME_SKIPPED;
+        return !status && row->status == ROW_SKIPPED && !required ? OUTCOME_SKIPPED
+                                                                  : OUTCOME_FAILED;
     }
-    if (row->status == ROW_VACUOUS) {
-        snprintf(why, why_bytes, "%s", row->reason.text);
-        return OUTCOME_FAILED;
-    }
-    int length = snprintf(why, why_bytes, "%zu rays, %zu hits;", row->rays, row->hits);
+    snprintf(why, why_bytes, "%zu rays, %zu hits;", row->rays, row->hits);
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
-        length += snprintf(why + length, why_bytes - (size_t)length, " %s %zu", verdict_name(v),
-                           row->count[v]);
-    length += snprintf(why + length, why_bytes - (size_t)length, "%s; err/E %.2f; bits %zu",
-                       row->judged ? "" : " (as published, counted)", row->worst_over,
-                       row->bit_differences);
+        text_append(why, why_bytes, " %s %zu", verdict_name(v), row->count[v]);
+    text_append(why, why_bytes, "%s; err/E %.2f; bits %zu",
+                row->judged ? "" : " (as published, counted)", row->worst_over,
+                row->bit_differences);
     if (row->fans_lost)
-        snprintf(why + length, why_bytes - (size_t)length, "; lost in closed fans %zu",
-                 row->fans_lost);
+        text_append(why, why_bytes, "; lost in closed fans %zu", row->fans_lost);
     return row->differences ? OUTCOME_FAILED : OUTCOME_PASSED;
 }
 

@@ -36,7 +36,7 @@ struct conform_entry {
     double seconds;
 };
 
-/* What every engine says of itself, a line or more each; one that cannot run says why. */
+/* The description of every engine, a line or more each; of one that cannot run, why. */
 void conform_versions(const struct engine_options *options, char *text, size_t text_bytes);
 
 /* Reads the waivers and opens the JUnit file.

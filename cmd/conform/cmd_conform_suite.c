@@ -53,7 +53,7 @@ enum status suite_add(struct suite *suite, const struct trial *trial)
     return status;
 }
 
-/* --- who takes part -----------------------------------------------------------------------------
+/* --- members that take part -----------------------------------------------------------------------------
  */
 
 /* A layout's field is its name, and perhaps that of a storage. */

@@ -11,7 +11,7 @@
 /* raydiff diff A.png B.png; argv[0] is "diff". Returns the exit code. */
 int cmd_diff_images(int argc, char **argv);
 
-/* What was asked. */
+/* What the options set. */
 struct diff_options {
     struct render_settings settings;
     struct list engine;

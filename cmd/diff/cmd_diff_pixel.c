@@ -14,7 +14,7 @@ struct page {
     struct why_judges judges;         /* of the member being shown, side 0 */
     const struct diff_member *judged; /* that member */
     int code;
-    json_t *json; /* NULL: not asked for */
+    json_t *json; /* NULL: no --json */
 };
 
 static size_t the_pixel(const struct diff_run *run)

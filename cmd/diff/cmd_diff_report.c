@@ -1,4 +1,4 @@
-/* What raydiff diff says about engines: for a person, and as JSON. */
+/* The report of raydiff diff on engines, as text and as JSON. */
 #include "cmd/common/cmd_json.h"
 #include "cmd/diff/cmd_diff.h"
 #include "ref/base/command.h"

@@ -38,7 +38,7 @@ static void print_engine(const struct doctor_engine *e)
     printf("%-14s %s\n", e->engine->name, e->status ? "SKIPPED" : "runs");
     if (e->status)
         printf("    why: %s\n", e->reason.text);
-    if (!e->status || !strstr(text, e->reason.text)) /* the same is not told twice */
+    if (!e->status || !strstr(text, e->reason.text)) /* else it is printed already */
         print_lines(text);
 }
 

@@ -79,7 +79,7 @@ struct explaining {
     struct packed packed;
     struct pool pool;
     struct explain_decode decode;
-    struct fuzz_player *player; /* of the file's trial, once it is asked at another scale */
+    struct fuzz_player *player; /* of the file's trial, once it is played at another scale */
     struct ray *ray;
     size_t ray_count; /* 1 with --ray */
 };
@@ -150,7 +150,7 @@ static enum status explain_ray(struct explaining *e, struct judged *judged, size
     return status;
 }
 
-/* Explains the ray asked for, or the first wrong one (with the cause looked for). *index is the
+/* Explains the ray of --ray or --index, or the first wrong one (with the cause looked for). *index is the
  * number of rays if there is none. */
 static enum status choose(struct explaining *e, struct judged *judged, struct judged_ray *out,
                           size_t *index, struct reason *reason)

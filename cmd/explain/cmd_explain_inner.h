@@ -41,13 +41,13 @@ struct explain_decode {
 enum status explain_decode(const struct explain_options *o, const struct packed *packed,
                            struct explain_decode *out, struct reason *reason) MUST_USE;
 
-/* EXIT_AGREE, EXIT_MISMATCH or, if it was asked and cannot be done here, EXIT_SKIPPED. */
+/* EXIT_AGREE, EXIT_MISMATCH or, if it is asked and cannot run here, EXIT_SKIPPED. */
 int explain_decode_code(const struct explain_decode *decode);
 
-/* Prints it, if it was asked. */
+/* Prints it, if `asked`. */
 void explain_decode_print(const struct explain_decode *decode);
 
-/* The same as JSON; null: it was not asked. The caller owns it. */
+/* The same as JSON; null unless `asked`. The caller owns it. */
 json_t *explain_decode_json(const struct explain_decode *decode);
 
 /* Writes o->json, if there is one, where no answer of `count` rays is wrong. Errors: as
@@ -67,7 +67,7 @@ enum status explain_tree_finding(const struct explain_options *o, const struct f
 const char *explain_again(const struct explain_options *options, size_t index,
                           char text[EXPLAIN_COMMAND_MOST]);
 
-/* What was named that this ray does not use. A trial's name, and a finding's file, say all but how
+/* What was named that this ray does not use. A trial's name and a finding's file decide all but how
  * they are played. -1: nothing; else an exit
  * code, and a line was printed. */
 int explain_check_use(const struct explain_options *options, char *const *spec);

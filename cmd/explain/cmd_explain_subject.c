@@ -1,9 +1,10 @@
-/* What raydiff explain is asked about: a scene, a trial's name, a finding's file. */
+/* The subject of raydiff explain: a scene, a trial's name, a finding's file. */
 #include "cmd/explain/cmd_explain_inner.h"
 
 #include "ref/outside/plugin_shader.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "cmd/conform/cmd_trial.h"
 
 #include <stdio.h>
@@ -115,15 +116,11 @@ static enum status take_file(struct explain_options *o, const char *path, struct
 const char *explain_again(const struct explain_options *o, size_t index,
                           char text[EXPLAIN_COMMAND_MOST])
 {
-    char number[32];
     if (!o->has_file)
         return NULL;
     snprintf(text, EXPLAIN_COMMAND_MOST, "raydiff explain");
     command_word(text, EXPLAIN_COMMAND_MOST, o->of.spec);
-    snprintf(number, sizeof number, "%zu", index);
-    command_word(text, EXPLAIN_COMMAND_MOST, "--index");
-    command_word(text, EXPLAIN_COMMAND_MOST, number);
-    command_word(text, EXPLAIN_COMMAND_MOST, "--engine");
+    text_append(text, EXPLAIN_COMMAND_MOST, " --index %zu --engine", index);
     command_word(text, EXPLAIN_COMMAND_MOST, o->of.engine->name);
     if (o->of.layout)
         plugin_command(text, EXPLAIN_COMMAND_MOST, o->of.layout);

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What raydiff fuzz and raydiff replay say of the trial's tree: *finding is of FUZZ_KIND_TREE, or
+/* The finding of raydiff fuzz and replay about the trial's tree: *finding is of FUZZ_KIND_TREE, or
  * of FUZZ_KIND_COUNT if nothing is at fault. */
 static enum status find_fault(const struct explain_options *o, const struct fuzz_trial *trial,
                               struct fuzz_finding *finding, struct reason *reason)

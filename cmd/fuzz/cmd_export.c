@@ -42,7 +42,7 @@ static const struct option_set set = {
                "         cc x.c -lvulkan -o x && ./x",
 };
 
-/* What the writer learned goes to the standard error, a line each. */
+/* The writer's notes go to the standard error, a line each. */
 static void print_said(const char *path, const struct export_said *said)
 {
     for (const char *at = said->text; *at;) {
@@ -77,7 +77,7 @@ static int write_file(const char *path, const struct taken *taken, const struct 
     return exit_with_reason("export", status, &reason);
 }
 
-/* Only such are asked here, and written with what they were given. */
+/* Export runs only these, and writes the options that they ran with. */
 static bool is_vendors(const struct engine *engine)
 {
     return engine && (engine->gpu || engine->library);

@@ -130,7 +130,7 @@ static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
     return status;
 }
 
-/* So that a file that cannot be written is told before a night's work, not after it. */
+/* A file that cannot be written is an error before the campaign, not after it. */
 static enum status try_outputs(const struct fuzz_command *c, struct reason *reason)
 {
     const char *const path[] = {c->json, c->junit, c->tap, c->jsonl};

@@ -56,7 +56,7 @@ struct fuzz_command {
     char left_out[FUZZ_VALUE_MOST]; /* engines of the default that cannot run here, and why */
     /* The screen. */
     bool terminal;
-    int lines; /* that are to be overwritten */
+    int lines; /* drawn last; the next drawing overwrites them */
     uint64_t shown_ns, stats_ns;
     volatile sig_atomic_t *signalled; /* the signal that ended it; 0: none */
     struct reason failed;             /* writing a report did */
@@ -84,13 +84,13 @@ enum status fuzz_default_engines(struct fuzz_command *command, struct reason *re
 /* Rules and tally of the pairs that meet. Errors: STATUS_INPUT no engine takes part; STATUS_LIMIT;
  * STATUS_MEMORY. */
 enum status fuzz_pairs_make(struct fuzz_command *command, struct reason *reason) MUST_USE;
-/* Pairs that the time did not suffice for, 1 where none can meet; 0 without a number asked for. */
+/* Pairs that met in fewer trials than --pairs; 1 if no pair can meet; 0 without --pairs. */
 uint32_t fuzz_pairs_short(const struct fuzz_command *command);
 void fuzz_pairs_print(const struct fuzz_command *command, const struct campaign_view *view);
 struct json_t *fuzz_pairs_json(const struct fuzz_command *command,
                                const struct campaign_view *view);
 
-/* The status, as often as it is to be shown; campaign_options.tick, of a struct fuzz_command. */
+/* Shows the status when it is due; campaign_options.tick, of a struct fuzz_command. */
 void fuzz_show(void *user, const struct campaign_view *view);
 /* Wipes the screen's lines. */
 void fuzz_show_end(struct fuzz_command *command);

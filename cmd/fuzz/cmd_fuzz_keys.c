@@ -4,6 +4,7 @@
 
 #include "ref/outside/plugin_guard.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,16 +37,14 @@ static bool has_plugin(const struct list *list)
     return has;
 }
 
-/* Layouts from outside by their path, so that it can be read again. */
+/* Appends the list; layouts from outside by their path, so that it can be read again. */
 static void print_list(enum table table, const struct list *list, char text[FUZZ_VALUE_MOST])
 {
-    size_t used = 0;
-    text[0] = '\0';
-    for (size_t i = 0; i < list->count && used < FUZZ_VALUE_MOST; i++) {
+    for (size_t i = 0; i < list->count; i++) {
         size_t index = list->index[i];
         const char *path = table == TABLE_LAYOUTS ? plugin_path(layouts_all[index]) : NULL;
-        used += (size_t)snprintf(text + used, FUZZ_VALUE_MOST - used, "%s%s", i ? "," : "",
-                                 path ? path : table_member(table, index, NULL));
+        text_append(text, FUZZ_VALUE_MOST, "%s%s", i ? "," : "",
+                    path ? path : table_member(table, index, NULL));
     }
 }
 
@@ -145,25 +144,23 @@ enum status fuzz_default_engines(struct fuzz_command *c, struct reason *reason)
         return status;
     bool heard = child_receive_into(&child, &out, sizeof out, 60000);
     child_end(&child, heard ? 5000 : 0, NULL);
-    if (!heard) { /* one of them ends whoever opens it: that is for the campaign to tell */
+    if (!heard) { /* opening one of them ends the process: the campaign reports that */
         c->engine = what.list;
         return STATUS_OK;
     }
-    size_t used = 0;
     for (size_t i = 0; i < what.list.count; i++)
         if (out.runs[i])
             c->engine.index[c->engine.count++] = what.list.index[i];
-        else if (used < sizeof c->left_out)
-            used +=
-                (size_t)snprintf(c->left_out + used, sizeof c->left_out - used, "%s%s: %s",
-                                 used ? "; " : "", engines[what.list.index[i]]->name, out.why[i]);
+        else
+            text_append(c->left_out, sizeof c->left_out, "%s%s: %s", c->left_out[0] ? "; " : "",
+                        engines[what.list.index[i]]->name, out.why[i]);
     return c->engine.count ? STATUS_OK : fail(reason, STATUS_UNSUPPORTED, "%.300s", c->left_out);
 }
 
 /* --- the folder's campaign ------------------------------------------------------------------- */
 
-/* An option may differ as long as nothing was played: whoever mistyped a tracer's command tries
- * again. */
+/* An option may differ as long as nothing was played, so that a mistyped command can be corrected.
+ */
 static enum status compare(struct fuzz_command *c, const char *state, enum fuzz_key key,
                            struct reason *reason)
 {

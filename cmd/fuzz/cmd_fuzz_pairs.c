@@ -1,4 +1,4 @@
-/* Who takes part in the pairs of a campaign, and what is said of them. */
+/* The members that pairs of a campaign are made of, and the report on pairs. */
 #include "cmd/fuzz/cmd_fuzz.h"
 
 #include "cmd/common/cmd_json.h"

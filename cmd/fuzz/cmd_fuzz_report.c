@@ -20,7 +20,7 @@ static enum findings_report_state state_of(const struct fuzz_command *c,
                                            struct baseline_answer *answer)
 {
     const struct findings_entry *entry = findings_entry(view->findings, i);
-    struct baseline baseline = c->baseline; /* asking notes what was used; the list is shared */
+    struct baseline baseline = c->baseline; /* baseline_ask counts uses in it; the list is shared */
     baseline_ask(&baseline, &entry->signature, entry->versions, c->today, answer);
     if (answer->state == BASELINE_KNOWN)
         return REPORT_KNOWN;
@@ -219,7 +219,7 @@ static size_t failed_count(const struct campaign_view *view)
     return count;
 }
 
-/* What came of asking each contestant in the whole campaign. */
+/* How often each contestant answered in the whole campaign. */
 static void print_turnout(const struct campaign_view *view)
 {
     char name[NAME_MOST];
@@ -293,7 +293,7 @@ void fuzz_report(void *user, const struct campaign_view *view)
                   ? EXIT_MISMATCH
                   : EXIT_AGREE;
     if ((view->unplayed || view->unshrunk) &&
-        *c->signalled) /* so that who waits for a shard knows */
+        *c->signalled) /* a script that waits for a shard sees it */
         c->code = 128 + *c->signalled;
     for (size_t i = 0; i < findings_count(view->findings); i++)
         print_finding(c, view, i);

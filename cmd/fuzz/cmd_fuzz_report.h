@@ -21,8 +21,8 @@ void fuzz_describe(const struct fuzz_command *c, const struct campaign_view *vie
 
 double fuzz_seconds(uint64_t ns);
 
-/* The next entry of the baseline from *at on that excused nothing; false: there is none. To be
- * asked after the findings. */
+/* The next entry of the baseline from *at on that excused nothing; false: there is none. Call it
+ * after all findings were described. */
 bool fuzz_unused_line(const struct fuzz_command *c, const struct campaign_view *view, size_t *at,
                       char line[UNUSED_MOST]);
 

@@ -31,7 +31,7 @@ static size_t room_of(void)
     return size.ws_col;
 }
 
-/* A line of the screen. One that the terminal wraps would be two that are to be overwritten. */
+/* A line of the screen, cut to its width: a wrapped line would not be overwritten whole. */
 PRINTF_LIKE(2, 3) static void row(struct fuzz_command *c, const char *format, ...)
 {
     char text[ROW_MOST];

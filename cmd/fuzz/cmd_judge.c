@@ -105,7 +105,7 @@ static const char *name_of(const char *path)
     return strcmp(path, STANDARD_INPUT) == 0 ? "standard input" : file_label(path);
 }
 
-/* Reads a file whole; what begins with "/dev/stdin" is named so that people know it. */
+/* Reads a file whole. Errors call /dev/stdin the standard input. */
 static enum status read_all(const char *path, char **bytes, size_t *size, struct reason *reason)
 {
     enum status status = file_read(path, bytes, size, reason);
@@ -231,7 +231,7 @@ static int judge_all(struct judge_run *j)
     return exit_worse(code, exit_with_reason(j->command, status, &reason));
 }
 
-/* Everything read: judges; else says why not. */
+/* Judges, or prints why something could not be read. Returns the exit code. */
 static int finish(struct judge_run *j, enum status status, const struct reason *reason)
 {
     int code = exit_with_reason(j->command, status, reason);
@@ -270,7 +270,7 @@ int cmd_judge(int argc, char **argv)
     return finish(&j, status, &reason);
 }
 
-/* Makes scene and rays again from what the answer says of its request. */
+/* Makes scene and rays again from the answer's 'from' line. */
 static enum status make_again(struct judge_run *j, const struct pipe_text *look,
                               struct reason *reason)
 {

@@ -30,7 +30,7 @@ static void shrink_entry(const struct min_options *options, struct findings *fin
     const char *name = entry->has_smallest ? "smallest.trial" : "first.trial";
     findings_path(findings, &entry->signature, name, row->path, sizeof row->path);
     if (entry->signature.cause == CAUSE_NOT_REPEATABLE) {
-        row->fate = MIN_SKIPPED; /* what does not show twice cannot be asked for */
+        row->fate = MIN_SKIPPED; /* it does not show twice, so that shrinking cannot follow it */
         fail(&row->reason, STATUS_UNSUPPORTED, "not repeatable");
         return;
     }
@@ -59,7 +59,7 @@ static bool is_on(const void *user, const struct layout *layout)
     return false;
 }
 
-/* The engines of all findings that are to be shrunk. */
+/* The engines of all findings. */
 static struct list engines_of(const struct findings *findings)
 {
     struct list list = {.count = 0};

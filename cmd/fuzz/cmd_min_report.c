@@ -1,4 +1,4 @@
-/* What raydiff min says of findings, for people and for machines. */
+/* The results of raydiff min, as text and as JSON. */
 #include "cmd/fuzz/cmd_min.h"
 
 #include "cmd/fuzz/cmd_replay.h"

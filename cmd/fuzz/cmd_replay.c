@@ -60,7 +60,7 @@ static bool is_wanted(const struct replay_options *options, const struct finding
     return replay_is_expected(options, file, &mine);
 }
 
-/* The layouts of a file: asked for, the signature's, or all that are not as published. */
+/* The layouts of a file: those of --layout, the signature's, or all that are not as published. */
 static struct list choose_layouts(const struct replay_options *options,
                                   const struct finding_file *file)
 {

@@ -37,7 +37,7 @@ struct replay_file {
     struct finding_file file;
     struct replay_played played[FUZZ_CONTESTANTS_MOST];
     size_t played_count;
-    bool refused; /* whom it is about refused: nothing was played */
+    bool refused; /* the signature's engine or layout refused: nothing was played */
     bool fails;   /* its signature is still there; of a clean one: anything */
     int code;
     char now[1024]; /* versions */
@@ -56,8 +56,8 @@ struct replay_options {
 enum status replay_engine(const struct finding_file *file, const struct engine **out,
                           struct reason *reason) MUST_USE;
 
-/* True if the finding is what the file expects, with another engine or layout where the user asked
- * for one. */
+/* True if the finding is what the file expects, with another engine or layout where one was
+ * named. */
 bool replay_is_expected(const struct replay_options *options, const struct finding_file *file,
                         const struct fuzz_signature *found);
 
@@ -66,8 +66,8 @@ bool replay_is_expected(const struct replay_options *options, const struct findi
 void replay_command(const char *path, const struct engine *engine, const struct layout *layout,
                     char *text, size_t text_bytes);
 
-/* Appends the layouts from outside that findings of the folder are on, with their shaders: who reads
- * it must be told them. */
+/* Appends the layouts from outside that findings of the folder are on, with their shaders:
+ * raydiff cannot read the findings without them. */
 void replay_plugins(const struct findings *findings, char *text, size_t text_bytes);
 
 /* A child process that plays: an engine that crashes or hangs takes only it along. */
@@ -80,11 +80,11 @@ struct replay_worker {
 /* Plays a contestant on file `i`: sets fate, reason and findings of *played. */
 void replay_play(struct replay_worker *worker, size_t i, struct replay_played *played);
 
-/* Lets the child print the page of a finding; false if there is none to print. */
+/* The child prints the page of a finding; false if there is none. */
 bool replay_page(struct replay_worker *worker, size_t i, const struct fuzz_contestant *who,
                  uint32_t ray);
 
-/* Sets `now` of a file: engines are asked in the child. */
+/* Sets `now` of a file; the child describes the engines. */
 void replay_versions(struct replay_worker *worker, size_t i);
 
 /* Ends the child, if there is one. */

@@ -1,4 +1,4 @@
-/* What raydiff replay says of a file, for people and for machines. */
+/* The results of raydiff replay, as text and as JSON. */
 #include "cmd/fuzz/cmd_replay.h"
 
 #include "ref/outside/pipe.h"
@@ -38,7 +38,7 @@ static void expectation(const struct finding_file *file, char text[FUZZ_SIGNATUR
         fuzz_signature_print(&file->signature, text);
 }
 
-/* One line of what the judge or the harness said of it. */
+/* The line of the judge, or "" if the answer was not judged wrong. */
 static void finding_text(const struct finding_file *file, const struct fuzz_finding *finding,
                          char *text, size_t size)
 {

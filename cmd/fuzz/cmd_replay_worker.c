@@ -1,4 +1,4 @@
-/* The child that raydiff replay plays in, and how the parent asks it. The files were read before
+/* The child process that raydiff replay plays in, and the requests of the parent. The files were read before
  * the fork, so that both sides have them, and pointers to them and to tables mean the same. */
 #include "cmd/fuzz/cmd_replay.h"
 

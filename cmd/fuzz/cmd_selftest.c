@@ -259,7 +259,7 @@ static enum status run(struct selftest_command *c, struct selftest_sum *sum, str
     return status;
 }
 
-/* What programs with a mutated shader are asked: nothing that runs can show a lost decoration,
+/* The check of programs with a mutated shader: no run can show a lost decoration,
  * since the drivers here never contract. */
 static int check_shaders(void)
 {

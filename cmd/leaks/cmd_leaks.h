@@ -7,9 +7,9 @@
 #include "ref/match/turnout.h"
 #include "scenes/rays/rays_inside.h"
 
-#define LEAKS_LEAST 1000 /* fewer rays say nothing */
+#define LEAKS_LEAST 1000 /* fewer rays prove nothing */
 
-/* What was asked for. */
+/* What the options set. */
 struct leaks_options {
     struct list layout, store, engine, builder, box, tri;
     bool layout_named, engine_named;
@@ -34,7 +34,7 @@ struct leak_row {
     struct reason reason;
     bool absent; /* UNSUPPORTED: the engine cannot run here at all */
     struct leaks leaks;
-    bool own_test; /* the engine has one triangle test, whatever `tri` says */
+    bool own_test; /* the engine has one triangle test, and does not run `tri` */
     bool promises; /* a watertight triangle test, a box test that keeps it so, none as published */
     bool compared; /* with engine cpu on the same tree, bit for bit */
     size_t bit_differences;
@@ -49,12 +49,12 @@ struct leak_scene {
     size_t ray_count;
     uint64_t seed;
     struct inside inside;
-    char vacuous[120]; /* why the whole result says nothing; empty: it does */
+    char vacuous[120]; /* why the whole result proves nothing; empty: it does */
     struct leak_row *row;
     size_t row_count;
 };
 
-/* Opens a scene, demands that it is closed, aims, and lets every engine play. *result is whole only
+/* Opens a scene, demands that it is closed, aims, and plays every engine. *result is whole only
  * on success; the caller frees result->row. Errors: STATUS_INPUT no such scene, an open mesh, no
  * point inside; STATUS_MEMORY; those of builders. What fails in a row is in the row. */
 enum status leaks_play(const struct leaks_options *options, struct pool *pool,
@@ -67,7 +67,7 @@ void leak_row_judge(struct leak_row *row, const struct leak_profile *profile);
 /* Prints the table of a scene, its findings and what it means. */
 void leaks_print(const struct leak_scene *scene);
 
-/* The exit code that the rows ask for; a layout or engine counts only if it was named. */
+/* The exit code of the rows; a layout or engine counts only if it was named. */
 int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_named);
 
 /* Counts all rows for those that were named. */

@@ -1,6 +1,7 @@
-/* How raydiff leaks plays one scene: every engine on every tree and test that was asked for. */
+/* How raydiff leaks plays one scene: every named engine on every tree and test. */
 #include "cmd/leaks/cmd_leaks.h"
 #include "cmd/common/cmd_tree.h"
+#include "ref/base/text.h"
 #include "ref/twin/twin.h"
 #include "scenes/scenes.h"
 #include "ref/store.h"
@@ -84,7 +85,6 @@ static void count_row(struct play *play, struct leak_row *row)
 void leak_row_judge(struct leak_row *row, const struct leak_profile *profile)
 {
     struct leak_tally sum = leaks_total(&row->leaks);
-    size_t used = 0, room = sizeof row->broken;
     row->broken[0] = '\0';
     bool misses = row->promises || profile->misses_must, doubles = profile->doubles_must;
     const struct {
@@ -101,9 +101,9 @@ void leak_row_judge(struct leak_row *row, const struct leak_profile *profile)
         {row->compared, row->bit_differences, "differ from cpu"},
     };
     for (size_t i = 0; i < ARRAY_COUNT(breach); i++)
-        if (breach[i].is && breach[i].count > 0 && used < room)
-            used += (size_t)snprintf(row->broken + used, room - used, "%s%zu %s", used ? ", " : "",
-                                     breach[i].count, breach[i].what);
+        if (breach[i].is && breach[i].count > 0)
+            text_append(row->broken, sizeof row->broken, "%s%zu %s", row->broken[0] ? ", " : "",
+                        breach[i].count, breach[i].what);
 }
 
 static enum status play_row(struct play *play, struct leak_row row, struct reason *reason)
@@ -117,7 +117,7 @@ static enum status play_row(struct play *play, struct leak_row row, struct reaso
     return add_row(play, &row, reason);
 }
 
-/* False for engines that have one triangle test of their own, whatever is asked for. */
+/* False for engines that have a triangle test of their own, whichever is named. */
 static bool runs_our_tests(struct play *play, const struct engine *engine,
                            const struct tri_test *tri)
 {

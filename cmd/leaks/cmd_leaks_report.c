@@ -125,7 +125,7 @@ int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_na
         else if (is_layouts ? layout_named : engine_named || row->status != STATUS_UNSUPPORTED)
             code = exit_worse(code, exit_of_status(row->status));
     }
-    if (refused > 0 && refused == on_layouts) /* nothing was played of what was asked for */
+    if (refused > 0 && refused == on_layouts) /* nothing that was named was played */
         code = exit_worse(code, exit_of_status(STATUS_LIMIT));
     return code;
 }

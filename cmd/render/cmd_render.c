@@ -3,6 +3,7 @@
 
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "cmd/common/cmd_process.h"
 #include "cmd/render/cmd_render_out.h"
 #include "scenes/picture/image.h"
@@ -288,10 +289,8 @@ static enum status check_use(const struct render *r, struct reason *reason)
     snprintf(by, sizeof by, "%s%s", r->mode ? "--" : "pictures", r->mode ? r->mode->name : "");
     snprintf(never, sizeof never, "%s", r->mode ? r->mode->never : "");
     for (size_t m = 0; modes[m]; m++)
-        for (size_t i = 0; modes[m] != r->mode && modes[m]->row[i].name; i++) {
-            size_t used = strlen(never);
-            snprintf(never + used, sizeof never - used, " %s", modes[m]->row[i].name);
-        }
+        for (size_t i = 0; modes[m] != r->mode && modes[m]->row[i].name; i++)
+            text_append(never, sizeof never, " %s", modes[m]->row[i].name);
     const struct option_use of_mode = {.by = by, .never = never};
     const struct option_use alone = {.by = "one picture", .never = r->frames == 1 ? "angle" : ""};
     enum status status = options_check(&of_mode, reason);

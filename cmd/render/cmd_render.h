@@ -13,7 +13,7 @@
 #include "scenes/render/show_picture.h"
 
 #define RENDER_SCENE_DEFAULT "rtrs" /* RTRS's own */
-#define RENDER_WINDOW_WIDTH  800u   /* where only a workgroup size says what is wanted */
+#define RENDER_WINDOW_WIDTH  800u   /* if only a workgroup size is given */
 #define RENDER_WINDOW_HEIGHT 600u
 
 /* What RTRS calls an intersection handler: members of our tables, for either profile. */
@@ -27,7 +27,7 @@ struct render_handler {
 
 extern const struct render_handler render_handlers[]; /* ends with a NULL name */
 
-/* Everything that options say. What is said to be filled in by render_settings_finish is NULL or 0
+/* What the options set. What render_settings_finish fills in is NULL or 0
  * before unless the user named it. */
 struct render_settings {
     char *scene;   /* NULL: RENDER_SCENE_DEFAULT */
@@ -81,7 +81,7 @@ extern const struct option_row render_rows[], render_show_rows[], render_benchma
 enum status render_settings_finish(const char *command, struct render_settings *settings,
                                    struct reason *reason) MUST_USE;
 
-/* Refuses options that say something of members which nothing of `engine` uses. After
+/* Refuses options of members that nothing of `engine` uses. After
  * render_settings_finish. Errors: STATUS_INPUT. */
 enum status render_options_check(const struct render_settings *settings, const struct list *engine,
                                  struct reason *reason) MUST_USE;
@@ -97,7 +97,7 @@ struct render_stage {
     const char *name;      /* of the scene; borrowed */
     uint32_t tri_count;    /* of the scene as it was read; handler blank shows none of them */
     struct scene scene;    /* what is shown */
-    struct camera camera;  /* `orbit`: as the options say, else as the scene does */
+    struct camera camera;  /* `orbit`: of the options, else of the scene */
     struct tree_file file; /* of --bvh */
     struct bvh bvh;        /* empty if the file is packed */
     struct packed packed;  /* of settings->layout; empty if the engine needs none */

@@ -38,7 +38,7 @@ static enum status take_handler(const char *name, struct render_settings *out,
     return fail(reason, STATUS_INPUT, "--handler: '%s' is not naive, bvh, bvh-rf or blank", name);
 }
 
-/* --handler NAME, or --handler-NAME, which the seed has. What follows is a box size if it reads as a
+/* --handler NAME, or --handler-NAME as in RTRS. What follows is a box size if it reads as a
  * number, whatever files there are; else a tree's file. */
 static enum status take_handlers(void *options, const struct option_value *given,
                                  struct reason *reason)

@@ -10,9 +10,9 @@
 enum status frame_path(const char *out, uint32_t frame, uint32_t count, char *path,
                        size_t path_bytes, struct reason *reason) MUST_USE;
 
-/* What paths a picture's segments say. */
+/* The rays of a picture, counted from its segments. */
 struct frame_rays {
-    uint64_t closest, shadow; /* rays asked */
+    uint64_t closest, shadow; /* rays traced */
     uint64_t hit_pixels;      /* whose first segment hit */
 };
 
@@ -44,7 +44,7 @@ struct frame_record {
     struct frame_rays rays;
 };
 
-/* What --json says. Errors: as json_write. */
+/* Writes the file of --json. Errors: as json_write. */
 enum status render_json(const char *path, const struct render_settings *settings,
                         const struct render_stage *stage, const struct frame_record *record,
                         uint32_t count, struct reason *reason) MUST_USE;

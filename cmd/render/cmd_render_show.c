@@ -2,6 +2,7 @@
 #include "cmd/render/cmd_render_show.h"
 
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "ref/look/look_decoded.h"
 #include "cmd/render/cmd_render_out.h"
 
@@ -209,13 +210,11 @@ static enum status draw(struct showing *showing, const struct render_stage *stag
 {
     bool two = showing->layer_count == 2;
     struct colour_place place;
-    int n = snprintf(showing->title, sizeof showing->title, "%.100s: %s, %s%s%s",
-                     showing->settings->scene, showing->show->name,
-                     two ? showing->layer[1].name : showing->layer[0].name, two ? " - " : "",
-                     two ? showing->layer[0].name : "");
-    if (showing->engine->needs_packed && n > 0 && (size_t)n < sizeof showing->title)
-        snprintf(showing->title + n, sizeof showing->title - (size_t)n, ", engine %s",
-                 showing->engine->name);
+    snprintf(showing->title, sizeof showing->title, "%.100s: %s, %s%s%s", showing->settings->scene,
+             showing->show->name, two ? showing->layer[1].name : showing->layer[0].name,
+             two ? " - " : "", two ? showing->layer[0].name : "");
+    if (showing->engine->needs_packed)
+        text_append(showing->title, sizeof showing->title, ", engine %s", showing->engine->name);
     return show_picture(showing->show, two,
                         two ? showing->difference.value : showing->layer[0].value, stage->job.width,
                         stage->job.height, &showing->range, showing->title, image, &place, reason);
@@ -251,8 +250,7 @@ static enum status check(const struct showing *showing, const char *name, struct
     if (!showing->show) {
         char known[200] = "";
         for (const struct show *one = shows; one->name; one++)
-            snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s",
-                     one == shows ? "" : ", ", one->name);
+            text_append(known, sizeof known, "%s%s", one == shows ? "" : ", ", one->name);
         return fail(reason, STATUS_INPUT, "--show: unknown '%.40s'; known: %s", name, known);
     }
     if (settings->versus && !engine->needs_packed)
@@ -311,7 +309,7 @@ static int run(const struct render_settings *given, const char *name)
     if (showing.engine->needs_packed)
         showing.judged = (settings.bvh || !settings.builder->faithful) && !settings.box->faithful;
     enum status status = try_outputs(&showing, &reason);
-    /* Light changes no value: some, so that nothing is said of none. */
+    /* Light changes no value. Some light avoids the warning that there is none. */
     if (settings.look.profile == PROFILE_REPAIRED)
         settings.look.ambience = 1;
     else

@@ -12,7 +12,7 @@
 struct show_layer {
     const char *name;              /* of the layout, or of an engine that needs none */
     double *value;                 /* show->planes of each pixel; of a difference one */
-    struct trace_counts counts;    /* what the engine said that it did */
+    struct trace_counts counts;    /* as the engine counted */
     struct show_sum sum;           /* of one plane; else all 0 */
     struct quantiles quantiles;    /* likewise */
     size_t verdict[VERDICT_COUNT]; /* of class */

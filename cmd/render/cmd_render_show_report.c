@@ -1,4 +1,4 @@
-/* What raydiff render --show says beside its picture. */
+/* The statistics of raydiff render --show, as text, CSV and JSON. */
 #include "cmd/common/cmd_json.h"
 #include "cmd/common/cmd_options.h"
 #include "cmd/render/cmd_render_show.h"

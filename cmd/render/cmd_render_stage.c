@@ -84,7 +84,7 @@ enum status render_stage_pack(struct render_stage *stage, const struct layout *l
     return status;
 }
 
-/* From --bvh, which is checked whoever draws, or by the builder, if somebody needs a tree. */
+/* From --bvh, which is checked for all engines, or by the builder, if an engine needs a tree. */
 static enum status make_tree(const char *command, const struct render_settings *settings,
                              struct render_stage *stage, struct reason *reason)
 {

@@ -83,7 +83,7 @@ static enum status resize(struct window_showing *s, uint32_t width, uint32_t hei
     return status;
 }
 
-/* Turns by the keys, as far as time has come. A stall is one frame long, as pacing says. */
+/* Turns by the keys that were held since the last tick. A stall counts as one frame. */
 static void turn(struct window_showing *s, double moved_ms)
 {
     if (moved_ms <= 0 || s->turn_ms == 0)
@@ -156,7 +156,7 @@ static enum status open_all(struct window_showing *s, struct reason *reason)
     return status;
 }
 
-/* Without a display a picture can still be drawn where one was asked for. */
+/* Without a display --out still gets its picture. */
 static enum status open_window(struct window_showing *s, struct reason *reason)
 {
     struct reason why;

@@ -6,7 +6,7 @@
 
 #include <jansson.h>
 
-/* What was asked for. */
+/* What the options set. */
 struct construct_options {
     struct construct construct;
     size_t model_capacity, material_capacity, light_capacity;

@@ -1,4 +1,4 @@
-/* What raydiff construct says of the scene it made. */
+/* The report of raydiff construct on the scene it made. */
 #include "cmd/scene/cmd_construct.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"

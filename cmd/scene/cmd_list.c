@@ -1,6 +1,7 @@
 /* raydiff list: every member of every table. */
 #include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 
 #include <string.h>
 
@@ -30,10 +31,8 @@ static void print_table(enum table table)
 static int unknown(const char *kind)
 {
     char known[200] = "";
-    size_t used = 0;
-    for (enum table table = 0; table < TABLE_COUNT && used < sizeof known; table++)
-        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", table ? ", " : "",
-                                 table_name(table));
+    for (enum table table = 0; table < TABLE_COUNT; table++)
+        text_append(known, sizeof known, "%s%s", table ? ", " : "", table_name(table));
     return usage_error("list", "unknown kind '%.60s'; kinds are: %s", kind, known);
 }
 

@@ -82,7 +82,7 @@ static enum status write_tree(const char *path, const struct bvh *bvh, const str
     return status;
 }
 
-/* As JSON, or packed as was asked for. */
+/* As JSON, or packed in the layout of --layout. */
 static enum status write_out(const struct precompute *p, const struct scene *scene,
                              const struct bvh *bvh, struct reason *reason)
 {
@@ -117,7 +117,7 @@ static enum status precompute(const struct precompute *p, const struct scene *sc
     return status;
 }
 
-/* *sound: nothing is wrong with it; else `reason` says what. */
+/* *sound: nothing is wrong with it; else `reason` is set. */
 static enum status verify_packed(const char *bytes, size_t size, const struct precompute *p,
                                  const struct scene *scene, bool *sound, struct reason *reason)
 {

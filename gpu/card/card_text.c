@@ -1,7 +1,7 @@
 /* A driver's card as text and as JSON. */
 #include "gpu/card/card.h"
 
-#include "gpu/vk/text.h"
+#include "ref/base/text.h"
 #include "ref/base/json_record.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 #include "gpu/card/probe.h"
 
 #include "gpu/card/probe_once.h"
-#include "gpu/vk/text.h"
+#include "ref/base/text.h"
 #include "ref/base/rng.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
  * test of the job do not matter. */
 #include "gpu/trace/batch.h"
 #include "gpu/trace/dispatch.h"
-#include "gpu/vk/text.h"
+#include "ref/base/text.h"
 #include "gpu/vk/vk_accel.h"
 #include "gpu/trace/vulkan_options.h"
 #include "ref/twin/model.h"

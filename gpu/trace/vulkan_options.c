@@ -1,7 +1,7 @@
 #include "gpu/trace/vulkan_options.h"
 
 #include "gpu/card/probe.h"
-#include "gpu/vk/text.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Listing the devices and choosing one. */
-#include "gpu/vk/text.h"
+#include "ref/base/text.h"
 #include "gpu/vk/vk_private.h"
 
 #include <ctype.h>

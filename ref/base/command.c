@@ -1,4 +1,5 @@
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 
 #include <errno.h>
 #include <math.h>
@@ -60,22 +61,16 @@ int usage_error(const char *command, const char *format, ...)
     return EXIT_USAGE;
 }
 
-static void append(char *text, size_t text_bytes, const char *piece)
-{
-    size_t used = strlen(text);
-    snprintf(text + used, text_bytes - used, "%s", piece);
-}
-
 void command_word(char *text, size_t text_bytes, const char *word)
 {
     bool plain = word[0] != 0;
     for (const char *at = word; *at; at++)
         plain = plain && (strchr("._-/:=,+", *at) || (*at >= '0' && *at <= '9') ||
                           (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z'));
-    append(text, text_bytes, plain ? " " : " '");
+    text_append(text, text_bytes, "%s", plain ? " " : " '");
     for (const char *at = word; *at; at++)
-        append(text, text_bytes, *at == '\'' ? "'\\''" : (const char[2]){*at, '\0'});
-    append(text, text_bytes, plain ? "" : "'");
+        text_append(text, text_bytes, "%s", *at == '\'' ? "'\\''" : (const char[2]){*at, '\0'});
+    text_append(text, text_bytes, "%s", plain ? "" : "'");
 }
 
 enum status parse_count(const char *flag, const char *text, uint64_t least, uint64_t most,

@@ -1,4 +1,4 @@
-#include "gpu/vk/text.h"
+#include "ref/base/text.h"
 
 #include <stdarg.h>
 #include <stdio.h>
