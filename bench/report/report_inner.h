@@ -45,9 +45,6 @@ void report_picture_free(struct report_picture *picture); /* what it owns */
 /* A cell with a number, empty if it is not finite. */
 void report_number(struct html *html, const char *format, double value);
 
-/* A table of an array of flat JSON rows, whatever their members are: numbers to the right. */
-void report_rows(struct html *html, const json_t *rows);
-
 /* Runs of frames have "handlers" in place of rows. Errors: STATUS_MEMORY. */
 bool report_is_frames(const json_t *json);
 enum status report_frames(struct html *html, const json_t *json, struct reason *reason) MUST_USE;

@@ -69,8 +69,8 @@ static void put_line(struct html *html, const json_t *first, const json_t *row)
     }
 }
 
-/* Members of the first row are the columns. */
-void report_rows(struct html *html, const json_t *rows)
+/* A table of flat rows. Members of the first row are the columns, numbers to the right. */
+static void put_rows(struct html *html, const json_t *rows)
 {
     const json_t *first = json_array_get(rows, 0);
     html_table(html, "wide", NULL);
@@ -93,7 +93,7 @@ static void put_details(struct html *html, const json_t *rows, const char *bench
     html_element_format(html, "summary", NULL, "all %zu rows of %s", json_array_size(rows),
                         benchmark[0] ? benchmark : "the benchmark");
     html_begin(html, "div", "class", "roll", NULL);
-    report_rows(html, rows);
+    put_rows(html, rows);
     html_end(html, "div");
     html_end(html, "details");
 }
@@ -155,12 +155,13 @@ size_t report_figures(const struct report *report)
     static const char *const drawn[] = {"error", "layouts"};
     bool layouts = has_layouts(report);
     size_t figures = report->picture_count;
-    for (size_t p = 0; p < report->part_count; p++)
-        if (report->part[p].kind == REPORT_BENCH && report_is_frames(report->part[p].json))
-            figures += report_charts(report->part[p].json);
-    for (size_t p = 0; p < report->part_count; p++)
-        for (size_t d = 0; d < ARRAY_COUNT(drawn) && report->part[p].kind == REPORT_BENCH; d++) {
-            json_t *rows = rows_of(report->part[p].json, drawn[d]);
+    for (size_t p = 0; p < report->part_count; p++) {
+        const struct report_part *part = &report->part[p];
+        if (part->kind != REPORT_BENCH)
+            continue;
+        figures += report_charts(part->json);
+        for (size_t d = 0; d < ARRAY_COUNT(drawn); d++) {
+            json_t *rows = rows_of(part->json, drawn[d]);
             for (int kind = 0; kind < FIGURE_KINDS; kind++) {
                 struct row_plots plots = {0};
                 struct reason reason;
@@ -172,6 +173,7 @@ size_t report_figures(const struct report *report)
             }
             json_decref(rows);
         }
+    }
     return figures;
 }
 

@@ -157,6 +157,12 @@ static const struct list *or_all(const struct list *named, enum table table, str
     return named->count ? named : all;
 }
 
+/* True for the benchmark of that name; for NULL, for each that need not be named. */
+static bool is_meant(const struct benchmark *benchmark, const char *name)
+{
+    return name ? strcmp(name, benchmark->name) == 0 : !benchmark->alone;
+}
+
 /* An option that the named benchmark, or each of all, would ignore is refused. */
 static enum status check_given(const struct bench *bench, const char *name, struct reason *reason)
 {
@@ -164,7 +170,7 @@ static enum status check_given(const struct bench *bench, const char *name, stru
     char takes[2000] = "", by[80];
     bool known = false;
     for (size_t i = 0; benchmarks[i]; i++) {
-        if (name ? strcmp(name, benchmarks[i]->name) != 0 : benchmarks[i]->alone)
+        if (!is_meant(benchmarks[i], name))
             continue;
         known = true;
         size_t used = strlen(takes);
@@ -197,7 +203,7 @@ static enum status name_files(struct bench *bench, const char *name, struct reas
     const char *out = bench->picture.out;
     bool rows = false;
     for (size_t i = 0; benchmarks[i] && name && out; i++)
-        rows = rows || (benchmarks[i]->rows_out && strcmp(name, benchmarks[i]->name) == 0);
+        rows = rows || (benchmarks[i]->rows_out && is_meant(benchmarks[i], name));
     if (!rows)
         return STATUS_OK;
     if (strlen(out) + 6 > sizeof bench->picture.csv)
@@ -224,7 +230,7 @@ static int run_benchmarks(struct bench *bench, const char *name)
         bench->picture.height = bench->quick ? 72 : 288;
     }
     for (size_t i = 0; benchmarks[i]; i++)
-        if (name ? strcmp(name, benchmarks[i]->name) == 0 : !benchmarks[i]->alone)
+        if (is_meant(benchmarks[i], name))
             bench_worse(bench, benchmarks[i]->run(bench));
     progress_end(&bench->progress);
     enum status status = bench->csv_path ? file_out_commit(&bench->csv, &reason) : STATUS_OK;

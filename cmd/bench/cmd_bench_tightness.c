@@ -28,28 +28,30 @@ static const char about[] =
     "  no bound  pairs of which any t is accepted\n"
     "";
 
-static const struct {
-    const char *name, *rounding_name;
+/* Formulas, each with every rounding of its kind. */
+static const struct tightness_formula {
+    const char *name;
     enum twin_formula formula;
+    bool embree;
+} formulas[] = {
+    {"mt", TWIN_MT, false},
+    {"mt_rtrs", TWIN_MT_RTRS, false},
+    {"woop", TWIN_WOOP, false},
+    {"pluecker", TWIN_PLUECKER, false},
+    {"baldwin_webber", TWIN_BALDWIN_WEBBER, false},
+    {"embree", TWIN_EMBREE, true},
+    {"embree_robust", TWIN_EMBREE_ROBUST, true},
+};
+
+static const struct tightness_rounding {
+    const char *name;
     struct rounding rounding;
-} models[] = {
-    {"mt", "ieee", TWIN_MT, ROUNDING_IEEE},
-    {"mt", "vulkan rte", TWIN_MT, ROUNDING_VULKAN_RTE},
-    {"mt", "vulkan", TWIN_MT, ROUNDING_VULKAN},
-    {"mt_rtrs", "ieee", TWIN_MT_RTRS, ROUNDING_IEEE},
-    {"mt_rtrs", "vulkan rte", TWIN_MT_RTRS, ROUNDING_VULKAN_RTE},
-    {"mt_rtrs", "vulkan", TWIN_MT_RTRS, ROUNDING_VULKAN},
-    {"woop", "ieee", TWIN_WOOP, ROUNDING_IEEE},
-    {"woop", "vulkan rte", TWIN_WOOP, ROUNDING_VULKAN_RTE},
-    {"woop", "vulkan", TWIN_WOOP, ROUNDING_VULKAN},
-    {"pluecker", "ieee", TWIN_PLUECKER, ROUNDING_IEEE},
-    {"pluecker", "vulkan rte", TWIN_PLUECKER, ROUNDING_VULKAN_RTE},
-    {"pluecker", "vulkan", TWIN_PLUECKER, ROUNDING_VULKAN},
-    {"baldwin_webber", "ieee", TWIN_BALDWIN_WEBBER, ROUNDING_IEEE},
-    {"baldwin_webber", "vulkan rte", TWIN_BALDWIN_WEBBER, ROUNDING_VULKAN_RTE},
-    {"baldwin_webber", "vulkan", TWIN_BALDWIN_WEBBER, ROUNDING_VULKAN},
-    {"embree", "embree", TWIN_EMBREE, ROUNDING_EMBREE},
-    {"embree_robust", "embree", TWIN_EMBREE_ROBUST, ROUNDING_EMBREE},
+    bool embree;
+} roundings[] = {
+    {"ieee", ROUNDING_IEEE, false},
+    {"vulkan rte", ROUNDING_VULKAN_RTE, false},
+    {"vulkan", ROUNDING_VULKAN, false},
+    {"embree", ROUNDING_EMBREE, true},
 };
 
 /* A scene, and the pairs drawn of it. */
@@ -78,32 +80,34 @@ static enum status draw_all(struct tightness_field *field, struct reason *reason
     return STATUS_OK;
 }
 
-static void report(const struct tightness_field *field, size_t m, const struct tightness *sum)
+static void report(const struct tightness_field *field, const struct tightness_formula *formula,
+                   const struct tightness_rounding *rounding, const struct tightness *sum)
 {
     printf("  %-14s %-10s %6.2f %7.2f %8.3g %8.3g %8.3g %7.1f %6.1f %6.1f %6.1f %6zu %8zu\n",
-           models[m].name, models[m].rounding_name, sum->real_p50, sum->real_p999, sum->real_most,
+           formula->name, rounding->name, sum->real_p50, sum->real_p999, sum->real_most,
            sum->rejected_p50, sum->rejected_p999, sum->medians, sum->times, sum->group_p50,
            sum->group_most, sum->alarms, sum->unbounded);
     bench_row(field->bench, &bench_tightness,
               json_record("scene=%s formula=%s rounding=%s pairs=%zu real_p50=%g real_p999=%g "
                           "real_most=%g rejected_p50=%g rejected_p999=%g medians=%g times=%g "
                           "group_p50=%g group_most=%g alarms=%g unbounded=%g",
-                          field->spec, models[m].name, models[m].rounding_name, sum->count,
-                          sum->real_p50, sum->real_p999, sum->real_most, sum->rejected_p50,
-                          sum->rejected_p999, sum->medians, sum->times, sum->group_p50,
-                          sum->group_most, (double)sum->alarms, (double)sum->unbounded));
+                          field->spec, formula->name, rounding->name, sum->count, sum->real_p50,
+                          sum->real_p999, sum->real_most, sum->rejected_p50, sum->rejected_p999,
+                          sum->medians, sum->times, sum->group_p50, sum->group_most,
+                          (double)sum->alarms, (double)sum->unbounded));
 }
 
-static enum status measure(struct tightness_field *field, size_t m, struct reason *reason)
+static enum status measure(struct tightness_field *field, const struct tightness_formula *formula,
+                           const struct tightness_rounding *rounding, struct reason *reason)
 {
-    const struct model model = {.formula = models[m].formula, .rounding = models[m].rounding};
+    const struct model model = {.formula = formula->formula, .rounding = rounding->rounding};
     struct judge *judge;
     enum status status =
         judge_make(field->oracle, field->scene, &model, NULL, QUERY_ANY, &judge, reason);
     if (status)
         return status;
-    progress_step(&field->bench->progress, "%s: %s, %s", field->spec, models[m].name,
-                  models[m].rounding_name);
+    progress_step(&field->bench->progress, "%s: %s, %s", field->spec, formula->name,
+                  rounding->name);
 #pragma omp parallel for schedule(dynamic, 256)
     for (long long i = 0; i < (long long)field->count; i++)
         field->one[i] = tightness_measure(judge, field->scene, &model, &field->pair[i]);
@@ -113,7 +117,7 @@ static enum status measure(struct tightness_field *field, size_t m, struct reaso
     status = tightness_sum(field->one, field->count, &sum, reason);
     if (status)
         return status;
-    report(field, m, &sum);
+    report(field, formula, rounding, &sum);
     if (sum.alarms > 0)
         bench_worse(field->bench, EXIT_MISMATCH);
     return STATUS_OK;
@@ -135,8 +139,10 @@ static enum status play(struct tightness_field *field, struct reason *reason)
     printf("%s: %u triangles, %zu pairs\n", field->spec, field->scene->tri_count, field->count);
     puts("  formula        rounding     real  99.9 %     most rejected   99.9 % medians  times "
          "groups  worst alarms no bound");
-    for (size_t m = 0; m < ARRAY_COUNT(models) && status == STATUS_OK; m++)
-        status = measure(field, m, reason);
+    for (size_t f = 0; f < ARRAY_COUNT(formulas); f++)
+        for (size_t r = 0; r < ARRAY_COUNT(roundings) && status == STATUS_OK; r++)
+            if (formulas[f].embree == roundings[r].embree)
+                status = measure(field, &formulas[f], &roundings[r], reason);
     return status;
 }
 

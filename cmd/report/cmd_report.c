@@ -15,15 +15,6 @@
 
 /* --- options ------------------------------------------------------------------------------ */
 
-static enum status pass(struct report_options *o, unsigned to, const char *flag, const char *value,
-                        struct reason *reason)
-{
-    if (o->passed_count == REPORT_PASSED)
-        return fail(reason, STATUS_INPUT, "%s: too many options", flag);
-    o->passed[o->passed_count++] = (struct passed){to, flag, value};
-    return STATUS_OK;
-}
-
 /* Keeps an option that other commands read, after it was tried here. */
 static enum status take_passed(void *options, const struct option_value *given,
                                struct reason *reason)
@@ -39,14 +30,16 @@ static enum status take_passed(void *options, const struct option_value *given,
     };
     static char flags[REPORT_PASSED][16];
     struct report_options *o = options;
-    enum status status = STATUS_OK;
-    for (size_t i = 0; i < ARRAY_COUNT(passed); i++)
-        if (option_among(passed[i].names, given->row->name)) {
-            char *flag = flags[o->passed_count % REPORT_PASSED];
-            snprintf(flag, sizeof flags[0], "--%s", given->row->name);
-            status = pass(o, passed[i].to, flag, given->text, reason);
-        }
-    return status;
+    for (size_t i = 0; i < ARRAY_COUNT(passed); i++) {
+        if (!option_among(passed[i].names, given->row->name))
+            continue;
+        if (o->passed_count == REPORT_PASSED)
+            return fail(reason, STATUS_INPUT, "--%s: too many options", given->row->name);
+        char *flag = flags[o->passed_count];
+        snprintf(flag, sizeof flags[0], "--%s", given->row->name);
+        o->passed[o->passed_count++] = (struct passed){passed[i].to, flag, given->text};
+    }
+    return STATUS_OK;
 }
 
 static enum status take_given(void *options, const struct option_value *given,
