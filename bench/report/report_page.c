@@ -23,11 +23,10 @@ bool section_reasons(struct html *html, const struct report *report, enum report
         any = any || part->json;
         if (part->state != REPORT_SKIPPED && part->state != REPORT_FAILED)
             continue;
-        html_begin(html, "p", "class", part->state == REPORT_FAILED ? "note bad" : "note", NULL);
-        html_format(html, "%s %s: %s", part->name,
-                    part->state == REPORT_FAILED ? "failed" : "was skipped",
-                    part->why[0] ? part->why : "it gave no reason");
-        html_end(html, "p");
+        bool failed = part->state == REPORT_FAILED;
+        html_element_format(html, "p", failed ? "note bad" : "note", "%s %s: %s", part->name,
+                            failed ? "failed" : "was skipped",
+                            part->why[0] ? part->why : "it gave no reason");
     }
     if (!report->wanted[kind])
         html_element_format(html, "p", "note", "Not part of this report. %s", how);

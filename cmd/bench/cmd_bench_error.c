@@ -146,18 +146,15 @@ static struct error_row row_of(const struct contestant *c)
     return row;
 }
 
-static void take_speeds(const struct error_field *field, struct error_page *page)
+static void take_speeds(struct error_field *field, struct error_page *page)
 {
     size_t rounds = (size_t)field->bench->rounds;
     for (size_t i = 0; i < page->row_count; i++) {
-        const struct contestant *c = &field->race.contestant[i];
+        struct contestant *c = &field->race.contestant[i];
         struct error_row *row = &page->row[i];
-        double mrays[BENCH_ROUNDS], ratio[BENCH_ROUNDS];
-        memcpy(mrays, c->mrays, sizeof mrays);
-        memcpy(ratio, c->ratio, sizeof ratio);
-        row->mrays = spread_of(mrays, rounds);
-        row->ratio = spread_of(ratio, rounds);
-        snprintf(row->base, sizeof row->base, "%s", race_base_name(&field->race, c));
+        row->mrays = spread_of(c->mrays, rounds);
+        row->ratio = spread_of(c->ratio, rounds);
+        row->base = race_base_name(&field->race, c);
         row->memory_bytes = c->memory_bytes;
         row->boxes = c->boxes ? (double)c->boxes / (double)page->ray_count : NAN;
         row->tris = c->tris ? (double)c->tris / (double)page->ray_count : NAN;

@@ -16,7 +16,7 @@ struct error_row {
     const struct tri_test *tri;  /* NULL: the engine has its own, and its own box test */
     const struct box_test *box;
     struct spread mrays, ratio;
-    char base[32]; /* what the ratio is to */
+    const char *base; /* what the ratio is to */
     struct error_sum sum;
     size_t leak[LEAK_TARGETS];
     bool judged;         /* false: a member as published takes part, only counted */
