@@ -80,8 +80,7 @@ static enum status judge_rays(const struct error_field *field, const struct cont
     struct judge *judge;
     size_t wrong = 0, named = 0, failed = 0;
     double over = 0, displacement = 0;
-    enum status status =
-        judge_make(field->oracle, field->scene, &model, c->tri, QUERY_CLOSEST, &judge, reason);
+    enum status status = judge_make(field->oracle, &model, QUERY_CLOSEST, &judge, reason);
     if (status)
         return status;
 #pragma omp parallel for schedule(dynamic, 64) reduction(+ : wrong, named, failed)                  \

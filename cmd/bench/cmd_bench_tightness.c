@@ -102,8 +102,7 @@ static enum status measure(struct tightness_field *field, const struct tightness
 {
     const struct model model = {.formula = formula->formula, .rounding = rounding->rounding};
     struct judge *judge;
-    enum status status =
-        judge_make(field->oracle, field->scene, &model, NULL, QUERY_ANY, &judge, reason);
+    enum status status = judge_make(field->oracle, &model, QUERY_ANY, &judge, reason);
     if (status)
         return status;
     progress_step(&field->bench->progress, "%s: %s, %s", field->spec, formula->name,

@@ -34,11 +34,10 @@ static enum status use_judges(struct page *page, const struct diff_member *membe
     if (page->judged == member)
         return STATUS_OK;
     const struct model model[2] = {member->side.model, member->side.model};
-    const struct frame_job *job = &page->run->stage.job;
     why_judges_free(&page->judges);
     page->judged = member;
-    return why_judges_make(page->run->oracle, &page->run->stage.scene, model, job->job.tri,
-                           member->walk.shadow_query, &page->judges, reason);
+    return why_judges_make(page->run->oracle, model, member->walk.shadow_query, &page->judges,
+                           reason);
 }
 
 /* Judges an answer of a member; a wrong one decides the exit code. */

@@ -86,8 +86,7 @@ static enum status witness_prepare(const struct showing *showing, const struct r
     if (!witness->oracle)
         status = oracle_make(&stage->scene, &witness->oracle, reason);
     if (!status)
-        status = judge_make(witness->oracle, &stage->scene, &model, job->tri, QUERY_CLOSEST,
-                            &witness->judge, reason);
+        status = judge_make(witness->oracle, &model, QUERY_CLOSEST, &witness->judge, reason);
     return status;
 }
 

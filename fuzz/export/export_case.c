@@ -321,8 +321,7 @@ static enum status judge_all(struct export_case *the)
         status = oracle_closest(the->oracle, ORACLE_AUTO, ORACLE_CLOSED, the->ray, the->ray_count,
                                 1, the->truth, NULL, the->reason);
     if (!status)
-        status = judge_make(the->oracle, &trial->scene, &the->model, trial->tri, trial->query,
-                            &judge, the->reason);
+        status = judge_make(the->oracle, &the->model, trial->query, &judge, the->reason);
     if (!status) {
         judge_by_bounds(judge, true);
         status = export_find_right(the, judge);

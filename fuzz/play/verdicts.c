@@ -82,8 +82,8 @@ static enum status make_judges(struct verdicts_judging *j, struct reason *reason
                 j->alike[i] = k;
         if (j->alike[i] != i)
             continue;
-        enum status status = judge_make(stage->oracle, &trial->scene, &model[i], trial->tri,
-                                        trial->query, &j->judge[i], reason);
+        enum status status =
+            judge_make(stage->oracle, &model[i], trial->query, &j->judge[i], reason);
         if (status)
             return status;
     }

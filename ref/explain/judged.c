@@ -28,8 +28,7 @@ enum status judged_make(const struct judged_job *from, struct judged *out, struc
     if (out->has_tree)
         status = explain_tree_make(job->scene, from->bvh, job->packed, &out->tree, reason);
     if (!status)
-        status = judge_make(from->oracle, job->scene, &out->model, job->tri, job->query,
-                            &out->judge, reason);
+        status = judge_make(from->oracle, &out->model, job->query, &out->judge, reason);
     if (status)
         judged_free(out);
     return status;

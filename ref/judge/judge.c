@@ -24,8 +24,7 @@ const char *wrong_name(enum wrong wrong)
     return wrong < WRONG_COUNT ? names[wrong] : "unknown";
 }
 
-enum status judge_make(const struct oracle *oracle, const struct scene *scene,
-                       const struct model *model, const struct tri_test *tri, enum query query,
+enum status judge_make(const struct oracle *oracle, const struct model *model, enum query query,
                        struct judge **out, struct reason *reason)
 {
     struct judge *judge = alloc_zeroed(1, sizeof *judge);
@@ -33,8 +32,7 @@ enum status judge_make(const struct oracle *oracle, const struct scene *scene,
     if (!judge)
         return fail(reason, STATUS_MEMORY, "no memory for a judge");
     judge->oracle = oracle;
-    judge->scene = scene;
-    judge->tri = tri;
+    judge->scene = oracle_scene(oracle);
     judge->model = *model;
     judge->query = query;
     judge->own = twin_is_own(model->formula);
@@ -43,8 +41,8 @@ enum status judge_make(const struct oracle *oracle, const struct scene *scene,
     judge->fans =
         model->watertight && model->formula == TWIN_WOOP && rounding_is_nearest(model->rounding);
     judge->in_contract = true;
-    struct box box = scene_bounds(scene);
-    for (int k = 0; k < 3 && scene->tri_count > 0; k++) {
+    struct box box = scene_bounds(judge->scene);
+    for (int k = 0; k < 3 && judge->scene->tri_count > 0; k++) {
         judge->largest[k] = fmaxf(fabsf(box.lo[k]), fabsf(box.hi[k]));
         judge->in_contract = judge->in_contract && judge->largest[k] <= LARGEST_COORDINATE;
     }

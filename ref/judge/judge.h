@@ -82,11 +82,9 @@ const char *wrong_name(enum wrong wrong);
 
 struct judge;
 
-/* Makes the judge of answers to `query` of an engine with this model. Everything is borrowed; the
- * oracle is of `scene`. `tri` is the test that the engine runs, for its range convention.
- * Errors: STATUS_MEMORY. */
-enum status judge_make(const struct oracle *oracle, const struct scene *scene,
-                       const struct model *model, const struct tri_test *tri, enum query query,
+/* Makes the judge of answers to `query` of an engine with this model, on the oracle's scene. The oracle
+ * and its scene are borrowed. Errors: STATUS_MEMORY. */
+enum status judge_make(const struct oracle *oracle, const struct model *model, enum query query,
                        struct judge **out, struct reason *reason) MUST_USE;
 
 /* With `on` the judge accepts every answer that is within the bounds of a triangle which some

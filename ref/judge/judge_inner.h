@@ -14,7 +14,6 @@
 struct judge {
     const struct oracle *oracle;
     const struct scene *scene;
-    const struct tri_test *tri;
     struct model model;
     enum query query;
     bool own;            /* the formula is one of ref/primitives/tri.h */

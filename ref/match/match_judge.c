@@ -154,18 +154,15 @@ static enum status judges_make(struct judging *j, const struct model *model)
 {
     const struct match *match = j->match;
     const struct match_options *o = &match->options;
-    enum status status = judge_make(match->oracle, match->scene, model, o->tri, o->query, &j->judge,
-                                    &j->row->reason);
+    enum status status = judge_make(match->oracle, model, o->query, &j->judge, &j->row->reason);
     bool compare = o->query == QUERY_ANY && match->closest.count > 0 &&
                    match->closest.engine == j->row->engine &&
                    (!j->row->engine->needs_packed || match->closest.box == o->box);
     if (status == STATUS_OK && compare)
-        status = judge_make(match->oracle, match->scene, model, o->tri, QUERY_CLOSEST, &j->closest,
-                            &j->row->reason);
+        status = judge_make(match->oracle, model, QUERY_CLOSEST, &j->closest, &j->row->reason);
     struct model geometry = {.formula = TWIN_UNKNOWN, .open = model->open};
     if (status == STATUS_OK && o->demands.watertight)
-        status = judge_make(match->oracle, match->scene, &geometry, o->tri, o->query, &j->fans,
-                            &j->row->reason);
+        status = judge_make(match->oracle, &geometry, o->query, &j->fans, &j->row->reason);
     return status;
 }
 

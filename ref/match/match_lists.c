@@ -143,8 +143,7 @@ static enum status play(struct playing *p, const struct model *model)
     size_t done;
     enum status status = topology_make(match->scene, &p->topology, &row->reason);
     if (!status)
-        status = judge_make(match->oracle, match->scene, model, match->options.tri, QUERY_ALL,
-                            &p->judge, &row->reason);
+        status = judge_make(match->oracle, model, QUERY_ALL, &p->judge, &row->reason);
     bool started = match_tally_start(row, model, &p->tally);
     p->said = alloc_zeroed(ALL_HITS_RAYS, sizeof *p->said);
     if (!status && (!p->said || !started))

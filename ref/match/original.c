@@ -74,11 +74,9 @@ enum status original_judge(const struct original *original, const struct match *
     struct reason reason;
     if (row->status != ROW_OK || row->options.query == QUERY_ALL)
         return STATUS_OK;
-    enum status status = judge_make(match->oracle, match->scene, &model, match->options.tri,
-                                    row->options.query, &here, &reason);
+    enum status status = judge_make(match->oracle, &model, row->options.query, &here, &reason);
     if (!status)
-        status = judge_make(original->oracle, original->scene, &model, match->options.tri,
-                            row->options.query, &there, &reason);
+        status = judge_make(original->oracle, &model, row->options.query, &there, &reason);
     const double coordinate = largest(original->scene);
     for (size_t i = 0; i < match->ray_count && !status; i++) {
         const struct ray *ray = &match->ray[i];

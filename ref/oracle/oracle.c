@@ -77,6 +77,11 @@ void oracle_free(struct oracle *oracle)
     free(oracle);
 }
 
+const struct scene *oracle_scene(const struct oracle *oracle)
+{
+    return oracle->scene;
+}
+
 bool oracle_takes(const struct ray *ray)
 {
     for (int k = 0; k < 3; k++)

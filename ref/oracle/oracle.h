@@ -108,6 +108,9 @@ enum status oracle_make(const struct scene *scene, struct oracle **out,
                         struct reason *reason) MUST_USE;
 void oracle_free(struct oracle *oracle); /* NULL is fine */
 
+/* The scene that the oracle was made of. */
+const struct scene *oracle_scene(const struct oracle *oracle);
+
 /* Checks what the filter relies on, on the calling thread: round to nearest, subnormals kept
  * (neither FTZ nor DAZ), no contraction, FLT_EVAL_METHOD 0. The functions below correct the modes of
  * their thread (a library may have left FTZ and DAZ set) and restore them. Errors:

@@ -33,8 +33,7 @@ struct tree_node {
 struct tree {
     struct tree_node *node;
     uint32_t node_count;
-    uint32_t *order; /* triangles, those of a leaf in a row; tri_count */
-    uint32_t tri_count;
+    uint32_t *order; /* triangles, those of a leaf in a row */
 };
 
 /* Builds the tree over the triangles of a scene: surface area heuristic in bins. Errors:

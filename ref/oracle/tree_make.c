@@ -138,8 +138,7 @@ enum status tree_make(const struct scene *scene, struct tree *out, struct reason
     /* Inner nodes are one fewer than leaves, and each node but the root has two leaves or more
      * below it. */
     *out = (struct tree){.node = alloc_zeroed((size_t)count + 1, sizeof *out->node),
-                         .order = alloc_zeroed(count, sizeof *out->order),
-                         .tri_count = count};
+                         .order = alloc_zeroed(count, sizeof *out->order)};
     if (!build.part || !out->node || !out->order) {
         free(build.part);
         tree_free(out);

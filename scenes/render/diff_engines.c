@@ -196,8 +196,7 @@ enum status pair_explain(struct side *a, struct side *b, const struct view *view
     const struct side *const side[2] = {a, b};
     const struct model model[2] = {a->model, b->model};
     enum query query = a->job.look.profile == PROFILE_RTRS ? QUERY_CLOSEST : QUERY_ANY;
-    enum status status =
-        why_judges_make(oracle, a->job.job.scene, model, a->job.job.tri, query, &judges, reason);
+    enum status status = why_judges_make(oracle, model, query, &judges, reason);
     judges.published[0] = a->published;
     judges.published[1] = b->published;
     if (!status)

@@ -20,18 +20,15 @@ void why_judges_free(struct why_judges *judges)
     *judges = (struct why_judges){0};
 }
 
-enum status why_judges_make(const struct oracle *oracle, const struct scene *scene,
-                            const struct model model[2], const struct tri_test *tri,
+enum status why_judges_make(const struct oracle *oracle, const struct model model[2],
                             enum query shadow_query, struct why_judges *out, struct reason *reason)
 {
     enum status status = STATUS_OK;
     *out = (struct why_judges){.oracle = oracle};
     for (unsigned side = 0; side < 2 && !status; side++) {
-        status = judge_make(oracle, scene, &model[side], tri, QUERY_CLOSEST, &out->closest[side],
-                            reason);
+        status = judge_make(oracle, &model[side], QUERY_CLOSEST, &out->closest[side], reason);
         if (!status)
-            status = judge_make(oracle, scene, &model[side], tri, shadow_query, &out->shadow[side],
-                                reason);
+            status = judge_make(oracle, &model[side], shadow_query, &out->shadow[side], reason);
     }
     if (status)
         why_judges_free(out);

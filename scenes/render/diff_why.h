@@ -59,10 +59,8 @@ struct why_judges {
     bool published[2]; /* false unless the caller sets it: wrong answers are expected */
 };
 
-/* `model` has the two engines' models; `tri` is the triangle test of the job. Errors:
- * STATUS_MEMORY. On error *out is zero. */
-enum status why_judges_make(const struct oracle *oracle, const struct scene *scene,
-                            const struct model model[2], const struct tri_test *tri,
+/* `model` has the two engines' models. Errors: STATUS_MEMORY. On error *out is zero. */
+enum status why_judges_make(const struct oracle *oracle, const struct model model[2],
                             enum query shadow_query, struct why_judges *out,
                             struct reason *reason) MUST_USE;
 void why_judges_free(struct why_judges *judges);

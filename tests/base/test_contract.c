@@ -53,8 +53,7 @@ static bool coordinate_of(float x)
     struct judgement judgement;
     struct reason reason;
     assert_int_equal(oracle_make(&scene, &oracle, &reason), STATUS_OK);
-    assert_int_equal(
-        judge_make(oracle, &scene, &model, tri_test_find("mt"), QUERY_CLOSEST, &judge, &reason), 0);
+    assert_int_equal(judge_make(oracle, &model, QUERY_CLOSEST, &judge, &reason), 0);
     assert_int_equal(judge_answer(judge, &ray, &truth, &miss, &judgement), STATUS_OK);
     judge_free(judge);
     oracle_free(oracle);

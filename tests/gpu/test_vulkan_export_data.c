@@ -63,8 +63,7 @@ static size_t compare_with_the_judge(struct export_case *the, struct rng *rng, s
     const struct fuzz_trial *trial = the->trial;
     struct judge *judge;
     size_t different = 0;
-    assert_int_equal(judge_make(the->oracle, &trial->scene, &the->model, trial->tri, trial->query,
-                                &judge, &reason),
+    assert_int_equal(judge_make(the->oracle, &the->model, trial->query, &judge, &reason),
                      STATUS_OK);
     judge_by_bounds(judge, true);
     for (uint32_t i = 0; i < the->ray_count; i++)

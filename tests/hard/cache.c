@@ -118,8 +118,7 @@ enum status cache_judge(struct hard_cache *cache, const struct hard_member *memb
             judge_free(cache->judge[i].judge);
         cache->judge_count = 0;
     }
-    enum status status = judge_make(cache->oracle, &cache->part->scene, model, member->tri,
-                                    member->query, out, reason);
+    enum status status = judge_make(cache->oracle, model, member->query, out, reason);
     if (status)
         return status;
     cache->judge[cache->judge_count++] =

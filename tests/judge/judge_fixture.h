@@ -77,8 +77,7 @@ static inline void judge_fixture_seat(struct judge_fixture *c,
     struct reason reason = {""};
     judge_free(c->judge);
     c->subject = subject;
-    if (judge_make(c->oracle, &c->scene, &subject->model, tri_test_find(subject->tri), query,
-                   &c->judge, &reason))
+    if (judge_make(c->oracle, &subject->model, query, &c->judge, &reason))
         fail_msg("%s", reason.text);
 }
 

@@ -229,8 +229,7 @@ static void play(const struct cheat *cheat, const char *spec, size_t count, stru
     memset(&now, 0, sizeof now);
     now.cheat = cheat;
     now.match = &match;
-    if (judge_make(match.oracle, &scene, &cheat->model, options.tri, cheat->query, &now.judge,
-                   &reason))
+    if (judge_make(match.oracle, &cheat->model, cheat->query, &now.judge, &reason))
         fail_msg("%s", reason.text);
     match_run(&match, &liar, row);
     judge_free(now.judge);

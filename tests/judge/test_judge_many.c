@@ -87,8 +87,7 @@ static void many_are_judged_as_each_alone(void **state)
         for (size_t s = 0; s < SUBJECTS; s++) {
             const struct tri_test *tri = tri_test_find(subjects[s].tri);
             struct judge *judge = NULL;
-            assert_int_equal(judge_make(oracle, &trial.scene, &subjects[s].model, tri, trial.query,
-                                        &judge, &reason),
+            assert_int_equal(judge_make(oracle, &subjects[s].model, trial.query, &judge, &reason),
                              STATUS_OK);
             for (size_t i = 0; i < RAYS; i++) {
                 trace_brute(&trial.scene, tri, trial.query, &trial.ray[i], &hit[i]);

@@ -114,7 +114,7 @@ static void published_tests_stay_within(void **state)
             ray_set_make(ray_set_find("edges"), &scene, 3, count, ray, &reason) ||
             oracle_closest(oracle, ORACLE_TREE, ORACLE_CLOSED, ray, count, 1, truth, NULL,
                            &reason) ||
-            judge_make(oracle, &scene, &unknown, tri_test_find("mt"), QUERY_ANY, &judge, &reason))
+            judge_make(oracle, &unknown, QUERY_ANY, &judge, &reason))
             fail_msg("%s", reason.text);
         for (size_t t = 0; t < HONEST_PLAIN + (honest_fast_runs() ? HONEST_FAST : 0); t++) {
             const struct honest *test =

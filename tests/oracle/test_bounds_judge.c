@@ -139,8 +139,7 @@ static void honest_answers_are_not_wrong(void **state)
             if (!tri_test_run(tri->id, &r, trial.v, &hit))
                 continue;
             hit.prim = 0;
-            assert_int_equal(judge_make(oracle, &scene, &model, tri, QUERY_CLOSEST, &judge, NULL),
-                             STATUS_OK);
+            assert_int_equal(judge_make(oracle, &model, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
             assert_int_equal(judge_answer(judge, &trial.ray, &truth, &hit, &judgement), STATUS_OK);
             if (judgement.verdict == VERDICT_WRONG)
                 fail_msg("%s: an honest answer is WRONG (%s)", tests[f],

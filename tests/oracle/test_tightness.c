@@ -32,9 +32,7 @@ static void stand_make(struct tightness_stand *s, enum twin_formula judged, floa
         s->scene.vertex[3 * c + 2] = depth;
     }
     assert_int_equal(oracle_make(&s->scene, &s->oracle, &reason), STATUS_OK);
-    assert_int_equal(
-        judge_make(s->oracle, &s->scene, &s->model, NULL, QUERY_ANY, &s->judge, &reason),
-        STATUS_OK);
+    assert_int_equal(judge_make(s->oracle, &s->model, QUERY_ANY, &s->judge, &reason), STATUS_OK);
 }
 
 static void stand_free(struct tightness_stand *s)
@@ -167,9 +165,8 @@ static void no_bound_is_twenty_times_too_wide(void **state)
         for (size_t r = 0; r < ARRAY_COUNT(roundings); r++) {
             struct tightness sum;
             s.model = (struct model){.formula = formulas[f], .rounding = roundings[r]};
-            assert_int_equal(
-                judge_make(s.oracle, &s.scene, &s.model, NULL, QUERY_ANY, &s.judge, &reason),
-                STATUS_OK);
+            assert_int_equal(judge_make(s.oracle, &s.model, QUERY_ANY, &s.judge, &reason),
+                             STATUS_OK);
             for (size_t i = 0; i < PAIRS; i++)
                 one[i] = tightness_measure(s.judge, &s.scene, &s.model, &pair[i]);
             judge_free(s.judge);

@@ -170,9 +170,7 @@ static void prepare(enum profile profile)
     assert_int_equal(status, STATUS_OK);
     const struct model model[2] = {s.cpu.model, s.cpu.model};
     enum query query = profile == PROFILE_RTRS ? QUERY_CLOSEST : QUERY_ANY;
-    assert_int_equal(
-        why_judges_make(s.oracle, &s.scene, model, s.job.job.tri, query, &s.judges, &reason),
-        STATUS_OK);
+    assert_int_equal(why_judges_make(s.oracle, model, query, &s.judges, &reason), STATUS_OK);
 }
 
 static void forget(void)

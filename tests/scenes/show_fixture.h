@@ -58,9 +58,7 @@ static void stand_make(struct show_stand *s, const char *spec, const char *layou
                      STATUS_OK);
     struct model model = cpu->model(s->self, s->job.job.tri);
     assert_int_equal(oracle_make(&s->scene, &s->oracle, &reason), STATUS_OK);
-    assert_int_equal(
-        judge_make(s->oracle, &s->scene, &model, s->job.job.tri, QUERY_CLOSEST, &s->judge, &reason),
-        STATUS_OK);
+    assert_int_equal(judge_make(s->oracle, &model, QUERY_CLOSEST, &s->judge, &reason), STATUS_OK);
 }
 
 static void stand_free(struct show_stand *s)

@@ -90,8 +90,7 @@ static size_t judged_hits(struct opened *o, const struct scene *scene, enum quer
     assert_non_null(hit);
     assert_non_null(truth);
     assert_int_equal(oracle_make(scene, &oracle, &o->reason), STATUS_OK);
-    assert_int_equal(judge_make(oracle, scene, &model, tri_tests[0], query, &judge, &o->reason),
-                     STATUS_OK);
+    assert_int_equal(judge_make(oracle, &model, query, &judge, &o->reason), STATUS_OK);
     assert_int_equal(
         oracle_closest(oracle, ORACLE_BRUTE, ORACLE_CLOSED, ray, count, 0, truth, NULL, &o->reason),
         STATUS_OK);

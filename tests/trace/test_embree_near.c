@@ -113,7 +113,7 @@ static void play(const struct engine *engine, void *self)
         oracle_make(&now.scene, &oracle, &reason) ||
         oracle_closest(oracle, ORACLE_AUTO, ORACLE_CLOSED, now.ray, RAYS, 1, now.truth, NULL,
                        &reason) ||
-        judge_make(oracle, &now.scene, &model, tri_test_find("mt"), QUERY_CLOSEST, &judge, &reason))
+        judge_make(oracle, &model, QUERY_CLOSEST, &judge, &reason))
         fail_msg("%s", reason.text);
     for (size_t i = 0; i < RAYS; i++) {
         struct judgement out;

@@ -54,9 +54,8 @@ static void check_tree(const struct packed *packed, const struct scene *scene,
                                   .open = tri_tests[t]->open};
             struct judge *judge;
             uint32_t hits = 0;
-            assert_int_equal(
-                judge_make(oracle, scene, &model, tri_tests[t], (enum query)query, &judge, &reason),
-                STATUS_OK);
+            assert_int_equal(judge_make(oracle, &model, (enum query)query, &judge, &reason),
+                             STATUS_OK);
             for (uint32_t i = 0; i < RAYS; i++) {
                 struct hit got;
                 assert_int_equal(trace_ray(&(struct job){.scene = scene,
