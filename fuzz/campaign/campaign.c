@@ -8,10 +8,9 @@
 #define TICK_NS 100000000u
 /* Between checkpoints while nothing is written to the log: of many findings only the number is. */
 #define SAVE_NS 1000000000u
-/* Shrinking goes on for so long after the last trial. */
+/* The longest that new signatures are shrunk after the last trial. */
 #define GRACE_NS 30000000000u
-/* After a signal workers may finish their trials for so long; what they do not is played by the
- * next run. */
+/* The longest that workers may finish their trials after a signal; the next run plays the rest. */
 #define STOP_NS 500000000u
 
 #define KEPT_FOLDER "corpus"
@@ -149,7 +148,7 @@ static bool is_done(struct campaign *c)
     return c->no_more_jobs || !campaign_jobs_left(c);
 }
 
-/* What was kept to be mutated; so a kill loses no more of it than of the rest. */
+/* Writes the trials kept for mutation, so that a kill loses no more of them than of the rest. */
 static enum status save_kept(struct campaign *c)
 {
     enum status status = STATUS_OK;
@@ -174,7 +173,7 @@ static bool is_empty(struct campaign *c)
     return campaign_crew_count(c, SLOT_IDLE) == c->slots && !has_blocks(c);
 }
 
-/* True if the workers are not waited for any more. */
+/* True if a signal was received and the workers had STOP_NS to finish. */
 static bool is_cut_short(struct campaign *c)
 {
     if (!stop_of(c))
@@ -224,7 +223,7 @@ static void close_all(struct campaign *c)
     free(c);
 }
 
-/* What earlier runs kept. */
+/* Reads the trials that earlier runs kept. */
 static enum status load_kept(struct campaign *c)
 {
     const struct folder *parent = findings_folder(c->findings);
@@ -261,8 +260,7 @@ static enum status open_all(struct campaign *c)
         campaign_state_read(c);
     if (!status && !campaign_state_is_unplayed(findings_state(c->findings)))
         status = campaign_pairs_read(c);
-    /* Before anything else is in the folder, so that it is never one of no campaign, or of what
-     * an unplayed one was to be. */
+    /* Before any other file, so that a folder with files always has the state of its campaign. */
     if (!status && campaign_state_is_unplayed(findings_state(c->findings)))
         status = campaign_state_write(c);
     return status;

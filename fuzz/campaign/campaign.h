@@ -1,7 +1,7 @@
-/* A campaign of fuzzing: worker processes play blocks of trials, their parent keeps what they find
- * in a folder (fuzz/findings/findings.h), starts anew those that die or hang, and goes on where it was when
- * it is killed. What the folder holds of the streams corpus and gen depends on the trials alone:
- * not on the number of workers, on shards, on kills, or on deaths of an engine. */
+/* A fuzzing campaign: worker processes play blocks of trials. Their parent keeps the findings in a
+ * folder (fuzz/findings/findings.h), replaces workers that die or hang, and resumes after a kill. The
+ * findings of the streams corpus and gen depend on the trials alone: not on the number of workers, on
+ * shards, on kills, or on engines that crash. */
 #ifndef FUZZ_CAMPAIGN_H
 #define FUZZ_CAMPAIGN_H
 
@@ -19,9 +19,9 @@
 
 enum campaign_shrinking {
     CAMPAIGN_SHRINK_NEVER,
-    CAMPAIGN_SHRINK_SOON,  /* a new signature while the campaign goes on, bounded in time */
-    CAMPAIGN_SHRINK_AT_END /* every signature when all was played, the same on every machine and
-                              whatever interrupted it: a run that ends before shrinks nothing */
+    CAMPAIGN_SHRINK_SOON,  /* a new signature while trials are played, bounded in time */
+    CAMPAIGN_SHRINK_AT_END /* every signature after all trials: the same on every machine, and
+                              after any interruption. A run that ends before shrinks nothing */
 };
 
 struct campaign_view;
@@ -29,18 +29,19 @@ struct campaign_view;
 /* Everything borrowed. */
 struct campaign_options {
     struct work_rules rules;
-    const char *folder;     /* of the findings */
-    const char *identity;   /* of the folder's state: what makes other trials, or other findings */
-    uint64_t trials;        /* of the whole campaign, all shards together; 0: no end */
-    uint64_t seconds;       /* of this run; 0: no end */
+    const char *folder; /* of the findings */
+    const char
+        *identity;    /* begins the folder's state: the options that change trials or findings */
+    uint64_t trials;  /* of the whole campaign, all shards together; 0: no end */
+    uint64_t seconds; /* of this run; 0: no end */
     uint32_t shard, shards; /* 1 of 1: all */
     uint32_t jobs;          /* workers */
     bool mutate;            /* stream mut, too: half of the blocks */
-    /* Which pairs of members met, counted here, or NULL. Members of a drawn field are drawn from
-     * it, a block's at a time; there is then stream gen alone, and one shard. */
+    /* Counts which pairs of members met, or NULL. The members of a drawn field are drawn from it,
+     * once a block; there is then stream gen alone, and one shard. */
     struct pair_coverage *pair_coverage;
     enum campaign_shrinking shrink;
-    uint32_t until;        /* end after so many findings that are not known; 0: no end */
+    uint32_t until;        /* end after that many findings that are not known; 0: no end */
     uint32_t trial_ms;     /* the longest that an engine may take for a trial */
     uint64_t memory_bytes; /* the most that a worker may hold; 0: any */
     /* Whether a finding is known (NULL: none is). */
@@ -50,7 +51,7 @@ struct campaign_options {
     volatile sig_atomic_t *stop; /* set to 1: ends within a second; 2: at once. NULL: never */
 };
 
-/* What is known of a finding besides its folder. */
+/* State of a finding that is not in its folder. */
 struct campaign_mark {
     bool known;
     bool shrunk;                 /* or nothing was to be gained, or it cannot be */
@@ -59,15 +60,15 @@ struct campaign_mark {
 
 enum campaign_phase { CAMPAIGN_STARTING, CAMPAIGN_PLAYING, CAMPAIGN_ENDING, CAMPAIGN_SHRINKING };
 
-/* Trials of the whole campaign, all its runs, by what came of asking a contestant. */
+/* Trials of the whole campaign, all its runs, by the result of a contestant. */
 struct campaign_turnout {
     uint64_t played;                      /* it answered */
-    uint64_t declined;                    /* it refused by itself, not its layout */
+    uint64_t declined;                    /* the engine refused, not its layout */
     uint64_t proved;                      /* it answered with a hit that is not WRONG */
     struct edges_lost edges[MATCH_EDGES]; /* unknown formula: hits beside edges, of all trials */
 };
 
-/* How it stands. `run` numbers are of this run. */
+/* Progress of a campaign. */
 struct campaign_view {
     const struct campaign_options *options;
     const struct findings *findings;
@@ -77,8 +78,8 @@ struct campaign_view {
     uint64_t trials, corpus, mutants; /* played in this run; corpus and mutants are of them */
     uint64_t before;                  /* trials of stream gen of earlier runs */
     uint64_t rays, judged, wrong, count[VERDICT_COUNT];
-    uint64_t refused[FUZZ_CONTESTANTS_MOST]; /* trials by who cannot hold them */
-    uint64_t unasked[FUZZ_CONTESTANTS_MOST]; /* likewise by who was not drawn */
+    uint64_t refused[FUZZ_CONTESTANTS_MOST]; /* trials that a contestant refused */
+    uint64_t unasked[FUZZ_CONTESTANTS_MOST]; /* trials that a contestant was not drawn for */
     struct campaign_turnout turnout[FUZZ_CONTESTANTS_MOST];
     bool turnout_unknown;                              /* an earlier run did not count it */
     uint64_t refitted, rebuilt;                        /* answers from trees that moved */
@@ -104,35 +105,34 @@ double campaign_harness_share(const struct campaign_view *view, double *to_engin
 
 /* Findings that are neither known nor flaky; *flaky (may be NULL): how many never showed again. */
 size_t campaign_news(const struct campaign_view *view, size_t *flaky);
-/* True if a finding was played again and never showed again. */
+/* True if a finding was played again and never shown again. */
 bool campaign_is_flaky(const struct campaign_mark *mark);
 
-/* Why contestant i tested next to nothing in all the trials of the campaign: it never answered, or
- * not with a single right hit, or refused nearly all. NULL: it did test something, or there was no
- * trial yet. */
+/* Why contestant i tested next to nothing in all trials of the campaign: it never answered, or never
+ * with a right hit, or refused nearly all. NULL: it tested something, or there was no trial yet. */
 const char *campaign_vacuous(const struct campaign_view *view, size_t i);
 
-/* Why contestant i, whose formula is not known, fails although each of its answers may be rounding:
- * in all trials together it lost more hits beside edges than rounding does (ref/match/match_edges.c).
- * NULL: it did not. */
+/* Why contestant i, whose formula is not known, fails although each answer may be rounding: in all
+ * trials together it lost more hits beside edges than rounding does (ref/match/match_edges.c). NULL:
+ * it did not. */
 const char *campaign_loses(const struct campaign_view *view, size_t i);
 
-/* Runs it, from where the folder's state says; `findings` was opened for writing. The process must
- * not have opened any engine. `end` (may be NULL) is called with the last view.
+/* Runs a campaign, or resumes the one of the folder's state; `findings` is open for writing. The
+ * process must not have opened any engine. `end` (may be NULL) is called with the last view.
  * Errors: STATUS_INPUT cannot write; STATUS_UNSUPPORTED, _DEVICE an engine cannot be opened;
  * STATUS_MEMORY. */
 enum status campaign_run(const struct campaign_options *options, struct findings *findings,
                          void (*end)(void *user, const struct campaign_view *view),
                          struct reason *reason) MUST_USE;
 
-/* The folder's state: values by name, parted by '|', anything but letters, digits and _-+:.,/ as %
- * and two hexadecimal digits. */
+/* The folder's state: NAME=VALUE, '|' between them; bytes other than letters, digits and _-+:.,/ are
+ * written as % and two hexadecimal digits. */
 
-/* Appends one. False: there is no room. */
+/* Appends a value; false without room. */
 bool campaign_state_put(char *state, size_t size, const char *name, const char *value) MUST_USE;
-/* False: it has none of that name, or the value is longer. */
+/* Reads a value; false if there is none of that name, or it is longer than `size` allows. */
 bool campaign_state_get(const char *state, const char *name, char *value, size_t size);
-/* No trial of it has been played: none of its engines could be opened, say. */
+/* True if no trial was played, for example since no engine could be opened. */
 bool campaign_state_is_unplayed(const char *state);
 
 #endif

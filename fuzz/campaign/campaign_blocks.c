@@ -25,7 +25,7 @@ static struct campaign_block *make(struct campaign *c, enum work_stream stream, 
     return block;
 }
 
-/* So many mutants as have no more triangles than a block of the largest ordinary trials. */
+/* As many mutants as have no more triangles than a block of the largest ordinary trials. */
 static uint64_t mutants_of(const struct campaign *c, const struct fuzz_trial *base)
 {
     uint64_t room = (uint64_t)FUZZ_BATCH * c->rules.gen.triangles_most;
@@ -172,8 +172,8 @@ static void go_on_alone(struct campaign_block *block, uint32_t at)
     block->unexplained = false;
 }
 
-/* A finding that only the parent has seen. `contestant` of FUZZ_CONTESTANTS_MOST: it was none of
- * them, so it is us. */
+/* Keeps a finding that only the parent saw. A `contestant` of FUZZ_CONTESTANTS_MOST is raydiff
+ * itself. */
 static enum status keep_death(struct campaign *c, struct campaign_block *block, uint32_t trial,
                               const struct death *death, enum cause cause)
 {
@@ -194,7 +194,7 @@ static enum status keep_death(struct campaign *c, struct campaign_block *block, 
     return keep(block, &finding);
 }
 
-/* What ended the worker did not do it again: it is kept with the first trial that was at risk. */
+/* If no worker died of a single trial, the death is kept with the first trial that was at risk. */
 static enum status end_alone(struct campaign *c, struct campaign_block *block)
 {
     uint32_t first = block->death.trial < block->count ? (uint32_t)block->death.trial : 0;
@@ -241,7 +241,7 @@ enum status campaign_block_died(struct campaign *c, struct campaign_block *block
         block->unexplained = true;
     } else if (bit && !(block->left_out & bit)) {
         status = keep_death(c, block, block->at, death, CAUSE_UNEXPLAINED);
-        block->left_out |= bit; /* the others still have their say */
+        block->left_out |= bit; /* the others still play it */
     } else {
         struct death ours = *death;
         ours.contestant = FUZZ_CONTESTANTS_MOST;
@@ -304,8 +304,8 @@ static enum status add_finding(struct campaign *c, const struct work_finding *on
     return status;
 }
 
-/* The trial's findings, and its place in the feedback; it is made anew only if somebody needs it.
- */
+/* Adds the trial's findings, and the trial to the feedback; it is made again only if one of them
+ * needs it. */
 static enum status apply_trial(struct campaign *c, const struct campaign_block *block, uint32_t i)
 {
     const uint64_t *coverage = block->trial[i].coverage;
@@ -361,7 +361,7 @@ enum status campaign_blocks_apply(struct campaign *c)
         c->first = block->next;
         c->last = c->first ? c->last : &c->first;
         c->waiting--;
-        /* What lies behind the last finding that was wanted is not part of the campaign. */
+        /* Trials behind the last finding of `until` are not part of the campaign. */
         if (o->until > 0 && campaign_counted(c) >= o->until) {
             campaign_block_free(block);
             continue;

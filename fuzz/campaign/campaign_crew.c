@@ -1,4 +1,4 @@
-/* The workers of a campaign: what each has to do, which died, hang or hold too much. */
+/* The workers of a campaign: their orders and reports, and which died, hang or hold too much memory. */
 #include "fuzz/campaign/campaign_inner.h"
 
 #include <stdatomic.h>
@@ -6,12 +6,12 @@
 #include <string.h>
 
 #define START_MS       120000u /* engines are opened, a driver may compile */
-#define FIRST_FACTOR   6u      /* the first trials meet pipelines that are still to be compiled */
-#define PEER_FACTOR    4u /* a peer's own time may be over some times in a trial, and is then told */
-#define EXPLAIN_FACTOR 6u      /* an engine is asked some times */
-#define OURS_MS        120000u /* for what is not an engine's: the truth of a large scene */
+#define FIRST_FACTOR   6u      /* for the first trials, whose pipelines must be compiled */
+#define PEER_FACTOR    4u      /* a peer may run out of its own time several times in a trial */
+#define EXPLAIN_FACTOR 6u      /* an engine is called several times */
+#define OURS_MS        120000u /* of raydiff itself: the truth of a large scene */
 #define FAILURES_MOST  3u      /* starts in a row */
-#define STOPS_MOST     3u      /* workers in a row that somebody stops */
+#define STOPS_MOST     3u      /* workers in a row that are stopped by signals */
 #define MEMORY_NS      200000000u
 #define WAIT_MS        50u
 #define LOOK_MS        1000u /* between two looks at a worker, at most */
@@ -76,12 +76,12 @@ static void send_block(struct slot *slot)
     slot->task = SLOT_BLOCK;
     slot->since_ns = time_ns();
     slot->beat = UINT64_MAX;
-    /* One that does not take it has died, which is seen when it is listened to. */
+    /* A worker that does not take it has died: campaign_crew_hear sees it. */
     (void)worker_order(&slot->child, &order, slot->block->base ? &base : NULL);
 }
 
-/* Drivers keep what they compiled for as long as their process lives: before that takes all it may
- * hold, which would be told as a crash, an idle worker makes room for a new one. */
+/* Drivers keep what they compiled as long as their process lives. An idle worker is replaced before
+ * that exceeds its memory, which would be reported as a crash. */
 static bool is_grown(const struct campaign *c, const struct slot *slot)
 {
     uint64_t most = c->options->memory_bytes;
@@ -121,7 +121,7 @@ enum status campaign_crew_order(struct campaign *c)
 
 /* --- reports --------------------------------------------------------------------------------- */
 
-/* The block is done, or goes on alone. */
+/* The block is done, or its next trial is played alone. */
 static enum status after_block(struct campaign *c, struct slot *slot, enum status status)
 {
     struct campaign_block *block = slot->block;
@@ -167,7 +167,7 @@ static struct death read_watch(const struct slot *slot)
     return death;
 }
 
-/* Ends a worker, if it has not ended, and says so; `why` NULL: as it ended. */
+/* Ends a worker, if it has not ended, and reports `why`; NULL: how it ended. */
 static enum status end_worker(struct campaign *c, struct slot *slot, bool hung, const char *why)
 {
     struct death death = read_watch(slot);
@@ -224,7 +224,7 @@ static enum status take_message(struct campaign *c, struct slot *slot, const voi
 
 /* --- the watch ------------------------------------------------------------------------------- */
 
-/* The longest that it may be at what it is at. */
+/* The longest that a worker may take for its current task. */
 static uint64_t limit_ms(const struct campaign *c, const struct slot *slot)
 {
     const struct fuzz_field *field = &c->rules.field;
@@ -247,8 +247,8 @@ static uint64_t limit_ms(const struct campaign *c, const struct slot *slot)
                                                        : ours;
 }
 
-/* Adds the time since the last look. Looks are at most WAIT_MS apart and a little: if more has
- * passed, we were stopped, or the machine slept, and the worker with us. */
+/* Adds the time since the last look. Looks are little more than WAIT_MS apart: if more has passed,
+ * this process and the worker were stopped, or the machine slept. */
 static void count_time(struct slot *slot, uint64_t now)
 {
     const uint64_t most = LOOK_MS * 1000000u;
@@ -260,8 +260,8 @@ static void count_time(struct slot *slot, uint64_t now)
     slot->busy_ns += now - slot->looked_ns < most ? now - slot->looked_ns : most;
 }
 
-/* Without progress for too long. Time in which its threads waited for processors that others had
- * does not count, but for an eighth. */
+/* True without progress for too long. Time in which its threads waited for a processor is left out,
+ * but at least an eighth of all counts. */
 static bool is_late(const struct campaign *c, const struct slot *slot)
 {
     uint64_t busy = slot->busy_ns, waited = slot->waited_ns;
@@ -296,9 +296,8 @@ static bool is_stuck(const struct campaign *c, struct slot *slot)
     return is_late(c, slot);
 }
 
-/* A worker that is stopped by a signal for longer than it may work, while we are not, will hardly go
- * on by itself. It is replaced, and what it was at is begun again: that somebody stopped it says
- * nothing of a trial. */
+/* A worker that a signal stopped for longer than it may work will hardly continue by itself. It is
+ * replaced and its task begun again: a stop is no finding. */
 static enum status replace_stopped(struct campaign *c, struct slot *slot)
 {
     const struct death at = read_watch(slot);
@@ -323,7 +322,7 @@ static enum status watch(struct campaign *c, struct slot *slot, bool memory)
     if (slot->task == SLOT_IDLE)
         return STATUS_OK;
     if (is_stuck(c, slot)) {
-        /* Whatever limit it was: the words are kept, and are the same in every run. */
+        /* The text does not depend on which limit it was: it is kept, and the same in every run. */
         snprintf(why, sizeof why, "did not answer within %g s",
                  (double)c->options->trial_ms * 1e-3);
         return end_worker(c, slot, true, why);

@@ -4,7 +4,7 @@
 
 #include "fuzz/campaign/campaign.h"
 
-/* How a worker ended, or was ended. */
+/* How a worker died or was ended. */
 struct death {
     bool hung;
     char text[WORK_OPINION_MOST];
@@ -12,34 +12,34 @@ struct death {
     uint32_t contestant, phase;
 };
 
-/* Trials that are played together, and what came of them. */
+/* Trials that are played together, and their results. */
 struct campaign_block {
     enum work_stream stream;
     uint64_t first;
     uint32_t count;
-    const struct fuzz_trial *base; /* of stream mut; the feedback's */
+    const struct fuzz_trial *base; /* of stream mut; owned by the feedback */
     struct work_draw draw;
-    struct combination combination; /* what was drawn */
+    struct combination combination; /* the members drawn */
     bool done;
     struct work_trial trial[FUZZ_BATCH];
     struct work_finding *finding;
     size_t findings, finding_capacity;
-    /* After a worker died of it: trial by trial. */
+    /* After a worker died: trial by trial. */
     bool alone;
     uint32_t at;       /* the trial being played alone */
-    uint32_t left_out; /* contestants that died of it */
-    bool unexplained;  /* the worker died of explaining */
-    bool died_alone;   /* one of them did */
+    uint32_t left_out; /* contestants that died of that trial */
+    bool unexplained;  /* the worker died while it explained a finding */
+    bool died_alone;   /* a worker died of a single trial */
     struct death death;
     struct campaign_block *next; /* in the order of applying */
 };
 
 /* Blocks that wait for an earlier one to be applied, beyond those that workers have. */
 #define CAMPAIGN_WAITING 64u
-/* No block waits for one so far before it: what that one missed is known when it is drawn. */
+/* A block that far before the one being drawn is applied, and what it missed is counted. */
 #define CAMPAIGN_BEHIND (CAMPAIGN_WAITING + CAMPAIGN_JOBS_MOST)
 
-/* What was drawn for a block and did not meet. */
+/* Trials of a block whose members were drawn but did not meet. */
 struct missed {
     uint64_t block; /* its number and 1; 0: none */
     struct combination combination;
@@ -68,7 +68,7 @@ struct campaign {
     struct reason *reason;   /* of the error that ends it */
     struct work_rules rules; /* the options', with what earlier runs kept */
     struct feedback_list kept;
-    struct folder kept_folder; /* where they are, once there are some; of stream mut */
+    struct folder kept_folder; /* their folder, once there are some; of stream mut */
     struct findings *findings;
     struct campaign_view view;
     struct work_watch *watch; /* shared, one for each slot */
@@ -88,7 +88,7 @@ struct campaign {
     struct campaign_block *first, **last;  /* corpus and gen, in order */
     size_t waiting;                        /* blocks in that list */
     struct feedback *feedback;
-    struct rng rng; /* of choosing whom to mutate */
+    struct rng rng; /* chooses the trials to mutate */
     struct missed missed[CAMPAIGN_BEHIND];
     /* Findings. */
     struct campaign_mark *mark;
@@ -106,8 +106,7 @@ struct campaign {
 
 /* --- campaign_state.c --- */
 
-/* Takes over what the folder's last checkpoint says; that its identity is ours is for the caller to
- * have checked. */
+/* Restores the state of the folder's last checkpoint; the caller has compared its identity. */
 void campaign_state_read(struct campaign *c);
 enum status campaign_state_write(struct campaign *c) MUST_USE;
 
@@ -120,10 +119,10 @@ bool campaign_is_played(const struct campaign *c);
 
 /* The next block to play; NULL: there is none now (or no memory: *status). */
 struct campaign_block *campaign_block_next(struct campaign *c, enum status *status);
-/* True if trials that options->trials asks for have not been applied, whatever stopped them. */
+/* True if trials of options->trials have not been applied, for whatever reason. */
 bool campaign_blocks_left(const struct campaign *c);
 void campaign_block_free(struct campaign_block *block);
-/* Takes a worker's report into the block; true if the block is done. Errors: STATUS_MEMORY. */
+/* Takes a worker's report into the block and sets block->done. Errors: STATUS_MEMORY. */
 enum status campaign_block_take(struct campaign *c, struct campaign_block *block,
                                 const struct work_parts *parts) MUST_USE;
 /* Takes a worker's death while it played the block. Errors: STATUS_MEMORY. */
@@ -133,14 +132,14 @@ enum status campaign_block_died(struct campaign *c, struct campaign_block *block
 struct work_order campaign_block_order(const struct campaign_block *block);
 /* Applies a block of stream mut, and frees it. */
 enum status campaign_block_apply(struct campaign *c, struct campaign_block *block) MUST_USE;
-/* Applies and frees all blocks whose turn it is. */
+/* Applies and frees the blocks at the head of the list that are done. */
 enum status campaign_blocks_apply(struct campaign *c) MUST_USE;
 
 /* --- campaign_pairs.c --- */
 
 /* Draws the members of a block of a drawn field. */
 void campaign_pairs_draw(struct campaign *c, struct campaign_block *block);
-/* Counts who met in its trials. */
+/* Counts the pairs that met in its trials. */
 void campaign_pairs_count(struct campaign *c, const struct campaign_block *block);
 /* The tally of a drawn field is in the folder: pairs.txt. */
 enum status campaign_pairs_read(struct campaign *c) MUST_USE;
@@ -152,7 +151,7 @@ enum status campaign_crew_start(struct campaign *c) MUST_USE;
 void campaign_crew_end(struct campaign *c, uint32_t ms);
 /* Gives work to idle workers. */
 enum status campaign_crew_order(struct campaign *c) MUST_USE;
-/* Hears what they report, and ends those that hang or hold too much. */
+/* Reads the workers' reports, and ends those that hang or hold too much memory. */
 enum status campaign_crew_hear(struct campaign *c) MUST_USE;
 size_t campaign_crew_count(const struct campaign *c, enum slot_task task);
 
@@ -160,14 +159,14 @@ size_t campaign_crew_count(const struct campaign *c, enum slot_task task);
 
 /* Makes the marks of findings that came since. Errors: STATUS_MEMORY. */
 enum status campaign_marks_update(struct campaign *c) MUST_USE;
-/* Gives the slot a finding to shrink or to play again, if there is one to be; *given says so. */
+/* Gives the slot a finding to shrink or to play again; *given: there was one. */
 enum status campaign_job_order(struct campaign *c, struct slot *slot, bool *given) MUST_USE;
 /* Takes the report of such a job, or the death of its worker (parts NULL). */
 enum status campaign_job_take(struct campaign *c, struct slot *slot,
                               const struct work_parts *parts) MUST_USE;
 /* True if a job is left that is to be done before the end. */
 bool campaign_jobs_left(const struct campaign *c);
-/* True if a signature is not shrunk that is to be some day. */
+/* True if a signature is still to be shrunk, by this run or another. */
 bool campaign_shrinks_left(const struct campaign *c);
 
 /* How many findings count for `until`. */

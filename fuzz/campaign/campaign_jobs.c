@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* Of shrinking while the campaign goes on; what is left to be gained is left to raydiff min. */
+/* Bounds of shrinking while trials are played; raydiff min can shrink further. */
 #define SOON_ASKS 8000u
 #define SOON_NS   10000000000u
 
@@ -111,13 +111,13 @@ static enum status send_job(struct campaign *c, struct slot *slot, size_t i, enu
     slot->entry = i;
     slot->since_ns = time_ns();
     slot->beat = UINT64_MAX;
-    (void)worker_order(&slot->child, &order, &file); /* a dead one is seen when listened to */
+    (void)worker_order(&slot->child, &order, &file); /* campaign_crew_hear sees a dead one */
     finding_file_free(&file);
     *sent = true;
     return STATUS_OK;
 }
 
-/* While the campaign goes on at most half of the workers shrink; a single one, half of its time. */
+/* While trials are played at most half of the workers shrink; a single one, half of its time. */
 static bool may_shrink(const struct campaign *c)
 {
     if (c->ending)
@@ -157,9 +157,8 @@ static bool shows(const struct work_parts *parts, const struct fuzz_signature *s
     return false;
 }
 
-/* Offers a shrunk finding. Shrinking it once more might make it smaller still, if it ran out of
- * asks: so the log has before what the file will be, and whoever goes on after a kill knows it by
- * that. */
+/* Offers a shrunk finding. A finding that ran out of asks could be shrunk further, so the log first
+ * records the hash of the file: after a kill the finding is known to be shrunk if the file has it. */
 static enum status offer(struct campaign *c, size_t i, const struct finding_file *file)
 {
     struct findings_news news;

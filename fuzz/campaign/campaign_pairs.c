@@ -1,4 +1,4 @@
-/* Which members play together, and who met. */
+/* Draws members that play together, and counts the pairs that met. */
 #include "fuzz/campaign/campaign_inner.h"
 
 #include "ref/base/rng.h"
@@ -7,7 +7,7 @@
 
 #define PAIRS_FILE "pairs.txt"
 
-/* One query for a block, and the same whenever a driver has what was compiled for these members. */
+/* One query for a block; for an engine that compiles, always the same with these members. */
 static enum query choose_query(const struct campaign *c, const struct campaign_block *block)
 {
     static const enum pair_factor of[] = {MEET_ENGINE, MEET_LAYOUT, MEET_STORE, MEET_TRI, MEET_BOX};
@@ -75,7 +75,7 @@ static void count_trial(struct campaign *c, const struct work_trial *one)
             count_met(c, field->who[i].engine, field->who[i].layout, one, 1u << i);
 }
 
-/* As drawn: the members that the engine does not meet are in no pair. */
+/* Counts as drawn: members that the engine does not meet are in no pair. */
 static void count_drawn(struct campaign *c, const struct campaign_block *block)
 {
     uint32_t bit = 1u << block->draw.contestant;

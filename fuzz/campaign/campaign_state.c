@@ -1,4 +1,4 @@
-/* What a campaign says of itself in its folder's log, to go on from there. */
+/* The state of a campaign in its folder's log, from which it is resumed. */
 #include "fuzz/campaign/campaign_inner.h"
 
 #include <stdio.h>
@@ -108,7 +108,7 @@ static bool put_turnout(const struct campaign *c, char *state)
     return campaign_state_put(state, FINDINGS_STATE_MOST, "turnout", text);
 }
 
-/* A folder of an older raydiff has none: then it stays unknown. */
+/* A folder of an older raydiff has no turnout: it stays unknown. */
 static void read_turnout(struct campaign *c, const char *state)
 {
     char text[TURNOUT_TEXT];
@@ -167,8 +167,7 @@ static bool put_offered(const struct campaign *c, char *state)
     return campaign_state_put(state, FINDINGS_STATE_MOST, "offered", text);
 }
 
-/* The one that was being written when a kill came is shrunk if its file is there; the log is told.
- */
+/* A finding that was being written at a kill is shrunk if its file was written; the log is updated. */
 static void read_offered(struct campaign *c, const char *state)
 {
     char text[64];

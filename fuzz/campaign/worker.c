@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* For messages to a worker: it only fails to take them if it is dead. */
+/* The longest that a message to a worker may take; only a dead one does not take it. */
 #define SEND_MS 60000u
 
 /* --- the worker ------------------------------------------------------------------------------ */
@@ -34,7 +34,7 @@ static void enter(struct worker *w, enum work_phase phase)
     atomic_fetch_add(&w->start->watch->beat, 1);
 }
 
-/* One line on a finding that the judge says nothing about. */
+/* One line on a finding that has no judgement. */
 static const char *say_kind(enum fuzz_kind kind)
 {
     switch (kind) {
@@ -309,7 +309,7 @@ static void run(struct child *parent, void *user)
     char versions[sizeof((struct finding_file *)0)->versions] = "";
     const void *bytes;
     size_t size;
-    /* The parent decides when to end; a key or a scheduler sends these to all of us. */
+    /* The parent decides when to end; a terminal or a scheduler sends these to all processes. */
     static const int ends[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
     for (size_t i = 0; i < ARRAY_COUNT(ends); i++)
         signal(ends[i], SIG_IGN);

@@ -1,5 +1,5 @@
-/* The processes that a campaign plays in: each makes trials, plays them, explains what it finds,
- * and reports. Whoever gives it work learns from struct work_watch what it was at when it died. */
+/* The worker processes of a campaign: each makes trials, plays them, explains its findings, and
+ * reports. struct work_watch shows the parent what a worker did when it died. */
 #ifndef FUZZ_WORKER_H
 #define FUZZ_WORKER_H
 
@@ -15,13 +15,14 @@
 /* Where trials come from. */
 enum work_stream {
     WORK_CORPUS, /* index: in rules->corpus */
-    WORK_KEPT,   /* in rules->kept: played for their coverage only, findings are left out */
+    WORK_KEPT,   /* in rules->kept: played for their coverage, without findings */
     WORK_GEN,    /* gen_trial */
     WORK_MUT,    /* gen_mutate of the order's base */
     WORK_GIVEN   /* the order's base itself */
 };
 
-/* Members that were drawn for the trials of an order (fuzz/feedback/pair_coverage.h); `on` if there are any. */
+/* Members that were drawn for the trials of an order (fuzz/feedback/pair_coverage.h); `on` if there
+ * are any. */
 struct work_draw {
     bool on;
     uint32_t contestant;
@@ -100,8 +101,8 @@ struct work_finding {
     char opinion[WORK_OPINION_MOST];
 };
 
-/* What came of an order; the first one, which no order asked for, is that the engines were
- * opened, and `text` then the versions. */
+/* The result of an order. The first report has no order: it follows the opening of the engines, and
+ * its text is their versions. */
 struct work_report {
     enum status status; /* STATUS_OK, or nothing but time and reason is there */
     struct reason reason;
@@ -126,7 +127,7 @@ enum work_phase {
     WORK_OPENING, /* engines */
     WORK_IDLE,
     WORK_MAKING,     /* trials */
-    WORK_PLAYING,    /* mark.contestant says whether it is with an engine */
+    WORK_PLAYING,    /* mark.contestant: which engine runs */
     WORK_EXPLAINING, /* findings */
     WORK_SHRINKING
 };
@@ -135,14 +136,14 @@ enum work_phase {
 struct work_watch {
     struct fuzz_mark mark;
     _Atomic uint32_t phase; /* enum work_phase */
-    _Atomic uint64_t beat;  /* goes on while there is progress */
+    _Atomic uint64_t beat;  /* counts up while there is progress */
 };
 
 /* A worker's start. */
 struct work_start {
     const struct work_rules *rules;
     struct work_watch *watch; /* shared */
-    bool versions;            /* tell them */
+    bool versions;            /* report them */
 };
 
 /* Starts one. Its first message is a report without trials: engines are open, or why not. Errors:
@@ -150,7 +151,7 @@ struct work_start {
 enum status worker_start(const struct work_start *start, struct child *out,
                          struct reason *reason) MUST_USE;
 
-/* Sends an order; `base` may be NULL. False: it does not take it. */
+/* Sends an order; `base` may be NULL. False if the worker does not take it. */
 bool worker_order(struct child *worker, const struct work_order *order,
                   const struct finding_file *base);
 

@@ -1,7 +1,6 @@
-/* A finding for somebody without raydiff: a C program, or an Amber script, that makes the same
- * bytes, asks the same driver the same question, and says whether the answer is right. What is
- * right comes from the exact truth and the proven bounds of the formula, as everywhere; nothing of
- * the engine's own answer enters. */
+/* A finding as a program that needs no raydiff: C, or an Amber script, that makes the same bytes, runs
+ * the same driver, and checks the answer. The right answers come from the exact truth and the proven
+ * bounds of the formula, as everywhere; the engine's own answer is not used. */
 #ifndef FUZZ_EXPORT_H
 #define FUZZ_EXPORT_H
 
@@ -31,15 +30,15 @@ struct export_options {
     const char *name; /* how the written file is called in its own comment, or NULL */
 };
 
-/* What the writer learned, for the user. */
+/* Remarks for the user. */
 struct export_said {
     char text[400]; /* lines with '\n' between them; empty: nothing */
 };
 
-/* Writes the finding. The engine is asked once, if it can run here and is not known to crash or
- * hang, so that its answer can stand in the comment, and the tolerance fits its driver's measured
- * arithmetic; where it cannot run, the specification's holds. Whether `to` took all of it is for
- * the caller to ask.
+/* Writes the finding. The engine traces the rays once, if it can run here and is not known to crash or
+ * hang: its answer is shown in the comment, and the tolerance is that of its driver's measured
+ * arithmetic. Otherwise the tolerance is the specification's. The caller checks `to` for write
+ * errors.
  * Errors: STATUS_INPUT there is nothing to export, with what to do instead; the ray is not there;
  * STATUS_LIMIT too large, or the layout or the engine cannot hold the trial; STATUS_UNSUPPORTED;
  * STATUS_MEMORY; STATUS_INTERNAL. */

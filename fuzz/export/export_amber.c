@@ -1,6 +1,6 @@
-/* The finding as an Amber script (google/amber, docs/amber_script.md). A script can only say that
- * numbers are equal, unequal, less or greater; so of a ray with several right answers it says what
- * all of them have in common. */
+/* The finding as an Amber script (google/amber, docs/amber_script.md). A script can only expect
+ * numbers to be equal, unequal, less or greater; so of a ray with several right answers it expects
+ * what all of them have in common. */
 #include "fuzz/export/export_inner.h"
 
 #include <string.h>

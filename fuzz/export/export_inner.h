@@ -6,14 +6,14 @@
 #include "gpu/trace/dispatch.h"
 #include "ref/judge/judge.h"
 
-/* Whom a finding is exported for. */
+/* The engine that a finding is exported for. */
 enum export_subject {
     SUBJECT_VULKAN, /* a layout's tracing shader */
     SUBJECT_BRUTE,  /* the shader that tests every triangle */
     SUBJECT_QUERY,  /* the driver's ray queries */
     SUBJECT_EMBREE,
     SUBJECT_EMBREE_ROBUST,
-    SUBJECT_TRACER, /* somebody's tracer that reads text */
+    SUBJECT_TRACER, /* another tracer, which reads text */
 };
 
 /* A right answer: triangle prim, or ABI_NO_PRIM, with t, u and v in these closed intervals; those
@@ -49,10 +49,10 @@ struct export_case {
     size_t right_count, right_capacity;
     struct hit *reference;       /* of C on the same bytes; SUBJECT_VULKAN and _BRUTE, else NULL */
     bool reference_fails;        /* it is not right either, or did not finish */
-    struct hit *here;            /* what the engine answered here; NULL: it was not asked */
+    struct hit *here;            /* what the engine answered here; NULL: it was not run */
     struct judgement *judgement; /* of that */
-    char not_asked[200];         /* why it was not asked */
-    char versions[1024];         /* of what was asked, lines */
+    char not_asked[200];         /* why it was not run */
+    char versions[1024];         /* of what was run, lines */
 };
 
 enum status export_case_make(const struct finding_file *file, const struct export_options *options,
@@ -62,8 +62,8 @@ void export_case_free(struct export_case *the);
 /* True if it runs on Vulkan. */
 bool export_is_vulkan(const struct export_case *the);
 
-/* Finds all right answers to the rays: every triangle, and a miss, is held before the judge, and of
- * what it takes the intervals are widened as far as it takes them. A ray without one is out of
+/* Finds all right answers to the rays: the judge is given every triangle, and a miss, and the
+ * intervals of those that it allows are widened as far as it allows. A ray without one is out of
  * contract: any answer is right. Errors: STATUS_MEMORY. */
 enum status export_find_right(struct export_case *the, const struct judge *judge) MUST_USE;
 
@@ -82,7 +82,7 @@ bool export_is_wrong_here(const struct export_case *the, uint32_t i);
  * hit". */
 void export_print_right(const struct export_case *the, const struct export_right *right, FILE *to);
 
-/* True if answers say hit or miss and name no triangle. */
+/* True if answers are a hit or a miss, without a triangle. */
 bool export_is_unnamed(const struct export_case *the);
 
 /* True if the formula is not known: then u and v must give the ray's point at t, to

@@ -1,4 +1,4 @@
-/* What may be answered: found by asking the judge, so that no rule is written down twice. */
+/* The right answers: found by calling the judge, so that no rule is written twice. */
 #include "fuzz/export/export_inner.h"
 #include "ref/judge/ray_triangle.h"
 
@@ -39,7 +39,7 @@ static double nearest_on_edge(double corner[3][3], int a, int b, const double p[
 }
 
 /* u and v of the point of the triangle nearest to the ray's point at t: above the triangle that of
- * its plane (by cross products: normal equations know nothing of a sliver), else one of an edge. */
+ * its plane (by cross products: normal equations fail on slivers), else one of an edge. */
 static void follow(const struct asking *asking, struct hit *hit)
 {
     double p[3], corner[3][3], b[3], c[3], to[3], n[3], over_c[3], over_b[3], best = INFINITY;
@@ -218,10 +218,10 @@ static float in_range(const struct export_case *the, const struct ray *ray, floa
     return t < least ? least : t > most ? most : t;
 }
 
-/* A triangle is looked at with the exact numbers and with those that C computes; and, as neither
- * need be near where the ray is in its plane or passes beside it, where the ray is nearest to its
- * edges, and where it begins; and as early as its formula may find it, as only that may be near
- * enough to another that it hides. The judge says which of them counts. */
+/* Tries answers for a triangle until the judge allows one: the exact numbers and those that C computes.
+ * Neither need be near if the ray lies in the triangle's plane or passes beside it, so also where the
+ * ray is nearest to the edges, and where it begins. And as early as the formula may find it: only that
+ * may be near enough to a triangle that it hides. */
 static enum status ask_triangle(struct export_case *the, struct asking *asking, uint32_t i,
                                 uint32_t prim)
 {

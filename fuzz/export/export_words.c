@@ -1,4 +1,4 @@
-/* What a finding is, in words, for the head of every form. */
+/* The finding in words, for the head of every form. */
 #include "fuzz/export/export_inner.h"
 
 #include <float.h>
@@ -26,7 +26,7 @@ static void begin_line(struct comment *c, size_t indent)
     c->column = strlen(c->begin) + indent;
 }
 
-/* Nothing that is said may end a comment of C, or begin another one. */
+/* The text must not end a comment of C, or begin another one. */
 static char safe(const char *text)
 {
     if (text[0] == '/' && text[1] == '*')
@@ -128,7 +128,7 @@ bool export_is_wrong_here(const struct export_case *the, uint32_t i)
            (the->bits_matter && memcmp(&the->here[i], &the->reference[i], sizeof *the->here) != 0);
 }
 
-/* The ray that tells most: the first that was answered wrongly here, else by C, else the first. */
+/* The ray that the comment describes: the first that was wrong here, else wrong in C, else the first. */
 static uint32_t telling_ray(const struct export_case *the)
 {
     for (uint32_t i = 0; i < the->ray_count && the->here; i++)
@@ -239,7 +239,7 @@ static void say_subject(struct comment *c, const struct export_case *the)
     }
 }
 
-/* How it is run, and what that tells. */
+/* How it is run, and what the exit codes mean. */
 static void say_use(struct comment *c, const struct export_case *the)
 {
     char stem[64];

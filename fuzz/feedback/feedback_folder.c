@@ -71,7 +71,7 @@ static void leave_out(struct feedback_list *list, const struct reason *why)
         list->said = *why;
 }
 
-/* Adds what one file holds, or says why it does not. *bytes: of all that was added. */
+/* Adds the trial of one file, or notes why it is left out. *bytes: of all that were added. */
 static enum status load_one(const struct folder *folder, const char *name, size_t bytes_most,
                             size_t *bytes, struct feedback_list *list, struct reason *reason)
 {

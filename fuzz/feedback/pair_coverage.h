@@ -1,7 +1,7 @@
 /* How many trials met each pair of members: two members of different factors (engine, layout,
  * builder, storage, triangle test, box test, optimization, motion) meet in a trial that both take
- * part in and that an engine has answered. And which members are to meet next: those of the rarest
- * pair, the others so that they meet whom they have met least. */
+ * part in and that an engine has answered. Draws the members that meet next: those of the rarest
+ * pair, and others that they have met least. */
 #ifndef FEEDBACK_PAIR_COVERAGE_H
 #define FEEDBACK_PAIR_COVERAGE_H
 
@@ -27,8 +27,8 @@ const char *pair_factor_name(enum pair_factor factor);
 #define MEET_MOST 256u /* members of a factor */
 #define MEET_NONE UINT16_MAX
 
-/* Who takes part. Members are borrowed. An engine without a tree meets triangle tests only, one
- * with a test of its own neither triangle nor box tests. */
+/* The members that take part; borrowed. An engine without a tree meets triangle tests only, one with a
+ * test of its own neither triangle nor box tests. */
 struct pair_tables {
     const void *member[MEET_FACTORS][MEET_MOST]; /* of OPTIMIZE and MOTION not read */
     uint32_t count[MEET_FACTORS];                /* of those at most 2, the first plain or still */
@@ -42,8 +42,8 @@ struct combination {
 
 struct pair_coverage;
 
-/* Finds out which pairs can meet: not what layouts and storages refuse of every scene, or engines
- * of every layout. *out is for pair_coverage_close. Errors: STATUS_INPUT an engine, layout or other
+/* Finds the pairs that can meet: not those that layouts and storages refuse in every scene, or engines
+ * in every layout. *out is for pair_coverage_close. Errors: STATUS_INPUT an engine, layout or other
  * factor has no member; STATUS_MEMORY. */
 enum status pair_coverage_open(const struct pair_tables *tables, struct pair_coverage **out,
                                struct reason *reason) MUST_USE;
@@ -53,13 +53,13 @@ const struct pair_tables *pair_coverage_tables(const struct pair_coverage *pair_
 /* Name of a member. */
 const char *pair_coverage_name(const struct pair_coverage *pair_coverage, enum pair_factor factor,
                                uint32_t i);
-/* The next members to meet, in so many trials: a function of seed, `turn`, tables, and of all that
- * was drawn, met and missed before. Members that the engine does not meet are set, too, to what can
- * be traced with the others. */
+/* Draws the members that meet in the next `trials` trials: a function of seed, `turn`, tables, and of
+ * all that was drawn, met and missed before. Members that the engine does not meet are set to some
+ * that can be traced with the others. */
 void pair_coverage_draw(struct pair_coverage *pair_coverage, uint64_t seed, uint64_t turn,
                         uint32_t trials, struct combination *out);
-/* Of the trials of what was drawn so many were refused, and others rebuilt in place of refitted:
- * then pairs of them all, and those of motion, are due again, unless that happens always. */
+/* Records that of the trials drawn so many were refused, and others rebuilt in place of refitted. Then
+ * all their pairs, or those of motion, are due again, unless that always happens. */
 void pair_coverage_missed(struct pair_coverage *pair_coverage, const struct combination *drawn,
                           uint32_t refused, uint32_t rebuilt);
 
@@ -76,7 +76,7 @@ void pair_coverage_add(struct pair_coverage *pair_coverage, const struct combina
 struct pair_coverage_summary {
     uint32_t possible, met; /* pairs; those that met at least once */
     uint64_t least, median; /* trials of a possible pair */
-    uint32_t below;         /* pairs that met in fewer trials than asked for */
+    uint32_t below;         /* pairs that met in fewer trials than `wanted` */
     uint32_t impossible;
 };
 struct pair_coverage_summary pair_coverage_summarize(const struct pair_coverage *pair_coverage,

@@ -5,9 +5,9 @@
 
 #include <string.h>
 
-/* A pair that is always refused comes up once for so many times that others do. */
+/* A pair that is always refused is drawn once for that many times of another. */
 #define PATIENCE 8u
-/* What an engine has compiled is asked so many times, now and then, before it compiles again. */
+/* An engine plays what it compiled in that many blocks before it compiles again. */
 #define PROGRAM_BLOCKS 4u
 
 /* Trials in which the pair has met, or is being played. */
@@ -85,7 +85,7 @@ static double worth(const struct pair_coverage *m, const struct draw_row *row,
     return sum;
 }
 
-/* An engine that compiles plays where it must. */
+/* Engines that compile are drawn only where no other can meet the row. */
 static bool is_dear(const struct pair_coverage *m, enum pair_factor factor, uint32_t i)
 {
     return factor == MEET_ENGINE &&
@@ -124,8 +124,7 @@ static struct program *program_of(const struct pair_coverage *m, const struct dr
                : NULL;
 }
 
-/* Storage and tests that the engine has compiled for this layout, if the row is free to have them.
- */
+/* Takes the storage and tests that the engine has compiled for this layout, if the row is free. */
 static void take_program(const struct pair_coverage *m, struct draw_row *row)
 {
     struct program *program = program_of(m, row);
@@ -167,7 +166,7 @@ static enum pair_factor next_factor(const struct pair_coverage *m, const struct 
     return largest;
 }
 
-/* What the engine does not meet: the first that can be traced with the rest. */
+/* Sets the factors that the engine does not meet to the first members that can be traced. */
 static void fill(const struct pair_coverage *m, struct draw_row *row)
 {
     for (enum pair_factor f = MEET_FACTORS; f-- > 0;) {

@@ -10,7 +10,7 @@ struct coverage_pair {
     bool possible;
 };
 
-/* What an engine that compiles is asked next on a layout, so many times. */
+/* What an engine that compiles plays next on a layout, and how often. */
 struct program {
     uint16_t member[MEET_FACTORS]; /* of storage and tests */
     uint32_t left;

@@ -1,4 +1,4 @@
-/* What the tally comes to, and its file. */
+/* Summary and file of the tally. */
 #include "fuzz/feedback/pair_coverage_inner.h"
 
 #include <stdio.h>

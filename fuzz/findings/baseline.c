@@ -45,7 +45,7 @@ static bool is_cause(const char *pattern)
     return false;
 }
 
-/* Every field must be able to match something: a typing error would excuse nothing, silently. */
+/* Every field must be able to match something: a misspelt one would silently excuse nothing. */
 static enum status check(const struct waivers *list, const struct waiver *waiver,
                          struct reason *reason)
 {
@@ -165,7 +165,7 @@ void baseline_ask(struct baseline *baseline, const struct fuzz_signature *signat
     }
 }
 
-/* True if the contestant could show it. */
+/* True if the contestant could show a finding that matches. */
 static bool could_show(const struct fuzz_contestant *who, const struct waiver *waiver,
                        const char *versions)
 {

@@ -1,5 +1,5 @@
-/* The baseline: findings that are known and not ours to repair, each with a reason, a link and a
- * day on which somebody must look again. Lines "PATTERN [@VERSION] until YYYY-MM-DD REASON...
+/* The baseline: known findings that raydiff cannot repair, each with a reason, a link and a day until
+ * which it is excused. Lines "PATTERN [@VERSION] until YYYY-MM-DD REASON...
  * LINK", "until -" for ever; see fuzz/findings/waivers.h. PATTERN is four fields, shell wildcards each, of a
  * signature: engine.layout.kind.cause; VERSION is of the finding's versions.
  * fuzz/baseline.txt is part of the program. */
@@ -43,14 +43,13 @@ struct baseline_answer {
 #define BASELINE_DAY 11
 void baseline_today(char day[BASELINE_DAY]);
 
-/* What the baseline says of a finding with these versions (as in struct finding_file) on that day:
- * the first entry that is about it and has not expired, else the first that has. Entries that are
- * about it are noted as used. */
+/* Looks up a finding with these versions (as in struct finding_file) on that day: the first entry
+ * that matches and has not expired, else the first that has. Matching entries are noted as used. */
 void baseline_ask(struct baseline *baseline, const struct fuzz_signature *signature,
                   const char *versions, const char *today, struct baseline_answer *answer);
 
-/* The next entry from *at on (0 to begin) that excused nothing although these contestants, in these
- * versions, could have shown what it is about; NULL: no more. *path: of its list. */
+/* Returns the next entry from *at on (0 to begin) that excused nothing although these contestants, in
+ * these versions, could have shown a match; NULL: no more. *path: of its list. */
 const struct waiver *baseline_unused(const struct baseline *baseline,
                                      const struct fuzz_field *field, const char *versions,
                                      size_t *at, const char **path);

@@ -9,7 +9,7 @@
 enum ci_state {
     CI_PASSED,
     CI_FAILED,
-    CI_KNOWN,   /* a failure that is known: expected in TAP, skipped in JUnit, which has no word */
+    CI_KNOWN,   /* a known failure: TODO in TAP, skipped in JUnit, which has no such state */
     CI_SKIPPED, /* was not run */
 };
 
@@ -36,8 +36,8 @@ void ci_line(FILE *to, const char *text);
 /* Writes `text` with nothing escaped. */
 void ci_plain(FILE *to, const char *text);
 
-/* A JUnit file that is being made; the cases are kept in memory, for their numbers stand at the
- * head. Zero is none. */
+/* A JUnit file being written; the cases are kept in memory, since the head has their number. Zero is
+ * none. */
 struct ci_junit {
     struct file_out out;
     FILE *body; /* a stream into `text` */
@@ -45,7 +45,7 @@ struct ci_junit {
     size_t bytes, cases, failures, skipped;
 };
 
-/* Opens the file, so that one that cannot be written is told before the work is done. Errors:
+/* Opens the file, so that an unwritable one fails before the work is done. Errors:
  * STATUS_INPUT cannot write; STATUS_MEMORY. */
 enum status ci_junit_open(const char *path, struct ci_junit *out, struct reason *reason) MUST_USE;
 void ci_junit_add(struct ci_junit *junit, const struct ci_case *one);
@@ -56,9 +56,9 @@ enum status ci_junit_close(struct ci_junit *junit, const char *suite, double sec
 void ci_junit_discard(struct ci_junit *junit); /* a zero or closed one is fine */
 
 /* TAP. Version 13, which all readers of version 14 take, and prove of Perl 5.36 takes no later one;
- * '#' in a name is escaped as version 14 wants it. */
+ * '#' in a name is escaped as in version 14. */
 void ci_tap_head(FILE *to, size_t cases);
-/* The head in two parts, where the number of cases is known behind the last one only. */
+/* The head in two parts, if the number of cases is known only after the last one. */
 void ci_tap_version(FILE *to);
 void ci_tap_plan(FILE *to, size_t cases);
 void ci_tap_case(FILE *to, size_t number, const struct ci_case *one); /* numbers begin at 1 */

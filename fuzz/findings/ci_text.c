@@ -24,7 +24,7 @@ static size_t character(const char *text, uint32_t *code)
     return length;
 }
 
-/* Neither XML 1.0 nor a person can read these. */
+/* False: not allowed in XML 1.0, or invisible. */
 static bool is_printable(uint32_t code)
 {
     return code >= 0x20 && (code < 0x7F || code > 0x9F) && code != 0xFFFE && code != 0xFFFF;

@@ -1,5 +1,5 @@
-/* The text file of a finding or of a regression: one trial, and what is expected of it. Numbers are
- * hexadecimal floats with decimals beside them; read back to the bit.
+/* The text file of a finding or of a regression: one trial, and the expected result. Numbers are
+ * hexadecimal floats with decimals beside them; they read back to the bit.
  *
  *   raydiff trial 1
  *   expect cpu.rtrs_rf_paper.missed.rounded_inward    or: expect clean
@@ -42,9 +42,8 @@ struct finding_file {
     struct fuzz_trial trial;
     bool has_signature;                   /* false: a trial that must be clean */
     struct fuzz_signature signature;      /* what it shows */
-    char versions[FINDING_VERSIONS_MOST]; /* engines and drivers that it was seen with, a line each,
-                            with
-                            '\n' between them */
+    char versions[FINDING_VERSIONS_MOST]; /* of the engines and drivers that showed it, a line each,
+                                             '\n' between them */
 };
 
 /* Writes `path` whole or not at all. What is no printable ASCII in recipe and versions is written

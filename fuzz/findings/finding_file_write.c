@@ -107,7 +107,7 @@ static void put_body(const struct fuzz_trial *trial, FILE *to)
     fputs("end\n", to);
 }
 
-/* What the reader would refuse is not written. */
+/* A file that the reader would reject is not written. */
 static enum status check(const struct finding_file *file, struct reason *reason)
 {
     char text[FUZZ_SIGNATURE_MOST];

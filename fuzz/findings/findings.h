@@ -6,9 +6,9 @@
  *   SIGNATURE/count                 how many there were; for people, made from the log
  *
  * Files appear by renames, whole or not at all; a line is one write. So a process that is killed at
- * any moment leaves a folder that can be opened again: at worst the last line is torn, and is cut
- * off. What no kill can leave, such as a finding of the log without its files, is refused. Only one
- * process at a time writes to a folder (a lock on the log, which ends with it). */
+ * any moment leaves a folder that can be opened again: at worst the last line is incomplete, and is
+ * cut off. What no kill can leave, such as a finding of the log without its files, is an error. One
+ * process at a time writes to a folder: it holds a lock on the log until it ends. */
 #ifndef FUZZ_FINDINGS_H
 #define FUZZ_FINDINGS_H
 
@@ -22,7 +22,7 @@
 
 struct findings;
 
-/* Where a finding stands among all: stream gen before mut, then by seed, index, version, trial. */
+/* The order of findings: stream gen before mut, then by seed, index, version, trial. */
 struct findings_order {
     bool mutated;
     uint64_t seed, index;
@@ -47,27 +47,27 @@ struct findings_entry {
 
 /* What a finding changed. */
 struct findings_news {
-    bool repeated; /* it was known: the same trial, signature and ray. Nothing changed */
+    bool repeated; /* the folder had it: the same trial, signature and ray. Nothing changed */
     bool signature, first, smallest; /* new ones */
 };
 
-/* Opens a folder for writing, made if it is not there (its parent must be). Reads what is there and
- * removes what a killed writer left half-done.
- * Errors: STATUS_INPUT it cannot be written, is being written by another process, or "PATH: rule"
- * of what in it is no such folder's; STATUS_MEMORY. */
+/* Opens a folder for writing; a missing one is created (its parent must exist). Reads the content and
+ * removes the temporary files of killed writers.
+ * Errors: STATUS_INPUT it cannot be written, another process is writing to it, or "PATH: rule" where
+ * the content is not that of a folder of findings; STATUS_MEMORY. */
 enum status findings_open(const char *folder, struct findings **out,
                           struct reason *reason) MUST_USE;
 
-/* The same for reading: changes nothing; no process may be writing to it. */
+/* Opens a folder for reading and changes nothing. Errors: likewise. */
 enum status findings_look(const char *folder, struct findings **out,
                           struct reason *reason) MUST_USE;
 
-/* One line on what was cut off when it was opened, or "". */
+/* One line on the incomplete line that was cut off when it was opened, or "". */
 const char *findings_said(const struct findings *findings);
 
 /* Adds a finding: file->signature, seen on ray `ray` of file->trial (FINDINGS_NO_RAY: on none, as a
- * crash), with one line of `opinion`. The files are written first, then the line, so that nothing
- * that was counted can be lost; beyond FINDINGS_LINES_MOST the counting waits for
+ * crash), with one line of `opinion`. The files are written first, then the line, so that a finding
+ * that is counted has its files. Beyond FINDINGS_LINES_MOST findings are counted by the next
  * findings_checkpoint. Errors: STATUS_INPUT no signature, no such ray, cannot write; STATUS_MEMORY.
  */
 enum status findings_add(struct findings *findings, const struct finding_file *file, uint32_t ray,
@@ -79,9 +79,9 @@ enum status findings_add(struct findings *findings, const struct finding_file *f
 enum status findings_offer(struct findings *findings, const struct finding_file *file,
                            struct findings_news *news, struct reason *reason) MUST_USE;
 
-/* Says in the log that all that was added so far belongs to `state`, the caller's own text (shorter
- * than FINDINGS_STATE_MOST), from which it will go on after a kill; what it then adds again is
- * known to be repeated. Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+/* Records in the log that `state`, a text of the caller shorter than FINDINGS_STATE_MOST, includes
+ * all findings added so far. A killed caller resumes from there; findings that it adds again are
+ * recognized as repeated. Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
 enum status findings_checkpoint(struct findings *findings, const char *state,
                                 struct reason *reason) MUST_USE;
 
@@ -91,29 +91,28 @@ const char *findings_state(const struct findings *findings);
 size_t findings_count(const struct findings *findings);
 /* In the order in which they were first seen. Valid until the next call that changes something. */
 const struct findings_entry *findings_entry(const struct findings *findings, size_t i);
-/* NULL: there is none. */
+/* NULL if the folder has none of that signature. */
 const struct findings_entry *findings_find(const struct findings *findings,
                                            const struct fuzz_signature *signature);
 /* Reads "first.trial" or "smallest.trial" of a signature. Errors: as finding_file_read. */
 enum status findings_get(const struct findings *findings, const struct fuzz_signature *signature,
                          const char *name, struct finding_file *out,
                          struct reason *reason) MUST_USE;
-/* The folder itself, for what else a campaign keeps in it. */
+/* The folder itself, for the other files of a campaign. */
 const struct folder *findings_folder(const struct findings *findings);
-/* Path of "first.trial", "smallest.trial" or "count" of a signature, for people: what lies there is
- * read by findings_get. */
+/* Writes the path of "first.trial", "smallest.trial" or "count" of a signature, to be shown. Use
+ * findings_get to read the file. */
 void findings_path(const struct findings *findings, const struct fuzz_signature *signature,
                    const char *name, char *path, size_t path_bytes);
 
-/* Closes; what findings_checkpoint was not called for is not counted. NULL is fine. */
+/* Closes without a checkpoint. NULL is fine. */
 void findings_close(struct findings *findings);
 
-/* Joins folders into a new one: counts are added, but a finding whose line is in several is one,
- * the lowest origin is the first, the smallest the smallest, of each signature the
- * FINDINGS_LINES_MOST lowest lines are kept, in order. The result is the same in whatever order the
- * folders are named, and of shards the same as of one run whose folder was merged alone. `to` must
- * not exist or be empty; it appears whole or not at all. Errors: as findings_look; STATUS_INPUT one
- * folder named twice, `to` holds something. */
+/* Merges folders into a new one. Counts are added; a finding whose line is in several folders counts
+ * once. Each signature keeps the first by origin, the smallest, and its FINDINGS_LINES_MOST lowest
+ * lines in order. The result does not depend on the order of the folders, and that of all shards is
+ * that of a single run, merged alone. `to` must not exist, or be empty; it appears whole or not at
+ * all. Errors: as findings_look; STATUS_INPUT one folder named twice, `to` holds something. */
 enum status findings_merge(const char *const *folder, size_t count, const char *to,
                            struct reason *reason) MUST_USE;
 

@@ -45,7 +45,7 @@ static enum status check_log(const struct findings *findings, struct reason *rea
     return STATUS_OK;
 }
 
-/* Forgets what is but an empty folder: the writer was killed before it wrote a finding's files. */
+/* Drops members with an empty folder: the writer was killed before it wrote a finding's files. */
 static void drop_empty(struct findings *findings)
 {
     size_t kept = 0;

@@ -12,7 +12,7 @@
 #define LOG_NAME   "findings.jsonl"
 #define COUNT_MOST 64u /* bytes of a file `count`, and more */
 
-/* A lock of this process: it ends with it, and no child that an engine runs in inherits it. */
+/* A lock of this process: it ends with the process, and no child of an engine inherits it. */
 static enum status lock(const struct findings *findings, struct reason *reason)
 {
     struct flock all = {.l_type = findings->writable ? F_WRLCK : F_RDLCK, .l_whence = SEEK_SET};
@@ -113,7 +113,7 @@ enum status findings_folder_get(const struct findings *findings,
     return status;
 }
 
-/* An empty or torn one says nothing: it is not synced. */
+/* An empty or incomplete file counts as missing: it is not synced. */
 static enum status read_count(const struct folder *folder, uint64_t *count, struct reason *reason)
 {
     char *text, *end;
@@ -155,7 +155,7 @@ static enum status read_files(const struct folder *folder, struct findings_membe
     return status ? status : read_count(folder, &member->counted, reason);
 }
 
-/* Reads a signature's folder; what is named otherwise is somebody else's. */
+/* Reads a signature's folder; other names are ignored. */
 static enum status read_member(void *user, const char *name, struct reason *reason)
 {
     struct findings *findings = user;
@@ -167,7 +167,7 @@ static enum status read_member(void *user, const char *name, struct reason *reas
     if (!member)
         return fail(reason, STATUS_MEMORY, "no memory for %zu signatures", findings->count + 1);
     enum status status = folder_open_in(&findings->folder, name, false, &folder, reason);
-    if (!status && findings->writable) /* the lock says that there is no other writer */
+    if (!status && findings->writable) /* the lock excludes other writers */
         status = folder_clean(&folder, reason);
     if (!status)
         status = read_files(&folder, member, reason);
@@ -194,7 +194,7 @@ enum status findings_folder_put(struct findings *findings, const struct finding_
     return status;
 }
 
-/* It can be made again from the log, and there may be many. */
+/* Not synced: it can be made again from the log, and there may be many. */
 static enum status put_count(const struct findings *findings, const struct findings_entry *entry,
                              struct reason *reason)
 {

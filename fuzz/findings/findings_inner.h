@@ -18,10 +18,10 @@ struct findings_line {
 
 struct findings_member {
     struct findings_entry entry;
-    uint64_t pending; /* counted, and in no line or checkpoint yet */
+    uint64_t pending; /* counted, but in no line or checkpoint yet */
     bool stale;       /* its file `count` is to be written */
     uint64_t line;    /* of the log, where it is first named; 0: none */
-    uint64_t counted; /* what its file `count` says; 0: there is none, or it says nothing */
+    uint64_t counted; /* read from its file `count`; 0: no file, or not a number */
 };
 
 struct findings {
@@ -37,7 +37,7 @@ struct findings {
     struct reason said;
 };
 
-/* The member of that signature, made if need be; NULL without memory. */
+/* The member of that signature; a missing one is added. NULL without memory. */
 struct findings_member *findings_member_of(struct findings *findings,
                                            const struct fuzz_signature *signature);
 
@@ -45,7 +45,7 @@ struct findings_member *findings_member_of(struct findings *findings,
 bool findings_is_known(const struct findings *findings, const struct fuzz_signature *signature,
                        const struct findings_order *order, uint32_t ray);
 
-/* From now on it is; false without memory. */
+/* Adds it to those that findings_is_known finds; false without memory. */
 bool findings_know(struct findings *findings, const struct fuzz_signature *signature,
                    const struct findings_order *order, uint32_t ray) MUST_USE;
 
@@ -54,12 +54,13 @@ typedef enum status findings_line_fn(void *user, const struct findings_line *lin
                                      struct reason *reason);
 
 /* Reads the log into entries, keys and state, and hands each finding's line to `each` (may be
- * NULL). A torn last line is cut off where the folder is writable, ignored otherwise; said. Errors:
+ * NULL). An incomplete last line is cut off if the folder is writable and ignored otherwise; see
+ * findings_said. Errors:
  * STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY; what `each` returns. */
 enum status findings_log_read(struct findings *findings, findings_line_fn *each, void *user,
                               struct reason *reason) MUST_USE;
 
-/* Appends the line of a finding. Errors: STATUS_INPUT cannot write, and then the log is as it was;
+/* Appends the line of a finding. Errors: STATUS_INPUT cannot write; the log is then unchanged;
  * STATUS_MEMORY. */
 enum status findings_log_add(struct findings *findings, const struct finding_file *file,
                              uint32_t ray, const char *opinion, struct reason *reason) MUST_USE;
@@ -72,11 +73,11 @@ enum status findings_log_put(struct findings *findings, const char *text, size_t
 enum status findings_log_checkpoint(struct findings *findings, const char *state,
                                     struct reason *reason) MUST_USE;
 
-/* Opens the folder and its log, and reads nothing. */
-/* The name of a signature's folder: as it is there, else as it is to be made. */
+/* The name of a signature's folder: the existing one, else the one to create. */
 void findings_member_name(const struct findings *findings, const struct fuzz_signature *signature,
                           char name[FUZZ_SIGNATURE_MOST]);
 
+/* Opens the folder and its log without reading them. */
 enum status findings_folder_open(const char *folder, bool writable, struct findings **out,
                                  struct reason *reason) MUST_USE;
 
@@ -84,27 +85,27 @@ enum status findings_folder_open(const char *folder, bool writable, struct findi
  * removes temporary files. */
 enum status findings_folder_read(struct findings *findings, struct reason *reason) MUST_USE;
 
-/* Reads first.trial or smallest.trial; *there: it is there. */
+/* Reads first.trial or smallest.trial; *there: the file exists. */
 enum status findings_folder_get(const struct findings *findings,
                                 const struct fuzz_signature *signature, const char *name,
                                 struct finding_file *file, bool *there,
                                 struct reason *reason) MUST_USE;
 
-/* Writes first.trial or smallest.trial, and the signature's folder if need be. */
+/* Writes first.trial or smallest.trial; creates the signature's folder if it is missing. */
 enum status findings_folder_put(struct findings *findings, const struct finding_file *file,
                                 const char *name, struct reason *reason) MUST_USE;
 
 /* Reads log and folders, in that order, `each` as in findings_log_read, and checks that they fit
- * together. A killed writer, or a full disk, can leave more files than the log has findings, and
- * lower counts, never less: a finding of the log whose files are gone, a count above the log's, a
- * campaign's statistics beside a log without a checkpoint are the work of others. Errors: as those
- * two; STATUS_INPUT "PATH[:LINE]: rule". */
+ * agree. A killed writer or a full disk can leave files that the log does not have, and lower counts.
+ * Neither can cause a finding of the log without its files, a count above the log's, or statistics
+ * of a campaign beside a log without a checkpoint: these are errors. Errors: as those two;
+ * STATUS_INPUT "PATH[:LINE]: rule". */
 enum status findings_read(struct findings *findings, findings_line_fn *each, void *user,
                           struct reason *reason) MUST_USE;
 
-/* Removes a folder that a merge made under a temporary name, as far as it can be. */
+/* Removes a folder that a merge made under a temporary name. Errors are ignored. */
 void findings_remove(const char *path);
-/* The same of what merges to `to` left that were killed: TO.PID.tmp. */
+/* Removes the folders TO.PID.tmp of killed merges to `to`. */
 void findings_remove_killed(const char *to);
 
 /* Writes the file `count` of every entry whose number changed. */

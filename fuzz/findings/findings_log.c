@@ -1,5 +1,5 @@
-/* findings.jsonl: a line per finding, a line per checkpoint. Numbers of 64 bits stand as text,
- * since readers of JSON keep 53. */
+/* findings.jsonl: a line per finding, a line per checkpoint. Numbers of 64 bits are written as text,
+ * since JSON readers keep 53 bits. */
 #define _POSIX_C_SOURCE 200809L
 #include "fuzz/findings/findings_inner.h"
 
@@ -256,7 +256,7 @@ static enum status read_line(const struct log_line *line, const char *text, size
     return status;
 }
 
-/* The writer was killed within the last line. */
+/* The writer was killed while it wrote the last line. */
 static enum status cut_torn(struct findings *findings, unsigned long long number, size_t torn,
                             struct reason *reason)
 {

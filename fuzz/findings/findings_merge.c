@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* A line that may be kept; owns `text`. */
+/* A line of a source; owns `text`. */
 struct kept {
     struct fuzz_signature signature;
     struct findings_order order;
@@ -88,7 +88,7 @@ static enum status open_sources(struct merging *m, struct reason *reason)
     return status;
 }
 
-/* Adds up the counts: all of it pending, until lines are put. */
+/* Adds up the counts; all are pending until lines are written. */
 static enum status add_counts(struct merging *m, struct reason *reason)
 {
     for (size_t i = 0; i < m->folder_count; i++)
@@ -106,7 +106,7 @@ static enum status add_counts(struct merging *m, struct reason *reason)
     return STATUS_OK;
 }
 
-/* One finding, in two folders. */
+/* True if both are the same finding, in two folders. */
 static bool is_same(const struct kept *a, const struct kept *b)
 {
     return a->ray == b->ray && fuzz_signature_same(&a->signature, &b->signature) &&
@@ -136,8 +136,8 @@ static enum status put_lines(struct merging *m, struct reason *reason)
     return status ? status : findings_checkpoint(m->to, "", reason);
 }
 
-/* Which of two files of one signature is wanted: below 0: a. Equal trials differ at most in what
- * was written beside them. */
+/* Which of two files of one signature is kept: a if below 0. Equal trials may differ in the lines
+ * beside them. */
 static int compare_files(const struct finding_file *a, const struct finding_file *b, bool first)
 {
     struct findings_order x = findings_order(&a->trial), y = findings_order(&b->trial);

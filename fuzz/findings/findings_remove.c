@@ -17,7 +17,7 @@ static enum status remove_file(void *user, const char *name, struct reason *reas
     return STATUS_OK;
 }
 
-/* A signature's folder and what is in it, or the log. What is not of a merge stays. */
+/* Removes a signature's folder with its files, or the log. Other files stay. */
 static enum status remove_part(void *user, const char *name, struct reason *reason)
 {
     const struct folder *folder = user;
@@ -48,8 +48,8 @@ struct killed {
     const char *parent, *base;
 };
 
-/* "BASE.PID.tmp" of a process that is no more, on this machine or another: its log is not locked.
- */
+/* Removes "BASE.PID.tmp" of a process that has ended, on this machine or another: its log is not
+ * locked. */
 static enum status remove_one(void *user, const char *name, struct reason *reason)
 {
     const struct killed *k = user;

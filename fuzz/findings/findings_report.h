@@ -1,7 +1,7 @@
-/* What a campaign came to, for machines: JUnit XML, TAP and JSON lines. One test case says that
- * trials were played at all, one per contestant that it was, and one per finding what it is: it
- * fails if the finding counts. So the number of failures is the number of findings outside the
- * baseline, and a campaign that tested nothing fails. */
+/* The result of a campaign for machines: JUnit XML, TAP and JSON lines. One test case fails if no
+ * trial was played, one per contestant if it tested nothing, and one per finding if the finding
+ * counts. So the number of failures is the number of findings outside the baseline, and a campaign
+ * that tested nothing fails. */
 #ifndef FINDINGS_REPORT_H
 #define FINDINGS_REPORT_H
 
@@ -33,7 +33,7 @@ struct report_finding {
 struct report_contestant {
     const char *name;         /* "cpu.rf16", "embree_robust" */
     uint64_t played, refused; /* trials */
-    double seconds;           /* that it worked */
+    double seconds;           /* of work */
     const char *why;     /* it was not played; NULL: because there was no trial, or it refused */
     const char *vacuous; /* why it tested nothing, or loses too much, a failure; NULL: it did, or
                             was not asked */

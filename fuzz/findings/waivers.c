@@ -137,7 +137,7 @@ static bool same(const char *a, const char *b)
     return a && b ? strcmp(a, b) == 0 : a == b;
 }
 
-/* The line of an earlier one that says the same; 0: none. */
+/* The line of an earlier waiver of the same pattern, version and date; 0: none. */
 static size_t line_of(const struct waivers *waivers, const struct waiver *waiver)
 {
     for (size_t i = 0; i < waivers->count; i++) {

@@ -42,10 +42,10 @@ enum status waivers_parse(const char *name, char *text, size_t size, bool dated,
 enum status waivers_shipped_read(struct waivers *out, struct reason *reason) MUST_USE;
 void waivers_free(struct waivers *waivers);
 
-/* True if `versions`, what engines say of themselves (as `raydiff doctor` does), tells of
- * `version`: that is a part of it, such as "Mesa 22.3.6", or a range "NAME FIRST..LAST", such as
- * "Embree 3..4.3.3", in which a version of NAME lies. Both ends belong to it; of LAST only as many
- * numbers count as it has, so that 4.3.3 is within "..4.3". */
+/* True if `versions`, the descriptions of engines (as `raydiff doctor` prints them), contain
+ * `version`: a text such as "Mesa 22.3.6", or a range "NAME FIRST..LAST", such as "Embree 3..4.3.3",
+ * in which a version of NAME lies. Both ends are included. Only as many numbers are compared as LAST
+ * has: 4.3.3 is within "..4.3". */
 bool version_told(const char *versions, const char *version);
 
 /* True if it is about `name` (shell wildcards) and about one of these versions, or about none. */
@@ -59,10 +59,10 @@ void waivers_count(struct waivers *waivers, const char *name);
 /* True if a waiver that matches `name` is about one version. */
 bool waivers_name_version(const struct waivers *waivers, const char *name);
 
-/* Notes what became of `name`, and returns the first waiver that excuses its failure; NULL if it
- * did not fail or nothing does. All waivers that match count it; its failure only those that are
- * about no version, or about one that is part of `versions`, what the engines say of themselves
- * (may be "" where waivers_name_version says no, or nothing failed). */
+/* Records the result of `name`, and returns the first waiver that excuses its failure; NULL if it did
+ * not fail or none does. All waivers that match count it. Its failure is counted only by those that
+ * name no version, or one that `versions`, the descriptions of the engines, contain. `versions` may
+ * be "" if waivers_name_version is false, or nothing failed. */
 const struct waiver *waivers_note(struct waivers *waivers, const char *name,
                                   enum waiver_event event, const char *versions);
 
@@ -75,8 +75,8 @@ enum waiver_fault {
 
 /* Judges a waiver at the end.
  *   complete   every name of the suite was noted, so that no match means that none exists; else a
- *              waiver of which `exist` says that it matches more than was noted is fine
- *   versions   what the engines say of themselves
+ *              waiver whose `exist` is more than what was noted is fine
+ *   versions   descriptions of the engines
  * A waiver whose names were all skipped, because an engine cannot run here, is fine. */
 enum waiver_fault waiver_judge(const struct waiver *waiver, bool complete, const char *versions);
 

@@ -99,7 +99,7 @@ static void target_half(const struct aim *aim, struct rng *rng, struct target *o
         out->at[axis] = float_step(step, (int)(bits >> 24 & 3) - 1);
 }
 
-/* What the rays of a run have in common: branches that a processor can predict halve the time. */
+/* Shared by the rays of a run: branches that a processor can predict halve the time. */
 struct aim_plan {
     enum aim_kind kind;
     enum approach approach;
@@ -181,10 +181,10 @@ static void grazing_ray(const struct aim *aim, struct rng *rng, struct target *t
 /* Rays of one kind in a row. */
 #define RUN 4u
 
-/* Of 64 rays so many are of each kind and those before it: 48 are aimed at features. */
+/* Of 64 rays, how many are of each kind or one before it: 48 are aimed at features. */
 static const uint8_t kind_end[AIM_KINDS] = {13, 26, 31, 37, 48, 54, 58, 60, 63, 64};
 
-/* Of 16 rays so many come each way; those at bounds mostly along them. */
+/* Of 16 rays, how many come in each way or one before it; those at bounds mostly along them. */
 static const uint8_t to_points[APPROACHES] = {5, 8, 10, 11, 12, 13, 15, 16};
 static const uint8_t to_bounds[APPROACHES] = {2, 3, 4, 6, 11, 14, 15, 16};
 

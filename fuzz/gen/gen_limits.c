@@ -1,4 +1,4 @@
-/* Recipes about the numbers of things: the 16-bit fields of the reduced-footprint layouts, and
+/* Recipes about numbers of triangles: the 16-bit fields of the reduced-footprint layouts, and
  * scenes of hardly any triangle. The large ones cost as much as a thousand ordinary trials and are
  * drawn accordingly rarely. */
 #include "fuzz/gen/gen_recipes.h"
@@ -24,7 +24,7 @@ uint32_t goal_few(struct rng *rng)
 
 /* Small triangles in the cells of a lattice of 2^k cells, half as wide as a cell: the middle of any
  * box of an even number of cells falls between two of them, so that a builder that splits there
- * makes the even tree, full leaves of 8 included. What is over shares the first cells. */
+ * makes the even tree, full leaves of 8 included. Triangles beyond the cells share the first cells. */
 static void draw_dust(struct sketch *sketch)
 {
     uint32_t bits[3] = {4, 4, 4}, grown = 0; /* cells along each axis, as powers of two */

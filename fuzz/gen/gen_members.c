@@ -2,11 +2,11 @@
 
 #include "fuzz/gen/gen_sketch.h"
 
-/* One in so many members is one of those that the products of tests leave out. */
+/* One member in that many is one that the products of tests leave out. */
 #define OTHER_IN 4u
 
-/* One of the members of a table that may take part: those of the products, or the others, all
- * alike. `is_core` tells them apart by the member's place. */
+/* A random member of a table that may take part: of the products, or of the others, each as likely.
+ * `is_core`: whether member i is of the products. */
 #define CHOOSER(function, type, table, is_core)                                                    \
     const struct type *function(struct rng *rng, bool faithful)                                    \
     {                                                                                              \

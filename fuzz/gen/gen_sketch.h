@@ -1,7 +1,7 @@
 /* A scene while a recipe draws it, and the recipes. Bytes are the same on every machine: only + - *
  * / of float32 in a stated order and bit patterns are used, no function of libm; random numbers are
- * drawn one statement at a time, since C leaves the order within an expression open. For
- * the generators of trials and the tests. */
+ * drawn one a statement, since C leaves the order within an expression open. For the generators of
+ * trials and the tests. */
 #ifndef FUZZ_GEN_SKETCH_H
 #define FUZZ_GEN_SKETCH_H
 
@@ -25,7 +25,7 @@ struct recipe {
     uint32_t weight; /* of RECIPE_WEIGHTS */
     /* The goal, in place of the options' range; NULL: that range. */
     uint32_t (*goal)(struct rng *rng);
-    /* Draws at most `goal` triangles; what is missing is filled with small loose ones. */
+    /* Draws at most `goal` triangles; the rest is filled with small loose ones. */
     void (*draw)(struct sketch *sketch);
 };
 

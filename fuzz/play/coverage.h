@@ -1,6 +1,6 @@
-/* Which states a trial has reached: a fixed map of bits, filled from what the tree, the packed
- * bytes, the truth and the judge say. A trial that sets a bit no earlier trial has set is worth
- * keeping. A map is a pure function of a trial and the answers to it. */
+/* The states that a trial reached: a fixed map of bits, set from the tree, the packed bytes, the truth
+ * and the judgements. A trial that sets a bit which no earlier one set is worth keeping. A map is a
+ * pure function of a trial and the answers to it. */
 #ifndef FUZZ_COVERAGE_H
 #define FUZZ_COVERAGE_H
 
@@ -10,8 +10,6 @@
 
 #define COVERAGE_BITS  512u
 #define COVERAGE_WORDS (COVERAGE_BITS / 64)
-
-/* fuzz_result.coverage is one. Zero-initialize. */
 
 /* The tree: depth, size of leaves, which members and storage, whether optimized, how large the
  * scene is, boxes without thickness, how near the numbers of items, records and indices are to the
@@ -40,8 +38,8 @@ void coverage_add_truth(uint64_t map[COVERAGE_WORDS], const struct ray *ray, con
 void coverage_add_answer(uint64_t map[COVERAGE_WORDS], enum query query,
                          const struct judgement *judgement);
 
-/* Verdicts of all contestants on one ray, as a mask of 1u << verdict: every unlike pair is a bit.
- */
+/* The verdicts of all contestants on one ray, as a mask of 1u << verdict: each pair of different
+ * verdicts is a bit. */
 void coverage_add_verdicts(uint64_t map[COVERAGE_WORDS], uint32_t mask);
 
 /* Adds `from` to `into`; returns how many bits are new. */
@@ -50,7 +48,7 @@ uint32_t coverage_merge(uint64_t into[COVERAGE_WORDS], const uint64_t from[COVER
 /* Bits set. */
 uint32_t coverage_count(const uint64_t map[COVERAGE_WORDS]);
 
-/* Bits that have a meaning; the others are never set. */
+/* The number of bits that have a meaning; the others are never set. */
 uint32_t coverage_known(void);
 
 #define COVERAGE_NAME_MOST 64

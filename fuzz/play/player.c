@@ -1,4 +1,4 @@
-/* Plays trials in batches: all are set up, each engine is asked about all, all are judged. */
+/* Plays trials in batches: all are set up, each engine traces all, all are judged. */
 #include "fuzz/play/player.h"
 
 #include "fuzz/play/stage.h"
@@ -19,7 +19,7 @@ static bool in_field(const struct fuzz_field *field, const struct engine *engine
     return false;
 }
 
-/* Two engines whose findings would have one name. */
+/* Rejects two engines whose findings would have one name. */
 static enum status check_names(struct fuzz_field *field, struct reason *reason)
 {
     for (size_t i = 0; i < field->count; i++)
@@ -137,7 +137,7 @@ enum status fuzz_player_open(const struct fuzz_field *field, struct fuzz_player 
     for (size_t i = 0; i < field->count && !status; i++)
         status = add_seat(player, field->who[i].engine, field->who[i].layout, reason);
     player->contestants = player->seat_count;
-    if (!status && field->drawn) /* cast when somebody promises its bits */
+    if (!status && field->drawn) /* cast if a contestant promises its bits */
         status = add_seat(player, engine_reference(true), NULL, reason);
     else if (!status)
         status = add_references(player, reason);
@@ -213,7 +213,7 @@ static size_t batch_size(const struct fuzz_trial *trial, size_t count)
     return size;
 }
 
-/* A reference plays for those that are compared with it. */
+/* A reference plays if a contestant that is compared with it does. */
 static bool is_left_out(const struct fuzz_player *player, size_t seat)
 {
     if (seat < player->contestants)
@@ -224,7 +224,7 @@ static bool is_left_out(const struct fuzz_player *player, size_t seat)
     return true;
 }
 
-/* Asks all seats about the stages of a batch, which begins with trial `first` of the call. */
+/* Has all seats trace the stages of a batch, which begins with trial `first` of the call. */
 static enum status ask_all(struct fuzz_player *player, size_t first, size_t count,
                            struct fuzz_time *time, struct fuzz_mark *mark, struct reason *reason)
 {

@@ -21,7 +21,7 @@ struct fuzz_contestant {
 struct fuzz_field {
     struct fuzz_contestant who[FUZZ_CONTESTANTS_MOST];
     size_t count;
-    bool drawn; /* each engine once, without a layout: fuzz_player_cast says who plays on which */
+    bool drawn; /* each engine once, without a layout: fuzz_player_cast sets both */
     struct engine_options options;
 };
 
@@ -48,16 +48,16 @@ struct fuzz_finding {
                                   words of packed_check; else "" */
 };
 
-/* What one trial came to. Every answer is judged alone, by the same judge as everywhere; of a
- * triangle test as published the repaired one's bounds are asked for, so that its faults are
- * findings. A contestant refuses where a layout or an engine says STATUS_LIMIT. */
+/* The result of a trial. Every answer is judged on its own, by the same judge as everywhere. A
+ * triangle test as published is judged by the bounds of the repaired one, so that its faults are
+ * findings. A contestant refuses if a layout or an engine returns STATUS_LIMIT. */
 struct fuzz_result {
     size_t count[VERDICT_COUNT]; /* over all contestants */
     size_t wrong;                /* answers at fault: WRONG, other bits than cpu's, unfinished */
     size_t judged;               /* rays with a verdict for every contestant that played */
     size_t refused;              /* contestants whose layout cannot hold the trial */
     uint32_t refusers;           /* the same as a mask of 1u << contestant */
-    uint32_t decliners;          /* of them those that refused by themselves, not their layout */
+    uint32_t decliners;          /* of them those whose engine refused, not their layout */
     uint32_t players;            /* contestants that answered, likewise */
     uint32_t provers;            /* those with a hit that is not WRONG, likewise */
     uint32_t refitted, rebuilt;  /* contestants on a tree that was, since it moved, likewise */
@@ -73,9 +73,8 @@ struct fuzz_time {
     uint64_t generate, build, truth, judge;
 };
 
-/* What is being done, for a parent that sees its child die: written before, read after. Engines
- * that take many trials at a time have all of them at risk; playing them again one by one names the
- * one. */
+/* What is being played, for the parent of a process that may die. If an engine takes many trials at
+ * a time, all are at risk; playing them again one by one finds the one. */
 struct fuzz_mark {
     _Atomic uint64_t trial;      /* index in the call of fuzz_play of the first at risk */
     _Atomic uint64_t count;      /* trials at risk */
@@ -92,24 +91,24 @@ enum status fuzz_player_open(const struct fuzz_field *field, struct fuzz_player 
                              struct reason *reason) MUST_USE;
 void fuzz_player_close(struct fuzz_player *player); /* NULL is fine */
 
-/* From now on the contestants of the mask (1u << contestant) are not asked: as if the field had not
- * got them, but that the others keep their numbers. */
+/* Leaves out the contestants of the mask (1u << contestant) from now on. The others keep their
+ * numbers. */
 void fuzz_player_leave_out(struct fuzz_player *player, uint32_t contestants);
 
-/* Of a drawn field only this contestant plays from now on, on this layout if it needs one. */
+/* From now on only this contestant of a drawn field plays, on this layout if it needs one. */
 void fuzz_player_cast(struct fuzz_player *player, size_t contestant, const struct layout *layout);
 
-/* Plays `count` trials, which must have passed fuzz_trial_check. Everything an engine does wrong is
- * in the results; what it costs is added to *time (may be NULL); `mark` may be NULL. An engine that
- * lost its device is opened anew. The results do not depend on which trials are played together.
+/* Plays `count` trials, which must have passed fuzz_trial_check. Faults of engines are in the
+ * results. Times are added to *time (may be NULL); `mark` may be NULL. An engine that lost its device
+ * is opened again. The results do not depend on which trials are played together.
  * Errors: STATUS_MEMORY; STATUS_DEVICE, STATUS_UNSUPPORTED an engine that died cannot be opened
  * again; STATUS_INTERNAL. */
 enum status fuzz_play(struct fuzz_player *player, const struct fuzz_trial *trial, size_t count,
                       struct fuzz_result *result, struct fuzz_time *time, struct fuzz_mark *mark,
                       struct reason *reason) MUST_USE;
 
-/* Finds the cause of a finding and writes it into its signature (ref/explain). The engine is asked
- * again: what it then answers rightly is CAUSE_NOT_REPEATABLE. Errors: STATUS_MEMORY. */
+/* Finds the cause of a finding and writes it into its signature (ref/explain). The engine traces the
+ * ray again: if that answer is right, the cause is CAUSE_NOT_REPEATABLE. Errors: STATUS_MEMORY. */
 enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
                          struct fuzz_finding *finding, struct reason *reason) MUST_USE;
 

@@ -1,4 +1,4 @@
-/* The cause of a finding: the engine is asked again, alone, and its answer explained. */
+/* The cause of a finding: the engine traces the ray again, alone, and its answer is explained. */
 #include "fuzz/play/scaled.h"
 #include "fuzz/play/stage.h"
 #include "ref/explain/judged.h"
@@ -68,7 +68,7 @@ static enum cause bound_cause(enum bound_fault fault)
     return CAUSE_UNEXPLAINED;
 }
 
-/* What the rule says that packed_check named first. */
+/* The cause that belongs to the first rule that packed_check found broken. */
 static enum cause rule_cause(enum packed_rule rule)
 {
     static const enum cause causes[] = {
@@ -81,7 +81,7 @@ static enum cause rule_cause(enum packed_rule rule)
     return causes[rule];
 }
 
-/* The same of boxes. */
+/* The cause of the first stored bound that differs from the tree's. */
 static enum cause box_cause(const struct explain_tree *tree)
 {
     for (uint32_t i = 0; i < tree->bvh->node_count; i++) {
@@ -105,7 +105,7 @@ static enum cause box_cause(const struct explain_tree *tree)
 struct explain_asked {
     struct job job;
     struct judged judged;
-    bool possible; /* else the engine will not be asked, and `judged` is zero */
+    bool possible; /* else the engine refused, and `judged` is zero */
 };
 
 static enum status ask_anew(const struct seat *seat, const struct play_stage *stage,
@@ -146,8 +146,8 @@ static enum status ray_cause(struct judged *judged, const struct ray *ray,
     return STATUS_OK;
 }
 
-/* Rays that finish one by one were not finished together: a driver that counts the rounds of all
- * lanes of a vector as one loop's is said by the flags, if it does so again. */
+/* Rays that finish one by one were not finished together. If it happens again, the flags show a driver
+ * that counts the rounds of all lanes of a vector as those of one loop. */
 static enum status together_cause(const struct seat *seat, const struct fuzz_trial *trial,
                                   struct fuzz_finding *finding, struct reason *reason)
 {
@@ -199,8 +199,8 @@ static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray
     return isfinite(is) && (kind == fuzz_kind_of_wrong(WRONG_BARYCENTRIC) || is <= 0.25 * was);
 }
 
-/* Asks an engine from outside at another scale: *asked whether it was, *cured whether it is right.
- */
+/* Has an engine from outside trace the ray at another scale. *was_asked: that was possible; *cured:
+ * it is then right. */
 static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_trial *trial,
                               enum fuzz_scaling scaling, uint32_t step,
                               const struct fuzz_finding *finding, bool *was_asked, bool *cured,
@@ -303,7 +303,7 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
     case FUZZ_KIND_CRASH:
     case FUZZ_KIND_HANG:
     case FUZZ_KIND_PROTOCOL:
-        return STATUS_OK; /* no answer to explain, and asking again does it again */
+        return STATUS_OK; /* no answer to explain, and tracing again would fail again */
     default:
         break;
     }

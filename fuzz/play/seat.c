@@ -1,12 +1,11 @@
-/* Asking an engine: many trials in one call, or one after the other; what it does wrong on the way.
- */
+/* Calls an engine, with many trials or one after the other, and records what fails. */
 #include "fuzz/play/stage.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* An engine that took so long to fail hung; one that failed at once crashed. */
+/* An engine that takes longer to fail hung; else it crashed. */
 #define HANG_NS 5000000000u
 
 struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial, bool split)
@@ -57,8 +56,7 @@ static void fared_badly(struct answers *answers, enum fuzz_kind kind, size_t ray
     answers->ray = (uint32_t)ray;
 }
 
-/* What a status other than OK says of a job that ought to be possible. That an engine takes no tree
- * of the layout is documented. */
+/* The result of a job that failed with this status. An engine may refuse the trees of a layout. */
 static void fared_by_status(const struct seat *who, struct answers *answers, enum status status)
 {
     bool other = who->layout && !engine_takes(who->engine, who->layout);
@@ -71,7 +69,7 @@ static void fared_by_status(const struct seat *who, struct answers *answers, enu
     }
 }
 
-/* The rays one by one, after some of them were not finished. */
+/* Traces the rays one by one, after some of them were not finished. */
 static enum status ask_singly(struct fuzz_player *player, size_t seat, struct play_stage *stage,
                               struct reason *reason)
 {
@@ -104,7 +102,8 @@ static enum status ask_singly(struct fuzz_player *player, size_t seat, struct pl
     return STATUS_OK;
 }
 
-/* Of an engine in a process of its own, which the next call starts again; false: it is none. */
+/* Records the fault of an engine in a process of its own, which the next call starts again. False: the
+ * engine has no such process. */
 static bool peer_failed(const struct seat *who, const struct play_stage *stage,
                         struct answers *answers)
 {
@@ -120,7 +119,7 @@ static bool peer_failed(const struct seat *who, const struct play_stage *stage,
     return true;
 }
 
-/* One stage by prepare and trace. */
+/* Traces one stage by prepare and trace. */
 static enum status ask_alone(struct fuzz_player *player, size_t seat, struct play_stage *stage,
                              struct reason *reason)
 {
@@ -160,7 +159,7 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct pla
     return revive(player, seat, reason);
 }
 
-/* True if the seat has something to ask with; else says why not. */
+/* True if the seat has a tree to trace, or needs none; else records why not. */
 static bool can_ask(const struct seat *seat, struct play_stage *stage, struct answers *answers)
 {
     answers->fared = FARED_NOT;
@@ -171,8 +170,8 @@ static bool can_ask(const struct seat *seat, struct play_stage *stage, struct an
     return false;
 }
 
-/* What the rays took engine cpu on the same tree, if it was asked before; it decides the order in
- * which they are traced, no answer. */
+/* The work of the rays in engine cpu on the same tree, if that was traced before. It decides the order
+ * in which they are traced, but no answer. */
 static const uint32_t *expected_work(const struct play_stage *stage, const struct seat *seat)
 {
     if (seat->reference >= SEATS_MOST || !stage->answers[seat->reference].has_work)

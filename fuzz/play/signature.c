@@ -40,7 +40,7 @@ static void put_byte(struct fuzz_signature *signature, char byte)
     signature->engine[used + 1] = '\0';
 }
 
-/* Appends a word of a command: an interpreter alone would not tell two of its programs apart. */
+/* Appends a word of a command: the interpreter alone would be the same for all its programs. */
 static void put_word(struct fuzz_signature *signature, const char *from, const char *end)
 {
     for (const char *at = from; at + 1 < end; at++)

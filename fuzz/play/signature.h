@@ -1,4 +1,4 @@
-/* What makes two findings one bug: who, on which layout, what kind of wrong, why. */
+/* The signature of a finding: engine, layout, kind and cause. Findings of one signature are one bug. */
 #ifndef FUZZ_SIGNATURE_H
 #define FUZZ_SIGNATURE_H
 

@@ -27,7 +27,7 @@ struct fuzz_player {
     size_t layout_count;
     struct seat seat[SEATS_MOST];
     size_t seat_count, contestants; /* seats beyond the contestants are references */
-    uint32_t left_out;              /* contestants that are not asked */
+    uint32_t left_out;              /* contestants that do not play */
     struct fuzz_mark *mark;         /* of the call of fuzz_play, or NULL */
     size_t mark_first;              /* the batch's first trial in that call */
     struct play_stage *stage;       /* FUZZ_BATCH of them */
@@ -36,10 +36,10 @@ struct fuzz_player {
 
 /* How a seat fared on a trial. */
 enum fared {
-    FARED_NOT,     /* not asked: nothing to ask with */
-    FARED_PLAYED,  /* answers stand, flags say which */
+    FARED_NOT,     /* not traced */
+    FARED_PLAYED,  /* answered the rays with ABI_FLAG_DONE */
     FARED_REFUSED, /* a documented limit */
-    FARED_FAULTY,  /* answers nothing; answers.kind says why */
+    FARED_FAULTY,  /* no answers; answers.kind is the fault */
 };
 
 struct answers {
@@ -48,7 +48,7 @@ struct answers {
     uint32_t *work; /* struct engine_task */
     bool has_work;
     enum fared fared;
-    bool declined;       /* FARED_REFUSED: by the engine itself, not by its layout or a rule */
+    bool declined;       /* FARED_REFUSED: by the engine, not by its layout or a rule */
     enum fuzz_kind kind; /* of FARED_FAULTY */
     uint32_t ray;        /* at which */
 };
@@ -98,12 +98,12 @@ struct job stage_job(const struct play_stage *stage, const struct seat *seat);
 enum status stage_judge(const struct play_stage *stage, const struct fuzz_player *player,
                         struct fuzz_result *out, struct reason *reason) MUST_USE;
 
-/* Asks the seat about `count` stages: in one call if the engine can, else one by one. Nothing an
- * engine does is an error, but STATUS_MEMORY and a dead engine that cannot be opened again. */
+/* Has the seat trace `count` stages: in one call if the engine can, else one by one. Errors:
+ * STATUS_MEMORY; a dead engine that cannot be opened again. Other faults are results. */
 enum status seat_ask(struct fuzz_player *player, size_t seat, size_t count,
                      struct reason *reason) MUST_USE;
 
-/* What the judge is told of the seat's engine on a trial; see struct fuzz_result. */
+/* The model by which the seat's engine is judged on a trial; see struct fuzz_result. */
 struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial, bool split);
 
 #endif

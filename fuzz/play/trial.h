@@ -54,7 +54,7 @@ void fuzz_trial_free(struct fuzz_trial *trial); /* a zero one is fine */
  * machine. 64 bits, FNV-1a over the bits in a fixed order. */
 uint64_t fuzz_trial_hash(const struct fuzz_trial *trial);
 
-/* How much there is for a person to read: what a shrinker makes less of. Compared in this order. */
+/* How much there is to read: what the shrinker reduces. Compared in this order. */
 struct fuzz_trial_size {
     uint32_t triangles, rays, vertices;
     uint64_t bits; /* of all numbers: 0 for 0, a tmax of infinity and the defaults of members, else
@@ -67,8 +67,8 @@ struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial);
 int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_trial_size *b);
 
 /* Rejects what no reader may let through: indices out of range, vertices that are not finite, no
- * builder, test or storage, a storage that the triangle test cannot ask, limits. Rays may hold
- * anything. Errors: STATUS_INPUT, STATUS_LIMIT. */
+ * builder, test or storage, a storage that the triangle test cannot read, limits. Rays may hold any
+ * bits. Errors: STATUS_INPUT, STATUS_LIMIT. */
 enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 
 #endif

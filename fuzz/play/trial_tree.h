@@ -1,5 +1,5 @@
 /* The tree of a trial: built of its scene at rest, packed in a layout and the trial's storage, and
- * refitted to the scene as it is traced. Whoever plays, explains or exports a trial asks here. */
+ * refitted to the scene as it is traced; for all that play, explain or export trials. */
 #ifndef FUZZ_TRIAL_TREE_H
 #define FUZZ_TRIAL_TREE_H
 
@@ -10,7 +10,7 @@
 enum trial_motion {
     TRIAL_STILL,
     TRIAL_REFITTED,
-    TRIAL_REBUILT /* the refit said "rebuild": it was built anew, of the scene as it is traced */
+    TRIAL_REBUILT /* the refit returned STATUS_LIMIT: it was built again, of the scene as traced */
 };
 
 /* Builds the canonical tree of the scene at rest, on one thread. Errors: as bvh_build. */
@@ -24,8 +24,8 @@ enum status fuzz_trial_pack(const struct fuzz_trial *trial, const struct layout 
                             struct reason *reason) MUST_USE;
 
 /* Builds, packs, moves and refits; *bvh is the tree of what is packed, its bounds those of the
- * scene that is traced. A refit that says "rebuild" is followed: *motion (may be NULL) is then
- * TRIAL_REBUILT. Both are zero on error. Errors: as fuzz_trial_build and fuzz_trial_pack;
+ * scene that is traced. If a refit returns STATUS_LIMIT, the tree is rebuilt: *motion (may be
+ * NULL) is then TRIAL_REBUILT. Both are zero on error. Errors: as fuzz_trial_build and fuzz_trial_pack;
  * STATUS_INPUT to be refitted, but what was packed decodes to no tree of the scene. */
 enum status fuzz_trial_tree(const struct fuzz_trial *trial, const struct layout *layout,
                             struct bvh *bvh, struct packed *out, enum trial_motion *motion,

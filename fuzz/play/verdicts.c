@@ -105,7 +105,7 @@ static void compare_bits(struct verdicts_judging *j, size_t seat, uint32_t i,
     keep(j, seat, FUZZ_KIND_BITS, i, judgement);
 }
 
-/* A judge is a function of ray and answer: engines that are judged alike and have the same bits have the same
+/* A verdict depends on ray and answer alone: engines with one judge and the same bits have the same
  * verdict. */
 static bool is_copy(const struct verdicts_judging *j, size_t seat, uint32_t i)
 {
@@ -276,7 +276,7 @@ enum status stage_judge(const struct play_stage *stage, const struct fuzz_player
     if (!status && (status = judge_rays(&j)))
         (void)fail(reason, status, "no memory to judge a ray");
     if (faulty)
-        out->judged = 0; /* somebody has no verdict */
+        out->judged = 0; /* a contestant has no verdict */
     for (size_t i = 0; i < player->contestants; i++) {
         judge_free(j.judge[i]);
         free(j.note[i]);

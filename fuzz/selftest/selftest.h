@@ -13,7 +13,7 @@
 struct selftest_bug {
     char bug[32];     /* a record of tests/planted */
     char unit[48];    /* the C unit or the shader that is compiled with it */
-    char engines[48]; /* who plays, as raydiff fuzz has it; "spirv": shaders are only checked;
+    char engines[48]; /* as of raydiff fuzz --engine; "spirv": shaders are only checked;
                          "pairs:ENGINE,...": members are drawn, with --pairs */
     char layouts[48];
     char kind[24]; /* of bug */
@@ -38,14 +38,15 @@ enum selftest_end {
     SELFTEST_FOUND,
     SELFTEST_CLEAN,   /* nothing was found */
     SELFTEST_SKIPPED, /* an engine cannot run here */
-    SELFTEST_FAILED,  /* the program did not do what it should: said has why */
+    SELFTEST_FAILED,  /* the program failed otherwise: see `said` */
 };
 
 struct selftest_result {
     enum selftest_end end;
     uint64_t trials; /* until the first that showed it; all, if none did */
     double seconds;  /* of the whole program: its start, the finding's explanation, its end */
-    char said[SELFTEST_SAID_MOST]; /* the signature; what the check of shaders said; why not */
+    char said
+        [SELFTEST_SAID_MOST]; /* the signature; the output of the shaders' check; why it failed */
 };
 
 /* A program to be run. Everything borrowed. */

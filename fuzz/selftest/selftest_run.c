@@ -54,8 +54,8 @@ static enum status clear_folder(struct selftest_job *job, struct reason *reason)
     return STATUS_OK;
 }
 
-/* In the child: becomes the program, its output in the log. The parent's end tells when it has
- * ended, so ours stays open. */
+/* In the child: becomes the program, its output in the log. The pipe stays open, so that the parent
+ * sees when the program ends. */
 static void become(struct child *parent, void *user)
 {
     const struct selftest_job *job = user;
@@ -134,7 +134,7 @@ static void read_said(struct selftest_job *job, bool first)
         fclose(log);
 }
 
-/* True if the program says of a finding that it counts: it is not known, and shows again. */
+/* True if the program reports a finding that counts: a new one, which shows again. */
 static bool one_counts(const struct selftest_job *job)
 {
     json_t *root = json_load_file(job->report, 0, NULL), *one;
@@ -202,8 +202,8 @@ static enum status conclude(struct selftest_job *job, const struct child_fate *f
     return STATUS_OK;
 }
 
-/* A finding that is shown only among other trials does not end a campaign at once, since it may be
- * one that never shows again. Here it may: the campaign still plays it again and says which. */
+/* Ends a campaign soon after its first finding, even if it shows only among other trials: the campaign
+ * still plays it again and reports whether it shows. */
 static void stop_soon(struct selftest_job *job)
 {
     char pattern[SELFTEST_PATH_MOST + 16];

@@ -1,6 +1,6 @@
 /* The shrinker: rounds of passes over the smallest trial so far, until a whole round finds nothing
- * smaller. A pass sees the smallest trial alone, not what was done before, so that shrinking the
- * result again asks what the last round asked and changes nothing. */
+ * smaller. A pass depends on the smallest trial alone, so that shrinking the result again repeats the
+ * last round and changes nothing. */
 #include "fuzz/shrink/shrink.h"
 
 #include "fuzz/shrink/shrink_inner.h"
@@ -9,11 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Triangles of all candidates that are asked about at a time, at most, unless one has more. */
+/* Triangles of all candidates of a call, at most, unless one has more. */
 #define BATCH_TRIANGLES 65536u
-/* Triangles or rays that make an ask as dear as another one. */
+/* Triangles or rays that cost one more ask. */
 #define THINGS_PER_ASK 64u
-/* The share of all asks that one level of a pass may need: what is dearer is left out. */
+/* The share of all asks that one level of a pass may need: dearer levels are left out. */
 #define LEVEL_SHARE 4u
 
 /* Where in a pass. */
@@ -92,7 +92,7 @@ static void clear_candidates(struct shrinker *s)
 }
 
 /* True if it is a trial, smaller than the best, not known to show nothing and not among the
- * candidates. The order is that of sizes without the hash, which says nothing to a reader. */
+ * candidates. Sizes are compared without the hash, which makes a trial no easier to read. */
 static bool worth_asking(struct shrinker *s, const struct fuzz_trial *trial)
 {
     struct fuzz_trial_size size = fuzz_trial_size(trial), best = s->size;
@@ -108,8 +108,7 @@ static bool worth_asking(struct shrinker *s, const struct fuzz_trial *trial)
     return true;
 }
 
-/* Makes candidates from place *at on, which moves behind the last one; *more says whether there is
- * anything behind. */
+/* Makes candidates from place *at on, which moves behind the last one; *more: there are places left. */
 static enum status gather(struct shrinker *s, const struct shrink_pass *pass, uint32_t things,
                           struct shrink_place *at, bool *more, struct reason *reason)
 {
@@ -140,9 +139,8 @@ static void stop(struct shrinker *s, enum shrink_end why)
     s->stats->end = why;
 }
 
-/* Asks about the candidates that can be paid for; *first is that of the first that shows it, or
- * s->count. What lies behind it is not paid for: how many are asked about at a time makes no
- * difference. */
+/* Plays the candidates for which there are asks; *first is the first that shows the finding, or
+ * s->count. Those behind it cost nothing, so that the size of a batch makes no difference. */
 static enum status ask(struct shrinker *s, size_t *first, struct reason *reason)
 {
     size_t paid = 0, shown;
@@ -201,7 +199,7 @@ static enum status run_pass(struct shrinker *s, const struct shrink_pass *pass,
             more = things > 0 && (at.first < things || step(s, pass, things, &at));
             s->patience = 1;
         } else if (s->patience < SHRINK_BATCH) {
-            s->patience *= 2; /* most are rejected: ask about more at a time */
+            s->patience *= 2; /* most are rejected: play more at a time */
         }
         clear_candidates(s);
         if (s->options->progress)

@@ -1,29 +1,29 @@
-/* Shrinks a trial as long as it still shows what it showed: fewer triangles, rays and vertices,
- * then shorter numbers and plainer members. Deterministic: what comes out depends on what goes in
- * and on the number of asks alone, unless a time is given. */
+/* Shrinks a trial while it still shows its finding: fewer triangles, rays and vertices, then shorter
+ * numbers and plainer members. To "ask" is to play a candidate; asks are counted. Deterministic: the
+ * result depends on the trial and the number of asks alone, unless a time is given. */
 #ifndef FUZZ_SHRINK_H
 #define FUZZ_SHRINK_H
 
 #include "fuzz/findings/finding_file.h"
 #include "fuzz/play/player.h"
 
-/* Asks that are enough for nearly all small trials to reach their fixpoint. */
+/* Enough asks for nearly all small trials to reach their fixpoint. */
 #define SHRINK_ASKS 100000u
 
 /* Most candidates in one call of a shrink_ask_fn. */
 #define SHRINK_BATCH FUZZ_BATCH
 
-/* Asks about candidates, all valid trials (fuzz_trial_check): *first is the index of the first that
- * still shows it, or `count`. Errors end the shrinking. */
+/* Plays candidates, all valid trials (fuzz_trial_check): *first is the index of the first that still
+ * shows the finding, or `count`. Errors end the shrinking. */
 typedef enum status shrink_ask_fn(void *user, const struct fuzz_trial *candidate, size_t count,
                                   size_t *first, struct reason *reason);
 
 enum shrink_end {
     SHRINK_FIXPOINT,    /* nothing smaller was found: shrinking again changes nothing */
-    SHRINK_OUT_OF_ASKS, /* they are spent, or what was not tried costs too many of them; the same
-                           number of asks again changes nothing in the second case */
+    SHRINK_OUT_OF_ASKS, /* all are spent; or the rest costs too many, and then the same number of
+                           asks again changes nothing */
     SHRINK_OUT_OF_TIME,
-    SHRINK_NOT_SHOWN, /* the trial does not show it: nothing was done */
+    SHRINK_NOT_SHOWN, /* the trial does not show the finding: nothing was done */
 };
 
 /* "fixpoint", "asks", "time", "not shown" */
@@ -32,7 +32,7 @@ const char *shrink_end_name(enum shrink_end end);
 struct shrink_stats {
     struct fuzz_trial_size before, after;
     uint64_t asks;     /* spent; a candidate is one, and one more per 64 triangles and 64 rays */
-    uint64_t tried;    /* candidates asked about */
+    uint64_t tried;    /* candidates played */
     uint64_t accepted; /* of them; each was smaller than the one before it */
     uint32_t rounds;
     enum shrink_end end;
@@ -49,8 +49,8 @@ struct shrink_options {
     void *user; /* of progress */
 };
 
-/* Shrinks `from`, which need not show anything; *out, which the caller frees, is a copy of it then
- * (SHRINK_NOT_SHOWN). Its origin and recipe stay. Errors: STATUS_MEMORY; what `ask` fails with. On
+/* Shrinks `from`. If it shows no finding, *out is a copy of it (SHRINK_NOT_SHOWN); the caller frees
+ * *out. Its origin and recipe stay. Errors: STATUS_MEMORY; what `ask` fails with. On
  * error *out is zero. */
 enum status fuzz_shrink_trial(const struct fuzz_trial *from, shrink_ask_fn *ask, void *user,
                               const struct shrink_options *options, struct fuzz_trial *out,
@@ -74,8 +74,8 @@ struct shrink_apart {
     uint64_t memory; /* bytes that the child may hold; more is FUZZ_KIND_CRASH; 0: any number */
 };
 
-/* As fuzz_shrink_finding, for every kind: that the child dies or hangs is what a finding of kind
- * crash or hang shows, and of the others it is something else, which ends nothing. out->versions
+/* As fuzz_shrink_finding, for every kind: a child that dies or hangs shows a finding of kind crash or
+ * hang; a finding of another kind it does not show, and the shrinking continues. out->versions
  * are those of the engine as it is here. The caller has no threads that an engine would need
  * (ref/outside/child.h). Errors: as fuzz_shrink_finding; STATUS_UNSUPPORTED the engine cannot run here;
  * STATUS_DEVICE it cannot be opened, or no process to be had. */

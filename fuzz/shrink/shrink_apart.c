@@ -1,5 +1,5 @@
-/* Asking an engine in a child process, which it may take down or keep for ever. Candidates go there
- * as the text of finding files. */
+/* Plays candidates in a child process, in which an engine may crash or hang. They are sent as the text
+ * of finding files. */
 #include "ref/outside/child.h"
 #include "fuzz/shrink/shrink_inner.h"
 #include "fuzz/findings/versions.h"
@@ -9,14 +9,14 @@
 
 /* Bytes of all candidates of a call, at most, unless one has more. */
 #define MESSAGE_MOST ((size_t)64 << 20)
-/* How long an engine may take to be opened; drivers compile then. */
+/* The longest that an engine may take to open; drivers compile then. */
 #define OPEN_MS 120000u
 /* How often a child's memory is looked at while it works. */
 #define LOOK_MS 50u
-/* A child that is not asked any more ends by itself within that. */
+/* The longest that an idle child takes to end by itself. */
 #define END_MS 5000u
 
-/* What the child says first, and to every question. */
+/* The first message of the child, and its reply to every call. */
 struct hello {
     enum status status;
     struct reason reason;
@@ -95,7 +95,7 @@ static void live(struct child *parent, void *user)
 
 /* --- the parent ------------------------------------------------------------------------------ */
 
-/* How a question went. */
+/* The result of a call. */
 enum apart_fared { ANSWERED, DIED, HUNG };
 
 /* Waits for a message of `size` bytes. A child that died or hung is ended. */
@@ -122,7 +122,7 @@ static enum apart_fared hear(struct apart *apart, void *to, size_t size, uint64_
     }
 }
 
-/* Makes the child, if there is none; *fared says how its opening the engine went. */
+/* Starts the child, if there is none; *fared: the result of opening the engine. */
 static enum status begin(struct apart *apart, enum apart_fared *fared, struct reason *reason)
 {
     struct hello hello;
@@ -163,7 +163,7 @@ static enum status put(const struct fuzz_trial *trial, char **bytes, size_t *siz
     return STATUS_OK;
 }
 
-/* Asks about candidates in one go, at least one of them: *asked is how many. */
+/* Plays candidates in one call: *asked is how many, at least one. */
 static enum status ask_some(struct apart *apart, const struct fuzz_trial *candidate, size_t count,
                             size_t *asked, struct reply *reply, enum apart_fared *fared,
                             struct reason *reason)
@@ -187,7 +187,7 @@ static enum status ask_some(struct apart *apart, const struct fuzz_trial *candid
     return status;
 }
 
-/* One candidate, whose death is what a crash shows. */
+/* Plays one candidate. If the child dies, it shows a crash. */
 static enum status ask_one(struct apart *apart, const struct fuzz_trial *candidate, bool *shown,
                            struct reason *reason)
 {
@@ -227,7 +227,7 @@ static enum status ask_apart(void *user, const struct fuzz_trial *candidate, siz
         size_t asked;
         status = ask_some(apart, candidate + done, count - done, &asked, &reply, &fared, reason);
         if (status || fared != ANSWERED)
-            break; /* one of them is deadly: which one? */
+            break; /* one of them ends the child: play them one by one */
         if (reply.first < asked) {
             *first = done + reply.first;
             apart->finding = reply.finding;

@@ -1,4 +1,4 @@
-/* Passes that change the whole scene: moved, scaled, mirrored, seen by a plainer ray. */
+/* Passes that change the whole scene: move, scale and mirror it, or make the ray plainer. */
 #include "fuzz/shrink/shrink_inner.h"
 
 #include <string.h>
@@ -60,7 +60,7 @@ static bool slide(struct fuzz_trial *trial, uint32_t i, uint32_t axis)
 
 enum { SCALE, SCALE_PLACES, SCALE_AXIS, SCALE_DIRS, SHIFT, SLIDE, MIRROR, FRAME_COUNT };
 
-/* What number `first` suggests: that it become 0, or 1 to 2. */
+/* Moves or scales so that number `first` becomes 0, or 1 to 2; or mirrors its axis. */
 static bool change_frame(struct fuzz_trial *trial, uint32_t first, uint32_t count, uint32_t variant)
 {
     uint32_t axis;

@@ -17,7 +17,7 @@ struct shrink_pass {
     uint32_t (*things)(const struct fuzz_trial *trial);
     uint32_t variants; /* changes of each chunk */
     /* Changes things first .. first + count - 1 of a copy in place; false: there is nothing to
-     * change. What is not smaller or no trial is not asked about. */
+     * change. A result that is not smaller, or no valid trial, is not played. */
     bool (*change)(struct fuzz_trial *trial, uint32_t first, uint32_t count, uint32_t variant);
 };
 
@@ -43,7 +43,7 @@ int shrink_exponent(float x);
 /* x 2^by; may round or overflow. */
 float shrink_scaled(float x, int by);
 
-/* Asking a player; the user of a shrink_ask_fn. */
+/* The user of shrink_ask_player. */
 struct shrink_asking {
     struct fuzz_player *player; /* of one contestant, the signature's */
     const struct fuzz_signature *wanted;

@@ -124,7 +124,7 @@ static bool tidy_vertices(struct fuzz_trial *trial, uint32_t first, uint32_t cou
     return true;
 }
 
-/* Of few triangles any two: a builder that halves their number may need both gone. */
+/* Any two of few triangles: a builder that halves their number may need both removed. */
 #define PAIRED_TRIANGLES 32u
 
 static uint32_t triangle_pairs(const struct fuzz_trial *trial)
@@ -142,8 +142,8 @@ static bool cut_two(struct fuzz_trial *trial, uint32_t first, uint32_t count, ui
     return cut_triangles(trial, high, count, REMOVE) && cut_triangles(trial, low, count, REMOVE);
 }
 
-/* A chunk of triangles that become the one before or behind it: what only their number is needed
- * for then reads alike. */
+/* A chunk of triangles becomes the triangle before or behind it: if only their number matters, equal
+ * ones are easier to read. */
 static bool repeat_triangle(struct fuzz_trial *trial, uint32_t first, uint32_t count,
                             uint32_t variant)
 {

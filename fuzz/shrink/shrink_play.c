@@ -1,10 +1,10 @@
-/* What the shrinker asks of engines: whether a trial still shows the finding. */
+/* Plays candidates: whether a trial still shows the finding. */
 #include "fuzz/shrink/shrink_inner.h"
 #include "fuzz/play/stage.h"
 
 #include <string.h>
 
-/* Findings of the kind but of another cause that are looked behind in one trial. */
+/* Findings of the same kind but of another cause that are passed over in one trial, at most. */
 #define BEHIND_MOST 64u
 
 static const struct fuzz_finding *of_kind(const struct fuzz_result *result, enum fuzz_kind kind)
@@ -15,8 +15,8 @@ static const struct fuzz_finding *of_kind(const struct fuzz_result *result, enum
     return NULL;
 }
 
-/* Whether a trial shows it, given what playing it came to. A result has only the first finding of a
- * kind, which may have another cause: then the rays behind it are played again. */
+/* Whether a trial with this result shows the finding. A result has only the first finding of a kind,
+ * which may have another cause: then the rays behind it are played again. */
 static enum status shows(struct shrink_asking *asking, const struct fuzz_trial *trial,
                          const struct fuzz_result *result, bool *out, struct reason *reason)
 {
