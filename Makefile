@@ -1,5 +1,5 @@
 # raydiff. `make run` and `make check` set everything up themselves; bare `make` builds the program.
-#   make [config=debug|release|sanitize|tsan|coverage] [CC=clang]
+#   make [config=debug|release|sanitize|tsan|coverage|mutation] [CC=clang]
 config ?= release
 PREFIX ?= /usr/local
 VERSION := 0.1.0
@@ -21,8 +21,9 @@ OPT_debug    := -O0 -g3 -D_GLIBCXX_ASSERTIONS
 OPT_sanitize := -O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
 OPT_tsan     := -O1 -g -fsanitize=thread
 OPT_coverage := -O0 -g --coverage
+OPT_mutation := -O1 -fPIC
 ifeq ($(OPT_$(config)),)
-  $(error unknown config '$(config)': debug, release, sanitize, tsan or coverage)
+  $(error unknown config '$(config)': debug, release, sanitize, tsan, coverage or mutation)
 endif
 
 # Warnings are errors in checks alone: `make check` and its sisters say WERROR=1, and WERROR=0 stops
@@ -54,6 +55,10 @@ CMD_SRC  := raydiff.c $(wildcard cmd/*/*.c)
 GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c waivers.c templates.c glsl_sources.c) # the library's, made
 LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
+ifeq ($(config),mutation) # see tests/mutation/mutation.mk
+LIB_OBJ += $(filter-out $(B)/obj/raydiff.o,$(CMD_OBJ))
+CMD_OBJ := $(B)/obj/raydiff.o
+endif
 
 include shaders/shaders.mk         # $(SPV), $(B)/gen/shaders.c, $(B)/gen/glsl_sources.c
 
@@ -76,9 +81,11 @@ spv: $(SPV)
 $(B)/raydiff: $(CMD_OBJ) $(B)/libraydiff.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)
 
+ifneq ($(config),mutation)
 $(B)/libraydiff.a: $(LIB_OBJ)
 	@rm -f $@
 	$(AR) rcs $@ $^
+endif
 
 # Everything is compiled anew when the command changes, the tables when a member comes or goes.
 $(B)/obj/%.o: %.c $(B)/gen/flags | $(B)/gen/counts.h $(B)/gen/have_sdl2.h $(B)/gen/have_glslang.h
@@ -121,6 +128,7 @@ include tests/tests.mk            # $(TESTS), $(SAMPLES), and the suites that th
 include tests/checks.mk           # check and its slower sisters
 include tests/planted/planted.mk  # planted, planted-quick
 include tests/readers/readers.mk     # what reads files
+include tests/mutation/mutation.mk   # mutation
 
 # --- what people type -------------------------------------------------------------------------
 

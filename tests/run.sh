@@ -94,6 +94,7 @@ plain)
     suite other sh tests/house/other.sh
     alone mutants make -s mutants
     suite planted sh tests/planted/selftest.sh "$build"
+    suite mutate sh tests/mutation/selftest.sh "$build"
     alone selftest make -s selftest-quick
     suite install sh tests/house/install.sh
     suite tutorial sh tests/house/tutorial.sh "$build"

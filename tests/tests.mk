@@ -7,11 +7,13 @@ TEST_OBJ := $(TEST_SRC:%.c=$(B)/obj/%.o)
 tests: $(TESTS) $(SAMPLES)
 .PHONY: tests truth
 
-# Programs lie in one folder, whatever room their source is in.
+# Programs lie in one folder, whatever room their source is in; $(B)/links/NAME is what each is linked with
+# beside its own object, for who links it anew.
 $(foreach object,$(TEST_OBJ),$(eval $(B)/tests/$(basename $(notdir $(object))): $(object)))
 $(TESTS): $(B)/libraydiff.a
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)
+	@mkdir -p $(B)/links; echo '$(filter-out %/$(@F).o,$(filter %.o,$^)) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)' >$(B)/links/$(@F)
 
 $(TEST_OBJ): | test_libs
 .PHONY: test_libs

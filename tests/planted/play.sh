@@ -161,26 +161,12 @@ judge_test() { # where
     judge "$1, by $test${only:+: $only}" "$code" "$got" "$log.log"
 }
 
-beside() { # objects, libraries and options of a test
-    case $1 in
-    test_out_of_memory | test_memory) echo -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free ;;
-    test_adversaries)
-        for object in cheats outsiders outsiders_table table; do echo "$build/obj/tests/adversaries/$object.o"; done ;;
-    test_judge_blackbox | test_match_edges) echo "$build/obj/tests/judge/honest_plain.o $build/obj/tests/judge/honest_fast.o" ;;
-    test_oracle*) echo "$build/obj/tests/exact/exact_gmp.o $build/obj/tests/exact/oracle_cases.o -lgmp" ;;
-    test_bounds* | test_judge_exact* | test_judge_noise* | test_judge_range* | test_judge_unnamed*)
-        for object in trials legal legal_formulas exact_gmp oracle_cases; do echo "$build/obj/tests/exact/$object.o"; done
-        echo -lgmp
-        ;;
-    esac
-}
-
 # Bug, unit or shaders, unit test that must turn red.
 test_() {
     bug "$1" "$2"
     make_unit
     chosen_test "$3"
-    made "$dir/$test" link "$dir/$test" "$(ls "$build"/obj/tests/*/"$test.o")" "$dir/unit.o" $(beside "$test") -lcmocka
+    made "$dir/$test" link "$dir/$test" "$(ls "$build"/obj/tests/*/"$test.o")" "$dir/unit.o" $(cat "$build/links/$test")
     judge_test "$unit"
 }
 
@@ -189,7 +175,7 @@ header() {
     chosen_test "$2"
     bug "$1" "$(ls tests/*/"$test.c")"
     make_unit
-    made "$dir/$test" link "$dir/$test" "$dir/unit.o" -lcmocka
+    made "$dir/$test" link "$dir/$test" "$dir/unit.o" $(cat "$build/links/$test")
     judge_test "a header"
 }
 

@@ -1,0 +1,49 @@
+#!/bin/sh
+# Which suites run which lines: sh tests/mutation/coverage.sh BUILD OUT [SUITE]
+# BUILD is one of config=coverage. OUT/map/FILE (with dots in place of slashes) gets a line "LINE SUITE..." for
+# each that is run; what a suite ran is kept in OUT/lines/SUITE and not asked again. SUITE: that one alone.
+set -u
+build=$1 out=$2
+mkdir -p "$out/lines" "$out/map"
+sh tests/mutation/suites.sh "$build" >"$out/suites"
+
+if [ $# -eq 2 ]; then
+    while read -r name _; do
+        [ -e "$out/lines/$name" ] || echo "$name"
+    done <"$out/suites" | xargs -r -P "$(nproc)" -n 1 sh "$0" "$build" "$out"
+    rm -f "$out/map"/*
+    (cd "$out/lines" && awk '{ print $1, $2, FILENAME }' *) | sort -k1,1 -k2,2n -k3,3 |
+        awk -v out="$out/map" '
+            $1 != file || $2 != line {
+                if (file != "") print row >name
+                if ($1 != file) {
+                    if (file != "") close(name)
+                    name = $1
+                    gsub("/", ".", name)
+                    name = out "/" name
+                }
+                file = $1
+                line = $2
+                row = line
+            }
+            { row = row " " $3 }
+            END { print row >name }'
+    echo "$(ls "$out/map" | wc -l) files are run by $(ls "$out/lines" | wc -l) suites"
+    exit 0
+fi
+
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+command=$(sed -n "s/^$3 //p" "$out/suites")
+logs=$dir
+(GCOV_PREFIX=$dir/gcov && export GCOV_PREFIX && eval "timeout -k 5 1800 $command") >"$dir/log" 2>&1 </dev/null
+code=$?
+[ "$code" -eq 0 ] || { echo "$3: exit $code without a mutation" >&2; tail -n 3 "$dir/log" >&2; }
+# gcov looks for what the compiler wrote beside what the program wrote.
+find "$dir/gcov" -name '*.gcda' >"$dir/data" 2>/dev/null
+perl -ne 'BEGIN { $base = shift } s/gcda\n$/gcno/; my $real = substr($_, length $base); symlink $real, $_' \
+    "$dir/gcov" <"$dir/data"
+xargs -r -n 50 gcov -t <"$dir/data" 2>/dev/null | awk -F: '
+    $2 + 0 == 0 && $3 == "Source" { file = $4; next }
+    $1 ~ /^ *[0-9]+\*?$/ && file !~ /^\// { print file, $2 + 0 }' | sort -u >"$dir/lines"
+mv "$dir/lines" "$out/lines/$3"

@@ -1,0 +1,25 @@
+# Mutations: every small change of the code should turn a suite red.
+#   make mutation ROOM=ref/judge [SAMPLE=200] [SEED=1]      what is done already is not done again
+# config=mutation makes the library a shared object, the commands in it, so that one unit with a
+# mutation, loaded before it, takes that unit's place in every program (tests/mutation/play.sh).
+ifeq ($(config),mutation)
+$(B)/libraydiff.so: $(LIB_OBJ)
+	$(CC) $(CFLAGS) -shared -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)
+$(B)/libraydiff.a: $(B)/libraydiff.so
+	@echo 'INPUT($(abspath $<))' >$@
+endif
+
+MUTATE_SRC := $(addprefix tests/mutation/,mutator.c mutation.c token.c)
+$(B)/mutate: $(MUTATE_SRC) $(wildcard tests/mutation/*.h)
+	$(call warned,$(CC) -std=c17 -O2 $(WARN) -I. -o $@ $(MUTATE_SRC))
+
+tests: $(B)/mutate
+
+.PHONY: mutation mutation-map
+mutation-map:
+	@$(MAKE) --no-print-directory -s -j$(JOBS) config=coverage all tests
+	@sh tests/mutation/coverage.sh $(OUT)/coverage $(OUT)/mutation-map
+mutation:
+	@$(MAKE) --no-print-directory -s -j$(JOBS) config=mutation all tests $(OUT)/mutation/mutate
+	@CC_CMD='$(subst ',,$(CC) $(CPPFLAGS) $(filter-out $(OPT_$(config)),$(CFLAGS)) $(OPT_mutation))' TOOL_SRC='$(TOOL_SRC)' \
+	    sh tests/mutation/run.sh $(OUT)/mutation '$(ROOM)' '$(or $(SAMPLE),200)' '$(or $(SEED),1)'

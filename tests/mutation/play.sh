@@ -1,0 +1,130 @@
+#!/bin/sh
+# Plays one mutation for tests/mutation/run.sh: CC_CMD=... TOOL_SRC=... sh tests/mutation/play.sh OUT FILE NUMBER
+# Writes OUT/done/FILE.NUMBER, one line: WORD SECONDS BY: FILE, and the mutation as `mutate list` has it. WORD:
+#   killed     BY is the suite that turned red, or "SUITE hangs" at 20 times its usual time and 60 s
+#   survived   all suites that run the line stay green, and others for 120 s more; BY: how many ran the line
+#   same       the compiler makes the same code of it
+#   broken     it does not compile
+# A C file is compiled and loaded before the library, whose unit it replaces; of a header all units that
+# include it, and unit tests that do; of GLSL all shaders that include it.
+set -u
+out=$1 file=$2 number=$3
+build=$out/..
+flat=$(echo "$file" | tr / .)
+dir=$out/play/$flat.$number
+mkdir -p "$dir" "$out/done" "$out/healthy"
+started=$(date +%s)
+said=$("$build/mutate" list "$file" | sed -n "$((number + 1))p")
+text=${said#* }
+line=${text%% *}
+tell() {
+    printf '%s %d %s: %s %s\n' "$1" "$(($(date +%s) - started))" "$2" "$file" "$text" >"$dir/told"
+    mv "$dir/told" "$out/done/$flat.$number"
+    rm -rf "$dir"
+    exit 0
+}
+mkdir -p "$dir/tree/$(dirname "$file")" "$dir/units"
+"$build/mutate" apply "$file" "$number" >"$dir/tree/$file" || exit 4
+
+# --- what is compiled with it ------------------------------------------------------------------------
+
+# The units of a folder of objects that include the file or are it.
+units_of() { find "$build/obj/$1" -name '*.d' -exec grep -lF " $file" {} + 2>/dev/null | sed "s|^$build/obj/||; s|\.d$||"; }
+# Unit, object: from standard input, so that no name of a file is in the object.
+compile() { $CC_CMD -w -g0 -iquote "$dir/tree" -x c -c -o "$2" - <"$1" 2>>"$dir/compile.log" || tell broken compiler; }
+source_of() { [ -e "$dir/tree/$1" ] && echo "$dir/tree/$1" || echo "$1"; }
+# Without the mutation, made once for all.
+healthy_object() { # unit
+    kept=$out/healthy/$(echo "$1" | tr / .).o
+    [ -e "$kept" ] || { $CC_CMD -w -g0 -x c -c -o "$dir/healthy.o" - <"$1.c" && mv "$dir/healthy.o" "$kept"; } || exit 4
+    echo "$kept"
+}
+compile_units() { # the library's and the commands'
+    objects=
+    for unit in $(for room in ref gpu scenes fuzz bench cmd tests/hard; do units_of $room; done); do
+        object=$dir/units/$(echo "$unit" | tr / .).o
+        compile "$(source_of "$unit.c")" "$object"
+        cmp -s "$object" "$(healthy_object "$unit")" || objects="$objects $object"
+    done
+}
+compile_shaders() {
+    modules=" $(cat "$build/spv/list") "
+    changed=
+    shaders=$dir/shaders # what a shader includes is looked for beside it first
+    mkdir -p "$shaders" "$dir/raw" && sh tests/planted/shaders.sh "$dir/tree" "$shaders" || exit 4
+    for module in $modules; do
+        shader=$(basename "$module" .spv)
+        source=$shaders/$shader.comp
+        [ -e "$source" ] || source=$build/gen/$shader.comp
+        ${GLSLANG:-glslangValidator} --quiet -V --target-env vulkan1.1 -g0 -I. "-I$shaders" -o "$dir/raw/$shader.spv" "$source" \
+            >>"$dir/compile.log" 2>&1 && "$build/spirv_tool" fix "$dir/raw/$shader.spv" "$dir/$shader.spv" || tell broken glslang
+        cmp -s "$dir/$shader.spv" "$module" && continue
+        changed="$changed $shader"
+        modules=$(echo "$modules" | sed "s# [^ ]*/$shader\.spv # $dir/$shader.spv #")
+    done
+    [ -n "$changed" ] || return 0
+    "$build/spirv_tool" embed "$dir/shaders.c" $modules && compile "$dir/shaders.c" "$dir/units/shaders.o"
+    objects=$dir/units/shaders.o
+}
+
+objects= tests=
+case $file in
+*.c) compile_units ;;
+*.h)
+    compile_units
+    tests=$(units_of tests | sed -n 's|.*/\(test_[a-z0-9_]*\)$|\1|p')
+    ;;
+*) compile_shaders ;;
+esac
+[ -n "$objects$tests" ] || tell same compiler
+[ -z "$objects" ] || $CC_CMD -shared -o "$dir/unit.so" $objects || exit 4
+
+# --- suites ------------------------------------------------------------------------------------------
+
+# A unit test whose own object changes with the header, linked anew; else as it is.
+program_of() { # suite
+    echo " $tests " | tr '\n' ' ' | grep -q " $1 " || { sed -n "s/^$1 //p" "$out/suites"; return; }
+    unit=$(echo "$build"/obj/tests/*/"$1".o | sed "s|^$build/obj/||; s|\.o$||")
+    compile "$unit.c" "$dir/$1.o"
+    $CC_CMD -o "$dir/$1" "$dir/$1.o" $(cat "$build/links/$1") || exit 4
+    echo "$dir/$1"
+}
+red() { # suite, seconds that it may take
+    command=$(program_of "$1")
+    logs=$dir
+    (
+        [ -z "$objects" ] || export LD_PRELOAD="$(realpath "$dir/unit.so")"
+        eval "timeout -k 5 $2 $command"
+    ) >"$dir/log" 2>&1 </dev/null
+    code=$?
+    [ "$code" -ne 0 ] && [ "$code" -ne 77 ]
+}
+try() { # suite, its usual milliseconds
+    red "$1" "$((60 + 20 * $2 / 1000))" || return
+    [ "$code" -ne 124 ] && [ "$code" -ne 137 ] && tell killed "$1"
+    tell killed "$1 hangs"
+}
+
+# The suites that run the line, the quick ones first. Of a shader nothing tells which lines are run: there
+# they are the suites that dispatch any.
+case $file in
+*.[ch]) map=$out/map/$flat at=$line ;;
+*) map=$out/map/gpu.vk.vk_pipeline.c at= ;;
+esac
+[ ! -e "$map" ] || awk -v line="$at" 'line == "" || $1 == line { for (i = 2; i <= NF; i++) print $i }' "$map" | sort -u >"$dir/covering"
+touch "$dir/covering"
+count=0
+awk 'NR == FNR { covers[$1]; next } $1 in covers { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
+while read -r usual suite; do
+    try "$suite" "$usual"
+    count=$((count + 1))
+done <"$dir/order"
+# Then others, by their time, as long as there is some left.
+rest=120000
+awk 'NR == FNR { covers[$1]; next } !($1 in covers) { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
+while read -r usual suite; do
+    rest=$((rest - usual))
+    [ "$rest" -ge 0 ] || break
+    try "$suite" "$usual"
+done <"$dir/order"
+tell survived "$count"

@@ -1,0 +1,97 @@
+#!/bin/sh
+# The mutator (tests/mutation/mutator.c): what it makes of a small source, mutation by mutation, and that
+# what it makes of the tree's sources fits the source and mostly compiles. sh tests/mutation/selftest.sh BUILD
+set -u
+build=$1
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+bad() {
+    echo "FAILED  $*"
+    failed=$((failed + 1))
+}
+cat >"$dir/a.c" <<'C'
+#define SKIPPED(a, b) ((a) + (b)) /* no token: 1 + 1 */
+static int table[3] = {1, -2};
+int f(int a, float *b)
+{
+    int c = a < 3 ? g(a, 0) : -a;
+    if (!h(a, a, b[a + 1]) && c != 4)
+        c = g(c, 1); // 2 + 2
+    for (int i = 0; i < c; i++)
+        b[i] *= 0.5f;
+    g(c, c);
+    return c << 2;
+}
+C
+cat >"$dir/expected" <<'C'
+2 constant 1 => (1 + 1)
+2 constant 1 => (1 - 1)
+2 constant 2 => (2 + 1)
+2 constant 2 => (2 - 1)
+2 sign - =>
+5 arguments a, 0 => 0, a
+5 border < => <=
+5 compare < => >=
+5 constant 0 => 1
+5 constant 3 => (3 + 1)
+5 constant 3 => (3 - 1)
+5 sign - =>
+6 arguments a, b[a + 1] => b[a + 1], a
+6 arithmetic + => -
+6 compare != => ==
+6 constant 1 => (1 + 1)
+6 constant 1 => (1 - 1)
+6 constant 4 => (4 + 1)
+6 constant 4 => (4 - 1)
+6 index a + 1 => (a + 1) + 1
+6 logic ! =>
+6 logic && => ||
+7 arguments c, 1 => 1, c
+7 constant 1 => (1 + 1)
+7 constant 1 => (1 - 1)
+7 ignored g(c, 1) => (g(c, 1), 0)
+7 statement c = g(c, 1) =>
+8 arithmetic ++ => --
+8 border < => <=
+8 compare < => >=
+8 constant 0 => 1
+9 arithmetic *= => /=
+9 constant 0.5f => (0.5f * 2)
+9 index i => (i) + 1
+9 statement b[i] *= 0.5f =>
+10 statement g(c, c) =>
+11 bits << => >>
+11 constant 2 => (2 + 1)
+11 constant 2 => (2 - 1)
+11 return c << 2 => 0
+C
+"$build/mutate" list "$dir/a.c" | sed 's/^[0-9]* //; s/ *$//' | LC_ALL=C sort -k1,1n -k2 >"$dir/got"
+LC_ALL=C sort -k1,1n -k2 "$dir/expected" | cmp -s - "$dir/got" || {
+    bad "other mutations of the small source:"
+    LC_ALL=C sort -k1,1n -k2 "$dir/expected" | diff - "$dir/got"
+}
+# Each changes its own line alone, and no two are the same text.
+count=$(grep -c . "$dir/got")
+for number in $(seq 0 $((count - 1))); do
+    "$build/mutate" apply "$dir/a.c" "$number" >"$dir/b.c" || bad "mutation $number is not applied"
+    line=$("$build/mutate" list "$dir/a.c" | sed -n "$((number + 1))s/^[0-9]* \([0-9]*\) .*/\1/p")
+    [ "$(diff "$dir/a.c" "$dir/b.c" | grep '^[<>]' | grep -c .)" -eq 2 ] && diff "$dir/a.c" "$dir/b.c" | grep -qx "${line}c$line" ||
+        bad "mutation $number changes more than line $line"
+    cksum <"$dir/b.c" >>"$dir/sums"
+done
+[ "$(sort -u "$dir/sums" | grep -c .)" -eq "$count" ] || bad "two mutations are the same"
+for words in '' 'list' 'apply x' "apply $dir/a.c 10000" 'list /no/such/file' "list $dir/a.c x"; do
+    "$build/mutate" $words >"$dir/out" 2>"$dir/err"
+    [ $? -eq 2 ] && [ "$(grep -c . "$dir/err")" -eq 1 ] && [ ! -s "$dir/out" ] || bad "mutate $words: not refused in one line"
+done
+printf 'int f(void) { return (1; }\n' >"$dir/c.c"
+"$build/mutate" list "$dir/c.c" >/dev/null 2>&1 && bad "brackets that do not match are taken"
+files=$(git ls-files 'ref/*.c' 'ref/*.h' 'gpu/*.c' 'fuzz/*.c' 'scenes/*.c' 'bench/*.c' 'cmd/*.c' 'shaders/*.glsl' 'shaders/*.comp' |
+    grep -v '^fuzz/templates')
+for file in $files; do
+    "$build/mutate" list "$file" >>"$dir/all" || bad "$file cannot be read"
+done
+[ "$(grep -c . "$dir/all")" -gt 50000 ] || bad "few mutations of the tree"
+echo "mutate: $(grep -c . "$dir/all") mutations of $(echo "$files" | wc -w) files, $failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,15 @@
+#!/bin/sh
+# The suites that run what a mutation can change, a line each: NAME COMMAND...
+#   sh tests/mutation/suites.sh BUILD
+# Those of `make check` but what plays bugs itself, looks at the source alone, or measures times.
+set -u
+build=$1
+logs='"$logs"'
+raydiff=$build/raydiff
+for test in "$build"/tests/test_*; do
+    case $test in *.d) continue ;; esac
+    echo "$(basename "$test") $test"
+done
+sed -n '/^plain)/,/;;/p' tests/run.sh | sed -nE 's/^    (suite|alone) //p' |
+    grep -vE '^(rules|constants|honest|mutants|mutate|planted|selftest|fetch|drivers|warnings|libs|fresh|runner|other|install|tutorial|report_browser|window|signals|ended|peers|faults|bench|options|parallel)[ _]' |
+    sed "s|\"\\\$build/raydiff\"|$raydiff|g; s|\"\\\$build\"|$build|g; s|\"\\\$build/|\"$build/|g"
