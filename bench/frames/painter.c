@@ -101,22 +101,14 @@ enum status sheet_make(const struct painter_plan *plan, struct sheet *out, struc
     size_t pixels = (size_t)plan->width * plan->height;
     *out =
         (struct sheet){.width = plan->width, .height = plan->height, .bounces = plan->look.bounces};
-    out->frame.pixel = alloc_zeroed(pixels, sizeof *out->frame.pixel);
-    out->frame.color = alloc_zeroed(3 * pixels, sizeof *out->frame.color);
-    out->frame.bound = alloc_zeroed(pixels, sizeof *out->frame.bound);
-    out->frame.segment = alloc_zeroed(pixels * out->bounces, sizeof *out->frame.segment);
-    if (out->frame.pixel && out->frame.color && out->frame.bound && out->frame.segment)
+    if (frame_make(pixels, out->bounces, &out->frame))
         return STATUS_OK;
-    sheet_free(out);
     return fail(reason, STATUS_MEMORY, "no memory for a frame of %zu pixels", pixels);
 }
 
 void sheet_free(struct sheet *sheet)
 {
-    free(sheet->frame.pixel);
-    free(sheet->frame.color);
-    free(sheet->frame.bound);
-    free(sheet->frame.segment);
+    frame_free(&sheet->frame);
     *sheet = (struct sheet){0};
 }
 

@@ -289,7 +289,7 @@ static json_t *member_json(struct page *page, size_t i)
     for (uint32_t segment = 0; segment < member->walk.length[0]; segment++)
         json_array_append_new(steps, step_json(page, member, segment));
     return json_record("engine=%s value=%u first_bit=%p own_renderer_parts=%s segments=%p",
-                       member->engine->name, member->walk.pixel[0], first_json(&first),
+                       member->engine->name, member->walk.frame.pixel[0], first_json(&first),
                        path_field_name(member->field), steps);
 }
 
@@ -320,7 +320,7 @@ static void print_end(struct page *page, size_t i)
 {
     const struct diff_run *run = page->run;
     const struct diff_member *member = &run->member[i], *reference = &run->member[run->reference];
-    uint32_t value = member->walk.pixel[0];
+    uint32_t value = member->walk.frame.pixel[0];
     printf("%s: %u segments, value %u %u %u", member->engine->name, member->walk.length[0],
            value & 255u, value >> 8 & 255u, value >> 16 & 255u);
     struct first_bit first = walk_first_bit(&reference->walk, &member->walk, 0);

@@ -32,10 +32,7 @@ void side_close(struct side *side)
     if (side->by_waves != side->renderer)
         renderer_close(side->by_waves);
     renderer_close(side->renderer);
-    free(side->frame.pixel);
-    free(side->frame.color);
-    free(side->frame.bound);
-    free(side->frame.segment);
+    frame_free(&side->frame);
     *side = (struct side){0};
 }
 
@@ -51,13 +48,7 @@ enum status side_draw(struct side *side, const struct view *view, struct reason 
                     "most %zu",
                     side->job.width, side->job.height, side->job.look.bounces, bytes >> 20,
                     SIDE_BYTES_MOST >> 20);
-    if (!frame->pixel) {
-        frame->pixel = alloc_zeroed(count, sizeof *frame->pixel);
-        frame->color = alloc_zeroed(count, 3 * sizeof *frame->color);
-        frame->bound = alloc_zeroed(count, sizeof *frame->bound);
-        frame->segment = alloc_zeroed(count, side->job.look.bounces * sizeof *frame->segment);
-    }
-    if (!frame->pixel || !frame->color || !frame->bound || !frame->segment)
+    if (!frame->pixel && !frame_make(count, side->job.look.bounces, frame))
         return fail(reason, STATUS_MEMORY, "no memory for a picture of %u x %u", side->job.width,
                     side->job.height);
     for (size_t i = 0; i < count; i++)

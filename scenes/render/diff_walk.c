@@ -1,7 +1,8 @@
 #include "scenes/render/diff_walk.h"
 
+#include "scenes/render/render.h"
+
 #include <stdlib.h>
-#include <string.h>
 
 /* One wave: rays of those paths that have one. */
 struct wave {
@@ -22,9 +23,7 @@ void walk_free(struct diff_walk *walk)
     free(walk->length);
     free(walk->step);
     free(walk->light);
-    free(walk->pixel);
-    free(walk->color);
-    free(walk->bound);
+    frame_free(&walk->frame);
     *walk = (struct diff_walk){0};
 }
 
@@ -51,16 +50,13 @@ static enum status make_room(const struct frame_job *job, size_t count, struct d
     walk->length = alloc_zeroed(count, sizeof *walk->length);
     walk->step = alloc_zeroed(steps, sizeof *walk->step);
     walk->light = alloc_zeroed(steps, job->light_count * sizeof *walk->light);
-    walk->pixel = alloc_zeroed(count, sizeof *walk->pixel);
-    walk->color = alloc_zeroed(count, 3 * sizeof *walk->color);
-    walk->bound = alloc_zeroed(count, sizeof *walk->bound);
     wave->path = alloc_zeroed(count, sizeof *wave->path);
     wave->live = alloc_zeroed(count, sizeof *wave->live);
     wave->of = alloc_zeroed(count, sizeof *wave->of);
     wave->ray = alloc_zeroed(count, sizeof *wave->ray);
     wave->hit = alloc_zeroed(count, sizeof *wave->hit);
-    bool all = walk->length && walk->step && walk->light && walk->pixel && walk->color &&
-               walk->bound && wave->path && wave->live && wave->of && wave->ray && wave->hit;
+    bool all = frame_make(count, 0, &walk->frame) && walk->length && walk->step && walk->light &&
+               wave->path && wave->live && wave->of && wave->ray && wave->hit;
     return all ? STATUS_OK : STATUS_MEMORY;
 }
 
@@ -179,11 +175,8 @@ enum status walk_make(const struct frame_job *job, const struct view *view, cons
         begin(out, &wave, pixel);
     for (uint32_t index = 0; index < out->bounces && !status; index++)
         status = walk_segment(out, &wave, index, reason);
-    for (size_t i = 0; i < count && !status; i++) {
-        out->pixel[i] = shade_pixel(wave.path[i].total);
-        memcpy(&out->color[3 * i], &wave.path[i].total, 3 * sizeof *out->color);
-        out->bound[i] = shade_bound(&wave.path[i]);
-    }
+    for (size_t i = 0; i < count && !status; i++)
+        frame_store(&out->frame, i, &wave.path[i]);
     wave_free(&wave);
     if (status)
         walk_free(out);

@@ -37,9 +37,7 @@ struct diff_walk {
     uint32_t *length;         /* [count] steps taken */
     struct walk_step *step;   /* [count * bounces] */
     struct walk_light *light; /* [count * bounces * lights] */
-    uint32_t *pixel;          /* [count] 8-bit value */
-    float *color;             /* [3 * count] as of struct frame, as is the next */
-    float *bound;
+    struct frame frame;       /* of `count` pixels, without segments */
 };
 
 /* Walks the paths of the pixels `pixel[0 .. count - 1]` (row * width + column) of a job.

@@ -6,6 +6,27 @@
 #include <stdlib.h>
 #include <string.h>
 
+bool frame_make(size_t pixels, uint32_t bounces, struct frame *out)
+{
+    out->pixel = alloc_zeroed(pixels, sizeof *out->pixel);
+    out->color = alloc_zeroed(pixels, 3 * sizeof *out->color);
+    out->bound = alloc_zeroed(pixels, sizeof *out->bound);
+    out->segment = alloc_zeroed(pixels, bounces * sizeof *out->segment);
+    if (out->pixel && out->color && out->bound && out->segment)
+        return true;
+    frame_free(out);
+    return false;
+}
+
+void frame_free(struct frame *frame)
+{
+    free(frame->pixel);
+    free(frame->color);
+    free(frame->bound);
+    free(frame->segment);
+    *frame = (struct frame){0};
+}
+
 /* Pixels that are on their way together, whole rows: what waves hold at once is bounded by that
  * many and one row. */
 #define STRIP_PIXELS ((size_t)1 << 17)
@@ -203,17 +224,13 @@ static enum status strip_segment(struct renderer *renderer, struct strip *strip,
     return STATUS_OK;
 }
 
-static void store_pixels(const struct strip *strip, size_t count, struct frame *out)
+void frame_store(struct frame *frame, size_t pixel, const struct shade_path *path)
 {
-    for (size_t j = 0; j < count; j++) {
-        const struct shade_path *path = &strip->path[j];
-        size_t pixel = strip->first + j;
-        out->pixel[pixel] = shade_pixel(path->total);
-        if (out->color)
-            memcpy(out->color + 3 * pixel, &path->total, 3 * sizeof(float));
-        if (out->bound)
-            out->bound[pixel] = shade_bound(path);
-    }
+    frame->pixel[pixel] = shade_pixel(path->total);
+    if (frame->color)
+        memcpy(frame->color + 3 * pixel, &path->total, 3 * sizeof(float));
+    if (frame->bound)
+        frame->bound[pixel] = shade_bound(path);
 }
 
 static enum status frame_by_waves(struct renderer *renderer, const struct view *view,
@@ -237,7 +254,8 @@ static enum status frame_by_waves(struct renderer *renderer, const struct view *
             strip.done = ((double)first + done * (double)count) / (double)all;
             status = strip_segment(renderer, &strip, i, out, report, reason);
         }
-        store_pixels(&strip, count, out);
+        for (size_t j = 0; j < count; j++)
+            frame_store(out, first + j, &strip.path[j]);
     }
     strip_free(&strip);
     return status;

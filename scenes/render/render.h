@@ -33,6 +33,15 @@ void shading_free(struct shading *shading);
 void frame_job_fill(const struct shading *shading, const struct camera *camera,
                     struct frame_job *job);
 
+struct shade_path;
+
+/* Allocates all arrays of a frame of so many pixels, `bounces` segments each. Returns false without
+ * memory; *out is then zero. */
+bool frame_make(size_t pixels, uint32_t bounces, struct frame *out) MUST_USE;
+void frame_free(struct frame *frame);
+/* Stores the colour of a path in the arrays that the frame has, but its segments. */
+void frame_store(struct frame *frame, size_t pixel, const struct shade_path *path);
+
 struct renderer;
 
 /* Opens an engine for pictures (two instances where closest and any must both be prepared).

@@ -51,7 +51,7 @@ static inline void stand_close(struct drawn_stand *stand)
 }
 
 /* Frames of the same size as the picture's. */
-static inline struct frame frame_make(const struct picture *p)
+static inline struct frame drawn_make(const struct picture *p)
 {
     const size_t pixels = (size_t)p->job.width * p->job.height;
     struct frame frame = {
@@ -61,13 +61,6 @@ static inline struct frame frame_make(const struct picture *p)
     };
     assert_true(frame.pixel && frame.color && frame.segment);
     return frame;
-}
-
-static inline void frame_free(struct frame *frame)
-{
-    free(frame->pixel);
-    free(frame->color);
-    free(frame->segment);
 }
 
 static inline void draw(const struct drawn_stand *stand, struct picture *p, struct frame *out)

@@ -17,7 +17,7 @@ static void paths_have_the_bits_of_c(void **state)
         if (!stand_open(cpu_drivers[d], false, &stand))
             continue;
         for (size_t i = 0; i < ARRAY_COUNT(picture); i++) {
-            struct frame got = frame_make(&picture[i]);
+            struct frame got = drawn_make(&picture[i]);
             draw(&stand, &picture[i], &got);
             as_in_c(cpu_drivers[d], &picture[i], &picture[i].frame, &got);
             frame_free(&got);
@@ -52,7 +52,7 @@ static void all_plans_have_the_same_bits(void **state)
         struct look look = published ? rtrs : repaired;
         look.ambience = 0;
         struct picture p = picture_of(scene, look, published, 37, 20);
-        struct frame whole = frame_make(&p), got = frame_make(&p);
+        struct frame whole = drawn_make(&p), got = drawn_make(&p);
         assert_true(picture_draw(&p, "cpu", 1, true, &p.frame));
         p.job.plan = FRAME_WHOLE;
         draw(&stand, &p, &whole);
@@ -86,7 +86,7 @@ static void brute_force_has_the_bits_of_c(void **state)
         struct look look = i ? rtrs : repaired;
         look.bounces = i ? 2 : 4;
         struct picture p = picture_of(mirrors(specs[i], 2, 0.5f), look, false, side, side);
-        struct frame got = frame_make(&p);
+        struct frame got = drawn_make(&p);
         assert_true(picture_draw(&p, "brute", 1, true, &p.frame));
         draw(&stand, &p, &got);
         assert_int_equal(framer_plan(stand.framer), i ? FRAME_STEPS : FRAME_WHOLE);
@@ -109,7 +109,7 @@ static void tiles_of_any_side_cover_the_picture(void **state)
     static const uint32_t tile[] = {1, 3, 8, 16, 5};
     struct drawn_stand stand = stand_or_skip(false);
     struct picture p = picture_make("rtrs", repaired, 37, 19);
-    struct frame got = frame_make(&p);
+    struct frame got = drawn_make(&p);
     struct reason reason = {""};
     for (size_t i = 0; layouts[i]; i++) {
         packed_free(&p.packed);
@@ -134,7 +134,7 @@ static void empty_jobs_are_black(void **state)
         look.camera_light = 0;
         look.bounces = i == 1 ? 0 : 2;
         struct picture p = picture_of(mirrors("sphere", 0, 0.5f), look, false, 18, 5);
-        struct frame got = frame_make(&p);
+        struct frame got = drawn_make(&p);
         if (i == 0)
             p.packed.node_count = p.packed.ref_count = 0;
         draw(&stand, &p, &got);
@@ -161,7 +161,7 @@ static void as_many_lights_and_bounces_as_there_may_be(void **state)
     look.bounces = FRAME_BOUNCES_MOST;
     struct picture p =
         picture_of(mirrors("cornell", ABI_LIGHTS_MOST - 1, 0.5f), look, false, 12, 9);
-    struct frame got = frame_make(&p);
+    struct frame got = drawn_make(&p);
     assert_int_equal(p.job.light_count, ABI_LIGHTS_MOST);
     assert_true(picture_draw(&p, "cpu", 1, true, &p.frame));
     uint32_t asked = 0;
@@ -187,7 +187,7 @@ static void views_need_no_new_pipelines(void **state)
     struct drawn_stand stand = stand_or_skip(false);
     struct reason reason = {""};
     struct picture p = picture_make("rtrs", repaired, 20, 20);
-    struct frame got = frame_make(&p);
+    struct frame got = drawn_make(&p);
     const struct camera camera = scene_camera(&p.scene);
     draw(&stand, &p, &got);
     const uint32_t pipelines = framer_pipelines(stand.framer);

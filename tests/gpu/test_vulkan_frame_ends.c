@@ -14,8 +14,8 @@ static void large_pictures_are_drawn_in_slabs(void **state)
     struct scene scene = mirrors("platonic", 0, 0);
     picture_nearer(&scene, 0.3f); /* what is shown fills the last rows, too */
     struct picture p = picture_of(scene, look, false, WIDTH, HEIGHT);
-    struct frame got = frame_make(&p);
-    struct frame steps = frame_make(&p);
+    struct frame got = drawn_make(&p);
+    struct frame steps = drawn_make(&p);
     draw(&stand, &p, &got);
     p.job.plan = FRAME_STEPS;
     draw(&stand, &p, &steps);
@@ -51,7 +51,7 @@ static void broken(struct drawn_stand *stand, struct picture *p, enum frame_plan
                    const char *text)
 {
     struct reason reason = {""};
-    struct frame got = frame_make(p);
+    struct frame got = drawn_make(p);
     picture_settle(p);
     p->job.plan = plan;
     gpu_must(framer_prepare(stand->framer, &p->job, &reason), &reason);
@@ -87,7 +87,7 @@ static void broken_trees_are_named(void **state)
     struct look look = repaired;
     look.bounces = 1;
     struct picture p = picture_make("sphere", look, 17, 17);
-    struct frame got = frame_make(&p);
+    struct frame got = drawn_make(&p);
     make_chain(&p, 20);
     p.packed.stack_need = 20;
     draw(&stand, &p, &got);
@@ -127,7 +127,7 @@ static void loops_that_a_driver_ends_lead_to_steps(void **state)
     struct picture p =
         picture_of(picture_scene((const float(*)[3])corner, SHEETS, material, &light, 1, camera),
                    look, false, 8, 8);
-    struct frame got = frame_make(&p);
+    struct frame got = drawn_make(&p);
     assert_true(picture_draw(&p, "cpu", 1, true, &p.frame));
     draw(&stand, &p, &got);
     as_in_c("auto", &p, &p.frame, &got);

@@ -8,12 +8,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Makes room for `need` elements; false (and part.failed) without memory. */
-static bool reserve(struct hard_part *part, void **array, size_t *room, size_t need, size_t size)
+/* The array with room for `need` elements; as it was, and part.failed, without memory. */
+static void *reserve(struct hard_part *part, void *array, size_t *room, size_t need, size_t size)
 {
-    if (!part->failed && array_reserve(array, room, need, size))
+    if (!part->failed && array_reserve(&array, room, need, size))
         part->failed = true;
-    return !part->failed;
+    return array;
 }
 
 struct hard_part *part_add(struct hard_made *made, const char *label, ...)
@@ -42,11 +42,10 @@ struct hard_part *part_open(struct hard_made *made, const char *spec)
 uint32_t part_vertex(struct hard_part *part, float x, float y, float z)
 {
     struct scene *scene = &part->scene;
-    void *array = scene->vertex;
     size_t at = 3 * (size_t)scene->vertex_count;
-    if (!reserve(part, &array, &part->vertex_room, at + 3, sizeof(float)))
+    scene->vertex = reserve(part, scene->vertex, &part->vertex_room, at + 3, sizeof(float));
+    if (part->failed)
         return 0;
-    scene->vertex = array;
     scene->vertex[at] = x;
     scene->vertex[at + 1] = y;
     scene->vertex[at + 2] = z;
@@ -56,11 +55,10 @@ uint32_t part_vertex(struct hard_part *part, float x, float y, float z)
 uint32_t part_tri(struct hard_part *part, uint32_t a, uint32_t b, uint32_t c)
 {
     struct scene *scene = &part->scene;
-    void *array = scene->index;
     size_t at = 3 * (size_t)scene->tri_count;
-    if (!reserve(part, &array, &part->index_room, at + 3, sizeof(uint32_t)))
+    scene->index = reserve(part, scene->index, &part->index_room, at + 3, sizeof(uint32_t));
+    if (part->failed)
         return 0;
-    scene->index = array;
     scene->index[at] = a;
     scene->index[at + 1] = b;
     scene->index[at + 2] = c;
@@ -158,13 +156,10 @@ struct ray ray_at(const float from[3], const float to[3])
 
 void part_ray(struct hard_part *part, struct ray ray)
 {
-    void *rays = part->ray, *wants = part->want;
     size_t need = part->ray_count + 1;
-    bool ok = reserve(part, &rays, &part->ray_room, need, sizeof *part->ray);
-    part->ray = rays;
-    ok = ok && reserve(part, &wants, &part->want_room, need, sizeof *part->want);
-    part->want = wants;
-    if (!ok)
+    part->ray = reserve(part, part->ray, &part->ray_room, need, sizeof *part->ray);
+    part->want = reserve(part, part->want, &part->want_room, need, sizeof *part->want);
+    if (part->failed)
         return;
     part->ray[part->ray_count] = ray;
     part->want[part->ray_count++] = (struct hard_want){0};
@@ -186,10 +181,9 @@ void want(struct hard_part *part, enum hard_scope scope, unsigned what)
 /* Room for the last ray's set of triangles; NULL without memory. */
 static uint32_t *want_set(struct hard_part *part, enum hard_scope scope, uint32_t count)
 {
-    void *ids = part->id;
-    if (!reserve(part, &ids, &part->id_room, part->id_count + count, sizeof *part->id))
+    part->id = reserve(part, part->id, &part->id_room, part->id_count + count, sizeof *part->id);
+    if (part->failed)
         return NULL;
-    part->id = ids;
     struct hard_want *last = last_want(part);
     last->id_first = (uint32_t)part->id_count;
     last->id_count = count;

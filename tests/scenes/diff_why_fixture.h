@@ -111,7 +111,7 @@ static void count_whys(enum why_lie lie, uint32_t from_wave, size_t why[WHY_COUN
         if (found.why == WHY_WRONG)
             assert_int_equal(found.side, 1); /* never the honest one */
         if (found.why == WHY_SAME)
-            assert_int_equal(a.pixel[i], b.pixel[i]);
+            assert_int_equal(a.frame.pixel[i], b.frame.pixel[i]);
     }
     walk_free(&a);
     walk_free(&b);
@@ -217,8 +217,8 @@ static void a_walk_is_the_picture(void **state)
     for (size_t i = 0; i < paths.count; i++) {
         const struct segment *segment = s.cpu.frame.segment + i * s.job.look.bounces;
         assert_true(why_walk_is_frame(&paths, i, segment, s.cpu.frame.pixel[i], true));
-        assert_memory_equal(&paths.color[3 * i], &s.cpu.frame.color[3 * i], 12);
-        assert_true(paths.bound[i] == s.cpu.frame.bound[i]);
+        assert_memory_equal(&paths.frame.color[3 * i], &s.cpu.frame.color[3 * i], 12);
+        assert_true(paths.frame.bound[i] == s.cpu.frame.bound[i]);
         shadows += segment[0].shadowed != 0 && segment[0].prim != ABI_NO_PRIM;
         bounced += paths.length[i] > 1;
         assert_false(why_walk_is_frame(&paths, i, segment, s.cpu.frame.pixel[i] ^ 0x20u, false));

@@ -38,7 +38,7 @@ static void make(struct values_made *out)
                                    .length = &out->length,
                                    .step = out->step,
                                    .light = out->light,
-                                   .pixel = &out->pixel};
+                                   .frame = {.pixel = &out->pixel}};
 }
 
 static int both(void **state)

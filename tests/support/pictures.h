@@ -46,12 +46,7 @@ static inline struct picture picture_of(struct scene scene, struct look look, bo
     p.job.job.scene = &p.scene;
     frame_job_fill(&p.shading, &camera, &p.job);
     p.view = camera_view(&camera, look.profile, width, height);
-    size_t pixels = (size_t)width * height;
-    p.frame.pixel = alloc_zeroed(pixels, sizeof *p.frame.pixel);
-    p.frame.color = alloc_zeroed(3 * pixels, sizeof *p.frame.color);
-    p.frame.bound = alloc_zeroed(pixels, sizeof *p.frame.bound);
-    p.frame.segment = alloc_zeroed(pixels * look.bounces, sizeof *p.frame.segment);
-    if (!p.frame.pixel || !p.frame.color || !p.frame.bound || !p.frame.segment)
+    if (!frame_make((size_t)width * height, look.bounces, &p.frame))
         fail_msg("no memory");
     return p;
 }
@@ -106,10 +101,7 @@ static inline bool picture_draw(struct picture *p, const char *engine, uint32_t 
 
 static inline void picture_free(struct picture *p)
 {
-    free(p->frame.pixel);
-    free(p->frame.color);
-    free(p->frame.bound);
-    free(p->frame.segment);
+    frame_free(&p->frame);
     shading_free(&p->shading);
     packed_free(&p->packed);
     bvh_free(&p->bvh);
