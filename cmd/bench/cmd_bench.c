@@ -231,7 +231,8 @@ static int run_benchmarks(struct bench *bench, const char *name)
     }
     for (size_t i = 0; benchmarks[i]; i++)
         if (is_meant(benchmarks[i], name))
-            bench_worse(bench, benchmarks[i]->run(bench));
+            bench_worse(bench, benchmarks[i]->run ? benchmarks[i]->run(bench)
+                                                  : bench_each(bench, benchmarks[i]));
     progress_end(&bench->progress);
     enum status status = bench->csv_path ? file_out_commit(&bench->csv, &reason) : STATUS_OK;
     if (status == STATUS_OK && bench->json_path)

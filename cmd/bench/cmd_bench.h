@@ -43,13 +43,22 @@ struct bench {
     int code;             /* the worst exit code so far, see bench_worse */
 };
 
-/* A benchmark; `run` returns an exit code, which may be bench->code. */
+/* Measures one scene. Errors: printed by bench_failed. */
+typedef enum status bench_play(struct bench *bench, const char *spec, const struct scene *scene,
+                               struct reason *reason);
+
+/* A benchmark: plays scenes, or runs by itself. */
 struct benchmark {
     const char *name;
     const char *summary;
-    const char *takes; /* the options that it uses, by name, blanks between */
-    const char *about; /* more than a line, for --help; or NULL */
-    int (*run)(struct bench *bench);
+    const char *takes;  /* the options that it uses, by name, blanks between */
+    const char *about;  /* more than a line, for --help; or NULL */
+    const char *scenes; /* where the user names none, ';' between */
+    const char *made;   /* in place of them if none of their files was fetched; or NULL */
+    bench_play *play;
+    int (*run)(struct bench *bench); /* returns an exit code, or bench->code; NULL: bench_each */
+    bool titled;                     /* its name is printed before the scenes */
+    bool triangles;                  /* a scene without triangles is an error */
     bool alone;    /* takes minutes or writes files of its own: only if it is named */
     bool rows_out; /* --out BASE names its files of rows and its plot */
 };
@@ -65,15 +74,9 @@ void bench_worse(struct bench *bench, int code);
 void bench_failed(struct bench *bench, const char *spec, enum status status,
                   const struct reason *reason);
 
-/* Measures one scene. Errors: printed by bench_failed. */
-typedef enum status bench_play(struct bench *bench, const char *spec, const struct scene *scene,
-                               struct reason *reason);
-
-/* Opens the user's scenes with the bench's seed, or else those of `own` (NULL-terminated; files
- * that were not fetched are left out with a line), or `made` if none of `own` is left and it is not
- * NULL, and plays each. Returns bench->code. */
-int bench_each(struct bench *bench, const char *const *own, const char *const *made,
-               bench_play *play);
+/* Opens the user's scenes with the bench's seed, or else those of the benchmark (files that were not
+ * fetched are left out with a line), and plays each. Returns bench->code. */
+int bench_each(struct bench *bench, const struct benchmark *benchmark);
 
 /* The members of a table that the user named, or else those with the names `own` (NULL-terminated).
  * Returns how many pointers to members are in `out`. */

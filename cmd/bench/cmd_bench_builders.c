@@ -104,8 +104,6 @@ static enum status build_all(struct bench *bench, const char *spec, const struct
 {
     static struct builders_contestant list[MOST];
     size_t count = contestants(bench, list);
-    if (scene->tri_count == 0)
-        return fail(reason, STATUS_INPUT, "no triangles");
     for (size_t round = 0; round < bench->rounds; round++)
         for (size_t i = 0; i < count; i++) {
             if (list[i].refused.text[0])
@@ -126,13 +124,6 @@ static enum status build_all(struct bench *bench, const char *spec, const struct
     return STATUS_OK;
 }
 
-static int run(struct bench *bench)
-{
-    static const char *const own[] = {"soup:n=20000,size=0.01", "sphere:n=100", NULL};
-    puts("\nbuilders");
-    return bench_each(bench, own, NULL, build_all);
-}
-
 const struct benchmark bench_builders = {
     .name = "builders",
     .summary = "time per triangle, with one thread and with two, and the tree's quality",
@@ -142,5 +133,8 @@ const struct benchmark bench_builders = {
              "elsewhere, likewise (of 50,000 triangles, if there are more); fill: triangles per "
              "leaf; loose: inner nodes that do not contain their triangles. --threads N: only so "
              "many.",
-    .run = run,
+    .scenes = "soup:n=20000,size=0.01;sphere:n=100",
+    .play = build_all,
+    .titled = true,
+    .triangles = true,
 };

@@ -44,35 +44,49 @@ size_t bench_members(enum table table, const struct list *named, const char *con
     return count;
 }
 
-static size_t choose_scenes(const struct bench *bench, const char *const *own,
-                            const char *out[BENCH_SCENES])
+/* Adds the scenes of a text with ';' between them, which is cut up. */
+static size_t add_scenes(char *text, const char *out[BENCH_SCENES])
 {
     size_t count = 0;
-    for (size_t i = 0; i < bench->scene_count; i++)
-        out[count++] = bench->scene[i];
-    for (size_t i = 0; bench->scene_count == 0 && own[i] && count < BENCH_SCENES; i++) {
-        if (strchr(own[i], '/') && access(own[i], R_OK) != 0)
-            printf("%s: left out, not fetched (make scenes)\n", own[i]);
+    for (char *at = strtok(text, ";"); at; at = strtok(NULL, ";")) {
+        if (strchr(at, '/') && access(at, R_OK) != 0)
+            printf("%s: left out, not fetched (make scenes)\n", at);
         else
-            out[count++] = own[i];
+            out[count++] = at;
     }
     return count;
 }
 
-int bench_each(struct bench *bench, const char *const *own, const char *const *made,
-               bench_play *play)
+static enum status play_one(struct bench *bench, const struct benchmark *benchmark,
+                            const char *spec, struct reason *reason)
 {
-    const char *spec[BENCH_SCENES];
-    size_t count = choose_scenes(bench, own, spec);
-    if (count == 0 && made)
-        count = choose_scenes(bench, made, spec);
+    struct scene scene;
+    enum status status = scene_open(spec, bench->seed, &scene, reason);
+    if (!status && benchmark->triangles && scene.tri_count == 0)
+        status = fail(reason, STATUS_INPUT, "no triangles");
+    if (!status)
+        status = benchmark->play(bench, spec, &scene, reason);
+    scene_free(&scene);
+    return status;
+}
+
+int bench_each(struct bench *bench, const struct benchmark *benchmark)
+{
+    const char *own[BENCH_SCENES], *const *spec = bench->scene;
+    size_t count = bench->scene_count;
+    char scenes[200], made[200];
+    snprintf(scenes, sizeof scenes, "%s", benchmark->scenes);
+    snprintf(made, sizeof made, "%s", benchmark->made ? benchmark->made : "");
+    if (benchmark->titled)
+        printf("\n%s\n", benchmark->name);
+    if (count == 0) {
+        spec = own;
+        count = add_scenes(scenes, own);
+        count = count ? count : add_scenes(made, own);
+    }
     for (size_t i = 0; i < count; i++) {
         struct reason reason = {""};
-        struct scene scene;
-        enum status status = scene_open(spec[i], bench->seed, &scene, &reason);
-        if (!status)
-            status = play(bench, spec[i], &scene, &reason);
-        scene_free(&scene);
+        enum status status = play_one(bench, benchmark, spec[i], &reason);
         progress_end(&bench->progress);
         bench_failed(bench, spec[i], status, &reason);
         fflush(stdout);

@@ -174,16 +174,10 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
     return STATUS_OK;
 }
 
-static int run(struct bench *bench)
-{
-    static const char *const own[] = {"sphere:n=50", "terrain:k=6",
-                                      "scenes/fetched/dragon-11k.ply.gz", NULL};
-    return bench_each(bench, own, NULL, play_scene);
-}
-
 const struct benchmark bench_layouts = {
     .name = "layouts",
     .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
     .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE,
-    .run = run,
+    .scenes = "sphere:n=50;terrain:k=6;scenes/fetched/dragon-11k.ply.gz",
+    .play = play_scene,
 };

@@ -222,8 +222,6 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
 {
     struct measured it = {.spec = spec, .count = bench_rays_count(bench, RAYS)};
     enum status status = STATUS_OK;
-    if (scene->tri_count == 0)
-        return fail(reason, STATUS_INPUT, "no triangles");
     it.filtered = it.count < FILTER ? it.count : FILTER;
     it.ray = alloc_zeroed(it.count, sizeof *it.ray);
     it.brute = alloc_zeroed(it.count, sizeof *it.brute);
@@ -243,17 +241,13 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
     return status;
 }
 
-static int run(struct bench *bench)
-{
-    static const char *const own[] = {"soup:n=10000", "sphere:n=35", NULL};
-    puts("\noracle");
-    return bench_each(bench, own, NULL, bench_scene);
-}
-
 const struct benchmark bench_oracle = {
     .name = "oracle",
     .summary = "the double filter per ray-triangle pair, exact answers per ray",
     .takes = "scene count rounds csv json seed",
     .about = about,
-    .run = run,
+    .scenes = "soup:n=10000;sphere:n=35",
+    .play = bench_scene,
+    .titled = true,
+    .triangles = true,
 };

@@ -315,12 +315,6 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
     return status;
 }
 
-static int run(struct bench *bench)
-{
-    static const char *const own[] = {"soup:n=400,size=0.7", "cornell", NULL};
-    return bench_each(bench, own, NULL, play_scene);
-}
-
 static const char about[] =
     "rays leave the points that other rays hit. Points are computed in float32, as o+td "
     "(o + t d) and bary ((1 - u - v) v0 + u v1 + v v2), with t, u, v of the triangle "
@@ -352,5 +346,6 @@ const struct benchmark bench_spawn = {
     .takes =
         "scene count rounds csv json seed engine layout tri box rays" BENCH_MACHINE BENCH_OUTSIDE,
     .about = about,
-    .run = run,
+    .scenes = "soup:n=400,size=0.7;cornell",
+    .play = play_scene,
 };

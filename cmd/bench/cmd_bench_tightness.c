@@ -124,8 +124,6 @@ static enum status measure(struct tightness_field *field, const struct tightness
 
 static enum status play(struct tightness_field *field, struct reason *reason)
 {
-    if (field->scene->tri_count == 0)
-        return fail(reason, STATUS_INPUT, "no triangles");
     enum status status = oracle_make(field->scene, &field->oracle, reason);
     field->pair = alloc_zeroed(field->count, sizeof *field->pair);
     field->one = alloc_zeroed(field->count, sizeof *field->one);
@@ -157,18 +155,14 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
     return status;
 }
 
-static int run(struct bench *bench)
-{
-    static const char *const own[] = {"soup:n=10000", "sphere:n=35", NULL};
-    puts("\ntightness");
-    return bench_each(bench, own, NULL, bench_scene);
-}
-
 const struct benchmark bench_tightness = {
     .name = "tightness",
     .summary = "the smallest rejected error of t over the real ones, per formula and rounding",
     .takes = "scene count csv json seed",
     .about = about,
-    .run = run,
+    .scenes = "soup:n=10000;sphere:n=35",
+    .play = bench_scene,
+    .titled = true,
+    .triangles = true,
     .alone = true,
 };
