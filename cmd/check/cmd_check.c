@@ -202,11 +202,9 @@ static enum status check_one(struct check_run *check, const char *spec, struct c
     }
     if (status == STATUS_OK && o->bvh)
         status = tree_open("check", o->bvh, o->move > 0 ? &rest : &scene, &check->tree, reason);
-    struct ray *rays = alloc_zeroed(result->ray_count, sizeof *rays);
-    if (!rays && status == STATUS_OK)
-        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", result->ray_count);
+    struct ray *rays = NULL;
     if (status == STATUS_OK)
-        status = ray_set_make(ray_sets[o->rays], &scene, o->seed, result->ray_count, rays, reason);
+        status = ray_set_new(ray_sets[o->rays], &scene, o->seed, result->ray_count, &rays, reason);
     if (status == STATUS_OK)
         status = play_both(check, &scene, &rest, rays, result, reason);
     free(rays);

@@ -12,6 +12,22 @@
 #include <stdio.h>
 #include <string.h>
 
+void print_float(float x)
+{
+    char text[32];
+    float_text_write(x, text);
+    printf("%s (%.9g)", text, (double)x);
+}
+
+void print_floats(int indent, const char *title, const float *x, int count)
+{
+    printf("%*s%-9s ", indent, "", title);
+    for (int k = 0; k < count; k++) {
+        print_float(x[k]);
+        fputs(k + 1 < count ? "  " : "\n", stdout);
+    }
+}
+
 /* How the tree was built, as far as its builder reads it. */
 static void append_build(const struct explain_of *of, const struct option_use *use,
                          char text[EXPLAIN_COMMAND_MOST])

@@ -6,6 +6,10 @@
 
 #define EXPLAIN_COMMAND_MOST 768
 
+/* Prints "0x1.8p+1 (3)"; and a line "TITLE     X  Y  ...", so many blanks in front. */
+void print_float(float x);
+void print_floats(int indent, const char *title, const float *x, int count);
+
 /* What is explained, as a user names it. */
 struct explain_of {
     const char *spec; /* scene */

@@ -155,12 +155,8 @@ static enum status set_scene(struct trial_stage *stage, const struct trial *tria
     stage->seed = trial->seed;
     stage->rays = trial->rays;
     strcpy(stage->scene_spec, trial->scene);
-    stage->ray = alloc_zeroed(stage->ray_count, sizeof *stage->ray);
-    if (!stage->ray)
-        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", stage->ray_count);
-    if (status == STATUS_OK)
-        status = ray_set_make(trial->rays, &stage->scene, trial->seed, stage->ray_count, stage->ray,
-                              reason);
+    status =
+        ray_set_new(trial->rays, &stage->scene, trial->seed, stage->ray_count, &stage->ray, reason);
     if (status)
         drop_scene(stage);
     return status;

@@ -53,24 +53,6 @@ static enum status judge_ray(struct page *page, const struct diff_member *member
     return status;
 }
 
-/* "0x1.8p+1 (3)" */
-static void print_float(float x)
-{
-    char text[32];
-    float_text_write(x, text);
-    printf("%s (%.9g)", text, (double)x);
-}
-
-static void print_vec(const char *title, const float x[3])
-{
-    printf("    %-9s", title);
-    for (int k = 0; k < 3; k++) {
-        printf("%s", k ? "  " : " ");
-        print_float(x[k]);
-    }
-    putchar('\n');
-}
-
 static void print_hit(const struct hit *hit)
 {
     if (hit->prim == ABI_NO_PRIM) {
@@ -144,15 +126,15 @@ static enum status print_step(struct page *page, const struct diff_member *membe
     enum status status = judge_ray(page, member, false, &step->ray, &step->hit, &answer, reason);
     if (status)
         return status;
-    print_vec("origin", step->ray.org);
-    print_vec("direction", step->ray.dir);
+    print_floats(4, "origin", step->ray.org, 3);
+    print_floats(4, "direction", step->ray.dir, 3);
     print_answer("hit", &answer);
     print_explain(page, member, false, &step->ray);
     if (step->hit.prim != ABI_NO_PRIM) {
-        print_vec("point", p);
-        print_vec("normal", n);
+        print_floats(4, "point", p, 3);
+        print_floats(4, "normal", n, 3);
         if (page->run->stage.job.look.profile == PROFILE_REPAIRED)
-            print_vec("plane", g);
+            print_floats(4, "plane", g, 3);
     }
     for (uint32_t light = 0; light < member->walk.lights && step->hit.prim != ABI_NO_PRIM;
          light++) {

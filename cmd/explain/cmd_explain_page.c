@@ -8,23 +8,6 @@
 
 #include <stdio.h>
 
-/* "0x1.8p+1 (3)" */
-static void print_float(float x)
-{
-    char text[32];
-    float_text_write(x, text);
-    printf("%s (%.9g)", text, (double)x);
-}
-
-static void print_floats(const char *title, const float *x, int count)
-{
-    printf("%-9s ", title);
-    for (int k = 0; k < count; k++) {
-        print_float(x[k]);
-        fputs(k + 1 < count ? "  " : "\n", stdout);
-    }
-}
-
 static void print_hit(const struct hit *hit)
 {
     if (hit->prim == ABI_NO_PRIM) {
@@ -45,9 +28,9 @@ static void print_subject(const struct explain_page *page)
     if (page->rays)
         printf("ray       %zu of %zu of set %s, seed %llu\n", page->index, page->count, page->rays,
                (unsigned long long)of->seed);
-    print_floats("origin", ray->org, 3);
-    print_floats("direction", ray->dir, 3);
-    print_floats("range", range, 2);
+    print_floats(0, "origin", ray->org, 3);
+    print_floats(0, "direction", ray->dir, 3);
+    print_floats(0, "range", range, 2);
     char text[STORED_NAME_MOST];
     const char *layout = stored_name(of->layout, of->store, text);
     printf("engine    %s", of->engine->name);

@@ -46,17 +46,11 @@ PRINTF_LIKE(2, 3) static void row(struct fuzz_command *c, const char *format, ..
 
 static const char *phase_text(const struct campaign_view *view)
 {
-    switch (view->phase) {
-    case CAMPAIGN_STARTING:
-        return "opening engines";
-    case CAMPAIGN_PLAYING:
-        return "playing";
-    case CAMPAIGN_ENDING:
-        return "ending";
-    case CAMPAIGN_SHRINKING:
-        return "shrinking";
-    }
-    return "";
+    static const char *const text[] = {[CAMPAIGN_STARTING] = "opening engines",
+                                       [CAMPAIGN_PLAYING] = "playing",
+                                       [CAMPAIGN_ENDING] = "ending",
+                                       [CAMPAIGN_SHRINKING] = "shrinking"};
+    return text[view->phase];
 }
 
 static void left_text(const struct campaign_view *view, char text[40])

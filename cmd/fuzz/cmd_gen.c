@@ -75,11 +75,8 @@ static enum status gen(const struct gen_command *o, const char *spec, struct rea
     enum status status = scene_open(spec, o->seed, &scene, reason);
     if (status)
         return status;
-    struct ray *ray = alloc_zeroed((size_t)o->count, sizeof *ray);
-    if (!ray)
-        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", (size_t)o->count);
-    if (!status)
-        status = ray_set_make(ray_sets[o->rays], &scene, o->seed, (size_t)o->count, ray, reason);
+    struct ray *ray;
+    status = ray_set_new(ray_sets[o->rays], &scene, o->seed, (size_t)o->count, &ray, reason);
     if (!status) {
         strcpy(from.spec, spec);
         snprintf(from.rays, sizeof from.rays, "%s", ray_sets[o->rays]->name);

@@ -295,10 +295,7 @@ static enum status make_again(struct judge_run *j, const struct pipe_text *look,
     if (status)
         return status;
     j->request.ray_count = (size_t)from->count;
-    j->request.ray = alloc_zeroed(j->request.ray_count, sizeof *j->request.ray);
-    if (!j->request.ray)
-        return fail(reason, STATUS_MEMORY, "no memory for %zu rays", j->request.ray_count);
-    status = ray_set_make(set, &j->scene, from->seed, j->request.ray_count, j->request.ray, reason);
+    status = ray_set_new(set, &j->scene, from->seed, j->request.ray_count, &j->request.ray, reason);
     for (j->request.query = QUERY_CLOSEST; !status && j->request.query <= QUERY_ANY;
          j->request.query++)
         if (pipe_hash(&j->scene, j->request.ray, j->request.ray_count, j->request.query) ==

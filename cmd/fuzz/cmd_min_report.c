@@ -20,17 +20,13 @@ static const char *fate_name(enum min_fate fate)
 /* Why it ended, in words. */
 static const char *end_text(enum shrink_end end)
 {
-    switch (end) {
-    case SHRINK_FIXPOINT:
-        return "nothing smaller is left to be tried";
-    case SHRINK_OUT_OF_ASKS:
-        return "more --asks may find a smaller one";
-    case SHRINK_OUT_OF_TIME:
-        return "ended by --time";
-    case SHRINK_NOT_SHOWN:
-        break;
-    }
-    return "it does not show here";
+    static const char *const text[] = {
+        [SHRINK_FIXPOINT] = "nothing smaller is left to be tried",
+        [SHRINK_OUT_OF_ASKS] = "more --asks may find a smaller one",
+        [SHRINK_OUT_OF_TIME] = "ended by --time",
+        [SHRINK_NOT_SHOWN] = "it does not show here",
+    };
+    return text[end];
 }
 
 static void print_size(const char *title, const struct fuzz_trial_size *size, size_t bytes)
@@ -38,16 +34,6 @@ static void print_size(const char *title, const struct fuzz_trial_size *size, si
     printf("  %-8s %u triangle%s, %u ray%s, %u vert%s, %llu bits of numbers, %zu bytes\n", title,
            size->triangles, plural(size->triangles), size->rays, plural(size->rays), size->vertices,
            size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits, bytes);
-}
-
-/* The line of the judge, where there is one. */
-static void finding_text(const struct min_row *row, char *text, size_t size)
-{
-    const struct fuzz_finding *finding = &row->stats.finding;
-    const struct fuzz_trial *trial = &row->smaller.trial;
-    text[0] = '\0';
-    if (finding->ray < trial->ray_count && finding->judgement.verdict == VERDICT_WRONG)
-        judge_line(&trial->ray[finding->ray], &finding->judgement, &finding->answer, text, size);
 }
 
 static void print_replay(const struct min_row *row)
@@ -78,7 +64,7 @@ void min_print(const struct min_row *row)
            (unsigned long long)row->stats.tried, row->stats.rounds,
            (unsigned long long)row->stats.asks, (unsigned long long)row->stats.accepted,
            end_text(row->stats.end));
-    finding_text(row, text, sizeof text);
+    replay_finding_line(&row->smaller.trial, &row->stats.finding, text, sizeof text);
     if (text[0])
         printf("  shows    ray %u %s\n", row->stats.finding.ray, text);
     if (row->stats.finding.said[0])
@@ -125,7 +111,7 @@ static json_t *row_json(const struct min_row *row)
     char signature[FUZZ_SIGNATURE_MOST], text[512];
     bool played = row->fate <= MIN_NOT_SHOWN;
     fuzz_signature_print(&row->file.signature, signature);
-    finding_text(row, text, sizeof text);
+    replay_finding_line(&row->smaller.trial, &row->stats.finding, text, sizeof text);
     return json_record("file=%s signature=%s result=%s end=%s before=%p after=%p asks=%zu "
                        "tried=%zu accepted=%zu rounds=%u text=%s written=%s reason=%s exit=%d",
                        row->path, signature, fate_name(row->fate),

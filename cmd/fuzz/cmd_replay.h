@@ -61,6 +61,10 @@ enum status replay_engine(const struct finding_file *file, const struct engine *
 bool replay_is_expected(const struct replay_options *options, const struct finding_file *file,
                         const struct fuzz_signature *found);
 
+/* The line of the judge on a finding of the trial, or "" if its answer was not judged wrong. */
+void replay_finding_line(const struct fuzz_trial *trial, const struct fuzz_finding *finding,
+                         char *text, size_t size);
+
 /* Writes the command that plays a file again; one that needs an engine named, as a pipe: peer, has
  * it. `engine` may be NULL. */
 void replay_command(const char *path, const struct engine *engine, const struct layout *layout,

@@ -38,14 +38,12 @@ static void expectation(const struct finding_file *file, char text[FUZZ_SIGNATUR
         fuzz_signature_print(&file->signature, text);
 }
 
-/* The line of the judge, or "" if the answer was not judged wrong. */
-static void finding_text(const struct finding_file *file, const struct fuzz_finding *finding,
+void replay_finding_line(const struct fuzz_trial *trial, const struct fuzz_finding *finding,
                          char *text, size_t size)
 {
     text[0] = '\0';
-    if (finding->ray >= file->trial.ray_count || finding->judgement.verdict != VERDICT_WRONG)
-        return;
-    judge_line(&file->trial.ray[finding->ray], &finding->judgement, &finding->answer, text, size);
+    if (finding->ray < trial->ray_count && finding->judgement.verdict == VERDICT_WRONG)
+        judge_line(&trial->ray[finding->ray], &finding->judgement, &finding->answer, text, size);
 }
 
 void replay_command(const char *path, const struct engine *engine, const struct layout *layout,
@@ -96,7 +94,7 @@ static void print_played(const struct replay_file *file, const struct replay_pla
     for (size_t i = 0; i < played->finding_count; i++) {
         const struct fuzz_finding *finding = &played->finding[i];
         char text[512];
-        finding_text(&file->file, finding, text, sizeof text);
+        replay_finding_line(&file->file.trial, finding, text, sizeof text);
         if (i > 0)
             printf("  %-13s %-13s ", "", "");
         printf("%s %s", fuzz_kind_name(finding->signature.kind),
@@ -148,7 +146,7 @@ static json_t *finding_json(const struct replay_file *file, const struct replay_
     const struct fuzz_finding *finding = &played->finding[i];
     char signature[FUZZ_SIGNATURE_MOST], text[512];
     fuzz_signature_print(&finding->signature, signature);
-    finding_text(&file->file, finding, text, sizeof text);
+    replay_finding_line(&file->file.trial, finding, text, sizeof text);
     bool on_ray = finding->ray < file->file.trial.ray_count;
     return json_record("signature=%s ray=%p text=%s expected=%i", signature,
                        on_ray ? json_integer((json_int_t)finding->ray) : json_null(), text,

@@ -68,3 +68,12 @@ enum status ray_set_make(const struct ray_set *set, const struct scene *scene, u
     }
     return STATUS_OK;
 }
+
+enum status ray_set_new(const struct ray_set *set, const struct scene *scene, uint64_t seed,
+                        size_t count, struct ray **out, struct reason *reason)
+{
+    *out = alloc_zeroed(count, sizeof **out);
+    if (!*out)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
+    return ray_set_make(set, scene, seed, count, *out, reason);
+}

@@ -34,4 +34,8 @@ const struct ray_set *ray_set_find(const char *name); /* or NULL */
 enum status ray_set_make(const struct ray_set *set, const struct scene *scene, uint64_t seed,
                          size_t count, struct ray *out, struct reason *reason) MUST_USE;
 
+/* The same in new memory: free *out, also after an error. */
+enum status ray_set_new(const struct ray_set *set, const struct scene *scene, uint64_t seed,
+                        size_t count, struct ray **out, struct reason *reason) MUST_USE;
+
 #endif
