@@ -11,7 +11,6 @@
 #include "ref/store.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* Storages of grids are played on the decoded scene, the others on the scene as it is. */
 static bool store_is_of_grids(const struct check_options *o, size_t i)
@@ -249,7 +248,7 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
     return code;
 }
 
-/* What was named that this run does not use. -1: nothing. */
+/* Refuses options that this run does not use. -1: there are none. */
 static int check_use(const struct check_options *o, char *const *spec, size_t count)
 {
     const struct list rays = {.index = {o->rays}, .count = 1};

@@ -2,7 +2,6 @@
 #include "cmd/check/cmd_check.h"
 
 #include "cmd/common/cmd_finding.h"
-#include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
 #include "ref/base/text.h"

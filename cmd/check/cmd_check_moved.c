@@ -1,7 +1,6 @@
 /* The report of raydiff check --move on refitted trees. */
 #include "cmd/check/cmd_check.h"
 
-#include "ref/base/command.h"
 #include "ref/store.h"
 
 #include <stdio.h>

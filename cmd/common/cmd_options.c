@@ -4,7 +4,6 @@
 #include "ref/base/command.h"
 
 #include <fcntl.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -12,19 +12,22 @@ const char *option_given(size_t i);
 /* Whether that option was given. */
 bool option_was_given(const char *name);
 
-/* For those that read command lines: forgets what was given; notes that an option was, which is an
- * error the second time unless it repeats; notes an output, and tries all that
- * were noted; puts what is printed on the standard error output from here on, for "-"; and prints
- * why an option is wrong, and returns the exit code. */
+/* For readers of command lines. Forgets all options that were given. */
 void options_begin(void);
+/* Notes an option. Errors: STATUS_INPUT it was given before and does not repeat. */
 enum status option_note(const char *name, bool repeats, struct reason *reason) MUST_USE;
+/* Notes an output (NULL: none); outputs_try is output_try of all of them. */
 void output_note(const char *path);
 enum status outputs_try(struct reason *reason) MUST_USE;
+/* For "-": prints go to the standard error output from here on. Errors: STATUS_INPUT a second "-". */
 enum status output_aside(struct reason *reason) MUST_USE;
+/* Prints why an option is wrong. Returns the exit code: EXIT_ENGINE of STATUS_DEVICE, else
+ * EXIT_USAGE. */
 int option_error(const char *command, enum status status, const struct reason *reason);
 
-/* Proves that a file can be written, before work is done for it: what is there stays as it is, and
- * nothing is left behind. What is no regular file is not opened. Errors: as file_out_open. */
+/* Tests that a file can be written, before work is done for it. An existing file stays as it is, and
+ * no file is left behind. NULL, "-" and what is no regular file are not opened. Errors: as
+ * file_out_open. */
 enum status output_try(const char *path, struct reason *reason) MUST_USE;
 
 /* Opens the file of an option: `path`, or for "-" what was the standard output, once. Errors: as

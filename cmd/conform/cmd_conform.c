@@ -264,7 +264,7 @@ static int check_name(const struct conform_options *o)
     return options_refused("conform", &use);
 }
 
-/* What was named that this run does not use. -1: nothing. */
+/* Refuses options that this run does not use. -1: there are none. */
 static int check_use(const struct conform_options *o, bool hard)
 {
     struct list engine = table_all(TABLE_ENGINES), layout = table_all(TABLE_LAYOUTS);

@@ -1,6 +1,7 @@
 #include "cmd/conform/cmd_conform_hard.h"
 
 #include "ref/base/command.h"
+#include "ref/files/file.h"
 #include "cmd/conform/cmd_conform_report.h"
 #include "tests/hard/causes.h"
 #include "tests/hard/members.h"

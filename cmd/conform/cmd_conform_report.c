@@ -5,7 +5,6 @@
 #include "ref/base/text.h"
 #include "ref/store.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 void conform_versions(const struct engine_options *options, char *text, size_t text_bytes)

@@ -4,7 +4,6 @@
 
 #include "cmd/common/cmd_tables.h"
 #include "ref/match/turnout.h"
-#include "ref/files/file.h"
 #include "tests/hard/matrix.h"
 #include "fuzz/findings/ci.h"
 #include "fuzz/findings/waivers.h"

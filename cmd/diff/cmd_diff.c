@@ -3,7 +3,6 @@
 
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
-#include "cmd/render/cmd_render_out.h"
 #include "scenes/picture/image_diff.h"
 
 #include <math.h>

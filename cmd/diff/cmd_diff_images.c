@@ -7,7 +7,6 @@
 #include "ref/base/json_record.h"
 
 #include <inttypes.h>
-#include <string.h>
 
 static const char *const channel_names[IMAGE_CHANNELS] = {"red", "green", "blue", "alpha"};
 

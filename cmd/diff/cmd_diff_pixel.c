@@ -1,7 +1,6 @@
 /* raydiff diff --pixel: the path of one pixel on every engine, to the first bit that differs. */
 #include "cmd/common/cmd_json.h"
 #include "ref/base/command.h"
-#include "ref/base/ray_text.h"
 #include "cmd/diff/cmd_diff.h"
 #include "scenes/render/diff_values.h"
 #include "ref/base/json_record.h"

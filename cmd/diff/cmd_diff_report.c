@@ -5,7 +5,6 @@
 #include "ref/base/json_record.h"
 
 #include <stdio.h>
-#include <string.h>
 
 void diff_print_subject(const struct diff_run *run)
 {

@@ -1,7 +1,6 @@
 /* raydiff doctor --json. */
 #include "cmd/doctor/cmd_doctor.h"
 
-#include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
 

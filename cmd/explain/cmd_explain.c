@@ -9,7 +9,6 @@
 #include "scenes/scenes.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static enum status take_cause(void *options, const struct option_value *given,
                               struct reason *reason)

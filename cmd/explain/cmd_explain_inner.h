@@ -67,9 +67,8 @@ enum status explain_tree_finding(const struct explain_options *o, const struct f
 const char *explain_again(const struct explain_options *options, size_t index,
                           char text[EXPLAIN_COMMAND_MOST]);
 
-/* What was named that this ray does not use. A trial's name and a finding's file decide all but how
- * they are played. -1: nothing; else an exit
- * code, and a line was printed. */
+/* Refuses options that this ray does not use, in one line. A trial's name and a finding's file decide
+ * all but how they are played. Returns -1 if there are none, else the exit code. */
 int explain_check_use(const struct explain_options *options, char *const *spec);
 
 #endif

@@ -2,14 +2,11 @@
 #include "cmd/explain/cmd_explain_inner.h"
 
 #include "ref/explain/outside.h"
-#include "ref/base/ray_text.h"
-#include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
 
 #include <jansson.h>
 #include <stdio.h>
-#include <string.h>
 
 static json_t *bound_json(const struct explain_bound *bound)
 {

@@ -10,7 +10,6 @@
 #include "ref/base/command.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /* The finding of raydiff fuzz and replay about the trial's tree: *finding is of FUZZ_KIND_TREE, or
  * of FUZZ_KIND_COUNT if nothing is at fault. */

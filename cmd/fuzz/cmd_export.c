@@ -83,7 +83,7 @@ static bool is_vendors(const struct engine *engine)
     return engine && (engine->gpu || engine->library);
 }
 
-/* What was named that this file's engine does not use. -1: nothing. */
+/* Refuses options that the file's engine does not use. -1: there are none. */
 static int check_use(const struct export_options *o, const struct finding_file *file)
 {
     const struct engine *engine = o->engine             ? o->engine

@@ -4,7 +4,6 @@
 #include "cmd/fuzz/cmd_selftest.h"
 
 #include "ref/outside/plugin_guard.h"
-#include "fuzz/findings/findings_report.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"

@@ -4,7 +4,6 @@
 
 #include "fuzz/findings/baseline.h"
 #include "fuzz/campaign/campaign.h"
-#include "fuzz/findings/findings_report.h"
 #include "cmd/common/cmd_rows.h"
 
 /* Options that decide what is found: kept in the folder, so that a campaign goes on as it began. */

@@ -1,10 +1,6 @@
 /* What a campaign came to, for CI systems: JUnit, TAP, JSON lines. */
 #include "cmd/fuzz/cmd_fuzz_report.h"
 
-#include "cmd/fuzz/cmd_replay.h"
-#include "fuzz/findings/findings_report.h"
-
-#include <stdio.h>
 #include <stdlib.h>
 
 #define NOTES_MOST 32

@@ -3,7 +3,6 @@
 #include "cmd/fuzz/cmd_fuzz.h"
 
 #include "ref/outside/plugin_guard.h"
-#include "ref/base/command.h"
 #include "ref/base/text.h"
 
 #include <stdio.h>

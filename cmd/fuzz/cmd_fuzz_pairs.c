@@ -1,7 +1,6 @@
 /* The members that pairs of a campaign are made of, and the report on pairs. */
 #include "cmd/fuzz/cmd_fuzz.h"
 
-#include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
 
 #include <stdio.h>

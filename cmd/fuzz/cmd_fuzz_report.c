@@ -3,16 +3,12 @@
 
 #include "cmd/fuzz/cmd_replay.h"
 #include "fuzz/play/coverage.h"
-#include "ref/outside/pipe.h"
-#include "fuzz/findings/findings_report.h"
 #include "fuzz/campaign/worker.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* New, known, expired or flaky; *answer: why. */
 static enum findings_report_state state_of(const struct fuzz_command *c,

@@ -3,6 +3,7 @@
 #define CMD_FUZZ_REPORT_H
 
 #include "cmd/fuzz/cmd_fuzz.h"
+#include "fuzz/findings/findings_report.h"
 #include "ref/outside/pipe.h"
 
 #define NAME_MOST   64

@@ -37,8 +37,8 @@ struct min_row {
     int code; /* enum exit_code */
 };
 
-/* Refuses what was named that findings of these engines do not use. -1: nothing; else an exit code,
- * and a line was printed. */
+/* Refuses options and engines that findings of these engines do not use, in one line. Returns -1 if
+ * there are none, else the exit code. */
 int min_check_use(const struct min_options *options, const struct list *engine);
 
 /* Shrinks row->file, which was read from row->path with this status and row->reason; sets

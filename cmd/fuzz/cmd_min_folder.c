@@ -2,7 +2,6 @@
 #include "cmd/fuzz/cmd_min.h"
 
 #include "fuzz/findings/findings.h"
-#include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 
 #include <stdlib.h>

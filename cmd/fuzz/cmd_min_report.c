@@ -9,7 +9,6 @@
 
 #include <jansson.h>
 #include <stdio.h>
-#include <string.h>
 
 static const char *fate_name(enum min_fate fate)
 {

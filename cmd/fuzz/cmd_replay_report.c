@@ -4,8 +4,6 @@
 #include "ref/outside/pipe.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
-#include "ref/base/ray_text.h"
-#include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
 

@@ -1,14 +1,11 @@
 /* What raydiff leaks prints and writes: the table, the findings, and which rows keep their word. */
 #include "cmd/leaks/cmd_leaks.h"
 #include "ref/base/command.h"
-#include "ref/files/file.h"
 #include "cmd/common/cmd_json.h"
 #include "ref/base/json_record.h"
 #include "ref/store.h"
 
 #include <jansson.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* Per million of `rays`; none is "< 3 / N", which a true rate exceeds in 5 of 100 such results. */
 static void print_rate(size_t count, size_t rays)

@@ -3,12 +3,10 @@
 #include "ref/base/command.h"
 #include "cmd/common/cmd_process.h"
 #include "cmd/render/cmd_render.h"
-#include "cmd/render/cmd_render_out.h"
 #include "scenes/render/turning.h"
 #include "scenes/render/window.h"
 
 #include <math.h>
-#include <string.h>
 
 /* At most so long the window is not looked at. */
 #define LOOK_MS 250u
