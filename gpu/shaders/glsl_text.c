@@ -19,13 +19,11 @@ struct making {
 static enum status append(struct making *m, const char *text, size_t size)
 {
     struct glsl_text *out = m->out;
-    void *array = out->text;
     if (out->size + size > GLSL_TEXT_MOST)
         return fail(m->reason, STATUS_INPUT, "%.120s: with what it includes over %zu bytes",
                     m->path, GLSL_TEXT_MOST);
-    if (array_reserve(&array, &out->capacity, out->size + size + 1, 1))
+    if (array_reserve(&out->text, &out->capacity, out->size + size + 1, 1))
         return fail(m->reason, STATUS_MEMORY, "no memory for the text of a shader");
-    out->text = array;
     memcpy(out->text + out->size, text, size);
     out->size += size;
     out->text[out->size] = '\0';

@@ -21,10 +21,8 @@ enum status pipelines_find(struct pipelines *pipelines, struct vk *vk,
             *out = pipelines->kept[i].pipeline;
             return STATUS_OK;
         }
-    void *kept = pipelines->kept;
-    if (array_reserve(&kept, &pipelines->capacity, pipelines->count + 1, sizeof want))
+    if (array_reserve(&pipelines->kept, &pipelines->capacity, pipelines->count + 1, sizeof want))
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the list of pipelines");
-    pipelines->kept = kept;
     enum status status = vk_pipeline_make(vk, shader, &want.pipeline, reason);
     if (status)
         return status;

@@ -44,10 +44,8 @@ static bool is_wide(const struct packed *packed)
 
 static enum status put(struct decode_comparing *c, uint32_t ref, uint32_t what)
 {
-    void *array = c->asked;
-    if (array_reserve(&array, &c->capacity, c->count + 1, sizeof *c->asked))
+    if (array_reserve(&c->asked, &c->capacity, c->count + 1, sizeof *c->asked))
         return STATUS_MEMORY;
-    c->asked = array;
     c->asked[c->count++] = (struct decode_question){ref, what};
     return STATUS_OK;
 }

@@ -72,10 +72,8 @@ static void *take(struct tracer *tracer, struct vk_work *work, uint32_t binding,
         align = QUAD_BYTES;
     size_t first = (arena->used + align - 1) / align * align;
     size_t size = bytes ? (bytes + QUAD_BYTES - 1) / QUAD_BYTES * QUAD_BYTES : QUAD_BYTES;
-    void *byte = arena->byte;
-    if (array_reserve(&byte, &arena->capacity, first + size, 1))
+    if (array_reserve(&arena->byte, &arena->capacity, first + size, 1))
         return NULL;
-    arena->byte = byte;
     arena->used = first + size;
     work->part[binding].offset = first;
     work->part[binding].bytes = size;
@@ -108,10 +106,8 @@ static bool make_order(struct tracer_tasks *tasks, const struct engine_task *tas
     entry->order = tasks->order.used;
     if (!entry->ordered)
         return true;
-    void *byte = tasks->order.byte;
-    if (array_reserve(&byte, &tasks->order.capacity, tasks->order.used + 2 * bytes, 1))
+    if (array_reserve(&tasks->order.byte, &tasks->order.capacity, tasks->order.used + 2 * bytes, 1))
         return false;
-    tasks->order.byte = byte;
     uint32_t *order = (void *)(tasks->order.byte + tasks->order.used);
     ray_order_by_work(task->expected, task->ray_count, order, order + task->ray_count);
     tasks->order.used += bytes; /* the rest is free again */

@@ -55,8 +55,17 @@ void *alloc_zeroed(size_t count, size_t size)
     return memory_fits(count * size) ? calloc(count ? count : 1, size ? size : 1) : NULL;
 }
 
-enum status array_reserve(void **array, size_t *capacity, size_t need, size_t size)
+void *alloc_copy(const void *from, size_t count, size_t size)
 {
+    void *to = from ? alloc_zeroed(count, size) : NULL;
+    if (to)
+        memcpy(to, from, count * size);
+    return to;
+}
+
+enum status array_reserve(void *array, size_t *capacity, size_t need, size_t size)
+{
+    void *elements; /* object pointers have one representation (POSIX) */
     if (need <= *capacity)
         return STATUS_OK;
     size_t grown = *capacity ? *capacity : 16;
@@ -67,10 +76,11 @@ enum status array_reserve(void **array, size_t *capacity, size_t need, size_t si
     }
     if (grown > SIZE_MAX / size || !memory_fits((grown - *capacity) * size))
         return STATUS_MEMORY;
-    void *moved = realloc(*array, grown * size);
-    if (!moved)
+    memcpy(&elements, array, sizeof elements);
+    elements = realloc(elements, grown * size);
+    if (!elements)
         return STATUS_MEMORY;
-    *array = moved;
+    memcpy(array, &elements, sizeof elements);
     *capacity = grown;
     return STATUS_OK;
 }

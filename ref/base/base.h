@@ -41,9 +41,13 @@ enum status fail(struct reason *reason, enum status status, const char *format, 
  * product overflows. A count of 0 returns a valid pointer to free(). */
 void *alloc_zeroed(size_t count, size_t size) MUST_USE;
 
-/* Grows `*array` of `size`-byte elements so that it can hold at least `need`; doubles `*capacity`.
- * On STATUS_MEMORY array and capacity are unchanged. New elements are not cleared. */
-enum status array_reserve(void **array, size_t *capacity, size_t need, size_t size) MUST_USE;
+/* Returns a copy of `count` elements, the caller's to free; NULL of NULL, and without memory. */
+void *alloc_copy(const void *from, size_t count, size_t size) MUST_USE;
+
+/* Grows an array of `size`-byte elements so that it can hold at least `need`; doubles `*capacity`.
+ * `array` is the address of the pointer to its elements, of any type. On STATUS_MEMORY pointer and
+ * capacity are unchanged. New elements are not cleared. */
+enum status array_reserve(void *array, size_t *capacity, size_t need, size_t size) MUST_USE;
 
 /* Sorts numbers, the least first. */
 void sort_doubles(double *value, size_t count);

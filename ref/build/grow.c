@@ -83,10 +83,8 @@ static struct lane_box piece_grow(const struct grower *g, const struct grow_rang
 
 static enum status part_add(struct grower *g, const struct grow_range *range)
 {
-    void *array = g->part;
     enum status status =
-        array_reserve(&array, &g->part_capacity, g->part_count + 1, sizeof *g->part);
-    g->part = array;
+        array_reserve(&g->part, &g->part_capacity, g->part_count + 1, sizeof *g->part);
     if (!status)
         g->part[g->part_count++] = (struct grow_part){.range = *range};
     return status;

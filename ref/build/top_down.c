@@ -31,10 +31,8 @@ static struct box range_bounds(const struct build *build, uint32_t first, uint32
 
 static enum status push(struct top_down_progress *progress, const struct task *task)
 {
-    void *array = progress->task;
-    enum status status = array_reserve(&array, &progress->task_capacity, progress->task_count + 1,
-                                       sizeof *progress->task);
-    progress->task = array;
+    enum status status = array_reserve(&progress->task, &progress->task_capacity,
+                                       progress->task_count + 1, sizeof *progress->task);
     if (!status)
         progress->task[progress->task_count++] = *task;
     return status;
@@ -43,10 +41,8 @@ static enum status push(struct top_down_progress *progress, const struct task *t
 /* Appends the node of `task` and links it to its parent. */
 static enum status emit(struct top_down_progress *progress, const struct task *task, bool leaf)
 {
-    void *array = progress->node;
-    enum status status = array_reserve(&array, &progress->node_capacity, progress->node_count + 1,
-                                       sizeof *progress->node);
-    progress->node = array;
+    enum status status = array_reserve(&progress->node, &progress->node_capacity,
+                                       progress->node_count + 1, sizeof *progress->node);
     if (status)
         return status;
     uint32_t index = (uint32_t)progress->node_count++;

@@ -25,10 +25,8 @@ static enum status decode_children(struct decoding *d, const struct some *some, 
 
 static enum status add_node(struct decoding *d, uint32_t *index)
 {
-    void *array = d->bvh->node;
-    enum status status = array_reserve(&array, &d->node_capacity, (size_t)d->bvh->node_count + 1,
-                                       sizeof *d->bvh->node);
-    d->bvh->node = array;
+    enum status status = array_reserve(&d->bvh->node, &d->node_capacity,
+                                       (size_t)d->bvh->node_count + 1, sizeof *d->bvh->node);
     if (!status) {
         *index = d->bvh->node_count++;
         d->bvh->node[*index] = (struct bvh_node){.item_first = d->bvh->prim_count};

@@ -42,9 +42,8 @@ static enum status too_large(const struct source *source, size_t most, struct re
 /* Makes room for `more` bytes and the 0. */
 static enum status buffer_reserve(struct buffer *buffer, size_t more, struct reason *reason)
 {
-    void *bytes = buffer->bytes;
-    enum status status = array_reserve(&bytes, &buffer->capacity, buffer->size + more + 1, 1);
-    buffer->bytes = bytes;
+    enum status status =
+        array_reserve(&buffer->bytes, &buffer->capacity, buffer->size + more + 1, 1);
     if (status != STATUS_OK)
         return fail(reason, status, "no memory for a file of %zu bytes", buffer->size + more);
     return STATUS_OK;

@@ -117,10 +117,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
         return fail(reason, STATUS_MEMORY, "rf16: no memory to number %u nodes", bvh->node_count);
     enum status status = check_limits(bvh, scene, before, reason);
     if (!status)
-        status = layout_alloc("rf16", (uint64_t)bvh->node_count + before[bvh->node_count],
-                              NODE_RF_WORDS, 0, out, reason);
-    for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        pack_node(bvh, i, before, out->word + NODE_RF_WORDS * (size_t)(i + before[i]));
+        status = node_rf_pack("rf16", bvh, before, pack_node, out, reason);
     free(before);
     return status;
 }

@@ -51,8 +51,9 @@ static enum layout_end end(const struct bvh *bvh, struct reason *reason)
 }
 
 /* Writes the records of node `i` as they are before the fix-up: children are node indices. */
-static void pack_node(const struct bvh *bvh, uint32_t i, uint32_t *word)
+static void pack_node(const struct bvh *bvh, uint32_t i, const uint32_t *before, uint32_t *word)
 {
+    (void)before;
     const struct bvh_node *node = &bvh->node[i];
     layout_pack_bounds(&node->bounds, half_nearest, half_nearest, word);
     if (node->item_count == 0) {
@@ -88,10 +89,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
     if (!before)
         return fail(reason, STATUS_MEMORY, "rtrs_rf: no memory to number %u nodes",
                     bvh->node_count);
-    uint64_t records = (uint64_t)bvh->node_count + before[bvh->node_count];
-    enum status status = layout_alloc("rtrs_rf", records, NODE_RF_WORDS, 0, out, reason);
-    for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        pack_node(bvh, i, out->word + NODE_RF_WORDS * (size_t)(i + before[i]));
+    enum status status = node_rf_pack("rtrs_rf", bvh, before, pack_node, out, reason);
     if (!status)
         fix_up(before, out);
     free(before);

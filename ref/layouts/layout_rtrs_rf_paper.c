@@ -56,10 +56,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
     if (!before)
         return fail(reason, STATUS_MEMORY, "rtrs_rf_paper: no memory to number %u nodes",
                     bvh->node_count);
-    uint64_t records = (uint64_t)bvh->node_count + before[bvh->node_count];
-    enum status status = layout_alloc("rtrs_rf_paper", records, NODE_RF_WORDS, 0, out, reason);
-    for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        pack_node(bvh, i, before, out->word + NODE_RF_WORDS * (size_t)(i + before[i]));
+    enum status status = node_rf_pack("rtrs_rf_paper", bvh, before, pack_node, out, reason);
     free(before);
     return status;
 }

@@ -29,6 +29,23 @@ static inline void node_rf_load(const struct packed *packed, uint32_t ref, uint3
     layout_add_child(packed, second, out);
 }
 
+/* Writes the records of node `i` to `word`; before[n] are the leaves before node n. */
+typedef void node_rf_write(const struct bvh *bvh, uint32_t i, const uint32_t *before,
+                           uint32_t *word);
+
+/* Allocates one record for each inner node and two for each leaf, and has all of them written.
+ * Errors: as layout_alloc. */
+static inline enum status node_rf_pack(const char *layout, const struct bvh *bvh,
+                                       const uint32_t *before, node_rf_write *write,
+                                       struct packed *out, struct reason *reason)
+{
+    uint64_t records = (uint64_t)bvh->node_count + before[bvh->node_count];
+    enum status status = layout_alloc(layout, records, NODE_RF_WORDS, 0, out, reason);
+    for (uint32_t i = 0; i < bvh->node_count && !status; i++)
+        write(bvh, i, before, out->word + NODE_RF_WORDS * (size_t)(i + before[i]));
+    return status;
+}
+
 /* As layout.box. */
 static inline struct box node_rf_box(const struct packed *packed, uint32_t ref)
 {

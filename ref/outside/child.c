@@ -25,16 +25,14 @@ struct child_head {
     uint64_t size;
 };
 
-/* Closes all but the standard files and `kept`: the ends of the child's siblings, which would never
- * see their parent go, and the parent's own files. */
-static void close_others(int kept)
+void child_close_files(int first, int kept)
 {
 #ifdef SYS_close_range
-    if ((kept <= 3 || syscall(SYS_close_range, 3u, (unsigned)kept - 1, 0u) == 0) &&
+    if ((kept <= first || syscall(SYS_close_range, (unsigned)first, (unsigned)kept - 1, 0u) == 0) &&
         syscall(SYS_close_range, (unsigned)kept + 1, ~0u, 0u) == 0)
         return;
 #endif
-    for (int file = 3; file < FILES_MOST; file++)
+    for (int file = first; file < FILES_MOST; file++)
         if (file != kept)
             close(file);
 }
@@ -47,7 +45,7 @@ static _Noreturn void live(child_fn *run, void *user, int file, pid_t parent)
     if (getppid() != parent)
         _exit(0); /* it was gone before that took effect */
     setrlimit(RLIMIT_CORE, &none);
-    close_others(file);
+    child_close_files(3, file); /* ends of siblings, which would never see their parent end */
     run(&end, user);
     fflush(stdout);
     _exit(0);
@@ -130,18 +128,15 @@ static enum child_got take(struct child *end, size_t want)
 static enum child_got take_message(struct child *end, size_t most, size_t *size)
 {
     struct child_head head;
-    void *array = end->bytes;
-    if (array_reserve(&array, &end->capacity, sizeof head, 1))
+    if (array_reserve(&end->bytes, &end->capacity, sizeof head, 1))
         return CHILD_TOO_LONG;
-    end->bytes = array;
     enum child_got got = end->got < sizeof head ? take(end, sizeof head) : CHILD_GOT;
     if (got != CHILD_GOT)
         return got;
     memcpy(&head, end->bytes, sizeof head);
     if (head.size > most || head.size > SIZE_MAX / 4 ||
-        array_reserve(&array, &end->capacity, sizeof head + (size_t)head.size, 1))
+        array_reserve(&end->bytes, &end->capacity, sizeof head + (size_t)head.size, 1))
         return CHILD_TOO_LONG;
-    end->bytes = array;
     *size = (size_t)head.size;
     return take(end, sizeof head + (size_t)head.size);
 }

@@ -74,6 +74,9 @@ bool child_is_stopped(const struct child *child, bool *debugged);
  * many of them want one now. */
 uint64_t child_queued_ns(const struct child *child, uint32_t *running);
 
+/* Closes all files of this process from number `first` on, except `kept`. Takes no lock. */
+void child_close_files(int first, int kept);
+
 /* Bytes of memory that it has in use, 0 if that is not known. */
 uint64_t child_memory(const struct child *child);
 

@@ -1,6 +1,8 @@
 #define _GNU_SOURCE /* getdents64, ppoll, prctl */
 #include "ref/outside/guardian.h"
 
+#include "ref/outside/child.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -10,32 +12,18 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define STOP_MS    3000u  /* that we wait for it */
-#define KILL_MS    60000u /* that it tries */
-#define START_MS   5000
-#define FILES_MOST 4096
+#define STOP_MS  3000u  /* that we wait for it */
+#define KILL_MS  60000u /* that it tries */
+#define START_MS 5000
 
 /* --- the guardian: no locks, no memory ------------------------------------------------------- */
 
 static void on_child(int number)
 {
     (void)number;
-}
-
-static void close_all_but(int kept)
-{
-#ifdef SYS_close_range
-    if ((kept == 0 || syscall(SYS_close_range, 0u, (unsigned)kept - 1, 0u) == 0) &&
-        syscall(SYS_close_range, (unsigned)kept + 1, ~0u, 0u) == 0)
-        return;
-#endif
-    for (int file = 0; file < FILES_MOST; file++)
-        if (file != kept)
-            close(file);
 }
 
 /* The parent of a process, from "PID (NAME) STATE PARENT ..."; 0: not known. */
@@ -145,7 +133,7 @@ static _Noreturn void guard(guardian_fn *run, const void *user, int line)
     if (pid == 0)
         command(run, user, self);
     int why = pid < 0 ? errno : 0;
-    close_all_but(line);
+    child_close_files(0, line);
     bool told = send(line, &why, sizeof why, MSG_NOSIGNAL) == sizeof why;
     if (pid > 0) {
         setpgid(pid, pid); /* both sides do it: it must be done before the group is killed */

@@ -95,12 +95,10 @@ static enum status read_ray(struct pipe_reading *r)
                                        "direction x", "direction y", "direction z", "tmax"};
     float n[8];
     enum status status = read_floats(r, what, n, 8);
-    void *array = r->out->ray;
     if (status)
         return status;
-    if (array_reserve(&array, &r->ray_capacity, r->out->ray_count + 1, sizeof *r->out->ray))
+    if (array_reserve(&r->out->ray, &r->ray_capacity, r->out->ray_count + 1, sizeof *r->out->ray))
         return no_memory(r);
-    r->out->ray = array;
     r->out->ray[r->out->ray_count++] =
         (struct ray){{n[0], n[1], n[2]}, n[3], {n[4], n[5], n[6]}, n[7]};
     return STATUS_OK;
@@ -108,13 +106,11 @@ static enum status read_ray(struct pipe_reading *r)
 
 static enum status add_hit(struct pipe_reading *r, struct hit hit)
 {
-    void *array = r->out->hit;
     if (r->out->hit_count == r->limits->rays)
         return scan_fail(&r->scan, r->reason, "an answer to ray %zu, but there are only %zu rays",
                          r->out->hit_count, r->limits->rays);
-    if (array_reserve(&array, &r->hit_capacity, r->out->hit_count + 1, sizeof hit))
+    if (array_reserve(&r->out->hit, &r->hit_capacity, r->out->hit_count + 1, sizeof hit))
         return no_memory(r);
-    r->out->hit = array;
     r->out->hit[r->out->hit_count++] = hit;
     return STATUS_OK;
 }

@@ -16,7 +16,7 @@ static const struct raydiff_plugin *plugin_of(const struct layout *layout)
     return layout->family;
 }
 
-static struct raydiff_packed view(const struct packed *packed)
+struct raydiff_packed plugin_view(const struct packed *packed)
 {
     return (struct raydiff_packed){.word = packed->word,
                                    .item = packed->item,
@@ -30,7 +30,7 @@ static struct raydiff_packed view(const struct packed *packed)
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 {
     const struct raydiff_plugin *plugin = plugin_of(packed->layout);
-    const struct raydiff_packed as_theirs = view(packed);
+    const struct raydiff_packed as_theirs = plugin_view(packed);
     struct raydiff_wide from;
     from.child_count = from.item_first = from.item_count = 0;
     *out = (struct wide){.child_count = 0};
@@ -65,7 +65,7 @@ static struct box box(const struct packed *packed, uint32_t ref)
     const struct raydiff_plugin *plugin = plugin_of(packed->layout);
     struct box out = box_empty();
     if (plugin->box) {
-        const struct raydiff_packed as_theirs = view(packed);
+        const struct raydiff_packed as_theirs = plugin_view(packed);
         const struct raydiff_box theirs = plugin->box(&as_theirs, ref);
         memcpy(&out, &theirs, sizeof out);
         return out;
@@ -82,7 +82,7 @@ static struct box box(const struct packed *packed, uint32_t ref)
 static uint32_t item(const struct packed *packed, uint32_t slot)
 {
     const struct raydiff_plugin *plugin = plugin_of(packed->layout);
-    const struct raydiff_packed as_theirs = view(packed);
+    const struct raydiff_packed as_theirs = plugin_view(packed);
     if (plugin->item)
         return plugin->item(&as_theirs, slot);
     return slot < packed->item_count ? packed->item[slot] : ABI_NO_PRIM;

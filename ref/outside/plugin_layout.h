@@ -14,7 +14,10 @@
 enum status plugin_layout_add(const char *name, const struct raydiff_plugin *plugin,
                               const struct layout **out, struct reason *reason) MUST_USE;
 
-/* The first half of it. */
+/* A packed tree as plugins see it; arrays are borrowed. */
+struct raydiff_packed plugin_view(const struct packed *packed);
+
+/* The first half of plugin_layout_add. */
 enum status plugin_check(const char *name, const struct raydiff_plugin *plugin,
                          struct reason *reason) MUST_USE;
 

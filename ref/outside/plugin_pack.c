@@ -121,11 +121,7 @@ static enum status check_node(const struct packed *packed, uint32_t ref, enum pa
     const struct layout *layout = packed->layout;
     const struct raydiff_plugin *plugin = layout->family;
     const bool wide = plugin->width > 2;
-    const struct raydiff_packed view = {.word = packed->word,
-                                        .item = packed->item,
-                                        .records = packed->node_count,
-                                        .items = packed->item_count,
-                                        .root = packed->root};
+    const struct raydiff_packed view = plugin_view(packed);
     struct raydiff_wide node;
     *rule = PACKED_RECORD;
     node.child_count = node.item_first = node.item_count = 0;

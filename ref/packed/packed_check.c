@@ -4,6 +4,8 @@
 #include "ref/packed/packed_check.h"
 #include "ref/store.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,39 +21,47 @@ struct packed_check {
     enum status status; /* STATUS_INPUT once a fault is reported */
 };
 
-/* True for the first fault, which is the one to be described. */
-static bool first_fault(struct packed_check *check, enum packed_rule rule)
-{
-    bool first = check->status == STATUS_OK;
-    if (first)
-        check->faults.first = rule;
-    check->status = STATUS_INPUT;
-    return first;
-}
+#define NO_VISIT UINT32_MAX
 
-static struct packed_name visit_name(const struct packed_check *check, uint32_t i)
+/* Reports a fault. The first one is described: the layout, the node of a visit, then the text. */
+static void report(struct packed_check *check, enum packed_rule rule, uint32_t visit,
+                   const char *format, ...) PRINTF_LIKE(4, 5);
+
+static void report(struct packed_check *check, enum packed_rule rule, uint32_t visit,
+                   const char *format, ...)
 {
-    return packed_name(check->packed, check->walk.visit[i].ref);
+    struct packed_name node = {""};
+    struct reason text;
+    va_list args;
+    if (check->status)
+        return;
+    check->faults.first = rule;
+    va_start(args, format);
+    vsnprintf(text.text, sizeof text.text, format, args);
+    va_end(args);
+    if (visit != NO_VISIT)
+        node = packed_name(check->packed, check->walk.visit[visit].ref);
+    check->status = fail(check->reason, STATUS_INPUT, "%s: %s%s%s", check->packed->layout->name,
+                         node.text, visit != NO_VISIT ? ": " : "", text.text);
 }
 
 static void check_walk(struct packed_check *check)
 {
     const struct packed_walk *walk = &check->walk;
-    const char *name = check->packed->layout->name;
     check->faults.bad_refs = walk->bad_refs;
     check->faults.cycles = walk->repeats;
     check->faults.too_deep = walk->stack_most > check->packed->stack_need;
-    if (walk->bad_refs > 0 && first_fault(check, PACKED_REFERENCE))
-        (void)fail(check->reason, STATUS_INPUT,
-                   "%s: %s: a child reference lies outside the %u records", name,
-                   packed_name(check->packed, walk->bad_ref).text, check->packed->node_count);
-    if (walk->repeats > 0 && first_fault(check, PACKED_REFERENCE))
-        (void)fail(check->reason, STATUS_INPUT, "%s: %s is reached more than once", name,
-                   packed_name(check->packed, walk->repeat_ref).text);
-    if (check->faults.too_deep && first_fault(check, PACKED_STACK))
-        (void)fail(check->reason, STATUS_INPUT,
-                   "%s: a path needs %u stack entries, the packed tree says %u", name,
-                   walk->stack_most, check->packed->stack_need);
+    if (walk->bad_refs > 0)
+        report(check, PACKED_REFERENCE, NO_VISIT,
+               "%s: a child reference lies outside the %u records",
+               packed_name(check->packed, walk->bad_ref).text, check->packed->node_count);
+    if (walk->repeats > 0)
+        report(check, PACKED_REFERENCE, NO_VISIT, "%s is reached more than once",
+               packed_name(check->packed, walk->repeat_ref).text);
+    if (check->faults.too_deep)
+        report(check, PACKED_STACK, NO_VISIT,
+               "a path needs %u stack entries, the packed tree says %u", walk->stack_most,
+               check->packed->stack_need);
 }
 
 /* Whether a split tree finds every part of every triangle. The items are copied as they decode, so
@@ -84,15 +94,12 @@ static enum status check_cover(struct packed_check *check)
     free(item);
     check->faults.bad_prims += !fits;
     check->faults.loose_boxes = faults.prims;
-    if (!fits && first_fault(check, PACKED_ITEM))
-        (void)fail(check->reason, STATUS_INPUT, "%s: the leaves name more than %u triangles",
-                   packed->layout->name, most);
-    if (faults.prims && first_fault(check, PACKED_BOUND))
-        (void)fail(check->reason, STATUS_INPUT,
-                   "%s: %s: a part of triangle %u is in no leaf's box below; %u triangles "
-                   "have such parts",
-                   packed->layout->name, visit_name(check, faults.node).text, faults.prim,
-                   faults.prims);
+    if (!fits)
+        report(check, PACKED_ITEM, NO_VISIT, "the leaves name more than %u triangles", most);
+    if (faults.prims)
+        report(check, PACKED_BOUND, faults.node,
+               "a part of triangle %u is in no leaf's box below; %u triangles have such parts",
+               faults.prim, faults.prims);
     return status;
 }
 
@@ -109,10 +116,8 @@ static void check_stored(struct packed_check *check, uint32_t i, const struct wi
         memcmp(stored, own, sizeof own) == 0)
         return;
     check->faults.bad_tris++;
-    if (first_fault(check, PACKED_VERTICES))
-        (void)fail(check->reason, STATUS_INPUT,
-                   "%s: %s: storage %s has triangle %u with other vertices", packed->layout->name,
-                   visit_name(check, i).text, packed->store->name, prim);
+    report(check, PACKED_VERTICES, i, "storage %s has triangle %u with other vertices",
+           packed->store->name, prim);
 }
 
 /* Marks the triangle of one item slot and adds it to the bounds of visit `i`. */
@@ -124,18 +129,13 @@ static void check_item(struct packed_check *check, uint32_t i, const struct wide
         return;
     if (prim >= check->scene->tri_count) {
         check->faults.bad_prims++;
-        if (first_fault(check, PACKED_ITEM))
-            (void)fail(check->reason, STATUS_INPUT, "%s: %s: item slot %u names triangle %u of %u",
-                       packed->layout->name, visit_name(check, i).text, slot, prim,
-                       check->scene->tri_count);
+        report(check, PACKED_ITEM, i, "item slot %u names triangle %u of %u", slot, prim,
+               check->scene->tri_count);
         return;
     }
     if (check->seen[prim] && (!packed->split || check->seen[prim] == i + 1)) {
         check->faults.double_prims++;
-        if (first_fault(check, PACKED_TWICE))
-            (void)fail(check->reason, STATUS_INPUT,
-                       "%s: %s: item slot %u names triangle %u a second time", packed->layout->name,
-                       visit_name(check, i).text, slot, prim);
+        report(check, PACKED_TWICE, i, "item slot %u names triangle %u a second time", slot, prim);
     }
     check->seen[prim] = i + 1;
     check_stored(check, i, leaf, s, prim);
@@ -151,10 +151,8 @@ static uint32_t leaf_slots(struct packed_check *check, uint32_t i, const struct 
     if (node->item_count <= most)
         return node->item_count;
     check->faults.bad_prims++;
-    if (first_fault(check, PACKED_ITEM))
-        (void)fail(check->reason, STATUS_INPUT, "%s: %s: a leaf of %u items for %u triangles",
-                   check->packed->layout->name, visit_name(check, i).text, node->item_count,
-                   check->scene->tri_count);
+    report(check, PACKED_ITEM, i, "a leaf of %u items for %u triangles", node->item_count,
+           check->scene->tri_count);
     return 0;
 }
 
@@ -174,9 +172,7 @@ static void check_items(struct packed_check *check)
         if (check->seen[prim])
             continue;
         check->faults.lost_prims++;
-        if (first_fault(check, PACKED_LOST))
-            (void)fail(check->reason, STATUS_INPUT, "%s: triangle %u is in no leaf",
-                       check->packed->layout->name, prim);
+        report(check, PACKED_LOST, NO_VISIT, "triangle %u is in no leaf", prim);
     }
 }
 
@@ -191,12 +187,9 @@ static void check_boxes(struct packed_check *check)
             if (visit->box.lo[k] <= exact->lo[k] && exact->hi[k] <= visit->box.hi[k])
                 continue;
             check->faults.loose_boxes++;
-            if (first_fault(check, PACKED_BOUND))
-                (void)fail(check->reason, STATUS_INPUT,
-                           "%s: %s: %c bounds [%a, %a] do not contain [%a, %a] below",
-                           check->packed->layout->name, visit_name(check, i).text, "xyz"[k],
-                           (double)visit -> box.lo[k], (double)visit->box.hi[k],
-                           (double)exact->lo[k], (double)exact->hi[k]);
+            report(check, PACKED_BOUND, i, "%c bounds [%a, %a] do not contain [%a, %a] below",
+                   "xyz"[k], (double)visit -> box.lo[k], (double)visit->box.hi[k],
+                   (double)exact->lo[k], (double)exact->hi[k]);
             break;
         }
         if (i > 0)

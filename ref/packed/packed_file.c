@@ -87,9 +87,7 @@ static enum status check_head(const char *name, const struct head *head, size_t 
 /* Copies `count` words; NULL for none. */
 static bool copy_words(const char *bytes, uint32_t count, uint32_t **out)
 {
-    *out = count ? malloc(4 * (size_t)count) : NULL;
-    if (*out)
-        memcpy(*out, bytes, 4 * (size_t)count);
+    *out = count ? alloc_copy(bytes, count, sizeof **out) : NULL;
     return *out || !count;
 }
 

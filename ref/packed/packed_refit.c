@@ -91,10 +91,8 @@ static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items l
                     packed_name(refit->from, ref).text);
     if (!stores_vertices(refit->from))
         return STATUS_OK;
-    void *array = refit->leaf;
     enum status status =
-        array_reserve(&array, &refit->leaf_room, refit->leaf_count + 1, sizeof *refit->leaf);
-    refit->leaf = array;
+        array_reserve(&refit->leaf, &refit->leaf_room, refit->leaf_count + 1, sizeof *refit->leaf);
     if (!status)
         refit->leaf[refit->leaf_count++] = leaf;
     return status;
@@ -138,10 +136,8 @@ static enum status enter(struct refit *refit, uint32_t ref, struct box *box, boo
     }
     if (node.child_count < (layout_is_wide(layout) ? 1 : 2))
         return no_tree(refit, ref);
-    void *array = refit->open;
     enum status status =
-        array_reserve(&array, &refit->open_room, refit->open_count + 1, sizeof *refit->open);
-    refit->open = array;
+        array_reserve(&refit->open, &refit->open_room, refit->open_count + 1, sizeof *refit->open);
     if (status)
         return status;
     refit->open[refit->open_count++] = (struct open){node, box_empty(), ref, 0};

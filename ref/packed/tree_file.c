@@ -72,14 +72,6 @@ static enum status check_fit(const char *name, const struct fit *fit, struct rea
                 name, (unsigned long long)fit->astray, (unsigned long long)fit->items, fit->part);
 }
 
-static bool contains(const struct box *outer, const struct box *inner)
-{
-    for (int k = 0; k < 3; k++)
-        if (!(outer->lo[k] <= inner->lo[k] && inner->hi[k] <= outer->hi[k]))
-            return false;
-    return true;
-}
-
 static enum status read_json(const char *bytes, size_t size, const struct scene *scene,
                              struct tree_file *file, struct reason *reason)
 {
@@ -96,7 +88,7 @@ static enum status read_json(const char *bytes, size_t size, const struct scene 
         for (uint32_t k = 0; k < node->item_count; k++) {
             uint32_t prim = file->bvh.prim[node->item_first + k];
             struct box exact = scene_tri_bounds(scene, prim);
-            loose |= !split && !contains(&node->bounds, &exact);
+            loose |= !split && !box_contains_box(&node->bounds, &exact);
             fit_item(&fit, prim, &node->bounds);
         }
         small += loose;
@@ -204,15 +196,6 @@ void tree_file_free(struct tree_file *file)
     *file = (struct tree_file){0};
 }
 
-/* A copy of `count` elements; NULL without memory, but also of NULL. */
-static void *copy(const void *array, size_t count, size_t size)
-{
-    void *made = array ? alloc_zeroed(count, size) : NULL;
-    if (made)
-        memcpy(made, array, count * size);
-    return made;
-}
-
 enum status tree_file_pack(const struct tree_file *file, const struct layout *layout,
                            const struct scene *scene, struct packed *out, struct reason *reason)
 {
@@ -224,8 +207,8 @@ enum status tree_file_pack(const struct tree_file *file, const struct layout *la
         return fail(reason, STATUS_INPUT, "%s: is packed as %s; only JSON can be packed as %s",
                     file->name, from->layout->name, layout->name);
     *out = *from;
-    out->word = copy(from->word, from->word_count, sizeof *from->word);
-    out->item = copy(from->item, from->item_count, sizeof *from->item);
+    out->word = alloc_copy(from->word, from->word_count, sizeof *from->word);
+    out->item = alloc_copy(from->item, from->item_count, sizeof *from->item);
     if ((!from->word || out->word) && (!from->item || out->item))
         return STATUS_OK;
     packed_free(out);
@@ -244,8 +227,8 @@ enum status tree_file_bvh(const struct tree_file *file, const struct scene *scen
                       : STATUS_OK;
     }
     *out = file->bvh;
-    out->node = copy(file->bvh.node, out->node_count, sizeof *out->node);
-    out->prim = copy(file->bvh.prim, out->prim_count, sizeof *out->prim);
+    out->node = alloc_copy(file->bvh.node, out->node_count, sizeof *out->node);
+    out->prim = alloc_copy(file->bvh.prim, out->prim_count, sizeof *out->prim);
     if (out->node && out->prim)
         return STATUS_OK;
     bvh_free(out);

@@ -14,10 +14,8 @@ enum status mesh_vertex(struct mesh *mesh, const float position[3])
 {
     if (mesh->vertex_count >= UINT32_MAX - 1)
         return STATUS_LIMIT;
-    void *grown = mesh->vertex;
-    enum status status = array_reserve(&grown, &mesh->vertex_capacity, 3 * mesh->vertex_count + 3,
-                                       sizeof *mesh->vertex);
-    mesh->vertex = grown;
+    enum status status = array_reserve(&mesh->vertex, &mesh->vertex_capacity,
+                                       3 * mesh->vertex_count + 3, sizeof *mesh->vertex);
     if (status == STATUS_OK)
         memcpy(mesh->vertex + 3 * mesh->vertex_count++, position, 3 * sizeof *position);
     return status;
@@ -35,10 +33,8 @@ enum status mesh_corner(struct mesh *mesh, uint32_t vertex)
     if (mesh->corners == 0)
         mesh->first = vertex;
     if (mesh->corners >= 2) {
-        void *grown = mesh->index;
-        enum status status = array_reserve(&grown, &mesh->index_capacity, 3 * mesh->tri_count + 3,
-                                           sizeof *mesh->index);
-        mesh->index = grown;
+        enum status status = array_reserve(&mesh->index, &mesh->index_capacity,
+                                           3 * mesh->tri_count + 3, sizeof *mesh->index);
         if (status != STATUS_OK)
             return status;
         uint32_t *triangle = mesh->index + 3 * mesh->tri_count++;

@@ -87,15 +87,6 @@ static void move_vertices(const struct scene *scene, struct scene *out, struct q
     q->distance = sqrt(farthest) * (1.0 + 4.0 * DBL_EPSILON);
 }
 
-/* A copy of `count` elements; NULL if there are none, or no memory. */
-static void *copy_of(const void *from, size_t count, size_t size)
-{
-    void *to = from && count ? alloc_zeroed(count, size) : NULL;
-    if (to)
-        memcpy(to, from, count * size);
-    return to;
-}
-
 static enum status copy_scene(const struct scene *scene, struct scene *out)
 {
     enum status status = scene_make(scene->vertex_count, scene->tri_count, out);
@@ -108,10 +99,10 @@ static enum status copy_scene(const struct scene *scene, struct scene *out)
     out->has_camera = scene->has_camera;
     out->light_count = scene->light_count;
     out->material_count = scene->material_count;
-    out->normal = copy_of(scene->normal, 3 * vertices, sizeof *out->normal);
-    out->material_of = copy_of(scene->material_of, tris, sizeof *out->material_of);
-    out->light = copy_of(scene->light, scene->light_count, sizeof *out->light);
-    out->material = copy_of(scene->material, scene->material_count, sizeof *out->material);
+    out->normal = alloc_copy(scene->normal, 3 * vertices, sizeof *out->normal);
+    out->material_of = alloc_copy(scene->material_of, tris, sizeof *out->material_of);
+    out->light = alloc_copy(scene->light, scene->light_count, sizeof *out->light);
+    out->material = alloc_copy(scene->material, scene->material_count, sizeof *out->material);
     bool lost = (scene->normal && vertices && !out->normal) ||
                 (scene->material_of && tris && !out->material_of) ||
                 (scene->light_count && !out->light) || (scene->material_count && !out->material);

@@ -41,11 +41,9 @@ static enum status make_room(struct packed *out, uint64_t words, struct reason *
     if (words > UINT32_MAX - out->item_count)
         return fail(reason, STATUS_LIMIT, "storage %s: at most %u words fit", out->store->name,
                     UINT32_MAX);
-    void *item = out->item;
-    if (array_reserve(&item, &out->item_room, out->item_count + words, sizeof *out->item))
+    if (array_reserve(&out->item, &out->item_room, out->item_count + words, sizeof *out->item))
         return fail(reason, STATUS_MEMORY, "storage %s: no memory for %llu bytes", out->store->name,
                     4 * (out->item_count + (unsigned long long)words));
-    out->item = item;
     return STATUS_OK;
 }
 

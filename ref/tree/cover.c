@@ -51,11 +51,9 @@ static struct cover_part part_cut(const struct cover_part *part, const struct bo
 /* Keeps a part if the triangle has something in it. */
 static enum status keep(float v[3][3], const struct cover_part *part, struct parts *to)
 {
-    void *array = to->part;
     if (!cover_meets(v, part))
         return STATUS_OK;
-    enum status status = array_reserve(&array, &to->capacity, to->count + 1, sizeof *to->part);
-    to->part = array;
+    enum status status = array_reserve(&to->part, &to->capacity, to->count + 1, sizeof *to->part);
     if (!status)
         to->part[to->count++] = *part;
     return status;

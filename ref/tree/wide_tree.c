@@ -33,10 +33,8 @@ struct share {
 
 static enum status put_off(struct collapse *c, uint32_t value)
 {
-    void *array = c->todo;
     enum status status =
-        array_reserve(&array, &c->todo_capacity, c->todo_count + 1, sizeof *c->todo);
-    c->todo = array;
+        array_reserve(&c->todo, &c->todo_capacity, c->todo_count + 1, sizeof *c->todo);
     if (!status)
         c->todo[c->todo_count++] = value;
     return status;
@@ -202,10 +200,8 @@ static uint32_t find_roots(const struct collapse *c, uint32_t at, uint32_t root[
 
 static enum status add_node(struct collapse *c, struct wide_tree *tree, uint32_t *index)
 {
-    void *array = tree->node;
-    enum status status =
-        array_reserve(&array, &c->node_capacity, (size_t)tree->node_count + 1, sizeof *tree->node);
-    tree->node = array;
+    enum status status = array_reserve(&tree->node, &c->node_capacity, (size_t)tree->node_count + 1,
+                                       sizeof *tree->node);
     if (!status)
         *index = tree->node_count++;
     return status;
@@ -218,10 +214,8 @@ static enum status add_children(struct collapse *c, struct wide_tree *tree, uint
     uint32_t root[WIDE_TREE_MOST] = {at};
     uint32_t inner[WIDE_TREE_MOST], inner_count = 0;
     uint32_t count = c->part[at].leaf ? 1 : find_roots(c, at, root);
-    void *array = tree->child;
-    enum status status = array_reserve(&array, &c->child_capacity,
+    enum status status = array_reserve(&tree->child, &c->child_capacity,
                                        (size_t)tree->child_count + count, sizeof *tree->child);
-    tree->child = array;
     tree->node[index] = (struct wide_node){tree->child_count, count};
     for (uint32_t i = 0; i < count && !status; i++) {
         const struct tree_part *part = &c->part[root[i]];
